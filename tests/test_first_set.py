@@ -23,7 +23,7 @@ def test_every(case): pass
 """
 
 
-@pytest.mark.parametrize(("full", "expected"), [("", 24), ("1", 41)], ids=["first", "all"])
+@pytest.mark.parametrize(("full", "expected"), [("", 23), ("1", 41)], ids=["first", "all"])
 def test_cases(tmp_path: Path, full: str, expected: int) -> None:
     (tmp_path / "test_some.py").write_text(TESTS, encoding="utf-8")
     marks = ("-o", "markers=full\nevery_case")

@@ -284,6 +284,7 @@ def remove(path: Path) -> None:
     path.unlink(missing_ok=True)
 
 
+@pytest.mark.full
 def test_what_is_as_written_passes(world: World) -> None:
     world.renew()
     for name, command in COMMANDS.items():
@@ -776,6 +777,7 @@ def run_within(strange: Path, tmp_path_factory: pytest.TempPathFactory) -> Calla
     return run
 
 
+@pytest.mark.full
 def test_processes_and_libraries_take_nothing_from_the_current_folder(strange: Path, run_within: Any) -> None:
     done = run_within(WITHIN)
     assert (done.returncode, done.stderr) == (0, "")

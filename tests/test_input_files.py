@@ -69,6 +69,7 @@ COMMANDS = (
 """Every way in which a command takes a file, as x."""
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("kind", ["pipe", "missing"])
 def test_no_command_opens_a_pipe_or_fails_at_a_missing_file(tmp_path: Path, kind: str) -> None:
     ODD_FILES[kind][0](tmp_path / "x.toml")
@@ -157,6 +158,7 @@ def test_values_in_messages_are_short_and_on_one_line() -> None:
     assert Issue("", "12 µm, 3 °C ± 1").message == "12 µm, 3 °C ± 1"
 
 
+@pytest.mark.full
 def test_ten_thousand_unknown_names_are_refused_soon(tmp_path: Path) -> None:
     (tmp_path / "a.toml").write_text("[skin]\n" + "".join(f"x{i} = {i}\n" for i in range(10_000)))
     done = run_fingertip("params", tmp_path / "a.toml")

@@ -25,6 +25,7 @@ def test_equivalent_mutants_fit_a_line_of_their_module_and_say_why() -> None:
     assert wrong == [], "the line is gone, or has no reason: remove the entry or mend it"
 
 
+@pytest.mark.full
 def test_a_job_holds_the_tests_that_enter_the_innermost_block() -> None:
     blocks = [("fingertip.sim.signal.grid", 1, 9), ("fingertip.sim.signal.grid", 2, 3)]
     tests = {0: ("t.py::a", "t.py::b", "t.py::c"), 1: ("t.py::a", "t.py::b")}

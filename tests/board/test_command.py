@@ -109,6 +109,7 @@ def test_noisy_boards_and_short_windows_are_warned_of(
     assert rest == [f"  warning: {text}" for text in data["warnings"]]
 
 
+@pytest.mark.full
 def test_default_folder_keeps_a_board_of_another_circuit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Other values replace those of the same circuit; another variant is written beside, or with --force."""
     monkeypatch.chdir(tmp_path)

@@ -133,6 +133,7 @@ def test_kernels_agree_on_volume_and_place_of_every_primitive(design: Design) ->
         ), solid
 
 
+@pytest.mark.full
 def test_brep_volume_equals_the_closed_form() -> None:
     """On arcs of weight 4 other quadratures of the kernel are off by 0.3 to 11 mm3."""
     from fingertip.cad.kernel import brep

@@ -78,6 +78,7 @@ def test_kernels_agree(name: str) -> None:
         assert fine < coarse / 3
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", DESIGNS)
 def test_pieces_are_closed_single_bodies_and_nothing_overhangs(name: str) -> None:
     """Only the bed lies under a face that looks down, so that no piece needs supports."""

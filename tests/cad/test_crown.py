@@ -199,6 +199,7 @@ def test_any_crown_has_a_form_or_is_refused_in_words(values: dict[str, float], n
         Design.without_remedies(**tables.model_dump())
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("change", "field", "name"),
     [

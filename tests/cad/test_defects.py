@@ -279,6 +279,7 @@ def test_defect_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert found == defect.failed
 
 
+@pytest.mark.full
 def test_collar_with_a_level_foot_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     def level(design: Design, gap_mm: float = 0.0) -> Box:
         return Box((-30.0, -30.0, -design.bone.collar_length_mm - gap_mm), (30.0, 30.0, 30.0))

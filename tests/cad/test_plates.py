@@ -186,6 +186,7 @@ def test_random_parts_are_placed_apart_on_as_few_plates_as_their_area_needs_twic
     assert len(plates) <= 1 + 3 * area / (bed[0] * bed[1])
 
 
+@pytest.mark.full
 def test_folder_for_the_printer_is_a_set_with_the_parts(tmp_path: Path) -> None:
     """A build of other parameters removes it, also if that makes none itself."""
     result = build(Design(), tmp_path, formats=["stl", "3mf"], tolerance_mm=TOLERANCE)

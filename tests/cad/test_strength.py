@@ -158,6 +158,7 @@ def test_nominal_stress_of_the_post_is_that_of_the_beam():
     assert 1.6 < weakness.concentration < 2.75
 
 
+@pytest.mark.full
 def test_safety_factor_follows_material_direction_and_load():
     base = strength_of()
     weak = strength_of(strength={"print_material": "durable"})

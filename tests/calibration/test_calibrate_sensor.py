@@ -156,6 +156,7 @@ def draws(noise: float, in_force: bool, count: int = 2000) -> tuple[np.ndarray, 
     return np.array(curve_errors), np.array(reading_errors), float(np.mean(held))
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("in_force", [True, False])
 def test_four_weighings_with_noise_of_five_percent(in_force: bool) -> None:
     """Medians and 90th percentiles here are those that the documentation states."""
@@ -280,6 +281,7 @@ def test_the_command_writes_a_design_that_the_printed_changes_give_too(tmp_path:
     assert "is an input of this command; give another name." in refused.stderr
 
 
+@pytest.mark.full
 def test_forces_say_what_they_assume(tmp_path: Path) -> None:
     typical = (
         "forces hold for a typical sensor; the readings of real ones differ by a factor of 2 to 8 at the same force"

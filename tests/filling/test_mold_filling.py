@@ -70,6 +70,7 @@ def test_gravity_cannot_fill_with_thick_silicone_but_with_a_thin_one() -> None:
     )
 
 
+@pytest.mark.full
 def test_narrow_nozzle_thick_silicone_and_small_syringe_fail() -> None:
     wide, narrow = (predict_mold_filling(load("fsr400", f"mold.nozzle_bore_mm={bore}")).fill_s for bore in (2.1, 2.0))
     assert 1.1 < narrow / wide < 1.25, "a sixth for a tenth of a millimetre"

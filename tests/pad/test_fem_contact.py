@@ -99,6 +99,7 @@ def test_patch_solves_the_complementarity_problem() -> None:
     assert (more - depth) / 1e-6 == pytest.approx(slope, rel=1e-4)
 
 
+@pytest.mark.full
 def test_share_by_the_adjoint_solution_is_the_integral_of_the_traction() -> None:
     """Betti's theorem: displacements by a step of the disc weigh loads as the traction's integral over it does."""
     form = pad()

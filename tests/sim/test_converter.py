@@ -88,6 +88,7 @@ def test_pole_of_the_filtered_signal_equals_that_of_the_envelope():
     assert np.abs(filtered - envelope).max() < 1e-12
 
 
+@pytest.mark.full
 def test_filtered_signal_is_sampled_around_the_signal_ground():
     """Slip shows in S in many steps of 12 bits, while T has steps of 0.8 mV for some millivolts of vibration."""
     outputs = ["voltage_v", "filtered_v", "sampled_filtered_v"]
@@ -172,6 +173,7 @@ def test_simulated_board_is_as_noisy_as_its_noise_budget(variant, supply):
     assert compute_input_noise_v(design) * compute_noise_gain(design) == pytest.approx(budget)
 
 
+@pytest.mark.full
 def test_adc_adds_its_noise_behind_the_gain():
     """The sampled voltage has the ADC's noise and steps; the board's output has them only once it is sampled."""
     noisy, silent = (simulate_hold(ARTICLE, "voltage_v"), simulate_hold(ARTICLE, "voltage_v", noise=False))

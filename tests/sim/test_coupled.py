@@ -202,6 +202,7 @@ def draw_friction(rng: np.random.Generator, elastic: float) -> Friction:
     return Friction(mu_s, mu_c, 10 ** rng.uniform(-3, -2), 10 ** rng.uniform(4, 4.7), sigma1, sigma2, elastic)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("elastic", [0.0, ELASTO_PLASTIC])
 def test_jacobian_agrees_with_finite_differences(elastic):
     """Also in flight, next to the loss of contact, and with both signs of velocity and deflection."""

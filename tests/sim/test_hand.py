@@ -272,6 +272,7 @@ def test_knock_frees_a_marginal_grip_and_not_a_firm_one():
         assert run.plan.knock_s < onset < run.plan.knock_s + 0.03
 
 
+@pytest.mark.full
 def test_controller_receives_samples_and_encoders_only():
     observations = []
 

@@ -238,6 +238,7 @@ def test_only_signals_that_a_detector_reads_are_simulated():
     assert select_board_outputs(ARTICLE, ["analog", "fast"]) == ["sampled_envelope_v"]
 
 
+@pytest.mark.full
 def test_simulated_traces_carry_the_filtered_signal():
     """The board's simulated signal is the high-pass of the voltage, and every finger of a hand has its own."""
     outputs = ["voltage_v", "slip", "sampled_filtered_v"]

@@ -315,7 +315,6 @@ DAMAGED: dict[str, tuple[Callable[[], bytes], str]] = {
 }  # fmt: skip
 
 
-@pytest.mark.every_case
 @pytest.mark.parametrize("name", DAMAGED)
 def test_damaged_files_are_refused_in_sentences(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     monkeypatch.setattr(array_files, "TDMS_LIMIT_S", 1.0)
@@ -515,6 +514,7 @@ def test_columns_are_suggested_as_options_that_work(tmp_path, header):
     assert single_onset(run("detect", tmp_path / "t.csv", *options, "--json")) == pytest.approx(ONSET, abs=0.006)
 
 
+@pytest.mark.full
 def test_tdms_file_written_by_nptdms_is_read(tmp_path):
     nptdms = pytest.importorskip("nptdms", reason="the extra tdms is not installed; a fake library is tested below")
     channel = nptdms.ChannelObject("group", "AI0", np.round(V, 6), properties={"wf_increment": 1 / 2000})
@@ -536,6 +536,7 @@ def test_daqmx_data_of_a_tdms_file_is_read(tmp_path):
     assert json.loads(done.stdout)["intervals"][0]["onset_s"] == pytest.approx(ONSET, abs=0.002)
 
 
+@pytest.mark.full
 def test_columns_of_text_of_a_parquet_file_are_not_read(tmp_path, monkeypatch):
     parquet = pytest.importorskip("pyarrow.parquet")
     save_parquet(tmp_path / "t.parquet", time_s=T, voltage_v=["2.3 V"] * len(T))

@@ -128,6 +128,7 @@ def test_malformed_requests_get_one_sentence(server: StudioServer, capfd: pytest
     assert capfd.readouterr() == ("", "")
 
 
+@pytest.mark.full
 def test_damaged_requests_are_never_the_fault_of_the_studio(
     server: StudioServer, capfd: pytest.CaptureFixture[str]
 ) -> None:

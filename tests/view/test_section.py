@@ -65,6 +65,7 @@ def test_section_is_the_approved_one(name: str) -> None:
     check_figures(APPROVED / f"section_{name}.txt", (line for each in sections for line in describe_section(each)))
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", ["sleeve", "folded", "fork"])
 def test_picture_is_drawn_as_approved(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Names, marks and outlines of all panels. The parts are coarse, and cover what names must keep off."""

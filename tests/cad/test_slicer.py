@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 
 from fingertip.cad.files import threemf
 from fingertip.cad.kernel.mesh import MeshEvaluator
@@ -177,4 +178,5 @@ def test_resin_plate_slices_for_a_resin_printer(slicer: Path, name: str, tmp_pat
     assert not re.search(r"\[(warning|error|fatal)\]", done.stdout + done.stderr, re.IGNORECASE)
     with zipfile.ZipFile(tmp_path / "plate.sl1") as sliced:
         layers = sum(name.endswith(".png") for name in sliced.namelist())
-    assert layers > 900, "of 0.05 mm as the plate says, not of 0.1 mm as the command does"
+    height_mm = trimesh.load(tmp_path / "plate.3mf", force="mesh").extents[2]
+    assert layers > 0.99 * height_mm / 0.05, "of 0.05 mm as the plate says, not of 0.1 mm as the command does"

@@ -222,15 +222,12 @@ def calibrate_printer(design: Design, measured: Sequence[Measured], keep: Collec
         # The printed gap is that of the design at half the offset more for each printed surface.
         before, added = float(design.value(path)), surfaces / 2 * (fit.offset_mm - printer.offset_mm)
         values.append(_value(path, "mm", before, before + added, surfaces / 2 * fit.offset_uncertainty_mm, fit))
-    kept = [f"{value.path} is kept, as --keep asks" for value in values if value.path in keep]
-    error = _surface_error(printer.surface_error_mm, fit)
+    error, kept = _surface_error(printer.surface_error_mm, fit), []
     if error.value >= printer.surface_error_mm:
         values.append(error)
-        kept += [f"{error.path} is kept, as --keep asks"] * (error.path in keep)
-    elif error.path not in keep:
-        kept.append(
-            f"{error.path} is kept: {error.value:g} mm holds in the plane of the bed, and no height was measured"
-        )
+    else:
+        kept.append(f"{error.path} is kept: {error.value:g} mm is that of x and y, and heights were not measured")
+    kept += [f"{value.path} is kept, as --keep asks" for value in values if value.path in keep]
     wall = _min_wall(printer.min_wall_mm, measured)
     if isinstance(wall, CalibratedValue):
         values.append(wall)

@@ -22,7 +22,6 @@ COUPON_MINUTES = 20
 def render_instructions(design: Design, readings_file: str) -> str:
     layout, lengths = lay_out(design), list_lengths(design)
     width_mm, depth_mm = layout.size
-    passes_collar = design.dimensions.fold is not None or design.dimensions.tail_passes_collar
     data = {
         "design": design.name,
         "width_mm": width_mm,
@@ -44,7 +43,8 @@ def render_instructions(design: Design, readings_file: str) -> str:
         "lengths": lengths,
         "count": {kind: sum(length.kind == kind for length in lengths) for kind in ("outer", "inner", "wall")},
         "heights": list_heights(design),
-        "crimp_mm": design.sensor.crimp_height_mm if passes_collar else None,
+        "crimp_mm": design.sensor.crimp_height_mm if design.dimensions.tail_passes_collar else None,
+        "is_folded": design.dimensions.fold is not None,
         "sensor_gap_mm": design.sensor.clearance_mm - design.printer.offset_mm / 2,
         "thread": select_thread(design.mold.bolt_diameter_mm).label,
         "letters": LETTERS,

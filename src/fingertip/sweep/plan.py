@@ -226,7 +226,7 @@ def _check_consistency(plan: SweepPlan) -> list[Issue]:
         repairable = {one.rule for one in broken} - {one.rule for one in lasting}
         rules = [rule for rule in RULES if rule not in repairable]
         issues += [
-            Issue(f"design.{issue.field}", f"{issue.message} No axis changes that.")
+            Issue(f"design.{issue.field}", f"no axis changes this: {issue.message}")
             for issue in find_remedies(plan.design, lasting, rules=rules)
         ]
     return issues

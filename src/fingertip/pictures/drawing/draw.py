@@ -9,7 +9,7 @@ from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.design import Design
 from fingertip.design.geometry.sizes import Length, PartDrawing
 from fingertip.foundation import extras
-from fingertip.pictures.drawing import part_sizes
+from fingertip.pictures.drawing import mold_sizes, part_sizes
 from fingertip.pictures.drawing.layout import lay_out
 from fingertip.pictures.drawing.primitives import Sheet
 from fingertip.pictures.drawing.projection import project_parts
@@ -19,8 +19,8 @@ from fingertip.pictures.drawing.title_block import Heading
 _DRAWINGS: dict[str, Callable[[Design], PartDrawing]] = {
     "bone": part_sizes.bone_drawing,
     "lid": part_sizes.lid_drawing,
-    "mold_palmar": part_sizes.palmar_drawing,
-    "mold_dorsal": part_sizes.dorsal_drawing,
+    "mold_palmar": mold_sizes.palmar_drawing,
+    "mold_dorsal": mold_sizes.dorsal_drawing,
     "core": part_sizes.core_drawing,
     "sensor_insert": part_sizes.insert_drawing,
     "insert_jig": part_sizes.jig_drawing,

@@ -1,4 +1,4 @@
-"""Sizes of the printed parts on their sheets: bone, core, lid and the halves of the mold."""
+"""Sizes of the parts that stay in the finger, and of their jig, on their sheets; the mold has a module of its own."""
 
 from __future__ import annotations
 
@@ -6,16 +6,13 @@ import math
 from dataclasses import dataclass
 
 from fingertip.cad.shapes.bone import FOOT_GAP_MM
-from fingertip.cad.shapes.insert import axis_z, contact_y, head_y
-from fingertip.cad.shapes.mold import recess_half_width
-from fingertip.catalogues.hardware import LUER_MOUTH_MM, select_thread
+from fingertip.cad.shapes.insert import axis_z, contact_y
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.design import Design
-from fingertip.design.geometry.features import INSERT_BASE_MM, Chaplet
+from fingertip.design.geometry.features import INSERT_BASE_MM
 from fingertip.design.geometry.sizes import (
     ARROW_DEG,
     BEFORE_FACE,
-    BEHIND_FACE,
     FINISHED,
     INNER,
     OUTER,
@@ -26,17 +23,14 @@ from fingertip.design.geometry.sizes import (
     Length,
     PartDrawing,
     Size,
-    ViewName,
     clearance,
     located,
-    nut_trap,
-    shared_clearance,
     symmetric,
 )
 from fingertip.design.geometry.solids import Point3
 from fingertip.design.interfaces import interface_of
 
-_MATERIAL = "any print material that the silicone tolerates"
+ANY_MATERIAL = "any print material that the silicone tolerates"
 _PILOT = "narrow: drill it to size; wide: fill it with epoxy and drill again, or print again"
 
 
@@ -123,7 +117,7 @@ def insert_drawing(design: Design) -> PartDrawing:
             Length("height of the cap", OUTER, "section", "left", "y", edge,
                    (0.0, film - stem[1] + INSERT_BASE_MM, z - radius)),
         ]  # fmt: skip
-    return PartDrawing("sensor_insert", "Insert on the sensor", "palmar", _MATERIAL, tuple(sizes))
+    return PartDrawing("sensor_insert", "Insert on the sensor", "palmar", ANY_MATERIAL, tuple(sizes))
 
 
 def jig_drawing(design: Design) -> PartDrawing:
@@ -137,7 +131,7 @@ def jig_drawing(design: Design) -> PartDrawing:
         Length("width between the walls", INNER, "end", "below", "x", (-neck, film, z), (neck, film, z),
                clearance(2 * gap - 2 * design.printer.offset_mm), "file it until it slips over the ramp"),
     )  # fmt: skip
-    return PartDrawing("insert_jig", "Jig of the insert", "palmar", _MATERIAL, sizes)
+    return PartDrawing("insert_jig", "Jig of the insert", "palmar", ANY_MATERIAL, sizes)
 
 
 def _material(design: Design) -> str:
@@ -185,7 +179,7 @@ def _pocket_sizes(design: Design) -> list[Size]:
                clearance(2 * gap - design.printer.offset_mm)),
         *([
             Length("height of the passage through the collar", INNER, "section", "left", "y", (0.0, passage, 0.0),
-                   (0.0, passage - dims.passage_height, 0.0), None, "file it until crimps and solder pass")
+                   (0.0, passage - dims.passage_height, 0.0), None, "file it until the crimps pass")
         ] if dims.tail_passes_collar else []),
         Length(f"depth of the {_seat_name(design)}", STEP, "section", "right", "y", (0.0, 0.0, z),
                (0.0, flat, z + head), is_reference=True),
@@ -258,147 +252,3 @@ def _pilot_axis(pilot: _Pilot | None) -> tuple[AxisLine, ...]:
         return ()
     z, top = pilot.z, pilot.facet_y
     return (AxisLine("section", (0.0, top + 1.0, z), (0.0, top - pilot.depth - 1.0, z)),)
-
-
-def palmar_drawing(design: Design) -> PartDrawing:
-    m, mold = design.mold_layout, design.mold
-    low, thread = -m.palmar_height, select_thread(mold.bolt_diameter_mm)
-    x, z = max(m.bolts)
-    half, top = mold.nut_width_mm / 2, low + mold.nut_depth_mm
-    dims, recess = design.dimensions, recess_half_width(design)
-    floor, deep = -dims.base_flat_depth - mold.fit_clearance_mm, dims.base_palmar_height * dims.shrinkage
-    at_end = " at the skin's end" if dims.crown else ""
-    sizes = [
-        *_common_sizes(design, "dorsal", low),
-        *_key_sizes(design, "dorsal", mold.key_clearance_mm, "socket"),
-        Length("depth of the recess", STEP, "end", "left", "y", (recess, 0.0, m.proximal_z),
-               (recess, floor, m.proximal_z),
-               located(design, -floor), "shallow: sand the floor until the bone lies level; deep: print again"),
-        Length(f"depth of the cavity{at_end}", STEP, "section", "left", "y", (0.0, 0.0, 0.0), (0.0, -deep, 0.0)),
-        *_crown_size(design),
-        Length("width of the nut traps across flats", INNER, "dorsal", "above", "z", (x, low, z - half),
-               (x, low, z + half), nut_trap(thread, mold.nut_width_mm - design.printer.offset_mm),
-               "narrow: file it until the nut drops in; wide: glue the nut in"),
-        Length("depth of the nut traps", STEP, "front", "right", "y", (x, low, z), (x, top, z)),
-    ]  # fmt: skip
-    return PartDrawing("mold_palmar", "Mold, palmar half", "dorsal", _MATERIAL, tuple(sizes), _mold_axes(design, low))
-
-
-def _crown_size(design: Design) -> list[Size]:
-    """Size the cavity at the apex of the crown, where it is deepest."""
-    dims, growth = design.dimensions, design.dimensions.shrinkage
-    if dims.crown is None:
-        return []
-    z = dims.crown.z * growth
-    return [
-        Length("depth of the cavity at the crown's apex", STEP, "section", "right", "y", (0.0, 0.0, z),
-               (0.0, -dims.outer.section.palmar * growth, z), None,
-               "shallow or deep: the skin over the sensor is thin or thick, print again")
-    ]  # fmt: skip
-
-
-def dorsal_drawing(design: Design) -> PartDrawing:
-    m, mold, chaplet = design.mold_layout, design.mold, design.dimensions.chaplet
-    high = m.dorsal_height
-    sizes = [*_common_sizes(design, "palmar", high), *_key_sizes(design, "palmar", 0.0, "key")]
-    dims, recess = design.dimensions, recess_half_width(design)
-    top, deep = dims.bone_outline.section.dorsal + mold.fit_clearance_mm, dims.outer.section.dorsal * dims.shrinkage
-    sizes += [
-        Length("depth of the recess", STEP, "end", "left", "y", (recess, 0.0, m.proximal_z), (0.0, top, m.proximal_z),
-               located(design, top)),
-        Length("depth of the cavity", STEP, "section", "left", "y", (0.0, 0.0, 0.0), (0.0, deep, 0.0)),
-    ]  # fmt: skip
-    key_x, key_z, root = m.keys[0]
-    tip = key_z + root / 2 - design.dimensions.draft_slope * mold.key_height_mm
-    sizes.append(
-        Length("height of the keys", STEP, "front", "right", "y", (key_x, 0.0, tip), (key_x, -mold.key_height_mm, tip))
-    )
-    if inlet := m.inlet:
-        mouth = LUER_MOUTH_MM / 2
-        sizes.append(
-            Length("mouth of the Luer cone", INNER, "front", "above", "z", (inlet.x, high, inlet.z - mouth),
-                   (inlet.x, high, inlet.z + mouth), is_diameter=True)
-        )  # fmt: skip
-    if chaplet:
-        sizes += _screw_sizes(design, chaplet, high)
-    return PartDrawing("mold_dorsal", "Mold, dorsal half", "palmar", _MATERIAL, tuple(sizes), _mold_axes(design, high))
-
-
-def _common_sizes(design: Design, plan: ViewName, outer: float) -> list[Size]:
-    m, mold, dims = design.mold_layout, design.mold, design.dimensions
-    x, (low, high) = max(m.bolts)[0], sorted({z for _, z in m.bolts})
-    recess, skin = recess_half_width(design), dims.outer.section.half_width * dims.shrinkage
-    bolt = mold.bolt_diameter_mm
-    bolt_tolerance = clearance(bolt - design.printer.offset_mm - select_thread(bolt).diameter_mm)
-    return [
-        Length("length of the block", OUTER, plan, "below", "z", (x, 0.0, m.proximal_z), (x, 0.0, m.distal_z)),
-        Length("width of the block", OUTER, plan, "right", "x", (m.half_width, 0.0, m.distal_z),
-               (-m.half_width, 0.0, m.distal_z)),
-        Length("height of the block", OUTER, "end", "right", "y", (m.half_width, 0.0, m.proximal_z),
-               (m.half_width, outer, m.proximal_z)),
-        Length("width of the recess", INNER, plan, "left", "x", (recess, 0.0, m.proximal_z),
-               (-recess, 0.0, m.proximal_z),
-               located(design, 2 * recess), f"narrow: sand until the bone's base drops in; wide: {SCALE_REMEDY}"),
-        Length("proximal face to the skin's end", OUTER, plan, "above", "z", (skin, 0.0, m.proximal_z),
-               (skin, 0.0, 0.0)),
-        Length("width of the cavity", INNER, plan, "right", "x", (skin, 0.0, 0.0), (-skin, 0.0, 0.0), None,
-               f"{SCALE_REMEDY}: skin and play in the mold follow from it"),
-        Length("spacing of the bolts, across", STEP, plan, "right", "x", (x, 0.0, high), (-x, 0.0, high),
-               bolt_tolerance, f"{SCALE_REMEDY}, until the bolts pass both halves"),
-        Length("spacing of the bolts, along", STEP, plan, "below", "z", (x, 0.0, low), (x, 0.0, high),
-               bolt_tolerance, f"{SCALE_REMEDY}, until the bolts pass both halves"),
-        Length("first bolt", BEHIND_FACE, plan, "below", "z", (x, 0.0, m.proximal_z), (x, 0.0, low)),
-        Circle("bolt holes", INNER, plan, "y", (x, 0.0, low), bolt / 2,
-               bolt_tolerance, "narrow: drill them to size", count=len(m.bolts)),
-    ]  # fmt: skip
-
-
-def _key_sizes(design: Design, plan: ViewName, gap: float, kind: str) -> list[Size]:
-    m, mold = design.mold_layout, design.mold
-    offset = gap * math.hypot(1.0, design.dimensions.draft_slope)
-    tolerance = shared_clearance(2 * (mold.key_clearance_mm - design.printer.offset_mm))
-    remedy = "wide: sand it until the halves close" if kind == "key" else "narrow: scrape it until the halves close"
-    sizes: list[Size] = []
-    for (x, z, root), label in zip(m.keys, ("larger", "smaller"), strict=True):
-        action = f"{remedy}; loose: {SCALE_REMEDY}" if label == "larger" else ""
-        sizes += [
-            Circle(f"{label} {kind}, at the parting plane", OUTER if kind == "key" else INNER, plan, "y", (x, 0.0, z),
-                   root / 2 + offset, tolerance, action),
-            Length(f"axis of the {label} {kind}", BEHIND_FACE, plan, "above", "z", (x, 0.0, m.proximal_z), (x, 0.0, z)),
-        ]  # fmt: skip
-    return sizes
-
-
-def _screw_sizes(design: Design, chaplet: Chaplet, high: float) -> list[Size]:
-    z, contact, floor = axis_z(design), contact_y(design), head_y(design)
-    hole, head = chaplet.hole_radius, chaplet.head_radius
-    sizes: list[Size] = [
-        Length("parting plane to the boss", STEP, "section", "right", "y", (0.0, 0.0, z), (0.0, contact, z),
-               located(design, contact), "less: sand the boss; more: lay film between bone and boss"),
-        Length("hole of the screw", FINISHED, "section", "below", "z", (0.0, contact, z - hole),
-               (0.0, contact, z + hole),
-               symmetric(chaplet.play), f"drill it to {2 * hole:g} mm: a print closes it", is_diameter=True),
-        Length("axis of the screw", BEHIND_FACE, "section", "below", "z", (0.0, contact, design.mold_layout.proximal_z),
-               (0.0, contact, z)),
-    ]  # fmt: skip
-    if floor < high:
-        sizes += [
-            Length("counterbore of the screw", INNER, "section", "above", "z", (0.0, high, z - head),
-                   (0.0, high, z + head), is_diameter=True),
-            Length("depth of the counterbore", STEP, "section", "left", "y", (0.0, high, z), (0.0, floor, z)),
-        ]  # fmt: skip
-    return sizes
-
-
-def _mold_axes(design: Design, outer: float) -> tuple[AxisLine, ...]:
-    m = design.mold_layout
-    past = math.copysign(1.0, outer)
-    lines = [AxisLine("front", (0.0, -past, z), (0.0, outer + past, z)) for z in sorted({z for _, z in m.bolts})]
-    if outer > 0.0:
-        if m.inlet:
-            lines.append(AxisLine("front", (0.0, -past, m.inlet.z), (0.0, outer + past, m.inlet.z)))
-        if design.dimensions.chaplet:
-            lines.append(
-                AxisLine("section", (0.0, contact_y(design) - 1.0, axis_z(design)), (0.0, outer + 1.0, axis_z(design)))
-            )
-    return tuple(lines)

@@ -48,7 +48,7 @@ def test_preset_passes_all_mesh_checks_with_its_safety_factors(name: str) -> Non
 @pytest.mark.parametrize("travel_deg", [20.0, 60.0, 90.0, 110.0])
 def test_profile_between_the_stops_never_meets_the_shoulder(travel_deg: float) -> None:
     """Every corner stays on the near side of the shoulder, in the frame of the bone, at all angles of the travel."""
-    joint = Joint(0.0, 0.0, 1.0, 4.0, 0.3, True, 3.0, travel_deg)
+    joint = Joint(0.0, 0.0, 1.0, 4.0, 0.3, True, 3.0, travel_deg, 0.0)
     corners = [point for point in joint.stopped_profile(20.0) if math.hypot(*point) > 0.0]
     for i in range(101):
         angle = math.radians(travel_deg * i / 100)

@@ -117,13 +117,6 @@ DEFECTS = {
         bone, "cable_channel", lambda tube, design: replace(tube, start_y=tube.start_y - 0.5),
         {"bone.wall.channel_to_outside"},
     ),
-    "tie hole too close to the channel": Defect(
-        bone, "tie_hole", lambda hole, design: replace(hole, centre=(hole.centre[0] - 1.5, hole.centre[1] + 1.2)),
-        {"bone.wall.channel_to_tie_hole"},
-    ),
-    "tie hole too close to the solder relief": Defect(
-        bone, "tie_hole", lambda hole, design: replace(hole, centre=(1.8, -11.0)), {"bone.wall.sensor_to_tie_hole"}
-    ),
     "pocket without a rim": Defect(
         bone, "sensor_recess", add(Box((-5.3, -9.0, 20.0), (5.3, -4.0, 25.0))),
         {"bone.wall.sensor_to_outside", "mold.open_paths"},

@@ -64,7 +64,6 @@ CASES = [  # changes of the default design, or of the bundled one that is named 
     "bone.collar_length_mm=0.8",
     "bone.collar_inset_mm=1.45",
     "bone.groove_depth_mm=2.5",
-    "bone.tie_hole_diameter_mm=3",
     "bone.post_width_mm=10",
     "bone.post_height_mm=8.4",
     f"{FLANGE} bone.flange_spacing_x_mm=17",

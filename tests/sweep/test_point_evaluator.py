@@ -188,14 +188,14 @@ def test_outputs_have_the_units_of_their_names() -> None:
     assert [values[f"mold_{name}_mm"] for name in ("width", "height", "length")] == pytest.approx(
         [width, height, length], abs=1e-4
     )
-    assert values["finger_length_mm"] == 34.0 + 22.0, "skin, and base of the bone"
+    assert values["finger_length_mm"] == 34.0 + 20.0, "skin, and base of the bone"
     assert 67.0 * (1 + values["cutoff_error_percent"] / 100) == pytest.approx(values["cutoff_3db_hz"])
     assert 10 ** (values["gain_db"] / 20) == pytest.approx(values["gain"])
     decay_s = values["board.r_lp_ohm"] * values["board.c_lp_uf"] * 1e-6
     assert values["envelope_decay_ms"] == pytest.approx(1e3 * decay_s)
     assert values["envelope_pole_hz"] == pytest.approx(1 / (2 * math.pi * decay_s))
     assert values["board.c_uf"] == design.board.capacitor_uf
-    assert values["bone_mass_g"] == pytest.approx(4.77 * 1.2, rel=0.01), "4.77 cm3 of 1.2 g/cm3"
+    assert values["bone_mass_g"] == pytest.approx(4.61 * 1.2, rel=0.01), "4.61 cm3 of 1.2 g/cm3"
     assert values["mold_mass_g"] == pytest.approx((18.7 + 17.7) * 1.2, rel=0.01)
     assert values["silicone_in_mold_g"] == pytest.approx(1.05 * values["injected_cm3"], rel=0.1), "waste is apart"
     assert values["silicone_g"] > 2 * values["silicone_in_mold_g"], "a cup, a syringe and a nozzle keep some"

@@ -104,7 +104,7 @@ def bill_of_materials(design: Design) -> list[dict[str, Any]]:
     sensor = design.sensor
     out_mm = round(bolts.stand_out_mm(design.mold_layout), 1)
     stands_out = {"note": "they stand out of the palmar side"} if out_mm > 0.0 else {}
-    strain_relief = {"item": "thread or lacing cord", "thinner_than_mm": design.bone.tie_hole_diameter_mm, "count": 1}
+    strain_relief = {"item": "thread or lacing cord", "thinner_than_mm": 0.5, "count": 1}
     return [
         {
             "item": "force-sensing resistor", "type": design.dimensions.sensor.label, "count": 1,

@@ -21,8 +21,6 @@ class Thread:
     nut_flats_mm: float
     """Maximum width across flats (ISO 4032)."""
     nut_height_mm: float
-    pitch_mm: float
-    """Pitch of the coarse thread (ISO 261)."""
 
     @property
     def label(self) -> str:
@@ -30,14 +28,14 @@ class Thread:
 
 
 THREADS = (
-    Thread(1.6, 1.7, 3.2, 1.3, 0.35),
-    Thread(2.0, 2.2, 4.0, 1.6, 0.4),
-    Thread(2.5, 2.7, 5.0, 2.0, 0.45),
-    Thread(3.0, 3.2, 5.5, 2.4, 0.5),
-    Thread(4.0, 4.3, 7.0, 3.2, 0.7),
-    Thread(5.0, 5.3, 8.0, 4.7, 0.8),
-    Thread(6.0, 6.4, 10.0, 5.2, 1.0),
-    Thread(8.0, 8.4, 13.0, 6.8, 1.25),
+    Thread(1.6, 1.7, 3.2, 1.3),
+    Thread(2.0, 2.2, 4.0, 1.6),
+    Thread(2.5, 2.7, 5.0, 2.0),
+    Thread(3.0, 3.2, 5.5, 2.4),
+    Thread(4.0, 4.3, 7.0, 3.2),
+    Thread(5.0, 5.3, 8.0, 4.7),
+    Thread(6.0, 6.4, 10.0, 5.2),
+    Thread(8.0, 8.4, 13.0, 6.8),
 )
 MIN_HOLE_MM = THREADS[0].hole_mm
 """Smallest clearance hole [mm] that a bolt of the table passes."""

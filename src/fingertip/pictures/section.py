@@ -236,8 +236,6 @@ def _list_bone_features(design: Design) -> Iterable[Feature]:
         groove_z = bone.groove_distance_mm + bone.groove_width_mm / 2
         yield Feature("groove", (groove_z, section.dorsal - bone.groove_depth_mm / 2))
     yield Feature("sensor", (dims.sensor_z, -dims.platform_depth + dims.pocket_depth - dims.sensor.thickness_mm / 2))
-    if not dims.window_opens_into_gap:
-        yield Feature("hole for the tie", (dims.tie_hole_z, dims.tie_hole_y))
     if dims.fold:
         fold = dims.fold
         yield Feature("window of the tail", ((fold.window_low_z + fold.nose_z) / 2, 0.0))

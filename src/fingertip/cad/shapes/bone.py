@@ -11,18 +11,21 @@ from fingertip.cad.shapes.insert import filled_bone, flat_slab, pilot_hole
 from fingertip.design import Design
 from fingertip.design.geometry.conic import TANGENT_STEP_MM
 from fingertip.design.geometry.features import END_ROOM_MM, SLIDING_MM, TailFold
+from fingertip.design.geometry.foot import flat_foot, foot_line
 from fingertip.design.geometry.solids import Box, ElbowTube, Solid, cylinder, difference, intersection, union
 from fingertip.design.interfaces import interface_of
 
 FOOT_GAP_MM = 0.05
 """Gap between the feet of the lid and the floor of the trough, for a bead of adhesive [mm]."""
+CHEEK_FOOT_MM = 1.2
+"""Fillet where the cheeks beside a folded tail's window stand on the base [mm]."""
 _OVERLAP_MM = 0.2
 """Length by which passages reach into the window [mm]. Boxes that only touch would leave coincident faces."""
 
 
 def bone(design: Design) -> Solid:
     added, removed = interface_of(design).shapes(design)
-    cables = () if design.dimensions.window_opens_into_gap else (cable_channel(design), tie_hole(design))
+    cables = () if design.dimensions.window_opens_into_gap else (cable_channel(design),)
     hollows = (sensor_recess(design), *cables, *pilot_hole(design), *removed)
     return difference(union(filled_bone(design), *added), *hollows)
 
@@ -96,14 +99,23 @@ def lid(design: Design) -> Solid:
 
 
 def _window(design: Design, fold: TailFold, half_width: float) -> Solid:
-    """Build the window through the base in which the tail bends around the nose, and the cut above its cheeks."""
+    """Build the window through the base in which the tail bends around the nose, and the cut above its cheeks.
+
+    The cheeks stand on the base with fillets, on their upper and inner sides, because the bone breaks there first.
+    """
     section = design.dimensions.bone_outline.section
     palmar, dorsal = -2 * section.palmar, 2 * section.dorsal  # past the base on both sides
     low, high = fold.window_low_z, fold.nose_z
     nose = cylinder("x", (fold.nose_y, fold.nose_z), -2 * half_width, 2 * half_width, fold.radius)
     through = Box((-half_width, palmar, low), (half_width, dorsal, high))
-    above = Box((-2 * section.half_width, design.dimensions.cheek_top_y, low), (2 * section.half_width, dorsal, high))
-    return union(difference(through, nose), above)
+    reach, top = 2 * section.half_width, design.dimensions.cheek_top_y
+    above = Box((-reach, top, low), (reach, dorsal, high))
+    line, end = foot_line(CHEEK_FOOT_MM, low, -1.0), low - section.half_width
+    over = flat_foot("x", palmar, top, line, end, 2 * reach)
+    if design.dimensions.window_opens_into_gap:
+        return union(difference(through, nose), difference(above, over))
+    beside = (flat_foot("y", *sides, line, end, 2 * reach) for sides in ((half_width, reach), (-reach, -half_width)))
+    return union(difference(through, nose, *beside), difference(above, over))
 
 
 def cable_channel(design: Design) -> Solid:
@@ -124,14 +136,6 @@ def cable_channel(design: Design) -> Solid:
         exit_z=dims.channel_exit_z, end_y=section.dorsal + bone.channel_diameter_mm,
         bend_radius=bone.channel_bend_radius_mm, radius=bone.channel_diameter_mm / 2,
     )  # fmt: skip
-
-
-def tie_hole(design: Design) -> Solid:
-    """Build the hole for a cable tie across the dorsal side, a wall proximal to the cables' opening or the window."""
-    dims = design.dimensions
-    half_width = dims.bone_outline.section.half_width
-    radius = design.bone.tie_hole_diameter_mm / 2
-    return cylinder("x", (dims.tie_hole_y, dims.tie_hole_z), -2 * half_width, 2 * half_width, radius)
 
 
 def sensor_body(design: Design) -> Solid:
@@ -166,16 +170,15 @@ def sensor_body(design: Design) -> Solid:
 def genus(design: Design) -> int:
     """Count the through holes that the bone must have.
 
-    Two are the cable channel and the tie hole, and the passage of the tail through the collar adds one. A folded tail
-    has the passage, its window and the tie hole; the groove of its cables is open, and its trough ends blind. Where the
-    window opens into the gap of a fork, only the passage is left. A different count in the built solid reveals a hollow
-    that breaks through a wall.
+    One is the cable channel, and the passage of the tail through the collar adds one. A folded tail has the passage and
+    its window; the groove of its cables is open, and its trough ends blind. Where the window opens into the gap of a
+    fork, only the passage is left. A different count in the built solid reveals a hollow that breaks through a wall.
     """
     dims = design.dimensions
     of_interface = interface_of(design).genus(design)
     if dims.fold:
-        return (1 if dims.window_opens_into_gap else 3) + of_interface
-    return 2 + dims.tail_passes_collar + of_interface
+        return (1 if dims.window_opens_into_gap else 2) + of_interface
+    return 1 + dims.tail_passes_collar + of_interface
 
 
 TAPE_MM = 0.1

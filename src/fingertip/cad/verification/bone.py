@@ -75,9 +75,6 @@ def _check_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     recessed, beside = recess ^ whole ^ above, outside ^ above
     rim = min(design.bone.rim_mm, wall)
     yield check_min_distance("bone.wall.sensor_to_outside", recessed, beside, 0.95 * rim)
-    if not dims.window_opens_into_gap:
-        tie_hole = evaluator.manifold(bone.tie_hole(design))
-        yield check_min_distance("bone.wall.sensor_to_tie_hole", recess, tie_hole, wall)
     interface = interface_of(design)
     if name := interface.walled_hollow:
         # The hollow opens in the proximal face, so its mouth is left out.
@@ -95,8 +92,7 @@ def _check_channel_walls(design: Design, evaluator: MeshEvaluator, outside: Mani
     mouth = dims.bone_outline.section.dorsal - wall - design.bone.channel_diameter_mm
     buried = buried.trim_by_plane((0.0, -1.0, 0.0), -mouth)
     yield check_min_distance("bone.wall.channel_to_outside", buried, outside, wall)
-    for name, hole in _list_holes(design, evaluator):
-        yield check_min_distance(f"bone.wall.channel_to_{name}", buried, hole, wall)
+    yield check_min_distance("bone.wall.channel_to_interface", buried, _interface_hole(design, evaluator), wall)
 
 
 def _check_folded_walls(
@@ -116,15 +112,13 @@ def _check_folded_walls(
     if dims.window_opens_into_gap:
         return
     groove = evaluator.manifold(bone.cable_channel(design)).trim_by_plane((0.0, 0.0, -1.0), -fold.window_low_z)
-    for name, hole in _list_holes(design, evaluator):
-        yield check_min_distance(f"bone.wall.groove_to_{name}", groove, hole, wall)
-        yield check_min_distance(f"bone.wall.window_to_{name}", window, hole, wall)
+    hole = _interface_hole(design, evaluator)
+    yield check_min_distance("bone.wall.groove_to_interface", groove, hole, wall)
+    yield check_min_distance("bone.wall.window_to_interface", window, hole, wall)
 
 
-def _list_holes(design: Design, evaluator: MeshEvaluator) -> tuple[tuple[str, Manifold], ...]:
-    _, removed = interface_of(design).shapes(design)
-    solids = (("tie_hole", bone.tie_hole(design)), ("interface", removed[0]))
-    return tuple((name, evaluator.manifold(solid)) for name, solid in solids)
+def _interface_hole(design: Design, evaluator: MeshEvaluator) -> Manifold:
+    return evaluator.manifold(interface_of(design).shapes(design)[1][0])
 
 
 def _cover_trough(recess: Manifold, fold: TailFold) -> Manifold:

@@ -38,7 +38,7 @@ _CAUSES: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("bone.wall.trough*", ("skin.semi_axis_dorsal_mm", "skin.width_mm", "bone.wall_mm")),
     ("lid.wall", ("skin.semi_axis_dorsal_mm", "sensor.crimp_height_mm", "bone.wall_mm")),
     ("bone.wall.window*", ("bone.wall_mm", "skin.width_mm")),
-    ("bone.wall.groove*", ("bone.wall_mm", "bone.tie_hole_diameter_mm")),
+    ("bone.wall.groove*", ("bone.wall_mm",)),
     ("bone.wall.pin*", ("hand.pin_diameter_mm", "hand.clearance_radius_mm")),
     ("bone.wall.anchor*", ("hand.tendon_distance_mm", "bone.anchor_diameter_mm")),
     ("bone.wall.socket*", ("bone.socket_diameter_mm", "bone.socket_depth_mm")),

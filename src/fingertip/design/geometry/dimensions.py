@@ -36,6 +36,9 @@ MIN_PASSAGE_HEIGHT_MM = 0.8
 """Minimum height of the passage through which the tail leaves the collar [mm]. Lower passages close up in printing. An
 assumption."""
 
+LASHING_MM = 1.5
+"""Length of the base on which thread lashes the wires down [mm]: three turns of 0.5 mm. A hole for it would weaken the
+base where the bone bends most."""
 _SEAL_MM = 2.0
 """Length of the collar that seals the mold at a folded tail [mm]; the window may lie in what is longer. An
 assumption."""
@@ -70,6 +73,7 @@ class Dimensions(SkinDimensions):
             hand.axis_height_mm - self.base_palmar_height, -bone.base_length_mm,
             hand.pin_diameter_mm / 2, hand.clearance_radius_mm, bone.joint_clearance_mm, is_fork,
             hand.width_mm / 2 + (bone.joint_clearance_mm if is_fork else -bone.joint_clearance_mm), hand.travel_deg,
+            0.0 if is_fork and hand.travel_deg else bone.foot_radius_mm,
         )  # fmt: skip
 
     @cached_property
@@ -228,18 +232,9 @@ class Dimensions(SkinDimensions):
         return min(exit_below_skin, after_bend)
 
     @cached_property
-    def tie_hole_z(self) -> float:
-        bone, fold = self._design.bone, self.fold
-        if fold:
-            return fold.window_low_z - bone.wall_mm - bone.tie_hole_diameter_mm / 2
-        return self.channel_exit_z - bone.channel_diameter_mm / 2 - bone.wall_mm - bone.tie_hole_diameter_mm / 2
-
-    @cached_property
-    def tie_hole_y(self) -> float:
-        """Centre of the hole for the cable tie, a wall below the dorsal side or below the cable groove."""
-        bone = self._design.bone
-        covered = self.cable_groove_depth if self.fold else 0.0
-        return self.bone_outline.section.dorsal - covered - bone.wall_mm - bone.tie_hole_diameter_mm / 2
+    def wires_end_z(self) -> float:
+        """Height past which the wires lie on the surface of the base: proximal to their channel or groove."""
+        return self.cable_groove_end_z if self.fold else self.channel_exit_z - self._design.bone.channel_diameter_mm / 2
 
     @cached_property
     def cheek_top_y(self) -> float:

@@ -146,6 +146,8 @@ class Joint:
     """Half the width between the bone's cheeks, or of its tongue."""
     travel_deg: float
     """Angle between the hard stops; 0 without stops."""
+    foot: float
+    """Radius of the fillet at the root of the eyes; 0 where they are as wide and as high as the base."""
 
     @property
     def eye_radius(self) -> float:
@@ -154,7 +156,7 @@ class Joint:
     @property
     def shoulder_z(self) -> float:
         """Proximal end of the full base, from which the eyes stand out."""
-        return self.axis_z + self.radius + self.clearance
+        return self.axis_z + self.radius + self.clearance + self.foot
 
     @property
     def low_z(self) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from fingertip.design.geometry import DesignTables
+from fingertip.design.geometry.dimensions import LASHING_MM
 from fingertip.design.interfaces.clevis import Clevis
 from fingertip.design.interfaces.interface import JointInterface
 from fingertip.design.interfaces.rigid import RIGID_INTERFACES
@@ -22,17 +23,16 @@ LENGTH_RULES = Ruleset()
 
 @LENGTH_RULES.rule("bone.base_length_mm")
 def base_holds_everything(design: DesignTables) -> Violation | None:
-    """The base is long enough for the posterior hole, the tie hole and a socket."""
+    """The base is long enough for the posterior hole, the lashing of the wires and a socket."""
     dims, bone = design.dimensions, design.bone
     if dims.window_opens_into_gap:
         return None
     within = interface_of(design).depth(design)
-    needed = -dims.tie_hole_z + bone.tie_hole_diameter_mm / 2
-    minimum = (max(needed, -dims.cable_groove_end_z) if dims.fold else needed) + bone.wall_mm + within
+    minimum = -dims.wires_end_z + LASHING_MM + within
     if bone.base_length_mm >= minimum - SLACK:
         return None
     hole = "cable groove" if dims.fold else "posterior hole"
-    what = f"{hole}, tie hole and {bone.interface}" if within else f"{hole} and tie hole"
+    what = f"{hole}, lashing and {bone.interface}" if within else f"{hole} and lashing of the wires"
     return Violation(
         f"{bone.base_length_mm:g} mm does not hold {what} below the mold's recess (the {dims.sensor.label} is "
         f"{dims.sensor.length_mm:g} mm long)",

@@ -11,11 +11,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from fingertip.design.formulas.stress import VON_MISES_SHEAR, LocalStress, StressFactors, at_shoulder, hole_in_tension
+from fingertip.design.formulas.stress import VON_MISES_SHEAR, LocalStress, StressFactors, at_foot, hole_in_tension
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.conic import TANGENT_STEP_MM
 from fingertip.design.geometry.dimensions import Dimensions
 from fingertip.design.geometry.features import NOTCH_WIDTH_MM, Joint, TendonAnchor
+from fingertip.design.geometry.foot import flat_foot, foot_line
 from fingertip.design.geometry.sizes import (
     ARROW_DEG,
     BEHIND_FACE,
@@ -81,11 +82,9 @@ class Clevis(JointInterface):
     def stress_factors(self, design: DesignTables, z: float) -> StressFactors:
         """Find the factors at the root of the eyes, which are as high as the base if they have stops."""
         joint, base = _joint_of(design), base_size(design.dimensions)
-        if not joint.shoulder_z - joint.eye_radius / 2 <= z <= joint.shoulder_z:
-            return StressFactors()
         width = base[0] if joint.is_fork else 2 * joint.half_width
         height = base[1] if joint.travel_deg else 2 * joint.eye_radius
-        return at_shoulder(base, (width, height), design.strength.root_fillet_mm)
+        return at_foot(base, (width, height), joint.foot, joint.shoulder_z - z)
 
     def local_stresses(self, design: DesignTables, load_z: float) -> Iterator[LocalStress]:
         """Yield the stresses of eyes and anchor, in the plane in which the finger bends."""
@@ -189,11 +188,15 @@ def space(design: DesignTables, joint: Joint) -> Solid:
     reach = 2 * (section.half_width + section.palmar + section.dorsal)
     low, high = joint.low_z - reach, joint.shoulder_z
     beyond = Box((-reach, -reach, low), (reach, reach, high))
-    around = difference(beyond, eye_profile(joint, reach))
-    half = joint.half_width
+    y, half = joint.axis_y, joint.half_width
+    line, end = foot_line(joint.foot, high, 1.0) if joint.foot else [], high + section.half_width
+    eyes = [eye_profile(joint, reach)]
+    if not joint.travel_deg:
+        eyes.append(flat_foot("x", y - joint.eye_radius, y + joint.eye_radius, line, end, reach))
+    around = difference(beyond, *eyes)
     if not joint.is_fork:
-        beside = (Box((-reach, -reach, low), (-half, reach, high)), Box((half, -reach, low), (reach, reach, high)))
-        return union(around, *beside)
+        tongue = Box((-half, -2 * reach, low - reach), (half, 2 * reach, end))
+        return union(around, difference(beyond, tongue, flat_foot("y", -half, half, line, end, 2 * reach)))
     # The window of a folded tail lies above the gap, and opens into it.
     top = max(high, dims.fold.window_low_z + TANGENT_STEP_MM) if dims.fold else high
     return union(around, Box((-half, -reach, low), (half, reach, top)))

@@ -36,7 +36,8 @@ def joint_clear_of_collar_and_tail(design: DesignTables) -> Limit | None:
     if fold and dims.window_opens_into_gap:
         film = -fold.nose_z + fold.radius + dims.sensor.thickness_mm + SLIDING_MM
         above, what = max((above, what), (film, "folded tail"))
-    return Limit(above + joint.radius + joint.clearance, f"brings the hand's knuckle into the {what} of the finger")
+    below = joint.shoulder_z - joint.axis_z
+    return Limit(above + below, f"brings the hand's knuckle into the {what} of the finger")
 
 
 @RULES.rule("skin.length_mm")

@@ -7,10 +7,12 @@ from collections.abc import Iterator
 from typing import Any
 
 from fingertip.catalogues.hardware import select_thread
-from fingertip.design.formulas.stress import LocalStress, StressFactors, at_shoulder
+from fingertip.design.formulas.stress import LocalStress, StressFactors, at_foot
 from fingertip.design.geometry import DesignTables
-from fingertip.design.geometry.sizes import ARROW_DEG, INNER, OUTER, STEP, Circle, Length, Size
-from fingertip.design.geometry.solids import Box, Solid, cylinder, intersection
+from fingertip.design.geometry.conic import TANGENT_STEP_MM, ConicBody, offset_section
+from fingertip.design.geometry.foot import conic_foot, flat_foot, foot_line, round_foot
+from fingertip.design.geometry.sizes import ARROW_DEG, BEFORE_FACE, INNER, OUTER, STEP, Circle, Length, Size
+from fingertip.design.geometry.solids import Box, Solid, SuperconicSolid, cylinder, difference, intersection
 from fingertip.design.interfaces.interface import (
     MATING_PLAY_MM,
     CrossBolted,
@@ -61,14 +63,33 @@ class Post(CrossBolted):
             post = intersection(
                 post, Box((-radius - margin, y - half, low - margin), (radius + margin, y + half, high + margin))
             )
-        return (post,), (self.bolt_hole(design),)
+        return (post, self._foot(design)), (self.bolt_hole(design),)
+
+    def _foot(self, design: DesignTables) -> Solid:
+        """Build the fillet at the post's root, within the outline of the base."""
+        dims, bone, end = design.dimensions, design.bone, -design.bone.base_length_mm
+        y, top, half = middle_y(dims), end + bone.wall_mm / 2, bone.post_height_mm / 2
+        margin = dims.bone_outline.section.half_width
+        low, line = end - bone.foot_radius_mm - margin, foot_line(bone.foot_radius_mm, end, 1.0)
+        # A step inside the outline, because both run along z and would share a face.
+        section, flat = offset_section(dims.bone_outline.section, -TANGENT_STEP_MM), dims.base_flat_depth
+        outline = difference(
+            SuperconicSolid(ConicBody(section, ((low, 1.0), (top + margin, 1.0)))),
+            Box((-2 * margin, -section.palmar - margin, low - margin),
+                (2 * margin, TANGENT_STEP_MM - flat, top + 2 * margin)),
+        )  # fmt: skip
+        foot = [outline, round_foot((0.0, y), bone.post_width_mm / 2, bone.foot_radius_mm, end, top)]
+        if half <= bone.post_width_mm / 2 - _MIN_FLAT_MM:
+            foot.append(flat_foot("x", y - half, y + half, line, top + margin, 2 * margin))
+        return intersection(*foot)
 
     def genus(self, design: DesignTables) -> int:
         return 1
 
     def sizes(self, design: DesignTables) -> list[Size]:
         bone, y, foot = design.bone, middle_y(design.dimensions), self.low_z(design)
-        half = bone.post_height_mm / 2
+        half, radius = min(bone.post_height_mm, bone.post_width_mm) / 2, bone.foot_radius_mm
+        corner = (design.dimensions.bone_outline.section.half_width, y - half - radius, -bone.base_length_mm - radius)
         flats: tuple[tuple[float, float], ...] = ()
         if bone.post_height_mm < bone.post_width_mm:
             begin = math.degrees(math.asin(bone.post_height_mm / bone.post_width_mm)) - ARROW_DEG
@@ -78,6 +99,8 @@ class Post(CrossBolted):
             Circle("post", OUTER, "end", "z", (0.0, y, foot), bone.post_width_mm / 2, hidden_deg=flats),
             Length("height of the post over its flats", OUTER, "end", "left", "y", (0.0, y - half, foot),
                    (0.0, y + half, foot)),
+            Circle("fillet at the root of the post", BEFORE_FACE, "front", "x", corner, radius, is_radius=True,
+                   hidden_deg=((88.0, 420.0),)),
             *self.bolt_sizes(design, foot),
         ]  # fmt: skip
 
@@ -85,16 +108,15 @@ class Post(CrossBolted):
         yield "cross bolt", (self.cross_bolt_z(design), middle_y(design.dimensions))
 
     def moment_share(self, design: DesignTables, z: float) -> float:
-        """The moment falls from the root, in proportion to the distance, to nothing at the end."""
-        bone = design.bone
-        return min(1.0, max(0.0, (z + bone.base_length_mm) / bone.post_length_mm + 1.0))
+        """The moment falls from the foot, in proportion to the distance, to nothing at the end."""
+        low, held = self.low_z(design), design.bone.post_length_mm - design.bone.foot_radius_mm
+        return min(1.0, max(0.0, (z - low) / held))
 
     def stress_factors(self, design: DesignTables, z: float) -> StressFactors:
-        bone, factors, end = design.bone, StressFactors(), -design.bone.base_length_mm
+        bone, end = design.bone, -design.bone.base_length_mm
         across = min(bone.post_height_mm, bone.post_width_mm)
-        if end - across / 2 <= z <= end:
-            size = (bone.post_width_mm, across)
-            factors = at_shoulder(base_size(design.dimensions), size, design.strength.root_fillet_mm)
+        size = (bone.post_width_mm, across)
+        factors = at_foot(base_size(design.dimensions), size, bone.foot_radius_mm, end - z)
         return factors.combined_with(self.hole_factors(design, z, across))
 
     def bolts(self, design: DesignTables) -> list[dict[str, Any]]:
@@ -106,11 +128,22 @@ class Post(CrossBolted):
         fit = (
             f"The post goes into a bore of {round(bone.post_width_mm + play, 2):g} mm"
             f"{flats if bone.post_height_mm < bone.post_width_mm else ''}, at least "
-            f"{bone.post_length_mm:g} mm deep: {play:g} mm of play, recommended for prints. The bone stands on the end "
-            "of its post while it prints: file the lip of the first layers off that end before you try it."
+            f"{bone.post_length_mm:g} mm deep: {play:g} mm of play, recommended for prints. Chamfer its mouth by "
+            f"{bone.foot_radius_mm:g} mm at 45 degrees, for the fillet at the root of the post. The bone stands on the "
+            "end of its post while it prints: file the lip of the first layers off that end before you try it."
         )
         from_mm = -bone.base_length_mm - self.cross_bolt_z(design)
         return self.mount(design, fit, round(bone.post_width_mm + play, 2), 2, from_mm, "the shoulder of the post")
+
+
+@RULES.at_most("bone.foot_radius_mm")
+def foot_clear_of_bolt(design: DesignTables) -> Limit | None:
+    """The fillet at the root of a post ends before the hole of its cross bolt."""
+    bone = design.bone
+    if bone.interface != "post":
+        return None
+    hole_end = Post().cross_bolt_z(design) + bone.cross_bolt_diameter_mm / 2
+    return Limit(-bone.base_length_mm - hole_end, "reaches the hole of the cross bolt")
 
 
 @RULES.rule("bone.post_height_mm", bone_left_at_sides, bone_left_dorsally)
@@ -227,7 +260,7 @@ class Flange(JointInterface):
     weakest = "the flange, whose root is its weakest section"
 
     def depth(self, design: DesignTables) -> float:
-        return design.bone.flange_thickness_mm
+        return design.bone.flange_thickness_mm + design.bone.foot_radius_mm
 
     def shapes(self, design: DesignTables) -> Shapes:
         bone, y = design.bone, middle_y(design.dimensions)
@@ -239,7 +272,12 @@ class Flange(JointInterface):
             for row in ((-rows, rows) if rows else (0.0,))
             for side in (-1.0, 1.0)
         )
-        return (Box((-x, y - half, end), (x, y + half, top)),), holes
+        plate = Box((-x, y - half, end), (x, y + half, top))
+        section, flat, into = design.dimensions.bone_outline.section, design.dimensions.base_flat_depth, top - radius
+        line, reach = foot_line(bone.foot_radius_mm, top, -1.0), 2 * x
+        sides = flat_foot("x", -flat, reach, line, into - radius, reach)
+        above = Box((-x, y - half, end), (x, y + half, top + reach))
+        return (plate, intersection(conic_foot(section, line, into), sides, above)), holes
 
     def genus(self, design: DesignTables) -> int:
         return 4 if design.bone.flange_spacing_y_mm else 2
@@ -270,9 +308,7 @@ class Flange(JointInterface):
     def stress_factors(self, design: DesignTables, z: float) -> StressFactors:
         bone, base = design.bone, base_size(design.dimensions)
         root = -bone.base_length_mm + bone.flange_thickness_mm
-        if not root <= z <= root + min(base) / 2:
-            return StressFactors()
-        return at_shoulder((bone.flange_width_mm, bone.flange_height_mm), base, design.strength.root_fillet_mm)
+        return at_foot((bone.flange_width_mm, bone.flange_height_mm), base, bone.foot_radius_mm, z - root)
 
     def local_stresses(self, design: DesignTables, load_z: float) -> Iterator[LocalStress]:
         """Find the bending stress of the flange where the base stands on it, which its bolts pull off the phalanx.
@@ -316,10 +352,10 @@ class Flange(JointInterface):
 
 @RULES.at_least("bone.flange_spacing_x_mm")
 def flange_bolts_clear_of_base(design: DesignTables) -> Limit | None:
-    """The heads of the flange's bolts lie beside the base, or above and below it."""
+    """The heads of the flange's bolts lie beside the base and its fillet, or above and below it."""
     bone, (width, height) = design.bone, base_size(design.dimensions)
     # The heads of machine screws are as wide as the nuts across flats (ISO 4762).
-    head = select_thread(bone.flange_hole_diameter_mm).nut_flats_mm / 2 + _HEAD_CLEARANCE
+    head = select_thread(bone.flange_hole_diameter_mm).nut_flats_mm / 2 + max(_HEAD_CLEARANCE, bone.foot_radius_mm)
     if bone.interface != "flange" or bone.flange_spacing_y_mm >= height + 2 * head:
         return None
     return Limit(2 * (width / 2 + head), "leaves no room for bolt heads beside the base")

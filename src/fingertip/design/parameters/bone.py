@@ -12,7 +12,7 @@ class Bone(ParameterTable):
     """Rigid part that carries the sensor, and its interface to the proximal phalanx."""
 
     base_length_mm: float = quantity(
-        22.0, "mm", (4, 60),
+        20.0, "mm", (4, 60),
         "Length of the base from the skin's proximal end to the interface, or to the joint axis of a clevis.",
     )  # fmt: skip
     palmar_fullness: float = quantity(
@@ -38,10 +38,6 @@ class Bone(ParameterTable):
     relief_length_mm: float = quantity(
         5.0, "mm", (2, 20), "Length of the solder relief, the recess for the solder joints at the end of the tail."
     )
-    tie_hole_diameter_mm: float = quantity(
-        1.6, "mm", (0.8, 6),
-        "Diameter of the hole for the cable tie (strain relief), across the base, proximal to the channel opening.",
-    )  # fmt: skip
     collar_length_mm: float = quantity(
         2.0, "mm", (0.8, 10),
         "Length of the collar on which the skin ends, at the parting plane, where its drafted foot makes it longest.",
@@ -65,14 +61,18 @@ class Bone(ParameterTable):
     post_length_mm: float = quantity(8.0, "mm", (2, 40), "Length of the post (interface post).")
     socket_diameter_mm: float = quantity(5.0, "mm", (2, 25), "Diameter of the socket (interface socket).")
     socket_depth_mm: float = quantity(8.0, "mm", (2, 40), "Depth of the socket (interface socket).")
+    foot_radius_mm: float = quantity(
+        1.5, "mm", (0.2, 5),
+        "Radius of the fillet where post, flange or eyes stand on the base; none where they are as wide.",
+    )  # fmt: skip
     cross_bolt_diameter_mm: float = quantity(
         2.2, "mm", (MIN_HOLE_MM, 6), "Diameter of the cross bolt's hole through post or socket."
     )
-    flange_width_mm: float = quantity(27.0, "mm", (4, 80), "Width of the flange (interface flange).")
+    flange_width_mm: float = quantity(28.0, "mm", (4, 80), "Width of the flange (interface flange).")
     flange_height_mm: float = quantity(12.0, "mm", (4, 80), "Height of the flange.")
     flange_thickness_mm: float = quantity(4.0, "mm", (1, 15), "Thickness of the flange, the proximal part of the base.")
     flange_spacing_x_mm: float = quantity(
-        20.0, "mm", (4, 70), "Distance between the flange's bolt holes across the finger."
+        22.0, "mm", (4, 70), "Distance between the flange's bolt holes across the finger."
     )
     flange_spacing_y_mm: float = quantity(
         0.0, "mm", (0, 70), "Distance of their two rows from dorsal to palmar; 0: one row of two holes."
@@ -130,9 +130,6 @@ class Strength(ParameterTable):
     )
     print_direction: Literal["lying", "upright"] = choice(
         "upright", "Direction of the print: layers along the finger (lying) or across it (upright, as the sheet says)."
-    )
-    root_fillet_mm: float = quantity(
-        0.5, "mm", (0.05, 5), "Radius that the print leaves at the root of a post or on a flange. (unverified)"
     )
     min_grip_factor: float = quantity(
         1.5, "", (0, 20), "Minimum safety factor of the bone at grip_force_n, for its check."

@@ -1,4 +1,4 @@
-"""Rules of the bone: room for solder joints, tie hole, collar and groove, and for a folded tail."""
+"""Rules of the bone: room for solder joints, collar and groove, and for a folded tail."""
 
 from __future__ import annotations
 
@@ -116,16 +116,6 @@ def groove_clear_of_sensor(design: DesignTables) -> Violation | None:
     # The flat narrows faster than the groove deepens, so the bound has no closed form.
     maximum = bisect(keeps_wall, 0.0, depth, halvings=_DEPTH_HALVINGS)[0] if keeps_wall(0.0) else 0.0
     return Violation(f"{depth:g} mm cuts into the wall beside the tail's slot", at_most(maximum))
-
-
-@RULES.at_most("bone.tie_hole_diameter_mm")
-def tie_hole_within_back(design: DesignTables) -> Limit | None:
-    dims, wall = design.dimensions, design.bone.wall_mm
-    if dims.window_opens_into_gap:
-        return None
-    dorsal = design.skin.semi_axis_dorsal_mm - design.skin.thickness_dorsal_mm
-    maximum = dorsal + dims.base_flat_depth - dims.cable_groove_depth - 2 * wall if dims.fold else dorsal / 2 - wall
-    return Limit(maximum, "does not fit the back of the base")
 
 
 @FOLD_RULES.at_least("sensor.fold_radius_mm")

@@ -145,6 +145,7 @@ def _filling_data(design: Design, silicone: Silicone) -> dict[str, Any]:
         "tip_deg": round(math.degrees(math.asin(up[2]))),
         "dorsal_up": up[1] >= 0.0,
         "roll_deg": round(math.degrees(math.atan2(abs(up[0]), abs(up[1])))),
+        "level_across_deg": round(math.degrees(math.asin(abs(up[0])))),
         "runner_side_up": up[0] > 0.0,
         "max_air_mm3": MAX_AIR_MM3,
         "pose_tolerance_deg": None if tolerance_deg is None else math.floor(tolerance_deg),
@@ -177,7 +178,7 @@ def _chaplet_data(design: Design) -> dict[str, Any] | None:
         "hole_mm": round(2 * chaplet.hole_radius, 2),
         "pilot_mm": round(2 * chaplet.pilot_radius, 2),
         "pilot_depth_mm": round(chaplet.pilot_depth, 1),
-        "turns": math.floor(chaplet.engaged / chaplet.thread.pitch_mm),
+        "stands_out_mm": round(chaplet.screw_length(design.mold_layout.dorsal_height) - chaplet.engaged, 1),
         "needle": find_needle(2 * chaplet.pilot_radius),
     }
 
@@ -200,6 +201,7 @@ def _fit_data(design: Design) -> dict[str, Any]:
         "tab_room_mm": round(room, 1),
         "tabs_too_long": design.sensor.tab_length_mm > room,
         "crimp_mm": design.sensor.crimp_height_mm,
+        "crimped_mm": round(design.dimensions.sensor.thickness_mm + design.sensor.crimp_height_mm, 2),
         "end_room_mm": END_ROOM_MM,
         "clearance_mm": round(design.printed_fit_mm, 3),
         "min_skin_design_mm": round(min_skin_thickness(design.dimensions, sleeve_inset_mm(design)), 2),

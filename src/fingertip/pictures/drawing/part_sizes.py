@@ -35,7 +35,7 @@ _PILOT = "narrow: drill it to size; wide: fill it with epoxy and drill again, or
 
 
 def bone_drawing(design: Design) -> PartDrawing:
-    dims, section, pilot = design.dimensions, design.dimensions.bone_outline.section, _find_pilot(design, "bone")
+    dims, pilot = design.dimensions, _find_pilot(design, "bone")
     tip, interface = dims.bone_outline.tip, interface_of(design)
     assert tip
     pocket_end = dims.sensor_z + dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm
@@ -47,9 +47,6 @@ def bone_drawing(design: Design) -> PartDrawing:
         *_chaplet_sizes(design, pilot, "bone", (0.0, -dims.platform_depth, pocket_end)),
         *interface.sizes(design),
     ]
-    if not dims.window_opens_into_gap:
-        tie = (section.half_width, dims.tie_hole_y, dims.tie_hole_z)
-        sizes.append(Circle("hole of the tie", INNER, "front", "x", tie, design.bone.tie_hole_diameter_mm / 2))
     return PartDrawing("bone", "Bone", "palmar", _material(design), tuple(sizes), _pilot_axis(pilot))
 
 
@@ -88,7 +85,7 @@ def lid_drawing(design: Design) -> PartDrawing:
         Length("height", OUTER, "front", "right", "y", (half, foot, end), (half, top, low), located(design, top - foot),
                "sand the feet: a high lid presses the skin thin, a low one leaves a step"),
         Length("width of the space for the tabs", INNER, "end", "above", "x", (fold.tabs_half_width, tabs, low),
-               (-fold.tabs_half_width, tabs, low), None, "file it until the crimps pass"),
+               (-fold.tabs_half_width, tabs, low), None, "low: file it until a drill of this size passes"),
         Length("height of the space for the tabs", STEP, "section", "left", "y", (half, foot, end), (0.0, tabs, low),
                None, "file it until crimps and wires pass: the lid must not press on them"),
         Length("height of the space for the film", STEP, "end", "right", "y", (half, foot, end), (half, film, low)),
@@ -179,7 +176,7 @@ def _pocket_sizes(design: Design) -> list[Size]:
                clearance(2 * gap - design.printer.offset_mm)),
         *([
             Length("height of the passage through the collar", INNER, "section", "left", "y", (0.0, passage, 0.0),
-                   (0.0, passage - dims.passage_height, 0.0), None, "file it until the crimps pass")
+                   (0.0, passage - dims.passage_height, 0.0), None, "low: file it until a drill of this size passes")
         ] if dims.tail_passes_collar else []),
         Length(f"depth of the {_seat_name(design)}", STEP, "section", "right", "y", (0.0, 0.0, z),
                (0.0, flat, z + head), is_reference=True),

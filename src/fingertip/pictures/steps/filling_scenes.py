@@ -79,7 +79,8 @@ def fill(bench: Bench, data: Data) -> Scene:
     """Show the mold in its pose, cut open, while the silicone rises from the side of the collar to the vent."""
     m, inlet, filling = bench.layout, given(bench.layout.inlet), data["filling"]
     x, y, z = inlet.x, m.dorsal_height + 70.0, inlet.z + 12.0
-    pressing = f"{filling['syringe']['thumb_n']:g} N, steadily,\nsome {filling['fill_s']:g} s"
+    quick, slow = sorted((filling["fill_s"], filling["push_s"]))
+    pressing = f"press slowly,\n{quick:g} to {slow:g} s"
     return Scene(
         (
             bench.part("mold_dorsal", cut=True), bench.part("mold_palmar", cut=True), *bench.in_mold(cut=True),
@@ -89,8 +90,16 @@ def fill(bench: Bench, data: Data) -> Scene:
         _in_pose(data),
         *_vent_labels(bench, "vent: stop when\nsilicone stands here"),
         Label(pressing, (inlet.x, m.dorsal_height + 55.0, inlet.z)),
+        _pose_label(bench, filling),
         Arrow((x, y, z), (x, y - 22.0, z)),
     )  # fmt: skip
+
+
+def _pose_label(bench: Bench, filling: Data) -> Label:
+    """Name the angles that a level reads on the face of the mold, at its tip."""
+    tip, way = abs(filling["tip_deg"]), "up" if filling["tip_deg"] >= 0 else "down"
+    text = f"tip {way}: {tip} degrees;\nacross: {filling['level_across_deg']} degrees"
+    return Label(text, (0.0, bench.layout.dorsal_height, bench.layout.distal_z))
 
 
 def leave(bench: Bench, data: Data) -> Scene:
@@ -101,6 +110,7 @@ def leave(bench: Bench, data: Data) -> Scene:
         _in_pose(data),
         *_vent_labels(bench, "full"),
         Label("the vise holds\nboth sides here", (-m.half_width, 0.0, m.pry_z)),
+        _pose_label(bench, data["filling"]),
         Label("leave it until\nthe silicone has set", (inlet.x, m.dorsal_height + 12.0, inlet.z)),
     )
 

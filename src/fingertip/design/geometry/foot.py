@@ -1,0 +1,53 @@
+"""Feet: the fillets where a thin part of the bone stands on a wider one, drawn as chords of an arc.
+
+Both kernels build a foot from primitives. Its chords run on into the solids on both sides, so that no faces coincide.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+from fingertip.design.geometry.conic import ConicBody, CrossSection
+from fingertip.design.geometry.solids import Axis, Cone, Prism, Solid, SuperconicSolid, union
+
+_CHORDS = 6
+"""Chords of a quarter of a circle: the surface bends by 15 degrees at most."""
+_INTO_MM = 0.1
+"""Length by which a foot reaches into the thin part [mm]."""
+
+
+def foot_line(radius_mm: float, root: float, way: float) -> list[tuple[float, float]]:
+    """List points (z, outward) of the arc, from the thin part to the root; the wide part lies towards `way` [mm]."""
+    angles = [math.pi / 2 * i / _CHORDS for i in range(_CHORDS + 1)]
+    arc = [(root - way * radius_mm * (1.0 - math.sin(a)), radius_mm * (1.0 - math.cos(a))) for a in angles]
+    (z0, out0), (z1, out1) = arc[:2]
+    return [(z0 - way * _INTO_MM, out0 - _INTO_MM * (out1 - out0) / abs(z1 - z0)), *arc[1:]]
+
+
+def round_foot(centre: tuple[float, float], thin_radius: float, radius_mm: float, root: float, top: float) -> Solid:
+    """Build the foot of a round post along z, whose wide part lies distal to `root`; it ends at `top` [mm]."""
+    cones = []
+    for (low, inner), (high, outer) in pairwise(foot_line(radius_mm, root, 1.0)):
+        slope = (outer - inner) / (high - low)
+        begin = low - _INTO_MM / 2
+        radii = (thin_radius + inner + slope * (z - low) for z in (begin, top))
+        cones.append(Cone("z", centre, begin, top, *radii))
+    return union(*cones)
+
+
+def flat_foot(
+    axis: Axis, low_side: float, high_side: float, foot: list[tuple[float, float]], end: float, reach: float
+) -> Solid:
+    """Build the foot of flats along an axis across the finger, between two sides [mm]; it ends at z = `end`."""
+    outline = [*foot, (end, foot[-1][1])]
+    ring = [(low_side - out, z) for z, out in outline] + [(high_side + out, z) for z, out in reversed(outline)]
+    corners = ring if axis == "x" else [(z, x) for x, z in ring]
+    area = sum(a[0] * b[1] - b[0] * a[1] for a, b in pairwise((*corners, corners[0])))
+    return Prism(axis, tuple(corners if area > 0.0 else corners[::-1]), -reach, reach)
+
+
+def conic_foot(section: CrossSection, foot: list[tuple[float, float]], end: float) -> Solid:
+    """Build the foot of a superconic section; it ends at z = `end` [mm]."""
+    stations = [(z, 1.0 + out / section.half_width) for z, out in (*foot, (end, foot[-1][1]))]
+    return SuperconicSolid(ConicBody(section, tuple(sorted(stations))))

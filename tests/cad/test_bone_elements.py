@@ -48,7 +48,6 @@ def test_elements_find_the_predicted_stress(name: str, tmp_path: Path) -> None:
     if design.bone.interface == "socket":
         low = -design.bone.base_length_mm + 0.6 * design.bone.socket_depth_mm
     predicted, zone = weakest.stress_per_n, (weakest.z_mm - BESIDE_MM, weakest.z_mm + BESIDE_MM)
-    place = f"{name}: predicted {predicted:.3f} MPa/N at z = {weakest.z_mm:.1f}"
     for fine_mm in ELEMENTS_MM:
         solved = solve_bone(design, tmp_path, fine_mm, zone)
         z = solved.points_mm[:, 2]
@@ -57,6 +56,8 @@ def test_elements_find_the_predicted_stress(name: str, tmp_path: Path) -> None:
         print(
             f"{name}: predicted {predicted:.3f} MPa/N at z = {weakest.z_mm:.1f}; elements of {fine_mm} mm: {there:.3f}"
         )
-        print(f"    largest {largest:.3f} at {np.round(solved.points_mm[stresses.argmax()], 1)}; {len(z)} nodes")
+        print(f"{name}: predicted {predicted:.3f} MPa/N at z = {weakest.z_mm:.1f};"
+              f" elements of {fine_mm} mm, {len(z)} nodes: {there:.3f} there,"
+              f" {largest:.3f} at {np.round(solved.points_mm[stresses.argmax()], 1)}")  # fmt: skip
     assert predicted / OVER.get(name, 1.15) <= there <= 1.02 * predicted
     assert largest <= 1.02 * predicted

@@ -25,9 +25,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def base(sensor: str) -> Design:
-    changes = [f"sensor.model={sensor}", "name=mine"]
-    if sensor == "fsr402":
-        changes.append("bone.base_length_mm=37")
+    lengths = {"fsr402": ["bone.base_length_mm=37"], "fsr400_short": ["bone.base_length_mm=13"]}
+    changes = [f"sensor.model={sensor}", "name=mine", *lengths.get(sensor, [])]
     return Design.load("fsr402" if sensor.startswith("fsr402") else "fsr400", changes=changes)
 
 
@@ -76,7 +75,7 @@ def test_the_next_command_runs(sensor: str, folder: Path) -> None:
 @pytest.mark.full
 def test_preset_and_hand_give_a_design_that_passes(folder: Path) -> None:
     """The command names each length that it fitted, and the file holds the hand's own sizes."""
-    done = run_fingertip("new", "mine", "--preset", "adult_finger", "--hand", "david_finger")
+    done = run_fingertip("new", "mine", "--preset", "adult_finger", "--hand", "david_finger", "--allow-shorter-travel")
     assert done.returncode == 0, done.stderr
     fitted = [line for line in done.stdout.splitlines() if line.startswith("fitted: ")]
     assert fitted[0].startswith("fitted: bone.base_length_mm 10 -> ")
@@ -87,3 +86,20 @@ def test_preset_and_hand_give_a_design_that_passes(folder: Path) -> None:
     lines = Path("mine.toml").read_text().splitlines()
     top = lines[: lines.index("")] + lines[: next(i for i, line in enumerate(lines) if line.startswith("# Other"))]
     assert any(line.startswith("hand.width_mm = 4.4") for line in top)
+
+
+@pytest.mark.full
+def test_lost_travel_is_asked_for_and_a_design_that_make_refuses_is_not_written(folder: Path) -> None:
+    command = ("new", "mine", "--hand", "david_finger")
+    refused = run_fingertip(*command)
+    assert refused.returncode == 2
+    assert "hand.travel_deg: 85 degrees would become 47.3: " in refused.stderr
+    assert "hand.tendon_distance_mm: 5.46 mm would become" in refused.stderr
+    allowed = (*command, "--allow-shorter-travel")
+    weak = run_fingertip(*allowed, "--set", "strength.grip_force_n=60")
+    assert weak.returncode == 2
+    assert "bone.safety_factor.grip: 1.0" in weak.stderr
+    assert not (folder / "mine.toml").exists()
+    assert run_fingertip(*allowed).returncode == 0
+    made = run_fingertip("build", "mine.toml", "--formats", "stl", "--out", "out")
+    assert made.returncode == 0, made.stderr

@@ -48,7 +48,7 @@ CATALOGUE: dict[str, ForceSensor] = {
         ForceSensor("fsr400", "FSR 400", 5.08, 7.62, 0.30, 38.0, 6.4, 2.54, "[D] FSR 400", ("tail_width_mm",)),
         ForceSensor(
             "fsr400_short", "FSR 400 short tail", 5.08, 7.62, 0.30, 20.0, 6.4, 2.54, "[D] FSR 400 Short",
-            ("tail_width_mm",)
+            ("tail_width_mm",), changes=("bone.base_length_mm=13",),  # a longer one would only weaken the bone
         ),
         ForceSensor(
             "fsr402", "FSR 402", 12.7, 18.28, 0.46, 56.0, 7.6, 2.54, "[D] FSR 402",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import shlex
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -24,8 +24,11 @@ from fingertip.cli.options import (
 )
 from fingertip.foundation.errors import DesignError, FingertipError, Issue, gather
 
+if TYPE_CHECKING:
+    from fingertip.design.new_design import NewDesign
+
 _TOLERANCE_MM = 0.05
-"""Tolerance of the mesh on which the strength is assessed [mm]."""
+"""Tolerance of the meshes on which a new design is checked [mm]."""
 
 
 @command
@@ -52,12 +55,17 @@ def new(
     out: Annotated[
         Path | None, typer.Option("--out", "-o", metavar="FILE", help="File to write; NAME.toml by default.")
     ] = None,
+    allow_shorter_travel: Annotated[
+        bool,
+        typer.Option("--allow-shorter-travel", help="Let the finger bend less, or its tendon lie nearer the joint."),
+    ] = False,
     changes: SetOption = None,
 ) -> None:
     """Write a design file with comments, to be edited: the main parameters, and all others as comments.
 
     The bundled design of the sensor is the base, or the preset. With a preset or a hand, lengths that nobody measures
-    are fitted until the design can be made; what is changed with --set stays. An existing file is never overwritten.
+    are fitted until the design can be made, and its parts are checked; what is changed with --set stays. An existing
+    file is never overwritten.
     """
     from fingertip.catalogues.bundled import list_bundled_files
     from fingertip.catalogues.file_kinds import DESIGN
@@ -71,6 +79,8 @@ def new(
     found: list[Issue] = []
     with gather(found):
         made = write_new_design(name, sensor, preset, hand, changes or (), console.progress)
+        if not allow_shorter_travel:
+            found += _find_lost_travel(made)
     options = {"name": "NAME", "sensor": "--sensor", "preset": "--preset"}
     issues += (Issue(options.get(issue.field, issue.field), issue.message) for issue in found)
     path = out or Path(f"{name}.toml")
@@ -88,16 +98,41 @@ def new(
     lines += [f"note: {reason}: a measured value was changed" for reason in made.reasons.values()]
     if preset or hand:
         from fingertip.cad.kernel.mesh import MeshEvaluator
-        from fingertip.cad.verification.bone import check_strength
-        from fingertip.cad.verification.check import list_warnings
-        from fingertip.cad.verification.strength import assess_strength, describe_strength, strength_data
+        from fingertip.cad.shapes.parts import parts_by_name
+        from fingertip.cad.verification.check import list_causes, list_warnings
+        from fingertip.cad.verification.strength import describe_strength, strength_data
+        from fingertip.cad.verification.verify import verify
 
-        strength = assess_strength(made.design, MeshEvaluator(_TOLERANCE_MM))
-        data["strength"] = strength_data(strength)
-        lines += describe_strength(strength)
-        lines += (f"warning: {text}" for text in list_warnings(check_strength(made.design, strength)))
+        verified = verify(
+            made.design, parts_by_name(made.design), ("stl",), MeshEvaluator(_TOLERANCE_MM), console.progress
+        )
+        failed = [check for check in verified.checks if not check.passed]
+        if failed:
+            raise FingertipError([
+                Issue(check.name, f"{check.value:.3g} {check.unit} must be {check.relation} {check.limit:g}, or `make` "
+                      f"fails; change {' or '.join(list_causes(check.name))} with --set")
+                for check in failed
+            ])  # fmt: skip
+        assert verified.strength
+        data["strength"] = strength_data(verified.strength)
+        lines += describe_strength(verified.strength)
+        lines += (f"warning: {text}" for text in list_warnings(verified.checks))
     write_file(path, made.text.encode())
     console.result(data, "\n".join([*lines, f"wrote {path}; edit it, then run: {following}"]))
+
+
+def _find_lost_travel(made: NewDesign) -> list[Issue]:
+    """Find what the fit has taken from the joint: travel, and distance of the tendon."""
+    return [
+        Issue(
+            name,
+            f"{before:g} {unit} would become {after:g}: {reason}; allow it with --allow-shorter-travel",
+        )
+        for name, unit in (("hand.travel_deg", "degrees"), ("hand.tendon_distance_mm", "mm"))
+        for before, after in [made.fitted.get(name, (0.0, 0.0))]
+        if after < before
+        for reason in [made.reasons[name]]
+    ]
 
 
 # `fingertip params`: the parameters of a design with values, units, bounds and descriptions.

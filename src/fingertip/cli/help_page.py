@@ -23,7 +23,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     ),
     "new": (
         "fingertip new myfinger --sensor fsr402",
-        "fingertip new mytip --preset adult_finger --hand flexible_flyer",
+        "fingertip new mytip --preset adult_finger --hand flexible_flyer --allow-shorter-travel",
     ),
     "params": ("fingertip params fsr402", "fingertip params fsr400 --set skin.width_mm=18 --toml"),
     "schema": ("fingertip schema design", "fingertip schema sweep"),

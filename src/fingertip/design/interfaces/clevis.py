@@ -33,6 +33,8 @@ from fingertip.design.geometry.sizes import (
 from fingertip.design.geometry.solids import Box, Point3, Prism, Solid, cylinder, difference, intersection, union
 from fingertip.design.interfaces.interface import JointInterface, Shapes, base_size
 
+_STEP_FOOT_MM = 0.5
+"""Fillet between the gap of a fork and the narrower window of a folded tail [mm]."""
 _PIN_PLAY_MM = 0.2
 """Play of the anchor pin in its printed hole [mm]."""
 
@@ -199,7 +201,13 @@ def space(design: DesignTables, joint: Joint) -> Solid:
         return union(around, difference(beyond, tongue, flat_foot("y", -half, half, line, end, 2 * reach)))
     # The window of a folded tail lies above the gap, and opens into it.
     top = max(high, dims.fold.window_low_z + TANGENT_STEP_MM) if dims.fold else high
-    return union(around, Box((-half, -reach, low), (half, reach, top)))
+    gap: Solid = Box((-half, -reach, low), (half, reach, top))
+    if dims.fold and half > dims.tail_half_width:
+        # The window is narrower than the gap. Rounded, the step between both does not weaken the cheeks.
+        line = foot_line(_STEP_FOOT_MM, top, 1.0)
+        sides = ((half, reach), (-reach, -half))
+        gap = difference(gap, *(flat_foot("y", *side, line, top + reach, 2 * reach) for side in sides))
+    return union(around, gap)
 
 
 def eye_profile(joint: Joint, reach: float) -> Solid:

@@ -35,7 +35,7 @@ from tools.fuzz.remedies import as_changes
 from tools.fuzz.values import list_parameters, write_text
 
 LIMIT_S = 120.0
-"""Limit of the processor time of a command that computes [s]. The table of a mushroom on a wide finger took 67 s."""
+"""Limit of the processor time of a command that computes [s]. The table of a mushroom on a wide finger takes 43 s."""
 ROUNDS = 4
 """Refusals in a row whose remedies are typed in: of bounds first, and of rules that need values within them."""
 LONG_S = 0.3

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from fingertip.cad.kernel.brep import BrepEvaluator
 from fingertip.cad.shapes.bone import bone
@@ -18,7 +17,7 @@ from fingertip.design.interfaces.interface import middle_y
 YOUNG_MPA, POISSON = 2800.0, 0.4
 """Stresses under given forces do not depend on the first, and hardly on the second."""
 COARSE_MM, LOADED_MM = 1.8, 1.0
-DIRECTIONS, NEAR = 150, 0.75
+DIRECTIONS = 150
 GEO = """SetFactory("OpenCASCADE");
 Merge "bone.step";
 Mesh.CharacteristicLengthMax = {coarse};
@@ -42,8 +41,7 @@ class Stresses:
     points_mm: np.ndarray
     """Nodes, (n, 3)."""
     tension_mpa_per_n: np.ndarray
-    """Largest principal stress at each over all directions of a force of 1 N at the apex, which three nodes within
-    `NEAR` elements reach: single nodes of flat tetrahedra are up to 1.6 times off, by extrapolation."""
+    """Largest principal stress at each over all directions of a force of 1 N at the apex."""
 
 
 def write_step(design: Design, folder: Path) -> None:
@@ -65,9 +63,7 @@ def solve_bone(design: Design, folder: Path, fine_mm: float, zone_mm: tuple[floa
     (folder / "bone.inp").write_text("\n".join(deck(nodes, tetrahedra, held, loaded)))
     subprocess.run(["ccx", "-i", "bone"], cwd=folder, capture_output=True, check=True)
     numbers, stresses = read_stresses((folder / "bone.frd").read_text().splitlines())
-    points, tension = np.array([nodes[number] for number in numbers]), largest_tension(stresses)
-    near = KDTree(points).query_ball_point(points, NEAR * fine_mm)
-    return Stresses(points, np.array([np.sort(tension[these])[-3:][0] for these in near]))
+    return Stresses(np.array([nodes[number] for number in numbers]), largest_tension(stresses))
 
 
 def read_mesh(lines: list[str]) -> tuple[dict[int, tuple[float, ...]], np.ndarray]:

@@ -15,13 +15,11 @@ from tests.cad.bone_elements import solve_bone, write_step
 from tests.conftest import design_file
 from tests.tools import require_tool
 
+# Joints and flanges are left out: their elements peak at sharp corners, and the more the smaller they are.
 DESIGNS = {
     "post, straight tail": ("fsr400", ""),
     "post, wide": ("fsr402", ""),
     "post, folded tail": ("fsr400_compact", ""),
-    "fork of a clevis": ("adult_finger", ""),
-    "tongue of a clevis": ("youth_thumb", "hand.knuckle=fork bone.base_length_mm=15.8"),
-    "flange": ("fsr400", "bone.interface=flange bone.base_length_mm=26"),
     "socket": ("fsr400", "bone.interface=socket bone.base_length_mm=32 mold.seat_tape_mm=0"),
 }
 OVER = {"post, folded tail": 1.5}
@@ -53,9 +51,6 @@ def test_elements_find_the_predicted_stress(name: str, tmp_path: Path) -> None:
         z = solved.points_mm[:, 2]
         stresses = solved.tension_mpa_per_n * ((z > low) & (z < design.dimensions.taper_end_z))
         there, largest = stresses[abs(z - weakest.z_mm) < BESIDE_MM].max(), stresses.max()
-        print(
-            f"{name}: predicted {predicted:.3f} MPa/N at z = {weakest.z_mm:.1f}; elements of {fine_mm} mm: {there:.3f}"
-        )
         print(f"{name}: predicted {predicted:.3f} MPa/N at z = {weakest.z_mm:.1f};"
               f" elements of {fine_mm} mm, {len(z)} nodes: {there:.3f} there,"
               f" {largest:.3f} at {np.round(solved.points_mm[stresses.argmax()], 1)}")  # fmt: skip

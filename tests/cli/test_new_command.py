@@ -93,8 +93,8 @@ def test_lost_travel_is_asked_for_and_a_design_that_make_refuses_is_not_written(
     command = ("new", "mine", "--hand", "david_finger")
     refused = run_fingertip(*command)
     assert refused.returncode == 2
-    assert "hand.travel_deg: 85 degrees would become 47.3: " in refused.stderr
-    assert "hand.tendon_distance_mm: 5.46 mm would become" in refused.stderr
+    assert "hand.travel_deg: 85 would become 47.3: 85 degrees leave" in refused.stderr
+    assert "hand.tendon_distance_mm: 5.46 would become" in refused.stderr
     allowed = (*command, "--allow-shorter-travel")
     weak = run_fingertip(*allowed, "--set", "strength.grip_force_n=60")
     assert weak.returncode == 2

@@ -14,6 +14,7 @@ from fingertip.board.bringup.wiring import SENSOR_CONNECTOR
 from fingertip.board.components.values import select_components
 from fingertip.board.parts.table import PlugWire, find_plug_wire, list_mating_parts
 from fingertip.design import Design
+from fingertip.design.geometry.dimensions import THREAD_MM
 from fingertip.design.geometry.mold_layout import size_clamp_bolts
 from fingertip.design.interfaces import interface_of
 
@@ -104,7 +105,7 @@ def bill_of_materials(design: Design) -> list[dict[str, Any]]:
     sensor = design.sensor
     out_mm = round(bolts.stand_out_mm(design.mold_layout), 1)
     stands_out = {"note": "they stand out of the palmar side"} if out_mm > 0.0 else {}
-    strain_relief = {"item": "thread or lacing cord", "thinner_than_mm": 0.5, "count": 1}
+    strain_relief = {"item": "thread or lacing cord", "thinner_than_mm": THREAD_MM, "count": 1}
     return [
         {
             "item": "force-sensing resistor", "type": design.dimensions.sensor.label, "count": 1,

@@ -27,8 +27,8 @@ from fingertip.foundation.errors import DesignError, FingertipError, Issue, gath
 if TYPE_CHECKING:
     from fingertip.design.new_design import NewDesign
 
-_TOLERANCE_MM = 0.05
-"""Tolerance of the meshes on which a new design is checked [mm]."""
+_TOLERANCE_MM = 0.01
+"""Tolerance of the meshes on which a new design is checked [mm]: that of a build."""
 
 
 @command
@@ -122,17 +122,14 @@ def new(
 
 
 def _find_lost_travel(made: NewDesign) -> list[Issue]:
-    """Find what the fit has taken from the joint: travel, and distance of the tendon."""
-    return [
-        Issue(
-            name,
-            f"{before:g} {unit} would become {after:g}: {reason}; allow it with --allow-shorter-travel",
-        )
-        for name, unit in (("hand.travel_deg", "degrees"), ("hand.tendon_distance_mm", "mm"))
-        for before, after in [made.fitted.get(name, (0.0, 0.0))]
-        if after < before
-        for reason in [made.reasons[name]]
-    ]
+    """Find what the fit has taken from the joint: travel, or distance of the tendon."""
+    issues = []
+    for name, reason in made.reasons.items():
+        before, after = made.fitted[name]
+        if after < before:
+            lost = f"{before:g} would become {after:g}: {reason}"
+            issues.append(Issue(name, f"{lost}; allow it with --allow-shorter-travel"))
+    return issues
 
 
 # `fingertip params`: the parameters of a design with values, units, bounds and descriptions.

@@ -8,12 +8,12 @@ still checked.
 from __future__ import annotations
 
 from fingertip.design import interfaces
-from fingertip.design.interfaces import clevis_rules, rigid
+from fingertip.design.interfaces import clevis_rules, flange, rigid
 from fingertip.design.rules import amplifiers, board, bone, mold, skin
 
 PART_RULES = (
     *skin.RULES, *bone.WALL_RULES, *interfaces.LENGTH_RULES, *clevis_rules.LENGTH_RULES, *bone.RULES, *rigid.RULES,
-    *bone.FOLD_RULES, *clevis_rules.RULES, *mold.RULES,
+    *flange.RULES, *bone.FOLD_RULES, *clevis_rules.RULES, *mold.RULES,
 )  # fmt: skip
 """Rules of the printed parts and the skin. They read no electronic table."""
 ELECTRONIC_RULES = (*board.RULES, *amplifiers.RULES, *board.SIGNAL_RULES, *skin.FORCE_CURVE_RULES)

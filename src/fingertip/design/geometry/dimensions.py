@@ -36,9 +36,10 @@ MIN_PASSAGE_HEIGHT_MM = 0.8
 """Minimum height of the passage through which the tail leaves the collar [mm]. Lower passages close up in printing. An
 assumption."""
 
-LASHING_MM = 1.5
-"""Length of the base on which thread lashes the wires down [mm]: three turns of 0.5 mm. A hole for it would weaken the
-base where the bone bends most."""
+THREAD_MM = 0.5
+"""Greatest diameter of the thread that lashes the wires to the base [mm]."""
+LASHING_MM = 3 * THREAD_MM
+"""Length of the base that three turns of it take [mm]. A hole for it would weaken the base where it bends most."""
 _SEAL_MM = 2.0
 """Length of the collar that seals the mold at a folded tail [mm]; the window may lie in what is longer. An
 assumption."""

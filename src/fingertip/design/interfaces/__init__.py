@@ -7,11 +7,12 @@ from collections.abc import Mapping
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.dimensions import LASHING_MM
 from fingertip.design.interfaces.clevis import Clevis
+from fingertip.design.interfaces.flange import Flange
 from fingertip.design.interfaces.interface import JointInterface
-from fingertip.design.interfaces.rigid import RIGID_INTERFACES
+from fingertip.design.interfaces.rigid import Post, Socket
 from fingertip.design.rules.ruleset import SLACK, Ruleset, Violation, at_least
 
-INTERFACES: Mapping[str, JointInterface] = {one.name: one for one in (*RIGID_INTERFACES, Clevis())}
+INTERFACES: Mapping[str, JointInterface] = {one.name: one for one in (Post(), Socket(), Flange(), Clevis())}
 
 
 def interface_of(design: DesignTables) -> JointInterface:

@@ -22,6 +22,8 @@ _CIRCLE_POINTS = 64
 """Intervals at which half a circle is sampled."""
 MATING_PLAY_MM, _MATING_WALL_MM = 0.2, 2.5
 """Play between the interface and a printed mating part, and the wall of the example [mm]. Recommendations."""
+MIN_SHOULDER_MM = 0.1
+"""Least height of the step from a post to the base, or from the base to a flange [mm]."""
 Shapes = tuple[tuple[Solid, ...], tuple[Solid, ...]]
 """Solids that are added to the filled bone, and those that are removed from it."""
 

@@ -1,4 +1,4 @@
-"""Interfaces that hold the bone without a joint: post, socket and flange."""
+"""Post and socket, which hold the bone with a cross bolt, and their rules."""
 
 from __future__ import annotations
 
@@ -6,35 +6,30 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from fingertip.catalogues.hardware import select_thread
-from fingertip.design.formulas.stress import LocalStress, StressFactors, at_foot
+from fingertip.design.formulas.stress import StressFactors, at_foot
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.conic import TANGENT_STEP_MM, ConicBody, offset_section
-from fingertip.design.geometry.foot import conic_foot, flat_foot, foot_line, round_foot
+from fingertip.design.geometry.foot import flat_foot, foot_line, round_foot
 from fingertip.design.geometry.sizes import ARROW_DEG, BEFORE_FACE, INNER, OUTER, STEP, Circle, Length, Size
 from fingertip.design.geometry.solids import Box, Solid, SuperconicSolid, cylinder, difference, intersection
 from fingertip.design.interfaces.interface import (
     MATING_PLAY_MM,
+    MIN_SHOULDER_MM,
     CrossBolted,
-    JointInterface,
     Shapes,
     base_holds_circle,
     base_length_size,
     base_size,
-    bolt_clearance,
     middle_y,
 )
-from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_least, at_most
+from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_most
 from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally
 from fingertip.foundation.numerics import bisect
 
 RULES = Ruleset()
 
-_MIN_SHOULDER = 0.1
-"""Minimum height of the shoulder above and below a post [mm]."""
 _MIN_FLAT_MM = 0.02
 """Depth of a post's flat below which it is left out [mm]: both kernels fail on slivers."""
-_HEAD_CLEARANCE = 0.3
 
 
 class Post(CrossBolted):
@@ -149,7 +144,7 @@ def foot_clear_of_bolt(design: DesignTables) -> Limit | None:
 @RULES.rule("bone.post_height_mm", bone_left_at_sides, bone_left_dorsally)
 def post_not_higher_than_base(design: DesignTables) -> Violation | None:
     height = min(design.bone.post_height_mm, design.bone.post_width_mm)
-    maximum = base_size(design.dimensions)[1] - 2 * _MIN_SHOULDER
+    maximum = base_size(design.dimensions)[1] - 2 * MIN_SHOULDER_MM
     if design.bone.interface != "post" or height <= maximum + SLACK:
         return None
     return Violation(f"{height:g} mm is higher than the base with its shoulder", at_most(maximum))
@@ -250,156 +245,3 @@ def cross_bolt_within_interface(design: DesignTables) -> Limit | None:
         return None
     maximum = min(across, along) - 2 * bone.wall_mm
     return Limit(maximum, f"leaves less than {bone.wall_mm:g} mm around it in the {bone.interface}")
-
-
-class Flange(JointInterface):
-    """Plate with bolt holes at the proximal end of the base. It bends between base and bolts."""
-
-    name = "flange"
-    face_on_plate = "the flange"
-    weakest = "the flange, whose root is its weakest section"
-
-    def depth(self, design: DesignTables) -> float:
-        return design.bone.flange_thickness_mm + design.bone.foot_radius_mm
-
-    def shapes(self, design: DesignTables) -> Shapes:
-        bone, y = design.bone, middle_y(design.dimensions)
-        end, x, half = -bone.base_length_mm, bone.flange_width_mm / 2, bone.flange_height_mm / 2
-        top, radius = end + bone.flange_thickness_mm, bone.flange_hole_diameter_mm / 2
-        hole_x, rows = bone.flange_spacing_x_mm / 2, bone.flange_spacing_y_mm / 2
-        holes = tuple(
-            cylinder("z", (side * hole_x, y + row), end - radius, top + radius, radius)
-            for row in ((-rows, rows) if rows else (0.0,))
-            for side in (-1.0, 1.0)
-        )
-        plate = Box((-x, y - half, end), (x, y + half, top))
-        section, flat, into = design.dimensions.bone_outline.section, design.dimensions.base_flat_depth, top - radius
-        line, reach = foot_line(bone.foot_radius_mm, top, -1.0), 2 * x
-        sides = flat_foot("x", -flat, reach, line, into - radius, reach)
-        above = Box((-x, y - half, end), (x, y + half, top + reach))
-        return (plate, intersection(conic_foot(section, line, into), sides, above)), holes
-
-    def genus(self, design: DesignTables) -> int:
-        return 4 if design.bone.flange_spacing_y_mm else 2
-
-    def sizes(self, design: DesignTables) -> list[Size]:
-        bone, y, end = design.bone, middle_y(design.dimensions), -design.bone.base_length_mm
-        x, half, rows = bone.flange_width_mm / 2, bone.flange_height_mm / 2, bone.flange_spacing_y_mm / 2
-        hole_x, top = bone.flange_spacing_x_mm / 2, end + bone.flange_thickness_mm
-        sizes: list[Size] = [
-            base_length_size(design),
-            Length("width of the flange", OUTER, "end", "below", "x", (x, y - half, end), (-x, y - half, end)),
-            Length("height of the flange", OUTER, "end", "left", "y", (x, y - half, end), (x, y + half, end)),
-            Length("thickness of the flange", OUTER, "front", "above", "z", (0.0, y + half, end), (0.0, y + half, top)),
-            Length("spacing of the bolt holes", STEP, "end", "above", "x", (hole_x, y + rows, end),
-                   (-hole_x, y + rows, end)),
-            Circle("bolt holes of the flange", INNER, "end", "z", (hole_x, y + rows, end),
-                   bone.flange_hole_diameter_mm / 2, bolt_clearance(design, bone.flange_hole_diameter_mm),
-                   count=self.genus(design)),
-        ]  # fmt: skip
-        if rows:
-            low, high = (-hole_x, y - rows, end), (-hole_x, y + rows, end)
-            sizes.append(Length("spacing of the rows", STEP, "end", "right", "y", low, high))
-        return sizes
-
-    def beam_begin_z(self, design: DesignTables, low_z: float) -> float:
-        return low_z + design.bone.flange_thickness_mm
-
-    def stress_factors(self, design: DesignTables, z: float) -> StressFactors:
-        bone, base = design.bone, base_size(design.dimensions)
-        root = -bone.base_length_mm + bone.flange_thickness_mm
-        return at_foot((bone.flange_width_mm, bone.flange_height_mm), base, bone.foot_radius_mm, z - root)
-
-    def local_stresses(self, design: DesignTables, load_z: float) -> Iterator[LocalStress]:
-        """Find the bending stress of the flange where the base stands on it, which its bolts pull off the phalanx.
-
-        A load from the side or from above is held by a couple: bolts on one side, and bolts or the flange's edge on the
-        other. The plate is a cantilever between the couple's line and the base.
-        """
-        bone, (base_width, base_height) = design.bone, base_size(design.dimensions)
-        arm = load_z + bone.base_length_mm
-        modulus = bone.flange_thickness_mm**2 / 6
-        per_n = []
-        for spacing, size, base, across in (
-            (bone.flange_spacing_x_mm, bone.flange_width_mm, base_width, bone.flange_height_mm),
-            (bone.flange_spacing_y_mm, bone.flange_height_mm, base_height, bone.flange_width_mm),
-        ):
-            # Without a second row the flange turns about its edge, and the bolts pull in its middle.
-            couple = arm / (spacing if spacing else size / 2)
-            lever = max((spacing if spacing else size) - base, 0.0) / 2
-            per_n.append(couple * lever / (across * modulus))
-        stress = math.hypot(*per_n)
-        direction = (round(per_n[0] / stress, 6), round(per_n[1] / stress, 6), 0.0) if stress else (0.0, 1.0, 0.0)
-        yield LocalStress("flange", -bone.base_length_mm + bone.flange_thickness_mm, stress, direction=direction)
-
-    def bolts(self, design: DesignTables) -> list[dict[str, Any]]:
-        bone = design.bone
-        return [
-            {
-                "item": "flange bolt (machine screw)",
-                "thread_mm": select_thread(bone.flange_hole_diameter_mm).diameter_mm,
-                "crossed_mm": bone.flange_thickness_mm, "count": self.genus(design),
-            }
-        ]  # fmt: skip
-
-    def mounting(self, design: DesignTables) -> dict[str, Any]:
-        fit = (
-            "The flange lies flat on the mating part: file the lip of the first layers off its face. Its bolts pass "
-            f"{design.bone.flange_thickness_mm:g} mm of it and enter threads or nuts in the mating part."
-        )
-        return {"fit": fit, "bolt": None, "play_mm": MATING_PLAY_MM}
-
-
-@RULES.at_least("bone.flange_spacing_x_mm")
-def flange_bolts_clear_of_base(design: DesignTables) -> Limit | None:
-    """The heads of the flange's bolts lie beside the base and its fillet, or above and below it."""
-    bone, (width, height) = design.bone, base_size(design.dimensions)
-    # The heads of machine screws are as wide as the nuts across flats (ISO 4762).
-    head = select_thread(bone.flange_hole_diameter_mm).nut_flats_mm / 2 + max(_HEAD_CLEARANCE, bone.foot_radius_mm)
-    if bone.interface != "flange" or bone.flange_spacing_y_mm >= height + 2 * head:
-        return None
-    return Limit(2 * (width / 2 + head), "leaves no room for bolt heads beside the base")
-
-
-@RULES.at_least("bone.flange_width_mm")
-def flange_wide_enough(design: DesignTables) -> Limit | None:
-    """The flange keeps a wall beside its bolt holes, and covers the base."""
-    bone = design.bone
-    if bone.interface != "flange":
-        return None
-    minimum = bone.flange_spacing_x_mm + bone.flange_hole_diameter_mm + 2 * bone.wall_mm
-    base = 2 * (design.dimensions.bone_outline.section.half_width + _MIN_SHOULDER)
-    holes = f"leaves less than {bone.wall_mm:g} mm beside the bolt holes"
-    return Limit(max(minimum, base), holes if minimum > base else "is less than the base's")
-
-
-@RULES.at_least("bone.flange_height_mm")
-def flange_high_enough(design: DesignTables) -> Limit | None:
-    """The flange keeps a wall above and below its bolt holes, and covers the base."""
-    bone = design.bone
-    if bone.interface != "flange":
-        return None
-    minimum = bone.flange_spacing_y_mm + bone.flange_hole_diameter_mm + 2 * bone.wall_mm
-    base = base_size(design.dimensions)[1] + 2 * _MIN_SHOULDER
-    what = "leaves too little above and below the bolt holes" if minimum > base else "is less than the base's height"
-    return Limit(max(minimum, base), what)
-
-
-@RULES.rule("bone.flange_spacing_y_mm")
-def flange_rows_keep_a_wall(design: DesignTables) -> Violation | None:
-    bone = design.bone
-    minimum = bone.flange_hole_diameter_mm + bone.wall_mm
-    if bone.interface != "flange" or not 0.0 < bone.flange_spacing_y_mm < minimum - SLACK:
-        return None
-    return Violation(
-        f"{bone.flange_spacing_y_mm:g} mm leaves less than {bone.wall_mm:g} mm between the rows of bolt holes",
-        ((0.0, 0.0), *at_least(minimum)),
-    )
-
-
-@RULES.at_least("bone.flange_thickness_mm")
-def flange_prints(design: DesignTables) -> Limit | None:
-    return Limit(design.bone.wall_mm, "is thinner than a wall") if design.bone.interface == "flange" else None
-
-
-RIGID_INTERFACES = (Post(), Socket(), Flange())

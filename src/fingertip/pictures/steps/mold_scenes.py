@@ -171,7 +171,7 @@ def hold(bench: Bench, data: Data) -> Scene:
         chaplet, facet = data["chaplet"], given(bench.dims.chaplet).facet_y
         marks += [
             Label(f"{chaplet['thread']} x {chaplet['length_mm']:g} mm", (0.0, m.dorsal_height + lift, z)),
-            Label("facet on boss, forked\npaper between\nuntil it is held", (0.0, facet, z + 2.0)),
+            Label("facet on boss, forked\npaper between\nuntil it drags", (0.0, facet, z + 2.0)),
             Arrow((0.0, m.dorsal_height + lift, z + 6.0), (0.0, m.dorsal_height + 1.0, z + 6.0)),
         ]
     return Scene(

@@ -33,8 +33,6 @@ from fingertip.design.geometry.sizes import (
 from fingertip.design.geometry.solids import Box, Point3, Prism, Solid, cylinder, difference, intersection, union
 from fingertip.design.interfaces.interface import JointInterface, Shapes, base_size
 
-_STEP_FOOT_MM = 0.5
-"""Fillet between the gap of a fork and the narrower window of a folded tail [mm]."""
 _PIN_PLAY_MM = 0.2
 """Play of the anchor pin in its printed hole [mm]."""
 
@@ -203,8 +201,9 @@ def space(design: DesignTables, joint: Joint) -> Solid:
     top = max(high, dims.fold.window_low_z + TANGENT_STEP_MM) if dims.fold else high
     gap: Solid = Box((-half, -reach, low), (half, reach, top))
     if dims.fold and half > dims.tail_half_width:
-        # The window is narrower than the gap. Rounded, the step between both does not weaken the cheeks.
-        line = foot_line(_STEP_FOOT_MM, top, 1.0)
+        # The window is narrower than the gap. A fillet of the step weakens the cheeks less; its axis is the edge of the
+        # hand's tongue, so that all of the clearance remains.
+        line = foot_line(joint.clearance, top, 1.0)
         sides = ((half, reach), (-reach, -half))
         gap = difference(gap, *(flat_foot("y", *side, line, top + reach, 2 * reach) for side in sides))
     return union(around, gap)

@@ -46,8 +46,8 @@ def list_designs() -> str:
 
 @functools.cache
 def _draw_steps() -> dict[str, tuple[str, bytes]]:
-    """File name -> text and picture of each casting step of the default design."""
-    design = Design()
+    """File name -> text and picture of each casting step of the tutorial's design."""
+    design = Design.load("adult_finger")
     data = casting_sheet_data(design, measure_volumes(design, MeshEvaluator(_TOLERANCE_MM)), design.silicone.material)
     listed = steps(data)
     drawn = draw_steps(design, data, [step.picture for step in listed])

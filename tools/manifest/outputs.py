@@ -15,8 +15,8 @@ ROOT = Path(__file__).resolve().parents[2]
 FILE = Path(__file__).with_name("bytes.json")
 
 COMMANDS: dict[str, tuple[str, ...]] = {
+    "adult_finger": ("make", "params/adult_finger.toml"),
     "fsr400": ("make", "params/fsr400.toml"),
-    "fsr402": ("make", "params/fsr402.toml"),
     "pcb": ("board", "params/fsr400.toml", "--bringup"),
     "pcb/article": ("board", "params/article.toml", "--bringup"),
 }

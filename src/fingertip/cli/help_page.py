@@ -17,9 +17,9 @@ from fingertip.cli.options import COMMON
 
 EXAMPLES: dict[str, tuple[str, ...]] = {
     "": (
-        "fingertip make fsr400",
+        "fingertip make adult_finger",
         "fingertip new myfinger --sensor fsr402",
-        "fingertip detect out/fsr400/signal/trace.csv",
+        "fingertip detect out/adult_finger/signal/trace.csv",
     ),
     "new": (
         "fingertip new myfinger --sensor fsr402",
@@ -27,7 +27,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     ),
     "params": ("fingertip params fsr402", "fingertip params fsr400 --set skin.width_mm=18 --toml"),
     "schema": ("fingertip schema design", "fingertip schema sweep"),
-    "make": ("fingertip make fsr400", "fingertip make fsr400 --set skin.width_mm=18 --out out/wider"),
+    "make": ("fingertip make adult_finger", "fingertip make fsr400 --set skin.width_mm=18 --out out/wider"),
     "build": (
         "fingertip build fsr400 --formats stl",
         "fingertip build fsr400 --set skin.width_mm=18 --set name=wider --formats stl,3mf",

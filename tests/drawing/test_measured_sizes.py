@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -87,7 +89,11 @@ class StepFeatures:
         i, others = AXES[axis], [k for k in range(3) if k != AXES[axis]]
         parallel = [(p, r) for p, d, r in (*self.cylinders, *self.circles) if abs(abs(d[i]) - 1.0) < 1e-9]
         coaxial = [r for p, r in parallel if all(abs(p[k] - centre[k]) < 0.01 for k in others)]
-        assert coaxial, f"no cylinder about {centre}"
+        if not coaxial:  # a fillet of chords, whose ends lie on it
+            ends = (math.hypot(*(vertex[k] - centre[k] for k in others)) for vertex in self.vertices)
+            ((end, count),) = Counter(round(end, 4) for end in ends if abs(end - nominal) < _NEAR_MM).most_common(1)
+            assert count >= 6, f"no cylinder about {centre}"
+            return end, 1
         found = min(coaxial, key=lambda r: abs(r - nominal))
         axes = {tuple(round(p[k], 3) for k in others) for p, r in parallel if abs(r - found) < 1e-6}
         return found, len(axes)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import random
 import re
 import shlex
 import tomllib
@@ -89,17 +91,66 @@ def test_preset_and_hand_give_a_design_that_passes(folder: Path) -> None:
 
 
 @pytest.mark.full
-def test_lost_travel_is_asked_for_and_a_design_that_make_refuses_is_not_written(folder: Path) -> None:
+def test_lost_travel_is_asked_for(folder: Path) -> None:
     command = ("new", "mine", "--hand", "david_finger")
     refused = run_fingertip(*command)
     assert refused.returncode == 2
     assert "hand.travel_deg: 85 would become 47.3: 85 degrees leave" in refused.stderr
     assert "hand.tendon_distance_mm: 5.46 would become" in refused.stderr
-    allowed = (*command, "--allow-shorter-travel")
-    weak = run_fingertip(*allowed, "--set", "strength.grip_force_n=60")
-    assert weak.returncode == 2
-    assert "bone.safety_factor.grip: 1.0" in weak.stderr
-    assert not (folder / "mine.toml").exists()
-    assert run_fingertip(*allowed).returncode == 0
+    assert run_fingertip(*command, "--allow-shorter-travel").returncode == 0
     made = run_fingertip("build", "mine.toml", "--formats", "stl", "--out", "out")
     assert made.returncode == 0, made.stderr
+
+
+WEAK_HAND = """[hand]
+knuckle = "tongue"
+width_mm = 8.0
+axis_height_mm = 7.0
+pin_diameter_mm = 3.0
+clearance_radius_mm = 5.0
+tendon_distance_mm = 4.5
+travel_deg = 60.0
+"""
+
+
+@pytest.mark.full
+def test_a_design_that_make_refuses_is_not_written_and_a_larger_one_is_offered(folder: Path) -> None:
+    (folder / "hand.toml").write_text(WEAK_HAND)
+    command = ("new", "mine", "--hand", "hand.toml")
+    weak = run_fingertip(*command)
+    assert weak.returncode == 2
+    assert "bone.safety_factor.shock: 0.9" in weak.stderr
+    assert not (folder / "mine.toml").exists()
+    offered = re.search(r"it passes with (--set .*)", weak.stderr)
+    assert offered
+    assert run_fingertip(*command, *shlex.split(offered[1])).returncode == 0
+    assert run_fingertip("check", "mine.toml").returncode == 0
+    given = run_fingertip(*command, "--set", "skin.width_mm=18", "--set", "skin.semi_axis_dorsal_mm=8.9")
+    assert given.returncode == 2
+    assert "it passes with" not in given.stderr, "what is given stays"
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("seed", range(int(os.environ.get("FINGERTIP_RANDOM_HANDS", "2"))))
+def test_make_refuses_no_finger_for_an_invented_hand(seed: int, folder: Path) -> None:
+    rng = random.Random(seed)
+    radius = rng.uniform(3.5, 6.0)
+    sizes = {
+        "width_mm": rng.uniform(4.0, 9.0), "axis_height_mm": rng.uniform(6.5, 8.5), "clearance_radius_mm": radius,
+        "pin_diameter_mm": rng.uniform(1.5, radius), "tendon_distance_mm": rng.choice([0.0, rng.uniform(4.0, 6.0)]),
+        "travel_deg": rng.choice([0.0, rng.uniform(40.0, 100.0)]),
+    }  # fmt: skip
+    rows = [
+        f'knuckle = "{rng.choice(["tongue", "fork"])}"',
+        *(f"{name} = {value:.2f}" for name, value in sizes.items()),
+    ]
+    (folder / "hand.toml").write_text("\n".join(["[hand]", *rows, ""]))
+    preset = rng.choice(["adult_finger", "adult_thumb", "youth_finger"])
+    new = run_fingertip("new", "mine", "--preset", preset, "--hand", "hand.toml", "--allow-shorter-travel")
+    print(rows, new.stdout, new.stderr)
+    if new.returncode == 0:
+        made = run_fingertip("build", "mine.toml", "--formats", "stl", "--out", "out")
+        assert made.returncode == 0, made.stderr
+    else:
+        assert new.returncode == 2
+        assert not (folder / "mine.toml").exists()

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import shlex
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -25,10 +27,14 @@ from fingertip.cli.options import (
 from fingertip.foundation.errors import DesignError, FingertipError, Issue, gather
 
 if TYPE_CHECKING:
+    from fingertip.cad.verification.verify import VerifiedParts
+    from fingertip.design import Design
     from fingertip.design.new_design import NewDesign
 
 _TOLERANCE_MM = 0.01
 """Tolerance of the meshes on which a new design is checked [mm]: that of a build."""
+_LARGER_MM = (1.0, 2.0, 3.0, 4.0)
+"""Widths by which a finger that fails is made larger, and its height by half of them, until one passes [mm]."""
 
 
 @command
@@ -49,7 +55,8 @@ def new(
         str | None,
         typer.Option(
             metavar="FILE",
-            help="File with the sizes of your hand's joint, or a bundled hand: flexible_flyer or david_finger.",
+            help="File with the sizes of your hand's joint, or a bundled hand: amazing_hand, david_finger, "
+            "flexible_flyer, inmoov or orca_hand.",
         ),
     ] = None,
     out: Annotated[
@@ -97,28 +104,57 @@ def new(
     lines = [f"fitted: {name} {before:g} -> {after:g}" for name, (before, after) in made.fitted.items()]
     lines += [f"note: {reason}: a measured value was changed" for reason in made.reasons.values()]
     if preset or hand:
-        from fingertip.cad.kernel.mesh import MeshEvaluator
-        from fingertip.cad.shapes.parts import parts_by_name
         from fingertip.cad.verification.check import list_causes, list_warnings
         from fingertip.cad.verification.strength import describe_strength, strength_data
-        from fingertip.cad.verification.verify import verify
 
-        verified = verify(
-            made.design, parts_by_name(made.design), ("stl",), MeshEvaluator(_TOLERANCE_MM), console.progress
-        )
-        failed = [check for check in verified.checks if not check.passed]
-        if failed:
-            raise FingertipError([
+        verified = _check_new(made.design, console.progress)
+        if failed := [check for check in verified.checks if not check.passed]:
+            remedy = _find_passing(
+                lambda more: write_new_design(name, sensor, preset, hand, [*(changes or ()), *more], console.progress),
+                made.design, changes or (), allow_shorter_travel, console.progress,
+            )  # fmt: skip
+            issues = [
                 Issue(check.name, f"{check.value:.3g} {check.unit} must be {check.relation} {check.limit:g}, or `make` "
-                      f"fails; change {' or '.join(list_causes(check.name))} with --set")
+                      f"fails; {remedy or 'change ' + ' or '.join(list_causes(check.name)) + ' with --set'}")
                 for check in failed
-            ])  # fmt: skip
+            ]  # fmt: skip
+            raise FingertipError(issues)
         assert verified.strength
         data["strength"] = strength_data(verified.strength)
         lines += describe_strength(verified.strength)
         lines += (f"warning: {text}" for text in list_warnings(verified.checks))
     write_file(path, made.text.encode())
     console.result(data, "\n".join([*lines, f"wrote {path}; edit it, then run: {following}"]))
+
+
+def _check_new(design: Design, progress: Callable[[str], None]) -> VerifiedParts:
+    """Check the parts of a new design as a build does."""
+    from fingertip.cad.kernel.mesh import MeshEvaluator
+    from fingertip.cad.shapes.parts import parts_by_name
+    from fingertip.cad.verification.verify import verify
+
+    return verify(design, parts_by_name(design), ("stl",), MeshEvaluator(_TOLERANCE_MM), progress)
+
+
+def _find_passing(
+    make: Callable[[list[str]], NewDesign],
+    design: Design,
+    given: Sequence[str],
+    allow_shorter_travel: bool,
+    progress: Callable[[str], None],
+) -> str:
+    """Find the first larger finger that passes every check, as options to be typed; nothing if none does."""
+    for larger_mm in _LARGER_MM:
+        sizes = {"skin.width_mm": larger_mm, "skin.semi_axis_dorsal_mm": larger_mm / 2}
+        free = {name: by for name, by in sizes.items() if not any(change.startswith(name) for change in given)}
+        settings = [f"{name}={design.value(name) + by:g}" for name, by in free.items()]
+        progress(f"trying a larger finger: {' '.join(settings)}")
+        with contextlib.suppress(DesignError):
+            made = make(settings)
+            may_lose = allow_shorter_travel or not _find_lost_travel(made)
+            if free and may_lose and all(check.passed for check in _check_new(made.design, progress).checks):
+                return "it passes with " + " ".join(f"--set {setting}" for setting in settings)
+    return ""
 
 
 def _find_lost_travel(made: NewDesign) -> list[Issue]:

@@ -221,7 +221,7 @@ DEFECTS = {
     ),
     "thin wall beside the trough": Defect(
         bone, "sensor_recess", add(Box((-5.7, 2.9, 2.0), (0.0, 3.3, 4.0))),
-        {"bone.wall.trough_to_outside", "bone.wall.sensor_to_outside", "mold.open_paths"}, design="fsr400_compact",
+        {"bone.wall.trough_to_outside", "bone.wall.sensor_to_outside"}, design="fsr400_compact",
     ),
     "thin cheek": Defect(
         bone, "sensor_recess", add(Box((-6.0, -1.0, -5.0), (0.0, 1.0, -4.0))),

@@ -152,7 +152,7 @@ def test_list_to_buy_holds_what_the_procedure_uses_and_nothing_else(name: str, m
     assert all(f"| {item} |" in page.partition("## Printing")[0] for item in bought)
     hardware = {
         "mold release": "mold release", "chaplet screw": "screw", "syringe with Luer": "syringe",
-        "adhesive film": "adhesive film", "mold bolt": "bolts", "thread or lacing cord": "ie th",
+        "adhesive film": "adhesive film", "mold bolt": "bolts", "thread or lacing cord": "turns of thread",
         "insulated wire": "wires", "stranded wire": "wires", "calibration weight": "weight", "joint pin": "pin",
         "tendon": "tendon", "anchor pin": "anchor pin",
     }  # fmt: skip
@@ -268,7 +268,7 @@ FIGURES = {
         "fit.seat_tape.from_mm": 0.5,  # on a collar of 6 mm, 0.5 mm from both ends
         "fit.seat_tape.to_mm": 5.5,
         "bill.anchor pin of the tendon (spring steel wire).diameter_mm": 1.0,  # a hole of 1.2 mm and 0.2 mm of play
-        "bill.anchor pin of the tendon (spring steel wire).length_mm": 14.2,  # the chord of the collar there
+        "bill.anchor pin of the tendon (spring steel wire).length_mm": 14.5,  # the chord of the collar there
         "chaplet.length_mm": 12.0,  # M2 from 4 mm below the facet at 4.52 mm to less than the face at 12.9 mm
     },
     "fsr400 bone.interface=socket bone.base_length_mm=32": {

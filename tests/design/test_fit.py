@@ -43,7 +43,9 @@ def test_bundled_hand_gets_a_tip_of_its_own_sizes(hand: str) -> None:
 
 @pytest.mark.full
 def test_fit_is_reproducible_and_passes_all_rules() -> None:
-    begin = tables("adult_finger", **{"skin.width_mm": 20.0, "skin.semi_axis_dorsal_mm": 9.0})
+    begin = tables(
+        "adult_finger", **{"skin.width_mm": 20.0, "skin.semi_axis_dorsal_mm": 9.0, "hand.clearance_radius_mm": 5.0}
+    )
     given = ["skin.length_mm"]
     first, second = fit_design(begin, given), fit_design(begin, given)
     assert first == second

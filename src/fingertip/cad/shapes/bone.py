@@ -10,15 +10,13 @@ from __future__ import annotations
 from fingertip.cad.shapes.insert import filled_bone, flat_slab, pilot_hole
 from fingertip.design import Design
 from fingertip.design.geometry.conic import TANGENT_STEP_MM
-from fingertip.design.geometry.features import END_ROOM_MM, SLIDING_MM, TailFold
+from fingertip.design.geometry.features import CHEEK_FOOT_MM, END_ROOM_MM, SLIDING_MM, TailFold
 from fingertip.design.geometry.foot import flat_foot, foot_line
 from fingertip.design.geometry.solids import Box, ElbowTube, Solid, cylinder, difference, intersection, union
 from fingertip.design.interfaces import interface_of
 
 FOOT_GAP_MM = 0.05
 """Gap between the feet of the lid and the floor of the trough, for a bead of adhesive [mm]."""
-CHEEK_FOOT_MM = 1.2
-"""Fillet where the cheeks beside a folded tail's window stand on the base [mm]."""
 _OVERLAP_MM = 0.2
 """Length by which passages reach into the window [mm]. Boxes that only touch would leave coincident faces."""
 

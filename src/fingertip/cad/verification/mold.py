@@ -324,7 +324,8 @@ def flooded_mm3(design: Design, evaluator: MeshEvaluator) -> float:
     if not design.dimensions.window_opens_into_gap:
         hollows.append(bone.cable_channel(design))
     deep = intersection(union(*hollows), filled_bone(design, _DEEPER_MM))
-    return float(outside + (flooded ^ evaluator.manifold(deep)).volume())
+    # Where faces coincide, a body that lies in one of the two only may remain: the second intersection removes it.
+    return float(outside + (flooded ^ evaluator.manifold(deep) ^ flooded).volume())
 
 
 def leak_mm(design: Design) -> float:

@@ -24,11 +24,11 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes.bone import CHEEK_FOOT_MM
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.catalogues.print_materials import PRINT_MATERIALS, PrintMaterial
 from fingertip.design import Design
 from fingertip.design.formulas.stress import StressFactors
+from fingertip.design.geometry.features import CHEEK_FOOT_MM
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.clevis import tendon_force_per_n
 from fingertip.foundation.files import round_for_output

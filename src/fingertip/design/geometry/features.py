@@ -193,6 +193,8 @@ class TendonAnchor:
 
 SLIDING_MM = 0.3
 """Gap beside and above film, crimps and wires [mm]. An assumption."""
+CHEEK_FOOT_MM = 1.2
+"""Fillet where the cheeks beside a folded tail's window stand on the base [mm]."""
 END_ROOM_MM = 1.5
 """Room between the tabs and the end of the trough, for tails longer than stated [mm]. An assumption."""
 _BELOW_SEAL_MM = 0.5
@@ -254,11 +256,12 @@ def fold_tail(
     left = tail.film_mm - (sensor_z - nose_z) - math.pi * (radius_mm + tail.thickness_mm / 2)
     film_end_z = nose_z + left
     tabs_space = tail.thickness_mm + tail.crimp_height_mm + tail.wire_diameter_mm + SLIDING_MM
+    bend_to_foot = tail.thickness_mm + SLIDING_MM / 2 + CHEEK_FOOT_MM  # the fillets begin proximal to the film
     return TailFold(
         nose_y,
         nose_z,
         radius_mm,
-        nose_z - radius_mm - tabs_space,
+        nose_z - radius_mm - max(tabs_space, bend_to_foot),
         nose_y + radius_mm + TANGENT_STEP_MM,
         film_end_z,
         film_end_z + tail.tab_length_mm,

@@ -18,6 +18,7 @@ from fingertip.cad.shapes.bone import sensor_body
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.assembly import turn_about_pin
 from fingertip.cad.verification.strength import assess_strength
+from fingertip.cad.verification.walls import MEASURED, find_thin_walls
 from fingertip.design import Design
 from fingertip.design.geometry.features import Joint
 from fingertip.design.geometry.solids import Point3, Solid
@@ -58,7 +59,8 @@ def place_on_hand(
 _TOLERANCE_MM = 0.02
 _MARGIN_PX, _CAPTION_PX, _FONT_PX, _CLEAR_PX = 36, 24, 17, 5
 _INK, _MARK_INK = (40, 40, 40), (150, 30, 20)
-_PART_LABELS = (*PARTS, "sensor")
+_THIN, _THIN_COLOUR = "red: too thin", (0.85, 0.1, 0.1)
+_LABELS = (*PARTS, "sensor", _THIN)
 _COLOURS: Mapping[str, Colour] = {
     **{name: part.colour for name, part in PARTS.items()},
     "sensor": SENSOR_COLOUR,
@@ -87,12 +89,13 @@ def draw(design: Design, width_px: int = 1600, progress: Callable[[str], None] =
     parts = {name: evaluator.mesh(part.solid(design)) for name, part in parts_by_name(design).items()}
     parts["sensor"] = evaluator.mesh(sensor_body(design))
     exploded = _explode(parts)
+    exploded += _mark_thin_walls(design, evaluator, exploded)
     half, mark = width_px // 2, _mark_weakest(design, evaluator, exploded)
     progress("drawing: dorsal view")
-    dorsal = _draw_panel("dorsal view", exploded, Camera.from_angles(28, 24), half, labels=_PART_LABELS, mark=mark)
+    dorsal = _draw_panel("dorsal view", exploded, Camera.from_angles(28, 24), half, labels=_LABELS, mark=mark)
     progress("drawing: palmar view")
     camera = Camera.from_angles(28, -38)
-    palmar = _draw_panel("palmar view", exploded, camera, width_px - half, labels=_PART_LABELS)
+    palmar = _draw_panel("palmar view", exploded, camera, width_px - half, labels=_LABELS)
     top = np.full((max(len(dorsal), len(palmar)), width_px, 3), 255, dtype=np.uint8)
     top[: len(dorsal), :half], top[: len(palmar), half:] = dorsal, palmar
     panels = [top]
@@ -109,6 +112,17 @@ def draw(design: Design, width_px: int = 1600, progress: Callable[[str], None] =
         meshes = [PlacedMesh(name, mesh, _COLOURS[name]) for name, mesh in placed]
         panels.append(_draw_panel(title, meshes, Camera.from_angles(0, 0), width_px, labels=(HAND,)))
     return to_png(Image.fromarray(np.concatenate(panels)))
+
+
+def _mark_thin_walls(design: Design, evaluator: MeshEvaluator, exploded: list[PlacedMesh]) -> list[PlacedMesh]:
+    """Cover what is thinner than its minimum with red squares."""
+    marks = []
+    for item in exploded:
+        if item.label in MEASURED and (thin := find_thin_walls(design, evaluator, item.label)).matters:
+            squares = thin.patches()
+            moved = Mesh(squares.vertices + np.array(item.offset_mm), squares.triangles)
+            marks.append(PlacedMesh(_THIN, moved, _THIN_COLOUR, item.offset_mm))
+    return marks
 
 
 def _mark_weakest(design: Design, evaluator: MeshEvaluator, exploded: list[PlacedMesh]) -> Mark:

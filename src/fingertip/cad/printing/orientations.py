@@ -9,10 +9,9 @@ from functools import lru_cache
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.printing.overhang import MAX_UNSUPPORTED_MM2, bed_pose, find_ceilings
 from fingertip.cad.shapes import bone
-from fingertip.cad.shapes.insert import facet_cut
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.design import Design
-from fingertip.design.geometry.solids import Box, Solid, difference, scaled
+from fingertip.design.geometry.solids import Box, Solid, difference
 from fingertip.design.interfaces import interface_of
 
 LID_UPRIGHT_DEG, LID_ON_FEET_DEG = 0.0, 90.0
@@ -97,15 +96,15 @@ class Supports:
 
 
 def supports_by_part(design: Design) -> dict[str, Supports]:
-    dims, orientations = design.dimensions, print_orientations(design)
+    orientations = print_orientations(design)
     bridges = "nowhere: all ceilings are short bridges"
     every = {
         "bone": _bone(design),
         "mold_palmar": Supports((), bridges, "hollows, which silicone, bone, keys and nuts touch"),
         "mold_dorsal": Supports((), bridges, "hollows, which silicone, bone, screw and syringe touch"),
         "core": Supports(
-            (_everywhere(design, top=0.0), *_facet(design, design.mold.sleeve_interference_mm, dims.shrinkage)),
-            f"under the foot of the collar, outside{_rim(design)}",
+            (_everywhere(design, top=0.0),),
+            "under the foot of the collar, outside",
             "anything else above the collar",
         ),
     }
@@ -119,13 +118,13 @@ def supports_by_part(design: Design) -> dict[str, Supports]:
 def _bone(design: Design) -> Supports:
     """Supports of the bone: proximal to the skin on the outside, and where a lid covers them."""
     interface = interface_of(design)
-    under = interface.supports_below + _rim(design) + interface.supports_inside
+    under = interface.supports_below + interface.supports_inside
     none_on = "anything else above the collar; the seat of the sensor"
     dims, fold = design.dimensions, design.dimensions.fold
     below = _everywhere(design, top=0.0)
     if not fold:
         outside = difference(below, bone.sensor_recess(design), bone.cable_channel(design))
-        return Supports((outside, *_facet(design)), under, f"{none_on}; the channel of the cables")
+        return Supports((outside,), under, f"{none_on}; the channel of the cables")
     # Around the film, in the passage and on the nose, nothing may stand; the rest of its window is open on both sides.
     half, floor, end = dims.tail_half_width, dims.pocket_depth - dims.flat_depth, fold.trough_end_z
     film = Box(
@@ -134,7 +133,7 @@ def _bone(design: Design) -> Supports:
     # At its distal end the trough is open to the dorsal side, and neither the film nor the lid reaches the end.
     trough_end = Box((-half, fold.floor_y, fold.film_end_z), (half, 2 * _reach(design), end + _PAST_END_MM))
     return Supports(
-        (difference(below, film), trough_end, *_facet(design)),
+        (difference(below, film), trough_end),
         f"{under}; at the distal end of the trough",
         f"{none_on}; the passage of its film; the nose",
     )
@@ -151,15 +150,6 @@ def _lid(design: Design, lies: Orientation) -> Supports:
     return Supports(
         (_everywhere(design, top=0.0),), "under the foot of the collar", f"{none_on}; the space for tabs and film"
     )
-
-
-def _rim(design: Design) -> str:
-    return "; at the distal rim of the facet" if design.dimensions.chaplet else ""
-
-
-def _facet(design: Design, inset_mm: float = 0.0, growth: float = 1.0) -> tuple[Solid, ...]:
-    """Build the air that the facet of the chaplet leaves; none without one."""
-    return tuple(scaled(cut, growth) for cut in facet_cut(design, inset_mm))
 
 
 def _reach(design: Design) -> float:

@@ -31,12 +31,17 @@ _INTO_HOLLOW_MM = 0.3
 
 
 def facet_cut(design: Design, inset_mm: float = 0.0) -> tuple[Solid, ...]:
-    """Build what the facet cuts off bone or core, whose surface lies `inset_mm` inside the bone's; none without one."""
+    """Build what the facet cuts off bone or core, whose surface lies `inset_mm` inside the bone's; none without one.
+
+    It is a flat from side to side and up to the tip: a round one would leave crescents too thin to print beside it.
+    """
     chaplet = design.dimensions.chaplet
     if chaplet is None:
         return ()
-    top = 2 * design.dimensions.bone_outline.section.dorsal
-    return (cylinder("y", (chaplet.z, 0.0), chaplet.facet_y - inset_mm, top, chaplet.facet_radius),)
+    section = design.dimensions.bone_outline.section
+    side, top = 2 * section.half_width, 2 * section.dorsal  # past the bone
+    low = (-side, chaplet.facet_y - inset_mm, chaplet.flat_z)
+    return (Box(low, (side, top, design.skin.length_mm)),)
 
 
 def pilot_hole(design: Design) -> tuple[Solid, ...]:

@@ -24,6 +24,8 @@ _CAUSES: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("plate_*", _BUG),
     ("mold*.overhang", ("mold.bolt_diameter_mm", "mold.chaplet_screw", "mold.engraving_height_mm")),
     ("*.overhang", ("bone.groove_depth_mm", "bone.platform_mm", "bone.interface", "mold.chaplet_diameter_mm")),
+    ("skin.thin_walls", ("mold.chaplet_diameter_mm", "mold.chaplet_from_tip_mm")),
+    ("*.thin_walls", ("skin.width_mm", "skin.semi_axis_dorsal_mm", "bone.wall_mm", "bone.rim_mm")),
     ("skin.min_thickness", ("skin.thickness_side_mm", "bone.palmar_fullness", "skin.min_thickness_mm")),
     (
         "skin.*retained*",

@@ -21,6 +21,7 @@ from fingertip.cad.verification.pad import check_pad
 from fingertip.cad.verification.printing import check_mesh_file, check_overhang, check_print_files
 from fingertip.cad.verification.skin import check_skin, check_sleeve_stretch
 from fingertip.cad.verification.strength import BoneStrength, assess_strength
+from fingertip.cad.verification.walls import check_walls
 from fingertip.design import Design
 from fingertip.design.geometry.solids import scaled
 from fingertip.foundation.errors import DesignError, Issue
@@ -84,6 +85,7 @@ def check_parts(
         if PARTS[name].is_printed:
             yield Check(f"{name}.build_volume_excess", build_volume_excess(design, name, mesh), 0.0, "mm")
             yield check_overhang(design, evaluator, name, mesh)
+    yield from check_walls(design, evaluator, meshes)
     if "skin" in meshes:
         yield from check_skin(design, evaluator, meshes["skin"])
         yield from check_pad(design) if with_pad else ()

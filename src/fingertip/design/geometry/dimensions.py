@@ -274,7 +274,20 @@ class Dimensions(SkinDimensions):
         if mold.chaplet_diameter_mm == 0.0:
             return None
         z = self._design.skin.length_mm - mold.chaplet_from_tip_mm
-        return place_chaplet(self.bone_outline, z, mold.chaplet_diameter_mm, float(mold.chaplet_screw[1:]))
+        return self.place_chaplet(z)
+
+    def place_chaplet(self, z: float) -> Chaplet:
+        """Place the chaplet at a height of the finger."""
+        mold, screw_mm = self._design.mold, float(self._design.mold.chaplet_screw[1:])
+        return place_chaplet(self.bone_outline, z, mold.chaplet_diameter_mm, screw_mm, self.facet_begin_z)
+
+    @cached_property
+    def facet_begin_z(self) -> float:
+        """Least height at which the facet may begin, a wall distal to the groove and to the trough of a tail [mm]."""
+        bone = self._design.bone
+        groove = bone.groove_distance_mm + 2 * bone.groove_depth_mm + bone.groove_width_mm
+        trough_end = self.fold.trough_end_z if self.fold else 0.0
+        return max(groove if bone.groove_depth_mm else 0.0, trough_end) + bone.wall_mm
 
     @cached_property
     def draft_slope(self) -> float:

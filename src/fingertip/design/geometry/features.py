@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 
 _BESIDE_BOSS_MM = 0.5
 """Width of the facet beside the boss, so that a misplaced bone still rests on it [mm]."""
+_STEP_BESIDE_MM = 0.4
+"""Distance from the facet to the step at which its flat begins, where there is room [mm]: silicone between boss and
+step is thicker than its minimum."""
 _FACET_DEPTH_MM = 0.2
 _ENGAGED_DIAMETERS = 2.0
 """Engaged length of the self-tapping screw, in diameters. An assumption for printed resin."""
@@ -78,6 +81,8 @@ class Chaplet:
     radius: float
     """Radius of the boss where it meets the facet."""
     facet_radius: float
+    flat_z: float
+    """Proximal end of the flat of which the facet is a part."""
     thread: Thread
 
     @property
@@ -113,15 +118,16 @@ class Chaplet:
         return float(max((length for length in SCREW_LENGTHS_MM if length <= longest), default=SCREW_LENGTHS_MM[0]))
 
 
-def place_chaplet(outline: ConicBody, z: float, diameter: float, screw_mm: float) -> Chaplet:
-    """Place the chaplet at a height of the finger, with its facet as high as the bone allows."""
+def place_chaplet(outline: ConicBody, z: float, diameter: float, screw_mm: float, begin_z: float) -> Chaplet:
+    """Place the chaplet at a height of the finger, with its facet as high as the bone allows, distal to `begin_z`."""
     radius = diameter / 2
     facet = radius + _BESIDE_BOSS_MM
     lowest = min(
         outline.dorsal_height_at(facet * math.sin(angle), z + facet * math.cos(angle))
         for angle in (math.pi * i / _POINTS for i in range(_POINTS + 1))
     )
-    return Chaplet(z, lowest - _FACET_DEPTH_MM, radius, facet, find_thread(screw_mm))
+    flat_z = min(max(z - facet - _STEP_BESIDE_MM, begin_z), z - facet)
+    return Chaplet(z, lowest - _FACET_DEPTH_MM, radius, facet, flat_z, find_thread(screw_mm))
 
 
 NOTCH_WIDTH_MM = 2.5

@@ -52,6 +52,7 @@ class Clevis(JointInterface):
         removed = [space(design, joint), pin_bore(joint, across)]
         if anchor:
             removed.append(cylinder("x", (anchor.y, anchor.z), -across, across, anchor.radius))
+            removed += _open_ends(design, anchor)
             if not design.dimensions.window_opens_into_gap:
                 removed.append(notch(design, anchor))
         return added, tuple(removed)
@@ -230,6 +231,19 @@ def notch(design: DesignTables, anchor: TendonAnchor) -> Solid:
     return Box(
         (-half, -2 * section.palmar, joint.low_z - section.palmar),
         (half, anchor.y + anchor.radius, anchor.z + 2 * anchor.radius),
+    )
+
+
+def _open_ends(design: DesignTables, anchor: TendonAnchor) -> tuple[Box, Box]:
+    """Build the slots that open the anchor's hole towards the palm where the wall there would be too thin to print."""
+    section, wall = design.dimensions.collar.section, design.printer.min_wall_mm
+    begin = max(section.half_width_at(anchor.y - anchor.radius - wall), anchor.inner_half_width + wall)
+    reach, high = 2 * section.half_width, anchor.z + anchor.radius
+    # The foot of the collar rises towards the palm.
+    low = anchor.z - anchor.radius + design.dimensions.draft_slope * (section.palmar + anchor.y)
+    return (
+        Box((begin, -2 * section.palmar, low), (reach, anchor.y, high)),
+        Box((-reach, -2 * section.palmar, low), (-begin, anchor.y, high)),
     )
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from fingertip.catalogues.hardware import MAX_TRAP_RATIO, NUT_TRAP_CLEARANCE_MM, select_thread
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.conic import add_draft
-from fingertip.design.geometry.features import Chaplet, place_chaplet
+from fingertip.design.geometry.features import Chaplet
 from fingertip.design.geometry.seat import Loss, find_losses, list_insert_points, worst
 from fingertip.design.rules.bone import collar_carries_skin, groove_clear_of_sensor
 from fingertip.design.rules.ruleset import SLACK, Interval, Limit, Ruleset, Violation, at_most
@@ -281,16 +281,10 @@ def _find_share_missing(design: DesignTables, loss: Loss) -> float:
 
 def _find_missing_mm(design: DesignTables, from_tip_mm: float) -> float:
     """Return the length [mm] that the chaplet lacks at this distance from the tip; not positive where it fits."""
-    dims, bone, wall = design.dimensions, design.bone, design.bone.wall_mm
-    placed = dims.chaplet
-    assert placed
-    z = design.skin.length_mm - from_tip_mm
-    low = z - placed.facet_radius
-    groove = bone.groove_distance_mm + 2 * bone.groove_depth_mm + bone.groove_width_mm if bone.groove_depth_mm else 0.0
-    begins = max(groove, dims.fold.trough_end_z if dims.fold else 0.0) + wall
-    if low < begins - SLACK:
-        return begins - low
-    moved = place_chaplet(dims.bone_outline, z, design.mold.chaplet_diameter_mm, placed.thread.diameter_mm)
+    moved = design.dimensions.place_chaplet(design.skin.length_mm - from_tip_mm)
+    missing = design.dimensions.facet_begin_z - (moved.z - moved.facet_radius)
+    if missing > SLACK:
+        return missing
     return _least_facet_y(design, moved) - moved.facet_y
 
 

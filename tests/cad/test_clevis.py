@@ -138,7 +138,12 @@ def test_course_has_the_length_of_the_film(radius: float) -> None:
     [
         [],
         ["mold.method=sleeve"],
-        ["bone.interface=flange", "bone.base_length_mm=16.2", "bone.flange_spacing_x_mm=22.4"],
+        [
+            "bone.interface=flange",
+            "bone.base_length_mm=16.2",
+            "bone.flange_spacing_x_mm=24.5",
+            "bone.flange_width_mm=30",
+        ],
         ["bone.interface=socket", "bone.base_length_mm=18.7"],
         ["sensor.fold_radius_mm=2.6", "sensor.tab_length_mm=0", "sensor.crimp_height_mm=0.4"],
     ],

@@ -217,14 +217,14 @@ DEFECTS = {
         {"mold_palmar.draft_clearance_gain.bone"}, BOXY,
     ),
     "thin lid": Defect(
-        bone, "tail_space", add(Box((-1.0, 3.0, 2.0), (1.0, 5.3, 8.0))), {"lid.wall"}, design="fsr400_compact"
+        bone, "tail_space", add(Box((-1.0, 3.0, 2.0), (1.0, 6.9, 8.0))), {"lid.wall"}, design="fsr400_compact"
     ),
     "thin wall beside the trough": Defect(
-        bone, "sensor_recess", add(Box((-5.7, 2.9, 2.0), (0.0, 3.3, 4.0))),
+        bone, "sensor_recess", add(Box((-6.7, 2.9, 2.0), (0.0, 3.3, 4.0))),
         {"bone.wall.trough_to_outside", "bone.wall.sensor_to_outside"}, design="fsr400_compact",
     ),
     "thin cheek": Defect(
-        bone, "sensor_recess", add(Box((-6.0, -1.0, -5.0), (0.0, 1.0, -4.0))),
+        bone, "sensor_recess", add(Box((-7.0, -1.0, -5.0), (0.0, 1.0, -4.0))),
         {"bone.wall.window_to_outside", "bone.overhang"}, design="fsr400_compact",
     ),
     "groove that ends within the mold": Defect(

@@ -35,12 +35,12 @@ from fingertip.foundation.files import round_for_output
 from fingertip.foundation.numerics import Array
 
 STATIONS = 160
-AT_COLLAR, AT_CHANNEL_MOUTH, AT_WINDOW, REACH_MM = 1.6, 2.7, 3.3, 1.0
+AT_COLLAR, AT_CHANNEL_MOUTH, AT_WINDOW, REACH_MM = 1.6, 2.7, 2.7, 1.0
 """Stress concentration beside the collar, at the mouth of the cable channel and at the proximal end of a closed window,
 and how far those of collar and window act [mm].
 
 Own finite elements (tests/cad/test_bone_elements.py) found 1.4 to 1.6 at collars of 2 and 6 mm, whose corners are not
-rounded, 2.5 to 2.7 at mouths, and 2.3 to 3.3 at windows, whose cheeks bend each on its own. Formulas of shoulders would
+rounded, 2.5 to 2.7 at mouths, and 2.3 to 2.65 at windows, whose cheeks bend each on its own. Formulas of shoulders would
 give 2 to 2.5 at collars: they hold for shafts that stay thick.
 """
 WANTED_AT_GRIP, WANTED_AT_SHOCK = 2.0, 1.2

@@ -63,7 +63,8 @@ class Clevis(JointInterface):
 
     def depth(self, design: DesignTables) -> float:
         joint = _joint_of(design)
-        return joint.radius + joint.clearance
+        step = 0.0 if joint.travel_deg else joint.foot  # without stops the base ends dorsal to the eyes too
+        return joint.radius + joint.clearance + step
 
     def low_z(self, design: DesignTables) -> float:
         joint = _joint_of(design)

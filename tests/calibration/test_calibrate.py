@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.shapes.coupon_layout import WALLS_MM
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.verification.verify import verify
 from fingertip.calibration.printer import (
@@ -77,6 +78,9 @@ def test_thinnest_wall_from_which_on_all_print() -> None:
     tables["wall_0_7_mm"] = [0.41, 0.4]  # a torn one: less than 80 % of its thickness
     assert wall() == 0.8
     tables["wall_0_7_mm"] = [0.71, 0.7]
+    for mm in WALLS_MM:
+        tables[f"wall_{mm:.1f}_mm".replace(".", "_")] = [mm]
+    assert wall() == min(WALLS_MM), "thinner ones were not tried"
     tables["wall_1_2_mm"] = []
     assert wall() is None
     for name in [name for name in tables if name.startswith("wall_")]:

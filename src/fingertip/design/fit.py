@@ -95,9 +95,9 @@ def fit_design(
 
     nearest, values = math.inf, dict(begin)
     for number, kind in enumerate(_ROUNDS):
-        progress(number / len(_ROUNDS))
         reached: list[tuple[float, dict[str, float]]] = []
         for seed in range(kind.searches):
+            progress((number + seed / kind.searches) / len(_ROUNDS))
             reached.append(_search(kind, seed, free, begin, broken))
             if sum(score == 0.0 for score, _ in reached) == kind.choice:
                 break

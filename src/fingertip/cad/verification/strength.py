@@ -40,8 +40,8 @@ AT_COLLAR, AT_CHANNEL_MOUTH, AT_WINDOW, REACH_MM = 1.6, 2.7, 2.7, 1.0
 and how far those of collar and window act [mm].
 
 Own finite elements (tests/cad/test_bone_elements.py) found 1.4 to 1.6 at collars of 2 and 6 mm, whose corners are not
-rounded, 2.5 to 2.7 at mouths, and 2.3 to 2.65 at windows, whose cheeks bend each on its own. Formulas of shoulders would
-give 2 to 2.5 at collars: they hold for shafts that stay thick.
+rounded, 2.5 to 2.7 at mouths, and 2.3 to 2.65 at windows, whose cheeks bend each on its own. Formulas of shoulders
+would give 2 to 2.5 at collars: they hold for shafts that stay thick.
 """
 WANTED_AT_GRIP, WANTED_AT_SHOCK = 2.0, 1.2
 """Safety factors below which a build warns."""

@@ -123,7 +123,7 @@ def bill_of_materials(design: Design) -> list[dict[str, Any]]:
         *_mold_hardware(design),
         *interface_of(design).bolts(design),
         {
-            "item": "insulated wire" if design.dimensions.fold else "stranded wire", **describe_bought_wires(design),
+            "item": "stranded wire", **describe_bought_wires(design),
             "count": 2,
         },
         # In a fork with a folded tail the wires are glued only.

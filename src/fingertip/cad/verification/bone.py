@@ -30,6 +30,7 @@ from fingertip.design.geometry.features import SLIDING_MM, TailFold
 from fingertip.design.geometry.skin_dimensions import RAMP_SLOPE
 from fingertip.design.geometry.solids import union
 from fingertip.design.interfaces import interface_of
+from fingertip.design.interfaces.clevis import ANCHOR_PIN_MPA, anchor_pin_stress_mpa
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -184,6 +185,9 @@ def check_strength(design: Design, strength: BoneStrength) -> tuple[Check, ...]:
             *_warn_of_load(strength, strength.at_shock, "shock", limits.shock_force_n, strength.shock_safety_factor),
         ),
     ]  # fmt: skip
+    if design.dimensions.anchor:
+        bending = anchor_pin_stress_mpa(design, strength.tendon_force_n)
+        checks.append(Check("joint.anchor_pin_stress", bending, ANCHOR_PIN_MPA, "MPa"))
     if strength.material.process != "fdm" or limits.print_direction != "upright":
         # The design sets no limit for a material that it is not made for: the check can only warn.
         factor = filament_grip_factor(design, strength)

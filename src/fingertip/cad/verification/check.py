@@ -47,6 +47,7 @@ _CAUSES: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("bone.wall.cheek", ("hand.width_mm",)),
     ("bone.wall.tongue", ("hand.width_mm",)),
     ("joint.tendon_overlap", ("hand.tendon_distance_mm", "hand.tendon_diameter_mm")),
+    ("joint.anchor_pin_stress", ("bone.anchor_diameter_mm", "hand.tendon_diameter_mm", "hand.tendon_distance_mm")),
     ("joint.*", ("hand.travel_deg", "bone.joint_clearance_mm", "hand.clearance_radius_mm")),
     ("sensor.pocket_clearance", ("sensor.clearance_mm", "sensor.adhesive_thickness_mm")),
     ("sensor.*", ("sensor.distance_from_tip_mm", "bone.relief_length_mm")),

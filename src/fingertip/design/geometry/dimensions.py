@@ -45,6 +45,8 @@ _SEAL_MM = 2.0
 assumption."""
 TAB_WIDTH_MM = 1.0
 """Width of a solder tab [mm]: an assumption."""
+PIN_LENGTHS_MM = (4, 5, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 28, 32)
+"""Standard lengths of dowel pins (ISO 8734)."""
 _BODY_OVERLAP_MM = 0.2
 """Depth to which the body of a sleeve's core reaches into the collar [mm]. Solids that only touch would leave
 coincident faces."""
@@ -79,8 +81,9 @@ class Dimensions(SkinDimensions):
 
     @cached_property
     def pin_length(self) -> float:
-        """Length of the joint's pin through the cheeks of a fork, to a tenth of a millimetre."""
-        return round(2 * self.bone_outline.section.half_width, 1)
+        """Length of the joint's pin through the cheeks of a fork: the longest on sale that does not stand out [mm]."""
+        across = 2 * self.bone_outline.section.half_width
+        return float(max((length for length in PIN_LENGTHS_MM if length <= across), default=PIN_LENGTHS_MM[0]))
 
     @cached_property
     def base_end_z(self) -> float:

@@ -8,6 +8,7 @@ first with the concentration at a hole.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -35,6 +36,8 @@ from fingertip.design.interfaces.interface import JointInterface, Shapes, base_s
 
 _PIN_PLAY_MM = 0.2
 """Play of the anchor pin in its printed hole [mm]."""
+ANCHOR_PIN_MPA = 1500.0
+"""Stress up to which spring steel wire springs back [MPa]: three quarters of its tensile strength (EN 10270-1)."""
 
 
 class Clevis(JointInterface):
@@ -153,7 +156,7 @@ class Clevis(JointInterface):
         if anchor:
             items.append({
                 "item": "anchor pin of the tendon (spring steel wire)",
-                "diameter_mm": round(design.bone.anchor_diameter_mm - _PIN_PLAY_MM, 1),
+                "diameter_mm": _anchor_pin_mm(design),
                 "length_mm": round(2 * design.dimensions.collar.section.half_width_at(anchor.y), 1), "count": 1,
             })  # fmt: skip
             items.append({
@@ -268,6 +271,15 @@ def tendon_force_per_n(design: DesignTables, load_z_mm: float) -> float:
     """Force of the tendon per newton of load on the pad or apex, by their levers about the pin; 0 without a tendon."""
     joint, anchor = design.dimensions.joint, design.dimensions.anchor
     return (load_z_mm - joint.axis_z) / anchor.distance if joint and anchor else 0.0
+
+
+def anchor_pin_stress_mpa(design: DesignTables, force_n: float) -> float:
+    """Bending stress of the anchor pin [MPa], whose tendon pulls by half its force at a knot beside each cheek [N]."""
+    return 0.5 * force_n * design.hand.tendon_diameter_mm / (math.pi * _anchor_pin_mm(design) ** 3 / 32)
+
+
+def _anchor_pin_mm(design: DesignTables) -> float:
+    return round(design.bone.anchor_diameter_mm - _PIN_PLAY_MM, 1)
 
 
 def _eye_thickness(dims: Dimensions, joint: Joint) -> float:

@@ -49,6 +49,7 @@ from fingertip.design.geometry.features import END_ROOM_MM
 from fingertip.design.geometry.mold_layout import size_clamp_bolts
 from fingertip.design.geometry.seat import min_skin_thickness, sleeve_inset_mm, worst
 from fingertip.design.interfaces import INTERFACES, interface_of
+from fingertip.design.interfaces.clevis import tendon_force_per_n
 from fingertip.documents.template import lay_out_page, render, render_rows
 from fingertip.filling.mold_filling import MAX_AIR_MM3, injected_cm3, predict_mold_filling
 from fingertip.filling.vents import find_pose, place_vents
@@ -74,6 +75,7 @@ def casting_sheet_data(
     compensated_percent, tolerance_percent = design.mold.silicone_shrinkage_percent, 0.05
     joint = {
         "pin_mm": hand.pin_diameter_mm, "travel_deg": hand.travel_deg, "tendon_distance_mm": hand.tendon_distance_mm,
+        "tendon_force_n": round(design.strength.grip_force_n * tendon_force_per_n(design, design.skin.length_mm)),
     }  # fmt: skip
     data: dict[str, Any] = {
         "design": design.name,

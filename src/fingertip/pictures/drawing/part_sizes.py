@@ -85,7 +85,7 @@ def lid_drawing(design: Design) -> PartDrawing:
         Length("height", OUTER, "front", "right", "y", (half, foot, end), (half, top, low), located(design, top - foot),
                "sand the feet: a high lid presses the skin thin, a low one leaves a step"),
         Length("width of the space for the tabs", INNER, "end", "above", "x", (fold.tabs_half_width, tabs, low),
-               (-fold.tabs_half_width, tabs, low), None, "low: file it until a drill of this size passes"),
+               (-fold.tabs_half_width, tabs, low), None, "narrow: file it, and measure it with calipers"),
         Length("height of the space for the tabs", STEP, "section", "left", "y", (half, foot, end), (0.0, tabs, low),
                None, "file it until crimps and wires pass: the lid must not press on them"),
         Length("height of the space for the film", STEP, "end", "right", "y", (half, foot, end), (half, film, low)),

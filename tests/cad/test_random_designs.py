@@ -27,6 +27,7 @@ TABLES = ("sensor.", "bone.", "hand.", "skin.", "mold.")
 VARIED = [p.path for p in list_parameters() if p.path.startswith(TABLES) and p.unit]
 NOT_GEOMETRY = (
     "build_volume_excess", "mold.fill_time", "mold.syringe_force", "mold.syringe_volume", "mold.leak_length",
+    "joint.anchor_pin_stress",
 )  # fmt: skip
 UNLIMITED = ["strength.min_grip_factor=0", "strength.min_shock_factor=0"]
 

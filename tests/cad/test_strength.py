@@ -23,7 +23,7 @@ from fingertip.cad.verification.strength import (
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.design import Design
 from fingertip.design.formulas.stress import hole_in_tension, shoulder_in_bending
-from tests.conftest import run_fingertip
+from tests.conftest import design_file, run_fingertip
 
 DESIGN = Design()
 
@@ -232,3 +232,14 @@ def test_sections_agree_with_the_exact_solid():
         thin = 1e-3
         assert section.second_xx_mm4 == pytest.approx(matrix.Value(1, 1) / thin, rel=5e-3)
         assert section.second_yy_mm4 == pytest.approx(matrix.Value(2, 2) / thin, rel=5e-3)
+
+
+def test_thin_anchor_pin_bends_at_the_grip() -> None:
+    """A round bar: stress M / (pi d^3 / 32), with half of the tendon's force at its own thickness from each cheek."""
+    design = Design.load(design_file("adult_finger"), changes=["bone.anchor_diameter_mm=0.9"])
+    evaluator = MeshEvaluator(0.05)
+    found = assess_strength(design, evaluator)
+    (check,) = (one for one in check_strength(design, found) if one.name == "joint.anchor_pin_stress")
+    tendon_n = 20.0 * (25.0 + 10.0) / design.hand.tendon_distance_mm
+    assert check.value == pytest.approx(tendon_n / 2 * 0.8 * 32 / (math.pi * 0.7**3))
+    assert not check.passed

@@ -257,7 +257,6 @@ def describe_strength(strength: BoneStrength) -> list[str]:
 
 def strength_data(strength: BoneStrength) -> dict[str, Any]:
     """Return the entry of report.json."""
-    weakest = strength.weakest
     return {
         "material": strength.material.name,
         "strength_mpa": strength.material.strength_mpa,
@@ -265,12 +264,17 @@ def strength_data(strength: BoneStrength) -> dict[str, Any]:
         "grip_safety_factor": round_for_output(strength.grip_safety_factor),
         "shock_safety_factor": round_for_output(strength.shock_safety_factor),
         "tendon_force_n": round_for_output(strength.tendon_force_n),
-        "weakest": {
-            "load": weakest.load,
-            "place": weakest.place,
-            "z_mm": round_for_output(weakest.z_mm),
-            "stress_concentration": round_for_output(weakest.concentration),
-            "stress_mpa_per_n": round_for_output(weakest.stress_per_n),
-            "direction": list(weakest.direction),
-        },
+        "weakest": _weakness_data(strength.weakest),
+        "weakest_at_shock": _weakness_data(strength.at_shock),
+    }
+
+
+def _weakness_data(weakness: Weakness) -> dict[str, Any]:
+    return {
+        "load": weakness.load,
+        "place": weakness.place,
+        "z_mm": round_for_output(weakness.z_mm),
+        "stress_concentration": round_for_output(weakness.concentration),
+        "stress_mpa_per_n": round_for_output(weakness.stress_per_n),
+        "direction": list(weakness.direction),
     }

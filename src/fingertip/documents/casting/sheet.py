@@ -74,7 +74,8 @@ def casting_sheet_data(
     bolts, hand, shrinkage = size_clamp_bolts(design.mold, design.mold_layout), design.hand, silicone.shrinkage_percent
     compensated_percent, tolerance_percent = design.mold.silicone_shrinkage_percent, 0.05
     joint = {
-        "pin_mm": hand.pin_diameter_mm, "travel_deg": hand.travel_deg, "tendon_distance_mm": hand.tendon_distance_mm,
+        "pin_mm": hand.pin_diameter_mm, "play_mm": round(2 * design.bone.joint_clearance_mm, 2),
+        "travel_deg": hand.travel_deg, "tendon_distance_mm": hand.tendon_distance_mm,
         "tendon_force_n": round(design.strength.grip_force_n * tendon_force_per_n(design, design.skin.length_mm)),
     }  # fmt: skip
     data: dict[str, Any] = {

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_arrays
+from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.verification.check import Check
 from fingertip.design import Design
@@ -78,8 +78,8 @@ def find_thin_walls(design: Design, evaluator: MeshEvaluator, part: str) -> Thin
 
 def measure_walls(solid: Manifold, limit_mm: float) -> ThinWalls:
     """Cast rays into a solid from points spread over its surface, and keep those with a wall below a limit."""
-    vertices, triangles = to_arrays(solid)
-    corners = vertices[triangles]
+    mesh = to_canonical_mesh(solid)  # in the same order, however the solid was made
+    corners = mesh.vertices[mesh.triangles]
     edges = corners[:, 1:] - corners[:, :1]
     across = np.cross(edges[:, 0], edges[:, 1])
     sums = np.cumsum(0.5 * np.linalg.norm(across, axis=1))

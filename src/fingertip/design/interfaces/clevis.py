@@ -162,7 +162,7 @@ class Clevis(JointInterface):
             items.append({
                 "item": "tendon (braided line, as long as the hand needs)",
                 "diameter_mm": design.hand.tendon_diameter_mm, "count": 1,
-                "note": f"it breaks at {_least_line_n(design):.0f} N or more, four times its force at the grip: a "
+                "note": f"it breaks at {_min_line_n(design):.0f} N or more, four times its force at the grip: a "
                 "knot takes half",
             })  # fmt: skip
         return items
@@ -275,7 +275,7 @@ def tendon_force_per_n(design: DesignTables, load_z_mm: float) -> float:
     return (load_z_mm - joint.axis_z) / anchor.distance if joint and anchor else 0.0
 
 
-def _least_line_n(design: DesignTables) -> float:
+def _min_line_n(design: DesignTables) -> float:
     return round(4 * design.strength.grip_force_n * tendon_force_per_n(design, design.skin.length_mm), -1)
 
 

@@ -134,9 +134,13 @@ class ProcessEngine:
             return
         late = (self._pool._processes or {}).values()  # in case the pool started a process after all
         self._processes += [process for process in late if process not in self._processes]
+        thread: threading.Thread | None = self._pool._executor_manager_thread  # type: ignore[assignment]
         self._pool.shutdown(wait=False, cancel_futures=True)
         self._stop_workers()
         self._pool = None
+        # Python wakes the thread when it ends, and fails if it ends in that moment.
+        if thread is not None:
+            thread.join()
 
     def _stop_workers(self) -> None:
         for process in self._processes:

@@ -59,8 +59,9 @@ def _orient_lid(design: Design) -> Orientation:
     mesh, areas = MeshEvaluator(_COARSE_MM).mesh(PARTS["lid"].solid(design)), {}
     for rotation in _LID_FACES:
         areas[rotation] = [each.unsupported_mm2() for each in find_ceilings(bed_pose(mesh, rotation).apply(mesh))]
+    # On a finer mesh an area can be twice as large.
     best = min(areas, key=lambda rotation: round(sum(areas[rotation]), 2))
-    return Orientation(best, _LID_FACES[best], any(area > MAX_UNSUPPORTED_MM2 for area in areas[best]))
+    return Orientation(best, _LID_FACES[best], any(area > MAX_UNSUPPORTED_MM2 / 2 for area in areas[best]))
 
 
 def build_volume_excess(design: Design, name: str, mesh: Mesh) -> float:
@@ -147,9 +148,10 @@ def _lid(design: Design, lies: Orientation) -> Supports:
     if lies.rotate_x_deg == LID_ON_FEET_DEG:
         where = "under its thin sides, beside which it stands on its feet"
         return Supports((_everywhere(design, top=_reach(design)),), where, none_on)
-    return Supports(
-        (_everywhere(design, top=0.0),), "under the foot of the collar", f"{none_on}; the space for tabs and film"
-    )
+    rims = design.dimensions.lips_top_y is not None
+    top, where = (design.sensor.clearance_mm + _PAST_END_MM, " and of its rims") if rims else (0.0, "")
+    where = f"under the foot of the collar{where}"
+    return Supports((_everywhere(design, top=top),), where, f"{none_on}; the space for tabs and film")
 
 
 def _reach(design: Design) -> float:

@@ -67,16 +67,32 @@ def _head_pocket(design: Design, outside: float) -> Solid:
 def trough(design: Design, fold: TailFold) -> Solid:
     half_width = design.dimensions.tail_half_width
     dorsal = 2 * design.dimensions.bone_outline.section.dorsal  # past the bone
-    return Box((-half_width, fold.floor_y, fold.nose_z - _OVERLAP_MM), (half_width, dorsal, fold.trough_end_z))
+    slot = Box((-half_width, fold.floor_y, fold.nose_z - _OVERLAP_MM), (half_width, dorsal, fold.trough_end_z))
+    return union(slot, *_above_lips(design, 0.0, 0.0))
+
+
+def _above_lips(design: Design, up_mm: float, begin_z: float) -> tuple[Solid, ...]:
+    """Build the space above lips that are too thin to print, from side to side and to the tip; none above others.
+
+    Their end is as low as they are: a higher one would be printed over air.
+    """
+    dims = design.dimensions
+    if dims.lips_top_y is None:
+        return ()
+    side, dorsal = 2 * dims.bone_outline.section.half_width, 2 * dims.bone_outline.section.dorsal
+    return (Box((-side, dims.lips_top_y + up_mm, begin_z), (side, dorsal, design.skin.length_mm)),)
 
 
 def tail_space(design: Design) -> Solid:
-    """Build the space under the trough's lid, higher over crimps and wires; it stands on feet beside the tabs."""
+    """Build the space under the trough's lid, higher over crimps and wires; it stands on feet beside the tabs.
+
+    It ends below a lid that reaches past the trough's end, and is open at the end of others.
+    """
     fold = design.dimensions.fold
     assert fold
     half = design.dimensions.tail_half_width
-    low, high = fold.nose_z - _OVERLAP_MM, fold.trough_end_z + _OVERLAP_MM  # past both ends of the lid
-    deep = fold.floor_y - _OVERLAP_MM
+    past = _OVERLAP_MM if design.dimensions.lips_top_y is None else 0.0
+    low, high, deep = fold.nose_z - _OVERLAP_MM, fold.trough_end_z + past, fold.floor_y - _OVERLAP_MM
     return union(
         Box(
             (-half - _OVERLAP_MM, deep, low),
@@ -93,7 +109,8 @@ def lid(design: Design) -> Solid:
     half = design.dimensions.sensor.tail_width_mm / 2
     dorsal = 2 * design.dimensions.bone_outline.section.dorsal
     block = Box((-half, fold.floor_y + FOOT_GAP_MM, fold.nose_z), (half, dorsal, fold.trough_end_z - gap))
-    return difference(intersection(filled_bone(design), block), tail_space(design))
+    outline = union(block, *_above_lips(design, FOOT_GAP_MM, gap))
+    return difference(intersection(filled_bone(design), outline), tail_space(design))
 
 
 def _window(design: Design, fold: TailFold, half_width: float) -> Solid:

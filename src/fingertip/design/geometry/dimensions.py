@@ -52,6 +52,8 @@ _BODY_OVERLAP_MM = 0.2
 coincident faces."""
 _MIN_COLLAR_STEP_MM = 0.4
 """Least step from the base of a bone below a crown to its collar [mm], which the mold's recess follows."""
+_SHARP = 0.8
+"""Thickness over height, or height over thickness, below which an edge counts as sharp: 51 degrees on the average."""
 _RIM_POINTS = 64
 """Intervals at which the flat's margin around the sensor is sampled."""
 
@@ -243,9 +245,43 @@ class Dimensions(SkinDimensions):
     @cached_property
     def cheek_top_y(self) -> float:
         """Height at which the cheeks beside a folded tail's window end, a wall thick: higher ones end in an edge."""
-        section, bone = self.bone_outline.section, self._design.bone
-        needed = self.tail_half_width + bone.wall_mm
-        return bisect(lambda y: section.half_width_at(y) >= needed, 0.0, section.dorsal, halvings=40)[0]
+        return self._thick_up_to_y(self.tail_half_width, 0.0)
+
+    @cached_property
+    def lips_top_y(self) -> float | None:
+        """Height from which a folded tail's lid is as wide as the bone: the trough's lips would be too thin to print.
+
+        None where they print.
+        """
+        fold, outline, wall = self.fold, self.bone_outline, self._design.bone.wall_mm
+        top = self.blunt_up_to_y(self.tail_half_width, fold.trough_end_z) if fold else None
+        if fold is None or top is None:
+            return None
+
+        end_z = self.chaplet.flat_z if self.chaplet else self.facet_begin_z
+
+        def width_of_edge(y: float) -> float:
+            """Width of the lid's edge over the height of a wall: a low edge is blunt."""
+            return outline.half_width_at(y, end_z) - outline.half_width_at(y + wall, end_z)
+
+        blunt = bisect(lambda y: width_of_edge(y) <= _SHARP * wall, 0.0, top, halvings=40)[0]
+        return max(blunt, self.chaplet.facet_y if self.chaplet else 0.0, fold.floor_y + fold.film_space_mm)
+
+    def blunt_up_to_y(self, half_width: float, z: float) -> float | None:
+        """Find where bone beside a slot with a width is as thick as a wall, if its edge above is sharp; else None.
+
+        A sharp edge does not print, and is cut off.
+        """
+        thick_y, edge_y = self._thick_up_to_y(half_width, z), self._height_y(half_width, z)
+        return thick_y if edge_y - thick_y > _SHARP * self._design.bone.wall_mm else None
+
+    def _thick_up_to_y(self, half_width: float, z: float) -> float:
+        return self._height_y(half_width + self._design.bone.wall_mm, z)
+
+    def _height_y(self, half_width: float, z: float) -> float:
+        """Find the dorsal height at which half the width of the bone's outline is this [mm]."""
+        outline = self.bone_outline
+        return bisect(lambda y: outline.half_width_at(y, z) >= half_width, 0.0, outline.section.dorsal, halvings=40)[0]
 
     @cached_property
     def collar(self) -> ConicBody:

@@ -207,13 +207,18 @@ def space(design: DesignTables, joint: Joint) -> Solid:
     # The window of a folded tail lies above the gap, and opens into it.
     top = max(high, dims.fold.window_low_z + TANGENT_STEP_MM) if dims.fold else high
     gap: Solid = Box((-half, -reach, low), (half, reach, top))
+    edges: tuple[Solid, ...] = ()
+    if (blunt := dims.blunt_up_to_y(half, 0.0)) is not None:
+        # Beside the window of a folded tail the cheeks are lower still.
+        low_y, end_z = (min(blunt, dims.cheek_top_y), dims.fold.nose_z) if dims.fold else (blunt, top)
+        edges = (Box((-reach, low_y, low), (reach, reach, end_z)),)
     if dims.fold and half > dims.tail_half_width:
         # The window is narrower than the gap. A fillet of the step weakens the cheeks less; its axis is the edge of the
         # hand's tongue, so that all of the clearance remains.
         line = foot_line(joint.clearance, top, 1.0)
         sides = ((half, reach), (-reach, -half))
         gap = difference(gap, *(flat_foot("y", *side, line, top + reach, 2 * reach) for side in sides))
-    return union(around, gap)
+    return union(around, gap, *edges)
 
 
 def eye_profile(joint: Joint, reach: float) -> Solid:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import bone
-from fingertip.cad.shapes.insert import filled_bone, flat_slab
+from fingertip.cad.shapes.insert import filled_bone, flat_slab, sensor_insert
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.check import (
     PLANE_OFFSET_MM,
@@ -26,7 +26,7 @@ from fingertip.cad.verification.check import (
 from fingertip.cad.verification.strength import BoneStrength, Weakness
 from fingertip.catalogues.print_materials import PRINT_MATERIALS, PrintMaterial
 from fingertip.design import Design
-from fingertip.design.geometry.features import SLIDING_MM, TailFold
+from fingertip.design.geometry.features import INSERT_BASE_MM, SLIDING_MM, TailFold
 from fingertip.design.geometry.skin_dimensions import RAMP_SLOPE
 from fingertip.design.geometry.solids import union
 from fingertip.design.interfaces import interface_of
@@ -54,7 +54,9 @@ def check_air_vent(design: Design, evaluator: MeshEvaluator) -> Check:
     is a second one.
     """
     solid = union(*(part.solid(design) for name, part in parts_by_name(design).items() if name in _CLOSED))
-    air = complement(evaluator, solid) - evaluator.manifold(bone.sensor_body(design))
+    # Tape and film fill what an insert leaves free above the sensor.
+    filled = union(bone.sensor_body(design), *sensor_insert(design, INSERT_BASE_MM))
+    air = complement(evaluator, solid) - evaluator.manifold(filled)
     # Inner walls have a negative volume, and surfaces that touch leave slivers.
     volumes = [body for body in air.decompose() if body.volume() > VOLUME_TOLERANCE_MM3]
     return Check("sensor.air_volumes", len(volumes), 1, "volumes", "exactly")

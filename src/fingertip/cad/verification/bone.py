@@ -203,6 +203,12 @@ def filament_grip_factor(design: Design, strength: BoneStrength) -> float:
     return _grip_factor(design, strength, _find_filament())
 
 
+def filament_breaks_at_n(strength: BoneStrength) -> tuple[float, float]:
+    """Compute the forces of a grip and of a knock at which such a bone is expected to break, rounded down [N]."""
+    held = _find_filament().across_mpa
+    return _round_down(held / strength.weakest.stress_per_n), _round_down(held / strength.at_shock.stress_per_n)
+
+
 def _find_filament() -> PrintMaterial:
     """Find the strongest filament of the catalogue across its layers."""
     filaments = [material for material in PRINT_MATERIALS.values() if material.process == "fdm"]

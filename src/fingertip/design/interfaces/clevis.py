@@ -140,9 +140,12 @@ class Clevis(JointInterface):
         if anchor := design.dimensions.anchor:
             at = (across, anchor.y, anchor.z)
             sizes += [
-                Circle("hole of the tendon's anchor", INNER, "front", "x", at, anchor.radius),
+                Circle("hole of the tendon's anchor", INNER, "front", "x", at, anchor.radius,
+                       clearance(_PIN_PLAY_MM - design.printer.offset_mm), "narrow: ream it until the pin turns"),
                 Length("anchor to joint axis", STEP, "front", "right", "y", at, pin, is_reference=True),
-            ]
+                Length("anchor to joint axis, along the finger", STEP, "front", "below", "z", at, pin,
+                       is_reference=True),
+            ]  # fmt: skip
         return sizes
 
     def bolts(self, design: DesignTables) -> list[dict[str, Any]]:

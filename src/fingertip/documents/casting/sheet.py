@@ -70,6 +70,7 @@ def casting_sheet_data(
     silicone: Silicone,
     prints: Mapping[str, PrintEstimate] | None = None,
     warnings: Sequence[str] = (),
+    filament_breaks_at_n: tuple[float, float] | None = None,
 ) -> dict[str, Any]:
     bolts, hand, shrinkage = size_clamp_bolts(design.mold, design.mold_layout), design.hand, silicone.shrinkage_percent
     compensated_percent, tolerance_percent = design.mold.silicone_shrinkage_percent, 0.05
@@ -116,6 +117,7 @@ def casting_sheet_data(
         "print_material": PRINT_MATERIALS[design.strength.print_material].label,
         "print_process": PRINT_MATERIALS[design.strength.print_material].process,
         "filament_bone_breaks": any(warning.startswith(f"{FILAMENT_CHECK}:") for warning in warnings),
+        "filament_breaks_at_n": list(filament_breaks_at_n) if filament_breaks_at_n else None,
         "check_warnings": list(warnings),
     }
     supplies = [

@@ -9,7 +9,7 @@ from fingertip.design.geometry.solids import Box, cylinder, difference
 from fingertip.filling.vents import place_vents
 from fingertip.pictures.raster import Camera
 from fingertip.pictures.steps.objects import Bench
-from fingertip.pictures.steps.scene import Arrow, Data, Label, Paint, Scene, Shown, View, given
+from fingertip.pictures.steps.scene import Arrow, Data, Label, Paint, Scene, Shown, Slope, View, given
 
 _LIFT_MM = 12.0
 
@@ -18,6 +18,20 @@ def _in_pose(data: Data) -> Camera:
     """Look at the mold from its side in the pose of filling, in which the first vent is the highest point."""
     x, y, z = data["filling"]["up"]
     return Camera.looking_from((-1.0, 0.35, 0.35), (x, y, z))
+
+
+def _signs(filling: Data) -> tuple[float, float]:
+    """Return on which side and on which end of the mold its lowest corner lies in the pose."""
+    return (-math.copysign(1.0, filling["up"][0]), -math.copysign(1.0, filling["up"][2]))
+
+
+def _over_lowest_corner(data: Data) -> Camera:
+    """Look at the dorsal face in its pose, over its lowest corner, from which both edges rise."""
+    (side, end), up = _signs(data["filling"]), data["filling"]["up"]
+    x, y, z = (0.6 * side, 0.0, end)
+    along = x * up[0] + z * up[2]  # taken off, so that the camera stands level
+    x, y, z = (a + (0.12 - along) * b for a, b in zip((x, y, z), up, strict=True))
+    return Camera.looking_from((x, y, z), tuple(up))
 
 
 def _closed(bench: Bench) -> list[Shown]:
@@ -53,11 +67,12 @@ def try_cone(bench: Bench, data: Data) -> Scene:
 
 
 def try_syringe(bench: Bench, data: Data) -> Scene:
-    """Show the empty syringe above its cone, its plunger pulled back."""
+    """Show the mold in its pose, the empty syringe above its cone with its plunger pulled back."""
     m, inlet = bench.layout, given(bench.layout.inlet)
     return Scene(
         (*_closed(bench), *bench.syringe(lift_mm=_LIFT_MM, drawn_share=0.8)),
-        View.DORSAL,
+        _over_lowest_corner(data),
+        *_pose_marks(bench, data["filling"]),
         *_vent_labels(bench, "vent: air must come"),
         Label("Luer cone", (inlet.x, m.dorsal_height, inlet.z)),
         _into_cone(bench),
@@ -95,8 +110,22 @@ def fill(bench: Bench, data: Data) -> Scene:
     )  # fmt: skip
 
 
+def _pose_marks(bench: Bench, filling: Data) -> list[Label | Slope]:
+    """Draw the angles that a level reads on the face of the mold: along the finger, and across it."""
+    m, up, (side, end) = bench.layout, tuple(filling["up"]), _signs(filling)
+    low = (side * m.half_width, m.dorsal_height, m.proximal_z if end < 0.0 else m.distal_z)
+    slopes = (
+        Slope(low, (0.0, 0.0, -end * (m.distal_z - m.proximal_z)), up),
+        Slope(low, (-side * 2 * m.half_width, 0.0, 0.0), up),
+    )
+    tip, across = filling["tip_deg"], filling["level_across_deg"]
+    texts = (f"tip {abs(tip)} degrees {'up' if tip >= 0 else 'down'},\nread along the finger",
+             f"{across} degrees,\nread across the finger")  # fmt: skip
+    middles = (tuple(slope.lines_mm()[1][12].tolist()) for slope in slopes)
+    return [*slopes, *(Label(text, point) for text, point in zip(texts, middles, strict=True))]
+
+
 def _pose_label(bench: Bench, filling: Data) -> Label:
-    """Name the angles that a level reads on the face of the mold, at its tip."""
     tip, way = abs(filling["tip_deg"]), "up" if filling["tip_deg"] >= 0 else "down"
     text = f"tip {way}: {tip} degrees;\nacross: {filling['level_across_deg']} degrees"
     return Label(text, (0.0, bench.layout.dorsal_height, bench.layout.distal_z))
@@ -107,10 +136,10 @@ def leave(bench: Bench, data: Data) -> Scene:
     m, inlet = bench.layout, given(bench.layout.inlet)
     return Scene(
         (*_closed(bench), *bench.syringe(0.2)),
-        _in_pose(data),
+        _over_lowest_corner(data),
         *_vent_labels(bench, "full"),
-        Label("the vise holds\nboth sides here", (-m.half_width, 0.0, m.pry_z)),
-        _pose_label(bench, data["filling"]),
+        Label("the vise holds\nboth sides here", (_signs(data["filling"])[0] * m.half_width, 0.0, m.pry_z)),
+        *_pose_marks(bench, data["filling"]),
         Label("leave it until\nthe silicone has set", (inlet.x, m.dorsal_height + 12.0, inlet.z)),
     )
 
@@ -144,7 +173,7 @@ def cure(bench: Bench, data: Data) -> Scene:
     """Show the mold while the silicone cures, with the syringe still in its cone."""
     hours, m = data["silicone"]["properties"]["cure_h"]["high"], bench.layout
     syringe = bench.syringe(0.2) if m.inlet else []
-    pose = _in_pose(data) if m.inlet else View.FUNNEL_UP
+    pose = _over_lowest_corner(data) if m.inlet else View.FUNNEL_UP
     return Scene((*_closed(bench), *syringe), pose, Label(f"{hours:g} h in this pose", (0.0, 0.0, m.distal_z)))
 
 

@@ -29,6 +29,8 @@ _FONT_PX, _LINE_PX = 16, 20
 _INK, _LEADER, _ARROW = (35, 35, 40), (115, 115, 120), (176, 44, 24)
 _HEAD_PX, _HEAD_ANGLE = 13.0, math.radians(24.0)
 """Length of an arrow's head, and the angle between its edge and the arrow."""
+_LEVEL, _ARC = 0.9, 0.7
+"""Length of the horizontal below a slope, and radius of its arc, over the length of its edge."""
 
 
 @dataclass(frozen=True)
@@ -52,17 +54,40 @@ class Arrow:
     end_mm: Point3
 
 
+@dataclass(frozen=True)
+class Slope:
+    """Angle between an edge that rises and the horizontal, drawn as an arc."""
+
+    corner_mm: Point3
+    edge_mm: Point3
+    """Edge from its lower corner."""
+    up: Point3
+    """Vertical, of length 1."""
+
+    def lines_mm(self) -> tuple[Array, Array]:
+        """Return the points of the horizontal below the edge, and of the arc from it to the edge [mm]."""
+        corner, edge, up = np.array(self.corner_mm), np.array(self.edge_mm), np.array(self.up)
+        level = edge - edge @ up * up
+        length = float(np.linalg.norm(edge))
+        level *= length / np.linalg.norm(level)
+        angle = math.asin(min(1.0, float(edge @ up) / length)) * np.linspace(0.0, 1.0, 25)[:, None]
+        arc = np.cos(angle) * level + np.sin(angle) * length * up
+        return corner + np.array([[0.0], [_LEVEL]]) * level, corner + _ARC * arc
+
+
 class Scene:
     """Content of a picture: meshes, the camera that sees them, and what is written and drawn beside them."""
 
-    def __init__(self, shown: Iterable[Shown], camera: Camera, *marks: Label | Arrow) -> None:
+    def __init__(self, shown: Iterable[Shown], camera: Camera, *marks: Label | Arrow | Slope) -> None:
         self.shown, self.camera = tuple(shown), camera
         self.labels = [mark for mark in marks if isinstance(mark, Label)]
         self.arrows = [mark for mark in marks if isinstance(mark, Arrow)]
+        self.slopes = [mark for mark in marks if isinstance(mark, Slope)]
 
 
 def draw_scene(scene: Scene) -> bytes:
     ends = np.array([end for arrow in scene.arrows for end in (arrow.start_mm, arrow.end_mm)]).reshape(-1, 3)
+    ends = np.concatenate([ends, *(line for slope in scene.slopes for line in slope.lines_mm())])
     arrows = Mesh(ends, np.zeros((0, 3), dtype=np.int32))
     centre, size = bounds([*(item.mesh for item in scene.shown), arrows], scene.camera)
     room = _WIDTH_PX - 2 * _MARGIN_PX, _MAX_HEIGHT_PX - 2 * _PADDING_PX
@@ -83,6 +108,9 @@ def draw_scene(scene: Scene) -> bytes:
 
     for arrow in scene.arrows:
         _draw_arrow(pen, place(arrow.start_mm), place(arrow.end_mm))
+    for slope in scene.slopes:
+        for line in slope.lines_mm():
+            pen.line([place(tuple(point)) for point in line.tolist()], fill=_ARROW, width=3)
     for side in (-1, 1):
         entries = [(place(label.point_mm), label.text) for label in _labels_on(scene, side, centre)]
         for y, (tip, text) in zip(_spread(entries, height), entries, strict=True):

@@ -52,7 +52,7 @@ CHANGES = {
     "strength.min_shock_factor=1 hand.tendon_distance_mm=6.05 mold.chaplet_diameter_mm=4.2 "
     "mold.chaplet_from_tip_mm=6.7 mold.fit_clearance_mm=0.04 skin.crown_drop_mm=1.7 skin.thickness_side_mm=1.79 "
     "bone.palmar_fullness=0.99 sensor.distance_from_tip_mm=14.4 bone.platform_mm=1.07 sensor.insert=disc",
-    "fork": "hand.knuckle=fork bone.base_length_mm=14.3",
+    "fork": "hand.knuckle=fork bone.base_length_mm=14.3 strength.min_grip_factor=1 strength.min_shock_factor=0",
 }
 """Changes of each design; those without are bundled ones."""
 FAILS = {"poured": {"mold.fill_time", "mold.air_rise_time"}}

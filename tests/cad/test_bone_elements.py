@@ -15,13 +15,16 @@ from tests.cad.bone_elements import solve_bone, write_step
 from tests.conftest import design_file
 from tests.tools import require_tool
 
-# Joints and flanges are left out: their elements peak at sharp corners, and the more the smaller they are.
+# A joint's tongue is left out: its elements peak at the sharp corner of window and collar.
 DESIGNS = {
-    "post, straight tail": ("fsr400", ""),
-    "post, wide": ("fsr402", ""),
-    "post, folded tail": ("fsr400_compact", ""),
-    "socket": ("fsr400", "bone.interface=socket bone.base_length_mm=32 mold.seat_tape_mm=0"),
+    "post, straight tail": ("fsr400", "", 1.15),
+    "post, wide": ("fsr402", "", 1.15),
+    "post, folded tail": ("fsr400_compact", "", 1.15),
+    "socket": ("fsr400", "bone.interface=socket bone.base_length_mm=32 mold.seat_tape_mm=0", 1.15),
+    "flange": ("fsr400", "bone.interface=flange bone.base_length_mm=26", 1.25),
+    "cheeks of a joint, folded tail": ("adult_finger", "", 1.25),
 }
+"""Bundled design, its changes, and the largest stress of beam theory over that of the elements."""
 ELEMENTS_MM = (0.8, 0.65, 0.5)
 BESIDE_MM = 3.0
 """Length of the fine mesh on each side of the predicted place, within which the elements must find theirs [mm]."""
@@ -52,5 +55,5 @@ def test_elements_find_the_predicted_stress(name: str, tmp_path: Path) -> None:
         print(f"{name}: predicted {predicted:.3f} MPa/N at z = {weakest.z_mm:.1f};"
               f" elements of {fine_mm} mm, {len(z)} nodes: {there:.3f} there,"
               f" {largest:.3f} at {np.round(solved.points_mm[stresses.argmax()], 1)}")  # fmt: skip
-    assert predicted / 1.15 <= there <= 1.02 * predicted
+    assert predicted / DESIGNS[name][2] <= there <= 1.02 * predicted
     assert largest <= 1.02 * predicted

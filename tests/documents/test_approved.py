@@ -94,7 +94,8 @@ def render_documents(name: str) -> dict[str, str]:
     file, changes, silicone, given = DESIGNS[name]
     design = Design.load(design_file(file), changes=changes.split())
     warnings = [f"{FILAMENT_CHECK}: the bone breaks"] if given.get("weak") else []
-    data = casting_sheet_data(design, given.get("volumes", LARGE), silicone, given.get("prints"), warnings)
+    breaks_at_n = None if warnings else (25.0, 27.0)
+    data = casting_sheet_data(design, given.get("volumes", LARGE), silicone, given.get("prints"), warnings, breaks_at_n)
     pictures = [f"steps/{step.picture}.png" for step in steps(data)] if given.get("pictures") else []
     assert json.loads(json.dumps(data)) == data
     score = SimpleNamespace(delays_s=given.get("delays_s", (0.01,)))

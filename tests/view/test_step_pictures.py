@@ -32,7 +32,8 @@ DESIGNS = {
     "adult_finger": ("adult_finger", ("sensor.insert=disc",)),
     "sleeve": ("fsr402", ("mold.method=sleeve",)),
     "poured_sleeve": (
-        "child_finger", ("mold.method=sleeve", "mold.filling=gravity", "silicone.product=sylgard_184"),
+        "child_finger",
+        ("mold.method=sleeve", "mold.filling=gravity", "silicone.product=sylgard_184", "mold.fit_clearance_mm=0.03"),
     ),
 }  # fmt: skip
 """Designs that have all scenes between them."""

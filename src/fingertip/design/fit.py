@@ -102,7 +102,7 @@ def fit_design(
             if sum(score == 0.0 for score, _ in reached) == kind.choice:
                 break
         nearest, values = min(reached, key=lambda found: (found[0], _measure_change(free, begin, found[1])))
-        if nearest == 0.0:
+        if nearest == 0.0 or _blame_given(free, [broken(found) for _, found in reached]):
             break
     if nearest:
         raise DesignError(find_remedies(tables.with_values(values), broken(values), None, ()))
@@ -116,6 +116,12 @@ def fit_design(
         if name.startswith("hand.") and (found := broken({**values, name: begin[name]}))
     }
     return Fit(tables.with_values(values), changes, reasons)
+
+
+def _blame_given(free: Collection[str], ends: Sequence[Sequence[BrokenRule]]) -> bool:
+    """Return whether all searches end at a rule of the same given size, which longer ones did not repair either."""
+    given = [{rule.rule.field for rule in found} - set(free) for found in ends]
+    return bool(set.intersection(*given))
 
 
 def _search(

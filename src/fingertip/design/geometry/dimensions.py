@@ -105,7 +105,9 @@ class Dimensions(SkinDimensions):
         y, radius = joint.axis_y - hand.tendon_distance_mm, bone.anchor_diameter_mm / 2
         foot = self.draft_slope * abs(y) - bone.collar_length_mm
         inner = self.tail_half_width if self.fold else NOTCH_WIDTH_MM / 2
-        return TendonAnchor(y, foot + bone.wall_mm + radius, radius, hand.tendon_distance_mm, inner)
+        wall = self._design.printer.min_wall_mm
+        open_from = max(self.collar.section.half_width_at(y - radius - wall), inner + wall)
+        return TendonAnchor(y, foot + bone.wall_mm + radius, radius, hand.tendon_distance_mm, inner, open_from)
 
     @cached_property
     def window_opens_into_gap(self) -> bool:

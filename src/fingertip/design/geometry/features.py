@@ -195,6 +195,8 @@ class TendonAnchor:
     distance: float
     inner_half_width: float
     """Half the width of the notch or window that it crosses; beyond it lie the cheeks that hold it."""
+    open_half_width: float
+    """Half the width from which it is a slot, open towards the palm: the wall there would be too thin to print."""
 
 
 SLIDING_MM = 0.3

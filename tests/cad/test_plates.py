@@ -21,7 +21,7 @@ from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.printing.orientations import print_orientations
 from fingertip.cad.printing.overhang import bed_pose
-from fingertip.cad.printing.print_files import PrintFiles, arrange, make_print_files
+from fingertip.cad.printing.print_files import PrintFiles, arrange, make_print_files, parts_on_plates
 from fingertip.cad.printing.settings import FDM, PLATE_KINDS, SLA
 from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale
 from fingertip.cad.verification.printing import check_print_files
@@ -83,7 +83,8 @@ def test_plates_of_bundled_designs_hold_all_printed_parts_apart_on_the_bed(name:
     for kind in PLATE_KINDS:
         assert f"plate_{kind.name}.3mf" in prints.plates, "one plate is enough for each bundled design"
         placed = placed_on(prints.contents[f"plate_{kind.name}.3mf"])
-        assert set(placed) == set(print_orientations(design)) == {n for n in meshes if PARTS[n].is_printed}
+        printed = {n for n in meshes if PARTS[n].is_printed}
+        assert set(placed) == (printed - {"bone"} if kind is FDM else printed) == set(parts_on_plates(design, kind))
         for part, mesh in placed.items():
             assert mesh.volume == pytest.approx(meshes[part].volume(), rel=1e-9)
             assert mesh.bounds[0, 2] == pytest.approx(0.0, abs=1e-9)
@@ -97,8 +98,8 @@ def test_plates_of_bundled_designs_hold_all_printed_parts_apart_on_the_bed(name:
 @pytest.mark.full
 def test_part_lies_alike_in_its_own_file_and_on_a_plate() -> None:
     """Halves lie on their outer faces, the bone stands upright, and all have the scale of the printer."""
-    design, _, _, prints = make()
-    larger = make("printer.scale_percent=102")[3]
+    design, _, _, prints = make("strength.print_material=petg")
+    larger = make("printer.scale_percent=102", "strength.print_material=petg")[3]
     placed, heights = placed_on(prints.contents["plate_fdm.3mf"]), {}
     for name, mesh in placed.items():
         alone = stl.from_bytes(prints.contents[f"{name}.stl"])
@@ -114,13 +115,21 @@ def test_part_lies_alike_in_its_own_file_and_on_a_plate() -> None:
     layout = design.mold_layout
     assert heights["mold_palmar"] == pytest.approx(layout.palmar_height, abs=1e-4)
     assert heights["mold_dorsal"] == pytest.approx(layout.dorsal_height + design.mold.key_height_mm, abs=1e-4)
-    assert heights["bone"] > 2 * design.skin.length_mm - 10.0
     with pytest.raises(ValueError, match="30 degrees are no quarter turns"):
         bed_pose(make()[1]["bone"], 30.0)
 
 
+def test_filament_plate_holds_the_bone_only_if_its_strength_is_checked_as_it_stands_there() -> None:
+    for strength, held in ({}, False), ({"print_material": "petg"}, True), ({"print_material": "pa12"}, False), (
+        {"print_material": "petg", "print_direction": "lying"}, False
+    ):  # fmt: skip
+        design = Design.from_tables({"strength": strength})
+        assert ("bone" in parts_on_plates(design, FDM)) == held, strength
+        assert "bone" in parts_on_plates(design, SLA)
+
+
 def test_small_bed_takes_several_plates() -> None:
-    design, meshes, encoded, prints = make("printer.bed_x_mm=60", "printer.bed_y_mm=60")
+    design, meshes, encoded, prints = make("printer.bed_x_mm=60", "printer.bed_y_mm=60", "strength.print_material=petg")
     assert list(prints.plates) == [f"plate_{kind}_{number}.3mf" for kind in ("fdm", "sla") for number in (1, 2)]
     assert failed(design, meshes, encoded, prints) == set()
     for kind in ("fdm", "sla"):

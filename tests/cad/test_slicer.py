@@ -152,7 +152,7 @@ def test_supports_would_stand_in_the_nut_traps_without_the_settings_of_the_plate
 @pytest.mark.full
 def test_slicer_takes_layers_brim_and_infill_from_the_filament_plate(slicer: Path) -> None:
     """The command asks for layers of 0.2 mm without a brim, and for the usual infill of 20 %."""
-    design = Design()
+    design = Design.from_tables({"strength": {"print_material": "petg"}})
     (bone,) = (item for item in threemf.read_items(plate_of(design)) if item.name == "bone")
     settings = slicer_settings(FDM, "bone", print_orientations(design)["bone"], supports_by_part(design)["bone"])
     heights, infills, brims = [], [], []

@@ -132,19 +132,6 @@ def test_factors_above_the_limit_of_the_design_but_below_1_warn() -> None:
     assert "strength.grip_force_n = 40 N" in weak.warning
 
 
-def test_plate_for_filament_warns_if_its_bone_breaks_at_the_grip() -> None:
-    """The value is that of a design in PETG, printed upright as the plate holds it, whatever the design names."""
-    petg = strength_of(strength={"print_material": "petg"}).grip_safety_factor
-    for strength in ({}, {"print_material": "pa12"}, {"print_material": "petg", "print_direction": "lying"}):
-        check = checks_of(strength=strength)["bone.safety_factor.grip_fdm"]
-        assert check.value == pytest.approx(petg)
-        assert check.state == "warning", "it is never a failure"
-        assert "surgical_guide or clear" in check.warning
-    assert "bone.safety_factor.grip_fdm" not in checks_of(strength={"print_material": "petg"}), "checked itself"
-    assert checks_of(strength={"grip_force_n": 10.0})["bone.safety_factor.grip_fdm"].state == "passed"
-    assert "no print material" in checks_of(strength={"grip_force_n": 60.0})["bone.safety_factor.grip_fdm"].warning
-
-
 def test_nominal_stress_of_the_post_is_that_of_the_beam():
     """Just below its foot, where neither hole nor socket acts, without the factor of the foot."""
     design = Design(bone=ROUND)

@@ -265,10 +265,10 @@ FIGURES = {
         "supplies.cups.count": 4,  # one for each of three mixtures, and one to pour into
     },
     "adult_finger": {
-        "fit.seat_tape.from_mm": 0.5,  # on a collar of 6 mm, 0.5 mm from both ends
-        "fit.seat_tape.to_mm": 5.5,
-        "bill.anchor pin of the tendon (spring steel wire).diameter_mm": 1.0,  # a hole of 1.2 mm and 0.2 mm of play
-        "bill.anchor pin of the tendon (spring steel wire).length_mm": 14.5,  # the chord of the collar there
+        "fit.seat_tape.from_mm": 0.5,  # on a collar of 6.65 mm, 0.5 mm from both ends
+        "fit.seat_tape.to_mm": 6.2,
+        "bill.anchor pin of the tendon (spring steel wire).diameter_mm": 1.5,  # a hole of 1.72 mm and 0.2 mm of play
+        "bill.anchor pin of the tendon (spring steel wire).length_mm": 14.8,  # the chord of the collar there
         "chaplet.length_mm": 12.0,  # M2 from 4 mm below the facet at 4.52 mm to less than the face at 12.9 mm
     },
     "fsr400 bone.interface=socket bone.base_length_mm=32": {

@@ -16,7 +16,6 @@ from typing import Any
 import pytest
 
 from fingertip.cad.printing.slicer import PrintEstimate
-from fingertip.cad.verification.bone import FILAMENT_CHECK
 from fingertip.casting.quantities import SiliconeVolumes
 from fingertip.catalogues.output_files import COUPON_READINGS
 from fingertip.catalogues.silicones import SILICONES, MaterialProperty, Silicone
@@ -93,9 +92,8 @@ def render_documents(name: str) -> dict[str, str]:
     """Render the documents of a design."""
     file, changes, silicone, given = DESIGNS[name]
     design = Design.load(design_file(file), changes=changes.split())
-    warnings = [f"{FILAMENT_CHECK}: the bone breaks"] if given.get("weak") else []
-    breaks_at_n = None if warnings else (25.0, 27.0)
-    data = casting_sheet_data(design, given.get("volumes", LARGE), silicone, given.get("prints"), warnings, breaks_at_n)
+    warnings = ["bone.safety_factor.grip: the bone breaks"] if given.get("weak") else []
+    data = casting_sheet_data(design, given.get("volumes", LARGE), silicone, given.get("prints"), warnings)
     pictures = [f"steps/{step.picture}.png" for step in steps(data)] if given.get("pictures") else []
     assert json.loads(json.dumps(data)) == data
     score = SimpleNamespace(delays_s=given.get("delays_s", (0.01,)))

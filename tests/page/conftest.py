@@ -84,7 +84,7 @@ def make_check(name: str, value: float, limit: float, relation: str = "at most",
 
 def make_report(**strength: Any) -> dict[str, Any]:
     checks = [
-        make_check("bone.safety_factor.grip_fdm", 1.25, 1.0, "at least", unit=""),
+        make_check("bone.safety_factor.grip", 1.25, 1.0, "at least", unit=""),
         make_check("mold.fill_time", 30.0, 31.0, unit="s"),
         make_check("mold.triangles", 30.0, 31.0, "exactly", unit=""),
         make_check("skin.min_thickness_misaligned", 2.0, 1.9, "at least"),

@@ -24,8 +24,8 @@ def driver(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
         yield browser
 
 
-WARNS = "⚠ {passed} of {all} checks of the shape passed, 2 warn"
-"""Verdict of designs whose bone breaks at the shock, and at the grip if printed of filament."""
+WARNS = "⚠ {passed} of {all} checks of the shape passed, 1 warns"
+"""Verdict of designs whose bone breaks at the shock."""
 
 
 @pytest.fixture

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import math
 import shlex
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -27,12 +28,14 @@ from fingertip.cli.options import (
 from fingertip.foundation.errors import DesignError, FingertipError, Issue, gather
 
 if TYPE_CHECKING:
+    from fingertip.cad.verification.check import Check
     from fingertip.cad.verification.verify import VerifiedParts
     from fingertip.design import Design
     from fingertip.design.new_design import NewDesign
 
 _TOLERANCE_MM = 0.01
 """Tolerance of the meshes on which a new design is checked [mm]: that of a build."""
+_LOADS = ("grip", "shock")
 _LARGER_MM = (1.0, 2.0, 3.0, 4.0)
 """Widths by which a finger that fails is made larger, and its height by half of them, until one passes [mm]."""
 
@@ -111,7 +114,7 @@ def new(
         if failed := [check for check in verified.checks if not check.passed]:
             remedy = _find_passing(
                 lambda more: write_new_design(name, sensor, preset, hand, [*(changes or ()), *more], console.progress),
-                made.design, changes or (), allow_shorter_travel, console.progress,
+                made.design, failed, changes or (), allow_shorter_travel, console.progress,
             )  # fmt: skip
             issues = [
                 Issue(check.name, f"{check.value:.3g} {check.unit} must be {check.relation} {check.limit:g}, or `make` "
@@ -139,11 +142,12 @@ def _check_new(design: Design, progress: Callable[[str], None]) -> VerifiedParts
 def _find_passing(
     make: Callable[[list[str]], NewDesign],
     design: Design,
+    failed: Sequence[Check],
     given: Sequence[str],
     allow_shorter_travel: bool,
     progress: Callable[[str], None],
 ) -> str:
-    """Find the first larger finger that passes every check, as options to be typed; nothing if none does."""
+    """Find the first larger finger that passes every check, as options to be typed; else loads that this one holds."""
     for larger_mm in _LARGER_MM:
         sizes = {"skin.width_mm": larger_mm, "skin.semi_axis_dorsal_mm": larger_mm / 2}
         free = {name: by for name, by in sizes.items() if not any(change.startswith(name) for change in given)}
@@ -154,7 +158,15 @@ def _find_passing(
             may_lose = allow_shorter_travel or not _find_lost_travel(made)
             if free and may_lose and all(check.passed for check in _check_new(made.design, progress).checks):
                 return "it passes with " + " ".join(f"--set {setting}" for setting in settings)
-    return ""
+    settings = [
+        f"strength.{load}_force_n={math.floor(design.value(f'strength.{load}_force_n') * check.value / check.limit):g}"
+        for check in failed
+        for load in _LOADS
+        if check.name == f"bone.safety_factor.{load}"
+    ]
+    if len(settings) < len(failed):
+        return ""
+    return "it holds lighter loads: " + " ".join(f"--set {setting}" for setting in settings)
 
 
 def _find_lost_travel(made: NewDesign) -> list[Issue]:

@@ -93,7 +93,7 @@ def sheet(
     from fingertip.cad.printing.orientations import print_orientations
     from fingertip.cad.printing.settings import FDM
     from fingertip.cad.printing.slicer import HOW_TO_INSTALL, PrintEstimate, find_slicer, slice_plate
-    from fingertip.cad.verification.bone import check_strength, filament_breaks_at_n
+    from fingertip.cad.verification.bone import check_strength
     from fingertip.cad.verification.check import list_warnings
     from fingertip.cad.verification.strength import assess_strength
     from fingertip.casting.quantities import measure_volumes
@@ -123,7 +123,7 @@ def sheet(
     volumes = measure_volumes(loaded, MeshEvaluator(_MESH_TOLERANCE_MM))
     strength = assess_strength(loaded, MeshEvaluator(_MESH_TOLERANCE_MM))
     warnings = list_warnings(check_strength(loaded, strength), with_advice=True)
-    data = casting_sheet_data(loaded, volumes, silicone, prints, warnings, filament_breaks_at_n(strength))
+    data = casting_sheet_data(loaded, volumes, silicone, prints, warnings)
     drawn: dict[str, bytes] = {}
     if pictures:
         from fingertip.pictures.steps.pictures import draw_steps

@@ -72,10 +72,7 @@ def _render_header(sources: Sources) -> Markup:
         ),
     ]
     if strength:
-        # In the design's material, and as the filament plate prints it.
         said = f"{strength['grip_safety_factor']:.1f} in {strength['material'].replace('_', ' ')}"
-        of_filament = [check["value"] for check in report["checks"] if check["name"] == "bone.safety_factor.grip_fdm"]
-        said += f"; {of_filament[0]:.1f} from plate_fdm" if of_filament else ""
         facts.append(("bone's safety factor at the grip force", said))
     terms = (element("div", element("dt", term), element("dd", value)) for term, value in facts)
     return element(

@@ -184,13 +184,11 @@ def compute_bone(context: PointContext) -> OutputValues:
 
 
 def compute_strength(context: PointContext) -> OutputValues:
-    from fingertip.cad.verification.bone import filament_grip_factor
     from fingertip.cad.verification.strength import assess_strength
 
     found = assess_strength(context.design, context.evaluator())
     return {
         "grip_safety_factor": found.grip_safety_factor,
-        "filament_grip_safety_factor": filament_grip_factor(context.design, found),
         "shock_safety_factor": found.shock_safety_factor,
         "weakest_z_mm": found.weakest.z_mm,
         "tendon_force_n": found.tendon_force_n,

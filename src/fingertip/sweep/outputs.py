@@ -97,7 +97,6 @@ OUTPUTS = {
         ("bone_mass_g", "bone", "mass of the printed bone at print_density_g_cm3"),
         ("grip_safety_factor", "strength", "strength of the bone over its stress at strength.grip_force_n"),
         ("shock_safety_factor", "strength", "the same at strength.shock_force_n; below 1 the bone breaks"),
-        ("filament_grip_safety_factor", "strength", "at the grip, printed upright from the filament PETG"),
         ("weakest_z_mm", "strength", "height of the bone's weakest cross-section"),
         ("tendon_force_n", "strength", "force of a clevis's tendon at the grip force on the apex"),
         ("pad_share", "pad", "least share of 1 N that reaches the sensor, at tilts of 0 to 10 degrees"),

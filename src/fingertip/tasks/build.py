@@ -19,7 +19,7 @@ from fingertip.cad.printing.settings import PLATE_KINDS
 from fingertip.cad.report import DESIGN_HEADING, FORMATS, Build, BuiltPart
 from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name, print_scale
 from fingertip.cad.verification.assembly import brep_balance_solids, check_brep_assembly
-from fingertip.cad.verification.bone import check_strength, filament_breaks_at_n
+from fingertip.cad.verification.bone import check_strength
 from fingertip.cad.verification.check import list_warnings
 from fingertip.cad.verification.printing import check_brep_solid
 from fingertip.cad.verification.verify import validate_tolerance, verify
@@ -147,8 +147,7 @@ def build(
         if all_built:
             warnings = list_warnings(check_strength(design, strength), with_advice=True) if strength else ()
             volumes = measure_volumes(design, evaluator)
-            breaks_at_n = filament_breaks_at_n(strength) if strength else None
-            casting = casting_sheet_data(design, volumes, design.silicone.material, None, warnings, breaks_at_n)
+            casting = casting_sheet_data(design, volumes, design.silicone.material, None, warnings)
         steps_drawn = _draw_steps(design, casting, progress) if pictures and casting else {}
         meanwhile()
         step = StepFiles({}, {}, {})

@@ -11,7 +11,7 @@ from fingertip.cad.files.threemf import Item, write_items
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import bed_pose
-from fingertip.cad.printing.settings import PLATE_KINDS, describe_part, slicer_settings
+from fingertip.cad.printing.settings import PLATE_KINDS, SLA, PlateKind, describe_part, slicer_settings
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.design import Design
 
@@ -103,6 +103,16 @@ class PrintFiles:
     """File name of each plate -> its parts."""
 
 
+def parts_on_plates(design: Design, kind: PlateKind) -> tuple[str, ...]:
+    """List the parts on the plates of a kind.
+
+    Filament plates hold the bone only if its strength is checked for filament and for layers as it stands there.
+    """
+    material = PRINT_MATERIALS[design.strength.print_material]
+    bone_holds = kind is SLA or (material.process == "fdm" and design.strength.print_direction == "upright")
+    return tuple(name for name in print_orientations(design) if name != "bone" or bone_holds)
+
+
 def make_print_files(
     design: Design, meshes: Mapping[str, Mesh], encoded: Mapping[str, str], with_stl: bool
 ) -> PrintFiles:
@@ -113,9 +123,9 @@ def make_print_files(
     if with_stl:
         contents = {f"{name}.stl": stl.to_bytes(pose.apply(meshes[name]), name) for name, pose in poses.items()}
     if set(orientations) <= set(encoded):
-        footprints = {name: pose.size(meshes[name])[:2] for name, pose in poses.items()}
         supports, material = supports_by_part(design), PRINT_MATERIALS[design.strength.print_material]
         for kind in PLATE_KINDS:
+            footprints = {name: poses[name].size(meshes[name])[:2] for name in parts_on_plates(design, kind)}
             arranged = arrange(footprints, (design.printer.bed_x_mm, design.printer.bed_y_mm), kind.gap_mm)
             for file, plate in zip(kind.file_names(len(arranged)), arranged, strict=True):
                 items = []

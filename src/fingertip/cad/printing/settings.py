@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -98,13 +98,13 @@ def describe_part(
     return text + supports.note
 
 
-def print_settings(orientations: Mapping[str, Orientation]) -> dict[str, Any]:
+def print_settings(orientations: Mapping[str, Orientation], on_filament: Collection[str]) -> dict[str, Any]:
     """Collect the slicer's settings for the parts of a design, for filament (FDM) and resin (SLA).
 
     Parts that stand on end get a brim.
     """
-    upright = [name for name, lies in orientations.items() if needs_brim(lies)]
-    lying = [name for name in orientations if name not in upright]
+    upright = [name for name in on_filament if needs_brim(orientations[name])]
+    lying = [name for name in on_filament if name not in upright]
     return {
         "fdm": {
             "nozzle_mm": NOZZLE_MM,
@@ -112,7 +112,7 @@ def print_settings(orientations: Mapping[str, Orientation]) -> dict[str, Any]:
             "first_layer_mm": FIRST_LAYER_MM,
             "walls": WALLS,
             "wall_mm": round(WALLS * NOZZLE_MM, 2),
-            "infill_percent": {name: infill_percent(name) for name in orientations},
+            "infill_percent": {name: infill_percent(name) for name in on_filament},
             "brim_mm": BRIM_MM,
             "brim_on": upright,
             "no_brim_on": lying,

@@ -24,7 +24,6 @@ from fingertip.cad.verification.check import (
     complement,
 )
 from fingertip.cad.verification.strength import BoneStrength, Weakness
-from fingertip.catalogues.print_materials import PRINT_MATERIALS, PrintMaterial
 from fingertip.design import Design
 from fingertip.design.geometry.features import INSERT_BASE_MM, SLIDING_MM, TailFold
 from fingertip.design.geometry.skin_dimensions import RAMP_SLOPE
@@ -169,8 +168,6 @@ def _check_sensor_seat(design: Design, evaluator: MeshEvaluator) -> Iterator[Che
     yield Check("sensor.unsupported_area", unsupported, _AREA_TOLERANCE_MM2, "mm2")
 
 
-FILAMENT_CHECK = "bone.safety_factor.grip_fdm"
-"""Name of the check of a bone from the plate for filament printers."""
 _BREAKS_BELOW = 1.0
 """Safety factor below which the bone is expected to break at the load."""
 
@@ -190,34 +187,7 @@ def check_strength(design: Design, strength: BoneStrength) -> tuple[Check, ...]:
     if design.dimensions.anchor:
         bending = anchor_pin_stress_mpa(design, strength.tendon_force_n)
         checks.append(Check("joint.anchor_pin_stress", bending, ANCHOR_PIN_MPA, "MPa"))
-    if strength.material.process != "fdm" or limits.print_direction != "upright":
-        # The design sets no limit for a material that it is not made for: the check can only warn.
-        factor = filament_grip_factor(design, strength)
-        warnings = _warn_of_filament(design, strength, factor)
-        checks.append(Check(FILAMENT_CHECK, factor, 0.0, "", "at least", *warnings))
     return tuple(checks)
-
-
-def filament_grip_factor(design: Design, strength: BoneStrength) -> float:
-    """Compute the safety factor at the grip of a bone from the plate for filament printers, on which it stands."""
-    return _grip_factor(design, strength, _find_filament())
-
-
-def filament_breaks_at_n(strength: BoneStrength) -> tuple[float, float]:
-    """Compute the forces of a grip and of a knock at which such a bone is expected to break, rounded down [N]."""
-    held = _find_filament().across_mpa
-    return _round_down(held / strength.weakest.stress_per_n), _round_down(held / strength.at_shock.stress_per_n)
-
-
-def _find_filament() -> PrintMaterial:
-    """Find the strongest filament of the catalogue across its layers."""
-    filaments = [material for material in PRINT_MATERIALS.values() if material.process == "fdm"]
-    return max(filaments, key=lambda material: material.across_mpa)
-
-
-def _grip_factor(design: Design, strength: BoneStrength, material: PrintMaterial) -> float:
-    """Safety factor at the grip of a bone that is printed upright from a material."""
-    return material.across_mpa / strength.weakest.stress_per_n / design.strength.grip_force_n
 
 
 def _warn_of_load(strength: BoneStrength, place: Weakness, load: str, force_n: float, factor: float) -> tuple[str, str]:
@@ -231,25 +201,6 @@ def _warn_of_load(strength: BoneStrength, place: Weakness, load: str, force_n: f
         f"In {strength.material.label} (strength.print_material) its safety factor is {factor:.2f} under a load at the "
         f"{place.load}. Keep harder loads off, and set strength.{load}_force_n={held:g} if there are none; "
         f"strength.min_{load}_factor=1 makes the check fail.",
-    )
-
-
-def _warn_of_filament(design: Design, strength: BoneStrength, factor: float) -> tuple[str, str]:
-    """Warn of a bone that breaks at the grip if it is printed from filament, and advise; nothing to say otherwise."""
-    if factor >= _BREAKS_BELOW:
-        return "", ""
-    force = design.strength.grip_force_n
-    strong = [
-        material.name
-        for material in PRINT_MATERIALS.values()
-        if _grip_factor(design, strength, material) >= max(_BREAKS_BELOW, design.strength.min_grip_factor)
-    ]
-    remedy = f"print it from {' or '.join(strong)}" if strong else "no print material in the catalogue is strong enough"
-    return (
-        f"the bone of plate_fdm breaks at {_round_down(force * factor):g} N, so it is for trying the fit; for a grip, "
-        f"{remedy}.",
-        f"In {_find_filament().label}, upright as it stands there, its safety factor is {factor:.2f} at "
-        f"strength.grip_force_n = {force:g} N. The mold halves of the plate are for use.",
     )
 
 

@@ -70,7 +70,6 @@ _CAUSES: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("mold.bone_load", ("mold.thumb_force_n", "mold.syringe", "mold.chaplet_screw")),
     ("mold.opening_force", ("mold.thumb_force_n", "mold.syringe", "mold.bolt_diameter_mm")),
     ("mold.leak_length", ("mold.seat_tape_mm", "mold.fit_clearance_mm", "printer.offset_mm", "bone.collar_length_mm")),
-    ("bone.safety_factor.grip_fdm", ("sensor.model", "bone.base_length_mm", "skin.length_mm", "skin.width_mm")),
     (
         "bone.safety_factor.*",
         ("sensor.model", "bone.base_length_mm", "skin.length_mm", "skin.width_mm", "strength.print_material"),

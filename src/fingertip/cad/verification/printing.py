@@ -15,7 +15,7 @@ from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, find_degenerate_trian
 from fingertip.cad.kernel.tessellate import Triangles
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import MAX_UNSUPPORTED_MM2, Ceiling, Pose, bed_pose, find_ceilings
-from fingertip.cad.printing.print_files import Placed, PrintFiles
+from fingertip.cad.printing.print_files import Placed, PrintFiles, parts_on_plates
 from fingertip.cad.printing.settings import PLATE_KINDS
 from fingertip.cad.shapes.parts import PARTS, Part, print_scale
 from fingertip.cad.verification.check import Check, check_zero_volume
@@ -139,7 +139,7 @@ def _check_plates(
         prefix = f"plate_{kind.name}"
         plates = [threemf.read_items(prints.contents[file]) for file in prints.plates if file.startswith(prefix)]
         held = sorted(item.name for items in plates for item in items if item.mesh == encoded.get(item.name))
-        wrong = set(print_orientations(design)).symmetric_difference(held)
+        wrong = set(parts_on_plates(design, kind)).symmetric_difference(held)
         repeated = len(held) - len(set(held))
         yield Check(f"{prefix}.wrong_parts", len(wrong) + repeated, 0, "parts", "exactly")
         gaps, low, excess = [math.inf], [], []

@@ -12,10 +12,10 @@ from typing import Any
 
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import MAX_BRIDGE_MM, OVERHANG_DEG
-from fingertip.cad.printing.settings import LAYER_MM, print_settings
+from fingertip.cad.printing.print_files import parts_on_plates
+from fingertip.cad.printing.settings import FDM, LAYER_MM, print_settings
 from fingertip.cad.printing.slicer import HOW_TO_INSTALL, PrintEstimate
 from fingertip.cad.shapes.engraving import MIN_STROKE_MM, omitted_lines
-from fingertip.cad.verification.bone import FILAMENT_CHECK
 from fingertip.cad.verification.mold import PUSH_S
 from fingertip.casting.consumables import (
     cover_tape_data,
@@ -70,13 +70,13 @@ def casting_sheet_data(
     silicone: Silicone,
     prints: Mapping[str, PrintEstimate] | None = None,
     warnings: Sequence[str] = (),
-    filament_breaks_at_n: tuple[float, float] | None = None,
 ) -> dict[str, Any]:
     bolts, hand, shrinkage = size_clamp_bolts(design.mold, design.mold_layout), design.hand, silicone.shrinkage_percent
     compensated_percent, tolerance_percent = design.mold.silicone_shrinkage_percent, 0.05
     joint = {
         "pin_mm": hand.pin_diameter_mm, "play_mm": round(2 * design.bone.joint_clearance_mm, 2),
         "travel_deg": hand.travel_deg, "tendon_distance_mm": hand.tendon_distance_mm,
+        "anchor_hole_mm": design.bone.anchor_diameter_mm,
         "tendon_force_n": round(design.strength.grip_force_n * tendon_force_per_n(design, design.skin.length_mm)),
     }  # fmt: skip
     data: dict[str, Any] = {
@@ -116,8 +116,6 @@ def casting_sheet_data(
         "printing": _printing_data(design, prints),
         "print_material": PRINT_MATERIALS[design.strength.print_material].label,
         "print_process": PRINT_MATERIALS[design.strength.print_material].process,
-        "filament_bone_breaks": any(warning.startswith(f"{FILAMENT_CHECK}:") for warning in warnings),
-        "filament_breaks_at_n": list(filament_breaks_at_n) if filament_breaks_at_n else None,
         "check_warnings": list(warnings),
     }
     supplies = [
@@ -265,6 +263,7 @@ def _batch_data(design: Design, silicone: Silicone, volumes: SiliconeVolumes) ->
 
 def _printing_data(design: Design, prints: Mapping[str, PrintEstimate] | None) -> dict[str, Any]:
     supports, orientations = supports_by_part(design), print_orientations(design)
+    on_filament = parts_on_plates(design, FDM)
     data: dict[str, Any] = {
         "folder": PRINT_FOLDER,
         "max_bridge_mm": MAX_BRIDGE_MM,
@@ -277,7 +276,8 @@ def _printing_data(design: Design, prints: Mapping[str, PrintEstimate] | None) -
             }
             for name, orientation in orientations.items()
         ],
-        "settings": print_settings(orientations),
+        "settings": print_settings(orientations, on_filament),
+        "bone_on_filament_plate": "bone" in on_filament,
     }  # fmt: skip
     if prints:
         minutes = {name: round(one.minutes) for name, one in prints.items()}

@@ -26,7 +26,7 @@ _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 """Inverse of the golden ratio: the share of the bracket that each golden-section step keeps."""
 _MAX_PIVOTS = 500
 """Largest number of vertices that `maximise_linear` visits for one objective; some ten are usual."""
-_NO_GAIN, _PARALLEL, _TIE = 1e-12, 1e-8, 1e-13
+_NO_GAIN, _PARALLEL, _TIE = 1e-12, 1e-9, 1e-13
 """Gain of an edge, rate of approach to a plane, and difference of two distances that count as zero.
 
 A vertex on a plane that is met at a lower rate would be ill conditioned: its rounding errors reached 0.02 mm in a finger.
@@ -77,7 +77,8 @@ def maximise_linear(
             leaving = free[0] if free else max(range(count), key=gains.__getitem__)
             if not free and gains[leaving] <= _NO_GAIN:
                 break
-            direction = edges[leaving] if gains[leaving] > 0.0 else [-value for value in edges[leaving]]
+            length = math.copysign(max(map(abs, edges[leaving])), gains[leaving])
+            direction = [value / length for value in edges[leaving]]
             rates = [sum(map(operator.mul, normal, direction)) for normal in normals]
             entering, step = _find_first_hit(rates, slacks, active)
             point = [p + step * d for p, d in zip(point, direction, strict=True)]

@@ -76,7 +76,7 @@ def casting_sheet_data(
     joint = {
         "pin_mm": hand.pin_diameter_mm, "play_mm": round(2 * design.bone.joint_clearance_mm, 2),
         "travel_deg": hand.travel_deg, "tendon_distance_mm": hand.tendon_distance_mm,
-        "anchor_hole_mm": design.bone.anchor_diameter_mm,
+        "anchor_hole_mm": round(design.bone.anchor_diameter_mm, 1),
         "tendon_force_n": round(design.strength.grip_force_n * tendon_force_per_n(design, design.skin.length_mm)),
     }  # fmt: skip
     data: dict[str, Any] = {

@@ -59,22 +59,22 @@ def test_profile_between_the_stops_never_meets_the_shoulder(travel_deg: float) -
 
 
 def test_forces_of_the_joint_follow_from_its_levers() -> None:
-    """35 mm of lever about the pin against 4.94 mm of the tendon, and two thirds of the stop."""
+    """35.65 mm of lever about the pin against 4.98 mm of the tendon, and two thirds of the stop."""
     design = load("adult_finger")
-    assert clevis.tendon_force_per_n(design, 25.0) == pytest.approx(35.0 / 4.94)
+    assert clevis.tendon_force_per_n(design, 25.0) == pytest.approx(35.65 / 4.98)
     stresses = {found.place: found for found in interface_of(design).local_stresses(design, 25.0)}
     section, joint = design.dimensions.bone_outline.section, design.dimensions.joint
     assert joint
-    pull = 35.0 / (2 / 3 * (section.dorsal - joint.axis_y)) + 1.0
+    pull = 35.65 / (2 / 3 * (section.dorsal - joint.axis_y)) + 1.0
     cheek = section.half_width_at(joint.axis_y + 1.0) - joint.half_width
     assert stresses["end of the eye"].stress_per_n == pytest.approx(math.sqrt(3) * pull / (4 * cheek * (3.2 - 1.0)))
-    assert not stresses["bearing of the anchor"].at_shock
-    force, anchor = 35.0 / 4.94, design.dimensions.anchor
+    assert not stresses["hole of the anchor"].at_shock
+    force, anchor = 35.65 / 4.98, design.dimensions.anchor
     assert anchor
     assert stresses["bearing of the pin"].stress_per_n == pytest.approx((force + 1.0) / (2 * cheek * 2.0))
     window = design.dimensions.sensor.tail_width_mm / 2 + design.sensor.clearance_mm
     length = 2 * (design.dimensions.collar.section.half_width_at(anchor.y) - window)
-    assert stresses["bearing of the anchor"].stress_per_n == pytest.approx(force / (length * 1.2))
+    assert stresses["hole of the anchor"].stress_per_n == pytest.approx(force / (2 * 1.15 * 1.72))
     assert stresses["wall at the anchor"].stress_per_n == pytest.approx(math.sqrt(3) * force / (2 * length * 0.8))
     assert assess_strength(design, MeshEvaluator(0.02)).tendon_force_n == pytest.approx(20.0 * force)
     assert stresses["eye"].at_shock
@@ -90,7 +90,7 @@ def test_step_file_holds_pin_eye_and_nose_where_they_belong(tmp_path: Path) -> N
     assert joint
     assert fold
     along_x = {(round(r, 6), round(y, 6), round(z, 6)) for r, (_, y, z), axis in cylinders if abs(axis[0]) > 0.999}
-    pin = (1.0, round(joint.axis_y, 6), -10.0)
+    pin = (1.0, round(joint.axis_y, 6), -10.65)
     assert {pin, (3.2, *pin[1:]), (2.5, round(fold.nose_y, 6), -2.5)} <= along_x
     # The apex is the highest point that the skin's file names.
     apex = max(z for _, _, z in read_points((tmp_path / "skin.step").read_text()).values())

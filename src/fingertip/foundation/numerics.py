@@ -29,7 +29,7 @@ _MAX_PIVOTS = 500
 _NO_GAIN, _PARALLEL, _TIE = 1e-12, 1e-9, 1e-13
 """Gain of an edge, rate of approach to a plane, and difference of two distances that count as zero.
 
-A vertex on a plane that is met at a lower rate would be ill conditioned: its rounding errors reached 0.02 mm in a finger.
+A vertex on a plane that is met at a lower rate would be ill conditioned: its rounding errors reached 0.02 mm.
 """
 _MAX_STEPS = 60
 """Largest number of steps of `find_root`; the Illinois method needs about ten."""

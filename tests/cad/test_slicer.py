@@ -95,7 +95,7 @@ def test_plate_slices_without_a_complaint_and_without_supports_in_the_mold(
     slicer: Path, name: str, method: str, kind: str, tmp_path: Path
 ) -> None:
     """With automatic supports at 45 degrees: none stands under a mold half, and some under the bone."""
-    design = Design.load(design_file(name), changes=[f"mold.method={method}"])
+    design = Design.load(design_file(name), changes=[f"mold.method={method}", "strength.print_material=petg"])
     plate = plate_of(design, kind)
     (tmp_path / "plate.3mf").write_bytes(plate)
     x, y = design.printer.bed_x_mm, design.printer.bed_y_mm

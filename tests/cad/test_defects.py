@@ -248,8 +248,8 @@ DEFECTS = {
         {"joint.tendon_overlap"}, TONGUE, "adult_finger",
     ),
     "narrow joint": Defect(
-        clevis, "space", lambda _, design, joint: SPACE(design, replace(joint, clearance=0.05)), {"joint.clearance"},
-        design="adult_finger",
+        clevis, "space", lambda _, design, joint: SPACE(design, replace(joint, half_width=joint.half_width - 0.2)),
+        {"joint.clearance"}, design="adult_finger",
     ),
 }  # fmt: skip
 

@@ -161,11 +161,11 @@ def bent_stop_long_enough(design: DesignTables) -> Violation | None:
 
     if holds(travel):
         return None
-    passing = [angle for angle in range(1, 111) if holds(float(angle))]
+    passing = [angle / 10 for angle in range(10, 1101) if holds(angle / 10)]
     nearest = min(passing, key=lambda angle: abs(angle - travel), default=None)
     return Violation(
         f"{travel:g} degrees leave no hard stop for the bent finger within its outline",
-        ((float(nearest), float(nearest)),) if nearest else (),
+        ((nearest, nearest),) if nearest else (),
     )
 
 

@@ -99,3 +99,9 @@ def test_tolerances_of_two_mating_parts_leave_half_of_their_play(name: str, is_c
     for hole, shaft in mates:
         (least, stated_hole, _), (_, stated_shaft, largest) = limits_mm(hole), limits_mm(shaft)
         assert least - largest >= (stated_hole - stated_shaft) / 2 - 1e-9 > 0.0, (hole, shaft)
+
+
+def test_general_tolerances_are_those_of_the_standard() -> None:
+    """ISO 2768-1, table 1, class m."""
+    table = {3.0: 0.1, 6.0: 0.1, 6.01: 0.2, 30.0: 0.2, 30.01: 0.3, 120.0: 0.3, 120.01: 0.5, 400.0: 0.5}
+    assert {size: general(size).high for size in table} == table

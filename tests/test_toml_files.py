@@ -15,6 +15,7 @@ from fingertip.catalogues.file_kinds import (
     KINDS,
     MANIPULATION,
     SCENE,
+    SURFACE,
     SWEEP,
     identify_kind,
     read_file,
@@ -25,13 +26,14 @@ from fingertip.cli.design import format_schema
 from fingertip.design import Design
 from fingertip.foundation.errors import TomlFileError
 from fingertip.sim import ManipulationFile, SceneFile
+from fingertip.sim.contact.materials import SurfaceFile
 from fingertip.sweep.sweep_file import SweepFile
 from tests.conftest import ROOT, run_fingertip
 from tests.tools import require_module
 
 
 def test_names_of_each_kind_are_those_of_its_model() -> None:
-    models = {DESIGN: Design, SCENE: SceneFile, MANIPULATION: ManipulationFile, SWEEP: SweepFile}
+    models = {DESIGN: Design, SCENE: SceneFile, MANIPULATION: ManipulationFile, SWEEP: SweepFile, SURFACE: SurfaceFile}
     assert set(models) == set(KINDS)
     for kind, model in models.items():
         assert kind.names == set(model.model_fields), kind.name
@@ -47,6 +49,9 @@ def test_names_of_each_kind_are_those_of_its_model() -> None:
         ("", None),
         ("[nonsense]", None),
         ("[slide]", SCENE),
+        ("[surface]", SURFACE),
+        ("[surface]\n[sensing]", SCENE),
+        ("[surface]\n[grasp]", MANIPULATION),
         ("[sensing]", SCENE),
         ("[grasp]", MANIPULATION),
         ("[sensing]\n[grasp]", MANIPULATION),
@@ -95,7 +100,7 @@ def test_changes_go_to_the_file_that_knows_their_name() -> None:
 
 SCHEMAS = ROOT / "params" / "schemas"
 FILES = sorted((ROOT / "params").rglob("*.toml"))
-KIND_OF_FOLDER = {"scenes": "scene", "sweeps": "sweep", "hands": "design", "params": "design"}
+KIND_OF_FOLDER = {"scenes": "scene", "surfaces": "surface", "sweeps": "sweep", "hands": "design", "params": "design"}
 
 
 def schema_of(path: Path) -> Path:

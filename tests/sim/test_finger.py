@@ -17,6 +17,7 @@ from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.pad.response import Pad
 from fingertip.sim import SceneFile, Trial, run_scene
+from fingertip.sim.contact.materials import SURFACES
 from fingertip.sim.contact.surfaces import average_over_patch, generate_profile
 from fingertip.sim.runs.scene import SceneRun, stream_scene
 from fingertip.sim.signal.finger import FingerSignals
@@ -235,7 +236,7 @@ def test_stick_slip_lets_the_pad_stop_during_a_slide():
 
 
 def test_profile_slopes_are_the_derivative_of_its_heights():
-    profile = generate_profile(random.Random(4), 1.6, 0.8e-3, -1e-3, 0.01)
+    profile = generate_profile(random.Random(4), SURFACES["paper"], -1e-3, 0.01)
     inner = np.gradient(profile.heights_m, 5e-6)[1:-1]
     assert np.abs(inner - profile.slopes[1:-1]).max() < 0.1 * np.abs(inner).max()
     # The cubic passes through the points.

@@ -14,6 +14,7 @@ from fingertip.pad.form import PadForm
 from fingertip.pad.layer import find_contacts
 from fingertip.pad.pose import Pose
 from fingertip.pad.response import REFERENCE_POSE, Backing, Pad
+from fingertip.sim.contact.materials import SURFACES
 from fingertip.sim.contact.surfaces import generate_profile
 from fingertip.sim.contact.vibration import ContactResonance, high_pass
 from fingertip.sim.runs.timeline import LIFT_M, TrapezoidalMove, build_timeline
@@ -71,7 +72,7 @@ def test_stiffness_is_the_layer_s_at_1_n_with_hertz_power_and_mindlin_s_ratio():
 
 
 def test_profile_has_the_given_roughness_below_the_cutoff():
-    heights = generate_profile(random.Random(1), 0.8, 0.8e-3, 0.0, 0.5).heights_m
+    heights = generate_profile(random.Random(1), SURFACES["medium"], 0.0, 0.5).heights_m
     spectrum = np.abs(np.fft.rfft(heights * np.hanning(len(heights)))) ** 2
     waves_per_m = np.fft.rfftfreq(len(heights), 5e-6)
     window = np.mean(np.hanning(len(heights)) ** 2)

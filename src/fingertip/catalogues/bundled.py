@@ -18,7 +18,7 @@ from fingertip.foundation.errors import Issue, TomlFileError, join_words
 _IN_WHEEL = Path(__file__).parents[1] / "params"
 _IN_CHECKOUT = Path(__file__).parents[3] / "params"
 PARAMS = _IN_WHEEL if _IN_WHEEL.is_dir() else _IN_CHECKOUT
-_FOLDERS = ("", "scenes", "sweeps")
+_FOLDERS = ("", "scenes", "surfaces", "sweeps")
 _BARE_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]*")
 _MAX_SUGGESTIONS = 3
 

@@ -1,6 +1,6 @@
-"""Kinds of TOML files: design, scene, manipulation and sweep.
+"""Kinds of TOML files: design, scene, manipulation, surface and sweep.
 
-This is the one place that decides what a TOML file is. The four kinds share the suffix .toml, so that only the names at
+This is the one place that decides what a TOML file is. The kinds share the suffix .toml, so that only the names at
 the top level of a file tell them apart.
 """
 
@@ -43,8 +43,8 @@ DESIGN = FileKind(
 SCENE = FileKind(
     "scene",
     frozenset({
-        "scene", "outputs", "contact", "pose", "hold", "slide", "load_change", "tap", "motor", "drift", "cable",
-        "noise", "sensing", "converter",
+        "scene", "outputs", "contact", "surface", "pose", "hold", "slide", "load_change", "tap", "motor", "drift",
+        "cable", "noise", "sensing", "converter",
     }),
     "hard_tap",
     "`fingertip simulate` takes a scene file as its first argument",
@@ -52,7 +52,8 @@ SCENE = FileKind(
 MANIPULATION = FileKind(
     "manipulation",
     frozenset({
-        "scene", "outputs", "object", "grasp", "knock", "hand", "drift", "cable", "noise", "sensing", "converter",
+        "scene", "outputs", "object", "surface", "grasp", "knock", "hand", "drift", "cable", "noise", "sensing",
+        "converter",
     }),
     "real_manipulation",
     "`fingertip simulate` takes a manipulation file as its first argument",
@@ -66,7 +67,13 @@ SWEEP = FileKind(
     "board",
     "`fingertip sweep` takes a sweep file",
 )  # fmt: skip
-KINDS = (SWEEP, MANIPULATION, SCENE, DESIGN)
+SURFACE = FileKind(
+    "surface",
+    frozenset({"surface"}),
+    "wood",
+    "`fingertip simulate` takes a surface file with --surface",
+)
+KINDS = (SWEEP, SURFACE, MANIPULATION, SCENE, DESIGN)
 """All kinds. A name that several kinds share counts for the last of them that has it, unless another name decides."""
 
 
@@ -128,6 +135,8 @@ def _find_kinds(tables: Mapping[str, Any]) -> dict[FileKind, set[str]]:
     A sweep file may hold names of all kinds.
     """
     names = set(tables)
+    if names == SURFACE.names:  # a scene may have such a table too, beside others
+        return {SURFACE: names}
     found: dict[FileKind, set[str]] = {}
     for kind in KINDS:
         shared = frozenset().union(*(other.names for other in KINDS if other is not kind))

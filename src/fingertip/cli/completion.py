@@ -135,9 +135,9 @@ COMPLETIONS = {
     "material": _words(*SILICONES, "own"),
     "detector": _words("digital", "analog", "fft", "fast"),
     "grip": _words("fast", "digital", "analog"),
-    "surface": _words("smooth", "medium", "gross", "wood", "paper", "plastic"),
+    "surface": _files("SURFACE"),
     "time_scale": _words("s", "ms", "us", "ns"),
-    "kind": _words("design", "scene", "manipulation", "sweep"),
+    "kind": _words("design", "scene", "manipulation", "surface", "sweep"),
     "shell": _words(*SCRIPTS),
 }
 """Parameter of all commands, or of one, -> words that it takes."""

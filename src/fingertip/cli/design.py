@@ -231,7 +231,7 @@ def params(
 
 # Commands `fingertip schema` and `fingertip completion`, for editors and shells.
 
-KINDS = ("design", "scene", "manipulation", "sweep")
+KINDS = ("design", "scene", "manipulation", "surface", "sweep")
 """Kinds of TOML files that have a schema."""
 
 
@@ -264,6 +264,10 @@ def make_schema(kind: str) -> dict[str, Any]:
         from fingertip.sim import ManipulationFile
 
         found = ManipulationFile.model_json_schema()
+    elif kind == "surface":
+        from fingertip.sim.contact.materials import SurfaceFile
+
+        found = SurfaceFile.model_json_schema()
     elif kind == "sweep":
         from fingertip.sweep.sweep_file import SweepFile
 

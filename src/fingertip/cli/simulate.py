@@ -36,7 +36,9 @@ def simulate(
     speed_m_s: Annotated[
         float | None, typer.Option(help="Peak sliding speed (article: 0.04, 0.06, 0.08), or speed of the knock (0.08).")
     ] = None,
-    surface: Annotated[str | None, typer.Option(help="smooth, medium, gross, wood, paper or plastic.")] = None,
+    surface: Annotated[
+        str | None, typer.Option(help="Bundled name, such as wood or ridged_fine, or a surface file (.toml, .csv).")
+    ] = None,
     force_n: Annotated[
         float | None,
         typer.Option(help="Holding force, or that of the thumb; if left out, the seed draws it (trial: 0.2 to 2 N)."),

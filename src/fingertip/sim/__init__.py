@@ -6,7 +6,7 @@ run them, and `fingertip.sim.report` summarises their results. `simulate` runs o
 """
 
 from fingertip.foundation.jit import compiled
-from fingertip.sim.contact.surfaces import SURFACES
+from fingertip.sim.contact.materials import SURFACES
 from fingertip.sim.runs.files import ManipulationFile, SceneFile
 from fingertip.sim.runs.manipulation import ManipulationResult, run_manipulation
 from fingertip.sim.runs.motion import Controller, FixedGrip, Observation

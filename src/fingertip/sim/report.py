@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.foundation.plot_style import SERIES, TEXT_COLOUR, TRUTH, new_figure, style_axes, to_png
-from fingertip.sim.contact.surfaces import SURFACES
+from fingertip.sim.contact.materials import SurfaceTable, select_surface
 from fingertip.sim.runs.manipulation import ManipulationResult
 from fingertip.sim.runs.scene import SceneRecord, SceneResult
 from fingertip.sim.signal.parameters import OUTPUTS
@@ -58,13 +58,17 @@ def as_text(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] |
     if isinstance(result, SceneRecord):
         scene = result.scene
         slides = scene.slide.distance_m > 0.0
-        title = f"{_describe_surface(scene.contact.surface)}, {scene.slide.speed_m_s:g} m/s" if slides else scene.name
+        title = (
+            f"{_describe_surface(scene.contact.surface, scene.surface)}, {scene.slide.speed_m_s:g} m/s"
+            if slides
+            else scene.name
+        )
         pose = result.pose
         turned = f"tilt {pose.tilt_deg:g} degrees, roll {pose.roll_deg:g} degrees on a {pose.object}"
         felt = f"{turned}: {result.sensor_share:.0%} of the force reaches the sensor"
         return [f"{title}, {result.force_n:.2f} N, {size}", felt, *slips]
     target = result.scene.object
-    surface = _describe_surface(target.surface)
+    surface = _describe_surface(target.surface, result.scene.surface)
     title = f"object: {surface}, {1000 * target.mass_kg:g} g, {result.scene.grasp.kind} grasp"
     moved = f"the object moved by {1000 * result.signals.object_m[-1]:.1f} mm"
     end = "was held" if result.lost_s is None else f"left the fingers at {result.lost_s:.4f} s"
@@ -80,9 +84,9 @@ def as_text(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] |
     return lines
 
 
-def _describe_surface(name: str) -> str:
-    label = SURFACES[name].label
-    return name if label == name else f"{name} ({label})"
+def _describe_surface(name: str, table: SurfaceTable) -> str:
+    material = select_surface(name, table).material
+    return material if table.material or material == name else f"{name} ({material})"
 
 
 # Plot of a simulation: one panel for each recorded output.

@@ -23,7 +23,7 @@ from fingertip.design import Design
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import FingertipError, Issue, gather
 from fingertip.foundation.validation import raise_issues
-from fingertip.sim.contact.surfaces import SURFACES
+from fingertip.sim.contact.materials import ARTICLE_SURFACES, SURFACES, SurfaceFile
 from fingertip.sim.runs.files import ManipulationFile, SceneFile
 from fingertip.sim.runs.manipulation import ManipulationResult, run_manipulation
 from fingertip.sim.runs.motion import Controller
@@ -97,8 +97,13 @@ def load_simulation(
     is_scene = kind in (SCENE, MANIPULATION)
     scene_changes, design_changes = split_changes(changes, [kind] if kind and is_scene else [])
     options: dict[str, Any] = {"surface": surface, "speed_m_s": speed_m_s, "force_n": force_n}
-    options = {option: value for option, value in options.items() if value is not None}
     issues: list[Issue] = []
+    own: SurfaceFile | None = None
+    if surface is not None and surface not in SURFACES and Path(surface).suffix in (".toml", ".csv"):
+        options["surface"] = None
+        with gather(issues):
+            own = SurfaceFile.load(Path(surface))
+    options = {option: value for option, value in options.items() if value is not None}
     if not is_scene:
         if design_file:
             message = f"stands beside {given or 'no file'}, which is not a scene; leave --design out."
@@ -123,6 +128,9 @@ def load_simulation(
                 text = f'"{value}"' if isinstance(value, str) else repr(value)
                 scene_changes += [f"{name}={text}" for name in model.options[option]]
             scene = model.load(file, changes=scene_changes)
+    if own is not None and scene is not None:
+        with gather(issues):
+            scene = type(scene)(**scene.model_dump() | {"surface": own.surface.model_dump()})
     if speed_m_s is not None and isinstance(scene, SceneFile) and not scene.slide.distance_m:
         remedy = "leave it out, or let the finger slide with --set slide.distance_m=0.04"
         issues.append(Issue("--speed-m-s", f"{speed_m_s:g} m/s has no effect, because nothing slides here; {remedy}."))
@@ -234,7 +242,7 @@ def article_trials() -> Iterator[tuple[SceneFile, int]]:
     seed = 0
     grasp = {"mode": "grasp", "min_force_n": 0.5, "max_force_n": 3.5, "release": False}
     for configuration, surfaces, hold in (
-        ("sliding_finger", tuple(SURFACES), dict[str, Any]()),
+        ("sliding_finger", ARTICLE_SURFACES, dict[str, Any]()),
         ("sliding_surface", GRASPED_SURFACES, grasp),
     ):
         for surface in surfaces:

@@ -24,7 +24,7 @@ from fingertip.lab.studies.sensitivity import (
     VariationResult,
 )
 from fingertip.lab.studies.steps import GOAL_SHARE
-from fingertip.sim.contact.surfaces import SURFACES
+from fingertip.sim.contact.materials import ARTICLE_SURFACES, SURFACES
 
 _EXPLAINED = {"patch": PATCH_AVERAGE, "stick_slip": STICK_SLIP, "both": BOTH, "elasto_plastic": ELASTO_PLASTIC}
 """Name in the template -> label of a variation that it explains."""
@@ -68,7 +68,7 @@ def collect_effects(variations: Sequence[VariationResult], patch_radius_m: float
         "other_effects": [v for v in variations[1:] if v.is_realistic and v.label not in _EXPLAINED.values()],
         "patch_radius_m": patch_radius_m,
         "patch_ratio": base.vibration_n / patch.vibration_n if patch and patch.vibration_n else math.inf,
-        "wavelengths_mm": sorted({1000 * surface.cutoff_wavelength_m for surface in SURFACES.values()}),
+        "wavelengths_mm": sorted({1000 * SURFACES[name].cutoff_wavelength_m for name in ARTICLE_SURFACES}),
         "held_longer": HELD_LONGER,
         "levels_are_assumed": LEVELS_ARE_ASSUMED,
         "isfinite": math.isfinite,

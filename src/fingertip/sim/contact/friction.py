@@ -94,6 +94,11 @@ class Friction:
         return Friction(2.2 * self.mu_c, self.mu_c, STICK_SLIP_STRIBECK_M_S, self.sigma0, 0.1, 0.15)
 
     @property
+    def max_ratio(self) -> float:
+        """Ratio of `mu_s` to `mu_c` below which friction is passive."""
+        return 1 + self.sigma2 / self.sigma1
+
+    @property
     def is_passive(self) -> bool:
         """True if friction only ever takes energy: ``sigma2 > sigma1 (mu_s - mu_c) / mu_c``.
 

@@ -1,7 +1,9 @@
-"""Surfaces of the article, and the heights of a rough surface along the line on which a pad slides.
+"""Heights of a surface along the line on which a pad slides: rough, ridged or measured.
 
-The profile is a sum of waves with random phases and amplitudes proportional to lambda^H. Its scale makes the waves up
-to the cutoff wavelength have the given roughness: the RMS height of a Gaussian profile is ``Ra sqrt(pi / 2)``.
+A rough profile is a sum of waves with random phases and amplitudes proportional to lambda^H, the self-affine spectrum
+of B. N. J. Persson et al. (J. Phys.: Condens. Matter 17, 2005, R1). Its scale makes the waves up to the cutoff
+wavelength have the given roughness: the RMS height of a Gaussian profile is ``Ra sqrt(pi / 2)``. Ridges are one more
+wave. A measured profile begins at a random place, if it is longer than the slide.
 """
 
 from __future__ import annotations
@@ -15,10 +17,8 @@ import numpy as np
 
 from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
-from fingertip.sim.contact.friction import Friction
+from fingertip.sim.contact.materials import Surface
 
-HURST = 0.8
-"""Hurst exponent of the self-affine profile (B. N. J. Persson et al., J. Phys.: Condens. Matter 17, 2005, R1)."""
 _ROUGH_OCTAVES = 5
 """Octaves of roughness below the cutoff wavelength: to at least 0.5 kHz at 4 cm/s, far above the resonance."""
 _WAVY_OCTAVES = 2
@@ -44,32 +44,48 @@ class SurfaceProfile:
 
 
 def generate_profile(
-    rng: random.Random,
-    roughness_um: float,
-    cutoff_m: float,
-    start_m: float,
-    length_m: float,
-    patch_radius_m: float = 0.0,
+    rng: random.Random, surface: Surface, start_m: float, length_m: float, patch_radius_m: float = 0.0
 ) -> SurfaceProfile:
+    """Generate the heights of a surface, or cut them out of a measured profile."""
+    if surface.profile_m:
+        return _cut_profile(rng, surface, start_m, length_m, patch_radius_m)
     count = math.ceil(length_m / _SPACING_M) + 2
     waves, square = [], 0.0
     for i in range(-_WAVY_OCTAVES * _PER_OCTAVE, _ROUGH_OCTAVES * _PER_OCTAVE):
         octave = (i + rng.random()) / _PER_OCTAVE  # random wavelengths share no common period, so they do not beat
-        amplitude = 2.0 ** (-HURST * octave)
+        amplitude = 2.0 ** (-surface.hurst * octave)
         square += amplitude * amplitude / 2 if octave >= 0.0 else 0.0
-        waves.append((amplitude, 2 * math.pi * 2.0**octave / cutoff_m, 2 * math.pi * rng.random()))
-    scale = roughness_um * 1e-6 * math.sqrt(math.pi / 2) / math.sqrt(square)
+        waves.append((amplitude, 2 * math.pi * 2.0**octave / surface.cutoff_wavelength_m, 2 * math.pi * rng.random()))
+    scale = surface.roughness_um * 1e-6 * math.sqrt(math.pi / 2) / math.sqrt(square)
+    waves = [(scale * amplitude, k, phase) for amplitude, k, phase in waves]
+    if surface.ridge_depth_m:
+        waves.append((surface.ridge_depth_m / 2, 2 * math.pi / surface.ridge_pitch_m, 2 * math.pi * rng.random()))
     # Each wave is a phasor that turns by a fixed angle per point. This needs no cosine per point, and no vectorised
     # cosine, whose last bit varies between processors.
     turns = [complex(math.cos(k * _SPACING_M), math.sin(k * _SPACING_M)) for _, k, _ in waves]
     starts = [
-        scale * amplitude * average_over_patch(k * patch_radius_m) * complex(math.cos(phase), math.sin(phase))
+        amplitude * average_over_patch(k * patch_radius_m) * complex(math.cos(phase), math.sin(phase))
         for amplitude, k, phase in waves
     ]
     numbers = np.array([k for _, k, _ in waves])
     heights, slopes = np.zeros(count), np.zeros(count)
     _sum_waves(np.array(starts), np.array(turns), numbers, heights, slopes)
     return SurfaceProfile(start_m, heights, slopes)
+
+
+def _cut_profile(
+    rng: random.Random, surface: Surface, start_m: float, length_m: float, patch_radius_m: float
+) -> SurfaceProfile:
+    heights, step_m = np.array(surface.profile_m), surface.profile_step_m
+    if (reach := int(patch_radius_m / step_m)) > 0:
+        # `average_over_patch` in space: pressure over a round patch, summed across the line, is a parabola along it.
+        x = np.arange(-reach, reach + 1) * step_m / patch_radius_m
+        weights = 1.0 - x * x
+        heights = np.convolve(np.pad(heights, reach, mode="edge"), weights / weights.sum(), mode="valid")
+    spare_m = max(0.0, (len(heights) - 1) * step_m - length_m)
+    first = int(rng.random() * spare_m / step_m)
+    heights = heights[first:]
+    return SurfaceProfile(start_m, heights, np.gradient(heights, step_m), step_m)
 
 
 def average_over_patch(angle: float) -> float:
@@ -124,35 +140,3 @@ def _interpolate_loop(
 
 _sum_waves = CompiledLoop(_sum_waves_loop, outputs=2, samples="heights", plain_us=6.0)
 _interpolate = CompiledLoop(_interpolate_loop, outputs=1, samples="position", plain_us=0.5)
-
-
-# The article's six flat surfaces: friction per newton of normal force, and roughness.
-#
-# The roughness of the three metals is the article's (section III.C). The cutoff wavelength for a roughness is that of
-# ISO 4288, table 1 (Ra above 0.1 to 2 um: 0.8 mm; above 2 to 10 um: 2.5 mm). All other values are assumptions: the
-# article gives no friction coefficient and calls the roughness of the other surfaces unknown. Their order follows the
-# article (section IV): wood is rougher than paper and plastic, and smoother surfaces have less friction.
-
-
-@dataclass(frozen=True)
-class Surface:
-    label: str
-    roughness_um: float
-    """Arithmetic mean deviation Ra of the profile [um]."""
-    friction: Friction
-
-    @property
-    def cutoff_wavelength_m(self) -> float:
-        """Longest wavelength that counts as roughness [m] (ISO 4288, table 1). Longer ones count as waviness."""
-        return 0.8e-3 if self.roughness_um <= 2.0 else 2.5e-3
-
-
-SURFACES: dict[str, Surface] = {
-    "smooth": Surface("metal, Ra 0.2 um", 0.2, Friction(0.50, 0.40)),
-    "medium": Surface("metal, Ra 0.8 um", 0.8, Friction(0.60, 0.48)),
-    # "gross" is the article's word for its coarse metal; it has nothing to do with gross slip.
-    "gross": Surface("metal, Ra 3.2 um", 3.2, Friction(0.75, 0.60)),
-    "wood": Surface("wood", 5.0, Friction(0.70, 0.56)),
-    "paper": Surface("book cover", 1.6, Friction(0.60, 0.48)),
-    "plastic": Surface("smartphone cover, in the article also called rubber", 1.2, Friction(0.55, 0.44)),
-}

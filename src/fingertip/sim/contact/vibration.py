@@ -27,8 +27,8 @@ def cube_root(values: Array) -> Array:
 #
 # A wavelength lambda that passes at speed v excites the frequency v/lambda. Its height times the normal stiffness of
 # the contact is the force that drives the resonance. So vibration grows with the roughness and, through the stiffness,
-# with the load. Unless a scene asks for the average over the contact patch, the pad follows the summits of one line,
-# which gives an upper bound.
+# with the load, by the law of the surface (`SurfaceTable.load_law`). Unless a scene asks for the average over the
+# contact patch, the pad follows the summits of one line, which gives an upper bound.
 #
 # All inputs are taken as linear between the points of the grid, and both filters are exact for such inputs.
 
@@ -55,8 +55,8 @@ class ProfileForce:
     damped).
     """
 
-    def __init__(self, pad: Pad, profile: SurfaceProfile, step_s: float) -> None:
-        self._stiffness_at_1n = pad.normal_stiffness_n_per_m(1.0)
+    def __init__(self, pad: Pad, profile: SurfaceProfile, is_proportional: bool, step_s: float) -> None:
+        self._is_proportional, self._stiffness_at_1n = is_proportional, pad.normal_stiffness_n_per_m(1.0)
         self._profile, self._step_s = profile, step_s
         self._hand_hz = pad.backing.resonance_hz
         self._state: Array | None = None
@@ -67,9 +67,10 @@ class ProfileForce:
         if self._state is None:
             self._state = np.array([height[0], height[0]])  # the hand has followed the surface so far
         deflection = high_pass(height, self._step_s, self._hand_hz, self._state)
-        # The load N presses the pad into the profile: stiffness at the present force, and none without contact. It
-        # grows with N^(1/3), but begins in proportion to N: a force with a vertical slope would cost the order 2.
-        return self._stiffness_at_1n * load_n / cube_root(load_n + LOAD_SCALE_N) ** 2 * deflection
+        # The load N presses the pad into the profile: stiffness at the present force, and none without contact. As a
+        # ball's it grows with N^(1/3), but begins in proportion to N: a vertical slope would cost the order 2.
+        grown_n = load_n if self._is_proportional else load_n / cube_root(load_n + LOAD_SCALE_N) ** 2
+        return self._stiffness_at_1n * grown_n * deflection
 
 
 class ContactResonance:

@@ -24,6 +24,7 @@ from fingertip.foundation.validation import round_down, round_up
 from fingertip.pad.form import PadForm
 from fingertip.pad.pose import Pose
 from fingertip.pad.response import Backing, Pad
+from fingertip.sim.contact.materials import ARTICLE_SURFACES, SurfaceTable, find_pitch_issues, find_surface_issues
 from fingertip.sim.runs.pose import ScenePose
 from fingertip.sim.signal.parameters import (
     ACCELERATION_M_S2,
@@ -40,9 +41,7 @@ MAX_TAPS_S = 3600.0
 class Contact(ParameterTable):
     """Surface, and response of the pad to it."""
 
-    surface: Literal["smooth", "medium", "gross", "wood", "paper", "plastic"] = choice(
-        "medium", "One of the article's six surfaces (III.C)."
-    )
+    surface: str = choice("medium", f"Surface by name; the article's (III.C) are {', '.join(ARTICLE_SURFACES)}.")
     length_m: float = assumption(0.1, "m", (Above(0), 1), "Length of the surface.")
     mass_kg: float = assumption(
         Backing.mass_kg, "kg", (0.001, 2), "Mass of hand or robot arm that moves with the finger; some 90 Hz at 1 N."
@@ -124,6 +123,7 @@ class Motor(ParameterTable):
 
 class _SceneTables(SimulationFile):
     contact: Contact = Contact()
+    surface: SurfaceTable = SurfaceTable()
     pose: ScenePose = ScenePose()
     hold: Hold = Hold()
     slide: Slide = Slide()
@@ -156,7 +156,10 @@ class SceneFile(PathTables, _SceneTables):
         """Yield the reasons why this cannot be simulated with a design and a seed."""
         yield from super().find_design_issues(design, seed)
         yield from self.pose.find_issues(PadForm.of_design(design))
-        half = design.detector.sample_rate_hz / 2
+        rate_hz = design.detector.sample_rate_hz
+        if self.slide.distance_m:
+            yield from find_pitch_issues(self.contact.surface, self.surface, self.slide.speed_m_s, rate_hz)
+        half = rate_hz / 2
         if self.motor.force_n and self.motor.frequency_hz >= half:
             what = f"{self.motor.frequency_hz:g} Hz is not below half of detector.sample_rate_hz"
             yield Issue("motor.frequency_hz", f"{what}; below {half:g} Hz.")
@@ -177,6 +180,7 @@ class SceneFile(PathTables, _SceneTables):
             message = f"{hold.min_force_n:g} N is above hold.max_force_n; at most {hold.max_force_n:.12g} N."
             yield Issue("hold.min_force_n", message), {"hold.min_force_n", "hold.max_force_n"}
         yield from find_converter_issues(self.converter)
+        yield from find_surface_issues("contact.surface", self.contact.surface, self.surface, slide.distance_m)
         if slide.distance_m > self.contact.length_m:
             message = f"{slide.distance_m:g} m is longer than contact.length_m; at most {self.contact.length_m:.12g} m."
             yield Issue("slide.distance_m", message), {"slide.distance_m", "contact.length_m"}
@@ -216,9 +220,7 @@ class GraspedObject(ParameterTable):
     """Grasped object."""
 
     mass_kg: float = quantity(0.255, "kg", (0.005, 5), "Mass (article: 0.5, 0.255, 0.06, 0.02).")
-    surface: Literal["smooth", "medium", "gross", "wood", "paper", "plastic"] = choice(
-        "wood", "Surface (article, III.C: three wooden objects and a plastic bottle)."
-    )
+    surface: str = choice("wood", "Surface by name (article, III.C: three wooden objects and a plastic bottle).")
     friction_spread: float = assumption(
         0.03, "", (0, 0.5), "The seed draws friction within this relative range around the surface's."
     )
@@ -287,6 +289,7 @@ class Hand(ParameterTable):
 
 class _ManipulationTables(SimulationFile):
     object: GraspedObject = GraspedObject()
+    surface: SurfaceTable = SurfaceTable()
     grasp: Grasp = Grasp()
     knock: Knock = Knock()
     hand: Hand = Hand()
@@ -322,6 +325,7 @@ class ManipulationFile(PathTables, _ManipulationTables):
         """Yield each broken rule between parameters, with the names of the parameters it reads."""
         yield from super().find_rule_issues()
         grasp, knock = self.grasp, self.knock
+        yield from find_surface_issues("object.surface", self.object.surface, self.surface, self.object.length_m)
         if grasp.min_margin > grasp.max_margin:
             message = f"{grasp.min_margin:g} is above grasp.max_margin; at most {grasp.max_margin:.12g}."
             yield Issue("grasp.min_margin", message), {"grasp.min_margin", "grasp.max_margin"}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import MutableSequence, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -14,7 +14,7 @@ from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
 from fingertip.pad.response import Pad
 from fingertip.sim.contact.friction import Friction
-from fingertip.sim.contact.surfaces import SURFACES
+from fingertip.sim.contact.materials import select_surface
 from fingertip.sim.runs.files import Hand, ManipulationFile
 from fingertip.sim.runs.timeline import OPEN_S, TrapezoidalMove, smoothstep
 from fingertip.sim.signal.parameters import ACCELERATION_M_S2
@@ -67,7 +67,7 @@ class MotionPlan:
 
 def thumb_force_n(scene: ManipulationFile, margin: float) -> float:
     """Force of the thumb for a margin over holding the weight by friction on both sides [N]."""
-    grasp, mu = scene.grasp, SURFACES[scene.object.surface].friction.mu_s
+    grasp, mu = scene.grasp, select_surface(scene.object.surface, scene.surface).friction.mu_s
     return grasp.force_n or max(grasp.min_force_n, margin * scene.object.mass_kg * GRAVITY_M_S2 / (2 * mu))
 
 
@@ -77,14 +77,14 @@ def plan_motion(scene: ManipulationFile, pad: Pad, seed: int) -> MotionPlan:
     target, grasp, knock = scene.object, scene.grasp, scene.knock
 
     # The order of the draws is part of the result: margin, shares, reaches, friction.
-    nominal = SURFACES[target.surface].friction
+    nominal = select_surface(target.surface, scene.surface).friction
     margin = grasp.min_margin + (grasp.max_margin - grasp.min_margin) * rng.random()
     thumb = thumb_force_n(scene, margin)
     shares = [1 + grasp.uneven * (2 * rng.random() - 1) for _ in scene.fingers[1:]]
     forces = [thumb, *(thumb * share / sum(shares) for share in shares)]
     reach = np.array([grasp.reach_m + REACH_SPREAD_M * (2 * rng.random() - 1) for _ in forces])
     factor = 1 + target.friction_spread * (2 * rng.random() - 1)
-    friction = Friction(nominal.mu_s * factor, nominal.mu_c * factor)
+    friction = replace(nominal, mu_s=nominal.mu_s * factor, mu_c=nominal.mu_c * factor)
     goal = reach + np.array([pad.depth_m(force) for force in forces])
 
     # The peak of the planned velocity is 1.5 times its mean, which the motors can just follow.

@@ -26,7 +26,8 @@ from fingertip.foundation.validation import check_type, raise_issues
 from fingertip.pad.pose import Pose
 from fingertip.pad.response import Pad
 from fingertip.sim.contact.friction import ELASTO_PLASTIC, Friction
-from fingertip.sim.contact.surfaces import SURFACES, SurfaceProfile
+from fingertip.sim.contact.materials import Surface, select_surface
+from fingertip.sim.contact.surfaces import SurfaceProfile
 from fingertip.sim.contact.tangential import admissible_step_s
 from fingertip.sim.runs.files import SceneFile
 from fingertip.sim.runs.timeline import (
@@ -157,9 +158,13 @@ class SceneRun:
         return self.scene.draw_pad(self.design, self.seed)
 
     @functools.cached_property
+    def surface(self) -> Surface:
+        return select_surface(self.scene.contact.surface, self.scene.surface)
+
+    @functools.cached_property
     def friction(self) -> Friction:
         contact = self.scene.contact
-        friction = SURFACES[contact.surface].friction
+        friction = self.surface.friction
         if contact.stick_slip:
             friction = friction.with_stick_slip()
         return replace(friction, elastic=ELASTO_PLASTIC) if contact.bristles == "elasto_plastic" else friction
@@ -224,7 +229,7 @@ class SceneRun:
             friction=self.friction,
             open_random=self._open_random,
             seed=(self.seed, "finger"),
-            surface=SURFACES[scene.contact.surface] if slides else None,
+            surface=self.surface if slides else None,
             profile_length_m=scene.slide.distance_m,
             patch_average=scene.contact.patch_average,
             path=scene,
@@ -234,7 +239,7 @@ class SceneRun:
     def _build_pad(self, setup: FingerSetup, grid: Grid) -> SlidingPad:
         mount, contact = mount_pad(self.pad, self.force_n), self.scene.contact
         if contact.feedback:
-            profile = setup.make_profile()
+            profile = setup.make_profile_force(grid.step_s)
             shaking_n = self.scene.tap.force_n + 2 * self.scene.motor.force_n
             return CoupledPad(
                 self.friction, mount, self.pad, self.force_n, profile, grid, self.max_load_n + shaking_n, self.meter

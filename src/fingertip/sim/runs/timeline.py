@@ -16,7 +16,6 @@ from fingertip.foundation.numerics import Array
 from fingertip.pad.response import Pad
 from fingertip.sim.contact import coupled
 from fingertip.sim.contact.friction import Friction
-from fingertip.sim.contact.surfaces import SurfaceProfile
 from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion
 from fingertip.sim.contact.vibration import ProfileForce, transmit
 from fingertip.sim.runs.files import Motor, SceneFile, Tap
@@ -214,14 +213,14 @@ class CoupledPad:
         mount: Mount,
         pad: Pad,
         held_n: float,
-        profile: SurfaceProfile,
+        profile: ProfileForce,
         grid: Grid,
         max_load_n: float,
         meter: CostMeter,
     ) -> None:
         plain = replace(friction, elastic=0.0)
         self._first = DraggedPad(plain, mount, grid.step_s)
-        self._profile = ProfileForce(pad, profile, grid.step_s)
+        self._profile = profile
         hand_ratio = pad.backing.stiffness_n_per_m / pad.normal_stiffness_n_per_m(held_n)
         normal = coupled.NormalContact(pad.resonance_hz(held_n), pad.backing.damping_ratio, hand_ratio)
         self._contact = coupled.CoupledContact(friction, mount, normal, grid.step_s, max_load_n, _TOLERANCE_N)

@@ -19,7 +19,8 @@ from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.pad.response import Pad
 from fingertip.sim.contact.friction import Friction
-from fingertip.sim.contact.surfaces import Surface, SurfaceProfile, generate_profile
+from fingertip.sim.contact.materials import Surface
+from fingertip.sim.contact.surfaces import SurfaceProfile, generate_profile
 from fingertip.sim.contact.vibration import ContactResonance, ProfileForce, transmit
 from fingertip.sim.signal.analog_circuit import board_with_amplifiers
 from fingertip.sim.signal.bridge import Bridge, ForceSensor, reads_whole_finger
@@ -124,10 +125,13 @@ class FingerSetup:
     def make_profile(self) -> SurfaceProfile:
         assert self.surface
         return generate_profile(
-            self.open_random("surface"), self.surface.roughness_um, self.surface.cutoff_wavelength_m,
-            self.profile_start_m, self.profile_length_m,
+            self.open_random("surface"), self.surface, self.profile_start_m, self.profile_length_m,
             self.pad.patch_radius_m(self.held_n) if self.patch_average else 0.0,
         )  # fmt: skip
+
+    def make_profile_force(self, step_s: float) -> ProfileForce:
+        assert self.surface
+        return ProfileForce(self.pad, self.make_profile(), self.surface.is_proportional, step_s)
 
 
 class Finger:
@@ -211,7 +215,7 @@ class _Contact:
         self._profile: ProfileForce | None = None
         if setup.surface:
             with meter.stage("profile", 1):
-                self._profile = ProfileForce(setup.pad, setup.make_profile(), grid.step_s)
+                self._profile = setup.make_profile_force(grid.step_s)
         self._resonance = ContactResonance(
             grid.step_s, setup.pad.resonance_hz(setup.held_n), setup.pad.backing.damping_ratio
         )

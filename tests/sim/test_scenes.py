@@ -25,7 +25,10 @@ ALL = sorted((ROOT / "params" / "scenes").glob("*.toml"))
 
 SCENES = [path for path in ALL if path.stem != "real_manipulation"]  # a manipulation: test_manipulation.py
 
-NOT_SLIP = {"contact", "release", "load_change", "hard_tap", "motor_vibration", "drift", "cable_touch"}
+NOT_SLIP = {
+    "contact", "release", "load_change", "hard_tap", "motor_vibration", "drift", "cable_touch", "tremor", "servo_steps",
+    "set_down", "walking", "edge_contact",
+}  # fmt: skip
 
 
 def load_scene(name: str, **changes) -> SceneFile:

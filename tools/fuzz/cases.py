@@ -24,6 +24,7 @@ from tools.fuzz.values import (
     values_of,
 )
 
+_FITTED_S = 120.0
 PARSED_S = 10.0
 """Limit of the processor time of a case that computes next to nothing [s]."""
 
@@ -167,7 +168,8 @@ def reading_cases(draw: st.DrawFn) -> Case:
         return Case("weighings", command, {"a.csv": draw(damaged(originals.weighings()))}, may_fail=True)
     if kind == 1:
         command = ("new", "mine", "--hand", "a.toml", "--out", "b.toml")
-        return Case("hand", command, {"a.toml": draw(damaged(draw(st.sampled_from(originals.hands()))))})
+        file = draw(damaged(draw(st.sampled_from(originals.hands()))))
+        return Case("hand", command, {"a.toml": file}, limit_s=_FITTED_S)  # `new` fits a finger and checks it
     if kind == 2:
         calipers = ("calibrate", "printer", "fsr400", "a.toml")
         return Case("calipers", calipers, {"a.toml": draw(damaged(originals.caliper_readings(), 8))}, may_fail=True)

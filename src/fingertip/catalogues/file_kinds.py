@@ -43,8 +43,8 @@ DESIGN = FileKind(
 SCENE = FileKind(
     "scene",
     frozenset({
-        "scene", "outputs", "contact", "surface", "pose", "hold", "slide", "load_change", "tap", "motor", "drift",
-        "cable", "noise", "sensing", "converter",
+        "scene", "outputs", "contact", "surface", "pose", "hold", "slide", "load_change", "tremor", "servo",
+        "tap", "motor", "drift", "cable", "noise", "sensing", "converter",
     }),
     "hard_tap",
     "`fingertip simulate` takes a scene file as its first argument",

@@ -73,7 +73,7 @@ def check_pose(form: PadForm, pose: Pose) -> None:
         return
     if pose.object != "plate":
         raise TraceError(
-            Issue("pose.object", f"{pose.object} is not known with an insert on the sensor; choose plate.")
+            Issue("pose.object", f"{pose.object} is not known with an insert on the sensor; set pose.object=plate.")
         )
     for name, value, low, high in (
         ("tilt_deg", pose.tilt_deg, TILTS_DEG[0], TILTS_DEG[-1]),
@@ -155,30 +155,38 @@ def _compute_table(form: PadForm) -> _Table:
     # As many edges over a larger sensor, and not many more over a wider finger, whose table took two minutes.
     edge = max(0.8, 0.32 * form.active_radius_mm, form.outer.section.half_width / 12.0)
 
-    def press(model: PadModel, pose: Pose) -> Array:
+    def press(model: PadModel, pose: Pose) -> Array | None:
+        """Press with all forces; None in a pose in which the plate meets the collar at the second or before."""
         patch, rows = Patch(model, pose), list[list[float]]()
         with suppress(TraceError):  # where the plate comes to lie on the collar, or the skin is too soft for the force
             for force in FORCES_N:
                 c = patch.press(force, with_strain=False)
                 rows.append([c.share, c.shear_share, math.log(c.depth_mm), math.log(c.area_mm2), c.centre_mm[1]])
         if len(rows) < 2:
-            problem = f"is too soft for {FORCES_N[len(rows)]:g} N on an insert; set sensor.insert=none."
-            raise TraceError(Issue("silicone.product", problem))
+            return None
         for _ in FORCES_N[len(rows) :]:  # the table goes on as before
             rows.append([*rows[-1][:2], *(2 * rows[-1][i] - rows[-2][i] for i in (2, 3)), rows[-1][4]])
         return np.array(rows)
 
     tilts = [tilt for tilt in TILTS_DEG if is_possible(form, Pose(tilt))]
     half = PadModel(form, MeshSize(edge), is_half=True)
-    fitted = _fit(tilts, np.array([press(half, Pose(tilt)) for tilt in tilts]), _DEGREES)
+    pressed = {tilt: rows for tilt in tilts if (rows := press(half, Pose(tilt))) is not None}
+    if len(pressed) <= _DEGREES[0]:
+        problem = f"is too soft for {FORCES_N[1]:g} N on an insert; set sensor.insert=none."
+        raise TraceError(Issue("silicone.product", problem))
+    fitted = _fit(list(pressed), np.array(list(pressed.values())), _DEGREES)
     shares = half.map_shares(GRID_MM)
     del half  # 0.3 GB, before the next stiffness is factorised
     # What a roll changes is found on a coarser mesh, which serves both.
     whole = PadModel(form, MeshSize(1.8 * edge), is_half=False)
-    tilts = [tilt for tilt in ROLLED_TILTS_DEG if is_possible(form, Pose(tilt, ROLL_DEG)) and tilt in tilts]
+    tilts = [tilt for tilt in ROLLED_TILTS_DEG if is_possible(form, Pose(tilt, ROLL_DEG)) and tilt in pressed]
+    pairs = {tilt: [press(whole, Pose(tilt, roll)) for roll in (0.0, ROLL_DEG)] for tilt in tilts}
+    pairs = {tilt: pair for tilt, pair in pairs.items() if all(rows is not None for rows in pair)}
+    tilts = list(pairs)
+    if len(tilts) <= _ROLLED_DEGREES[0]:
+        return _Table(fitted, np.zeros((_ROLLED_DEGREES[0] + 1, _ROLLED_DEGREES[1] + 1, 3)), *shares)
     at_rest, rolled = (
-        np.array([press(whole, Pose(tilt, roll)) for tilt in tilts]).reshape(len(tilts), len(FORCES_N), -1)
-        for roll in (0.0, ROLL_DEG)
+        np.array([pair[i] for pair in pairs.values()]).reshape(len(tilts), len(FORCES_N), -1) for i in (0, 1)
     )
     share = np.log(np.maximum(rolled[..., 0], 1e-3) / np.maximum(at_rest[..., 0], 1e-3))
     change = np.stack([share, rolled[..., 2] - at_rest[..., 2], rolled[..., 3] - at_rest[..., 3]], axis=2)

@@ -60,17 +60,21 @@ def generate_profile(
     waves = [(scale * amplitude, k, phase) for amplitude, k, phase in waves]
     if surface.ridge_depth_m:
         waves.append((surface.ridge_depth_m / 2, 2 * math.pi / surface.ridge_pitch_m, 2 * math.pi * rng.random()))
-    # Each wave is a phasor that turns by a fixed angle per point. This needs no cosine per point, and no vectorised
-    # cosine, whose last bit varies between processors.
-    turns = [complex(math.cos(k * _SPACING_M), math.sin(k * _SPACING_M)) for _, k, _ in waves]
-    starts = [
-        amplitude * average_over_patch(k * patch_radius_m) * complex(math.cos(phase), math.sin(phase))
-        for amplitude, k, phase in waves
-    ]
-    numbers = np.array([k for _, k, _ in waves])
+    averaged = [(amplitude * average_over_patch(k * patch_radius_m), k, phase) for amplitude, k, phase in waves]
+    return SurfaceProfile(start_m, *sum_waves(averaged, _SPACING_M, count))
+
+
+def sum_waves(waves: Sequence[tuple[float, float, float]], spacing: float, count: int) -> tuple[Array, Array]:
+    """Sum waves of amplitude, wave number and phase at equal distances; return their sum and its slope.
+
+    Each wave is a phasor that turns by a fixed angle per point. This needs no cosine per point, and no vectorised
+    cosine, whose last bit varies between processors.
+    """
+    turns = [complex(math.cos(k * spacing), math.sin(k * spacing)) for _, k, _ in waves]
+    starts = [amplitude * complex(math.cos(phase), math.sin(phase)) for amplitude, _, phase in waves]
     heights, slopes = np.zeros(count), np.zeros(count)
-    _sum_waves(np.array(starts), np.array(turns), numbers, heights, slopes)
-    return SurfaceProfile(start_m, heights, slopes)
+    _sum_waves(np.array(starts), np.array(turns), np.array([k for _, k, _ in waves]), heights, slopes)
+    return heights, slopes
 
 
 def _cut_profile(

@@ -23,6 +23,12 @@ def cube_root(values: Array) -> Array:
     return np.where(values > 1e-12, y, 0.0)
 
 
+def smoothstep(x: Array) -> Array:
+    """Smooth step from 0 at 0 to 1 at 1, with zero slope at both ends: ``x^2 (3 - 2 x)``."""
+    x = np.clip(x, 0.0, 1.0)
+    return x * x * (3 - 2 * x)
+
+
 # Normal vibration: the surface profile passes under the pad and excites its resonance.
 #
 # A wavelength lambda that passes at speed v excites the frequency v/lambda. Its height times the normal stiffness of

@@ -25,6 +25,7 @@ from fingertip.pad.form import PadForm
 from fingertip.pad.pose import Pose
 from fingertip.pad.response import Backing, Pad
 from fingertip.sim.contact.materials import ARTICLE_SURFACES, SurfaceTable, find_pitch_issues, find_surface_issues
+from fingertip.sim.runs.hand_motion import Servo, Tremor
 from fingertip.sim.runs.pose import ScenePose
 from fingertip.sim.signal.parameters import (
     ACCELERATION_M_S2,
@@ -91,6 +92,8 @@ class Slide(ParameterTable):
     distance_m: float = quantity(0.0, "m", (0, 1), "Distance (article: 0.04).")
     speed_m_s: float = quantity(0.04, "m/s", (_MIN_SPEED_M_S, 0.2), "Peak velocity (article: 0.04, 0.06, 0.08).")
     acceleration_m_s2: float = assumption(1.0, "m/s2", (0.05, 20), "Acceleration of the trapezoidal velocity profile.")
+    moves: int = assumption(1, "", (1, 50), "Number of equal moves that make up the distance: slips with pauses.")
+    pause_s: float = assumption(0.2, "s", (0.02, 10), "Pause between two moves.")
 
 
 class LoadChange(ParameterTable):
@@ -128,6 +131,8 @@ class _SceneTables(SimulationFile):
     hold: Hold = Hold()
     slide: Slide = Slide()
     load_change: LoadChange = LoadChange()
+    tremor: Tremor = Tremor()
+    servo: Servo = Servo()
     tap: Tap = Tap()
     motor: Motor = Motor()
 
@@ -184,21 +189,25 @@ class SceneFile(PathTables, _SceneTables):
         if slide.distance_m > self.contact.length_m:
             message = f"{slide.distance_m:g} m is longer than contact.length_m; at most {self.contact.length_m:.12g} m."
             yield Issue("slide.distance_m", message), {"slide.distance_m", "contact.length_m"}
-        reached = math.sqrt(slide.acceleration_m_s2 * slide.distance_m)
+        reached = math.sqrt(slide.acceleration_m_s2 * slide.distance_m / slide.moves)
         if slide.distance_m and reached < _MIN_SPEED_M_S:
-            least = 1.01 * _MIN_SPEED_M_S**2 / slide.acceleration_m_s2
+            least = 1.01 * slide.moves * _MIN_SPEED_M_S**2 / slide.acceleration_m_s2
             message = (
                 f"{slide.distance_m:g} m is too short to reach {_MIN_SPEED_M_S:g} m/s at {slide.acceleration_m_s2:g} "
                 f"m/s2; set slide.distance_m={least:.3g} and contact.length_m={max(least, self.contact.length_m):.3g}, "
                 "or slide.distance_m=0."
             )
-            yield Issue("slide.distance_m", message), {"slide.distance_m", "slide.acceleration_m_s2"}
+            yield Issue("slide.distance_m", message), {"slide.distance_m", "slide.acceleration_m_s2", "slide.moves"}
         elif slide.distance_m and slide.speed_m_s > reached * (1 + 1e-9):
             message = (
                 f"{slide.speed_m_s:g} m/s is not reached within {slide.distance_m:g} m at "
                 f"{slide.acceleration_m_s2:g} m/s2; at most {round_down(reached):g} m/s."
             )
-            yield Issue("slide.speed_m_s", message), {"slide.speed_m_s", "slide.distance_m", "slide.acceleration_m_s2"}
+            fields = {"slide.speed_m_s", "slide.distance_m", "slide.acceleration_m_s2", "slide.moves"}
+            yield Issue("slide.speed_m_s", message), fields
+        if self.servo.step_n and self.servo.interval_s < self.servo.rise_s:
+            message = f"{self.servo.interval_s:g} s lets steps overlap; at least {self.servo.rise_s:.12g} s."
+            yield Issue("servo.interval_s", message), {"servo.interval_s", "servo.rise_s", "servo.step_n"}
         if self.contact.stick_slip and self.contact.bristles == "elasto_plastic":
             message = "is modelled with plain bristles only; set contact.bristles=plain or contact.stick_slip=false."
             yield Issue("contact.stick_slip", message), {"contact.stick_slip", "contact.bristles"}

@@ -15,8 +15,9 @@ from fingertip.foundation.numerics import Array
 from fingertip.pad.response import Pad
 from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.materials import select_surface
+from fingertip.sim.contact.vibration import smoothstep
 from fingertip.sim.runs.files import Hand, ManipulationFile
-from fingertip.sim.runs.timeline import OPEN_S, TrapezoidalMove, smoothstep
+from fingertip.sim.runs.timeline import OPEN_S, TrapezoidalMove
 from fingertip.sim.signal.parameters import ACCELERATION_M_S2
 
 GRAVITY_M_S2 = 9.80665

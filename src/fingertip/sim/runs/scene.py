@@ -30,6 +30,7 @@ from fingertip.sim.contact.materials import Surface, select_surface
 from fingertip.sim.contact.surfaces import SurfaceProfile
 from fingertip.sim.contact.tangential import admissible_step_s
 from fingertip.sim.runs.files import SceneFile
+from fingertip.sim.runs.hand_motion import HandMotion, largest_factor
 from fingertip.sim.runs.timeline import (
     CoupledPad,
     ErrorControlledPad,
@@ -173,13 +174,19 @@ class SceneRun:
     def timeline(self) -> Timeline:
         return build_timeline(self.scene, self.pad, self.force_n)
 
+    @functools.cached_property
+    def hand_motion(self) -> HandMotion | None:
+        scene, rng, line = self.scene, self._open_random("hand"), self.timeline
+        return HandMotion.draw(scene.tremor, scene.servo, rng, self.force_n, line.held_s, line.duration_s)
+
     def make_profile(self) -> SurfaceProfile:
         return self._set_up().make_profile()
 
     @property
     def max_load_n(self) -> float:
         """Largest load on the pad, without vibration [N]."""
-        return self.force_n + max(0.0, self.scene.load_change.by_n)
+        scene, highest_n = self.scene, self.force_n + max(0.0, self.scene.load_change.by_n)
+        return highest_n * largest_factor(scene.tremor, scene.servo, self.force_n)
 
     @property
     def samples(self) -> int:
@@ -211,6 +218,8 @@ class SceneRun:
             time_s = self.grid.time_s(first, min(size, count - first))
             with self.meter.stage("load"):
                 load_n = self.timeline.load_n(self.pad, time_s)
+                if self.hand_motion:
+                    load_n = load_n * self.hand_motion.factor(time_s)
             push_n = self._compute_push_n(time_s, phases) if feedback or needs_contact(outputs) else None
             if pad is None:
                 yield finger.process(FingerDrive(load_n, push_n))

@@ -17,8 +17,8 @@ from fingertip.pad.response import Pad
 from fingertip.sim.contact import coupled
 from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion
-from fingertip.sim.contact.vibration import ProfileForce, transmit
-from fingertip.sim.runs.files import Motor, SceneFile, Tap
+from fingertip.sim.contact.vibration import ProfileForce, smoothstep, transmit
+from fingertip.sim.runs.files import Motor, SceneFile, Slide, Tap
 from fingertip.sim.signal.finger import FingerDrive
 from fingertip.sim.signal.grid import CostMeter, Grid, StageCost
 from fingertip.sim.signal.parameters import ACCELERATION_M_S2
@@ -88,6 +88,27 @@ class TrapezoidalMove:
 
 
 @dataclass(frozen=True)
+class RepeatedMove:
+    """Equal moves, with a pause after each but the last."""
+
+    moves: tuple[TrapezoidalMove, ...]
+
+    @property
+    def start_s(self) -> float:
+        return self.moves[0].start_s
+
+    @property
+    def end_s(self) -> float:
+        return self.moves[-1].end_s
+
+    def velocity_m_s(self, time_s: Array) -> Array:
+        return sum((move.velocity_m_s(time_s) for move in self.moves), np.zeros_like(time_s))
+
+    def position_m(self, time_s: Array) -> Array:
+        return sum((move.position_m(time_s) for move in self.moves), np.zeros_like(time_s))
+
+
+@dataclass(frozen=True)
 class Timeline:
     """Moments [s] and moves of a scene."""
 
@@ -97,7 +118,7 @@ class Timeline:
     """Moment at which the holding force is reached."""
     release_s: float
     duration_s: float
-    slide: TrapezoidalMove | None
+    slide: TrapezoidalMove | RepeatedMove | None
     approach: TrapezoidalMove | None
     """Approach of a finger that presses; None for a grasp."""
     lift: TrapezoidalMove | None
@@ -120,12 +141,6 @@ class Timeline:
         return np.maximum(load, 0.0)
 
 
-def smoothstep(x: Array) -> Array:
-    """Smooth step from 0 at 0 to 1 at 1, with zero slope at both ends: ``x^2 (3 - 2 x)``."""
-    x = np.clip(x, 0.0, 1.0)
-    return x * x * (3 - 2 * x)
-
-
 def build_timeline(scene: SceneFile, pad: Pad, force_n: float) -> Timeline:
     """Set the moments of a scene whose holding force on this finger is `force_n` [N]."""
     hold, slide = scene.hold, scene.slide
@@ -136,16 +151,21 @@ def build_timeline(scene: SceneFile, pad: Pad, force_n: float) -> Timeline:
         speed = TrapezoidalMove.with_duration(0.0, LIFT_M, LIFT_S).peak_m_s
         approach = TrapezoidalMove.with_speed(0.0, APPROACH_M + pad.depth_m(force_n), speed)
         held = approach.end_s
-    sliding = None
-    if slide.distance_m:
-        sliding = TrapezoidalMove.with_speed(
-            held + hold.wait_s, slide.distance_m, slide.speed_m_s, slide.acceleration_m_s2
-        )
+    sliding = _plan_slide(slide, held + hold.wait_s) if slide.distance_m else None
     busy = max(held + hold.min_s, sliding.end_s if sliding else held, held + _events_end_s(scene))
     release = busy + hold.wait_s
     lift = TrapezoidalMove.with_duration(release, LIFT_M, LIFT_S) if hold.release and approach else None
     end = lift.end_s if lift else release + (hold.close_s if hold.release else 0.0)
     return Timeline(scene, force_n, held, release, end + hold.after_s, sliding, approach, lift)
+
+
+def _plan_slide(slide: Slide, start_s: float) -> TrapezoidalMove | RepeatedMove:
+    distance_m = slide.distance_m / slide.moves
+    first = TrapezoidalMove.with_speed(start_s, distance_m, slide.speed_m_s, slide.acceleration_m_s2)
+    if slide.moves == 1:
+        return first
+    period_s = first.end_s - start_s + slide.pause_s
+    return RepeatedMove(tuple(replace(first, start_s=start_s + i * period_s) for i in range(slide.moves)))
 
 
 def _events_end_s(scene: SceneFile) -> float:

@@ -162,3 +162,17 @@ def test_the_largest_ratio_of_friction_is_the_edge_of_passivity() -> None:
     Friction(0.999 * ratio, 1.0)
     with pytest.raises(TraceError):
         Friction(1.001 * ratio, 1.0)
+
+
+def test_the_direction_of_a_slide_turns_the_sign_of_its_shear() -> None:
+    """The force along the surface adds to what the sensor feels in one direction what it takes in the other."""
+    sensed = {}
+    for towards in ("tip", "base"):
+        scene = SceneFile(slide={**SLIDE, "towards": towards}, outputs=["force_n", "shear_m", "slip", "voltage_v"])
+        found = run_scene(DESIGN, scene, 3).columns
+        rest, sliding = slice(2000, 3000), np.flatnonzero(found["slip"])[300:1500]
+        sensed[towards] = found["voltage_v"][sliding].mean() - found["voltage_v"][rest].mean()
+        assert found["shear_m"][sliding].mean() > 0.0
+    assert sensed["tip"] * sensed["base"] < 0.0
+    # What is left without a direction is the hysteresis of the sensor under vibration.
+    assert abs(sensed["tip"] + sensed["base"]) < 0.4 * abs(sensed["tip"] - sensed["base"])

@@ -16,7 +16,7 @@ from typing import ClassVar, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from fingertip.catalogues.bundled import list_bundled_files
+from fingertip.catalogues.bundled import PARAMS
 from fingertip.catalogues.file_kinds import SURFACE, FileKind, read_file
 from fingertip.design.parameters import ParameterTable, choice, quantity, text
 from fingertip.design.parameters.declaration import issues_from_pydantic, suggest_name
@@ -115,7 +115,7 @@ class Surface:
 
 
 def _load_bundled() -> dict[str, SurfaceFile]:
-    files = {name: SurfaceFile.load(path) for name, path in list_bundled_files(SURFACE).items()}
+    files = {path.stem: SurfaceFile.load(path) for path in sorted((PARAMS / "surfaces").glob("*.toml"))}
     return {name: files[name] for name in sorted(files, key=lambda name: (*ARTICLE_SURFACES, name).index(name))}
 
 

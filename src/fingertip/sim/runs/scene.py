@@ -240,6 +240,7 @@ class SceneRun:
             seed=(self.seed, "finger"),
             surface=self.surface if slides else None,
             profile_length_m=scene.slide.distance_m,
+            moves_to_tip=scene.slide.towards == "tip",
             patch_average=scene.contact.patch_average,
             path=scene,
             event_origin_s=self.timeline.held_s,

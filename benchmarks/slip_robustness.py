@@ -66,6 +66,10 @@ def generate_all(
     with compiled():
         for i in range(trials):
             yield simulate_scene(design, scenes[i % len(scenes)], next(seeds), SLIP)
+        for i in range(trials):
+            scene, towards = scenes[i % len(scenes)], ("base", "side")[i % 2]
+            turned = scene.model_copy(update={"slide": scene.slide.model_copy(update={"towards": towards})})
+            yield simulate_scene(design, turned, next(seeds), f"{SLIP} towards the {towards}")
         for cause, (scene, share) in NEGATIVE_SCENES.items():
             for _ in range(math.ceil(60 * minutes * share / nominal_duration_s(cause))):
                 yield simulate_scene(design, scene, next(seeds), WITHOUT_SLIP + cause)

@@ -21,6 +21,7 @@ from fingertip.lab.campaign import mix_signals
 from fingertip.lab.campaign.mix_signals import LabelledSignal
 from fingertip.lab.campaign.plan import NEGATIVE_SCENES, nominal_duration_s
 from fingertip.sim import SceneFile
+from fingertip.sim.runs.files import DIRECTIONS
 from fingertip.sim.runs.pose import GRASP_POSE
 from fingertip.sim.simulation import article_trials
 
@@ -133,6 +134,9 @@ def _plan(rng: np.random.Generator, trials: int, events: int) -> Iterator[tuple[
     slips = [scene for scene, _ in article_trials()]
     for i in range(trials):
         scene = slips[(7 * i) % len(slips)]  # 7 and the number of trials have no common factor
+        # In every direction: no detector may lean on the sign of the shear.
+        towards = str(rng.choice(list(DIRECTIONS)))
+        scene = scene.model_copy(update={"slide": scene.slide.model_copy(update={"towards": towards})})
         if rng.random() < 0.35:
             slide = scene.slide.model_copy(update={"acceleration_m_s2": float(rng.uniform(0.5, 8.0))})
             scene = scene.model_copy(update={"slide": slide})

@@ -84,6 +84,8 @@ class Hold(ParameterTable):
 
 
 _MIN_SPEED_M_S = 0.005
+DIRECTIONS = {"tip": 1, "base": -1, "side": 0}
+"""Direction of a slide -> its part towards the tip."""
 
 
 class Slide(ParameterTable):
@@ -92,8 +94,8 @@ class Slide(ParameterTable):
     distance_m: float = quantity(0.0, "m", (0, 1), "Distance (article: 0.04).")
     speed_m_s: float = quantity(0.04, "m/s", (_MIN_SPEED_M_S, 0.2), "Peak velocity (article: 0.04, 0.06, 0.08).")
     acceleration_m_s2: float = assumption(1.0, "m/s2", (0.05, 20), "Acceleration of the trapezoidal velocity profile.")
-    towards: Literal["tip", "base"] = choice(
-        "tip", "Where the finger moves to; the surface drags its skin the other way. Assumption."
+    towards: Literal["tip", "base", "side"] = choice(
+        "tip", "Where the finger moves to; the surface drags its skin the other way, and a drag across is not felt."
     )
     moves: int = assumption(1, "", (1, 50), "Number of equal moves that make up the distance: slips with pauses.")
     pause_s: float = assumption(0.2, "s", (0.02, 10), "Pause between two moves.")

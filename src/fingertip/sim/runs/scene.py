@@ -29,7 +29,7 @@ from fingertip.sim.contact.friction import ELASTO_PLASTIC, Friction
 from fingertip.sim.contact.materials import Surface, select_surface
 from fingertip.sim.contact.surfaces import SurfaceProfile
 from fingertip.sim.contact.tangential import admissible_step_s
-from fingertip.sim.runs.files import SceneFile
+from fingertip.sim.runs.files import DIRECTIONS, SceneFile
 from fingertip.sim.runs.hand_motion import HandMotion, largest_factor
 from fingertip.sim.runs.timeline import (
     CoupledPad,
@@ -240,7 +240,7 @@ class SceneRun:
             seed=(self.seed, "finger"),
             surface=self.surface if slides else None,
             profile_length_m=scene.slide.distance_m,
-            moves_to_tip=scene.slide.towards == "tip",
+            towards_tip=DIRECTIONS[scene.slide.towards],
             patch_average=scene.contact.patch_average,
             path=scene,
             event_origin_s=self.timeline.held_s,

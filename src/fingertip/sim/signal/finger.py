@@ -116,8 +116,8 @@ class FingerSetup:
     """Surface on which the finger slides. None: it does not slide."""
     profile_start_m: float = 0.0
     profile_length_m: float = 0.0
-    moves_to_tip: bool = True
-    """Direction in which it slides: towards its tip, or towards its base."""
+    towards_tip: int = 1
+    """Direction in which it slides: 1 towards its tip, -1 towards its base, 0 across."""
     patch_average: bool = False
     """True if the pad averages the profile over its contact patch."""
     path: PathTables = field(default_factory=PathTables)
@@ -242,9 +242,9 @@ class _BridgeVoltage:
         self._meter = meter
         self._sensor = ForceSensor(grid.step_s, setup.path.drift.share_per_decade)
         self._pad, self._is_relative = setup.pad, reads_whole_finger(setup.design, setup.path.sensing.bridge)
-        # A finger that moves towards its tip is held back by the surface, towards its base.
-        sign = -1.0 if setup.moves_to_tip else 1.0
-        self._shear_n_per_m = sign * setup.pad.tangential_stiffness_n_per_m(setup.held_n)
+        # A finger that moves towards its tip is held back by the surface, towards its base. Across, the drag on both
+        # halves of the sensor cancels.
+        self._shear_n_per_m = -setup.towards_tip * setup.pad.tangential_stiffness_n_per_m(setup.held_n)
         with meter.stage("bridge"):
             is_board = setup.path.sensing.bridge == "board"
             self._bridge = Bridge.of_board(setup.design) if is_board else Bridge.of_article()

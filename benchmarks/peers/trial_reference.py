@@ -60,12 +60,13 @@ def _solve_contact(run: SceneRun, time_s: Array, tolerance: float) -> tuple[Arra
     mu_c, drop, vs, s0, s1, s2 = f.mu_c, f.mu_s - f.mu_c, f.stribeck_m_s, f.sigma0, f.sigma1, f.sigma2
     begin, peak, a = slide.start_s, slide.peak_m_s, slide.acceleration_m_s2
     omega, zeta = 2 * math.pi * pad.resonance_hz(load), pad.backing.damping_ratio
-    follow = 2 * math.pi * pad.backing.resonance_hz
+    follow, share = 2 * math.pi * pad.backing.resonance_hz, pad.follow_share
     stiffness = pad.normal_stiffness_n_per_m(1.0) * load / (load + LOAD_SCALE_N) ** (2 / 3)
     scale = 1 / math.sqrt(load + LOAD_SCALE_N)
     profile = run.make_profile()
     heights, slopes, start = profile.heights_m, profile.slopes, profile.start_m
     spacing = profile.spacing_m
+    begun = float(profile.height_m(np.zeros(1))[0])
 
     def rates(t: float, u: Array) -> Array:
         x, v, s, hand, y, w = u
@@ -84,7 +85,7 @@ def _solve_contact(run: SceneRun, time_s: Array, tolerance: float) -> tuple[Arra
                 heights[j] * (1 + 2 * q) * (1 - q) ** 2 + heights[j + 1] * q * q * (3 - 2 * q)
                 + spacing * (slopes[j] * q * (1 - q) ** 2 - slopes[j + 1] * q * q * (1 - q))
             )  # fmt: skip
-        drive = load + stiffness * (height - hand)
+        drive = load + stiffness * (height - begun - share * (hand - begun))
         out = np.empty(6)
         out[0] = v
         out[1] = (k * (X - x) + c * (V - v) - load * (s0 * z + s1 * load * scale * scale * bending + s2 * v)) / m
@@ -95,7 +96,7 @@ def _solve_contact(run: SceneRun, time_s: Array, tolerance: float) -> tuple[Arra
         return out
 
     integrate = importlib.import_module("scipy.integrate")
-    resting = np.array([0.0, 0.0, 0.0, float(profile.height_m(np.zeros(1))[0]), load, 0.0])
+    resting = np.array([0.0, 0.0, 0.0, begun, load, 0.0])
     # Errors of each state as forces: through the stiffness of the mount, of the bristles and of the contact.
     absolute = tolerance * np.array([1 / k, 1e-3, 1 / s0, 1 / stiffness, 1.0, omega])
     corners = np.array([begin, begin + peak / a])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import random
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,8 +16,9 @@ from fingertip.pad.layer import find_contacts
 from fingertip.pad.pose import Pose
 from fingertip.pad.response import REFERENCE_POSE, Backing, Pad
 from fingertip.sim.contact.materials import SURFACES
-from fingertip.sim.contact.surfaces import generate_profile
-from fingertip.sim.contact.vibration import ContactResonance, high_pass
+from fingertip.sim.contact.mounts import MOUNTS, MountTable
+from fingertip.sim.contact.surfaces import SurfaceProfile, generate_profile
+from fingertip.sim.contact.vibration import ContactResonance, ProfileForce, high_pass
 from fingertip.sim.runs.timeline import LIFT_M, TrapezoidalMove, build_timeline
 from fingertip.sim.signal.bridge import TURN_ON_WIDTH_N, Bridge, ForceSensor, fit_conductance_curve, turn_on_power
 from fingertip.sim.signal.converter import AdcRange
@@ -63,7 +65,7 @@ def test_stiffness_is_the_layer_s_at_1_n_with_hertz_power_and_mindlin_s_ratio():
     assert PAD.normal_stiffness_n_per_m(1.0) == pytest.approx(k, rel=1e-4)
     assert PAD.normal_stiffness_n_per_m(8.0) == pytest.approx(2 * k, rel=1e-4)
     assert PAD.tangential_stiffness_n_per_m(1.0) == pytest.approx(2 / 3 * k, rel=1e-4)
-    assert PAD.resonance_hz(1.0) == pytest.approx(math.sqrt(k / PAD.backing.mass_kg) / 2 / math.pi, rel=1e-4)
+    assert PAD.resonance_hz(1.0) == pytest.approx(math.sqrt((k + 90) / PAD.backing.mass_kg) / 2 / math.pi, rel=1e-4)
     depth = PAD.depth_m(1.0) - 1.0 / Backing.stiffness_n_per_m
     assert (PAD.depth_m(1.01) - PAD.depth_m(0.99) - 0.02 / Backing.stiffness_n_per_m) / 0.02 == pytest.approx(
         1 / k, rel=1e-3
@@ -99,6 +101,21 @@ def test_hand_follows_slow_waves_only():
         r = frequency / 10.0
         assert math.sqrt(2 * np.mean(out**2)) == pytest.approx(r / math.hypot(1, r), rel=0.02)
     assert abs(high_pass(np.append(0.0, np.ones(8000)), 1.25e-4, 10.0, np.zeros(2))[-1]) < 1e-12
+
+
+@pytest.mark.parametrize("kind", MOUNTS)
+def test_slow_waves_press_a_pad_as_two_springs_in_series(kind):
+    pad = Pad.from_design(DESIGN, backing=MountTable(kind=kind).backing)
+    height, path, load = np.append(0.0, np.full(20_000, 1e-6)), np.arange(20_001.0), np.ones(20_001)
+    profile = SurfaceProfile(0.0, height, np.zeros_like(height), 1.0)
+    k, behind = pad.stiffness_1n_n_per_m, pad.backing.stiffness_n_per_m
+    force = ProfileForce(pad, profile, True, 1e-3).process(load, path)
+    assert force[-1] == pytest.approx(1e-6 * k * behind / (k + behind), rel=1e-6)
+    assert pad.resonance_hz(1.0) == pytest.approx(math.sqrt((k + behind) / pad.backing.mass_kg) / (2 * math.pi))
+
+
+def test_figures_of_a_mount_replace_those_of_its_kind():
+    assert MountTable(kind="bench", mass_kg=0.2).backing == replace(MOUNTS["bench"], mass_kg=0.2)
 
 
 def test_force_is_zero_without_contact():

@@ -305,7 +305,7 @@ def test_an_error_of_a_point_is_its_reason(monkeypatch: pytest.MonkeyPatch) -> N
 def test_errors_of_the_time_step_cost_nothing_unless_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     calls = count_group_calls(monkeypatch)
     errors = [name for name in OUTPUTS if name.startswith("simulation.")]
-    axes = {"scene.contact.mass_kg": [0.035]}
+    axes = {"scene.mount.mass_kg": [0.035]}
     plan = make_plan(outputs=["found_share"], trials=1, scene=SHORT_SLIDE, axes=axes)
     PointEvaluator(plan).evaluate(0, plan.point(0))
     assert (calls["detection"], calls["simulation"]) == (1, 0)

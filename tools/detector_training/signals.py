@@ -20,6 +20,7 @@ from fingertip.foundation.jit import compiled
 from fingertip.lab.campaign import mix_signals
 from fingertip.lab.campaign.mix_signals import LabelledSignal
 from fingertip.lab.campaign.plan import NEGATIVE_SCENES, nominal_duration_s
+from fingertip.lab.campaign.unsteady import EXCLUDED_FROM_TRAINING, UNSTEADY
 from fingertip.sim import SceneFile
 from fingertip.sim.runs.files import DIRECTIONS
 from fingertip.sim.runs.pose import GRASP_POSE
@@ -173,3 +174,6 @@ def _plan(rng: np.random.Generator, trials: int, events: int) -> Iterator[tuple[
         }
         hold = {"mode": "grasp", "min_force_n": 0.5, "max_force_n": 2.0}
         yield "tap", SceneFile(scene="taps", pose=GRASP_POSE, hold=hold, tap=tap)
+    for kind, draw in UNSTEADY.items():
+        if kind not in EXCLUDED_FROM_TRAINING:
+            yield from ((kind, draw(rng)) for _ in range(events // 10))

@@ -49,7 +49,7 @@ class Backing:
 
     @property
     def resonance_hz(self) -> float:
-        """Resonance of the mass on the hand's spring [Hz]. The hand follows slower motion."""
+        """Resonance of the mass on this stiffness alone [Hz]. The hand follows slower motion of a surface."""
         return math.sqrt(self.stiffness_n_per_m / self.mass_kg) / (2 * math.pi)
 
 
@@ -82,8 +82,14 @@ class Pad:
         return _MINDLIN * self.normal_stiffness_n_per_m(force_n)
 
     def resonance_hz(self, force_n: float) -> float:
-        """Normal resonance at a holding force [Hz]. It grows with the sixth root of the force."""
-        return math.sqrt(self.normal_stiffness_n_per_m(force_n) / self.backing.mass_kg) / (2 * math.pi)
+        """Normal resonance at a holding force, of the mass between the pad and what holds it [Hz]."""
+        stiffness = self.normal_stiffness_n_per_m(force_n) + self.backing.stiffness_n_per_m
+        return math.sqrt(stiffness / self.backing.mass_kg) / (2 * math.pi)
+
+    @property
+    def follow_share(self) -> float:
+        """Part of a slow height of a surface that moves the hand; the rest presses the pad: two springs in series."""
+        return self.stiffness_1n_n_per_m / (self.stiffness_1n_n_per_m + self.backing.stiffness_n_per_m)
 
     def depth_m(self, force_n: float) -> float:
         """Travel of the hand beyond the touch for a force [m]: deflection of the hand plus indentation."""

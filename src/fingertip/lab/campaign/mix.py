@@ -16,6 +16,7 @@ from fingertip.lab.campaign import mix_signals
 from fingertip.lab.campaign.mix_signals import REACTION_S, LabelledSignal
 from fingertip.lab.campaign.plan import NEGATIVE_SCENES
 from fingertip.lab.campaign.run import needs_board, quantile_s, separate_events
+from fingertip.lab.campaign.unsteady import UNSTEADY
 from fingertip.sim import SceneFile
 from fingertip.sim.signal.converter import SimulatedBoardDetector
 from fingertip.sim.simulation import article_trials
@@ -56,6 +57,10 @@ def generate_mix(design: Design, size: MixSize, first_seed: int) -> Iterator[Lab
             yield mix_signals.long_slide(design, next(seeds), SLIDE_STRENGTHS_V[i % len(SLIDE_STRENGTHS_V)])
         for _ in range(math.ceil(size.events / 3)):
             yield mix_signals.ringing_knock(design, next(seeds))
+        for kind, draw_scene in UNSTEADY.items():
+            for _ in range(math.ceil(size.events / 8)):
+                seed = next(seeds)
+                yield mix_signals.simulate_scene(design, draw_scene(np.random.default_rng(seed)), seed, kind, 1.0)
         yield from _noisy(design, size, trials, seeds)
 
 
@@ -122,15 +127,21 @@ def assess(signal: LabelledSignal, on: NDArray[np.bool_], memory_s: float) -> Ou
         if i.onset_s >= signal.alarms_from_s
         and not any(s.onset_s - EARLY_S <= i.onset_s < s.end_s + memory_s for s in signal.slides)
     )
-    disturbed = sum(
-        any(event.onset_s <= i.onset_s < event.end_s + REACTION_S for i in found) for event in signal.events
-    )
+    # An event right before a slip cannot cause an alarm that is told from the slip's detection.
+    events = [
+        event
+        for event in signal.events
+        if not any(event.onset_s < s.end_s and s.motion_s < event.end_s + REACTION_S for s in signal.slides)
+    ]
+    disturbed = sum(any(event.onset_s <= i.onset_s < event.end_s + REACTION_S for i in found) for event in events)
     counted = ~is_slip & (time_s >= signal.alarms_from_s)
     kind, strength_v, minutes, slides = signal.kind, signal.strength_v, signal.duration_s / 60, len(signal.slides)
     found_slips = tuple(delays), tuple(motion_delays), tuple(shares)
     alarms_s = tuple(alarm.onset_s for alarm in alarms)
-    share, events = float(np.mean(on[counted])) if counted.any() else 0.0, len(signal.events)
-    return Outcome(kind, strength_v, minutes, slides, *found_slips, len(alarms), alarms_s, events, disturbed, share)
+    share = float(np.mean(on[counted])) if counted.any() else 0.0
+    return Outcome(
+        kind, strength_v, minutes, slides, *found_slips, len(alarms), alarms_s, len(events), disturbed, share
+    )
 
 
 def run_detector(name: str, design: Design, signals: Iterable[LabelledSignal]) -> list[Outcome]:

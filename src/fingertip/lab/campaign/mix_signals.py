@@ -7,7 +7,7 @@ detector that fits the simulation alone fails on them.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -196,8 +196,8 @@ def simulate_scene(
     trace = result.trace
     assert trace.slip is not None
     slips = merge(intervals(trace.time_s, trace.slip), STICK_S)
-    motion_s = trace.origin.motion_s
-    slides = tuple(Slide(slip.onset_s if motion_s is None else motion_s, slip.onset_s, slip.end_s) for slip in slips)
+    starts = [move.start_s for move in timeline.moves]
+    slides = tuple(Slide(_last_before(slip.onset_s, starts), slip.onset_s, slip.end_s) for slip in slips)
     held, events = timeline.held_s, []
     if scene.load_change.by_n:
         start = held + scene.load_change.at_s
@@ -206,12 +206,22 @@ def simulate_scene(
         tap = scene.tap
         starts = [held + tap.at_s + i * tap.interval_s for i in range(tap.count)]
         events += [Interval(start, start + 2 * tap.rise_s) for start in starts]
+    if scene.servo.step_n:
+        first, servo = held + scene.servo.at_s, scene.servo
+        count = math.ceil(max(0.0, timeline.release_s - first) / servo.interval_s)
+        starts = [first + i * servo.interval_s for i in range(count)]
+        events += [Interval(start, start + servo.rise_s) for start in starts]
     if kind == "fast closing":
         events.append(Interval(held - scene.hold.close_s, held))
     return LabelledSignal(
         kind, design.detector.sample_rate_hz, trace.voltage_v, slides, tuple(events), alarms_from_s,
         filtered_v=trace.filtered_v,
     )  # fmt: skip
+
+
+def _last_before(moment_s: float, starts_s: Sequence[float]) -> float:
+    """Return the start of the move during which a slip began [s]; the slip's own onset without one."""
+    return max((start for start in starts_s if start <= moment_s), default=moment_s)
 
 
 def grip_change(design: Design, seed: int, min_rise_s: float = 0.02, max_rise_s: float = 0.15) -> LabelledSignal:

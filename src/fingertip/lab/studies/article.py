@@ -191,8 +191,8 @@ def compute_spectra(design: Design, first_seed: int = HELD_OUT_FROM) -> list[Spe
         for label, resonance_hz in RESONANCES_HZ.items():
             pad = Pad.from_design(design)
             mass_kg = pad.backing.mass_kg * (pad.resonance_hz(1.0) / resonance_hz) ** 2
-            contact = slide.contact.model_copy(update={"mass_kg": mass_kg})
-            scene = slide.model_copy(update={"contact": contact, "outputs": ["voltage_v", "slip"]})
+            mount = slide.mount.model_copy(update={"mass_kg": mass_kg})
+            scene = slide.model_copy(update={"mount": mount, "outputs": ["voltage_v", "slip"]})
             total = np.zeros(count // 2 + 1)
             for seed in range(first_seed, first_seed + _AVERAGED):
                 trace = run_scene(design, scene, seed).trace

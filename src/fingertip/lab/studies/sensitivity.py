@@ -40,6 +40,7 @@ from fingertip.lab.campaign.run import (
     simulate_trace,
 )
 from fingertip.lab.studies.bounds import compute_bounds_s
+from fingertip.pad.response import Backing
 from fingertip.sim import SceneFile
 from fingertip.slip import DETECTORS
 from fingertip.slip.detectors.analog_and_digital import noise_level
@@ -163,8 +164,8 @@ ELASTO_PLASTIC = "elasto-plastic bristles"
 VARIATIONS: tuple[Variation, ...] = (
     Variation("surface accelerates at 0.5 m/s2", {"scene.slide.acceleration_m_s2": Factor(0.5)}),
     Variation("surface accelerates at 4 m/s2", {"scene.slide.acceleration_m_s2": Factor(4.0)}),
-    Variation("resonance two thirds as high", {"scene.contact.mass_kg": Factor(2.25)}),
-    Variation("resonance half as high again", {"scene.contact.mass_kg": Factor(1 / 2.25)}),
+    Variation("resonance two thirds as high", {"scene.mount.mass_kg": 2.25 * Backing.mass_kg}),
+    Variation("resonance half as high again", {"scene.mount.mass_kg": Backing.mass_kg / 2.25}),
     Variation("half the force", {"scene.hold.min_force_n": Factor(0.5), "scene.hold.max_force_n": Factor(0.5)}),
     Variation("half the noise", {"detector.noise_v": Factor(0.5)}),
     Variation("twice the noise", {"detector.noise_v": Factor(2.0)}),

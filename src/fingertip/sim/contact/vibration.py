@@ -56,23 +56,24 @@ def transmit(load_n: Array) -> Array:
 class ProfileForce:
     """Force with which a surface profile shakes a pad, chunk by chunk.
 
-    Below the resonance of the finger's mass on the hand, the hand moves up and down with the surface. Above it the mass
-    stays where it is and the pad deforms. A first-order high-pass filter models this (assumption: the hand is well
-    damped).
+    Below the resonance of the finger's mass on the hand, the hand moves up and down with the surface, as far as its
+    stiffness allows (`Pad.follow_share`). Above it the mass stays where it is and the pad deforms. A first-order
+    low-pass filter of the hand's motion models this (assumption: the hand is well damped).
     """
 
     def __init__(self, pad: Pad, profile: SurfaceProfile, is_proportional: bool, step_s: float) -> None:
         self._is_proportional, self._stiffness_at_1n = is_proportional, pad.normal_stiffness_n_per_m(1.0)
         self._profile, self._step_s = profile, step_s
-        self._hand_hz = pad.backing.resonance_hz
+        self._hand_hz, self._follow_share = pad.backing.resonance_hz, pad.follow_share
         self._state: Array | None = None
+        self._origin_m = 0.0
 
     def process(self, load_n: Array, path_m: Array) -> Array:
         """Return the force [N] under a load [N] at positions along the profile [m]."""
         height = self._profile.height_m(path_m)
         if self._state is None:
-            self._state = np.array([height[0], height[0]])  # the hand has followed the surface so far
-        deflection = high_pass(height, self._step_s, self._hand_hz, self._state)
+            self._state, self._origin_m = np.zeros(2), height[0]  # the hand has followed the surface so far
+        deflection = high_pass(height - self._origin_m, self._step_s, self._hand_hz, self._state, self._follow_share)
         # The load N presses the pad into the profile: stiffness at the present force, and none without contact. As a
         # ball's it grows with N^(1/3), but begins in proportion to N: a vertical slope would cost the order 2.
         grown_n = load_n if self._is_proportional else load_n / cube_root(load_n + LOAD_SCALE_N) ** 2
@@ -104,11 +105,11 @@ class ContactResonance:
         return out
 
 
-def high_pass(height_m: Array, step_s: float, follow_hz: float, state: Array) -> Array:
-    """Deflection of a pad over heights [m] whose part below `follow_hz` the hand follows. Units: `state` [m]."""
+def high_pass(height_m: Array, step_s: float, follow_hz: float, state: Array, follow_share: float = 1.0) -> Array:
+    """Deflection of a pad over heights [m] that the hand follows by a share below `follow_hz`. Units: `state` [m]."""
     w = 2 * math.pi * follow_hz
     deflection = np.zeros(len(height_m))
-    _high_pass(math.exp(-w * step_s), 1 / w, step_s, height_m, state, deflection)
+    _high_pass(math.exp(-w * step_s), 1 / w, step_s, follow_share, height_m, state, deflection)
     return deflection
 
 
@@ -116,11 +117,12 @@ def _high_pass_loop(
     decay: float,
     lag: float,
     h: float,
+    share: float,
     heights: Sequence[float],
     state: MutableSequence[float],
     out: MutableSequence[float],
 ) -> None:
-    """Subtract the height of the hand, a first-order low-pass of the heights that is exact for straight lines."""
+    """Subtract a share of the hand's height, a first-order low-pass of the heights that is exact for straight lines."""
     hand, before = state[_HAND], state[_HEIGHT]
     for i in range(len(heights)):
         now = heights[i]
@@ -128,7 +130,7 @@ def _high_pass_loop(
         behind = lag * ((now - before) / h)
         hand = (hand - before + behind) * decay + now - behind
         before = now
-        out[i] = now - hand
+        out[i] = now - share * hand
     state[_HAND], state[_HEIGHT] = hand, before
 
 

@@ -23,8 +23,9 @@ from fingertip.foundation.errors import Issue
 from fingertip.foundation.validation import round_down, round_up
 from fingertip.pad.form import PadForm
 from fingertip.pad.pose import Pose
-from fingertip.pad.response import Backing, Pad
+from fingertip.pad.response import Pad
 from fingertip.sim.contact.materials import ARTICLE_SURFACES, SurfaceTable, find_pitch_issues, find_surface_issues
+from fingertip.sim.contact.mounts import MountTable
 from fingertip.sim.runs.hand_motion import Servo, Tremor
 from fingertip.sim.runs.pose import ScenePose
 from fingertip.sim.signal.parameters import (
@@ -44,13 +45,6 @@ class Contact(ParameterTable):
 
     surface: str = choice("medium", f"Surface by name; the article's (III.C) are {', '.join(ARTICLE_SURFACES)}.")
     length_m: float = assumption(0.1, "m", (Above(0), 1), "Length of the surface.")
-    mass_kg: float = assumption(
-        Backing.mass_kg, "kg", (0.001, 2), "Mass of hand or robot arm that moves with the finger; some 90 Hz at 1 N."
-    )
-    hand_n_per_m: float = quantity(
-        Backing.stiffness_n_per_m, "N/m", (10, 2000), "Stiffness of hand or arm (article: 2 cm for 0.2 to 2 N)."
-    )
-    damping_ratio: float = assumption(Backing.damping_ratio, "", (0.02, 0.8), "Damping ratio of this mass on the pad.")
     bristles: Literal["plain", "elasto_plastic"] = choice(
         "plain", "LuGre friction as published, or without its creep below breakaway."
     )
@@ -132,6 +126,7 @@ class Motor(ParameterTable):
 class _SceneTables(SimulationFile):
     contact: Contact = Contact()
     surface: SurfaceTable = SurfaceTable()
+    mount: MountTable = MountTable()
     pose: ScenePose = ScenePose()
     hold: Hold = Hold()
     slide: Slide = Slide()
@@ -179,8 +174,7 @@ class SceneFile(PathTables, _SceneTables):
 
     def draw_pad(self, design: Design, seed: int) -> Pad:
         """Draw the pose, and build the pad of a design in it. Raises TraceError."""
-        contact, pose = self.contact, self.draw_pose(design, seed)
-        return Pad.from_design(design, pose, Backing(contact.mass_kg, contact.hand_n_per_m, contact.damping_ratio))
+        return Pad.from_design(design, self.draw_pose(design, seed), self.mount.backing)
 
     def find_rule_issues(self) -> Iterator[tuple[Issue, set[str]]]:
         """Yield each broken rule between parameters, with the names of the parameters it reads."""

@@ -124,6 +124,13 @@ class Timeline:
     lift: TrapezoidalMove | None
     """Lift at the end, if a pressing finger is released."""
 
+    @property
+    def moves(self) -> tuple[TrapezoidalMove, ...]:
+        """Moves of the slide."""
+        if self.slide is None:
+            return ()
+        return self.slide.moves if isinstance(self.slide, RepeatedMove) else (self.slide,)
+
     def load_n(self, pad: Pad, time_s: Array) -> Array:
         """Quasi-static normal force [N]."""
         hold, change = self.scene.hold, self.scene.load_change

@@ -23,6 +23,8 @@ _LAID_OFF_MM = 0.3
 """Distance from the collar at which a hand may lay the end of the tape [mm]. An assumption."""
 _RANGE_MM = 0.5
 """Range within which a knife cuts the tape [mm]. An assumption."""
+_TURNED_UP_MM = 1.0
+"""Length of the end that is turned up on the seal in the collar [mm]. An assumption."""
 _EDGE_MM = 0.1
 """Least distance of the tape from the edge of the flat [mm]."""
 
@@ -54,6 +56,8 @@ def cover_tape_data(design: Design) -> dict[str, Any]:
         "pocket_mm": round(2.0 * (half - rim), 2),
         "flat_mm": round(narrowest, 1),
         "flat_end_mm": flat_end,
+        "turned_up_mm": _TURNED_UP_MM if dims.tail_passes_collar and design.mold.method == "overmold" else 0.0,
+        "head_mm": round(dims.sensor_z, 2),
         "neck_mm": neck,
         "trim": trim,
     }

@@ -21,11 +21,10 @@ WASTE_FRACTION = 0.25
 choice."""
 _LOAD_RATIO = 1.5
 """Silicone in the syringe over what the mold takes: some stays in the nozzle, and some leaves through the vents."""
-SCALE_G = 0.1
+SCALE_G = 0.01
 """Step of the scale that weighs the components [g]."""
 MIN_COMPONENT_G = 1.0
-"""Minimum mass of the lighter component [g]. A scale that reads 0.1 g then errs by 5% at most, and so does the
-ratio."""
+"""Minimum mass of the lighter component [g]. A scale that is off by one step errs by 1 %, and so does the ratio."""
 
 
 @dataclass(frozen=True)

@@ -114,6 +114,8 @@ def expect_drop_ratio(design: Design) -> DropRatio:
 IDLE_TOLERANCE_V = 0.1
 """Largest difference of an untouched finger from its expected voltage [V]. An assumption."""
 _STILL_S = 60
+_OBJECT_FRICTION, _PULL_S = 1.0, 10
+"""Coefficient of friction between skin and object, for the pull at the skin, and its duration [s]. Assumptions."""
 
 
 def acceptance_data(design: Design, detection: Detection) -> dict[str, Any]:
@@ -153,6 +155,12 @@ def acceptance_data(design: Design, detection: Detection) -> dict[str, Any]:
             for reading in expect_readings(design)
         ],
         "still_s": _STILL_S,
+        "pull": {
+            "force_n": round(_OBJECT_FRICTION * design.strength.grip_force_n, 1),
+            "hold_s": _PULL_S,
+            "grip_n": design.strength.grip_force_n,
+            "friction": _OBJECT_FRICTION,
+        },
         "from_tip_mm": design.sensor.distance_from_tip_mm,
     }
 

@@ -106,11 +106,12 @@ class PrintFiles:
 def parts_on_plates(design: Design, kind: PlateKind) -> tuple[str, ...]:
     """List the parts on the plates of a kind.
 
-    Filament plates hold the bone only if its strength is checked for filament and for layers as it stands there.
+    Filament plates hold the bone only if its strength is checked for filament and for layers as it stands there. The
+    primer that bonds the skin holds on one material, so the lid goes with the bone.
     """
     material = PRINT_MATERIALS[design.strength.print_material]
     bone_holds = kind is SLA or (material.process == "fdm" and design.strength.print_direction == "upright")
-    return tuple(name for name in print_orientations(design) if name != "bone" or bone_holds)
+    return tuple(name for name in print_orientations(design) if name not in ("bone", "lid") or bone_holds)
 
 
 def make_print_files(

@@ -44,6 +44,10 @@ _VENT_DEPTH = 0.8
 """Beginning of a hole from above, relative to the height of the cavity at its lowest edge."""
 _BELOW_BOSS_MM = 0.2
 """Length by which a vent reaches past the end of the boss [mm]."""
+_PRY_TO_VENT_MM = 2.0
+"""Length of the mold's side between a pry slot and the opening of a side vent, where there is room [mm]."""
+_BESIDE_PRY_MM = 1.0
+"""Least length of the mold's side at both ends of a pry slot [mm]."""
 
 
 def runners(design: Design) -> tuple[Solid, ...]:
@@ -205,13 +209,13 @@ def base_recess(design: Design, gap_mm: float | None = None) -> tuple[Solid, ...
     return difference(base, below_flat), intersection(collar, above_collar_foot(design, gap))
 
 
-def recess_half_width(design: Design) -> float:
-    """Half width of the base's recess at the parting plane [mm], where its draft makes it widest."""
+def recess_half_width(design: Design, *, of_collar: bool = False) -> float:
+    """Half width of the recess of base or collar at the parting plane [mm], where its draft makes it widest."""
     dims, gap = design.dimensions, design.mold.fit_clearance_mm
-    section = offset_section(dims.bone_outline.section, gap)
+    section = offset_section((dims.collar if of_collar else dims.bone_outline).section, gap)
     if dims.draft_slope == 0.0:
         return section.half_width
-    return add_draft(section, dims.draft_slope, dims.base_flat_depth + gap).half_width
+    return add_draft(section, dims.draft_slope, None if of_collar else dims.base_flat_depth + gap).half_width
 
 
 def _drafted_extrusion(
@@ -261,10 +265,22 @@ def key_frustums(design: Design, clearance_mm: float) -> tuple[Solid, ...]:
     )
 
 
+def pry_slots_z(design: Design) -> float:
+    """Find the middle of the pry slots: that of the mold's side, or beside the opening of a side vent [mm]."""
+    m, half = design.mold_layout, design.mold.pry_width_mm / 2
+    z = m.pry_z
+    for vent in place_vents(design):
+        if vent.kind == "side":
+            opening, apart = m.clear_side_z(vent.point_mm[2], vent.diameter_mm), half + vent.diameter_mm / 2
+            if abs(z - opening) < apart + _PRY_TO_VENT_MM:
+                z = opening + math.copysign(apart + _PRY_TO_VENT_MM, z - opening)
+    return min(max(z, m.proximal_z + half + _BESIDE_PRY_MM), m.distal_z - half - _BESIDE_PRY_MM)
+
+
 def pry_slots(design: Design) -> tuple[Solid, ...]:
     """Build the slots for a screwdriver on both sides; each lies half above and half below the parting plane."""
-    mold, m = design.mold, design.mold_layout
-    z0, z1 = m.pry_z - mold.pry_width_mm / 2, m.pry_z + mold.pry_width_mm / 2
+    mold, m, z = design.mold, design.mold_layout, pry_slots_z(design)
+    z0, z1 = z - mold.pry_width_mm / 2, z + mold.pry_width_mm / 2
     inner, outer = m.half_width - mold.pry_depth_mm, 2 * m.half_width
     below, above = -mold.pry_height_mm, mold.pry_height_mm
     return Box((inner, below, z0), (outer, above, z1)), Box((-outer, below, z0), (-inner, above, z1))

@@ -200,7 +200,7 @@ def _vents_in_pry_slots_mm3(design: Design) -> float:
     d, m, total = design.mold, design.mold_layout, 0.0
     for vent in place_vents(design):
         if vent.kind == "side":
-            apart = abs(m.clear_side_z(vent.point_mm[2], vent.diameter_mm) - m.pry_z)
+            apart = abs(m.clear_side_z(vent.point_mm[2], vent.diameter_mm) - mold.pry_slots_z(design))
             along = min(vent.diameter_mm, d.pry_width_mm, (vent.diameter_mm + d.pry_width_mm) / 2 - apart)
             total += d.pry_depth_mm * max(0.0, along) * min(vent.diameter_mm / 2, d.pry_height_mm)
     return total

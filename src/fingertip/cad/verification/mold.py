@@ -186,7 +186,7 @@ def _check_runner_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Ch
         bolts = evaluator.manifold(union(*mold.bolt_holes(design)))
         land = design.mold.land_mm - 2 * design.mold.key_clearance_mm
         yield check_min_distance("mold.land.bolts_to_runner", led, bolts, land)
-    # A groove in the parting plane may end in a pry slot.
+    # A groove in the parting plane ends in a pry slot where the mold's side has no room for both.
     grooves = side_vents(design)
     above = difference(openings(design), *grooves)
     cutouts = evaluator.manifold(mold.outer_cutouts_and_screw(design))

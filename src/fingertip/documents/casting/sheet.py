@@ -24,7 +24,7 @@ from fingertip.casting.consumables import (
     uses_adhesive,
     uses_primer,
 )
-from fingertip.casting.hardware import OPEN_OHM, PRESSED_OHM, bill_of_materials
+from fingertip.casting.hardware import OPEN_OHM, PRESSED_OHM, WEIGHTS_G, bill_of_materials
 from fingertip.casting.quantities import (
     MIN_COMPONENT_G,
     SCALE_G,
@@ -60,6 +60,10 @@ _PAPER_MM = 0.1
 """Thickness of office paper of 80 g/m2 [mm]."""
 _TAB_ROOM_MM = 0.3
 """Room that is left beyond soldered tabs [mm]."""
+_VISE_BELOW_MM = 2.0
+"""Distance of the jaws of a vise from the parting line [mm]: a pry slot, and a jaw's edge. An assumption."""
+_PEEL = {"strip_mm": 10.0, "mass_g": WEIGHTS_G[-1], "hold_s": 10}
+"""Peel test of the primer: some 0.5 N on each millimetre of a strip. An assumption."""
 _SMALL_SHARE = 0.25
 """Share of the mixture below which a component is weighed with one digit more, for the same relative error."""
 
@@ -100,17 +104,20 @@ def casting_sheet_data(
             "bolt_hole_mm": round(design.mold.bolt_diameter_mm - design.printer.offset_mm, 2),
             "vent_mm": design.mold.vent_diameter_mm,
             "vents": len(place_vents(design)),
+            "vise_below_mm": max(_VISE_BELOW_MM, design.mold.pry_height_mm),
             "tail_passes_collar": design.dimensions.tail_passes_collar,
             "not_engraved": omitted_lines(design),
             "min_stroke_mm": MIN_STROKE_MM,
         },
         "filling": _filling_data(design, silicone),
         "chaplet": _chaplet_data(design),
+        "peel": _PEEL,
         "fit": _fit_data(design),
         "skin_pull_off_n": round(skin_pull_off_n(design, silicone), 1),
         "skin_held_by": name_retention(design),
         "sensor_limits": {"open_mohm": OPEN_OHM / 1e6, "pressed_kohm": PRESSED_OHM / 1e3},
         "joint": joint if design.dimensions.joint else None,
+        "grip_force_n": design.strength.grip_force_n,
         "bill": bill_of_materials(design),
         "mounting": interface_of(design).mounting(design),
         "printing": _printing_data(design, prints),
@@ -256,6 +263,7 @@ def _batch_data(design: Design, silicone: Silicone, volumes: SiliconeVolumes) ->
         "waste_percent": round(100.0 * WASTE_FRACTION, 1),
         "min_component_g": MIN_COMPONENT_G,
         "scale_g": SCALE_G,
+        "step_percent": round(100.0 * SCALE_G / MIN_COMPONENT_G, 1),
         "is_raised": batch.total_g > batch.with_waste_g,
         "lighter": "each component" if math.isclose(batch.a_g, batch.b_g) else lighter,
     }

@@ -100,6 +100,7 @@ def dorsal_drawing(design: Design) -> PartDrawing:
 def _common_sizes(design: Design, plan: ViewName, outer: float) -> list[Size]:
     m, mold, dims = design.mold_layout, design.mold, design.dimensions
     x, (low, high) = max(m.bolts)[0], sorted({z for _, z in m.bolts})
+    collar, foot = recess_half_width(design, of_collar=True), -design.bone.collar_length_mm
     recess, skin = recess_half_width(design), dims.outer.section.half_width * dims.shrinkage
     bolt = mold.bolt_diameter_mm
     bolt_tolerance = clearance(bolt - design.printer.offset_mm - select_thread(bolt).diameter_mm)
@@ -112,6 +113,9 @@ def _common_sizes(design: Design, plan: ViewName, outer: float) -> list[Size]:
         Length("width of the recess", INNER, plan, "left", "x", (recess, 0.0, m.proximal_z),
                (-recess, 0.0, m.proximal_z),
                located(design, 2 * recess), f"narrow: sand until the bone's base drops in; wide: {SCALE_REMEDY}"),
+        Length("width of the collar's recess", INNER, plan, "left", "x", (collar, 0.0, foot), (-collar, 0.0, foot),
+               located(design, 2 * collar),
+               "narrow: scrape it until the taped collar drops in; wide: lay a second layer of tape there"),
         Length("proximal face to the skin's end", OUTER, plan, "above", "z", (skin, 0.0, m.proximal_z),
                (skin, 0.0, 0.0)),
         Length("width of the cavity", INNER, plan, "right", "x", (skin, 0.0, 0.0), (-skin, 0.0, 0.0), None,

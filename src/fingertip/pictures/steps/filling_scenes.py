@@ -40,7 +40,8 @@ def _closed(bench: Bench) -> list[Shown]:
     ]  # fmt: skip
 
 
-def _vent_labels(bench: Bench, text: str) -> list[Label]:
+def _vent_labels(bench: Bench, text: str, seen_side: float = 0.0) -> list[Label]:
+    """Label the vents; a side vent that opens on the side other than the one that is seen is said to be there."""
     m, labels = bench.layout, []
     for vent in place_vents(bench.design):
         (x, _, z) = vent.point_mm
@@ -50,8 +51,8 @@ def _vent_labels(bench: Bench, text: str) -> list[Label]:
             case "tip":
                 labels.append(Label(text, (x, 0.0, m.distal_z)))
             case "side":
-                side = math.copysign(m.half_width, x)
-                labels.append(Label(text, (side, 0.0, m.clear_side_z(z, vent.diameter_mm))))
+                side, far = math.copysign(m.half_width, x), "\n(on the far side)" if seen_side * x < 0.0 else ""
+                labels.append(Label(text + far, (side, 0.0, m.clear_side_z(z, vent.diameter_mm))))
     return labels
 
 
@@ -73,7 +74,7 @@ def try_syringe(bench: Bench, data: Data) -> Scene:
         (*_closed(bench), *bench.syringe(lift_mm=_LIFT_MM, drawn_share=0.8)),
         _over_lowest_corner(data),
         *_pose_marks(bench, data["filling"]),
-        *_vent_labels(bench, "vent: air must come"),
+        *_vent_labels(bench, "vent: air must come", _signs(data["filling"])[0]),
         Label("Luer cone", (inlet.x, m.dorsal_height, inlet.z)),
         _into_cone(bench),
     )
@@ -133,12 +134,17 @@ def _pose_label(bench: Bench, filling: Data) -> Label:
 
 def leave(bench: Bench, data: Data) -> Scene:
     """Show the full mold with the syringe in its cone."""
-    m, inlet = bench.layout, given(bench.layout.inlet)
+    m, inlet, side = bench.layout, given(bench.layout.inlet), _signs(data["filling"])[0]
+    held = (
+        side * m.half_width,
+        -(data["mold"]["vise_below_mm"] + m.palmar_height) / 2,
+        (m.proximal_z + m.distal_z) / 2,
+    )
     return Scene(
         (*_closed(bench), *bench.syringe(0.2)),
         _over_lowest_corner(data),
-        *_vent_labels(bench, "full"),
-        Label("the vise holds\nboth sides here", (_signs(data["filling"])[0] * m.half_width, 0.0, m.pry_z)),
+        *_vent_labels(bench, "full", side),
+        Label("the vise holds\nthe palmar half alone,\nby both sides", held),
         *_pose_marks(bench, data["filling"]),
         Label("leave it until\nthe silicone has set", (inlet.x, m.dorsal_height + 12.0, inlet.z)),
     )

@@ -7,6 +7,7 @@ import numpy as np
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.shapes.bone import tape
 from fingertip.cad.shapes.insert import axis_z
+from fingertip.cad.shapes.mold import pry_slots_z
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.casting.consumables import uses_adhesive, uses_primer
 from fingertip.design.geometry.solids import Box, Cone, Solid, cylinder, union
@@ -53,7 +54,7 @@ def close_empty(bench: Bench, data: Data) -> Scene:
         Label("dorsal half", (0.0, m.dorsal_height + apart, m.distal_z)),
         Label("palmar half", (-m.half_width, -m.palmar_height / 2, m.proximal_z)),
         Label("key", (x, apart - bench.design.mold.key_height_mm / 2, z)),
-        Label("pry slot", (-m.half_width, 0.0, m.pry_z)),
+        Label("pry slot", (-m.half_width, 0.0, pry_slots_z(bench.design))),
         Arrow((0.0, apart * 0.95, m.distal_z), (0.0, apart * 0.25, m.distal_z)),
     )
 

@@ -12,7 +12,7 @@ from typing import Any
 
 from fingertip.lab.campaign.mix import MixSummary
 from fingertip.lab.campaign.run import DetectorResult
-from fingertip.lab.report.numbers import format_milli, format_mn, format_ms, to_data, to_number
+from fingertip.lab.report.numbers import format_milli, format_mn, format_ms, format_mv, to_data, to_number
 from fingertip.lab.studies.sensitivity import LOADED_ON, LOADS_N, VariationResult
 from fingertip.lab.studies.steps import GOAL_SHARE, StepSensitivity
 from fingertip.slip.traces.truth import ENCODER_NOTE
@@ -49,9 +49,9 @@ def variation_table(variations: Sequence[VariationResult], detector: str) -> lis
     )
     lines = [
         "",
-        f"{detector} with each assumption changed, delays in ms; worst: largest mean of a surface; onset: change of the",
-        "true onset of slip; vibration: RMS of the normal force above 30 Hz in slip; envelope: mean of the board's in",
-        f"slip on {LOADED_ON}, at {LOADS_N[0]:g} and {LOADS_N[1]:g} N:",
+        f"{detector} with each assumption changed, delays in ms; worst: largest mean of a surface; onset: change of",
+        "the true onset of slip; vibration: RMS of the normal force above 30 Hz in slip; envelope: mean of the",
+        f"board's in slip on {LOADED_ON}, at {LOADS_N[0]:g} and {LOADS_N[1]:g} N:",
         f"{'found':>13} {'median':>7} {'change':>7} {'p90':>7} {'worst':>7} {'alarms/min':>10} {'onset':>6} "
         f"{'vibration':>9} {'envelope':>15}",
         _variation_row(base, base),
@@ -71,10 +71,6 @@ def _ms(seconds: float) -> str:
     return f"{1000 * seconds:.1f}" if math.isfinite(seconds) else "missed"
 
 
-def _mv(volts: float) -> str:
-    return f"{1000 * volts:.3g}" if math.isfinite(volts) else "-"
-
-
 def _variation_row(v: VariationResult, base: VariationResult) -> str:
     found = f"{100 * v.found_share:5.1f}% of {v.slips:3}"
     if v is base:
@@ -84,7 +80,7 @@ def _variation_row(v: VariationResult, base: VariationResult) -> str:
     else:
         change = "found" if math.isfinite(v.median_s) > math.isfinite(base.median_s) else "missed"
     onset = "" if v is base else format_ms(v.onset_change_s, "?", "+.1f").removesuffix(" ms")
-    envelope = f"{_mv(v.light_v)} {_mv(v.firm_v)} mV"
+    envelope = f"{format_mv(v.light_v)} / {format_mv(v.firm_v)} mV"
     return (
         f"{found:>13} {_ms(v.median_s):>7} {change:>7} {_ms(v.p90_s):>7} {_ms(v.worst_mean_s):>7} "
         f"{v.alarms_per_minute:10.2f} {onset:>6} {format_mn(v.vibration_n):>9} {envelope:>15}  {v.label}"

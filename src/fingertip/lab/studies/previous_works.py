@@ -1,9 +1,9 @@
 """What the article compares itself with (IV.B): its digital predecessor on ridged plates, and a plain FFT.
 
 The article states of the predecessor the mean delay on each of three ridged surfaces, 36 to 48 ms, but neither ridges
-nor threshold. Of the FFT it states a window of 128 samples (64 ms), a threshold on the amplitude, and that it found less
-than 65 % of the slips, the others only after 100 ms. Both run here with the threshold that the noise allows, and with
-higher ones, which show where the article's figures would lie. Nothing is tuned to them.
+nor threshold. Of the FFT it states a window of 128 samples (64 ms), a threshold on the amplitude, and that it found
+less than 65 % of the slips, the others only after 100 ms. Both run here with the threshold that the noise allows, and
+with higher ones, which show where the article's figures would lie. Nothing is tuned to them.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class PlainFftResult:
 class PreviousWorks:
     plates: Sequence[PlateResult]
     plain_fft: Sequence[PlainFftResult]
-    """At the threshold that the noise allows, and at the first that finds as little as the article's, if there is one."""
+    """At the threshold that the noise allows, and at the first that finds as little as the article's, if any does."""
 
     def means_s(self, factor: float) -> list[float]:
         """Mean delay on each plate at one factor of the threshold [s]."""

@@ -256,6 +256,8 @@ class VariationResult:
     label: str
     is_realistic: bool
     """True for an effect that real fingers show and the trials leave out by default."""
+    is_law: bool
+    """True for another law of the contact."""
     slips: int
     """Number of true slips; a trial with stick-slip may have several."""
     found_share: float
@@ -269,13 +271,12 @@ class VariationResult:
     """Median change of the true onset of slip, counted from the start of the slide [s]; NaN if none is comparable."""
     vibration_n: float
     """RMS vibration of the normal force in slip, median of the trials [N]; NaN without slip."""
-    is_law: bool = False
-    p90_s: float = math.nan
-    worst_mean_s: float = math.nan
+    p90_s: float
+    worst_mean_s: float
     """Mean delay on the worst surface [s], of the slips found; infinite if none was found there."""
-    light_v: float = math.nan
+    light_v: float
     """Mean envelope in slip on the surface `LOADED_ON` at the smaller one of `LOADS_N` [V]."""
-    firm_v: float = math.nan
+    firm_v: float
     """The same at the larger one [V]."""
 
 
@@ -301,9 +302,10 @@ def study_assumptions(
         detection = (pooled.slips, pooled.found_share, median_s, change_s, pooled.alarms_per_minute)
         effects = (onset_s, median_of_known(vibrations_n))
         worst_s = max((mean for mean, _, _ in pooled.group_delays(surface).values()), default=math.inf)
-        loaded_v = (measure_envelope_v(design, LOADED_ON, force_n, seeds, variation) for force_n in LOADS_N)
-        further = (variation.is_law, pooled.delay_s(0.9), worst_s, *loaded_v)
-        results.append(VariationResult(variation.label, variation.is_realistic, *detection, *effects, *further))
+        light_v, firm_v = (measure_envelope_v(design, LOADED_ON, force_n, seeds, variation) for force_n in LOADS_N)
+        names = (variation.label, variation.is_realistic, variation.is_law)
+        further = (pooled.delay_s(0.9), worst_s, light_v, firm_v)
+        results.append(VariationResult(*names, *detection, *effects, *further))
     return results
 
 

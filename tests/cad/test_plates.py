@@ -84,7 +84,7 @@ def test_plates_of_bundled_designs_hold_all_printed_parts_apart_on_the_bed(name:
         assert f"plate_{kind.name}.3mf" in prints.plates, "one plate is enough for each bundled design"
         placed = placed_on(prints.contents[f"plate_{kind.name}.3mf"])
         printed = {n for n in meshes if PARTS[n].is_printed}
-        assert set(placed) == (printed - {"bone"} if kind is FDM else printed) == set(parts_on_plates(design, kind))
+        assert set(placed) == (printed - {"bone", "lid"} if kind is FDM else printed) == set(parts_on_plates(design, kind))
         for part, mesh in placed.items():
             assert mesh.volume == pytest.approx(meshes[part].volume(), rel=1e-9)
             assert mesh.bounds[0, 2] == pytest.approx(0.0, abs=1e-9)
@@ -119,13 +119,13 @@ def test_part_lies_alike_in_its_own_file_and_on_a_plate() -> None:
         bed_pose(make()[1]["bone"], 30.0)
 
 
-def test_filament_plate_holds_the_bone_only_if_its_strength_is_checked_as_it_stands_there() -> None:
+def test_filament_plate_holds_bone_and_lid_only_if_the_strength_is_checked_as_the_bone_stands_there() -> None:
     for strength, held in ({}, False), ({"print_material": "petg"}, True), ({"print_material": "pa12"}, False), (
         {"print_material": "petg", "print_direction": "lying"}, False
     ):  # fmt: skip
-        design = Design.from_tables({"strength": strength})
-        assert ("bone" in parts_on_plates(design, FDM)) == held, strength
-        assert "bone" in parts_on_plates(design, SLA)
+        design = Design.load(design_file("adult_finger"), changes=[f"strength.{k}={v}" for k, v in strength.items()])
+        assert ({"bone", "lid"} & set(parts_on_plates(design, FDM))) == ({"bone", "lid"} if held else set()), strength
+        assert {"bone", "lid"} <= set(parts_on_plates(design, SLA))
 
 
 def test_small_bed_takes_several_plates() -> None:

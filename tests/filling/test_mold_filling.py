@@ -8,8 +8,11 @@ from functools import cache
 
 import pytest
 
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.shapes.mold import block, pry_slots, side_vents
 from fingertip.cad.verification.mold import air_rise_s, check_filling
 from fingertip.design import Design
+from fingertip.design.geometry.solids import intersection, union
 from fingertip.design.new_design import PRESETS
 from fingertip.filling import mold_filling
 from fingertip.filling.gate import gate_opening
@@ -117,6 +120,15 @@ def test_a_cavity_that_fills_last_at_the_collar_has_vents(name: str, changes: tu
     assert len(place_vents(design)) == count
     assert sum(pocket.volume_mm3 for pocket in predict_mold_filling(design).air_pockets) < MAX_AIR_MM3
     assert math.hypot(*find_pose(design)) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(("width_mm", "gap_mm"), [(8.0, 2.0), (20.0, 2.0), (30.0, 0.0)])
+def test_pry_slots_keep_off_side_vents_where_the_side_has_room(width_mm: float, gap_mm: float) -> None:
+    design, evaluator = load("adult_finger", f"mold.pry_width_mm={width_mm}"), MeshEvaluator(0.1)
+    slots, side = pry_slots(design), intersection(union(*side_vents(design)), block(design))
+    assert evaluator.manifold(union(*slots)).min_gap(evaluator.manifold(side), 9.0) == pytest.approx(gap_mm, abs=0.01)
+    layout = design.mold_layout
+    assert all(layout.proximal_z + 0.99 < slot.low[2] < slot.high[2] < layout.distal_z - 0.99 for slot in slots)
 
 
 def test_wider_bolts_hold_more_and_a_stronger_thumb_loads_more() -> None:

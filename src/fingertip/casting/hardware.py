@@ -109,7 +109,8 @@ def bill_of_materials(design: Design) -> list[dict[str, Any]]:
     return [
         {
             "item": "force-sensing resistor", "type": design.dimensions.sensor.label, "count": 1,
-            "note": "with solder tabs, not with female contacts; with adhesive on its back, or without it and with the film below",
+            "note": "with solder tabs, not with female contacts; with adhesive on its back, or without it and with the "
+                    "film below",
         },
         {"item": "adhesive film for the sensor", "thickness_mm": sensor.adhesive_thickness_mm, "count": 1},
         {

@@ -84,7 +84,9 @@ def test_plates_of_bundled_designs_hold_all_printed_parts_apart_on_the_bed(name:
         assert f"plate_{kind.name}.3mf" in prints.plates, "one plate is enough for each bundled design"
         placed = placed_on(prints.contents[f"plate_{kind.name}.3mf"])
         printed = {n for n in meshes if PARTS[n].is_printed}
-        assert set(placed) == (printed - {"bone", "lid"} if kind is FDM else printed) == set(parts_on_plates(design, kind))
+        assert (
+            set(placed) == (printed - {"bone", "lid"} if kind is FDM else printed) == set(parts_on_plates(design, kind))
+        )
         for part, mesh in placed.items():
             assert mesh.volume == pytest.approx(meshes[part].volume(), rel=1e-9)
             assert mesh.bounds[0, 2] == pytest.approx(0.0, abs=1e-9)

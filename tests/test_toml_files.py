@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from fingertip.catalogues.bundled import find_file
+from fingertip.catalogues.bundled import find_file, list_bundled_files
 from fingertip.catalogues.file_kinds import (
     DESIGN,
     KINDS,
@@ -125,7 +125,7 @@ def test_command_prints_what_is_bundled_and_refuses_an_unknown_kind() -> None:
 
 def test_bundled_files_agree_with_the_schemas_of_their_kinds() -> None:
     kinds = {path: KIND_OF_FOLDER[path.parent.name] for path in FILES}
-    kinds[ROOT / "params" / "scenes" / "real_manipulation.toml"] = "manipulation"
+    kinds |= dict.fromkeys(list_bundled_files(MANIPULATION).values(), "manipulation")
     assert {path: schema_of(path) for path in FILES} == {path: SCHEMAS / f"{kind}.json" for path, kind in kinds.items()}
     jsonschema = require_module("jsonschema")
     wrong = []

@@ -30,6 +30,7 @@ from fingertip.lab.report.trial_plots import ExampleTrial
 from fingertip.lab.studies.article import DEVICES, MOVED_M, ProtocolResult, ProtocolStudy, Spectrum, WindowResult
 from fingertip.lab.studies.boards import ArticleBoardResult, BoardResult
 from fingertip.lab.studies.bounds import DiscriminationResult, KnockResult
+from fingertip.lab.studies.previous_works import PlainFftResult, PlateResult, PreviousWorks
 from fingertip.lab.studies.sensitivity import (
     BOTH,
     ELASTO_PLASTIC,
@@ -120,14 +121,16 @@ def protocol(summary: Any) -> ProtocolStudy:
 
 
 def variation(label: str, shift_s: float, is_realistic: bool = True, found: float = 1.0) -> VariationResult:
-    return VariationResult(label, is_realistic, 24, found, 0.015 + shift_s, shift_s, 0.25, 0.0045, 0.001 * len(label))
+    figures = (24, found, 0.015 + shift_s, shift_s, 0.25, 0.0045, 0.001 * len(label), 0.04 + shift_s, 0.05)
+    return VariationResult(label, is_realistic, False, *figures, 0.0987, 0.1234)
 
 
 def studies() -> StudyResults:
     summaries = summarise(closed_loop())
     fast = campaign().at_nominal_threshold("fast")
     silent = DetectorResult(1.0, (TrialResult(Case("contact", SCENES[0], 9), 240.0, 1.0, 0, (), 0.0, ()),))
-    lost = VariationResult(STICK_SLIP, True, 30, 0.25, math.inf, math.nan, 0.0, math.nan, math.nan)
+    unknown = (math.inf, math.nan, 0.0, math.nan, math.nan, math.inf, math.inf, math.nan, math.nan)
+    lost = VariationResult(STICK_SLIP, True, False, 30, 0.25, *unknown)
     hz = np.arange(0.0, 500.0, 50.0)
     shifts = (DelayShift("fast", 20, 1, 0, 0.0, 0.0, 0.001), DelayShift("digital", 20, 4, 1, 0.0, 0.008, math.inf))
     slip = Outcome("slip", 0.0, 0.5, 2, (0.01, 0.02), (0.03, 0.04), (0.95, 0.9), 1, (0.1,), 0, 0, 0.0)
@@ -140,6 +143,7 @@ def studies() -> StudyResults:
             variation("twice the noise", -0.006, False), replace(lost, label="half the speed", is_realistic=False),
             replace(variation(PATCH_AVERAGE, 0.002, found=0.5), vibration_n=0.0005), lost, variation(BOTH, 0.001),
             variation(ELASTO_PLASTIC, -0.001), variation("mains hum of 1 mV", 0.003),
+            replace(variation("load law hertz", 0.004, False), is_law=True, light_v=0.25, firm_v=0.0512),
         ],
         steps=StepSensitivity(20, 16, shifts, (SignalError("force_n", 1e-5, 2e-5, 4e-5),)),
         patch_radius_m=2.05e-3,
@@ -154,6 +158,10 @@ def studies() -> StudyResults:
                 BoardResult("precision", 0.0049, True, 1.0, 0.02, 0.03, 0.75, 0.04, 0.2)],
         article=[ArticleBoardResult("digital", 0.975, 0.03, 0.05, 0.06, 0.15)],
         protocol=protocol(summaries[1]),
+        previous=PreviousWorks(
+            [PlateResult("ridged_fine", 1.0, 15, 15, 0.012), PlateResult("ridged_fine", 5.0, 15, 0, math.nan)],
+            [PlainFftResult(0.0002, 4, 4, 4, 3), PlainFftResult(0.013, 4, 3, 2, 1)],
+        ),
         motor=[DiscriminationResult(0.02, 3.0, 2.5, 0.25), DiscriminationResult(0.1, 2.0, 4.0, 1.0)],
         knocks=[
             KnockResult(name, force_n, rise_s, force_n / 4)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 
 import numpy as np
@@ -14,7 +15,16 @@ from fingertip.lab.studies import article as article_protocol
 from fingertip.lab.studies import bounds
 from fingertip.lab.studies.article import DEVICES, MOVED_M, ProtocolStudy, find_encoder_zero_s, study_article_protocol
 from fingertip.lab.studies.boards import study_article_board, with_article_board
-from fingertip.lab.studies.sensitivity import VARIATIONS, Factor, Variation, change_converter, study_assumptions
+from fingertip.lab.studies.previous_works import FFT_SHARE, PLATE_FACTORS, RIDGED, study_previous_works
+from fingertip.lab.studies.sensitivity import (
+    VARIATIONS,
+    BySurface,
+    Factor,
+    Variation,
+    change_converter,
+    measure_envelope_v,
+    study_assumptions,
+)
 from fingertip.lab.studies.steps import SIGNALS, _find_shift_s, _pool_shifts, compare_grids
 from fingertip.sim import SceneFile, run_scene
 from fingertip.sim.runs.timeline import TrapezoidalMove
@@ -22,6 +32,7 @@ from fingertip.sim.simulation import article_trials
 from fingertip.slip import Trace
 from fingertip.slip.detectors.analog_and_digital import noise_level
 from tests.designs import ARTICLE
+from tools import beside_article
 
 SLIDE = next(article_trials())[0]
 
@@ -41,6 +52,53 @@ def test_change_is_a_value_or_a_factor() -> None:
     assert scene.contact.patch_average
     assert varied.vary_design(Design()) == Design()
     assert Variation("", {"detector.noise_v": 1e-3}).vary_scene(SLIDE) is SLIDE
+
+
+def test_change_by_surface_leaves_the_others_as_they_are() -> None:
+    varied = Variation("", {"scene.surface.longest_wave_mm": BySurface({"gross": 2.5})})
+    waves_mm = {s.contact.surface: varied.vary_scene(s).surface.longest_wave_mm for s, _ in article_trials()}
+    assert waves_mm.pop("gross") == 2.5
+    assert set(waves_mm.values()) == {SLIDE.surface.longest_wave_mm}
+
+
+@pytest.mark.full
+def test_envelope_rises_with_the_force_and_falls_under_the_law_of_a_ball() -> None:
+    hertz = Variation("", {"scene.surface.load_law": "hertz"})
+    half = Variation("", {"scene.hold.min_force_n": Factor(0.5), "scene.hold.max_force_n": Factor(0.5)})
+    light, firm = (measure_envelope_v(ARTICLE, "gross", force_n, (1, 2)) for force_n in (0.5, 2.0))
+    assert 1.1 * light < firm
+    assert measure_envelope_v(ARTICLE, "gross", 0.5, (1, 2), half) == light
+    light, firm = (measure_envelope_v(ARTICLE, "gross", force_n, (1, 2), hertz) for force_n in (0.5, 2.0))
+    assert light > 2 * firm
+
+
+@pytest.mark.full
+def test_previous_works_are_slower_or_miss_more_with_higher_thresholds() -> None:
+    found = study_previous_works(Design.load("article"), 4)
+    assert [(row.surface, row.factor, row.trials) for row in found.plates] == [
+        (name, factor, 15) for name in RIDGED for factor in PLATE_FACTORS
+    ]
+    low, high = map(found.means_s, PLATE_FACTORS)
+    assert max(low) < 0.02 < min(high)
+    noise, late = found.plain_fft
+    assert (noise.below_100_ms, noise.trials) == (4, 4)
+    assert late.below_100_ms < FFT_SHARE * 4
+    assert noise.threshold_v < 0.0003 < late.threshold_v
+    assert noise.contacts >= late.contacts
+
+
+def test_page_beside_the_article_is_that_of_the_data() -> None:
+    data = json.loads(beside_article.DATA.read_text())
+    assert beside_article.PAGE.read_text() == beside_article.render_page(data)
+
+
+@pytest.mark.full
+def test_vibration_of_the_contact_force_is_the_stated_one() -> None:
+    stated = json.loads(beside_article.DATA.read_text())["contact_mn"]
+    for name in ("smooth", "gross"):
+        measured_n = beside_article.measure_contact_n(Design.load("article"), name)
+        assert 1000 * measured_n == pytest.approx(stated[name], abs=0.01)
+    assert stated["gross"] / stated["smooth"] == pytest.approx(16, rel=0.5)
 
 
 def test_two_tones_and_a_slope_leave_no_residual_and_noise_leaves_its_rms() -> None:

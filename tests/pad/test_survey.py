@@ -5,14 +5,17 @@ import math
 import re
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 
 from fingertip.cad.verification.pad import check_pad
 from fingertip.design import Design
+from fingertip.pad.fem_elastic import stiffness
+from fingertip.pad.fem_mesh import extrude, quadratic_plan
 from fingertip.pad.form import PadForm
 from fingertip.pad.layer import find_contacts
 from fingertip.pad.pose import Pose
-from fingertip.pad.survey import TILTS_DEG, survey_pad
+from fingertip.pad.survey import TILTS_DEG, find_own_mode_hz, survey_pad
 from fingertip.page.pad_section import render_pad
 from tests.conftest import run_fingertip
 
@@ -111,3 +114,22 @@ def test_finite_elements_confirm_what_the_layer_model_promises():
     finer = [contact["share"] for contact in found["fem_refined"]]
     assert finer == pytest.approx(list(by_tilt.values()), abs=0.015)
     assert [row["share"] for row in found["tilts"]] == pytest.approx(list(by_tilt.values()), abs=0.06)
+
+
+def test_own_mode_is_that_of_a_sheared_layer_by_finite_elements():
+    form, density_t_mm3, layers = PadForm.of_design(Design.load("fsr400")), 1.08e-9, 8
+    corners = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])
+    points, triangles = quadratic_plan(corners, np.array([[0, 1, 2], [1, 3, 2]]))
+    mesh = extrude(points, triangles, np.linspace(0.0, form.over_sensor_mm, layers + 1)[:, None] * np.ones(len(points)))
+    free = np.flatnonzero(mesh.nodes[:, 2] > 0.0)
+    matrix = stiffness(mesh, form.young_mpa, form.poisson)[0].toarray()[3 * free][:, 3 * free]  # shear along x alone
+    # A plane moves as one: its springs add up, and so do its masses, 1 : 2 : 1 in the levels of a layer.
+    planes = np.unique(mesh.nodes[free, 2], return_inverse=True)[1]
+    gather = np.eye(2 * layers)[planes]
+    share = np.full(2 * layers, 2.0)
+    share[::2], share[-1] = 4.0, 1.0
+    mass = density_t_mm3 * form.over_sensor_mm / layers * share / 6
+    rates = np.linalg.eigvals((gather.T @ matrix @ gather) / mass[:, None])
+    assert find_own_mode_hz(Design.load("fsr400")) == pytest.approx(
+        math.sqrt(min(rates.real)) / (2 * math.pi), rel=1e-3
+    )

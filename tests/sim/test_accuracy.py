@@ -5,13 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from fingertip.catalogues.bundled import list_bundled_files
+from fingertip.catalogues.file_kinds import SCENE
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
 from fingertip.sim.signal.grid import Grid
-from tests.conftest import ROOT
 
-SCENES = [path for path in sorted((ROOT / "params/scenes").glob("*.toml")) if path.stem != "real_manipulation"]
+SCENES = [*list_bundled_files(SCENE).values()]
+PULL = {"attached": True, "trigger_v": 0.01, "stroke_m": 0.04, "stiffness_n_per_m": 20_000.0}
 QUIET = {"noise_v": 0.0, "adc_bits": 24}
 DESIGN = Design(detector=QUIET)
 FLOOR = {
@@ -57,11 +59,12 @@ def test_every_scene_converges_with_order_2(path, variant):
 
 
 @pytest.mark.full
-@pytest.mark.parametrize(("kind", "mass"), [("pinch", 0.06), ("power", 0.255)])
-def test_manipulation_converges_with_order_2(kind, mass):
+@pytest.mark.parametrize(("kind", "mass", "knock"), [("pinch", 0.06, {}), ("power", 0.255, {}), ("tri", 0.1, PULL)])
+def test_manipulation_converges_with_order_2(kind, mass, knock):
     grasp = {"kind": kind, "min_margin": 1.15, "max_margin": 1.15, "after_s": 0.2}
     outputs = ["force_n", "object_m", "voltage_v", "velocity_m_s"]
-    scene = ManipulationFile(object={"mass_kg": mass}, grasp=grasp, sensing={"noise": False}, outputs=outputs)
+    target = {"mass_kg": mass, "stiffness_n_per_m": 3000.0 if knock else 0.0}
+    scene = ManipulationFile(object=target, grasp=grasp, knock=knock, sensing={"noise": False}, outputs=outputs)
     with compiled():
         runs = {n: run_manipulation(DESIGN, scene, None, 1, grid=Grid(n)) for n in (1, 2, 4, 8, 64)}
     lost_s = [run.lost_s for run in runs.values() if run.lost_s]

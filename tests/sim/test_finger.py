@@ -13,6 +13,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fingertip.catalogues.bundled import list_bundled_files
+from fingertip.catalogues.file_kinds import SCENE
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.pad.response import Pad
@@ -31,10 +33,9 @@ from fingertip.sim.signal.interference import (
 )
 from fingertip.sim.signal.parameters import Cable, Drift, Noise
 from fingertip.sim.trace_file import encode_trace, open_trace
-from tests.conftest import ROOT
 
 DESIGN = Design(board={"variant": "comparator", "supply": "single_3v3", "supply_v": 3.3})
-SCENES = [path for path in sorted((ROOT / "params/scenes").glob("*.toml")) if path.stem != "real_manipulation"]
+SCENES = [*list_bundled_files(SCENE).values()]
 EVERYTHING = {
     "noise": {"pink_v": 1e-4, "hand_v": 2e-4, "hum_v": 1e-3},
     "cable": {"step_v": 0.02, "hum_v": 0.005, "at_s": 0.2},

@@ -99,8 +99,8 @@ def move_object(
     state = np.zeros(grasp_loop.PAD_STATES * count + grasp_loop.OBJECT_STATES)
     scratch = np.zeros(grasp_loop.SCRATCH_SIZE * count)
     grasp_loop.run(
-        (0.56, 0.14, 0.005), (*sigma, RELAX_PER_S, LOAD_SCALE_N), step_s, mass, (2000.0, 5.0), leaves, count, length,
-        mount, weights, pin_x, pin_v, state, scratch, flat, shear, over_object, bristle, moved, pushed,
+        (0.56, 0.14, 0.005), (*sigma, RELAX_PER_S, LOAD_SCALE_N), step_s, mass, (2000.0, 5.0, pin is pull_motion), leaves,
+        count, length, mount, weights, pin_x, pin_v, state, scratch, flat, shear, over_object, bristle, moved, pushed,
     )  # fmt: skip
     return time[1:], moved, shear.reshape(count, -1), over_object.reshape(count, -1), pushed
 
@@ -117,7 +117,12 @@ def pin_motion(time):
     return 0.08 * (time - 0.1) * (time < 0.2) + 0.008 * (time >= 0.2), 0.08 * (time < 0.2)
 
 
-def rates(t, y, loads, mass, weight):
+def pull_motion(time):
+    """Position and velocity of a pin that accelerates evenly."""
+    return 0.5 * time**2, time
+
+
+def rates(t, y, loads, mass, weight, pin=pin_motion):
     """The equations of `grasp_loop`, written as plainly as possible."""
     n = len(loads)
     x, v, s, X, V = y[:n], y[n : 2 * n], y[2 * n : 3 * n], y[-2], y[-1]
@@ -125,15 +130,18 @@ def rates(t, y, loads, mass, weight):
     g = 0.56 + 0.14 / (1 + (w / 0.005) ** 2)
     ds = loads * c * (w - 25e3 * np.abs(w) * c * s / g)
     mu = 25e3 * c * s + 2.0 * c * ds + 0.6 * w
-    Xp, Vp = (float(q[0]) for q in pin_motion(np.array([t])))
+    Xp, Vp = (float(q[0]) for q in pin(np.array([t])))
     d = Xp - X
     push = max(0.0, 2000.0 * d * (1 + 5.0 * (Vp - V))) if d > 0 else 0.0
+    push = 2000.0 * (d + 5.0 * abs(d) * (Vp - V)) if pin is pull_motion else push
     dv = (-6000.0 * x - 2.0 * v - loads * mu) / PAD.backing.mass_kg
     dV = (weight * min(t / 0.05, 1.0) + push + float(loads @ mu)) / mass
     return np.concatenate((v, dv, ds, [V, dV]))
 
 
-def test_every_step_is_ros2_with_the_full_jacobian():
+@pytest.mark.every_case
+@pytest.mark.parametrize("pin", [pin_motion, pull_motion])
+def test_every_step_is_ros2_with_the_full_jacobian(pin):
     """The reference is the method for dense matrices, with the Jacobian from finite differences.
 
     The method keeps its order with any other Jacobian, so only this test detects a wrong one.
@@ -143,23 +151,23 @@ def test_every_step_is_ros2_with_the_full_jacobian():
     y = np.zeros(11)
     for i in range(steps):
         t = i * h
-        here = rates(t, y, loads, 0.1, 0.98)
+        here = rates(t, y, loads, 0.1, 0.98, pin)
         size = np.maximum(np.abs(y), 1e-6) * 1e-6
         nudged = [y + np.where(np.arange(11) == j, size, 0.0) for j in range(11)]
         lower = [2 * y - up for up in nudged]
         J = np.stack(
             [
-                (rates(t, up, loads, 0.1, 0.98) - rates(t, low, loads, 0.1, 0.98)) / (2 * size[j])
+                (rates(t, up, loads, 0.1, 0.98, pin) - rates(t, low, loads, 0.1, 0.98, pin)) / (2 * size[j])
                 for j, (up, low) in enumerate(zip(nudged, lower, strict=True))
             ],
             axis=1,
         )
-        drift = g * (rates(t + h, y, loads, 0.1, 0.98) - here)
+        drift = g * (rates(t + h, y, loads, 0.1, 0.98, pin) - here)
         inverse = np.linalg.inv(np.eye(11) - g * h * J)
         k1 = inverse @ (here + drift)
-        k2 = inverse @ (rates(t + h, y + h * k1, loads, 0.1, 0.98) - drift - 2 * k1)
+        k2 = inverse @ (rates(t + h, y + h * k1, loads, 0.1, 0.98, pin) - drift - 2 * k1)
         y = y + h * (1.5 * k1 + 0.5 * k2)
-    _, moved, shear, *_ = move_object(steps * h, h, loads, pin=pin_motion)
+    _, moved, shear, *_ = move_object(steps * h, h, loads, pin=pin)
     assert y[-2] > 1e-4
     assert moved[-1] == pytest.approx(y[-2], rel=3e-8)
     assert shear[:, -1] == pytest.approx(y[:3], rel=3e-8)
@@ -211,7 +219,7 @@ def test_chunk_sizes_change_no_bit():
     scene = make_scene(
         grasp={"kind": "pinch"}, object={"mass_kg": 0.06}, outputs=["voltage_v", "force_n", "envelope_v"]
     )
-    plan = plan_motion(scene, PAD, 1)
+    plan = plan_motion(DESIGN, scene, PAD, 1)
     time = np.arange(20_000) / BASE_HZ
     command = plan.planned_m(time) + 0.003 * np.sin(20 * time) * (time > 1.0)
     whole, chunked = (
@@ -306,6 +314,47 @@ def test_manipulations_of_the_article():
     assert [seed for _, seed in found] == list(range(12))
     assert {s.knock.speed_m_s for s, _ in found} == {0.08}
     assert {len(s.fingers) for s, _ in found} == {5, 2}
+
+
+def test_robot_pulls_the_object_one_second_after_the_voltage_of_the_thumb_has_dropped():
+    design = Design(detector={"noise_v": 0.0, "adc_bits": 24})
+    file, outputs = ROOT / "params/scenes/tri_digital.toml", '["voltage_v", "force_n", "slip", "object_m", "pin_n"]'
+    run = run_manipulation(design, ManipulationFile.load(file, changes=["sensing.noise=false", f"outputs={outputs}"]))
+    assert run.fingers == ("thumb", "index", "middle")
+    volts, moves_s = run.output("voltage_v")[0], run.plan.knock_s
+    drops_s = run.time_s[np.flatnonzero(volts[0] - volts >= 0.01)[0]]
+    assert moves_s - 1.0 == pytest.approx(drops_s, abs=3e-3)  # the poles ahead of the ADC, and the contact, lag
+    assert 0.5 <= run.force_n <= 3.5
+    before, slides = run.time_s < moves_s, (run.time_s > moves_s + 0.1) & (run.time_s < moves_s + 1.0)
+    assert not run.output("slip")[:, before].any()
+    assert run.output("slip")[:, slides].all()
+    assert run.output("object_m")[-1] == pytest.approx(0.04, abs=3e-4)  # the arm yields
+    friction_n = 2 * run.plan.friction.mu_c * run.force_n
+    assert run.output("pin_n")[slides].mean() == pytest.approx(friction_n, rel=0.1)
+    assert run.lost_s is None  # although nothing but the pin bears it
+
+
+@pytest.mark.parametrize("trigger_v", [0.0, 1.0])
+def test_without_a_drop_the_robot_waits_for_the_hand(trigger_v):
+    plan = plan_motion(DESIGN, make_scene(knock={"trigger_v": trigger_v, "at_s": 0.4}), PAD, 1)
+    assert plan.knock_s == pytest.approx(plan.released_s + 0.4, abs=1e-4)
+    still = make_scene(knock={"attached": True, "speed_m_s": 0.0})
+    assert not plan_motion(DESIGN, still, PAD, 1).pin_m(np.linspace(0, 1, 9))[0].any()
+
+
+def test_object_that_yields_takes_more_closing_for_the_same_force():
+    scenes = [make_scene(grasp={"kind": "tri"}, object={"stiffness_n_per_m": k}) for k in (0.0, 3000.0, 1e6)]
+    rigid, soft, hard = (plan_motion(DESIGN, scene, PAD, 1) for scene in scenes)
+    assert np.array_equal(soft.force_n, rigid.force_n)
+    assert soft.goal_m - rigid.goal_m == pytest.approx(rigid.force_n / 3000)
+    assert hard.goal_m == pytest.approx(rigid.goal_m, abs=2e-5)
+    outputs = frozenset({"force_n"})
+    steppers = [ManipulationStepper(DESIGN, scenes[1], soft, PAD, 1, outputs, Grid()) for _ in range(2)]
+    for stepper, goal in zip(steppers, (soft.goal_m, rigid.goal_m), strict=True):
+        stepper.advance(np.repeat(goal[:, None], 8000, axis=1))
+    full, short = (stepper.chunks[-1].find("force_n")[0, -1] for stepper in steppers)
+    assert full == pytest.approx(rigid.force_n[0], abs=1e-4)
+    assert short < 0.99 * full  # a closing that was planned for a rigid object presses less
 
 
 def test_seed_determines_the_result():

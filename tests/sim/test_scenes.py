@@ -8,6 +8,8 @@ import re
 import numpy as np
 import pytest
 
+from fingertip.catalogues.bundled import list_bundled_files
+from fingertip.catalogues.file_kinds import SCENE
 from fingertip.design import Design
 from fingertip.pad.response import Pad
 from fingertip.sim import SceneFile, Trial, load_simulation, run_scene, simulate
@@ -21,9 +23,7 @@ from tests.designs import ARTICLE, article_design
 
 DESIGN = ARTICLE
 
-ALL = sorted((ROOT / "params" / "scenes").glob("*.toml"))
-
-SCENES = [path for path in ALL if path.stem != "real_manipulation"]  # a manipulation: test_manipulation.py
+SCENES = [*list_bundled_files(SCENE).values()]
 
 NOT_SLIP = {
     "contact", "release", "load_change", "hard_tap", "motor_vibration", "drift", "cable_touch", "tremor", "servo_steps",
@@ -49,6 +49,16 @@ def test_bundled_scene_runs_and_slips_if_named_so(path):
     assert all(np.isfinite(values).all() for values in result.columns.values())
     assert result.columns["force_n"].max() > 0.3
     detect(result.trace, DESIGN)  # the detector accepts the trace
+
+
+@pytest.mark.parametrize("bridge", ["board", "article"])
+def test_slide_begins_one_second_after_the_voltage_has_dropped(bridge):
+    scene = load_scene("sliding_surface", **{"sensing.noise": "false", "sensing.bridge": f'"{bridge}"'})
+    run = run_scene(DESIGN, scene.model_copy(update={"outputs": ["tactile_v"]}), 3)
+    volts = run.columns["tactile_v"]
+    assert run.motion_s - 1.0 == pytest.approx(run.time_s[np.flatnonzero(volts[0] - volts >= 0.01)[0]], abs=2e-3)
+    late = scene.model_copy(update={"hold": scene.hold.model_copy(update={"trigger_v": 1.0})})
+    assert SceneRun(DESIGN, late, 3).timeline.slide.start_s == pytest.approx(held_s(late, 3) + 1.0)
 
 
 def test_sliding_finger_scene_equals_the_trial():

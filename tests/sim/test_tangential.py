@@ -57,7 +57,7 @@ def test_steady_sliding_matches_closed_form(speed):
 
 
 def slide_trial(substeps: int, seconds: float = 2.1) -> PadMotion:
-    timeline = build_timeline(Trial().scene, PAD, FORCE_N)
+    timeline = build_timeline(Design(), Trial().scene, PAD, FORCE_N)
     h = 1 / (2000 * substeps)
     time = np.arange(round(seconds * 2000) * substeps + 1) * h
     motion = DraggedPad(FRICTION, MOUNT, h).process(timeline.slide.position_m(time), timeline.slide.velocity_m_s(time),

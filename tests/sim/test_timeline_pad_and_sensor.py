@@ -41,7 +41,7 @@ def test_move_arrives_and_its_velocity_is_the_slope(speed):
 
 
 def test_times_of_the_article():
-    timeline = build_timeline(Trial().scene, PAD, 1.0)
+    timeline = build_timeline(DESIGN, Trial().scene, PAD, 1.0)
     assert timeline.slide.start_s - timeline.approach.end_s == pytest.approx(1.0)
     assert timeline.slide.end_s - timeline.slide.start_s == pytest.approx(1.04)
     assert timeline.lift.end_s - timeline.lift.start_s == pytest.approx(2.0)

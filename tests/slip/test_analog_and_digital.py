@@ -136,6 +136,10 @@ def test_unsuitable_settings_give_a_warning():
     assert list(settings_warnings(Design(detector={"sample_rate_hz": 10000.0}), "fast")) == []
     assert "is 6 ms" in short
     assert "Choose 300 samples for 30 ms" in short
+    assert list(settings_warnings(Design(detector={"window_samples": 199}))) == []
+    (long,) = settings_warnings(Design(detector={"window_samples": 200}))
+    assert "is 100 ms; from 100 ms on slip is reported" in long
+    assert list(settings_warnings(Design(detector={"window_samples": 200}), "fast")) == []
 
 
 ARTICLE_DESIGN = ("--design", "article")

@@ -15,7 +15,7 @@ from fingertip.detection.adaptation import equivalent_noise_v
 from fingertip.foundation import jit
 from fingertip.foundation.errors import TraceError
 from fingertip.slip import DETECTORS, ChainSettings, SlipChain, make_detector
-from fingertip.slip.detectors.fft import ALARMS_PER_HOUR, EXCURSION_S, FftDetector, tail_probability
+from fingertip.slip.detectors.fft import ALARMS_PER_HOUR, EXCURSION_S, FftDetector, FftSettings, tail_probability
 from fingertip.slip.detectors.noise import quantised_noise_v
 
 DESIGN = Design()
@@ -105,6 +105,21 @@ def predict_alarms_per_hour(detector: FftDetector) -> float:
 def test_all_thresholds_together_permit_the_stated_alarm_rate(name):
     predicted = predict_alarms_per_hour(make_detector(name, DESIGN))
     assert predicted == pytest.approx(ALARMS_PER_HOUR, rel=1e-3)
+
+
+def test_plain_fft_takes_windows_side_by_side_and_the_strongest_bin():
+    """63 bins between 0 Hz and half the rate, each of which noise exceeds with the probability exp(-x^2)."""
+    settings = FftSettings.plain(DESIGN)
+    plain, n = FftDetector(settings), settings.window_samples
+    per_bin = ALARMS_PER_HOUR * n / settings.sample_rate_hz / 3600 / 63
+    assert plain.threshold_v == pytest.approx(settings.noise_v * math.sqrt(-2 * math.log(per_bin) / n), rel=0.005)
+    t = np.arange(6 * n) / settings.sample_rate_hz
+    tones = 0.02 * np.sin(2 * math.pi * 125 * t) + 0.01 * np.sin(2 * math.pi * 906.25 * t)
+    tones[: 2 * n + 1] = 0.0
+    found = plain.process(tones)
+    assert np.flatnonzero(found.on)[0] == 3 * n
+    assert found.statistic_v[4 * n] == pytest.approx(0.02 / math.sqrt(2))
+    assert len(set(found.statistic_v[4 * n : 5 * n])) == 1
 
 
 def test_tail_probability_of_a_sum_of_squares():

@@ -183,8 +183,8 @@ class _Drawing:
     def _draw_scene(self, kind: str, model: type[SceneFile | ManipulationFile]) -> list[str]:
         """Draw a scene and its design: changes of a bundled one, or a file with all of them."""
         rng, design = self.rng, self._write_design()
-        names, short = _SCENES[kind]
-        name = rng.choice(sorted(list_bundled_files(names)))
+        names = {"scene": SCENE, "manipulation": MANIPULATION}[kind]
+        short, name = SHORT_PHASES[names], rng.choice(sorted(list_bundled_files(names)))
         board = self.design.board
         lacking = {"slip_pin_v": board.variant != "comparator", "sampled_filtered_v": board.supply != "single_3v3"}
         outputs = [name for name in model.known_outputs() if not lacking.get(name) and rng.random() < 0.4]
@@ -218,17 +218,17 @@ class _Drawing:
         return ["w.toml"]
 
 
-_SCENES = {
-    "scene": (SCENE, (
+SHORT_PHASES = {
+    SCENE: (
         "hold.wait_s=0.05", "load_change.at_s=0.05", "tap.at_s=0.05", "tap.interval_s=0.05", "tap.count=3",
         "motor.at_s=0.02", "cable.at_s=0.02", "motor.duration_s=0.2", "cable.duration_s=0.2",
-    )),
-    "manipulation": (MANIPULATION, (
+    ),
+    MANIPULATION: (
         "grasp.settle_s=0.05", "grasp.let_go_s=0.05", "grasp.after_s=0.1", "grasp.close_s=0.2", "knock.at_s=0.05",
         "cable.at_s=0.02", "cable.duration_s=0.2",
-    )),
+    ),
 }  # fmt: skip
-"""Kinds of bundled scenes, and changes that make them short."""
+"""Kind of bundled scenes -> changes that make them short."""
 
 
 def draw_case(seed: int, number: int) -> Case:

@@ -43,7 +43,7 @@ DESIGN = FileKind(
 SCENE = FileKind(
     "scene",
     frozenset({
-        "scene", "outputs", "contact", "surface", "pose", "hold", "slide", "load_change", "tremor", "servo",
+        "scene", "outputs", "contact", "surface", "pose", "hold", "slide", "load_change", "mount", "tremor", "servo",
         "tap", "motor", "drift", "cable", "noise", "sensing", "converter",
     }),
     "hard_tap",

@@ -27,6 +27,10 @@ class PrintMaterial:
     verified: tuple[str, ...] = ()
     """Names of the figures that the source confirms."""
 
+    def strength_along_finger(self, print_direction: Literal["lying", "upright"]) -> float:
+        """Return the tensile strength along a bone that lies or stands while it prints [MPa]."""
+        return self.across_mpa if print_direction == "upright" else self.strength_mpa
+
 
 PRINT_MATERIALS: dict[str, PrintMaterial] = {
     material.name: material

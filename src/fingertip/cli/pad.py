@@ -58,7 +58,7 @@ def pad(
     `fingertip picture DESIGN --pad` draws the same over the place and the force.
     """
     from fingertip.pad.form import PadForm
-    from fingertip.pad.survey import FORCE_N, survey_pad
+    from fingertip.pad.survey import FORCE_N, find_own_mode_hz, survey_pad
 
     if friction is not None and not large_strain:
         raise typer.BadParameter("acts only with --large-strain; add that.", param_hint="'--friction'")
@@ -67,7 +67,9 @@ def pad(
     loaded = load_design(design, changes, console)
     survey, form = survey_pad(loaded), PadForm.of_design(loaded)
     data: dict[str, Any] = {"design": loaded.name, "young_mpa": round(form.young_mpa, 4), **survey.to_dict()}
+    data["own_mode_hz"] = round(find_own_mode_hz(loaded), 1)
     lines = _list_lines(loaded.name, form, survey)
+    lines.append(f"silicone over the sensor resonates at {data['own_mode_hz']:.0f} Hz; simulations leave its mass out")
     for is_fine in (False, True)[: 1 + refine] if fem or refine else ():
         console.progress(f"finite elements{', finer mesh' if is_fine else ''}")
         found = _press(form, is_fine)

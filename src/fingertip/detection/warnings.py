@@ -173,7 +173,9 @@ def threshold_warnings(threshold_v: float, level: NoiseLevel, may_be_lower: bool
 MIN_CUTOFF_HZ = 45.0
 """Cutoff below which detectors report contacts as slip [Hz] (article, III.A: they lie below 30 Hz)."""
 MIN_WINDOW_S = 0.02
-"""Window length below which contacts are reported as slip [s] (article, section III.C)."""
+"""Window length below which contacts are reported as slip [s] (article, figure 5)."""
+TOO_LONG_S = 0.1
+"""Window length from which on a detector is slower than a person [s] (article, figure 5); above 1 s it is refused."""
 COARSE_RATIO = 2.0
 """Ratio of the ADC's step to the noise above which the step hides the noise."""
 
@@ -194,9 +196,13 @@ def settings_warnings(design: Design, detector: str = DEFAULT) -> Iterator[str]:
             "Choose more bits or a smaller detector.adc_range_v."
         )
     window_s = d.window_samples / d.sample_rate_hz
-    if find_detector_type(detector).has_design_threshold and window_s < MIN_WINDOW_S:
+    if find_detector_type(detector).has_design_threshold and not MIN_WINDOW_S <= window_s < TOO_LONG_S:
+        effect = (
+            f"below {1000 * MIN_WINDOW_S:g} ms contacts are reported as slip"
+            if window_s < MIN_WINDOW_S
+            else f"from {1000 * TOO_LONG_S:g} ms on slip is reported, and its end too, later than a person responds"
+        )
         yield (
             f"detector.window_samples of {d.window_samples} at {d.sample_rate_hz:g} Hz is {1000 * window_s:.3g} ms; "
-            f"below {1000 * MIN_WINDOW_S:g} ms contacts are reported as slip. Choose {round(0.03 * d.sample_rate_hz)} "
-            "samples for 30 ms."
+            f"{effect}. Choose {round(0.03 * d.sample_rate_hz)} samples for 30 ms."
         )

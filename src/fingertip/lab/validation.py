@@ -23,6 +23,7 @@ from fingertip.lab.report.tables import StudyResults
 from fingertip.lab.studies.article import compute_spectra, study_article_protocol, study_windows
 from fingertip.lab.studies.boards import study_article_board, study_board_variants
 from fingertip.lab.studies.bounds import compute_bounds_s, study_knock_rejection, study_motor_discrimination
+from fingertip.lab.studies.previous_works import study_previous_works
 from fingertip.lab.studies.sensitivity import study_accelerations, study_assumptions
 from fingertip.lab.studies.steps import study_sampling_rates, study_steps
 from fingertip.pad.response import Pad
@@ -178,7 +179,7 @@ def estimate_stages_s(plan: CampaignPlan) -> dict[str, float]:
         "wider mix": 0.4 * plan.trials,
         "closed loop": 17.0,
         "bound": 0.02 * plan.trials,
-        "assumptions": 15.0,
+        "assumptions": 22.0,
         "time step": 0.3 * min(MAX_STEP_TRIALS, plan.trials / 2),
         "windows and spectra": 1.0,
         "accelerations": 8.0,
@@ -186,6 +187,7 @@ def estimate_stages_s(plan: CampaignPlan) -> dict[str, float]:
         "boards": 5.0,
         "the article's board": 0.1 * cases,
         "the article's protocol": 0.2 * plan.trials + 12.0,
+        "previous works": 0.1 * plan.trials,
         "motors and knocks": 5.0,
     }
 
@@ -239,6 +241,7 @@ def validate(
         boards=run("boards", study_board_variants, trials),
         article=run("the article's board", study_article_board, plan, first_seed),
         protocol=run("the article's protocol", study_article_protocol, plan.trials, loop_repeats, first_seed),
+        previous=run("previous works", study_previous_works, plan.trials, first_seed),
         motor=run("motors and knocks", study_motor_discrimination, trials),
         knocks=study_knock_rejection(design),
         closed_loop=summaries,

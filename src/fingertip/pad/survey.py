@@ -81,6 +81,16 @@ def survey_pad(design: Design) -> PadSurvey:
     return _survey(PadForm.of_design(design))
 
 
+def find_own_mode_hz(design: Design) -> float:
+    """Lowest resonance of the silicone over the sensor [Hz]: a quarter of a shear wave, ``sqrt(G / rho) / (4 h)``.
+
+    The simulation leaves the mass of the silicone out. Far below this frequency that costs ``(f / this)^2``.
+    """
+    form, density = PadForm.of_design(design), design.silicone.material.density_g_cm3
+    shear_pa, rho = 1e6 * form.young_mpa / (2 * (1 + form.poisson)), 500.0 * (density.low + density.high)
+    return math.sqrt(shear_pa / rho) / (4e-3 * form.over_sensor_mm)
+
+
 @lru_cache(maxsize=256)
 def _survey(form: PadForm) -> PadSurvey:
     shares = tuple(_share(form, Pose(tilt), FORCE_N) for tilt in TILTS_DEG)

@@ -196,7 +196,7 @@ def compute_strength(context: PointContext) -> OutputValues:
 
 
 def compute_pad(context: PointContext) -> OutputValues:
-    from fingertip.pad.survey import GRASP_DEG, WIDE_DEG, survey_pad
+    from fingertip.pad.survey import GRASP_DEG, WIDE_DEG, find_own_mode_hz, survey_pad
 
     found = survey_pad(context.design)
     return {
@@ -207,6 +207,7 @@ def compute_pad(context: PointContext) -> OutputValues:
         "pad_turn_on_n": found.worst_turn_on_n,
         "pad_stiffness_n_per_mm": found.stiffness_n_per_mm,
         "pad_strain": found.strain,
+        "pad_own_mode_hz": find_own_mode_hz(context.design),
     }
 
 

@@ -106,6 +106,7 @@ OUTPUTS = {
         ("pad_turn_on_n", "pad", "force on the pad at turn-on, worst of -5 to 15 degrees; inf: not below 20 N"),
         ("pad_stiffness_n_per_mm", "pad", "stiffness of the pad at 1 N"),
         ("pad_strain", "pad", "indentation over thickness at 5 N"),
+        ("pad_own_mode_hz", "pad", "lowest resonance of the silicone over the sensor, which simulations leave out"),
         ("min_bone_wall_mm", "walls", "thinnest wall of bone and lid, as their checks measure it"),
         ("mold_palmar_volume_mm3", "mold", "volume of the palmar mold half"),
         ("mold_dorsal_volume_mm3", "mold", "volume of the dorsal mold half"),

@@ -157,7 +157,7 @@ def assess_strength(design: Design, evaluator: MeshEvaluator) -> BoneStrength:
     by_load = tuple(_find_weakest(found) for found in places)
     weakest = _find_weakest(by_load)
     at_shock = _find_weakest(place for found in places for place in found if place.at_shock)
-    strength = material.across_mpa if design.strength.print_direction == "upright" else material.strength_mpa
+    strength = material.strength_along_finger(design.strength.print_direction)
     grip, shock = design.strength.grip_force_n, design.strength.shock_force_n
     return BoneStrength(
         material, weakest, by_load, at_shock,

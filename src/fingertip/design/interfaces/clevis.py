@@ -12,6 +12,7 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
+from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.design.formulas.stress import VON_MISES_SHEAR, LocalStress, StressFactors, at_foot, hole_in_tension
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.conic import TANGENT_STEP_MM
@@ -28,8 +29,10 @@ from fingertip.design.geometry.sizes import (
     Circle,
     Length,
     Size,
+    Tolerance,
     bore,
     clearance,
+    general,
 )
 from fingertip.design.geometry.solids import Box, Point3, Prism, Solid, cylinder, difference, intersection, union
 from fingertip.design.interfaces.interface import JointInterface, Shapes, base_size
@@ -42,6 +45,7 @@ _CARRIES_MM = 1.15
 Own finite elements of six fingers, with the pin glued into its hole as a beam on its bed, found the bearing pressure on
 this part as the largest tension beside the hole: 0.88 to 1.02 times it.
 """
+_WRONG_PLACE = "fill the hole with epoxy and drill it again: the joint's torque and walls follow from its place"
 ANCHOR_PIN_MPA = 1500.0
 """Stress up to which spring steel wire springs back [MPa]: three quarters of its tensile strength (EN 10270-1)."""
 
@@ -146,15 +150,40 @@ class Clevis(JointInterface):
                 Length("height of the joint axis", STEP, "front", "left", "y", (across, 0.0, z), pin, is_reference=True)
             )
         if anchor := design.dimensions.anchor:
-            at = (across, anchor.y, anchor.z)
-            sizes += [
-                Circle("hole of the tendon's anchor", INNER, "front", "x", at, anchor.radius,
-                       clearance(_PIN_PLAY_MM - design.printer.offset_mm), "narrow: ream it until the pin turns"),
-                Length("anchor to joint axis", STEP, "front", "right", "y", at, pin, is_reference=True),
-                Length("anchor to joint axis, along the finger", STEP, "front", "below", "z", at, pin,
-                       is_reference=True),
-            ]  # fmt: skip
+            sizes += self._anchor_sizes(design, anchor, (across, anchor.y, anchor.z), pin)
         return sizes
+
+    def _anchor_sizes(self, design: DesignTables, anchor: TendonAnchor, at: Point3, pin: Point3) -> list[Size]:
+        """List place and size of the anchor's hole, and the two lengths that hold its pin."""
+        collar, wall = design.dimensions.collar.section, design.bone.wall_mm
+        edge, closed = anchor.z - anchor.radius, anchor.open_half_width - anchor.inner_half_width
+        # The collar's foot stands out beside the base there. The other one is read in the slot, below the hole.
+        beside = (design.dimensions.bone_outline.section.half_width_at(anchor.y) + collar.half_width_at(anchor.y)) / 2
+        under = anchor.y - anchor.radius - design.printer.min_wall_mm / 2
+        return [
+            Circle("hole of the tendon's anchor", INNER, "front", "x", at, anchor.radius,
+                   clearance(_PIN_PLAY_MM - design.printer.offset_mm), "narrow: ream it until the pin turns"),
+            Length("anchor to joint axis", STEP, "front", "right", "y", at, pin, is_reference=True),
+            Length("skin's end to the anchor's axis", BEHIND_FACE, "front", "below", "z", (at[0], at[1], 0.0), at,
+                   None, _WRONG_PLACE),
+            Length("palmar side to the anchor's axis", BEHIND_FACE, "front", "right", "y", (0.0, -collar.palmar, 0.0),
+                   at, None, _WRONG_PLACE),
+            Length("wall at the anchor's hole", OUTER, "front", "below", "z", (beside, anchor.y, edge),
+                   (beside, anchor.y, edge - wall), self._thinner_by(design, "wall at the anchor", wall, wall),
+                   "thin: the tendon tears it out, print again"),
+            Length("closed part of the anchor's hole", OUTER, "palmar", "left", "x",
+                   (anchor.inner_half_width, under, anchor.z), (anchor.open_half_width, under, anchor.z),
+                   self._thinner_by(design, "hole of the anchor", closed, min(closed, _CARRIES_MM)),
+                   "short: drill the hole for a thicker pin, or print again"),
+        ]  # fmt: skip
+
+    def _thinner_by(self, design: DesignTables, place: str, size: float, carrying: float) -> Tolerance:
+        """Find how much shorter a size may be, of which a part carries, for the safety factor at the grip."""
+        strength = design.strength
+        allowed = PRINT_MATERIALS[strength.print_material].strength_along_finger(strength.print_direction)
+        stresses = {found.place: found.stress_per_n for found in self.local_stresses(design, design.skin.length_mm)}
+        needed = carrying * stresses[place] * strength.grip_force_n * strength.min_grip_factor / allowed
+        return Tolerance(min(needed - size, 0.0), general(size).high)
 
     def bolts(self, design: DesignTables) -> list[dict[str, Any]]:
         """List the pin, and what holds the tendon."""

@@ -192,7 +192,7 @@ def simulate_scene(
 ) -> LabelledSignal:
     """Simulate a scene through the ADC; its slips and events follow from its timeline."""
     result = run_scene(design, scene.model_copy(update={"outputs": _select_outputs(design)}), seed)
-    timeline = build_timeline(scene, scene.draw_pad(design, seed), result.force_n)
+    timeline = build_timeline(design, scene, scene.draw_pad(design, seed), result.force_n)
     trace = result.trace
     assert trace.slip is not None
     slips = merge(intervals(trace.time_s, trace.slip), STICK_S)
@@ -295,12 +295,12 @@ def manipulation(design: Design, seed: int, speed_m_s: float = 0.0, max_margin: 
     """Simulate a hand that takes over a weight: one signal for each finger, whose shear is no slip by itself."""
     rng = np.random.default_rng(seed)
     names = list(MANIPULATED_OBJECTS)
-    mass_kg, surface, kind = MANIPULATED_OBJECTS[names[int(rng.integers(len(names)))]]
+    target, kind = MANIPULATED_OBJECTS[names[int(rng.integers(len(names)))]]
     times = {"let_go_s": float(rng.uniform(0.1, 0.6)), "after_s": 1.0}
     scene = ManipulationFile(
         scene="manipulation",
         outputs=_select_outputs(design),
-        object={"mass_kg": mass_kg, "surface": surface},
+        object=target,
         grasp={"kind": kind, "min_margin": 1.1, "max_margin": max_margin, **times},
         knock={"speed_m_s": speed_m_s},
     )

@@ -88,11 +88,12 @@ def evaluate(
             on = output.statistic_v > scale * output.threshold_v
         else:
             on = make_detector(detector, design, threshold_scale=scale).process(*inputs).on
-        results.append(_score_trial(case, trace, force_n, on, nominal.memory_s))
+        results.append(score_trial(case, trace, force_n, on, nominal.memory_s))
     return results
 
 
-def _score_trial(case: Case, trace: Trace, force_n: float, on: NDArray[np.bool_], memory_s: float) -> TrialResult:
+def score_trial(case: Case, trace: Trace, force_n: float, on: NDArray[np.bool_], memory_s: float) -> TrialResult:
+    """Score the flags of a detector, whose ON may outlast a slip by its memory [s], against the true slip."""
     assert trace.slip is not None
     scored = score(intervals(trace.time_s, on), intervals(trace.time_s, trace.slip), memory_s)
     # A detector that responds to incipient slip gains no negative delay by that: its delay is 0.

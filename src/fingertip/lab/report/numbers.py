@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import tomllib
 from collections.abc import Mapping
@@ -15,6 +16,9 @@ if TYPE_CHECKING:
 ONSETS: Mapping[str, Any] = tomllib.loads(Path(__file__).with_name("onsets.toml").read_text(encoding="utf-8"))
 """Times before gross slip in the article's trials [ms], which ``tools/onsets.py`` measures."""
 
+BESIDE_ARTICLE: Mapping[str, Any] = json.loads(Path(__file__).with_name("beside_article.json").read_bytes())
+"""Figures of the article's finger and board under all laws, which ``tools/beside_article.py`` measures."""
+
 
 def format_ms(seconds: float, otherwise: str = "missed", form: str = ".1f") -> str:
     """Format a time in milliseconds; another text stands for one that is not finite."""
@@ -23,6 +27,11 @@ def format_ms(seconds: float, otherwise: str = "missed", form: str = ".1f") -> s
 
 def format_mn(newtons: float) -> str:
     return f"{1000 * newtons:.1f} mN" if math.isfinite(newtons) else "no slip"
+
+
+def format_mv(volts: float) -> str:
+    """Format a voltage in millivolts, without the unit."""
+    return f"{1000 * volts:{'.0f' if volts >= 0.1 else '.2g'}}" if math.isfinite(volts) else "-"
 
 
 def format_milli(value: float, signal: str) -> str:

@@ -11,7 +11,7 @@ from fingertip.documents.template import render
 from fingertip.lab.campaign.closed_loop import NO_CONTROL, ClosedLoopTrial
 from fingertip.lab.campaign.plan import REPORTED_SEPARATELY
 from fingertip.lab.campaign.run import CampaignResult, DetectorResult, surface
-from fingertip.lab.report.numbers import format_milli, format_mn, format_ms
+from fingertip.lab.report.numbers import BESIDE_ARTICLE, format_milli, format_mn, format_ms, format_mv
 from fingertip.lab.report.robustness import LEVELS_ARE_ASSUMED
 from fingertip.lab.report.tables import STATED, StudyResults
 from fingertip.lab.studies.article import RESONANCES_HZ
@@ -19,6 +19,8 @@ from fingertip.lab.studies.sensitivity import (
     BOTH,
     ELASTO_PLASTIC,
     HELD_LONGER,
+    LOADED_ON,
+    LOADS_N,
     PATCH_AVERAGE,
     STICK_SLIP,
     VariationResult,
@@ -66,6 +68,10 @@ def collect_effects(variations: Sequence[VariationResult], patch_radius_m: float
         **{name: rows.get(label) for name, label in _EXPLAINED.items()},
         "base": base,
         "other_effects": [v for v in variations[1:] if v.is_realistic and v.label not in _EXPLAINED.values()],
+        "laws": [v for v in variations if v.is_law],
+        "beside": BESIDE_ARTICLE,
+        "loaded_on": LOADED_ON,
+        "loads_n": LOADS_N,
         "patch_radius_m": patch_radius_m,
         "patch_ratio": base.vibration_n / patch.vibration_n if patch and patch.vibration_n else math.inf,
         "wavelengths_mm": sorted({1000 * SURFACES[name].cutoff_wavelength_m for name in ARTICLE_SURFACES}),
@@ -74,6 +80,7 @@ def collect_effects(variations: Sequence[VariationResult], patch_radius_m: float
         "isfinite": math.isfinite,
         "ms": format_ms,
         "mn": format_mn,
+        "mv": format_mv,
     }
 
 

@@ -12,8 +12,8 @@ from typing import Any
 
 from fingertip.lab.campaign.mix import MixSummary
 from fingertip.lab.campaign.run import DetectorResult
-from fingertip.lab.report.numbers import format_milli, format_mn, format_ms, to_data, to_number
-from fingertip.lab.studies.sensitivity import VariationResult
+from fingertip.lab.report.numbers import format_milli, format_mn, format_ms, format_mv, to_data, to_number
+from fingertip.lab.studies.sensitivity import LOADED_ON, LOADS_N, VariationResult
 from fingertip.lab.studies.steps import GOAL_SHARE, StepSensitivity
 from fingertip.slip.traces.truth import ENCODER_NOTE
 
@@ -25,7 +25,8 @@ LEVELS_ARE_ASSUMED = (
 def variations_as_data(variations: Sequence[VariationResult]) -> list[dict[str, Any]]:
     """Return the results of the variations for JSON; what is infinite or unknown is null."""
     rows = (to_data(v, {"found_share": 5, "alarms_per_minute": 4}) for v in variations)
-    return [{"variation": row.pop("label"), "realistic": row.pop("is_realistic"), **row} for row in rows]
+    names = {"label": "variation", "is_realistic": "realistic", "is_law": "law"}
+    return [{names.get(name, name): value for name, value in row.items()} for row in rows]
 
 
 def steps_as_data(steps: StepSensitivity) -> dict[str, Any]:
@@ -43,18 +44,22 @@ def variation_table(variations: Sequence[VariationResult], detector: str) -> lis
     """Table of the assumptions: first the changed values by size of their effect, then the realistic effects."""
     base, *others = variations
     ranked = sorted(
-        (v for v in others if not v.is_realistic),
+        (v for v in others if not (v.is_realistic or v.is_law)),
         key=lambda v: -abs(v.change_s) if math.isfinite(v.change_s) else -math.inf,
     )
     lines = [
         "",
-        f"{detector} with each assumption changed; onset: change of the true onset of slip; vibration: RMS of the",
-        "normal force above 30 Hz in slip:",
-        f"{'median':>10} {'change':>10} {'found':>14} {'alarms/min':>10} {'onset':>10} {'vibration':>11}",
+        f"{detector} with each assumption changed, delays in ms; worst: largest mean of a surface; onset: change of",
+        "the true onset of slip; vibration: RMS of the normal force above 30 Hz in slip; envelope: mean of the",
+        f"board's in slip on {LOADED_ON}, at {LOADS_N[0]:g} and {LOADS_N[1]:g} N:",
+        f"{'found':>13} {'median':>7} {'change':>7} {'p90':>7} {'worst':>7} {'alarms/min':>10} {'onset':>6} "
+        f"{'vibration':>9} {'envelope':>15}",
         _variation_row(base, base),
         *(_variation_row(v, base) for v in ranked),
     ]
-    realistic = [v for v in others if v.is_realistic]
+    laws, realistic = [v for v in others if v.is_law], [v for v in others if v.is_realistic]
+    if laws:
+        lines += ["other laws of the contact:", *(_variation_row(v, base) for v in laws)]
     if realistic:
         lines += ["effects of real fingers that the trials leave out by default:"]
         lines += [_variation_row(v, base) for v in realistic]
@@ -62,18 +67,23 @@ def variation_table(variations: Sequence[VariationResult], detector: str) -> lis
     return lines
 
 
+def _ms(seconds: float) -> str:
+    return f"{1000 * seconds:.1f}" if math.isfinite(seconds) else "missed"
+
+
 def _variation_row(v: VariationResult, base: VariationResult) -> str:
     found = f"{100 * v.found_share:5.1f}% of {v.slips:3}"
     if v is base:
         change = ""
     elif math.isfinite(v.change_s):
-        change = f"{1000 * v.change_s:+.1f} ms"
+        change = f"{1000 * v.change_s:+.1f}"
     else:
         change = "found" if math.isfinite(v.median_s) > math.isfinite(base.median_s) else "missed"
-    onset = "" if v is base else format_ms(v.onset_change_s, "unknown", "+.1f")
+    onset = "" if v is base else format_ms(v.onset_change_s, "?", "+.1f").removesuffix(" ms")
+    envelope = f"{format_mv(v.light_v)} / {format_mv(v.firm_v)} mV"
     return (
-        f"{format_ms(v.median_s):>10} {change:>10} {found:>14} {v.alarms_per_minute:10.2f} {onset:>10} "
-        f"{format_mn(v.vibration_n):>11}  {v.label}"
+        f"{found:>13} {_ms(v.median_s):>7} {change:>7} {_ms(v.p90_s):>7} {_ms(v.worst_mean_s):>7} "
+        f"{v.alarms_per_minute:10.2f} {onset:>6} {format_mn(v.vibration_n):>9} {envelope:>15}  {v.label}"
     )
 
 

@@ -19,6 +19,7 @@ from fingertip.lab.report.numbers import ONSETS, format_ms, to_data, to_number
 from fingertip.lab.studies.article import DEVICES, MOVED_M, ProtocolStudy, Spectrum, WindowResult
 from fingertip.lab.studies.boards import ArticleBoardResult, BoardResult
 from fingertip.lab.studies.bounds import DiscriminationResult, KnockResult
+from fingertip.lab.studies.previous_works import PLATE_FACTORS, PreviousWorks
 from fingertip.lab.studies.sensitivity import ASSUMED_M_S2, AccelerationResult, VariationResult
 from fingertip.lab.studies.steps import SamplingRateResult, StepSensitivity
 from fingertip.slip.traces.truth import ENCODER_HZ, ENCODER_NOTE, INCIPIENT_S, encoder_delay_band_s, format_delay_band
@@ -56,6 +57,7 @@ class StudyResults:
     article: Sequence[ArticleBoardResult]
     """The same finger on the article's board and converter; empty if the design has them."""
     protocol: ProtocolStudy
+    previous: PreviousWorks
     motor: Sequence[DiscriminationResult]
     knocks: Sequence[KnockResult]
     closed_loop: Sequence[ClosedLoopSummary]
@@ -96,8 +98,10 @@ def as_data(result: CampaignResult, studies: StudyResults) -> dict[str, Any]:
         "article_board": list(map(to_data, studies.article)),
         "article_protocol": {
             "encoder_hz": ENCODER_HZ,
-            "rows": [asdict(row) for row in list_protocol_rows(studies.protocol)],
+            "rows": [asdict(row) for row in list_protocol_rows(studies.protocol, studies.previous)],
             "results": list(map(to_data, studies.protocol.results)),
+            "ridged_plates": list(map(to_data, studies.previous.plates)),
+            "plain_fft": list(map(to_data, studies.previous.plain_fft)),
         },
         "motor_discrimination": list(map(to_data, studies.motor)),
         "knock_rejection": list(map(to_data, studies.knocks)),
@@ -241,7 +245,7 @@ def _study_tables(studies: StudyResults) -> list[str]:
         f"{_ms(a.motion_p90_s):>16} {a.alarms_per_minute:12.2f}"
         for a in studies.article
     ]
-    lines += protocol_as_lines(studies.protocol)
+    lines += protocol_as_lines(studies.protocol, studies.previous)
     detectors = list(dict.fromkeys(row.detector for row in studies.accelerations))
     lines += ["", "median / 90th percentile of the delay [ms] by acceleration of the surface (* assumed);"]
     lines.append(f"bound: {BOUND_LABEL}:")
@@ -300,13 +304,15 @@ class ProtocolRow:
     differs: str
 
 
-def list_protocol_rows(study: ProtocolStudy) -> list[ProtocolRow]:
+def list_protocol_rows(study: ProtocolStudy, previous: PreviousWorks) -> list[ProtocolRow]:
     """List the article's figures (sections IV.A, IV.B and V) beside ours."""
     data = {
         "columns": PROTOCOL_COLUMNS,
         "devices": [study.find(name) for name in PROTOCOL_COLUMNS],
         "later": [(moved_m, [study.find(name, moved_m) for name in PROTOCOL_COLUMNS]) for moved_m in MOVED_M[1:]],
         "fft": study.find("fft"),
+        "plates": [(factor, previous.means_s(factor)) for factor in PLATE_FACTORS],
+        "plain_fft": previous.plain_fft,
         "boards": list(study.manipulations.values()),
         "motion_ms": ONSETS["motion_ms"],
         "encoders_ms": [1000 * delay_s for delay_s in encoder_delay_band_s(ONSETS["motion_ms"] / 1000)],
@@ -319,7 +325,7 @@ def list_protocol_rows(study: ProtocolStudy) -> list[ProtocolRow]:
     return rows
 
 
-def protocol_as_lines(study: ProtocolStudy) -> list[str]:
+def protocol_as_lines(study: ProtocolStudy, previous: PreviousWorks) -> list[str]:
     """Format the table as text; what differs stands below each row."""
     head = "".join(f"{name:>18}" for name in PROTOCOL_COLUMNS)
     lines = [
@@ -330,7 +336,7 @@ def protocol_as_lines(study: ProtocolStudy) -> list[str]:
         "output allows. Nothing was tuned to the article's figures:",
         f"{'':34} {'article':>29}{head}",
     ]
-    for row in list_protocol_rows(study):
+    for row in list_protocol_rows(study, previous):
         cells = "".join(f"{row.ours.get(name, ''):>18}" for name in PROTOCOL_COLUMNS)
         lines.append(f"{row.figure:34} {row.article:>29}{cells}".rstrip())
         lines += textwrap.wrap(row.differs, WIDTH, initial_indent="    ", subsequent_indent="    ")

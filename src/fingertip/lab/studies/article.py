@@ -97,7 +97,7 @@ def study_article_protocol(
     """Run the article's trials and manipulations with the finger of a design on the article's board and converter."""
     article = with_article_board(design)
     boards = {
-        device: _with_threshold(with_variant(article, variant), name) for device, (variant, name) in DEVICES.items()
+        device: with_threshold(with_variant(article, variant), name) for device, (variant, name) in DEVICES.items()
     }
     results = []
     for device, (_, name) in DEVICES.items():
@@ -111,13 +111,13 @@ def study_article_protocol(
     return ProtocolStudy(results, manipulations)
 
 
-def _with_threshold(board: Design, detector: str) -> Design:
+def with_threshold(board: Design, detector: str) -> Design:
     """Copy of a design with the threshold that the noise of what the detector reads allows."""
     level = simulate_quiescent_level(board) if detector == "analog" else noise_level(board)
     return Design(**board.with_values({"detector.threshold_v": level.rounded_threshold_v}).model_dump())
 
 
-def _find_delays_s(trials: Sequence[TrialResult], moved_m: float) -> Iterator[tuple[TrialResult, float]]:
+def find_delays_s(trials: Sequence[TrialResult], moved_m: float) -> Iterator[tuple[TrialResult, float]]:
     """Yield each trial whose slip was found, with its delay from the encoders' zero [s]; negative if it was sooner."""
     for trial in trials:
         if not trial.delays_s or trial.motion_s is None:
@@ -130,7 +130,7 @@ def _find_delays_s(trials: Sequence[TrialResult], moved_m: float) -> Iterator[tu
 
 def _pool(device: str, threshold_v: float, moved_m: float, trials: Sequence[TrialResult]) -> ProtocolResult:
     groups: dict[str, list[float]] = {}
-    for trial, delay_s in _find_delays_s(trials, moved_m):
+    for trial, delay_s in find_delays_s(trials, moved_m):
         groups.setdefault(surface(trial), []).append(delay_s)
     delays_s = [delay for group in groups.values() for delay in group]
     bins = [BIN_S * math.floor(delay / BIN_S + 0.5) for delay in delays_s]

@@ -18,6 +18,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
+import numpy as np
+
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.lab.campaign.plan import (
@@ -38,10 +40,11 @@ from fingertip.lab.campaign.run import (
     quantile_s,
     run_cases,
     simulate_trace,
+    surface,
 )
 from fingertip.lab.studies.bounds import compute_bounds_s
 from fingertip.pad.response import Backing
-from fingertip.sim import SceneFile
+from fingertip.sim import SceneFile, run_scene
 from fingertip.slip import DETECTORS
 from fingertip.slip.detectors.analog_and_digital import noise_level
 
@@ -99,7 +102,14 @@ class Factor:
     by: float
 
 
-Change: TypeAlias = "bool | int | float | str | Factor"
+@dataclass(frozen=True)
+class BySurface:
+    """Value for each of some surfaces; on others a parameter keeps the value that it has."""
+
+    values: Mapping[str, float]
+
+
+Change: TypeAlias = "bool | int | float | str | Factor | BySurface"
 
 
 @dataclass(frozen=True)
@@ -111,6 +121,8 @@ class Variation:
     """Dotted parameter of the design, or of the scene after `scene.` -> its value, or the factor of its value."""
     is_realistic: bool = False
     """True for an effect that real fingers show and the trials leave out by default."""
+    is_law: bool = False
+    """True for another law of friction and vibration in the contact, where no source settles which one is right."""
 
     def vary_scene(self, scene: SceneFile) -> SceneFile:
         changes = {name.removeprefix(_SCENE): to for name, to in self.changes.items() if name.startswith(_SCENE)}
@@ -132,6 +144,8 @@ def _apply(tables: dict[str, Any], changes: Mapping[str, Change]) -> dict[str, A
     """Change parameters of tables in place, and return the tables."""
     for name, change in changes.items():
         table, _, key = name.partition(".")
+        if isinstance(change, BySurface):
+            change = change.values.get(tables["contact"]["surface"], tables[table][key])
         tables[table][key] = tables[table][key] * change.by if isinstance(change, Factor) else change
     return tables
 
@@ -170,6 +184,16 @@ VARIATIONS: tuple[Variation, ...] = (
     Variation("half the noise", {"detector.noise_v": Factor(0.5)}),
     Variation("twice the noise", {"detector.noise_v": Factor(2.0)}),
     Variation("half the speed", {"scene.slide.speed_m_s": Factor(0.5)}),
+    Variation("load law hertz", {"scene.surface.load_law": "hertz"}, is_law=True),
+    Variation(
+        "longest waves by ISO 4288: 2.5 mm on gross and wood",
+        {"scene.surface.longest_wave_mm": BySurface({"gross": 2.5, "wood": 2.5})},
+        is_law=True,
+    ),
+    Variation("Hurst exponent 0.5", {"scene.surface.hurst": 0.5}, is_law=True),
+    Variation("Hurst exponent 1", {"scene.surface.hurst": 1.0}, is_law=True),
+    Variation("slides towards the base", {"scene.slide.towards": "base"}, is_law=True),
+    Variation("slides to the side", {"scene.slide.towards": "side"}, is_law=True),
     Variation(PATCH_AVERAGE, {"scene.contact.patch_average": True}, True),
     Variation(STICK_SLIP, {"scene.contact.stick_slip": True}, True),
     Variation(BOTH, {"scene.contact.patch_average": True, "scene.contact.stick_slip": True}, True),
@@ -195,6 +219,36 @@ VARIATIONS: tuple[Variation, ...] = (
 
 UNCHANGED = Variation("unchanged", {})
 _NEGATIVE_MINUTES = 2.0
+LOADED_ON = "gross"
+LOADS_N = (0.5, 2.0)
+"""Holding forces at which the envelope is measured on the surface `LOADED_ON` [N]."""
+_LOAD_SEEDS = 2
+
+
+def slide_at(surface: str, force_n: float) -> SceneFile:
+    """Return the article's trial at 6 cm/s with a holding force [N]."""
+    hold = {"min_force_n": force_n, "max_force_n": force_n}
+    slide = {"distance_m": 0.04, "speed_m_s": 0.06}
+    return SceneFile(scene="sliding_finger", contact={"surface": surface}, hold=hold, slide=slide)
+
+
+def measure_envelope_v(
+    design: Design, surface: str, force_n: float, seeds: Sequence[int], variation: Variation = UNCHANGED
+) -> float:
+    """Measure the mean envelope of a design's board in slip at 6 cm/s, at a force that no variation changes [V].
+
+    It is NaN without slip.
+    """
+    scene, changed = variation.vary_scene(slide_at(surface, force_n)), variation.vary_design(design)
+    hold = scene.hold.model_copy(update={"min_force_n": force_n, "max_force_n": force_n})
+    scene = scene.model_copy(update={"hold": hold, "outputs": ["voltage_v", "slip", "envelope_v"]})
+    means_v = []
+    with compiled():
+        for seed in seeds:
+            columns = run_scene(changed, scene, seed).columns
+            slips = columns["slip"].astype(bool)
+            means_v += [float(columns["envelope_v"][slips].mean())] if slips.any() else []
+    return float(np.mean(means_v)) if means_v else math.nan
 
 
 @dataclass(frozen=True)
@@ -202,6 +256,8 @@ class VariationResult:
     label: str
     is_realistic: bool
     """True for an effect that real fingers show and the trials leave out by default."""
+    is_law: bool
+    """True for another law of the contact."""
     slips: int
     """Number of true slips; a trial with stick-slip may have several."""
     found_share: float
@@ -215,6 +271,13 @@ class VariationResult:
     """Median change of the true onset of slip, counted from the start of the slide [s]; NaN if none is comparable."""
     vibration_n: float
     """RMS vibration of the normal force in slip, median of the trials [N]; NaN without slip."""
+    p90_s: float
+    worst_mean_s: float
+    """Mean delay on the worst surface [s], of the slips found; infinite if none was found there."""
+    light_v: float
+    """Mean envelope in slip on the surface `LOADED_ON` at the smaller one of `LOADS_N` [V]."""
+    firm_v: float
+    """The same at the larger one [V]."""
 
 
 def study_assumptions(
@@ -230,7 +293,7 @@ def study_assumptions(
     all_variations = (UNCHANGED, *variations)
     runs = [_run_variation(design, detector, variation, cases) for variation in all_variations]
     before, onsets_before_s, _ = runs[0]
-    results = []
+    seeds, results = range(first_seed, first_seed + _LOAD_SEEDS), []
     for variation, (pooled, onsets_s, vibrations_n) in zip(all_variations, runs, strict=True):
         median_s, before_s = pooled.delay_s(0.5), before.delay_s(0.5)
         is_comparable = math.isfinite(median_s) and math.isfinite(before_s)
@@ -238,7 +301,11 @@ def study_assumptions(
         onset_s = median_of_known(now - then for now, then in zip(onsets_s, onsets_before_s, strict=True))
         detection = (pooled.slips, pooled.found_share, median_s, change_s, pooled.alarms_per_minute)
         effects = (onset_s, median_of_known(vibrations_n))
-        results.append(VariationResult(variation.label, variation.is_realistic, *detection, *effects))
+        worst_s = max((mean for mean, _, _ in pooled.group_delays(surface).values()), default=math.inf)
+        light_v, firm_v = (measure_envelope_v(design, LOADED_ON, force_n, seeds, variation) for force_n in LOADS_N)
+        names = (variation.label, variation.is_realistic, variation.is_law)
+        further = (pooled.delay_s(0.9), worst_s, light_v, firm_v)
+        results.append(VariationResult(*names, *detection, *effects, *further))
     return results
 
 

@@ -23,8 +23,10 @@ from fingertip.design.geometry.sizes import (
     Length,
     PartDrawing,
     Size,
+    Tolerance,
     clearance,
     located,
+    shared_clearance,
     symmetric,
 )
 from fingertip.design.geometry.solids import Point3
@@ -44,6 +46,7 @@ def bone_drawing(design: Design) -> PartDrawing:
         Length("overall length", OUTER, "front", "below", "z", low, (0.0, 0.0, tip.z)),
         *_base_sizes(design),
         *_pocket_sizes(design),
+        *_trough_sizes(design),
         *_chaplet_sizes(design, pilot, "bone", (0.0, -dims.platform_depth, pocket_end)),
         *interface.sizes(design),
     ]
@@ -81,7 +84,7 @@ def lid_drawing(design: Design) -> PartDrawing:
         Length("length", OUTER, "front", "below", "z", (0.0, foot, low), (0.0, foot, end), clearance(gap - closing),
                "sand the distal end until the lid drops into the trough"),
         Length("width", OUTER, "palmar", "left", "x", (half, foot, low), (-half, foot, low),
-               clearance(2 * gap - closing), "sand the sides until the lid drops into the trough"),
+               _of_lid_and_trough(design), "sand the sides until the lid drops into the trough"),
         Length("height", OUTER, "front", "right", "y", (half, foot, end), (half, top, low), located(design, top - foot),
                "sand the feet: a high lid presses the skin thin, a low one leaves a step"),
         Length("width of the space for the tabs", INNER, "end", "above", "x", (fold.tabs_half_width, tabs, low),
@@ -162,6 +165,7 @@ def _pocket_sizes(design: Design) -> list[Size]:
     flat, half = -dims.platform_depth, dims.tail_half_width
     floor, z, head = flat + dims.pocket_depth, dims.sensor_z, dims.sensor.head_diameter_mm / 2 + gap
     begin = 0.0 if dims.tail_passes_collar else dims.tail_end_z
+    slot = begin if dims.tail_passes_collar else begin + dims.relief_half_length  # past the relief, which is deeper
     passage = -dims.flat_depth + dims.pocket_depth
     opening = math.degrees(math.asin(min(1.0, half / head))) + ARROW_DEG  # in which the slot meets the pocket
     return [
@@ -173,7 +177,12 @@ def _pocket_sizes(design: Design) -> list[Size]:
                hidden_deg=((180.0 - opening, 180.0 + opening),)),
         Length("width of the slot", INNER, "palmar", "left", "x", (half, -dims.flat_depth, begin),
                (-half, -dims.flat_depth, begin),
-               clearance(2 * gap - design.printer.offset_mm)),
+               clearance(2 * gap - design.printer.offset_mm), "narrow: file it until the tail lies flat"),
+        *([
+            Length("depth of the slot", STEP, "section", "left", "y", (0.0, -dims.flat_depth, slot),
+                   (0.0, passage, slot), located(design, dims.pocket_depth),
+                   "shallow: scrape the floor until the tail is flush; deep: lay a second film under it")
+        ] if design.bone.platform_mm else []),
         *([
             Length("height of the passage through the collar", INNER, "section", "left", "y", (0.0, passage, 0.0),
                    (0.0, passage - dims.passage_height, 0.0), None, "low: file it until a drill of this size passes")
@@ -185,6 +194,26 @@ def _pocket_sizes(design: Design) -> list[Size]:
                located(design, dims.pocket_depth),
                "shallow: scrape the floor until the sensor is flush; deep: lay a second film under it"),
     ]  # fmt: skip
+
+
+def _trough_sizes(design: Design) -> list[Size]:
+    """List what the lid must fit, if the tail is folded; the depth is taken from the edges of trough and collar."""
+    dims, fold, half = design.dimensions, design.dimensions.fold, design.dimensions.tail_half_width
+    if fold is None:
+        return []
+    top = dims.collar.dorsal_height_at(half, 0.0)
+    return [
+        Length("width of the trough", INNER, "end", "above", "x", (half, top, 0.0), (-half, top, 0.0),
+               _of_lid_and_trough(design), "narrow: file it until the lid drops in"),
+        Length("depth of the trough at the collar", STEP, "section", "left", "y", (0.0, top, 0.0),
+               (0.0, fold.floor_y, 0.0), located(design, top - fold.floor_y),
+               "shallow: scrape the floor until the lid is flush; deep: lay film under the lid's feet"),
+    ]  # fmt: skip
+
+
+def _of_lid_and_trough(design: Design) -> Tolerance:
+    """Find the tolerance of both widths; both print wrong by the printer's offset."""
+    return shared_clearance(2 * (design.sensor.clearance_mm - design.printer.offset_mm))
 
 
 def _seat_name(design: Design) -> str:

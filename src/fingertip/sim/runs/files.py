@@ -36,6 +36,8 @@ from fingertip.sim.signal.parameters import (
     find_converter_issues,
 )
 
+MIN_STIFFNESS_N_PER_M = 100.0
+"""Smallest stiffness of an object that yields [N/m]: that of the hand. 20 N dent it by 20 cm."""
 MAX_TAPS_S = 3600.0
 """Longest time from the first knock to the last one [s]. A trace of it has 250 MB at 2 kHz."""
 
@@ -72,6 +74,11 @@ class Hold(ParameterTable):
     )
     close_s: float = assumption(0.4, "s", (0.02, 10), "Time in which the force of a grasp rises.")
     wait_s: float = quantity(1.0, "s", (0, 60), "Wait between the phases (article, III.C).")
+    trigger_v: float = quantity(
+        0.0, "V", (0, 1),
+        "Drop of the tactile voltage, without noise, from which the wait before the slide counts (article, III.C, "
+        "sliding surface); 0, or one that is not reached: from the holding force on.",
+    )  # fmt: skip
     min_s: float = quantity(0.0, "s", (0, 600), "Minimum holding time.")
     release: bool = Field(True, description="Whether the finger lifts (press) or the grasp opens at the end.")
     after_s: float = assumption(0.2, "s", (0, 60), "Recording time after the end.")
@@ -229,6 +236,9 @@ class GraspedObject(ParameterTable):
 
     mass_kg: float = quantity(0.255, "kg", (0.005, 5), "Mass (article: 0.5, 0.255, 0.06, 0.02).")
     surface: str = choice("wood", "Surface by name (article, III.C: three wooden objects and a plastic bottle).")
+    stiffness_n_per_m: float = quantity(
+        0.0, "N/m", (0, 1e6), "Stiffness of the wall under each finger, in series with its pad; 0: rigid."
+    )
     friction_spread: float = assumption(
         0.03, "", (0, 0.5), "The seed draws friction within this relative range around the surface's."
     )
@@ -241,7 +251,9 @@ class GraspedObject(ParameterTable):
 class Grasp(ParameterTable):
     """Fingers that hold the object, their planned force, and the times of the grasp."""
 
-    kind: Literal["pinch", "power"] = choice("power", "pinch: thumb against index; power: thumb against four fingers.")
+    kind: Literal["pinch", "tri", "power"] = choice(
+        "power", "pinch: thumb against index; tri: against index and middle finger; power: against four fingers."
+    )
     force_n: float = quantity(0.0, "N", (0, 20), "Planned holding force of the thumb; 0: by the margins.")
     min_margin: float = assumption(
         1.1, "", (Above(0), 20),
@@ -254,6 +266,10 @@ class Grasp(ParameterTable):
     min_force_n: float = assumption(
         0.5, "N", (Above(0), 20), "Minimum force of the thumb: well above the sensor's turn-on."
     )
+    max_force_n: float = quantity(
+        3.5, "N", (Above(0), 20),
+        "Upper limit of the force that the seed draws where the robot carries the object (article, IV.A: above 3 N).",
+    )  # fmt: skip
     uneven: float = assumption(
         0.1, "", (0, 0.9), "The seed draws each opposing finger's share within this relative range around equal shares."
     )
@@ -267,11 +283,25 @@ class Grasp(ParameterTable):
 
 
 class Knock(ParameterTable):
-    """Impact of the robot's pin along the direction in which the object would slip; 0 m/s means none."""
+    """Impact of the robot's pin along the direction in which the object would slip; 0 m/s means none.
+
+    A pin that is attached carries the object instead: it bears the weight, and pulls it through the fingers.
+    """
+
+    attached: bool = Field(False, description="Whether the pin is attached to the object (article: sliding surface).")
+    trigger_v: float = quantity(
+        0.0, "V", (0, 1),
+        "Drop of the thumb's tactile voltage, without noise, from which at_s counts (article, III.C); 0, or one that "
+        "is not reached: from the moment at which the hand carries the weight.",
+    )  # fmt: skip
 
     speed_m_s: float = quantity(0.08, "m/s", (0, 0.2), "Velocity of the pin (article: 0.08).")
     at_s: float = quantity(
-        1.0, "s", (0, 60), "Time of the impact, after the hand carries the weight (article: 1 s between phases)."
+        1.0,
+        "s",
+        (0, 60),
+        "Time of the impact or the pull, after the hand carries the weight or after the trigger "
+        "(article: 1 s between phases).",
     )
     stroke_m: float = assumption(0.01, "m", (0.001, 0.1), "Distance that the pin moves after the touch.")
     stiffness_n_per_m: float = assumption(2000.0, "N/m", (50, 100000), "Stiffness of pin and robot: a compliant arm.")
@@ -293,6 +323,10 @@ class Hand(ParameterTable):
     max_force_n: float = assumption(15.0, "N", (Above(0), 100), "Force at which a finger's tendon stalls.")
     motor_n: float = assumption(0.01, "N", (0, 5), "Amplitude with which a motor at full velocity shakes its finger.")
     motor_hz: float = assumption(45.0, "Hz", (1, 500), "Frequency of that vibration.")
+
+    def count_points(self, rate_hz: float) -> tuple[int, int]:
+        """Control period and delay as numbers of points of a grid."""
+        return max(1, round(self.period_s * rate_hz)), round(self.delay_s * rate_hz)
 
 
 class _ManipulationTables(SimulationFile):
@@ -326,8 +360,7 @@ class ManipulationFile(PathTables, _ManipulationTables):
     @property
     def fingers(self) -> tuple[str, ...]:
         """Names of the fingers that touch, the thumb first."""
-        opposing = ("index",) if self.grasp.kind == "pinch" else ("index", "middle", "ring", "little")
-        return ("thumb", *opposing)
+        return ("thumb", "index", "middle", "ring", "little")[: {"pinch": 2, "tri": 3, "power": 5}[self.grasp.kind]]
 
     def find_rule_issues(self) -> Iterator[tuple[Issue, set[str]]]:
         """Yield each broken rule between parameters, with the names of the parameters it reads."""
@@ -337,9 +370,17 @@ class ManipulationFile(PathTables, _ManipulationTables):
         if grasp.min_margin > grasp.max_margin:
             message = f"{grasp.min_margin:g} is above grasp.max_margin; at most {grasp.max_margin:.12g}."
             yield Issue("grasp.min_margin", message), {"grasp.min_margin", "grasp.max_margin"}
-        minimum = knock.speed_m_s**2 / (2 * ACCELERATION_M_S2)
+        if knock.attached and grasp.min_force_n > grasp.max_force_n:
+            message = f"{grasp.min_force_n:g} N is above grasp.max_force_n; at most {grasp.max_force_n:.12g} N."
+            yield Issue("grasp.min_force_n", message), {"grasp.min_force_n", "grasp.max_force_n", "knock.attached"}
+        minimum = knock.speed_m_s**2 / (1 if knock.attached else 2) / ACCELERATION_M_S2
         if knock.stroke_m < minimum * (1 - 1e-9):  # the least that the message names passes, whatever its rounding
-            what = f"{knock.stroke_m:g} m is too short to stop from {knock.speed_m_s:g} m/s"
+            verb = "reach" if knock.attached else "stop from"
+            what = f"{knock.stroke_m:g} m is too short to {verb} {knock.speed_m_s:g} m/s"
             message = f"{what}; at least {round_up(minimum):g} m."
-            yield Issue("knock.stroke_m", message), {"knock.stroke_m", "knock.speed_m_s"}
+            yield Issue("knock.stroke_m", message), {"knock.stroke_m", "knock.speed_m_s", "knock.attached"}
+        stiffness = self.object.stiffness_n_per_m
+        if 0.0 < stiffness < MIN_STIFFNESS_N_PER_M:
+            message = f"{stiffness:g} N/m is no object that a hand can hold; at least {MIN_STIFFNESS_N_PER_M:g} N/m."
+            yield Issue("object.stiffness_n_per_m", message), {"object.stiffness_n_per_m"}
         yield from find_converter_issues(self.converter)

@@ -8,12 +8,13 @@ and friction as in `fingertip.sim.contact.surfaces`:
     ds/dt   = N c L - r(N, z) s
     mu      = sigma0 z + sigma1 c ds/dt + sigma2 w
     m dv/dt = -k x - d v - N mu
-    M dV/dt = weight + sum N mu + pin,   pin = kp p (1 + lambda dp/dt), p = Xp - X > 0
+    M dV/dt = weight + sum N mu + pin,   pin = kp (p + lambda |p| dp/dt),   p = Xp - X
 
 Xp is the position of the pin. Its contact model is that of Hunt and Crossley (Trans. ASME J. Applied Mechanics 42(2),
-1975, doi:10.1115/1.3423596). Friction is LuGre friction as in `fingertip.sim.contact.surfaces`. The method is ROS2 with
-the analytic Jacobian, as in `fingertip.sim.contact.tangential`. The fingers are coupled through the velocity of the
-object only, so each one is eliminated by itself, and one scalar equation for the object remains.
+1975, doi:10.1115/1.3423596). Unless it is attached, it never pulls: where p or this force is negative, it is 0.
+Friction is LuGre friction as in `fingertip.sim.contact.surfaces`. The method is ROS2 with the analytic Jacobian, as in
+`fingertip.sim.contact.tangential`. The fingers are coupled through the velocity of the object only, so each one is
+eliminated by itself, and one scalar equation for the object remains.
 """
 
 from __future__ import annotations
@@ -35,9 +36,11 @@ _A, _B, _PIVOT_S, _J_SW, _PIVOT_V, _J_VS, _RS1, _DRIFT_S, _DRIFT_V, _C1, _KX1, _
 SCRATCH_SIZE = 17
 
 
-def pin_n(k: float, damping: float, X: float, V: float, Xp: float, Vp: float) -> float:
-    """Force of the pin on the object [N], which never pulls (Hunt and Crossley 1975)."""
+def pin_n(k: float, damping: float, attached: float, X: float, V: float, Xp: float, Vp: float) -> float:
+    """Force of the pin on the object [N], which pulls only if it is attached (Hunt and Crossley 1975)."""
     depth = Xp - X
+    if attached > 0.0:
+        return k * depth * (1 + damping * (Vp - V if depth >= 0.0 else V - Vp))
     if depth <= 0.0:
         return 0.0
     f = k * depth * (1 + damping * (Vp - V))
@@ -58,7 +61,7 @@ def _grasp_loop(
     sigma: tuple[float, float, float, float, float],
     h: float,
     mass: float,
-    pin: tuple[float, float],
+    pin: tuple[float, float, float],
     exit_x: float,
     count: int,
     length: int,
@@ -76,12 +79,12 @@ def _grasp_loop(
     pin_out: MutableSequence[float],
 ) -> None:
     # Parameters: mu_c, drop = mu_s - mu_c, Stribeck velocity vs; bristle coefficients s0, s1, s2 and their rate of
-    # relaxation, N0; stiffness and damping of the pin. Arrays hold one finger after the other: mount (mass, stiffness,
-    # damping), state (x, v, s), load.
+    # relaxation, N0; stiffness and damping of the pin, and 1 if it is attached. Arrays hold one finger after the other:
+    # mount (mass, stiffness, damping), state (x, v, s), load.
     mu_c, drop, vs = curve
     s0, s1, s2, relax_per_s, N0 = sigma
     per_mu_s = 1 / (mu_c + drop)
-    kp, damping = pin
+    kp, damping, attached = pin
     G = ROS2_GAMMA * h
     target = PAD_STATES * count  # index of the object's first state
     X, V, has_left = state[target + OBJECT_X], state[target + OBJECT_V], state[target + HAS_LEFT]
@@ -93,13 +96,14 @@ def _grasp_loop(
 
         # First stage, object: forces of weight and pin at the start of the step, their time derivative (drift, from the
         # differences over the step) and their derivatives by X and V.
-        P0 = pin_n(kp, damping, X, V, pin_x[j], pin_v[j])
-        P1 = pin_n(kp, damping, X, V, pin_x[j + 1], pin_v[j + 1])
+        P0 = pin_n(kp, damping, attached, X, V, pin_x[j], pin_v[j])
+        P1 = pin_n(kp, damping, attached, X, V, pin_x[j + 1], pin_v[j + 1])
         jx = jv = 0.0
-        if P0 > 0.0:
+        if P0 > 0.0 or attached > 0.0:
             depth = pin_x[j] - X
-            jx = -kp * (1 + damping * (pin_v[j] - V)) / mass
-            jv = -kp * damping * depth / mass
+            side = 1.0 if depth >= 0.0 else -1.0
+            jx = -kp * (1 + side * damping * (pin_v[j] - V)) / mass
+            jv = -kp * side * damping * depth / mass
         dV = (weight[j] + P0) / mass
         drift_V = ROS2_GAMMA * (weight[j + 1] - weight[j] + P1 - P0) / mass
         # diagonal * kV = rhs is the scalar equation of the object; each finger adds to both sides.
@@ -160,7 +164,7 @@ def _grasp_loop(
 
         # Second stage, object: right-hand side at the end of the step, solved with the same matrix.
         Xe, Ve = X + h * kX1, V + h * kV1
-        dV = (weight[j + 1] + pin_n(kp, damping, Xe, Ve, pin_x[j + 1], pin_v[j + 1])) / mass
+        dV = (weight[j + 1] + pin_n(kp, damping, attached, Xe, Ve, pin_x[j + 1], pin_v[j + 1])) / mass
         rhs = 0.0
         for i in range(count):
             m, k, d = mount[3 * i], mount[3 * i + 1], mount[3 * i + 2]
@@ -222,7 +226,7 @@ def _grasp_loop(
             if has_left > 0.0:
                 load[i * (length + 1) + j + 1] = 0.0
         object_out[j] = X
-        pin_out[j] = 0.0 if has_left > 0.0 else pin_n(kp, damping, X, V, pin_x[j + 1], pin_v[j + 1])
+        pin_out[j] = 0.0 if has_left > 0.0 else pin_n(kp, damping, attached, X, V, pin_x[j + 1], pin_v[j + 1])
     state[target + OBJECT_X], state[target + OBJECT_V], state[target + HAS_LEFT] = X, V, has_left
 
 

@@ -5,8 +5,9 @@ one would: sampled voltages and the closing of the motors (`fingertip.sim.Observ
 truth. Any object with a method ``step`` is a controller. The caller provides detectors and grip laws; this package
 knows none.
 
-Simplifications, all of them assumptions: The object is rigid, does not turn, and moves along one line. Along this line
-it would slip, and its weight acts once the experimenter releases it. The palm carries no load in a power grasp. The
+Simplifications, all of them assumptions: The object does not turn, and moves along one line. Along this line it would
+slip, and its weight acts once the experimenter releases it; a pin that is attached bears it. Walls that yield
+(`object.stiffness_n_per_m`) change closing and grip only. The palm carries no load in a power grasp. The
 abduction of the thumb stays fixed, as in the article (IV.A). A finger is stiff along that line up to its pad. Vibration
 does not act back on friction. Stiffness and resonance of a pad stay those at its planned holding force.
 """
@@ -28,7 +29,7 @@ from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import check_type, raise_issues, round_down, round_up
 from fingertip.pad.response import Pad
 from fingertip.sim.runs.files import Hand, ManipulationFile
-from fingertip.sim.runs.motion import Controller, MotionPlan, Observation, plan_motion, thumb_force_n
+from fingertip.sim.runs.motion import Controller, MotionPlan, Observation, delay_commands, plan_motion, thumb_force_n
 from fingertip.sim.runs.stepper import HandSignals, ManipulationStepper
 from fingertip.sim.signal.grid import Grid, ShareDone, StageCost
 from fingertip.slip.traces.trace import Trace
@@ -156,7 +157,7 @@ def run_manipulation(
         raise TraceError(Issue("controller", message))
     pad = Pad.from_design(design)
     raise_issues(_find_issues(design, scene, seed))
-    plan = plan_motion(scene, pad, seed)
+    plan = plan_motion(design, scene, pad, seed)
     done = ShareDone(scene.name, plan.duration_s, progress)
     outputs = frozenset(scene.outputs) | ({"voltage_v"} if controller else set())
     if controller and "envelope_v" in outputs:
@@ -164,20 +165,20 @@ def run_manipulation(
     stepper = ManipulationStepper(design, scene, plan, pad, seed, outputs, grid or Grid())
     rate_hz = stepper.grid.rate_hz
     count = stepper.grid.count_points(plan.duration_s, design.detector.sample_rate_hz) - 1
-    period, delay = max(1, round(scene.hand.period_s * rate_hz)), round(scene.hand.delay_s * rate_hz)
+    period, delay = scene.hand.count_points(rate_hz)
     starts = range(0, count, period)
     commands = plan.planned_m(np.array(starts) / rate_hz)
     if controller is None:
         # No controller needs intermediate values, so a chunk may be long.
         for start in range(0, count, CHUNK):
-            stepper.advance(_delay_commands(commands, start, min(start + CHUNK, count), period, delay))
+            stepper.advance(delay_commands(commands, start, min(start + CHUNK, count), period, delay))
             done.report(start / rate_hz)
     else:
         planned = commands.copy()
         for i, start in enumerate(starts):
             observation = _observe(stepper, start / rate_hz, planned[:, i])
             commands[:, i] = _validate_command(controller.step(observation), start / rate_hz, len(scene.fingers))
-            stepper.advance(_delay_commands(commands, start, min(start + period, count), period, delay))
+            stepper.advance(delay_commands(commands, start, min(start + period, count), period, delay))
             done.report(start / rate_hz)
     signals = HandSignals.join(stepper.chunks)
     beyond = np.flatnonzero(signals.object_m >= scene.object.length_m)
@@ -191,12 +192,6 @@ def _observe(stepper: ManipulationStepper, time_s: float, planned_m: Array) -> O
     voltage_v = find("voltage_v")
     assert voltage_v is not None
     return Observation(time_s, voltage_v, closing_m, planned_m, find("sampled_envelope_v"), find("sampled_filtered_v"))
-
-
-def _delay_commands(commands: Array, start: int, end: int, period: int, delay: int) -> Array:
-    """Command in force before each point after `start`. Command i is given at i * period and takes `delay` points."""
-    latest = (np.arange(start, end) - delay) // period
-    return np.where(latest >= 0, commands[:, np.maximum(latest, 0)], 0.0)
 
 
 def _validate_command(command: Array, time_s: float, count: int) -> Array:
@@ -218,14 +213,15 @@ def _validate_command(command: Array, time_s: float, count: int) -> Array:
 
 def _find_issues(design: Design, scene: ManipulationFile, seed: int) -> list[Issue]:
     issues = []
-    needed, available = thumb_force_n(scene, scene.grasp.max_margin), scene.hand.max_force_n
+    needed, available = thumb_force_n(scene, 1.0), scene.hand.max_force_n
     mass_kg, strongest = scene.object.mass_kg, find_bounds(Hand.model_fields["max_force_n"]).maximum or math.inf
     if needed > strongest:
         max_kg = round_down(mass_kg * strongest / needed)
         message = f"{mass_kg:g} kg with grasp.max_margin needs a thumb of {needed:.0f} N; at most {max_kg:g} kg."
         issues.append(Issue("object.mass_kg", message))
     elif needed > available:
-        message = f"{available:g} N is less than the thumb needs for {mass_kg:g} kg; at least {round_up(needed):g} N."
+        what = "than the thumb is to press with" if scene.knock.attached else f"than the thumb needs for {mass_kg:g} kg"
+        message = f"{available:g} N is less {what}; at least {round_up(needed):g} N."
         issues.append(Issue("hand.max_force_n", message))
     found, after_seed = list(scene.find_design_issues(design, seed)), int(seed < 0)
     return [*found[:after_seed], *issues, *found[after_seed:]]

@@ -10,14 +10,16 @@ from typing import Protocol
 
 import numpy as np
 
+from fingertip.design import Design
 from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
 from fingertip.pad.response import Pad
 from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.materials import select_surface
 from fingertip.sim.contact.vibration import smoothstep
-from fingertip.sim.runs.files import Hand, ManipulationFile
-from fingertip.sim.runs.timeline import OPEN_S, TrapezoidalMove
+from fingertip.sim.runs.files import GraspedObject, Hand, ManipulationFile
+from fingertip.sim.runs.timeline import OPEN_S, TrapezoidalMove, find_trigger_s
+from fingertip.sim.signal.grid import BASE_HZ
 from fingertip.sim.signal.parameters import ACCELERATION_M_S2
 
 GRAVITY_M_S2 = 9.80665
@@ -56,51 +58,81 @@ class MotionPlan:
         """Weight that the hand carries [N]."""
         scene = self.scene
         begins = self.released_s - scene.grasp.let_go_s
-        return scene.object.mass_kg * GRAVITY_M_S2 * smoothstep((time_s - begins) / scene.grasp.let_go_s)
+        mass_kg = 0.0 if scene.knock.attached else scene.object.mass_kg
+        return mass_kg * GRAVITY_M_S2 * smoothstep((time_s - begins) / scene.grasp.let_go_s)
 
     def pin_m(self, time_s: Array) -> tuple[Array, Array]:
         """Position [m] and velocity [m/s] of the pin. Position 0 is where it touches the object at rest."""
         if not self.pin:
-            return np.full_like(time_s, -CLEARANCE_M), np.zeros_like(time_s)
+            return np.full_like(time_s, 0.0 if self.scene.knock.attached else -CLEARANCE_M), np.zeros_like(time_s)
         run_up = self.pin.distance_m - self.scene.knock.stroke_m
         return self.pin.position_m(time_s) - run_up, self.pin.velocity_m_s(time_s)
 
 
-def thumb_force_n(scene: ManipulationFile, margin: float) -> float:
-    """Force of the thumb for a margin over holding the weight by friction on both sides [N]."""
+def thumb_force_n(scene: ManipulationFile, share: float) -> float:
+    """Planned force of the thumb at a share of its range [N]: of margins over holding the weight by friction on both
+    sides, or of forces where the robot carries the object."""
     grasp, mu = scene.grasp, select_surface(scene.object.surface, scene.surface).friction.mu_s
+    if scene.knock.attached:
+        return grasp.force_n or grasp.min_force_n + (grasp.max_force_n - grasp.min_force_n) * share
+    margin = grasp.min_margin + (grasp.max_margin - grasp.min_margin) * share
     return grasp.force_n or max(grasp.min_force_n, margin * scene.object.mass_kg * GRAVITY_M_S2 / (2 * mu))
 
 
-def plan_motion(scene: ManipulationFile, pad: Pad, seed: int) -> MotionPlan:
+def put_on_object(pad: Pad, target: GraspedObject) -> Pad:
+    """Return the pad with the wall of an object that yields, in series, for closing and force.
+
+    Vibration is that of a rigid object: the water behind a wall holds it at the frequencies of slip (assumption).
+    """
+    if not target.stiffness_n_per_m:
+        return pad
+    hand = pad.backing.stiffness_n_per_m
+    series = hand * target.stiffness_n_per_m / (hand + target.stiffness_n_per_m)
+    return replace(pad, backing=replace(pad.backing, stiffness_n_per_m=series))
+
+
+def plan_motion(design: Design, scene: ManipulationFile, pad: Pad, seed: int) -> MotionPlan:
     """Draw the random values of a manipulation and set its moments."""
     rng = random.Random(f"{seed}:grasp")
     target, grasp, knock = scene.object, scene.grasp, scene.knock
 
-    # The order of the draws is part of the result: margin, shares, reaches, friction.
+    # The order of the draws is part of the result: thumb, shares, reaches, friction.
     nominal = select_surface(target.surface, scene.surface).friction
-    margin = grasp.min_margin + (grasp.max_margin - grasp.min_margin) * rng.random()
-    thumb = thumb_force_n(scene, margin)
+    thumb = thumb_force_n(scene, rng.random())
     shares = [1 + grasp.uneven * (2 * rng.random() - 1) for _ in scene.fingers[1:]]
     forces = [thumb, *(thumb * share / sum(shares) for share in shares)]
     reach = np.array([grasp.reach_m + REACH_SPREAD_M * (2 * rng.random() - 1) for _ in forces])
     factor = 1 + target.friction_spread * (2 * rng.random() - 1)
     friction = replace(nominal, mu_s=nominal.mu_s * factor, mu_c=nominal.mu_c * factor)
-    goal = reach + np.array([pad.depth_m(force) for force in forces])
+    grip = put_on_object(pad, target)
+    goal = reach + np.array([grip.depth_m(force) for force in forces])
 
     # The peak of the planned velocity is 1.5 times its mean, which the motors can just follow.
     closed = OPEN_S + max(grasp.close_s, 1.5 * float(goal.max()) / scene.hand.rate_m_s)
     released = closed + grasp.settle_s + grasp.let_go_s
+    plan = MotionPlan(scene, friction, np.array(forces), reach, goal, closed, released, released, None, released)
+    touches = (_find_trigger_s(design, plan, pad) if knock.trigger_v else released) + knock.at_s
     speed = knock.speed_m_s
     if not speed:
-        end = released + knock.at_s + grasp.after_s
-        return MotionPlan(scene, friction, np.array(forces), reach, goal, closed, released, end, None, end)
-    run_up = CLEARANCE_M + speed * speed / (2 * ACCELERATION_M_S2)
-    touches = released + knock.at_s
-    starts = touches - speed / ACCELERATION_M_S2 - CLEARANCE_M / speed
+        end = touches + grasp.after_s
+        return replace(plan, knock_s=end, duration_s=end)
+    starts, run_up = touches, 0.0
+    if not knock.attached:
+        starts = touches - speed / ACCELERATION_M_S2 - CLEARANCE_M / speed
+        run_up = CLEARANCE_M + speed * speed / (2 * ACCELERATION_M_S2)
     pin = TrapezoidalMove.with_speed(starts, run_up + knock.stroke_m, speed)
-    end = pin.end_s + grasp.after_s
-    return MotionPlan(scene, friction, np.array(forces), reach, goal, closed, released, touches, pin, end)
+    return replace(plan, knock_s=touches, pin=pin, duration_s=pin.end_s + grasp.after_s)
+
+
+def _find_trigger_s(design: Design, plan: MotionPlan, pad: Pad) -> float:
+    """Moment at which the planned closing has lowered the thumb's voltage by the stated drop [s]."""
+    scene, hand, count = plan.scene, plan.scene.hand, round(plan.released_s * BASE_HZ)
+    motors = Motors(hand, put_on_object(pad, scene.object), scene.fingers, plan.reach_m, 1 / BASE_HZ)
+    period, delay = hand.count_points(BASE_HZ)
+    commands = plan.planned_m(np.arange(0, count, period) / BASE_HZ)
+    force_n = motors.follow(delay_commands(commands, 0, count, period, delay)).force_n[0]
+    time_s = np.arange(1, count + 1) / BASE_HZ
+    return find_trigger_s(design, pad, scene.sensing, scene.knock.trigger_v, time_s, force_n)
 
 
 # Controller of a hand in closed loop: what it observes, and the commands it returns.
@@ -128,6 +160,12 @@ class Observation:
     filtered_v: Array | None = None
     """Sampled filtered signals [V], shaped like `voltage_v`. None unless ``sampled_filtered_v`` is
     among the outputs of the scene."""
+
+
+def delay_commands(commands: Array, start: int, end: int, period: int, delay: int) -> Array:
+    """Command in force before each point after `start`. Command i is given at i * period and takes `delay` points."""
+    latest = (np.arange(start, end) - delay) // period
+    return np.where(latest >= 0, commands[:, np.maximum(latest, 0)], 0.0)
 
 
 class Controller(Protocol):

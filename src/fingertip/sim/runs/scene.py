@@ -172,7 +172,7 @@ class SceneRun:
 
     @functools.cached_property
     def timeline(self) -> Timeline:
-        return build_timeline(self.scene, self.pad, self.force_n)
+        return build_timeline(self.design, self.scene, self.pad, self.force_n)
 
     @functools.cached_property
     def hand_motion(self) -> HandMotion | None:

@@ -20,7 +20,7 @@ from fingertip.sim.contact.materials import select_surface
 from fingertip.sim.contact.tangential import MAX_PHASE
 from fingertip.sim.runs import grasp_loop
 from fingertip.sim.runs.files import ManipulationFile
-from fingertip.sim.runs.motion import MotionPlan, Motors
+from fingertip.sim.runs.motion import MotionPlan, Motors, put_on_object
 from fingertip.sim.runs.timeline import mount_pad
 from fingertip.sim.signal.finger import Finger, FingerDrive, FingerSetup, FingerSignals
 from fingertip.sim.signal.grid import BASE_HZ, CostMeter, Grid, SampleClock, Sampler
@@ -86,7 +86,8 @@ class ManipulationStepper:
 
     def __post_init__(self) -> None:
         scene, plan, count = self.scene, self.plan, len(self.scene.fingers)
-        self.motors = Motors(scene.hand, self.pad, scene.fingers, plan.reach_m, self.grid.step_s)
+        grip = put_on_object(self.pad, scene.object)
+        self.motors = Motors(scene.hand, grip, scene.fingers, plan.reach_m, self.grid.step_s)
         self._mounts = np.array([astuple(mount_pad(self.pad, force)) for force in plan.force_n.tolist()]).ravel()
         self._state = np.zeros(grasp_loop.PAD_STATES * count + grasp_loop.OBJECT_STATES)
         self._scratch = np.zeros(grasp_loop.SCRATCH_SIZE * count)
@@ -137,7 +138,7 @@ class ManipulationStepper:
             (friction.mu_c, friction.mu_s - friction.mu_c, friction.stribeck_m_s),
             (friction.sigma0, friction.sigma1, friction.sigma2, RELAX_PER_S, LOAD_SCALE_N),
             self.grid.step_s / self._parts, scene.object.mass_kg,
-            (scene.knock.stiffness_n_per_m, scene.knock.damping_s_per_m),
+            (scene.knock.stiffness_n_per_m, scene.knock.damping_s_per_m, float(scene.knock.attached)),
             scene.object.length_m, count, length, self._mounts, self.plan.weight_n(fine_s), pin_x, pin_v,
             self._state, self._scratch, flat, shear, over_object_m_s, bristle, object_m, pin,
         )  # fmt: skip

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.pad.response import Pad
 from fingertip.sim.contact import coupled
@@ -19,9 +20,10 @@ from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion
 from fingertip.sim.contact.vibration import ProfileForce, smoothstep, transmit
 from fingertip.sim.runs.files import Motor, SceneFile, Slide, Tap
+from fingertip.sim.signal.bridge import Bridge, reads_whole_finger
 from fingertip.sim.signal.finger import FingerDrive
 from fingertip.sim.signal.grid import CostMeter, Grid, StageCost
-from fingertip.sim.signal.parameters import ACCELERATION_M_S2
+from fingertip.sim.signal.parameters import ACCELERATION_M_S2, Sensing
 
 SLIDE_M = 0.04
 LIFT_M = 0.05
@@ -29,6 +31,8 @@ LIFT_M = 0.05
 LIFT_S = 2.0
 APPROACH_M = 0.01
 """Travel in air before the touch [m]. Assumption: half of the article's 2 cm. The other half presses the finger on."""
+_TRIGGER_POINTS = 4001
+"""Number of moments of the closing between which the trigger is sought: some 0.2 ms apart, on straight lines."""
 OPEN_S = 0.3
 """Time for which an open grasp is recorded before it closes [s]. Assumption."""
 
@@ -148,7 +152,15 @@ class Timeline:
         return np.maximum(load, 0.0)
 
 
-def build_timeline(scene: SceneFile, pad: Pad, force_n: float) -> Timeline:
+def find_trigger_s(design: Design, pad: Pad, sensing: Sensing, drop_v: float, time_s: Array, force_n: Array) -> float:
+    """Moment at which a growing force has lowered the tactile voltage by a drop [s]; the last one if it does not."""
+    sensed_n = pad.sensed_n(force_n, None, reads_whole_finger(design, sensing.bridge))
+    volts = Bridge.select(design, sensing.bridge).voltage_v(sensed_n)
+    drops = np.maximum.accumulate(volts[0] - volts)
+    return round(float(np.interp(drop_v, drops, time_s)), 6)  # the power of the bridge differs in its last digit
+
+
+def build_timeline(design: Design, scene: SceneFile, pad: Pad, force_n: float) -> Timeline:
     """Set the moments of a scene whose holding force on this finger is `force_n` [N]."""
     hold, slide = scene.hold, scene.slide
     approach = None
@@ -158,7 +170,12 @@ def build_timeline(scene: SceneFile, pad: Pad, force_n: float) -> Timeline:
         speed = TrapezoidalMove.with_duration(0.0, LIFT_M, LIFT_S).peak_m_s
         approach = TrapezoidalMove.with_speed(0.0, APPROACH_M + pad.depth_m(force_n), speed)
         held = approach.end_s
-    sliding = _plan_slide(slide, held + hold.wait_s) if slide.distance_m else None
+    starts = held
+    if hold.trigger_v:
+        time_s = np.linspace(0.0, held, _TRIGGER_POINTS)
+        load_n = Timeline(scene, force_n, held, held, held, None, approach, None).load_n(pad, time_s)
+        starts = find_trigger_s(design, pad, scene.sensing, hold.trigger_v, time_s, load_n)
+    sliding = _plan_slide(slide, starts + hold.wait_s) if slide.distance_m else None
     busy = max(held + hold.min_s, sliding.end_s if sliding else held, held + _events_end_s(scene))
     release = busy + hold.wait_s
     lift = TrapezoidalMove.with_duration(release, LIFT_M, LIFT_S) if hold.release and approach else None

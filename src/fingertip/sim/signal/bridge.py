@@ -53,6 +53,11 @@ class Bridge:
     response: TactileResponse
 
     @classmethod
+    def select(cls, design: Design, bridge: str) -> Bridge:
+        """Bridge that a scene names: the board's or the article's."""
+        return cls.of_board(design) if bridge == "board" else cls.of_article()
+
+    @classmethod
     def of_board(cls, design: Design) -> Bridge:
         """Bridge and amplifier of a design, with its calibrated sensor or the data sheet's.
 

@@ -246,8 +246,7 @@ class _BridgeVoltage:
         # halves of the sensor cancels.
         self._shear_n_per_m = -setup.towards_tip * setup.pad.tangential_stiffness_n_per_m(setup.held_n)
         with meter.stage("bridge"):
-            is_board = setup.path.sensing.bridge == "board"
-            self._bridge = Bridge.of_board(setup.design) if is_board else Bridge.of_article()
+            self._bridge = Bridge.select(setup.design, setup.path.sensing.bridge)
         self._interference = InterferenceSource(
             grid, setup.path.drift, setup.path.cable, setup.path.noise, setup.event_origin_s,
             lambda purpose: open_stream(setup.seed[0], setup.seed[1], purpose),

@@ -4,6 +4,9 @@ The article states 128 samples (64 ms) and a threshold, and no other detail. Thi
 good as it can be. The windows overlap: one every 2 ms. A Hann window keeps the leakage of contacts out of the band,
 which a rectangular window does not. The band extends from the board's cutoff to three times that frequency. The
 threshold follows from the noise by the same rule as those of the other detectors.
+
+The plain form takes the article's words as they stand: windows side by side, without a taper, ON if any bin exceeds the
+threshold. It serves to compare with the article's figure (`fingertip.lab.studies.previous_works`).
 """
 
 from __future__ import annotations
@@ -81,6 +84,8 @@ class FftSettings:
     noise_v: float
     threshold_scale: float = 1.0
     """Factor of the threshold, to trade delay for false alarms."""
+    is_plain: bool = False
+    """True for no taper and the strongest bin; otherwise a Hann window and the energy of the band."""
 
     @classmethod
     def from_design(cls, design: Design, noise_v: float | None = None) -> FftSettings:
@@ -89,10 +94,17 @@ class FftSettings:
         noise = input_noise_v(design) if noise_v is None else noise_v
         return cls(rate, round(WINDOW_S * rate), max(1, round(HOP_S * rate)), cutoff, 3 * cutoff, noise)
 
+    @classmethod
+    def plain(cls, design: Design) -> FftSettings:
+        """Windows without overlap and taper, and every bin between 0 Hz and half the rate."""
+        settings, rate = cls.from_design(design), design.detector.sample_rate_hz
+        n, bin_hz = settings.window_samples, rate / settings.window_samples
+        return replace(settings, hop_samples=n, low_hz=bin_hz, high_hz=(rate - bin_hz) / 2, is_plain=True)
+
 
 @functools.lru_cache(maxsize=64)
-def _unit_noise_threshold(weights: tuple[float, ...]) -> float:
-    return math.sqrt(solve_threshold(np.array(weights), EXCURSION_S))
+def _unit_noise_threshold(weights: tuple[float, ...], excursion_s: float, alarms_per_hour: float) -> float:
+    return math.sqrt(solve_threshold(np.array(weights), excursion_s, alarms_per_hour))
 
 
 class FftDetector(Detector):
@@ -101,7 +113,8 @@ class FftDetector(Detector):
     def __init__(self, settings: FftSettings) -> None:
         self.settings = settings
         n = settings.window_samples
-        self._window = np.array([0.5 - 0.5 * math.cos(2 * math.pi * i / n) for i in range(n)])
+        taper = 0.0 if settings.is_plain else 0.5
+        self._window = np.array([1.0 - taper - taper * math.cos(2 * math.pi * i / n) for i in range(n)])
         # With this scale the statistic of a tone in the band is its RMS value, and that of white noise the RMS value of
         # its part in the band.
         self._window *= math.sqrt(2 / n / float(self._window @ self._window))
@@ -110,7 +123,12 @@ class FftDetector(Detector):
         # A band narrower than a bin takes the nearest bin.
         in_band = in_band or [max(1, round(settings.low_hz * n / settings.sample_rate_hz))]
         self._first_bin, self._end_bin = in_band[0], in_band[-1] + 1
-        unit_threshold = _unit_noise_threshold(tuple(self.noise_weights().tolist()))
+        weights = tuple(self.noise_weights().tolist())
+        if settings.is_plain:  # each bin alone has two squares, and all bins share the alarms
+            excursion_s, rate = n / settings.sample_rate_hz, ALARMS_PER_HOUR / len(in_band)
+            unit_threshold = _unit_noise_threshold(weights[:2], excursion_s, rate)
+        else:
+            unit_threshold = _unit_noise_threshold(weights, EXCURSION_S, ALARMS_PER_HOUR)
         self._threshold_v = unit_threshold * settings.noise_v * settings.threshold_scale
         self._past = np.zeros(0)
         self._until_next = 0
@@ -130,7 +148,7 @@ class FftDetector(Detector):
 
     @property
     def threshold_v(self) -> float:
-        """RMS value in the band above which slip is ON [V]."""
+        """RMS value in the band, or in one bin, above which slip is ON [V]."""
         return self._threshold_v
 
     @property
@@ -162,7 +180,8 @@ class FftDetector(Detector):
 
     def _band_rms(self, samples: Array) -> float:
         band = np.fft.rfft((samples - samples[0]) * self._window)[self._first_bin : self._end_bin]
-        return math.sqrt(float(np.sum(band.real**2 + band.imag**2)))
+        energies = band.real**2 + band.imag**2
+        return math.sqrt(float(np.max(energies) if self.settings.is_plain else np.sum(energies)))
 
     def noise_weights(self) -> Array:
         """Weights of the energy as a sum of squares (`false_alarms.tail_probability`), in noise of unit variance."""

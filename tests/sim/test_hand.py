@@ -99,8 +99,9 @@ def move_object(
     state = np.zeros(grasp_loop.PAD_STATES * count + grasp_loop.OBJECT_STATES)
     scratch = np.zeros(grasp_loop.SCRATCH_SIZE * count)
     grasp_loop.run(
-        (0.56, 0.14, 0.005), (*sigma, RELAX_PER_S, LOAD_SCALE_N), step_s, mass, (2000.0, 5.0, pin is pull_motion), leaves,
-        count, length, mount, weights, pin_x, pin_v, state, scratch, flat, shear, over_object, bristle, moved, pushed,
+        (0.56, 0.14, 0.005), (*sigma, RELAX_PER_S, LOAD_SCALE_N), step_s, mass, (2000.0, 5.0, pin is pull_motion),
+        leaves, count, length, mount, weights, pin_x, pin_v, state, scratch, flat, shear, over_object, bristle,
+        moved, pushed,
     )  # fmt: skip
     return time[1:], moved, shear.reshape(count, -1), over_object.reshape(count, -1), pushed
 

@@ -66,9 +66,9 @@ class Hold(ParameterTable):
 
     mode: Literal["press", "grasp"] = choice("press", "Press to a depth (sliding finger), or grasp with a force.")
     min_force_n: float = quantity(
-        0.2, "N", (Above(0), 4), "Lower limit of the force that the seed draws (article, III.C)."
+        0.2, "N", (0.001, 4), "Lower limit of the force that the seed draws (article, III.C)."
     )
-    max_force_n: float = quantity(2.0, "N", (Above(0), 4), "Upper limit; the lift of 5 cm ends contacts of up to 4 N.")
+    max_force_n: float = quantity(2.0, "N", (0.001, 4), "Upper limit; the lift of 5 cm ends contacts of up to 4 N.")
     share: float = quantity(
         1.0, "", (Above(0), 1), "Fraction of a grasp's force on this finger: thumb 1, each of two opposing fingers 0.5."
     )

@@ -299,13 +299,14 @@ def study_assumptions(
         is_comparable = math.isfinite(median_s) and math.isfinite(before_s)
         change_s = median_s - before_s if is_comparable else math.nan
         onset_s = median_of_known(now - then for now, then in zip(onsets_s, onsets_before_s, strict=True))
-        detection = (pooled.slips, pooled.found_share, median_s, change_s, pooled.alarms_per_minute)
-        effects = (onset_s, median_of_known(vibrations_n))
         worst_s = max((mean for mean, _, _ in pooled.group_delays(surface).values()), default=math.inf)
         light_v, firm_v = (measure_envelope_v(design, LOADED_ON, force_n, seeds, variation) for force_n in LOADS_N)
-        names = (variation.label, variation.is_realistic, variation.is_law)
-        further = (pooled.delay_s(0.9), worst_s, light_v, firm_v)
-        results.append(VariationResult(*names, *detection, *effects, *further))
+        row = VariationResult(
+            variation.label, variation.is_realistic, variation.is_law, pooled.slips, pooled.found_share, median_s,
+            change_s, pooled.alarms_per_minute, onset_s, median_of_known(vibrations_n), pooled.delay_s(0.9), worst_s,
+            light_v, firm_v,
+        )  # fmt: skip
+        results.append(row)
     return results
 
 

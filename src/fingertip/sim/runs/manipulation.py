@@ -28,7 +28,8 @@ from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import check_type, raise_issues, round_down, round_up
 from fingertip.pad.response import Pad
-from fingertip.sim.runs.files import Hand, ManipulationFile
+from fingertip.sim.contact.materials import select_surface
+from fingertip.sim.runs.files import GraspedObject, Hand, ManipulationFile
 from fingertip.sim.runs.motion import Controller, MotionPlan, Observation, delay_commands, plan_motion, thumb_force_n
 from fingertip.sim.runs.stepper import HandSignals, ManipulationStepper
 from fingertip.sim.signal.grid import Grid, ShareDone, StageCost
@@ -215,8 +216,15 @@ def _find_issues(design: Design, scene: ManipulationFile, seed: int) -> list[Iss
     issues = []
     needed, available = thumb_force_n(scene, 1.0), scene.hand.max_force_n
     mass_kg, strongest = scene.object.mass_kg, find_bounds(Hand.model_fields["max_force_n"]).maximum or math.inf
-    if needed > strongest:
-        max_kg = round_down(mass_kg * strongest / needed)
+    max_kg, least_kg = mass_kg * strongest / needed, find_bounds(GraspedObject.model_fields["mass_kg"]).minimum or 0.0
+    if needed > strongest and max_kg < least_kg:
+        friction = select_surface(scene.object.surface, scene.surface).friction
+        mu_s, mu_c = (round_up(mu * least_kg / max_kg) for mu in (friction.mu_s, friction.mu_c))
+        message = f"{friction.mu_s:g} holds no object, not even one of {least_kg:g} kg; "
+        message += f"set surface.static_friction={mu_s:g} and surface.kinetic_friction={mu_c:g} and object.mass_kg={least_kg:g}"
+        issues.append(Issue("surface.static_friction", message))
+    elif needed > strongest:
+        max_kg = round_down(max_kg)
         message = f"{mass_kg:g} kg with grasp.max_margin needs a thumb of {needed:.0f} N; at most {max_kg:g} kg."
         issues.append(Issue("object.mass_kg", message))
     elif needed > available:

@@ -220,8 +220,10 @@ def _find_issues(design: Design, scene: ManipulationFile, seed: int) -> list[Iss
     if needed > strongest and max_kg < least_kg:
         friction = select_surface(scene.object.surface, scene.surface).friction
         mu_s, mu_c = (round_up(mu * least_kg / max_kg) for mu in (friction.mu_s, friction.mu_c))
-        message = f"{friction.mu_s:g} holds no object, not even one of {least_kg:g} kg; "
-        message += f"set surface.static_friction={mu_s:g} and surface.kinetic_friction={mu_c:g} and object.mass_kg={least_kg:g}"
+        changes = (
+            f"surface.static_friction={mu_s:g} and surface.kinetic_friction={mu_c:g} and object.mass_kg={least_kg:g}"
+        )
+        message = f"{friction.mu_s:g} holds no object, not even one of {least_kg:g} kg; set {changes}"
         issues.append(Issue("surface.static_friction", message))
     elif needed > strongest:
         max_kg = round_down(max_kg)

@@ -216,14 +216,14 @@ def _find_issues(design: Design, scene: ManipulationFile, seed: int) -> list[Iss
     issues = []
     needed, available = thumb_force_n(scene, 1.0), scene.hand.max_force_n
     mass_kg, strongest = scene.object.mass_kg, find_bounds(Hand.model_fields["max_force_n"]).maximum or math.inf
-    max_kg, least_kg = mass_kg * strongest / needed, find_bounds(GraspedObject.model_fields["mass_kg"]).minimum or 0.0
-    if needed > strongest and max_kg < least_kg:
+    max_kg, min_kg = mass_kg * strongest / needed, find_bounds(GraspedObject.model_fields["mass_kg"]).minimum or 0.0
+    if needed > strongest and max_kg < min_kg:
         friction = select_surface(scene.object.surface, scene.surface).friction
-        mu_s, mu_c = (round_up(mu * least_kg / max_kg) for mu in (friction.mu_s, friction.mu_c))
+        mu_s, mu_c = (round_up(mu * min_kg / max_kg) for mu in (friction.mu_s, friction.mu_c))
         changes = (
-            f"surface.static_friction={mu_s:g} and surface.kinetic_friction={mu_c:g} and object.mass_kg={least_kg:g}"
+            f"surface.static_friction={mu_s:g} and surface.kinetic_friction={mu_c:g} and object.mass_kg={min_kg:g}"
         )
-        message = f"{friction.mu_s:g} holds no object, not even one of {least_kg:g} kg; set {changes}"
+        message = f"{friction.mu_s:g} holds no object, not even one of {min_kg:g} kg; set {changes}"
         issues.append(Issue("surface.static_friction", message))
     elif needed > strongest:
         max_kg = round_down(max_kg)

@@ -38,6 +38,7 @@ def test_random_runs_are_finite(kind, model):
             run, changes = settle(
                 lambda typed, name=name, seed=seed: load_simulation(name, changes=typed, seed=seed).run(),
                 [*SHORT_PHASES[kind], *drawn, f"outputs={outputs}"],
+                rounds=8,
             )
             if run is None:
                 refused.append((name, changes))

@@ -117,13 +117,15 @@ def _is_time(name: str) -> bool:
     return name.endswith("_s") and not name.endswith(("per_s", "m_s"))
 
 
-def settle(load: Callable[[list[str]], Loaded], changes: Iterable[str]) -> tuple[Loaded | None, list[str]]:
+def settle(
+    load: Callable[[list[str]], Loaded], changes: Iterable[str], rounds: int = ROUNDS
+) -> tuple[Loaded | None, list[str]]:
     """Load with changes, and type in the remedies of what is refused; None if that does not help.
 
     Returns what was loaded, and all changes.
     """
     typed = list(changes)
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         try:
             return load(typed), typed
         except FingertipError as error:

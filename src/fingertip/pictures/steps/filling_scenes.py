@@ -175,18 +175,12 @@ def pour(bench: Bench, data: Data) -> Scene:
     )  # fmt: skip
 
 
-def cure(bench: Bench, data: Data) -> Scene:
-    """Show the mold while the silicone cures, with the syringe still in its cone."""
-    hours, m = data["silicone"]["properties"]["cure_h"]["high"], bench.layout
-    syringe = bench.syringe(0.2) if m.inlet else []
-    pose = _over_lowest_corner(data) if m.inlet else View.FUNNEL_UP
-    return Scene((*_closed(bench), *syringe), pose, Label(f"{hours:g} h in this pose", (0.0, 0.0, m.distal_z)))
-
-
 # Scenes at the scale: weigh, degas, and load the syringe.
 
 _FRONT = Camera.looking_from((0.15, -1.0, 0.22), (0.0, 0.0, 1.0))
 _CUP_RADIUS_MM, _CUP_HEIGHT_MM = 22.0, 45.0
+_LEFT_OVER = 0.3
+"""Share of the mixture that the picture shows left over. Assumption."""
 
 
 def _find_level_mm(data: Data) -> float:
@@ -223,6 +217,15 @@ def degas(bench: Bench, data: Data) -> Scene:
         Label("vacuum chamber", (-43.0, 0.0, 60.0)),
         Label(f"silicone before:\n{level:.0f} mm high in this cup", (-_CUP_RADIUS_MM, 0.0, level)),
     )
+
+
+def cure(bench: Bench, data: Data) -> Scene:
+    """Show the silicone left over in its cup, which tells when the mold may be opened."""
+    hours, level = data["silicone"]["properties"]["cure_h"]["high"], _LEFT_OVER * _find_level_mm(data)
+    return Scene(
+        bench.cup(0.0, _CUP_RADIUS_MM, _CUP_HEIGHT_MM, level), _FRONT,
+        Label(f"silicone left over: after {hours:g} h\na fingernail leaves no mark", (_CUP_RADIUS_MM, 0.0, level)),
+    )  # fmt: skip
 
 
 def load_syringe(bench: Bench, data: Data) -> Scene:

@@ -240,7 +240,7 @@ def test_a_higher_sampling_rate_lowers_the_bound_and_does_not_lengthen_the_delay
 
 @pytest.mark.full
 def test_motor_is_distinguished_from_slip_by_a_longer_segment_only():
-    short, long = study_motor_discrimination(ARTICLE, 20, 6, segments_s=(0.02, 0.15))
+    short, long = study_motor_discrimination(ARTICLE, 60, 6, segments_s=(0.02, 0.15))
     assert short.distinguished_share <= 0.5 < long.distinguished_share
     assert short.slip_residual == pytest.approx(1.0, abs=0.3)  # a pair of tones fits so short a slip within the noise
     assert long.motor_residual < long.slip_residual

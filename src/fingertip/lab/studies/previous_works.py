@@ -1,4 +1,4 @@
-"""What the article compares itself with (IV.B): its digital predecessor on ridged plates, and a plain FFT.
+"""Methods that the article compares itself with (IV.B): its digital predecessor on ridged plates, and a plain FFT.
 
 The article states of the predecessor the mean delay on each of three ridged surfaces, 36 to 48 ms, but neither ridges
 nor threshold. Of the FFT it states a window of 128 samples (64 ms), a threshold on the amplitude, and that it found
@@ -61,7 +61,7 @@ class PlainFftResult:
 class PreviousWorks:
     plates: Sequence[PlateResult]
     plain_fft: Sequence[PlainFftResult]
-    """At the threshold that the noise allows, and at the first that finds as little as the article's, if any does."""
+    """Results at the threshold of the noise, and at the first that finds as little as the article, if any does."""
 
     def means_s(self, factor: float) -> list[float]:
         """Mean delay on each plate at one factor of the threshold [s]."""

@@ -127,7 +127,7 @@ def assess(signal: LabelledSignal, on: NDArray[np.bool_], memory_s: float) -> Ou
         if i.onset_s >= signal.alarms_from_s
         and not any(s.onset_s - EARLY_S <= i.onset_s < s.end_s + memory_s for s in signal.slides)
     )
-    # An event right before a slip cannot cause an alarm that is told from the slip's detection.
+    # Right before a slip, an alarm that the event causes and the detection of the slip cannot be told apart.
     events = [
         event
         for event in signal.events

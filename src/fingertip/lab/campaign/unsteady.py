@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from fingertip.sim import SceneFile
+from fingertip.sim.runs.files import DIRECTIONS
 from fingertip.sim.runs.pose import GRASP_POSE, ScenePose
 
 _HOLD = {"mode": "grasp", "min_force_n": 0.5, "max_force_n": 2.0}
@@ -97,7 +98,7 @@ def _draw_pauses(rng: np.random.Generator) -> SceneFile:
 
 
 def _draw_slide(rng: np.random.Generator, distance_m: float) -> dict[str, Any]:
-    towards = ("tip", "base", "side")[int(rng.integers(3))]
+    towards = tuple(DIRECTIONS)[int(rng.integers(len(DIRECTIONS)))]
     return {"distance_m": distance_m, "speed_m_s": _uniform(rng, 0.03, 0.08), "towards": towards}
 
 

@@ -93,6 +93,10 @@ FAMILIES: dict[str, list[Callable[[], object]]] = {
         lambda: run_manipulation(ARTICLE, ManipulationFile(), "fast"),
         *(lambda command=command: run_manipulation(Design(), PINCH, Commands(command))
           for command in (None, [0.0], [0.0, math.nan])),
+        *(lambda changes=changes: load("tri_digital", *changes).run() for changes in (
+            ["grasp.min_force_n=4"], ["knock.stroke_m=0.001"], ["knock.speed_m_s=0.001"],
+            ["object.stiffness_n_per_m=1"], ["hand.max_force_n=2"],
+        )),
     ],
     "boards": [
         *(lambda values=values: BOARD.with_components(**values) for values in (

@@ -73,7 +73,7 @@ def as_text(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] |
     moved = f"the object moved by {1000 * result.signals.object_m[-1]:.1f} mm"
     end = "was held" if result.lost_s is None else f"left the fingers at {result.lost_s:.4f} s"
     lines = [f"{title}, thumb {result.force_n:.2f} N, {size}"]
-    lines += [f"knock at {result.plan.knock_s:.4f} s"] if result.plan.pin else []
+    lines += [f"{_name_event(result)} at {result.plan.knock_s:.4f} s"] if result.plan.pin else []
     lines += [f"thumb: {slip}" for slip in slips]
     lines.append(f"{moved} and {end}")
     if grips_s is not None:
@@ -82,6 +82,10 @@ def as_text(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] |
             f"the controller tightened the grip at {times}" if times else "the controller never tightened the grip"
         )
     return lines
+
+
+def _name_event(result: ManipulationResult) -> str:
+    return "pull" if result.scene.knock.attached else "knock"
 
 
 def _describe_surface(name: str, table: SurfaceTable) -> str:
@@ -144,7 +148,7 @@ def _add_legend(panels: AnyArray, names: list[str], fingers: tuple[str, ...]) ->
 def _mark_events(panels: AnyArray, result: ManipulationResult) -> None:
     events = [("let go", result.plan.released_s - result.scene.grasp.let_go_s)]
     if result.plan.pin:
-        events.append(("knock", result.plan.knock_s))
+        events.append((_name_event(result), result.plan.knock_s))
     if result.lost_s is not None:
         events.append(("lost", result.lost_s))
     for label, time_s in events:

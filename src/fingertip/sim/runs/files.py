@@ -373,6 +373,9 @@ class ManipulationFile(PathTables, _ManipulationTables):
         if knock.attached and grasp.min_force_n > grasp.max_force_n:
             message = f"{grasp.min_force_n:g} N is above grasp.max_force_n; at most {grasp.max_force_n:.12g} N."
             yield Issue("grasp.min_force_n", message), {"grasp.min_force_n", "grasp.max_force_n", "knock.attached"}
+        if 0.0 < knock.speed_m_s < _MIN_SPEED_M_S:
+            message = f"{knock.speed_m_s:g} m/s takes the pin too long; at least {_MIN_SPEED_M_S:g} m/s, or 0."
+            yield Issue("knock.speed_m_s", message), {"knock.speed_m_s"}
         minimum = knock.speed_m_s**2 / (1 if knock.attached else 2) / ACCELERATION_M_S2
         if knock.stroke_m < minimum * (1 - 1e-9):  # the least that the message names passes, whatever its rounding
             verb = "reach" if knock.attached else "stop from"

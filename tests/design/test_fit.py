@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import re
 import tomllib
 
 import pytest
@@ -66,6 +67,16 @@ def test_given_lengths_stay_and_a_limit_shortens_the_skin() -> None:
     assert "bone.base_length_mm" in fit_design(begin).changes
     with pytest.raises(DesignError, match=r"bone\.base_length_mm"):
         fit_design(begin, given=["bone.base_length_mm"])
+
+
+@pytest.mark.full
+def test_remedy_for_a_narrow_finger_passes_and_keeps_its_joint() -> None:
+    preset = tables("child_finger")
+    with pytest.raises(DesignError) as refused:
+        fit_design(preset.with_values({"skin.width_mm": 10.0}), ["skin.width_mm"], before=preset)
+    assert "bone.interface" not in str(refused.value)
+    (width,) = re.findall(r"at least ([0-9.]+) mm\.", str(refused.value))
+    assert fit_design(preset.with_values({"skin.width_mm": float(width)}), ["skin.width_mm"]).changes == {}
 
 
 def test_a_file_that_is_no_hand_is_refused(tmp_path) -> None:

@@ -78,9 +78,17 @@ class Fit:
 
 
 def fit_design(
-    tables: DesignTables, given: Collection[str] = (), progress: Callable[[float], None] = lambda share: None
+    tables: DesignTables,
+    given: Collection[str] = (),
+    progress: Callable[[float], None] = lambda share: None,
+    before: DesignTables | None = None,
+    measured: Sequence[str] = (),
 ) -> Fit:
-    """Adjust the free lengths of a design until its parts can be made. Raises DesignError."""
+    """Adjust the free lengths of a design until its parts can be made.
+
+    Raises DesignError. Its remedies lead what is given, and what is measured on a hand, towards the design `before`
+    them. Typed in, they pass without a fit.
+    """
     # Rules that take long, such as the play of the bone, are asked where all others pass.
     ordered = cheapest_first(PART_RULES)
     quick, slow = ([rule for rule in ordered if rule.takes_long is long] for long in (False, True))
@@ -105,7 +113,7 @@ def fit_design(
         if nearest == 0.0 or _blame_given(free, [broken(found) for _, found in reached]):
             break
     if nearest:
-        raise DesignError(find_remedies(tables.with_values(values), broken(values), None, ()))
+        raise DesignError(find_remedies(tables, broken(begin), before, [*given, *measured]))
     for _ in range(2):
         for name in free:
             values[name] = _move_back(name, begin[name], values, lambda trial: not broken(trial))

@@ -133,7 +133,10 @@ def write_new_design(
         begun = DesignTables(**loaded.tables | {"name": name})
     except ValidationError as error:
         raise DesignError(issues_from_pydantic(error, Design)) from None
-    fit = fit_design(begun, loaded.changed, lambda share: progress(f"fitting lengths: {share:.0%} of the search"))
+    fit = fit_design(
+        begun, loaded.changed, lambda share: progress(f"fitting lengths: {share:.0%} of the search"),
+        DesignTables(**load_tables(files[:1], []).tables), _JOINT_PARAMETERS if hand is not None else (),
+    )  # fmt: skip
     design = Design(**fit.tables.model_dump())
     return NewDesign("\n".join([*_list_lines(design, start), ""]), start, fit.changes, fit.reasons, design)
 

@@ -22,7 +22,7 @@ from fingertip.sim.runs.timeline import TrapezoidalMove, mount_pad
 from fingertip.sim.signal.analog_circuit import AnalogBoard, compute_state_space
 from fingertip.sim.signal.bridge import HYSTERESIS, TURN_ON_WIDTH_N, Bridge
 
-RATE_HZ = 160_000.0
+RATE_HZ = 480_000.0
 """Rate at which the parts of the chain are joined [Hz]."""
 BEFORE_S, AFTER_S = 0.02, 0.3
 """Time before and after the start of the slide [s]."""

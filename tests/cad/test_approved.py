@@ -48,8 +48,8 @@ CHANGES = {
     "free": "mold.chaplet_diameter_mm=0 mold.fit_clearance_mm=0.01 printer.surface_error_mm=0",
     "clevis": "sensor.model=fsr402 sensor.tail=folded skin.length_mm=31.9 bone.base_length_mm=10.1 bone.wall_mm=0.8 "
     "bone.groove_depth_mm=0 bone.interface=clevis bone.collar_length_mm=5 mold.recess_length_mm=6.2 hand.width_mm=9 "
-    "hand.axis_height_mm=8 hand.travel_deg=55 skin.min_thickness_mm=0.7 strength.min_grip_factor=1 "
-    "strength.min_shock_factor=1 hand.tendon_distance_mm=6.05 mold.chaplet_diameter_mm=4.2 "
+    "hand.pin_diameter_mm=2.5 hand.axis_height_mm=8 hand.travel_deg=55 skin.min_thickness_mm=0.7 "
+    "strength.min_grip_factor=1 strength.min_shock_factor=1 hand.tendon_distance_mm=6.05 mold.chaplet_diameter_mm=4.2 "
     "mold.chaplet_from_tip_mm=6.7 mold.fit_clearance_mm=0.04 skin.crown_drop_mm=1.7 skin.thickness_side_mm=1.79 "
     "bone.palmar_fullness=0.99 sensor.distance_from_tip_mm=14.4 bone.platform_mm=1.07 sensor.insert=disc",
     "fork": "hand.knuckle=fork bone.base_length_mm=14.3 strength.min_grip_factor=1 strength.min_shock_factor=0",

@@ -12,6 +12,7 @@ from fingertip.cad.verification import strength
 from fingertip.design import Design
 from fingertip.design.interfaces import interface_of
 from tests.cad.bone_elements import solve_bone, write_step
+from tests.cad.eye_elements import solve_eye
 from tests.conftest import design_file
 from tests.tools import require_tool
 
@@ -57,3 +58,30 @@ def test_elements_find_the_predicted_stress(name: str, tmp_path: Path) -> None:
               f" {largest:.3f} at {np.round(solved.points_mm[stresses.argmax()], 1)}")  # fmt: skip
     assert predicted / DESIGNS[name][2] <= there <= 1.02 * predicted
     assert largest <= 1.02 * predicted
+
+
+EYES = {
+    "adult_finger": ("adult_finger", "", 1.3),
+    "youth_thumb": ("youth_thumb", "", 1.2),
+    "child_finger": ("child_finger", "", 1.2),
+    "tongue": ("youth_thumb", "hand.knuckle=fork bone.base_length_mm=14.3 strength.min_shock_factor=0", 1.45),
+}
+"""Bundled design, its changes, and the largest predicted stress over that of the elements."""
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("name", EYES)
+def test_elements_with_contact_find_the_predicted_stress_of_the_eye(name: str, tmp_path: Path) -> None:
+    """Under the shock the largest tension lies at the bore of the pin, and the prediction is on the safe side."""
+    require_tool("ccx", "as root on Debian, sh .ci/install-calculix")
+    require_tool("gmsh", "as root on Debian, sh .ci/install-gmsh")
+    design = Design.load(design_file(EYES[name][0]), changes=EYES[name][1].split())
+    shock = design.strength.shock_force_n
+    points, tension, load_z = solve_eye(design, tmp_path, 0.4, shock)
+    joint = design.dimensions.joint
+    assert joint
+    stresses = {found.place: found.stress_per_n for found in interface_of(design).local_stresses(design, load_z)}
+    at, found = points[tension.argmax()], tension.max() / shock
+    print(f"{name}: predicted {stresses['eye']:.3f} MPa/N; elements {found:.3f} at {np.round(at, 1)}")
+    assert abs(np.hypot(at[1] - joint.axis_y, at[2] - joint.axis_z) - joint.pin_radius) < 0.1
+    assert stresses["eye"] / EYES[name][2] <= found <= 1.02 * stresses["eye"]

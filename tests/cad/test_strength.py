@@ -227,6 +227,6 @@ def test_thin_anchor_pin_bends_at_the_grip() -> None:
     evaluator = MeshEvaluator(0.05)
     found = assess_strength(design, evaluator)
     (check,) = (one for one in check_strength(design, found) if one.name == "joint.anchor_pin_stress")
-    tendon_n = 20.0 * (25.0 + 10.65) / design.hand.tendon_distance_mm
+    tendon_n = 20.0 * (25.0 + 11.2) / design.hand.tendon_distance_mm
     assert check.value == pytest.approx(tendon_n / 2 * 0.8 * 32 / (math.pi * 0.7**3))
     assert not check.passed

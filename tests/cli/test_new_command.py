@@ -90,7 +90,7 @@ def test_preset_and_hand_give_a_design_that_passes(folder: Path) -> None:
     )
     assert done.returncode == 0, done.stderr
     fitted = [line for line in done.stdout.splitlines() if line.startswith("fitted: ")]
-    assert fitted[0].startswith("fitted: bone.base_length_mm 10.65 -> ")
+    assert fitted[0].startswith("fitted: bone.base_length_mm 11.2 -> ")
     design = Design.load("mine.toml")
     assert design.bone.interface == "clevis"
     assert (design.hand.width_mm, design.hand.pin_diameter_mm) == (4.4, 5.0)

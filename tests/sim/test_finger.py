@@ -70,7 +70,10 @@ def test_chunks_change_no_bit_at_any_rate_with_all_interference(rate, refinement
 @pytest.mark.parametrize("variant", ["article", "precision"])
 @pytest.mark.parametrize("surface", ["wood", "gross"])
 def test_board_does_not_know_the_sampling_rate(variant, surface):
-    """The envelope's mean over a slide is the same at every rate: at C_LP to 0.1 %, at the converter to 0.5 %."""
+    """The envelope's mean over a slide is the same at every rate: at C_LP to 0.1 %, at the converter to 0.5 %.
+
+    The converter's range holds the whole signal: what a smaller one clips depends on the rate.
+    """
     scene = SceneFile(
         contact={"surface": surface}, hold={"min_force_n": 2.0, "max_force_n": 2.0},
         slide={"distance_m": 0.04, "speed_m_s": 0.08}, sensing={"noise": False},
@@ -78,8 +81,8 @@ def test_board_does_not_know_the_sampling_rate(variant, surface):
     )  # fmt: skip
     at_board, at_converter, points = [], [], []
     for rate in (1000.0, 2000.0, 3000.0, 5000.0, 20_000.0):
-        design = Design(detector={"sample_rate_hz": rate, "noise_v": 0.0, "adc_bits": 24}, board={"variant": variant})
-        run = SceneRun(design, scene, 3)
+        detector = {"sample_rate_hz": rate, "noise_v": 0.0, "adc_bits": 24, "adc_range_v": 10.0}
+        run = SceneRun(design := Design(detector=detector, board={"variant": variant}), scene, 3)
         with compiled():
             found = run_scene(design, scene, 3)
         start, end = round(run.timeline.slide.start_s + 0.12, 2), round(run.timeline.slide.end_s - 0.06, 2)

@@ -140,7 +140,11 @@ def make_manipulation(lost_s: float | None) -> ManipulationResult:
     }  # fmt: skip
     grasp = SimpleNamespace(kind="pinch", let_go_s=0.25)
     scene: Any = SimpleNamespace(
-        outputs=[*signals], fingers=("thumb", "index"), grasp=grasp, object=SimpleNamespace(mass_kg=0.25)
+        outputs=[*signals],
+        fingers=("thumb", "index"),
+        grasp=grasp,
+        object=SimpleNamespace(mass_kg=0.25),
+        knock=SimpleNamespace(attached=False),
     )
     plan: Any = SimpleNamespace(released_s=0.65, pin=True, knock_s=0.5, closed_s=0.3)
     found: Any = SimpleNamespace(time_s=t, find=signals.get, **signals)

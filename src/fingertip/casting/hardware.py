@@ -79,7 +79,7 @@ def size_wires(design: Design) -> Wires:
     # Two equal circles side by side span the channel.
     diameter = design.sensor.wire_diameter_mm if dims.fold else design.bone.channel_diameter_mm / 2
     gauge = math.ceil(36.0 - 39.0 * math.log(diameter / 2 / _AWG_36_MM) / math.log(92.0))
-    bend = math.radians(design.hand.travel_deg) * (dims.bone_outline.section.dorsal - joint.axis_y) if joint else 0.0
+    bend = math.radians(design.hand.travel_deg) * (dims.eyes.dorsal - joint.axis_y) if joint else 0.0
     plug = _find_plug(design)
     thickest, thinnest = (plug.min_awg, plug.max_awg) if plug else _FLEXIBLE_AWG
     return Wires(diameter, max(gauge, thickest), max(gauge, thinnest), bend + _SLACK_MM)

@@ -3,7 +3,7 @@
 The sizes of the finger and of the hand's joint are given. Wall thicknesses, the place of the sensor, the collar and
 the like may vary within sensible ranges. A seeded random search lowers the number of broken rules to zero: it moves a
 value to where a broken rule says that it passes, or a few values at random. Each value then moves back towards where it
-began, as far as the rules allow. The same input gives the same design.
+began, as far as the rules allow, those of the hand first. The same input gives the same design.
 """
 
 from __future__ import annotations
@@ -63,6 +63,8 @@ class _Round:
 
 _ROUNDS = (_Round(6, 0.8, 60, choice=6), _Round(5, 0.5, 350, choice=1))
 """Rounds of the fit. A later one begins if none of the searches before found a design that passes."""
+_OF_HAND = 10.0
+"""Weight of a change of what was measured on a hand."""
 _BACK_STEPS = 8
 """Halvings by which a value moves back towards where it began."""
 
@@ -114,8 +116,10 @@ def fit_design(
             break
     if nearest:
         raise DesignError(find_remedies(tables, broken(begin), before, [*given, *measured]))
+    # What was measured moves back first, while the other lengths still make room for it.
+    order = sorted(free, key=lambda name: not name.startswith("hand."))
     for _ in range(2):
-        for name in free:
+        for name in order:
             values[name] = _move_back(name, begin[name], values, lambda trial: not broken(trial))
     changes = {name: (begin[name], values[name]) for name in free if values[name] != begin[name]}
     reasons = {
@@ -157,8 +161,11 @@ def _search(
 def _measure_change(
     free: Mapping[str, tuple[float, float]], begin: Mapping[str, float], values: Mapping[str, float]
 ) -> float:
-    """Add up the changes of all values, each relative to its range."""
-    return sum(abs(values[name] - begin[name]) / (high - low) for name, (low, high) in free.items())
+    """Add up the changes of all values, each relative to its range; what was measured on a hand counts much more."""
+    return sum(
+        (_OF_HAND if name.startswith("hand.") else 1.0) * abs(values[name] - begin[name]) / (high - low)
+        for name, (low, high) in free.items()
+    )
 
 
 def _change_at_random(

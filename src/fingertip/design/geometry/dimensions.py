@@ -84,8 +84,28 @@ class Dimensions(SkinDimensions):
     @cached_property
     def pin_length(self) -> float:
         """Length of the joint's pin through the cheeks of a fork: the longest on sale that does not stand out [mm]."""
-        across = 2 * self.bone_outline.section.half_width
+        section, joint = self.eyes, self.joint
+        axis_y, radius = (joint.axis_y, joint.pin_radius) if joint else (0.0, 0.0)
+        across = 2 * min(section.half_width_at(axis_y + side * radius) for side in (-1.0, 1.0))
         return float(max((length for length in PIN_LENGTHS_MM if length <= across), default=PIN_LENGTHS_MM[0]))
+
+    @cached_property
+    def stops_top_z(self) -> float | None:
+        """Height up to which a joint with stops is as wide and high as the collar: it lies outside the mold there.
+
+        None without stops.
+        """
+        joint = self.joint
+        if joint is None or not joint.travel_deg:
+            return None
+        return min(-self._design.mold.recess_length_mm, joint.shoulder_z) - joint.clearance
+
+    @cached_property
+    def eyes(self) -> CrossSection:
+        """Outline of the joint's eyes around the pin: the collar's if the stops reach past its bore, or the base's."""
+        joint, top = self.joint, self.stops_top_z
+        past_bore = joint is not None and top is not None and top >= joint.axis_z + joint.pin_radius
+        return self.collar.section if past_bore else self.bone_outline.section
 
     @cached_property
     def base_end_z(self) -> float:
@@ -247,7 +267,7 @@ class Dimensions(SkinDimensions):
     @cached_property
     def cheek_top_y(self) -> float:
         """Height at which the cheeks beside a folded tail's window end, a wall thick: higher ones end in an edge."""
-        return self._thick_up_to_y(self.tail_half_width, 0.0)
+        return self._height_y(self.tail_half_width + self._design.bone.wall_mm, 0.0, self.bone_outline)
 
     @cached_property
     def lips_top_y(self) -> float | None:
@@ -269,20 +289,18 @@ class Dimensions(SkinDimensions):
         blunt = bisect(lambda y: width_of_edge(y) <= _SHARP * wall, 0.0, top, halvings=40)[0]
         return max(blunt, self.chaplet.facet_y if self.chaplet else 0.0, fold.floor_y + fold.film_space_mm)
 
-    def blunt_up_to_y(self, half_width: float, z: float) -> float | None:
+    def blunt_up_to_y(self, half_width: float, z: float, outline: ConicBody | None = None) -> float | None:
         """Find where bone beside a slot with a width is as thick as a wall, if its edge above is sharp; else None.
 
-        A sharp edge does not print, and is cut off.
+        A sharp edge does not print, and is cut off. The outline is the bone's unless another is given.
         """
-        thick_y, edge_y = self._thick_up_to_y(half_width, z), self._height_y(half_width, z)
+        outline = outline or self.bone_outline
+        thick_y = self._height_y(half_width + self._design.bone.wall_mm, z, outline)
+        edge_y = self._height_y(half_width, z, outline)
         return thick_y if edge_y - thick_y > _SHARP * self._design.bone.wall_mm else None
 
-    def _thick_up_to_y(self, half_width: float, z: float) -> float:
-        return self._height_y(half_width + self._design.bone.wall_mm, z)
-
-    def _height_y(self, half_width: float, z: float) -> float:
-        """Find the dorsal height at which half the width of the bone's outline is this [mm]."""
-        outline = self.bone_outline
+    def _height_y(self, half_width: float, z: float, outline: ConicBody) -> float:
+        """Find the dorsal height at which half the width of an outline is this [mm]."""
         return bisect(lambda y: outline.half_width_at(y, z) >= half_width, 0.0, outline.section.dorsal, halvings=40)[0]
 
     @cached_property

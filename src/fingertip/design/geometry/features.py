@@ -168,20 +168,29 @@ class Joint:
     def low_z(self) -> float:
         return self.axis_z - self.radius
 
+    @property
+    def ramp_deg(self) -> float:
+        """Angle about the pin along which the eye rises to a stop: a step there would be a notch."""
+        return min(math.degrees(math.acos(self.eye_radius / self.radius)), self.travel_deg) / 2
+
     def stopped_profile(self, reach: float) -> tuple[tuple[float, float], ...]:
         """Return the corners (y, z) of the eye between its stops, counter-clockwise; the arc about the pin is missing.
 
         In the frame of the bone the hand's shoulder turns about the pin towards the palmar side while the finger bends.
         The dorsal edge is the shoulder of the straight finger, the palmar one that at the end of the travel. What lies
-        between them never meets the shoulder on the way, because the outline is convex there.
+        between them never meets the shoulder on the way: the outline is convex at the stops, and nearer to the pin
+        than the shoulder on the ramps.
 
         Units: `reach` [mm].
         """
-        angle = math.radians(self.travel_deg)
+        angle, ramp = math.radians(self.travel_deg), math.radians(self.ramp_deg)
         foot = (-self.radius * math.sin(angle), -self.radius * math.cos(angle))
         along = min(reach, reach / math.sin(angle))
         far = (foot[0] - along * math.cos(angle), foot[1] + along * math.sin(angle))
-        corners = ((0.0, -self.radius), (reach, -self.radius), (reach, reach), (far[0], reach), far, foot, (0.0, 0.0))
+        inside = self.eye_radius - TANGENT_STEP_MM
+        ramps = [(-inside * math.sin(at), -inside * math.cos(at)) for at in (angle - ramp, ramp)]
+        dorsal = ((0.0, -self.radius), (reach, -self.radius), (reach, reach))
+        corners = (*dorsal, (far[0], reach), far, foot, ramps[0], (0.0, 0.0), ramps[1])
         return tuple((self.axis_y + y, self.axis_z + z) for y, z in corners)
 
 

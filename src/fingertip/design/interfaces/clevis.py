@@ -3,7 +3,10 @@
 A load on the fingertip turns it about the pin. On a straight finger a hard stop holds it, and the pin then pulls at
 the ends of the eyes. On a bent one the tendon holds it: it pulls at its anchor, and the eyes press on the pin.
 Forces are those of statics; stresses are nominal ones of a lug with a pin (net section, bearing, shear-out), the
-first with the concentration at a hole.
+first with the concentration that finite elements with contact found at its bore.
+
+With stops the eyes are as wide and high as the collar where they lie outside the mold: the wider the cheeks and the
+longer the stop, the less the pin pulls at its bore at a knock.
 """
 
 from __future__ import annotations
@@ -13,9 +16,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
-from fingertip.design.formulas.stress import VON_MISES_SHEAR, LocalStress, StressFactors, at_foot, hole_in_tension
+from fingertip.design.formulas.stress import PIN_IN_EYE, VON_MISES_SHEAR, LocalStress, StressFactors, at_foot, pin_peak
 from fingertip.design.geometry import DesignTables
-from fingertip.design.geometry.conic import TANGENT_STEP_MM
+from fingertip.design.geometry.conic import TANGENT_STEP_MM, ConicBody
 from fingertip.design.geometry.dimensions import Dimensions
 from fingertip.design.geometry.features import NOTCH_WIDTH_MM, Joint, TendonAnchor
 from fingertip.design.geometry.foot import flat_foot, foot_line
@@ -34,7 +37,17 @@ from fingertip.design.geometry.sizes import (
     clearance,
     general,
 )
-from fingertip.design.geometry.solids import Box, Point3, Prism, Solid, cylinder, difference, intersection, union
+from fingertip.design.geometry.solids import (
+    Box,
+    Point3,
+    Prism,
+    Solid,
+    SuperconicSolid,
+    cylinder,
+    difference,
+    intersection,
+    union,
+)
 from fingertip.design.interfaces.interface import JointInterface, Shapes, base_size
 
 _PIN_PLAY_MM = 0.2
@@ -60,7 +73,8 @@ class Clevis(JointInterface):
     def shapes(self, design: DesignTables) -> Shapes:
         """Build the palmar stop, which stands out below the base, and what is removed: the joint's space, holes."""
         joint, anchor = _joint_of(design), design.dimensions.anchor
-        added = (_palmar_stop(design, joint),) if joint.travel_deg else ()
+        top = design.dimensions.stops_top_z
+        added = () if top is None else (_stops(design, joint, top),)
         across = 2 * design.dimensions.collar.section.half_width
         removed = [space(design, joint), pin_bore(joint, across)]
         if anchor:
@@ -106,13 +120,13 @@ class Clevis(JointInterface):
         joint, anchor = _joint_of(design), design.dimensions.anchor
         thickness = _eye_thickness(design.dimensions, joint)
         if joint.travel_deg:
-            # The stop pushes the finger away from the hand, and the pin holds it, besides the load itself.
-            dorsal = design.dimensions.bone_outline.section.dorsal
-            # The pressure on the stop grows outwards, so its force acts at two thirds of the length.
-            lever = 2 / 3 * (dorsal - joint.axis_y)
+            # The stop pushes the finger away from the hand, and the pin holds it, besides the load itself. The pressure
+            # on the stop grows outwards, so its force acts at two thirds of the length.
+            lever = 2 / 3 * (_stop_top_y(design, joint) - joint.axis_y)
             pull = (load_z - joint.axis_z) / lever + 1.0
             width, bore = 2 * joint.eye_radius, 2 * joint.pin_radius
-            factor = hole_in_tension(bore, width)
+            modulus = PRINT_MATERIALS[design.strength.print_material].modulus_mpa
+            factor = PIN_IN_EYE * pin_peak(thickness / 2, bore, modulus)
             yield LocalStress("eye", joint.axis_z, factor * pull / (thickness * (width - bore)), factor)
             shear = pull / (2 * thickness * (joint.eye_radius - joint.pin_radius))
             yield LocalStress("end of the eye", joint.low_z, VON_MISES_SHEAR * shear)
@@ -216,16 +230,30 @@ def _joint_of(design: DesignTables) -> Joint:
 
 def _beside_stops_deg(joint: Joint) -> tuple[tuple[float, float], ...]:
     """Directions in the front view in which the eyes are not round: all but those between the stops."""
-    return ((180.0 + joint.travel_deg - ARROW_DEG, 540.0 + ARROW_DEG),) if joint.travel_deg else ((-90.0, 90.0),)
+    if not joint.travel_deg:
+        return ((-90.0, 90.0),)
+    beside = ARROW_DEG - joint.ramp_deg
+    return ((180.0 + joint.travel_deg - beside, 540.0 + beside),)
 
 
-def _palmar_stop(design: DesignTables, joint: Joint) -> Solid:
-    """Build the stop of the bent finger: it fills the finger's outline below the flat of the base, outside the mold."""
-    dims, section = design.dimensions, design.dimensions.bone_outline.section
-    half = min(section.half_width_at(joint.axis_y), section.half_width_at(-dims.base_flat_depth))
-    top = min(-design.mold.recess_length_mm, joint.shoulder_z) - joint.clearance
-    low = Box((-half, -dims.collar.section.palmar, joint.low_z - 1.0), (half, joint.axis_y, top))
-    return intersection(eye_profile(joint, 2 * half), low)
+def _stops(design: DesignTables, joint: Joint, top: float) -> Solid:
+    """Build eyes and stops as wide and high as the collar, outside the mold; a blunt toe ends the palmar stop."""
+    collar = design.dimensions.collar.section
+    outline = SuperconicSolid(ConicBody(collar, ((joint.low_z - joint.radius, 1.0), (top, 1.0))))
+    angle, toe_z = math.radians(joint.travel_deg), top - design.bone.wall_mm - joint.axis_z
+    toe_y = joint.axis_y - (joint.radius + toe_z * math.cos(angle)) / math.sin(angle)
+    low_y = max(-collar.palmar, toe_y)
+    reach = 2 * (collar.half_width + collar.dorsal + collar.palmar)
+    return intersection(outline, eye_profile(joint, reach), Box((-reach, low_y, -reach), (reach, reach, reach)))
+
+
+def _stop_top_y(design: DesignTables, joint: Joint) -> float:
+    """Dorsal end of the stop of the straight finger. Cheeks end beside the gap, or where they would be an edge."""
+    collar = design.dimensions.collar
+    if not joint.is_fork:
+        return collar.section.dorsal
+    blunt = design.dimensions.blunt_up_to_y(joint.half_width, -design.bone.collar_length_mm / 2, collar)
+    return collar.section.dorsal_height_at(joint.half_width) if blunt is None else blunt
 
 
 def space(design: DesignTables, joint: Joint) -> Solid:
@@ -247,11 +275,14 @@ def space(design: DesignTables, joint: Joint) -> Solid:
     # The window of a folded tail lies above the gap, and opens into it.
     top = max(high, dims.fold.window_low_z + TANGENT_STEP_MM) if dims.fold else high
     gap: Solid = Box((-half, -reach, low), (half, reach, top))
-    edges: tuple[Solid, ...] = ()
+    edges: list[Solid] = []
+    from_z = low if dims.stops_top_z is None else dims.stops_top_z
     if (blunt := dims.blunt_up_to_y(half, 0.0)) is not None:
         # Beside the window of a folded tail the cheeks are lower still.
         low_y, end_z = (min(blunt, dims.cheek_top_y), dims.fold.nose_z) if dims.fold else (blunt, top)
-        edges = (Box((-reach, low_y, low), (reach, reach, end_z)),)
+        edges.append(Box((-reach, low_y, from_z), (reach, reach, end_z)))
+    if from_z > low:
+        edges.append(Box((-reach, _stop_top_y(design, joint), low), (reach, reach, from_z)))
     if dims.fold and half > dims.tail_half_width:
         # The window is narrower than the gap. A fillet of the step weakens the cheeks less; its axis is the edge of the
         # hand's tongue, so that all of the clearance remains.
@@ -336,6 +367,5 @@ def _eye_thickness(dims: Dimensions, joint: Joint) -> float:
     """Thickness [mm] of both cheeks beside the pin, or of the tongue."""
     if not joint.is_fork:
         return 2 * joint.half_width
-    section = dims.bone_outline.section
     edges = (joint.axis_y - joint.pin_radius, joint.axis_y + joint.pin_radius)
-    return 2 * (min(section.half_width_at(y) for y in edges) - joint.half_width)
+    return 2 * (min(dims.eyes.half_width_at(y) for y in edges) - joint.half_width)

@@ -40,7 +40,8 @@ STRAIGHT_FINGER = (
     "skin.crown_radius_mm=0 bone.platform_mm=0 skin.semi_axis_palmar_mm=6.6 skin.pulp_fullness=0.8845 "
     "bone.palmar_fullness=0.96 skin.thickness_side_mm=1.75 skin.thickness_tip_mm=2.5 skin.thickness_palmar_mm=3.4 "
     "sensor.distance_from_tip_mm=9.5 hand.tendon_distance_mm=4.95 bone.anchor_diameter_mm=1.2 "
-    "hand.clearance_radius_mm=3.5 bone.base_length_mm=10 bone.collar_length_mm=6 mold.recess_length_mm=7.2"
+    "hand.clearance_radius_mm=3.5 hand.axis_height_mm=7.6 bone.base_length_mm=10 bone.collar_length_mm=6 "
+    "mold.recess_length_mm=7.2"
 )
 """The same fingers with a straight pad, whose tape and vents differ."""
 CALIBRATED_CURVE = (

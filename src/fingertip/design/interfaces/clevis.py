@@ -122,7 +122,7 @@ class Clevis(JointInterface):
         if joint.travel_deg:
             # The stop pushes the finger away from the hand, and the pin holds it, besides the load itself. The pressure
             # on the stop grows outwards, so its force acts at two thirds of the length.
-            lever = 2 / 3 * (_stop_top_y(design, joint) - joint.axis_y)
+            lever = 2 / 3 * stop_height_mm(design)
             pull = (load_z - joint.axis_z) / lever + 1.0
             width, bore = 2 * joint.eye_radius, 2 * joint.pin_radius
             modulus = PRINT_MATERIALS[design.strength.print_material].modulus_mpa
@@ -163,8 +163,26 @@ class Clevis(JointInterface):
             sizes.append(
                 Length("height of the joint axis", STEP, "front", "left", "y", (across, 0.0, z), pin, is_reference=True)
             )
+        if (top := design.dimensions.stops_top_z) is not None:
+            sizes += self._stop_sizes(design, joint, top)
         if anchor := design.dimensions.anchor:
             sizes += self._anchor_sizes(design, anchor, (across, anchor.y, anchor.z), pin)
+        return sizes
+
+    def _stop_sizes(self, design: DesignTables, joint: Joint, top: float) -> list[Size]:
+        """List the sizes of the eyes outside the mold, and of their stops."""
+        half, y, foot = design.dimensions.collar.section.half_width, joint.axis_y, -design.bone.collar_length_mm
+        bore = joint.axis_z - joint.pin_radius
+        sizes: list[Size] = [
+            Length("groove between collar and joint", INNER, "front", "above", "z", (half, 0.0, foot), (half, 0.0, top),
+                   clearance(joint.clearance), "narrow: sand the side of the joint, the mold's end lies in it"),
+            Length("edge of the bore to the straight stop", OUTER, "front", "above", "z", (half, y, bore),
+                   (half, y, joint.low_z), general(bore - joint.low_z),
+                   "long: file both flats alike; short: it stops too late, print again"),
+        ]  # fmt: skip
+        if joint.is_fork:
+            at = (0.0, joint.axis_z)
+            sizes.append(Length("width across the eyes", OUTER, "end", "above", "x", (half, *at), (-half, *at)))
         return sizes
 
     def _anchor_sizes(self, design: DesignTables, anchor: TendonAnchor, at: Point3, pin: Point3) -> list[Size]:
@@ -176,7 +194,8 @@ class Clevis(JointInterface):
         under = anchor.y - anchor.radius - design.printer.min_wall_mm / 2
         return [
             Circle("hole of the tendon's anchor", INNER, "front", "x", at, anchor.radius,
-                   clearance(_PIN_PLAY_MM - design.printer.offset_mm), "narrow: ream it until the pin turns"),
+                   clearance(_PIN_PLAY_MM - design.printer.offset_mm),
+                   f"narrow: ream it to {design.bone.anchor_diameter_mm:.1f} mm; wide: take a thicker pin"),
             Length("anchor to joint axis", STEP, "front", "right", "y", at, pin, is_reference=True),
             Length("skin's end to the anchor's axis", BEHIND_FACE, "front", "below", "z", (at[0], at[1], 0.0), at,
                    None, _WRONG_PLACE),
@@ -254,6 +273,12 @@ def _stop_top_y(design: DesignTables, joint: Joint) -> float:
         return collar.section.dorsal
     blunt = design.dimensions.blunt_up_to_y(joint.half_width, -design.bone.collar_length_mm / 2, collar)
     return collar.section.dorsal_height_at(joint.half_width) if blunt is None else blunt
+
+
+def stop_height_mm(design: DesignTables) -> float:
+    """Height of the stop of the straight finger above the pin's axis; 0 without a joint."""
+    joint = design.dimensions.joint
+    return _stop_top_y(design, joint) - joint.axis_y if joint else 0.0
 
 
 def space(design: DesignTables, joint: Joint) -> Solid:

@@ -49,7 +49,7 @@ from fingertip.design.geometry.features import END_ROOM_MM
 from fingertip.design.geometry.mold_layout import size_clamp_bolts
 from fingertip.design.geometry.seat import min_skin_thickness, sleeve_inset_mm, worst
 from fingertip.design.interfaces import INTERFACES, interface_of
-from fingertip.design.interfaces.clevis import tendon_force_per_n
+from fingertip.design.interfaces.clevis import stop_height_mm, tendon_force_per_n
 from fingertip.documents.template import lay_out_page, render, render_rows
 from fingertip.filling.mold_filling import MAX_AIR_MM3, injected_cm3, predict_mold_filling
 from fingertip.filling.vents import find_pose, place_vents
@@ -80,6 +80,8 @@ def casting_sheet_data(
     joint = {
         "pin_mm": hand.pin_diameter_mm, "play_mm": round(2 * design.bone.joint_clearance_mm, 2),
         "travel_deg": hand.travel_deg, "tendon_distance_mm": hand.tendon_distance_mm,
+        "knuckle": hand.knuckle, "hand_mm": hand.width_mm, "radius_mm": hand.clearance_radius_mm,
+        "stop_mm": round(stop_height_mm(design), 1),
         "anchor_hole_mm": round(design.bone.anchor_diameter_mm, 1),
         "tendon_force_n": round(design.strength.grip_force_n * tendon_force_per_n(design, design.skin.length_mm)),
     }  # fmt: skip

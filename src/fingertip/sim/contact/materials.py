@@ -38,14 +38,19 @@ class SurfaceTable(ParameterTable):
     """Surface of one's own, in place of the named one; 0, "" and "named" keep the value of that one."""
 
     material: str = text("", "What it is, for reports.", pattern=r"^[^\x00-\x1f]{0,80}$", allowed="up to 80 characters")
-    static_friction: float = quantity(0.0, "", (0, 3), "Static coefficient of friction, from which the pad slides.")
+    static_friction: float = quantity(
+        0.0, "", (0, 3), "Static coefficient of friction; below 1.3 times the kinetic one."
+    )
     kinetic_friction: float = quantity(0.0, "", (0, 3), "Kinetic coefficient of friction, at high speed.")
     stribeck_m_s: float = quantity(0.0, "m/s", (0, 1), "Speed at which half of the drop between them has happened.")
     roughness_um: float = quantity(
         0.0, "um", (0, 100), "Arithmetic mean deviation Ra of the heights, of waves of up to longest_wave_mm."
     )
     longest_wave_mm: float = quantity(
-        0.0, "mm", (0, 25), "Longest wave that counts as roughness; ISO 4288: 0.8 for Ra of 0.1 to 2 um, 2.5 to 10 um."
+        0.0,
+        "mm",
+        (0, 25),
+        "Longest wave of the roughness, see ISO 4288. Its spectrum goes on to four times this.",
     )
     hurst: float = quantity(
         0.0, "", (0, 1), "Exponent H of the roughness: the height of a wave grows with its length to the power H."
@@ -137,10 +142,12 @@ def _complete(name: str, table: SurfaceTable) -> SurfaceTable:
     return _FILES[name].surface.model_copy(update=changed)
 
 
-def find_surface_issues(field: str, name: str, table: SurfaceTable, path_m: float) -> Iterator[tuple[Issue, set[str]]]:
+def find_surface_issues(
+    field: str, name: str, table: SurfaceTable, path_field: str, path_m: float
+) -> Iterator[tuple[Issue, set[str]]]:
     """Yield why a surface cannot be, with the names of the parameters that each reason reads.
 
-    `field` names the parameter that holds the name; `path_m` is the length of the slide [m].
+    `field` names the parameter that holds the name, `path_field` that of the length of the slide, `path_m` [m].
     """
     if name not in SURFACES:
         yield Issue(field, f"{name!r} is not known; {suggest_name(name, list(SURFACES))}"), {field}
@@ -157,9 +164,9 @@ def find_surface_issues(field: str, name: str, table: SurfaceTable, path_m: floa
     if full.profile_um and not full.profile_step_um:
         yield Issue("surface.profile_step_um", "0 leaves the profile without a length; choose one, such as 5."), fields
     elif full.profile_um and (length_m := 1e-6 * full.profile_step_um * (len(full.profile_um) - 1)) < path_m:
-        least = round_up(1e6 * path_m / max(1, len(full.profile_um) - 1))
         message = f"{1000 * length_m:.4g} mm of profile are shorter than the path of {1000 * path_m:g} mm; measure more"
-        yield Issue("surface.profile_um", f"{message}, or set surface.profile_step_um={least:g}."), fields
+        issue = Issue("surface.profile_um", f"{message}, or set {path_field}={round_down(length_m):g}.")
+        yield issue, {*fields, path_field}
 
 
 def find_pitch_issues(name: str, table: SurfaceTable, speed_m_s: float, rate_hz: float) -> Iterator[Issue]:

@@ -191,7 +191,9 @@ class SceneFile(PathTables, _SceneTables):
             message = f"{hold.min_force_n:g} N is above hold.max_force_n; at most {hold.max_force_n:.12g} N."
             yield Issue("hold.min_force_n", message), {"hold.min_force_n", "hold.max_force_n"}
         yield from find_converter_issues(self.converter)
-        yield from find_surface_issues("contact.surface", self.contact.surface, self.surface, slide.distance_m)
+        yield from find_surface_issues(
+            "contact.surface", self.contact.surface, self.surface, "slide.distance_m", slide.distance_m
+        )
         if slide.distance_m > self.contact.length_m:
             message = f"{slide.distance_m:g} m is longer than contact.length_m; at most {self.contact.length_m:.12g} m."
             yield Issue("slide.distance_m", message), {"slide.distance_m", "contact.length_m"}
@@ -366,7 +368,9 @@ class ManipulationFile(PathTables, _ManipulationTables):
         """Yield each broken rule between parameters, with the names of the parameters it reads."""
         yield from super().find_rule_issues()
         grasp, knock = self.grasp, self.knock
-        yield from find_surface_issues("object.surface", self.object.surface, self.surface, self.object.length_m)
+        yield from find_surface_issues(
+            "object.surface", self.object.surface, self.surface, "object.length_m", self.object.length_m
+        )
         if grasp.min_margin > grasp.max_margin:
             message = f"{grasp.min_margin:g} is above grasp.max_margin; at most {grasp.max_margin:.12g}."
             yield Issue("grasp.min_margin", message), {"grasp.min_margin", "grasp.max_margin"}

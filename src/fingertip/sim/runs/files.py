@@ -70,7 +70,7 @@ class Hold(ParameterTable):
     )
     max_force_n: float = quantity(2.0, "N", (0.001, 4), "Upper limit; the lift of 5 cm ends contacts of up to 4 N.")
     share: float = quantity(
-        1.0, "", (Above(0), 1), "Fraction of a grasp's force on this finger: thumb 1, each of two opposing fingers 0.5."
+        1.0, "", (0.001, 1), "Fraction of a grasp's force on this finger: thumb 1, each of two opposing fingers 0.5."
     )
     close_s: float = assumption(0.4, "s", (0.02, 10), "Time in which the force of a grasp rises.")
     wait_s: float = quantity(1.0, "s", (0, 60), "Wait between the phases (article, III.C).")

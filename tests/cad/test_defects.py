@@ -36,7 +36,7 @@ BOXY = [
 WIDE = ["mold.filling=gravity", "skin.width_mm=34", "skin.pulp_fullness=0.95", "printer.surface_error_mm=0"]
 THIN = ["mold.filling=gravity", "silicone.product=sylgard_184"]
 SHRINKING = [*SLEEVE, "mold.silicone_shrinkage_percent=1.2"]
-TONGUE = ["hand.knuckle=fork", "bone.base_length_mm=14.4", "strength.min_shock_factor=0"]
+TONGUE = ["hand.knuckle=fork", "bone.base_length_mm=14.9", "strength.min_shock_factor=0"]
 THICK = [
     "sensor.model=custom", "custom_sensor.thickness_mm=1.2", "sensor.adhesive_thickness_mm=0.5",
     "mold.chaplet_screw=M1.6", "mold.chaplet_diameter_mm=5",
@@ -236,7 +236,9 @@ DEFECTS = {
         {"sensor.tail_clearance", "overlap.bone.sensor"}, design="fsr400_compact",
     ),
     "eyes so large that they block the travel": Defect(
-        clevis, "eye_profile", lambda _, joint, reach: EYE(replace(joint, clearance=-0.5), reach),
+        clevis, "eye_profile", lambda eye, joint, reach: clevis.union(
+            eye, clevis.cylinder("x", (joint.axis_y, joint.axis_z), -reach, reach, joint.radius + 0.5)
+        ),
         {"joint.travel_overlap"}, design="adult_finger",
     ),
     "missing stops": Defect(

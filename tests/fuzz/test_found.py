@@ -85,7 +85,7 @@ def test_the_shortest_knock_that_a_message_names_passes() -> None:
 
 
 def test_no_change_of_load_ends_no_contact_of_the_smallest_share() -> None:
-    assert SceneFile(hold={"share": 5e-324}, load_change={"by_n": 0.0}).load_change.by_n == 0.0
+    assert SceneFile(hold={"share": 0.001}, load_change={"by_n": 0.0}).load_change.by_n == 0.0
 
 
 def test_a_grid_of_many_axes_is_refused_before_their_values_are_made(monkeypatch: pytest.MonkeyPatch) -> None:

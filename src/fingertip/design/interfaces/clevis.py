@@ -256,14 +256,21 @@ def _beside_stops_deg(joint: Joint) -> tuple[tuple[float, float], ...]:
 
 
 def _stops(design: DesignTables, joint: Joint, top: float) -> Solid:
-    """Build eyes and stops as wide and high as the collar, outside the mold; a blunt toe ends the palmar stop."""
-    collar = design.dimensions.collar.section
+    """Build eyes and stops as wide and high as the collar, outside the mold.
+
+    The stop of the bent finger is as wide as the base at its flat, down to its blunt toe: it stands out of the outline.
+    """
+    dims, collar = design.dimensions, design.dimensions.collar.section
+    section = dims.bone_outline.section
     outline = SuperconicSolid(ConicBody(collar, ((joint.low_z - joint.radius, 1.0), (top, 1.0))))
+    half = min(section.half_width_at(joint.axis_y), section.half_width_at(-dims.base_flat_depth))
+    below = Box((-half, -collar.palmar, joint.low_z - 1.0), (half, joint.axis_y, top))
     angle, toe_z = math.radians(joint.travel_deg), top - design.bone.wall_mm - joint.axis_z
     toe_y = joint.axis_y - (joint.radius + toe_z * math.cos(angle)) / math.sin(angle)
     low_y = max(-collar.palmar, toe_y)
     reach = 2 * (collar.half_width + collar.dorsal + collar.palmar)
-    return intersection(outline, eye_profile(joint, reach), Box((-reach, low_y, -reach), (reach, reach, reach)))
+    within = Box((-reach, low_y, -reach), (reach, reach, reach))
+    return intersection(union(outline, below), eye_profile(joint, reach), within)
 
 
 def _stop_top_y(design: DesignTables, joint: Joint) -> float:

@@ -309,9 +309,8 @@ def test_errors_of_the_time_step_cost_nothing_unless_asked_for(monkeypatch: pyte
     plan = make_plan(outputs=["found_share"], trials=1, scene=SHORT_SLIDE, axes=axes)
     PointEvaluator(plan).evaluate(0, plan.point(0))
     assert (calls["detection"], calls["simulation"]) == (1, 0)
-    plan = make_plan(
-        outputs=errors, scene=SHORT_SLIDE, axes=axes, detector="digital"
-    )  # `fast` decides on single samples
+    # Not `fast`, which decides on single samples.
+    plan = make_plan(outputs=errors, scene=SHORT_SLIDE, axes=axes, detector="digital")
     _, status, _, reason, outputs = PointEvaluator(plan).evaluate(0, plan.point(0))
     assert (status, reason) == ("ok", "")
     assert (calls["detection"], calls["simulation"]) == (1, 1)

@@ -174,7 +174,8 @@ def _stop_length(design: DesignTables, joint: Joint, angle_deg: float) -> float:
     dims, angle = design.dimensions, math.radians(angle_deg)
     palmar, proximal = joint.radius * math.sin(angle), joint.radius * math.cos(angle)
     across, along = max(math.cos(angle), _MIN_SLOPE), max(math.sin(angle), _MIN_SLOPE)
-    top = min(-design.mold.recess_length_mm, joint.shoulder_z) - joint.clearance - design.bone.wall_mm - joint.axis_z
+    assert dims.stops_top_z is not None
+    top = dims.stops_top_z - design.bone.wall_mm - joint.axis_z  # of the blunt toe
     in_base = (dims.base_flat_depth + joint.axis_y - palmar) / across
     in_chin = min((dims.collar.section.palmar + joint.axis_y - palmar) / across, (top + proximal) / along)
     return max(in_base, in_chin)

@@ -47,10 +47,7 @@ class SurfaceTable(ParameterTable):
         0.0, "um", (0, 100), "Arithmetic mean deviation Ra of the heights, of waves of up to longest_wave_mm."
     )
     longest_wave_mm: float = quantity(
-        0.0,
-        "mm",
-        (0, 25),
-        "Longest wave of the roughness, see ISO 4288. Its spectrum goes on to four times this.",
+        0.0, "mm", (0, 25), "Longest wave of the roughness, see ISO 4288. Its spectrum goes on to four times this."
     )
     hurst: float = quantity(
         0.0, "", (0, 1), "Exponent H of the roughness: the height of a wave grows with its length to the power H."

@@ -1,4 +1,4 @@
-"""What holds a finger: the mass that moves with it, on the stiffness of a robot arm, a hand or a bench.
+"""Mounts of a finger: the mass that moves with it, on the stiffness of a robot arm, a hand or a bench.
 
 Each kind has its figures with their source. A scene selects one, and may replace any of its figures.
 """
@@ -27,7 +27,7 @@ MOUNTS: Mapping[str, Backing] = {
 
 
 class MountTable(ParameterTable):
-    """What holds the finger; 0 keeps the figure of its kind."""
+    """Mount of the finger; 0 keeps the figure of its kind."""
 
     kind: Literal["robot_arm", "prosthetic_hand", "human_hand", "bench"] = choice(
         "robot_arm", "robot_arm: as in the article's trials; prosthetic_hand, human_hand, or bench: a clamped finger."

@@ -18,7 +18,7 @@ from fingertip.cad.verification.check import search_distance
 from fingertip.design import Design
 from fingertip.design.geometry.seat import find_losses, min_skin_thickness, worst
 from fingertip.design.geometry.solids import Box, cylinder, difference, scaled, union
-from fingertip.design.interfaces import INTERFACES, clevis
+from fingertip.design.interfaces import INTERFACES, clevis_solids
 from fingertip.foundation.errors import DesignError
 from tests.cad.part_checks import SLEEVE, SOCKET, TOLERANCE, failed_checks, run_checks
 
@@ -41,7 +41,7 @@ THICK = [
     "sensor.model=custom", "custom_sensor.thickness_mm=1.2", "sensor.adhesive_thickness_mm=0.5",
     "mold.chaplet_screw=M1.6", "mold.chaplet_diameter_mm=5",
 ]  # fmt: skip
-ADD_DRAFT, EYE, SPACE = mold.add_draft, clevis.eye_profile, clevis.space
+ADD_DRAFT, EYE, SPACE = mold.add_draft, clevis_solids.eye_profile, clevis_solids.space
 
 
 @dataclass(frozen=True)
@@ -236,21 +236,22 @@ DEFECTS = {
         {"sensor.tail_clearance", "overlap.bone.sensor"}, design="fsr400_compact",
     ),
     "eyes so large that they block the travel": Defect(
-        clevis, "eye_profile", lambda eye, joint, reach: clevis.union(
-            eye, clevis.cylinder("x", (joint.axis_y, joint.axis_z), -reach, reach, joint.radius + 0.5)
+        clevis_solids, "eye_profile", lambda eye, joint, reach: clevis_solids.union(
+            eye, clevis_solids.cylinder("x", (joint.axis_y, joint.axis_z), -reach, reach, joint.radius + 0.5)
         ),
         {"joint.travel_overlap"}, design="adult_finger",
     ),
     "missing stops": Defect(
-        clevis, "eye_profile", lambda _, joint, reach: EYE(replace(joint, travel_deg=0.0), reach),
+        clevis_solids, "eye_profile", lambda _, joint, reach: EYE(replace(joint, travel_deg=0.0), reach),
         {"joint.stop_straight_overlap", "joint.stop_bent_overlap"}, design="adult_finger",
     ),
     "missing notch of the tendon": Defect(
-        clevis, "notch", lambda _, design, anchor: clevis.pin_bore(design.dimensions.joint, 1.0),
+        clevis_solids, "notch", lambda _, design, anchor: clevis_solids.pin_bore(design.dimensions.joint, 1.0),
         {"joint.tendon_overlap"}, TONGUE, "adult_finger",
     ),
     "narrow joint": Defect(
-        clevis, "space", lambda _, design, joint: SPACE(design, replace(joint, half_width=joint.half_width - 0.2)),
+        clevis_solids, "space",
+        lambda _, design, joint: SPACE(design, replace(joint, half_width=joint.half_width - 0.2)),
         {"joint.clearance"}, design="adult_finger",
     ),
 }  # fmt: skip

@@ -22,7 +22,7 @@ from fingertip.cad.verification.walls import MEASURED, find_thin_walls
 from fingertip.design import Design
 from fingertip.design.geometry.features import Joint
 from fingertip.design.geometry.solids import Point3, Solid
-from fingertip.design.interfaces.clevis import knuckle
+from fingertip.design.interfaces.clevis_solids import knuckle
 from fingertip.foundation.display import Picture
 from fingertip.foundation.numerics import Array
 from fingertip.pictures.raster import Camera, Canvas, Colour, Pen, bounds, to_png

@@ -45,7 +45,7 @@ from fingertip.design.geometry.solids import (
     scaled,
     union,
 )
-from fingertip.design.interfaces.clevis import eye_profile, knuckle, pin_bore, space
+from fingertip.design.interfaces.clevis_solids import eye_profile, knuckle, pin_bore, space
 from fingertip.filling.vents import place_vents
 
 if TYPE_CHECKING:

@@ -49,7 +49,8 @@ from fingertip.design.geometry.features import END_ROOM_MM
 from fingertip.design.geometry.mold_layout import size_clamp_bolts
 from fingertip.design.geometry.seat import min_skin_thickness, sleeve_inset_mm, worst
 from fingertip.design.interfaces import INTERFACES, interface_of
-from fingertip.design.interfaces.clevis import stop_height_mm, tendon_force_per_n
+from fingertip.design.interfaces.clevis import tendon_force_per_n
+from fingertip.design.interfaces.clevis_solids import stop_height_mm
 from fingertip.documents.template import lay_out_page, render, render_rows
 from fingertip.filling.mold_filling import MAX_AIR_MM3, injected_cm3, predict_mold_filling
 from fingertip.filling.vents import find_pose, place_vents

@@ -19,6 +19,7 @@ from fingertip.design.geometry.dimensions import Dimensions
 from fingertip.design.geometry.features import Joint, TendonAnchor
 from fingertip.design.geometry.sizes import (
     ARROW_DEG,
+    BEFORE_FACE,
     BEHIND_FACE,
     FINISHED,
     INNER,
@@ -31,6 +32,7 @@ from fingertip.design.geometry.sizes import (
     bore,
     clearance,
     general,
+    size_text,
 )
 from fingertip.design.geometry.solids import Point3, cylinder
 from fingertip.design.interfaces import clevis_solids
@@ -145,6 +147,18 @@ class Clevis(JointInterface):
             Length(place, INNER if joint.is_fork else OUTER, "end", "below", "x", (half, y, z), (-half, y, z),
                    clearance(2 * joint.clearance - design.printer.offset_mm), remedy),
         ]  # fmt: skip
+        if joint.is_fork:
+            beside = z - (joint.pin_radius + joint.eye_radius) / 2
+            sizes.append(
+                Length("thickness of each eye beside the bore", OUTER, "end", "below", "x", (half, y, beside),
+                       (design.dimensions.eyes.half_width_at(y), y, beside))
+            )  # fmt: skip
+        if joint.foot:
+            corner = (across, y - joint.eye_radius - joint.foot, joint.shoulder_z - joint.foot)
+            sizes.append(
+                Circle("fillet at the root of the eyes", BEFORE_FACE, "front", "x", corner, joint.foot, is_radius=True,
+                       hidden_deg=((88.0, 420.0),))
+            )  # fmt: skip
         if abs(y) > 1e-6:
             sizes.append(
                 Length("height of the joint axis", STEP, "front", "left", "y", (across, 0.0, z), pin, is_reference=True)
@@ -165,11 +179,24 @@ class Clevis(JointInterface):
             Length("edge of the bore to the straight stop", OUTER, "front", "above", "z", (half, y, bore),
                    (half, y, joint.low_z), general(bore - joint.low_z),
                    "long: file both flats alike; short: it stops too late, print again"),
+            Length("height of the eyes", OUTER, "end", "left", "y",
+                   (joint.half_width, clevis_solids.stop_toe_y(design, joint, top), joint.low_z),
+                   (joint.half_width, clevis_solids.stop_top_y(design, joint), joint.low_z)),
         ]  # fmt: skip
         if joint.is_fork:
             at = (0.0, joint.axis_z)
             sizes.append(Length("width across the eyes", OUTER, "end", "above", "x", (half, *at), (-half, *at)))
         return sizes
+
+    def notes(self, design: DesignTables) -> tuple[str, ...]:
+        joint = _joint_of(design)
+        if not joint.travel_deg:
+            return ()
+        away = size_text(joint.radius - joint.pin_radius)
+        return (
+            f"Flat of the bent stop: {away} from the edge of the bore like the straight",
+            f"one, and turned towards the palm by {joint.travel_deg:g} degrees.",
+        )
 
     def _anchor_sizes(self, design: DesignTables, anchor: TendonAnchor, at: Point3, pin: Point3) -> list[Size]:
         """List place and size of the anchor's hole, and the two lengths that hold its pin."""
@@ -197,12 +224,16 @@ class Clevis(JointInterface):
         ]  # fmt: skip
 
     def _thinner_by(self, design: DesignTables, place: str, size: float, carrying: float) -> Tolerance:
-        """Find how much shorter a size may be, of which a part carries, for the safety factor at the grip."""
+        """Find how much shorter a size may be, of which a part carries, for the safety factor at the grip.
+
+        The wall could lose far more than prints err: the general tolerance is the limit then.
+        """
         strength = design.strength
         allowed = PRINT_MATERIALS[strength.print_material].strength_along_finger(strength.print_direction)
         stresses = {found.place: found.stress_per_n for found in self.local_stresses(design, design.skin.length_mm)}
         needed = carrying * stresses[place] * strength.grip_force_n * strength.min_grip_factor / allowed
-        return Tolerance(min(needed - size, 0.0), general(size).high)
+        usual = general(size)
+        return Tolerance(min(max(needed - size, usual.low), 0.0), usual.high)
 
     def bolts(self, design: DesignTables) -> list[dict[str, Any]]:
         """List the pin, and what holds the tendon."""

@@ -34,12 +34,16 @@ def stops(design: DesignTables, joint: Joint, top: float) -> Solid:
     outline = SuperconicSolid(ConicBody(collar, ((joint.low_z - joint.radius, 1.0), (top, 1.0))))
     half = min(section.half_width_at(joint.axis_y), section.half_width_at(-dims.base_flat_depth))
     below = Box((-half, -collar.palmar, joint.low_z - 1.0), (half, joint.axis_y, top))
+    reach = 2 * (collar.half_width + collar.dorsal + collar.palmar)
+    within = Box((-reach, stop_toe_y(design, joint, top), -reach), (reach, reach, reach))
+    return intersection(union(outline, below), eye_profile(joint, reach), within)
+
+
+def stop_toe_y(design: DesignTables, joint: Joint, top: float) -> float:
+    """Palmar end of the stop of the bent finger, which is a wall thick there."""
     angle, toe_z = math.radians(joint.travel_deg), top - design.bone.wall_mm - joint.axis_z
     toe_y = joint.axis_y - (joint.radius + toe_z * math.cos(angle)) / math.sin(angle)
-    low_y = max(-collar.palmar, toe_y)
-    reach = 2 * (collar.half_width + collar.dorsal + collar.palmar)
-    within = Box((-reach, low_y, -reach), (reach, reach, reach))
-    return intersection(union(outline, below), eye_profile(joint, reach), within)
+    return max(-design.dimensions.collar.section.palmar, toe_y)
 
 
 def stop_top_y(design: DesignTables, joint: Joint) -> float:

@@ -10,7 +10,7 @@ from fingertip.catalogues.hardware import select_thread
 from fingertip.design.formulas.stress import LocalStress, StressFactors, at_foot
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.foot import conic_foot, flat_foot, foot_line
-from fingertip.design.geometry.sizes import INNER, OUTER, STEP, Circle, Length, Size
+from fingertip.design.geometry.sizes import BEFORE_FACE, INNER, OUTER, STEP, Circle, Length, Size
 from fingertip.design.geometry.solids import Box, cylinder, intersection
 from fingertip.design.interfaces.interface import (
     MATING_PLAY_MM,
@@ -63,7 +63,8 @@ class Flange(JointInterface):
     def sizes(self, design: DesignTables) -> list[Size]:
         bone, y, end = design.bone, middle_y(design.dimensions), -design.bone.base_length_mm
         x, half, rows = bone.flange_width_mm / 2, bone.flange_height_mm / 2, bone.flange_spacing_y_mm / 2
-        hole_x, top = bone.flange_spacing_x_mm / 2, end + bone.flange_thickness_mm
+        hole_x, top, radius = bone.flange_spacing_x_mm / 2, end + bone.flange_thickness_mm, bone.foot_radius_mm
+        corner = (0.0, -design.dimensions.base_flat_depth - radius, top + radius)
         sizes: list[Size] = [
             base_length_size(design),
             Length("width of the flange", OUTER, "end", "below", "x", (x, y - half, end), (-x, y - half, end)),
@@ -74,6 +75,8 @@ class Flange(JointInterface):
             Circle("bolt holes of the flange", INNER, "end", "z", (hole_x, y + rows, end),
                    bone.flange_hole_diameter_mm / 2, bolt_clearance(design, bone.flange_hole_diameter_mm),
                    count=self.genus(design)),
+            Circle("fillet at the root of the base", BEFORE_FACE, "front", "x", corner, radius, is_radius=True,
+                   hidden_deg=((178.0, 452.0),)),
         ]  # fmt: skip
         if rows:
             low, high = (-hole_x, y - rows, end), (-hole_x, y + rows, end)

@@ -63,6 +63,10 @@ class JointInterface:
         """List the sizes for the drawing of the bone."""
         raise NotImplementedError
 
+    def notes(self, design: DesignTables) -> tuple[str, ...]:
+        """List what the drawing of the bone states in words."""
+        return ()
+
     def features(self, design: DesignTables) -> Iterator[tuple[str, tuple[float, float]]]:
         """Yield what a picture of the section names, with (z, y) of a point on it."""
         yield from ()

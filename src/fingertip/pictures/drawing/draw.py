@@ -38,7 +38,10 @@ def part_drawings(design: Design) -> tuple[PartDrawing, ...]:
 
 
 def _notes(design: Design, drawing: PartDrawing) -> tuple[str, ...]:
-    notes = [f"Curved surfaces and all other sizes: see {drawing.part}.step."]
+    notes = [f"Curved surfaces and all other sizes: see {drawing.part}.step.", *drawing.notes]
+    if design.mold.draft_deg and drawing.part.startswith(("mold", "bone", "core")):
+        drafted = "Recess, keys and sockets" if drawing.part.startswith("mold") else "The collar's foot"
+        notes.append(f"{drafted}: {design.mold.draft_deg:g} degrees of draft from the parting plane.")
     if drawing.part.startswith("mold") and design.mold.engraving_depth_mm:
         notes.append("Engraved text is not shown.")
     offset, scale = design.printer.offset_mm, design.printer.scale_percent

@@ -100,7 +100,8 @@ def dorsal_drawing(design: Design) -> PartDrawing:
 def _common_sizes(design: Design, plan: ViewName, outer: float) -> list[Size]:
     m, mold, dims = design.mold_layout, design.mold, design.dimensions
     x, (low, high) = max(m.bolts)[0], sorted({z for _, z in m.bolts})
-    collar, foot = recess_half_width(design, of_collar=True), -design.bone.collar_length_mm
+    collar = recess_half_width(design, of_collar=True)
+    foot = -design.bone.collar_length_mm - mold.fit_clearance_mm * math.hypot(1.0, dims.draft_slope)
     recess, skin = recess_half_width(design), dims.outer.section.half_width * dims.shrinkage
     bolt = mold.bolt_diameter_mm
     bolt_tolerance = clearance(bolt - design.printer.offset_mm - select_thread(bolt).diameter_mm)
@@ -118,6 +119,8 @@ def _common_sizes(design: Design, plan: ViewName, outer: float) -> list[Size]:
                "narrow: scrape it until the taped collar drops in; wide: lay a second layer of tape there"),
         Length("proximal face to the skin's end", OUTER, plan, "above", "z", (skin, 0.0, m.proximal_z),
                (skin, 0.0, 0.0)),
+        Length("step in the recess to the skin's end, at the parting plane", STEP, plan, "above", "z",
+               (collar, 0.0, foot), (skin, 0.0, 0.0)),
         Length("width of the cavity", INNER, plan, "right", "x", (skin, 0.0, 0.0), (-skin, 0.0, 0.0), None,
                f"{SCALE_REMEDY}: skin and play in the mold follow from it"),
         Length("spacing of the bolts, across", STEP, plan, "right", "x", (x, 0.0, high), (-x, 0.0, high),

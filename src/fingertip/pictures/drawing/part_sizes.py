@@ -50,7 +50,8 @@ def bone_drawing(design: Design) -> PartDrawing:
         *_chaplet_sizes(design, pilot, "bone", (0.0, -dims.platform_depth, pocket_end)),
         *interface.sizes(design),
     ]
-    return PartDrawing("bone", "Bone", "palmar", _material(design), tuple(sizes), _pilot_axis(pilot))
+    axes, notes = _pilot_axis(pilot), interface.notes(design)
+    return PartDrawing("bone", "Bone", "palmar", _material(design), tuple(sizes), axes, notes)
 
 
 def core_drawing(design: Design) -> PartDrawing:

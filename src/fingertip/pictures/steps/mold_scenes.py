@@ -209,11 +209,17 @@ def bolt(bench: Bench, data: Data) -> Scene:
 def open_(bench: Bench, data: Data) -> Scene:
     """Show the halves apart, and the casting with what is cut off."""
     m, apart = bench.layout, 1.3 * bench.apart_mm
-    pushed = "core" if bench.insert == "core" else "finger"
-    labels = [Label(f"push the {pushed} out\nhere, on the base", (0.0, 0.0, m.proximal_z - 1.0))]
+    section, text = bench.dims.bone_outline.section, "push the core out\nhere, on the base"
+    if bench.insert == "bone":
+        section, text = bench.dims.eyes, "push the finger out\nhere, on the base"
+        if data["joint"] and data["joint"]["travel_deg"]:
+            text = "lay wood across the joint\nhere, and lift the finger"
+    labels = [Label(text, (section.half_width, 0.0, m.proximal_z - 1.0))]
     if m.inlet:
         labels.append(Label("cut the runner\nflush here", (m.inlet.gate_x, 0.3, m.inlet.gate_z)))
-    labels += [Label("cut the vent stub", vent.point_mm) for vent in place_vents(bench.design)]
+    for vent in place_vents(bench.design):
+        hidden = vent.kind == "side" and vent.point_mm[0] < 0.0  # the camera looks at the side of the runner
+        labels.append(Label("cut the vent stub" + ("\non the far side" if hidden else ""), vent.point_mm))
     return Scene(
         (
             bench.part("mold_dorsal", (0.0, apart, 0.0)), bench.part("mold_palmar", (0.0, -apart, 0.0)),

@@ -233,18 +233,17 @@ def peel_tape(bench: Bench, data: Data) -> Scene:
     return Scene(shown, View.DORSAL, *labels)
 
 
-def _on_hand(bench: Bench) -> tuple[tuple[Shown, ...], list[Point3]]:
-    """Show the finger on the hand, straight and bent; return also the dorsal edge of the hand in both places."""
+def _on_hand(bench: Bench, *, finished: bool) -> tuple[tuple[Shown, ...], list[float]]:
+    """Show the bone or the finished finger on the hand, straight and bent; return also z at each knuckle's end."""
     joint = given(bench.dims.joint)
     colours: dict[str, Colour] = {"sensor": Paint.SENSOR, HAND: Paint.HAND}
-    solids: dict[str, Solid] = {"sensor": sensor_body(bench.design)}
-    for name in ("bone", "lid", "skin"):
+    solids: dict[str, Solid] = {"sensor": sensor_body(bench.design)} if finished else {}
+    for name in ("bone", *(("lid", "skin") if finished else ())):
         if name != "lid" or bench.dims.fold:
             solids[name], colours[name] = bench.part_solid(name)
     placed = place_on_hand(bench.design, joint, bench.evaluator, solids)
-    hands = [mesh.vertices for name, mesh in placed if name == HAND]
-    edges = [(0.0, float(corners[:, 1].max()), float(corners[:, 2].max())) for corners in hands]
-    return tuple(Shown(mesh, colours[name]) for name, mesh in placed), edges
+    ends = [float(mesh.vertices[:, 2].max()) for name, mesh in placed if name == HAND]
+    return tuple(Shown(mesh, colours[name]) for name, mesh in placed), ends
 
 
 def pin(bench: Bench, data: Data) -> Scene:
@@ -261,9 +260,13 @@ def pin(bench: Bench, data: Data) -> Scene:
 
 
 def bend(bench: Bench, data: Data) -> Scene:
-    shown, edges = _on_hand(bench)
+    (shown, ends), joint = _on_hand(bench, finished=False), given(bench.dims.joint)
     texts = ("straight:\nmust stop here", f"bent by {data['joint']['travel_deg']:g} degrees:\nmust stop here")
-    return Scene(shown, View.SIDE, *(Label(text, edge) for text, edge in zip(texts, edges, strict=False)))
+    # The hand's shoulder lies a radius behind the pin, and its round knuckle ends as far before it.
+    places = [
+        (0.0, joint.axis_y + y, z - 2 * joint.radius) for y, z in zip((joint.radius, -joint.radius), ends, strict=True)
+    ]
+    return Scene(shown, View.SIDE, *(Label(text, place) for text, place in zip(texts, places, strict=True)))
 
 
 def try_anchor(bench: Bench, data: Data) -> Scene:
@@ -286,10 +289,10 @@ def _show_anchor(bench: Bench, text: str) -> Scene:
 
 
 def wire_loop(bench: Bench, data: Data) -> Scene:
-    shown, edges = _on_hand(bench)
+    (shown, ends), dorsal = _on_hand(bench, finished=True), bench.dims.collar.section.dorsal
     return Scene(
         shown,
         View.SIDE,
-        Label("wires cross here,\nin a loose loop", edges[0]),
-        Label("still loose\nwhen bent", edges[-1]),
+        Label("wires cross here,\nin a loose loop", (0.0, dorsal, ends[0])),
+        Label("still loose\nwhen bent", (0.0, dorsal, ends[-1])),
     )

@@ -12,11 +12,12 @@ import pytest
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
 from fingertip.foundation.numerics import Array
-from fingertip.sim import SURFACES, ManipulationFile, SceneFile, load_simulation, run_scene
+from fingertip.sim import SURFACES, ManipulationFile, ManipulationResult, SceneFile, load_simulation, run_scene
 from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.materials import ARTICLE_SURFACES, SurfaceFile, SurfaceTable, select_surface
 from fingertip.sim.contact.surfaces import SurfaceProfile, average_over_patch, generate_profile
 from fingertip.sim.contact.vibration import ProfileForce
+from fingertip.sim.report import find_warnings
 from tests.conftest import run_fingertip
 
 DESIGN = Design()
@@ -60,6 +61,28 @@ def test_a_value_of_ones_own_changes_the_named_surface() -> None:
     )
     held = ManipulationFile(surface={"static_friction": 1.2, "kinetic_friction": 1.0})
     assert held.surface.static_friction == 1.2
+
+
+def test_a_profile_of_too_few_points_for_the_board_is_reported(tmp_path: Path) -> None:
+    """Half a wave of 67 Hz is 298.5 um long at 0.04 m/s."""
+    fine, coarse = (str(write_profile(tmp_path / f"{step}.csv", 1.0, step_mm=step)) for step in (0.298, 0.299))
+    assert not [*load_simulation(surface=fine).find_warnings()]
+    (warning,) = load_simulation(surface=coarse).find_warnings()
+    assert "299 um apart carry 66.9 Hz at most at 0.04 m/s" in warning
+    assert warning.endswith("at most 298 um")
+
+
+@pytest.mark.parametrize(("scene", "table"), [("sliding_finger", "contact"), ("real_manipulation", "object")])
+def test_a_pad_that_leaves_its_surface_is_reported(scene: str, table: str) -> None:
+    rough = load_simulation(scene, changes=["surface.roughness_um=40"]).run()
+    (warning,) = find_warnings(rough)
+    assert f"for {rough.out_of_contact_share:.0%} of its slip" in warning
+    remedy = warning.removesuffix(" in a scene").rpartition(" ")[2]
+    assert remedy == f"{table}.patch_average=true"
+    assert not [*find_warnings(load_simulation(scene, changes=["surface.roughness_um=40", remedy]).run())]
+    find = rough.output if isinstance(rough, ManipulationResult) else rough.columns.__getitem__
+    slip, force_n = find("slip"), find("force_n")
+    assert rough.out_of_contact_share == np.mean(force_n[slip] == 0.0) > 0.2
 
 
 def test_ridges_shake_at_the_speed_over_their_pitch() -> None:

@@ -286,6 +286,13 @@ def test_realistic_effects_are_axes_of_a_sweep() -> None:
     assert min(onset["elasto_plastic"]) > max(onset["plain"]) + 2.0
 
 
+def test_share_out_of_contact_is_an_output() -> None:
+    axes = {"scene.surface.roughness_um": [0.8, 40.0]}
+    plan = make_plan(outputs=["out_of_contact_share"], trials=1, scene=SHORT_SLIDE, axes=axes)
+    (smooth,), (rough,) = (PointEvaluator(plan).evaluate(i, plan.point(i))[4] for i in range(2))
+    assert smooth == 0.0 < 0.1 < rough < 0.6
+
+
 def test_refused_effect_of_a_scene_keeps_its_reason() -> None:
     axes = {"scene.contact.stick_slip": [True], "scene.contact.bristles": ["elasto_plastic"]}
     plan = make_plan(outputs=["found_share"], trials=1, scene=SHORT_SLIDE, axes=axes)

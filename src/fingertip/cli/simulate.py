@@ -99,6 +99,7 @@ def simulate(
         if out is None and (removed := trace_file.write_trace(simulation.design, path, finished, force)):
             console.progress(f"removed what was made from earlier traces or another design: {', '.join(removed)}")
     console.progress(f"wrote {path}")
+    console.warn(summary.find_warnings(record))
     if simulation.scene.sensing.bridge == "board":
         console.progress(simulation.design.force_curve.describe())
     if plot is not None and picture is not None:

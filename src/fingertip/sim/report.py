@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -49,6 +49,18 @@ def as_data(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] |
         "moved_m": round(float(result.signals.object_m[-1]), 9),
     }
     return data if grips_s is None else data | {"grips_s": [*grips_s]}
+
+
+MAX_OUT_OF_CONTACT_SHARE = 0.02
+"""Share of the slip out of contact up to which nothing is said. The article's 120 trials, as simulated, have 0.012."""
+
+
+def find_warnings(result: SceneRecord | ManipulationResult) -> Iterator[str]:
+    """Yield a warning if a pad does not touch for much of its slip."""
+    if (share := result.out_of_contact_share) > MAX_OUT_OF_CONTACT_SHARE:
+        what = f"the pad leaves the surface for {share:.0%} of its slip, beyond any trial of the article"
+        table = "contact" if isinstance(result, SceneRecord) else "object"
+        yield f"{what}: choose a smoother surface, or set {table}.patch_average=true in a scene"
 
 
 def as_text(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] | None = None) -> list[str]:

@@ -23,7 +23,7 @@ from fingertip.design import Design
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import FingertipError, Issue, gather
 from fingertip.foundation.validation import raise_issues
-from fingertip.sim.contact.materials import ARTICLE_SURFACES, SURFACES, SurfaceFile
+from fingertip.sim.contact.materials import ARTICLE_SURFACES, SURFACES, SurfaceFile, find_profile_warnings
 from fingertip.sim.runs.files import ManipulationFile, SceneFile
 from fingertip.sim.runs.manipulation import ManipulationResult, run_manipulation
 from fingertip.sim.runs.motion import Controller
@@ -46,13 +46,17 @@ class Simulation:
     """Name of the scene's file without suffix; "trace" for a trial of the article."""
 
     def find_warnings(self) -> Iterator[str]:
-        """Yield what limits the recorded voltage, such as an ADC range that the board exceeds."""
+        """Yield what limits the recorded voltage: an ADC range that the board exceeds, a profile of too few points."""
         if "voltage_v" in self.scene.outputs:
             limits = board_values(self.design).voltage_limits
             if self.scene.converter.bits:
                 yield from find_converter_warnings(self.scene.converter, limits.min_tactile_v, limits.max_tactile_v)
             else:
                 yield from adc_range_warnings(limits)
+        if isinstance(self.scene, SceneFile) and self.scene.slide.distance_m and self.scene.surface.profile_um:
+            yield from find_profile_warnings(
+                self.scene.surface.profile_step_um, self.scene.slide.speed_m_s, self.design.board.cutoff_hz
+            )
 
     def run(
         self, controller: Controller | None = None, progress: Callable[[str], None] | None = None

@@ -121,6 +121,7 @@ def compute_detection(context: PointContext) -> OutputValues:
         DetectorResult,
         evaluate,
         find_onset_s,
+        measure_out_of_contact_share,
         measure_vibration_n,
         median_of_known,
         simulate_trace,
@@ -128,7 +129,7 @@ def compute_detection(context: PointContext) -> OutputValues:
 
     assert context.scene is not None
     detector, design = context.file.detector, context.design
-    results, onsets_s, vibrations_n = [], [], []
+    results, onsets_s, vibrations_n, shares = [], [], [], []
     with compiled():
         for seed in range(context.file.first_seed, context.file.first_seed + context.file.trials):
             case = Case("slip", context.scene, seed)
@@ -138,6 +139,8 @@ def compute_detection(context: PointContext) -> OutputValues:
                 onsets_s.append(find_onset_s(design, case, trace))
             if "slip_vibration_n" in context.file.outputs:
                 vibrations_n.append(measure_vibration_n(trace))
+            if "out_of_contact_share" in context.file.outputs:
+                shares.append(measure_out_of_contact_share(trace))
     pooled = DetectorResult(1.0, tuple(results))
     minutes = sum(result.duration_s for result in results) / 60.0
     return {
@@ -150,6 +153,7 @@ def compute_detection(context: PointContext) -> OutputValues:
         "slips": pooled.slips,
         "slip_onset_ms": 1e3 * median_of_known(onsets_s),
         "slip_vibration_n": median_of_known(vibrations_n),
+        "out_of_contact_share": median_of_known(shares),
     }
 
 

@@ -179,6 +179,7 @@ OUTPUTS = {
         ("slips", "detection", "number of slips in the trials"),
         ("slip_onset_ms", "detection", "median true onset of slip after the slide starts; NaN: no slip"),
         ("slip_vibration_n", "detection", "median RMS of the normal force above 30 Hz in slip; NaN: no slip"),
+        ("out_of_contact_share", "detection", "median share of the slip in which the pad does not touch; NaN: no slip"),
         ("simulation.force_error_mn", "simulation", "largest error of force_n in the first trial, by its time step"),
         ("simulation.voltage_error_mv", "simulation", "the same of voltage_v; resolution: one ADC step"),
         ("simulation.envelope_error_mv", "simulation", "the same of envelope_v"),

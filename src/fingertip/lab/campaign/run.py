@@ -144,6 +144,13 @@ def measure_vibration_n(trace: Trace) -> float:
     return float(np.sqrt(np.mean(fast_n[slipping[0] : slipping[-1] + 1] ** 2)))
 
 
+def measure_out_of_contact_share(trace: Trace) -> float:
+    """Measure the share of the slip in which the pad does not touch; NaN without slip."""
+    if trace.force_n is None or trace.slip is None or not trace.slip.any():
+        return math.nan
+    return float(np.mean(trace.force_n[trace.slip] <= 0.0))
+
+
 def median_of_known(values: Iterable[float]) -> float:
     """Median of those values that are finite; NaN if none is."""
     known = [value for value in values if math.isfinite(value)]

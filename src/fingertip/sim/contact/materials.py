@@ -175,6 +175,15 @@ def find_pitch_issues(name: str, table: SurfaceTable, speed_m_s: float, rate_hz:
         yield Issue("surface.ridge_pitch_mm", f"{what}; above {round_up(1000 * least):g} mm.")
 
 
+def find_profile_warnings(step_um: float, speed_m_s: float, cutoff_hz: float) -> Iterator[str]:
+    """Yield a warning if a profile carries no vibration that a high-pass lets through: two points a wave are needed."""
+    longest_um = 1e6 * speed_m_s / (2 * cutoff_hz)
+    if step_um > longest_um:
+        carried = f"points of the profile {step_um:g} um apart carry {cutoff_hz * longest_um / step_um:.3g} Hz at most"
+        passed = f"at {speed_m_s:g} m/s, and the board passes {cutoff_hz:g} Hz and more"
+        yield f"{carried} {passed}; measure at steps of at most {round_down(longest_um):g} um"
+
+
 def _read_profile(path: Path) -> SurfaceFile:
     """Read a measured profile: a line ``position_mm,height_um``, then one line for each point. Raises TraceError."""
     try:

@@ -92,6 +92,12 @@ class ManipulationResult:
         slip = self.signals.fingers[0].slip
         return () if slip is None else intervals(self.time_s, slip)
 
+    @property
+    def out_of_contact_share(self) -> float:
+        """Share of the fingers' true slip in which their pads do not touch; 0 if it is not recorded."""
+        slip, force_n = self.signals.find("slip"), self.signals.find("force_n")
+        return 0.0 if slip is None or force_n is None or not slip.any() else float(np.mean(force_n[slip] <= 0.0))
+
     def output(self, name: str) -> NDArray[Any]:
         """Return an output of the scene: (fingers, samples), or (samples,) for the object's."""
         signal = self.signals.find(name)

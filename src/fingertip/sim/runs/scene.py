@@ -82,6 +82,8 @@ class SceneRecord:
     """Part of this force that reaches the sensor in this pose."""
     motion_s: float | None = None
     """Moment at which the robot begins to slide [s]; None if it does not."""
+    out_of_contact_share: float = 0.0
+    """Share of the true slip in which the pad does not touch; 0 if the scene does not record slip and force."""
 
     @property
     def duration_s(self) -> float:
@@ -322,16 +324,21 @@ def stream_scene(
     Raises TraceError.
     """
     run, slips = SceneRun(design, scene, seed, grid), SlipCollector()
+    slipping = airborne = 0
     done = ShareDone(scene.name, run.timeline.duration_s, progress)
     chunks = run.chunks()
     with jit.compiled(progress) if run.predict_plain_s() > COMPILE_FROM_S else contextlib.nullcontext():
         for chunk in chunks:
             if chunk.slip is not None:
                 slips.add(chunk.time_s, chunk.slip)
+                if chunk.force_n is not None:
+                    slipping += int(np.count_nonzero(chunk.slip))
+                    airborne += int(np.count_nonzero(chunk.force_n[chunk.slip] <= 0.0))
             take(chunk)
             done.report(float(chunk.time_s[-1]) if len(chunk.time_s) else 0.0)
     rate, slide = design.detector.sample_rate_hz, run.timeline.slide
     motion_s = slide.start_s if slide else None
     share = float(run.pad.sensed_n(np.array([run.force_n]))[0]) / run.force_n
     pose, costs = scene.draw_pose(run.design, seed), run.meter.costs
-    return SceneRecord(scene, seed, run.force_n, run.samples, slips.close(), costs, rate, pose, share, motion_s)
+    lost = airborne / max(1, slipping)
+    return SceneRecord(scene, seed, run.force_n, run.samples, slips.close(), costs, rate, pose, share, motion_s, lost)

@@ -80,6 +80,8 @@ FAMILIES: dict[str, list[Callable[[], object]]] = {
         lambda: run_scene(ARTICLE, ManipulationFile()),
         lambda: run_scene("fsr400", SceneFile()),
         lambda: run_scene(ARTICLE, SceneFile(), grid=16),
+        lambda: SceneFile(mount={"mass_kg": 1e-6, "stiffness_n_per_m": 9.9}),
+        lambda: load("sliding_finger", surface="woood", speed_m_s=-1.0, force_n=-1.0),
     ],
     "manipulations": [
         *(lambda tables=tables: ManipulationFile(**tables) for tables in (
@@ -97,6 +99,7 @@ FAMILIES: dict[str, list[Callable[[], object]]] = {
             ["grasp.min_force_n=4"], ["knock.stroke_m=0.001"], ["knock.speed_m_s=0.001"],
             ["object.stiffness_n_per_m=1"], ["hand.max_force_n=2"],
         )),
+        lambda: load("tri_digital", surface="ice", speed_m_s=1.0, force_n=-1.0),
     ],
     "boards": [
         *(lambda values=values: BOARD.with_components(**values) for values in (

@@ -155,6 +155,8 @@ def test_parameters_are_listed_with_unit_and_bounds():
     assert line.split()[1:3] == ["2.0", "N"]
     assert ">= 0, <= 50" in line
     rows = json.loads(run_fingertip("simulate", file, "--parameters", "--json").stdout)["parameters"]
+    named = {row["name"]: row["value"] for row in rows}
+    assert (named["mount.mass_kg"], named["surface.roughness_um"]) == (0.035, 0.8)
     names = {row["name"] for row in rows}
     assert {name.split(".")[0] for name in names} == set(SceneFile.model_fields)
     assert all(row["description"] for row in rows)

@@ -82,7 +82,7 @@ def simulate(
         raise FingertipError(issues)
 
     if parameters:
-        scene = simulation.scene
+        scene = simulation.scene.complete()
         console.result({"parameters": list(scene.list_parameters())}, "\n".join(scene.format_parameters()))
         return
 

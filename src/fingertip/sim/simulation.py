@@ -11,7 +11,7 @@ The article's experiments are the sliding-finger trial, its series of 120 trials
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -21,7 +21,7 @@ from fingertip.catalogues.bundled import find_file
 from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, identify_kind, split_changes
 from fingertip.design import Design
 from fingertip.design.parameters.declaration import suggest_name
-from fingertip.foundation.errors import FingertipError, Issue, gather
+from fingertip.foundation.errors import FingertipError, Issue, TraceError, gather
 from fingertip.foundation.validation import raise_issues
 from fingertip.sim.contact.materials import ARTICLE_SURFACES, SURFACES, SurfaceFile, find_profile_warnings
 from fingertip.sim.runs.files import ManipulationFile, SceneFile
@@ -128,10 +128,13 @@ def load_simulation(
             scene = Trial(**options, seed=seed).scene
         else:
             model = ManipulationFile if kind is MANIPULATION else SceneFile
-            for option, value in options.items():
-                text = f'"{value}"' if isinstance(value, str) else repr(value)
-                scene_changes += [f"{name}={text}" for name in model.options[option]]
-            scene = model.load(file, changes=scene_changes)
+            fields = {field: option for option in options for field in model.options[option]}
+            scene_changes += [f"{field}={options[option]!r}" for field, option in fields.items()]
+            try:
+                scene = model.load(file, changes=scene_changes)
+            except TraceError as error:
+                typed = {field: f"--{option.replace('_', '-')}" for field, option in fields.items()}
+                issues += dict.fromkeys(replace(one, field=typed.get(one.field, one.field)) for one in error.issues)
     if own is not None and scene is not None:
         with gather(issues):
             scene = type(scene)(**scene.model_dump() | {"surface": own.surface.model_dump()})

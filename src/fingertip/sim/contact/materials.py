@@ -64,6 +64,14 @@ class SurfaceTable(ParameterTable):
         "as the stiffness of a rough contact (B. N. J. Persson, Phys. Rev. Lett. 99, 2007, 125502).",
     )
 
+    def complete(self, name: str) -> SurfaceTable:
+        """Return a table whose values all count: a bundled surface's where this one keeps them."""
+        default = SurfaceTable()
+        changed = {key: value for key, value in self if value != getattr(default, key)}
+        if changed:
+            changed.setdefault("material", f"own surface, else as {name}")
+        return _FILES[name].surface.model_copy(update=changed)
+
 
 class SurfaceFile(BaseModel):
     """File of one surface. Raises TraceError."""
@@ -128,15 +136,7 @@ SURFACES: Mapping[str, Surface] = {name: Surface.build(file.surface) for name, f
 
 def select_surface(name: str, table: SurfaceTable) -> Surface:
     """Return a bundled surface, or one that differs from it by a table. Raises TraceError."""
-    return SURFACES[name] if table == SurfaceTable() else Surface.build(_complete(name, table))
-
-
-def _complete(name: str, table: SurfaceTable) -> SurfaceTable:
-    default = SurfaceTable()
-    changed = {key: value for key, value in table if value != getattr(default, key)}
-    if changed:
-        changed.setdefault("material", f"own surface, else as {name}")
-    return _FILES[name].surface.model_copy(update=changed)
+    return SURFACES[name] if table == SurfaceTable() else Surface.build(table.complete(name))
 
 
 def find_surface_issues(
@@ -149,7 +149,7 @@ def find_surface_issues(
     if name not in SURFACES:
         yield Issue(field, f"{name!r} is not known; {suggest_name(name, list(SURFACES))}"), {field}
         return
-    full = _complete(name, table)
+    full = table.complete(name)
     fields = {field, *(f"surface.{key}" for key in SurfaceTable.model_fields)}
     highest = Friction(1.0, 1.0).max_ratio * full.kinetic_friction
     if not full.kinetic_friction <= full.static_friction < highest:

@@ -5,11 +5,12 @@ Each kind has its figures with their source. A scene selects one, and may replac
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Literal
 
 from fingertip.design.parameters import ParameterTable, choice, quantity
+from fingertip.foundation.errors import Issue
 from fingertip.pad.response import Backing
 
 MOUNTS: Mapping[str, Backing] = {
@@ -40,3 +41,10 @@ class MountTable(ParameterTable):
     def backing(self) -> Backing:
         changed = {name: value for name, value in self if name != "kind" and value}
         return replace(MOUNTS[self.kind], **changed)
+
+    def find_issues(self) -> Iterator[tuple[Issue, set[str]]]:
+        """Yield each figure too small to be computed in seconds and exactly, with the name of its parameter."""
+        for name, least, unit in (("mass_kg", 1e-4, "kg"), ("stiffness_n_per_m", 10.0, "N/m")):
+            if 0.0 < (value := getattr(self, name)) < least:
+                message = f"{value:g} {unit} is too small to compute; at least {least:g} {unit}, or 0 for mount.kind's."
+                yield Issue(f"mount.{name}", message), {f"mount.{name}"}

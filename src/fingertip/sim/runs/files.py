@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, Self
 
 from pydantic import ConfigDict, Field
 
@@ -176,6 +176,11 @@ class SceneFile(PathTables, _SceneTables):
             what = f"{self.motor.frequency_hz:g} Hz is not below half of detector.sample_rate_hz"
             yield Issue("motor.frequency_hz", f"{what}; below {half:g} Hz.")
 
+    def complete(self) -> Self:
+        """Copy with the values of the named surface and of the kind of mount in place of those that keep them."""
+        mount = self.mount.model_copy(update=vars(self.mount.backing))
+        return self.model_copy(update={"surface": self.surface.complete(self.contact.surface), "mount": mount})
+
     def draw_pose(self, design: Design, seed: int) -> Pose:
         return self.pose.draw(PadForm.of_design(design), seed)
 
@@ -186,6 +191,7 @@ class SceneFile(PathTables, _SceneTables):
     def find_rule_issues(self) -> Iterator[tuple[Issue, set[str]]]:
         """Yield each broken rule between parameters, with the names of the parameters it reads."""
         yield from super().find_rule_issues()
+        yield from self.mount.find_issues()
         hold, slide, tap = self.hold, self.slide, self.tap
         if hold.min_force_n > hold.max_force_n:
             message = f"{hold.min_force_n:g} N is above hold.max_force_n; at most {hold.max_force_n:.12g} N."
@@ -358,6 +364,10 @@ class ManipulationFile(PathTables, _ManipulationTables):
 
     def __init__(self, /, **tables: Any) -> None:
         super().__init__(**tables)
+
+    def complete(self) -> Self:
+        """Copy with the values of the named surface in place of those that keep them."""
+        return self.model_copy(update={"surface": self.surface.complete(self.object.surface)})
 
     @property
     def fingers(self) -> tuple[str, ...]:

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from fingertip.board import board_values
 from fingertip.board.analysis.gate import gate_warnings
-from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
+from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.design import Design
 from fingertip.foundation.errors import DesignError
 from tests.oracles.gate_in_ngspice import check_gate_in_ngspice
@@ -26,14 +26,14 @@ CUTOFF_HZ, GAIN = (30.0, 150.0), (20.0, 150.0)
 
 
 def random_changes(seed: int, count: int = SETTINGS) -> list[list[str]]:
-    """Draw the changes of random settings, every configuration equally often."""
-    draw, names = random.Random(seed), list(BOARD_CONFIGURATIONS.values())
+    """Draw the changes of random settings, every variant equally often."""
+    draw, names = random.Random(seed), list(VARIANT_CHANGES.values())
 
     def between(low: float, high: float) -> float:
         return float(f"{math.exp(draw.uniform(math.log(low), math.log(high))):.4g}")
 
     return [
-        [*names[i % len(names)].changes, f"board.cutoff_hz={between(*CUTOFF_HZ)}",
+        [*names[i % len(names)], f"board.cutoff_hz={between(*CUTOFF_HZ)}",
          f"board.passband_gain={between(*GAIN)}"]
         for i in range(count)
     ]  # fmt: skip

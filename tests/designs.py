@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.design import Design
 
+VARIANT_BY_CHANGE = {changes[0]: changes for changes in VARIANT_CHANGES.values()}
 ARTICLE_CHANGES = (
     "board.variant=article",
-    "board.supply=split",
     "board.supply_v=5",
     "detector.threshold_v=0.017",
     "detector.noise_v=0.0004",
@@ -24,13 +25,19 @@ ARTICLE_OPTIONS = [word for change in ARTICLE_CHANGES for word in ("--set", chan
 
 
 def load_article(changes: Iterable[str] = ()) -> Design:
-    """Load the default design with the article's circuit, supply and converter, and then these changes."""
-    return Design.load(changes=[*ARTICLE_CHANGES, *changes])
+    """Load the default design with the article's circuit, supply and converter, and then these changes.
+
+    Another variant gets its own supply.
+    """
+    changes = list(changes)
+    supplies = [word for change in changes if change in VARIANT_BY_CHANGE for word in VARIANT_BY_CHANGE[change]]
+    return Design.load(changes=[*ARTICLE_CHANGES, *supplies, *changes])
 
 
 def article_design(**tables: dict[str, Any]) -> Design:
     """Build the design of `load_article` with values of tables, such as ``board={"cutoff_hz": 50.0}``."""
-    values = load_article().model_dump()
+    variant = tables.get("board", {}).get("variant", "article")
+    values = load_article(VARIANT_CHANGES[variant]).model_dump()
     for table, changed in tables.items():
         values[table] |= changed
     return Design(**values)

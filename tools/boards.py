@@ -1,7 +1,7 @@
-"""KiCad projects of the boards as files that KiCad opens: `python -m tools.boards unpack article_split FOLDER`.
+"""KiCad projects of the boards as files that KiCad opens: `python -m tools.boards unpack article FOLDER`.
 
 `unpack` writes layout, schematic, project and 3D models to a folder. Edit them in KiCad, then store them again with
-`python -m tools.boards pack article_split FOLDER`, which refuses a project of another circuit than the program has: the
+`python -m tools.boards pack article FOLDER`, which refuses a project of another circuit than the program has: the
 parts of the layout, their footprints and nets, and the parts of the schematic. It does not run KiCad's checks; the
 tests do. `python -m tools.boards pack models FOLDER` stores the models, which all boards share.
 """
@@ -16,8 +16,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from fingertip.board import board_circuit, board_values
+from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.kicad.project import (
-    BOARD_CONFIGURATIONS,
     MODEL_FOLDER,
     PROJECT_FILES,
     PROJECTS,
@@ -36,7 +36,7 @@ def main() -> None:
     """Unpack a project, or store one."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("action", choices=("unpack", "pack"))
-    parser.add_argument("name", choices=(*BOARD_CONFIGURATIONS, "models"))
+    parser.add_argument("name", choices=(*VARIANT_CHANGES, "models"))
     parser.add_argument("folder", type=Path)
     arguments = parser.parse_args()
     if arguments.action == "unpack":
@@ -61,7 +61,7 @@ def pack(name: str, folder: Path) -> str:
     else:
         files = {file: (folder / file).read_bytes() for file in PROJECT_FILES}
         layout, schematic, project = files.values()
-        circuit = board_circuit(board_values(Design.load(changes=BOARD_CONFIGURATIONS[name].changes)))
+        circuit = board_circuit(board_values(Design.load(changes=VARIANT_CHANGES[name])))
         try:
             StoredProject(name, layout.decode(), schematic.decode(), project).enter(circuit)
         except BoardError as error:

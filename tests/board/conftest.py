@@ -10,15 +10,15 @@ import pytest
 from fingertip.board.bringup import diagnosis
 from fingertip.board.bringup.bench import Fault
 from fingertip.board.bringup.prediction import Board, predict
-from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
+from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.tasks.board import write_board
 from tests.designs import load_article
 
-BOARDS = {name: configuration.changes for name, configuration in BOARD_CONFIGURATIONS.items()} | {
+BOARDS = VARIANT_CHANGES | {
     "other values": ("board.cutoff_hz=120", "board.capacitor_uf=0.22", "board.series=E96"),
-    "selected capacitors": ("board.cutoff_hz=50", "board.capacitor_series=E12", "board.supply=single"),
+    "selected capacitors": ("board.variant=precision", "board.cutoff_hz=50", "board.capacitor_series=E12"),
 }
-"""Every configuration, and two more with the same placement and nets."""
+"""Every variant, and two more with the same placement and nets."""
 
 BoardFolder = Callable[..., Path]
 """Function that returns the folder with the board of a design, from changes to the default design."""

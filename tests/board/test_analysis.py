@@ -41,8 +41,7 @@ from fingertip.board.analysis.tolerance import (
 from fingertip.board.circuits.network import Network, StateSpace, Term, build_network, filter_quantities
 from fingertip.board.circuits.transfer_function import Rational, find_stages, multiply
 from fingertip.board.components.selection import FilterSelection
-from fingertip.board.components.values import SUPPLIES
-from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
+from fingertip.board.components.values import SUPPLIES, VARIANT_CHANGES
 from fingertip.board.parts import symbols
 from fingertip.board.parts.circuit import Circuit, Component, Net, parse_component_value
 from fingertip.catalogues.amplifiers import CATALOGUE
@@ -100,10 +99,10 @@ TOLERANCE = {name: 1.0 if name.startswith("R") else 5.0 for name in COMPONENTS[:
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+@pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_quantities_of_random_boards_agree_with_the_circuits_equations(name: str) -> None:
     """Random values within 5 % are put into the circuit, whose equations give the gain."""
-    design = load_article((*BOARD_CONFIGURATIONS[name].changes, "board.band_limit_hz=270"))
+    design = load_article((*VARIANT_CHANGES[name], "board.band_limit_hz=270"))
     board, circuit = toleranced_filter(design), board_circuit(board_values(design))
     rng = np.random.default_rng(4)
     f = np.geomspace(20, 20e3, 6001)
@@ -204,12 +203,12 @@ def test_alias_attenuation_of_the_default_board() -> None:
 # Band of the response and its plot
 
 
-NAMES = ("article_split", "precision_single_3v3")
+NAMES = ("article", "precision")
 
 
 @pytest.fixture(scope="module", params=NAMES)
 def design(request: pytest.FixtureRequest) -> Design:
-    return load_article(BOARD_CONFIGURATIONS[request.param].changes)
+    return load_article(VARIANT_CHANGES[request.param])
 
 
 @pytest.fixture(scope="module")
@@ -274,7 +273,7 @@ SLOW = replace(CATALOGUE["TL082"], bandwidth_hz=1.0)
 
 def load(name: str, *changes: str) -> tuple[Design, Circuit]:
     """Return the design of a configuration with changes, and its circuit."""
-    design = load_article((*BOARD_CONFIGURATIONS[name].changes, *changes))
+    design = load_article((*VARIANT_CHANGES[name], *changes))
     return design, board_circuit(board_values(design))
 
 
@@ -285,7 +284,7 @@ def filter_path(circuit: Circuit, gain_bandwidth_hz: float | None) -> Network:
 
 @pytest.fixture(scope="module")
 def article_model() -> FilterModel:
-    return model_filter(load("article_split")[1], has_diode=True)
+    return model_filter(load("article")[1], has_diode=True)
 
 
 def quantities(components: FilterComponents) -> Mapping[str, float | Array]:
@@ -323,10 +322,10 @@ def test_network_of_ideal_parts_agrees_with_the_closed_forms(
 # Frequency response as built, in its three forms: equations, polynomials and states
 
 FAST = ("board.r5_ohm=5100", "board.envelope_capacitor_uf=0.022")
-CASES = [(name, ()) for name in BOARD_CONFIGURATIONS] + [
-    ("article_single", ("board.cutoff_hz=5", "board.capacitor_uf=10")),
-    ("article_split", ("board.capacitor_uf=0.001", "board.cutoff_hz=5000", "board.passband_gain=3", *FAST)),
-    ("precision_split", ("board.r5_ohm=1e7", "board.passband_gain=300", "board.amplifier=OPA2197")),
+CASES = [(name, ()) for name in VARIANT_CHANGES] + [
+    ("article", ("board.cutoff_hz=5", "board.capacitor_uf=10")),
+    ("article", ("board.capacitor_uf=0.001", "board.cutoff_hz=5000", "board.passband_gain=3", *FAST)),
+    ("precision", ("board.r5_ohm=1e7", "board.passband_gain=300", "board.amplifier=MCP6022")),
 ]
 
 
@@ -349,7 +348,7 @@ def test_response_as_built_agrees_with_the_closed_form(case: tuple[str, tuple[st
     for column, formula in enumerate((first_stage_transfer, filter_transfer)):
         expected = np.array([formula(f, *arguments) for f in FREQUENCIES.tolist()])
         assert np.abs(found[:, column] / expected - 1).max() < 1e-9
-    if design.board.supply == "single":
+    if design.board.is_for_controller:
         assert np.abs(path.response(FREQUENCIES, {"TACTILE": 1.0}, "VMID")).max() < 1e-12
 
 
@@ -385,7 +384,7 @@ def state_response(system: StateSpace, net: str) -> Array:
 
 
 @pytest.mark.every_case
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+@pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_passband_is_found_on_the_closed_form(name: str) -> None:
     """At both cutoffs the closed form has half the power of its maximum, which is nowhere exceeded."""
     design, circuit = load(name)
@@ -407,7 +406,7 @@ def test_passband_is_found_on_the_closed_form(name: str) -> None:
 
 
 @pytest.mark.every_case
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+@pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_anti_aliasing_poles_agree_with_the_closed_forms(name: str) -> None:
     design, circuit = load(name)
     interface, network = board_values(design).adc_interface, build_network(circuit)
@@ -419,7 +418,7 @@ def test_anti_aliasing_poles_agree_with_the_closed_forms(name: str) -> None:
         assert np.abs(found / expected - 1).max() < 1e-9
 
 
-@pytest.mark.parametrize("name", [name for name in BOARD_CONFIGURATIONS if not name.startswith("article")])
+@pytest.mark.parametrize("name", [name for name in VARIANT_CHANGES if not name.startswith("article")])
 def test_rectifier_and_envelope_follow_with_one_pole(name: str) -> None:
     design, circuit = load(name)
     c = board_values(design).preferred
@@ -432,7 +431,7 @@ def test_rectifier_and_envelope_follow_with_one_pole(name: str) -> None:
 # Noise, ripple, offsets, thresholds and operating point
 
 
-@pytest.mark.parametrize("name", [name for name in BOARD_CONFIGURATIONS if not name.startswith("article")])
+@pytest.mark.parametrize("name", [name for name in VARIANT_CHANGES if not name.startswith("article")])
 def test_envelope_offset_agrees_with_the_closed_form(name: str) -> None:
     """What remains is the finite gain of the amplifiers, 1e-5."""
     values = board_values(load(name)[0])
@@ -447,15 +446,14 @@ def test_envelope_offset_agrees_with_the_closed_form(name: str) -> None:
 
 
 @pytest.mark.parametrize("threshold", [0.017, 0.1])
-@pytest.mark.parametrize("supply", SUPPLIES)
-def test_comparator_levels_agree_with_the_closed_form(supply: str, threshold: float) -> None:
-    design, _ = load(f"comparator_{supply}", f"detector.threshold_v={threshold}")
+def test_comparator_levels_agree_with_the_closed_form(threshold: float) -> None:
+    design, _ = load("comparator", f"detector.threshold_v={threshold}")
     values = board_values(design)
     stage, levels = values.comparator_stage, values.comparator_levels
     assert stage is not None
     assert levels is not None
     supply_v = design.board.supply_v
-    upper_v = supply_v - SUPPLIES[supply].signal_ground_v(supply_v)
+    upper_v = supply_v - SUPPLIES["comparator"].signal_ground_v(supply_v)
     arguments = stage.trimmer_top_ohm, stage.hysteresis_ohm, upper_v
     # While slip is OFF, the pull-up of 4.7 kohm holds the output at the supply.
     assert levels.on_v == pytest.approx(comparator_threshold_v(*arguments, upper_v, 4.7e3), rel=1e-9)
@@ -472,7 +470,7 @@ def test_comparator_levels_agree_with_the_closed_form(supply: str, threshold: fl
 
 
 @pytest.mark.every_case
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+@pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_tactile_voltage_agrees_with_the_closed_form(name: str) -> None:
     design, _ = load(name)
     values = board_values(design)
@@ -527,6 +525,6 @@ def test_determinants_multiply_the_factors_of_their_terms() -> None:
 
 def test_stage_fed_by_two_nets_is_refused() -> None:
     """The bridge's amplifier takes the supply through both of its arms."""
-    network = build_network(load("article_split")[1])
+    network = build_network(load("article")[1])
     with pytest.raises(ValueError, match="is fed by REFERENCE, SENSOR, not by one net"):
         find_stages(network, "VCC", "TACTILE")

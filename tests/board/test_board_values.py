@@ -152,12 +152,12 @@ REFUSED = {
     "board.gain_bandwidth_hz=10000": ("board.gain_bandwidth_hz", "name the amplifier with board.amplifier=auto"),
     "board.amplifier=OPA2376": ("board.amplifier", "and this supply puts 10 V"),
     "board.variant=precision board.r5_ohm=10000": (
-        "board.r5_ohm", "above 100 uF; at least 1.584e+04 ohm, or board.variant=",
+        "board.r5_ohm", "above 100 uF; at least 1.584e+04 ohm.",
     ),
     "detector.threshold_v=6": ("detector.threshold_v", "never reached by a board supplied with 5 V; at most 4.95 V"),
-    "detector.threshold_v=2.5 board.supply=single": ("detector.threshold_v", "level of 2.5 V; at most 2.475 V"),
-    "detector.threshold_v=0.7 board.supply=single board.variant=comparator": (
-        "detector.threshold_v", "between 0.011 and 0.625 V with this supply",
+    "detector.threshold_v=2.5 board.variant=precision": ("detector.threshold_v", "level of 1.82815 V; at most 1.809 V"),
+    "detector.threshold_v=0.7 board.variant=comparator": (
+        "detector.threshold_v", "between 0.011 and 0.457 V with this supply",
     ),
     "detector.window_samples=137 board.variant=comparator": ("detector.window_samples", "at most 136 samples"),
     "board.variant=comparator board.band_limit_hz=200": ("board.band_limit_hz", "3 cutoffs of 67 Hz; at least 201 Hz"),
@@ -167,16 +167,11 @@ REFUSED = {
     "board.variant=precision board.band_limit_hz=31 board.cutoff_hz=10 board.r5_ohm=2000 board.passband_gain=2": (
         "board.band_limit_hz", "requires 2.567e+06 pF across it, above 1e+06 pF; at least 79.58 Hz with this r5_ohm",
     ),
-    "board.supply=single_3v3 board.supply_v=5": ("board.supply_v", "3.6"),
-    "board.supply=single_3v3 board.supply_v=3": ("board.supply_v", ""),
-    "board.supply=single board.supply_v=3.3": ("board.supply_v", "5"),
-    "board.supply=split board.supply_v=3.3": ("board.supply_v", "5"),
-    "board.supply_v=6 board.variant=precision": (
-        "board.supply_v", "put 12 V across the bridge's AD623, too close to the end of its supply range; at most 5.5 V",
-    ),
-    "board.supply_v=6 board.supply=single board.variant=comparator": (
-        "board.supply_v", "6 V is too much for variant comparator's LMV331; at most 5.5 V.",
-    ),
+    "board.supply_v=5 board.variant=precision": ("board.supply_v", "variant precision; between 3.1 and 3.6 V."),
+    "board.supply_v=3 board.variant=comparator": ("board.supply_v", ""),
+    "board.supply_v=3.3": ("board.supply_v", "variant article; between 5 and 5.5 V."),
+    "board.supply_v=6": ("board.supply_v", "6 V is too large; at most 5.5 V"),
+    "board.supply=split": ("board.supply", "name the board: board.variant=article with board.supply_v=5"),
 }  # fmt: skip
 
 
@@ -198,10 +193,10 @@ def test_boards_that_cannot_work_are_refused_with_a_bound_and_a_remedy(changes: 
         "board.passband_gain=300", "board.passband_gain=10", "board.passband_gain=2 board.variant=precision",
         "board.passband_gain=2 board.amplifier=OPA2197 board.r5_ohm=2000", "board.r5_ohm=2500",
         "board.capacitor_uf=0.12", "board.capacitor_uf=0.00056", "board.envelope_capacitor_uf=3.9",
-        "board.capacitor_series=E6 board.capacitor_uf=0.1234567891", "board.amplifier=OPA2376 board.supply=single",
-        "board.supply_v=5.5", "board.supply_v=6 board.supply=single board.envelope_capacitor_uf=1.8",
+        "board.capacitor_series=E6 board.capacitor_uf=0.1234567891", "board.amplifier=OPA2376 board.variant=precision",
+        "board.supply_v=5.5", "board.variant=precision board.supply_v=3.6 board.envelope_capacitor_uf=1.8",
         "board.r5_ohm=1.584e4 board.variant=precision", "detector.adc_range_v=4.5 board.amplifier=TL082",
-        "detector.threshold_v=2.475 board.supply=single", "detector.threshold_v=2.5", "board.r5_ohm=10000",
+        "detector.threshold_v=1.8 board.variant=precision", "detector.threshold_v=2.5", "board.r5_ohm=10000",
         "board.variant=comparator detector.window_samples=136", "detector.window_samples=2000",
         "board.variant=comparator detector.window_samples=137 detector.threshold_v=0.018",
         "board.variant=comparator board.band_limit_hz=201", "board.band_limit_hz=200",

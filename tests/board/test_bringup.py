@@ -32,7 +32,7 @@ from fingertip.board.bringup.readings import (
     readings_template,
 )
 from fingertip.board.circuits.spice import spice_deck
-from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
+from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.parts.circuit import (
     ENVELOPE,
     FILTERED,
@@ -57,8 +57,8 @@ from tests.oracles.sexpressions import children, parse
 
 pytestmark = pytest.mark.usefixtures("predict_once")
 
-CONTROLLER = BOARD_CONFIGURATIONS["precision_single_3v3"].changes
-ARTICLE = BOARD_CONFIGURATIONS["article_split"].changes
+CONTROLLER = VARIANT_CHANGES["precision"]
+ARTICLE = VARIANT_CHANGES["article"]
 CASES = [ARTICLE, pytest.param(CONTROLLER, marks=pytest.mark.full)]
 TWO = pytest.mark.parametrize("changes", CASES, ids=["article", "precision, 3.3 V"])
 
@@ -75,10 +75,10 @@ def references(circuit: Circuit) -> set[str]:
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("name", ["precision_single_3v3", "comparator_split", "article_single"])
+@pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_each_net_is_measured_where_the_sheet_says(name: str) -> None:
     """The side of a part that the sheet names has the pad of the net in the layout as it is written."""
-    design, plan = plan_of(BOARD_CONFIGURATIONS[name].changes)
+    design, plan = plan_of(VARIANT_CHANGES[name])
     circuit, board = plan.board.circuit, plan.board
     ends = {SENSOR: ("J1", "1"), REFERENCE: ("R13", "1"), STAGE2_MID: ("R2", "1"), RECT_OUT: ("U3", "1")}
     has_rectifier = any(part.reference == "U3" for part in circuit.components)

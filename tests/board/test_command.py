@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from fingertip.board import board_circuit, board_values
+from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.fabrication.bom import placement_file
 from fingertip.board.fabrication.fabrication_files import (
     export_gerbers,
@@ -81,17 +82,22 @@ def test_default_output_folder_is_that_of_the_design(tmp_path: Path) -> None:
     assert run_fingertip("board", "fsr400", "--check", PWD=str(tmp_path)).returncode == 0
 
 
-NOISY = ("board.variant=precision", "board.passband_gain=300", "board.amplifier=OPA2197")
-SHORT_WINDOW = ("board.variant=comparator", "detector.sample_rate_hz=10000", "detector.window_samples=60")
+NOISY = (*VARIANT_CHANGES["precision"], "board.passband_gain=300", "board.amplifier=MCP6022")
+SHORT_WINDOW = (
+    *VARIANT_CHANGES["comparator"],
+    "board.capacitor_uf=0.39",
+    "detector.sample_rate_hz=10000",
+    "detector.window_samples=60",
+)
 
 
 @pytest.mark.parametrize(
     ("changes", "expected"),
     [
-        ((*NOISY, "detector.threshold_v=0.004"), ["mean envelope to 10.9 mV, and detector.threshold_v is 4 mV"]),
+        ((*NOISY, "detector.threshold_v=0.004"), ["mean envelope to 7.6 mV, and detector.threshold_v is 4 mV"]),
         (NOISY, []),
         (SHORT_WINDOW, ["detector.window_samples of 60 at 10000 Hz is 6 ms"]),
-        (SHORT_WINDOW[:1], []),
+        (SHORT_WINDOW[:3], []),
     ],
 )
 def test_noisy_boards_and_short_windows_are_warned_of(
@@ -117,7 +123,7 @@ def test_default_folder_keeps_a_board_of_another_circuit(tmp_path: Path, monkeyp
     assert run_fingertip("board", "article", "--set", "board.cutoff_hz=80", "-q").returncode == 0
     layout = Path("out/article/board/slip_filter.kicad_pcb")
     before = layout.read_bytes()
-    other = ("article", "--set", "board.variant=comparator", "-q")
+    other = ("article", "--set", "board.variant=comparator", "--set", "board.supply_v=3.3", "-q")
     refused = run_fingertip("board", *other)
     assert refused.returncode == 2
     assert "holds a board of 'article' with another circuit" in refused.stderr
@@ -130,7 +136,7 @@ def test_default_folder_keeps_a_board_of_another_circuit(tmp_path: Path, monkeyp
 
 
 CIRCUIT = board_circuit(board_values(ARTICLE))
-ARTICLE_PLACEMENT = load_project("article_split").placement
+ARTICLE_PLACEMENT = load_project("article").placement
 
 
 def test_check_reports_differences_and_writes_nothing(tmp_path: Path) -> None:

@@ -31,7 +31,7 @@ from fingertip.board.analysis.loads import compute_phase_margins_deg, compute_tw
 from fingertip.board.analysis.thresholds import TOLERANCES
 from fingertip.board.circuits.network import build_network
 from fingertip.board.circuits.spice import spice_deck
-from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
+from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.catalogues.amplifiers import AUTO, CATALOGUE, AmplifierName, list_dual_amplifiers
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import (
@@ -52,7 +52,7 @@ from tests.tools import require_tool
 
 
 def load(name: str, *changes: str) -> Design:
-    return load_article([*BOARD_CONFIGURATIONS[name].changes, *changes])
+    return load_article([*VARIANT_CHANGES[name], *changes])
 
 
 # The catalogue
@@ -76,7 +76,7 @@ def test_second_poles_give_the_stated_phase_margins() -> None:
 
 
 @pytest.mark.every_case
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+@pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_every_configuration_has_an_amplifier_that_withstands_its_supply(name: str) -> None:
     values = board_values(load(name))
     assert all(condition.passed for condition in values.gate), list(gate_warnings(values.gate))
@@ -85,10 +85,10 @@ def test_every_configuration_has_an_amplifier_that_withstands_its_supply(name: s
 
 @pytest.mark.every_case
 @pytest.mark.parametrize("supply_v", [3.1, 3.3, 3.6])
-@pytest.mark.parametrize("variant", ["article", "precision", "comparator"])
+@pytest.mark.parametrize("variant", ["precision", "comparator"])
 def test_board_for_a_controller_meets_every_condition_over_its_range(variant: str, supply_v: float) -> None:
     converter = ("detector.adc_bits=12", f"detector.adc_range_v={supply_v}", "detector.adc_polarity=unipolar")
-    design = load(f"{variant}_single_3v3", f"board.supply_v={supply_v}", *converter)
+    design = load(variant, f"board.supply_v={supply_v}", *converter)
     amplifier = choose_amplifier(design.board)
     assert amplifier.name == ("OPA2376" if variant == "comparator" else "TLV2372")
     assert amplifier.min_supply_v <= supply_v <= amplifier.max_supply_v
@@ -100,7 +100,7 @@ def test_board_for_a_controller_meets_every_condition_over_its_range(variant: st
 
 @pytest.mark.full
 @settings(max_examples=60)
-@given(st.sampled_from(sorted(BOARD_CONFIGURATIONS)), st.floats(2.0, 200.0), st.sampled_from([2e3, 2e4, 1e5, 1e6]))
+@given(st.sampled_from(sorted(VARIANT_CHANGES)), st.floats(2.0, 200.0), st.sampled_from([2e3, 2e4, 1e5, 1e6]))
 def test_rule_and_circuit_agree_on_the_first_stage(name: str, gain: float, r5_ohm: float) -> None:
     """The rule has ideal values, the circuit preferred ones of series E24 and a C20 of series E6."""
     tables = load(name).with_values({"board.passband_gain": gain, "board.r5_ohm": r5_ohm})
@@ -126,8 +126,8 @@ def test_rule_and_circuit_agree_on_the_first_stage(name: str, gain: float, r5_oh
 @pytest.mark.parametrize(
     ("name", "cutoff", "capacitor"),
     [
-        *((name, "67", "1") for name in BOARD_CONFIGURATIONS),
-        *((name, *pair) for name in ("article_split", "precision_single") for pair in (("30", "2.2"), ("150", "0.47"))),
+        *((name, "67", "1") for name in VARIANT_CHANGES),
+        *((name, *pair) for name in ("article", "precision") for pair in (("30", "2.2"), ("150", "0.47"))),
     ],
 )
 def test_rule_and_circuit_agree_on_the_filters_current(name: str, cutoff: str, capacitor: str) -> None:
@@ -185,7 +185,7 @@ def test_a_converter_of_less_than_the_clamps_rail_is_warned_of() -> None:
 
 def test_a_unipolar_converter_is_warned_of_where_a_press_takes_the_tactile_voltage_below_ground() -> None:
     for polarity, passes in (("unipolar", False), ("bipolar", True)):
-        design = load("article_split", f"detector.adc_polarity={polarity}")
+        design = load("article", f"detector.adc_polarity={polarity}")
         values = board_values(design)
         assert values.voltage_limits.min_tactile_v > 0
         limits = replace(values.voltage_limits, min_tactile_v=-0.1)
@@ -208,9 +208,8 @@ def test_neighbours_of_a_capacitance_are_preferred_and_next_to_it(value: float) 
 # The comparator's threshold
 
 
-@pytest.mark.parametrize("supply", ["split", "single"])
-def test_threshold_spread_is_the_sum_of_its_causes(supply: str) -> None:
-    design = load(f"comparator_{supply}", "board.amplifier=TLV2372")
+def test_threshold_spread_is_the_sum_of_its_causes() -> None:
+    design = load("comparator", "board.amplifier=TLV2372")
     values = board_values(design)
     spread, levels, offset = values.threshold_spread, values.comparator_levels, values.output_offset
     assert spread is not None
@@ -231,9 +230,9 @@ def test_threshold_spread_is_the_sum_of_its_causes(supply: str) -> None:
 
 def test_only_an_amplifier_of_low_offset_keeps_the_threshold_within_the_trimmers_reach() -> None:
     for amplifier, passes in (("auto", True), ("TLV2372", False)):
-        conditions = board_values(load("comparator_split", f"board.amplifier={amplifier}")).gate
+        conditions = board_values(load("comparator", f"board.amplifier={amplifier}")).gate
         assert [c.passed for c in conditions if c.name == TRIM] == [passes]
-        assert any("set board.amplifier=OPA2197" in text for text in gate_warnings(conditions)) != passes
+        assert any("set board.amplifier=OPA2376" in text for text in gate_warnings(conditions)) != passes
 
 
 # Second tool
@@ -253,7 +252,7 @@ def test_accepted_random_boards_hold_the_conditions_in_ngspice(tmp_path: Path, c
     assert check_gate_in_ngspice(program, tmp_path, design).failures == []
 
 
-@pytest.mark.parametrize("name", ["article_split", "comparator_single"])
+@pytest.mark.parametrize("name", ["article", "comparator"])
 def test_two_pole_response_agrees_with_ngspice(tmp_path: Path, name: str) -> None:
     design = load(name)
     circuit, bandwidth_hz = board_circuit(board_values(design)), find_gain_bandwidth_hz(design.board)

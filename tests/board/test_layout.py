@@ -16,14 +16,15 @@ from pathlib import Path
 import pytest
 
 from fingertip.board import board_circuit, board_values
+from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.kicad.back_print import find_text_box, list_back_texts, list_values, print_values
 from fingertip.board.kicad.netlist import REVISION
 from fingertip.board.kicad.placement import PlacedPart, Placement
 from fingertip.board.kicad.project import (
-    BOARD_CONFIGURATIONS,
     MODEL_FOLDER,
     MODEL_FOLDER_OF_KICAD,
     MODEL_VARIABLE,
+    load_project,
     model_files,
 )
 from fingertip.board.kicad.sexpr import turn
@@ -40,11 +41,11 @@ from tests.tools import require_module, require_tool
 
 
 def load_circuit(name: str) -> Circuit:
-    return board_circuit(board_values(load_article(BOARD_CONFIGURATIONS[name].changes)))
+    return board_circuit(board_values(load_article(VARIANT_CHANGES[name])))
 
 
 PARTS: dict[str, PlacedPart] = {
-    part.footprint: part for board in BOARD_CONFIGURATIONS.values() for part in board.placement.parts.values()
+    part.footprint: part for name in VARIANT_CHANGES for part in load_project(name).placement.parts.values()
 }
 """A part with each footprint."""
 
@@ -100,9 +101,9 @@ def test_design_rules_check_detects_a_corrupted_board(tmp_path: Path, original: 
 
 
 @pytest.mark.every_case
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+@pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_board_has_its_size_and_holes(name: str) -> None:
-    placement = BOARD_CONFIGURATIONS[name].placement
+    placement = load_project(name).placement
     assert (placement.width, placement.height, placement.thickness_mm, placement.fiducials) == (40.0, 25.0, 1.6, 3)
     assert sum(part.footprint == M2_HOLE for part in placement.parts.values()) == 2
 
@@ -112,9 +113,9 @@ DECOUPLING_MM = 7.0
 
 
 @pytest.mark.every_case
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+@pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_decoupling_capacitors_are_at_the_supply_pins_and_at_the_entry(name: str) -> None:
-    circuit, parts = load_circuit(name), BOARD_CONFIGURATIONS[name].placement.parts
+    circuit, parts = load_circuit(name), load_project(name).placement.parts
     found = [(c, match[1]) for c in circuit.components if (match := re.search(r"at (U\d+|its entry)$", c.role))]
     assert len(found) >= 3
     for component, place in found:
@@ -216,7 +217,7 @@ def rotate(angle: float, x: float, y: float) -> tuple[float, float]:
 
 @functools.cache
 def read_board(name: str, changes: tuple[str, ...] = ()) -> Board:
-    design = load_article((*BOARD_CONFIGURATIONS[name].changes, *changes))
+    design = load_article((*VARIANT_CHANGES[name], *changes))
     return parse_board(board_files(design)[LAYOUT].decode())
 
 
@@ -279,13 +280,13 @@ def misleading(board: Board) -> list[str]:
 
 
 @pytest.mark.every_case
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+@pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_each_reference_is_nearest_to_its_own_part(name: str) -> None:
     assert misleading(read_board(name)) == []
 
 
 @pytest.mark.every_case
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+@pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_front_shows_all_references_but_some_of_resistors_and_capacitors(name: str) -> None:
     board = read_board(name)
     printed = {text.owner for text in board.texts if text.owner}
@@ -295,46 +296,43 @@ def test_front_shows_all_references_but_some_of_resistors_and_capacitors(name: s
 
 
 @pytest.mark.every_case
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+@pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_signs_at_the_supply_are_at_the_right_pins(name: str) -> None:
     """The pad of J2 nearest to each sign is on the net of that polarity."""
-    board, supply = read_board(name), BOARD_CONFIGURATIONS[name].supply
-    positive = "/POWER_IN" if supply.is_for_controller else "VCC"
-    signs = {"+": positive, "-": "VEE", "0": "GND"} if supply.negative_rail == "VEE" else {"+": positive, "-": "GND"}
+    board, is_article = read_board(name), name == "article"
+    signs = {"+": "VCC", "-": "VEE", "0": "GND"} if is_article else {"+": "/POWER_IN", "-": "GND"}
     power = [(net, box) for reference, side, net, box in board.pads if reference == "J2" and side == "F"]
     for sign, net in signs.items():
         boxes = [text.box for text in board.texts if text.text == sign and text.side == "F"]
         box = min(boxes, key=lambda box: min(distance(box, pad) for _, pad in power))
         assert min(power, key=lambda item: distance(box, item[1]))[0] == net
     only = [text for text in board.texts if "3.3 V only" in text.text]
-    assert {text.side for text in only} == ({"F", "B"} if supply.is_for_controller else set())
+    assert {text.side for text in only} == (set() if is_article else {"F", "B"})
 
 
 @pytest.mark.every_case
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+@pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_back_names_board_and_revision_and_lists_the_values(name: str) -> None:
-    configuration = BOARD_CONFIGURATIONS[name]
-    circuit = board_circuit(board_values(load_article(configuration.changes)))
+    circuit = board_circuit(board_values(load_article(VARIANT_CHANGES[name])))
     texts = [text.text for text in read_board(name).texts if text.side == "B"]
-    assert texts[0] == f"fingertip {name.replace('_', ' ')}"
+    assert texts[0] == f"fingertip {name}"
     assert texts[1] == f"rev {REVISION}"
-    warning = [f"{configuration.supply.nominal_v:g} V only"] if configuration.supply.is_for_controller else []
+    warning = [] if name == "article" else ["3.3 V only"]
     listed = [f"{c.reference} {c.value}" for c in circuit.components if c.reference[0] in "RC"]
     assert sorted(texts[2:]) == sorted([*warning, *listed])
 
 
 def long_values(name: str) -> tuple[Circuit, Placement]:
     """A board whose values are as long as the list prints them."""
-    configuration = BOARD_CONFIGURATIONS[name]
-    circuit = board_circuit(board_values(load_article(configuration.changes)))
+    circuit = board_circuit(board_values(load_article(VARIANT_CHANGES[name])))
     for component in circuit.components:
         if component.reference[0] in "RC" and component.reference != "RV1":
             circuit = circuit.replace(component.reference, "14.321987k")
-    return circuit, configuration.placement
+    return circuit, load_project(name).placement
 
 
 @pytest.mark.every_case
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+@pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_back_has_room_for_values_of_any_length(name: str) -> None:
     circuit, placement = long_values(name)
     texts = list_back_texts(circuit, placement)
@@ -348,23 +346,23 @@ def test_back_has_room_for_values_of_any_length(name: str) -> None:
 
 
 def test_list_that_does_not_fit_is_refused() -> None:
-    circuit, placement = long_values("comparator_single_3v3")
+    circuit, placement = long_values("comparator")
     with pytest.raises(BoardError, match="no room for the list of values"):
         list_back_texts(circuit, replace(placement, width=24.0))
 
 
 def test_layout_that_prints_no_value_of_a_part_is_refused() -> None:
-    circuit, placement = long_values("article_split")
-    layout = BOARD_CONFIGURATIONS["article_split"].project.layout.replace('(gr_text "R4 ', '(gr_text "R44 ')
+    circuit, placement = long_values("article")
+    layout = load_project("article").layout.replace('(gr_text "R4 ', '(gr_text "R44 ')
     with pytest.raises(BoardError, match=r"prints no value of R4 on its back; add a text there in KiCad"):
         print_values(layout, circuit, placement)
 
 
 @pytest.mark.every_case
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+@pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_three_fiducial_marks_span_the_board(name: str) -> None:
     """1 mm of copper in an opening of 2 mm, clear of all other copper, and not on one line."""
-    board, placement = read_board(name), BOARD_CONFIGURATIONS[name].placement
+    board, placement = read_board(name), load_project(name).placement
     marks = [item for item in children(board.tree, "footprint") if item[1] == "Fiducial:Fiducial_1mm_Mask2mm"]
     points = [tuple(numbers(item, "at")[:2]) for item in marks]
     (ax, ay), (bx, by), (cx, cy) = points
@@ -378,7 +376,7 @@ def test_three_fiducial_marks_span_the_board(name: str) -> None:
         assert placement.corner[0] + 1.0 < x < placement.corner[0] + placement.width - 1.0
 
 
-EXPORTED = ("article_split", "precision_single_3v3", "comparator_single")
+EXPORTED = ("article", "comparator")
 """Boards that together have every package."""
 Centre = tuple[float, float, float]
 
@@ -407,11 +405,11 @@ def solids(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[tuple[flo
     return found
 
 
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+@pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_every_part_to_buy_has_a_model_in_the_pose_of_kicads_and_nothing_else(name: str) -> None:
-    circuit = board_circuit(board_values(load_article(BOARD_CONFIGURATIONS[name].changes)))
+    circuit = board_circuit(board_values(load_article(VARIANT_CHANGES[name])))
     pose_here = [["0"] * 3, ["1"] * 3, ["0"] * 3]
-    for footprint in children(parse(BOARD_CONFIGURATIONS[name].project.layout), "footprint"):
+    for footprint in children(parse(load_project(name).layout), "footprint"):
         models = list(children(footprint, "model"))
         reference = next(field[2] for field in children(footprint, "property") if field[1] == "Reference")
         is_bought = reference[:3] != "FID" and bool(circuit.component(reference).rating)
@@ -470,10 +468,8 @@ def export_step(folder: Path, target: Path, *options: str) -> list[tuple[float, 
 def test_kicad_exports_every_part_in_its_place(
     board_folder: BoardFolder, solids: dict[str, list[tuple[float, Centre]]], tmp_path: Path, name: str
 ) -> None:
-    placement = BOARD_CONFIGURATIONS[name].placement
-    board, *parts = sorted(
-        export_step(board_folder(*BOARD_CONFIGURATIONS[name].changes), tmp_path / "b.step"), reverse=True
-    )
+    placement = load_project(name).placement
+    board, *parts = sorted(export_step(board_folder(*VARIANT_CHANGES[name]), tmp_path / "b.step"), reverse=True)
     expected = sorted(expected_solids(placement, solids), reverse=True)
     assert len(parts) == len(expected) > 2 * len(placement.parts)
     assert board[0] > 0.8 * placement.width * placement.height

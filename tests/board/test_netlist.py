@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fingertip.board import board_circuit, board_values
+from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.kicad.netlist import component_uuid
-from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
 from fingertip.board.parts import symbols
 from fingertip.board.parts.circuit import (
     Circuit,
@@ -42,10 +42,10 @@ CIRCUIT = board_circuit(board_values(ARTICLE))
 
 
 @pytest.mark.every_case
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+@pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_every_pin_is_in_one_net_and_every_net_has_two_pins(name: str) -> None:
     """The test does not use the package's own check."""
-    circuit = board_circuit(board_values(load_article(BOARD_CONFIGURATIONS[name].changes)))
+    circuit = board_circuit(board_values(load_article(VARIANT_CHANGES[name])))
     assert not list(find_issues(circuit))
     nodes = [node for net in circuit.nets for node in net.nodes]
     assert len(nodes) == len(set(nodes))
@@ -145,9 +145,9 @@ def test_wiring_has_the_transfer_function_of_the_filter_and_negative_feedback(
     assert component_uuid(board_circuit(board_values(design)), "R1") == "0954e7c3-2994-54f4-a8ff-12cb4395b0e6"
 
 
-@pytest.mark.parametrize("name", ["article_split", "comparator_single"])
+@pytest.mark.parametrize("name", ["article", "comparator"])
 def test_independent_reader_reads_the_circuit(tmp_path: Path, name: str) -> None:
-    design, path = write_netlist(tmp_path, list(BOARD_CONFIGURATIONS[name].changes))
+    design, path = write_netlist(tmp_path, list(VARIANT_CHANGES[name]))
     circuit, tree = board_circuit(board_values(design)), parse(path.read_text("utf-8"))
     parts = {
         (word(part, "ref"), word(part, "value"), word(source, "lib"), word(source, "part"), word(part, "footprint"))
@@ -169,10 +169,10 @@ def test_independent_reader_reads_the_circuit(tmp_path: Path, name: str) -> None
     }
 
 
-@pytest.mark.parametrize("name", ["article_single", "precision_single", "comparator_single"])
-def test_wiring_on_a_single_supply_has_the_transfer_function_of_the_filter(tmp_path: Path, name: str) -> None:
+@pytest.mark.parametrize("name", ["precision", "comparator"])
+def test_wiring_around_vmid_has_the_transfer_function_of_the_filter(tmp_path: Path, name: str) -> None:
     """All signals refer to VMID, the buffered mid-supply. Nothing of the filter returns to ground."""
-    design, path = write_netlist(tmp_path, list(BOARD_CONFIGURATIONS[name].changes))
+    design, path = write_netlist(tmp_path, list(VARIANT_CHANGES[name]))
     circuit, values = NetlistCircuit(path), board_values(design)
     for f in FREQUENCIES[::5]:
         found = {net: circuit.gain(f, "/TACTILE", net, 1e14) for net in ("/FILTERED", "/ADC_TACTILE", "VMID")}
@@ -184,5 +184,5 @@ def test_wiring_on_a_single_supply_has_the_transfer_function_of_the_filter(tmp_p
         assert abs(found["VMID"]) < 1e-6
     # After blocking diodes U3a is an integrator, with a pole at zero. All other poles are negative.
     poles = sorted(circuit.poles("/TACTILE").real)[::-1]
-    assert poles[0] < 0 if name == "article_single" else poles[0] == 0 > poles[1]
+    assert poles[0] == 0 > poles[1]
     assert circuit.nodes("U5", "1", "4") == circuit.nodes("J1", "2") + circuit.nodes("R24", "2") == ("VMID",) * 2

@@ -9,7 +9,7 @@ import pytest
 from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.noise import NETS, add_noise, noise_budget
 from fingertip.board.analysis.report import analyse
-from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
+from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from tests.board.ngspice import run_ngspice
 from tests.board.test_spice import write_deck
@@ -20,22 +20,22 @@ CIRCUIT = board_circuit(VALUES)
 
 
 @pytest.mark.every_case
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+@pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_total_noise_agrees_with_ngspice(tmp_path: Path, name: str) -> None:
     """All amplifiers and resistors, 0.1 Hz to 1 MHz: 19 mV after the filters, of which C20 leaves 6 mV."""
-    design, deck = write_deck(tmp_path, list(BOARD_CONFIGURATIONS[name].changes))
+    design, deck = write_deck(tmp_path, list(VARIANT_CHANGES[name]))
     rows, total = noise_budget(add_noise(board_circuit(board_values(design)), find_gain_bandwidth_hz(design.board)))
     assert rows[0].cause == "U2"
     for net in ("TACTILE", "FILTERED", "ADC_TACTILE"):
         simulated = run_ngspice(
             tmp_path, deck, f"noise v({net.lower()}) IJ1 dec 100 0.1 1meg\nsetplot noise2\nwrdata out onoise_total"
         )
-        # The noise is measured against ground, as the ADC measures it. On a single supply it contains VMID's.
+        # The noise is measured against ground, as the ADC measures it. On boards for a controller it contains VMID's.
         assert total[NETS.index(net)] == pytest.approx(simulated[0][-1], rel=0.005), net
     found = board_values(design).noise
     assert found.tactile_v == pytest.approx(total[NETS.index("TACTILE")], rel=1e-3)
     assert found.filtered_v == pytest.approx(total[NETS.index("FILTERED")], rel=1e-3)
-    figures = {"article_split": 20.1e-3, "precision_split": 6.13e-3, "comparator_single": 5.19e-3}
+    figures = {"article": 20.1e-3, "precision": 4.29e-3, "comparator": 4.29e-3}
     assert found.filtered_v == pytest.approx(figures.get(name, found.filtered_v), rel=0.01)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.analysis.board_values import _model_configuration, compute_filter
+from fingertip.board.analysis.board_values import _model_variant, compute_filter
 from fingertip.board.analysis.report import analyse, bode_table
 from fingertip.board.circuits import board_circuit as circuits
 from fingertip.board.circuits.spice import spice_deck
@@ -34,10 +34,10 @@ DESIGN = load_article(["board.variant=comparator"])
 @pytest.fixture(autouse=True)
 def forget_boards() -> Iterator[None]:
     """Forget the boards of other tests before each test here, and the changed boards after it."""
-    for remembered in (board_values, _model_configuration):
+    for remembered in (board_values, _model_variant):
         remembered.cache_clear()
     yield
-    for remembered in (board_values, _model_configuration):
+    for remembered in (board_values, _model_variant):
         remembered.cache_clear()
 
 
@@ -121,7 +121,7 @@ def test_bridge_changed_in_one_place_moves_the_tactile_voltage(monkeypatch: pyte
 
     before, select = board_values(DESIGN), Bridge.by_reference
     before_v = compute_bridge_v(DESIGN, np.ones(1))[0]
-    monkeypatch.setattr(Bridge, "by_reference", lambda bridge: {**select(bridge), "R13": 100.0})
+    monkeypatch.setattr(Bridge, "by_reference", lambda bridge: {**select(bridge), "R13": 10e3})
     board_values.cache_clear()
     after = board_values(DESIGN)
     assert after.tactile_response.open_v < before.tactile_response.open_v - 0.5

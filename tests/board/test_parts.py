@@ -11,6 +11,7 @@ import pytest
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.components.selection import SOLD, capacitances_in_range, nearest_capacitance
+from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.fabrication.bom import (
     COLUMNS,
     assembly_bom_file,
@@ -19,7 +20,7 @@ from fingertip.board.fabrication.bom import (
     placement_file,
     purchased_components,
 )
-from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.project import load_project
 from fingertip.board.parts.circuit import CapacitorRequirement, Component, ResistorRequirement, parse_component_value
 from fingertip.board.parts.select_part import (
     find_package,
@@ -156,10 +157,10 @@ def meets(component: Component, part: Part) -> bool:
 
 @pytest.mark.every_case
 @pytest.mark.parametrize(
-    ("name", "extra"), [*((name, ()) for name in BOARD_CONFIGURATIONS), *(("precision_single", c) for c in CHANGES)]
+    ("name", "extra"), [*((name, ()) for name in VARIANT_CHANGES), *(("precision", c) for c in CHANGES)]
 )
 def test_every_line_has_a_number_or_an_empty_field_and_the_reason(name: str, extra: tuple[str, ...]) -> None:
-    circuit = board_circuit(board_values(load_article((*BOARD_CONFIGURATIONS[name].changes, *extra))))
+    circuit = board_circuit(board_values(load_article((*VARIANT_CHANGES[name], *extra))))
     rows = list(csv.DictReader(io.StringIO(bill_of_materials(circuit).decode())))
     assert tuple(rows[0]) == COLUMNS
     references = [reference for row in rows for reference in row["References"].split()]
@@ -210,8 +211,8 @@ def test_value_that_is_not_in_the_table_still_makes_a_board() -> None:
 def test_preferred_capacitors_are_sold_without_exception(cutoff: float) -> None:
     changes = [f"board.cutoff_hz={cutoff}", "board.capacitor_series=preferred", "detector.sample_rate_hz=4000",
                "board.band_limit_hz=4000"]  # fmt: skip
-    for name in ("article_split", "comparator_single"):
-        design = load_article([*BOARD_CONFIGURATIONS[name].changes, *changes])
+    for name in ("article", "comparator"):
+        design = load_article([*VARIANT_CHANGES[name], *changes])
         for component in board_circuit(board_values(design)).components:
             if isinstance(component.requirement, CapacitorRequirement):
                 assert select_part(component).part, f"{component.reference} {component.value}"
@@ -257,10 +258,10 @@ def parse_placement(data: bytes) -> dict[str, tuple[float, float, float]]:
 
 
 @pytest.mark.every_case
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+@pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_independent_parser_reads_the_parts_of_the_circuit_in_both_files(name: str) -> None:
-    circuit = board_circuit(board_values(load_article(BOARD_CONFIGURATIONS[name].changes)))
-    placement = BOARD_CONFIGURATIONS[name].placement
+    circuit = board_circuit(board_values(load_article(VARIANT_CHANGES[name])))
+    placement = load_project(name).placement
     house, kicad = (parse_placement(placement_file(circuit, placement, for_house=own)) for own in (True, False))
     listed = dict[str, tuple[str, ...]]()
     for row in parse_bom(assembly_bom_file(circuit)):

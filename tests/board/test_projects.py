@@ -10,13 +10,14 @@ from pathlib import Path
 import pytest
 
 from fingertip.board import board_circuit, board_values
+from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.kicad.netlist import REVISION
 from fingertip.board.kicad.project import (
-    BOARD_CONFIGURATIONS,
     IGNORED_IN_SCHEMATIC,
     IGNORED_ON_BOARD,
     MODEL_FOLDER,
     MODEL_VARIABLE,
+    load_project,
     read_archive,
 )
 from fingertip.board.parts.circuit import Circuit
@@ -27,13 +28,13 @@ from tests.designs import load_article
 from tests.oracles.sexpressions import Expression, children, parse, word
 from tools import boards
 
-AMPLIFIERS = {"split": ("OPA2197", "TL082"), "single": ("MCP6022",), "single_3v3": ("OPA2376", "MCP6022")}
-"""Amplifiers for each supply: at least one is not the default of a board."""
+AMPLIFIERS = {"article": "OPA2197", "precision": "OPA2376", "comparator": "MCP6022"}
+"""Amplifier of each board that is not its default."""
 SUPPLY_NETS = ("GND", "POWER_IN", "VCC", "VEE", "VMID", "VREF")
 
 
 def load_circuit(name: str, *changes: str) -> Circuit:
-    return board_circuit(board_values(load_article((*BOARD_CONFIGURATIONS[name].changes, *changes))))
+    return board_circuit(board_values(load_article((*VARIANT_CHANGES[name], *changes))))
 
 
 def fields_of(tree: Expression, kind: str) -> list[tuple[Expression, dict[str, str]]]:
@@ -42,7 +43,7 @@ def fields_of(tree: Expression, kind: str) -> list[tuple[Expression, dict[str, s
 
 
 @pytest.mark.every_case
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+@pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_most_of_the_supply_tracks_is_wide(name: str) -> None:
     """Half of their length is 0.5 mm wide or more; they are narrow only where other copper is near."""
     board = parse(read_archive(name)[LAYOUT].decode())
@@ -55,12 +56,11 @@ def test_most_of_the_supply_tracks_is_wide(name: str) -> None:
     assert lengths[True] > lengths[False]
 
 
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+@pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_values_parts_and_amplifier_are_entered_everywhere(name: str) -> None:
-    default, amplifiers = load_circuit(name), AMPLIFIERS[BOARD_CONFIGURATIONS[name].supply.name]
-    other = next(amplifier for amplifier in amplifiers if amplifier[:4] != default.component("U1").value[:4])
-    circuit = load_circuit(name, "board.cutoff_hz=90", "board.series=E96", f"board.amplifier={other}")
-    files = BOARD_CONFIGURATIONS[name].project.enter(circuit)
+    default = load_circuit(name)
+    circuit = load_circuit(name, "board.cutoff_hz=90", "board.series=E96", f"board.amplifier={AMPLIFIERS[name]}")
+    files = load_project(name).enter(circuit)
     changed = {c.reference for c in circuit.components if c != default.component(c.reference)}
     assert {"R1", "R2", "R3", "U1"} <= changed
     for file, kind in ((LAYOUT, "footprint"), (SCHEMATIC, "symbol")):
@@ -81,10 +81,10 @@ def test_values_parts_and_amplifier_are_entered_everywhere(name: str) -> None:
 
 
 @pytest.mark.every_case
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+@pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_project_states_revision_title_rules_and_models(name: str) -> None:
     """KiCad's title block holds about 107 mm: 45 characters of 2 mm behind the word Title."""
-    project = BOARD_CONFIGURATIONS[name].project
+    project = load_project(name)
     for text in (project.layout, project.schematic):
         (block,) = children(parse(text), "title_block")
         assert next(children(block, "rev"))[1] == REVISION
@@ -99,7 +99,7 @@ def test_project_states_revision_title_rules_and_models(name: str) -> None:
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("name", [*BOARD_CONFIGURATIONS, "models"])
+@pytest.mark.parametrize("name", [*VARIANT_CHANGES, "models"])
 def test_archive_is_packed_again_to_the_same_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     stored = read_archive(name)
     boards.unpack(name, tmp_path / "project")
@@ -117,8 +117,8 @@ def test_archive_is_packed_again_to_the_same_files(tmp_path: Path, monkeypatch: 
 
 def test_project_of_another_circuit_or_without_a_field_is_refused_in_words() -> None:
     """Each change of a circuit is described in `test_edited_files.py`."""
-    circuit, project = load_circuit("article_split"), BOARD_CONFIGURATIONS["article_split"].project
-    words = r"the stored KiCad project article_split is not that of its circuit \(it removes R4"
+    circuit, project = load_circuit("article"), load_project("article")
+    words = r"the stored KiCad project article is not that of its circuit \(it removes R4"
     with pytest.raises(BoardError, match=rf"{words}.*python -m tools\.boards"):
         project.enter(circuit.without("R4"))
     for name in ("layout", "schematic"):

@@ -26,8 +26,9 @@ from fingertip.board.bringup.plan import QUIET_ENVELOPE, SUPPLY_MA, BringUp
 from fingertip.board.bringup.prediction import is_tone, predict
 from fingertip.board.bringup.readings import Readings, assess_readings, format_assessment
 from fingertip.board.bringup.wiring import wiring_diagram
+from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.fabrication.bom import assembly_bom_file, placement_file
-from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
+from fingertip.board.kicad.project import load_project
 from fingertip.design import Design
 from fingertip.documents.board.analysis import analysis_text
 from fingertip.tasks.board import board_files, bring_up_files, write_board
@@ -37,35 +38,30 @@ from tests.conftest import ROOT
 from tests.designs import load_article
 
 APPROVED = Path(__file__).parent / "approved"
-SLOW_SHEETS = ("precision_split", "comparator_split", "comparator_single_3v3")
 
 
 @pytest.mark.every_case
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+@pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_readme_and_wiring_are_the_approved_ones(name: str) -> None:
-    design = load_article(BOARD_CONFIGURATIONS[name].changes)
+    design = load_article(VARIANT_CHANGES[name])
     files, circuit = board_files(design), board_circuit(board_values(design))
     check_text(APPROVED / f"{name}.md", files["README.md"])
-    if name == "comparator_single_3v3":  # has the most parts; the folder `pcb` holds these files of two other boards
+    if name == "comparator":  # has the most parts; the folder `pcb` holds these files of two other boards
         for file in ("values.json", "slip_filter.cir", "bom.csv"):
             check_text(APPROVED / f"{name}_{file}", files[file])
         check_text(APPROVED / f"{name}_bom_assembly.csv", assembly_bom_file(circuit))
-        placement = BOARD_CONFIGURATIONS[name].placement
+        placement = load_project(name).placement
         check_text(APPROVED / f"{name}_placement.csv", placement_file(circuit, placement, for_house=True))
     check_text(APPROVED / f"{name}_wiring.svg", wiring_diagram(circuit, design.board.supply_v, design.name))
 
 
-SHEETS = ["article_single", *(pytest.param(name, marks=pytest.mark.full) for name in SLOW_SHEETS)]
-
-
 @pytest.mark.full
-@pytest.mark.parametrize("name", SHEETS)
-def test_bring_up_sheet_and_readings_are_the_approved_ones(name: str) -> None:
-    design = load_article(BOARD_CONFIGURATIONS[name].changes)
-    files = bring_up_files(design)
-    check_text(APPROVED / f"{name}_bringup.md", files["bringup.md"])
-    check_text(APPROVED / f"{name}_readings.toml", files["bringup_readings.toml"])
-    check_text(APPROVED / f"{name}_wiring.svg", files["wiring.svg"])
+def test_bring_up_sheet_and_readings_are_the_approved_ones() -> None:
+    """The folder pcb/ has those of the other two boards."""
+    files = bring_up_files(load_article(VARIANT_CHANGES["comparator"]))
+    check_text(APPROVED / "comparator_bringup.md", files["bringup.md"])
+    check_text(APPROVED / "comparator_readings.toml", files["bringup_readings.toml"])
+    check_text(APPROVED / "comparator_wiring.svg", files["wiring.svg"])
 
 
 @pytest.mark.parametrize(
@@ -84,7 +80,7 @@ def test_bundled_board_is_up_to_date(name: str, folder: str, has_bring_up: bool,
 
 @functools.cache
 def analysis_of(variant: str) -> Analysis:
-    return analyse(load_article([f"board.variant={variant}", "board.supply=split"]), boards=20)
+    return analyse(load_article(VARIANT_CHANGES[variant]), boards=20)
 
 
 @pytest.mark.parametrize("variant", ["article", "precision", "comparator"])
@@ -146,22 +142,22 @@ def assess(plan: BringUp, title: str, readings: Mapping[str, float]) -> Iterator
 
 
 @pytest.fixture(scope="module")
-def single_plan(predict_once: None) -> BringUp:
-    """Plan of the article's board on a single supply, whose faults are predicted."""
-    plan = plan_of(BOARD_CONFIGURATIONS["article_single"].changes)[1]
+def precision_plan(predict_once: None) -> BringUp:
+    """Plan of the default board, whose faults are predicted."""
+    plan = plan_of(VARIANT_CHANGES["precision"])[1]
     diagnose(plan.board, plan.levels, dict.fromkeys(plan.levels, 0.0), TONE_V)
     return plan
 
 
 @pytest.mark.full
-def test_readings_of_faults_and_what_is_said_of_them_are_the_approved_ones(single_plan: BringUp) -> None:
+def test_readings_of_faults_and_what_is_said_of_them_are_the_approved_ones(precision_plan: BringUp) -> None:
     """Readings [mV] of every fifth fault."""
-    board, lines = single_plan.board, list[str]()
+    board, lines = precision_plan.board, list[str]()
     faults = list(list_faults(board.circuit, board.ends_v))[::5]
     for fault, readings in zip(faults, predict(board, faults), strict=True):
-        lines += assess(single_plan, fault.sentence, readings)
+        lines += assess(precision_plan, fault.sentence, readings)
         lines.append("  " + ", ".join(f"{name} {round(1e3 * v, 1) + 0.0:g}" for name, v in readings.items()))
-    check_text(APPROVED / "article_single_faults.txt", ("\n".join(lines) + "\n").encode())
+    check_text(APPROVED / "precision_faults.txt", ("\n".join(lines) + "\n").encode())
 
 
 def list_wrong_readings(plan: BringUp) -> Iterator[tuple[str, dict[str, float]]]:
@@ -207,23 +203,22 @@ def list_wrong_readings(plan: BringUp) -> Iterator[tuple[str, dict[str, float]]]
     yield "little current", {SUPPLY_MA: 1.5, "tp1_open_v": good["tp1_open_v"]}
 
 
-@pytest.mark.parametrize("name", ["article_single", pytest.param("precision_single_3v3", marks=pytest.mark.full)])
-def test_what_is_said_of_wrong_readings_is_the_approved_text(single_plan: BringUp, name: str) -> None:
-    plan = single_plan if name == "article_single" else plan_of(BOARD_CONFIGURATIONS[name].changes)[1]
+def test_what_is_said_of_wrong_readings_is_the_approved_text(precision_plan: BringUp) -> None:
+    plan = precision_plan
     lines = [line for title, readings in list_wrong_readings(plan) for line in assess(plan, title, readings)]
     few = {"supply_ohm": math.inf, SUPPLY_MA: 1.5, "tp1_open_v": 1.9, "tp5_open_v": 2.0, "tp3_134hz_v": 0.7}
     table = format_assessment(assess_readings(plan, Readings(TONE_V, few)))
     lines += [line.rstrip() for line in table.splitlines()]
-    check_text(APPROVED / f"{name}_wrong_readings.txt", ("\n".join(lines) + "\n").encode())
+    check_text(APPROVED / "precision_wrong_readings.txt", ("\n".join(lines) + "\n").encode())
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("name", ["comparator_split", "comparator_single_3v3", "precision_single"])
+@pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_limits_of_the_readings_are_the_approved_ones(name: str) -> None:
     """Lowest, expected and highest reading, in the unit that its name ends in."""
     lines = [
         " ".join([key, *(f"{round(v, 5) + 0.0:g}" for v in (limits.low_v, limits.expected_v, limits.high_v))])
-        for key, limits in plan_of(BOARD_CONFIGURATIONS[name].changes)[1].all.items()
+        for key, limits in plan_of(VARIANT_CHANGES[name])[1].all.items()
     ]
     check_text(APPROVED / f"{name}_limits.txt", ("\n".join(lines) + "\n").encode())
 

@@ -16,8 +16,9 @@ from typing import Any
 import pytest
 
 from fingertip.board import board_circuit, board_values
+from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.kicad.netlist import component_uuid
-from fingertip.board.kicad.project import BOARD_CONFIGURATIONS, IGNORED_IN_SCHEMATIC, IGNORED_ON_BOARD
+from fingertip.board.kicad.project import IGNORED_IN_SCHEMATIC, IGNORED_ON_BOARD, load_project
 from fingertip.board.parts.circuit import kicad_net_name
 from fingertip.board.parts.symbols import DUAL_AMPLIFIERS
 from fingertip.catalogues.output_files import BOM, LAYOUT, NETLIST, PROJECT, README, SCHEMATIC
@@ -48,9 +49,9 @@ def test_kicads_netlist_of_the_drawing_equals_ours(board_folder: BoardFolder, ch
     assert export_netlist(board_folder(*changes)) == read_netlist(board_folder(*changes) / NETLIST)
 
 
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+@pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_kicads_bill_of_materials_has_our_numbers(board_folder: BoardFolder, name: str) -> None:
-    folder, fields = board_folder(*BOARD_CONFIGURATIONS[name].changes), "Reference,Manufacturer,MPN,LCSC"
+    folder, fields = board_folder(*VARIANT_CHANGES[name]), "Reference,Manufacturer,MPN,LCSC"
     run = kicad_cli(folder, "sch", "export", "bom", SCHEMATIC, "--fields", fields, "-o", "kicad_bom.csv")
     assert run.returncode == 0, run.stderr
     ours = {
@@ -68,11 +69,11 @@ def test_schematic_passes_electrical_rules_check(board_folder: BoardFolder, chan
     assert run_erc(board_folder(*changes)) == []
 
 
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+@pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_pin_positions_equal_those_of_kicads_library(name: str) -> None:
     """Symbols can then be updated from the library without disconnecting wires."""
     folder = require_tool("/usr/share/kicad/symbols", HOW_TO_INSTALL_KICAD)
-    (drawn,) = children(parse(BOARD_CONFIGURATIONS[name].project.schematic), "lib_symbols")
+    (drawn,) = children(parse(load_project(name).schematic), "lib_symbols")
     wrong = []
     for own in children(drawn, "symbol"):
         library, _, name = own[1].partition(":")
@@ -97,8 +98,8 @@ CIRCUIT = board_circuit(board_values(ARTICLE))
 # Distinct components of all boards. The same reference may be another component on another supply.
 COMPONENTS = {
     (component.reference, component.symbol.name, component.footprint): component
-    for variant in BOARD_CONFIGURATIONS.values()
-    for component in board_circuit(board_values(load_article(variant.changes))).components
+    for changes in VARIANT_CHANGES.values()
+    for component in board_circuit(board_values(load_article(changes))).components
 }.values()
 SYMBOLS = sorted(
     {component.symbol for component in COMPONENTS} | set(DUAL_AMPLIFIERS.values()), key=lambda s: (s.library, s.name)

@@ -19,8 +19,7 @@ from fingertip.board.analysis.response import decibel
 from fingertip.board.circuits.network import build_network
 from fingertip.board.circuits.spice import MAX_SWITCH_OHM
 from fingertip.board.components.bridge import sensor_conductance_s
-from fingertip.board.components.values import SUPPLIES
-from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
+from fingertip.board.components.values import SUPPLIES, VARIANT_CHANGES
 from fingertip.board.parts.circuit import Circuit
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import choose_amplifier
@@ -29,19 +28,14 @@ from tests.board.ngspice import run_ngspice
 from tests.designs import load_article
 from tests.oracles.filter_formulas import filter_transfer
 
-CONTROLLER = ["board.supply=single_3v3", "board.supply_v=3.3"]
 DESIGNS = {
     "article": [],
     "another": ["board.cutoff_hz=120", "board.capacitor_uf=0.22", "board.passband_gain=21", "board.series=E96"],
     "slow": ["board.cutoff_hz=5", "board.capacitor_uf=10"],
-    "single supply": ["board.supply=single"],
     "precision": ["board.variant=precision"],
-    "precision, single supply": ["board.variant=precision", "board.supply=single", "board.band_limit_hz=500"],
-    "comparator": ["board.variant=comparator"],
-    "comparator, single supply": ["board.variant=comparator", "board.supply=single", "board.capacitor_series=E12"],
-    "article, 3.3 V": CONTROLLER,
-    "precision, 3.3 V": ["board.variant=precision", *CONTROLLER],
-    "comparator, 3.3 V": ["board.variant=comparator", *CONTROLLER, "board.cutoff_hz=90", "board.series=E96"],
+    "precision, 500 Hz": ["board.variant=precision", "board.band_limit_hz=500"],
+    "comparator": ["board.variant=comparator", "board.capacitor_series=E12"],
+    "comparator, 90 Hz": ["board.variant=comparator", "board.cutoff_hz=90", "board.series=E96"],
 }
 
 
@@ -71,10 +65,10 @@ def test_deck_has_the_transfer_function_of_the_filter(tmp_path: Path, changes: l
     assert max_deviation_db(tmp_path, design, deck) < 1e-2
 
 
-@pytest.mark.parametrize("supply", SUPPLIES)
+@pytest.mark.parametrize("name", ["article", "precision"])
 @pytest.mark.parametrize("force_n", [0.1, 0.8, 8.0])
-def test_deck_has_the_tactile_voltage_of_the_bridge(tmp_path: Path, force_n: float, supply: str) -> None:
-    design, deck = write_deck(tmp_path, [f"board.supply={supply}", f"board.supply_v={SUPPLIES[supply].nominal_v}"])
+def test_deck_has_the_tactile_voltage_of_the_bridge(tmp_path: Path, force_n: float, name: str) -> None:
+    design, deck = write_deck(tmp_path, [*VARIANT_CHANGES[name]])
     line = next(line for line in deck.splitlines() if line.startswith("RJ1 "))
     conductance = sensor_conductance_s(force_n)
     deck = deck.replace(line, f"{' '.join(line.split()[:3])} {1 / conductance if conductance else 1e12:.10g}")
@@ -83,16 +77,14 @@ def test_deck_has_the_tactile_voltage_of_the_bridge(tmp_path: Path, force_n: flo
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("supply", SUPPLIES)
-def test_comparator_switches_at_its_on_and_off_thresholds(tmp_path: Path, supply: str) -> None:
+def test_comparator_switches_at_its_on_and_off_thresholds(tmp_path: Path) -> None:
     """The mean sweeps slowly up and down through both thresholds. SLIP is low in between."""
-    design, deck = write_deck(tmp_path, [*BOARD_CONFIGURATIONS[f"comparator_{supply}"].changes])
+    design, deck = write_deck(tmp_path, [*VARIANT_CHANGES["comparator"]])
     levels = board_values(design).comparator_levels
     assert levels is not None
     assert levels.averaging_tau_s == pytest.approx(0.015, rel=0.05)  # half of the article's window of 30 ms
     isolated = "\n".join(line for line in deck.splitlines() if not line.startswith(("R18 ", "C17 ")))
-    ground = "0" if supply == "split" else "vmid"
-    isolated = isolated.replace("\n.ac", f"\nVmean mean {ground} pwl(0 0 1 0.04 2 0)\n.ac") + "\n"
+    isolated = isolated.replace("\n.ac", "\nVmean mean vmid pwl(0 0 1 0.04 2 0)\n.ac") + "\n"
     rows = run_ngspice(tmp_path, isolated, "tran 0.2m 2 0 0.2m\nwrdata out v(slip)")
     low = [t for t, v in rows if t > 0.01 and v < 1]
     on, off = 0.04 * low[0], 0.04 * (2 - low[-1])
@@ -115,19 +107,19 @@ def replace_elements(deck: str, **elements: str) -> str:
 
 
 @pytest.mark.every_case
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+@pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_supply_ripple_agrees_with_ngspice(tmp_path: Path, name: str) -> None:
-    design, deck = write_deck(tmp_path, [*BOARD_CONFIGURATIONS[name].changes])
+    design, deck = write_deck(tmp_path, [*VARIANT_CHANGES[name]])
     ripple, is_article = board_values(design).supply_ripple, name.startswith("article")
     sensor = deck[deck.index("RJ1 ") :].splitlines()[0].rsplit(" ", 1)[0]
     deck = replace_elements(deck, RJ1=f"{sensor} {1 / (sensor_conductance_s(ripple.force_n) or 1e-12):.10g}")
     (source,) = (line for line in deck.splitlines() if line.startswith(("VJ2a ", "VJ2 ")))
     ripple_only = deck.replace(f"\n{source}\n", f"\n{source} ac 1\n").replace("dc 0 ac 1u", "dc 0")
-    ground = "" if name.endswith("split") else "-v(vmid)"
+    ground = "" if is_article else "-v(vmid)"
     rows = run_ngspice(tmp_path, ripple_only, f"ac dec 100 30 100k\nlet g = abs(v(filtered){ground})\nwrdata out g")
     gains = {f: g for f, g, *_ in rows}
     worst_hz = max(gains, key=gains.__getitem__)
-    assert ripple.gain == pytest.approx(gains[worst_hz], rel=0.01 if "3v3" in name else 0.002)
+    assert ripple.gain == pytest.approx(gains[worst_hz], rel=0.002 if is_article else 0.01)
     assert ripple.worst_hz == pytest.approx(worst_hz, rel=0.05)
     assert (ripple.low_hz, ripple.high_hz) == (30, 100e3)
     # Without a low-pass (variant article) ripple of a switching converter counts more than that of the mains.
@@ -137,23 +129,22 @@ def test_supply_ripple_agrees_with_ngspice(tmp_path: Path, name: str) -> None:
 
 
 @pytest.mark.every_case
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+@pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_supply_ripple_is_worst_at_the_stated_force(name: str) -> None:
-    design = load_article(BOARD_CONFIGURATIONS[name].changes)
+    design = load_article(VARIANT_CHANGES[name])
     values = board_values(design)
     for force_n in {0.0, 0.3, 1.0, 5.0, 20.0} - {values.supply_ripple.force_n}:
         network = build_network(board_circuit(values), 3e6, sensor_s=sensor_conductance_s(force_n))
-        part = network.restrict("FILTERED", SUPPLIES[design.board.supply].signal_ground)
+        part = network.restrict("FILTERED", SUPPLIES[name].signal_ground)
         nets = [net for net in ("FILTERED", "VMID") if net in part.nets]
         volts = part.response(np.geomspace(30, 1e5, 300), {"VCC": 1.0}, *nets)
         assert np.abs(volts @ np.array([1.0, -1.0][: len(nets)])).max() < values.supply_ripple.gain
 
 
-@pytest.mark.parametrize("variant", ["article", "precision"])
-@pytest.mark.parametrize("supply", ["split", "single"])
-def test_clamps_shift_both_pins_by_at_most_the_stated_voltage(tmp_path: Path, variant: str, supply: str) -> None:
+@pytest.mark.parametrize("name", ["article", "precision"])
+def test_clamps_shift_both_pins_by_at_most_the_stated_voltage(tmp_path: Path, name: str) -> None:
     """Reverse currents of 2 uA, compared with none, for an open sensor and without a signal."""
-    design, deck = write_deck(tmp_path, [f"board.variant={variant}", f"board.supply={supply}"])
+    design, deck = write_deck(tmp_path, [*VARIANT_CHANGES[name]])
     limits = board_values(design).voltage_limits
     sensor = deck[deck.index("RJ1 ") :].splitlines()[0].rsplit(" ", 1)[0]
     (model,) = (line for line in deck.splitlines() if line.startswith(".model DBAT54"))
@@ -170,19 +161,19 @@ def test_clamps_shift_both_pins_by_at_most_the_stated_voltage(tmp_path: Path, va
     stated = [2e-6 * ohm for ohm in (limits.envelope_pin_ohm, limits.tactile_pin_ohm)]
     assert all(abs(shift) < 1.001 * limit for shift, limit in zip(shifts, stated, strict=True))
     # On a split supply E is at ground, where the lower diode of D2 does not block. Elsewhere equal currents cancel.
-    assert (shifts[0] > 0.5 * stated[0]) == (supply == "split")
+    assert (shifts[0] > 0.5 * stated[0]) == (name == "article")
     assert abs(shifts[1]) < 0.01 * stated[1]
 
 
 # Board for a controller of 3.3 V
 
 
-NAMES = [name for name, configuration in BOARD_CONFIGURATIONS.items() if configuration.supply.is_for_controller]
+NAMES = ["precision", "comparator"]
 PINS = {"1": "ADC_TACTILE", "3": "ADC_FILTERED", "5": "ADC_ENVELOPE", "7": "M_OUT"}
 
 
 def load(name: str, *changes: str) -> Design:
-    return load_article((*BOARD_CONFIGURATIONS[name].changes, *changes))
+    return load_article((*VARIANT_CHANGES[name], *changes))
 
 
 def circuit_of(name: str) -> Circuit:
@@ -198,7 +189,6 @@ def test_output_connector_has_ground_between_the_signals(name: str) -> None:
 
 
 RANGE_SWEEP = {
-    "article": ["board.series=E12"],
     "precision": ["board.cutoff_hz=40", "board.capacitor_series=E12"],
     "comparator": [],
 }
@@ -223,10 +213,10 @@ CONDITIONS = {
 
 @pytest.mark.full
 @pytest.mark.parametrize("condition", CONDITIONS)
-@pytest.mark.parametrize("variant", ["article", "precision", "comparator"])
+@pytest.mark.parametrize("variant", NAMES)
 def test_outputs_stay_within_the_supply_in_ngspice(tmp_path: Path, variant: str, condition: str) -> None:
     """The supply rises within 1 ms, and in the last condition the sensor is pressed as hard as it can be."""
-    _, deck = write_deck(tmp_path, [*BOARD_CONFIGURATIONS[f"{variant}_single_3v3"].changes, *RANGE_SWEEP[variant]])
+    _, deck = write_deck(tmp_path, [*VARIANT_CHANGES[variant], *RANGE_SWEEP[variant]])
     lines = limit_to_the_rails(deck).splitlines()
     lines = [line for line in lines if not line.startswith("IJ1")]
     i = next(i for i, line in enumerate(lines) if line.startswith("RJ1 "))
@@ -251,7 +241,7 @@ def test_outputs_stay_within_the_supply_in_ngspice(tmp_path: Path, variant: str,
 
 
 def test_tactile_voltage_falls_with_force_within_the_range() -> None:
-    response = board_values(load("precision_single_3v3")).tactile_response
+    response = board_values(load("precision")).tactile_response
     volts = [response.tactile_v(sensor_conductance_s(f)) for f in (0.0, 0.2, 0.8, 1.3, 20.0)]
     assert volts == sorted(volts, reverse=True)
     assert 0.3 < volts[-1] < volts[0] < 3.3 - 0.5
@@ -263,32 +253,31 @@ def test_tactile_voltage_falls_with_force_within_the_range() -> None:
 def test_protection_costs_less_than_a_millivolt() -> None:
     """TLV2372 and TLV2371 draw 0.8 mA for each amplifier at most, the AD623 0.6 mA, the bridge 2 mA."""
     assert (6 * 0.8e-3 + 0.6e-3 + 2e-3 + 1e-3) * MAX_SWITCH_OHM < 1e-3
-    switch = {pin: net for (ref, pin), net in circuit_of("precision_single_3v3").net_by_pin.items() if ref == "Q1"}
+    switch = {pin: net for (ref, pin), net in circuit_of("precision").net_by_pin.items() if ref == "Q1"}
     assert switch == {"1": "GND", "2": "VCC", "3": "POWER_IN"}  # gate, source, drain
 
 
 def test_voltage_limits_of_both_supplies() -> None:
-    split, single = (board_values(load_article([f"board.supply={s}"])).voltage_limits for s in ("split", "single"))
-    assert (split.signal_ground_v, single.signal_ground_v) == (0.0, 2.5)
-    assert (split.filter_peak_v, single.filter_peak_v) == pytest.approx((3.5, 2.4))
-    assert (split.filter_trough_v, single.filter_trough_v) == pytest.approx((2.0, 2.4))
+    split, single = (board_values(load(name)).voltage_limits for name in ("article", "precision"))
+    assert (split.signal_ground_v, single.signal_ground_v) == pytest.approx((0.0, 3.3 * 44.2 / 99.1))
+    assert (split.filter_peak_v, single.filter_peak_v) == pytest.approx((3.5, 3.3 * 54.9 / 99.1 - 0.1))
+    assert (split.filter_trough_v, single.filter_trough_v) == pytest.approx((2.0, 3.3 * 44.2 / 99.1 - 0.1))
     assert split.vibration_peak_v == pytest.approx(2.0 / 67.667, rel=1e-3)
-    assert single.vibration_peak_v == pytest.approx(2.4 / 67.667, rel=1e-3)
-    for limits in (split, single):
-        assert 0 < limits.min_tactile_v < 3.85 < 4.3 < limits.max_tactile_v < 4.5
+    for limits, least_v, most_v in ((split, 3.85, 4.5), (single, 2.2, 2.8)):
+        assert 0 < limits.min_tactile_v < least_v < limits.max_tactile_v < most_v
         assert limits.max_tactile_v <= limits.clamp_high_rail_v
 
 
 def test_an_adc_range_below_the_boards_signals_is_reported() -> None:
     """The rules refuse such a range, so it is put in here."""
-    sufficient = board_values(load_article(["board.supply=single"])).voltage_limits
+    sufficient = board_values(load("article")).voltage_limits
     insufficient = replace(sufficient, adc_range_v=3.3)
     assert sufficient.adc_overrange_v == 0
     assert describe_adc_range(sufficient) == "an ADC with a range of plus and minus 10 V covers all signals"
-    maximum_v = max(insufficient.max_tactile_v, 2.5 + insufficient.max_envelope_v)
+    maximum_v = max(insufficient.max_tactile_v, insufficient.max_envelope_v)
     assert insufficient.adc_overrange_v == pytest.approx(maximum_v - 3.3)
-    assert "clips the top 1.06 V" in describe_adc_range(insufficient)
-    assert "detector.adc_range_v to at least 4.36" in describe_adc_range(insufficient)
+    assert "clips the top 1.11 V" in describe_adc_range(insufficient)
+    assert "detector.adc_range_v to at least 4.41" in describe_adc_range(insufficient)
     assert list(adc_range_warnings(sufficient)) == []
     (warning,) = adc_range_warnings(insufficient)
     assert describe_adc_range(insufficient) in warning
@@ -310,10 +299,10 @@ def measure_output(deck: str, amplifier: str) -> str:
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("name", BOARD_CONFIGURATIONS)
+@pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_amplifier_loads_agree_with_the_currents_in_ngspice(tmp_path: Path, name: str) -> None:
     """A small signal around no bias, with 1 ohm in place of the diode D1, which then conducts all the time."""
-    design, deck = write_deck(tmp_path, list(BOARD_CONFIGURATIONS[name].changes))
+    design, deck = write_deck(tmp_path, list(VARIANT_CHANGES[name]))
     values = board_values(design)
     # The comparator's switch, which drives none of these outputs, keeps ngspice from finding the operating point.
     deck = "\n".join(line for line in deck.splitlines() if not line.startswith("SU4 ")) + "\n"
@@ -325,7 +314,7 @@ def test_amplifier_loads_agree_with_the_currents_in_ngspice(tmp_path: Path, name
         for variant, expected in ((conducting, load.min_ohm), (blocked, load.min_filter_ohm)):
             if expected is None or (variant is blocked and not name.startswith("article")):
                 continue
-            reference = "" if name.endswith("split") else "-v(vmid)"
+            reference = "" if name == "article" else "-v(vmid)"
             commands = (
                 f"ac lin 60 67 201\nlet u = v({output}){reference}\nlet z = abs(u/i(vm))\n"
                 f"let a = abs(i(vm)/(v(tactile){reference}))\nwrdata out z a"
@@ -341,13 +330,13 @@ def test_amplifier_loads_agree_with_the_currents_in_ngspice(tmp_path: Path, name
 @pytest.mark.parametrize("cutoff", ["40", "67", "150"])
 @pytest.mark.parametrize("series", ["E12", "E24", "E96"])
 def test_load_below_that_of_the_data_sheets_is_warned_of_with_a_remedy(series: str, cutoff: str) -> None:
-    changes = [f"board.series={series}", f"board.cutoff_hz={cutoff}", "board.variant=precision"]
+    changes = [f"board.series={series}", f"board.cutoff_hz={cutoff}", "board.envelope_capacitor_uf=1"]
     changes.append("board.amplifier=OPA2197")  # others cannot drive the load at all
 
     def warnings(*more: str) -> list[str]:
         design = load_article([*changes, *more])
         values = board_values(design)
-        return list(load_warnings(design.board, values.filter_load_ohm, values.preferred.c_f))
+        return list(load_warnings(design, values.filter_load_ohm, values.preferred.c_f))
 
     (warning,) = warnings("board.capacitor_uf=4.7")
     assert "may clip earlier than stated; set, for example, board.capacitor_uf=" in warning

@@ -24,7 +24,7 @@ CLEVIS = (
 FLANGE = "bone.interface=flange bone.base_length_mm=26"
 SOCKET = "bone.interface=socket bone.base_length_mm=35"
 CASES = [  # changes of the default design, or of the bundled one that is named first
-    "board.variant=article detector.window_samples=2000",  # passes: a controller averages it
+    "board.variant=article board.supply_v=5 detector.window_samples=2000",  # passes: a controller averages it
     "fsr402 skin.width_mm=20",
     "adult_finger hand.travel_deg=90",
     "adult_finger hand.axis_height_mm=2",
@@ -152,14 +152,14 @@ CASES = [  # changes of the default design, or of the bundled one that is named 
     "board.band_limit_hz=10",
     "board.r5_ohm=1e7 board.band_limit_hz=100000",
     "board.supply_v=6",
-    "board.amplifier=TL082 board.supply=single board.supply_v=6",
+    "board.amplifier=TL082",
     "board.passband_gain=10000",
-    "board.variant=article board.passband_gain=10000",
+    "board.variant=article board.supply_v=5 board.passband_gain=10000",
     "board.passband_gain=1.0001 board.r5_ohm=1e7",
     "board.capacitor_uf=20",
-    "board.variant=article board.envelope_capacitor_uf=100 board.supply=split board.supply_v=5",
-    "board.supply=split board.supply_v=6",
-    "board.variant=comparator board.supply_v=6",
+    "board.variant=article board.envelope_capacitor_uf=100 board.supply_v=5",
+    "board.variant=article board.supply_v=3.3",
+    "board.variant=comparator board.supply_v=5",
     "board.variant=comparator detector.threshold_v=10",
     "board.variant=comparator detector.threshold_v=0.0001",
     "board.variant=comparator detector.window_samples=10000",
@@ -213,7 +213,6 @@ def test_dimensions_follow_a_copy_with_other_parameters() -> None:
 
 def test_figures_of_the_comparator_are_those_of_its_data_sheet() -> None:
     """The LMV331's supply, input bias current, offset and drift, entered a second time."""
-    assert formulas.MAX_COMPARATOR_V == 5.5
     assert pytest.approx((25, 250, 400)) == (
         1e9 * formulas.BIAS_A,
         1e9 * formulas.MAX_BIAS_A,

@@ -133,7 +133,7 @@ def test_float_finds_the_intervals_of_the_whole_campaign(either: Library) -> Non
             on = either.detector("float").process_codes(*recording.codes(design))
             wrong, found = count_differences(output.on, on)
             different, total = different + wrong, total + found
-    print(f"{design.board.supply}: {different} of {total} intervals differ")
+    print(f"{design.board.variant}: {different} of {total} intervals differ")
     assert total > 2 / (1 - MIN_EQUAL_SHARE)
     assert different <= (1 - MIN_EQUAL_SHARE) * total
 

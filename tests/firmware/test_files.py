@@ -44,7 +44,7 @@ def test_arduino_and_platformio_know_the_library() -> None:
 
 def test_warnings_name_changes_that_end_them() -> None:
     (warning,) = find_warnings(Design.load(design_file("article")))
-    assert "board.supply=split" in warning
+    assert "board.variant=article" in warning
     assert "detector.adc_polarity=bipolar" in warning
     typed = re.findall(r"--set (\S+)", warning)
     assert typed == list(controller_changes())

@@ -105,7 +105,7 @@ def _current_limit_a(circuit: Circuit, name: str) -> float:
 def _range_margin_v(design: Design, values: BoardValues, circuit: Circuit, name: str, volts: Array) -> float:
     """Distance of an output's voltages from the ends that its data sheet states."""
     from_rail_v = AMPLIFIERS[circuit.component(name[:2]).symbol.name].output_from_rail_v
-    supply = SUPPLIES[values.supply]
+    supply = SUPPLIES[values.variant]
     low_v = supply.signal_ground_v(design.board.supply_v) - supply.lower_headroom_v(design.board.supply_v)
     return float(min(volts.min() - low_v, design.board.supply_v - volts.max())) - from_rail_v
 

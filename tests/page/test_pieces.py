@@ -122,7 +122,7 @@ def _texts(page: Page) -> list[tuple[tuple[str, dict[str, str | None]], str]]:
 
 def test_pins_of_the_schematic_meet_its_wires() -> None:
     """A symbol that is turned or mirrored wrongly has pins beside its wires."""
-    sheet = read_expression(read_archive("article_split")[SCHEMATIC].decode())
+    sheet = read_expression(read_archive("article")[SCHEMATIC].decode())
     library = {symbol.words[1]: symbol for symbol in first(sheet, "lib_symbols").children("symbol")}
     wires = [points(wire) for wire in sheet.children("wire")]
     pins = [

@@ -34,7 +34,7 @@ from fingertip.sim.signal.interference import (
 from fingertip.sim.signal.parameters import Cable, Drift, Noise
 from fingertip.sim.trace_file import encode_trace, open_trace
 
-DESIGN = Design(board={"variant": "comparator", "supply": "single_3v3", "supply_v": 3.3})
+DESIGN = Design(board={"variant": "comparator", "supply_v": 3.3})
 SCENES = [*list_bundled_files(SCENE).values()]
 EVERYTHING = {
     "noise": {"pink_v": 1e-4, "hand_v": 2e-4, "hum_v": 1e-3},

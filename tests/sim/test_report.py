@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.pad.pose import Pose
@@ -22,12 +23,10 @@ from fingertip.sim.runs.scene import SceneRecord
 from fingertip.sim.trace_file import encode_trace
 from fingertip.slip.traces.truth import SlipCollector, intervals
 from tests.approved import check_figures, check_text
+from tests.designs import ARTICLE
 from tests.figures import describe_figure, keep_figures
 
-BOARDS = {
-    "comparator": {"variant": "comparator", "supply": "single_3v3", "supply_v": 3.3},
-    "article": {"variant": "article"},
-}
+BOARDS = {"comparator": Design.load(changes=VARIANT_CHANGES["comparator"]), "article": ARTICLE}
 EVERYTHING: dict[str, Any] = {
     "noise": {"pink_v": 1e-4, "hand_v": 2e-4, "hum_v": 1e-3},
     "cable": {"step_v": 0.02, "hum_v": 0.005, "at_s": 0.2},
@@ -85,9 +84,9 @@ def test_simulation_is_the_approved_one_compiled_or_not(name: str) -> None:
         board, run = "comparator", lambda design, hand, seed: run_manipulation(design, hand, None, seed)
         scene = ManipulationFile(**({"outputs": [*ManipulationFile.known_outputs()]} | HANDS[name]))
         grips = {"grips_s": (0.25, 0.5) if "pinch" in name else ()}
-    plain = run(Design(board=BOARDS[board]), scene, 4)
+    plain = run(BOARDS[board], scene, 4)
     with compiled():
-        fast = run(Design(board=BOARDS[board]), scene, 4)
+        fast = run(BOARDS[board], scene, 4)
     assert all(plain.columns[column].tobytes() == fast.columns[column].tobytes() for column in plain.columns)
     text = describe(plain, **grips)
     path = Path(__file__).with_name("approved") / f"{name.replace(' ', '_')}.txt"

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.design import Design
 from fingertip.detection.warnings import settings_warnings, threshold_warnings
 from fingertip.foundation.errors import TraceError
@@ -207,13 +208,16 @@ def test_a_force_passes_the_simulated_bridge(tmp_path):
 def test_an_envelope_recorded_against_ground_gives_a_warning(tmp_path):
     """E of a board for a controller rests at its signal ground, 1.47 V; the envelope is E minus M."""
     envelope = 0.002 + 0.1 * ((T >= 0.5) & (T < 0.7))
-    for rest_v, supply, is_warned in ((1.475, "single_3v3", True), (0.0, "single_3v3", False), (1.475, "split", False)):
+    for rest_v, variant, is_warned in (
+        (1.475, "precision", True),
+        (0.0, "precision", False),
+        (1.475, "article", False),
+    ):
         np.savez(tmp_path / "t.npz", time_s=T, voltage_v=V, envelope_v=envelope + rest_v)
-        supply_v = 3.3 if supply == "single_3v3" else 5
-        changes = ("--set", f"board.supply={supply}", "--set", f"board.supply_v={supply_v}")
+        changes = [word for change in VARIANT_CHANGES[variant] for word in ("--set", change)]
         done = run("detect", tmp_path / "t.npz", "--detector", "analog", *changes)
         assert done.exit_code == 0, done.stderr
-        assert ("The envelope is E minus M: subtract" in done.stderr) == is_warned, (rest_v, supply)
+        assert ("The envelope is E minus M: subtract" in done.stderr) == is_warned, (rest_v, variant)
 
 
 def test_detect_requires_an_envelope_for_analog():

@@ -25,7 +25,7 @@ RATE = 2000.0
 GAIN = 67.0
 STEP_V = 3.3 / 4096
 CONTROLLER = Design(
-    board={"variant": "precision", "supply": "single_3v3", "supply_v": 3.3},
+    board={"variant": "precision", "supply_v": 3.3},
     detector={"noise_v": 5e-4, "adc_bits": 12, "adc_range_v": 3.3, "adc_polarity": "unipolar"},
 )
 SETTINGS = FastSettings(RATE, 4e-4, filtered=FilteredSignal(GAIN, 1.4))
@@ -184,7 +184,7 @@ def test_a_board_without_a_filtered_output_ignores_the_column():
 
 
 ARTICLE = Design(
-    board={"variant": "article", "supply": "split", "supply_v": 5.0},
+    board={"variant": "article", "supply_v": 5.0},
     detector={"noise_v": 4e-4, "adc_bits": 16, "adc_range_v": 10.0, "adc_polarity": "bipolar"},
 )
 

@@ -35,11 +35,11 @@ UNDECIDABLE = ("motor", "cable")
 
 
 ARTICLE = Design(
-    board={"variant": "article", "supply": "split", "supply_v": 5.0},
+    board={"variant": "article", "supply_v": 5.0},
     detector={"noise_v": 4e-4, "adc_bits": 16, "adc_range_v": 10.0, "adc_polarity": "bipolar"},
 )
 CONTROLLER = Design(
-    board={"variant": "precision", "supply": "single_3v3", "supply_v": 3.3},
+    board={"variant": "precision", "supply_v": 3.3},
     detector={"noise_v": 4e-4, "adc_bits": 12, "adc_range_v": 3.3, "adc_polarity": "unipolar"},
 )
 DESIGNS = (ARTICLE, CONTROLLER)

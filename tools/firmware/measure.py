@@ -12,8 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from fingertip.board.components.values import select_components
-from fingertip.board.kicad.project import find_configuration
 from fingertip.design import Design
 from fingertip.firmware import packaging as costs
 from tools.firmware.signals import Recording, campaign_recordings, quiet_recording, slip_recording
@@ -48,7 +46,7 @@ def measure(design: Design, stride: int = STRIDE, seconds: float = SECONDS) -> d
         state = HostDetector(compile_host(folder, "float"), "float").state_bytes
         return {
             "design": design.name,
-            "board": find_configuration(select_components(design)).name,
+            "board": design.board.variant,
             "sample_rate_hz": design.detector.sample_rate_hz,
             "compiler": f"arm-none-eabi-gcc {tool_version('arm-none-eabi-gcc')}",
             "emulator": f"QEMU {tool_version('qemu-system-arm')}",

@@ -89,7 +89,7 @@ def _record(design: Design, vibration_v: Array, seed: int) -> Recording:
     filtered = lfilter([first.b0, first.b1], [1.0, first.a1], design.board.passband_gain * vibration_v)
     filtered = lfilter([second.b0, second.b1, second.b2], [1.0, second.a1, second.a2], filtered)
     filtered = np.clip(filtered, -range_v, range_v) + random.normal(0.0, noise_v, len(vibration_v))
-    return Recording(tactile, signal_ground_ratio(design.board.supply) * design.board.supply_v + filtered)
+    return Recording(tactile, signal_ground_ratio(design.board) * design.board.supply_v + filtered)
 
 
 def find_intervals(on: NDArray[np.bool_]) -> list[tuple[int, int]]:

@@ -188,7 +188,7 @@ class _Drawing:
         names = {"scene": SCENE, "manipulation": MANIPULATION}[kind]
         short, name = SHORT_PHASES[names], rng.choice(sorted(list_bundled_files(names)))
         board = self.design.board
-        lacking = {"slip_pin_v": board.variant != "comparator", "sampled_filtered_v": board.supply != "single_3v3"}
+        lacking = {"slip_pin_v": board.variant != "comparator", "sampled_filtered_v": not board.is_for_controller}
         outputs = [name for name in model.known_outputs() if not lacking.get(name) and rng.random() < 0.4]
         outputs = ["voltage_v", *(name for name in outputs if name != "voltage_v")]
         changes = [*short, f"outputs={json.dumps(outputs)}", *draw_changes(rng, list_parameters(model), LONG_S)]

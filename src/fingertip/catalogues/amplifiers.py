@@ -205,11 +205,10 @@ CATALOGUE: dict[str, Amplifier] = {
 """Amplifiers by name: the duals that `board.amplifier` names, and the single one that buffers VMID."""
 
 AUTO: AmplifierName = "auto"
-ARTICLE_AMPLIFIER, RAIL_TO_RAIL_AMPLIFIER, LOW_OFFSET_AMPLIFIER = "TL082", "TLV2372", "OPA2197"
-LOW_VOLTAGE_AMPLIFIER = "OPA2376"
+ARTICLE_AMPLIFIER, RAIL_TO_RAIL_AMPLIFIER, LOW_OFFSET_AMPLIFIER = "TL082", "TLV2372", "OPA2376"
 
 
 def list_dual_amplifiers() -> tuple[Amplifier, ...]:
     """List the amplifiers that board.amplifier can name, the preferred ones first."""
-    names = (RAIL_TO_RAIL_AMPLIFIER, LOW_OFFSET_AMPLIFIER, LOW_VOLTAGE_AMPLIFIER, "MCP6022", ARTICLE_AMPLIFIER)
+    names = (RAIL_TO_RAIL_AMPLIFIER, "OPA2197", LOW_OFFSET_AMPLIFIER, "MCP6022", ARTICLE_AMPLIFIER)
     return tuple(CATALOGUE[name] for name in names)

@@ -194,7 +194,7 @@ def _write_responses(
     if plot:
         from fingertip.board.analysis.tolerance import compute_response_band, draw_response
 
-        title = f"{design.name}: response of the board, variant {values.variant}, {design.board.supply} supply"
+        title = f"{design.name}: response of the board, variant {values.variant}"
         contents.append(("--plot", plot, draw_response(compute_response_band(design), title, plot.suffix.lower())))
     for option, path, content in contents:
         write_file(path, content, option)
@@ -210,7 +210,7 @@ def _find_warnings(design: Design, values: BoardValues) -> Iterator[str]:
 
     if warning := noise_warning(values.noise, design.detector.threshold_v):
         yield warning
-    yield from load_warnings(design.board, values.filter_load_ohm, values.preferred.c_f)
+    yield from load_warnings(design, values.filter_load_ohm, values.preferred.c_f)
     yield from gate_warnings(values.gate)
     if values.comparator_levels:
         # The comparator is the detector here, so the warnings on detector settings apply. They need numpy.
@@ -221,6 +221,7 @@ def _find_warnings(design: Design, values: BoardValues) -> Iterator[str]:
 
 def _table_lines(design: Design, values: BoardValues) -> list[str]:
     from fingertip.board.analysis.limits import describe_adc_range, describe_filter_swing
+    from fingertip.board.components.values import SUPPLIES
 
     aliasing, limits = values.aliasing, values.voltage_limits
     return [
@@ -228,7 +229,7 @@ def _table_lines(design: Design, values: BoardValues) -> list[str]:
         "",
         *_response_lines(values),
         "",
-        f"{design.board.supply} supply of {design.board.supply_v:g} V: signal ground is at "
+        f"{SUPPLIES[values.variant].description} of {design.board.supply_v:g} V: signal ground is at "
         f"{limits.signal_ground_v:g} V, {describe_filter_swing(limits)}",
         f"at {aliasing.nyquist_hz:g} Hz, half the ADC's sampling rate, the tactile voltage is attenuated by "
         f"{-aliasing.tactile_nyquist_db:.1f} dB and the envelope by {-aliasing.envelope_nyquist_db:.1f} dB",
@@ -244,7 +245,7 @@ def _format_verdict(values: BoardValues, warnings: Sequence[str]) -> str:
     verdict = f"all {len(values.gate)} conditions of a working board are met"
     if failed:
         verdict = f"{failed} of its {len(values.gate)} conditions FAIL"
-    said = [f"variant {values.variant}, {values.supply} supply: {verdict}"]
+    said = [f"variant {values.variant}: {verdict}"]
     if warnings:
         said[0] += ", with a warning:" if len(warnings) == 1 else f", with {len(warnings)} warnings:"
     return "\n".join([*said, *(f"  warning: {warning}" for warning in warnings)])

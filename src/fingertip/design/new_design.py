@@ -71,7 +71,6 @@ _MAIN_PARAMETERS = (
     "bone.interface",
     "mold.method",
     "board.variant",
-    "board.supply",
 )
 """Parameters that a user changes first. They stand at the top."""
 

@@ -10,7 +10,7 @@ What is promised
   resolves all of them.
 - Where no single value helps, the messages name a combination. The last resort is to return changed parameters towards
   their values before the change, as far as necessary.
-- An alternative ("or board.variant=article") resolves the refusal by itself, and also beside the other remedy.
+- An alternative ("or sensor.tail=straight") resolves the refusal by itself, and also beside the other remedy.
 
 Rules that read a parameter which is not valid by itself are not checked. They may find more once it is valid.
 """

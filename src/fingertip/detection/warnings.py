@@ -139,7 +139,7 @@ def envelope_warnings(trace: Trace, design: Design) -> Iterator[str]:
 
 
 def _find_ground_v(design: Design) -> float:
-    return signal_ground_ratio(design.board.supply) * design.board.supply_v
+    return signal_ground_ratio(design.board) * design.board.supply_v
 
 
 # Warnings of thresholds and settings that are permitted but degrade a detector.

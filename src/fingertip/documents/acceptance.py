@@ -89,8 +89,8 @@ def _spread_readings(design: Design) -> Iterator[WeightReading]:
 
 
 def _find_lowest_v(design: Design) -> float:
-    """Find the lowest voltage of a board [V]: on a single supply, none below its ground."""
-    return 0.0 if signal_ground_ratio(design.board.supply) else -math.inf
+    """Find the lowest voltage of a board [V]: on a board for a controller, none below its ground."""
+    return 0.0 if signal_ground_ratio(design.board) else -math.inf
 
 
 def expect_drop_ratio(design: Design) -> DropRatio:

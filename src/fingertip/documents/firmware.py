@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fingertip.board import board_circuit
 from fingertip.board.bringup.wiring import HOST_CONNECTOR, SKETCH_PINS, list_notes, list_pins, name_signals
 from fingertip.board.components.bridge import POWER_UP_S
-from fingertip.board.components.values import SUPPLIES, select_components
+from fingertip.board.components.values import select_components
 from fingertip.board.parts.circuit import GND, VMID_OUT
 from fingertip.catalogues.bundled import list_bundled_files
 from fingertip.catalogues.controllers import BOARDS, ControllerBoard
@@ -62,7 +62,7 @@ def render_readme(design: Design) -> str:
         "adc_bits": detector.adc_bits,
         "adc_range": detector.adc_range_text,
         "reads_filtered": FilteredSignal.from_design(design) is not None,
-        "is_for_controller": SUPPLIES[design.board.supply].is_for_controller,
+        "is_for_controller": design.board.is_for_controller,
         "power_up_s": POWER_UP_S,
         "buffer_samples": BUFFER_SAMPLES,
         "boards": BOARDS,

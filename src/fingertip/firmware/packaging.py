@@ -8,14 +8,13 @@ from collections.abc import Iterator
 from importlib import resources
 from typing import Any
 
-from fingertip.board.components.values import SUPPLIES
-from fingertip.board.kicad.project import BOARD_CONFIGURATIONS
+from fingertip.board.components.values import SUPPLIES, VARIANT_CHANGES
 from fingertip.design import Design
 from fingertip.foundation.version import __version__
 
 NAME = "FingertipSlip"
 _SUMMARY = "Slip detector of a prosthetic fingertip."
-_CONTROLLER_SUPPLY = next(supply for supply in SUPPLIES.values() if supply.is_for_controller)
+_CONTROLLER_SUPPLY = SUPPLIES["precision"]
 
 
 def library_properties(design: Design) -> bytes:
@@ -94,12 +93,12 @@ def cost_table() -> str:
 
 def find_warnings(design: Design) -> Iterator[str]:
     """Warn of a board or a converter that the inputs of a controller do not fit."""
-    supply, detector = SUPPLIES[design.board.supply], design.detector
+    detector = design.detector
     problems = []
-    if not supply.is_for_controller:
+    if not design.board.is_for_controller:
         problems.append(
-            f"the outputs of a board with board.supply={supply.name} may exceed the inputs of a controller of "
-            f"{_CONTROLLER_SUPPLY.nominal_v:g} V"
+            f"the outputs of a board with board.variant={design.board.variant} may exceed the inputs of a "
+            f"controller of {_CONTROLLER_SUPPLY.nominal_v:g} V"
         )
     if detector.adc_polarity != "unipolar":
         problems.append(
@@ -113,7 +112,7 @@ def find_warnings(design: Design) -> Iterator[str]:
 def controller_changes() -> tuple[str, ...]:
     """Changes to a design that select a board and a converter for a controller."""
     return (
-        *BOARD_CONFIGURATIONS[f"precision_{_CONTROLLER_SUPPLY.name}"].changes,
+        *VARIANT_CHANGES["precision"],
         "detector.adc_polarity=unipolar",
         f"detector.adc_range_v={_CONTROLLER_SUPPLY.nominal_v:g}",
         "detector.adc_bits=12",

@@ -65,7 +65,7 @@ def _render_header(sources: Sources) -> Markup:
         ("sensor", design.dimensions.sensor.label),
         ("skin", f"{skin.width_mm:g} mm wide, {skin.length_mm:g} mm long"),
         ("made by", "overmolding" if design.mold.method == "overmold" else "a sleeve, pulled over"),
-        ("board", f"{design.board.variant}, {design.board.supply} supply"),
+        ("board", f"{design.board.variant}, {design.board.supply_v:g} V"),
         (
             f"threshold of {_ENVELOPE_DETECTORS}",
             f"{1000 * design.detector.threshold_v:g} mV, {ENVELOPE_MEAN}; that of fast stands with the trial",

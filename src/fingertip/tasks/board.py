@@ -19,7 +19,7 @@ from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.fabrication.bom import bill_of_materials
 from fingertip.board.fabrication.fabrication_files import find_outdated_files, provenance_record
 from fingertip.board.kicad.netlist import kicad_netlist_file
-from fingertip.board.kicad.project import MODEL_FOLDER, find_configuration, model_files
+from fingertip.board.kicad.project import MODEL_FOLDER, load_project, model_files
 from fingertip.catalogues.output_files import (
     BOARD,
     BOM,
@@ -59,14 +59,14 @@ def board_files(design: Design) -> dict[str, bytes]:
     values = board_values(design)
     record = {"parameters": design.board.model_dump(), **values.as_data()}
     text = json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    circuit, configuration = board_circuit(values), find_configuration(values)
+    circuit, project = board_circuit(values), load_project(values.variant)
     return {
         NETLIST: kicad_netlist_file(circuit),
-        **configuration.project.enter(circuit),
+        **project.enter(circuit),
         DECK: spice_deck(circuit, find_gain_bandwidth_hz(design.board), design.board.supply_v),
         BOM: bill_of_materials(circuit),
         VALUES: text.encode(),
-        README: folder_readme(circuit, configuration, values, design),
+        README: folder_readme(circuit, project, values, design),
     }
 
 
@@ -84,7 +84,7 @@ def model_sets(folder: Path, force: bool = False, top: Path | None = None) -> li
 
 def refuse_other_board(design: Design) -> None:
     """Refuse to replace a board of another circuit in the default folder of a design's board. Raises OutputError."""
-    folder, name = BOARD.folder(design), find_configuration(board_values(design)).name
+    folder, name = BOARD.folder(design), design.board.variant
     finish_interrupted(folder)
     netlist = kicad_netlist_file(board_circuit(board_values(design)))
     refuse_other_circuit(folder, netlist, folder.with_name(f"board_{name}"))
@@ -122,7 +122,7 @@ def plan_board(
         circuit = board_circuit(values)
         for reference, value in component_values.items():
             circuit = circuit.replace(reference, value)
-        return find_configuration(values).project.enter(circuit)[LAYOUT]
+        return load_project(values.variant).enter(circuit)[LAYOUT]
 
     writer, models = BOARD.writer(design, folder, force, top), model_sets(folder, force, top)
     writer.check(())
@@ -186,7 +186,7 @@ def write_fabrication(
     folder = BOARD.folder(design) if out is None else Path(out)
     writer = check_fabrication(design, folder, force=force)
     values = board_values(design)
-    placement, sources = find_configuration(values).placement, board_files(design)
+    placement, sources = load_project(values.variant).placement, board_files(design)
     models = {f"{MODEL_FOLDER}/{path}": data for path, data in model_files().items()}
     files = fabrication_files(sources | models, board_circuit(values), placement, progress)
     files[PROVENANCE] = provenance_record(sources, files)

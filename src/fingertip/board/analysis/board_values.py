@@ -46,7 +46,7 @@ from fingertip.board.components.values import SUPPLIES, ComponentValues, select_
 from fingertip.board.parts.circuit import GND, VCC, VEE
 from fingertip.catalogues.amplifiers import ARTICLE_AMPLIFIER, CATALOGUE
 from fingertip.design import Design
-from fingertip.design.formulas.amplifiers import choose_amplifier, choose_low_offset_amplifier, find_gain_bandwidth_hz
+from fingertip.design.formulas.amplifiers import choose_amplifier, find_gain_bandwidth_hz
 from fingertip.design.parameters import Board
 
 
@@ -92,16 +92,15 @@ def _round_to_ten_digits(data: Any) -> Any:
 def compute_filter(board: Board) -> tuple[FilterSelection, FrequencyResponse]:
     """Compute the filter alone: its components and the response they achieve. A sweep computes thousands of them."""
     selection, amplifier = select_filter(board), choose_amplifier(board)
-    model, values = _model_configuration(board.variant, board.supply)
+    model, values = _model_variant(board.variant)
     values = {**values, **filter_quantities(selection.by_reference(), amplifier)}
     return selection, compute_response(model, values, amplifier.bandwidth_hz)
 
 
 @functools.cache
-def _model_configuration(variant: str, supply: str) -> tuple[FilterModel, Mapping[str, Value]]:
-    """Model a filter once for all designs with a variant and a supply: they differ in values only."""
-    supply_v = SUPPLIES[supply].nominal_v
-    design = Design(board={"variant": variant, "supply": supply, "supply_v": supply_v})
+def _model_variant(variant: str) -> tuple[FilterModel, Mapping[str, Value]]:
+    """Model a filter once for all designs with a variant: they differ in values only."""
+    design = Design(board={"variant": variant, "supply_v": SUPPLIES[variant].nominal_v})
     circuit = board_circuit(select_components(design))
     network = build_network(circuit, find_gain_bandwidth_hz(design.board))
     return model_filter(circuit, has_diode=variant == "article"), network.values
@@ -119,16 +118,16 @@ def board_values(design: Design) -> BoardValues:
     board, detector, components = design.board, design.detector, select_components(design)
     amplifier = CATALOGUE[components.amplifier]
     bandwidth_hz = amplifier.bandwidth_hz
-    circuit, supply, has_diode = board_circuit(components), SUPPLIES[board.supply], board.variant == "article"
+    circuit, supply, has_diode = board_circuit(components), SUPPLIES[board.variant], board.variant == "article"
     model, network = model_filter(circuit, has_diode), build_network(circuit, bandwidth_hz)
     achieved = compute_response(model, network.values, bandwidth_hz)
     envelope_gain = None if has_diode else float(model.envelope.gain(network.values))
     limits = compute_voltage_limits(
         circuit, supply, board.supply_v, amplifier, achieved.passband_gain, has_diode, detector
     )
-    low_offset, offset = choose_low_offset_amplifier(board), None
+    offset = None
     if not has_diode:
-        offset = compute_output_offset(circuit, bandwidth_hz, supply.signal_ground, low_offset)
+        offset = compute_output_offset(circuit, bandwidth_hz, supply.signal_ground)
     rails, levels = {GND: 0.0, VCC: board.supply_v, VEE: -board.supply_v}, None
     if components.comparator_stage:
         levels = compute_comparator_levels(circuit, rails, supply.signal_ground)

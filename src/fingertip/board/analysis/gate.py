@@ -28,13 +28,12 @@ from fingertip.board.components.bridge import AMPLIFIERS, MAX_FORCE_N, sensor_co
 from fingertip.board.components.values import CLAMP as CLAMP_DIODES
 from fingertip.board.components.values import LOW_LEAKAGE_CLAMP, SUPPLIES
 from fingertip.board.parts.circuit import FILTERED, STAGE1_OUT, VMID, Circuit, parse_component_value
-from fingertip.catalogues.amplifiers import Amplifier
+from fingertip.catalogues.amplifiers import LOW_OFFSET_AMPLIFIER, Amplifier
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import (
     GOOD_PHASE_MARGIN_DEG,
     MID_RAIL_RATIO,
     choose_amplifier,
-    choose_low_offset_amplifier,
     compute_charging_current_a,
     input_swing_v,
     loaded_swing_v,
@@ -116,8 +115,7 @@ def check_gate(
     trim = []
     if spread:
         # What offsets and currents shift the comparator's threshold by, and what its trimmer takes back.
-        low_offset = choose_low_offset_amplifier(board).name
-        remedy = f"set board.amplifier={low_offset}, or raise detector.threshold_v"
+        remedy = f"set board.amplifier={LOW_OFFSET_AMPLIFIER}, or raise detector.threshold_v"
         trim = [at_most(TRIM, "RV1", spread.to_trim_v, spread.trim_v, "V", "advised", remedy)]
     return (
         at_most(SUPPLY, "U1", supply_v, amplifier.max_supply_v, "V"),
@@ -146,8 +144,7 @@ def _check_converter(circuit: Circuit, limits: VoltageLimits, offset: OutputOffs
     if offset:
         yield at_least(
             FLOOR, "ENVELOPE", limits.signal_ground_v + offset.min_v, limits.adc_low_v, "V", "advised",
-            "the converter cannot tell how far the envelope lies below its range: set detector.adc_polarity=bipolar, "
-            "or board.supply=single",
+            "the converter cannot tell how far the envelope lies below its range: set detector.adc_polarity=bipolar",
         )  # fmt: skip
     clamps = ", ".join(c.reference for c in circuit.components if c.value in (CLAMP_DIODES, LOW_LEAKAGE_CLAMP))
     yield at_most(
@@ -161,7 +158,7 @@ def _check_currents(
     circuit: Circuit, design: Design, limits: VoltageLimits, rails: Mapping[str, float]
 ) -> Iterator[GateCondition]:
     """Compare the peak output current of each amplifier of the catalogue with what its data sheet gives."""
-    board, supply = design.board, SUPPLIES[design.board.supply]
+    board, supply = design.board, SUPPLIES[design.board.variant]
     amplifier = choose_amplifier(board)
     # The largest vibration is that which reaches the swing, no nearer to a rail than the current is stated for.
     scale = loaded_swing_v(board, amplifier) / input_swing_v(board, amplifier)
@@ -211,7 +208,7 @@ def _constant_current_a(circuit: Circuit, buffered: str, rails: Mapping[str, flo
 
 def _check_offsets(circuit: Circuit, design: Design, amplifier: Amplifier) -> Iterator[GateCondition]:
     """Compare the offset of each filter output with its swing: the part of the swing that the signal loses."""
-    ground = SUPPLIES[design.board.supply].signal_ground
+    ground = SUPPLIES[design.board.variant].signal_ground
     network = build_network(circuit, amplifier.bandwidth_hz)
     swing_v = input_swing_v(design.board, amplifier)
     for net in (STAGE1_OUT, FILTERED):

@@ -9,7 +9,18 @@ from fingertip.board.analysis.response import RECTIFYING_DIODE
 from fingertip.board.circuits.network import build_network
 from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
 from fingertip.board.components.values import Supply
-from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_TACTILE, GND, REFERENCE, SENSOR, TACTILE, VCC, VEE, Circuit
+from fingertip.board.parts.circuit import (
+    ADC_ENVELOPE,
+    ADC_TACTILE,
+    GND,
+    REFERENCE,
+    SENSOR,
+    TACTILE,
+    VCC,
+    VEE,
+    VMID,
+    Circuit,
+)
 from fingertip.catalogues.amplifiers import Amplifier
 from fingertip.design.formulas.amplifiers import DIODE_V
 from fingertip.design.parameters import Detector
@@ -131,7 +142,7 @@ def compute_voltage_limits(
         clamp_high_rail_v=supply_v,
         tactile_pin_ohm=tactile_pin_ohm,
         envelope_pin_ohm=envelope_pin_ohm,
-        has_filtered_output=supply.is_for_controller,
+        has_filtered_output=supply.signal_ground == VMID,
         adc_low_v=detector.adc_low_v,
         adc_range_v=detector.adc_range_v,
     )

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.board.analysis.response import RECTIFYING_DIODE
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import (
     INVERSE_BANDWIDTH,
     INVERSE_GAIN,
@@ -23,15 +24,15 @@ from fingertip.board.circuits.network import (
     list_amplifiers,
 )
 from fingertip.board.components.bridge import AMPLIFIERS
+from fingertip.board.components.values import select_components
 from fingertip.board.parts.circuit import FILTERED, TACTILE, Circuit
-from fingertip.design.formulas.amplifiers import BAND_CUTOFFS
+from fingertip.design import Design
+from fingertip.design.formulas.amplifiers import BAND_CUTOFFS, find_gain_bandwidth_hz
 from fingertip.design.formulas.filter import find_preferred_neighbours
-from fingertip.design.parameters import Board
 from fingertip.foundation.numerics import Array
 
 MIN_LOAD_OHM = 2e3
 """Smallest load for which the data sheets of both amplifiers state their output swing."""
-_MARGIN = 0.88
 _FREQUENCIES = 30
 """Number of frequencies at which the loads are evaluated."""
 _FILTER_AMPLIFIERS = ("U1a", "U1b")
@@ -124,15 +125,18 @@ def find_filter_load_ohm(loads: Iterable[AmplifierLoad]) -> float:
     return min(load.min_filter_ohm for load in loads if load.min_filter_ohm and load.amplifier in _FILTER_AMPLIFIERS)
 
 
-def load_warnings(board: Board, filter_load_ohm: float, capacitor_f: float) -> Iterator[str]:
+def load_warnings(design: Design, filter_load_ohm: float, capacitor_f: float) -> Iterator[str]:
     """Find a filter whose amplifiers may swing less than computed, because they drive too small a load."""
-    if filter_load_ohm >= MIN_LOAD_OHM:
+    board, passing_uf, load_ohm = design.board, 1e6 * capacitor_f, filter_load_ohm
+    if load_ohm >= MIN_LOAD_OHM:
         return
-    # Resistors are inverse to the capacitors. The margin covers their rounding to preferred values, so a larger
-    # capacitor may pass too.
-    passing_uf, _ = find_preferred_neighbours(_MARGIN * 1e6 * capacitor_f * filter_load_ohm / MIN_LOAD_OHM)
-    capacitor_uf = f"{passing_uf:.3g}"
-    settings = f"board.capacitor_uf={capacitor_uf}"
+    while load_ohm < MIN_LOAD_OHM:  # resistors grow as the capacitors shrink
+        passing_uf = float(f"{find_preferred_neighbours(0.99 * passing_uf)[0]:.3g}")
+        values = {"board.capacitor_uf": passing_uf, "board.capacitor_series": "given"}
+        circuit = board_circuit(select_components(design.with_values(values)))
+        bandwidth_hz = find_gain_bandwidth_hz(board)
+        load_ohm = find_filter_load_ohm(compute_amplifier_loads(circuit, bandwidth_hz, board.cutoff_hz, 1.0))
+    settings = f"board.capacitor_uf={passing_uf:.3g}"
     if board.capacitor_series != "given":
         settings = f"board.capacitor_series=given and {settings}"
     yield (

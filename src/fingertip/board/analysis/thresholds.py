@@ -12,7 +12,7 @@ from fingertip.board.circuits.transfer_function import find_stages
 from fingertip.board.components.bridge import AMPLIFIERS
 from fingertip.board.components.values import MAX_CLAMP_A
 from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_TACTILE, ENVELOPE, MEAN, SLIP, THRESHOLD, Circuit
-from fingertip.catalogues.amplifiers import Amplifier
+from fingertip.catalogues.amplifiers import CATALOGUE, LOW_OFFSET_AMPLIFIER
 from fingertip.design.formulas.filter import (
     BIAS_A,
     COMPARATOR_DRIFT_V_PER_K,
@@ -100,9 +100,7 @@ class OutputOffset:
     """Maximum with that amplifier."""
 
 
-def compute_output_offset(
-    circuit: Circuit, gain_bandwidth_hz: float, signal_ground: str, low_offset: Amplifier
-) -> OutputOffset:
+def compute_output_offset(circuit: Circuit, gain_bandwidth_hz: float, signal_ground: str) -> OutputOffset:
     conducting, blocked = (
         _offset_gains(circuit, gain_bandwidth_hz, signal_ground, diode) for diode in (RECTIFYING_DIODE, BLOCKING_DIODE)
     )
@@ -111,8 +109,8 @@ def compute_output_offset(
         min_v=-math.fsum(map(abs, blocked)) * amplifier.max_offset_v,
         max_v=worst_gain * amplifier.max_offset_v,
         typical_v=math.hypot(*conducting) * amplifier.offset_v,
-        low_offset_amplifier=low_offset.name,
-        max_low_offset_v=worst_gain * low_offset.max_offset_v,
+        low_offset_amplifier=LOW_OFFSET_AMPLIFIER,
+        max_low_offset_v=worst_gain * CATALOGUE[LOW_OFFSET_AMPLIFIER].max_offset_v,
     )
 
 

@@ -90,7 +90,7 @@ class Board:
 
     @classmethod
     def of_design(cls, design: Design, circuit: Circuit) -> Board:
-        supply, supply_v = SUPPLIES[design.board.supply], design.board.supply_v
+        supply, supply_v = SUPPLIES[design.board.variant], design.board.supply_v
         rails = {GND: 0.0, VCC: supply_v, VEE: -supply_v}
         margin_v = max(
             AMPLIFIERS[c.symbol.name].output_from_rail_v for c in circuit.components if c.symbol.name in AMPLIFIERS

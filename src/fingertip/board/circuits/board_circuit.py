@@ -1,6 +1,6 @@
 """Circuit of a board from the table of its components, `components.csv`, with the values that are selected.
 
-A row of the table holds for the boards whose properties (`_list_properties`) it names. Its pins lead to nets, of which
+A row of the table holds for the boards whose properties (`_PROPERTIES`) it names. Its pins lead to nets, of which
 SGND, VNEG and VBRIDGE stand for the signal ground, the amplifiers' negative rail and the bridge's supply.
 
 Variant `article` is the article's circuit (figure 3) with its references, except that R_LP and C_LP are R6 and C4,
@@ -17,10 +17,10 @@ positive half waves. For a sine its mean is 1/pi of the peak.
 `comparator` is `precision` with the article's future work: threshold, hysteresis and an ON/OFF pin. The comparator has
 an open-collector output: SLIP is low (asserted) while slip is detected and high (VCC) otherwise.
 
-On a single supply U5 buffers VMID. Its output has no capacitor, because it could not drive one, and R24 isolates it
-from the cable's capacitance. It carries the bridge's 2 mA. On a board for a controller Q1 blocks a reversed supply: its
-body diode lets the first current through, and its channel then bridges the diode, because its gate is at ground. With
-a reversed supply the gate is at the positive end, and both block.
+Both run on the 3.3 V of a controller. U5 buffers VMID. Its output has no capacitor, because it could not drive one, and
+R24 isolates it from the cable's capacitance. It carries the bridge's 2 mA. Q1 blocks a reversed supply: its body diode
+lets the first current through, and its channel then bridges the diode, because its gate is at ground. With a reversed
+supply the gate is at the positive end, and both block.
 """
 
 from __future__ import annotations
@@ -35,11 +35,9 @@ from fingertip.board.components.values import (
     MAX_LOW_LEAKAGE_A,
     SUPPLIES,
     ComponentValues,
-    Supply,
 )
 from fingertip.board.parts import symbols
 from fingertip.board.parts.circuit import (
-    VEE,
     CapacitorRequirement,
     Circuit,
     Component,
@@ -50,7 +48,7 @@ from fingertip.board.parts.circuit import (
 from fingertip.board.parts.select_part import BULK_CAPACITOR, SUPPLY_CAPACITOR, find_package, require_capacitor
 from fingertip.board.parts.table import read_rows
 from fingertip.catalogues.amplifiers import CATALOGUE
-from fingertip.design.formulas.filter import DIVIDERS_OHM
+from fingertip.design.formulas.filter import VMID_BOTTOM_OHM, VMID_TOP_OHM
 from fingertip.foundation.errors import BoardError
 
 NAME = "slip_filter"
@@ -84,30 +82,22 @@ def load_rows() -> tuple[dict[str, str], ...]:
 
 def board_circuit(values: ComponentValues) -> Circuit:
     """Build the checked circuit of a board with these values. Raises BoardError if it is inconsistent."""
-    supply = SUPPLIES[values.supply]
-    properties = _list_properties(values.variant, supply)
+    supply = SUPPLIES[values.variant]
+    properties = _PROPERTIES[values.variant]
     nets = {"SGND": supply.signal_ground, "VNEG": supply.negative_rail, "VBRIDGE": supply.bridge_supply}
     wiring = {}
     for row in load_rows():
         if properties.issuperset(row["boards"].split()):
             pins = (pin.split("=") for pin in row["pins"].split())
-            wiring[_make_component(row, values, supply)] = {number: nets.get(net, net) for number, net in pins}
+            wiring[_make_component(row, values)] = {number: nets.get(net, net) for number, net in pins}
     return build_circuit(NAME, wiring)
 
 
-def _list_properties(variant: str, supply: Supply) -> frozenset[str]:
-    """Properties of a board by which rows of the table hold for it."""
-    return frozenset(
-        (
-            "article" if variant == "article" else "rectifier",
-            "slip" if variant == "comparator" else "silent",
-            "split" if supply.negative_rail == VEE else "midpoint",
-            "controller" if supply.is_for_controller else "header",
-        )
-    )
+_PROPERTIES = {"article": {"article"}, "precision": {"controller", "silent"}, "comparator": {"controller", "slip"}}
+"""Properties of each variant by which rows of the table hold for it."""
 
 
-def _make_component(row: dict[str, str], values: ComponentValues, supply: Supply) -> Component:
+def _make_component(row: dict[str, str], values: ComponentValues) -> Component:
     reference, kind, role = row["reference"], row["kind"], row["role"]
     match kind:
         case "resistor" | "precision":
@@ -126,7 +116,7 @@ def _make_component(row: dict[str, str], values: ComponentValues, supply: Supply
             rating = f"{symbol.description}, offset {1e3 * data.max_offset_v:g} mV at most"
             return Component(reference, data.order_name, symbol, symbols.SOIC_8, role, rating)
         case "clamp":
-            name = LOW_LEAKAGE_CLAMP if supply.is_for_controller else CLAMP
+            name = CLAMP if values.variant == "article" else LOW_LEAKAGE_CLAMP
             return Component(reference, name, symbols.BAT54S, symbols.SOT_23, role, _RATINGS[name])
         case "point":
             return Component(reference, row["value"], symbols.TEST_POINT, symbols.TEST_PAD, role)
@@ -143,10 +133,9 @@ def _make_component(row: dict[str, str], values: ComponentValues, supply: Supply
 
 def _find_value(row: dict[str, str], values: ComponentValues) -> float:
     """Find a component's value [ohm, F]: the one that is selected, or one that does not depend on parameters."""
-    upper_ohm, lower_ohm = DIVIDERS_OHM[values.supply] or (0.0, 0.0)
     fixed = {
         "C7": SENSOR_FILTER_F, "C10": BULK_F, "C11": BULK_F, "C21": DIVIDER_F, "C23": DIVIDER_F,
-        "R22": upper_ohm, "R23": lower_ohm, "R24": CABLE_OHM, "R25": VREF_TOP_OHM, "R26": VREF_BOTTOM_OHM,
+        "R22": VMID_TOP_OHM, "R23": VMID_BOTTOM_OHM, "R24": CABLE_OHM, "R25": VREF_TOP_OHM, "R26": VREF_BOTTOM_OHM,
     }  # fmt: skip
     found = values.by_reference.get(row["reference"], fixed.get(row["reference"]))
     if found is None and row["kind"] == "supply":

@@ -22,35 +22,32 @@ from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import choose_amplifier
 from fingertip.design.formulas.filter import (
     AVERAGING_OHM,
-    CONTROLLER_SUPPLIES,
     MAX_AVERAGING_F,
+    VMID_BOTTOM_OHM,
+    VMID_TOP_OHM,
     FilterComponents,
-    signal_ground_ratio,
 )
 from fingertip.design.parameters import Board
 
 # Supplies of a board: signal ground, negative rail of the amplifiers, supply of the bridge, and headroom of each.
 #
-# On a split supply of plus and minus 5 V, signal ground is supply ground (0 V), as in the article. On a single supply
-# of 5 V or 3.3 V it is VMID (buffered mid-supply, `fingertip.design.formulas.filter`). Bridge, filters, rectifier,
-# envelope and threshold refer to it, and the amplifiers need rail-to-rail inputs and outputs. The board for 3.3 V is
-# made for the controller of a hand: its outputs stay within the supply, its connectors are keyed and lock, a reversed
-# supply does no harm, and the bridge is fed from VREF, a buffered ratio of the supply without its ripple.
+# On a split supply of plus and minus 5 V, signal ground is supply ground (0 V), as in the article. On 3.3 V it is VMID
+# (buffered mid-supply, `fingertip.design.formulas.filter`). Bridge, filters, rectifier, envelope and threshold refer to
+# it, and the amplifiers need rail-to-rail inputs and outputs. These boards are made for the controller of a hand: their
+# outputs stay within the supply, their connectors are keyed and lock, a reversed supply does no harm, and the bridge is
+# fed from VREF, a buffered ratio of the supply without its ripple.
 
 
 @dataclass(frozen=True)
 class Supply:
-    name: str
     signal_ground: str
     """Net to which the signals refer."""
     negative_rail: str
     description: str
     nominal_v: float
     bridge_supply: str
-    signal_ground_ratio: float
+    signal_ground_ratio: float = 0.0
     """Voltage of the signal ground above ground, as a ratio of the supply voltage."""
-    is_for_controller: bool
-    """True for a board for a controller: protected, with the filtered signal at its output too."""
 
     def signal_ground_v(self, supply_v: float) -> float:
         return self.signal_ground_ratio * supply_v
@@ -64,15 +61,21 @@ class Supply:
         return supply_v * self.signal_ground_ratio if self.signal_ground_ratio else supply_v
 
 
+_CONTROLLER = Supply(
+    VMID, GND, "3.3 V supply with VMID (buffered mid-supply)", 3.3, VREF,
+    VMID_BOTTOM_OHM / (VMID_TOP_OHM + VMID_BOTTOM_OHM),
+)  # fmt: skip
 SUPPLIES = {
-    name: Supply(name, *properties, signal_ground_ratio(name), name in CONTROLLER_SUPPLIES)
-    for name, properties in {
-        "split": (GND, VEE, "split supply", 5.0, VCC),
-        "single": (VMID, GND, "single supply with buffered mid-supply", 5.0, VCC),
-        "single_3v3": (VMID, GND, "3.3 V supply with buffered mid-supply", 3.3, VREF),
-    }.items()
+    "article": Supply(GND, VEE, "split supply", 5.0, VCC),
+    "precision": _CONTROLLER,
+    "comparator": _CONTROLLER,
 }
-"""Supplies by name. A test compares the names with those that the design file accepts."""
+"""Supply of each variant. A test compares the names with those that the design file accepts."""
+VARIANT_CHANGES = {
+    variant: (f"board.variant={variant}", f"board.supply_v={supply.nominal_v:g}")
+    for variant, supply in SUPPLIES.items()
+}
+"""Changes to a design that select each board."""
 
 
 # Values of the components.
@@ -133,8 +136,6 @@ class AdcInterface:
 @dataclass(frozen=True)
 class ComponentValues:
     variant: str
-    supply: str
-    """Name of the supply: split, single or single_3v3."""
     amplifier: str
     """Dual amplifier of filter and rectifier, by its name in `fingertip.catalogues.amplifiers.CATALOGUE`."""
     ideal: FilterComponents
@@ -158,21 +159,20 @@ class ComponentValues:
             self.ideal, self.preferred, self.first_stage_capacitors, self.rectifier_ohm
         ).by_reference()
         values |= self.bridge.by_reference() | self.adc_interface.by_reference()
-        if SUPPLIES[self.supply].is_for_controller:
+        if self.variant != "article":
             values |= self.adc_interface.filtered_by_reference()
         return values | (self.comparator_stage.by_reference() if self.comparator_stage else {})
 
 
 def select_components(design: Design) -> ComponentValues:
     """Select the values of a board's components. Raises BoardError."""
-    board, detector, supply = design.board, design.detector, SUPPLIES[design.board.supply]
+    board, detector, supply = design.board, design.detector, SUPPLIES[design.board.variant]
     selection, comparator_stage = select_filter(board), None
     if board.variant == "comparator":
         window_s = detector.window_samples / detector.sample_rate_hz
         comparator_stage = size_comparator(detector.threshold_v, window_s, board, supply.signal_ground_ratio)
     return ComponentValues(
         variant=board.variant,
-        supply=supply.name,
         amplifier=choose_amplifier(board).name,
         ideal=selection.ideal,
         preferred=selection.preferred,
@@ -181,10 +181,10 @@ def select_components(design: Design) -> ComponentValues:
         tolerance=Tolerance(board.resistor_tolerance_percent, board.capacitor_tolerance_percent),
         bridge=size_bridge(
             board.supply_v,
-            CONTROLLER_SERIES if supply.is_for_controller else board.series,
+            CONTROLLER_SERIES if board.is_for_controller else board.series,
             design.dimensions.sensor.active_diameter_mm,
             supply.signal_ground_ratio,
-            *((CONTROLLER_TARGET, VREF_RATIO) if supply.is_for_controller else ()),
+            *((CONTROLLER_TARGET, VREF_RATIO) if board.is_for_controller else ()),
         ),
         adc_interface=size_adc_interface(detector.sample_rate_hz, board.series, board.capacitor_series),
         comparator_stage=comparator_stage,

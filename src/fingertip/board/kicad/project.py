@@ -1,4 +1,4 @@
-"""KiCad projects of the boards, one for each variant and supply, routed and stored as KiCad opens them.
+"""KiCad projects of the boards, one for each variant, routed and stored as KiCad opens them.
 
 The archives in `projects` hold the values of the default design. What a design changes is entered: values, fields of
 the parts, symbols of another amplifier, and the values printed on the back. `python -m tools.boards` in the repository
@@ -16,7 +16,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from fingertip.board.components.values import SUPPLIES, ComponentValues, Supply
 from fingertip.board.kicad.back_print import print_values
 from fingertip.board.kicad.netlist import CircuitRecord, Part, describe_structure_changes
 from fingertip.board.kicad.placement import Placement, read_placement
@@ -150,7 +149,7 @@ class StoredProject:
 
 @functools.cache
 def load_project(name: str) -> StoredProject:
-    """Load the project of this name, such as "article_split"."""
+    """Load the project of a board variant."""
     files = read_archive(name)
     layout, schematic, project = (files[file] for file in PROJECT_FILES)
     return StoredProject(name, layout.decode(), schematic.decode(), project)
@@ -226,55 +225,3 @@ def _rename_symbol(text: str, old: str, new: str) -> str:
     """Rename a symbol with its units and the value that it has in the library."""
     old_name, new_name = old.partition(":")[2], new.partition(":")[2]
     return text.replace(f'"{old}"', f'"{new}"').replace(f'"{old_name}', f'"{new_name}')
-
-
-# Boards that can be made.
-
-
-@dataclass(frozen=True)
-class BoardConfiguration:
-    """A board variant on one of the supplies."""
-
-    variant: str
-    supply: Supply
-
-    @property
-    def name(self) -> str:
-        """Name of its project, such as "article_split"."""
-        return f"{self.variant}_{self.supply.name}"
-
-    @property
-    def changes(self) -> tuple[str, str, str]:
-        """Changes to a design that select this configuration."""
-        return (
-            f"board.variant={self.variant}",
-            f"board.supply={self.supply.name}",
-            f"board.supply_v={self.supply.nominal_v:g}",
-        )
-
-    @property
-    def project(self) -> StoredProject:
-        """KiCad project."""
-        return load_project(self.name)
-
-    @property
-    def placement(self) -> Placement:
-        """Positions of the components on the board."""
-        return self.project.placement
-
-
-BOARD_VARIANTS = ("article", "precision", "comparator")
-"""Names of the variants. A test compares them with those that the design file accepts."""
-
-BOARD_CONFIGURATIONS = {
-    configuration.name: configuration
-    for configuration in (
-        BoardConfiguration(variant, supply) for variant in BOARD_VARIANTS for supply in SUPPLIES.values()
-    )
-}
-"""Every variant on every supply, by name."""
-
-
-def find_configuration(values: ComponentValues) -> BoardConfiguration:
-    """Find the configuration that values were computed for."""
-    return BOARD_CONFIGURATIONS[f"{values.variant}_{values.supply}"]

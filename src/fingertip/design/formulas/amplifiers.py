@@ -15,7 +15,6 @@ from fingertip.catalogues.amplifiers import (
     AUTO,
     CATALOGUE,
     LOW_OFFSET_AMPLIFIER,
-    LOW_VOLTAGE_AMPLIFIER,
     RAIL_TO_RAIL_AMPLIFIER,
     Amplifier,
 )
@@ -26,7 +25,7 @@ from fingertip.foundation.numerics import bisect
 
 
 def total_supply_v(board: Board) -> float:
-    return 2.0 * board.supply_v if board.supply == "split" else board.supply_v
+    return board.supply_v if board.is_for_controller else 2.0 * board.supply_v
 
 
 def works_on_supply(amplifier: Amplifier, board: Board) -> bool:
@@ -34,7 +33,7 @@ def works_on_supply(amplifier: Amplifier, board: Board) -> bool:
 
 
 def choose_amplifier(board: Board) -> Amplifier:
-    """Return the dual amplifier of a board: the one it names, or for "auto" the one that fits variant and supply.
+    """Return the dual amplifier of a board: the one it names, or for "auto" the one that fits the variant.
 
     The article's own board has the article's amplifier. Variant comparator has a threshold of some millivolts in
     hardware, and five offsets add up in its envelope, so it has an amplifier of low offset.
@@ -43,16 +42,11 @@ def choose_amplifier(board: Board) -> Amplifier:
 
 
 def choose_automatically(board: Board) -> str:
-    if (board.variant, board.supply) == ("article", "split"):
+    if board.variant == "article":
         return ARTICLE_AMPLIFIER
     if board.variant == "comparator":
-        return choose_low_offset_amplifier(board).name
+        return LOW_OFFSET_AMPLIFIER
     return RAIL_TO_RAIL_AMPLIFIER
-
-
-def choose_low_offset_amplifier(board: Board) -> Amplifier:
-    preferred = CATALOGUE[LOW_OFFSET_AMPLIFIER]
-    return preferred if works_on_supply(preferred, board) else CATALOGUE[LOW_VOLTAGE_AMPLIFIER]
 
 
 def find_gain_bandwidth_hz(board: Board) -> float:

@@ -3,9 +3,9 @@
 The filter is a third-order Butterworth high-pass: a first-order stage (R1, C1) and a unity-gain Sallen-Key stage (C2,
 C3, R2, R3), with all three capacitors equal to C (article, eqs. 2, 5, 6, 7, 11) and omega_c = 2 pi f_c.
 
-On a single supply its signals swing around the signal ground, and the bridge stands on it. On 5 V it lies in the
-middle. On 3.3 V it lies somewhat lower: the inputs of the bridge's amplifier (AD623), a few tenths of a volt above it,
-must stay 1.5 V below the supply (its data sheet, input voltage range; recalled, unverified).
+On a board for a controller its signals swing around the signal ground, and the bridge stands on it. It lies somewhat
+below the middle: the inputs of the bridge's amplifier (AD623), a few tenths of a volt above it, must stay 1.5 V below
+the supply (its data sheet, input voltage range; recalled, unverified).
 """
 
 from __future__ import annotations
@@ -120,43 +120,37 @@ MIN_CUTOFF_RATIO = 10.0
 reduced by at most 0.5 %."""
 
 
-DIVIDERS_OHM = {"split": None, "single": (10e3, 10e3), "single_3v3": (54.9e3, 44.2e3)}
-"""Upper and lower resistor of the divider [ohm], by the supply's name. With its capacitor the divider filters the
-supply's ripple above 3 Hz, or above 0.7 Hz as that of the bridge's supply does: both then follow the supply alike, and
-their ratio stays."""
-
-CONTROLLER_SUPPLIES = frozenset({"single_3v3"})
-"""Supplies of boards for a controller, which give it their filtered signal beside the tactile voltage."""
+VMID_TOP_OHM, VMID_BOTTOM_OHM = 54.9e3, 44.2e3
+"""Divider of VMID [ohm]. With its capacitor it filters the supply's ripple above 0.7 Hz as that of the bridge's supply
+does: both then follow the supply alike, and their ratio stays."""
 
 
-def signal_ground_ratio(supply: str) -> float:
+def signal_ground_ratio(board: Board) -> float:
     """Voltage of the signal ground above ground as a ratio of the supply voltage: 0 on a split supply."""
-    divider = DIVIDERS_OHM[supply]
-    return divider[1] / (divider[0] + divider[1]) if divider else 0.0
+    return VMID_BOTTOM_OHM / (VMID_TOP_OHM + VMID_BOTTOM_OHM) if board.is_for_controller else 0.0
 
 
 def upper_headroom_v(board: Board) -> float:
     """Voltage from the signal ground to the upper rail [V]."""
-    return board.supply_v * (1.0 - signal_ground_ratio(board.supply))
+    return board.supply_v * (1.0 - signal_ground_ratio(board))
 
 
 def smaller_headroom_v(board: Board) -> float:
     """Voltage from the signal ground to the nearer rail [V]."""
-    ratio = signal_ground_ratio(board.supply)
+    ratio = signal_ground_ratio(board)
     return board.supply_v * min(ratio, 1.0 - ratio) if ratio else board.supply_v
 
 
 def filtered_range_v(board: Board, adc_range_v: float) -> float | None:
     """Largest deviation of the filtered signal from its rest that board and converter pass [V]."""
-    if board.supply not in CONTROLLER_SUPPLIES:
+    if not board.is_for_controller:
         return None
-    rest_v = signal_ground_ratio(board.supply) * board.supply_v
+    rest_v = signal_ground_ratio(board) * board.supply_v
     return min(rest_v, min(board.supply_v, adc_range_v) - rest_v)
 
 
 # Data-sheet figures of variant comparator's LMV331 and limits of the low-pass ahead of it, for rules and the board.
 
-MAX_COMPARATOR_V = 5.5
 MIN_COMPARATOR_V = 0.011
 """Minimum threshold [V]. Lower thresholds would need a hysteresis resistor above 10 Mohm, and an offset of 7 mV would
 be most of the threshold."""

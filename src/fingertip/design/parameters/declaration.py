@@ -109,7 +109,12 @@ REPLACED_PARAMETERS = {
     "board.gain_bandwidth_hz": (
         "this parameter was replaced, because a number alone buys no amplifier; remove it, and name the amplifier with "
         f"board.amplifier={AUTO}, or one of {_DUALS}."
-    )
+    ),
+    "board.supply": (
+        "this parameter was replaced, because each of the three boards has one supply; remove it, and name the board: "
+        "board.variant=article with board.supply_v=5, or board.variant=precision (or comparator) with "
+        "board.supply_v=3.3."
+    ),
 }
 """Parameters of earlier versions, and what to write in their place."""
 

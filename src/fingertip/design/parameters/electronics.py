@@ -17,7 +17,8 @@ class Board(ParameterTable):
 
     variant: Literal["article", "precision", "comparator"] = choice(
         "precision",
-        "article: the article's circuit; precision: no dead zone, one envelope pole; comparator: an ON/OFF output too.",
+        "article: the article's circuit, on plus and minus 5 V; precision: for a controller of 3.3 V, without its dead "
+        "zone; comparator: the same with an ON/OFF output.",
     )
     cutoff_hz: float = quantity(
         67.0, "Hz", (Above(0), 10000), "Cutoff frequency of the third-order Butterworth high-pass."
@@ -51,21 +52,20 @@ class Board(ParameterTable):
     )  # fmt: skip
     amplifier: AmplifierName = choice(
         "auto",
-        "Dual amplifier of filter and rectifier; auto: TL082 (article, split), OPA2197 (comparator; OPA2376 at 3.3 V), "
-        "else TLV2372.",
+        "Dual amplifier of filter and rectifier; auto: TL082 (article), TLV2372 (precision), OPA2376 (comparator).",
     )
     resistor_choice: Literal["joint", "apart"] = choice(
         "joint",
         "joint: R1, R2, R3 that together deviate least from a Butterworth response; apart: each nearest to its ideal.",
     )
-    supply: Literal["split", "single", "single_3v3"] = choice(
-        "single_3v3",
-        "split: plus and minus supply_v; single: supply_v alone, with signals around a buffered half of it; "
-        "single_3v3: the same for a controller, with all outputs from 0 to 3.3 V.",
-    )
     supply_v: float = quantity(
-        3.3, "V", (3.1, 6), "Supply voltage, or each half of a split supply: 5 to 6, or 3.1 to 3.6 with single_3v3."
+        3.3, "V", (3.1, 5.5), "Supply voltage: 3.1 to 3.6, or each half of that of variant article: 5 to 5.5."
     )
+
+    @property
+    def is_for_controller(self) -> bool:
+        """True for a board on 3.3 V, with VMID as its signal ground and the filtered signal at its connector."""
+        return self.variant != "article"
 
 
 class Detector(ParameterTable):

@@ -21,7 +21,6 @@ from fingertip.design.formulas.amplifiers import (
 from fingertip.design.formulas.filter import (
     MAX_AVERAGING_F,
     MAX_BIAS_A,
-    MAX_COMPARATOR_V,
     MIN_COMPARATOR_V,
     max_window_s,
     to_farads,
@@ -50,25 +49,19 @@ CURRENT_MARGIN = 0.8
 """Maximum ratio of a filter amplifier's current to what its data sheet gives. Preferred values add some percent."""
 ENVELOPE_CURRENT_MARGIN = 0.95
 """Maximum ratio of the current that charges variant article's envelope, at its peak, to what the data sheet gives."""
-SUPPLY_RANGES_V = {"split": (5.0, 6.0), "single": (5.0, 6.0), "single_3v3": (3.1, 3.6)}
-"""Range of the voltage of each supply [V]. The bridge of the first two is sized for the article's 4.3 V. The AD623
-needs 3 V (its data sheet), and the last supply ends where the inputs of a controller do."""
-MAX_SPLIT_V = 5.5
-"""Maximum of each half of a split supply [V]. The AD623's supply range ends at 12 V (its data sheet; unverified)."""
+SPLIT_RANGE_V, CONTROLLER_RANGE_V = (5.0, 5.5), (3.1, 3.6)
+"""Range of the supply's voltage [V]: of each half of variant article's, and of a board for a controller. The article's
+bridge is sized for its 4.3 V. The AD623's supply range begins at 3 V and ends at 12 V (its data sheet; unverified), and
+the inputs of a controller bear 3.6 V."""
 
 
 @RULES.rule("board.supply_v")
 def voltage_fits_the_supply(design: DesignTables) -> Violation | None:
-    supply, supply_v = design.board.supply, design.board.supply_v
-    minimum, maximum = SUPPLY_RANGES_V[supply]
-    if minimum <= supply_v <= maximum:
+    board = design.board
+    low, high = CONTROLLER_RANGE_V if board.is_for_controller else SPLIT_RANGE_V
+    if low <= board.supply_v <= high:
         return None
-    others = [name for name, (low, high) in SUPPLY_RANGES_V.items() if low <= supply_v <= high]
-    return Violation(
-        f"{supply_v:g} V lies outside the range of board.supply={supply}",
-        ((minimum, maximum),),
-        alternatives={"board.supply": others[0]} if others else {},
-    )
+    return Violation(f"{board.supply_v:g} V lies outside the range of variant {board.variant}", ((low, high),))
 
 
 @RULES.rule("board.amplifier", voltage_fits_the_supply)
@@ -111,7 +104,6 @@ def offset_leaves_room(design: DesignTables) -> Violation | None:
         f"{G * amplifier.max_offset_v:.3g} V, more than {ratio:g} of the swing of "
         f"{input_swing_v(design.board, amplifier):.3g} V",
         at_most(maximum_v / amplifier.max_offset_v),
-        alternatives={"board.variant": "precision"},
     )
 
 
@@ -143,7 +135,6 @@ def first_stage_is_stable(design: DesignTables) -> Violation | None:
         f"{board.r5_ohm:g} ohm with the {1e12 * amplifier.input_f:g} pF of a {amplifier.name}'s input {found}",
         passing,
         "at this gain",
-        alternatives={"board.variant": "precision"} if board.variant == "article" else {},
     )
 
 
@@ -182,29 +173,7 @@ def amplifier_charges_the_envelope(design: DesignTables) -> Violation | None:
         # R_LP is inverse to the capacitor, so that the current is proportional to it.
         at_most_preferred(board.envelope_capacitor_uf * (limit_a - filter_a) / charging_a),
         "at this cutoff",
-        alternatives={"board.variant": "precision"},
     )
-
-
-@RULES.rule("board.supply_v")
-def bridge_amplifier_withstands_the_split_supply(design: DesignTables) -> Violation | None:
-    """Both halves of a split supply together stay below the bridge amplifier's maximum, with a margin."""
-    supply_v = design.board.supply_v
-    if design.board.supply != "split" or supply_v <= MAX_SPLIT_V:
-        return None
-    return Violation(
-        f"plus and minus {supply_v:g} V put {2 * supply_v:g} V across the bridge's AD623, too close to the end of its "
-        "supply range",
-        at_most(MAX_SPLIT_V),
-        alternatives={"board.supply": "single"},
-    )
-
-
-@RULES.at_most("board.supply_v", slack=0.0)
-def comparator_withstands_the_supply(design: DesignTables) -> Limit | None:
-    if design.board.variant != "comparator":
-        return None
-    return Limit(MAX_COMPARATOR_V, "is too much for variant comparator's LMV331")
 
 
 @RULES.rule("detector.threshold_v")

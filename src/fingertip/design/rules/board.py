@@ -105,7 +105,6 @@ def series_capacitor_exists(design: DesignTables) -> Violation | None:
         f"{R5:g} ohm at a gain of {G:.6g} requires R4 of {R4:.4g} ohm, whose series capacitor would be above "
         f"{max_uf:g} uF",
         at_least(min_r4 * (G - 1.0)),
-        alternatives={"board.variant": "article"},
     )
 
 
@@ -115,7 +114,7 @@ def band_limit_above_the_band(design: DesignTables) -> Limit | None:
         return None
     f_c = design.board.cutoff_hz
     problem = f"cuts into the vibrations, which reach {BAND_CUTOFFS:g} cutoffs of {f_c:g} Hz"
-    return Limit(BAND_CUTOFFS * f_c, problem, alternatives={"board.variant": "article"})
+    return Limit(BAND_CUTOFFS * f_c, problem)
 
 
 @RULES.rule("board.band_limit_hz")

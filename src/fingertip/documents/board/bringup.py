@@ -37,7 +37,7 @@ from fingertip.board.bringup.prediction import POINTS, list_levels, name_tone, n
 from fingertip.board.bringup.readings import IDLE_SHARE
 from fingertip.board.bringup.wiring import list_pins
 from fingertip.board.kicad.placement import Pad, Placement
-from fingertip.board.kicad.project import find_configuration
+from fingertip.board.kicad.project import load_project
 from fingertip.board.parts.circuit import (
     ADC_ENVELOPE,
     ADC_FILTERED,
@@ -100,7 +100,7 @@ _OUTPUT_PARTS = {
 
 def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str) -> str:
     """Render the bring-up sheet of a design's board as Markdown, with the file of its wiring diagram."""
-    circuit, bench, placement = plan.board.circuit, plan.board.bench, find_configuration(values).placement
+    circuit, bench, placement = plan.board.circuit, plan.board.bench, load_project(values.variant).placement
     low_hz, middle_hz, high_hz = bench.tones_hz
     parts = {part.reference: part for part in circuit.components}
     small = [name for name, part in parts.items() if "SOT-23" in part.footprint]

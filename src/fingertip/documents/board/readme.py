@@ -24,7 +24,7 @@ from fingertip.board.fabrication.bom import (
     purchased_components,
 )
 from fingertip.board.kicad import project
-from fingertip.board.kicad.project import BoardConfiguration
+from fingertip.board.kicad.project import StoredProject
 from fingertip.board.parts.circuit import Circuit
 from fingertip.board.parts.select_part import NO_LCSC
 from fingertip.board.parts.symbols import CAPACITOR, RESISTOR
@@ -33,7 +33,7 @@ from fingertip.catalogues.amplifiers import CATALOGUE
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import DIODE_V
 from fingertip.design.formulas.filter import COMPARATOR_OFFSET_V, MAX_COMPARATOR_OFFSET_V
-from fingertip.design.rules.amplifiers import SUPPLY_RANGES_V
+from fingertip.design.rules.amplifiers import CONTROLLER_RANGE_V
 from fingertip.documents.template import render
 from fingertip.foundation.files import format_figure
 
@@ -47,13 +47,13 @@ _PRECISE = {
 """Purposes of the resistors of 0.1 % outside the bridge."""
 
 
-def folder_readme(circuit: Circuit, configuration: BoardConfiguration, values: BoardValues, design: Design) -> bytes:
-    placement, limits = configuration.placement, values.voltage_limits
+def folder_readme(circuit: Circuit, stored: StoredProject, values: BoardValues, design: Design) -> bytes:
+    placement, limits = stored.placement, values.voltage_limits
     adc_range = describe_adc_range(limits)
     return render(
         "board/readme.md",
         **collect_board(values, design),
-        supply_name=configuration.supply.description.replace("buffered mid-supply", "VMID (buffered mid-supply)"),
+        supply_name=SUPPLIES[values.variant].description,
         response=values.achieved_response,
         size_mm=f"{placement.width:g} x {placement.height:g}",
         unlabelled=[name for name, part in placement.parts.items() if name[0] in "RC" and not part.is_labelled],
@@ -87,13 +87,13 @@ def folder_readme(circuit: Circuit, configuration: BoardConfiguration, values: B
         vref_ratio=VREF_RATIO,
         needed_pins=NEEDED_PINS,
         ripple_sensor=describe_sensor(values.supply_ripple),
-        supply_range_v=SUPPLY_RANGES_V[values.supply],
+        supply_range_v=CONTROLLER_RANGE_V,
         switch_ohm=MAX_SWITCH_OHM,
         power_up_s=POWER_UP_S,
         pull_up_ohm=PULL_UP_OHM,
         noise_warning=noise_warning(values.noise, design.detector.threshold_v),
         dead_zone_v=DEAD_ZONE_V,
-        **_collect_order(circuit, configuration),
+        **_collect_order(circuit, stored),
         bridge_shift_v=_find_bridge_shift_v(values, design.board.supply_v),
         missing_numbers=missing_numbers_note(circuit),
         rotations=load_sources()[load_rotations()[0].source],
@@ -102,19 +102,15 @@ def folder_readme(circuit: Circuit, configuration: BoardConfiguration, values: B
 
 def collect_board(values: BoardValues, design: Design) -> dict[str, Any]:
     """Data that every document of a board refers to, and the figures of `trimming.md`."""
-    supply = SUPPLIES[values.supply]
+    supply = SUPPLIES[values.variant]
     return {
         "values": values,
         "board": design.board,
         "detector": design.detector,
         "supply": supply,
-        "is_article": values.output_offset is None,
-        "is_for_controller": supply.is_for_controller,
-        "has_vmid": bool(supply.signal_ground_ratio),
+        "is_for_controller": design.board.is_for_controller,
         "has_slip": values.comparator_levels is not None,
         "levels": values.comparator_levels,
-        # On a board for a controller, S is the filtered signal.
-        "slip_pin": "SLIP" if supply.is_for_controller else "S",
         "comparator_offset_v": COMPARATOR_OFFSET_V,
         "max_comparator_offset_v": MAX_COMPARATOR_OFFSET_V,
     }
@@ -133,11 +129,11 @@ def _list_cables(circuit: Circuit) -> Iterator[tuple[str, ...]]:
             yield connector.reference, str(mating.count(count_wires(connector))), mating.item, *numbers
 
 
-def _collect_order(circuit: Circuit, configuration: BoardConfiguration) -> dict[str, Any]:
+def _collect_order(circuit: Circuit, stored: StoredProject) -> dict[str, Any]:
     """Figures that board house and assembly house ask for, and the parts that need care."""
     components = purchased_components(circuit)
     assembled = [c for c in components if is_assembled(c)]
-    placement = configuration.placement
+    placement = stored.placement
     pads = {reference: part.pads for reference, part in placement.parts.items()}
     through_hole = [c for c in components if any(pad.drill and pad.is_plated for pad in pads[c.reference])]
     precise = {c.reference for c in circuit.components if c.requirement and c.requirement.tolerance_percent <= 0.1}
@@ -145,7 +141,7 @@ def _collect_order(circuit: Circuit, configuration: BoardConfiguration) -> dict[
         "components": components,
         "assembled": assembled,
         "layout": placement,
-        "clearance_mm": configuration.project.clearance_mm,
+        "clearance_mm": stored.clearance_mm,
         "unplated_mm": sorted(
             {pad.drill for group in pads.values() for pad in group if pad.drill and not pad.is_plated}
         ),

@@ -128,7 +128,7 @@ class AdcRange:
 
     def above_signal_ground(self, design: Design) -> AdcRange:
         """The same range above the signal ground, which the controller subtracts from filtered signal and envelope."""
-        ground_v = SUPPLIES[design.board.supply].signal_ground_v(design.board.supply_v)
+        ground_v = SUPPLIES[design.board.variant].signal_ground_v(design.board.supply_v)
         return replace(self, low_v=self.low_v - ground_v, high_v=self.high_v - ground_v)
 
     def quantise_v(self, voltage_v: Array) -> Array:

@@ -16,7 +16,6 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from fingertip.catalogues.file_kinds import MANIPULATION, SCENE, FileKind
 from fingertip.design import Design
 from fingertip.design.files import format_parameter_table, format_value, load_tables
-from fingertip.design.formulas.filter import CONTROLLER_SUPPLIES
 from fingertip.design.parameters import Above, ParameterTable, choice, quantity
 from fingertip.design.parameters.declaration import issues_from_pydantic, suggest_name
 from fingertip.foundation.errors import FingertipError, Issue, TraceError
@@ -61,7 +60,7 @@ manipulation records the opposite, that of the object over the pad). shear_m: sh
 of the filter board, with white noise that stands for that of its amplifiers up to 1 MHz; the ADC samples the same
 voltage without it, because `detector.noise_v` is all noise of a sample. filtered_v, envelope_v: outputs of the filter
 board, above its output offset. sampled_envelope_v, sampled_filtered_v: envelope_v and filtered_v as sampled by
-the ADC, above signal ground; the latter on boards with the supply single_3v3. slip_pin_v: voltage of the comparator's
+the ADC, above signal ground; the latter on boards for a controller. slip_pin_v: voltage of the comparator's
 output, low while it reports slip. Of a manipulation also closing_m, closing; command_m, commanded closing; and of the
 object object_m, its position; pin_n, force of the pin.
 """
@@ -104,10 +103,10 @@ class SimulationFile(BaseModel):
             yield Issue("--seed", f"{seed} is negative; choose a whole number of at least 0.")
         if "slip_pin_v" in self.outputs and design.board.variant != "comparator":
             yield Issue("outputs", describe_missing_comparator(design.board.variant))
-        if "sampled_filtered_v" in self.outputs and design.board.supply not in CONTROLLER_SUPPLIES:
+        if "sampled_filtered_v" in self.outputs and not design.board.is_for_controller:
             message = (
-                "'sampled_filtered_v' exists on boards with the filtered signal at their connector, and this design's "
-                f"board.supply is {design.board.supply}; use --set board.supply=single_3v3 --set board.supply_v=3.3."
+                "'sampled_filtered_v' exists on boards for a controller, and this design's board.variant is "
+                f"{design.board.variant}; use --set board.variant=precision --set board.supply_v=3.3."
             )
             yield Issue("outputs", message)
 

@@ -221,16 +221,16 @@ def _find_warnings(design: Design, values: BoardValues) -> Iterator[str]:
 
 def _table_lines(design: Design, values: BoardValues) -> list[str]:
     from fingertip.board.analysis.limits import describe_adc_range, describe_filter_swing
-    from fingertip.board.components.values import SUPPLIES
 
     aliasing, limits = values.aliasing, values.voltage_limits
+    sign = "" if design.board.is_for_controller else "plus and minus "
     return [
         *_component_lines(design, values),
         "",
         *_response_lines(values),
         "",
-        f"{SUPPLIES[values.variant].description} of {design.board.supply_v:g} V: signal ground is at "
-        f"{limits.signal_ground_v:g} V, {describe_filter_swing(limits)}",
+        f"supply of {sign}{design.board.supply_v:g} V: signal ground is at {limits.signal_ground_v:g} V, "
+        f"{describe_filter_swing(limits)}",
         f"at {aliasing.nyquist_hz:g} Hz, half the ADC's sampling rate, the tactile voltage is attenuated by "
         f"{-aliasing.tactile_nyquist_db:.1f} dB and the envelope by {-aliasing.envelope_nyquist_db:.1f} dB",
         describe_adc_range(limits),

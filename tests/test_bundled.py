@@ -12,10 +12,11 @@ from typing import Any
 import pytest
 
 from fingertip.catalogues.bundled import find_file, list_bundled_files
-from fingertip.catalogues.file_kinds import DESIGN, KINDS, SCENE, SWEEP
+from fingertip.catalogues.file_kinds import DESIGN, KINDS, SCENE, SURFACE, SWEEP
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, SweepError
 from fingertip.sim import ManipulationFile, SceneFile, load_simulation
+from fingertip.sim.contact.materials import SURFACES, Surface, SurfaceFile
 from fingertip.sweep.sweep_file import read_sweep_file, to_canonical_text
 from tests.conftest import ROOT, run_fingertip, run_python
 
@@ -49,6 +50,8 @@ def test_a_name_gives_what_the_path_gives(kind: Any, folder: Path) -> None:
         elif kind is SWEEP:
             same = read_sweep_file(name) == read_sweep_file(path)
             same = same and str(ROOT) not in to_canonical_text(read_sweep_file(name))
+        elif kind is SURFACE:
+            same = SURFACES[name] == Surface.build(SurfaceFile.load(path).surface)
         else:
             model = SceneFile if kind is SCENE else ManipulationFile
             by_name, by_path = load_simulation(name, "fsr402"), load_simulation(path, PARAMS / "fsr402.toml")

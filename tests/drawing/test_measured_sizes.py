@@ -75,10 +75,11 @@ class StepFeatures:
         self.shape = shape
 
     def station(self, axis: Axis, at: Point3) -> float:
-        """Coordinate of the plane, axis of a hole, extreme of the part or vertex that is nearest to a place."""
+        """Coordinate of the plane, axis or side of a hole, extreme of the part or vertex that is nearest to a place."""
         i = AXES[axis]
         found = [*self.planes[axis], self.bounds[i], self.bounds[i + 3]]
-        found += [p[i] for p, d, _ in (*self.cylinders, *self.circles) if abs(d[i]) < 1e-9]
+        across = [(p[i], r) for p, d, r in (*self.cylinders, *self.circles) if abs(d[i]) < 1e-9]
+        found += [value for centre, r in across for value in (centre, centre - r, centre + r)]
         found += [vertex[i] for vertex in self.vertices]
         found += [box[k] for box in self.curved for k in (i, i + 3)]
         near = [value for value in found if abs(value - at[i]) < _NEAR_MM]

@@ -98,10 +98,15 @@ class Clevis(JointInterface):
 
     def stress_factors(self, design: DesignTables, z: float) -> StressFactors:
         """Find the factors at the root of the eyes, which are as high as the base if they have stops."""
-        joint, base = _joint_of(design), base_size(design.dimensions)
+        joint, base, top = _joint_of(design), base_size(design.dimensions), design.dimensions.stops_top_z
         width = base[0] if joint.is_fork else 2 * joint.half_width
         height = base[1] if joint.travel_deg else 2 * joint.eye_radius
-        return at_foot(base, (width, height), joint.foot, joint.shoulder_z - z)
+        factors = at_foot(base, (width, height), joint.foot, joint.shoulder_z - z)
+        if top is None:
+            return factors
+        collar, radius = design.dimensions.collar.section, clevis_solids.eye_radius_mm(design, joint, top)
+        eyes = 2 * collar.half_width, collar.dorsal + collar.palmar
+        return factors.combined_with(at_foot(eyes, base, radius, z - (top - radius)))
 
     def local_stresses(self, design: DesignTables, load_z: float) -> Iterator[LocalStress]:
         """Yield the stresses of eyes and anchor, in the plane in which the finger bends."""
@@ -172,10 +177,11 @@ class Clevis(JointInterface):
     def _stop_sizes(self, design: DesignTables, joint: Joint, top: float) -> list[Size]:
         """List the sizes of the eyes outside the mold, and of their stops."""
         half, y, foot = design.dimensions.collar.section.half_width, joint.axis_y, -design.bone.collar_length_mm
-        bore = joint.axis_z - joint.pin_radius
+        bore, eyes = joint.axis_z - joint.pin_radius, top - clevis_solids.eye_radius_mm(design, joint, top)
         sizes: list[Size] = [
-            Length("groove between collar and joint", INNER, "front", "above", "z", (half, 0.0, foot), (half, 0.0, top),
-                   clearance(joint.clearance), "narrow: sand the side of the joint, the mold's end lies in it"),
+            Length("groove between collar and joint", INNER, "front", "above", "z", (half, 0.0, foot),
+                   (half, 0.0, eyes), clearance(joint.clearance),
+                   "narrow: sand the side of the joint, the mold's end lies in it"),
             Length("edge of the bore to the straight stop", OUTER, "front", "above", "z", (half, y, bore),
                    (half, y, joint.low_z), general(bore - joint.low_z),
                    "long: file both flats alike; short: it stops too late, print again"),

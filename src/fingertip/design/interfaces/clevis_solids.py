@@ -11,7 +11,7 @@ import math
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.conic import TANGENT_STEP_MM, ConicBody
 from fingertip.design.geometry.features import NOTCH_WIDTH_MM, Joint, TendonAnchor
-from fingertip.design.geometry.foot import flat_foot, foot_line
+from fingertip.design.geometry.foot import conic_foot, flat_foot, foot_line
 from fingertip.design.geometry.solids import (
     Box,
     Prism,
@@ -31,12 +31,31 @@ def stops(design: DesignTables, joint: Joint, top: float) -> Solid:
     """
     dims, collar = design.dimensions, design.dimensions.collar.section
     section = dims.bone_outline.section
-    outline = SuperconicSolid(ConicBody(collar, ((joint.low_z - joint.radius, 1.0), (top, 1.0))))
+    low, foot = joint.low_z - joint.radius, eye_foot(design, joint, top)
+    end = foot[-1][0] - TANGENT_STEP_MM if foot else top
+    outline: Solid = SuperconicSolid(ConicBody(collar, ((low, 1.0), (end, 1.0))))
+    if foot:
+        along = SuperconicSolid(ConicBody(collar, ((low, 1.0), (top, 1.0))))
+        outline = union(outline, intersection(along, conic_foot(section, foot, low)))
     half = min(section.half_width_at(joint.axis_y), section.half_width_at(-dims.base_flat_depth))
     below = Box((-half, -collar.palmar, joint.low_z - 1.0), (half, joint.axis_y, top))
     reach = 2 * (collar.half_width + collar.dorsal + collar.palmar)
     within = Box((-reach, stop_toe_y(design, joint, top), -reach), (reach, reach, reach))
     return intersection(union(outline, below), eye_profile(joint, reach), within)
+
+
+def eye_radius_mm(design: DesignTables, joint: Joint, top: float) -> float:
+    """Radius of the fillet where the base stands on the eyes, which leaves a wall beside the bore of the pin."""
+    dims = design.dimensions
+    rise = dims.collar.section.half_width - dims.bone_outline.section.half_width
+    wall = design.printer.min_wall_mm + TANGENT_STEP_MM
+    return max(0.0, min(rise, top - joint.axis_z - joint.pin_radius - wall))
+
+
+def eye_foot(design: DesignTables, joint: Joint, top: float) -> list[tuple[float, float]]:
+    """List points (z, outward) of that fillet, from the base to the eyes [mm]; none without room."""
+    radius = eye_radius_mm(design, joint, top)
+    return foot_line(radius, top - radius, -1.0) if radius else []
 
 
 def stop_toe_y(design: DesignTables, joint: Joint, top: float) -> float:
@@ -81,13 +100,19 @@ def space(design: DesignTables, joint: Joint) -> Solid:
     top = max(high, dims.fold.window_low_z + TANGENT_STEP_MM) if dims.fold else high
     gap: Solid = Box((-half, -reach, low), (half, reach, top))
     edges: list[Solid] = []
-    from_z = low if dims.stops_top_z is None else dims.stops_top_z
+    cut_y, from_z = reach, low if dims.stops_top_z is None else dims.stops_top_z
     if (blunt := dims.blunt_up_to_y(half, 0.0)) is not None:
         # Beside the window of a folded tail the cheeks are lower still.
-        low_y, end_z = (min(blunt, dims.cheek_top_y), dims.fold.nose_z) if dims.fold else (blunt, top)
-        edges.append(Box((-reach, low_y, from_z), (reach, reach, end_z)))
+        cut_y, end_z = (min(blunt, dims.cheek_top_y), dims.fold.nose_z) if dims.fold else (blunt, top)
+        edges.append(Box((-reach, cut_y, from_z), (reach, reach, end_z)))
     if from_z > low:
-        edges.append(Box((-reach, stop_top_y(design, joint), low), (reach, reach, from_z)))
+        # The fillet goes on along the cut edges of the cheeks.
+        stop_y = stop_top_y(design, joint)
+        foot = (eye_foot(design, joint, from_z) if cut_y < stop_y else []) or [(from_z, 0.0)]
+        rise = [(cut_y + out, z) for z, out in foot if out > 0.0 and cut_y + out < stop_y - TANGENT_STEP_MM]
+        end = foot[min(len(rise) + 1, len(foot) - 1)][0]
+        ring = ((reach, low), (reach, from_z), (min(cut_y, stop_y), from_z), *rise, (stop_y, end), (stop_y, low))
+        edges.append(Prism("x", tuple(dict.fromkeys(ring)), -reach, reach))
     if dims.fold and half > dims.tail_half_width:
         # The window is narrower than the gap. A fillet of the step weakens the cheeks less; its axis is the edge of the
         # hand's tongue, so that all of the clearance remains.

@@ -82,6 +82,16 @@ def test_default_output_folder_is_that_of_the_design(tmp_path: Path) -> None:
     assert run_fingertip("board", "fsr400", "--check", PWD=str(tmp_path)).returncode == 0
 
 
+def test_board_that_saturates_its_converter_is_refused_with_a_range_that_passes(tmp_path: Path) -> None:
+    words = ("fsr400", "--out", tmp_path / "board", "-q", "--set")
+    refused = run_fingertip("board", *words, "detector.adc_range_v=1.1")
+    assert refused.returncode == 2
+    assert not (tmp_path / "board").exists()
+    assert refused.stderr.startswith("error: detector.adc_range_v: tactile voltage at idle (TACTILE): 2.69 V, must be")
+    remedy = refused.stderr.partition("set ")[2].partition(",")[0]
+    assert run_fingertip("board", *words, remedy).returncode == 0
+
+
 NOISY = (*VARIANT_CHANGES["precision"], "board.passband_gain=300", "board.amplifier=MCP6022")
 SHORT_WINDOW = (
     *VARIANT_CHANGES["comparator"],

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from fingertip.board.analysis.board_values import BoardValues, board_values
+from fingertip.board.analysis.gate import find_refusals
 from fingertip.board.bringup.plan import BringUp, plan_bring_up
 from fingertip.board.bringup.prediction import Board
 from fingertip.board.bringup.readings import assess_readings, read_readings, readings_template
@@ -41,7 +42,7 @@ from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.documents.board.bringup import render_sheet
 from fingertip.documents.board.readme import folder_readme
-from fingertip.foundation.errors import Issue, OutputError, escape_control, shorten
+from fingertip.foundation.errors import BoardError, Issue, OutputError, escape_control, shorten
 from fingertip.foundation.output_set import SetWriter, finish_interrupted, hash_parameters
 from fingertip.tasks.edited_board import EditedFiles, find_edited, refuse_other_circuit, revise_edited
 from fingertip.tasks.verification import compare_with_design
@@ -115,6 +116,8 @@ def plan_board(
 
     `top` is the folder that the user has named, if this one is below it.
     """
+    if refusals := list(find_refusals(board_values(design).gate)):
+        raise BoardError(refusals)
     files = board_files(design)
 
     def make_layout(component_values: Mapping[str, str]) -> bytes:
@@ -153,7 +156,7 @@ def write_board(
     Raises
     ------
     BoardError
-        If the values cannot be computed.
+        If the values cannot be computed, or the board cannot work with them.
     OutputError
         If the folder cannot be written, or holds a file of these names that is somebody's own and cannot be kept: a
         schematic or layout if parts, footprints or nets change, any other file in any case. Also if the default folder

@@ -2,7 +2,7 @@
 
 A required condition that fails means that the board cannot work; `fingertip.design.rules.board` refuses such a design
 by closed forms before a circuit exists. The converter is the exception: a design may belong to recordings of another
-board, so its range is a warning, as is an advised condition that fails.
+board, so that only its board is refused. An advised condition that fails is a warning.
 """
 
 from __future__ import annotations
@@ -42,7 +42,9 @@ from fingertip.design.formulas.amplifiers import (
 from fingertip.design.formulas.filter import find_preferred_neighbours
 from fingertip.design.rules.amplifiers import BANDWIDTH_MARGIN, MAX_OFFSET_RATIO, MAX_PEAKING_DB, MIN_PHASE_MARGIN_DEG
 from fingertip.foundation.comparison import Comparison
+from fingertip.foundation.errors import Issue
 from fingertip.foundation.files import format_figure
+from fingertip.foundation.validation import round_up
 
 GOOD_OFFSET_RATIO = 0.25
 """Ratio of an output's offset to its swing above which a warning is due."""
@@ -134,8 +136,8 @@ def check_gate(
 def _check_converter(circuit: Circuit, limits: VoltageLimits, offset: OutputOffset | None) -> Iterator[GateCondition]:
     yield at_most(
         IDLE, "TACTILE", limits.max_tactile_v, limits.adc_range_v, "V", "required",
-        "the converter is saturated just where contacts are light: set detector.adc_range_v to that, or divide the "
-        "signals ahead of it",
+        "the converter is saturated just where contacts are light: set "
+        f"detector.adc_range_v={round_up(limits.max_tactile_v):g}, or divide the signals ahead of it",
     )  # fmt: skip
     yield at_least(
         PRESSED, "TACTILE", limits.min_tactile_v, limits.adc_low_v, "V", "required",
@@ -264,6 +266,14 @@ def gate_warnings(conditions: Iterable[GateCondition]) -> Iterator[str]:
         if condition.level == "required" or (condition.name, condition.subject) not in required:
             remedy = f"; {condition.remedy}" if condition.remedy else ""
             yield f"{describe_condition(condition)}{remedy}."
+
+
+def find_refusals(conditions: Iterable[GateCondition]) -> Iterator[Issue]:
+    """Yield the required conditions that fail, with which a board is not made."""
+    for condition in conditions:
+        if condition.level == "required" and not condition.passed:
+            field = "detector.adc_range_v" if condition.name == IDLE else "detector.adc_polarity"
+            yield Issue(field if condition.remedy else "board", f"{describe_condition(condition)}; {condition.remedy}.")
 
 
 def describe_condition(condition: GateCondition) -> str:

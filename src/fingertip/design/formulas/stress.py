@@ -39,8 +39,8 @@ def hole_in_tension(hole_mm: float, width_mm: float) -> float:
 
 STEEL_MPA, PIN_IN_EYE = 200e3, 3.65
 """Young's modulus of a pin [MPa], and the factor at the bore of an eye on which it pulls, on the stress of the section
-beside it at the end where the pin presses most. Own finite elements with contact (tests/cad/test_bone_elements.py) found
-3.3 to 4.1 at bores of 0.31 times the height."""
+beside it at the end where the pin presses most. Own finite elements with contact (tests/cad/test_bone_elements.py)
+found 2.7 to 3.6 at bores of 0.27 to 0.31 times the height."""
 
 
 def pin_peak(thickness_mm: float, pin_mm: float, modulus_mpa: float) -> float:

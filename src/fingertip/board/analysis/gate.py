@@ -137,7 +137,7 @@ def _check_converter(circuit: Circuit, limits: VoltageLimits, offset: OutputOffs
     yield at_most(
         IDLE, "TACTILE", limits.max_tactile_v, limits.adc_range_v, "V", "required",
         "the converter is saturated just where contacts are light: set "
-        f"detector.adc_range_v={round_up(limits.max_tactile_v):g}, or divide the signals ahead of it",
+        f"detector.adc_range_v={round_up(max(limits.max_tactile_v, 0.01)):g}, or divide the signals ahead of it",
     )  # fmt: skip
     yield at_least(
         PRESSED, "TACTILE", limits.min_tactile_v, limits.adc_low_v, "V", "required",

@@ -28,7 +28,7 @@ from fingertip.tasks.board import board_differences, board_files, write_board
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.board.test_netlist import FILES
 from tests.conftest import run_fingertip
-from tests.designs import ARTICLE, ARTICLE_OPTIONS
+from tests.designs import ARTICLE, ARTICLE_OPTIONS, load_article
 from tests.tools import require_tool
 
 DETAILS = ((), ("--verbose",), ("--article",))
@@ -147,6 +147,17 @@ def test_default_folder_keeps_a_board_of_another_circuit(tmp_path: Path, monkeyp
 
 CIRCUIT = board_circuit(board_values(ARTICLE))
 ARTICLE_PLACEMENT = load_project("article").placement
+
+
+def test_sheet_of_another_design_is_removed_with_a_word(tmp_path: Path) -> None:
+    notes: list[str] = []
+    write_board(ARTICLE, tmp_path, bring_up=True)
+    write_board(ARTICLE, tmp_path, progress=notes.append)
+    assert notes == []
+    write_board(load_article(["board.cutoff_hz=80"]), tmp_path, progress=notes.append)
+    (note,) = notes
+    assert note.startswith("removed files of another design: bringup.md, bringup_readings.toml, wiring.svg; --bringup")
+    assert not (tmp_path / "bringup.md").exists()
 
 
 def test_check_reports_differences_and_writes_nothing(tmp_path: Path) -> None:

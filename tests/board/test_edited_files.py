@@ -279,7 +279,7 @@ def test_command_states_what_happened_to_the_edits(folder: Path) -> None:
     move_r1(folder)
     run = run_fingertip("board", *ARTICLE_OPTIONS, "--out", folder, "--set", OTHER_VALUES[0], "--json")
     assert run.returncode == 0
-    (note,) = json.loads(run.stdout)["edited"]
+    (note,) = json.loads(run.stdout)["notes"]
     assert note in run.stderr.splitlines()
     assert note.startswith(f"{folder / LAYOUT}: was edited; the values of R1, R2 and R3 are updated")
     manifest = read_manifest(folder)

@@ -165,9 +165,9 @@ def _write(
         task.refuse_other_board(design)
     if fab:
         task.check_fabrication(design, folder, force=force)
-    edits: list[str] = []
-    paths = task.write_board(design, folder, force=force, bring_up=bring_up, progress=edits.append)
-    for message in (*(f"wrote {path}" for path in paths), *edits):
+    notes: list[str] = []
+    paths = task.write_board(design, folder, force=force, bring_up=bring_up, progress=notes.append)
+    for message in (*(f"wrote {path}" for path in paths), *notes):
         console.progress(message)
     if fab:
         fabrication_paths = task.write_fabrication(design, folder, console.progress, force=force)
@@ -178,7 +178,7 @@ def _write(
     differences = task.fabrication_differences(design, folder)
     console.warn(f"{difference} Do not send these files to a board house." for difference in differences)
     files = [path.as_posix() for path in paths]
-    return folder, {"files": files, "edited": edits, "fabrication_differences": differences}
+    return folder, {"files": files, "notes": notes, "fabrication_differences": differences}
 
 
 def _write_responses(

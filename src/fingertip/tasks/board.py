@@ -101,11 +101,15 @@ class BoardPlan:
     """Files among them that somebody edited in KiCad."""
     models: Sequence[tuple[SetWriter, Mapping[str, bytes]]]
 
-    def write(self) -> tuple[Path, ...]:
+    def write(self, progress: Callable[[str], None]) -> tuple[Path, ...]:
         """Write the files, all or none, then the models, and return the paths of the files. Raises OutputError."""
-        self.writer.write(self.files, revisions=self.edited.revisions)
+        removed = self.writer.write(self.files, revisions=self.edited.revisions)
         for writer, contents in self.models:
             writer.write(contents)
+        for note in self.edited.notes:
+            progress(note)
+        if removed:
+            progress(f"removed files of another design: {', '.join(removed)}; --bringup writes those of this one")
         return tuple(self.writer.folder / name for name in self.files)
 
 
@@ -149,9 +153,10 @@ def write_board(
     """Write the board's files to a folder, `out/NAME/board` by default, all or none, and return their paths.
 
     A schematic or layout that somebody edited in KiCad keeps these edits: only values and part numbers that differ are
-    entered into it, and `progress` is called with a sentence. The default folder keeps a board of another circuit, such
-    as another variant's. With `force`, both are overwritten, and files of the same names that are somebody's own. With
-    `bring_up`, the sheet for bringing the board up is written too; otherwise that of another design is removed.
+    entered into it, and `progress` is called with a sentence, as for files that are removed. The default folder keeps a
+    board of another circuit, such as another variant's. With `force`, both are overwritten, and files of the same names
+    that are somebody's own. With `bring_up`, the sheet for bringing the board up is written too; otherwise that of
+    another design is removed.
 
     Raises
     ------
@@ -165,10 +170,7 @@ def write_board(
     if out is None and not force:
         refuse_other_board(design)
     plan = plan_board(design, BOARD.folder(design) if out is None else Path(out), force=force, bring_up=bring_up)
-    paths = plan.write()
-    for note in plan.edited.notes:
-        progress(note)
-    return paths
+    return plan.write(progress)
 
 
 def write_fabrication(

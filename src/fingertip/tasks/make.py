@@ -116,9 +116,8 @@ def make(
         design, folder, formats=formats, pictures=True, force=force, progress=progress, meanwhile=make_the_others
     )
     (board,) = boards
-    board_paths = board.write()
-    for message in (f"{len(board_paths)} files in {board_folder}", *board.edited.notes):
-        progress(message)
+    board_paths = board.write(progress)
+    progress(f"{len(board_paths)} files in {board_folder}")
     for writer, contents in others:
         writer.write(contents)
         progress(f"{len(contents)} files in {writer.folder}")

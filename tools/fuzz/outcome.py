@@ -21,6 +21,8 @@ MEMORY_LIMIT_BYTES = 2**30
 EXIT_CODES = frozenset({0, 1, 2})
 """Documented exit codes, but those of faults of the program and of interruptions."""
 MAX_LINE = 5000
+_SATURATED = "the converter is saturated"
+"""A design may belong to recordings of another board, so that it is accepted and its own board is not made."""
 _CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e]")
 _ANSI_STYLE = re.compile("\x1b\\[[0-9;]*m")
 
@@ -59,7 +61,7 @@ def find_faults(case: Case, outcome: Outcome, folder: Path) -> Iterator[str]:
         yield f"exit code: {outcome.code}: {outcome.stderr[-300:]}"
     if outcome.code == 2 and "rror" not in outcome.stderr:
         yield "silent: refused without a message"
-    if outcome.code == 2 and case.is_accepted:
+    if outcome.code == 2 and case.is_accepted and _SATURATED not in outcome.stderr:
         yield f"refused: {outcome.stderr[-600:]}"
     for name, text in (("stdout", outcome.stdout), ("stderr", _ANSI_STYLE.sub("", outcome.stderr))):
         if found := _CONTROL.search(text):

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from fingertip.board import board_circuit
-from fingertip.board.bringup.wiring import SENSOR_CONNECTOR
 from fingertip.board.components.values import select_components
+from fingertip.board.parts.circuit import SENSOR_CONNECTOR
 from fingertip.board.parts.table import PlugWire, find_plug_wire, list_mating_parts
 from fingertip.design import Design
 from fingertip.design.geometry.dimensions import THREAD_MM

@@ -14,8 +14,8 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from typing import Literal
+from dataclasses import dataclass
+from typing import ClassVar, Literal
 
 AmplifierName = Literal["auto", "TL082", "TLV2372", "MCP6022", "OPA2376", "OPA2197"]
 """Names that the parameter board.amplifier accepts. A test holds them and `CATALOGUE` together."""
@@ -26,12 +26,7 @@ SOURCES = {
     "MCP6022": "Microchip DS21685D, industrial temperature grade",
     "OPA2376": "Texas Instruments SBOS406G",
     "OPA2197": "Texas Instruments SBOS737C",
-    "TLV2371DBV": "Texas Instruments SLOS270F; bandwidth, supply and supply current also in SGLS244B",
 }
-
-
-_DUAL = {"a": ("3", "2", "1"), "b": ("5", "6", "7")}
-_SINGLE = {"": ("3", "4", "1")}
 
 
 @dataclass(frozen=True)
@@ -65,7 +60,7 @@ class Amplifier:
     """Capacitance of each input to ground [F]: common-mode and differential together."""
     unverified: tuple[str, ...]
     """Names of the figures that no document read confirms."""
-    units: Mapping[str, tuple[str, str, str]] = field(default_factory=lambda: _DUAL)
+    units: ClassVar[Mapping[str, tuple[str, str, str]]] = {"a": ("3", "2", "1"), "b": ("5", "6", "7")}
     """Unit letter -> pins of non-inverting input, inverting input and output."""
     input_from_lower_v: tuple[float, float] = (0.0, 0.0)
     """Distance from the lower rail that the inputs must keep [V]: typical and guaranteed."""
@@ -74,11 +69,6 @@ class Amplifier:
     def source(self) -> str:
         """Documents of the figures that are not `unverified`."""
         return SOURCES[self.name]
-
-    @property
-    def is_dual(self) -> bool:
-        """True if it has two units, as those of filter and rectifier have."""
-        return len(self.units) > 1
 
     @functools.cached_property
     def second_pole_hz(self) -> float:
@@ -93,25 +83,6 @@ class Amplifier:
 
 OPEN_LOOP_GAIN = 2e5
 """Open-loop gain A0 of the TL082 (typical, its data sheet): 106 dB. More, as the others have, changes no result."""
-
-_TLV237X = Amplifier(
-    name="TLV2372",
-    symbol="TLV2372",
-    order_name="TLV2372",
-    bandwidth_hz=3e6,
-    phase_margin_deg=65.0,
-    noise_v=39e-9,
-    offset_v=2e-3,
-    max_offset_v=4.5e-3,
-    drift_v_per_k=2e-6,
-    output_from_rail_v=0.1,
-    output_current_a=7e-3,
-    min_supply_v=2.7,
-    max_supply_v=16.0,
-    supply_current_a=0.55e-3,
-    input_f=8e-12,
-    unverified=("phase_margin_deg", "drift_v_per_k", "output_from_rail_v", "output_current_a", "input_f"),
-)
 
 CATALOGUE: dict[str, Amplifier] = {
     amplifier.name: amplifier
@@ -137,7 +108,24 @@ CATALOGUE: dict[str, Amplifier] = {
             unverified=("phase_margin_deg", "output_current_a", "min_supply_v", "input_f"),
             input_from_lower_v=(3.0, 4.0),
         ),
-        _TLV237X,
+        Amplifier(
+            name="TLV2372",
+            symbol="TLV2372",
+            order_name="TLV2372",
+            bandwidth_hz=3e6,
+            phase_margin_deg=65.0,
+            noise_v=39e-9,
+            offset_v=2e-3,
+            max_offset_v=4.5e-3,
+            drift_v_per_k=2e-6,
+            output_from_rail_v=0.1,
+            output_current_a=7e-3,
+            min_supply_v=2.7,
+            max_supply_v=16.0,
+            supply_current_a=0.55e-3,
+            input_f=8e-12,
+            unverified=("phase_margin_deg", "drift_v_per_k", "output_from_rail_v", "output_current_a", "input_f"),
+        ),
         Amplifier(
             name="MCP6022",
             symbol="MCP6022",
@@ -199,16 +187,15 @@ CATALOGUE: dict[str, Amplifier] = {
             input_f=8e-12,
             unverified=("phase_margin_deg", "output_from_rail_v", "input_f"),
         ),
-        replace(_TLV237X, name="TLV2371DBV", symbol="TLV2371DBV", order_name="TLV2371DBV", units=_SINGLE),
     )
 }
-"""Amplifiers by name: the duals that `board.amplifier` names, and the single one that buffers VMID."""
+"""Dual amplifiers by the name that `board.amplifier` gives them."""
 
 AUTO: AmplifierName = "auto"
-ARTICLE_AMPLIFIER, RAIL_TO_RAIL_AMPLIFIER, LOW_OFFSET_AMPLIFIER = "TL082", "TLV2372", "OPA2376"
+ARTICLE_AMPLIFIER, RAIL_TO_RAIL_AMPLIFIER, LOW_OFFSET_AMPLIFIER = "TL082", "MCP6022", "OPA2376"
 
 
 def list_dual_amplifiers() -> tuple[Amplifier, ...]:
     """List the amplifiers that board.amplifier can name, the preferred ones first."""
-    names = (RAIL_TO_RAIL_AMPLIFIER, "OPA2197", LOW_OFFSET_AMPLIFIER, "MCP6022", ARTICLE_AMPLIFIER)
+    names = (RAIL_TO_RAIL_AMPLIFIER, "OPA2197", LOW_OFFSET_AMPLIFIER, "TLV2372", ARTICLE_AMPLIFIER)
     return tuple(CATALOGUE[name] for name in names)

@@ -90,7 +90,7 @@ def compute_circuit(context: PointContext) -> OutputValues:
         "max_ripple_v": values.supply_ripple.max_v,
         "max_envelope_offset_v": values.output_offset.max_v if values.output_offset else math.nan,
         "vibration_peak_v": values.voltage_limits.vibration_peak_v,
-        "bridge_amplifier_margin_v": values.voltage_limits.bridge_amplifier_margin_v,
+        "sensor_amplifier_margin_v": values.voltage_limits.sensor_amplifier_margin_v,
         "filter_load_ohm": values.filter_load_ohm,
         "gate_margin": gate.find_smallest_margin(values.gate),
         "output_current_margin": gate.find_smallest_margin(values.gate, gate.CURRENT),

@@ -155,7 +155,7 @@ OUTPUTS = {
         ("max_ripple_v", "circuit", "peak of supply ripple that alone reaches the threshold"),
         ("max_envelope_offset_v", "circuit", "maximum envelope offset; NaN in variant article"),
         ("vibration_peak_v", "circuit", "largest vibration of the tactile voltage that is not clipped"),
-        ("bridge_amplifier_margin_v", "circuit", "margin of the bridge amplifier's voltages to their limits"),
+        ("sensor_amplifier_margin_v", "circuit", "margin of the sensor amplifier's voltages to their limits"),
         ("filter_load_ohm", "circuit", "smallest impedance that an amplifier of the filter drives"),
         ("gate_margin", "circuit", "smallest ratio of a required condition to its limit; 1 or more holds"),
         ("output_current_margin", "circuit", "current of the amplifiers' data sheets over that drawn"),

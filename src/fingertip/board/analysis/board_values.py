@@ -138,9 +138,10 @@ def board_values(design: Design) -> BoardValues:
     spread = None
     if levels:
         spread = compute_threshold_spread(circuit, bandwidth_hz, levels, rails, board.resistor_tolerance_percent)
+    response = compute_tactile_response(circuit, rails, supply.signal_ground)
     return BoardValues(
         **{field.name: getattr(components, field.name) for field in fields(components)},
-        tactile_response=compute_tactile_response(circuit, rails, supply.signal_ground),
+        tactile_response=response,
         target_response=target_response(board),
         achieved_response=achieved,
         output_offset=offset,
@@ -152,7 +153,7 @@ def board_values(design: Design) -> BoardValues:
         amplifier_loads=loads,
         filter_load_ohm=find_filter_load_ohm(loads),
         threshold_spread=spread,
-        gate=check_gate(circuit, design, limits, achieved.passband_gain, rails, offset, spread),
+        gate=check_gate(circuit, design, limits, response.rises, achieved.passband_gain, rails, offset, spread),
         errata=board_errata(components.amplifier, has_diode),
     )
 

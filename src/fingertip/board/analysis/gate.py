@@ -91,10 +91,8 @@ def at_least(
 CURRENT, OFFSET, BANDWIDTH, MARGIN, PEAKING = (
     "output current", "offset over swing", "gain-bandwidth product", "phase margin", "gain beyond the band",
 )  # fmt: skip
-INPUT, IDLE, PRESSED, FLOOR, CLAMP, SERIES, TRIM, SUPPLY = (
-    "input of the bridge's amplifier", "tactile voltage at idle", f"tactile voltage at {MAX_FORCE_N:g} N",
-    "envelope's lowest offset",
-    "clamp of the converter's pins", "capacitors off series E12", "shift to trim",
+INPUT, HIGHEST, LOWEST, FLOOR, CLAMP, SERIES, TRIM, SUPPLY = (
+    "input of the sensor's amplifier", "highest tactile voltage", "lowest tactile voltage", "envelope's lowest offset", "clamp of the converter's pins", "capacitors off series E12", "shift to trim",
     "voltage across the amplifier",
 )  # fmt: skip
 
@@ -103,12 +101,13 @@ def check_gate(
     circuit: Circuit,
     design: Design,
     limits: VoltageLimits,
+    rises: bool,
     passband_gain: float,
     rails: Mapping[str, float],
     offset: OutputOffset | None,
     spread: ThresholdSpread | None,
 ) -> tuple[GateCondition, ...]:
-    """Check all conditions of a board. Units: `rails` [V]."""
+    """Check all conditions of a board. Units: `rails` [V]. `rises` tells whether the tactile voltage rises with force."""
     board, amplifier = design.board, choose_amplifier(design.board)
     needed_hz = BANDWIDTH_MARGIN * board.passband_gain * board.cutoff_hz
     supply_v = total_supply_v(board)
@@ -126,22 +125,25 @@ def check_gate(
         *_check_offsets(circuit, design, amplifier),
         at_least(BANDWIDTH, "U1", amplifier.bandwidth_hz, needed_hz, "Hz"),
         *_check_stability(circuit, amplifier, passband_gain),
-        at_most(INPUT, "SENSOR, REFERENCE", limits.max_bridge_input_v, limits.bridge_input_limit_v, "V"),
-        *_check_converter(circuit, limits, offset),
+        at_most(INPUT, "U2", limits.max_sensor_input_v, limits.sensor_input_limit_v, "V"),
+        *_check_converter(circuit, limits, rises, offset),
         at_most(SERIES, "C1 to C20", float(odd_capacitors), 0.0, ""),
         *trim,
     )
 
 
-def _check_converter(circuit: Circuit, limits: VoltageLimits, offset: OutputOffset | None) -> Iterator[GateCondition]:
+def _check_converter(
+    circuit: Circuit, limits: VoltageLimits, rises: bool, offset: OutputOffset | None
+) -> Iterator[GateCondition]:
+    at_top, at_bottom = ("firm", "light") if rises else ("light", "firm")
     yield at_most(
-        IDLE, "TACTILE", limits.max_tactile_v, limits.adc_range_v, "V", "required",
-        "the converter is saturated just where contacts are light: set "
+        HIGHEST, "TACTILE", limits.max_tactile_v, limits.adc_range_v, "V", "required",
+        f"the converter is saturated in {at_top} contacts: set "
         f"detector.adc_range_v={round_up(max(limits.max_tactile_v, 0.01)):g}, or divide the signals ahead of it",
     )  # fmt: skip
     yield at_least(
-        PRESSED, "TACTILE", limits.min_tactile_v, limits.adc_low_v, "V", "required",
-        "the converter is saturated in firm contacts: set detector.adc_polarity=bipolar",
+        LOWEST, "TACTILE", limits.min_tactile_v, limits.adc_low_v, "V", "required",
+        f"the converter is saturated in {at_bottom} contacts: set detector.adc_polarity=bipolar",
     )  # fmt: skip
     if offset:
         yield at_least(
@@ -183,11 +185,9 @@ def _check_currents(
             linear_a = vibration_v * float(np.abs(current.filter_s + current.diode_s).max())
         elif current.diode_s.any():
             linear_a += peak_a
-        if current.amplifier == "U5":
+        if current.net == VMID:
             linear_a += _constant_current_a(circuit, supply.signal_ground, rails)
             limit_a *= MID_RAIL_RATIO
-        elif current.amplifier == "U6":
-            linear_a += _constant_current_a(circuit, supply.bridge_supply, rails)
         yield at_most(CURRENT, current.amplifier, linear_a, limit_a, "A")
 
 
@@ -272,7 +272,7 @@ def find_refusals(conditions: Iterable[GateCondition]) -> Iterator[Issue]:
     """Yield the required conditions that fail, with which a board is not made."""
     for condition in conditions:
         if condition.level == "required" and not condition.passed:
-            field = "detector.adc_range_v" if condition.name == IDLE else "detector.adc_polarity"
+            field = "detector.adc_range_v" if condition.name == HIGHEST else "detector.adc_polarity"
             yield Issue(field if condition.remedy else "board", f"{describe_condition(condition)}; {condition.remedy}.")
 
 

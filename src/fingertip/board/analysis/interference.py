@@ -23,7 +23,7 @@ from fingertip.board.parts.circuit import (
     FILTERED,
     TACTILE,
     VCC,
-    VREF,
+    VMID,
     Circuit,
 )
 from fingertip.design import Design
@@ -103,9 +103,8 @@ def compute_alias_attenuation(circuit: Circuit, design: Design, swing_v: float, 
 # Effect of ripple on the supply.
 #
 # A bridge that is connected to the supply follows it: the tactile voltage by its own ratio to the supply, and by a
-# little more where C7 delays the sensor's arm against the other one. On a single supply, what remains of the ripple in
-# VMID counts too, and on a board for 3.3 V only what remains in VMID and VREF. The filter amplifies ripple in its
-# passband like slip. Variant article has no low-pass: there ripple of some kilohertz, as a switching converter has it,
+# little more where C7 delays the sensor's arm against the other one. On a board for 3.3 V only what remains of the ripple
+# in VMID and in the sensor's bias counts. The filter amplifies ripple in its passband like slip. Variant article has no low-pass: there ripple of some kilohertz, as a switching converter has it,
 # is amplified most.
 
 DEAD_ZONE_V = 0.45
@@ -141,8 +140,8 @@ def compute_supply_ripple(
     envelope_gain: float | None,
 ) -> SupplyRipple:
     band_hz = min(_MAX_LOW_HZ, cutoff_hz / 2.0), RIPPLE_END_HZ
-    # What VREF and VMID leave of the ripple counts by the bridge's deflection, of which either end may be the larger.
-    forces_n = (0.0, MAX_FORCE_N) if any(net.name == VREF for net in circuit.nets) else (0.0,)
+    # A transimpedance stage amplifies what is left in its bias, the more the lower the sensor's resistance.
+    forces_n = (0.0, MAX_FORCE_N) if signal_ground == VMID else (0.0,)
     gain, worst_hz, force_n = max(
         (*_find_largest_gain(circuit, gain_bandwidth_hz, signal_ground, band_hz, force_n), force_n)
         for force_n in forces_n

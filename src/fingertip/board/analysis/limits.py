@@ -12,9 +12,11 @@ from fingertip.board.components.values import Supply
 from fingertip.board.parts.circuit import (
     ADC_ENVELOPE,
     ADC_TACTILE,
+    BIAS,
     GND,
     REFERENCE,
     SENSOR,
+    SENSOR_CONNECTOR,
     TACTILE,
     VCC,
     VEE,
@@ -43,14 +45,13 @@ class VoltageLimits:
     signal_ground_v: float
     """Signal ground: supply ground, or VMID (buffered mid-supply)."""
     min_tactile_v: float
-    """Tactile voltage at the sensor's maximum force (20 N)."""
     max_tactile_v: float
-    """Tactile voltage with the sensor open."""
-    bridge_amplifier_margin_v: float
-    """Smallest margin of the bridge amplifier's internal and output voltages to their limits, over all forces."""
-    max_bridge_input_v: float
-    """Highest voltage at an input of the bridge's amplifier, over all forces."""
-    bridge_input_limit_v: float
+    """Range of the tactile voltage from an open sensor to its maximum force (20 N)."""
+    sensor_amplifier_margin_v: float
+    """Smallest margin of the sensor amplifier's internal and output voltages to their limits, over all forces."""
+    max_sensor_input_v: float
+    """Highest voltage at an input of the sensor's amplifier, over all forces."""
+    sensor_input_limit_v: float
     """Voltage up to which its inputs are specified."""
     filter_peak_v: float
     """Largest peak of the filtered signal above the signal ground."""
@@ -123,15 +124,22 @@ def compute_voltage_limits(
     open_sensor, pressed = (
         network.restrict(TACTILE, supply.signal_ground).operating_point(rails) for network in networks
     )
+    has_bridge = REFERENCE in open_sensor
+    inputs = (SENSOR, REFERENCE) if has_bridge else (BIAS,)
+    far_v = amplifier.output_from_rail_v
+    margins_v = [
+        _bridge_amplifier_margin_v(volts, supply, supply_v)
+        if has_bridge
+        else min(supply_v - far_v - volts[TACTILE], volts[TACTILE] - far_v)
+        for volts in (open_sensor, pressed)
+    ]
     return VoltageLimits(
         signal_ground_v=open_sensor[supply.signal_ground],
-        min_tactile_v=pressed[TACTILE],
-        max_tactile_v=open_sensor[TACTILE],
-        bridge_amplifier_margin_v=min(
-            _bridge_amplifier_margin_v(volts, supply, supply_v) for volts in (open_sensor, pressed)
-        ),
-        max_bridge_input_v=max(volts[net] for volts in (open_sensor, pressed) for net in (SENSOR, REFERENCE)),
-        bridge_input_limit_v=supply_v - _INPUT_UPPER_MARGIN_V,
+        min_tactile_v=min(open_sensor[TACTILE], pressed[TACTILE]),
+        max_tactile_v=max(open_sensor[TACTILE], pressed[TACTILE]),
+        sensor_amplifier_margin_v=min(margins_v),
+        max_sensor_input_v=max(volts[net] for volts in (open_sensor, pressed) for net in inputs),
+        sensor_input_limit_v=supply_v - _INPUT_UPPER_MARGIN_V if has_bridge else supply_v,
         filter_peak_v=up_v,
         filter_trough_v=down_v,
         filter_guaranteed_trough_v=guaranteed_down_v,
@@ -190,15 +198,15 @@ def _bridge_amplifier_margin_v(volts: dict[str, float], supply: Supply, supply_v
     )
 
 
-# Constant voltages of the bridge and its amplifier, from the network.
+# Constant voltages of the front end, from the network.
 
 
 @dataclass(frozen=True)
 class TactileResponse:
     """Tactile voltage as a function of the sensor's conductance.
 
-    The bridge drives the sensor like a source of voltage with a resistance (Thevenin), and the current through the
-    sensor lowers the tactile voltage in proportion.
+    The front end drives the sensor like a source of voltage with a resistance (Thevenin), and the current through the
+    sensor moves the tactile voltage in proportion: down behind a bridge, up behind a transimpedance stage.
     """
 
     open_v: float
@@ -206,9 +214,14 @@ class TactileResponse:
     sensor_v: float
     """Voltage across an open sensor [V]."""
     source_ohm: float
-    """Resistance of the bridge as the sensor sees it."""
+    """Resistance of the front end as the sensor sees it."""
     transfer_ohm: float
-    """Tactile voltage lost per current through the sensor."""
+    """Tactile voltage lost per current through the sensor; negative where it is gained."""
+
+    @property
+    def rises(self) -> bool:
+        """True if the tactile voltage rises with the force. It is the one place from which all take its direction."""
+        return self.transfer_ohm < 0.0
 
     def tactile_v(self, conductance_s: float) -> float:
         """Tactile voltage [V] for a sensor of this conductance [S], without the limits of the amplifier's output."""
@@ -222,7 +235,7 @@ def compute_tactile_response(circuit: Circuit, rails: Mapping[str, float], signa
     volts = network.operating_point(rails)
     return TactileResponse(
         open_v=volts[TACTILE],
-        sensor_v=volts[SENSOR] - volts[signal_ground],
+        sensor_v=volts[SENSOR] - volts[circuit.net_by_pin[SENSOR_CONNECTOR, "2"]],
         source_ohm=network.constant_transfers(SENSOR)[SENSOR],
         transfer_ohm=network.constant_transfers(TACTILE)[SENSOR],
     )

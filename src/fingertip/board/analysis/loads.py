@@ -1,8 +1,8 @@
-"""Load of the amplifiers of signal path and bridge: what each drives in the band of the vibrations.
+"""Load of the amplifiers of the signal path: what each drives in the band of the vibrations.
 
 Data sheets state the output swing for a load of 2 kohm or more. The rectifying diode counts as conducting, without its
 drop, so the current that charges the envelope's capacitor is an upper bound: at the current's peak both ends of the
-diode rise equally fast, and the capacitor's end is at the lower voltage. The buffers of VMID and VREF are not covered.
+diode rise equally fast, and the capacitor's end is at the lower voltage. The buffer of VMID is not covered.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from fingertip.board.circuits.network import (
 )
 from fingertip.board.components.bridge import AMPLIFIERS
 from fingertip.board.components.values import select_components
-from fingertip.board.parts.circuit import FILTERED, TACTILE, Circuit
+from fingertip.board.parts.circuit import FILTERED, TACTILE, VMID, Circuit
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import BAND_CUTOFFS, find_gain_bandwidth_hz
 from fingertip.design.formulas.filter import find_preferred_neighbours
@@ -36,8 +36,6 @@ MIN_LOAD_OHM = 2e3
 _FREQUENCIES = 30
 """Number of frequencies at which the loads are evaluated."""
 _FILTER_AMPLIFIERS = ("U1a", "U1b")
-_OTHER_BUFFERS = ("U5", "U6")
-"""Amplifiers that drive the signal ground or feed the bridge, whose load is not an impedance to signal ground."""
 
 
 @dataclass(frozen=True)
@@ -62,10 +60,10 @@ def signal_band_hz(cutoff_hz: float) -> tuple[float, float]:
 def compute_amplifier_loads(
     circuit: Circuit, gain_bandwidth_hz: float, cutoff_hz: float, vibration_v: float
 ) -> tuple[AmplifierLoad, ...]:
-    """Compute the load of each amplifier between the bridge and the envelope, in the order of their references."""
+    """Compute the load of each amplifier between the sensor and the envelope, in the order of their references."""
     loads = []
     for current in compute_output_currents(circuit, gain_bandwidth_hz, cutoff_hz):
-        if current.reference in _OTHER_BUFFERS:
+        if current.net == VMID:  # the buffer of the signal ground has no load to signal ground
             continue
         total_a, filter_a = np.abs(current.filter_s + current.diode_s), current.filter_s
         loads.append(
@@ -86,6 +84,8 @@ class OutputCurrent:
     amplifier: str
     """Reference, with the letter of its unit."""
     reference: str
+    net: str
+    """Net that the output drives."""
     gain: Spectrum
     """Voltage of the output [V/V]."""
     filter_s: Spectrum
@@ -116,7 +116,7 @@ def compute_output_currents(circuit: Circuit, gain_bandwidth_hz: float, cutoff_h
             # What is not among the equations, such as a rail, carries no signal.
             difference = volts[output] - volts.get(second if output == first else first, 0.0)
             (diode_s if reference == RECTIFYING_DIODE else filter_s)[:] += admittance * difference
-        currents.append(OutputCurrent(amplifier, component, volts[output], filter_s, diode_s))
+        currents.append(OutputCurrent(amplifier, component, output, volts[output], filter_s, diode_s))
     return tuple(currents)
 
 

@@ -1,9 +1,10 @@
 """Noise of the board: the contribution of each component, and what would reduce it.
 
-The analysis includes white noise only, with typical data-sheet values. Nearly all of it comes from the bridge's
-amplifier: its source impedance is a few hundred ohm, its gain amplifies its 35 nV/sqrt(Hz) 68 times, and the first
-stage amplifies them 68 times again, up to the bandwidth of either amplifier. A low-pass above the vibrations removes
-most of it. The article has none.
+The analysis includes white noise only, with typical data-sheet values. On the article's board nearly all of it comes
+from the bridge's amplifier: its source impedance is a few hundred ohm, its gain amplifies its 35 nV/sqrt(Hz) 68 times,
+and the first stage amplifies them 68 times again, up to the bandwidth of either amplifier. A low-pass above the
+vibrations removes most of it. The article has none. A transimpedance stage amplifies its own noise by 1 + R30 / Rs for
+a sensor of Rs, which is 15 at 3 N.
 """
 
 from __future__ import annotations
@@ -139,10 +140,10 @@ def _sources(circuit: Circuit, network: Network) -> Iterator[Source]:
     amplifiers = tuple(list_amplifiers(circuit))
     for component in circuit.components:
         symbol, reference = component.symbol.name, component.reference
-        if symbol == "R" and reference != GAIN_RESISTOR:
+        if component.value == "FSR" or (symbol == "R" and reference != GAIN_RESISTOR):
             own = [t.equation for t in network.terms if t.quantity == reference and t.equation == t.net]
             entries = dict(zip(own, (1.0, -1.0), strict=False))  # a current from one net to the other
-            yield Source(reference, entries, _thermal_noise(1.0 / parse_component_value(component.value)), 0.0)
+            yield Source(reference, entries, _thermal_noise(float(network.values[reference])), 0.0)
         elif symbol in AMPLIFIERS:
             data = AMPLIFIERS[symbol]
             for name, owner, out in amplifiers:
@@ -204,7 +205,9 @@ def noise_budget(board: NoisyNetwork) -> tuple[tuple[Contribution, ...], tuple[f
 def compare_noise_alternatives(
     circuit: Circuit, gain_bandwidth_hz: float, band_limit_hz: float, envelope_gain: float | None
 ) -> tuple[NoiseAlternative, ...]:
-    """Compute the noise of this variant, with and without the first stage's band limit, and with a low-noise amplifier.
+    """Compute the noise of this variant, with and without the first stage's band limit, and a low-noise amplifier.
+
+    The amplifier is that of a bridge.
 
     `envelope_gain` is the constant gain of rectifier and envelope; None for variant article, which has no band limit.
     """
@@ -212,12 +215,15 @@ def compare_noise_alternatives(
         other, preposition = _with_limiter(circuit, band_limit_hz), "with"
     else:
         other, preposition = circuit.without(LIMITING_CAPACITOR), "without"
-    alternatives = []
+    alternatives, has_bridge = [], any(c.symbol.name == "AD623ARMZ" for c in circuit.components)
     for change, variant in (("this variant", circuit), (f"{preposition} {LIMITING_CAPACITOR} across R5", other)):
         board = add_noise(variant, gain_bandwidth_hz)
         squares = board.squares(FILTERED)
-        low_noise = np.array([LOW_NOISE_V / AD623_NOISE_V if s.name == "U2" else 1.0 for s in board.sources])
-        for suffix, factors in (("", np.ones(len(squares))), (f", {LOW_NOISE_NAME} for U2", low_noise**2)):
+        cases = {"": np.ones(len(squares))}
+        if has_bridge:
+            low_noise = np.array([LOW_NOISE_V / AD623_NOISE_V if s.name == "U2" else 1.0 for s in board.sources])
+            cases[f", {LOW_NOISE_NAME} for U2"] = low_noise**2
+        for suffix, factors in cases.items():
             total_v = math.sqrt(float(squares @ factors))
             alternatives.append(
                 NoiseAlternative(f"{change}{suffix}", total_v, _mean_envelope_v(total_v, envelope_gain))

@@ -34,13 +34,9 @@ from fingertip.board.analysis.tolerance import (
 from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import Network, Value, build_network
 from fingertip.board.components.values import Tolerance, select_components
-from fingertip.board.parts.circuit import ADC_TACTILE, FILTERED, STAGE1_OUT, TACTILE, VCC, VEE
+from fingertip.board.parts.circuit import ADC_TACTILE, FILTERED, STAGE1_OUT, TACTILE, VCC, VEE, Circuit
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
-
-BRIDGE_RESISTORS = ("R10", "R11", "R12", "R13", "R14")
-BRIDGE_TOLERANCE = 1e-3
-"""Tolerance of R10 to R14, as the bill of materials specifies it."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +56,7 @@ class Analysis:
     tolerance: Tolerance
     offset: tuple[Contribution, ...]
     """Contribution of each amplifier's typical offset (TL082BC: its maximum) with `NOISE_FORCE_N` on the sensor, and of
-    the bridge with the worst-case resistors of 0.1 % and no force. U3 is part of `output_offset`."""
+    the front end with the worst-case resistors and no force. U3 is part of `output_offset`."""
     component_percent: dict[str, float]
     boards: int
     spread: dict[str, Spread]
@@ -100,7 +96,7 @@ def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
         offset=(
             # The rectifier's amplifiers act behind these nets. The envelope offset contains theirs.
             *(Contribution(source.name, volts) for source, volts in offsets if source.offset and any(volts)),
-            _bridge_offset(network, board.supply_v),
+            _front_end_offset(circuit, network, board.supply_v),
         ),
         component_percent=percent,
         boards=boards,
@@ -130,14 +126,19 @@ def bode_table(design: Design, low_hz: float = 1.0, high_hz: float = 1e5, per_de
     return "\n".join(lines) + "\n"
 
 
-def _bridge_offset(network: Network, supply_v: float) -> Contribution:
-    """Offset of the bridge at TACTILE and its ADC pin, with the sensor open. C1 blocks it from the filter."""
+def _front_end_offset(circuit: Circuit, network: Network, supply_v: float) -> Contribution:
+    """Offset of the front end's resistors at TACTILE and its ADC pin, with the sensor open. C1 blocks it from the filter."""
     path = network.restrict(TACTILE)
 
     def tactile_v(values: Mapping[str, Value]) -> float:
         return path.with_values(values).operating_point({VCC: supply_v, VEE: -supply_v})[TACTILE]
 
-    worst_v, nominal_v = 0.0, tactile_v({})
-    for name in BRIDGE_RESISTORS:
-        worst_v += abs(tactile_v({name: network.values[name] / (1 + BRIDGE_TOLERANCE)}) - nominal_v)
-    return Contribution("R10 to R14", tuple(worst_v if net in (TACTILE, ADC_TACTILE) else 0.0 for net in NETS))
+    worst_v, nominal_v, names = 0.0, tactile_v({}), []
+    for component in circuit.components:
+        if component.requirement and component.reference in {term.quantity for term in path.terms}:
+            factor = 1.0 + component.requirement.tolerance_percent / 100.0
+            shift_v = abs(tactile_v({component.reference: network.values[component.reference] / factor}) - nominal_v)
+            if shift_v > 1e-9:
+                names.append(component.reference)
+                worst_v += shift_v
+    return Contribution(f"{names[0]} to {names[-1]}", tuple(worst_v if net in (TACTILE, ADC_TACTILE) else 0.0 for net in NETS))

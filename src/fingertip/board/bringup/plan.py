@@ -51,7 +51,6 @@ from fingertip.board.parts.circuit import (
     TACTILE,
     VCC,
     VEE,
-    VREF,
     Circuit,
     parse_component_value,
 )
@@ -210,11 +209,14 @@ def _draw_offset(path: Network, board: Board, net: str, ground: str, random: np.
     if ground not in (net, GND):
         of_ground = path.constant_transfers(ground)
         transfers = {name: transfer - of_ground[name] for name, transfer in transfers.items()}
-    gain = 1.0 + GAIN_CONSTANT_OHM / parse_component_value(board.circuit.component(GAIN_RESISTOR).value)
     for output in list_amplifiers(board.circuit):
         if output.net in transfers:
             symbol = board.circuit.component(output.reference).symbol.name
-            limit_v = AMPLIFIERS[symbol].max_offset_v if symbol in AMPLIFIERS else AD623_OFFSET_V * gain
+            if symbol in AMPLIFIERS:
+                limit_v = AMPLIFIERS[symbol].max_offset_v
+            else:
+                gain_ohm = parse_component_value(board.circuit.component(GAIN_RESISTOR).value)
+                limit_v = AD623_OFFSET_V * (1.0 + GAIN_CONSTANT_OHM / gain_ohm)
             total += transfers[output.net] * limit_v * random.uniform(-1.0, 1.0, BOARDS)
     return total
 
@@ -258,15 +260,14 @@ def supply_current_a(board: Board) -> float:
     circuit = board.circuit
     chips_a = {"AD623ARMZ": AD623_SUPPLY_A, "LMV331": COMPARATOR_SUPPLY_A}
     chips_a |= {name: amplifier.supply_current_a * len(amplifier.units) for name, amplifier in AMPLIFIERS.items()}
-    fed = (VCC, VREF) if VREF in circuit.net_by_pin.values() else (VCC,)
     total, branches = 0.0, []
     for part in circuit.components:
         total += chips_a.get(part.symbol.name, 0.0)
         if part.symbol.name == "R" and part.reference != GAIN_RESISTOR:
             a, b = (circuit.net_by_pin[part.reference, pin] for pin in "12")
             ohm = parse_component_value(part.value)
-            branches += [(one, other, ohm) for one, other in ((a, b), (b, a)) if one in fed and other not in fed]
-    wanted = sorted(({other for _, other, _ in branches} | set(fed)) - set(board.rails_v))
+            branches += [(one, other, ohm) for one, other in ((a, b), (b, a)) if one == VCC]
+    wanted = sorted({other for _, other, _ in branches} - set(board.rails_v))
     volts, _ = solve_constant(board, Fault("", "", circuit), 0.0, wanted)
     volts = {**volts, **board.rails_v}
     for one, other, ohm in branches:
@@ -342,7 +343,8 @@ def resistance_limits(board: Board) -> dict[str, Limits]:
     for name, (first, second) in found.items():
         ohm = resistance_between(board.circuit, first, second)
         limits[name] = Limits(ohm, SHORT_RATIO * min(ohm, 10e3), math.inf)
-    ohm = resistance_between(board.circuit, SENSOR, board.signal_ground)
+    # A bridge ends in the signal ground, a transimpedance stage in the tactile voltage.
+    ohm = min(resistance_between(board.circuit, SENSOR, net) for net in (board.signal_ground, TACTILE))
     limits[SENSOR_OHM] = _scale(ohm, (1.0 - _SENSOR_RATIO, 1.0 + _SENSOR_RATIO))
     return limits
 

@@ -44,7 +44,6 @@ from fingertip.board.parts.circuit import (
     VCC,
     VEE,
     VMID,
-    VREF,
     Circuit,
 )
 from fingertip.design import Design
@@ -53,7 +52,7 @@ from fingertip.foundation.numerics import Array
 
 _MAX_SATURATED = 8
 _TONE_END = "hz_v"
-_PATH = (VREF, VMID, TACTILE, STAGE1_OUT, FILTERED)
+_PATH = (VMID, TACTILE, STAGE1_OUT, FILTERED)
 POINTS = {
     TACTILE: "TP1",
     STAGE1_OUT: "TP2",
@@ -86,7 +85,8 @@ class Board:
     @property
     def nets(self) -> tuple[str, ...]:
         """Nets whose constant voltage is measured."""
-        return tuple(n for n in POINTS if n not in (STAGE2_MID, RECT_OUT) and (n != VMID or self.signal_ground == VMID))
+        nets = {net.name for net in self.circuit.nets}
+        return tuple(n for n in POINTS if n in nets and n not in (STAGE2_MID, RECT_OUT))
 
     @classmethod
     def of_design(cls, design: Design, circuit: Circuit) -> Board:
@@ -112,10 +112,9 @@ class Board:
 
     def swing_of(self, amplifier: str) -> tuple[float, float]:
         """Ends of the swing of one amplifier's output above ground [V]."""
-        if amplifier != "U2":
+        if amplifier != "U2":  # the AD623; units of a dual amplifier have a letter
             return self.swing_v
-        low_rail = 0.0 if self.signal_ground == VMID else self.rails_v[VEE]
-        return low_rail + OUTPUT_LOWER_MARGIN_V, self.rails_v[VCC] - OUTPUT_UPPER_MARGIN_V
+        return self.rails_v[VEE] + OUTPUT_LOWER_MARGIN_V, self.rails_v[VCC] - OUTPUT_UPPER_MARGIN_V
 
 
 def predict(board: Board, faults: Sequence[Fault], *tones_v: float) -> list[dict[str, float]]:

@@ -191,7 +191,7 @@ def _find_ratio(names: Iterable[str], limits: Mapping[str, Limits], readings: Ma
 _HINTS = {
     "supply_ohm": "the supply is shorted: look for a bridge at the connector, the capacitors and the amplifiers",
     "negative_supply_ohm": "the negative supply is shorted: look for a bridge at the connector and the amplifiers",
-    SENSOR_OHM: "the bridge is wrong: R10 to R13, C7 or the sensor's connector",
+    SENSOR_OHM: "the front end is wrong: its resistors, the capacitors beside them, or the sensor's connector",
     SUPPLY_MA: "too much: an amplifier is rotated or bridged; too little: an amplifier is not soldered",
     "tp3_quiet_v": "hum or oscillation: shorten and twist the wires, and use a battery for the supply",
     "slip_tone_v": "turn RV1 until SLIP falls at the expected tone; if it does not reach it, check R19 to R21 and U4",

@@ -15,21 +15,20 @@ from fingertip.board.parts.circuit import (
     ADC_TACTILE,
     GND,
     POWER_IN,
+    SENSOR_CONNECTOR,
     SLIP,
     VCC,
     VEE,
-    VMID,
     VMID_OUT,
     Circuit,
     Component,
-    parse_component_value,
 )
 from fingertip.board.parts.symbols import AO3401A, LOCKING_CONNECTORS
 from fingertip.board.parts.table import group_plug_wires
 
 NEEDED_PINS = "Firmware and detector `fast` need T and S (2 analog inputs). A threshold on the envelope needs E and M."
 """Outputs that a controller samples, by what it runs."""
-SENSOR_CONNECTOR, SUPPLY_CONNECTOR, HOST_CONNECTOR = "J1", "J2", "J3"
+SUPPLY_CONNECTOR, HOST_CONNECTOR = "J2", "J3"
 MOUNTING_PIN = "MP"
 SKETCH_PINS = {ADC_TACTILE: "A0", ADC_FILTERED: "A1"}
 """Inputs of a controller at which the sketches of `fingertip firmware` read the board."""
@@ -135,13 +134,9 @@ def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
     else:
         yield "Pin 1 is the square one."
     yield "The sensor's wires may be exchanged."
-    if circuit.net_by_pin[SENSOR_CONNECTOR, "2"] == VMID:
-        upper_ohm, lower_ohm = (parse_component_value(circuit.component(r).value) for r in ("R22", "R23"))
-        ratio = lower_ohm / (upper_ohm + lower_ohm)
-        yield (
-            f"Pin 2 of J1 is at signal ground, {ratio * supply_v:.2f} V ({ratio:.3g} of the supply): keep it off "
-            "supply ground and grounded metal."
-        )
+    if any(component.symbol.name == "D_TVS" for component in circuit.components):
+        yield "Pin 2 of J1 is ground, and so is TP6 beside it, for the shield of a long cable."
+        yield "D6 and R28 take a static discharge into the sensor's cable (8 kV contact, IEC 61000-4-2; simulated)."
     if any(component.symbol == AO3401A for component in circuit.components):
         yield "A reversed supply does no harm: Q1 blocks it. Nothing protects against a voltage that is too high."
     else:

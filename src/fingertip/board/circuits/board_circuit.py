@@ -1,15 +1,15 @@
 """Circuit of a board from the table of its components, `components.csv`, with the values that are selected.
 
 A row of the table holds for the boards whose properties (`_PROPERTIES`) it names. Its pins lead to nets, of which
-SGND, VNEG and VBRIDGE stand for the signal ground, the amplifiers' negative rail and the bridge's supply.
+SGND and VNEG stand for the signal ground and the amplifiers' negative rail.
 
 Variant `article` is the article's circuit (figure 3) with its references, except that R_LP and C_LP are R6 and C4,
 because KiCad requires references that end in a digit: a first-order high-pass with gain 1 + R5/R4 (eqs. 1, 2), a
 unity-gain Sallen-Key high-pass (eqs. 3, 4), a diode, and R_LP parallel to C_LP (eq. 11).
 
-`precision` equals `article` up to FILTERED except for two capacitors. C14 couples R4 to signal ground for AC only, so
-that the first stage does not amplify its own offset. C20 across R5 is a low-pass above the band of the vibrations,
-where the bridge's amplifier contributes only noise. After FILTERED a precision half-wave rectifier (U3a, D1, D4), which
+`precision` has a transimpedance stage in place of the bridge (`fingertip.board.components.transimpedance`). Its filter
+equals that of `article` except for two capacitors. C14 couples R4 to signal ground for AC only, so
+that the first stage does not amplify its own offset. C20 across R5 is a low-pass above the band of the vibrations. After FILTERED a precision half-wave rectifier (U3a, D1, D4), which
 inverts, drives an inverting first-order low-pass (U3b). Both inputs are virtual grounds, so R_LP and C_LP give the
 article's 36.17 Hz whether a diode conducts or not. After two inversions the envelope is positive and follows the
 positive half waves. For a sine its mean is 1/pi of the peak.
@@ -17,10 +17,10 @@ positive half waves. For a sine its mean is 1/pi of the peak.
 `comparator` is `precision` with the article's future work: threshold, hysteresis and an ON/OFF pin. The comparator has
 an open-collector output: SLIP is low (asserted) while slip is detected and high (VCC) otherwise.
 
-Both run on the 3.3 V of a controller. U5 buffers VMID. Its output has no capacitor, because it could not drive one, and
-R24 isolates it from the cable's capacitance. It carries the bridge's 2 mA. Q1 blocks a reversed supply: its body diode
-lets the first current through, and its channel then bridges the diode, because its gate is at ground. With a reversed
-supply the gate is at the positive end, and both block.
+Both run on the 3.3 V of a controller. U2b buffers VMID. Its output has no capacitor, because it could not drive one,
+and R24 isolates it from the cable's capacitance. Q1 blocks a reversed supply: its body diode lets the first current
+through, and its channel then bridges the diode, because its gate is at ground. With a reversed supply the gate is at
+the positive end, and both block.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from __future__ import annotations
 import functools
 from pathlib import Path
 
-from fingertip.board.components.bridge import DIVIDER_F, SENSOR_FILTER_F, VREF_BOTTOM_OHM, VREF_TOP_OHM
+from fingertip.board.components.bridge import DIVIDER_F, SENSOR_FILTER_F
 from fingertip.board.components.values import (
     CLAMP,
     LOW_LEAKAGE_CLAMP,
@@ -61,6 +61,9 @@ BULK_F = 10e-6
 CABLE_OHM = 1e3
 """Resistor between an amplifier's output and a pin without a filter [ohm]."""
 
+SUPPRESSOR = "PESD5V0S1BA"
+"""Part between the sensor's cable and ground."""
+
 _PRECISION = ResistorRequirement(0.1, 0.1, 25.0)
 """Requirement for resistors whose value determines a voltage."""
 _POWER_W = 0.1
@@ -69,6 +72,7 @@ _RATINGS = {
     "locking": "keyed and locking, with its plug and crimped wires",
     "trimmer": "trimmer 3 mm, one turn, top",
     CLAMP: symbols.BAT54S.description,
+    SUPPRESSOR: "ESD suppressor, bidirectional, 5 V working voltage, SOD-323, 8 kV contact (IEC 61000-4-2)",
     LOW_LEAKAGE_CLAMP: f"Dual diode in series, SOT-23, leakage {1e9 * MAX_LOW_LEAKAGE_A:g} nA at most",
 }
 _SIZES = {"filter": symbols.C_1206, "small": symbols.C_0603, "supply": symbols.C_0603, "bulk": symbols.C_0805}
@@ -84,7 +88,7 @@ def board_circuit(values: ComponentValues) -> Circuit:
     """Build the checked circuit of a board with these values. Raises BoardError if it is inconsistent."""
     supply = SUPPLIES[values.variant]
     properties = _PROPERTIES[values.variant]
-    nets = {"SGND": supply.signal_ground, "VNEG": supply.negative_rail, "VBRIDGE": supply.bridge_supply}
+    nets = {"SGND": supply.signal_ground, "VNEG": supply.negative_rail}
     wiring = {}
     for row in load_rows():
         if properties.issuperset(row["boards"].split()):
@@ -124,7 +128,9 @@ def _make_component(row: dict[str, str], values: ComponentValues) -> Component:
             return Component(reference, row["value"], symbols.MOUNTING_HOLE, symbols.M2_HOLE, role)
     symbol, footprint, value = symbols.SYMBOLS[row["symbol"]], getattr(symbols, row["footprint"]), row["value"]
     rating = symbol.description
-    if reference.startswith("J"):
+    if value == SUPPRESSOR:
+        rating = _RATINGS[SUPPRESSOR]
+    elif reference.startswith("J"):
         rating = _RATINGS["locking" if footprint in symbols.LOCKING_CONNECTORS else "header"]
     elif kind == "trimmer":
         rating, value = _RATINGS[kind], format_component_value(_find_value(row, values))
@@ -134,8 +140,8 @@ def _make_component(row: dict[str, str], values: ComponentValues) -> Component:
 def _find_value(row: dict[str, str], values: ComponentValues) -> float:
     """Find a component's value [ohm, F]: the one that is selected, or one that does not depend on parameters."""
     fixed = {
-        "C7": SENSOR_FILTER_F, "C10": BULK_F, "C11": BULK_F, "C21": DIVIDER_F, "C23": DIVIDER_F,
-        "R22": VMID_TOP_OHM, "R23": VMID_BOTTOM_OHM, "R24": CABLE_OHM, "R25": VREF_TOP_OHM, "R26": VREF_BOTTOM_OHM,
+        "C7": SENSOR_FILTER_F, "C10": BULK_F, "C11": BULK_F, "C21": DIVIDER_F,
+        "R22": VMID_TOP_OHM, "R23": VMID_BOTTOM_OHM, "R24": CABLE_OHM,
     }  # fmt: skip
     found = values.by_reference.get(row["reference"], fixed.get(row["reference"]))
     if found is None and row["kind"] == "supply":

@@ -47,7 +47,7 @@ class AmplifierOutput(NamedTuple):
     """Net that an amplifier drives."""
 
     amplifier: str
-    """Reference of its component, with the letter of its unit: "U1a", or "U2" for a single amplifier."""
+    """Reference of its component, with the letter of its unit: "U1a", or "U2" for an AD623."""
     reference: str
     net: str
 
@@ -254,7 +254,7 @@ def build_network(
                 terms += [Term(pins[out], pins[plus], UNITY, 1.0, 0), Term(pins[out], pins[minus], UNITY, -1.0, 0)]
                 if gain_bandwidth_hz is not None:
                     # v_out / A = v_plus - v_minus with 1 / A = 1 / A0 + s / (2 pi GBW).
-                    bandwidth_hz = gain_bandwidth_hz if data.is_dual else data.bandwidth_hz
+                    bandwidth_hz = gain_bandwidth_hz
                     values[f"{name} {INVERSE_GAIN}"] = 1.0 / OPEN_LOOP_GAIN
                     values[f"{name} {INVERSE_BANDWIDTH}"] = 1.0 / (math.tau * bandwidth_hz)
                     terms.append(Term(pins[out], pins[out], f"{name} {INVERSE_GAIN}", -1.0, 0))

@@ -39,6 +39,7 @@ MAX_SWITCH_OHM = 0.085
 _ELEMENTS = {
     **dict.fromkeys(("R", "C"), "{0} {1} {2} {value}"),
     "1N4148W": "{0} {2} {1} D1N4148",
+    "D_TVS": "{0}a {0}m {1} DTVS\n{0}b {0}m {2} DTVS",
     "BAT54S": "{0}a {1} {3} {clamp}\n{0}b {3} {2} {clamp}",
     **{
         name: "\n".join(
@@ -114,7 +115,7 @@ C2 second 0 {second_farad:.12g}
 E1 out 0 second 0 1
 .ends"""
 
-_OTHER_MODELS = """\
+_INSTRUMENTATION_MODEL = """\
 * AD623: gain 1 + 100k/Rg, Rg from the current between its pins; one pole at its bandwidth over the gain of this board;
 * noise of input and output.
 .subckt instrumentation minus plus rga rgb ref out
@@ -132,7 +133,13 @@ G2 0 pole ref 0 1
 R1 pole 0 1
 C1 pole 0 {pole_farad:.12g}
 E4 out 0 pole 0 1
-.ends
+.ends"""
+
+_SUPPRESSOR_MODEL = """\
+* ESD suppressor: 35 pF, and 7 V at 1 mA in either direction; figures of its kind, not measured.
+.model DTVS D(Is=1e-15 N=1 Rs=0.4 Cjo=70p M=0.3 Bv=6.3 Ibv=1m)"""
+
+_OTHER_MODELS = """\
 * LMV331: no offset, no delay; 10 uV of its own hysteresis for the solver's sake.
 .model open_collector SW(Vt=0 Vh=5u Ron=50 Roff=1G)
 * 1N4148: forward 0.62 V at 1 mA, 4 pF; figures of a common model, not measured.
@@ -148,7 +155,6 @@ _LOW_LEAKAGE_MODEL = """\
 def _models(circuit: Circuit, gain_bandwidth_hz: float, worst_case: bool) -> Iterator[str]:
     for name in sorted({component.symbol.name for component in circuit.components} & set(AMPLIFIERS)):
         amplifier = AMPLIFIERS[name]
-        bandwidth_hz = gain_bandwidth_hz if amplifier.is_dual else amplifier.bandwidth_hz
         yield (_WORST_CASE_MODEL if worst_case else _AMPLIFIER_MODEL).format(
             offset=amplifier.max_offset_v,
             # Across 1 ohm this capacitance puts the second pole at its frequency.
@@ -157,18 +163,24 @@ def _models(circuit: Circuit, gain_bandwidth_hz: float, worst_case: bool) -> Ite
             name=name.lower(),
             gain=OPEN_LOOP_GAIN,
             input_pf=1e12 * amplifier.input_f,
-            bandwidth=bandwidth_hz,
+            bandwidth=gain_bandwidth_hz,
             noise=amplifier.noise_v,
             noise_ohm=_equivalent_noise_ohm(amplifier.noise_v),
             # Across 1 ohm this capacitance puts the pole at GBW / A0.
-            pole_farad=OPEN_LOOP_GAIN / (math.tau * bandwidth_hz),
+            pole_farad=OPEN_LOOP_GAIN / (math.tau * gain_bandwidth_hz),
         )
-    gain_ohm = parse_component_value(circuit.component(GAIN_RESISTOR).value)
+    names = {component.symbol.name for component in circuit.components}
+    if "AD623ARMZ" in names:
+        gain_ohm = parse_component_value(circuit.component(GAIN_RESISTOR).value)
+        yield _INSTRUMENTATION_MODEL.format(
+            gain_constant_ohm=GAIN_CONSTANT_OHM,
+            input_ohm=_equivalent_noise_ohm(AD623_NOISE_V),
+            output_ohm=_equivalent_noise_ohm(AD623_OUTPUT_NOISE_V),
+            pole_farad=(1.0 + GAIN_CONSTANT_OHM / gain_ohm) / (math.tau * AD623_BANDWIDTH_HZ),
+        )
+    if "D_TVS" in names:
+        yield _SUPPRESSOR_MODEL
     yield _OTHER_MODELS.format(
-        gain_constant_ohm=GAIN_CONSTANT_OHM,
-        input_ohm=_equivalent_noise_ohm(AD623_NOISE_V),
-        output_ohm=_equivalent_noise_ohm(AD623_OUTPUT_NOISE_V),
-        pole_farad=(1.0 + GAIN_CONSTANT_OHM / gain_ohm) / (math.tau * AD623_BANDWIDTH_HZ),
         clamp_a=CLAMP_A,
         diode_na=1e9 * SATURATION_A,
         diode_ohm=SERIES_OHM,

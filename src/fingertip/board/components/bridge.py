@@ -1,21 +1,14 @@
-"""The bridge and its amplifier: resistances, and the tactile voltage as a function of the sensor's conductance.
+"""The article's bridge and its amplifier: resistances, and the tactile voltage over the sensor's conductance.
 
 The article mentions a Wheatstone bridge and an instrumentation amplifier without showing them. The resistances are
 selected to reproduce its voltages. The sensor is parallel to the lower resistor of one arm, and the other arm supplies
 the reference:
 
-    V = V0 + A (Vs - V0) [1 / (1 + R_top (1 / R_shunt + G)) - R_low / (R_high + R_low)],  A = 1 + 100 kohm / R_gain
-
-with V0 = 0 on a split supply. On a single supply V0 is VMID, near half of Vs: the internal nodes of the amplifier
-(AD623) must stay above its lower rail, and with inputs a few tenths of a volt above ground they would allow at most
-1.5 V, not the article's 4.3 V.
-
-On a board for 3.3 V the bridge is fed from VREF, `VREF_RATIO` of the supply, which takes the place of Vs. The article's
-4.3 V do not exist there: the tactile voltage is shifted and scaled (`CONTROLLER_TARGET`), so that it stays within the
-amplifier's output range for every force.
+    V = A Vs [1 / (1 + R_top (1 / R_shunt + G)) - R_low / (R_high + R_low)],  A = 1 + 100 kohm / R_gain
 
 All voltages scale with the supply Vs. An ADC that takes its reference from the same supply therefore measures the
-sensor alone (ratiometric measurement). The voltage falls with the force, as in the article.
+sensor alone (ratiometric measurement). The voltage falls with the force, as in the article. The boards on 3.3 V have
+another front end, `transimpedance`.
 """
 
 from __future__ import annotations
@@ -37,40 +30,9 @@ ARTICLE_POINTS = ((TURN_ON_N, 4.3), (0.8, 4.0), (1.3, 3.85))
 """Force [N] and tactile voltage [V]: light contact at the sensor's turn-on, then both figures of the article's IV.A."""
 
 DIVIDER_F = 10e-6
-"""Capacitor across each divider that halves the supply or feeds VREF [F]."""
-VREF_TOP_OHM, VREF_BOTTOM_OHM = 30e3, 120e3
-"""Divider of VREF [ohm]. With `DIVIDER_F` it filters the supply's ripple above 0.7 Hz, as that of VMID does."""
+"""Capacitor across each divider of the supply [F]."""
 POWER_UP_S = 2.0
 """Time after power-up in which the voltages of a board for a controller settle [s]: eight time constants."""
-VREF_RATIO = VREF_BOTTOM_OHM / (VREF_TOP_OHM + VREF_BOTTOM_OHM)
-"""VREF as a ratio of the supply. What is left to the supply is the headroom of its buffer."""
-
-
-@dataclass(frozen=True)
-class TactileTarget:
-    """Tactile voltages that the bridge shall reproduce: the article's, shifted and scaled."""
-
-    light_contact_ratio: float
-    """Tactile voltage at light contact, the first of `ARTICLE_POINTS`, as a ratio of the supply."""
-    slope_ratio: float
-    """Ratio of the voltage that a force costs to the article's, per volt of the supply."""
-
-    def points(self, supply_v: float) -> tuple[tuple[float, float], ...]:
-        """Forces [N] and tactile voltages [V] on a supply [V]."""
-        _, contact_v = ARTICLE_POINTS[0]
-        light_v, slope = self.light_contact_ratio * supply_v, self.slope_ratio * supply_v
-        return tuple((force_n, light_v + slope * (v - contact_v)) for force_n, v in ARTICLE_POINTS)
-
-
-CONTROLLER_TARGET = TactileTarget(0.79, 0.24)
-"""Target on a board for 3.3 V: 2.61 V at light contact and four fifths of the article's slope.
-
-The AD623's output ends 0.5 V below the supply, and at 20 N the tactile voltage must stay above ground.
-"""
-CONTROLLER_SERIES = "E96"
-"""Series of the bridge's resistors there. Coarser ones miss the target by more than the amplifier's margin; precision
-resistors are made in this series anyway."""
-
 MAX_FORCE_N = 20.0
 """Upper end of the sensor's force range (Interlink)."""
 MAX_CURRENT_A_PER_CM2 = 1e-3
@@ -107,10 +69,6 @@ class Bridge:
     reference_top_ohm: float
     reference_bottom_ohm: float
     gain_ohm: float
-    signal_ground_ratio: float = 0.0
-    """Voltage to which its lower ends and the amplifier's output refer, as a ratio of the supply: 0 is ground."""
-    excitation_ratio: float = 1.0
-    """Voltage that feeds the bridge as a ratio of the supply: 1, or `VREF_RATIO`."""
 
     def by_reference(self) -> dict[str, float]:
         """Value of each component [ohm, F] by its reference designator."""
@@ -124,26 +82,19 @@ class Bridge:
         return 1.0 + GAIN_CONSTANT_OHM / self.gain_ohm
 
     def sensor_v(self, conductance_s: float, supply_v: float) -> float:
-        """Voltage [V] against ground across a sensor of this conductance [S]."""
-        signal_ground_v = self.signal_ground_ratio * supply_v
-        return signal_ground_v + (self.excitation_ratio * supply_v - signal_ground_v) / (
-            1.0 + self.sensor_top_ohm * (1.0 / self.sensor_shunt_ohm + conductance_s)
-        )
+        """Voltage [V] across a sensor of this conductance [S]."""
+        return supply_v / (1.0 + self.sensor_top_ohm * (1.0 / self.sensor_shunt_ohm + conductance_s))
 
     def reference_v(self, supply_v: float) -> float:
-        """Reference voltage [V] against ground, at the other arm."""
-        signal_ground_v = self.signal_ground_ratio * supply_v
-        return signal_ground_v + (self.excitation_ratio * supply_v - signal_ground_v) * self.reference_bottom_ohm / (
-            self.reference_top_ohm + self.reference_bottom_ohm
-        )
+        """Reference voltage [V], at the other arm."""
+        return supply_v * self.reference_bottom_ohm / (self.reference_top_ohm + self.reference_bottom_ohm)
 
     def tactile_v(self, conductance_s: float, supply_v: float) -> float:
         """Tactile voltage [V], the amplifier's output, for a sensor of this conductance [S]; 0 is an open sensor.
 
         The formula does not include the limits of the amplifier's output.
         """
-        difference_v = self.sensor_v(conductance_s, supply_v) - self.reference_v(supply_v)
-        return self.signal_ground_ratio * supply_v + self.gain * difference_v
+        return self.gain * (self.sensor_v(conductance_s, supply_v) - self.reference_v(supply_v))
 
 
 def max_current_a(active_diameter_mm: float) -> float:
@@ -151,37 +102,22 @@ def max_current_a(active_diameter_mm: float) -> float:
     return MAX_CURRENT_A_PER_CM2 * math.pi * (active_diameter_mm / 20.0) ** 2
 
 
-def size_bridge(
-    supply_v: float,
-    series: str,
-    active_diameter_mm: float,
-    signal_ground_ratio: float = 0.0,
-    target: TactileTarget | None = None,
-    excitation_ratio: float = 1.0,
-) -> Bridge:
+def size_bridge(supply_v: float, series: str, active_diameter_mm: float) -> Bridge:
     """Select the preferred values that best reproduce the article's three voltages within the sensor's current limit.
 
     The limit determines the sensor's arm: the largest excitation permitted at `MAX_FORCE_N`. Gain and reference are
     then searched for the smallest sum of squared errors at `ARTICLE_POINTS`: the gain resistors next to the ideal gain,
     and the references whose upper resistor lies between half and twice that of the sensor's arm.
     """
-    targets = ARTICLE_POINTS if target is None else target.points(supply_v)
     max_g = sensor_conductance_s(MAX_FORCE_N)
     # The same curve applies to every sensor, so a larger sensor gains nothing from its higher limit.
     limit_a = max_current_a(min(active_diameter_mm, CURVE_DIAMETER_MM))
     thevenin_ohm = SATURATION / max_g
     thevenin_v = limit_a / max_g * (1.0 + SATURATION)
-    signal_ground_v = signal_ground_ratio * supply_v
-    excitation_v = excitation_ratio * supply_v - signal_ground_v
-    sensor_top_ohm = max(neighbouring_values(thevenin_ohm * excitation_v / thevenin_v, series))
-    sensor_shunt_ohm = min(neighbouring_values(thevenin_ohm * excitation_v / (excitation_v - thevenin_v), series))
-    arm = Bridge(
-        sensor_top_ohm, sensor_shunt_ohm, sensor_top_ohm, sensor_shunt_ohm, GAIN_CONSTANT_OHM, signal_ground_ratio,
-        excitation_ratio,
-    )  # fmt: skip
-    points = [
-        (arm.sensor_v(sensor_conductance_s(f), supply_v) - signal_ground_v, v - signal_ground_v) for f, v in targets
-    ]
+    sensor_top_ohm = max(neighbouring_values(thevenin_ohm * supply_v / thevenin_v, series))
+    sensor_shunt_ohm = min(neighbouring_values(thevenin_ohm * supply_v / (supply_v - thevenin_v), series))
+    arm = Bridge(sensor_top_ohm, sensor_shunt_ohm, sensor_top_ohm, sensor_shunt_ohm, GAIN_CONSTANT_OHM)
+    points = [(arm.sensor_v(sensor_conductance_s(f), supply_v), v) for f, v in ARTICLE_POINTS]
 
     # The least-squares line through the points, V = A x - A reference, gives the ideal gain and reference.
     gain = _slope(points)
@@ -190,17 +126,15 @@ def size_bridge(
         replace(arm, reference_top_ohm=top_ohm, reference_bottom_ohm=bottom_ohm, gain_ohm=gain_ohm)
         for gain_ohm in neighbouring_values(GAIN_CONSTANT_OHM / (gain - 1.0), series)
         for top_ohm in values_around(sensor_top_ohm, series)
-        for bottom_ohm in neighbouring_values(top_ohm * offset_v / (gain * excitation_v - offset_v), series)
+        for bottom_ohm in neighbouring_values(top_ohm * offset_v / (gain * supply_v - offset_v), series)
     )
-    return min(candidates, key=lambda bridge: (article_error_v(bridge, supply_v, targets), bridge.reference_top_ohm))
+    return min(candidates, key=lambda bridge: (article_error_v(bridge, supply_v), bridge.reference_top_ohm))
 
 
-def article_error_v(
-    bridge: Bridge, supply_v: float, targets: tuple[tuple[float, float], ...] = ARTICLE_POINTS
-) -> float:
-    """RMS error [V] of a bridge's tactile voltage against the article's voltages, or others by force [N]."""
-    errors = (bridge.tactile_v(sensor_conductance_s(f), supply_v) - v for f, v in targets)
-    return math.sqrt(sum(e * e for e in errors) / len(targets))
+def article_error_v(bridge: Bridge, supply_v: float) -> float:
+    """RMS error [V] of a bridge's tactile voltage against the article's voltages."""
+    errors = (bridge.tactile_v(sensor_conductance_s(f), supply_v) - v for f, v in ARTICLE_POINTS)
+    return math.sqrt(sum(e * e for e in errors) / len(ARTICLE_POINTS))
 
 
 def _slope(points: list[tuple[float, float]]) -> float:

@@ -7,7 +7,8 @@ import itertools
 import math
 from dataclasses import dataclass
 
-from fingertip.board.components.bridge import CONTROLLER_SERIES, CONTROLLER_TARGET, VREF_RATIO, Bridge, size_bridge
+from fingertip.board.components import transimpedance
+from fingertip.board.components.bridge import Bridge, size_bridge
 from fingertip.board.components.selection import (
     FilterSelection,
     FirstStageCapacitors,
@@ -17,7 +18,7 @@ from fingertip.board.components.selection import (
     pole_hz,
     select_filter,
 )
-from fingertip.board.parts.circuit import GND, VCC, VEE, VMID, VREF
+from fingertip.board.parts.circuit import GND, VEE, VMID
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import choose_amplifier
 from fingertip.design.formulas.filter import (
@@ -29,13 +30,13 @@ from fingertip.design.formulas.filter import (
 )
 from fingertip.design.parameters import Board
 
-# Supplies of a board: signal ground, negative rail of the amplifiers, supply of the bridge, and headroom of each.
+# Supplies of a board: signal ground, negative rail of the amplifiers, and headroom of each.
 #
 # On a split supply of plus and minus 5 V, signal ground is supply ground (0 V), as in the article. On 3.3 V it is VMID
-# (buffered mid-supply, `fingertip.design.formulas.filter`). Bridge, filters, rectifier, envelope and threshold refer to
-# it, and the amplifiers need rail-to-rail inputs and outputs. These boards are made for the controller of a hand: their
-# outputs stay within the supply, their connectors are keyed and lock, a reversed supply does no harm, and the bridge is
-# fed from VREF, a buffered ratio of the supply without its ripple.
+# (buffered mid-supply, `fingertip.design.formulas.filter`). Filters, rectifier, envelope and threshold refer to it, and
+# the amplifiers need rail-to-rail inputs and outputs. These boards are made for the controller of a hand: their outputs
+# stay within the supply, their connectors are keyed and lock, and neither a reversed supply nor a static discharge into
+# the sensor's cable does harm.
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,6 @@ class Supply:
     negative_rail: str
     description: str
     nominal_v: float
-    bridge_supply: str
     signal_ground_ratio: float = 0.0
     """Voltage of the signal ground above ground, as a ratio of the supply voltage."""
 
@@ -62,11 +62,10 @@ class Supply:
 
 
 _CONTROLLER = Supply(
-    VMID, GND, "3.3 V supply with VMID (buffered mid-supply)", 3.3, VREF,
-    VMID_BOTTOM_OHM / (VMID_TOP_OHM + VMID_BOTTOM_OHM),
-)  # fmt: skip
+    VMID, GND, "3.3 V supply with VMID (buffered mid-supply)", 3.3, VMID_BOTTOM_OHM / (VMID_TOP_OHM + VMID_BOTTOM_OHM)
+)
 SUPPLIES = {
-    "article": Supply(GND, VEE, "split supply", 5.0, VCC),
+    "article": Supply(GND, VEE, "split supply", 5.0),
     "precision": _CONTROLLER,
     "comparator": _CONTROLLER,
 }
@@ -147,7 +146,8 @@ class ComponentValues:
     rectifier_ohm: float | None
     """Both resistors of the precision rectifier; None in variant article."""
     tolerance: Tolerance
-    bridge: Bridge
+    bridge: Bridge | None
+    """Bridge of variant article; None on boards with a transimpedance stage, whose values are fixed."""
     adc_interface: AdcInterface
     comparator_stage: ComparatorStage | None
     """Values around the comparator; None in variants without one."""
@@ -158,7 +158,8 @@ class ComponentValues:
         values = FilterSelection(
             self.ideal, self.preferred, self.first_stage_capacitors, self.rectifier_ohm
         ).by_reference()
-        values |= self.bridge.by_reference() | self.adc_interface.by_reference()
+        values |= self.bridge.by_reference() if self.bridge else transimpedance.VALUES
+        values |= self.adc_interface.by_reference()
         if self.variant != "article":
             values |= self.adc_interface.filtered_by_reference()
         return values | (self.comparator_stage.by_reference() if self.comparator_stage else {})
@@ -179,13 +180,9 @@ def select_components(design: Design) -> ComponentValues:
         first_stage_capacitors=selection.capacitors,
         rectifier_ohm=selection.rectifier_ohm,
         tolerance=Tolerance(board.resistor_tolerance_percent, board.capacitor_tolerance_percent),
-        bridge=size_bridge(
-            board.supply_v,
-            CONTROLLER_SERIES if board.is_for_controller else board.series,
-            design.dimensions.sensor.active_diameter_mm,
-            supply.signal_ground_ratio,
-            *((CONTROLLER_TARGET, VREF_RATIO) if board.is_for_controller else ()),
-        ),
+        bridge=None
+        if board.is_for_controller
+        else size_bridge(board.supply_v, board.series, design.dimensions.sensor.active_diameter_mm),
         adc_interface=size_adc_interface(detector.sample_rate_hz, board.series, board.capacitor_series),
         comparator_stage=comparator_stage,
     )

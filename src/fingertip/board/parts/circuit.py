@@ -60,7 +60,10 @@ VEE = "VEE"
 VMID = "VMID"
 """Buffered mid-supply of a single supply: the signal ground of a board without a negative rail."""
 
+SENSOR_CONNECTOR = "J1"
 SENSOR = "SENSOR"
+BIAS = "BIAS"
+"""Voltage at which a transimpedance stage holds the sensor."""
 REFERENCE = "REFERENCE"
 GAIN_A = "GAIN_A"
 GAIN_B = "GAIN_B"
@@ -78,8 +81,6 @@ THRESHOLD = "THRESHOLD"
 SLIP = "SLIP"
 ADC_TACTILE = "ADC_TACTILE"
 ADC_ENVELOPE = "ADC_ENVELOPE"
-VREF = "VREF"
-"""Buffered supply of the bridge on a board for 3.3 V: a fixed ratio of the supply, without its ripple."""
 POWER_IN = "POWER_IN"
 """Supply at its connector, ahead of the protection against reversed polarity."""
 ADC_FILTERED = "ADC_FILTERED"
@@ -131,7 +132,7 @@ RAILS = ("GND", "VCC", "VEE")
 """Nets that power symbols name in a schematic."""
 
 
-GLOBAL_NETS = (*RAILS, "VMID", "VREF")
+GLOBAL_NETS = (*RAILS, "VMID")
 """Nets that are the same on all sheets: the rails, and the nets that global labels name."""
 
 

@@ -3,9 +3,7 @@
 The filter is a third-order Butterworth high-pass: a first-order stage (R1, C1) and a unity-gain Sallen-Key stage (C2,
 C3, R2, R3), with all three capacitors equal to C (article, eqs. 2, 5, 6, 7, 11) and omega_c = 2 pi f_c.
 
-On a board for a controller its signals swing around the signal ground, and the bridge stands on it. It lies somewhat
-below the middle: the inputs of the bridge's amplifier (AD623), a few tenths of a volt above it, must stay 1.5 V below
-the supply (its data sheet, input voltage range; recalled, unverified).
+On a board for a controller its signals swing around the signal ground, in the middle of the supply.
 """
 
 from __future__ import annotations
@@ -120,9 +118,8 @@ MIN_CUTOFF_RATIO = 10.0
 reduced by at most 0.5 %."""
 
 
-VMID_TOP_OHM, VMID_BOTTOM_OHM = 54.9e3, 44.2e3
-"""Divider of VMID [ohm]. With its capacitor it filters the supply's ripple above 0.7 Hz as that of the bridge's supply
-does: both then follow the supply alike, and their ratio stays."""
+VMID_TOP_OHM, VMID_BOTTOM_OHM = 51e3, 51e3
+"""Divider of VMID [ohm]. With its capacitor it filters the supply's ripple above 0.6 Hz."""
 
 
 def signal_ground_ratio(board: Board) -> float:

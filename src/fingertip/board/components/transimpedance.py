@@ -1,0 +1,34 @@
+"""Front end of the boards on 3.3 V: a transimpedance stage behind a protected cable.
+
+The sensor lies between ground and the inverting input of U2a, which holds it at the bias voltage. Its current flows
+through the feedback resistor R30 and lifts the tactile voltage,
+
+    T = V_bias [1 + R30 G / (1 + (R28 + R29) G)],  V_bias = Vs R32 / (R31 + R32)
+
+for a sensor of the conductance G. T rises with the force, from V_bias with an open sensor. All of it scales with the
+supply Vs: a converter that takes its reference from the same supply measures the sensor alone.
+
+The article's bridge with its AD623 has ten to twenty times the noise: it amplifies the 35 nV/sqrt(Hz) of the AD623 by
+its gain, where this stage amplifies those of U2a by little more than 1, because the sensor's resistance is large.
+
+D6 takes a discharge into the cable, R28 and C26 what D6 leaves of it, and R29 limits the current into the amplifier's
+own clamps. A shorted sensor draws Vs / (R28 + R29 + R30). C27 makes the stage stable with the capacitance of a cable
+at its input, and ends its band above that of the vibrations. Two poles keep the supply's ripple off the bias.
+"""
+
+from __future__ import annotations
+
+from fingertip.board.components.bridge import DIVIDER_F
+
+PROTECTION_OHM, INPUT_OHM, FEEDBACK_OHM = 100.0, 240.0, 15e3
+"""R28, R29 and R30 [ohm]."""
+CABLE_F, FEEDBACK_F = 100e-12, 1e-9
+"""C26 and C27 [F]."""
+BIAS_TOP_OHM, BIAS_BOTTOM_OHM = 220e3, 10e3
+"""Divider of the bias [ohm]: 143 mV of 3.3 V, above what any amplifier's output keeps from the lower rail."""
+
+VALUES = {
+    "R28": PROTECTION_OHM, "R29": INPUT_OHM, "R30": FEEDBACK_OHM, "C26": CABLE_F, "C27": FEEDBACK_F,
+    "R31": BIAS_TOP_OHM, "R32": BIAS_BOTTOM_OHM, "C28": DIVIDER_F, "R33": BIAS_BOTTOM_OHM, "C29": DIVIDER_F,
+}  # fmt: skip
+"""Value of each component [ohm, F] by its reference. They do not depend on the design: the sensor's curve is one."""

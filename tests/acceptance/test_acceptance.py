@@ -13,7 +13,7 @@ from fingertip.design.new_design import PRESETS
 from fingertip.documents.acceptance import (
     SPREAD,
     acceptance_data,
-    expect_drop_ratio,
+    expect_change_ratio,
     expect_readings,
     render_acceptance,
 )
@@ -77,7 +77,7 @@ def test_calibration_narrows_the_limits_in_its_range() -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_ratio_of_the_drops_holds_for_sensors_that_differ_by_factors(name: str) -> None:
     design = load(name)
-    ratio, (light, heavy) = expect_drop_ratio(design), expect_readings(design)
+    ratio, (light, heavy) = expect_change_ratio(design), expect_readings(design)
     curve = ConductanceCurve.of_design(design)
     response = board_values(design).tactile_response
     for factor in (0.3, 1.0, 3.0):

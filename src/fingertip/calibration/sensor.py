@@ -330,10 +330,10 @@ def _find_conductance(
     remaining_v = response.sensor_v - response.source_ohm * current_a
     if current_a > 0.0 and remaining_v > 0.0:
         return current_a / remaining_v
-    low = response.open_v - response.transfer_ohm * response.sensor_v / response.source_ohm
+    shorted_v = response.open_v - response.transfer_ohm * response.sensor_v / response.source_ohm
     return (
-        f"{volts:.4g} V is not between {low:.3g} and {response.open_v:.3g} V, the design's board with a shorted and "
-        "with an open sensor; check design, unit and wiring."
+        f"{volts:.4g} V is not between {shorted_v:.3g} and {response.open_v:.3g} V, the design's board with a shorted "
+        "and with an open sensor; check design, unit and wiring."
     )
 
 

@@ -270,7 +270,7 @@ def _gate_lines(values: BoardValues) -> list[str]:
 def _component_lines(design: Design, values: BoardValues) -> list[str]:
     from fingertip.board.parts.circuit import format_component_value
 
-    ideal, preferred, bridge, adc = values.ideal, values.preferred, values.bridge, values.adc_interface
+    ideal, preferred, adc = values.ideal, values.preferred, values.adc_interface
     filter_resistors = [
         ("R1", ideal.r1_ohm, preferred.r1_ohm, "first stage, pole"),
         ("R2", ideal.r2_ohm, preferred.r2_ohm, "Sallen-Key, feedback"),
@@ -282,11 +282,7 @@ def _component_lines(design: Design, values: BoardValues) -> list[str]:
     others = [
         ("C1 C2 C3", (preferred.c_f,), "both filters"),
         ("C4", (preferred.c_lp_f,), "C_LP, envelope"),
-        ("R10", (bridge.sensor_top_ohm,), "bridge, supply to sensor"),
-        ("R11", (bridge.sensor_shunt_ohm,), "bridge, parallel to the sensor"),
-        ("R12", (bridge.reference_top_ohm,), "bridge, supply to reference"),
-        ("R13", (bridge.reference_bottom_ohm,), "bridge, reference to signal ground"),
-        ("R14", (bridge.gain_ohm,), f"bridge amplifier, gain {bridge.gain:.2f}"),
+        *_front_end_rows(values),
         ("R7 C8", (adc.envelope_ohm, adc.envelope_f), "anti-aliasing filter, envelope"),
         ("R8 C9", (adc.first_ohm, adc.first_f), "anti-aliasing filter, tactile voltage: first pole"),
         ("R9 C19", (adc.second_ohm, adc.second_f), "anti-aliasing filter, tactile voltage: second pole"),
@@ -304,6 +300,25 @@ def _component_lines(design: Design, values: BoardValues) -> list[str]:
         for names, components, function in others
     ]
     return lines
+
+
+def _front_end_rows(values: BoardValues) -> list[tuple[str, tuple[float, ...], str]]:
+    if bridge := values.bridge:
+        return [
+            ("R10", (bridge.sensor_top_ohm,), "bridge, supply to sensor"),
+            ("R11", (bridge.sensor_shunt_ohm,), "bridge, parallel to the sensor"),
+            ("R12", (bridge.reference_top_ohm,), "bridge, supply to reference"),
+            ("R13", (bridge.reference_bottom_ohm,), "bridge, reference to ground"),
+            ("R14", (bridge.gain_ohm,), f"bridge amplifier, gain {bridge.gain:.2f}"),
+        ]
+    fitted = values.by_reference
+    return [
+        ("R28 C26", (fitted["R28"], fitted["C26"]), "sensor's cable, behind the suppressor D6"),
+        ("R29", (fitted["R29"],), "transimpedance stage, input"),
+        ("R30 C27", (fitted["R30"], fitted["C27"]), "transimpedance stage, feedback"),
+        ("R31 R32", (fitted["R31"], fitted["R32"]), "sensor's bias"),
+        ("R33 C28 C29", (fitted["R33"], fitted["C28"], fitted["C29"]), "sensor's bias, low-pass"),
+    ]
 
 
 def _response_lines(values: BoardValues) -> list[str]:

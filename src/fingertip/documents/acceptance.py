@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
@@ -10,7 +9,6 @@ from typing import Any
 from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
 from fingertip.casting.hardware import OPEN_OHM, PRESSED_OHM, WEIGHTS_G, describe_plug_wires, size_wires
 from fingertip.design import Design
-from fingertip.design.formulas.filter import signal_ground_ratio
 from fingertip.documents.template import lay_out_page, render
 from fingertip.sim.signal.bridge import Bridge
 from fingertip.slip.detection import Detection
@@ -38,8 +36,8 @@ class WeightReading:
 
 
 @dataclass(frozen=True)
-class DropRatio:
-    """Drop of the tactile voltage below that of the untouched finger: the heaviest weight's over the lightest's."""
+class ChangeRatio:
+    """Change of the tactile voltage from that of the untouched finger: the heaviest weight's over the lightest's."""
 
     expected: float
     limits: tuple[float, float]
@@ -50,20 +48,20 @@ def expect_open_v(design: Design) -> float:
 
 
 def expect_pressed_v(design: Design) -> float:
-    """Expect the tactile voltage at `MAX_FORCE_N` [V], far more than any weight of the sheet: less is a short circuit.
+    """Expect the tactile voltage at `MAX_FORCE_N` [V], far more than any weight of the sheet: beyond is a short circuit.
 
-    The data sheet's sensor gives it, as the README of the board states, or the calibrated one if that gives less.
+    The data sheet's sensor gives it, as the README of the board states, or the calibrated one if that conducts more.
     """
     bridge = Bridge.of_board(design)
     conductance = max(sensor_conductance_s(MAX_FORCE_N), bridge.curve.conductance_s(MAX_FORCE_N))
-    return max(_find_lowest_v(design), bridge.response.tactile_v(conductance))
+    return _clip_v(design, bridge.response.tactile_v(conductance))
 
 
 def expect_readings(design: Design) -> tuple[WeightReading, ...]:
-    """Expect the readings of `WEIGHTS_G`. No limit is below `expect_pressed_v`, so that a short circuit fails."""
-    pressed_v = expect_pressed_v(design)
+    """Expect the readings of `WEIGHTS_G`. No limit is beyond `expect_pressed_v`, so that a short circuit fails."""
+    ends_v = sorted((expect_open_v(design), expect_pressed_v(design)))
     return tuple(
-        replace(reading, limits_v=(max(pressed_v, reading.limits_v[0]), reading.limits_v[1]))
+        replace(reading, limits_v=(max(ends_v[0], reading.limits_v[0]), min(ends_v[1], reading.limits_v[1])))
         for reading in _spread_readings(design)
     )
 
@@ -75,40 +73,40 @@ def _spread_readings(design: Design) -> Iterator[WeightReading]:
     A calibrated curve is as uncertain as its calibration, in the range of its forces. Beyond it, and without a
     calibration, the factor is that of single sensors.
     """
-    bridge, lowest_v, stated = Bridge.of_board(design), _find_lowest_v(design), design.force_curve
+    bridge, stated = Bridge.of_board(design), design.force_curve
     for mass in WEIGHTS_G:
         force_n = mass / 1000.0 * _GRAVITY
         is_calibrated = stated.curve == "calibrated" and stated.min_force_n <= force_n <= stated.max_force_n
         spread = min(stated.interval_factor, SPREAD) if is_calibrated else SPREAD
         conductance = bridge.curve.conductance_s(force_n)
-        low, high = (
-            max(lowest_v, bridge.response.tactile_v(conductance * factor)) for factor in (spread, 1.0 / spread)
+        low, high = sorted(
+            _clip_v(design, bridge.response.tactile_v(conductance * factor)) for factor in (spread, 1.0 / spread)
         )
         expected = bridge.response.tactile_v(conductance)
         yield WeightReading(mass, 1.0 / conductance, expected, (low, high), spread)
 
 
-def _find_lowest_v(design: Design) -> float:
-    """Find the lowest voltage of a board [V]: on a board for a controller, none below its ground."""
-    return 0.0 if signal_ground_ratio(design.board) else -math.inf
+def _clip_v(design: Design, volts: float) -> float:
+    """Clip a voltage [V] to the supply of a board for a controller."""
+    return min(max(volts, 0.0), design.board.supply_v) if design.board.is_for_controller else volts
 
 
-def expect_drop_ratio(design: Design) -> DropRatio:
-    """Expect the ratio of the drops under the heaviest and the lightest weight.
+def expect_change_ratio(design: Design) -> ChangeRatio:
+    """Expect the ratio of the changes of the voltage under the heaviest and the lightest weight.
 
     Sensors that differ by a factor at every force have nearly the same ratio, so its limits are much closer than those
     of the voltages. They cover the same factors for both weights, and `_RATIO_SPREAD` besides.
     """
     open_v = expect_open_v(design)
     light, *_, heavy = _spread_readings(design)
-    drops = [
-        (open_v - of_light, open_v - of_heavy)
+    changes = [
+        (abs(open_v - of_light), abs(open_v - of_heavy))
         for of_light, of_heavy in (
             (light.tactile_v, heavy.tactile_v), *zip(light.limits_v, heavy.limits_v, strict=True)
         )
     ]  # fmt: skip
-    expected, *others = (of_heavy / of_light for of_light, of_heavy in drops)
-    return DropRatio(expected, (min(expected, *others) / _RATIO_SPREAD, max(expected, *others) * _RATIO_SPREAD))
+    expected, *others = (of_heavy / of_light for of_light, of_heavy in changes)
+    return ChangeRatio(expected, (min(expected, *others) / _RATIO_SPREAD, max(expected, *others) * _RATIO_SPREAD))
 
 
 IDLE_TOLERANCE_V = 0.1
@@ -119,7 +117,7 @@ _OBJECT_FRICTION, _PULL_S = 1.0, 10
 
 
 def acceptance_data(design: Design, detection: Detection) -> dict[str, Any]:
-    wires, idle, ratio = size_wires(design), expect_open_v(design), expect_drop_ratio(design)
+    wires, idle, ratio = size_wires(design), expect_open_v(design), expect_change_ratio(design)
     # The longest delay of the detector in the simulated trial; None if it missed a slip, or none is known.
     delays = detection.score.delays_s if detection.score else ()
     found = [delay for delay in delays if delay is not None]
@@ -140,10 +138,11 @@ def acceptance_data(design: Design, detection: Detection) -> dict[str, Any]:
         "open_ohm": OPEN_OHM,
         "pressed_ohm": PRESSED_OHM,
         "idle": {"tactile_v": round(idle, 2), "tolerance_v": IDLE_TOLERANCE_V},
+        "rises": Bridge.of_board(design).response.rises,
         "pressed": {"force_n": MAX_FORCE_N, "tactile_v": round(expect_pressed_v(design), 2)},
         "curve": design.force_curve.curve,
         "board": design.board.variant,
-        "drop_ratio": {"expected": round(ratio.expected, 2), "limits": [round(limit, 1) for limit in ratio.limits]},
+        "change_ratio": {"expected": round(ratio.expected, 2), "limits": [round(limit, 1) for limit in ratio.limits]},
         "weights": [
             {
                 "mass_g": reading.mass_g,

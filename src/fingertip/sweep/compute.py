@@ -98,7 +98,7 @@ def compute_circuit(context: PointContext) -> OutputValues:
         "gain_bandwidth_margin": gate.find_smallest_margin(values.gate, gate.BANDWIDTH),
         "phase_margin_deg": min(c.value for c in values.gate if c.name == gate.MARGIN),
         "peaking_db": max(c.value for c in values.gate if c.name == gate.PEAKING),
-        "adc_margin": gate.find_smallest_margin(values.gate, gate.IDLE, gate.CLAMP),
+        "adc_margin": gate.find_smallest_margin(values.gate, gate.HIGHEST, gate.CLAMP),
         "odd_capacitors": max(c.value for c in values.gate if c.name == gate.SERIES),
         "mean_threshold_v": spread.mean_v if spread else math.nan,
         "min_threshold_worst_v": spread.min_v if spread else math.nan,
@@ -287,11 +287,11 @@ def compute_printing(context: PointContext) -> OutputValues:
 
 
 def compute_acceptance(context: PointContext) -> OutputValues:
-    from fingertip.documents.acceptance import expect_drop_ratio, expect_open_v, expect_readings
+    from fingertip.documents.acceptance import expect_change_ratio, expect_open_v, expect_readings
 
     weights = {f"tactile_{reading.mass_g:g}g_v": reading.tactile_v for reading in expect_readings(context.design)}
-    ratio = expect_drop_ratio(context.design).expected
-    return {"tactile_open_v": expect_open_v(context.design), "tactile_drop_ratio": ratio, **weights}
+    ratio = expect_change_ratio(context.design).expected
+    return {"tactile_open_v": expect_open_v(context.design), "tactile_change_ratio": ratio, **weights}
 
 
 def compute_checks(context: PointContext) -> OutputValues:

@@ -128,7 +128,7 @@ OUTPUTS = {
         ("tactile_open_v", "acceptance", "tactile voltage of an untouched finger"),
         ("tactile_100g_v", "acceptance", "expected tactile voltage with 100 g on the pad"),
         ("tactile_500g_v", "acceptance", "expected tactile voltage with 500 g on the pad"),
-        ("tactile_drop_ratio", "acceptance", "drop of the tactile voltage at 500 g over that at 100 g"),
+        ("tactile_change_ratio", "acceptance", "change of the tactile voltage at 500 g over that at 100 g"),
         ("checks_failed", "checks", "number of failed checks of `fingertip check`, at tolerance_mm"),
         ("checks_warned", "checks", "number of checks that passed but warn, as of a bone that would break"),
         ("checks_run", "checks", "number of checks that were run"),

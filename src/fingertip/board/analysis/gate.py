@@ -92,8 +92,8 @@ CURRENT, OFFSET, BANDWIDTH, MARGIN, PEAKING = (
     "output current", "offset over swing", "gain-bandwidth product", "phase margin", "gain beyond the band",
 )  # fmt: skip
 INPUT, HIGHEST, LOWEST, FLOOR, CLAMP, SERIES, TRIM, SUPPLY = (
-    "input of the sensor's amplifier", "highest tactile voltage", "lowest tactile voltage", "envelope's lowest offset", "clamp of the converter's pins", "capacitors off series E12", "shift to trim",
-    "voltage across the amplifier",
+    "input of the sensor's amplifier", "highest tactile voltage", "lowest tactile voltage", "envelope's lowest offset",
+    "clamp of the converter's pins", "capacitors off series E12", "shift to trim", "voltage across the amplifier",
 )  # fmt: skip
 
 
@@ -107,7 +107,7 @@ def check_gate(
     offset: OutputOffset | None,
     spread: ThresholdSpread | None,
 ) -> tuple[GateCondition, ...]:
-    """Check all conditions of a board. Units: `rails` [V]. `rises` tells whether the tactile voltage rises with force."""
+    """Check all conditions of a board. `rises`: the tactile voltage rises with the force. Units: `rails` [V]."""
     board, amplifier = design.board, choose_amplifier(design.board)
     needed_hz = BANDWIDTH_MARGIN * board.passband_gain * board.cutoff_hz
     supply_v = total_supply_v(board)

@@ -103,9 +103,9 @@ def compute_alias_attenuation(circuit: Circuit, design: Design, swing_v: float, 
 # Effect of ripple on the supply.
 #
 # A bridge that is connected to the supply follows it: the tactile voltage by its own ratio to the supply, and by a
-# little more where C7 delays the sensor's arm against the other one. On a board for 3.3 V only what remains of the ripple
-# in VMID and in the sensor's bias counts. The filter amplifies ripple in its passband like slip. Variant article has no low-pass: there ripple of some kilohertz, as a switching converter has it,
-# is amplified most.
+# little more where C7 delays the sensor's arm against the other one. On a board for 3.3 V only what remains of the
+# ripple in VMID and in the sensor's bias counts. The filter amplifies ripple in its passband like slip. Variant article
+# has no low-pass: there ripple of some kilohertz, as a switching converter has it, is amplified most.
 
 DEAD_ZONE_V = 0.45
 """Voltage at which variant article's diode starts to conduct. Its output is zero below it."""

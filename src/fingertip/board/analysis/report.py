@@ -33,6 +33,7 @@ from fingertip.board.analysis.tolerance import (
 )
 from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import Network, Value, build_network
+from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
 from fingertip.board.components.values import Tolerance, select_components
 from fingertip.board.parts.circuit import ADC_TACTILE, FILTERED, STAGE1_OUT, TACTILE, VCC, VEE, Circuit
 from fingertip.design import Design
@@ -50,6 +51,10 @@ class Analysis:
     """Dual amplifier of filter and rectifier."""
     aliasing: AliasAttenuation
     voltage_limits: VoltageLimits
+    idle_v: float
+    """Tactile voltage with an open sensor [V]."""
+    pressed_v: float
+    """Tactile voltage at the sensor's maximum force [V]."""
     output_offset: OutputOffset | None
     supply_ripple: SupplyRipple
     comparator_levels: ComparatorLevels | None
@@ -89,6 +94,8 @@ def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
         amplifier=values.amplifier,
         aliasing=values.aliasing,
         voltage_limits=values.voltage_limits,
+        idle_v=values.tactile_response.open_v,
+        pressed_v=values.tactile_response.tactile_v(sensor_conductance_s(MAX_FORCE_N)),
         output_offset=values.output_offset,
         supply_ripple=values.supply_ripple,
         comparator_levels=values.comparator_levels,
@@ -127,7 +134,7 @@ def bode_table(design: Design, low_hz: float = 1.0, high_hz: float = 1e5, per_de
 
 
 def _front_end_offset(circuit: Circuit, network: Network, supply_v: float) -> Contribution:
-    """Offset of the front end's resistors at TACTILE and its ADC pin, with the sensor open. C1 blocks it from the filter."""
+    """Offset at TACTILE and its ADC pin by the resistors, with the sensor open. C1 blocks it from the filter."""
     path = network.restrict(TACTILE)
 
     def tactile_v(values: Mapping[str, Value]) -> float:
@@ -141,4 +148,5 @@ def _front_end_offset(circuit: Circuit, network: Network, supply_v: float) -> Co
             if shift_v > 1e-9:
                 names.append(component.reference)
                 worst_v += shift_v
-    return Contribution(f"{names[0]} to {names[-1]}", tuple(worst_v if net in (TACTILE, ADC_TACTILE) else 0.0 for net in NETS))
+    volts = tuple(worst_v if net in (TACTILE, ADC_TACTILE) else 0.0 for net in NETS)
+    return Contribution(f"{names[0]} to {names[-1]}", volts)

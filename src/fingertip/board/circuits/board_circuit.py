@@ -8,11 +8,11 @@ because KiCad requires references that end in a digit: a first-order high-pass w
 unity-gain Sallen-Key high-pass (eqs. 3, 4), a diode, and R_LP parallel to C_LP (eq. 11).
 
 `precision` has a transimpedance stage in place of the bridge (`fingertip.board.components.transimpedance`). Its filter
-equals that of `article` except for two capacitors. C14 couples R4 to signal ground for AC only, so
-that the first stage does not amplify its own offset. C20 across R5 is a low-pass above the band of the vibrations. After FILTERED a precision half-wave rectifier (U3a, D1, D4), which
-inverts, drives an inverting first-order low-pass (U3b). Both inputs are virtual grounds, so R_LP and C_LP give the
-article's 36.17 Hz whether a diode conducts or not. After two inversions the envelope is positive and follows the
-positive half waves. For a sine its mean is 1/pi of the peak.
+equals that of `article` except for two capacitors. C14 couples R4 to signal ground for AC only, so that the first stage
+does not amplify its own offset. C20 across R5 is a low-pass above the band of the vibrations. After FILTERED a
+precision half-wave rectifier (U3a, D1, D4), which inverts, drives an inverting first-order low-pass (U3b). Both inputs
+are virtual grounds, so R_LP and C_LP give the article's 36.17 Hz whether a diode conducts or not. After two inversions
+the envelope is positive and follows the positive half waves. For a sine its mean is 1/pi of the peak.
 
 `comparator` is `precision` with the article's future work: threshold, hysteresis and an ON/OFF pin. The comparator has
 an open-collector output: SLIP is low (asserted) while slip is detected and high (VCC) otherwise.

@@ -51,8 +51,8 @@ ENVELOPE_CURRENT_MARGIN = 0.95
 """Maximum ratio of the current that charges variant article's envelope, at its peak, to what the data sheet gives."""
 SPLIT_RANGE_V, CONTROLLER_RANGE_V = (5.0, 5.5), (3.1, 3.6)
 """Range of the supply's voltage [V]: of each half of variant article's, and of a board for a controller. The article's
-bridge is sized for its 4.3 V. The AD623's supply range begins at 3 V and ends at 12 V (its data sheet; unverified), and
-the inputs of a controller bear 3.6 V."""
+bridge is sized for its 4.3 V. Half a board for a controller must leave the amplifiers room to swing, and the inputs of
+the controller bear 3.6 V."""
 
 
 @RULES.rule("board.supply_v")

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from fingertip.board.analysis.interference import DEAD_ZONE_V, describe_sensor
 from fingertip.board.analysis.limits import describe_adc_range, describe_filter_swing
 from fingertip.board.analysis.noise import NETS, NOISE_BAND_HZ, NOISE_FORCE_N
-from fingertip.board.analysis.report import BRIDGE_TOLERANCE, Analysis
+from fingertip.board.analysis.report import Analysis
 from fingertip.board.analysis.tolerance import ARTICLE_CAPACITOR_PERCENT, CUTOFF_CAPACITORS
 from fingertip.board.components.bridge import LOW_NOISE_NAME
 from fingertip.catalogues.amplifiers import CATALOGUE
@@ -39,7 +39,7 @@ def analysis_text(analysis: Analysis) -> str:
         filter_swing=describe_filter_swing(analysis.voltage_limits),
         adc_range=describe_adc_range(analysis.voltage_limits),
         amplifier=CATALOGUE[analysis.amplifier],
-        bridge_percent=100 * BRIDGE_TOLERANCE,
+        has_bridge=analysis.output_offset is None,
         tolerances=_group_tolerances(analysis.component_percent),
         cutoff_percent=max(analysis.component_percent[name] for name in CUTOFF_CAPACITORS),
         article_percent=ARTICLE_CAPACITOR_PERCENT,

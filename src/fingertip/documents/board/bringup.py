@@ -80,15 +80,16 @@ _PROBES = {
 _ENDS = {REFERENCE: ("R13", "reference"), STAGE2_MID: ("R2", "second stage")}
 """Part whose end is the place of the red probe for the other nets, and their name."""
 _MEANINGS = {
-    TACTILE: "bridge R10 to R13, its amplifier U2 with R14",
     STAGE1_OUT: "U1, R4, R5",
     FILTERED: "U1, R2, R3",
     ENVELOPE: "rectifier and envelope",
-    VMID: "R22, R23, U5",
-    SENSOR: "R10, R11, C7",
+    VMID: "R22, R23, U2",
     REFERENCE: "R12, R13",
 }
 """Parts that a constant voltage depends on."""
+_BRIDGE_PARTS = {TACTILE: "bridge R10 to R13, its amplifier U2 with R14", SENSOR: "R10, R11, C7"}
+_STAGE_PARTS = {TACTILE: "R28 to R33, C26 to C29, U2", SENSOR: "R28 to R33, D6, U2"}
+"""Those of the front end: a bridge, or a transimpedance stage."""
 _OUTPUT_PARTS = {
     ADC_TACTILE: "R8, R9, D3; C9 and C19 bridged",
     ADC_FILTERED: "R27, D5; C25 bridged",
@@ -105,6 +106,7 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
     parts = {part.reference: part for part in circuit.components}
     small = [name for name, part in parts.items() if "SOT-23" in part.footprint]
     is_protected, has_slip = "Q1" in parts, SLIP in circuit.net_by_pin.values()
+    meanings = _MEANINGS | (_BRIDGE_PARTS if REFERENCE in circuit.net_by_pin.values() else _STAGE_PARTS)
     return render(
         "board/bringup.md",
         **collect_board(values, design),
@@ -137,7 +139,7 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
         ],
         voltages=[
             *(
-                _row(plan, name_voltage(net), _find_probe(plan, placement, net), _MEANINGS[net])
+                _row(plan, name_voltage(net), _find_probe(plan, placement, net), meanings[net])
                 for net in plan.board.nets
             ),
             *(
@@ -179,7 +181,10 @@ def _list_resistances(plan: BringUp, placement: Placement, is_protected: bool) -
     yield _row(plan, SUPPLY_OHM, where, "a short: do not apply power")
     if NEGATIVE_OHM in plan.before_power:
         yield _row(plan, NEGATIVE_OHM, "J2: ground to minus", "a short: do not apply power")
-    yield _row(plan, SENSOR_OHM, "J1: between its pins", "R10 to R13, C7")
+    if REFERENCE in plan.board.circuit.net_by_pin.values():
+        yield _row(plan, SENSOR_OHM, "J1: between its pins", "R10 to R13, C7")
+    else:
+        yield _row(plan, SENSOR_OHM, "J1 pin 1 to TP1", "R28 to R30, D6")
 
 
 def _list_outputs(plan: BringUp) -> Iterator[Row]:

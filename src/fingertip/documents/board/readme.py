@@ -14,7 +14,7 @@ from fingertip.board.analysis.noise import noise_warning
 from fingertip.board.bringup.wiring import NEEDED_PINS
 from fingertip.board.circuits.board_circuit import CABLE_OHM
 from fingertip.board.circuits.spice import MAX_SWITCH_OHM
-from fingertip.board.components.bridge import POWER_UP_S, VREF_RATIO
+from fingertip.board.components.bridge import MAX_FORCE_N, POWER_UP_S, Bridge, sensor_conductance_s
 from fingertip.board.components.values import CLAMP_A, MAX_CLAMP_A, MAX_LOW_LEAKAGE_A, PULL_UP_OHM, SUPPLIES
 from fingertip.board.fabrication.bom import (
     find_rotation,
@@ -39,12 +39,6 @@ from fingertip.foundation.files import format_figure
 
 _NO_DIRECTION = (RESISTOR, CAPACITOR)
 """Symbols of components that may be turned by 180 degrees."""
-_PRECISE = {
-    "R14": "sets the gain of the bridge's amplifier",
-    "R22": "sets signal ground with R23",
-    "R25": "sets the bridge's supply with R26",
-}
-"""Purposes of the resistors of 0.1 % outside the bridge."""
 
 
 def folder_readme(circuit: Circuit, stored: StoredProject, values: BoardValues, design: Design) -> bytes:
@@ -84,7 +78,8 @@ def folder_readme(circuit: Circuit, stored: StoredProject, values: BoardValues, 
         max_clamp_a=MAX_CLAMP_A,
         max_low_leakage_a=MAX_LOW_LEAKAGE_A,
         cable_ohm=CABLE_OHM,
-        vref_ratio=VREF_RATIO,
+        idle_v=values.tactile_response.open_v,
+        pressed_v=values.tactile_response.tactile_v(sensor_conductance_s(MAX_FORCE_N)),
         needed_pins=NEEDED_PINS,
         ripple_sensor=describe_sensor(values.supply_ripple),
         supply_range_v=CONTROLLER_RANGE_V,
@@ -94,7 +89,7 @@ def folder_readme(circuit: Circuit, stored: StoredProject, values: BoardValues, 
         noise_warning=noise_warning(values.noise, design.detector.threshold_v),
         dead_zone_v=DEAD_ZONE_V,
         **_collect_order(circuit, stored),
-        bridge_shift_v=_find_bridge_shift_v(values, design.board.supply_v),
+        bridge_shift_v=_find_bridge_shift_v(values.bridge, design.board.supply_v) if values.bridge else 0.0,
         missing_numbers=missing_numbers_note(circuit),
         rotations=load_sources()[load_rotations()[0].source],
     ).encode()
@@ -136,7 +131,6 @@ def _collect_order(circuit: Circuit, stored: StoredProject) -> dict[str, Any]:
     placement = stored.placement
     pads = {reference: part.pads for reference, part in placement.parts.items()}
     through_hole = [c for c in components if any(pad.drill and pad.is_plated for pad in pads[c.reference])]
-    precise = {c.reference for c in circuit.components if c.requirement and c.requirement.tolerance_percent <= 0.1}
     return {
         "components": components,
         "assembled": assembled,
@@ -147,16 +141,15 @@ def _collect_order(circuit: Circuit, stored: StoredProject) -> dict[str, Any]:
         ),
         "by_house": [c.reference for c in through_hole if c in assembled],
         "by_hand": [c.reference for c in through_hole if c not in assembled],
-        "precise_resistors": "; ".join(f"{name} {purpose}" for name, purpose in _PRECISE.items() if name in precise),
         "unknown_rotations": [
             c.reference for c in assembled if c.symbol not in _NO_DIRECTION and find_rotation(c.footprint) is None
         ],
     }
 
 
-def _find_bridge_shift_v(values: BoardValues, supply_v: float) -> float:
+def _find_bridge_shift_v(bridge: Bridge, supply_v: float) -> float:
     """Largest shift of the tactile voltage by an error of 1 % in one resistor of the bridge [V]."""
-    bridge, idle_v = values.bridge, values.bridge.tactile_v(0.0, supply_v)
+    idle_v = bridge.tactile_v(0.0, supply_v)
     names = ("sensor_top_ohm", "sensor_shunt_ohm", "reference_top_ohm", "reference_bottom_ohm")
     changed = (replace(bridge, **{name: 1.01 * getattr(bridge, name)}) for name in names)
     return max(abs(each.tactile_v(0.0, supply_v) - idle_v) for each in changed)

@@ -149,7 +149,7 @@ static void tick(slip_state *state, slip_real slope) {
     if (row[0] > SLIP_LOUD || row[2] > SLIP_LOUD || row[1] > SLIP_LOUD_20 || row[3] > SLIP_LOUD_20) {
         row[4] = greatest / slow_floor;
         row[5] = change * change / slow_floor;
-        row[6] = half_change * (half_change > R(0.0) ? half_change : -half_change) / slow_floor;
+        row[6] = half_change * half_change / slow_floor;
         row[7] = state->net_short * state->net_short / (state->total_short * state->total_short + SLIP_TINY);
         row[8] = state->upper_short / (peak + SLIP_TINY);
         row[9] = state->wide_long / (greatest + SLIP_TINY);

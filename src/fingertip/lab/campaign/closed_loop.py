@@ -96,7 +96,8 @@ class GripController:
         self._detectors = [make_detector(settings.detector, design) for _ in range(fingers)]
         # The hand knows what part of a grip's force its sensors feel.
         volts = compute_bridge_v(design, self._pad.sensed_n(_TABLE_N, None, reads_whole_finger(design, "board")))
-        self._volts, self._forces = volts[::-1], _TABLE_N[::-1]  # voltage falls with force
+        order = np.argsort(volts)
+        self._volts, self._forces = volts[order], _TABLE_N[order]
         self._history: deque[tuple[float, Array]] = deque()
         self._last_growth_s = -math.inf
         self._tightened_s = -math.inf

@@ -35,6 +35,8 @@ MAX_HIGH_RATIO = 1.5
 """Largest ratio of the total RMS value to that above `HIGH_HZ` for which most energy counts as high."""
 _MIN_WIDTH_HZ = 20.0
 _LOWEST_HZ, _HIGHEST_HZ = 20.0, 250.0
+_LIGHT_GRIP_N = 0.45, 2.6
+"""Forces of a light grip [N]."""
 _SHEAR_S = 0.1
 """Time before gross slip in which a hand's pads may creep [s]."""
 _EVENT_S = 0.3
@@ -126,8 +128,8 @@ def _record(design: Design, rng: np.random.Generator, signal: LabelledSignal) ->
 
 
 def draw_rest_v(design: Design, rng: np.random.Generator) -> float:
-    """Draw the tactile voltage of a light grip [V]: a share of that of an open sensor."""
-    return float(rng.uniform(0.82, 0.95) * compute_bridge_v(design, np.zeros(1))[0])
+    """Draw the tactile voltage of a light grip [V]."""
+    return float(compute_bridge_v(design, rng.uniform(*_LIGHT_GRIP_N, 1))[0])
 
 
 def abrupt_burst(design: Design, seed: int, low_v: float, high_v: float, duration_s: float = 0.5) -> LabelledSignal:

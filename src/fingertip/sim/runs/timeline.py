@@ -152,12 +152,12 @@ class Timeline:
         return np.maximum(load, 0.0)
 
 
-def find_trigger_s(design: Design, pad: Pad, sensing: Sensing, drop_v: float, time_s: Array, force_n: Array) -> float:
-    """Moment at which a growing force has lowered the tactile voltage by a drop [s]; the last one if it does not."""
+def find_trigger_s(design: Design, pad: Pad, sensing: Sensing, change_v: float, time_s: Array, force_n: Array) -> float:
+    """Moment at which a growing force has moved the tactile voltage by so much [s]; the last one if it does not."""
     sensed_n = pad.sensed_n(force_n, None, reads_whole_finger(design, sensing.bridge))
     volts = Bridge.select(design, sensing.bridge).voltage_v(sensed_n)
-    drops = np.maximum.accumulate(volts[0] - volts)
-    return round(float(np.interp(drop_v, drops, time_s)), 6)  # the power of the bridge differs in its last digit
+    changes = np.maximum.accumulate(np.abs(volts - volts[0]))
+    return round(float(np.interp(change_v, changes, time_s)), 6)  # the power of the bridge differs in its last digit
 
 
 def build_timeline(design: Design, scene: SceneFile, pad: Pad, force_n: float) -> Timeline:

@@ -258,7 +258,7 @@ def _fast_loop(
             rows[at + 3] = wide_long / wide_floor
             rows[at + 4] = greatest / slow_floor
             rows[at + 5] = change * change / slow_floor
-            rows[at + 6] = half_change * (half_change if half_change > 0.0 else -half_change) / slow_floor
+            rows[at + 6] = half_change * half_change / slow_floor
             rows[at + 7] = net_short * net_short / (total_short * total_short + TINY)
             rows[at + 8] = upper_short / (peak + TINY)
             rows[at + 9] = wide_long / (greatest + TINY)

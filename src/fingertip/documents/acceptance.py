@@ -48,7 +48,7 @@ def expect_open_v(design: Design) -> float:
 
 
 def expect_pressed_v(design: Design) -> float:
-    """Expect the tactile voltage at `MAX_FORCE_N` [V], far more than any weight of the sheet: beyond is a short circuit.
+    """Expect the tactile voltage at `MAX_FORCE_N` [V], far more than any weight of the sheet. Beyond is a short.
 
     The data sheet's sensor gives it, as the README of the board states, or the calibrated one if that conducts more.
     """

@@ -44,8 +44,8 @@ DEVICES = {
     "digital chain": ("article", "digital"),
     "fft": ("article", "fft"),
 }
-"""Name -> variant of the board, and detector. Both boards have the article's amplifiers ahead of the rectifier; the
-precision rectifier has no dead zone."""
+"""Name -> variant of the board, and detector. The precision board has a quieter front end on its own supply, and its
+rectifier has no dead zone."""
 _LONGEST_ZERO_S = 0.2
 
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from fingertip.board.components.values import SUPPLIES
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import BAND_CUTOFFS
 from fingertip.foundation.errors import DesignError
@@ -41,11 +42,12 @@ class BoardResult:
 
 
 def with_variant(design: Design, variant: str) -> Design:
-    """Copy of the design with another board variant; its band limit is moved above the vibrations if necessary."""
+    """Copy of the design with another board on its own supply; its band limit is moved above the vibrations."""
     tables = design.model_dump()
     if design.board.variant != variant:
         minimum = BAND_CUTOFFS * design.board.cutoff_hz
-        tables["board"] |= {"variant": variant, "band_limit_hz": max(design.board.band_limit_hz, minimum)}
+        supply_v, limit_hz = SUPPLIES[variant].nominal_v, max(design.board.band_limit_hz, minimum)
+        tables["board"] |= {"variant": variant, "supply_v": supply_v, "band_limit_hz": limit_hz}
     return Design(**tables)
 
 

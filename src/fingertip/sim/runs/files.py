@@ -76,7 +76,7 @@ class Hold(ParameterTable):
     wait_s: float = quantity(1.0, "s", (0, 60), "Wait between the phases (article, III.C).")
     trigger_v: float = quantity(
         0.0, "V", (0, 1),
-        "Drop of the tactile voltage, without noise, from which the wait before the slide counts (article, III.C, "
+        "Change of the tactile voltage, without noise, from which the wait before the slide counts (article, III.C, "
         "sliding surface); 0, or one that is not reached: from the holding force on.",
     )  # fmt: skip
     min_s: float = quantity(0.0, "s", (0, 600), "Minimum holding time.")
@@ -299,7 +299,7 @@ class Knock(ParameterTable):
     attached: bool = Field(False, description="Whether the pin is attached to the object (article: sliding surface).")
     trigger_v: float = quantity(
         0.0, "V", (0, 1),
-        "Drop of the thumb's tactile voltage, without noise, from which at_s counts (article, III.C); 0, or one that "
+        "Change of the thumb's tactile voltage, without noise, from which at_s counts (article, III.C); 0, or one that "
         "is not reached: from the moment at which the hand carries the weight.",
     )  # fmt: skip
 

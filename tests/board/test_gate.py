@@ -17,10 +17,10 @@ from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.gate import (
     CLAMP,
     CURRENT,
-    IDLE,
+    HIGHEST,
     MARGIN,
     PEAKING,
-    PRESSED,
+    LOWEST,
     TRIM,
     GateCondition,
     check_gate,
@@ -59,9 +59,8 @@ def load(name: str, *changes: str) -> Design:
 
 
 def test_catalogue_and_parameter_name_the_same_amplifiers() -> None:
-    duals = {name for name, amplifier in CATALOGUE.items() if amplifier.is_dual}
-    assert {AUTO, *duals} == set(get_args(AmplifierName))
-    assert {a.name for a in list_dual_amplifiers()} == duals
+    assert {AUTO, *CATALOGUE} == set(get_args(AmplifierName))
+    assert {a.name for a in list_dual_amplifiers()} == {*CATALOGUE}
     for amplifier in CATALOGUE.values():
         assert amplifier.source
         assert all(hasattr(amplifier, name) for name in amplifier.unverified)
@@ -90,7 +89,7 @@ def test_board_for_a_controller_meets_every_condition_over_its_range(variant: st
     converter = ("detector.adc_bits=12", f"detector.adc_range_v={supply_v}", "detector.adc_polarity=unipolar")
     design = load(variant, f"board.supply_v={supply_v}", *converter)
     amplifier = choose_amplifier(design.board)
-    assert amplifier.name == ("OPA2376" if variant == "comparator" else "TLV2372")
+    assert amplifier.name == ("OPA2376" if variant == "comparator" else "MCP6022")
     assert amplifier.min_supply_v <= supply_v <= amplifier.max_supply_v
     assert list(gate_warnings(board_values(design).gate)) == []
 
@@ -154,16 +153,16 @@ def test_charging_current_agrees_with_a_simulated_peak_detector(f_hz: float, pea
     assert compute_charging_current_a(peak_v, f_hz, ohm, farad) == pytest.approx(largest_a, rel=0.05, abs=1e-6)
 
 
-def test_a_converter_that_the_idle_level_saturates_is_warned_of() -> None:
+def test_a_converter_that_the_tactile_voltage_saturates_is_warned_of() -> None:
     conditions = board_values(load_article(["detector.adc_range_v=3.3"])).gate
     warning = next(gate_warnings(conditions))
-    assert warning.startswith("tactile voltage at idle (TACTILE): 4.41 V, must be at most 3.30 V; the converter is")
-    assert find_smallest_margin(conditions) == find_smallest_margin(conditions, IDLE) < 1
+    assert warning.startswith("highest tactile voltage (TACTILE): 4.41 V, must be at most 3.30 V; the converter is")
+    assert find_smallest_margin(conditions) == find_smallest_margin(conditions, HIGHEST) < 1
 
 
 def test_a_loop_that_never_reaches_a_gain_of_one_has_no_phase_margin() -> None:
     """Fuzzing found this one: its margin is infinite, which no JSON file can hold."""
-    changes = ["board.passband_gain=4477", "board.r5_ohm=1.798e6"]
+    changes = ["board.passband_gain=4477", "board.r5_ohm=1.798e6", "board.amplifier=TLV2372"]
     conditions = board_values(Design.load("adult_finger", changes=changes)).gate
     assert all(math.isfinite(condition.value) for condition in conditions)
     assert "U1a" not in {c.subject for c in conditions if c.name == MARGIN}
@@ -178,7 +177,7 @@ def test_margin_is_one_at_the_limit() -> None:
 
 def test_a_converter_of_less_than_the_clamps_rail_is_warned_of() -> None:
     conditions = board_values(load_article(["detector.adc_range_v=4.6"])).gate
-    assert {c.name: c.passed for c in conditions if c.name in (IDLE, CLAMP)} == {IDLE: True, CLAMP: False}
+    assert {c.name: c.passed for c in conditions if c.name in (HIGHEST, CLAMP)} == {HIGHEST: True, CLAMP: False}
     (warning,) = gate_warnings(conditions)
     assert "clamp of the converter's pins (D2, D3): 5.00 V, should be at most 4.60 V; the clamps do not" in warning
 
@@ -190,9 +189,9 @@ def test_a_unipolar_converter_is_warned_of_where_a_press_takes_the_tactile_volta
         assert values.voltage_limits.min_tactile_v > 0
         limits = replace(values.voltage_limits, min_tactile_v=-0.1)
         conditions = check_gate(
-            board_circuit(values), design, limits, 60.0, {"GND": 0, "VCC": 5, "VEE": -5}, None, None
+            board_circuit(values), design, limits, False, 60.0, {"GND": 0, "VCC": 5, "VEE": -5}, None, None
         )
-        (pressed,) = (c for c in conditions if c.name == PRESSED)
+        (pressed,) = (c for c in conditions if c.name == LOWEST)
         assert (pressed.passed, pressed.margin >= 1) == (passes, passes)
 
 
@@ -218,7 +217,7 @@ def test_threshold_spread_is_the_sum_of_its_causes() -> None:
     worst = {shift.cause: shift.worst_v for shift in spread.shifts}
     assert spread.max_v - spread.min_v == pytest.approx(2 * math.fsum(worst.values()))
     # Five offsets add up in the envelope; 2 uV/K over 25 K are 1 % more.
-    assert worst["offsets of the amplifiers"] == pytest.approx(offset.max_v * (4.55 / 4.5), rel=2e-3)
+    assert worst["offsets of the amplifiers"] == pytest.approx(offset.max_v * (4.55 / 4.5), rel=3e-3)
     assert worst["offset of the comparator"] == pytest.approx(7.125e-3)
     assert worst["input currents of the comparator"] == pytest.approx(375e-9 * 15e3, rel=1e-3)
     # The envelope's amplifier isolates the comparator from the clamps.

@@ -115,15 +115,14 @@ def test_rectifier_changed_in_one_place_scales_envelope_noise_and_ripple(
     assert after.supply_ripple.max_v == pytest.approx(before.supply_ripple.max_v / ratio, rel=0.01)
 
 
-def test_bridge_changed_in_one_place_moves_the_tactile_voltage(monkeypatch: pytest.MonkeyPatch) -> None:
-    from fingertip.board.components.bridge import Bridge
+def test_front_end_changed_in_one_place_moves_the_tactile_voltage(monkeypatch: pytest.MonkeyPatch) -> None:
+    from fingertip.board.components import transimpedance
     from fingertip.sim.signal.converter import compute_bridge_v
 
-    before, select = board_values(DESIGN), Bridge.by_reference
-    before_v = compute_bridge_v(DESIGN, np.ones(1))[0]
-    monkeypatch.setattr(Bridge, "by_reference", lambda bridge: {**select(bridge), "R13": 10e3})
+    before, before_v = board_values(DESIGN), compute_bridge_v(DESIGN, np.ones(1))[0]
+    monkeypatch.setattr(transimpedance, "VALUES", {**transimpedance.VALUES, "R32": 20e3})
     board_values.cache_clear()
     after = board_values(DESIGN)
-    assert after.tactile_response.open_v < before.tactile_response.open_v - 0.5
-    assert after.voltage_limits.max_tactile_v == pytest.approx(after.tactile_response.open_v, rel=1e-9)
-    assert compute_bridge_v(DESIGN, np.ones(1))[0] < before_v - 0.5
+    assert after.tactile_response.open_v > 1.9 * before.tactile_response.open_v
+    assert after.voltage_limits.min_tactile_v == pytest.approx(after.tactile_response.open_v, rel=1e-9)
+    assert compute_bridge_v(DESIGN, np.ones(1))[0] > 1.9 * before_v

@@ -182,7 +182,7 @@ def test_every_line_has_a_number_or_an_empty_field_and_the_reason(name: str, ext
 def test_capacitors_have_the_tolerance_that_is_sold() -> None:
     circuit = board_circuit(board_values(load_article(["board.variant=precision"])))
     percent = {c.reference: c.requirement.tolerance_percent for c in circuit.components if c.requirement}
-    assert [percent[name] for name in ("C1", "C4", "C8", "C14", "C20", "R1", "R10")] == [10, 10, 10, 10, 5, 1, 0.1]
+    assert [percent[name] for name in ("C1", "C4", "C8", "C14", "C20", "R1")] == [10, 10, 10, 10, 5, 1]
     stated = board_circuit(
         board_values(load_article(["board.variant=precision", "board.capacitor_tolerance_percent=5"]))
     )

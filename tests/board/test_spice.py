@@ -199,14 +199,14 @@ def limit_to_the_rails(deck: str) -> str:
     limited = deck.replace("E1 out 0 pole 0 1\n", "B1 out 0 V=min(max(v(pole),0),v(vcc))\n")
     limited = limited.replace("E4 out 0 pole 0 1\n", "B4 out 0 V=min(max(v(pole),0),v(vcc))\n")
     limited = limited.replace("G1 0 pole p minus ", "B0 0 pole I=max(min(v(p,minus),1e-3),-1e-3)*")
-    assert limited.count("B1 out") >= 2
+    assert "B1 out" in limited
     return limited.replace("\n.subckt", "\n.global vcc\n.subckt", 1)
 
 
 CONDITIONS = {
-    "open": "RJ1 sensor vmid 1e9",
-    "shorted": "RJ1 sensor vmid 1e-2",
-    "press": "SJ1 sensor vmid hit 0 closes\nRJ1 sensor vmid 1e9\nVhit hit 0 pulse(0 1 1.2 1m)\n"
+    "open": "RJ1 sensor 0 1e9",
+    "shorted": "RJ1 sensor 0 1e-2",
+    "press": "SJ1 sensor 0 hit 0 closes\nRJ1 sensor 0 1e9\nVhit hit 0 pulse(0 1 1.2 1m)\n"
     ".model closes SW(Vt=0.5 Vh=0.1 Ron=250 Roff=1G)",
 }
 
@@ -231,39 +231,46 @@ def test_outputs_stay_within_the_supply_in_ngspice(tmp_path: Path, variant: str,
     assert volts.min() > -1e-3
     assert volts.max() < 3.3 + 1e-3
     settled = dict(zip(pins, volts[-1], strict=True))
-    assert settled["m_out"] == pytest.approx(3.3 * 44.2 / 99.1, abs=0.02)
+    assert settled["m_out"] == pytest.approx(1.65, abs=0.02)
     if condition == "open":
-        assert settled["adc_tactile"] == pytest.approx(2.7, abs=0.1)
+        assert settled["adc_tactile"] == pytest.approx(3.3 / 23, abs=0.01)
     if condition == "shorted":
-        assert settled["adc_tactile"] < 0.1
+        assert settled["adc_tactile"] > 3.2
     if condition == "press":
         assert np.ptp(volts[:, pins.index("adc_filtered")]) > 1.5  # the press shows
 
 
-def test_tactile_voltage_falls_with_force_within_the_range() -> None:
+def test_tactile_voltage_rises_with_force_within_the_range() -> None:
     response = board_values(load("precision")).tactile_response
     volts = [response.tactile_v(sensor_conductance_s(f)) for f in (0.0, 0.2, 0.8, 1.3, 20.0)]
-    assert volts == sorted(volts, reverse=True)
-    assert 0.3 < volts[-1] < volts[0] < 3.3 - 0.5
-    # Four fifths of the article's 0.3 V and 0.45 V.
-    assert volts[1] - volts[2] == pytest.approx(0.8 * 0.3, abs=0.01)
-    assert volts[1] - volts[3] == pytest.approx(0.8 * 0.45, abs=0.015)
+    assert volts == sorted(volts)
+    # Four fifths of the article's slope, which a bridge on 3.3 V gave, within 20 %.
+    assert volts[2] - volts[1] == pytest.approx(0.8 * 0.3, rel=0.2)
+    assert volts[3] - volts[1] == pytest.approx(0.8 * 0.45, rel=0.2)
+    # Sensors of the typical resistance, half and a quarter of it, up to 20, 17 and 6 N.
+    for factor, force_n in ((1, 20.0), (2, 17.0), (4, 6.0)):
+        assert 0.05 < response.tactile_v(factor * sensor_conductance_s(force_n)) < 3.3 - 0.05
+
+
+def test_shorted_cable_draws_little_from_a_stage_at_its_rail() -> None:
+    values = board_values(load("precision")).by_reference
+    assert 3.3 / (values["R28"] + values["R29"] + values["R30"]) < 0.25e-3
 
 
 def test_protection_costs_less_than_a_millivolt() -> None:
-    """TLV2372 and TLV2371 draw 0.8 mA for each amplifier at most, the AD623 0.6 mA, the bridge 2 mA."""
-    assert (6 * 0.8e-3 + 0.6e-3 + 2e-3 + 1e-3) * MAX_SWITCH_OHM < 1e-3
+    """MCP6022 draws 1.35 mA for each amplifier at most."""
+    assert (6 * 1.35e-3 + 1e-3) * MAX_SWITCH_OHM < 1e-3
     switch = {pin: net for (ref, pin), net in circuit_of("precision").net_by_pin.items() if ref == "Q1"}
     assert switch == {"1": "GND", "2": "VCC", "3": "POWER_IN"}  # gate, source, drain
 
 
 def test_voltage_limits_of_both_supplies() -> None:
     split, single = (board_values(load(name)).voltage_limits for name in ("article", "precision"))
-    assert (split.signal_ground_v, single.signal_ground_v) == pytest.approx((0.0, 3.3 * 44.2 / 99.1))
-    assert (split.filter_peak_v, single.filter_peak_v) == pytest.approx((3.5, 3.3 * 54.9 / 99.1 - 0.1))
-    assert (split.filter_trough_v, single.filter_trough_v) == pytest.approx((2.0, 3.3 * 44.2 / 99.1 - 0.1))
+    assert (split.signal_ground_v, single.signal_ground_v) == pytest.approx((0.0, 1.65))
+    assert (split.filter_peak_v, single.filter_peak_v) == pytest.approx((3.5, 1.65 - 0.05))
+    assert (split.filter_trough_v, single.filter_trough_v) == pytest.approx((2.0, 1.65 - 0.05))
     assert split.vibration_peak_v == pytest.approx(2.0 / 67.667, rel=1e-3)
-    for limits, least_v, most_v in ((split, 3.85, 4.5), (single, 2.2, 2.8)):
+    for limits, least_v, most_v in ((split, 3.85, 4.5), (single, 0.5, 2.2)):
         assert 0 < limits.min_tactile_v < least_v < limits.max_tactile_v < most_v
         assert limits.max_tactile_v <= limits.clamp_high_rail_v
 

@@ -1,0 +1,116 @@
+"""The transimpedance stage in ngspice: noise, ripple, stability with a cable, recovery, and a discharge into the cable."""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.loads import compute_phase_margins_deg
+from fingertip.board.circuits.network import build_network
+from fingertip.board.circuits.spice import spice_deck
+from fingertip.board.components.bridge import sensor_conductance_s
+from fingertip.board.parts import symbols
+from fingertip.board.parts.circuit import Component
+from fingertip.catalogues.amplifiers import CATALOGUE
+from fingertip.design import Design
+from tests.board.ngspice import run_ngspice
+from tests.board.test_spice import limit_to_the_rails, replace_elements
+
+AMPLIFIERS = ["MCP6022", "OPA2376"]
+
+
+def write_deck(amplifier: str, force_n: float, rng: np.random.Generator | None = None) -> str:
+    """Deck of the default board with the sensor under a force, and parts drawn within their tolerances."""
+    circuit = board_circuit(board_values(Design.load("fsr400", changes=[f"board.amplifier={amplifier}"])))
+    for part in circuit.components if rng else ():
+        if rng and part.requirement:
+            ratio = part.requirement.tolerance_percent / 100 * rng.uniform(-1, 1)
+            value = build_network(circuit).values[part.reference]
+            farad_or_ohm = value if part.reference[0] == "C" else 1 / value
+            circuit = circuit.replace(part.reference, f"{farad_or_ohm * (1 + ratio):.6g}")
+    deck = spice_deck(circuit, CATALOGUE[amplifier].bandwidth_hz, 3.3).decode()
+    return replace_elements(deck, RJ1=f"RJ1 sensor 0 {1 / sensor_conductance_s(force_n):.6g}")
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("amplifier", AMPLIFIERS)
+def test_noise_at_the_pin_of_the_filtered_signal(tmp_path: Path, amplifier: str) -> None:
+    rng = np.random.default_rng(1)
+    for force_n, limit_v in ((3.0, 0.20e-3), (8.0, 0.35e-3)):
+        decks = [write_deck(amplifier, force_n), *(write_deck(amplifier, force_n, rng) for _ in range(10))]
+        command = "noise v(adc_filtered) IJ1 dec 50 0.1 1meg\nsetplot noise2\nwrdata out onoise_total"
+        found = [run_ngspice(tmp_path, deck, command)[0][-1] for deck in decks]
+        print(f"{amplifier} at {force_n} N: {1e3 * found[0]:.3f} mV, largest of 10 boards {1e3 * max(found):.3f} mV")
+        assert max(found) < limit_v
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("amplifier", AMPLIFIERS)
+def test_ripple_of_the_mains_at_the_filtered_signal(tmp_path: Path, amplifier: str) -> None:
+    for force_n in (0.3, 3.0, 8.0, 20.0):
+        deck = write_deck(amplifier, force_n).replace("dc 0 ac 1u", "dc 0")
+        (source,) = (line for line in deck.splitlines() if line.startswith("VJ2 "))
+        deck = deck.replace(source, f"{source} ac 1")
+        command = "ac lin 2 100 101\nlet g = abs(v(adc_filtered)-v(vmid))\nwrdata out g"
+        assert run_ngspice(tmp_path, deck, command)[0][1] < 0.25, force_n
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("amplifier", AMPLIFIERS)
+def test_stage_is_stable_with_any_cable_and_sensor(amplifier: str) -> None:
+    """By the equations: amplifiers of two poles, without resistance at their outputs."""
+    circuit = board_circuit(board_values(Design.load("fsr400", changes=[f"board.amplifier={amplifier}"])))
+    margins = []
+    for farad, ohm in itertools.product((1e-12, 1e-10, 1e-9, 4.7e-9, 2.2e-8), (1e-2, 250.0, 1e3, 5e3, 3e4, 1e6, 1e9)):
+        cable = Component("C90", f"{farad:g}", symbols.CAPACITOR, symbols.C_0603, "")
+        loaded = circuit.connect(cable, {"1": "SENSOR", "2": "GND"})
+        network = build_network(loaded, CATALOGUE[amplifier].bandwidth_hz, sensor_s=1 / ohm)
+        margins.append(compute_phase_margins_deg(loaded, network)["U2a"])
+    print(f"{amplifier}: least phase margin {min(margins):.1f} degrees")
+    assert min(margins) >= 60
+
+
+EVENTS = {
+    "press": "0 1e-9 50m 1e-9 51m {firm}",
+    "release": "0 {firm} 50m {firm} 51m 1e-9",
+    "open": "0 {firm} 50m {firm} 50.001m 1e-12",
+    "short": "0 {firm} 50m {firm} 50.001m 100",
+}
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("event", EVENTS)
+def test_filtered_signal_is_back_soon(tmp_path: Path, event: str) -> None:
+    """Amplifiers that end at the rails; back is within a tenth of the swing."""
+    deck = limit_to_the_rails(write_deck("MCP6022", 3.0))
+    deck = replace_elements(deck, IJ1="* no source", RJ1="BJ1 sensor 0 I=v(sensor)*v(siemens)")
+    points = EVENTS[event].format(firm=f"{sensor_conductance_s(3.0):.4g}")
+    deck = deck.replace("\n.ac ", f"\nVG siemens 0 pwl({points})\n.ac ")
+    rows = run_ngspice(tmp_path, deck, "tran 20u 0.3 0 20u\nwrdata out v(adc_filtered) v(vmid)")
+    late_s = [t - 0.05 for t, filtered, middle in ((r[0], r[1], r[-1]) for r in rows) if abs(filtered - middle) > 0.16]
+    print(f"{event}: back after {1e3 * max(late_s, default=0):.1f} ms")
+    assert max(late_s) < 0.035
+
+
+@pytest.mark.full
+def test_discharge_into_the_cable_leaves_little_for_the_amplifier(tmp_path: Path) -> None:
+    """8 kV in contact: current of IEC 61000-4-2, annex B, twice that of 4 kV; clamps of the amplifier at its input."""
+    k1, k2 = (np.exp(-(a / b) * (1.8 * b / a) ** (1 / 1.8)) for a, b in ((1.1, 2.0), (12.0, 37.0)))
+    pulse = "+".join(
+        f"{amps / k:.6g}*pow(time/{rise}n,1.8)/(1+pow(time/{rise}n,1.8))*exp(-time/{fall}n)"
+        for amps, k, rise, fall in ((33.2, k1, 1.1, 2), (18.6, k2, 12, 37))
+    )
+    for sign in ("", "-"):
+        deck = replace_elements(write_deck("MCP6022", 3.0), IJ1=f"BJ1 0 sensor I={sign}({pulse})")
+        clamps = "DC1 sum vcc dclamp\nDC2 0 sum dclamp\n.model dclamp D(Is=1e-14 Rs=1)"
+        deck = deck.replace("\n.ac ", f"\n{clamps}\n.ac ")
+        command = "tran 0.1n 300n 0 0.1n\nlet amps = abs(v(protected)-v(sum))/240\nwrdata out amps v(sensor)"
+        rows = run_ngspice(tmp_path, deck, command)
+        largest_a, largest_v = (max(abs(row[i]) for row in rows) for i in (1, 2))
+        print(f"{sign or '+'}8 kV: {largest_a:.3f} A into the amplifier, {largest_v:.0f} V at the connector")
+        assert largest_v > 20
+        assert 0.005 < largest_a < 0.1

@@ -35,8 +35,8 @@ def detection() -> Detection:
     return simulate_and_detect(load("fsr400"), lambda message: None)[1].detection
 
 
-def test_voltage_is_that_of_the_loaded_bridge_by_hand() -> None:
-    """The bridge is a source with a resistance, and the sensor's current lowers the output in proportion."""
+def test_voltage_is_that_of_the_loaded_front_end_by_hand() -> None:
+    """The front end is a source with a resistance, and the sensor's current moves the output in proportion."""
     design = load("fsr400")
     response = board_values(design).tactile_response
     for reading in expect_readings(design):
@@ -45,17 +45,20 @@ def test_voltage_is_that_of_the_loaded_bridge_by_hand() -> None:
         current = response.sensor_v / (reading.sensor_ohm / SPREAD + response.source_ohm)
         shown = re.search(r"(\S+) V \(20 N\)", (ROOT / "pcb/README.md").read_text())
         assert shown
-        lowest_v = max(float(shown[1]), response.open_v - response.transfer_ohm * current)
-        assert reading.limits_v[0] == pytest.approx(lowest_v, abs=0.005)
+        highest_v = min(float(shown[1]), response.open_v - response.transfer_ohm * current)
+        assert reading.limits_v[1] == pytest.approx(highest_v, abs=0.005)
 
 
 @pytest.mark.every_case
 @pytest.mark.parametrize("name", [*NAMES, "article"])
 def test_a_short_circuit_is_not_accepted(name: str) -> None:
     design = load(name)
-    shorted_v = max(0.0, board_values(design).tactile_response.tactile_v(1.0))
+    response = board_values(design).tactile_response
+    shorted_v = min(max(0.0, response.tactile_v(1.0)), design.board.supply_v)
     for reading in expect_readings(design):
-        assert reading.limits_v[0] > shorted_v + 0.1
+        limit_v = reading.limits_v[1 if response.rises else 0]
+        assert abs(shorted_v - limit_v) > 0.1
+        assert (limit_v < shorted_v) == response.rises
 
 
 CALIBRATED = (

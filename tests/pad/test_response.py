@@ -72,5 +72,5 @@ def test_silicone_and_pose_change_the_recorded_voltage() -> None:
     reference = volts()
     assert abs(volts(f"{OWN}0.05") - volts(f"{OWN}50")) > 0.01
     deaf, less = volts(tilt_deg=25.0, roll_deg=15.0), volts(tilt_deg=15.0)
-    assert reference < less < deaf, "the voltage falls with the force on the sensor"
+    assert reference > less > deaf, "the voltage rises with the force on the sensor"
     assert deaf == pytest.approx(volts(tilt_deg=30.0, roll_deg=20.0), abs=1e-3), "silent below the turn-on"

@@ -14,7 +14,7 @@ from benchmarks.peers.spice import Spice, sampled_source
 from fingertip.board import board_circuit, board_values
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.parts.circuit import FILTERED
-from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
+from fingertip.design.formulas.amplifiers import choose_amplifier, find_gain_bandwidth_hz
 from fingertip.foundation.errors import TraceError
 from fingertip.foundation.jit import compiled
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
@@ -275,7 +275,8 @@ def test_state_equations_have_the_transfer_function_of_the_formulas(variant, gai
     n = len(A)
     for frequency in (1.0, 20.0, 67.0, 400.0, 1e4, 1e6):
         if gain_bandwidth_hz:
-            expected = filter_transfer(frequency, values.preferred, gain_bandwidth_hz, values.first_stage_capacitors)
+            stages, input_f = values.first_stage_capacitors, choose_amplifier(design.board).input_f
+            expected = filter_transfer(frequency, values.preferred, gain_bandwidth_hz, stages, input_f)
         else:
             ratio = first_stage_gain(board, frequency) / constant_gain(board) if variant == "precision" else 1.0
             expected = ideal_filter_transfer(frequency, values.preferred) * ratio

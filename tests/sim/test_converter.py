@@ -32,7 +32,7 @@ CONTROLLER = Design(
     detector={"adc_bits": 12, "adc_range_v": 3.3, "adc_polarity": "unipolar"},
 )
 DESIGNS = [ARTICLE, article_design(detector={"sample_rate_hz": 20_000.0, "window_samples": 600})]
-GROUND_V = 3.3 * 44.2 / 99.1
+GROUND_V = 1.65
 """Signal ground of that board, by its divider."""
 
 

@@ -263,7 +263,7 @@ def test_weight_shears_the_pad_and_reduces_the_sensor_reading():
 
     # The hysteresis of the sensor hides a part of a falling force.
     change = voltage(-weight) - voltage(None)
-    assert 0.5 * change < held[1] - held[0] < 1.1 * change
+    assert 0.5 < (held[1] - held[0]) / change < 1.1
 
 
 def test_knock_frees_a_marginal_grip_and_not_a_firm_one():
@@ -317,14 +317,14 @@ def test_manipulations_of_the_article():
     assert {len(s.fingers) for s, _ in found} == {5, 2}
 
 
-def test_robot_pulls_the_object_one_second_after_the_voltage_of_the_thumb_has_dropped():
+def test_robot_pulls_the_object_one_second_after_the_voltage_of_the_thumb_has_changed():
     design = Design(detector={"noise_v": 0.0, "adc_bits": 24})
     file, outputs = ROOT / "params/scenes/tri_digital.toml", '["voltage_v", "force_n", "slip", "object_m", "pin_n"]'
     run = run_manipulation(design, ManipulationFile.load(file, changes=["sensing.noise=false", f"outputs={outputs}"]))
     assert run.fingers == ("thumb", "index", "middle")
     volts, moves_s = run.output("voltage_v")[0], run.plan.knock_s
-    drops_s = run.time_s[np.flatnonzero(volts[0] - volts >= 0.01)[0]]
-    assert moves_s - 1.0 == pytest.approx(drops_s, abs=3e-3)  # the poles ahead of the ADC, and the contact, lag
+    changes_s = run.time_s[np.flatnonzero(np.abs(volts - volts[0]) >= 0.01)[0]]
+    assert moves_s - 1.0 == pytest.approx(changes_s, abs=3e-3)  # the poles ahead of the ADC, and the contact, lag
     assert 0.5 <= run.force_n <= 3.5
     before, slides = run.time_s < moves_s, (run.time_s > moves_s + 0.1) & (run.time_s < moves_s + 1.0)
     assert not run.output("slip")[:, before].any()

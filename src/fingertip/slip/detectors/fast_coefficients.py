@@ -190,7 +190,7 @@ FEATURES = (
     "wide energy, 20 ms",
     "greatest slope",
     "change over 100 ms",
-    "signed change over 48 ms",
+    "squared change over 48 ms",
     "net over total movement, 6 ms",
     "upper energy over its peak",
     "wide energy over greatest slope",

@@ -22,7 +22,7 @@ from tests.cad.test_random_designs import generate_accepted
 from tests.conftest import DESIGNS, design_file
 
 MANY = int(os.environ.get("FINGERTIP_RANDOM_DESIGNS", "12"))
-RAYS, OPPOSITE, NEAR_MM = 1500, -0.75, 2.0
+RAYS, DENSE, OPPOSITE, NEAR_MM, NEGLIGIBLE_MM2 = 1500, 200_000, -0.75, 2.0, 0.5
 
 
 def test_thickness_and_area_of_a_plate() -> None:
@@ -49,12 +49,18 @@ def test_cavity_is_measured_to_the_outside() -> None:
     assert found.area_mm2 == pytest.approx(4 * math.pi * (5.0**2 + 4.5**2), rel=0.01)
 
 
-def cast(mesh: trimesh.Trimesh, limit_mm: float) -> Array:
-    """Cast rays against every triangle (T. Moeller and B. Trumbore, 1997); return where they meet a wall."""
-    points, faces = trimesh.sample.sample_surface(mesh, RAYS, seed=1)
+def cast(mesh: trimesh.Trimesh, limit_mm: float, rays: int, near: Array | None = None) -> Array:
+    """Cast rays against every triangle (T. Moeller and B. Trumbore, 1997); return where they meet a wall.
+
+    The rays start all over the surface, or those of them that start within `NEAR_MM` of a point.
+    """
+    points, faces = trimesh.sample.sample_surface(mesh, rays, seed=1)
+    if near is not None:
+        chosen = np.linalg.norm(points - near, axis=1) < NEAR_MM
+        points, faces = points[chosen], faces[chosen]
     normals, corners = mesh.face_normals[faces], mesh.triangles
     u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    hit = np.zeros(RAYS, dtype=bool)
+    hit = np.zeros(len(points), dtype=bool)
     for i, (point, normal) in enumerate(zip(points - 1e-4 * normals, normals, strict=True)):
         p = np.cross(-normal, v)
         det = np.einsum("ij,ij->i", u, p)
@@ -71,7 +77,10 @@ def cast(mesh: trimesh.Trimesh, limit_mm: float) -> Array:
 
 
 def check_against_second_caster(design: Design) -> None:
-    """Each thin place that a ray finds on the STL file is near one that the check has found, or is the rim."""
+    """Each thin place that a ray finds on the STL file is near one that the check has found, or is the rim.
+
+    A place whose area the check does not report either, a lip of some hundredths of a millimetre, counts as found.
+    """
     evaluator, dims = MeshEvaluator(0.02), design.dimensions
     for name, part in parts_by_name(design).items():
         if name not in MEASURED:
@@ -82,12 +91,14 @@ def check_against_second_caster(design: Design) -> None:
         reported = find_thin_walls(design, evaluator, name).points
         missed = [
             point
-            for point in cast(mesh, limit - 0.06)
+            for point in cast(mesh, limit - 0.06, RAYS)
             if not len(reported) or np.linalg.norm(reported - point, axis=1).min() > NEAR_MM
         ]
         if name in ("bone", "core"):  # the rim is as thin as bone.rim_mm says
             missed = [p for p in missed if not (p[2] > 0 and p[1] < dims.pocket_depth - dims.flat_depth)]
-        assert missed == [], (name, missed)
+        for point in missed:
+            area_mm2 = mesh.area / DENSE * len(cast(mesh, limit - 0.06, DENSE, point))
+            assert area_mm2 < NEGLIGIBLE_MM2, (name, point)
 
 
 @pytest.mark.full

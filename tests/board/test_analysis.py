@@ -478,8 +478,8 @@ def test_tactile_voltage_agrees_with_the_closed_form(name: str) -> None:
         found = values.tactile_response.tactile_v(conductance_s)
         if values.bridge:
             expected = values.bridge.tactile_v(conductance_s, design.board.supply_v)
-        else:  # 3.3 V over 220k and 10k; 15k over the sensor with 100 and 240 ohm
-            expected = 3.3 / 23 * (1 + 15e3 * conductance_s / (1 + 340 * conductance_s))
+        else:  # 3.3 V over 220k and 10k; 15k over the sensor with 100 and 220 ohm
+            expected = 3.3 / 23 * (1 + 15e3 * conductance_s / (1 + 320 * conductance_s))
         assert found == pytest.approx(expected, rel=1e-9)
         assert values.tactile_response.rises == (name != "article")
 

@@ -87,12 +87,12 @@ def test_board_that_saturates_its_converter_is_refused_with_a_range_that_passes(
     refused = run_fingertip("board", *words, "detector.adc_range_v=1.1")
     assert refused.returncode == 2
     assert not (tmp_path / "board").exists()
-    assert refused.stderr.startswith("error: detector.adc_range_v: tactile voltage at idle (TACTILE): 2.69 V, must be")
+    assert refused.stderr.startswith("error: detector.adc_range_v: highest tactile voltage (TACTILE): 2.10 V, must be")
     remedy = refused.stderr.partition("set ")[2].partition(",")[0]
     assert run_fingertip("board", *words, remedy).returncode == 0
 
 
-NOISY = (*VARIANT_CHANGES["precision"], "board.passband_gain=300", "board.amplifier=MCP6022")
+NOISY = (*VARIANT_CHANGES["precision"], "board.passband_gain=300", "board.band_limit_hz=3000")
 SHORT_WINDOW = (
     *VARIANT_CHANGES["comparator"],
     "board.capacitor_uf=0.39",
@@ -104,7 +104,7 @@ SHORT_WINDOW = (
 @pytest.mark.parametrize(
     ("changes", "expected"),
     [
-        ((*NOISY, "detector.threshold_v=0.004"), ["mean envelope to 7.6 mV, and detector.threshold_v is 4 mV"]),
+        ((*NOISY, "detector.threshold_v=3e-4"), ["mean envelope to 0.3 mV, and detector.threshold_v is 0.3 mV"]),
         (NOISY, []),
         (SHORT_WINDOW, ["detector.window_samples of 60 at 10000 Hz is 6 ms"]),
         (SHORT_WINDOW[:3], []),

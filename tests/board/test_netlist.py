@@ -185,4 +185,5 @@ def test_wiring_around_vmid_has_the_transfer_function_of_the_filter(tmp_path: Pa
     # After blocking diodes U3a is an integrator, with a pole at zero. All other poles are negative.
     poles = sorted(circuit.poles("/TACTILE").real)[::-1]
     assert poles[0] == 0 > poles[1]
-    assert circuit.nodes("U5", "1", "4") == circuit.nodes("J1", "2") + circuit.nodes("R24", "2") == ("VMID",) * 2
+    assert circuit.nodes("U2", "6", "7") == circuit.nodes("R3", "2") + circuit.nodes("R24", "2") == ("VMID",) * 2
+    assert circuit.nodes("J1", "2") == ("GND",)

@@ -181,7 +181,7 @@ def list_wrong_readings(plan: BringUp) -> Iterator[tuple[str, dict[str, float]]]
     yield "good board", good
     for ratio in (0.91, 0.955, 1.09, 0.0):
         yield f"supply x {ratio}", scale(ratio, 1.0)
-    few = ("tp1_open_v", "j1_open_v", "r13_open_v", "tp2_open_v")
+    few = ("tp1_open_v", "j1_open_v", "tp3_open_v", "tp2_open_v")
     yield "supply x 0.91, four readings", {n: 0.91 * good[n] for n in few}
     yield "two readings", {n: 0.91 * good[n] for n in few[:2]}
     yield "supply x 0.9 and a weak tone", scale(0.9, 1.0) | {"tp3_134hz_v": 0.02}

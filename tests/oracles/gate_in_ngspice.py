@@ -31,7 +31,7 @@ MAX_PEAKING_DB = 1.0
 SETTLED_CYCLES, CYCLES = 5, 8
 """Cycles after which the filter has forgotten the start of the vibration, and cycles in all."""
 STEPS_PER_CYCLE = 400
-OUTPUTS = {"U1a": "stage1_out", "U1b": "filtered", "U3b": "envelope", "U5": "vmid"}
+OUTPUTS = {"U1a": "stage1_out", "U1b": "filtered", "U3b": "envelope", "U2a": "tactile", "U2b": "vmid"}
 """Amplifiers whose outputs must stay in their range, by SPICE node. U3a stands a diode beyond the signal."""
 
 
@@ -99,7 +99,7 @@ def _list_catalogue_amplifiers(circuit: Circuit) -> list[str]:
 
 def _current_limit_a(circuit: Circuit, name: str) -> float:
     data = AMPLIFIERS[circuit.component(name[:2]).symbol.name]
-    return data.output_current_a * (MID_RAIL_RATIO if name == "U5" else 1.0)
+    return data.output_current_a * (MID_RAIL_RATIO if name == "U2b" else 1.0)
 
 
 def _range_margin_v(design: Design, values: BoardValues, circuit: Circuit, name: str, volts: Array) -> float:

@@ -19,7 +19,7 @@ from tests.oracles.sexpressions import children, descendants, parse, word
 PREFIXES = {"M": 1e6, "k": 1e3, "m": 1e-3, "u": 1e-6, "n": 1e-9, "p": 1e-12}
 # Output, inverting and non-inverting input of each amplifier in a package, from the data sheets.
 DUAL = (("1", "2", "3"), ("7", "6", "5"))
-AMPLIFIERS = {"TL082": DUAL, "TLV2372": DUAL, "LM2904": DUAL, "OPA2376xxD": DUAL, "TLV2371DBV": (("1", "4", "3"),)}
+AMPLIFIERS = {"TL082": DUAL, "TLV2372": DUAL, "LM2904": DUAL, "OPA2376xxD": DUAL, "MCP6022": DUAL}
 GAIN_BANDWIDTH_HZ = 3e6
 
 
@@ -54,9 +54,10 @@ class NetlistCircuit:
         return other
 
     def _number_nets(self) -> None:
-        # For signals the supplies are ground. So are U2's gain pins, whose resistor would otherwise float.
+        # For signals the supplies are ground. So are the gain pins of an AD623, whose resistor would otherwise float.
         supply = {net for (reference, _), net in self.net.items() if reference == "J2"}
-        grounds = {"GND", *supply, *self.nodes("U2", "1", "8")}
+        gain_pins = self.nodes("U2", "1", "8") if self.components["U2"][0] == "AD623ARMZ" else ()
+        grounds = {"GND", *supply, *gain_pins}
         self.index = {net: i for i, net in enumerate(sorted(set(self.net.values()) - grounds))}
 
     def nodes(self, reference: str, *pins: str) -> tuple[str, ...]:
@@ -93,6 +94,7 @@ class NetlistCircuit:
             for ref, (symbol, _) in self.components.items()
             if symbol in AMPLIFIERS
             for pins in AMPLIFIERS[symbol]
+            if self.net[ref, pins[0]] != source
         ]
         n = len(self.index)
         size = n + len(amplifiers) + 1

@@ -25,7 +25,7 @@ from fingertip.board.circuits.network import (
 )
 from fingertip.board.components.bridge import AMPLIFIERS
 from fingertip.board.components.values import select_components
-from fingertip.board.parts.circuit import FILTERED, TACTILE, VMID, Circuit
+from fingertip.board.parts.circuit import FILTERED, SUM, TACTILE, VMID, Circuit
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import BAND_CUTOFFS, find_gain_bandwidth_hz
 from fingertip.design.formulas.filter import find_preferred_neighbours
@@ -96,7 +96,8 @@ class OutputCurrent:
 
 def compute_output_currents(circuit: Circuit, gain_bandwidth_hz: float, cutoff_hz: float) -> tuple[OutputCurrent, ...]:
     """Compute the current of each amplifier's output, in the order of their references."""
-    network = build_network(circuit, gain_bandwidth_hz, conducting=[RECTIFYING_DIODE]).drive(TACTILE)
+    given = [net for net in (TACTILE, SUM) if net in circuit.net_by_pin.values()]  # SUM stays at 0 V
+    network = build_network(circuit, gain_bandwidth_hz, conducting=[RECTIFYING_DIODE]).drive(*given)
     f = np.geomspace(*signal_band_hz(cutoff_hz), _FREQUENCIES)
     volts = dict(zip(network.nets, network.response(f, {TACTILE: 1.0}, *network.nets).T, strict=True))
     volts[TACTILE] = np.ones(len(f), dtype=np.complex128)

@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.board.components.bridge import AD623_BANDWIDTH_HZ, AMPLIFIERS, GAIN_CONSTANT_OHM, GAIN_RESISTOR
+from fingertip.board.components.transimpedance import SUPPRESSOR_F
 from fingertip.board.parts.circuit import RAILS, Circuit, parse_component_value
 from fingertip.catalogues.amplifiers import OPEN_LOOP_GAIN, Amplifier
 from fingertip.foundation.numerics import Array
@@ -235,6 +236,8 @@ def build_network(
                 add(f"{reference}{name}", 1.0 / max(ohm * ratio, _TRIMMER_END_OHM), pins[pin], pins["2"])
         elif component.value == "FSR":
             add(reference, sensor_s, pins["1"], pins["2"])
+        elif symbol == "D_TVS":
+            add(reference, SUPPRESSOR_F, pins["1"], pins["2"], order=1)
         elif symbol == "1N4148W":
             values[reference] = CONDUCTING_S
             if reference in conducting:

@@ -20,10 +20,12 @@ from __future__ import annotations
 
 from fingertip.board.components.bridge import DIVIDER_F
 
-PROTECTION_OHM, INPUT_OHM, FEEDBACK_OHM = 100.0, 240.0, 15e3
+PROTECTION_OHM, INPUT_OHM, FEEDBACK_OHM = 100.0, 220.0, 15e3
 """R28, R29 and R30 [ohm]."""
 CABLE_F, FEEDBACK_F = 100e-12, 1e-9
 """C26 and C27 [F]."""
+SUPPRESSOR_F = 35e-12
+"""Capacitance of D6 [F], that of its kind; not measured."""
 BIAS_TOP_OHM, BIAS_BOTTOM_OHM = 220e3, 10e3
 """Divider of the bias [ohm]: 143 mV of 3.3 V, above what any amplifier's output keeps from the lower rail."""
 

@@ -52,7 +52,7 @@ class Board(ParameterTable):
     )  # fmt: skip
     amplifier: AmplifierName = choice(
         "auto",
-        "Dual amplifier of filter and rectifier; auto: TL082 (article), TLV2372 (precision), OPA2376 (comparator).",
+        "Dual amplifier of filter and rectifier; auto: TL082 (article), MCP6022 (precision), OPA2376 (comparator).",
     )
     resistor_choice: Literal["joint", "apart"] = choice(
         "joint",

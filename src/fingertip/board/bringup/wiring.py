@@ -135,7 +135,7 @@ def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
         yield "Pin 1 is the square one."
     yield "The sensor's wires may be exchanged."
     if any(component.symbol.name == "D_TVS" for component in circuit.components):
-        yield "Pin 2 of J1 is ground, and so is TP6 beside it, for the shield of a long cable."
+        yield "Pin 2 of J1 is ground. TP6, ground too, takes the shield of a long cable."
         yield "D6 and R28 take a static discharge into the sensor's cable (8 kV contact, IEC 61000-4-2; simulated)."
     if any(component.symbol == AO3401A for component in circuit.components):
         yield "A reversed supply does no harm: Q1 blocks it. Nothing protects against a voltage that is too high."

@@ -179,7 +179,7 @@ def sample_v(design: Design, voltage_v: Array, noise: Stream | None) -> Array:
 
 # Noise of the board's amplifiers, so that a simulated board is as noisy as its noise budget.
 #
-# Nearly all of this noise arises ahead of the filter, in the bridge's amplifier, and much of that lies beyond what the
+# Nearly all of this noise arises ahead of the filter, in the sensor's amplifier, and much of that lies beyond what the
 # grid holds (`fingertip.board.analysis.noise`). The simulation adds white noise at the points of the base grid to the
 # board's input, of the strength that makes the filter's output as noisy as the noise budget, from 0.1 Hz to 1 MHz. So
 # the noise ahead of the rectifier has the right strength, and with it the envelope's quiescent level, at every

@@ -317,7 +317,8 @@ def _front_end_rows(values: BoardValues) -> list[tuple[str, tuple[float, ...], s
         ("R29", (fitted["R29"],), "transimpedance stage, input"),
         ("R30 C27", (fitted["R30"], fitted["C27"]), "transimpedance stage, feedback"),
         ("R31 R32", (fitted["R31"], fitted["R32"]), "sensor's bias"),
-        ("R33 C28 C29", (fitted["R33"], fitted["C28"], fitted["C29"]), "sensor's bias, low-pass"),
+        ("R33", (fitted["R33"],), "sensor's bias, low-pass"),
+        ("C28 C29", (fitted["C28"], fitted["C29"]), "sensor's bias, low-pass"),
     ]
 
 

@@ -87,7 +87,7 @@ def test_board_that_saturates_its_converter_is_refused_with_a_range_that_passes(
     refused = run_fingertip("board", *words, "detector.adc_range_v=1.1")
     assert refused.returncode == 2
     assert not (tmp_path / "board").exists()
-    assert refused.stderr.startswith("error: detector.adc_range_v: highest tactile voltage (TACTILE): 2.10 V, must be")
+    assert refused.stderr.startswith("error: detector.adc_range_v: highest tactile voltage (TACTILE): 2.14 V, must be")
     remedy = refused.stderr.partition("set ")[2].partition(",")[0]
     assert run_fingertip("board", *words, remedy).returncode == 0
 

@@ -1,4 +1,4 @@
-"""The transimpedance stage in ngspice: noise, ripple, stability with a cable, recovery, and a discharge into the cable."""
+"""The transimpedance stage in ngspice: noise, ripple, stability with a cable, recovery, and a static discharge."""
 
 from __future__ import annotations
 

@@ -290,7 +290,14 @@ def test_an_adc_range_below_the_boards_signals_is_reported() -> None:
     assert describe_adc_range(insufficient) in warning
 
 
-AMPLIFIER_OUTPUTS = {"U1a": "stage1_out", "U1b": "filtered", "U2": "tactile", "U2a": "tactile", "U3a": "rect_out", "U3b": "envelope"}
+AMPLIFIER_OUTPUTS = {
+    "U1a": "stage1_out",
+    "U1b": "filtered",
+    "U2": "tactile",
+    "U2a": "tactile",
+    "U3a": "rect_out",
+    "U3b": "envelope",
+}
 
 
 def measure_output(deck: str, amplifier: str) -> str:

@@ -6,6 +6,7 @@ the bridge through a capacitor and a large resistor, so that some millivolts at 
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -126,6 +127,15 @@ def list_faults(circuit: Circuit, ends_v: Mapping[str, tuple[float, float]]) -> 
             for volts, end in zip(ends_v[output.net], ("lowest", "highest"), strict=True):
                 what = f"holds {output.net} at its {end} voltage: rotated, not soldered, or with bridged pins"
                 yield Fault(output.reference, what, circuit, 3, {output.net: volts})
+
+
+def list_exchanges(circuit: Circuit) -> Iterator[Fault]:
+    """Yield the exchanges of two parts of other values in equal packages."""
+    parts = [part for part in circuit.components if part.symbol.name in ("R", "C")]
+    for one, other in itertools.combinations(parts, 2):
+        if (one.symbol, one.footprint) == (other.symbol, other.footprint) and one.value != other.value:
+            changed = circuit.replace(one.reference, other.value).replace(other.reference, one.value)
+            yield Fault(f"{one.reference} and {other.reference}", "are exchanged", changed, 1)
 
 
 # Readings at the pins of J3: what the controller will see, behind the resistors and capacitors ahead of it.

@@ -7,15 +7,17 @@ mistake is named ahead of all faults if it explains the readings better than any
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
-from fingertip.board.bringup.bench import HOST, Fault, list_faults
+from fingertip.board.bringup.bench import HOST, Fault, list_exchanges, list_faults
 from fingertip.board.bringup.plan import METER_AC, BringUp, Limits, resistance_limits
 from fingertip.board.bringup.prediction import POINTS, Board, is_tone, name_voltage, predict
 from fingertip.board.circuits.network import build_network
 from fingertip.board.components.bridge import AMPLIFIERS
 from fingertip.board.parts.circuit import ENVELOPE, RECT_OUT, STAGE1_OUT, VMID
+from fingertip.foundation.errors import join_words
 
 # Mistakes of the person with the meter: readings that were taken between other points than the sheet says.
 #
@@ -80,6 +82,8 @@ _TWO_GROUNDS = (
 MIN_READINGS = 3
 _MODEL_RATIO = 0.03
 """Error of a predicted reading beyond that of a good board, as a ratio of it."""
+_LEAKING = 0.04
+"""Share of a good board's tone that an output at the end of its swing may still pass."""
 _ALIKE = 4.0
 """Difference of two faults' misfits below which they cannot be told apart."""
 _FAR = 15.0
@@ -135,7 +139,8 @@ def diagnose(board: Board, limits: Mapping[str, Limits], readings: Mapping[str, 
     failed = tuple(name for name, v in readings.items() if not limits[name].low_v <= v <= limits[name].high_v)
     if not failed or len(readings) < MIN_READINGS:
         return Diagnosis(failed, ())
-    faults = [Fault("", "", board.circuit), *list_faults(board.circuit, board.ends_v)]
+    singles, exchanges = list_faults(board.circuit, board.ends_v), list_exchanges(board.circuit)
+    faults = [Fault("", "", board.circuit), *singles, *exchanges]
     found = zip(faults, predict(board, faults, tone_v), strict=True)
     predicted = [(fault, fit_offset(board, fault, values, readings)) for fault, values in found]
     return Diagnosis(failed, explain(predicted, limits, readings, list_mistakes(board)))
@@ -217,7 +222,23 @@ def _select_closest(found: list[Explanation], count: int) -> tuple[Explanation, 
     close = [each for each in found if (each.misfit - nearest) * count < _ALIKE]
     # The readings do not tell these apart; the more common ones come first.
     close.sort(key=lambda each: (each.fault.rarity, each.misfit))
-    return tuple(close[:_MOST])
+    return tuple(_merge_exchanges(close)[:_MOST])
+
+
+def _merge_exchanges(found: list[Explanation]) -> list[Explanation]:
+    """Name exchanges of one part with others of equal value together: only its own value shows in the readings."""
+    merged = list(found)
+    while True:
+        pairs = {i: each.fault.reference.split(" and ") for i, each in enumerate(merged)}
+        shared = Counter(name for pair in pairs.values() if len(pair) == 2 for name in pair)
+        if not shared or max(shared.values()) < 2:
+            return merged
+        common = max(shared, key=shared.__getitem__)
+        group = [i for i, pair in pairs.items() if len(pair) == 2 and common in pair]
+        others = join_words([next(name for name in pairs[i] if name != common) for i in group])
+        fault = replace(merged[group[0]].fault, reference=f"{common} and one of {others}")
+        merged[group[0]] = replace(merged[group[0]], fault=fault)
+        merged = [each for i, each in enumerate(merged) if i not in group[1:]]
 
 
 def _misfit(predicted: Mapping[str, float], readings: Mapping[str, float], limits: Mapping[str, Limits]) -> float:
@@ -228,7 +249,10 @@ def _difference(name: str, predicted_v: float, measured_v: float, limits: Mappin
     spread = (limits[name].high_v - limits[name].low_v) / 4.0
     if is_tone(name) and limits[name].low_v > 0.0:
         # What is left of a tone has the same relative spread, and the meter's own error.
-        spread = spread / limits[name].expected_v * abs(predicted_v) + METER_AC[1]
+        expected_v = limits[name].expected_v
+        spread = spread / expected_v * abs(predicted_v) + METER_AC[1]
+        if abs(predicted_v) < _LEAKING * expected_v:
+            spread += _LEAKING * expected_v
     spread += _MODEL_RATIO * abs(predicted_v)
     return (measured_v - predicted_v) / spread
 

@@ -27,6 +27,7 @@ from fingertip.board.bringup.prediction import (
     batch_constant,
     batch_level,
     list_levels,
+    name_ripple,
     name_tone,
     name_voltage,
     predict,
@@ -110,6 +111,9 @@ def compute_limits(board: Board, values: BoardValues, tone_v: float = TONE_V) ->
     limits = {name: _widen(nominal[name], volts, METER_DC) for name, volts in drawn.items()}
     limits |= {name: _widen(nominal[name], volts, METER_AC) for name, volts in levels.items()}
     limits |= _limit_envelope(board, values, nominal, ends)
+    ripple, tolerance = name_ripple(board.bench.tones_hz[-1]), ratio + 2.0 * _find_tolerance("R6", board)
+    spread = np.array([tones_v[1] * (1.0 - tolerance), tones_v[2] / (1.0 - tolerance)]) / tones_v[0]
+    limits[ripple] = _widen(nominal[ripple], spread * nominal[ripple], METER_AC)
     return limits | _limit_pins(board, limits, nominal, tone_v, random)
 
 
@@ -316,7 +320,9 @@ def _list_levels_in_order(board: Board) -> list[str]:
         *(name_voltage(net) for net in board.nets),
         *(name_voltage(TACTILE, ohm) for ohm in board.bench.dummy_ohm),
         *(pin.constant_name for pin in at_host),
-        *(name_tone(net, hz) for net, hz in (*list_levels(board.bench), (ENVELOPE, high), (RECT_OUT, high))),
+        *(name_tone(net, hz) for net, hz in (*list_levels(board.bench), (ENVELOPE, high))),
+        name_ripple(high),
+        name_tone(RECT_OUT, high),
         *(pin.tone_name for pin in pins.values() if has_tone(pin)),
     ]
 

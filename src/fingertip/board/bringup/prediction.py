@@ -27,7 +27,7 @@ from fingertip.board.bringup.bench import (
     predict_constants,
     set_up_bench,
 )
-from fingertip.board.bringup.rectifier import Drive, mean_voltages
+from fingertip.board.bringup.rectifier import Drive, measure_voltages
 from fingertip.board.circuits.network import Network, build_network, list_amplifiers
 from fingertip.board.components.bridge import AMPLIFIERS
 from fingertip.board.components.values import SUPPLIES
@@ -127,7 +127,8 @@ def predict(board: Board, faults: Sequence[Fault], *tones_v: float) -> list[dict
         readings.append(values)
         drives += levels
     hz = board.bench.tones_hz[-1]
-    means = mean_voltages(drives, board.swing_v, board.gain_bandwidth_hz, hz)
+    measured = measure_voltages(drives, board.swing_v, board.gain_bandwidth_hz, hz)
+    means = measured.means
     for i, values in enumerate(readings):
         ground_v = drives[2 * i].given_v[board.signal_ground]
         stuck = faults[i].stuck_v.get(ENVELOPE)
@@ -136,6 +137,7 @@ def predict(board: Board, faults: Sequence[Fault], *tones_v: float) -> list[dict
             float(quiet) - ground_v,
             float(loud) - ground_v,
         )
+        values[name_ripple(hz)] = float(measured.ripple[2 * i + 1]) if stuck is None else 0.0
         if RECT_OUT in means:
             values[name_tone(RECT_OUT, hz)] = float(means[RECT_OUT][2 * i + 1]) - ground_v
         # The pins of J3 are above supply ground, the other readings above signal ground.
@@ -156,6 +158,11 @@ def name_voltage(net: str, ohm: float | None = None) -> str:
 def name_tone(net: str, hz: float) -> str:
     """Name of a reading while the tone sounds: RMS of the alternating part, or the envelope's mean."""
     return f"{POINTS[net].lower()}_{hz:.0f}{_TONE_END}"
+
+
+def name_ripple(hz: float) -> str:
+    """Name of the reading of the envelope's alternating part while the tone sounds."""
+    return f"{POINTS[ENVELOPE].lower()}ac_{hz:.0f}{_TONE_END}"
 
 
 def is_tone(name: str) -> bool:

@@ -45,24 +45,35 @@ class Drive:
     """Voltages of the rails and of the signal ground above ground [V]."""
 
 
-def mean_voltages(
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """Voltages in the last period of a tone, for each drive [V]."""
+
+    means: Mapping[str, Array]
+    """Means above ground of the envelope and, by its net, of the output of a precision rectifier's amplifier."""
+    ripple: Array
+    """RMS of the alternating part of the envelope."""
+
+
+def measure_voltages(
     drives: Sequence[Drive], swing_v: tuple[float, float], gain_bandwidth_hz: float, tone_hz: float
-) -> dict[str, Array]:
-    """Compute the mean voltages above ground [V] in the last period of a tone: the envelope and, by its net, the output
-    of a precision rectifier's amplifier.
-    """
+) -> Measured:
+    """Step boards through a tone until the envelope has settled."""
     batch = _Batch(drives, swing_v, gain_bandwidth_hz)
     steps, h = PERIODS * STEPS_PER_PERIOD, 1.0 / (tone_hz * STEPS_PER_PERIOD)
     level, peak = (np.array([getattr(drive, name) for drive in drives]) for name in ("filtered_v", "peak_v"))
     before = last = batch.rest(level)
-    total = np.zeros_like(last)
+    total, squares = np.zeros_like(last), np.zeros_like(last)
     for i in range(1, steps + 1):
         filtered = level + peak * math.sin(2.0 * math.pi * i / STEPS_PER_PERIOD)
         before, last = last, batch.step(before, last, filtered, h)
         if i > steps - STEPS_PER_PERIOD:
             total += last
+            squares += last**2
     means = total / STEPS_PER_PERIOD
-    return {net: means[:, batch.nets.index(net)] for net in (ENVELOPE, RECT_OUT) if net in batch.nets}
+    ripple = np.sqrt(np.maximum(squares / STEPS_PER_PERIOD - means**2, 0.0))
+    named = {net: means[:, batch.nets.index(net)] for net in (ENVELOPE, RECT_OUT) if net in batch.nets}
+    return Measured(named, ripple[:, batch.nets.index(ENVELOPE)])
 
 
 class _Batch:

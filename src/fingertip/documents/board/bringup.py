@@ -33,7 +33,7 @@ from fingertip.board.bringup.plan import (
     BringUp,
     Limits,
 )
-from fingertip.board.bringup.prediction import POINTS, list_levels, name_tone, name_voltage
+from fingertip.board.bringup.prediction import POINTS, list_levels, name_ripple, name_tone, name_voltage
 from fingertip.board.bringup.readings import IDLE_SHARE
 from fingertip.board.bringup.wiring import list_pins
 from fingertip.board.kicad.placement import Pad, Placement
@@ -204,6 +204,9 @@ def _list_tones(plan: BringUp, placement: Placement) -> Iterator[Row]:
         where = _find_probe(plan, placement, net) + (", direct voltage" if net in (ENVELOPE, RECT_OUT) else "")
         name = name_tone(net, hz)
         yield f"`{name}`", f"{hz:g} Hz", where, *_figures(plan.all[name], "V")
+        if net == ENVELOPE:
+            ripple = name_ripple(hz)
+            yield f"`{ripple}`", f"{hz:g} Hz", f"{_PROBES[net]}, alternating", *_figures(plan.all[ripple], "V")
     for pin in filter(has_tone, list_output_pins(plan.board.circuit)):
         where = f"{pin.letter} at {HOST}, alternating"
         yield f"`{pin.tone_name}`", f"{TOP_HZ:g} Hz", where, *_figures(plan.all[pin.tone_name], "V")

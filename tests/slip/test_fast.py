@@ -133,7 +133,7 @@ def test_features_are_what_their_names_say():
     assert found["slope over greatest slope"] == pytest.approx(slopes[at] / greatest, rel=1e-3)
     assert found["change over 100 ms"] == pytest.approx((slow[at] - slow[at - 200]) ** 2 / slow_floor, rel=1e-3)
     change = slow[at] - slow[at - 96]  # 12 entries of the ring, each of 4 ms
-    assert found["squared change over 48 ms"] == pytest.approx(change * change / slow_floor, rel=1e-3)
+    assert found["signed change over 48 ms"] == pytest.approx(change * abs(change) / slow_floor, rel=1e-3)
     assert found["wide energy over greatest slope"] == pytest.approx(energies["wide"] / greatest, rel=1e-3)
     for seconds, name in ((0.006, "6 ms"), (0.02, "20 ms")):
         ratio = (mean(moves, seconds)[at] / mean(np.abs(moves), seconds)[at]) ** 2

@@ -63,6 +63,7 @@ _GROUPS = (
         "Scores: before the first tree; of confidence 0; for ON, and its rise in noise; for staying ON; smoothing.",
         "OFFSET LOWEST_SCORE ON_SCORE NOISE_RISE STAY_SCORE SCORE_SMOOTHING INCIPIENT_CONFIDENCE",
     ),
+    ("1 if the tactile voltage falls with the force, -1 if it rises.", "DIRECTION"),
     ("Features, trees, and comparisons of a tree from its root to a leaf.", "COUNT TREES DEPTH"),
     ("Sampling rate for which all this was computed [Hz, mHz].", "SAMPLE_RATE_HZ SAMPLE_RATE_MILLIHZ"),
     ("Converter of the design: bits, lower end of its range [V], step [V].", "ADC_BITS ADC_LOW_V ADC_STEP_V"),

@@ -220,7 +220,7 @@ class TactileResponse:
 
     @property
     def rises(self) -> bool:
-        """True if the tactile voltage rises with the force. It is the one place from which all take its direction."""
+        """True if the tactile voltage rises with the force."""
         return self.transfer_ohm < 0.0
 
     def tactile_v(self, conductance_s: float) -> float:

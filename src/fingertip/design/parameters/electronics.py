@@ -67,6 +67,11 @@ class Board(ParameterTable):
         """True for a board on 3.3 V, with VMID as its signal ground and the filtered signal at its connector."""
         return self.variant != "article"
 
+    @property
+    def tactile_rises(self) -> bool:
+        """True if the tactile voltage rises with the force. A test compares it with the circuit."""
+        return self.is_for_controller
+
 
 class Detector(ParameterTable):
     """Slip detection: sampling, averaging window and threshold (article, eq. 12)."""

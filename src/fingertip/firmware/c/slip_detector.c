@@ -126,7 +126,7 @@ static void tick(slip_state *state, slip_real slope) {
     }
     change = state->slow - state->ring[state->ring_at];
     middle = state->ring_at + SLIP_RING / 2u;
-    half_change = state->slow - state->ring[middle < SLIP_RING ? middle : middle - SLIP_RING];
+    half_change = SLIP_DIRECTION * (state->slow - state->ring[middle < SLIP_RING ? middle : middle - SLIP_RING]);
 
     /* Floors are at least the noise of a converter halfway between two codes. */
     input_noise = R(0.25) * state->step * state->step;
@@ -149,7 +149,7 @@ static void tick(slip_state *state, slip_real slope) {
     if (row[0] > SLIP_LOUD || row[2] > SLIP_LOUD || row[1] > SLIP_LOUD_20 || row[3] > SLIP_LOUD_20) {
         row[4] = greatest / slow_floor;
         row[5] = change * change / slow_floor;
-        row[6] = half_change * half_change / slow_floor;
+        row[6] = half_change * (half_change > R(0.0) ? half_change : -half_change) / slow_floor;
         row[7] = state->net_short * state->net_short / (state->total_short * state->total_short + SLIP_TINY);
         row[8] = state->upper_short / (peak + SLIP_TINY);
         row[9] = state->wide_long / (greatest + SLIP_TINY);

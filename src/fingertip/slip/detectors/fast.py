@@ -114,13 +114,16 @@ class FastSettings:
     """Cutoff of the board's filter [Hz]. It matters only where the board's filtered signal is given."""
     filtered: FilteredSignal | None = None
     """Filtered signal of the board. None: the detector is given the tactile voltage alone."""
+    direction: float = 1.0
+    """1 if the tactile voltage falls with the force, -1 if it rises."""
 
     @classmethod
     def from_design(cls, design: Design, noise_v: float | None = None) -> FastSettings:
         rate_hz = design.detector.sample_rate_hz
         noise = max(input_noise_v(design), _min_noise_v(rate_hz)) if noise_v is None else noise_v
         filtered = FilteredSignal.from_design(design)
-        return cls(rate_hz, noise, cutoff_hz=design.board.cutoff_hz, filtered=filtered)
+        direction = -1.0 if design.board.tactile_rises else 1.0
+        return cls(rate_hz, noise, cutoff_hz=design.board.cutoff_hz, filtered=filtered, direction=direction)
 
 
 @dataclass(frozen=True, eq=False)
@@ -278,6 +281,7 @@ def _compute_coefficients(settings: FastSettings, model: FastModel, with_filtere
         filters.wide,
         filters.slow,
         sample_rate_hz=rate,
+        direction=settings.direction,
         filtered_gain=filtered_gain,
         filtered_limit=filtered_limit,
         limited_samples=float(round(LIMITED_S * rate)),

@@ -37,6 +37,8 @@ class FastCoefficients(NamedTuple):
     wide: SecondOrder
     slow: SecondOrder
     sample_rate_hz: float
+    direction: float
+    """1 if the input falls with the force, -1 if it rises."""
     filtered_gain: float
     """Factor from the filtered signal to a voltage at the filter's input; 0 if the board gives no filtered signal."""
     filtered_limit: float
@@ -190,7 +192,7 @@ FEATURES = (
     "wide energy, 20 ms",
     "greatest slope",
     "change over 100 ms",
-    "squared change over 48 ms",
+    "signed change over 48 ms",
     "net over total movement, 6 ms",
     "upper energy over its peak",
     "wide energy over greatest slope",

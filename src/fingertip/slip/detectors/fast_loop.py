@@ -104,7 +104,7 @@ def _fast_loop(
     (
         (p_b, _, p_a1), (h_b0, h_b1, h_b2, h_a1, h_a2), (q_b0, q_b1, q_a1), (r_b0, r_b1, r_b2, r_a1, r_a2),
         (e_b0, e_b1, e_b2, e_a1, e_a2), (u_b0, u_b1, u_b2, u_a1, u_a2), (w_b0, w_b1, w_b2, w_a1, w_a2),
-        (s_b0, s_b1, s_b2, s_a1, s_a2), rate, filtered_gain, filtered_limit, limited_samples, still_samples,
+        (s_b0, s_b1, s_b2, s_a1, s_a2), rate, direction, filtered_gain, filtered_limit, limited_samples, still_samples,
         short, long, tick_samples, slot_ticks, max_floor_ticks, tone_ticks, unlearning, wide_share, upper_share,
         min_floor, min_upper_floor, min_input_floor, offset, lowest_score, threshold, noise_rise, stay_score,
         stay_ratio, score_smoothing, statistic_gain,
@@ -239,7 +239,7 @@ def _fast_loop(
                     slow = 0.0
             change = slow - state[RING_START + ring_at]
             middle = ring_at + RING // 2
-            half_change = slow - state[RING_START + (middle if middle < RING else middle - RING)]
+            half_change = direction * (slow - state[RING_START + (middle if middle < RING else middle - RING)])
 
             # Floors are at least the noise of a converter halfway between two codes.
             input_noise = 0.25 * step * step
@@ -258,7 +258,7 @@ def _fast_loop(
             rows[at + 3] = wide_long / wide_floor
             rows[at + 4] = greatest / slow_floor
             rows[at + 5] = change * change / slow_floor
-            rows[at + 6] = half_change * half_change / slow_floor
+            rows[at + 6] = half_change * (half_change if half_change > 0.0 else -half_change) / slow_floor
             rows[at + 7] = net_short * net_short / (total_short * total_short + TINY)
             rows[at + 8] = upper_short / (peak + TINY)
             rows[at + 9] = wide_long / (greatest + TINY)

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from fingertip.board.kicad.netlist import CircuitRecord, describe_structure_changes, join_names, read_netlist
 from fingertip.board.kicad.sexpr import Node, Span, find_word, read_expression, replace_words
-from fingertip.catalogues.output_files import LAYOUT, NETLIST, PROJECT, SCHEMATIC
+from fingertip.catalogues.output_files import BOM, DECK, LAYOUT, NETLIST, PROJECT, SCHEMATIC, VALUES
 from fingertip.foundation.errors import Issue, OutputError
 from fingertip.foundation.input_files import PARSED_LIMIT, read_input
 from fingertip.foundation.output_set import Revision, read_manifest
@@ -98,6 +98,11 @@ def revise_edited(
             revisions[name] = Revision(data, after)
             what = f"the values of {join_names(changed)} are updated" if changed else "it has the values of this design"
             notes.append(f"{folder / name}: was edited; {what}, and nothing else changes.")
+            if own := list_own_values(after, "footprint" if is_layout else "symbol", new):
+                notes[-1] += (
+                    f" Your values of {join_names(own)} are in it alone: {BOM}, {NETLIST}, {DECK} and {VALUES} have those "
+                    "of the design."
+                )
             if is_layout and changed and not is_complete:
                 notes[-1] += " This design prints more or fewer lines of values than it shows: compare them."
     if issues:
@@ -144,6 +149,18 @@ def enter_values(data: bytes, kind: str, old: CircuitRecord, new: CircuitRecord)
             else:
                 changes[find_word(text, entry, 2)] = wanted[field]
     return replace_words(text, changes).encode(), changed, problems
+
+
+def list_own_values(data: bytes, kind: str, circuit: CircuitRecord) -> list[str]:
+    """List the parts of a layout or a schematic whose values are not those of a circuit."""
+    parts = {part.identifier: part for part in circuit.parts.values()}
+    items = (item for item in read_expression(data.decode()).children(kind) if _identifier(item) in parts)
+    return [
+        _reference(item)
+        for item in items
+        for field, text, _ in _properties(item)
+        if field == "Value" and text != parts[_identifier(item)].fields["Value"]
+    ]
 
 
 def enter_texts(data: bytes, old_layout: bytes, new_layout: bytes) -> tuple[bytes, bool]:

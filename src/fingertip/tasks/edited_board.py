@@ -100,8 +100,8 @@ def revise_edited(
             notes.append(f"{folder / name}: was edited; {what}, and nothing else changes.")
             if own := list_own_values(after, "footprint" if is_layout else "symbol", new):
                 notes[-1] += (
-                    f" Your values of {join_names(own)} are in it alone: {BOM}, {NETLIST}, {DECK} and {VALUES} have those "
-                    "of the design."
+                    f" Your values of {join_names(own)} are in it alone: {BOM}, {NETLIST}, {DECK} and {VALUES} have "
+                    "those of the design."
                 )
             if is_layout and changed and not is_complete:
                 notes[-1] += " This design prints more or fewer lines of values than it shows: compare them."

@@ -169,10 +169,10 @@ def ringing_knock(design: Design, seed: int, low_v: float = 0.05, high_v: float 
     volts = np.full(len(times_s), draw_rest_v(design, rng))
     height_v = math.exp(rng.uniform(math.log(low_v), math.log(high_v)))
     ring_hz, decay_s = rng.uniform(50.0, 150.0), math.exp(rng.uniform(math.log(0.004), math.log(0.02)))
-    events = []
+    events, direction = [], 1.0 if design.board.tactile_rises else -1.0  # the force rises first
     for start_s in (1.5, 2.2, 2.9):
         since_s = np.clip(times_s - start_s, 0.0, None)
-        volts -= height_v * np.sin(2 * math.pi * ring_hz * since_s) * np.exp(-since_s / decay_s)
+        volts += direction * height_v * np.sin(2 * math.pi * ring_hz * since_s) * np.exp(-since_s / decay_s)
         events.append(Interval(start_s, start_s + 5 * decay_s))
     return _record(design, rng, LabelledSignal("ringing knock", rate, volts, (), tuple(events)))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import get_args
@@ -22,6 +23,7 @@ from fingertip.board.analysis.gate import (
     MARGIN,
     PEAKING,
     TRIM,
+    YIELD,
     GateCondition,
     check_gate,
     find_smallest_margin,
@@ -166,6 +168,25 @@ def test_a_loop_that_never_reaches_a_gain_of_one_has_no_phase_margin() -> None:
     conditions = board_values(Design.load("adult_finger", changes=changes)).gate
     assert all(math.isfinite(condition.value) for condition in conditions)
     assert "U1a" not in {c.subject for c in conditions if c.name == MARGIN}
+
+
+def test_parts_of_wide_tolerances_are_warned_of_with_a_remedy_that_passes() -> None:
+    """Oracle: another draw, of the filter's formulas with ideal amplifiers."""
+    wide = ("board.capacitor_tolerance_percent=20", "board.resistor_tolerance_percent=5")
+    shares = {c.subject: c.value for c in board_values(load("article", *wide)).gate if c.name == YIELD}
+    rng, f_hz = np.random.default_rng(5), np.geomspace(50, 1500, 1200)
+    c1, c2, c3 = 1e-6 * (1 + 0.2 * rng.uniform(-1, 1, (3, 4000)))
+    r1, r2, r3, r4, r5 = (ohm * (1 + 0.05 * rng.uniform(-1, 1, 4000)) for ohm in (2400, 1200, 4700, 1500, 1e5))
+    s = 2j * np.pi * f_hz[:, None]
+    section = s**2 * c2 * c3 * r2 * r3 / (1 + s * r2 * (c2 + c3) + s**2 * c2 * c3 * r2 * r3)
+    magnitude = np.abs(s * r1 * c1 / (1 + s * r1 * c1) * section)
+    cutoffs_hz = f_hz[np.argmax(magnitude >= 0.5**0.5 * magnitude.max(axis=0), axis=0)]
+    assert shares["cutoff"] == pytest.approx(np.mean(np.abs(cutoffs_hz / 67 - 1) <= 0.1), abs=0.02)
+    assert shares["gain"] == pytest.approx(np.mean(np.abs((1 + r5 / r4) / (203 / 3) - 1) <= 0.1), abs=0.02)
+    (warning,) = gate_warnings(board_values(load("article", wide[0])).gate)
+    assert warning.startswith("share of boards within 10 % (cutoff): 0.8")
+    remedies = re.findall(r"board\.\w+=\w+", warning)
+    assert list(gate_warnings(board_values(load("article", *wide, *remedies)).gate)) == []
 
 
 def test_margin_is_one_at_the_limit() -> None:

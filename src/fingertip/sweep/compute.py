@@ -99,6 +99,7 @@ def compute_circuit(context: PointContext) -> OutputValues:
         "phase_margin_deg": min(c.value for c in values.gate if c.name == gate.MARGIN),
         "peaking_db": max(c.value for c in values.gate if c.name == gate.PEAKING),
         "adc_margin": gate.find_smallest_margin(values.gate, gate.HIGHEST, gate.CLAMP),
+        "filter_yield": min(c.value for c in values.gate if c.name == gate.YIELD),
         "odd_capacitors": max(c.value for c in values.gate if c.name == gate.SERIES),
         "mean_threshold_v": spread.mean_v if spread else math.nan,
         "min_threshold_worst_v": spread.min_v if spread else math.nan,

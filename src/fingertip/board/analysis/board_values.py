@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
-from fingertip.board.analysis.gate import GateCondition, check_gate
+from fingertip.board.analysis.gate import GateCondition, check_gate, check_yields
 from fingertip.board.analysis.interference import (
     AliasAttenuation,
     SupplyRipple,
@@ -39,6 +39,7 @@ from fingertip.board.analysis.thresholds import (
     compute_output_offset,
     compute_threshold_spread,
 )
+from fingertip.board.analysis.tolerance import compute_yields
 from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import Value, build_network, filter_quantities
 from fingertip.board.components.selection import FilterSelection, select_filter
@@ -153,7 +154,10 @@ def board_values(design: Design) -> BoardValues:
         amplifier_loads=loads,
         filter_load_ohm=find_filter_load_ohm(loads),
         threshold_spread=spread,
-        gate=check_gate(circuit, design, limits, response.rises, achieved.passband_gain, rails, offset, spread),
+        gate=(
+            *check_gate(circuit, design, limits, response.rises, achieved.passband_gain, rails, offset, spread),
+            *check_yields(compute_yields(model, network.values, circuit, board)),
+        ),
         errata=board_errata(components.amplifier, has_diode),
     )
 

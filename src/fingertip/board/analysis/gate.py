@@ -23,6 +23,7 @@ from fingertip.board.analysis.loads import (
 )
 from fingertip.board.analysis.response import RECTIFYING_DIODE
 from fingertip.board.analysis.thresholds import BLOCKING_DIODE, OutputOffset, ThresholdSpread
+from fingertip.board.analysis.tolerance import LEAST_YIELD
 from fingertip.board.circuits.network import build_network, list_amplifiers
 from fingertip.board.components.bridge import AMPLIFIERS, MAX_FORCE_N, sensor_conductance_s
 from fingertip.board.components.values import CLAMP as CLAMP_DIODES
@@ -130,6 +131,16 @@ def check_gate(
         at_most(SERIES, "C1 to C20", float(odd_capacitors), 0.0, ""),
         *trim,
     )
+
+
+YIELD = "share of boards within 10 %"
+
+
+def check_yields(yields: Mapping[str, float]) -> Iterator[GateCondition]:
+    """Check the shares of boards within their tolerances that are near the design, by quantity."""
+    remedy = "set board.capacitor_tolerance_percent=5, board.resistor_tolerance_percent=1 and board.series=E96"
+    for name, subject in (("cutoff_hz", "cutoff"), ("passband_gain", "gain")):
+        yield at_least(YIELD, subject, yields[name], LEAST_YIELD, "", "advised", remedy)
 
 
 def _check_converter(

@@ -13,13 +13,14 @@ from itertools import product
 
 import numpy as np
 
-from fingertip.board.analysis.board_values import board_values
 from fingertip.board.analysis.response import FilterModel, find_passband, find_passbands, model_filter, search_band_hz
 from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import Value, build_network
+from fingertip.board.components.values import select_components
 from fingertip.board.parts.circuit import Circuit
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
+from fingertip.design.parameters import Board
 from fingertip.foundation.files import format_figure
 from fingertip.foundation.numerics import Array, bisect_arrays
 from fingertip.foundation.plot_style import BLUE, ORANGE, RED, TEXT_COLOUR, new_figure, style_axes, to_png, to_svg
@@ -133,6 +134,19 @@ def state_capacitors(tolerances: Mapping[str, float], percent: float) -> dict[st
     return {name: percent if name in CUTOFF_CAPACITORS else own for name, own in tolerances.items()}
 
 
+YIELD_BOARDS, YIELD_RATIO, LEAST_YIELD = 4000, 0.1, 0.99
+"""Boards that are drawn for a yield, deviation from the design within which a board counts, and share that must."""
+
+
+def compute_yields(model: FilterModel, values: Mapping[str, Value], circuit: Circuit, board: Board) -> dict[str, float]:
+    """Compute the share of boards within `YIELD_RATIO` of the design's cutoff, and of its gain."""
+    toleranced = TolerancedFilter(model, values)
+    deviations = draw_deviations(toleranced, component_tolerances(circuit), YIELD_BOARDS, seed=1)
+    found = toleranced.quantities(deviations)
+    wanted = {"cutoff_hz": board.cutoff_hz, "passband_gain": board.passband_gain}
+    return {name: float(np.mean(np.abs(found[name] / v - 1.0) <= YIELD_RATIO)) for name, v in wanted.items()}
+
+
 def compute_sensitivities(board: TolerancedFilter) -> dict[str, dict[str, float]]:
     """Compute the sensitivity of each quantity to each component: d ln quantity / d ln component.
 
@@ -189,7 +203,7 @@ class ResponseBand:
 
 def compute_response_band(design: Design, boards: int = 10_000, seed: int = 1) -> ResponseBand:
     settings = design.board
-    circuit = board_circuit(board_values(design))
+    circuit = board_circuit(select_components(design))
     network = build_network(circuit, find_gain_bandwidth_hz(settings))
     toleranced = TolerancedFilter(model_filter(circuit, settings.variant == "article"), network.values)
     percent = component_tolerances(circuit)

@@ -104,8 +104,10 @@ def test_design_rules_check_detects_a_corrupted_board(tmp_path: Path, original: 
 @pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_board_has_its_size_and_holes(name: str) -> None:
     placement = load_project(name).placement
-    width_mm, holes = {"article": (40.0, 2), "precision": (40.0, 4), "comparator": (44.0, 4)}[name]
-    assert (placement.width, placement.height, placement.thickness_mm, placement.fiducials) == (width_mm, 25.0, 1.6, 3)
+    sizes = {"article": (40.0, 25.0, 2), "precision": (40.0, 25.0, 4), "comparator": (42.0, 26.0, 4)}
+    width_mm, height_mm, holes = sizes[name]
+    assert (placement.width, placement.height, placement.thickness_mm) == (width_mm, height_mm, 1.6)
+    assert placement.fiducials == 3
     assert sum(part.footprint == M2_HOLE for part in placement.parts.values()) == holes
 
 

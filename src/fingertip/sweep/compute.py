@@ -209,7 +209,7 @@ def compute_pad(context: PointContext) -> OutputValues:
         "pad_share_wide": found.least_share(*WIDE_DEG),
         "pad_share_rolled": found.rolled_share,
         "pad_evenness": found.evenness,
-        "pad_turn_on_n": found.worst_turn_on_n,
+        "pad_turn_on_n": found.worst_turn_on_n if math.isfinite(found.worst_turn_on_n) else math.nan,
         "pad_stiffness_n_per_mm": found.stiffness_n_per_mm,
         "pad_strain": found.strain,
         "pad_own_mode_hz": find_own_mode_hz(context.design),

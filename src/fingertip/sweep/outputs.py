@@ -103,7 +103,7 @@ OUTPUTS = {
         ("pad_share_wide", "pad", "the same at tilts of -5 to 15 degrees; 0 also where the bone touches first"),
         ("pad_share_rolled", "pad", "share at a roll of 10 degrees"),
         ("pad_evenness", "pad", "least over largest share, at tilts of 0 to 10 degrees"),
-        ("pad_turn_on_n", "pad", "force on the pad at turn-on, worst of -5 to 15 degrees; inf: not below 20 N"),
+        ("pad_turn_on_n", "pad", "force on the pad at turn-on, worst of -5 to 15 degrees; NaN: not below 20 N"),
         ("pad_stiffness_n_per_mm", "pad", "stiffness of the pad at 1 N"),
         ("pad_strain", "pad", "indentation over thickness at 5 N"),
         ("pad_own_mode_hz", "pad", "lowest resonance of the silicone over the sensor, which simulations leave out"),

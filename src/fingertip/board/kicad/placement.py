@@ -1,7 +1,7 @@
 """Placement of a board's parts, as its layout states it [mm]; the y axis points down.
 
-The boards are 40 x 25 mm, `comparator` 42 x 26, all components on the front. Sensor and supply enter on the left, signals leave on the
-right.
+The boards are 40 x 25 mm, `comparator` 42 x 26 mm, with all components on the front. Sensor and supply enter on the
+left, signals leave on the right.
 """
 
 from __future__ import annotations

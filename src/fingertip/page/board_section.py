@@ -33,7 +33,7 @@ from fingertip.page.schematic_svg import render_schematic
 from fingertip.page.sources import COMMANDS, Sources
 from fingertip.page.svg import Axis, Frame, figure_svg, legend, line
 
-_COLUMNS = ("Quantity", "References", "Value", "Footprint", "Rating", "Manufacturer", "MPN", "LCSC", "Note")
+_COLUMNS = ("Quantity", "References", "Value", "Footprint", "Rating", "Manufacturer", "MPN", "LCSC", "Price", "Note")
 _BOM_CAPTION = "bill of materials; board/bom.csv names the source of each number"
 _NOTES = ("Connectors", "Test points", "Before you apply power")
 """Sections of the board's README that a page shows."""

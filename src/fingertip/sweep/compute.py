@@ -80,8 +80,9 @@ def compute_board(context: PointContext) -> OutputValues:
 
 
 def compute_circuit(context: PointContext) -> OutputValues:
-    from fingertip.board import board_values
+    from fingertip.board import board_circuit, board_values
     from fingertip.board.analysis import gate
+    from fingertip.board.fabrication.bom import count_unconfirmed
 
     values = board_values(context.design)
     spread = values.threshold_spread
@@ -100,6 +101,7 @@ def compute_circuit(context: PointContext) -> OutputValues:
         "peaking_db": max(c.value for c in values.gate if c.name == gate.PEAKING),
         "adc_margin": gate.find_smallest_margin(values.gate, gate.HIGHEST, gate.CLAMP),
         "filter_yield": min(c.value for c in values.gate if c.name == gate.YIELD),
+        "unconfirmed_lines": count_unconfirmed(board_circuit(values)),
         "odd_capacitors": max(c.value for c in values.gate if c.name == gate.SERIES),
         "mean_threshold_v": spread.mean_v if spread else math.nan,
         "min_threshold_worst_v": spread.min_v if spread else math.nan,

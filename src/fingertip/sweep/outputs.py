@@ -165,6 +165,7 @@ OUTPUTS = {
         ("peaking_db", "circuit", "largest gain beyond the band over that of the passband"),
         ("adc_margin", "circuit", "range of the converter over the highest tactile voltage, or the clamps' rail"),
         ("filter_yield", "circuit", "share of boards within 10 % of the cutoff and of the gain, the smaller"),
+        ("unconfirmed_lines", "circuit", "lines to assemble whose order number two documents do not confirm"),
         ("odd_capacitors", "circuit", "number of capacitors off series E12"),
         ("mean_threshold_v", "circuit", "mean of the comparator's threshold; NaN in other variants"),
         ("min_threshold_worst_v", "circuit", "lowest threshold of a comparator, untrimmed, 0 to 50 C"),

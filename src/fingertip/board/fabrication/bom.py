@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from fingertip.board.kicad.placement import Placement
 from fingertip.board.parts.circuit import Circuit, Component, reference_sort_key
 from fingertip.board.parts.select_part import Selection, select_part
-from fingertip.board.parts.table import load_sources, load_table
+from fingertip.board.parts.table import PRICES, UNCONFIRMED, load_table
 
 COLUMNS = (
-    "Quantity", "References", "Value", "Footprint", "Rating", "Manufacturer", "MPN", "Alternate", "LCSC", "Source",
-    "Note",
+    "Quantity", "References", "Value", "Footprint", "Rating", "Manufacturer", "MPN", "Alternate", "LCSC", "Price",
+    "Source", "Note",
 )  # fmt: skip
 
 
@@ -41,12 +41,12 @@ def bill_of_materials(circuit: Circuit) -> bytes:
     rows = []
     for line in list_bom(circuit):
         fields, part, alternate = line.selection.fields, line.selection.part, line.selection.alternate
-        sources = dict.fromkeys(load_sources()[each.source].title for each in (part, alternate) if each)
+        sources = dict.fromkeys(each.source_text for each in (part, alternate) if each)
         rows.append((
             str(len(line.components)), " ".join(line.references), line.value, line.footprint, line.rating,
             fields["Manufacturer"], fields["MPN"],
             f"{alternate.manufacturer} {alternate.number}".strip() if alternate else "",
-            fields["LCSC"], "; alternate: ".join(sources), line.selection.reason,
+            fields["LCSC"], PRICES[part.price] if part else "", "; alternate: ".join(sources), line.selection.note,
         ))  # fmt: skip
     return format_csv(COLUMNS, rows)
 
@@ -119,20 +119,33 @@ def assembly_bom_file(circuit: Circuit) -> bytes:
 
 
 def missing_numbers_note(circuit: Circuit) -> str:
-    """Describe the lines of the assembly's bill of materials without an LCSC number; empty if all have one."""
+    """Describe the lines of the assembly's bill of materials whose number is missing or unsure; empty if none is."""
     lines = _list_assembled(circuit)
-    missing = [line for line in lines if not line.selection.fields["LCSC"]]
-    if not missing:
-        return ""
-    named = ", ".join(
-        f"{' '.join(line.references)} ({line.selection.fields['MPN'] or f'{line.value}, no number known'})"
-        for line in missing
-    )
-    have = "has" if len(missing) == 1 else "have"
-    return (
-        f"{len(missing)} of {len(lines)} lines {have} no LCSC number in `{ASSEMBLY_BOM}`: {named}. Search for the "
-        "manufacturer's number at the assembly house, order the part there, or solder it yourself."
-    )
+    missing = [line for line in lines if line.selection.reason and not line.selection.fields["LCSC"]]
+    unsure = [line for line in lines if line.selection.reason and line not in missing]
+    text = ""
+    if missing:
+        named = ", ".join(
+            f"{' '.join(line.references)} ({line.selection.fields['MPN'] or f'{line.value}, no number known'})"
+            for line in missing
+        )
+        text = (
+            f"{len(missing)} of {len(lines)} lines {'has' if len(missing) == 1 else 'have'} no LCSC number in "
+            f"`{ASSEMBLY_BOM}`: {named}. Search for the manufacturer's number at the assembly house, order the part "
+            "there, or solder it yourself. "
+        )
+    if unsure:
+        named = ", ".join(f"{' '.join(line.references)} ({line.selection.fields['LCSC']})" for line in unsure)
+        text += (
+            f"{UNCONFIRMED.capitalize()}: {named}. Only one document gives each of these numbers: compare the part "
+            "that the house shows with the value and the maker's number."
+        )
+    return text.strip()
+
+
+def count_unconfirmed(circuit: Circuit) -> int:
+    """Count the lines to assemble whose number of the house is missing or stands in one document only."""
+    return sum(bool(line.selection.reason) for line in _list_assembled(circuit))
 
 
 def _list_assembled(circuit: Circuit) -> list[BomLine]:

@@ -16,6 +16,7 @@ from fingertip.board.parts.circuit import (
     parse_component_value,
 )
 from fingertip.board.parts.table import (
+    UNCONFIRMED,
     ChipCapacitor,
     ChipResistor,
     Part,
@@ -48,6 +49,7 @@ class OrderingCode:
     max_ohm: float
     series: tuple[str, ...]
     """Series of values that it is made in."""
+    price: str
     source: str
 
     def is_made(self, ohm: float) -> bool:
@@ -57,7 +59,7 @@ class OrderingCode:
 
     def compose(self, ohm: float) -> ChipResistor:
         number = f"{self.prefix}{resistance_code(ohm)}{self.suffix}"
-        part = Part(self.manufacturer, number, "", self.source)
+        part = Part(self.manufacturer, number, "", self.price, (self.source,))
         return ChipResistor(ohm, self.tolerance_percent, self.drift_ppm_per_k, self.power_w, self.package, part)
 
 
@@ -79,7 +81,7 @@ _PACKAGE = re.compile(r"[RC]_(\d{4})_")
 _ROUNDING = 1e-9
 """Relative difference of equal values."""
 NO_LCSC = "no document that was read gives an LCSC number"
-NO_MANUFACTURER = "the source names no manufacturer"
+ONE_SOURCE = "only one document gives the LCSC number"
 
 
 @dataclass(frozen=True)
@@ -89,12 +91,17 @@ class Selection:
     part: Part | None
     alternate: Part | None
     reason: str
-    """Reason why a number is missing; empty if none is."""
+    """Reason why the number of the assembly house is missing or unsure; empty if two documents agree on it."""
+
+    @property
+    def note(self) -> str:
+        """What to do before ordering; empty for a part that is only to be ordered, or soldered by hand."""
+        return f"{UNCONFIRMED}: {self.reason}" if self.reason and self.part else self.reason
 
     @property
     def fields(self) -> dict[str, str]:
         """Fields of the symbol in the schematic; empty where there is no number."""
-        part = self.part or Part("", "", "", "")
+        part = self.part or Part("", "", "", "", ())
         return {"Manufacturer": part.manufacturer, "MPN": part.number, "LCSC": part.lcsc}
 
 
@@ -122,8 +129,7 @@ def select_part(component: Component) -> Selection:
     if not found:
         return Selection(None, None, reason or f"the parts table has no {component.value} with {component.rating}")
     part, alternate = found[0], found[1] if len(found) > 1 else None
-    gaps = ((NO_MANUFACTURER, part.manufacturer), (NO_LCSC, part.lcsc))
-    return Selection(part, alternate, "; ".join(gap for gap, text in gaps if not text))
+    return Selection(part, alternate, "" if part.is_confirmed else ONE_SOURCE if part.lcsc else NO_LCSC)
 
 
 def symbol_fields(component: Component) -> dict[str, str]:

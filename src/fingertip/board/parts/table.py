@@ -17,6 +17,10 @@ from fingertip.board.parts.circuit import Circuit, Component
 FOLDER = Path(__file__).parent
 _EXPONENTS = {"M": 6, "k": 3, "u": -6, "n": -9, "p": -12}
 
+PRICES = {"a": "below 0.05", "b": "0.05 to 0.5", "c": "0.5 to 5"}
+"""Price of one piece [US dollar], by class: estimates of November 2026, most of them after the house's own prices."""
+UNCONFIRMED = "confirm before ordering"
+
 Row = TypeVar("Row")
 
 
@@ -26,6 +30,8 @@ class Source:
 
     key: str
     title: str
+    date: str
+    """Date of the document, or on which it was read where it bears none."""
     address: str
     """Address of the document, or of the part's page that it names; empty if neither was stated."""
 
@@ -39,8 +45,21 @@ class Part:
     number: str
     lcsc: str
     """Number of the distributor LCSC, which is the assembly house's too; empty where no source gives it."""
-    source: str
-    """Key of the source of both numbers."""
+    price: str
+    """Class of `PRICES`."""
+    sources: tuple[str, ...]
+    """Keys of the documents that give these numbers, each by another author."""
+
+    @property
+    def is_confirmed(self) -> bool:
+        """Return whether two documents agree on the number of the assembly house."""
+        return bool(self.lcsc) and len(self.sources) > 1
+
+    @property
+    def source_text(self) -> str:
+        """Titles of the documents with their dates."""
+        found = (load_sources()[key] for key in self.sources)
+        return "; ".join(f"{source.title} ({source.date})" for source in found)
 
 
 @dataclass(frozen=True)
@@ -119,12 +138,13 @@ _READERS: dict[str, Callable[[str], Any]] = {
 
 
 def load_table(kind: type[Row], name: str) -> tuple[Row, ...]:
-    """Load the rows of one of the table's files, whose columns are the fields; four of them make the field `part`."""
+    """Load the rows of one of the table's files, whose columns are the fields; five of them make the field `part`."""
 
     def read(row: dict[str, str], field: str, field_type: str) -> Any:
         if field == "part":
-            numbers = (row[column] for column in ("manufacturer", "number", "lcsc", "source"))
-            return Part(*numbers) if row["number"] else None
+            sources = tuple(row["sources"].split())
+            part = Part(row["manufacturer"], row["number"], row["lcsc"], row["price"], sources)
+            return part if part.number else None
         return _READERS[field_type](row[field])
 
     columns = [(field.name, str(field.type)) for field in fields(cast(Any, kind))]

@@ -28,7 +28,14 @@ from fingertip.board.kicad.project import StoredProject
 from fingertip.board.parts.circuit import Circuit
 from fingertip.board.parts.select_part import NO_LCSC
 from fingertip.board.parts.symbols import CAPACITOR, RESISTOR
-from fingertip.board.parts.table import count_wires, group_plug_wires, list_connectors, list_mating_parts, load_sources
+from fingertip.board.parts.table import (
+    UNCONFIRMED,
+    count_wires,
+    group_plug_wires,
+    list_connectors,
+    list_mating_parts,
+    load_sources,
+)
 from fingertip.catalogues.amplifiers import CATALOGUE
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import DIODE_V
@@ -91,6 +98,7 @@ def folder_readme(circuit: Circuit, stored: StoredProject, values: BoardValues, 
         **_collect_order(circuit, stored),
         bridge_shift_v=_find_bridge_shift_v(values.bridge, design.board.supply_v) if values.bridge else 0.0,
         missing_numbers=missing_numbers_note(circuit),
+        unconfirmed=UNCONFIRMED,
         rotations=load_sources()[load_rotations()[0].source],
     ).encode()
 
@@ -117,10 +125,8 @@ def _list_cables(circuit: Circuit) -> Iterator[tuple[str, ...]]:
         for mating in list_mating_parts(connector):
             numbers = ("", "", mating.reason)
             if part := mating.part:
-                source = load_sources()[part.source].title
-                numbers = (
-                    f"{part.manufacturer} {part.number}", part.lcsc, source if part.lcsc else f"{source}; {NO_LCSC}"
-                )  # fmt: skip
+                source = part.source_text if part.lcsc else f"{part.source_text}; {NO_LCSC}"
+                numbers = (f"{part.manufacturer} {part.number}", part.lcsc, source)
             yield connector.reference, str(mating.count(count_wires(connector))), mating.item, *numbers
 
 

@@ -12,6 +12,13 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from fingertip.board.bringup.bench import HOST, Fault, list_exchanges, list_faults
+from fingertip.board.bringup.follow_up import (
+    METER_CONSTANT_OHM,
+    choose_follow_up,
+    list_measurable,
+    name_resistance,
+    predict_resistance,
+)
 from fingertip.board.bringup.plan import METER_AC, BringUp, Limits, resistance_limits
 from fingertip.board.bringup.prediction import POINTS, Board, is_tone, name_voltage, predict
 from fingertip.board.circuits.network import build_network
@@ -45,6 +52,8 @@ def list_mistakes(board: Board) -> tuple[Mistake, ...]:
 
 def is_direct(name: str) -> bool:
     """Return whether a reading is a direct voltage: any without the tone, and the envelope and rectifier with it."""
+    if not name.endswith("_v"):
+        return False
     return not is_tone(name) or name.startswith(tuple(f"{POINTS[net].lower()}_" for net in (ENVELOPE, RECT_OUT)))
 
 
@@ -86,6 +95,9 @@ _LEAKING = 0.04
 """Share of a good board's tone that an output at the end of its swing may still pass."""
 _ALIKE = 4.0
 """Difference of two faults' misfits below which they cannot be told apart."""
+_CLOSE = 40.0
+"""Difference of two faults' misfits below which a further reading is worth its while: errors of the prediction may
+exchange them."""
 _FAR = 15.0
 """Difference of misfits beyond which a mistake together with one of some hundred faults is more than a coincidence."""
 _EXPLAINED = 6.0
@@ -119,6 +131,8 @@ class Diagnosis:
     likely: tuple[Explanation, ...]
     """Nearest explanations, which cannot be told apart and have the same mistake; empty if no reading failed, or if no
     fault explains any that did."""
+    follow_up: tuple[str, ...] = ()
+    """Resistors to measure in place, without power, which would tell them apart."""
 
     @property
     def is_explained(self) -> bool:
@@ -134,21 +148,30 @@ class Diagnosis:
 def diagnose(board: Board, limits: Mapping[str, Limits], readings: Mapping[str, float], tone_v: float) -> Diagnosis:
     """Compare readings with their limits and, if any lies beyond them, find the faults that explain them best.
 
-    Units: `readings` [V].
+    Units: `readings` and `limits` [V], or [ohm] for resistances across parts in place.
     """
     failed = tuple(name for name, v in readings.items() if not limits[name].low_v <= v <= limits[name].high_v)
     if not failed or len(readings) < MIN_READINGS:
         return Diagnosis(failed, ())
     singles, exchanges = list_faults(board.circuit, board.ends_v), list_exchanges(board.circuit)
     faults = [Fault("", "", board.circuit), *singles, *exchanges]
-    found = zip(faults, predict(board, faults, tone_v), strict=True)
-    predicted = [(fault, fit_offset(board, fault, values, readings)) for fault, values in found]
-    return Diagnosis(failed, explain(predicted, limits, readings, list_mistakes(board)))
+    predicted = []
+    across = [name for name in list_measurable(board.circuit) if name_resistance(name) in readings]
+    for fault, values in zip(faults, predict(board, faults, tone_v), strict=True):
+        ohms = {name_resistance(name): predict_resistance(fault.circuit, name) for name in across}
+        predicted.append((fault, fit_offset(board, fault, values, readings) | ohms))
+    likely = explain(predicted, limits, readings, list_mistakes(board))
+    if not likely or likely[0].mistake:
+        return Diagnosis(failed, likely)
+    # Where the best explanation is poor, errors of the prediction are larger.
+    margin = max(_CLOSE / len(readings), likely[0].misfit)
+    misfits = [(_misfit(values, readings, limits), fault.circuit) for fault, values in predicted]
+    near = [circuit for misfit, circuit in misfits if misfit - likely[0].misfit < margin]
+    named = likely[0].fault.reference.split(" and ")
+    return Diagnosis(failed, likely, choose_follow_up(board.circuit, near, readings, named))
 
 
-def fit_offset(
-    board: Board, fault: Fault, values: Mapping[str, float], readings: Mapping[str, float]
-) -> Mapping[str, float]:
+def fit_offset(board: Board, fault: Fault, values: dict[str, float], readings: Mapping[str, float]) -> dict[str, float]:
     """Readings of a fault with the offset of U1 that explains the first stage best.
 
     A bridged capacitor may let the first stage amplify its own offset, which a board without a fault does not. The
@@ -247,6 +270,8 @@ def _misfit(predicted: Mapping[str, float], readings: Mapping[str, float], limit
 
 def _difference(name: str, predicted_v: float, measured_v: float, limits: Mapping[str, Limits]) -> float:
     spread = (limits[name].high_v - limits[name].low_v) / 4.0
+    if name.endswith("_ohm"):
+        spread = METER_CONSTANT_OHM + spread * predicted_v / limits[name].expected_v
     if is_tone(name) and limits[name].low_v > 0.0:
         # What is left of a tone has the same relative spread, and the meter's own error.
         expected_v = limits[name].expected_v

@@ -10,11 +10,13 @@ from typing import Any
 
 from fingertip.board.bringup.bench import HOST, TONE_V
 from fingertip.board.bringup.diagnosis import MIN_READINGS, Diagnosis, diagnose
+from fingertip.board.bringup.follow_up import TOP_OHM, limit_resistances, name_resistance
 from fingertip.board.bringup.plan import QUIET, QUIET_ENVELOPE, SENSOR_OHM, SUPPLY_MA, SUPPLY_PERCENT, BringUp, Limits
 from fingertip.board.bringup.prediction import Board, is_tone, name_tone
 from fingertip.board.parts.circuit import RECT_OUT, VCC, VMID
 from fingertip.design.parameters.declaration import suggest_name
-from fingertip.foundation.errors import BoardError, Issue
+from fingertip.foundation.errors import BoardError, Issue, join_words
+from fingertip.foundation.files import format_figure
 from fingertip.foundation.toml_files import read_toml
 
 IDENTITY, TONE = "board", "tone_v"
@@ -61,12 +63,13 @@ def read_readings(path: Path, plan: BringUp) -> Readings:
     tables = read_toml(path)
     if issues := list(_find_issues(tables, plan, path)):
         raise BoardError(issues)
-    taken = {n: float(v) for n, v in tables.items() if n in plan.all and not math.isnan(v)}
+    known = plan.all.keys() | limit_resistances(plan.board.circuit).keys()
+    taken = {n: float(v) for n, v in tables.items() if n in known and not math.isnan(v)}
     return Readings(float(tables.get(TONE, TONE_V)), taken)
 
 
 def _find_issues(tables: Mapping[str, Any], plan: BringUp, path: Path) -> Iterator[Issue]:
-    names = plan.all
+    names = plan.all | limit_resistances(plan.board.circuit)
     if IDENTITY not in tables:
         remedy = "`fingertip board DESIGN --bringup` writes a file to fill in, with the line that names the board"
         yield Issue(f"{path}, {IDENTITY}", f"is missing; {remedy}.")
@@ -208,7 +211,8 @@ def assess_readings(plan: BringUp, readings: Readings, threshold_v: float | None
 
     `threshold_v` is that of a detector of the envelope in software [V], if the board has no comparator.
     """
-    limits = plan.all
+    across = limit_resistances(plan.board.circuit)
+    limits = plan.all | across
     rows = [
         {
             "name": name,
@@ -222,7 +226,8 @@ def assess_readings(plan: BringUp, readings: Readings, threshold_v: float | None
         for name, value in readings.values.items()
     ]
     levels = {name: value for name, value in readings.values.items() if name in plan.levels}
-    diagnosis = diagnose(plan.board, plan.levels, levels, readings.tone_v)
+    ohms = {name: min(value, TOP_OHM) for name, value in readings.values.items() if name in across}
+    diagnosis = diagnose(plan.board, {**plan.levels, **across}, {**levels, **ohms}, readings.tone_v)
     hints = [f"{row['name']}: {_explain_reading(row)}." for row in rows if row["name"] in _HINTS and not row["passed"]]
     if threshold_v is not None and QUIET_ENVELOPE in levels and not diagnosis.mistake:
         hints += _note_idle_level(plan, levels[QUIET_ENVELOPE], threshold_v)
@@ -230,13 +235,28 @@ def assess_readings(plan: BringUp, readings: Readings, threshold_v: float | None
     return {
         "passed": all(row["passed"] for row in rows),
         "readings": rows,
-        "missing": [name for name in limits if name not in readings.values],
+        "missing": [name for name in plan.all if name not in readings.values],
         "hints": hints,
         "likely": [each.fault.sentence for each in diagnosis.likely if each.fault.reference],
         "mistake": diagnosis.mistake.sentence if diagnosis.mistake else None,
         "explained": diagnosis.is_explained,
-        "verdict": _verdict(diagnosis, len(levels), rows, sources),
+        "measure_next": [name_resistance(name) for name in diagnosis.follow_up],
+        "verdict": _verdict(diagnosis, len(levels), rows, sources)
+        + ("" if sources.explain_all else _ask(diagnosis, across)),
     }
+
+
+def _ask(diagnosis: Diagnosis, across: Mapping[str, Limits]) -> str:
+    """Ask for the readings that tell the likely faults apart; empty if there are none."""
+    if not diagnosis.follow_up:
+        return ""
+    good = {name: across[name_resistance(name)].expected_v for name in diagnosis.follow_up}
+    asked = join_words([f"{name} (good: {format_figure(ohm, 4)} ohm)" for name, ohm in good.items()])
+    lines = join_words([f"{name_resistance(name)} = ..." for name in good])
+    return (
+        f" To tell them apart, without power and with nothing plugged in, measure the resistance across {asked}, in "
+        f"place; add {lines} to the file, inf where the meter shows none, and run this again."
+    )
 
 
 def _note_idle_level(plan: BringUp, volts: float, threshold_v: float) -> list[str]:

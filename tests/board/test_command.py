@@ -231,7 +231,7 @@ def test_fabrication_files_are_complete_and_reproducible(tmp_path: Path) -> None
     assert re.findall(rb"T\d+C([\d.]+)", plated) == [b"0.300", b"1.000"]
     assert (fab / "slip_filter_front.png").read_bytes().startswith(b"\x89PNG")
     assert (fab / "slip_filter_schematic.pdf").read_bytes().startswith(b"%PDF")
-    assert (fab / "slip_filter_assembly.pdf").read_bytes().startswith(b"%PDF")
+    assert (fab / "assembly.pdf").read_bytes().startswith(b"%PDF")
     recorded = [line.split("  ")[1] for line in (fab / PROVENANCE).read_text().splitlines()]
     own = {PROVENANCE, MANIFEST}
     assert {path.name for path in fab.iterdir()} == {name for name in recorded if "/" not in name} | own

@@ -201,8 +201,8 @@ def test_value_changed_by_hand_stays_where_the_design_does_not_change_it(folder:
     write_board(load_article(OTHER_VALUES), folder, progress=notes.append)
     (note,) = notes
     assert note.endswith(
-        "Your values of R13 are in it alone: bom.csv, slip_filter.net, slip_filter.cir and values.json have those of "
-        "the design."
+        "Your values of R13 are in it alone: bom.csv, slip_filter.net, slip_filter.cir, values.json and assembly.svg "
+        "have those of the design."
     )
     found = fields(parse((folder / LAYOUT).read_text("utf-8")), "footprint")
     assert found["R13"]["Value"] == "81.6"

@@ -108,6 +108,7 @@ def test_formatted_component_values_can_be_parsed(value: float) -> None:
 FILES = [
     "3d",
     "README.md",
+    "assembly.svg",
     "bom.csv",
     "manifest.json",
     "slip_filter.cir",

@@ -22,6 +22,8 @@ from fingertip.board.fabrication.fabrication_files import find_outdated_files, p
 from fingertip.board.kicad.netlist import kicad_netlist_file
 from fingertip.board.kicad.project import MODEL_FOLDER, load_project, model_files
 from fingertip.catalogues.output_files import (
+    ASSEMBLY,
+    ASSEMBLY_PDF,
     BOARD,
     BOM,
     BRING_UP,
@@ -42,12 +44,15 @@ from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.documents.board.bringup import render_sheet
 from fingertip.documents.board.readme import folder_readme
+from fingertip.foundation import extras
 from fingertip.foundation.errors import BoardError, Issue, OutputError, escape_control, shorten
 from fingertip.foundation.output_set import SetWriter, finish_interrupted, hash_parameters
+from fingertip.pictures.assembly_drawing import draw_assembly
+from fingertip.pictures.drawing.render import render_pdf, render_svg
 from fingertip.tasks.edited_board import EditedFiles, find_edited, refuse_other_circuit, revise_edited
 from fingertip.tasks.verification import compare_with_design
 
-BOARD_FILES = (NETLIST, VALUES, DECK, BOM, SCHEMATIC, LAYOUT, PROJECT, README)
+BOARD_FILES = (NETLIST, VALUES, DECK, BOM, SCHEMATIC, LAYOUT, PROJECT, README, ASSEMBLY)
 BRING_UP_FILES = (BRING_UP, BRING_UP_READINGS, WIRING)
 """Names of the files for bringing a board up, which are written where they are asked for."""
 _MAX_DIFF_LENGTH = 300
@@ -61,14 +66,20 @@ def board_files(design: Design) -> dict[str, bytes]:
     record = {"parameters": design.board.model_dump(), **values.as_data()}
     text = json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     circuit, project = board_circuit(values), load_project(values.variant)
+    entered = project.enter(circuit)
     return {
         NETLIST: kicad_netlist_file(circuit),
-        **project.enter(circuit),
+        **entered,
+        ASSEMBLY: render_svg(draw_assembly(circuit, entered[LAYOUT].decode(), _title(design))),
         DECK: spice_deck(circuit, find_gain_bandwidth_hz(design.board), design.board.supply_v),
         BOM: bill_of_materials(circuit),
         VALUES: text.encode(),
         README: folder_readme(circuit, project, values, design),
     }
+
+
+def _title(design: Design) -> str:
+    return f"Slip filter board of {design.name}, variant {design.board.variant}"
 
 
 def model_sets(folder: Path, force: bool = False, top: Path | None = None) -> list[tuple[SetWriter, dict[str, bytes]]]:
@@ -194,6 +205,11 @@ def write_fabrication(
     placement, sources = load_project(values.variant).placement, board_files(design)
     models = {f"{MODEL_FOLDER}/{path}": data for path, data in model_files().items()}
     files = fabrication_files(sources | models, board_circuit(values), placement, progress)
+    if extras.is_installed("reportlab"):
+        sheet = draw_assembly(board_circuit(values), sources[LAYOUT].decode(), _title(design))
+        files[ASSEMBLY_PDF] = render_pdf([sheet], sheet.name)
+    else:
+        progress(f"{ASSEMBLY_PDF} is left out: it needs {extras.describe_missing('reportlab')}")
     files[PROVENANCE] = provenance_record(sources, files)
     writer.write(files)
     return tuple(writer.folder / name for name in files)

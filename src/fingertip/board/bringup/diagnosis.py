@@ -161,13 +161,14 @@ def diagnose(board: Board, limits: Mapping[str, Limits], readings: Mapping[str, 
         ohms = {name_resistance(name): predict_resistance(fault.circuit, name) for name in across}
         predicted.append((fault, fit_offset(board, fault, values, readings) | ohms))
     likely = explain(predicted, limits, readings, list_mistakes(board))
-    if not likely or likely[0].mistake:
+    named = likely[0].fault.reference.split(" and ") if likely else []
+    is_measured = {name_resistance(name) for name in named} <= readings.keys()
+    if not likely or likely[0].mistake or (len(likely) == 1 and is_measured):
         return Diagnosis(failed, likely)
     # Where the best explanation is poor, errors of the prediction are larger.
     margin = max(_CLOSE / len(readings), likely[0].misfit)
-    misfits = [(_misfit(values, readings, limits), fault.circuit) for fault, values in predicted]
-    near = [circuit for misfit, circuit in misfits if misfit - likely[0].misfit < margin]
-    named = likely[0].fault.reference.split(" and ")
+    alone = find_alone(predicted, limits, readings)
+    near = [each.fault.circuit for each in alone if each.misfit - likely[0].misfit < margin]
     return Diagnosis(failed, likely, choose_follow_up(board.circuit, near, readings, named))
 
 
@@ -191,18 +192,10 @@ def fit_offset(board: Board, fault: Fault, values: dict[str, float], readings: M
     return {**values, name: min(max(readings[name], low_v), high_v)}
 
 
-def explain(
-    predicted: Iterable[tuple[Fault, Mapping[str, float]]],
-    limits: Mapping[str, Limits],
-    readings: Mapping[str, float],
-    mistakes: Iterable[Mistake] = (),
-) -> tuple[Explanation, ...]:
-    """Find the faults whose predicted readings are nearest, with all that are as near, or the mistake that is nearer.
-
-    `predicted` holds the board without a fault too, which has no reference. A mistake together with a fault explains
-    nearly everything, so it is named only if it is nearer by far than the mistake alone, and than any fault alone.
-    """
-    predicted = list(predicted)
+def find_alone(
+    predicted: Iterable[tuple[Fault, Mapping[str, float]]], limits: Mapping[str, Limits], readings: Mapping[str, float]
+) -> list[Explanation]:
+    """Find the faults that explain any failing reading, and all readings better than no fault does."""
     expected = {name: limits[name].expected_v for name in readings}
     no_fault = _misfit(expected, readings, limits)
     failing = {name: v for name, v in readings.items() if not limits[name].low_v <= v <= limits[name].high_v}
@@ -216,12 +209,28 @@ def explain(
         )
 
     # A fault that explains none of the failing readings, or all of them worse than no fault, is no explanation.
-    alone = [
+    return [
         Explanation(fault, misfit)
         for fault, values in predicted
         if fault.reference and explains_one(values)
         if (misfit := _misfit(values, readings, limits)) < no_fault
     ]
+
+
+def explain(
+    predicted: Iterable[tuple[Fault, Mapping[str, float]]],
+    limits: Mapping[str, Limits],
+    readings: Mapping[str, float],
+    mistakes: Iterable[Mistake] = (),
+) -> tuple[Explanation, ...]:
+    """Find the faults whose predicted readings are nearest, with all that are as near, or the mistake that is nearer.
+
+    `predicted` holds the board without a fault too, which has no reference. A mistake together with a fault explains
+    nearly everything, so it is named only if it is nearer by far than the mistake alone, and than any fault alone.
+    """
+    predicted = list(predicted)
+    no_fault = _misfit({name: limits[name].expected_v for name in readings}, readings, limits)
+    alone = find_alone(predicted, limits, readings)
     likely = _select_closest(alone, len(readings)) if alone else ()
     for mistake in mistakes:
         found = [Explanation(f, _misfit(mistake.apply(values), readings, limits), mistake) for f, values in predicted]

@@ -31,8 +31,6 @@ from fingertip.foundation.input_files import OUTPUT_LIMIT, PARSED_LIMIT, read_in
 from fingertip.foundation.progress import Work
 
 _LAYERS = "F.Cu,B.Cu,F.Paste,F.SilkS,B.SilkS,F.Mask,B.Mask,Edge.Cuts"
-_ASSEMBLY_LAYERS = "F.Fab,F.SilkS,Edge.Cuts"
-"""Layers of the assembly drawing. A reference that is not printed on the board is on F.Fab."""
 _DATE = re.compile(rb"^(%TF\.CreationDate.*|G04 Created by KiCad.*|; DRILL file.*|; #@! TF\.CreationDate.*)\r?\n", re.M)
 _ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 """Date of all files in a zip: the earliest that the format allows."""
@@ -60,7 +58,6 @@ STEPS = {
     "rendering of the front": 15.0,
     "rendering of the back": 15.0,
     "schematic as PDF": 2.0,
-    "assembly drawing as PDF": 2.0,
 }
 """Steps of the export with their durations relative to each other."""
 
@@ -89,12 +86,7 @@ def fabrication_files(
                 "-o", f"{name}_{suffix}.png",
             )  # fmt: skip
         run("schematic as PDF", "sch", "export", "pdf", schematic, "-o", f"{name}_schematic.pdf")
-        run(
-            "assembly drawing as PDF",
-            "pcb", "export", "pdf", board, "--mode-single", "-l", _ASSEMBLY_LAYERS, "--sketch-pads-on-fab-layers",
-            "--black-and-white", "-o", f"{name}_assembly.pdf",
-        )  # fmt: skip
-        exported = (f"{name}_front.png", f"{name}_back.png", f"{name}_schematic.pdf", f"{name}_assembly.pdf")
+        exported = (f"{name}_front.png", f"{name}_back.png", f"{name}_schematic.pdf")
         return {
             f"{name}_gerbers.zip": gerbers,
             ASSEMBLY_BOM: assembly_bom_file(circuit),

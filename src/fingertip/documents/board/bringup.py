@@ -112,7 +112,6 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
         **collect_board(values, design),
         name=design.name,
         wiring=wiring,
-        circuit=circuit.name,
         bench=bench,
         boards=BOARDS,
         supply_percent=SUPPLY_PERCENT,

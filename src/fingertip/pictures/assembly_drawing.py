@@ -1,0 +1,177 @@
+"""Assembly drawing of a board, five times its size: each part's outline with its reference and value, and a list.
+
+Whoever solders looks up where a part belongs, which value it has, and which way round it goes.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from fingertip.board.fabrication.bom import list_bom
+from fingertip.board.kicad.placement import list_pads, name_part, read_placement
+from fingertip.board.kicad.sexpr import Node, Point, find_place, first, numbers, read_expression, turn
+from fingertip.board.parts.circuit import Circuit
+from fingertip.foundation.version import __version__
+from fingertip.pictures.drawing.primitives import (
+    Arc,
+    Primitive,
+    Sheet,
+    Style,
+    Styles,
+    Text,
+    line,
+    rectangle,
+    text_width,
+)
+
+SCALE = 5.0
+_PAPER_MM = 297.0, 210.0
+_MARGIN_MM = 12.0
+_TITLE_MM, _NOTE_MM, _LIST_MM = 3.5, 2.0, 2.0
+_MOST_MM, _LEAST_MM = 2.2, 1.0
+"""Largest and smallest height of the capitals on a part."""
+_PART, _PAD = Style("part", 0.2), Style("pad", 0.1)
+_BAR, _BOARD = Style("bar", 0.9), Style("board", 0.5)
+_ROW_MM = 4.6
+_GAP = 0.35
+"""Gap between two lines of text, and beside them, in units of a capital's height."""
+
+
+@dataclass(frozen=True)
+class _Box:
+    """Rectangle on the sheet [mm]."""
+
+    left: float
+    bottom: float
+    right: float
+    top: float
+
+    @property
+    def size(self) -> tuple[float, float]:
+        return self.right - self.left, self.top - self.bottom
+
+    @property
+    def middle(self) -> Point:
+        return (self.left + self.right) / 2.0, (self.bottom + self.top) / 2.0
+
+
+def draw_assembly(circuit: Circuit, layout: str, title: str) -> Sheet:
+    """Draw the front of a board, from the text of its layout, with a list of what to place."""
+    placement, (width, height) = read_placement(layout), _PAPER_MM
+    left, top = _MARGIN_MM, height - _MARGIN_MM - 10.0
+
+    def place(x: float, y: float) -> Point:
+        """Point of KiCad's page on the sheet."""
+        return left + SCALE * (x - placement.corner[0]), top - SCALE * (y - placement.corner[1])
+
+    drawn: list[Primitive] = [
+        Text(title, (left, height - _MARGIN_MM - _TITLE_MM), _TITLE_MM),
+        Text(
+            f"Front, {SCALE:g}:1, {placement.width:g} x {placement.height:g} mm; made with fingertip {__version__}. "
+            "Thick bar: cathode. Dot: pin 1.",
+            (left, top + 2.5),
+            _NOTE_MM,
+        ),
+        rectangle(
+            left, top - SCALE * placement.height, left + SCALE * placement.width, top, _BOARD
+        ),
+    ]  # fmt: skip
+    values = {part.reference: part.value for part in circuit.components}
+    board = read_expression(layout.partition("(zone")[0] + ")")
+    for footprint in board.children("footprint"):
+        if (name := name_part(footprint)) in values:
+            drawn += _draw_part(footprint, name, values[name], place)
+    drawn += _draw_list(circuit, left + SCALE * placement.width + 5.0, top)
+    return Sheet("assembly", width, height, tuple(drawn))
+
+
+def _draw_part(footprint: Node, name: str, value: str, place: Callable[[float, float], Point]) -> Iterator[Primitive]:
+    x, y, angle = find_place(footprint)
+    pads = list(list_pads(footprint))
+    for pad in pads:
+        if pad.drill and pad.shape == "circle":
+            yield Arc(place(*pad.centre), SCALE * pad.drill / 2.0, 0.0, 360.0, _PAD)
+    outlines = [item for item in footprint.children("fp_rect") if item.word("layer") == "F.Fab"]
+    if not outlines:
+        return
+    corners = [numbers(first(outlines[0], end))[:2] for end in ("start", "end")]
+    spots = [place(x + dx, y + dy) for dx, dy in (turn(cx, cy, angle) for cx, cy in corners)]
+    (x0, y0), (x1, y1) = spots
+    body = _Box(min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1))
+    yield rectangle(body.left, body.bottom, body.right, body.top, _PART)
+    if name[0] not in "RC" or len(pads) > 2:
+        for pad in pads:
+            pad_left, pad_top, pad_right, pad_bottom = pad.box
+            ends = (*place(pad_left, pad_bottom), *place(pad_right, pad_top))
+            yield from _trim(_Box(*ends), body)
+        # A body with three legs goes in one way only.
+        pins = [place(*pad.centre) for pad in pads if pad.name == "1" and len(pads) not in (1, 3)]
+        yield from _mark_first_pin(body, pins, name)
+    yield from _write(body, name, "" if name.startswith("TP") else value)
+
+
+def _trim(pad: _Box, body: _Box) -> Iterator[Primitive]:
+    """Draw what of a pad lies beside the body, which stays free for the text."""
+    left, bottom, right, top = pad.left, pad.bottom, pad.right, pad.top
+    if body.bottom < pad.middle[1] < body.top:  # its leg leaves the body sideways
+        left, right = (max(left, body.right), right) if right > body.right else (left, min(right, body.left))
+    elif body.left < pad.middle[0] < body.right:
+        bottom, top = (max(bottom, body.top), top) if top > body.top else (bottom, min(top, body.bottom))
+    if left < right and bottom < top:
+        yield rectangle(left, bottom, right, top, _PAD)
+
+
+def _mark_first_pin(body: _Box, pins: list[Point], name: str) -> Iterator[Primitive]:
+    """Mark the cathode of a diode with two pins, and pin 1 of everything else."""
+    if not pins:
+        return
+    x, y = pins[0]
+    (cx, cy), (wide, high) = body.middle, body.size
+    if name.startswith("D") and wide != high and min(abs(x - cx) / wide, abs(y - cy) / high) < 0.05:
+        if wide > high:
+            at = body.left if x < cx else body.right
+            yield line((at, body.bottom), (at, body.top), _BAR)
+        else:
+            at = body.bottom if y < cy else body.top
+            yield line((body.left, at), (body.right, at), _BAR)
+        return
+    # Inside the body, in the corner next to the pin.
+    dx, dy = min(1.0, wide / 6.0), min(1.0, high / 6.0)
+    dot = (
+        min(max(x, body.left + dx), body.right - dx), min(max(y, body.bottom + dy), body.top - dy)
+    )  # fmt: skip
+    yield from (Arc(dot, r, 0.0, 360.0, Styles.GRID) for r in (0.15, 0.4))
+
+
+def _write(body: _Box, name: str, value: str) -> Iterator[Primitive]:
+    """Write the reference and, below or beside it, the value into a part's outline, along its longer side."""
+    lines = [text for text in (name, value) if text]
+    wide, high = body.size
+    turned = high > wide
+    along, across = (high, wide) if turned else (wide, high)
+    widest = max(text_width(text, 1.0) for text in lines)
+    one_line = text_width(" ".join(lines), 1.0)
+    # Two lines in a squat outline, one in a slim one: whichever is larger.
+    two = min(along / (widest + 2 * _GAP), across / (len(lines) * (1.0 + _GAP) + _GAP))
+    single = min(along / (one_line + 2 * _GAP), across / (1.0 + 2 * _GAP))
+    if single > two:
+        lines = [" ".join(lines)]
+    size = max(min(max(two, single), _MOST_MM), _LEAST_MM)
+    total = (len(lines) * (1.0 + _GAP) - _GAP) * size
+    x, y = body.middle
+    for i, text in enumerate(lines):
+        down = total / 2.0 - size - i * (1.0 + _GAP) * size
+        at = (x - down, y) if turned else (x, y + down)
+        yield Text(text, at, size, "middle", turned)
+
+
+def _draw_list(circuit: Circuit, left: float, top: float) -> Iterator[Primitive]:
+    """List what to place: a box to tick, references, package and value."""
+    for i, item in enumerate(list_bom(circuit)):
+        y = top - (i + 1) * _ROW_MM
+        package = item.footprint.split("_")[1] if re.match(r"[RC]\d", item.references[0]) else ""
+        yield rectangle(left, y, left + _LIST_MM, y + _LIST_MM, _PART)
+        yield Text(f"{item.value}  {package}".strip(), (left + 4.0, y), _LIST_MM)
+        yield Text(" ".join(item.references), (left + 27.0, y), _LIST_MM)

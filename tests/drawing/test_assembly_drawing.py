@@ -1,0 +1,67 @@
+"""Assembly drawing of a board: every part with its value, no text over another, and bars at the cathodes."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import pytest
+
+from fingertip.board import board_circuit, board_values
+from fingertip.board.components.values import VARIANT_CHANGES
+from fingertip.board.fabrication.bom import purchased_components
+from fingertip.board.kicad.project import load_project
+from fingertip.pictures.assembly_drawing import SCALE, draw_assembly
+from fingertip.pictures.drawing.primitives import Polyline, Sheet, Text
+from fingertip.tasks.board import LAYOUT
+from tests.designs import load_article
+
+
+def draw(variant: str) -> tuple[Sheet, dict[str, str]]:
+    """Draw the board of a variant, and return the values of what is on it."""
+    circuit = board_circuit(board_values(load_article(VARIANT_CHANGES[variant])))
+    layout = load_project(variant).enter(circuit)[LAYOUT].decode()
+    return draw_assembly(circuit, layout, "board"), {c.reference: c.value for c in purchased_components(circuit)}
+
+
+@pytest.mark.every_case
+@pytest.mark.parametrize("variant", VARIANT_CHANGES)
+def test_every_part_is_drawn_once_with_its_value_and_no_text_covers_another(variant: str) -> None:
+    sheet, values = draw(variant)
+    placement = load_project(variant).placement
+    frame = next(p for p in sheet.primitives if isinstance(p, Polyline) and p.style.name == "board")
+    (left, bottom), (right, top) = frame.points[0], frame.points[2]
+    assert (right - left, top - bottom) == pytest.approx((SCALE * placement.width, SCALE * placement.height))
+    texts = [p for p in sheet.primitives if isinstance(p, Text)]
+    on_board = [t for t in texts if t.at[0] < right and t.at[1] < top]
+    words = [word for text in on_board for word in text.text.split(" ")]
+    for reference, value in values.items():
+        assert words.count(reference) == 1
+        x, y = placement.parts[reference].pad_centre
+        own = next(t for t in on_board if reference in t.text.split(" "))
+        # The middle of the text is nearer to the middle of its part than the part is long.
+        middle = [(a + b) / 2 for a, b in zip(own.box()[:2], own.box()[2:], strict=True)]
+        assert abs(middle[0] - left - SCALE * x) < 4.5 * SCALE
+        assert abs(middle[1] - top + SCALE * y) < 4.5 * SCALE
+        assert value in words, f"{value} of {reference}"
+    for a, b in combinations((t.box() for t in texts), 2):
+        assert a[2] <= b[0] or b[2] <= a[0] or a[3] <= b[1] or b[3] <= a[1]
+    listed = {word for text in texts if text.at[0] > right for word in text.text.split(" ")}
+    assert set(values) <= listed
+
+
+@pytest.mark.parametrize("variant", VARIANT_CHANGES)
+def test_bars_lie_at_the_cathodes(variant: str) -> None:
+    sheet, values = draw(variant)
+    parts, frame = (
+        load_project(variant).placement.parts,
+        next(p for p in sheet.primitives if isinstance(p, Polyline) and p.style.name == "board"),
+    )
+    left, top = frame.points[0][0], frame.points[2][1]
+    bars = [p.points for p in sheet.primitives if isinstance(p, Polyline) and p.style.name == "bar"]
+    diodes = [name for name in values if name.startswith("D") and len(parts[name].pads) == 2]
+    assert len(bars) == len(diodes) > 0
+    for (x0, y0), (x1, y1) in bars:
+        x, y = ((x0 + x1) / 2 - left) / SCALE, (top - (y0 + y1) / 2) / SCALE
+        # The nearest pad of any diode is a cathode: pad 1 of KiCad's footprints.
+        pads = [pad for name in diodes for pad in parts[name].pads]
+        assert min(pads, key=lambda pad: (pad.centre[0] - x) ** 2 + (pad.centre[1] - y) ** 2).name == "1"

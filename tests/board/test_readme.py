@@ -203,6 +203,7 @@ def list_wrong_readings(plan: BringUp) -> Iterator[tuple[str, dict[str, float]]]
     yield "little current", {SUPPLY_MA: 1.5, "tp1_open_v": good["tp1_open_v"]}
 
 
+@pytest.mark.full
 def test_what_is_said_of_wrong_readings_is_the_approved_text(precision_plan: BringUp) -> None:
     plan = precision_plan
     lines = [line for title, readings in list_wrong_readings(plan) for line in assess(plan, title, readings)]

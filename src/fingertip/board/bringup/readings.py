@@ -253,8 +253,9 @@ def _ask(diagnosis: Diagnosis, across: Mapping[str, Limits]) -> str:
     good = {name: across[name_resistance(name)].expected_v for name in diagnosis.follow_up}
     asked = join_words([f"{name} (good: {format_figure(ohm, 4)} ohm)" for name, ohm in good.items()])
     lines = join_words([f"{name_resistance(name)} = ..." for name in good])
+    purpose = "tell them apart" if len(diagnosis.likely) > 1 else "be sure"
     return (
-        f" To tell them apart, without power and with nothing plugged in, measure the resistance across {asked}, in "
+        f" To {purpose}, without power and with nothing plugged in, measure the resistance across {asked}, in "
         f"place; add {lines} to the file, inf where the meter shows none, and run this again."
     )
 

@@ -14,10 +14,13 @@ from fingertip.board.components.selection import SOLD, capacitances_in_range, ne
 from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.fabrication.bom import (
     COLUMNS,
+    PRICE,
     assembly_bom_file,
     bill_of_materials,
     count_unconfirmed,
+    estimate_cost,
     is_assembled,
+    list_extended,
     missing_numbers_note,
     placement_file,
     purchased_components,
@@ -168,6 +171,11 @@ def test_all_but_three_numbers_of_a_board_for_a_controller_stand_in_two_document
         circuit = board_circuit(board_values(Design.load(changes=[f"board.variant={variant}"])))
         assert count_unconfirmed(circuit) == 3
         assert missing_numbers_note(circuit).count("onfirm before ordering") == 1
+        low, high = estimate_cost(circuit)
+        assert 1.5 < low < 5 < high < 40
+        extended = list_extended(circuit)
+        assert "U1 U2 U3" in extended
+        assert "C1 C2 C3" not in extended
 
 
 @pytest.mark.every_case
@@ -186,7 +194,8 @@ def test_every_line_has_a_number_or_an_empty_field_and_the_reason(name: str, ext
         agreed = row["LCSC"] and row["Source"].split("alternate: ")[0].count("(20") + row["Source"].count("(read") > 1
         assert bool(row["Note"]) != bool(agreed and row["MPN"]), row
         assert row["Note"].startswith("confirm before ordering: ") == bool(row["Note"] and row["MPN"])
-        assert bool(row["Price"]) == bool(row["MPN"])
+        assert bool(row[PRICE]) == bool(row["MPN"])
+        assert row["MPN"] in row["Note"] or not row["Note"]
         assert bool(row["MPN"]) == bool(row["Source"])
         assert not row["Alternate"] or row["MPN"]
         for reference in row["References"].split():
@@ -255,8 +264,8 @@ def parse_bom(data: bytes) -> list[dict[str, str]]:
     assert max(map(len, data.decode().splitlines())) <= 2048, "the longest row that the house accepts"
     rows = list(csv.DictReader(io.StringIO(data.decode()), strict=True))
     for row in rows:
-        # The house ignores the last two; people read them. A line without comment or footprint cannot be matched.
-        assert list(row) == ["Comment", "Designator", "Footprint", "JLCPCB Part #", "MPN", "Manufacturer"]
+        # The house ignores the last three; people read them. A line without comment or footprint cannot be matched.
+        assert list(row) == ["Comment", "Designator", "Footprint", "JLCPCB Part #", "MPN", "Manufacturer", "Note"]
         assert row["Comment"] and row["Footprint"]  # noqa: PT018
         assert all(re.fullmatch(r"[A-Z]+[1-9]\d*", name) for name in row["Designator"].split(","))
         assert re.fullmatch(r"(C[1-9]\d*)?", row["JLCPCB Part #"])
@@ -291,7 +300,7 @@ def test_independent_parser_reads_the_parts_of_the_circuit_in_both_files(name: s
             assert listed[reference] == (
                 fields["LCSC"], fields["MPN"], fields["Manufacturer"], component.footprint.split(":")[1]
             )  # fmt: skip
-            comments.add(component.value + f", {component.rating}" * (reference[0] in "RC"))
+            comments.add(component.value + f", {component.rating}" * (reference[0] in "RCJ"))
         assert comments == {row["Comment"]}, "components of different ratings are never merged"
     assert set(listed) == set(house) == set(kicad)
     assert set(house) == {c.reference for c in purchased_components(circuit) if is_assembled(c)}

@@ -22,6 +22,7 @@ from fingertip.board.analysis.tolerance import (
 )
 from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import build_network
+from fingertip.board.fabrication.bom import PRICE
 from fingertip.board.kicad.sexpr import read_expression
 from fingertip.catalogues.output_files import BOARD_FOLDER, BOM, BRING_UP, LAYOUT, README, SCHEMATIC, VALUES
 from fingertip.design import Design
@@ -33,7 +34,7 @@ from fingertip.page.schematic_svg import render_schematic
 from fingertip.page.sources import COMMANDS, Sources
 from fingertip.page.svg import Axis, Frame, figure_svg, legend, line
 
-_COLUMNS = ("Quantity", "References", "Value", "Footprint", "Rating", "Manufacturer", "MPN", "LCSC", "Price", "Note")
+_COLUMNS = ("Quantity", "References", "Value", "Footprint", "Rating", "Manufacturer", "MPN", "LCSC", PRICE, "Note")
 _BOM_CAPTION = "bill of materials; board/bom.csv names the source of each number"
 _NOTES = ("Connectors", "Test points", "Before you apply power")
 """Sections of the board's README that a page shows."""

@@ -5,14 +5,13 @@ Whoever solders looks up where a part belongs, which value it has, and which way
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from fingertip.board.fabrication.bom import list_bom
 from fingertip.board.kicad.placement import list_pads, name_part, read_placement
 from fingertip.board.kicad.sexpr import Node, Point, find_place, first, numbers, read_expression, turn
-from fingertip.board.parts.circuit import Circuit
+from fingertip.board.parts.circuit import Circuit, Component
 from fingertip.foundation.version import __version__
 from fingertip.pictures.drawing.primitives import (
     Arc,
@@ -30,7 +29,7 @@ SCALE = 5.0
 _PAPER_MM = 297.0, 210.0
 _MARGIN_MM = 12.0
 _TITLE_MM, _NOTE_MM, _LIST_MM = 3.5, 2.0, 2.0
-_MOST_MM, _LEAST_MM = 2.2, 1.0
+_MOST_MM, _LEAST_MM = 2.2, 1.2
 """Largest and smallest height of the capitals on a part."""
 _PART, _PAD = Style("part", 0.2), Style("pad", 0.1)
 _BAR, _BOARD = Style("bar", 0.9), Style("board", 0.5)
@@ -70,7 +69,7 @@ def draw_assembly(circuit: Circuit, layout: str, title: str) -> Sheet:
         Text(title, (left, height - _MARGIN_MM - _TITLE_MM), _TITLE_MM),
         Text(
             f"Front, {SCALE:g}:1, {placement.width:g} x {placement.height:g} mm; made with fingertip {__version__}. "
-            "Thick bar: cathode. Dot: pin 1.",
+            "Print at 100 %. Bar: cathode. Dot: pin 1. Parts with neither go in either way, or in one way only.",
             (left, top + 2.5),
             _NOTE_MM,
         ),
@@ -78,21 +77,20 @@ def draw_assembly(circuit: Circuit, layout: str, title: str) -> Sheet:
             left, top - SCALE * placement.height, left + SCALE * placement.width, top, _BOARD
         ),
     ]  # fmt: skip
-    values = {part.reference: part.value for part in circuit.components}
+    parts = {part.reference: part for part in circuit.components}
     board = read_expression(layout.partition("(zone")[0] + ")")
     for footprint in board.children("footprint"):
-        if (name := name_part(footprint)) in values:
-            drawn += _draw_part(footprint, name, values[name], place)
+        if part := parts.get(name_part(footprint)):
+            drawn += _draw_part(footprint, part, place)
     drawn += _draw_list(circuit, left + SCALE * placement.width + 5.0, top)
     return Sheet("assembly", width, height, tuple(drawn))
 
 
-def _draw_part(footprint: Node, name: str, value: str, place: Callable[[float, float], Point]) -> Iterator[Primitive]:
-    x, y, angle = find_place(footprint)
-    pads = list(list_pads(footprint))
+def _draw_part(footprint: Node, part: Component, place: Callable[[float, float], Point]) -> Iterator[Primitive]:
+    name, pads, (x, y, angle) = part.reference, list(list_pads(footprint)), find_place(footprint)
     for pad in pads:
-        if pad.drill and pad.shape == "circle":
-            yield Arc(place(*pad.centre), SCALE * pad.drill / 2.0, 0.0, 360.0, _PAD)
+        if diameter := pad.drill or (pad.width if name.startswith("TP") else 0.0):
+            yield Arc(place(*pad.centre), SCALE * diameter / 2.0, 0.0, 360.0, _PAD)
     outlines = [item for item in footprint.children("fp_rect") if item.word("layer") == "F.Fab"]
     if not outlines:
         return
@@ -100,16 +98,31 @@ def _draw_part(footprint: Node, name: str, value: str, place: Callable[[float, f
     spots = [place(x + dx, y + dy) for dx, dy in (turn(cx, cy, angle) for cx, cy in corners)]
     (x0, y0), (x1, y1) = spots
     body = _Box(min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1))
+    if name.startswith("TP"):
+        yield from _write(body, name, "")
+        return
     yield rectangle(body.left, body.bottom, body.right, body.top, _PART)
-    if name[0] not in "RC" or len(pads) > 2:
+    if not _is_chip(part):
         for pad in pads:
             pad_left, pad_top, pad_right, pad_bottom = pad.box
             ends = (*place(pad_left, pad_bottom), *place(pad_right, pad_top))
             yield from _trim(_Box(*ends), body)
-        # A body with three legs goes in one way only.
-        pins = [place(*pad.centre) for pad in pads if pad.name == "1" and len(pads) not in (1, 3)]
-        yield from _mark_first_pin(body, pins, name)
-    yield from _write(body, name, "" if name.startswith("TP") else value)
+        first_pin = next(place(*pad.centre) for pad in pads if pad.name == "1")
+        if len(part.symbol.pins) == 2 and part.symbol.pins[0].name == "K":
+            yield _draw_bar(body, first_pin)
+        elif len(pads) > 3 or name.startswith("J"):  # what has three legs goes in one way only
+            yield from _draw_dot(body, first_pin)
+    yield from _write(body, name, _describe_value(part))
+
+
+def _is_chip(part: Component) -> bool:
+    """Return whether a part is a resistor or capacitor, which goes in either way."""
+    return part.symbol.name in ("R", "C")
+
+
+def _describe_value(part: Component) -> str:
+    """Value, with R behind ohms: an R28 that is marked 100 has 10 ohm, and one of 100 ohm is marked 101 or 1000."""
+    return f"{part.value}R" if part.symbol.name == "R" and part.value[-1].isdigit() else part.value
 
 
 def _trim(pad: _Box, body: _Box) -> Iterator[Primitive]:
@@ -123,25 +136,20 @@ def _trim(pad: _Box, body: _Box) -> Iterator[Primitive]:
         yield rectangle(left, bottom, right, top, _PAD)
 
 
-def _mark_first_pin(body: _Box, pins: list[Point], name: str) -> Iterator[Primitive]:
-    """Mark the cathode of a diode with two pins, and pin 1 of everything else."""
-    if not pins:
-        return
-    x, y = pins[0]
-    (cx, cy), (wide, high) = body.middle, body.size
-    if name.startswith("D") and wide != high and min(abs(x - cx) / wide, abs(y - cy) / high) < 0.05:
-        if wide > high:
-            at = body.left if x < cx else body.right
-            yield line((at, body.bottom), (at, body.top), _BAR)
-        else:
-            at = body.bottom if y < cy else body.top
-            yield line((body.left, at), (body.right, at), _BAR)
-        return
-    # Inside the body, in the corner next to the pin.
+def _draw_bar(body: _Box, cathode: Point) -> Primitive:
+    (x, y), (cx, cy), (wide, high) = cathode, body.middle, body.size
+    if wide > high:
+        at = body.left if x < cx else body.right
+        return line((at, body.bottom), (at, body.top), _BAR)
+    at = body.bottom if y < cy else body.top
+    return line((body.left, at), (body.right, at), _BAR)
+
+
+def _draw_dot(body: _Box, pin: Point) -> Iterator[Primitive]:
+    """Draw a dot inside the body, as near to the pin as there is room."""
+    (x, y), (wide, high) = pin, body.size
     dx, dy = min(1.0, wide / 6.0), min(1.0, high / 6.0)
-    dot = (
-        min(max(x, body.left + dx), body.right - dx), min(max(y, body.bottom + dy), body.top - dy)
-    )  # fmt: skip
+    dot = min(max(x, body.left + dx), body.right - dx), min(max(y, body.bottom + dy), body.top - dy)
     yield from (Arc(dot, r, 0.0, 360.0, Styles.GRID) for r in (0.15, 0.4))
 
 
@@ -158,7 +166,10 @@ def _write(body: _Box, name: str, value: str) -> Iterator[Primitive]:
     single = min(along / (one_line + 2 * _GAP), across / (1.0 + 2 * _GAP))
     if single > two:
         lines = [" ".join(lines)]
-    size = max(min(max(two, single), _MOST_MM), _LEAST_MM)
+    size = min(max(two, single), _MOST_MM)
+    if size < _LEAST_MM and value:  # too long for the part: the list has it
+        yield from _write(body, name, "")
+        return
     total = (len(lines) * (1.0 + _GAP) - _GAP) * size
     x, y = body.middle
     for i, text in enumerate(lines):
@@ -168,10 +179,14 @@ def _write(body: _Box, name: str, value: str) -> Iterator[Primitive]:
 
 
 def _draw_list(circuit: Circuit, left: float, top: float) -> Iterator[Primitive]:
-    """List what to place: a box to tick, references, package and value."""
+    """List what to place: a box to tick, number of parts, value, package and references."""
     for i, item in enumerate(list_bom(circuit)):
-        y = top - (i + 1) * _ROW_MM
-        package = item.footprint.split("_")[1] if re.match(r"[RC]\d", item.references[0]) else ""
+        y, part, package = top - (i + 1) * _ROW_MM, item.components[0], ""
+        if _is_chip(part):
+            package = item.footprint.split("_")[1]
+        elif item.footprint.startswith("JST"):
+            package = " ".join(item.footprint.split("_")[:2])
         yield rectangle(left, y, left + _LIST_MM, y + _LIST_MM, _PART)
-        yield Text(f"{item.value}  {package}".strip(), (left + 4.0, y), _LIST_MM)
-        yield Text(" ".join(item.references), (left + 27.0, y), _LIST_MM)
+        yield Text(f"{len(item.components)} x", (left + 4.0, y), _LIST_MM)
+        yield Text(f"{_describe_value(part)} {package}".strip(), (left + 10.0, y), _LIST_MM)
+        yield Text(" ".join(item.references), (left + 33.0, y), _LIST_MM)

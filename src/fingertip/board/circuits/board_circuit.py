@@ -69,7 +69,7 @@ _PRECISION = ResistorRequirement(0.1, 0.1, 25.0)
 _POWER_W = 0.1
 _RATINGS = {
     "header": "pin header 2.54 mm, one row; or solder the wires",
-    "locking": "keyed and locking, with its plug and crimped wires",
+    "locking": "keyed; plug and wires are bought apart (README, What else to buy)",
     "trimmer": "trimmer 3 mm, one turn, top",
     CLAMP: symbols.BAT54S.description,
     SUPPRESSOR: "ESD suppressor, bidirectional, 5 V working voltage, SOD-323, 8 kV contact (IEC 61000-4-2)",

@@ -12,10 +12,11 @@ from dataclasses import dataclass
 from fingertip.board.kicad.placement import Placement
 from fingertip.board.parts.circuit import Circuit, Component, reference_sort_key
 from fingertip.board.parts.select_part import Selection, select_part
-from fingertip.board.parts.table import PRICES, UNCONFIRMED, load_table
+from fingertip.board.parts.table import BASIC_SOURCE, PRICES, UNCONFIRMED, Part, load_table
 
+PRICE = "Price of one [USD, estimate of 2026-11]"
 COLUMNS = (
-    "Quantity", "References", "Value", "Footprint", "Rating", "Manufacturer", "MPN", "Alternate", "LCSC", "Price",
+    "Quantity", "References", "Value", "Footprint", "Rating", "Manufacturer", "MPN", "Alternate", "LCSC", PRICE,
     "Source", "Note",
 )  # fmt: skip
 
@@ -46,7 +47,7 @@ def bill_of_materials(circuit: Circuit) -> bytes:
             str(len(line.components)), " ".join(line.references), line.value, line.footprint, line.rating,
             fields["Manufacturer"], fields["MPN"],
             f"{alternate.manufacturer} {alternate.number}".strip() if alternate else "",
-            fields["LCSC"], PRICES[part.price] if part else "", "; alternate: ".join(sources), line.selection.note,
+            fields["LCSC"], _format_price(part) if part else "", "; alternate: ".join(sources), line.selection.note,
         ))  # fmt: skip
     return format_csv(COLUMNS, rows)
 
@@ -81,8 +82,8 @@ def format_csv(columns: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> byt
 # their source; a package that is not in it keeps KiCad's rotation. The house places a part by the centre of its pads.
 
 ASSEMBLY_BOM, ASSEMBLY_PLACEMENT = "bom_assembly.csv", "placement_assembly.csv"
-BOM_COLUMNS = ("Comment", "Designator", "Footprint", "JLCPCB Part #", "MPN", "Manufacturer")
-"""The four columns that the house reads, and the number to search for where the fourth is empty."""
+BOM_COLUMNS = ("Comment", "Designator", "Footprint", "JLCPCB Part #", "MPN", "Manufacturer", "Note")
+"""The four columns that the house reads, and for people the number to search for and what to confirm."""
 PLACEMENT_COLUMNS = ("Designator", "Mid X", "Mid Y", "Layer", "Rotation")
 
 
@@ -111,10 +112,10 @@ def assembly_bom_file(circuit: Circuit) -> bytes:
     rows = []
     for line in _list_assembled(circuit):
         fields = line.selection.fields
-        has_type_name = line.references[0].rstrip("0123456789") not in ("R", "C", "RV")
+        has_type_name = line.references[0].rstrip("0123456789") not in ("R", "C", "RV", "J")
         comment = line.value if has_type_name else f"{line.value}, {line.rating}"
         numbers = (fields["LCSC"], fields["MPN"], fields["Manufacturer"])
-        rows.append((comment, ",".join(line.references), line.footprint, *numbers))
+        rows.append((comment, ",".join(line.references), line.footprint, *numbers, line.selection.note))
     return format_csv(BOM_COLUMNS, rows)
 
 
@@ -141,6 +142,25 @@ def missing_numbers_note(circuit: Circuit) -> str:
             "that the house shows with the value and the maker's number."
         )
     return text.strip()
+
+
+def estimate_cost(circuit: Circuit) -> tuple[float, float]:
+    """Estimate the cost of one board's parts from the classes of their prices [US dollar], without those unknown."""
+    priced = [
+        (len(line.components), *PRICES[part.price]) for line in list_bom(circuit) if (part := line.selection.part)
+    ]
+    return sum(count * low for count, low, _ in priced), sum(count * high for count, _, high in priced)
+
+
+def list_extended(circuit: Circuit) -> list[str]:
+    """List the lines to assemble, by reference, which are not among the house's basic and preferred parts."""
+    known = ((line, line.selection.part) for line in _list_assembled(circuit))
+    return [" ".join(line.references) for line, part in known if part and BASIC_SOURCE not in part.sources]
+
+
+def _format_price(part: Part) -> str:
+    low, high = PRICES[part.price]
+    return f"{low:g} to {high:g}" if low else f"below {high:g}"
 
 
 def count_unconfirmed(circuit: Circuit) -> int:

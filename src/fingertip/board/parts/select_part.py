@@ -96,7 +96,10 @@ class Selection:
     @property
     def note(self) -> str:
         """What to do before ordering; empty for a part that is only to be ordered, or soldered by hand."""
-        return f"{UNCONFIRMED}: {self.reason}" if self.reason and self.part else self.reason
+        if not self.part or not self.reason:
+            return self.reason
+        look = f"what the house shows for {self.part.lcsc} must be" if self.part.lcsc else "search the house for"
+        return f"{UNCONFIRMED}: {self.reason}; {look} {self.part.number}"
 
     @property
     def fields(self) -> dict[str, str]:

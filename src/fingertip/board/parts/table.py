@@ -17,9 +17,11 @@ from fingertip.board.parts.circuit import Circuit, Component
 FOLDER = Path(__file__).parent
 _EXPONENTS = {"M": 6, "k": 3, "u": -6, "n": -9, "p": -12}
 
-PRICES = {"a": "below 0.05", "b": "0.05 to 0.5", "c": "0.5 to 5"}
+PRICES = {"a": (0.0, 0.05), "b": (0.05, 0.5), "c": (0.5, 5.0)}
 """Price of one piece [US dollar], by class: estimates of November 2026, most of them after the house's own prices."""
 UNCONFIRMED = "confirm before ordering"
+BASIC_SOURCE = "kicad_library"
+"""Key of the document that lists the house's basic and preferred parts."""
 
 Row = TypeVar("Row")
 

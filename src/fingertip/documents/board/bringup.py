@@ -119,6 +119,7 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
         meter_ac=METER_AC,
         meter_ohm=METER_OHM,
         is_protected=is_protected,
+        has_suppressor="D6" in parts,
         # Three times what the board should draw, in tens.
         limit_ma=10.0 * math.ceil(0.3 * plan.current[SUPPLY_MA].expected_v),
         coupling_capacitor=format_component_value(COUPLING_FARAD),

@@ -17,8 +17,10 @@ from fingertip.board.circuits.spice import MAX_SWITCH_OHM
 from fingertip.board.components.bridge import MAX_FORCE_N, POWER_UP_S, Bridge, sensor_conductance_s
 from fingertip.board.components.values import CLAMP_A, MAX_CLAMP_A, MAX_LOW_LEAKAGE_A, PULL_UP_OHM, SUPPLIES
 from fingertip.board.fabrication.bom import (
+    estimate_cost,
     find_rotation,
     is_assembled,
+    list_extended,
     load_rotations,
     missing_numbers_note,
     purchased_components,
@@ -99,6 +101,8 @@ def folder_readme(circuit: Circuit, stored: StoredProject, values: BoardValues, 
         bridge_shift_v=_find_bridge_shift_v(values.bridge, design.board.supply_v) if values.bridge else 0.0,
         missing_numbers=missing_numbers_note(circuit),
         unconfirmed=UNCONFIRMED,
+        cost_usd=estimate_cost(circuit),
+        extended=list_extended(circuit),
         rotations=load_sources()[load_rotations()[0].source],
     ).encode()
 

@@ -97,6 +97,7 @@ def board(
         from fingertip.board.bringup.readings import format_assessment
         from fingertip.tasks.board import assess_board
 
+        console.progress("comparing the readings with those of some 500 faults, which takes about ten seconds")
         assessment = assess_board(loaded, readings)
         console.result(assessment, format_assessment(assessment), assessment["passed"])
         return

@@ -366,7 +366,7 @@ def test_resistance_that_is_asked_for_names_the_fault(tmp_path: Path) -> None:
     first = assess_readings(plan, Readings(TONE_V, volts))
     assert len(first["likely"]) > 1
     assert "r6_ohm" in first["measure_next"]
-    assert f"R6 (good: {format_figure(good['r6_ohm'].expected_v)} ohm)" in first["verdict"]
+    assert f"R6 ({format_figure(good['r6_ohm'].expected_v)} ohm on a good board)" in first["verdict"]
     asked = [name.removesuffix("_ohm").upper() for name in first["measure_next"]]
     ohms = {name_resistance(name): predict_resistance(fault.circuit, name) for name in asked}
     path = tmp_path / "mine.toml"

@@ -98,7 +98,7 @@ def render_bom(text: str) -> Markup:
     """
     lines = list(csv.DictReader(io.StringIO(text)))
     columns = [name for name in _COLUMNS if any(line.get(name) for line in lines)]
-    head = (element("th", name if name in ("MPN", "LCSC") else name.lower(), scope="col") for name in columns)
+    head = (element("th", name if name in ("MPN", "LCSC", PRICE) else name.lower(), scope="col") for name in columns)
     rows = (
         element(
             "tr",

@@ -5,16 +5,16 @@ Whoever solders looks up where a part belongs, which value it has, and which way
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from fingertip.board.fabrication.bom import list_bom
-from fingertip.board.kicad.placement import list_pads, name_part, read_placement
-from fingertip.board.kicad.sexpr import Node, Point, find_place, first, numbers, read_expression, turn
+from fingertip.board.kicad.placement import Box, PlacedPart, Placement
 from fingertip.board.parts.circuit import Circuit, Component
 from fingertip.foundation.version import __version__
 from fingertip.pictures.drawing.primitives import (
     Arc,
+    Point,
     Primitive,
     Sheet,
     Style,
@@ -56,58 +56,47 @@ class _Box:
         return (self.left + self.right) / 2.0, (self.bottom + self.top) / 2.0
 
 
-def draw_assembly(circuit: Circuit, layout: str, title: str) -> Sheet:
-    """Draw the front of a board, from the text of its layout, with a list of what to place."""
-    placement, (width, height) = read_placement(layout), _PAPER_MM
-    left, top = _MARGIN_MM, height - _MARGIN_MM - 10.0
-
-    def place(x: float, y: float) -> Point:
-        """Point of KiCad's page on the sheet."""
-        return left + SCALE * (x - placement.corner[0]), top - SCALE * (y - placement.corner[1])
-
+def draw_assembly(circuit: Circuit, placement: Placement, title: str) -> Sheet:
+    """Draw the front of a board, with a list of what to place."""
+    width, height = _PAPER_MM
+    board = _place((0.0, 0.0, placement.width, placement.height))
+    note = (
+        f"Front, {SCALE:g}:1, {placement.width:g} x {placement.height:g} mm; made with fingertip {__version__}. "
+        "Print at 100 %. Bar: cathode. Dot: pin 1. Parts with neither go in either way, or in one way only."
+    )
     drawn: list[Primitive] = [
-        Text(title, (left, height - _MARGIN_MM - _TITLE_MM), _TITLE_MM),
-        Text(
-            f"Front, {SCALE:g}:1, {placement.width:g} x {placement.height:g} mm; made with fingertip {__version__}. "
-            "Print at 100 %. Bar: cathode. Dot: pin 1. Parts with neither go in either way, or in one way only.",
-            (left, top + 2.5),
-            _NOTE_MM,
-        ),
-        rectangle(
-            left, top - SCALE * placement.height, left + SCALE * placement.width, top, _BOARD
-        ),
-    ]  # fmt: skip
-    parts = {part.reference: part for part in circuit.components}
-    board = read_expression(layout.partition("(zone")[0] + ")")
-    for footprint in board.children("footprint"):
-        if part := parts.get(name_part(footprint)):
-            drawn += _draw_part(footprint, part, place)
-    drawn += _draw_list(circuit, left + SCALE * placement.width + 5.0, top)
+        Text(title, (board.left, height - _MARGIN_MM - _TITLE_MM), _TITLE_MM),
+        Text(note, (board.left, board.top + 2.5), _NOTE_MM),
+        rectangle(board.left, board.bottom, board.right, board.top, _BOARD),
+    ]
+    for part in circuit.components:
+        drawn += _draw_part(part, placement.parts[part.reference])
+    drawn += _draw_list(circuit, board.right + 5.0, board.top)
     return Sheet("assembly", width, height, tuple(drawn))
 
 
-def _draw_part(footprint: Node, part: Component, place: Callable[[float, float], Point]) -> Iterator[Primitive]:
-    name, pads, (x, y, angle) = part.reference, list(list_pads(footprint)), find_place(footprint)
-    for pad in pads:
+def _place(box: Box) -> _Box:
+    """Place a rectangle of the board, whose y axis points down, on the sheet."""
+    left, top = _MARGIN_MM, _PAPER_MM[1] - _MARGIN_MM - 10.0
+    return _Box(left + SCALE * box[0], top - SCALE * box[3], left + SCALE * box[2], top - SCALE * box[1])
+
+
+def _draw_part(part: Component, placed: PlacedPart) -> Iterator[Primitive]:
+    name, pads = part.reference, [(pad, _place(pad.box)) for pad in placed.pads]
+    for pad, box in pads:
         if diameter := pad.drill or (pad.width if name.startswith("TP") else 0.0):
-            yield Arc(place(*pad.centre), SCALE * diameter / 2.0, 0.0, 360.0, _PAD)
-    outlines = [item for item in footprint.children("fp_rect") if item.word("layer") == "F.Fab"]
-    if not outlines:
+            yield Arc(box.middle, SCALE * diameter / 2.0, 0.0, 360.0, _PAD)
+    if placed.body is None:
         return
-    corners = [numbers(first(outlines[0], end))[:2] for end in ("start", "end")]
-    spots = [place(x + dx, y + dy) for dx, dy in (turn(cx, cy, angle) for cx, cy in corners)]
-    (x0, y0), (x1, y1) = spots
-    body = _Box(min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1))
+    body = _place(placed.body)
     if name.startswith("TP"):
         yield from _write(body, name, "")
         return
     yield rectangle(body.left, body.bottom, body.right, body.top, _PART)
     if not _is_chip(part):
-        for pad in pads:
-            pad_left, pad_top, pad_right, pad_bottom = pad.box
-            ends = (*place(pad_left, pad_bottom), *place(pad_right, pad_top))
-            yield from _trim(_Box(*ends), body)
-        first_pin = next(place(*pad.centre) for pad in pads if pad.name == "1")
+        for _, box in pads:
+            yield from _trim(box, body)
+        first_pin = next(box.middle for pad, box in pads if pad.name == "1")
         if len(part.symbol.pins) == 2 and part.symbol.pins[0].name == "K":
             yield _draw_bar(body, first_pin)
         elif len(pads) > 3 or name.startswith("J"):  # what has three legs goes in one way only

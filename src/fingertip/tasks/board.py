@@ -66,11 +66,10 @@ def board_files(design: Design) -> dict[str, bytes]:
     record = {"parameters": design.board.model_dump(), **values.as_data()}
     text = json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     circuit, project = board_circuit(values), load_project(values.variant)
-    entered = project.enter(circuit)
     return {
         NETLIST: kicad_netlist_file(circuit),
-        **entered,
-        ASSEMBLY: render_svg(draw_assembly(circuit, entered[LAYOUT].decode(), _title(design))),
+        **project.enter(circuit),
+        ASSEMBLY: render_svg(draw_assembly(circuit, project.placement, _title(design))),
         DECK: spice_deck(circuit, find_gain_bandwidth_hz(design.board), design.board.supply_v),
         BOM: bill_of_materials(circuit),
         VALUES: text.encode(),
@@ -206,7 +205,7 @@ def write_fabrication(
     models = {f"{MODEL_FOLDER}/{path}": data for path, data in model_files().items()}
     files = fabrication_files(sources | models, board_circuit(values), placement, progress)
     if extras.is_installed("reportlab"):
-        sheet = draw_assembly(board_circuit(values), sources[LAYOUT].decode(), _title(design))
+        sheet = draw_assembly(board_circuit(values), placement, _title(design))
         files[ASSEMBLY_PDF] = render_pdf([sheet], sheet.name)
     else:
         progress(f"{ASSEMBLY_PDF} is left out: it needs {extras.describe_missing('reportlab')}")

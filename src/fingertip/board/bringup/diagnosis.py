@@ -285,7 +285,8 @@ def _difference(name: str, predicted_v: float, measured_v: float, limits: Mappin
         # What is left of a tone has the same relative spread, and the meter's own error.
         expected_v = limits[name].expected_v
         spread = spread / expected_v * abs(predicted_v) + METER_AC[1]
-        if abs(predicted_v) < _LEAKING * expected_v:
+        # Exactly 0 is an output that is held; what passes an open part is tiny, but not 0.
+        if predicted_v == 0.0:
             spread += _LEAKING * expected_v
     spread += _MODEL_RATIO * abs(predicted_v)
     return (measured_v - predicted_v) / spread

@@ -251,12 +251,12 @@ def _ask(diagnosis: Diagnosis, across: Mapping[str, Limits]) -> str:
     if not diagnosis.follow_up:
         return ""
     good = {name: across[name_resistance(name)].expected_v for name in diagnosis.follow_up}
-    asked = join_words([f"{name} (good: {format_figure(ohm, 4)} ohm)" for name, ohm in good.items()])
+    asked = join_words([f"{name} ({format_figure(ohm)} ohm on a good board)" for name, ohm in good.items()])
     lines = join_words([f"{name_resistance(name)} = ..." for name in good])
     purpose = "tell them apart" if len(diagnosis.likely) > 1 else "be sure"
     return (
         f" To {purpose}, without power and with nothing plugged in, measure the resistance across {asked}, in "
-        f"place; add {lines} to the file, inf where the meter shows none, and run this again."
+        f"place; add {lines} to the file, inf where the meter shows an open circuit, and run this again."
     )
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from fingertip.board.kicad.placement import Placement
 from fingertip.board.parts.circuit import Circuit, Component, reference_sort_key
 from fingertip.board.parts.select_part import Selection, select_part
-from fingertip.board.parts.table import BASIC_SOURCE, PRICES, UNCONFIRMED, Part, load_table
+from fingertip.board.parts.table import BASIC_SOURCE, PRICES, Part, load_table
 
 PRICE = "Price of one [USD, estimate of 2026-11]"
 COLUMNS = (
@@ -106,8 +106,8 @@ def is_assembled(component: Component) -> bool:
 def assembly_bom_file(circuit: Circuit) -> bytes:
     """Bill of materials in the house's columns, with its part numbers where the parts table has them.
 
-    The comment of a resistor, a capacitor or a trimmer includes the rating, because its value alone does not determine
-    what to buy. The lines are those of `bom.csv`, without pin headers.
+    The comment of a resistor, a capacitor, a trimmer or a connector includes the rating, because its value alone does
+    not determine what to buy. The lines are those of `bom.csv`, without pin headers.
     """
     rows = []
     for line in _list_assembled(circuit):
@@ -120,28 +120,19 @@ def assembly_bom_file(circuit: Circuit) -> bytes:
 
 
 def missing_numbers_note(circuit: Circuit) -> str:
-    """Describe the lines of the assembly's bill of materials whose number is missing or unsure; empty if none is."""
-    lines = _list_assembled(circuit)
-    missing = [line for line in lines if line.selection.reason and not line.selection.fields["LCSC"]]
-    unsure = [line for line in lines if line.selection.reason and line not in missing]
-    text = ""
-    if missing:
-        named = ", ".join(
-            f"{' '.join(line.references)} ({line.selection.fields['MPN'] or f'{line.value}, no number known'})"
-            for line in missing
-        )
-        text = (
-            f"{len(missing)} of {len(lines)} lines {'has' if len(missing) == 1 else 'have'} no LCSC number in "
-            f"`{ASSEMBLY_BOM}`: {named}. Search for the manufacturer's number at the assembly house, order the part "
-            "there, or solder it yourself. "
-        )
-    if unsure:
-        named = ", ".join(f"{' '.join(line.references)} ({line.selection.fields['LCSC']})" for line in unsure)
-        text += (
-            f"{UNCONFIRMED.capitalize()}: {named}. Only one document gives each of these numbers: compare the part "
-            "that the house shows with the value and the maker's number."
-        )
-    return text.strip()
+    """Name the lines to assemble whose number is missing or unsure; empty if none is."""
+    found = [" ".join(line.references) for line in _list_unconfirmed(circuit)]
+    if not found:
+        return ""
+    return (
+        f"{len(found)} of {len(_list_assembled(circuit))} lines of `{ASSEMBLY_BOM}` have no order number, or one that "
+        f"a single document gives: {', '.join(found)}. The note of each says what to look up at the house."
+    )
+
+
+def count_unconfirmed(circuit: Circuit) -> int:
+    """Count the lines to assemble whose number of the house is missing or stands in one document only."""
+    return len(_list_unconfirmed(circuit))
 
 
 def estimate_cost(circuit: Circuit) -> tuple[float, float]:
@@ -163,9 +154,8 @@ def _format_price(part: Part) -> str:
     return f"{low:g} to {high:g}" if low else f"below {high:g}"
 
 
-def count_unconfirmed(circuit: Circuit) -> int:
-    """Count the lines to assemble whose number of the house is missing or stands in one document only."""
-    return sum(bool(line.selection.reason) for line in _list_assembled(circuit))
+def _list_unconfirmed(circuit: Circuit) -> list[BomLine]:
+    return [line for line in _list_assembled(circuit) if line.selection.reason]
 
 
 def _list_assembled(circuit: Circuit) -> list[BomLine]:

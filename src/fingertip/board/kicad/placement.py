@@ -60,6 +60,8 @@ class PlacedPart:
     is_labelled: bool
     """True if its reference is printed on the board."""
     pads: tuple[Pad, ...]
+    body: Box | None
+    """Edges of its body; None for a hole."""
     courtyard_radius: float
     """Radius of the area to keep free of other components, where that is round; else 0."""
 
@@ -148,8 +150,20 @@ def _read_part(footprint: Node, corner: Point) -> PlacedPart:
         round(angle) % 360,
         reference is not None and reference.word("layer") == "F.SilkS",
         tuple(list_pads(footprint, corner)),
+        _read_body(footprint, corner),
         radius,
     )
+
+
+def _read_body(footprint: Node, corner: Point) -> Box | None:
+    outline = next((item for item in footprint.children("fp_rect") if item.word("layer") == "F.Fab"), None)
+    if outline is None:
+        return None
+    x, y, angle = find_place(footprint)
+    ends = (numbers(first(outline, end)) for end in ("start", "end"))
+    turned = (turn(px, py, angle) for px, py in ends)
+    (x0, y0), (x1, y1) = ((x + dx - corner[0], y + dy - corner[1]) for dx, dy in turned)
+    return min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)
 
 
 def list_pads(footprint: Node, corner: Point = (0.0, 0.0)) -> Iterator[Pad]:

@@ -35,7 +35,8 @@ from fingertip.page.sources import COMMANDS, Sources
 from fingertip.page.svg import Axis, Frame, figure_svg, legend, line
 
 _COLUMNS = ("Quantity", "References", "Value", "Footprint", "Rating", "Manufacturer", "MPN", "LCSC", PRICE, "Note")
-_BOM_CAPTION = "bill of materials; board/bom.csv names the source of each number"
+_HEADINGS = {"MPN": "MPN", "LCSC": "LCSC", PRICE: "USD each"}
+_BOM_CAPTION = "bill of materials; board/bom.csv names the source of each number; prices are estimates of November 2026"
 _NOTES = ("Connectors", "Test points", "Before you apply power")
 """Sections of the board's README that a page shows."""
 _PLACEMENT = "Placement, seen from the front. Pin 1 of a connector is its square pad."
@@ -98,7 +99,7 @@ def render_bom(text: str) -> Markup:
     """
     lines = list(csv.DictReader(io.StringIO(text)))
     columns = [name for name in _COLUMNS if any(line.get(name) for line in lines)]
-    head = (element("th", name if name in ("MPN", "LCSC", PRICE) else name.lower(), scope="col") for name in columns)
+    head = (element("th", _HEADINGS.get(name, name.lower()), scope="col") for name in columns)
     rows = (
         element(
             "tr",

@@ -6,7 +6,7 @@ Whoever solders looks up where a part belongs, which value it has, and which way
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from fingertip.board.fabrication.bom import list_bom
 from fingertip.board.kicad.placement import Box, PlacedPart, Placement
@@ -101,7 +101,9 @@ def _draw_part(part: Component, placed: PlacedPart) -> Iterator[Primitive]:
             yield _draw_bar(body, first_pin)
         elif len(pads) > 3 or name.startswith("J"):  # what has three legs goes in one way only
             yield from _draw_dot(body, first_pin)
-    yield from _write(body, name, _describe_value(part))
+    # A connector's holes stand in its outline; the text stands to their left.
+    right = min((box.middle[0] - SCALE * pad.drill / 2.0 for pad, box in pads if pad.drill), default=body.right)
+    yield from _write(replace(body, right=right), name, _describe_value(part))
 
 
 def _is_chip(part: Component) -> bool:

@@ -44,7 +44,7 @@ def main() -> None:
     values = board_values(design)
     circuit = board_circuit(values)
     network = build_network(circuit, find_gain_bandwidth_hz(design.board))
-    toleranced = TolerancedFilter(model_filter(circuit, False), network.values)
+    toleranced = TolerancedFilter(model_filter(circuit), network.values)
     tolerances = component_tolerances(values)
     board = Board(capacitor_series="E12", series="E96")
     with tempfile.TemporaryDirectory() as folder:

@@ -91,7 +91,7 @@ def test_bode_table_agrees_with_the_formulas() -> None:
 def toleranced_filter(design: Design, bandwidth_hz: float | None = None) -> TolerancedFilter:
     circuit, board = board_circuit(board_values(design)), design.board
     network = build_network(circuit, bandwidth_hz or find_gain_bandwidth_hz(board))
-    return TolerancedFilter(model_filter(circuit, board.variant == "article"), network.values)
+    return TolerancedFilter(model_filter(circuit), network.values)
 
 
 FILTER = toleranced_filter(ARTICLE)
@@ -195,9 +195,9 @@ def test_alias_attenuation_of_the_default_board() -> None:
     assert a.required_db == pytest.approx(20 * math.log10(3.5 * 65536 / 20), rel=1e-12)
     assert a.one_lsb_tone_v * 10 ** (a.tactile_alias_db / 20) == pytest.approx(a.lsb_v, rel=1e-12)
     assert -1.7 < a.tactile_band_db < -1.5  # slip ends below 100 Hz in the embedded finger: 0.4 dB
-    precision = board_values(load_article(["board.variant=precision"])).aliasing
+    comparator = board_values(load_article(["board.variant=comparator"])).aliasing
     envelope_pole_db = -10 * math.log10(1 + (1000 / 36.17) ** 2)
-    assert precision.envelope_nyquist_db - a.envelope_nyquist_db == pytest.approx(envelope_pole_db, abs=0.01)
+    assert comparator.envelope_nyquist_db - a.envelope_nyquist_db == pytest.approx(envelope_pole_db, abs=0.01)
 
 
 # Band of the response and its plot
@@ -238,7 +238,7 @@ def test_upper_cutoffs_are_those_of_single_boards(design: Design) -> None:
     band = compute_response_band(design, boards, seed=3)
     circuit = board_circuit(board_values(design))
     network = build_network(circuit, find_gain_bandwidth_hz(design.board))
-    toleranced = TolerancedFilter(model_filter(circuit, design.board.variant == "article"), network.values)
+    toleranced = TolerancedFilter(model_filter(circuit), network.values)
     deviations = draw_deviations(toleranced, band.percent, boards, 3)
     found = []
     for board in deviations:
@@ -284,7 +284,7 @@ def filter_path(circuit: Circuit, gain_bandwidth_hz: float | None) -> Network:
 
 @pytest.fixture(scope="module")
 def article_model() -> FilterModel:
-    return model_filter(load("article")[1], has_diode=True)
+    return model_filter(load("article")[1])
 
 
 def quantities(components: FilterComponents) -> Mapping[str, float | Array]:
@@ -390,7 +390,7 @@ def test_passband_is_found_on_the_closed_form(name: str) -> None:
     design, circuit = load(name)
     values = board_values(design)
     gbw = find_gain_bandwidth_hz(design.board)
-    model, network = model_filter(circuit, name.startswith("article")), build_network(circuit, gbw)
+    model, network = model_filter(circuit), build_network(circuit, gbw)
     passband = find_passband(model.transfer(network.values), search_band_hz(model, network.values))
 
     def gain(f_hz: float) -> float:
@@ -410,17 +410,17 @@ def test_passband_is_found_on_the_closed_form(name: str) -> None:
 def test_anti_aliasing_poles_agree_with_the_closed_forms(name: str) -> None:
     design, circuit = load(name)
     interface, network = board_values(design).adc_interface, build_network(circuit)
+    output = "ENVELOPE" if design.board.has_envelope else "FILTERED"
     for source, pin, formula in (
-        ("TACTILE", "ADC_TACTILE", tactile_pin_transfer), ("ENVELOPE", "ADC_ENVELOPE", envelope_pin_transfer),
+        ("TACTILE", "ADC_TACTILE", tactile_pin_transfer), (output, f"ADC_{output}", envelope_pin_transfer),
     ):  # fmt: skip
         found = network.drive(source).restrict(pin).response(FREQUENCIES, {source: 1.0}, pin)[:, 0]
         expected = np.array([formula(f, interface) for f in FREQUENCIES.tolist()])
         assert np.abs(found / expected - 1).max() < 1e-9
 
 
-@pytest.mark.parametrize("name", [name for name in VARIANT_CHANGES if not name.startswith("article")])
-def test_rectifier_and_envelope_follow_with_one_pole(name: str) -> None:
-    design, circuit = load(name)
+def test_rectifier_and_envelope_follow_with_one_pole() -> None:
+    design, circuit = load("comparator")
     c = board_values(design).preferred
     path = build_network(circuit, conducting=[RECTIFYING_DIODE]).drive("FILTERED").restrict("ENVELOPE")
     found = path.response(FREQUENCIES, {"FILTERED": 1.0}, "ENVELOPE")[:, 0]
@@ -431,10 +431,9 @@ def test_rectifier_and_envelope_follow_with_one_pole(name: str) -> None:
 # Noise, ripple, offsets, thresholds and operating point
 
 
-@pytest.mark.parametrize("name", [name for name in VARIANT_CHANGES if not name.startswith("article")])
-def test_envelope_offset_agrees_with_the_closed_form(name: str) -> None:
+def test_envelope_offset_agrees_with_the_closed_form() -> None:
     """What remains is the finite gain of the amplifiers, 1e-5."""
-    values = board_values(load(name)[0])
+    values = board_values(load("comparator")[0])
     offset, amplifier = values.output_offset, CATALOGUE[values.amplifier]
     assert values.rectifier_ohm is not None
     conducting, blocked = envelope_offset_gains(2e3, values.rectifier_ohm)

@@ -22,7 +22,7 @@ from fingertip.board.analysis.noise import NETS, Contribution, NoiseAlternative
 from fingertip.board.analysis.report import Analysis, analyse
 from fingertip.board.bringup.bench import TONE_V, list_faults
 from fingertip.board.bringup.diagnosis import diagnose
-from fingertip.board.bringup.plan import QUIET_ENVELOPE, SUPPLY_MA, BringUp
+from fingertip.board.bringup.plan import SUPPLY_MA, BringUp
 from fingertip.board.bringup.prediction import is_tone, predict
 from fingertip.board.bringup.readings import Readings, assess_readings, format_assessment
 from fingertip.board.bringup.wiring import wiring_diagram
@@ -195,10 +195,6 @@ def list_wrong_readings(plan: BringUp) -> Iterator[tuple[str, dict[str, float]]]
     yield "black probe at TP5 for J3", at_signal_ground
     for name, volts in (("tp1_open_v", 1.14), ("tp5_open_v", 1.40)):
         yield f"{name} of {volts} V alone is odd", good | {name: volts}
-    for volts in (0.020, 0.008, 1.474):
-        yield f"envelope at rest of {volts} V", {QUIET_ENVELOPE: volts}
-    yield "envelope at rest of 0.02 V, good board", good | {QUIET_ENVELOPE: 0.02}
-    yield "envelope at rest of 0.02 V, black probe at TP5 for J3", at_signal_ground | {QUIET_ENVELOPE: 0.02}
     yield "no current", {SUPPLY_MA: 0.0}
     yield "little current", {SUPPLY_MA: 1.5, "tp1_open_v": good["tp1_open_v"]}
 

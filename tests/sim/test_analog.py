@@ -39,6 +39,9 @@ BOARD = AnalogBoard.from_design(DESIGN)
 STEP_S = 1 / 2000
 
 PRECISION = AnalogBoard.from_design(article_design(board={"variant": "precision"}))
+"""Its envelope is computed by software."""
+RECTIFIER = AnalogBoard.from_design(article_design(board={"variant": "comparator"}))
+"""Its amplifiers rectify."""
 
 STIFF_BOARDS = {
     "as fitted": BOARD,
@@ -54,7 +57,7 @@ STIFF_BOARDS = {
     "rails": replace(BOARD, rail_v=3.5),
     "gain-bandwidth": AnalogBoard.from_design(DESIGN, 3e6),
     "precision": PRECISION,
-    "precision, C 1p, rails": replace(PRECISION.with_components(C4=1e-12), rail_v=3.5),
+    "rectifier, C 1p, rails": replace(RECTIFIER.with_components(C4=1e-12), rail_v=3.5),
 }
 
 
@@ -226,12 +229,13 @@ def test_rails_agree_with_small_explicit_steps(variant):
     assert len(saturated) == 4
 
 
-def test_precision_rectifier_has_no_dead_zone():
+@pytest.mark.parametrize("board", [PRECISION, RECTIFIER], ids=["software", "amplifiers"])
+def test_rectifier_has_no_dead_zone(board):
     """The mean of a half-wave rectified sine is its peak / pi, however small the sine."""
-    assert PRECISION.rectifier == "precision"
+    assert board.rectifier == "precision"
     time = np.arange(64_000) / 32_000
     for volt in (1e-6, 1e-2):
-        out = simulate_board(PRECISION, 1 / 32_000, volt * np.sin(2 * math.pi * 200 * time), volt * 1e-4)
+        out = simulate_board(board, 1 / 32_000, volt * np.sin(2 * math.pi * 200 * time), volt * 1e-4)
         peak = out.filtered_v[32_000:].max()
         assert out.envelope_v[32_000:].mean() == pytest.approx(peak / math.pi, rel=1e-3)
         article = simulate_board(BOARD, 1 / 32_000, volt * np.sin(2 * math.pi * 200 * time), volt * 1e-4)
@@ -240,7 +244,7 @@ def test_precision_rectifier_has_no_dead_zone():
 
 def test_precision_rectifier_follows_a_step_with_one_pole():
     """The filter passes a step but for C20: the gain begins at 1 and rises with the time constant R5 C20."""
-    board = PRECISION.with_components(C1=1.0, C2=1.0, C3=1.0, C14=1.0)
+    board = RECTIFIER.with_components(C1=1.0, C2=1.0, C3=1.0, C14=1.0)
     voltage = np.where(np.arange(40) >= 1, 0.01, 0.0)
     after = np.where(np.arange(40) >= 0, 0.01, 0.0)
     out = simulate_board(board, STEP_S, voltage, 1e-8, after).envelope_v
@@ -255,13 +259,24 @@ def test_precision_rectifier_follows_a_step_with_one_pole():
 @pytest.mark.parametrize("reference", ["R16", "R17", "R15"])
 def test_rectifier_resistors_set_the_gain_of_the_envelope(reference):
     """The rectifier amplifies by R16 / R15, and the low-pass by R6 / R17."""
-    voltage, components = burst(0.2), PRECISION.components
+    voltage, components = burst(0.2), RECTIFIER.components
     ratio = {"R16": 1.25, "R15": 0.8, "R17": 0.8}[reference]
-    changed = PRECISION.with_components(**{reference: components[reference] * ratio})
-    before, after = simulate_board(PRECISION, STEP_S, voltage, 1e-7), simulate_board(changed, STEP_S, voltage, 1e-7)
+    changed = RECTIFIER.with_components(**{reference: components[reference] * ratio})
+    before, after = simulate_board(RECTIFIER, STEP_S, voltage, 1e-7), simulate_board(changed, STEP_S, voltage, 1e-7)
     assert np.array_equal(before.filtered_v, after.filtered_v)
     assert after.envelope_v == pytest.approx(1.25 * before.envelope_v, rel=1e-12)
     assert before.envelope_v.max() > 0.1
+
+
+def test_software_follows_the_filtered_voltage_as_amplifiers_with_the_same_pole_do():
+    """R6 and C4 of E24 and E6 miss the design's 36.17 Hz by 4e-5."""
+    voltage = burst(0.2)
+    software, amplifiers = (simulate_board(board, STEP_S, voltage, 1e-7) for board in (PRECISION, RECTIFIER))
+    top_v = amplifiers.envelope_v.max()
+    # The comparator's board loads the filter with R15, which moves the filtered voltage by some 1e-5.
+    assert np.abs(software.envelope_v - amplifiers.envelope_v).max() < 1e-3 * top_v
+    slow = AnalogBoard.from_design(article_design(board={"variant": "precision", "envelope_cutoff_hz": 18.0}))
+    assert simulate_board(slow, STEP_S, voltage, 1e-7).envelope_v.max() < 0.8 * top_v
 
 
 @pytest.mark.parametrize("gain_bandwidth_hz", [None, 3e4, 3e6])

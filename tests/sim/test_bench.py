@@ -150,7 +150,7 @@ def test_trials_are_those_of_the_article():
     assert Counter(scene.slide.speed_m_s for scene, _ in planned) == {0.04: 40, 0.06: 40, 0.08: 40}
 
 
-@pytest.mark.parametrize(("variant", "count"), [("article", 10), ("precision", 15)])
+@pytest.mark.parametrize(("variant", "count"), [("article", 10), ("precision", 10), ("comparator", 15)])
 def test_drawn_boards_lie_within_their_tolerances(variant, count):
     nominal = AnalogBoard.from_design(article_design(board={"variant": variant}))
     many, few = throughput.draw_boards(nominal, 500, 3).components, throughput.draw_boards(nominal, 20, 3).components

@@ -233,7 +233,8 @@ def _table_lines(design: Design, values: BoardValues) -> list[str]:
         f"supply of {sign}{design.board.supply_v:g} V: signal ground is at {limits.signal_ground_v:g} V, "
         f"{describe_filter_swing(limits)}",
         f"at {aliasing.nyquist_hz:g} Hz, half the ADC's sampling rate, the tactile voltage is attenuated by "
-        f"{-aliasing.tactile_nyquist_db:.1f} dB and the envelope by {-aliasing.envelope_nyquist_db:.1f} dB",
+        f"{-aliasing.tactile_nyquist_db:.1f} dB and the "
+        f"{'envelope' if design.board.has_envelope else 'filtered signal'} by {-aliasing.envelope_nyquist_db:.1f} dB",
         describe_adc_range(limits),
         "",
         *_force_lines(design, values),
@@ -272,19 +273,23 @@ def _component_lines(design: Design, values: BoardValues) -> list[str]:
     from fingertip.board.parts.circuit import format_component_value
 
     ideal, preferred, adc = values.ideal, values.preferred, values.adc_interface
+    has_envelope = design.board.has_envelope
     filter_resistors = [
         ("R1", ideal.r1_ohm, preferred.r1_ohm, "first stage, pole"),
         ("R2", ideal.r2_ohm, preferred.r2_ohm, "Sallen-Key, feedback"),
         ("R3", ideal.r3_ohm, preferred.r3_ohm, "Sallen-Key, to ground"),
         ("R4", ideal.r4_ohm, preferred.r4_ohm, "gain, to ground"),
         ("R5", ideal.r5_ohm, preferred.r5_ohm, "gain, feedback"),
-        ("R6", ideal.r_lp_ohm, preferred.r_lp_ohm, "R_LP, envelope"),
     ]
+    if has_envelope:
+        filter_resistors.append(("R6", ideal.r_lp_ohm, preferred.r_lp_ohm, "R_LP, envelope"))
+    single = adc.single_ohm, adc.single_f
     others = [
         ("C1 C2 C3", (preferred.c_f,), "both filters"),
-        ("C4", (preferred.c_lp_f,), "C_LP, envelope"),
+        *([("C4", (preferred.c_lp_f,), "C_LP, envelope")] if has_envelope else []),
         *_front_end_rows(values),
-        ("R7 C8", (adc.envelope_ohm, adc.envelope_f), "anti-aliasing filter, envelope"),
+        *([("R7 C8", single, "anti-aliasing filter, envelope")] if has_envelope else []),
+        *([("R27 C25", single, "anti-aliasing filter, filtered signal")] if design.board.is_for_controller else []),
         ("R8 C9", (adc.first_ohm, adc.first_f), "anti-aliasing filter, tactile voltage: first pole"),
         ("R9 C19", (adc.second_ohm, adc.second_f), "anti-aliasing filter, tactile voltage: second pole"),
     ]
@@ -327,6 +332,7 @@ def _response_lines(values: BoardValues) -> list[str]:
     from fingertip.foundation.files import format_figure
 
     target, achieved = values.target_response, values.achieved_response
+    envelope = "envelope" if values.variant != "precision" else "software envelope"
     quantities = [
         ("maximum gain", target.passband_gain, achieved.passband_gain, ""),
         ("maximum gain", target.passband_gain_db, achieved.passband_gain_db, "dB"),
@@ -335,8 +341,8 @@ def _response_lines(values: BoardValues) -> list[str]:
         ("Sallen-Key Q", target.section_quality, achieved.section_quality, ""),
         ("lower -3 dB", target.cutoff_hz, achieved.cutoff_hz, "Hz"),
         ("upper -3 dB", target.upper_cutoff_hz, achieved.upper_cutoff_hz, "Hz"),
-        ("envelope corner", target.envelope_pole_hz, achieved.envelope_pole_hz, "Hz"),
-        ("envelope time constant", 1e3 * target.envelope_decay_s, 1e3 * achieved.envelope_decay_s, "ms"),
+        (f"{envelope} corner", target.envelope_pole_hz, achieved.envelope_pole_hz, "Hz"),
+        (f"{envelope} time constant", 1e3 * target.envelope_decay_s, 1e3 * achieved.envelope_decay_s, "ms"),
         ("amplifier bandwidth", target.amplifier_bandwidth_hz, achieved.amplifier_bandwidth_hz, "Hz"),
     ]
     lines = [f"{'response':22} {'target':>12} {'achieved':>12}"]

@@ -143,7 +143,7 @@ def draw_response(design: Design) -> Markup:
     """Draw the gain from the tactile voltage to the rectifier, as a figure with a caption."""
     circuit = board_circuit(board_values(design))
     network = build_network(circuit, find_gain_bandwidth_hz(design.board))
-    board = TolerancedFilter(model_filter(circuit, design.board.variant == "article"), network.values)
+    board = TolerancedFilter(model_filter(circuit), network.values)
     tolerances = component_tolerances(circuit)
     spread = monte_carlo(board, tolerances, BOARDS, _SEED)
     drawn_values = board.deviate(draw_deviations(board, tolerances, BOARDS, _SEED))

@@ -61,10 +61,12 @@ def compute_board(context: PointContext) -> OutputValues:
     board = context.design.board
     selection, achieved = compute_filter(board)
     fitted = selection.preferred
-    resistors = ("r1_ohm", "r2_ohm", "r3_ohm", "r4_ohm", "r5_ohm", "r_lp_ohm")
+    resistors = ("r1_ohm", "r2_ohm", "r3_ohm", "r4_ohm", "r5_ohm")
+    r_lp_ohm, c_lp_uf = (fitted.r_lp_ohm, 1e6 * fitted.c_lp_f) if board.has_envelope else (math.nan, math.nan)
     return {f"board.{name}": getattr(fitted, name) for name in resistors} | {
+        "board.r_lp_ohm": r_lp_ohm,
         "board.c_uf": 1e6 * fitted.c_f,
-        "board.c_lp_uf": 1e6 * fitted.c_lp_f,
+        "board.c_lp_uf": c_lp_uf,
         "gain": achieved.passband_gain,
         "gain_db": achieved.passband_gain_db,
         "first_pole_hz": achieved.first_pole_hz,

@@ -288,9 +288,7 @@ def assess_board(design: Design, path: Path) -> dict[str, Any]:
     """Assess the readings in a file, as plain data. Raises TomlFileError, BoardError."""
     values = board_values(design)
     readings = read_readings(path, _plan(design, values))
-    is_in_software = values.comparator_levels is None and values.output_offset is not None
-    threshold_v = design.detector.threshold_v if is_in_software else None
-    return assess_readings(_plan(design, values, readings.tone_v), readings, threshold_v)
+    return assess_readings(_plan(design, values, readings.tone_v), readings)
 
 
 def _plan(design: Design, values: BoardValues, *tone_v: float) -> BringUp:

@@ -27,7 +27,10 @@ from fingertip.board.analysis.noise import NoiseLevels, compute_noise_levels
 from fingertip.board.analysis.response import (
     FilterModel,
     FrequencyResponse,
+    Rectifier,
     compute_response,
+    find_envelope_gain,
+    find_rectifier,
     model_filter,
     target_response,
 )
@@ -60,7 +63,7 @@ class BoardValues(ComponentValues):
     achieved_response: FrequencyResponse
     """Response of the circuit with preferred values and amplifiers as built."""
     output_offset: OutputOffset | None
-    """Envelope offset due to the amplifiers' offsets; None in variant article: it is below the diode's threshold."""
+    """Envelope offset due to the amplifiers' offsets; None on boards without a precision rectifier."""
     supply_ripple: SupplyRipple
     noise: NoiseLevels
     comparator_levels: ComparatorLevels | None
@@ -95,7 +98,7 @@ def compute_filter(board: Board) -> tuple[FilterSelection, FrequencyResponse]:
     selection, amplifier = select_filter(board), choose_amplifier(board)
     model, values = _model_variant(board.variant)
     values = {**values, **filter_quantities(selection.by_reference(), amplifier)}
-    return selection, compute_response(model, values, amplifier.bandwidth_hz)
+    return selection, compute_response(model, values, amplifier.bandwidth_hz, board.envelope_cutoff_hz)
 
 
 @functools.cache
@@ -104,7 +107,7 @@ def _model_variant(variant: str) -> tuple[FilterModel, Mapping[str, Value]]:
     design = Design(board={"variant": variant, "supply_v": SUPPLIES[variant].nominal_v})
     circuit = board_circuit(select_components(design))
     network = build_network(circuit, find_gain_bandwidth_hz(design.board))
-    return model_filter(circuit, has_diode=variant == "article"), network.values
+    return model_filter(circuit), network.values
 
 
 @functools.lru_cache(maxsize=16)
@@ -119,15 +122,13 @@ def board_values(design: Design) -> BoardValues:
     board, detector, components = design.board, design.detector, select_components(design)
     amplifier = CATALOGUE[components.amplifier]
     bandwidth_hz = amplifier.bandwidth_hz
-    circuit, supply, has_diode = board_circuit(components), SUPPLIES[board.variant], board.variant == "article"
-    model, network = model_filter(circuit, has_diode), build_network(circuit, bandwidth_hz)
-    achieved = compute_response(model, network.values, bandwidth_hz)
-    envelope_gain = None if has_diode else float(model.envelope.gain(network.values))
-    limits = compute_voltage_limits(
-        circuit, supply, board.supply_v, amplifier, achieved.passband_gain, has_diode, detector
-    )
+    circuit, supply = board_circuit(components), SUPPLIES[board.variant]
+    rectifier, model, network = find_rectifier(circuit), model_filter(circuit), build_network(circuit, bandwidth_hz)
+    achieved = compute_response(model, network.values, bandwidth_hz, board.envelope_cutoff_hz)
+    envelope_gain = find_envelope_gain(model, circuit, network.values)
+    limits = compute_voltage_limits(circuit, supply, board.supply_v, amplifier, achieved.passband_gain, detector)
     offset = None
-    if not has_diode:
+    if rectifier == "precision":
         offset = compute_output_offset(circuit, bandwidth_hz, supply.signal_ground)
     rails, levels = {GND: 0.0, VCC: board.supply_v, VEE: -board.supply_v}, None
     if components.comparator_stage:
@@ -149,7 +150,7 @@ def board_values(design: Design) -> BoardValues:
         supply_ripple=ripple,
         noise=compute_noise_levels(circuit, bandwidth_hz, envelope_gain),
         comparator_levels=levels,
-        aliasing=compute_alias_attenuation(circuit, design, limits.filter_peak_v, has_diode),
+        aliasing=compute_alias_attenuation(circuit, design, limits.filter_peak_v),
         voltage_limits=limits,
         amplifier_loads=loads,
         filter_load_ohm=find_filter_load_ohm(loads),
@@ -158,7 +159,7 @@ def board_values(design: Design) -> BoardValues:
             *check_gate(circuit, design, limits, response.rises, achieved.passband_gain, rails, offset, spread),
             *check_yields(compute_yields(model, network.values, circuit, board)),
         ),
-        errata=board_errata(components.amplifier, has_diode),
+        errata=board_errata(components.amplifier, rectifier),
     )
 
 
@@ -219,13 +220,14 @@ def load_errata() -> tuple[Erratum, ...]:
     )
 
 
-def board_errata(amplifier: str, has_diode: bool) -> tuple[Erratum, ...]:
+def board_errata(amplifier: str, rectifier: Rectifier) -> tuple[Erratum, ...]:
     notes = {}
     if amplifier != ARTICLE_AMPLIFIER:
         notes["input range of the amplifiers"] = f"it has a {CATALOGUE[amplifier].order_name} with rail-to-rail inputs"
-    if not has_diode:
+    if rectifier != "diode":
         notes["offset"] = "C14 is such a capacitor"
-        notes |= dict.fromkeys(("envelope, eq. (11)", "rectifier"), "it has a precision rectifier and a low-pass")
+        instead = {"precision": "it has a precision rectifier and a low-pass", "software": "software computes it"}
+        notes |= dict.fromkeys(("envelope, eq. (11)", "rectifier"), instead[rectifier])
     return tuple(
         replace(e, correction=f"{e.correction} (does not apply to this board: {notes[e.subject]})")
         if e.subject in notes

@@ -12,11 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.board.analysis.response import RECTIFYING_DIODE, decibel
+from fingertip.board.analysis.response import RECTIFYING_DIODE, decibel, find_envelope_pin, find_rectifier
 from fingertip.board.circuits.network import build_network
 from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
 from fingertip.board.parts.circuit import (
-    ADC_ENVELOPE,
     ADC_FILTERED,
     ADC_TACTILE,
     ENVELOPE,
@@ -44,7 +43,8 @@ class AliasAttenuation:
     tactile_nyquist_db: float
     tactile_alias_db: float
     envelope_nyquist_db: float
-    """Gain from the rectifier (in variant article from the envelope) to the pin at `nyquist_hz`."""
+    """Gain from the rectifier (in variant article from the envelope) to the pin at `nyquist_hz`; on a board without an
+    envelope that from the filtered signal to its pin."""
     envelope_alias_db: float
     filtered_gain: float | None
     """Largest gain from the tactile voltage to the pin of the filtered signal, in the band; None without such a pin."""
@@ -60,13 +60,14 @@ class AliasAttenuation:
     """Step of the ADC [V]: its least significant bit (LSB)."""
 
 
-def compute_alias_attenuation(circuit: Circuit, design: Design, swing_v: float, has_diode: bool) -> AliasAttenuation:
+def compute_alias_attenuation(circuit: Circuit, design: Design, swing_v: float) -> AliasAttenuation:
     detector = design.detector
     nyquist_hz = detector.sample_rate_hz / 2.0
     band_hz = min(BAND_CUTOFFS * design.board.cutoff_hz, nyquist_hz)
     alias_hz = detector.sample_rate_hz - band_hz
     lsb_v = detector.adc_step_v
-    network, source = build_network(circuit, conducting=[RECTIFYING_DIODE]), ENVELOPE if has_diode else FILTERED
+    rectifier, network = find_rectifier(circuit), build_network(circuit, conducting=[RECTIFYING_DIODE])
+    source, pin = ENVELOPE if rectifier == "diode" else FILTERED, find_envelope_pin(circuit)
 
     def gains(source: str, pin: str, *f_hz: float) -> list[complex]:
         """Gains from a net to a pin at frequencies, over the constant gain."""
@@ -75,7 +76,7 @@ def compute_alias_attenuation(circuit: Circuit, design: Design, swing_v: float, 
         return [value / constant for value in values]
 
     tactile = gains(TACTILE, ADC_TACTILE, band_hz, nyquist_hz, alias_hz)
-    envelope = gains(source, ADC_ENVELOPE, nyquist_hz, alias_hz)
+    envelope = gains(source, pin, nyquist_hz, alias_hz)
     filtered_gain = filtered_alias_db = None
     if ADC_FILTERED in circuit.net_by_pin.values():
         f_hz = np.array([*np.geomspace(design.board.cutoff_hz, band_hz, _POINTS), alias_hz])

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from fingertip.board.analysis.response import RECTIFYING_DIODE
+from fingertip.board.analysis.response import RECTIFYING_DIODE, find_envelope_pin, find_rectifier
 from fingertip.board.circuits.network import build_network
 from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
 from fingertip.board.components.values import Supply
 from fingertip.board.parts.circuit import (
-    ADC_ENVELOPE,
     ADC_TACTILE,
     BIAS,
     GND,
@@ -66,11 +65,11 @@ class VoltageLimits:
     """True if the output jumps up where the signal goes further down, as a TL082's does."""
     vibration_peak_v: float
     """Peak of the largest vibration of the tactile voltage that is not clipped, at the frequency of maximum gain."""
-    max_envelope_v: float
+    max_envelope_v: float | None
     """Approximate largest envelope above the signal ground: typical swing less the drop of the rectifier's diode.
 
-    In variants with a precision rectifier its amplifier (U3a) inverts: for an envelope V it goes to V and a drop below
-    the signal ground.
+    None on boards without an envelope. In variants with a precision rectifier its amplifier (U3a) inverts: for an
+    envelope V it goes to V and a drop below the signal ground.
     """
     clamp_low_rail_v: float
     """Lower rail of the clamps at the ADC pins, which clamp one Schottky drop below it."""
@@ -79,7 +78,8 @@ class VoltageLimits:
     tactile_pin_ohm: float
     """Resistance through which the reverse current of the clamp at the tactile pin flows [ohm]."""
     envelope_pin_ohm: float
-    """Resistance through which that at the envelope's pin flows [ohm]; in variant article with its diode blocked."""
+    """Resistance through which that at the envelope's pin flows [ohm], in variant article with its diode blocked; on a
+    board without an envelope that at the filtered signal's pin."""
     has_filtered_output: bool
     """True if the filtered signal is at the output connector too."""
     adc_low_v: float
@@ -88,7 +88,9 @@ class VoltageLimits:
     @property
     def adc_overrange_v(self) -> float:
         """Voltage by which the pins exceed the range of the ADC [V]; 0 if they do not."""
-        pins_v = [self.max_tactile_v, self.signal_ground_v + self.max_envelope_v]
+        pins_v = [self.max_tactile_v]
+        if self.max_envelope_v is not None:
+            pins_v.append(self.signal_ground_v + self.max_envelope_v)
         if self.has_filtered_output:
             pins_v.append(self.signal_ground_v + self.filter_peak_v)
         return max(*pins_v, self.adc_range_v) - self.adc_range_v
@@ -104,7 +106,6 @@ def compute_voltage_limits(
     supply_v: float,
     amplifier: Amplifier,
     gain: float,
-    has_diode: bool,
     detector: Detector,
 ) -> VoltageLimits:
     """Compute the limits of a board whose filter has a dual amplifier of this type and this maximum gain."""
@@ -114,9 +115,10 @@ def compute_voltage_limits(
         supply.lower_headroom_v(supply_v) - max(input_margin_v, amplifier.output_from_rail_v)
         for input_margin_v in amplifier.input_from_lower_v
     )
-    quiescent = build_network(circuit, conducting=[] if has_diode else [RECTIFYING_DIODE])
+    rectifier = find_rectifier(circuit)
+    quiescent = build_network(circuit, conducting=[RECTIFYING_DIODE] if rectifier == "precision" else [])
     tactile_pin_ohm, envelope_pin_ohm = (
-        quiescent.restrict(pin).constant_transfers(pin)[pin] for pin in (ADC_TACTILE, ADC_ENVELOPE)
+        quiescent.restrict(pin).constant_transfers(pin)[pin] for pin in (ADC_TACTILE, find_envelope_pin(circuit))
     )
     # The voltages are monotonic in the sensor's conductance, so the ends of its range are the worst cases.
     networks = (build_network(circuit, sensor_s=sensor_conductance_s(force_n)) for force_n in (0.0, MAX_FORCE_N))
@@ -145,7 +147,7 @@ def compute_voltage_limits(
         filter_guaranteed_trough_v=guaranteed_down_v,
         has_phase_reversal=amplifier.input_from_lower_v[0] > amplifier.output_from_rail_v,
         vibration_peak_v=min(up_v, down_v) / gain,
-        max_envelope_v=(up_v if has_diode else min(up_v, down_v)) - DIODE_V,
+        max_envelope_v={"diode": up_v - DIODE_V, "precision": min(up_v, down_v) - DIODE_V}.get(rectifier),
         clamp_low_rail_v=0.0,
         clamp_high_rail_v=supply_v,
         tactile_pin_ohm=tactile_pin_ohm,

@@ -86,7 +86,7 @@ class NoiseLevels:
     tactile_v: float
     filtered_v: float
     filtered_without_limit_v: float
-    """RMS noise ahead of the rectifier without C20, the low-pass of the first stage."""
+    """RMS noise at the filter's output without C20, the low-pass of the first stage."""
     mean_envelope_v: float | None
     """Mean envelope due to noise, after rectification. None in variant article: it is below the diode's threshold."""
 

@@ -20,7 +20,7 @@ from fingertip.board.analysis.noise import (
     compare_noise_alternatives,
     noise_budget,
 )
-from fingertip.board.analysis.response import model_filter
+from fingertip.board.analysis.response import find_envelope_gain, model_filter
 from fingertip.board.analysis.thresholds import ComparatorLevels, OutputOffset
 from fingertip.board.analysis.tolerance import (
     ARTICLE_CAPACITOR_PERCENT,
@@ -76,9 +76,9 @@ class Analysis:
 def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
     values, board = board_values(design), design.board
     circuit = board_circuit(values)
-    bandwidth_hz, has_diode = find_gain_bandwidth_hz(board), board.variant == "article"
+    bandwidth_hz = find_gain_bandwidth_hz(board)
     network = build_network(circuit, bandwidth_hz)
-    model, noisy = model_filter(circuit, has_diode), add_noise(circuit, bandwidth_hz)
+    model, noisy = model_filter(circuit), add_noise(circuit, bandwidth_hz)
     toleranced = TolerancedFilter(model, network.values)
     noise, total = noise_budget(noisy)
     percent = component_tolerances(circuit)
@@ -87,8 +87,7 @@ def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
         noise=noise,
         noise_total_v=total,
         noise_alternatives=compare_noise_alternatives(
-            circuit, bandwidth_hz, board.band_limit_hz,
-            None if has_diode else float(model.envelope.gain(network.values)),
+            circuit, bandwidth_hz, board.band_limit_hz, find_envelope_gain(model, circuit, network.values)
         ),
         threshold_v=design.detector.threshold_v,
         amplifier=values.amplifier,

@@ -10,11 +10,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from fingertip.board.circuits.network import Value, build_network
 from fingertip.board.circuits.transfer_function import Rational, Stage, find_stages, multiply
-from fingertip.board.parts.circuit import ENVELOPE, FILTERED, TACTILE, Circuit
+from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_FILTERED, ENVELOPE, FILTERED, RECT_OUT, TACTILE, Circuit
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.design.formulas.filter import SECTION_QUALITY
 from fingertip.design.parameters import Board
@@ -24,7 +24,16 @@ if TYPE_CHECKING:
     from fingertip.foundation.numerics import Array
 
 RECTIFYING_DIODE = "D1"
-"""Diode that conducts while the filtered signal is positive, in every variant."""
+"""Diode that conducts while the filtered signal is positive, on every board that has a rectifier."""
+Rectifier = Literal["diode", "precision", "software"]
+"""A diode that charges R_LP parallel to C_LP (article), amplifiers that rectify and follow with one pole, or neither:
+then software computes the envelope, with the design's pole and a gain of 1."""
+
+
+def find_rectifier(circuit: Circuit) -> Rectifier:
+    nets = set(circuit.net_by_pin.values())
+    return "precision" if RECT_OUT in nets else "diode" if ENVELOPE in nets else "software"
+
 
 _STEPS_PER_DECADE = 6
 _START_RATIO = 4.0
@@ -103,7 +112,8 @@ class FilterModel:
     ideal: tuple[Stage, ...]
     as_built: tuple[Stage, ...]
     """Stages with amplifiers of finite bandwidth and with input capacitance."""
-    envelope: EnvelopeModel
+    envelope: EnvelopeModel | None
+    """None on a board without an envelope."""
 
     def transfer(self, values: Mapping[str, Value]) -> Rational:
         return multiply(stage.evaluate(values) for stage in self.as_built)
@@ -119,16 +129,19 @@ class FilterModel:
         return (constant / square) ** 0.5 / math.tau, (constant * square) ** 0.5 / linear
 
 
-def model_filter(circuit: Circuit, has_diode: bool) -> FilterModel:
+def model_filter(circuit: Circuit) -> FilterModel:
     ideal, as_built = (
         find_stages(build_network(circuit, bandwidth).drive(TACTILE), TACTILE, FILTERED) for bandwidth in (None, 1.0)
     )
-    return FilterModel(ideal, as_built, model_envelope(circuit, has_diode))
+    return FilterModel(ideal, as_built, model_envelope(circuit))
 
 
-def model_envelope(circuit: Circuit, has_diode: bool) -> EnvelopeModel:
-    """Expand the transfer function of a circuit's envelope alone."""
-    if not has_diode:
+def model_envelope(circuit: Circuit) -> EnvelopeModel | None:
+    """Expand the transfer function of a circuit's envelope alone; None if it has none."""
+    rectifier = find_rectifier(circuit)
+    if rectifier == "software":
+        return None
+    if rectifier == "precision":
         network = build_network(circuit, conducting=[RECTIFYING_DIODE]).drive(FILTERED)
         return EnvelopeModel(*find_stages(network, FILTERED, ENVELOPE))
     # Voltage over the diode's current. The pole ahead of the ADC, which loads it by a hundredth, is left out.
@@ -138,6 +151,24 @@ def model_envelope(circuit: Circuit, has_diode: bool) -> EnvelopeModel:
         for order in (0, 1)
     )
     return EnvelopeModel(Stage((((1.0, ()),),), admittance))
+
+
+def find_envelope_pin(circuit: Circuit) -> str:
+    """Find the pin of the ADC with the envelope, or with the filtered signal from which software computes it."""
+    return ADC_FILTERED if find_rectifier(circuit) == "software" else ADC_ENVELOPE
+
+
+def find_envelope_gain(model: FilterModel, circuit: Circuit, values: Mapping[str, Value]) -> float | None:
+    """Find the gain from the positive half waves to the envelope; None for a bare diode, which has a dead zone."""
+    if model.envelope is None:
+        return 1.0
+    return None if find_rectifier(circuit) == "diode" else float(model.envelope.gain(values))
+
+
+def model_software_envelope(cutoff_hz: float) -> EnvelopeModel:
+    """Model the envelope that software computes from the filtered signal: gain 1, and one pole [Hz]."""
+    pole: Stage = Stage((((1.0, ()),),), (((1.0, ()),), ((1.0 / (math.tau * cutoff_hz), ()),)))
+    return EnvelopeModel(pole)
 
 
 def find_passband(transfer: Rational, band_hz: tuple[float, float]) -> Passband:
@@ -213,10 +244,14 @@ def _grid(band_hz: tuple[float, float]) -> tuple[float, float, int]:
     return first, (last - first) / count, count
 
 
-def compute_response(model: FilterModel, values: Mapping[str, Value], gain_bandwidth_hz: float) -> FrequencyResponse:
+def compute_response(
+    model: FilterModel, values: Mapping[str, Value], gain_bandwidth_hz: float, envelope_cutoff_hz: float
+) -> FrequencyResponse:
+    """Compute the response of a board. `envelope_cutoff_hz` is the pole in software of one without an envelope."""
     section_hz, quality = model.section(values)
     passband = find_passband(model.transfer(values), search_band_hz(model, values))
-    decay_s = float(model.envelope.decay_s(values))
+    envelope = model.envelope or model_software_envelope(envelope_cutoff_hz)
+    decay_s = float(envelope.decay_s(values))
     return FrequencyResponse(
         passband_gain=passband.gain,
         passband_gain_db=decibel(passband.gain),

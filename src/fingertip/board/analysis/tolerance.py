@@ -205,7 +205,7 @@ def compute_response_band(design: Design, boards: int = 10_000, seed: int = 1) -
     settings = design.board
     circuit = board_circuit(select_components(design))
     network = build_network(circuit, find_gain_bandwidth_hz(settings))
-    toleranced = TolerancedFilter(model_filter(circuit, settings.variant == "article"), network.values)
+    toleranced = TolerancedFilter(model_filter(circuit), network.values)
     percent = component_tolerances(circuit)
     deviations = draw_deviations(toleranced, percent, boards, seed)
 

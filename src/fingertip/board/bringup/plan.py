@@ -100,6 +100,10 @@ def compute_limits(board: Board, values: BoardValues, tone_v: float = TONE_V) ->
     parts = path.with_values(_draw(path, board, random))
     levels = {name_tone(net, hz): tone_v * batch_level(parts, hz, net) for net, hz in list_levels(board.bench)}
 
+    if not board.has_envelope:
+        (nominal,) = predict(board, [Fault("", "", board.circuit)], tone_v)
+        limits = _widen_drawn(nominal, drawn, levels)
+        return limits | _limit_pins(board, limits, nominal, tone_v, random)
     # The envelope follows the filtered tone: between the weakest and the strongest of the boards. Behind a bare diode
     # it also follows C4, which holds it between the peaks.
     filtered = levels[name_tone(FILTERED, board.bench.tones_hz[-1])]
@@ -108,13 +112,19 @@ def compute_limits(board: Board, values: BoardValues, tone_v: float = TONE_V) ->
     c4_f, ratio = parse_component_value(board.circuit.component("C4").value), _find_tolerance("C4", board)
     circuits = (board.circuit.replace("C4", f"{c4_f * factor:.10g}") for factor in (1.0 - ratio, 1.0 + ratio))
     nominal, *ends = predict(board, [Fault("", "", circuit) for circuit in (board.circuit, *circuits)], *tones_v)
-    limits = {name: _widen(nominal[name], volts, METER_DC) for name, volts in drawn.items()}
-    limits |= {name: _widen(nominal[name], volts, METER_AC) for name, volts in levels.items()}
+    limits = _widen_drawn(nominal, drawn, levels)
     limits |= _limit_envelope(board, values, nominal, ends)
     ripple, tolerance = name_ripple(board.bench.tones_hz[-1]), ratio + 2.0 * _find_tolerance("R6", board)
     spread = np.array([tones_v[1] * (1.0 - tolerance), tones_v[2] / (1.0 - tolerance)]) / tones_v[0]
     limits[ripple] = _widen(nominal[ripple], spread * nominal[ripple], METER_AC)
     return limits | _limit_pins(board, limits, nominal, tone_v, random)
+
+
+def _widen_drawn(
+    nominal: Mapping[str, float], constant: Mapping[str, Array], tones: Mapping[str, Array]
+) -> dict[str, Limits]:
+    limits = {name: _widen(nominal[name], volts, METER_DC) for name, volts in constant.items()}
+    return limits | {name: _widen(nominal[name], volts, METER_AC) for name, volts in tones.items()}
 
 
 def _draw_constant(board: Board, net: str, ground: str, random: np.random.Generator, ohm: float | None = None) -> Array:
@@ -281,7 +291,6 @@ def supply_current_a(board: Board) -> float:
 
 SUPPLY_OHM, SENSOR_OHM, SUPPLY_MA = "supply_ohm", "sensor_ohm", "supply_ma"
 QUIET, SLIP_TONE = "tp3_quiet_v", "slip_tone_v"
-QUIET_ENVELOPE = name_voltage(ENVELOPE)
 NEGATIVE_OHM = "negative_supply_ohm"
 _SENSOR_RATIO = 0.1
 """Tolerance of the resistance at the sensor's connector: the amplifier's input draws little without power."""

@@ -3,7 +3,8 @@
 All voltages are above the signal ground (TP5), so that its own error does not hide others; it is measured too.
 
 Up to FILTERED the circuit is linear, and the network gives the readings. An amplifier whose output would leave its
-swing holds the end of it, and no tone passes. Behind FILTERED `rectifier` steps through time.
+swing holds the end of it, and no tone passes. Behind FILTERED, on boards with an envelope, `rectifier` steps through
+time.
 """
 
 from __future__ import annotations
@@ -88,6 +89,10 @@ class Board:
         nets = {net.name for net in self.circuit.nets}
         return tuple(n for n in POINTS if n in nets and n not in (STAGE2_MID, RECT_OUT))
 
+    @property
+    def has_envelope(self) -> bool:
+        return ENVELOPE in self.nets
+
     @classmethod
     def of_design(cls, design: Design, circuit: Circuit) -> Board:
         supply, supply_v = SUPPLIES[design.board.variant], design.board.supply_v
@@ -126,20 +131,9 @@ def predict(board: Board, faults: Sequence[Fault], *tones_v: float) -> list[dict
         values, levels = _predict_linear(board, fault, tone_v)
         readings.append(values)
         drives += levels
-    hz = board.bench.tones_hz[-1]
-    measured = measure_voltages(drives, board.swing_v, board.gain_bandwidth_hz, hz)
-    means = measured.means
+    if board.has_envelope:
+        _add_envelope(board, faults, readings, drives)
     for i, values in enumerate(readings):
-        ground_v = drives[2 * i].given_v[board.signal_ground]
-        stuck = faults[i].stuck_v.get(ENVELOPE)
-        quiet, loud = means[ENVELOPE][2 * i : 2 * i + 2] if stuck is None else (stuck, stuck)
-        values[name_voltage(ENVELOPE)], values[name_tone(ENVELOPE, hz)] = (
-            float(quiet) - ground_v,
-            float(loud) - ground_v,
-        )
-        values[name_ripple(hz)] = float(measured.ripple[2 * i + 1]) if stuck is None else 0.0
-        if RECT_OUT in means:
-            values[name_tone(RECT_OUT, hz)] = float(means[RECT_OUT][2 * i + 1]) - ground_v
         # The pins of J3 are above supply ground, the other readings above signal ground.
         middle_v = values[name_voltage(VMID)] if board.signal_ground == VMID else 0.0
         sources_v = {
@@ -148,6 +142,24 @@ def predict(board: Board, faults: Sequence[Fault], *tones_v: float) -> list[dict
         }
         values |= predict_constants(faults[i].circuit, {**board.rails_v, **sources_v})
     return readings
+
+
+def _add_envelope(
+    board: Board, faults: Sequence[Fault], readings: Sequence[dict[str, float]], drives: Sequence[Drive]
+) -> None:
+    """Add the readings behind the rectifier, quiet and with the tone."""
+    hz = board.bench.tones_hz[-1]
+    measured = measure_voltages(drives, board.swing_v, board.gain_bandwidth_hz, hz)
+    means = measured.means
+    for i, values in enumerate(readings):
+        ground_v = drives[2 * i].given_v[board.signal_ground]
+        stuck = faults[i].stuck_v.get(ENVELOPE)
+        quiet, loud = means[ENVELOPE][2 * i : 2 * i + 2] if stuck is None else (stuck, stuck)
+        values[name_voltage(ENVELOPE)] = float(quiet) - ground_v
+        values[name_tone(ENVELOPE, hz)] = float(loud) - ground_v
+        values[name_ripple(hz)] = float(measured.ripple[2 * i + 1]) if stuck is None else 0.0
+        if RECT_OUT in means:
+            values[name_tone(RECT_OUT, hz)] = float(means[RECT_OUT][2 * i + 1]) - ground_v
 
 
 def name_voltage(net: str, ohm: float | None = None) -> str:

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fingertip.board.bringup.bench import HOST, TONE_V
+from fingertip.board.bringup.bench import TONE_V
 from fingertip.board.bringup.diagnosis import MIN_READINGS, Diagnosis, diagnose
 from fingertip.board.bringup.follow_up import TOP_OHM, limit_resistances, name_resistance
-from fingertip.board.bringup.plan import QUIET, QUIET_ENVELOPE, SENSOR_OHM, SUPPLY_MA, SUPPLY_PERCENT, BringUp, Limits
+from fingertip.board.bringup.plan import QUIET, SENSOR_OHM, SUPPLY_MA, SUPPLY_PERCENT, BringUp, Limits
 from fingertip.board.bringup.prediction import Board, is_tone, name_tone
-from fingertip.board.parts.circuit import RECT_OUT, VCC, VMID
+from fingertip.board.parts.circuit import RECT_OUT, VCC
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import BoardError, Issue, join_words
 from fingertip.foundation.files import format_figure
@@ -200,17 +200,12 @@ _HINTS = {
     "slip_tone_v": "turn RV1 until SLIP falls at the expected tone; if it does not reach it, check R19 to R21 and U4",
 }
 """Meanings of the readings that are not part of the diagnosis."""
-IDLE_SHARE = 0.5
-"""Share of the detector's threshold above which the envelope at rest is to be added to it."""
 _NO_CURRENT = 0.1
 """Share of the least current up to which the board draws none."""
 
 
-def assess_readings(plan: BringUp, readings: Readings, threshold_v: float | None = None) -> dict[str, Any]:
-    """Compare readings with their limits and name the likely fault, as plain data.
-
-    `threshold_v` is that of a detector of the envelope in software [V], if the board has no comparator.
-    """
+def assess_readings(plan: BringUp, readings: Readings) -> dict[str, Any]:
+    """Compare readings with their limits and name the likely fault, as plain data."""
     across = limit_resistances(plan.board.circuit)
     limits = plan.all | across
     rows = [
@@ -229,8 +224,6 @@ def assess_readings(plan: BringUp, readings: Readings, threshold_v: float | None
     ohms = {name: min(value, TOP_OHM) for name, value in readings.values.items() if name in across}
     diagnosis = diagnose(plan.board, {**plan.levels, **across}, {**levels, **ohms}, readings.tone_v)
     hints = [f"{row['name']}: {_explain_reading(row)}." for row in rows if row["name"] in _HINTS and not row["passed"]]
-    if threshold_v is not None and QUIET_ENVELOPE in levels and not diagnosis.mistake:
-        hints += _note_idle_level(plan, levels[QUIET_ENVELOPE], threshold_v)
     sources = find_sources(plan.board, plan.levels, levels, readings.tone_v)
     return {
         "passed": all(row["passed"] for row in rows),
@@ -258,23 +251,6 @@ def _ask(diagnosis: Diagnosis, across: Mapping[str, Limits]) -> str:
         f" To {purpose}, without power and with nothing plugged in, measure the resistance across {asked}, in "
         f"place; add {lines} to the file, inf where the meter shows an open circuit, and run this again."
     )
-
-
-def _note_idle_level(plan: BringUp, volts: float, threshold_v: float) -> list[str]:
-    """Say where the envelope at rest at TP4 [V] is large beside the detector's threshold [V]."""
-    limits = plan.levels[QUIET_ENVELOPE]
-    # Beyond its limits it is a fault or a mistake of the measurement, and no offset to allow for.
-    if not IDLE_SHARE * threshold_v < volts <= limits.high_v:
-        return []
-    raised = threshold_v + volts - limits.expected_v
-    level = "E minus M" if plan.board.signal_ground == VMID else "E"
-    return [
-        f"{QUIET_ENVELOPE}: {1e3 * volts:.0f} mV is {100 * volts / threshold_v:.0f} % of detector.threshold_v "
-        f"({1e3 * threshold_v:g} mV). For the detector `analog` alone, add it, less the mean due to noise "
-        f"({1e3 * limits.expected_v:.1f} mV): `--detector analog --set detector.threshold_v={raised:.3f}`; {level} at "
-        f"{HOST} in place of {QUIET_ENVELOPE} is more exact. Never change it for `digital`, the default: its envelope "
-        "is computed from T and has no offset of the board."
-    ]
 
 
 def _explain_reading(row: dict[str, Any]) -> str:

@@ -23,10 +23,12 @@ from fingertip.board.parts.circuit import (
     Circuit,
     Component,
 )
-from fingertip.board.parts.symbols import AO3401A, LOCKING_CONNECTORS
+from fingertip.board.parts.symbols import AO3401A, JST_SH_4, LOCKING_CONNECTORS
 from fingertip.board.parts.table import group_plug_wires
 
-NEEDED_PINS = "Firmware and detector `fast` need T and S (2 analog inputs). A threshold on the envelope needs E and M."
+NEEDED_PINS = "Firmware and detector `fast` need T and S (2 analog inputs)."
+"""Pins that a controller needs. A test compares it with the example sketches."""
+OTHER_PINS = "A threshold on the envelope needs E and M."
 """Outputs that a controller samples, by what it runs."""
 SUPPLY_CONNECTOR, HOST_CONNECTOR = "J2", "J3"
 MOUNTING_PIN = "MP"
@@ -130,7 +132,7 @@ def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
     outputs = {net for _, net in list_pins(circuit, circuit.component(HOST_CONNECTOR))}
     if locking:
         yield "Pin 1 of J1 and J3 has a dot beside it; + is printed beside pin 1 of J2."
-        yield "J3 is drawn with pin 1 on top. On the board pin 1 is the lower end, and T the lowest letter."
+        yield "J3 is drawn with pin 1 on top. On the board pin 1 is the lower end."
     else:
         yield "Pin 1 is the square one."
     yield "The sensor's wires may be exchanged."
@@ -142,10 +144,12 @@ def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
     else:
         yield "A reversed supply destroys the board: check its polarity at the plug before you connect it."
     yield f"The outputs lie between 0 and {supply_v:g} V: the inputs of the controller must take that."
+    if circuit.component(HOST_CONNECTOR).footprint == JST_SH_4:
+        yield "J3: cables of Qwiic and STEMMA QT fit: black and yellow ground, red T, blue S."
     if VMID_OUT in outputs:
         yield "E refers to M: sample M too if you use E. Record T and S as they are, against ground."
     if ADC_FILTERED in outputs:
-        yield NEEDED_PINS.replace("`", "")
+        yield f"{NEEDED_PINS}{f' {OTHER_PINS}' if VMID_OUT in outputs else ''}".replace("`", "")
         yield f"Take +{supply_v:g} V and the ground of J2 from the controller's own {supply_v:g} V pin and GND."
         tactile, filtered = SKETCH_PINS[ADC_TACTILE], SKETCH_PINS[ADC_FILTERED]
         yield f"The sketches of fingertip firmware read T at {tactile} and S at {filtered}."

@@ -97,7 +97,11 @@ def board_circuit(values: ComponentValues) -> Circuit:
     return build_circuit(NAME, wiring)
 
 
-_PROPERTIES = {"article": {"article"}, "precision": {"controller", "silent"}, "comparator": {"controller", "slip"}}
+_PROPERTIES = {
+    "article": {"article", "envelope"},
+    "precision": {"controller", "silent"},
+    "comparator": {"controller", "slip", "envelope"},
+}
 """Properties of each variant by which rows of the table hold for it."""
 
 

@@ -156,7 +156,7 @@ class FilterSelection:
     capacitors: FirstStageCapacitors | None
     """None in variant article."""
     rectifier_ohm: float | None
-    """Both resistors of the precision rectifier, gain -1; None in variant article."""
+    """Both resistors of the precision rectifier, gain -1; None on boards without one."""
 
     def by_reference(self) -> dict[str, float]:
         """Value of each fitted component [ohm, F] by its reference designator."""
@@ -165,8 +165,9 @@ class FilterSelection:
             "R1": c.r1_ohm, "R2": c.r2_ohm, "R3": c.r3_ohm, "R4": c.r4_ohm, "R5": c.r5_ohm, "R6": c.r_lp_ohm,
             "C1": c.c_f, "C2": c.c_f, "C3": c.c_f, "C4": c.c_lp_f,
         }  # fmt: skip
-        if self.capacitors is not None and self.rectifier_ohm is not None:
+        if self.capacitors is not None:
             values |= {"C14": self.capacitors.series_capacitor_f, "C20": self.capacitors.limiting_capacitor_f}
+        if self.rectifier_ohm is not None:
             values |= {"R15": self.rectifier_ohm, "R16": self.rectifier_ohm, "R17": c.r_lp_ohm}
         return values
 
@@ -185,7 +186,8 @@ def select_filter(board: Board) -> FilterSelection:
     min_uf = 1e6 * MIN_CUTOFF_RATIO / (math.tau * preferred.r4_ohm * cutoff_hz)
     c14_uf = next((c for c in SERIES_CAPACITORS_UF if c >= min_uf), SERIES_CAPACITORS_UF[-1])
     capacitors = FirstStageCapacitors(to_farads(c14_uf), c20_f, pole_hz(preferred.r5_ohm, c20_f))
-    return FilterSelection(ideal, preferred, capacitors, select_rectifier_ohm(choose_amplifier(board)))
+    rectifier_ohm = select_rectifier_ohm(choose_amplifier(board)) if board.has_envelope else None
+    return FilterSelection(ideal, preferred, capacitors, rectifier_ohm)
 
 
 def pole_hz(r_ohm: float, c_f: float) -> float:

@@ -117,19 +117,15 @@ class AdcInterface:
     second_ohm: float
     second_f: float
     """Second section, from the node between the sections to the tactile pin."""
-    envelope_ohm: float
-    envelope_f: float
-    """Section from the envelope to its pin."""
+    single_ohm: float
+    single_f: float
+    """Section from the envelope, or from the filtered signal, to its pin."""
 
     def by_reference(self) -> dict[str, float]:
         return {
-            "R7": self.envelope_ohm, "C8": self.envelope_f, "R8": self.first_ohm, "C9": self.first_f,
-            "R9": self.second_ohm, "C19": self.second_f,
+            "R7": self.single_ohm, "C8": self.single_f, "R8": self.first_ohm, "C9": self.first_f,
+            "R9": self.second_ohm, "C19": self.second_f, "R27": self.single_ohm, "C25": self.single_f,
         }  # fmt: skip
-
-    def filtered_by_reference(self) -> dict[str, float]:
-        """Value of each component of the filtered signal's section, which equals the envelope's."""
-        return {"R27": self.envelope_ohm, "C25": self.envelope_f}
 
 
 @dataclass(frozen=True)
@@ -144,7 +140,7 @@ class ComponentValues:
     first_stage_capacitors: FirstStageCapacitors | None
     """Capacitors of the first stage that variant article does not have; None there."""
     rectifier_ohm: float | None
-    """Both resistors of the precision rectifier; None in variant article."""
+    """Both resistors of the precision rectifier; None on boards without one."""
     tolerance: Tolerance
     bridge: Bridge | None
     """Bridge of variant article; None on boards with a transimpedance stage, whose values are fixed."""
@@ -154,14 +150,12 @@ class ComponentValues:
 
     @functools.cached_property
     def by_reference(self) -> dict[str, float]:
-        """Value of each component [ohm, F] by its reference designator, as the circuit fits them."""
+        """Value of each component [ohm, F] by its reference designator, with some that this board does not have."""
         values = FilterSelection(
             self.ideal, self.preferred, self.first_stage_capacitors, self.rectifier_ohm
         ).by_reference()
         values |= self.bridge.by_reference() if self.bridge else transimpedance.VALUES
         values |= self.adc_interface.by_reference()
-        if self.variant != "article":
-            values |= self.adc_interface.filtered_by_reference()
         return values | (self.comparator_stage.by_reference() if self.comparator_stage else {})
 
 

@@ -68,6 +68,11 @@ class Board(ParameterTable):
         return self.variant != "article"
 
     @property
+    def has_envelope(self) -> bool:
+        """True for a board that gives the envelope; of another, software computes it. A test reads the circuit."""
+        return self.variant != "precision"
+
+    @property
     def tactile_rises(self) -> bool:
         """True if the tactile voltage rises with the force. A test compares it with the circuit."""
         return self.is_for_controller

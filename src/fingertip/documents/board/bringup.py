@@ -24,7 +24,6 @@ from fingertip.board.bringup.plan import (
     METER_DC,
     NEGATIVE_OHM,
     QUIET,
-    QUIET_ENVELOPE,
     SENSOR_OHM,
     SLIP_TONE,
     SUPPLY_MA,
@@ -34,7 +33,6 @@ from fingertip.board.bringup.plan import (
     Limits,
 )
 from fingertip.board.bringup.prediction import POINTS, list_levels, name_ripple, name_tone, name_voltage
-from fingertip.board.bringup.readings import IDLE_SHARE
 from fingertip.board.bringup.wiring import list_pins
 from fingertip.board.kicad.placement import Pad, Placement
 from fingertip.board.kicad.project import load_project
@@ -164,9 +162,6 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
             for name in plan.others
             if name == SLIP_TONE
         ],
-        idle_reading=QUIET_ENVELOPE,
-        idle=plan.levels[QUIET_ENVELOPE],
-        idle_share=IDLE_SHARE,
         hidden=[(what.capitalize(), _join(names)) for what, names in list_hidden_faults(plan).items()],
         clamps=_join(list_unsimulated(plan)),
     )
@@ -197,7 +192,9 @@ def _list_outputs(plan: BringUp) -> Iterator[Row]:
 
 def _list_tones(plan: BringUp, placement: Placement) -> Iterator[Row]:
     high_hz = plan.board.bench.tones_hz[-1]
-    found = [*list_levels(plan.board.bench), (ENVELOPE, high_hz)]
+    found = [*list_levels(plan.board.bench)]
+    if plan.board.has_envelope:
+        found.append((ENVELOPE, high_hz))
     if name_tone(RECT_OUT, high_hz) in plan.levels:
         found.append((RECT_OUT, high_hz))
     for net, hz in found:

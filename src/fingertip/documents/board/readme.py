@@ -11,7 +11,7 @@ from fingertip.board.analysis.interference import DEAD_ZONE_V, describe_sensor
 from fingertip.board.analysis.limits import describe_adc_range
 from fingertip.board.analysis.loads import signal_band_hz
 from fingertip.board.analysis.noise import noise_warning
-from fingertip.board.bringup.wiring import NEEDED_PINS
+from fingertip.board.bringup.wiring import NEEDED_PINS, OTHER_PINS
 from fingertip.board.circuits.board_circuit import CABLE_OHM
 from fingertip.board.circuits.spice import MAX_SWITCH_OHM
 from fingertip.board.components.bridge import MAX_FORCE_N, POWER_UP_S, Bridge, sensor_conductance_s
@@ -90,6 +90,7 @@ def folder_readme(circuit: Circuit, stored: StoredProject, values: BoardValues, 
         idle_v=values.tactile_response.open_v,
         pressed_v=values.tactile_response.tactile_v(sensor_conductance_s(MAX_FORCE_N)),
         needed_pins=NEEDED_PINS,
+        other_pins=OTHER_PINS,
         ripple_sensor=describe_sensor(values.supply_ripple),
         supply_range_v=CONTROLLER_RANGE_V,
         switch_ohm=MAX_SWITCH_OHM,
@@ -116,6 +117,7 @@ def collect_board(values: BoardValues, design: Design) -> dict[str, Any]:
         "detector": design.detector,
         "supply": supply,
         "is_for_controller": design.board.is_for_controller,
+        "has_envelope": design.board.has_envelope,
         "has_slip": values.comparator_levels is not None,
         "levels": values.comparator_levels,
         "comparator_offset_v": COMPARATOR_OFFSET_V,

@@ -20,7 +20,7 @@ from typing import Literal
 import numpy as np
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.analysis.response import EnvelopeModel, model_envelope
+from fingertip.board.analysis.response import EnvelopeModel, find_rectifier, model_envelope, model_software_envelope
 from fingertip.board.circuits.network import Network, Value, build_network
 from fingertip.board.components.bridge import EMISSION, SATURATION_A, SERIES_OHM, THERMAL_V
 from fingertip.board.components.values import select_components
@@ -76,7 +76,8 @@ def exponentials(M: Array, step_s: float, levels: int) -> Array:
 COMPONENTS = (
     "R1", "R2", "R3", "R4", "R5", "R6", "C1", "C2", "C3", "C4", "C14", "C20", "R15", "R16", "R17",
 )  # fmt: skip
-"""References of the components between the tactile voltage and the envelope. Variant article has those up to C4."""
+"""References of the components between the tactile voltage and the envelope. Variant article has those up to C4,
+precision none of the envelope's."""
 
 
 @dataclass(frozen=True)
@@ -98,7 +99,8 @@ class AnalogBoard:
     envelope: EnvelopeModel
     """Gain and time constant of rectifier and envelope."""
     rectifier: Literal["diode", "precision"] = "diode"
-    """A diode that charges R_LP parallel to C_LP (article), or amplifiers that rectify and follow with one pole."""
+    """A diode that charges R_LP parallel to C_LP (article), or what rectifies exactly and follows with one pole:
+    amplifiers, or software behind a board without an envelope."""
     diode: Diode = Diode()
     rail_v: float | None = None
     """Voltage at which both amplifiers' outputs saturate, of either sign [V]; None: they never do."""
@@ -121,20 +123,23 @@ class AnalogBoard:
         raise_issues(issues)
 
     @classmethod
-    def from_circuit(cls, circuit: Circuit, has_diode: bool, gain_bandwidth_hz: float | None = None) -> AnalogBoard:
+    def from_circuit(
+        cls, circuit: Circuit, envelope_cutoff_hz: float, gain_bandwidth_hz: float | None = None
+    ) -> AnalogBoard:
+        """Board of a circuit; `envelope_cutoff_hz` is the pole in software of one without an envelope."""
         network = build_network(circuit, gain_bandwidth_hz).drive(TACTILE)
         quiet = {VMID, *network.inputs} - {TACTILE}
         return cls(
             network.ground(*quiet).restrict(FILTERED),
-            model_envelope(circuit, has_diode),
-            "diode" if has_diode else "precision",
+            model_envelope(circuit) or model_software_envelope(envelope_cutoff_hz),
+            "diode" if find_rectifier(circuit) == "diode" else "precision",
         )
 
     @classmethod
     def from_design(cls, design: Design, gain_bandwidth_hz: float | None = None) -> AnalogBoard:
         """Board of a design, with the values of the components that are fitted and ideal or slow amplifiers."""
         circuit = board_circuit(select_components(design))
-        return cls.from_circuit(circuit, design.board.variant == "article", gain_bandwidth_hz)
+        return cls.from_circuit(circuit, design.board.envelope_cutoff_hz, gain_bandwidth_hz)
 
     @property
     def components(self) -> dict[str, Value]:

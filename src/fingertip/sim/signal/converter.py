@@ -1,7 +1,8 @@
 """Analog-to-digital converter (ADC): the anti-aliasing poles ahead of its pins, its jitter, noise and quantisation.
 
 The poles lie between the board's outputs and the ADC (R8, C9, R9, C19 for the tactile voltage; R7, C8 for the
-envelope; R27, C25 for the filtered signal of a board for 3.3 V). Between the points of a grid the voltage is linear,
+envelope; R27, C25 for the filtered signal of a board for 3.3 V). Of a board without an envelope, software computes it
+from the samples of the filtered signal. Between the points of a grid the voltage is linear,
 which two RC sections follow exactly (`analog_circuit`). They delay by some 1.3 samples, whatever the
 sampling rate, because the board's values are selected for it.
 """
@@ -171,8 +172,53 @@ class Converter:
         return self._adc.quantise_v(sampled)
 
 
+class EnvelopeFollower:
+    """Half-wave rectifier and one pole, as software computes them from samples of the filtered signal [V]."""
+
+    def __init__(self, design: Design) -> None:
+        # The discrete step response equals that of the analog pole at the samples.
+        cutoff_hz, rate_hz = design.board.envelope_cutoff_hz, design.detector.sample_rate_hz
+        self._smoothing = 1 - math.exp(-math.tau * cutoff_hz / rate_hz)
+        self._state = [0.0]
+
+    def process(self, filtered_v: Array) -> Array:
+        envelope_v = np.zeros(len(filtered_v))
+        _follow(self._smoothing, filtered_v, self._state, envelope_v)
+        return envelope_v
+
+
+def _follow_loop(
+    smoothing: float, samples: Sequence[float], state: MutableSequence[float], out: MutableSequence[float]
+) -> None:
+    envelope = state[0]
+    for i in range(len(samples)):
+        x = samples[i]
+        envelope += smoothing * ((x if x > 0.0 else 0.0) - envelope)
+        out[i] = envelope
+    state[0] = envelope
+
+
+_follow = CompiledLoop(_follow_loop, outputs=2, samples="samples", plain_us=0.2)
+
+
+class EnvelopeSource:
+    """Output of a design's board from which its sampled envelope follows, and what lies between them."""
+
+    def __init__(self, design: Design) -> None:
+        self.pin = ADC_ENVELOPE if design.board.has_envelope else ADC_FILTERED
+        self._follower = None if design.board.has_envelope else EnvelopeFollower(design)
+
+    def select(self, filtered_v: Array, envelope_v: Array) -> Array:
+        """Select the output that is sampled [V]."""
+        return filtered_v if self._follower else envelope_v
+
+    def finish(self, sampled_v: Array) -> Array:
+        """Return the envelope [V] of the next samples of that output [V]."""
+        return self._follower.process(sampled_v) if self._follower else sampled_v
+
+
 def sample_v(design: Design, voltage_v: Array, noise: Stream | None) -> Array:
-    """Convert envelopes at the ADC's instants [V] to samples [V]; without `noise` the ADC has none."""
+    """Convert voltages at the ADC's instants, above signal ground [V], to samples; without `noise` the ADC has none."""
     noisy = voltage_v if noise is None else voltage_v + draw_noise(noise, design.detector.noise_v, len(voltage_v))
     return AdcRange.from_design(design).above_signal_ground(design).quantise_v(noisy)
 
@@ -222,9 +268,10 @@ def simulate_envelope_v(design: Design, voltage_v: Array) -> Array:
     A recording has passed the anti-aliasing poles of the tactile voltage (`fingertip.sim.signal.converter`), which the
     real board's filter has not: the envelope comes out some 3 % low at 2 kHz, 12 % at 1 kHz. Raises TraceError.
     """
-    board = AnalogBoard.from_design(design)
-    envelope_v = simulate_board(board, 1 / design.detector.sample_rate_hz, voltage_v).envelope_v
-    return sample_v(design, AntiAliasFilter.ahead_of(ADC_ENVELOPE, design).process(envelope_v), None)
+    source, board = EnvelopeSource(design), AnalogBoard.from_design(design)
+    signals = simulate_board(board, 1 / design.detector.sample_rate_hz, voltage_v)
+    output_v = source.select(signals.filtered_v, signals.envelope_v)
+    return source.finish(sample_v(design, AntiAliasFilter.ahead_of(source.pin, design).process(output_v), None))
 
 
 class SimulatedBoardDetector(Detector):
@@ -232,7 +279,8 @@ class SimulatedBoardDetector(Detector):
 
     def __init__(self, design: Design) -> None:
         self._board = AnalogStream(AnalogBoard.from_design(design), 1 / design.detector.sample_rate_hz)
-        self._poles = AntiAliasFilter.ahead_of(ADC_ENVELOPE, design)
+        self._source = EnvelopeSource(design)
+        self._poles = AntiAliasFilter.ahead_of(self._source.pin, design)
         self._design, self._detector = design, AnalogDetector.for_design(design)
 
     @property
@@ -256,7 +304,8 @@ class SimulatedBoardDetector(Detector):
 
     def _convert(self, voltage_v: Array) -> Array:
         """Return the sampled envelope of the next samples [V]; any chunks give the same bits."""
-        return sample_v(self._design, self._poles.process(self._board.process(voltage_v[None])[1][0]), None)
+        output_v = self._source.select(*(rows[0] for rows in self._board.process(voltage_v[None])))
+        return self._source.finish(sample_v(self._design, self._poles.process(output_v), None))
 
 
 def compute_bridge_v(design: Design, force_n: Array) -> Array:
@@ -269,11 +318,13 @@ def simulate_quiescent_level(design: Design) -> NoiseLevel:
     grid, rate = Grid(), design.detector.sample_rate_hz
     count = grid.count_points(_noise_s(design), rate)
     noise_v = draw_noise(open_stream(0, "quiescent board"), compute_input_noise_v(design), count)
-    envelope_v = simulate_board(AnalogBoard.from_design(design), grid.step_s, noise_v).envelope_v
-    poles = AntiAliasFilter.ahead_of(ADC_ENVELOPE, design, grid.step_s)
+    source, signals = EnvelopeSource(design), simulate_board(AnalogBoard.from_design(design), grid.step_s, noise_v)
+    output_v = source.select(signals.filtered_v, signals.envelope_v)
+    poles = AntiAliasFilter.ahead_of(source.pin, design, grid.step_s)
     adc = AdcRange.from_design(design).above_signal_ground(design)
     converter = Converter(design, poles, adc, grid.step_s, open_stream(0, "quiescent converter"))
-    return _measure_level(design, converter.process(envelope_v, SampleClock(grid, rate).advance(count)))
+    sampled_v = converter.process(output_v, SampleClock(grid, rate).advance(count))
+    return _measure_level(design, source.finish(sampled_v))
 
 
 def simulate_replay_level(design: Design) -> NoiseLevel:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE
+from fingertip.board.parts.circuit import ADC_FILTERED, ADC_TACTILE
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.pad.response import Pad
@@ -24,7 +24,7 @@ from fingertip.sim.contact.surfaces import SurfaceProfile, generate_profile
 from fingertip.sim.contact.vibration import ContactResonance, ProfileForce, transmit
 from fingertip.sim.signal.analog_circuit import board_with_amplifiers
 from fingertip.sim.signal.bridge import Bridge, ForceSensor, reads_whole_finger
-from fingertip.sim.signal.converter import AdcRange, AntiAliasFilter, Converter, compute_input_noise_v
+from fingertip.sim.signal.converter import AdcRange, AntiAliasFilter, Converter, EnvelopeSource, compute_input_noise_v
 from fingertip.sim.signal.filter_board import AnalogStream, SlipPin
 from fingertip.sim.signal.grid import (
     CostMeter,
@@ -266,11 +266,8 @@ class _BridgeVoltage:
         return volts + added, jumps
 
 
-_SAMPLED = {
-    "sampled_envelope_v": ("envelope_v", "envelope noise", ADC_ENVELOPE, "ADC of the envelope"),
-    "sampled_filtered_v": ("filtered_v", "filtered noise", ADC_FILTERED, "ADC of the filtered signal"),
-}
-"""Sampled output -> output of the board, purpose of the noise, pin of the ADC, and stage of the cost."""
+_ADC_STAGES = {"envelope": "ADC of the envelope", "filtered": "ADC of the filtered signal"}
+"""Output of the board -> stage of the cost of its samples."""
 
 
 class _BoardSignals:
@@ -286,7 +283,8 @@ class _BoardSignals:
                 self._noise = RefinedNoise(grid, lambda count: draw_noise(stream, deviation_v, count))
         self._board: AnalogStream | None = None
         self._pin: SlipPin | None = None
-        self._converters: dict[str, Converter] = {}
+        self._converters: dict[str, tuple[str, Converter]] = {}
+        self._envelope = EnvelopeSource(setup.design)
         if outputs & OF_BOARD:
             with meter.stage("filter board", 4):
                 board = board_with_amplifiers(setup.design, setup.path.sensing.amplifiers)
@@ -296,10 +294,14 @@ class _BoardSignals:
         if "slip_pin_v" in outputs:
             with meter.stage("comparator", 1):
                 self._pin = SlipPin(setup.design, grid.step_s)
-        for name, (_, purpose, pin, stage) in _SAMPLED.items():
+        of_envelope = "filtered" if self._envelope.pin == ADC_FILTERED else "envelope"
+        for name, source, pin in (
+            ("sampled_envelope_v", of_envelope, self._envelope.pin), ("sampled_filtered_v", "filtered", ADC_FILTERED),
+        ):  # fmt: skip
             if name in outputs:
-                with meter.stage(stage):
-                    self._converters[name] = _build_converter(setup, grid, purpose, pin, from_signal_ground=True)
+                with meter.stage(_ADC_STAGES[source]):
+                    converter = _build_converter(setup, grid, f"{source} noise", pin, from_signal_ground=True)
+                    self._converters[name] = source, converter
 
     def process(self, bridge_v: Array, jumps: Array | None, at: Instants) -> dict[str, Array]:
         count, found = len(bridge_v), {}
@@ -323,10 +325,10 @@ class _BoardSignals:
         found |= {
             name: self._samplers[name].process(values, at) for name, values in signals.items() if name in self._outputs
         }
-        for name, converter in self._converters.items():
-            source, _, _, stage = _SAMPLED[name]
-            with self._meter.stage(stage):
-                found[name] = converter.process(signals[source], at)
+        for name, (source, converter) in self._converters.items():
+            with self._meter.stage(_ADC_STAGES[source]):
+                sampled = converter.process(signals[f"{source}_v"], at)
+                found[name] = self._envelope.finish(sampled) if name == "sampled_envelope_v" else sampled
         return found
 
 

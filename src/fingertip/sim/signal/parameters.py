@@ -59,10 +59,11 @@ the contact sticks do not count. velocity_m_s: velocity of the pad over the surf
 manipulation records the opposite, that of the object over the pad). shear_m: shear of the pad. tactile_v: voltage ahead
 of the filter board, with white noise that stands for that of its amplifiers up to 1 MHz; the ADC samples the same
 voltage without it, because `detector.noise_v` is all noise of a sample. filtered_v, envelope_v: outputs of the filter
-board, above its output offset. sampled_envelope_v, sampled_filtered_v: envelope_v and filtered_v as sampled by
-the ADC, above signal ground; the latter on boards for a controller. slip_pin_v: voltage of the comparator's
-output, low while it reports slip. Of a manipulation also closing_m, closing; command_m, commanded closing; and of the
-object object_m, its position; pin_n, force of the pin.
+board, above its output offset; without an envelope on the board (variant precision) that of filtered_v, with the
+design's pole. sampled_envelope_v, sampled_filtered_v: envelope_v and filtered_v as sampled by the ADC, above signal
+ground; the latter on boards for a controller, whose samples give the former if the board has no envelope. slip_pin_v:
+voltage of the comparator's output, low while it reports slip. Of a manipulation also closing_m, closing; command_m,
+commanded closing; and of the object object_m, its position; pin_n, force of the pin.
 """
 
 

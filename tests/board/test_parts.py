@@ -167,14 +167,14 @@ def meets(component: Component, part: Part) -> bool:
 
 
 def test_all_but_three_numbers_of_a_board_for_a_controller_stand_in_two_documents() -> None:
-    for variant in ("precision", "comparator"):
+    for variant, amplifiers in (("precision", "U1 U2"), ("comparator", "U1 U2 U3")):
         circuit = board_circuit(board_values(Design.load(changes=[f"board.variant={variant}"])))
         assert count_unconfirmed(circuit) == 3
         assert missing_numbers_note(circuit).startswith("3 of ")
         low, high = estimate_cost(circuit)
-        assert 1.5 < low < 5 < high < 40
+        assert 1.2 < low < 5 < high < 40
         extended = list_extended(circuit)
-        assert "U1 U2 U3" in extended
+        assert amplifiers in extended
         assert "C1 C2 C3" not in extended
 
 
@@ -209,7 +209,7 @@ def test_every_line_has_a_number_or_an_empty_field_and_the_reason(name: str, ext
 def test_capacitors_have_the_tolerance_that_is_sold() -> None:
     circuit = board_circuit(board_values(load_article(["board.variant=precision"])))
     percent = {c.reference: c.requirement.tolerance_percent for c in circuit.components if c.requirement}
-    assert [percent[name] for name in ("C1", "C4", "C8", "C14", "C20", "R1")] == [10, 10, 10, 10, 5, 1]
+    assert [percent[name] for name in ("C1", "C9", "C14", "C20", "C25", "R1")] == [10, 10, 10, 5, 10, 1]
     stated = board_circuit(
         board_values(load_article(["board.variant=precision", "board.capacitor_tolerance_percent=5"]))
     )

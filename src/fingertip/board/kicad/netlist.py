@@ -24,7 +24,7 @@ from fingertip.board.kicad.sexpr import Expression, format_expression, quote, re
 from fingertip.board.parts.circuit import Circuit, Component, Symbol, kicad_net_name, reference_sort_key
 from fingertip.board.parts.select_part import symbol_fields
 
-REVISION = "3"
+REVISION = "4"
 """Revision of the boards: higher where parts, nets or copper have changed."""
 
 # UUIDs derived from names instead of random ones, so that the same design gives the same bytes.

@@ -331,8 +331,10 @@ def test_amplifier_loads_agree_with_the_currents_in_ngspice(tmp_path: Path, name
     # The comparator's switch, which drives none of these outputs, keeps ngspice from finding the operating point.
     deck = "\n".join(line for line in deck.splitlines() if not line.startswith("SU4 ")) + "\n"
     assert values.amplifier_loads[0].amplifier == "U1a"
-    (diode,) = (line for line in deck.splitlines() if line.startswith("D1 "))
-    blocked, conducting = (deck.replace(diode, f"RD1 {' '.join(diode.split()[1:3])} {ohm}") for ohm in ("1e12", "1"))
+    diode = next((line for line in deck.splitlines() if line.startswith("D1 ")), None)
+    blocked, conducting = (
+        deck.replace(diode, f"RD1 {' '.join(diode.split()[1:3])} {ohm}") if diode else deck for ohm in ("1e12", "1")
+    )
     for load in values.amplifier_loads:
         output = AMPLIFIER_OUTPUTS[load.amplifier]
         for variant, expected in ((conducting, load.min_ohm), (blocked, load.min_filter_ohm)):

@@ -332,7 +332,6 @@ def _response_lines(values: BoardValues) -> list[str]:
     from fingertip.foundation.files import format_figure
 
     target, achieved = values.target_response, values.achieved_response
-    envelope = "envelope" if values.variant != "precision" else "software envelope"
     quantities = [
         ("maximum gain", target.passband_gain, achieved.passband_gain, ""),
         ("maximum gain", target.passband_gain_db, achieved.passband_gain_db, "dB"),
@@ -341,8 +340,8 @@ def _response_lines(values: BoardValues) -> list[str]:
         ("Sallen-Key Q", target.section_quality, achieved.section_quality, ""),
         ("lower -3 dB", target.cutoff_hz, achieved.cutoff_hz, "Hz"),
         ("upper -3 dB", target.upper_cutoff_hz, achieved.upper_cutoff_hz, "Hz"),
-        (f"{envelope} corner", target.envelope_pole_hz, achieved.envelope_pole_hz, "Hz"),
-        (f"{envelope} time constant", 1e3 * target.envelope_decay_s, 1e3 * achieved.envelope_decay_s, "ms"),
+        ("envelope corner", target.envelope_pole_hz, achieved.envelope_pole_hz, "Hz"),
+        ("envelope time constant", 1e3 * target.envelope_decay_s, 1e3 * achieved.envelope_decay_s, "ms"),
         ("amplifier bandwidth", target.amplifier_bandwidth_hz, achieved.amplifier_bandwidth_hz, "Hz"),
     ]
     lines = [f"{'response':22} {'target':>12} {'achieved':>12}"]

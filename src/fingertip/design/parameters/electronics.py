@@ -17,8 +17,8 @@ class Board(ParameterTable):
 
     variant: Literal["article", "precision", "comparator"] = choice(
         "precision",
-        "article: the article's circuit, on plus and minus 5 V; precision: for a controller of 3.3 V, without its dead "
-        "zone; comparator: the same with an ON/OFF output.",
+        "article: the article's circuit, on plus and minus 5 V; precision: for a controller of 3.3 V, whose software "
+        "computes the envelope; comparator: the same with rectifier, envelope and an ON/OFF output.",
     )
     cutoff_hz: float = quantity(
         67.0, "Hz", (Above(0), 10000), "Cutoff frequency of the third-order Butterworth high-pass."
@@ -30,9 +30,9 @@ class Board(ParameterTable):
     )  # fmt: skip
     r5_ohm: float = quantity(100e3, "ohm", (1000, 10e6), "Feedback resistor R5 of the first stage.")
     envelope_cutoff_hz: float = quantity(
-        36.17, "Hz", (Above(0), 10000), "Cutoff frequency of the envelope, 1 / (2 pi R_LP C_LP)."
+        36.17, "Hz", (Above(0), 10000), "Cutoff frequency of the envelope, on the board or in software."
     )
-    envelope_capacitor_uf: float = quantity(2.2, "uF", (1e-6, 1000), "Envelope capacitor C_LP.")
+    envelope_capacitor_uf: float = quantity(2.2, "uF", (1e-6, 1000), "Envelope capacitor C_LP (article, comparator).")
     capacitor_series: Literal["given", "E6", "E12", "preferred"] = choice(
         "given",
         "given: the capacitors above; E6, E12: selected from this series by cutoff, together with the resistors; "
@@ -52,7 +52,7 @@ class Board(ParameterTable):
     )  # fmt: skip
     amplifier: AmplifierName = choice(
         "auto",
-        "Dual amplifier of filter and rectifier; auto: TL082 (article), MCP6022 (precision), OPA2376 (comparator).",
+        "Dual amplifiers of the board; auto: TL082 (article), MCP6022 (precision), OPA2376 (comparator).",
     )
     resistor_choice: Literal["joint", "apart"] = choice(
         "joint",

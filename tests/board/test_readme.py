@@ -130,12 +130,10 @@ def test_cost_of_the_capacitors_is_stated_unless_they_are_the_articles() -> None
 
 # Report on readings, compared whole with approved files
 
-THRESHOLD_V = 0.023
-
 
 def assess(plan: BringUp, title: str, readings: Mapping[str, float]) -> Iterator[str]:
     """Yield what is said of readings. Faults that cannot be told apart are sorted: rounding decides their order."""
-    data = assess_readings(plan, Readings(TONE_V, readings), THRESHOLD_V)
+    data = assess_readings(plan, Readings(TONE_V, readings))
     yield f"{title}: {', '.join(row['name'] for row in data['readings'] if not row['passed'])}"
     yield "  " + data["verdict"].replace("; ".join(data["likely"]), "; ".join(sorted(data["likely"])))
     yield from (f"  {hint}" for hint in data["hints"])
@@ -166,15 +164,15 @@ def list_wrong_readings(plan: BringUp) -> Iterator[tuple[str, dict[str, float]]]
     fault = next(f for f in list_faults(board.circuit, board.ends_v) if f.sentence.startswith("C2 has half"))
     good, half_c2 = (dict(v) for v in predict(board, [draw_board(plan, np.random.default_rng(11)), fault]))
     ground_v = good["tp5_open_v"]
-    tones = {name for name in good if is_tone(name) and not name.startswith("u3_")}
+    tones = {name for name in good if is_tone(name)}
 
     def scale(dc: float, tone: float) -> dict[str, float]:
-        return {n: v * (tone if n in tones else 1.0 if is_tone(n) else dc) for n, v in good.items()}
+        return {n: v * (tone if n in tones else dc) for n, v in good.items()}
 
     def at_supply_ground(readings: dict[str, float]) -> dict[str, float]:
         """Alternating voltages are the same there, and those at J3 are taken against it by design."""
         own = ("tp5_open_v", *(n for n in readings if n.startswith("j3")))
-        ends = ("open_v", "ohm_v", "tp4_134hz_v", "u3_134hz_v")
+        ends = ("open_v", "ohm_v")
         return {n: v + readings["tp5_open_v"] * (n.endswith(ends) and n not in own) for n, v in readings.items()}
 
     at_signal_ground = {n: v - ground_v * (n[:2] == "j3" and n.endswith("open_v")) for n, v in good.items()}

@@ -197,7 +197,7 @@ def test_alias_attenuation_of_the_default_board() -> None:
     assert -1.7 < a.tactile_band_db < -1.5  # slip ends below 100 Hz in the embedded finger: 0.4 dB
     comparator = board_values(load_article(["board.variant=comparator"])).aliasing
     envelope_pole_db = -10 * math.log10(1 + (1000 / 36.17) ** 2)
-    assert comparator.envelope_nyquist_db - a.envelope_nyquist_db == pytest.approx(envelope_pole_db, abs=0.01)
+    assert comparator.output_nyquist_db - a.output_nyquist_db == pytest.approx(envelope_pole_db, abs=0.01)
 
 
 # Band of the response and its plot

@@ -159,7 +159,7 @@ def test_clamps_shift_both_pins_by_at_most_the_stated_voltage(tmp_path: Path, na
         for current in ("2e-6", "1e-15")
     )
     shifts = [a - b for a, b in zip(leaky, ideal, strict=True)]
-    stated = [2e-6 * ohm for ohm in (limits.envelope_pin_ohm, limits.tactile_pin_ohm)]
+    stated = [2e-6 * ohm for ohm in (limits.output_pin_ohm, limits.tactile_pin_ohm)]
     assert all(abs(shift) < 1.001 * limit for shift, limit in zip(shifts, stated, strict=True))
     # On a split supply E is at ground, where the lower diode of D2 does not block. Elsewhere equal currents cancel.
     assert (shifts[0] > 0.5 * stated[0]) == (name == "article")

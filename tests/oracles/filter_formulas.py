@@ -108,7 +108,7 @@ def tactile_pin_transfer(f_hz: float, c: AdcInterface) -> complex:
 
 def envelope_pin_transfer(f_hz: float, c: AdcInterface) -> complex:
     """Transfer function from the envelope to its pin at f [Hz]."""
-    return 1.0 / (1.0 + 1j * f_hz / pole_hz(c.single_ohm, c.single_f))
+    return 1.0 / (1.0 + 1j * f_hz / pole_hz(c.output_ohm, c.output_f))
 
 
 def envelope_offset_gains(envelope_ohm: float, rectifier_ohm: float) -> tuple[tuple[float, ...], tuple[float, ...]]:

@@ -234,7 +234,7 @@ def _table_lines(design: Design, values: BoardValues) -> list[str]:
         f"{describe_filter_swing(limits)}",
         f"at {aliasing.nyquist_hz:g} Hz, half the ADC's sampling rate, the tactile voltage is attenuated by "
         f"{-aliasing.tactile_nyquist_db:.1f} dB and the "
-        f"{'envelope' if design.board.has_envelope else 'filtered signal'} by {-aliasing.envelope_nyquist_db:.1f} dB",
+        f"{'envelope' if design.board.has_envelope else 'filtered signal'} by {-aliasing.output_nyquist_db:.1f} dB",
         describe_adc_range(limits),
         "",
         *_force_lines(design, values),
@@ -283,7 +283,7 @@ def _component_lines(design: Design, values: BoardValues) -> list[str]:
     ]
     if has_envelope:
         filter_resistors.append(("R6", ideal.r_lp_ohm, preferred.r_lp_ohm, "R_LP, envelope"))
-    single = adc.single_ohm, adc.single_f
+    single = adc.output_ohm, adc.output_f
     others = [
         ("C1 C2 C3", (preferred.c_f,), "both filters"),
         *([("C4", (preferred.c_lp_f,), "C_LP, envelope")] if has_envelope else []),
@@ -349,7 +349,10 @@ def _response_lines(values: BoardValues) -> list[str]:
         f"{name:22} {format_figure(wanted):>12} {format_figure(real):>12} {unit}".rstrip()
         for name, wanted, real, unit in quantities
     ]
-    lines.append("achieved: preferred values; gain and -3 dB with the finite bandwidth and gain of the amplifiers")
+    software = "; the envelope is computed by software" if values.variant == "precision" else ""
+    lines.append(
+        f"achieved: preferred values; gain and -3 dB with the finite bandwidth and gain of the amplifiers{software}"
+    )
     return lines
 
 

@@ -42,10 +42,10 @@ class AliasAttenuation:
     """Gain of the tactile voltage's two poles at `band_hz`."""
     tactile_nyquist_db: float
     tactile_alias_db: float
-    envelope_nyquist_db: float
+    output_nyquist_db: float
     """Gain from the rectifier (in variant article from the envelope) to the pin at `nyquist_hz`; on a board without an
     envelope that from the filtered signal to its pin."""
-    envelope_alias_db: float
+    output_alias_db: float
     filtered_gain: float | None
     """Largest gain from the tactile voltage to the pin of the filtered signal, in the band; None without such a pin."""
     filtered_alias_db: float | None
@@ -90,8 +90,8 @@ def compute_alias_attenuation(circuit: Circuit, design: Design, swing_v: float) 
         tactile_band_db=decibel(tactile[0]),
         tactile_nyquist_db=decibel(tactile[1]),
         tactile_alias_db=decibel(tactile[2]),
-        envelope_nyquist_db=decibel(envelope[0]),
-        envelope_alias_db=decibel(envelope[1]),
+        output_nyquist_db=decibel(envelope[0]),
+        output_alias_db=decibel(envelope[1]),
         filtered_gain=filtered_gain,
         filtered_alias_db=filtered_alias_db,
         required_db=decibel(swing_v / lsb_v),

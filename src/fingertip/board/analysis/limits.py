@@ -77,7 +77,7 @@ class VoltageLimits:
     """Upper rail of the clamps at the ADC pins, which clamp one Schottky drop above it."""
     tactile_pin_ohm: float
     """Resistance through which the reverse current of the clamp at the tactile pin flows [ohm]."""
-    envelope_pin_ohm: float
+    output_pin_ohm: float
     """Resistance through which that at the envelope's pin flows [ohm], in variant article with its diode blocked; on a
     board without an envelope that at the filtered signal's pin."""
     has_filtered_output: bool
@@ -117,7 +117,7 @@ def compute_voltage_limits(
     )
     rectifier = find_rectifier(circuit)
     quiescent = build_network(circuit, conducting=[RECTIFYING_DIODE] if rectifier == "precision" else [])
-    tactile_pin_ohm, envelope_pin_ohm = (
+    tactile_pin_ohm, output_pin_ohm = (
         quiescent.restrict(pin).constant_transfers(pin)[pin] for pin in (ADC_TACTILE, find_envelope_pin(circuit))
     )
     # The voltages are monotonic in the sensor's conductance, so the ends of its range are the worst cases.
@@ -151,7 +151,7 @@ def compute_voltage_limits(
         clamp_low_rail_v=0.0,
         clamp_high_rail_v=supply_v,
         tactile_pin_ohm=tactile_pin_ohm,
-        envelope_pin_ohm=envelope_pin_ohm,
+        output_pin_ohm=output_pin_ohm,
         has_filtered_output=supply.signal_ground == VMID,
         adc_low_v=detector.adc_low_v,
         adc_range_v=detector.adc_range_v,

@@ -84,6 +84,8 @@ def connect_tone(circuit: Circuit, bench: Bench) -> Circuit:
 
 _OPEN_OHM, _SHORT_OHM = "1e10", "1e-2"
 _OPEN_FARAD = "1e-16"
+_LEAKING_FARAD, _LEAKAGE_OHM = 5e-6, "5e7"
+"""Capacitor from which leakage counts, and its resistance: that of 10 uF X7R, which makers state as 500 ohm F."""
 _WRONG_VALUES = ((0.1, "a tenth of its value"), (0.5, "half its value"), (2.0, "twice its value"), (10.0, "ten times"))
 
 
@@ -104,13 +106,24 @@ class Fault:
         return f"{self.reference} {self.description}"
 
 
+def _leak(circuit: Circuit) -> Circuit:
+    """Give large capacitors to ground their leakage, which decides on a net that an open resistor leaves floating."""
+    for part in circuit.components:
+        ends = [circuit.net_by_pin.get((part.reference, pin), "") for pin in "12"]
+        if part.symbol.name == "C" and GND in ends and parse_component_value(part.value) >= _LEAKING_FARAD:
+            leak = Component(f"R8{part.reference[1:]}", _LEAKAGE_OHM, RESISTOR, R_0603, "leakage of a capacitor")
+            circuit = circuit.connect(leak, dict(zip("12", ends, strict=True)))
+    return circuit
+
+
 def list_faults(circuit: Circuit, ends_v: Mapping[str, tuple[float, float]]) -> Iterator[Fault]:
     """Yield the faults of a circuit, one part at a time."""
+    leaky = _leak(circuit)
     for part in circuit.components:
         name, kind = part.reference, part.symbol.name
         bridged = Fault(name, "is bridged", circuit.replace(name, _SHORT_OHM, RESISTOR), 1)
         if kind in ("R", "C"):
-            opened = circuit.replace(name, _OPEN_OHM if kind == "R" else _OPEN_FARAD)
+            opened = leaky.replace(name, _OPEN_OHM) if kind == "R" else circuit.replace(name, _OPEN_FARAD)
             yield Fault(name, "is open: not soldered, or cracked", opened)
             yield bridged
             for factor, description in _WRONG_VALUES:

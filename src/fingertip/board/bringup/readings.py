@@ -196,7 +196,7 @@ _HINTS = {
     "negative_supply_ohm": "the negative supply is shorted: look for a bridge at the connector and the amplifiers",
     SENSOR_OHM: "the front end is wrong: its resistors, the capacitors beside them, or the sensor's connector",
     SUPPLY_MA: "too much: an amplifier is rotated or bridged; too little: an amplifier is not soldered",
-    "tp3_quiet_v": "hum or oscillation: shorten and twist the wires, and use a battery for the supply",
+    "tp3_quiet_v": "hum or oscillation: shorten and twist the wires, or use a battery behind a regulator",
     "slip_tone_v": "turn RV1 until SLIP falls at the expected tone; if it does not reach it, check R19 to R21 and U4",
 }
 """Meanings of the readings that are not part of the diagnosis."""

@@ -132,7 +132,7 @@ def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
     outputs = {net for _, net in list_pins(circuit, circuit.component(HOST_CONNECTOR))}
     if locking:
         yield "Pin 1 of J1 and J3 has a dot beside it; + is printed beside pin 1 of J2."
-        yield "J3 is drawn with pin 1 on top. On the board pin 1 is the lower end."
+        yield "With J1 and J2 on the left, pin 1 of J3 is the lower end."
     else:
         yield "Pin 1 is the square one."
     yield "The sensor's wires may be exchanged."
@@ -140,12 +140,15 @@ def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
         yield "Pin 2 of J1 is ground. TP6, ground too, takes the shield of a long cable."
         yield "D6 and R28 take a static discharge into the sensor's cable (8 kV contact, IEC 61000-4-2; simulated)."
     if any(component.symbol == AO3401A for component in circuit.components):
-        yield "A reversed supply does no harm: Q1 blocks it. Nothing protects against a voltage that is too high."
+        yield "With J3 unplugged a reversed supply does no harm: Q1 blocks it."
+        yield "With J3 connected it shorts the controller's own 3.3 V through ground: check the polarity first."
+        yield "Nothing protects against a voltage that is too high. Plugs of LiPo cells fit J2, and give up to 4.2 V."
     else:
         yield "A reversed supply destroys the board: check its polarity at the plug before you connect it."
     yield f"The outputs lie between 0 and {supply_v:g} V: the inputs of the controller must take that."
     if circuit.component(HOST_CONNECTOR).footprint == JST_SH_4:
-        yield "J3: cables of Qwiic and STEMMA QT fit: black and yellow ground, red T, blue S."
+        yield "J3: a cable of Qwiic or STEMMA QT fits: black and yellow ground, red T (no supply), blue S."
+        yield "Its other end goes to analog pins, never into an I2C socket: there red is a supply of up to 5 V."
     if VMID_OUT in outputs:
         yield "E refers to M: sample M too if you use E. Record T and S as they are, against ground."
     if ADC_FILTERED in outputs:

@@ -25,7 +25,7 @@ from fingertip.board.components.bridge import (
     TEMPERATURE_K,
     sensor_conductance_s,
 )
-from fingertip.board.components.values import CLAMP_A, LOW_LEAKAGE_A, LOW_LEAKAGE_CLAMP
+from fingertip.board.components.values import CLAMP, CLAMP_A, LOW_LEAKAGE_A, LOW_LEAKAGE_CLAMP
 from fingertip.board.parts.circuit import Circuit, parse_component_value
 from fingertip.catalogues.amplifiers import OPEN_LOOP_GAIN
 
@@ -141,17 +141,21 @@ _SUPPRESSOR_MODEL = """\
 * ESD suppressor: 35 pF, and 7 V at 1 mA in either direction; figures of its kind, not measured.
 .model DTVS D(Is=1e-15 N=1 Rs=0.4 Cjo=70p M=0.3 Bv=6.3 Ibv=1m)"""
 
-_OTHER_MODELS = """\
+_OTHER_MODELS = {
+    "LMV331": """\
 * LMV331: no offset, no delay; 10 uV of its own hysteresis for the solver's sake.
-.model open_collector SW(Vt=0 Vh=5u Ron=50 Roff=1G)
+.model open_collector SW(Vt=0 Vh=5u Ron=50 Roff=1G)""",
+    "1N4148W": f"""\
 * 1N4148: forward 0.62 V at 1 mA, 4 pF; figures of a common model, not measured.
-.model D1N4148 D(Is={diode_na:g}n Rs={diode_ohm:g} N={emission:g} Cjo=4p M=0.4 tt=20n)
+.model D1N4148 D(Is={1e9 * SATURATION_A:g}n Rs={SERIES_OHM:g} N={EMISSION:g} Cjo=4p M=0.4 tt=20n)""",
+    CLAMP: f"""\
 * BAT54: Schottky, forward 0.24 V at 0.1 mA, 10 pF; figures of a common model, not measured.
-.model DBAT54 D(Is={clamp_a:.10g} Rs=2 N=1.1 Cjo=12p M=0.4)"""
-
-_LOW_LEAKAGE_MODEL = """\
+.model DBAT54 D(Is={CLAMP_A:.10g} Rs=2 N=1.1 Cjo=12p M=0.4)""",
+    LOW_LEAKAGE_CLAMP: f"""\
 * BAV199: silicon with low leakage, 2 pF; figures of its data sheet, not measured.
-.model DBAV199 D(Is={low_leakage_a:.10g} Rs=1 N=1.4 Cjo=2p M=0.3)"""
+.model DBAV199 D(Is={LOW_LEAKAGE_A:.10g} Rs=1 N=1.4 Cjo=2p M=0.3)""",
+}
+"""Models of parts by their value."""
 
 
 def _models(circuit: Circuit, gain_bandwidth_hz: float, worst_case: bool) -> Iterator[str]:
@@ -182,14 +186,8 @@ def _models(circuit: Circuit, gain_bandwidth_hz: float, worst_case: bool) -> Ite
         )
     if "D_TVS" in names:
         yield _SUPPRESSOR_MODEL
-    yield _OTHER_MODELS.format(
-        clamp_a=CLAMP_A,
-        diode_na=1e9 * SATURATION_A,
-        diode_ohm=SERIES_OHM,
-        emission=EMISSION,
-    )
-    if any(component.value == LOW_LEAKAGE_CLAMP for component in circuit.components):
-        yield _LOW_LEAKAGE_MODEL.format(low_leakage_a=LOW_LEAKAGE_A)
+    values = {component.value for component in circuit.components}
+    yield from (model for value, model in _OTHER_MODELS.items() if value in values)
 
 
 def _equivalent_noise_ohm(density_v: float) -> float:

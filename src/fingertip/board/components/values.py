@@ -117,14 +117,14 @@ class AdcInterface:
     second_ohm: float
     second_f: float
     """Second section, from the node between the sections to the tactile pin."""
-    single_ohm: float
-    single_f: float
+    output_ohm: float
+    output_f: float
     """Section from the envelope, or from the filtered signal, to its pin."""
 
     def by_reference(self) -> dict[str, float]:
         return {
-            "R7": self.single_ohm, "C8": self.single_f, "R8": self.first_ohm, "C9": self.first_f,
-            "R9": self.second_ohm, "C19": self.second_f, "R27": self.single_ohm, "C25": self.single_f,
+            "R7": self.output_ohm, "C8": self.output_f, "R8": self.first_ohm, "C9": self.first_f,
+            "R9": self.second_ohm, "C19": self.second_f, "R27": self.output_ohm, "C25": self.output_f,
         }  # fmt: skip
 
 

@@ -156,7 +156,14 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
         top_hz=TOP_HZ,
         tones=list(_list_tones(plan, placement)),
         output_tones=[(name.split("_")[1].upper(), 100.0 * ratio) for name, ratio in attenuate_tones(circuit).items()],
-        quiet=[_row(plan, QUIET, "TP3, alternating", "hum or oscillation: shorten and twist the wires, try a battery")],
+        quiet=[
+            _row(
+                plan,
+                QUIET,
+                "TP3, alternating",
+                "hum or oscillation: shorten and twist the wires, or try a battery behind a regulator",
+            )
+        ],
         slip_tones=[
             _row(plan, name, f"tone of {high_hz:g} Hz, at the generator", "trim as below; else R19 to R21, U4")
             for name in plan.others

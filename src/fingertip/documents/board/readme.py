@@ -60,6 +60,7 @@ def folder_readme(circuit: Circuit, stored: StoredProject, values: BoardValues, 
         response=values.achieved_response,
         size_mm=f"{placement.width:g} x {placement.height:g}",
         unlabelled=[name for name, part in placement.parts.items() if name[0] in "RC" and not part.is_labelled],
+        all_unlabelled=not any(part.is_labelled for name, part in placement.parts.items() if name[0] in "RC"),
         name=circuit.name,
         project=project,
         ignored_checks=[
@@ -82,7 +83,7 @@ def folder_readme(circuit: Circuit, stored: StoredProject, values: BoardValues, 
             f"{load.amplifier} {format_figure(load.min_ohm, 3)} ohm ({format_figure(1e3 * load.max_current_a, 2)} mA)"
             for load in values.amplifier_loads
         ),
-        pin_ohm=max(limits.tactile_pin_ohm, limits.envelope_pin_ohm),
+        pin_ohm=max(limits.tactile_pin_ohm, limits.output_pin_ohm),
         clamp_a=CLAMP_A,
         max_clamp_a=MAX_CLAMP_A,
         max_low_leakage_a=MAX_LOW_LEAKAGE_A,

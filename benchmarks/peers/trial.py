@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.peers.trial_reference import AFTER_S, BEFORE_S, solve_with_scipy
+from fingertip.board.components.values import SUPPLIES
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.sim.runs.scene import SceneRun, run_scene
@@ -97,7 +98,7 @@ def measure_trial() -> TrialAccuracy:
     for variant in VARIANTS:
         # Sampled at every point of the base grid, without noise and steps of a converter.
         tables = {"noise_v": 0.0, "adc_bits": 24, "sample_rate_hz": BASE_HZ, "window_samples": 300}
-        design = Design(detector=tables, board={"variant": variant})
+        design = Design(detector=tables, board={"variant": variant, "supply_v": SUPPLIES[variant].nominal_v})
         finest = run_scene(design, scene, TRIAL.seed, grid=Grid(_FINEST)).signals
         for refinement in _REFINEMENTS:
             times, signals = [], finest

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from fingertip.board.components.values import SUPPLIES
 from fingertip.catalogues.bundled import list_bundled_files
 from fingertip.catalogues.file_kinds import SCENE
 from fingertip.design import Design
@@ -46,7 +47,7 @@ def find_orders(columns: dict[int, dict[str, np.ndarray]]) -> dict[str, float]:
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 @pytest.mark.parametrize("variant", ["article", "precision"])
 def test_every_scene_converges_with_order_2(path, variant):
-    design = Design(detector=QUIET, board={"variant": variant})
+    design = Design(detector=QUIET, board={"variant": variant, "supply_v": SUPPLIES[variant].nominal_v})
     scene = SceneFile.load(path)
     outputs = ["force_n", "tactile_v", "voltage_v", "envelope_v", "velocity_m_s"]
     sensing = scene.sensing.model_copy(update={"noise": False})

@@ -377,14 +377,14 @@ def test_hysteresis_keeps_the_output_on():
 
 @pytest.mark.full
 def test_netlist_in_ngspice_switches_at_the_same_moments(tmp_path):
-    """The deck has real diodes, amplifiers of 3 MHz and a switch; a source replaces its bridge."""
+    """The deck has real diodes, amplifiers of 3 MHz and a switch; a source replaces its first stage."""
     voltage = np.concatenate((np.full(700, 4.3), slip_voltage())) - 2.0  # ngspice takes 0.35 s to settle
     program = require_tool("ngspice", "run `sh .ci/install-ngspice` as root on Debian, or install ngspice")
     design = article_design(board={"variant": "comparator", "supply_v": 3.3})
     values = board_values(design)
     deck = spice_deck(board_circuit(values), find_gain_bandwidth_hz(design.board), 3.3).decode()
-    ends = (" instrumentation", ".end")  # the bridge's amplifier, for the source in its place
-    lines = [line for line in deck.splitlines() if not (line.startswith((".ac", ".print")) or line.endswith(ends))]
+    starts = (".ac", ".print", "XU2a ")  # the transimpedance stage leaves for the source in its place
+    lines = [line for line in deck.splitlines() if not (line.startswith(starts) or line == ".end")]
     points = "\n".join(f"+ {i * STEP_S:.9g} {v:.15g}" for i, v in enumerate(voltage.tolist()))
     lines += [f"Vdrive tactile 0 PWL(\n{points}\n+ )", ".options reltol=1e-5", ".control", "set wr_singlescale"]
     lines += [f"tran 2e-5 {(len(voltage) - 1) * STEP_S:.9g} 0 2e-5"]
@@ -417,8 +417,8 @@ def test_scene_outputs_the_slip_pin_only_for_boards_that_have_one():
         "filter board",
         "comparator",
     ]
-    low = found.columns["slip_pin_v"] < 2.5
-    assert set(found.columns["slip_pin_v"].tolist()) == {0.0, 5.0}
+    low = found.columns["slip_pin_v"] < 1.65
+    assert set(found.columns["slip_pin_v"].tolist()) == {0.0, 3.3}
     assert low[found.columns["slip"]].mean() > 0.8
     hand = ManipulationFile(grasp={"kind": "pinch"}, outputs=["slip_pin_v", "envelope_v"])
     assert run_manipulation(PIN_DESIGN, hand, None, 1).columns["index_slip_pin_v"].min() == 0.0

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fingertip.board.components.values import SUPPLIES
 from fingertip.catalogues.bundled import list_bundled_files
 from fingertip.catalogues.file_kinds import SCENE
 from fingertip.design import Design
@@ -72,6 +73,9 @@ def test_chunks_change_no_bit_at_any_rate_with_all_interference(rate, refinement
 def test_board_does_not_know_the_sampling_rate(variant, surface):
     """The envelope's mean over a slide is the same at every rate: at C_LP to 0.1 %, at the converter to 0.5 %.
 
+    Where software computes it, the converter's own pole lies ahead of the rectifier and takes part of a vibration: 6 %
+    at 1 kHz, nothing from 5 kHz on.
+
     The converter's range holds the whole signal: what a smaller one clips depends on the rate.
     """
     scene = SceneFile(
@@ -82,7 +86,8 @@ def test_board_does_not_know_the_sampling_rate(variant, surface):
     at_board, at_converter, points = [], [], []
     for rate in (1000.0, 2000.0, 3000.0, 5000.0, 20_000.0):
         detector = {"sample_rate_hz": rate, "noise_v": 0.0, "adc_bits": 24, "adc_range_v": 10.0}
-        run = SceneRun(design := Design(detector=detector, board={"variant": variant}), scene, 3)
+        board = {"variant": variant, "supply_v": SUPPLIES[variant].nominal_v}
+        run = SceneRun(design := Design(detector=detector, board=board), scene, 3)
         with compiled():
             found = run_scene(design, scene, 3)
         start, end = round(run.timeline.slide.start_s + 0.12, 2), round(run.timeline.slide.end_s - 0.06, 2)
@@ -93,7 +98,9 @@ def test_board_does_not_know_the_sampling_rate(variant, surface):
         at_converter.append(mean_v)
         points.append(found.columns["envelope_v"][::every])
     assert max(at_board) / min(at_board) - 1 < 1e-3
-    assert max(at_converter) / min(at_converter) - 1 < 5e-3
+    lasting = at_converter if design.board.has_envelope else at_converter[3:]
+    assert max(lasting) / min(lasting) - 1 < 5e-3
+    assert max(at_converter) / min(at_converter) - 1 < 0.07
     assert at_board[0] > 1e-3
     for other in points[1:]:  # the same bits wherever both are sampled at a point of the grid
         shared = min(len(other), len(points[0]))

@@ -65,7 +65,7 @@ BOARD = OutputSet("board", BOARD_FOLDER)
 NETLIST, VALUES, DECK, BOM = "slip_filter.net", "values.json", "slip_filter.cir", "bom.csv"
 SCHEMATIC, LAYOUT, PROJECT = "slip_filter.kicad_sch", "slip_filter.kicad_pcb", "slip_filter.kicad_pro"
 README = "README.md"
-ASSEMBLY, ASSEMBLY_PDF = "assembly.svg", "assembly.pdf"
+ASSEMBLY_DRAWING, ASSEMBLY_PDF = "assembly.svg", "assembly.pdf"
 """Assembly drawing of the board, and the same for printing, among the fabrication files."""
 BRING_UP, BRING_UP_READINGS, WIRING = "bringup.md", "bringup_readings.toml", "wiring.svg"
 FABRICATION = OutputSet("fabrication", f"{BOARD_FOLDER}/{FAB_FOLDER}")

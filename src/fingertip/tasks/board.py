@@ -22,7 +22,7 @@ from fingertip.board.fabrication.fabrication_files import find_outdated_files, p
 from fingertip.board.kicad.netlist import kicad_netlist_file
 from fingertip.board.kicad.project import MODEL_FOLDER, load_project, model_files
 from fingertip.catalogues.output_files import (
-    ASSEMBLY,
+    ASSEMBLY_DRAWING,
     ASSEMBLY_PDF,
     BOARD,
     BOM,
@@ -52,7 +52,7 @@ from fingertip.pictures.drawing.render import render_pdf, render_svg
 from fingertip.tasks.edited_board import EditedFiles, find_edited, refuse_other_circuit, revise_edited
 from fingertip.tasks.verification import compare_with_design
 
-BOARD_FILES = (NETLIST, VALUES, DECK, BOM, SCHEMATIC, LAYOUT, PROJECT, README, ASSEMBLY)
+BOARD_FILES = (NETLIST, VALUES, DECK, BOM, SCHEMATIC, LAYOUT, PROJECT, README, ASSEMBLY_DRAWING)
 BRING_UP_FILES = (BRING_UP, BRING_UP_READINGS, WIRING)
 """Names of the files for bringing a board up, which are written where they are asked for."""
 _MAX_DIFF_LENGTH = 300
@@ -69,7 +69,7 @@ def board_files(design: Design) -> dict[str, bytes]:
     return {
         NETLIST: kicad_netlist_file(circuit),
         **project.enter(circuit),
-        ASSEMBLY: render_svg(draw_assembly(circuit, project.placement, _title(design))),
+        ASSEMBLY_DRAWING: render_svg(draw_assembly(circuit, project.placement, _title(design))),
         DECK: spice_deck(circuit, find_gain_bandwidth_hz(design.board), design.board.supply_v),
         BOM: bill_of_materials(circuit),
         VALUES: text.encode(),

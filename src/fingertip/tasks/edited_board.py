@@ -13,7 +13,7 @@ from pathlib import Path
 
 from fingertip.board.kicad.netlist import CircuitRecord, describe_structure_changes, join_names, read_netlist
 from fingertip.board.kicad.sexpr import Node, Span, find_word, read_expression, replace_words
-from fingertip.catalogues.output_files import ASSEMBLY, BOM, DECK, LAYOUT, NETLIST, PROJECT, SCHEMATIC, VALUES
+from fingertip.catalogues.output_files import ASSEMBLY_DRAWING, BOM, DECK, LAYOUT, NETLIST, PROJECT, SCHEMATIC, VALUES
 from fingertip.foundation.errors import Issue, OutputError
 from fingertip.foundation.input_files import PARSED_LIMIT, read_input
 from fingertip.foundation.output_set import Revision, read_manifest
@@ -101,7 +101,7 @@ def revise_edited(
             if own := list_own_values(after, "footprint" if is_layout else "symbol", new):
                 notes[-1] += (
                     f" Your values of {join_names(own)} are in it alone: {BOM}, {NETLIST}, {DECK}, {VALUES} and "
-                    f"{ASSEMBLY} have those of the design."
+                    f"{ASSEMBLY_DRAWING} have those of the design."
                 )
             if is_layout and changed and not is_complete:
                 notes[-1] += " This design prints more or fewer lines of values than it shows: compare them."

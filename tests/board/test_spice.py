@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -148,12 +149,12 @@ def test_clamps_shift_both_pins_by_at_most_the_stated_voltage(tmp_path: Path, na
     design, deck = write_deck(tmp_path, [*VARIANT_CHANGES[name]])
     limits = board_values(design).voltage_limits
     sensor = deck[deck.index("RJ1 ") :].splitlines()[0].rsplit(" ", 1)[0]
-    (model,) = (line for line in deck.splitlines() if line.startswith(".model DBAT54"))
+    (model,) = (line for line in deck.splitlines() if line.startswith((".model DBAT54", ".model DBAV199")))
     deck = replace_elements(deck, RJ1=f"{sensor} 1e12")
     leaky, ideal = (
         run_ngspice(
             tmp_path,
-            deck.replace(model, model.replace("Is=1e-07", f"Is={current}")),
+            deck.replace(model, re.sub(r"Is=\S+", f"Is={current}", model)),
             f"op\nwrdata out v({pin}) v(adc_tactile)",
         )[0][1:]
         for current in ("2e-6", "1e-15")

@@ -164,7 +164,8 @@ def test_clamps_shift_both_pins_by_at_most_the_stated_voltage(tmp_path: Path, na
     assert all(abs(shift) < 1.001 * limit for shift, limit in zip(shifts, stated, strict=True))
     # On a split supply E is at ground, where the lower diode of D2 does not block. Elsewhere equal currents cancel.
     assert (shifts[0] > 0.5 * stated[0]) == (name == "article")
-    assert abs(shifts[1]) < 0.01 * stated[1]
+    # At 0.14 V above ground the lower diode of D3 passes 2 % less than the upper one.
+    assert abs(shifts[1]) < 0.03 * stated[1]
 
 
 # Board for a controller of 3.3 V

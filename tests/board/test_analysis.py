@@ -471,7 +471,7 @@ def test_comparator_levels_agree_with_the_closed_form(threshold: float) -> None:
 @pytest.mark.every_case
 @pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_tactile_voltage_agrees_with_the_closed_form(name: str) -> None:
-    design, _ = load(name)
+    design, circuit = load(name)
     values = board_values(design)
     for conductance_s in (0.0, 1e-5, 1e-4, 1e-3, 1e-2):
         found = values.tactile_response.tactile_v(conductance_s)
@@ -481,6 +481,7 @@ def test_tactile_voltage_agrees_with_the_closed_form(name: str) -> None:
             expected = 3.3 / 23 * (1 + 15e3 * conductance_s / (1 + 320 * conductance_s))
         assert found == pytest.approx(expected, rel=1e-9)
         assert values.tactile_response.rises == design.board.tactile_rises
+    assert ("ENVELOPE" in circuit.net_by_pin.values()) == design.board.has_envelope
 
 
 # The equations themselves

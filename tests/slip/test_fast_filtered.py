@@ -256,3 +256,15 @@ def test_simulated_traces_carry_the_filtered_signal():
     assert not np.array_equal(signals[0], signals[1])
     with pytest.raises(TraceError, match="sampled_filtered_v"):
         run_manipulation(ARTICLE, hand, None, 1)
+
+
+@pytest.mark.parametrize("hz", [50.0, 76.0, 100.0])
+def test_ripple_of_the_supply_is_noise_unless_it_begins_suddenly(hz: float) -> None:
+    """The README of the board allows 320 mV for an envelope, and a quarter of that where it begins at once."""
+    t, rng = np.arange(20_000) / RATE, np.random.default_rng(3)
+    tactile = quantise(np.full(len(t), 0.79), rng)
+    for ripple_v, begin_s, is_slip in ((0.32, 0.0, False), (0.08, 4.0, False), (0.32, 4.0, True)):
+        # 0.226 of the ripple reaches S at 76 Hz, the largest share.
+        ripple = 0.226 * ripple_v * np.sin(2 * np.pi * hz * t) * (t >= begin_s)
+        on = make_detector("fast", CONTROLLER).process(tactile, quantise(1.65 + ripple, rng)).on
+        assert on[t > 0.5].any() == is_slip

@@ -349,7 +349,7 @@ def _response_lines(values: BoardValues) -> list[str]:
         f"{name:22} {format_figure(wanted):>12} {format_figure(real):>12} {unit}".rstrip()
         for name, wanted, real, unit in quantities
     ]
-    software = "; the envelope is computed by software" if values.variant == "precision" else ""
+    software = "; software computes the envelope" if values.voltage_limits.max_envelope_v is None else ""
     lines.append(
         f"achieved: preferred values; gain and -3 dB with the finite bandwidth and gain of the amplifiers{software}"
     )

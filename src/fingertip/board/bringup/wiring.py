@@ -27,7 +27,6 @@ from fingertip.board.parts.symbols import AO3401A, JST_SH_4, LOCKING_CONNECTORS
 from fingertip.board.parts.table import group_plug_wires
 
 NEEDED_PINS = "Firmware and detector `fast` need T and S (2 analog inputs)."
-"""Pins that a controller needs. A test compares it with the example sketches."""
 OTHER_PINS = "A threshold on the envelope needs E and M."
 """Outputs that a controller samples, by what it runs."""
 SUPPLY_CONNECTOR, HOST_CONNECTOR = "J2", "J3"

@@ -302,15 +302,12 @@ class Knock(ParameterTable):
         "Change of the thumb's tactile voltage, without noise, from which at_s counts (article, III.C); 0, or one that "
         "is not reached: from the moment at which the hand carries the weight.",
     )  # fmt: skip
-
     speed_m_s: float = quantity(0.08, "m/s", (0, 0.2), "Velocity of the pin (article: 0.08).")
     at_s: float = quantity(
-        1.0,
-        "s",
-        (0, 60),
+        1.0, "s", (0, 60),
         "Time of the impact or the pull, after the hand carries the weight or after the trigger "
         "(article: 1 s between phases).",
-    )
+    )  # fmt: skip
     stroke_m: float = assumption(0.01, "m", (0.001, 0.1), "Distance that the pin moves after the touch.")
     stiffness_n_per_m: float = assumption(2000.0, "N/m", (50, 100000), "Stiffness of pin and robot: a compliant arm.")
     damping_s_per_m: float = assumption(

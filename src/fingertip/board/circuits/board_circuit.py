@@ -12,11 +12,11 @@ equals that of `article` except for two capacitors. C14 couples R4 to signal gro
 does not amplify its own offset. C20 across R5 is a low-pass above the band of the vibrations. The circuit ends with
 FILTERED: the controller's software computes the envelope.
 
-`comparator` is `precision` with rectifier and envelope, and with the article's future work: threshold, hysteresis and an
-ON/OFF pin. After FILTERED a precision half-wave rectifier (U3a, D1, D4), which inverts, drives an inverting first-order
-low-pass (U3b). Both inputs are virtual grounds, so R_LP and C_LP give the article's 36.17 Hz whether a diode conducts or
-not. After two inversions the envelope is positive and follows the positive half waves. For a sine its mean is 1/pi of
-the peak. The comparator has an open-collector output: SLIP is low (asserted) while slip is detected and high (VCC)
+`comparator` is `precision` with rectifier, envelope and the article's future work: threshold, hysteresis and an ON/OFF
+pin. After FILTERED a precision half-wave rectifier (U3a, D1, D4), which inverts, drives an inverting first-order
+low-pass (U3b). Both inputs are virtual grounds, so R_LP and C_LP give the article's 36.17 Hz whether a diode conducts
+or not. After two inversions the envelope is positive and follows the positive half waves. For a sine its mean is 1/pi
+of the peak. The comparator has an open-collector output: SLIP is low (asserted) while slip is detected and high (VCC)
 otherwise. R24 isolates the buffer of VMID from the cable, whose capacitance it could not drive.
 
 Both run on the 3.3 V of a controller. U2b buffers VMID. Q1 blocks a reversed supply: its body diode lets the first

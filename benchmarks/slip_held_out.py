@@ -1,0 +1,127 @@
+"""Detector `fast` on signals that were drawn apart from it: every kind at both operating points, beside its goals.
+
+    python benchmarks/slip_held_out.py [--boards S A] [--share 1.0] [--seed 1] [--report FILE.md]
+
+`benchmarks/held_out_signals.py` draws the signals, from published work and from assumptions, without knowledge of the
+detector and its training. Its hash was noted before the fit (`HASH`): a change of it is a change of the judge. Board S
+is the default, with the filtered signal; A is the article's. Slips count as found from 5 ms before their onset; an
+alarm counts from the begin of an event until 0.2 s after its end. Brackets hold 95 % intervals: of a share by Clopper
+and Pearson, of alarms by Poisson's law, of a quantile by the order of the delays.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks import held_out_signals
+from fingertip.design import Design
+from fingertip.foundation.jit import compiled
+from fingertip.foundation.numerics import poisson_interval
+from fingertip.lab.campaign.mix import MixSummary, Outcome, assess
+from fingertip.lab.campaign.mix_signals import LabelledSignal, Slide
+from fingertip.slip.detectors.fast import FastDetector
+from fingertip.slip.traces.truth import Interval
+
+HASH = "4869d525357f9ba401eb5c96ed618fd545d8bb2dc9c8a04f12b460393881585e"
+"""SHA-256 of the generators when the detector was fitted."""
+DESIGNS = {
+    "S": Design(board={"variant": "precision"}),
+    "A": Design(
+        board={"variant": "article", "supply_v": 5.0},
+        detector={"noise_v": 4e-4, "adc_bits": 16, "adc_range_v": 10.0, "adc_polarity": "bipolar"},
+    ),
+}
+POINTS = ("incipient", "on")
+
+
+def main() -> None:
+    """Print one line for each kind of signal, board and operating point."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--boards", nargs="+", default=list(DESIGNS), choices=list(DESIGNS))
+    parser.add_argument("--rows", nargs="+", default=list(held_out_signals.ROWS))
+    parser.add_argument("--share", type=float, default=1.0, help="share of the recordings of a whole run")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--report", type=Path, help="file for the table, in Markdown")
+    arguments = parser.parse_args()
+    found = hashlib.sha256(Path(held_out_signals.__file__).read_bytes()).hexdigest()
+    if found != HASH:
+        print(f"The generators are not those of the fit: their hash is {found}.")
+    lines = ["| signal | board | point | slips found | median, p90, worst, ms | ON | alarms |", "| --- " * 7 + "|"]
+    for row in arguments.rows:
+        for board in arguments.boards:
+            summaries = run(
+                row, board, arguments.seed, math.ceil(arguments.share * held_out_signals.default_count(row))
+            )
+            lines += [describe(row, board, point, MixSummary(tuple(summaries[point]))) for point in POINTS]
+            print(*lines[-2:], sep="\n", flush=True)
+    if arguments.report:
+        arguments.report.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def run(row: str, board: str, seed: int, count: int) -> dict[str, list[Outcome]]:
+    """Run the detector on the recordings of one kind, and judge it at both operating points."""
+    outcomes: dict[str, list[Outcome]] = {point: [] for point in POINTS}
+    with compiled():
+        for recording in held_out_signals.generate(row, board, seed, count):
+            signal = LabelledSignal(
+                row,
+                held_out_signals.RATE_HZ,
+                recording.tactile_v,
+                tuple(Slide(*slip) for slip in recording.slips),
+                tuple(Interval(*event) for event in recording.events),
+                recording.quiet_from_s,
+                filtered_v=recording.filtered_v,
+            )
+            detector = FastDetector.for_design(DESIGNS[board])
+            output = detector.process(signal.voltage_v, signal.filtered_v)
+            for point in POINTS:
+                outcomes[point].append(assess(signal, getattr(output, point), detector.memory_s))
+    return outcomes
+
+
+def describe(row: str, board: str, point: str, summary: MixSummary) -> str:
+    """Describe the outcomes of one kind as a row of a table."""
+    found = delays = on = ""
+    if summary.slides:
+        count = sum(len(outcome.delays_s) for outcome in summary.outcomes)
+        found = f"{count} of {summary.slides} {share_interval(count, summary.slides)}"
+        ranked = sorted(delay for outcome in summary.outcomes for delay in outcome.delays_s)
+        ranked += [math.inf] * (summary.slides - len(ranked))
+        delays = ", ".join(quantile(ranked, fraction) for fraction in (0.5, 0.9))
+        delays += f", {1000 * summary.worst_s:.1f}"
+        shares = [share for outcome in summary.outcomes for share in outcome.on_shares]
+        on = f"{np.mean(shares):.3f}, least {min(shares):.2f}"
+    low, high = (bound / summary.minutes for bound in poisson_interval(summary.alarms))
+    alarms = f"{summary.alarms} in {summary.minutes:.0f} min [{low:.2g}, {high:.2g}]/min"
+    if summary.events:
+        disturbed = sum(outcome.disturbed for outcome in summary.outcomes)
+        alarms += f"; {disturbed} of {summary.events} events {share_interval(disturbed, summary.events)}"
+    silent = np.mean([outcome.false_on_share for outcome in summary.outcomes])
+    return f"| {row} | {board} | {point} | {found} | {delays} | {on} | {alarms}; ON without slip {silent:.4f} |"
+
+
+def quantile(ranked_s: Sequence[float], fraction: float) -> str:
+    """Write a quantile of sorted delays with the order statistics that hold it in 95 % of all draws [ms]."""
+    count, spread = len(ranked_s), 1.96 * math.sqrt(len(ranked_s) * fraction * (1 - fraction))
+    places = (fraction * count, fraction * count - spread, fraction * count + spread)
+    middle, low, high = (1000 * ranked_s[min(count - 1, max(0, int(place)))] for place in places)
+    return f"{middle:.1f} [{low:.1f}, {high:.1f}]"
+
+
+def share_interval(count: int, total: int) -> str:
+    """Write the interval of a share, by Clopper and Pearson [%]."""
+    from scipy.stats import beta
+
+    low = float(beta.ppf(0.025, count, total - count + 1)) if count else 0.0
+    high = float(beta.ppf(0.975, count + 1, total - count)) if count < total else 1.0
+    return f"[{100 * low:.1f}, {100 * high:.1f}] %"
+
+
+if __name__ == "__main__":
+    main()

@@ -86,9 +86,10 @@ def wander(rng: Rng, n: int, cut_hz: float) -> Array:
 
 def band_rms(x: Array, rate_hz: float = FINE_HZ) -> float:
     """Rms of x between 20 and 300 Hz."""
-    power = np.abs(fft.rfft(x - x.mean())) ** 2
-    freq_hz = fft.rfftfreq(len(x), 1.0 / rate_hz)
-    return float(np.sqrt(2.0 * power[(freq_hz >= 20.0) & (freq_hz <= 300.0)].sum()) / len(x))
+    length = fft.next_fast_len(len(x), real=True)
+    power = np.abs(fft.rfft(x - x.mean(), length)) ** 2
+    freq_hz = fft.rfftfreq(length, 1.0 / rate_hz)
+    return float(np.sqrt(2.0 * power[(freq_hz >= 20.0) & (freq_hz <= 300.0)].sum() / (length * len(x))))
 
 
 def transition(rng: Rng, kind: str, duration_s: float) -> Array:

@@ -28,7 +28,7 @@ from fingertip.lab.campaign.mix_signals import LabelledSignal, Slide
 from fingertip.slip.detectors.fast import FastDetector
 from fingertip.slip.traces.truth import Interval
 
-HASH = "4869d525357f9ba401eb5c96ed618fd545d8bb2dc9c8a04f12b460393881585e"
+HASH = "9371229ee4c0b150df7c10b6b293174df17830ae7076f6cf56f54430193bb584"
 """SHA-256 of the generators when the detector was fitted."""
 DESIGNS = {
     "S": Design(board={"variant": "precision"}),

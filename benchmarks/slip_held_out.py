@@ -14,18 +14,16 @@ from __future__ import annotations
 import argparse
 import hashlib
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from benchmarks import held_out_signals
 from fingertip.design import Design
-from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import poisson_interval
-from fingertip.lab.campaign.mix import MixSummary, Outcome, assess
+from fingertip.lab.campaign.mix import MixSummary, run_both_points
 from fingertip.lab.campaign.mix_signals import LabelledSignal, Slide
-from fingertip.slip.detectors.fast import FastDetector
 from fingertip.slip.traces.truth import Interval
 
 HASH = "9371229ee4c0b150df7c10b6b293174df17830ae7076f6cf56f54430193bb584"
@@ -37,7 +35,6 @@ DESIGNS = {
         detector={"noise_v": 4e-4, "adc_bits": 16, "adc_range_v": 10.0, "adc_polarity": "bipolar"},
     ),
 }
-POINTS = ("incipient", "on")
 
 
 def main() -> None:
@@ -49,40 +46,32 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--report", type=Path, help="file for the table, in Markdown")
     arguments = parser.parse_args()
-    found = hashlib.sha256(Path(held_out_signals.__file__).read_bytes()).hexdigest()
-    if found != HASH:
-        print(f"The generators are not those of the fit: their hash is {found}.")
+    present = hashlib.sha256(Path(held_out_signals.__file__).read_bytes()).hexdigest()
+    if present != HASH:
+        print(f"The generators are not those of the fit: their hash is {present}.")
     lines = ["| signal | board | point | slips found | median, p90, worst, ms | ON | alarms |", "| --- " * 7 + "|"]
     for row in arguments.rows:
         for board in arguments.boards:
-            summaries = run(
-                row, board, arguments.seed, math.ceil(arguments.share * held_out_signals.default_count(row))
-            )
-            lines += [describe(row, board, point, MixSummary(tuple(summaries[point]))) for point in POINTS]
-            print(*lines[-2:], sep="\n", flush=True)
+            count = math.ceil(arguments.share * held_out_signals.default_count(row))
+            outcomes = run_both_points(DESIGNS[board], draw(row, board, arguments.seed, count))
+            lines += [describe(row, board, point, MixSummary(tuple(found))) for point, found in outcomes.items()]
+            print(*lines[-len(outcomes) :], sep="\n", flush=True)
     if arguments.report:
         arguments.report.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def run(row: str, board: str, seed: int, count: int) -> dict[str, list[Outcome]]:
-    """Run the detector on the recordings of one kind, and judge it at both operating points."""
-    outcomes: dict[str, list[Outcome]] = {point: [] for point in POINTS}
-    with compiled():
-        for recording in held_out_signals.generate(row, board, seed, count):
-            signal = LabelledSignal(
-                row,
-                held_out_signals.RATE_HZ,
-                recording.tactile_v,
-                tuple(Slide(*slip) for slip in recording.slips),
-                tuple(Interval(*event) for event in recording.events),
-                recording.quiet_from_s,
-                filtered_v=recording.filtered_v,
-            )
-            detector = FastDetector.for_design(DESIGNS[board])
-            output = detector.process(signal.voltage_v, signal.filtered_v)
-            for point in POINTS:
-                outcomes[point].append(assess(signal, getattr(output, point), detector.memory_s))
-    return outcomes
+def draw(row: str, board: str, seed: int, count: int) -> Iterator[LabelledSignal]:
+    """Draw the recordings of one kind."""
+    for recording in held_out_signals.generate(row, board, seed, count):
+        yield LabelledSignal(
+            row,
+            held_out_signals.RATE_HZ,
+            recording.tactile_v,
+            tuple(Slide(*slip) for slip in recording.slips),
+            tuple(Interval(*event) for event in recording.events),
+            recording.quiet_from_s,
+            filtered_v=recording.filtered_v,
+        )
 
 
 def describe(row: str, board: str, point: str, summary: MixSummary) -> str:

@@ -19,7 +19,15 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import poisson_interval
-from fingertip.lab.campaign.mix import MixSize, MixSummary, Outcome, generate_mix, run_detector, summarise
+from fingertip.lab.campaign.mix import (
+    MixSize,
+    MixSummary,
+    Outcome,
+    generate_mix,
+    run_both_points,
+    run_detector,
+    summarise,
+)
 from fingertip.lab.campaign.mix_signals import NOISES, LabelledSignal, simulate_scene
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, NEGATIVE_SCENES, REPORTED_SEPARATELY, nominal_duration_s
 from fingertip.sim.simulation import article_trials
@@ -46,15 +54,19 @@ def main() -> None:
     arguments = parser.parse_args()
     size = MixSize(arguments.events, arguments.noisy)
     design = Design.load(arguments.design)
-    outcomes = [
-        outcome
-        for seed in arguments.seeds
-        for outcome in run_detector(
-            arguments.detector, design, generate_all(design, arguments.trials, arguments.minutes, size, seed)
-        )
-    ]
-    for kind, summary in pool(outcomes).items():
-        print(f"{kind:32} {describe(kind, summary)}")
+    found: dict[str, list[Outcome]] = {}
+    for seed in arguments.seeds:
+        signals = generate_all(design, arguments.trials, arguments.minutes, size, seed)
+        if arguments.detector == "fast":
+            judged = run_both_points(design, signals)
+        else:
+            judged = {"on": run_detector(arguments.detector, design, signals)}
+        for point, outcomes in judged.items():
+            found.setdefault(point, []).extend(outcomes)
+    for point, outcomes in found.items():
+        print(f"{arguments.design}, {arguments.detector}, {point}")
+        for kind, summary in pool(outcomes).items():
+            print(f"{kind:32} {describe(kind, summary)}")
 
 
 def generate_all(

@@ -11,7 +11,7 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.firmware import packaging as costs
-from fingertip.firmware.sources import SOURCE, float_key, library_sources
+from fingertip.firmware.sources import SOURCE, float_key
 from fingertip.foundation import jit
 from fingertip.slip.detectors.fast import FastDetector, FastOutput, FastSettings
 from fingertip.slip.detectors.fast_coefficients import load_model
@@ -48,7 +48,7 @@ def assert_same_bits(library: Library, *inputs: np.ndarray) -> FastOutput:
     detector = python_detector(library.design)
     with jit.compiled():
         output = detector.process(*inputs)
-    wide, confidence, floor, on = library.detector("double").process(*inputs)
+    wide, confidence, floor, _, on = library.detector("double").process(*inputs)
     assert np.array_equal(output.filtered_v, wide, equal_nan=True)
     assert np.array_equal(output.confidence, confidence, equal_nan=True)
     assert np.array_equal(output.on, on)
@@ -96,7 +96,7 @@ def either(request: pytest.FixtureRequest) -> Library:
 def test_double_build_has_the_bits_of_python(either: Library, name: str) -> None:
     recording = random_signals(either.design, 40_000)[name]
     output = assert_same_bits(either, recording.tactile_v)
-    assert output.on.any() == (name in ("bursts", "slip", "steps"))
+    assert output.on.any() == (name in ("bursts", "slip"))
     if recording.filtered_v is not None:
         assert_same_bits(either, recording.tactile_v, recording.filtered_v)
 
@@ -107,7 +107,7 @@ def test_infinite_and_missing_samples_do_the_same_in_both(library: Library) -> N
         volts = np.concatenate((random.normal(size=1000), [wrong], random.normal(size=3000)))
         for inputs in ((volts,), (volts, volts), (random.normal(size=4001), volts)):
             assert_same_bits(library, *inputs)
-        assert not library.detector("float").process(volts, volts)[3][1100:].any()
+        assert not library.detector("float").process(volts, volts)[4][1100:].any()
 
 
 @pytest.mark.full
@@ -185,7 +185,7 @@ def test_sanitizers_find_no_undefined_behaviour(library: Library, tmp_path: Path
     inputs = [each.astype("<f4") for each in slip_recording(library.design, 3.0).inputs]
     done = subprocess.run([str(binary)], input=np.column_stack(inputs).tobytes(), capture_output=True, check=True)
     assert not done.stderr
-    assert np.array_equal(np.frombuffer(done.stdout, np.uint8) > 0, library.detector("float").process(*inputs)[3])
+    assert np.array_equal(np.frombuffer(done.stdout, np.uint8) > 0, library.detector("float").process(*inputs)[4])
 
 
 def test_codes_are_volts_without_rounding(either: Library) -> None:
@@ -201,16 +201,10 @@ def test_codes_are_volts_without_rounding(either: Library) -> None:
 
 
 def test_incipient_slip_is_that_of_python(library: Library) -> None:
-    """The threshold of the header, on the confidences of both."""
     inputs = slip_recording(library.design, 3.0).inputs
-    output, confidence = (
-        python_detector(library.design).process(*inputs),
-        library.detector("double").process(*inputs)[1],
-    )
-    header = library_sources(library.design)["slip_detector.h"].decode()
-    text = header.partition("#define SLIP_INCIPIENT_CONFIDENCE ((slip_real)")[2].partition(")")[0]
-    assert np.array_equal(confidence > float(text), output.incipient)
-    assert 0 < output.incipient.sum() < len(output.incipient)
+    output, incipient = python_detector(library.design).process(*inputs), library.detector("double").process(*inputs)[3]
+    assert np.array_equal(incipient, output.incipient)
+    assert output.on.sum() < incipient.sum() < len(incipient)
 
 
 def test_keys_are_in_the_order_of_the_floats() -> None:
@@ -240,7 +234,7 @@ def test_decisions_and_confidences_are_those_of_this_machine(library: Library, t
     """Both compute single precision by IEEE 754, so the numbers have the same bits."""
     recording = slip_recording(library.design, 1.5)
     found = run(library, target, recording, level)
-    _, confidence, _, on = library.detector("float").process(*recording.inputs)
+    _, confidence, _, _, on = library.detector("float").process(*recording.inputs)
     assert len(found.on) == len(on)
     assert np.array_equal(found.on, on)
     assert np.array_equal(found.confidence, confidence)

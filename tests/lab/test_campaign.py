@@ -249,13 +249,12 @@ def test_motor_is_distinguished_from_slip_by_a_longer_segment_only():
     assert long.motor_residual < long.slip_residual
 
 
-def test_fast_rejects_hard_knocks_but_not_weak_ones():
+def test_fast_rejects_knocks_where_digital_does_not():
     rows = {
         (t.detector, t.force_n): t.false_alarm_share
         for t in study_knock_rejection(ARTICLE, scenes=1, forces_n=(0.05, 2.0))
     }
-    assert rows["fast", 0.05] == 1.0
-    assert rows["fast", 2.0] == 0.0
+    assert rows["fast", 0.05] == rows["fast", 2.0] == 0.0
     assert rows["digital", 2.0] == 1.0
 
 

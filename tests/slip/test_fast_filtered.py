@@ -17,7 +17,7 @@ from fingertip.foundation.errors import TraceError
 from fingertip.lab.campaign.run import select_board_outputs
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
 from fingertip.slip import Trace, detect, make_detector
-from fingertip.slip.detectors.fast import LIMIT_SHARE, LIMITED_S, FastDetector, FastSettings, FilteredSignal
+from fingertip.slip.detectors.fast import LIMIT_SHARE, LIMITED_S, FastDetector, FastOutput, FastSettings, FilteredSignal
 from fingertip.slip.detectors.registry import find_second_column, select_inputs
 from fingertip.slip.traces.truth import intervals
 
@@ -84,9 +84,11 @@ def test_a_real_board_s_tolerances_do_not_matter(cutoff_hz, gain):
         x = np.clip((t - 0.6) / 0.1, 0.0, 1.0)
         volts -= 0.2 * x * x * (3 - 2 * x)  # a change of grip
         filtered = quantise(np.clip(board(volts, cutoff_hz, gain), 0.0, 3.3), rng)
-        on = make_detector("fast", CONTROLLER).process(quantise(volts, rng), filtered).on
-        assert not on[:2400].any()
-        assert 2400 <= np.flatnonzero(on)[0] < 2440
+        output = make_detector("fast", CONTROLLER).process(quantise(volts, rng), filtered)
+        assert isinstance(output, FastOutput)
+        assert not output.incipient[:2400].any()
+        assert 2400 <= np.flatnonzero(output.incipient)[0] < 2440
+        assert np.flatnonzero(output.on)[0] < 2480
 
 
 def test_a_stage_at_its_limit_is_not_believed():
@@ -127,9 +129,11 @@ def test_a_wire_that_breaks_later_is_noticed():
     volts = slip_from(4.0, 0.01, 3.0, 9)
     filtered = quantise(board(volts), rng)
     filtered[2000:] = filtered[2000]
-    on = make_detector("fast", CONTROLLER).process(quantise(volts, rng), filtered).on
-    assert not on[3000:6000].any()
-    assert 6000 <= np.flatnonzero(on[6000:])[0] + 6000 < 6040
+    output = make_detector("fast", CONTROLLER).process(quantise(volts, rng), filtered)
+    assert isinstance(output, FastOutput)
+    assert not output.incipient[3000:6000].any()
+    assert np.flatnonzero(output.incipient[6000:])[0] < 40
+    assert np.flatnonzero(output.on[6000:])[0] < 80
 
 
 def test_exchanged_wires_are_named():

@@ -25,11 +25,14 @@ from fingertip.sim import SceneFile
 from fingertip.sim.runs.files import DIRECTIONS
 from fingertip.sim.runs.pose import GRASP_POSE
 from fingertip.sim.simulation import article_trials
+from tools.detector_training.disturbances import generate_disturbances
 
 FIRST_SEED = 200_000
 """First seed of training."""
 MANIPULATIONS_FROM = 400_000
 """First seed of the manipulations."""
+DISTURBANCES_FROM = 300_000
+"""First seed of the signals that are drawn as voltages, from generators of their own."""
 UNDECIDABLE = ("motor", "cable")
 """Causes that are not trained on: within 20 ms one force axis does not distinguish them from slip."""
 
@@ -78,7 +81,7 @@ def draw_condition(rng: np.random.Generator, design: Design) -> dict[str, Any]:
 _TEN_BITS: dict[str, Any] = {"converter": {"bits": 10, "high_v": 3.3}}
 
 
-def generate(trials: int, events: int) -> Iterator[TrainingSignal]:
+def generate(trials: int, events: int, disturbances: int) -> Iterator[TrainingSignal]:
     """Simulate the training mix.
 
     Parameters
@@ -87,6 +90,8 @@ def generate(trials: int, events: int) -> Iterator[TrainingSignal]:
         Number of trials with slip for each design; the scenes without slip last 12 s for each.
     events
         Number of changes of grip; other events are in proportion.
+    disturbances
+        Number to which the shares of `tools.detector_training.disturbances.KINDS` refer.
     """
     for number, design in enumerate(DESIGNS):
         rng = np.random.default_rng((FIRST_SEED, number, 1))
@@ -94,6 +99,9 @@ def generate(trials: int, events: int) -> Iterator[TrainingSignal]:
             if signal.filtered_v is not None and rng.random() < UNWIRED_SHARE:
                 signal = replace(signal, filtered_v=None)
             yield TrainingSignal(signal, design)
+        first_seed = DISTURBANCES_FROM + number * 50_000
+        for signal, sampled in generate_disturbances(design, first_seed, disturbances, UNWIRED_SHARE):
+            yield TrainingSignal(signal, sampled)
 
 
 def generate_for(design: Design, seed: int, trials: int, events: int) -> Iterator[LabelledSignal]:

@@ -162,15 +162,15 @@ class HostDetector:
 
     def process(
         self, tactile_v: Array, filtered_v: Array | None = None
-    ) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
-        """Process samples [V]; wide band [V], confidence, wide floor [V^2] and ON of each."""
+    ) -> tuple[Array, Array, Array, NDArray[np.bool_], NDArray[np.bool_]]:
+        """Process samples [V]; wide band [V], confidence, wide floor [V^2], incipient slip and ON of each."""
         given = [None if volts is None else volts.astype(self._type) for volts in (tactile_v, filtered_v)]
         numbers = [np.zeros(len(tactile_v), self._type) for _ in range(3)]
-        on = np.zeros(len(tactile_v), np.uint8)
-        count = ctypes.c_size_t(len(on))
-        self._library.probe_process(self._state, *map(_point, given), count, *map(_point, numbers), _point(on))
+        flags = [np.zeros(len(tactile_v), np.uint8) for _ in range(2)]
+        count = ctypes.c_size_t(len(tactile_v))
+        self._library.probe_process(self._state, *map(_point, given), count, *map(_point, (*numbers, *flags)))
         wide, confidence, floor = numbers
-        return wide, confidence, floor, on > 0
+        return wide, confidence, floor, flags[0] > 0, flags[1] > 0
 
     def process_codes(self, tactile: NDArray[np.int32], filtered: NDArray[np.int32] | None = None) -> NDArray[np.bool_]:
         """Process codes of the converter; ON of each."""

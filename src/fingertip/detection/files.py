@@ -183,6 +183,12 @@ def detect_file(
             noise_v = max(noise_v, kind.implementation.min_noise_v(design))
 
     detection = detect(trace, design, detector, noise_v)
+    if calibrate_s and detection.output.on[quiet].any():
+        first_s = trace.time_s[quiet][detection.output.on[quiet]][0]
+        message = (
+            f"nothing is said to happen within {calibrate_s[0]:g}:{calibrate_s[1]:g} s, but {detector} finds slip at "
+        )
+        raise TraceError(Issue("--calibrate", f"{message}{first_s:.4f} s; choose a part in which nothing vibrates."))
     level = level or detection.noise
     if level:
         may_be_lower = not kind.takes_envelope or calibrate_s is not None

@@ -31,16 +31,12 @@ _GROUPS = (
     ),
     ("Smoothing factors of 6 and 20 ms, per sample.", "SHORT LONG"),
     (
-        "Samples of a tick; ticks of a slot of the peaks; entries of the ring of slow voltages.",
-        "TICK_SAMPLES SLOT_TICKS RING",
+        "Samples of a tick; ticks of a slot of the peaks, and of the smallest; entries of the ring of slow voltages.",
+        "TICK_SAMPLES SLOT_TICKS LOW_TICKS RING",
     ),
     (
         "Ticks: OFF at the start; settling of the filters; averaging of the floors, at most and after a change; ON.",
         "SETTLING_TICKS SETTLE_TICKS MAX_FLOOR_TICKS HELD_TICKS TONE_TICKS",
-    ),
-    (
-        "Ticks: change of force that casts doubt on an ON; time after it; ON of which doubt lets the floors adapt.",
-        "MOVED_TICKS MOVED_WITHIN_TICKS DOUBTED_TICKS",
     ),
     (
         "Energies of the stated noise in both bands, those of unit noise, and the lowest floors [V^2].",
@@ -60,8 +56,9 @@ _GROUPS = (
         "DECAY_RATIO",
     ),
     (
-        "Scores: before the first tree; of confidence 0; for ON, and its rise in noise; for staying ON; smoothing.",
-        "OFFSET LOWEST_SCORE ON_SCORE NOISE_RISE STAY_SCORE SCORE_SMOOTHING INCIPIENT_CONFIDENCE",
+        "Scores: before the first tree; of confidence 0; for ON; by how much less for incipient slip; rise in noise; "
+        "for staying; smoothing.",
+        "OFFSET LOWEST_SCORE ON_SCORE INCIPIENT_MARGIN NOISE_RISE STAY_SCORE SCORE_SMOOTHING",
     ),
     ("1 if the tactile voltage falls with the force, -1 if it rises.", "DIRECTION"),
     ("Features, trees, and comparisons of a tree from its root to a leaf.", "COUNT TREES DEPTH"),
@@ -97,7 +94,7 @@ def _render_constants(design: Design) -> str:
         "RING": str(fast_loop.RING),
         "SETTLING_TICKS": f"{state[fast_loop.SETTLING]:.0f}",
         "SETTLE_TICKS": -state[fast_loop.FLOOR_TICKS],
-        "MOVED_TICKS": f"{fast_loop.MOVED_TICKS:.0f}",
+        "LOW_TICKS": f"{fast_loop.LOW_TICKS:.0f}",
         "STATED_WIDE": state[fast_loop.FLOOR],
         "STATED_UPPER": state[fast_loop.UPPER_FLOOR],
         "STATED_INPUT": state[fast_loop.INPUT_FLOOR],
@@ -111,7 +108,6 @@ def _render_constants(design: Design) -> str:
         "LOUD_20": fast_loop.UPPER_LOUD_20,
         "ON_SCORE": c.threshold,
         "STAY_SCORE": c.stay_threshold,
-        "INCIPIENT_CONFIDENCE": detector.incipient_confidence,
         "COUNT": str(fast_loop.COUNT),
         "TREES": str(load_model().trees),
         "DEPTH": str(DEPTH),

@@ -76,7 +76,7 @@ class Detection:
     confidences: tuple[float, ...]
     """Greatest ratio of statistic to threshold in each interval: by how much a controller may trust it."""
     incipient: tuple[Interval, ...] | None
-    """Intervals in which slip may begin, at more false alarms than slip; None for other detectors than `fast`."""
+    """Intervals of slip from its first signs on, with more false alarms; None for other detectors than `fast`."""
     learned_noise_v: float | None
     """White RMS noise that the detector has learned at the end [V]; None for detectors that learn none."""
     trace: Trace

@@ -49,7 +49,9 @@ def as_text(detection: Detection) -> str:
     score, truth = detection.score, detection.trace.origin.truth
     width = len(truth) if score else len(DETECTED)
     lines = [f"detector {describe_detector(detection)}"]
-    lines += [f"{DETECTED:{width}} {_format_interval(i)}" for i in detection.intervals] or ["never ON"]
+    lines += [
+        f"{DETECTED:{width}} {_format_interval(i)}{_format_begin(i, detection)}" for i in detection.intervals
+    ] or ["never ON"]
     if score is None:
         return "\n".join(lines)
     since_motion = detection.motion_delays_s or (None,) * len(score.slips)
@@ -73,6 +75,12 @@ def format_motion_delay(delay_s: float) -> str:
     """Describe a delay since the robot moved, and the delays that encoders would show [s]."""
     band = f"{format_delay_band(delay_s)} by encoders at {ENCODER_HZ:g} Hz"
     return f"{1000 * delay_s:.1f} ms after the robot moved ({band})"
+
+
+def _format_begin(interval: Interval, detection: Detection) -> str:
+    """Say from when an interval of ON was incipient, which lasts as long as ON does."""
+    begins = [i.onset_s for i in detection.incipient or () if i.onset_s < interval.onset_s < i.end_s]
+    return f", incipient from {begins[0]:.4f} s" if begins else ""
 
 
 def _format_interval(interval: Interval) -> str:
@@ -123,8 +131,9 @@ def draw(trace: Trace, detection: Detection, title: str) -> bytes:
     """Draw voltage, statistic with threshold, and ON/OFF over one time axis; below, the first onset enlarged."""
     slips = None if trace.slip is None else intervals(trace.time_s, trace.slip)
     onset = _find_onset(detection, slips)
-    figure = style.new_figure(10, 7 if onset is None else 9.6)
-    ratios = (3, 3, 1) if onset is None else (3, 3, 1, 3)
+    bars = 1.0 if detection.incipient is None else 1.4
+    figure = style.new_figure(10, 6 + bars if onset is None else 8.6 + bars)
+    ratios = (3, 3, bars) if onset is None else (3, 3, bars, 3)
     top, middle, bottom, *large = figure.subplots(len(ratios), 1, height_ratios=ratios)
     for axes in (top, middle):
         axes.sharex(bottom)
@@ -241,6 +250,8 @@ def shade_encoder_band(axes: Axes, motion_s: float) -> None:
 
 def _draw_intervals(axes: Axes, trace: Trace, detection: Detection, slips: Sequence[Interval] | None) -> None:
     rows = [(DETECTED, detection.intervals, style.RED)]
+    if detection.incipient is not None:
+        rows.insert(0, ("incipient", detection.incipient, style.ORANGE))
     if slips is not None:
         rows.append((trace.origin.truth.replace(" (", "\n("), tuple(slips), style.TRUTH))
     draw_bars(axes, rows)

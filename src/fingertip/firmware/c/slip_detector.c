@@ -87,8 +87,8 @@ static slip_real adapt_floor(slip_real level, slip_real energy, slip_real share)
 /* Decide at a tick: features, trees, ON or OFF, floors. `slope` is the squared slope of this sample [V^2]. */
 static void tick(slip_state *state, slip_real slope) {
     slip_real row[SLIP_COUNT];
-    slip_real wide_floor, upper_floor, slow_floor, greatest, peak, change, half_change, score, share, excess, input_excess, on_score;
-    slip_real input_noise, step_noise, lowest;
+    slip_real wide_floor, upper_floor, slow_floor, greatest, peak, low, change, half_change, score, share, excess;
+    slip_real input_excess, on_score, input_noise, step_noise, lowest;
     unsigned middle, i;
     bool is_strong, is_moving, is_held;
 
@@ -109,6 +109,20 @@ static void tick(slip_state *state, slip_real slope) {
         state->peaks[2] = state->peaks[1];
         state->peaks[1] = state->peaks[0];
         state->peaks[0] = R(0.0);
+    }
+    /* Smallest energy of the last slots: of this one, what it has shown so far. */
+    state->low_phase++;
+    if (state->low_phase > SLIP_LOW_TICKS) {
+        state->low_phase = 1;
+        state->lows[2] = state->lows[1];
+        state->lows[1] = state->lows[0];
+        state->lows[0] = state->wide_short;
+    } else if (state->wide_short < state->lows[0]) {
+        state->lows[0] = state->wide_short;
+    }
+    low = state->lows[0] < state->lows[1] ? state->lows[0] : state->lows[1];
+    if (state->lows[2] < low) {
+        low = state->lows[2];
     }
     state->ring_phase++;
     if (state->ring_phase >= 2) {
@@ -159,6 +173,8 @@ static void tick(slip_state *state, slip_real slope) {
         row[13] = slope / (greatest + SLIP_TINY);
         row[14] = state->net_long * state->net_long / (state->total_long * state->total_long + SLIP_TINY);
         row[15] = state->lasting_ticks;
+        row[16] = low / wide_floor;
+        row[17] = low / (state->wide_long + SLIP_TINY);
         score = evaluate_trees(row);
     } else {
         score = SLIP_LOWEST_SCORE;
@@ -177,23 +193,24 @@ static void tick(slip_state *state, slip_real slope) {
         state->confidence = R(0.0);
     }
 
-    /* Decision: OFF until the floors are learned; ON stays while the energy does. */
+    /* Decision: OFF until the floors are learned; slip that has begun stays while its energy does. */
     if (state->settling > 0) {
         state->settling--;
-        state->on = false;
-    } else if (state->on) {
+        state->incipient = false;
+    } else if (state->incipient) {
         state->smooth_score += SLIP_SCORE_SMOOTHING * (score - state->smooth_score);
-        state->on = score > SLIP_STAY_SCORE || (is_strong && state->smooth_score > SLIP_STAY_SCORE);
+        state->incipient = score > SLIP_STAY_SCORE || (is_strong && state->smooth_score > SLIP_STAY_SCORE);
     } else {
-        state->on = score > on_score;
-        state->smooth_score = on_score;
-        state->is_doubted = state->moved >= SLIP_MOVED_TICKS;
+        state->smooth_score = on_score - SLIP_INCIPIENT_MARGIN;
+        state->incipient = score > state->smooth_score;
     }
+    state->on = state->incipient && (state->on || score > on_score);
 
     is_moving = greatest > SLIP_MOVING_RATIO * slow_floor && state->settling == 0;
-    is_held = state->on && (!state->is_doubted || state->on_ticks < SLIP_DOUBTED_TICKS);
+    /* No floor learns what the trees may take for slip, however long it lasts and whatever came before it. */
+    is_held = state->incipient || (score > SLIP_STAY_SCORE && state->settling == 0);
 
-    if (state->on) {
+    if (state->incipient) {
         /* A tone's energy is constant and that of slip is not: floors follow a tone. */
         state->on_ticks += R(1.0);
         share = R(1.0) / (state->on_ticks < SLIP_TONE_TICKS ? state->on_ticks : SLIP_TONE_TICKS);
@@ -208,12 +225,6 @@ static void tick(slip_state *state, slip_real slope) {
         state->on_ticks = R(0.0);
         state->mean = R(0.0);
         state->mean_square = R(0.0);
-        if (is_moving) {
-            /* Only whether the count reaches its threshold matters. */
-            state->moved = state->moved < SLIP_MOVED_TICKS ? (uint8_t)(state->moved + 1) : state->moved;
-        } else if (state->floor_ticks > SLIP_HELD_TICKS + SLIP_MOVED_WITHIN_TICKS) {
-            state->moved = 0;
-        }
     }
 
     if (is_held) {

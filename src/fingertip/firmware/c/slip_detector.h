@@ -41,6 +41,7 @@ typedef struct slip_state {
     slip_real last_tactile_v, rest_v;                        /* last sample, and filtered signal at rest [V] */
     slip_real net_short, total_short, net_long, total_long;  /* net and total movement of 6 and 20 ms [V] */
     slip_real slopes[3], peaks[3];                           /* greatest squared slope and upper energy of each slot */
+    slip_real lows[3];                                       /* smallest wide energy of each slot [V^2] */
     slip_real step, filtered_step;                           /* smallest step of the converter in both inputs [V] */
     slip_real floor, upper_floor, input_floor;               /* learned noise of bands and tactile voltage [V^2] */
     slip_real min_floor, min_upper_floor;                    /* lower bounds of the first two [V^2] */
@@ -53,8 +54,8 @@ typedef struct slip_state {
     uint16_t still;                                          /* samples since its last change, up to SLIP_STILL_SAMPLES */
     uint16_t settling;                                       /* ticks for which the detector stays OFF at the start */
     uint16_t phase, slot;                                    /* samples since the last tick, ticks of the slot */
-    uint8_t ring_phase, ring_at, moved;                      /* moved: ticks for which the force has changed */
-    bool on, is_doubted, has_filtered, is_started;
+    uint8_t ring_phase, ring_at, low_phase;
+    bool on, incipient, has_filtered, is_started;
 } slip_state;
 
 /* Prepare a detector for its first sample. */
@@ -87,9 +88,9 @@ static inline bool slip_filtered_is_still(const slip_state *state) {
     return state->has_filtered && state->still >= SLIP_STILL_SAMPLES;
 }
 
-/* Return whether slip may begin: the confidence exceeds a lower threshold, at some ten times the false alarms. */
+/* Return whether slip may have begun: earlier than `on`, with more false alarms, and true as long as `on` is. */
 static inline bool slip_is_incipient(const slip_state *state) {
-    return state->confidence > SLIP_INCIPIENT_CONFIDENCE;
+    return state->incipient;
 }
 
 #ifdef __cplusplus

@@ -135,7 +135,7 @@ class FastOutput(DetectorOutput):
     confidence: Array
     """Statistic over threshold: from 1 on, slip turns ON."""
     incipient: NDArray[np.bool_]
-    """True if slip may begin: the confidence exceeds a lower threshold, at some ten times the false alarms."""
+    """True if slip may have begun: earlier than `on`, with more false alarms, and true as long as `on` is."""
 
 
 class FastDetector(Detector):
@@ -146,9 +146,6 @@ class FastDetector(Detector):
         self._model = model = model or load_model()
         self.coefficients = _compute_coefficients(settings, model, with_filtered=False)
         """Constants of the loop at this sampling rate and noise."""
-        low, scale = LOWEST_SCORE, settings.threshold_scale
-        self.incipient_confidence = (model.incipient_threshold - low) / (model.threshold - low) / scale
-        """Confidence above which slip may begin."""
         self._state = [0.0] * fast_loop.STATES
         self._state[fast_loop.FLOOR] = self.coefficients.wide_share * settings.noise_v**2
         self._started = False
@@ -223,8 +220,8 @@ class FastDetector(Detector):
         out: Array = np.zeros((4, len(samples)))
         m = self._model
         LOOP(self.coefficients, m.features, m.thresholds, m.leaves, stride, samples, filtered, self._state, rows, *out)
-        wide, confidence, level, on = out
-        return FastOutput(confidence * level, level, on > 0.0, wide, confidence, confidence > self.incipient_confidence)
+        wide, confidence, level, flags = out
+        return FastOutput(confidence * level, level, flags > 1.0, wide, confidence, flags > 0.0)
 
     def _start(self, voltage_v: float, filtered_v: float | None) -> None:
         """Take the first sample for constant inputs until then: there is no difference, and nothing in the bands."""
@@ -301,6 +298,7 @@ def _compute_coefficients(settings: FastSettings, model: FastModel, with_filtere
         offset=model.offset,
         lowest_score=LOWEST_SCORE,
         threshold=threshold,
+        incipient_margin=settings.threshold_scale * (model.threshold - model.incipient_threshold),
         noise_rise=settings.threshold_scale * model.noise_rise,
         stay_threshold=min(STAY_SCORE, threshold),
         stay_ratio=STAY_RATIO,

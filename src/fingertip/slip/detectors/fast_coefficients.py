@@ -66,6 +66,7 @@ class FastCoefficients(NamedTuple):
     offset: float
     lowest_score: float
     threshold: float
+    incipient_margin: float
     noise_rise: float
     stay_threshold: float
     stay_ratio: float
@@ -202,6 +203,8 @@ FEATURES = (
     "slope over greatest slope",
     "net over total movement, 20 ms",
     "ticks of lasting upper energy",
+    "smallest wide energy",
+    "smallest wide energy over that of 20 ms",
 )
 """Names of the features, in the order of their numbers.
 

@@ -38,12 +38,8 @@ CLIP_RATIO = 4.0
 """Ratio of an energy to its floor above which the floor takes it for no more: slip that is not found yet."""
 HELD_TICKS = 15.0
 """Ticks of averaging for which a floor stands after the force has changed: it is learned again within 0.5 s."""
-MOVED_TICKS = 25.0
-"""Ticks of a change of force for an ON to count as begun with it: 50 ms, later than slip is found."""
-MOVED_WITHIN_TICKS = 50.0
-"""Ticks after a change of force within which an ON counts as begun with it: 100 ms."""
-DOUBTED_TICKS = 150.0
-"""Ticks after which such an ON no longer holds the floors: 0.3 s. A hand vibrates more from the grasp on."""
+LOW_TICKS = 4.0
+"""Ticks of a slot of the smallest energy, of which three are kept: 16 to 24 ms. A step ends within them, slip not."""
 UNLEARNED_RATIO = 0.03
 """Squared coefficient of variation of the wide energy of a tone; noise in 100 Hz has 0.25 behind 20 ms."""
 DECAY_RATIO = 0.02
@@ -60,8 +56,8 @@ EDGE, SLOW, INPUT, FILTERED, NET_SHORT, TOTAL_SHORT, NET_LONG, TOTAL_LONG = rang
 SLOPE, SLOPE_1, SLOPE_2, PEAK, PEAK_1, PEAK_2, SLOT = range(27, 34)
 STEP, FILTERED_STEP, REST, LIMITED, FLOOR, UPPER_FLOOR, INPUT_FLOOR, FLOOR_TICKS, SETTLING = range(34, 43)
 ON, ON_TICKS, MEAN, MEAN_SQUARE, SMOOTH_SCORE, PHASE, RING_PHASE, RING_AT, CONFIDENCE = range(43, 52)
-MOVED, IS_DOUBTED, ROUGH, STILL, LASTING_TICKS = range(52, 57)
-RING_START = 57
+INCIPIENT, LOW, LOW_1, LOW_2, LOW_PHASE, ROUGH, STILL, LASTING_TICKS = range(52, 60)
+RING_START = 60
 STATES = RING_START + RING
 
 
@@ -106,8 +102,8 @@ def _fast_loop(
         (e_b0, e_b1, e_b2, e_a1, e_a2), (u_b0, u_b1, u_b2, u_a1, u_a2), (w_b0, w_b1, w_b2, w_a1, w_a2),
         (s_b0, s_b1, s_b2, s_a1, s_a2), rate, direction, filtered_gain, filtered_limit, limited_samples, still_samples,
         short, long, tick_samples, slot_ticks, max_floor_ticks, tone_ticks, unlearning, wide_share, upper_share,
-        min_floor, min_upper_floor, min_input_floor, offset, lowest_score, threshold, noise_rise, stay_score,
-        stay_ratio, score_smoothing, statistic_gain,
+        min_floor, min_upper_floor, min_input_floor, offset, lowest_score, threshold, incipient_margin, noise_rise,
+        stay_score, stay_ratio, score_smoothing, statistic_gain,
     ) = coefficients  # fmt: skip
     p, h1, h2 = state[BOARD_STAGE], state[BOARD_1], state[BOARD_2]
     q1, r1, r2 = state[RESTORE_1_1], state[RESTORE_1], state[RESTORE_2]
@@ -127,7 +123,8 @@ def _fast_loop(
     floor_ticks, settling = state[FLOOR_TICKS], state[SETTLING]
     on, on_ticks, mean, mean_square = state[ON], state[ON_TICKS], state[MEAN], state[MEAN_SQUARE]
     smooth_score, confidence = state[SMOOTH_SCORE], state[CONFIDENCE]
-    moved, is_doubted, lasting_ticks = state[MOVED], state[IS_DOUBTED], state[LASTING_TICKS]
+    incipient, lasting_ticks = state[INCIPIENT], state[LASTING_TICKS]
+    low_0, low_1, low_2, low_phase = state[LOW], state[LOW_1], state[LOW_2], state[LOW_PHASE]
     phase, ring_phase, ring_at = state[PHASE], state[RING_PHASE], int(state[RING_AT])
     slope_gain = SLOPE_S * SLOPE_S * rate * rate
     move_gain = MOVE_S * MOVE_S * rate * rate
@@ -226,6 +223,16 @@ def _fast_loop(
                 slot = 0.0
                 slope_2, slope_1, slope_0 = slope_1, slope_0, 0.0
                 peak_2, peak_1, peak_0 = peak_1, peak_0, 0.0
+            # Smallest energy of the last slots: of this one, what it has shown so far.
+            low_phase += 1.0
+            if low_phase > LOW_TICKS:
+                low_phase = 1.0
+                low_2, low_1, low_0 = low_1, low_0, wide_short
+            elif wide_short < low_0:
+                low_0 = wide_short
+            low = low_0 if low_0 < low_1 else low_1
+            if low_2 < low:
+                low = low_2
             ring_phase += 1.0
             if ring_phase >= 2.0:
                 ring_phase = 0.0
@@ -269,6 +276,8 @@ def _fast_loop(
             rows[at + 14] = net_long * net_long / (total_long * total_long + TINY)
             lasting_ticks = lasting_ticks + 1.0 if rows[at + 1] > LASTING_RATIO else 0.0
             rows[at + 15] = lasting_ticks
+            rows[at + 16] = low / wide_floor
+            rows[at + 17] = low / (wide_long + TINY)
             is_loud = (
                 rows[at] > UPPER_LOUD
                 or rows[at + 2] > UPPER_LOUD
@@ -291,22 +300,23 @@ def _fast_loop(
             ) and wide_short > DECAY_RATIO * wide_long
             at += stride
 
-            # Decision: OFF until the floors are learned; ON stays while the energy does.
+            # Decision: OFF until the floors are learned; slip that has begun stays while its energy does.
             if settling > 0.0:
                 settling -= 1.0
-                on = 0.0
-            elif on > 0.0:
+                incipient = 0.0
+            elif incipient > 0.0:
                 smooth_score += score_smoothing * (score - smooth_score)
-                on = 1.0 if score > stay_score or (is_strong and smooth_score > stay_score) else 0.0
+                incipient = 1.0 if score > stay_score or (is_strong and smooth_score > stay_score) else 0.0
             else:
-                on = 1.0 if score > on_score else 0.0
-                smooth_score = on_score
-                is_doubted = 1.0 if moved >= MOVED_TICKS else 0.0
+                smooth_score = on_score - incipient_margin
+                incipient = 1.0 if score > smooth_score else 0.0
+            on = 1.0 if incipient > 0.0 and (on > 0.0 or score > on_score) else 0.0
 
             is_moving = greatest > MOVING_RATIO * slow_floor and settling == 0.0
-            is_held = on > 0.0 and (is_doubted == 0.0 or on_ticks < DOUBTED_TICKS)
+            # No floor learns what the trees may take for slip, however long it lasts and whatever came before it.
+            is_held = incipient > 0.0 or (score > stay_score and settling == 0.0)
 
-            if on > 0.0:
+            if incipient > 0.0:
                 # A tone's energy is constant and that of slip is not: floors follow a tone.
                 on_ticks += 1.0
                 share = 1.0 / (on_ticks if on_ticks < tone_ticks else tone_ticks)
@@ -317,10 +327,6 @@ def _fast_loop(
                     upper_floor += unlearning * (upper_long - upper_floor)
             else:
                 on_ticks = mean = mean_square = 0.0
-                if is_moving:
-                    moved += 1.0
-                elif floor_ticks > HELD_TICKS + MOVED_WITHIN_TICKS:
-                    moved = 0.0
 
             if not is_held:
                 if is_moving:
@@ -349,7 +355,7 @@ def _fast_loop(
         filtered[i] = w
         confidences[i] = confidence
         levels[i] = level
-        flags[i] = on
+        flags[i] = incipient + on
     state[BOARD_STAGE], state[BOARD_1], state[BOARD_2] = p, h1, h2
     state[RESTORE_1_1], state[RESTORE_1], state[RESTORE_2] = q1, r1, r2
     state[EDGE_1], state[EDGE_2], state[UPPER_1], state[UPPER_2] = e1, e2, u1, u2
@@ -368,7 +374,8 @@ def _fast_loop(
     state[FLOOR_TICKS], state[SETTLING] = floor_ticks, settling
     state[ON], state[ON_TICKS], state[MEAN], state[MEAN_SQUARE] = on, on_ticks, mean, mean_square
     state[SMOOTH_SCORE], state[CONFIDENCE] = smooth_score, confidence
-    state[MOVED], state[IS_DOUBTED], state[LASTING_TICKS] = moved, is_doubted, lasting_ticks
+    state[INCIPIENT], state[LASTING_TICKS] = incipient, lasting_ticks
+    state[LOW], state[LOW_1], state[LOW_2], state[LOW_PHASE] = low_0, low_1, low_2, low_phase
     state[PHASE], state[RING_PHASE], state[RING_AT] = phase, ring_phase, float(ring_at)
 
 

@@ -1,0 +1,74 @@
+"""Signals that judge the detector `fast` and those that it was fitted to, and what the first say of the second."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks import held_out_signals, slip_held_out
+from fingertip.design import Design
+from fingertip.lab.campaign.mix import MixSummary, run_both_points
+from fingertip.slip.detectors import fast_coefficients
+from tests.designs import ARTICLE
+from tools.detector_training.disturbances import KINDS, draw_disturbance
+
+FEW = 6
+"""Recordings of a kind."""
+
+
+def judge(row: str, board: str = "S") -> dict[str, MixSummary]:
+    outcomes = run_both_points(slip_held_out.DESIGNS[board], slip_held_out.draw(row, board, 7, FEW))
+    return {point: MixSummary(tuple(found)) for point, found in outcomes.items()}
+
+
+def test_the_judge_is_the_one_that_was_frozen() -> None:
+    source = Path(held_out_signals.__file__)
+    assert hashlib.sha256(source.read_bytes()).hexdigest() == slip_held_out.HASH
+    assert "fingertip" not in [line.split()[1].split(".")[0] for line in source.read_text().splitlines()
+                               if line.startswith(("import ", "from "))]  # fmt: skip
+
+
+@pytest.mark.parametrize("board", ["S", "A"])
+def test_a_slide_after_a_load_is_on_as_long_as_it_lasts(board: str) -> None:
+    for summary in judge("slide after load", board).values():
+        assert summary.found_share == 1.0
+        assert summary.on_share > 0.95
+
+
+@pytest.mark.parametrize("row", ["servo steps", "set-down", "hand motion 4-8 Hz"])
+def test_what_a_hand_does_is_no_slip(row: str) -> None:
+    assert judge(row)["on"].alarms <= 1
+
+
+def test_incipient_slip_is_sooner() -> None:
+    found = judge("slip at constant force")
+    assert found["incipient"].delay_s(0.5) < found["on"].delay_s(0.5) < 0.03
+    line = slip_held_out.describe("slip at constant force", "S", "on", found["on"])
+    assert line.startswith("| slip at constant force | S | on | 24 of 24 [85.8, 100.0] % |")
+
+
+def test_the_card_states_the_fit() -> None:
+    table = json.loads(resources.files(fast_coefficients.__package__).joinpath(fast_coefficients.TABLE).read_text())
+    card = table["card"]
+    assert set(card) == {"versions", "sizes", "first_seeds", "signals_sha256"}
+    assert card["versions"]["scikit-learn"]
+    assert len(card["signals_sha256"]) == 64
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("design", [ARTICLE, Design()], ids=["article", "fsr400"])
+def test_drawn_signals_have_their_labels_within_them(design: Design, kind: str) -> None:
+    signal, again = (draw_disturbance(design, kind, 5) for _ in range(2))
+    assert np.array_equal(signal.voltage_v, again.voltage_v)
+    assert (signal.filtered_v is None) == (design is ARTICLE)
+    for slide in signal.slides:
+        assert 0.5 < slide.motion_s <= slide.onset_s < slide.end_s <= KINDS[kind].duration_s
+        first, last = round(slide.onset_s * signal.rate_hz), round(slide.end_s * signal.rate_hz)
+        inside = np.diff(signal.voltage_v[first:last]).std()
+        assert inside > np.diff(signal.voltage_v[:800]).std()
+    assert all(0.0 <= event.onset_s < event.end_s for event in signal.events)

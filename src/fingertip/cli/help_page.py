@@ -24,7 +24,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "new": (
         "fingertip new myfinger --sensor fsr402",
         "fingertip new mytip --preset adult_finger --hand flexible_flyer --allow-shorter-travel "
-        "--set strength.grip_force_n=14",
+        "--set skin.width_mm=19 --set strength.grip_force_n=14",
     ),
     "params": ("fingertip params fsr402", "fingertip params fsr400 --set skin.width_mm=18 --toml"),
     "schema": ("fingertip schema design", "fingertip schema sweep"),

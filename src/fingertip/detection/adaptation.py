@@ -19,6 +19,7 @@ from fingertip.slip.detectors.fast import FastDetector, FastSettings
 from fingertip.slip.detectors.registry import find_detector_type
 from fingertip.slip.traces.sampling import MAX_RATE_HZ, MIN_RATE_HZ
 from fingertip.slip.traces.trace import Trace
+from fingertip.slip.traces.truth import intervals
 
 _DISTURBANCE_RATIO = 6.0
 """Ratio of the energy statistic to its median that indicates a disturbance; noise alone reaches half of it."""
@@ -44,8 +45,10 @@ def select_quiet_part(trace: Trace, between_s: tuple[float, float], name: str) -
         message = f"{text} covers all {duration_s:.4g} s of {name}; choose a shorter part"
         raise TraceError(Issue("--calibrate", f"{message} during which nothing happens."))
     if trace.slip is not None and trace.slip[part].any():
-        onset_s = trace.time_s[part][trace.slip[part]][0] - trace.time_s[0]
-        message = f"{text} covers slip, which begins at {onset_s:.4g} s; choose another part."
+        first_s = trace.time_s[part][trace.slip[part]][0]
+        slip = next(i for i in intervals(trace.time_s, trace.slip) if i.onset_s <= first_s <= i.end_s)
+        lasts = f"{slip.onset_s - trace.time_s[0]:.4g} to {slip.end_s - trace.time_s[0]:.4g} s"
+        message = f"{text} covers slip, which lasts from {lasts}; choose a part without it."
         raise TraceError(Issue("--calibrate", message))
     return part
 

@@ -220,7 +220,7 @@ def test_larger_acceleration_shortens_the_delay_of_every_detector():
     slow, fast = (
         {
             row.detector: row
-            for row in study_accelerations(ARTICLE, 4, accelerations_m_s2=(a,), detectors=("digital", "fast"))
+            for row in study_accelerations(ARTICLE, 24, accelerations_m_s2=(a,), detectors=("digital", "fast"))
         }
         for a in (1.0, 10.0)
     )

@@ -12,28 +12,23 @@ from __future__ import annotations
 import argparse
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import poisson_interval
-from fingertip.lab.campaign.mix import (
-    MixSize,
-    MixSummary,
-    Outcome,
-    generate_mix,
-    run_both_points,
-    run_detector,
-    summarise,
-)
+from fingertip.lab.campaign.mix import MixSize, MixSummary, Outcome, assess, generate_mix, run_detector, summarise
 from fingertip.lab.campaign.mix_signals import NOISES, LabelledSignal, simulate_scene
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, NEGATIVE_SCENES, REPORTED_SEPARATELY, nominal_duration_s
 from fingertip.sim.simulation import article_trials
+from fingertip.slip.detectors.fast import FastDetector
 
 WORST_GOAL_S = 0.045
 """Goal for the longest delay from gross slip [s]."""
+POINTS = ("incipient", "on")
+"""Operating points of the detector `fast`: flags of its output."""
 SLIP = "slip"
 """Kind of the article's trials."""
 WITHOUT_SLIP = "without slip: "
@@ -67,6 +62,18 @@ def main() -> None:
         print(f"{arguments.design}, {arguments.detector}, {point}")
         for kind, summary in pool(outcomes).items():
             print(f"{kind:32} {describe(kind, summary)}")
+
+
+def run_both_points(design: Design, signals: Iterable[LabelledSignal]) -> dict[str, list[Outcome]]:
+    """Run the detector `fast` once over signals, and judge it at both operating points."""
+    outcomes: dict[str, list[Outcome]] = {point: [] for point in POINTS}
+    with compiled():
+        for signal in signals:
+            detector = FastDetector.for_design(design)
+            output = detector.process(signal.voltage_v, signal.filtered_v)
+            for point, judged in outcomes.items():
+                judged.append(assess(signal, getattr(output, point), detector.memory_s))
+    return outcomes
 
 
 def generate_all(

@@ -13,7 +13,7 @@ from benchmarks import slip_robustness
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
 from fingertip.lab.campaign import mix_signals
-from fingertip.lab.campaign.mix import MixSize, assess, run_both_points
+from fingertip.lab.campaign.mix import MixSize, assess
 from fingertip.lab.campaign.mix_signals import LabelledSignal, Slide, filter_as_board
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, check_first_seed
 from fingertip.lab.report import robustness
@@ -122,7 +122,7 @@ def test_unstated_noise_is_in_the_signal_and_the_slip_is_the_same(name):
 @pytest.mark.full
 def test_fast_keeps_the_limits_of_the_wider_mix_where_few_signals_show_it():
     signals = slip_robustness.generate_all(DESIGN, 24, 4.0, MixSize(30, 12), HELD_OUT_FROM + 77_000_000)
-    both = run_both_points(DESIGN, signals)
+    both = slip_robustness.run_both_points(DESIGN, signals)
     early, found = (slip_robustness.pool(both[point]) for point in ("incipient", "on"))
     assert early["slip"].found_share == 1.0
     assert early["slip"].delay_s(0.9) < 0.045  # of 24; it is 28 ms of 960

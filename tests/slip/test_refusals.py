@@ -50,6 +50,13 @@ FORCE = csv(T, np.where(T < 0.3, 0.0, np.abs(V - 3.9)), header=("time_s", "force
 CLEAR_TEXT = np.array(["a"] * 2000)
 NOISE_FROM_3_S = np.random.default_rng(8).normal(0, 4e-4, 12_000) * np.where(np.arange(12_000) > 6000, 3.0, 1.0)
 GRASPED = csv(np.arange(12_000) / 2000, 2.6 + NOISE_FROM_3_S - 0.3 * (np.arange(12_000) > 6000))
+LONG_S = np.arange(12_000) / 2000
+VIBRATING = {
+    "time_s": LONG_S,
+    "voltage_v": 2.0
+    + np.random.default_rng(2).normal(0, 4e-4, 12_000)
+    + 0.01 * np.sin(2 * np.pi * 90 * LONG_S) * ((LONG_S > 2.0) & (LONG_S < 2.3)),
+}
 
 # Family -> cases: content of a file, or arrays of an archive; options. A dash among them makes the file a stream.
 FAMILIES: dict[str, list[tuple[Any, ...]]] = {
@@ -132,6 +139,7 @@ FAMILIES: dict[str, list[tuple[Any, ...]]] = {
         )),
         ({"time_s": T, "voltage_v": V, "slip": (T >= 0.5) & (T < 0.7)}, "--calibrate", "0:0.9"),
         *((GRASPED, "--calibrate", part) for part in ("2.5:3.5", "9:9.5", "4:4.1", "0:9")),
+        (VIBRATING, "--calibrate", "0.5:5.5", "--detector", "fast"),
         *((FORCE, "--column", "voltage_v=force_n", "--detector", "fast", *more)
           for more in ((), ("--calibrate", "0:0.3"), ("--calibrate", "0:0.4"))),
     ],

@@ -39,9 +39,10 @@ ROUNDS = 4
 LEARNING_RATE = 0.2
 THRESHOLD, NOISE_RISE, INCIPIENT_THRESHOLD = 1.8, 0.3, 1.0
 """Score above which slip is ON, its rise in more noise than stated, and score above which slip may begin. They were
-chosen on tuning seeds by `benchmarks/slip_robustness.py`."""
+chosen on tuning seeds of `benchmarks/slip_robustness.py` and on drawn signals with other seeds than the fit's."""
 ROUND_THRESHOLD, ROUND_INCIPIENT_THRESHOLD = 1.4, 0.7
 """Scores of the detector of the round before: above the first, a row without slip counts as its false alarm."""
+SEEDS = {"simulated": FIRST_SEED, "drawn": DISTURBANCES_FROM, "manipulations": MANIPULATIONS_FROM}
 NEVER = -50.0
 """Score of a model without trees."""
 _ALWAYS_LEFT = 3e38
@@ -140,11 +141,10 @@ def make_card(signals: Sequence[TrainingSignal], sizes: Mapping[str, int], round
             digest.update(b"" if volts is None else volts.tobytes())
     versions = {"python": platform.python_version()}
     versions |= {name: metadata.version(name) for name in ("numpy", "scipy", "scikit-learn")}
-    seeds = {"simulated": FIRST_SEED, "drawn": DISTURBANCES_FROM, "manipulations": MANIPULATIONS_FROM}
     return {
         "versions": versions,
         "sizes": {**sizes, "signals": len(signals), "rounds": rounds},
-        "first_seeds": seeds,
+        "first_seeds": SEEDS,
         "signals_sha256": digest.hexdigest(),
     }
 

@@ -185,10 +185,8 @@ def detect_file(
     detection = detect(trace, design, detector, noise_v)
     if calibrate_s and detection.output.on[quiet].any():
         first_s = trace.time_s[quiet][detection.output.on[quiet]][0]
-        message = (
-            f"nothing is said to happen within {calibrate_s[0]:g}:{calibrate_s[1]:g} s, but {detector} finds slip at "
-        )
-        raise TraceError(Issue("--calibrate", f"{message}{first_s:.4f} s; choose a part in which nothing vibrates."))
+        message = f"{detector} finds slip at {first_s:.4f} s, within {calibrate_s[0]:g}:{calibrate_s[1]:g} s"
+        raise TraceError(Issue("--calibrate", f"{message}; choose a part in which nothing moves or vibrates."))
     level = level or detection.noise
     if level:
         may_be_lower = not kind.takes_envelope or calibrate_s is not None

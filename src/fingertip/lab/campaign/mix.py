@@ -21,7 +21,6 @@ from fingertip.sim import SceneFile
 from fingertip.sim.signal.converter import SimulatedBoardDetector
 from fingertip.sim.simulation import article_trials
 from fingertip.slip import make_detector
-from fingertip.slip.detectors.fast import FastDetector
 from fingertip.slip.detectors.registry import select_inputs
 from fingertip.slip.traces.truth import intervals
 
@@ -156,22 +155,6 @@ def run_detector(name: str, design: Design, signals: Iterable[LabelledSignal]) -
             else:
                 detector = make_detector(name, design)
                 outcomes.append(assess(signal, detector.process(*select_inputs(signal, name)).on, detector.memory_s))
-    return outcomes
-
-
-POINTS = ("incipient", "on")
-"""Operating points of the detector `fast`: flags of its output."""
-
-
-def run_both_points(design: Design, signals: Iterable[LabelledSignal]) -> dict[str, list[Outcome]]:
-    """Run the detector `fast` once over signals, and judge it at both operating points."""
-    outcomes: dict[str, list[Outcome]] = {point: [] for point in POINTS}
-    with compiled():
-        for signal in signals:
-            detector = FastDetector.for_design(design)
-            output = detector.process(signal.voltage_v, signal.filtered_v)
-            for point, judged in outcomes.items():
-                judged.append(assess(signal, getattr(output, point), detector.memory_s))
     return outcomes
 
 

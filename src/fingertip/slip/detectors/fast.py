@@ -2,9 +2,8 @@
 
 A contact, a release, a change of grip and a knock leave energy in the band of slip, as slip does. What distinguishes
 them is the slow force: it changes much for the energy it leaves, and one way, and the energy of a knock decays. The
-detector computes sixteen features that express this (`fast_coefficients.FEATURES`), and a sum of
-small decision trees weighs them. The trees were fitted to simulated slips and to a wider mix of what is not slip
-(`tools/detector_training/`).
+detector computes features that express this (`fast_coefficients.FEATURES`), and a sum of small decision trees weighs
+them. The trees were fitted to simulated slips and to a wider mix of what is not slip (`tools/detector_training/`).
 
 A board for a controller gives its filtered signal beside the tactile voltage. Ahead of the converter it is amplified,
 so that the converter's steps and noise hardly count in it. The energies then come from this signal, and the slow force
@@ -14,11 +13,12 @@ is computed from the tactile voltage instead.
 Every feature is relative: to the noise floors, which the detector learns, or to another feature. So the unit of the
 input does not matter, and the stated noise hardly does. The floors are learned within 0.5 s from the start, and again
 after each change of force, because a hand that holds vibrates more than one that does not. They adapt slowly
-afterwards. They stand still while the detector is ON or the force changes. They are never below the noise of a
-converter halfway between two codes.
+afterwards. They stand still while the force changes, and while the trees take what they see for slip or nearly so. They
+are never below the noise of a converter halfway between two codes.
 
-ON stays while the energy of 20 ms is above the floors and the trees agree on average, however long the slip lasts.
-Only a tone, whose energy hardly varies, is unlearned.
+Slip is incipient from a first score on, and ON from a higher one. Both last while the energy of 20 ms is above the
+floors and the trees agree on average, however long the slip lasts. Only a tone, whose energy hardly varies, is
+unlearned.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ UNLEARNING_S = 0.5
 LOWEST_SCORE = -4.0
 """Score of confidence 0: odds of 1 to 55 in the training mix."""
 STAY_SCORE = -1.0
-"""Score above which slip stays ON."""
+"""Score above which slip stays incipient or ON, and the floors stand still."""
 STAY_RATIO = 2.0
 """Ratio of an energy of 20 ms to its floor above which slip stays ON, while its smoothed score exceeds `STAY_SCORE`.
 Without the score, vibration that begins with the grasp would keep the detector ON."""

@@ -208,8 +208,9 @@ FEATURES = (
 )
 """Names of the features, in the order of their numbers.
 
-All but the last are squares or ratios of squares. The first seven and the thirteenth are relative to the learned noise,
-so no feature depends on the unit of the input. "Greatest" and "peak" are those of the last 80 to 120 ms."""
+All but the ticks are squares or ratios of squares. The first seven, the thirteenth and the seventeenth are relative to
+the learned noise, so no feature depends on the unit of the input. "Smallest" is that of 6 ms in the last 16 to 24 ms.
+"Greatest" and "peak" are those of the last 80 to 120 ms."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -133,6 +133,10 @@ def test_features_are_what_their_names_say():
     assert found["greatest slope"] == pytest.approx(greatest / slow_floor, rel=1e-3)
     assert found["slope over greatest slope"] == pytest.approx(slopes[at] / greatest, rel=1e-3)
     assert found["change over 100 ms"] == pytest.approx((slow[at] - slow[at - 200]) ** 2 / slow_floor, rel=1e-3)
+    ticks = 9 + (len(rows) - 1) % 4  # two slots of four, and the present one
+    smallest = mean(wide**2, 0.006)[at - 4 * (ticks - 1) : at + 1 : 4].min()
+    assert found["smallest wide energy"] == pytest.approx(smallest / floor, rel=1e-6)
+    assert found["smallest wide energy over that of 20 ms"] == pytest.approx(smallest / energies["wide"], rel=1e-6)
     change = slow[at] - slow[at - 96]  # 12 entries of the ring, each of 4 ms
     assert found["signed change over 48 ms"] == pytest.approx(change * abs(change) / slow_floor, rel=1e-3)
     assert found["wide energy over greatest slope"] == pytest.approx(energies["wide"] / greatest, rel=1e-3)

@@ -19,16 +19,15 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import poisson_interval
-from fingertip.lab.campaign.mix import MixSize, MixSummary, Outcome, assess, generate_mix, run_detector, summarise
+from fingertip.lab.campaign.mix import MixSize, MixSummary, Outcome, generate_mix, run_detector, summarise
 from fingertip.lab.campaign.mix_signals import NOISES, LabelledSignal, simulate_scene
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, NEGATIVE_SCENES, REPORTED_SEPARATELY, nominal_duration_s
 from fingertip.sim.simulation import article_trials
-from fingertip.slip.detectors.fast import FastDetector
 
 WORST_GOAL_S = 0.045
 """Goal for the longest delay from gross slip [s]."""
-POINTS = ("incipient", "on")
-"""Operating points of the detector `fast`: flags of its output."""
+POINTS = {"incipient": "incipient", "on": "fast"}
+"""Operating point of the detector `fast` -> detector that is ON at it."""
 SLIP = "slip"
 """Kind of the article's trials."""
 WITHOUT_SLIP = "without slip: "
@@ -65,15 +64,9 @@ def main() -> None:
 
 
 def run_both_points(design: Design, signals: Iterable[LabelledSignal]) -> dict[str, list[Outcome]]:
-    """Run the detector `fast` once over signals, and judge it at both operating points."""
-    outcomes: dict[str, list[Outcome]] = {point: [] for point in POINTS}
-    with compiled():
-        for signal in signals:
-            detector = FastDetector.for_design(design)
-            output = detector.process(signal.voltage_v, signal.filtered_v)
-            for point, judged in outcomes.items():
-                judged.append(assess(signal, getattr(output, point), detector.memory_s))
-    return outcomes
+    """Run the detector `fast` over signals at both of its operating points."""
+    kept = list(signals)
+    return {point: run_detector(name, design, kept) for point, name in POINTS.items()}
 
 
 def generate_all(

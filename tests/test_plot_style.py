@@ -58,7 +58,8 @@ def test_colours_of_curves_differ_for_everybody() -> None:
     for one, other in itertools.pairwise(AREAS):
         assert abs(lightness(one) - lightness(other)) >= 15.0
     assert set(COLOURS.values()) | {OTHER_COLOUR} == set(SERIES)
-    assert len(COLOURS) + 1 == len(SERIES), "each detector has a colour of its own"
+    own = {name: colour for name, colour in COLOURS.items() if name != "incipient"}  # a threshold of fast
+    assert len(own) + 1 == len(SERIES), "each detector has a colour of its own"
 
 
 def test_colours_of_plots_stand_in_one_module() -> None:

@@ -44,7 +44,8 @@ FOLDERS = (
     ("validate", "fingertip.lab.validate"),
     ("drawing fsr400", "fingertip.pictures.drawing.draw.draw_files"),
     ("page fsr400", "fingertip.tasks.page.read_sources"),
-    ("bench", "benchmarks.peers.options.require_libraries"),
+    ("bench solvers", "benchmarks.peers.options.require_libraries"),
+    ("bench slip", "benchmarks.slip.run.run"),
     ("sweep board", "fingertip.sweep.run.run_sweep"),
 )
 """Words of a command whose --out is a folder, and what must not be called."""
@@ -69,7 +70,7 @@ def list_path_options(group: Any, words: tuple[str, ...] = ()) -> Iterator[tuple
 def test_every_option_that_names_a_file_or_folder_is_listed_here() -> None:
     listed = [(words, option) for words, option, *_ in FILES] + [(words, "--out") for words, _ in FOLDERS]
     found = [option for option in list_path_options(typer.main.get_command(app)) if option[1] not in READ]
-    commands = [(re.match(r"calibrate \w+|\w+", words)[0], option) for words, option in listed]  # type: ignore[index]
+    commands = [(re.match(r"(calibrate|bench) \w+|\w+", words)[0], option) for words, option in listed]  # type: ignore[index]
     assert sorted(commands) == sorted(found)
 
 

@@ -183,9 +183,13 @@ def test_a_whole_validation_finds_what_the_article_promises(tmp_path):
     assert done.exit_code == 0, done.stdout
     assert "validate takes some 88 s on a core of its own" in done.stderr
     assert {path.name for path in tmp_path.iterdir()} >= set(FILES)
-    assert re.match(r"fsr400, detector fast: all \d+ requirements are met\n", (tmp_path / "validation.txt").read_text())
+    verdict = (
+        r"fsr400, detector fast: all \d+ requirements are met, but 8 trials and 1 min are too few to show it: "
+        r"120 trials and 40 min do\n"
+    )
+    assert re.match(verdict, (tmp_path / "validation.txt").read_text())
     data = json.loads(done.stdout)
-    assert set(data["detectors"]) == {"analog", "digital", "fft", "fast"}
+    assert set(data["detectors"]) == {"analog", "digital", "fft", "incipient", "fast"}
     fast, digital = data["detectors"]["fast"], data["detectors"]["digital"]
     assert fast["found_share"] == digital["found_share"] == 1.0
     assert fast["median_s"] < digital["median_s"] < 0.06

@@ -87,7 +87,7 @@ def test_ngspice_agrees_on_both_sources():
 def test_command_writes_diagrams_and_times(tmp_path):
     pytest.importorskip("numba")
     done = run_fingertip(
-        "bench", "--out", tmp_path, "--seconds", 1, "--boards", 20, "--solvers", "LSODA, odeint,CVODE",
+        "bench", "solvers", "--out", tmp_path, "--seconds", 1, "--boards", 20, "--solvers", "LSODA, odeint,CVODE",
         "--no-first-run", "--json",
     )  # fmt: skip
     data = json.loads(done.stdout)
@@ -129,17 +129,17 @@ def test_command_writes_diagrams_and_times(tmp_path):
     ],
 )
 def test_command_refuses_bad_options(arguments, message, tmp_path):
-    done = CliRunner().invoke(app, ["bench", *arguments, "--out", str(tmp_path / "x")])
+    done = CliRunner().invoke(app, ["bench", "solvers", *arguments, "--out", str(tmp_path / "x")])
     assert done.exit_code == 2
     assert message in done.stderr
     assert not (tmp_path / "x").exists()
 
 
 def test_without_a_clone_the_command_says_what_to_do(tmp_path, monkeypatch):
-    monkeypatch.setattr(sys.modules["fingertip.cli.validate"], "_CHECKOUT", tmp_path)
-    done = CliRunner().invoke(app, ["bench", "--out", str(tmp_path / "x")])
+    monkeypatch.setattr(sys.modules["fingertip.cli.bench"], "_CHECKOUT", tmp_path)
+    done = CliRunner().invoke(app, ["bench", "solvers", "--out", str(tmp_path / "x")])
     assert (done.exit_code, done.stdout, len(done.stderr.splitlines())) == (2, "", 1)
-    assert "run `sh install.sh` in a clone, then `.venv/bin/fingertip bench` there." in done.stderr
+    assert "run `sh install.sh` in a clone, then `.venv/bin/fingertip bench solvers` there." in done.stderr
     assert not (tmp_path / "x").exists()
 
 

@@ -143,6 +143,15 @@ FAMILIES: dict[str, list[tuple[Any, ...]]] = {
         *((FORCE, "--column", "voltage_v=force_n", "--detector", "fast", *more)
           for more in ((), ("--calibrate", "0:0.3"), ("--calibrate", "0:0.4"))),
     ],
+    "outside the fit": [
+        (csv(T, V + 2e-3 * np.sin(2 * np.pi * 50 * T)),), (csv(T, V + 2e-3 * np.sin(2 * np.pi * 60 * T)),),
+        (csv(T, V + 1e-3 * np.sin(2 * np.pi * 50 * T)),), (csv(T, V + 3e-3 * np.sin(2 * np.pi * 40 * T)),),
+        (csv(LONG_S, 3.1 - 0.5 * np.clip(LONG_S - 1, 0, 1) + NOISE_FROM_3_S),),
+        (csv(LONG_S, 3.1 - 0.5 * np.clip(LONG_S - 1, 0, 1) + NOISE_FROM_3_S), "--design", "article"),
+        (csv(LONG_S, 2.0 + 8 * NOISE_FROM_3_S), "--detector", "fast"),
+        ("".join(f"T:{v:.4f},S:1.65\n" for v in V),),
+        ("".join(f"12:00:00.{i:04d} -> {v:.4f}\n" for i, v in enumerate(V)),),
+    ],
     "streams": [
         *((with_lines((1500, text)), "-") for text in (
             "1500", "0.749,nan", "0.749,4 V", "0.8,2.3", "0.7485,2.3", "no timer is free", "0.749,x\x07" + 300 * "y",

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 import typer
 
+from fingertip.cli.bench import bench
 from fingertip.cli.board import board
 from fingertip.cli.build import build, coupon, firmware, make
 from fingertip.cli.calibrate import calibrate
@@ -23,7 +24,7 @@ from fingertip.cli.options import command
 from fingertip.cli.pad import pad
 from fingertip.cli.simulate import simulate
 from fingertip.cli.sweep import sweep
-from fingertip.cli.validate import bench, validate
+from fingertip.cli.validate import validate
 from fingertip.foundation import interruption
 from fingertip.foundation.errors import FingertipError, Issue
 from fingertip.foundation.version import __version__

@@ -69,7 +69,9 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     ),
     "validate": ("fingertip validate fsr400 --trials 12 --minutes 1",),
     "sweep": ("fingertip sweep board --out out/sweep", "fingertip sweep --show --out out/sweep"),
-    "bench": ("fingertip bench --solvers odeint --seconds 1 --boards 100",),
+    "bench": ("fingertip bench solvers", "fingertip bench slip"),
+    "bench solvers": ("fingertip bench solvers --solvers odeint --seconds 1 --boards 100",),
+    "bench slip": ("fingertip bench slip --share 0.1", "fingertip bench slip recordings --detectors fast,cusum"),
     "completion": ("fingertip completion bash",),
 }
 """Command -> commands to copy."""

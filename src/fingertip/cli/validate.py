@@ -1,8 +1,7 @@
-"""`fingertip validate` tests a design's detectors on simulated trials; `fingertip bench` measures the simulation."""
+"""`fingertip validate` tests a design's detectors on simulated trials and scenes."""
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -62,56 +61,3 @@ def validate(
     details = f"details: {folder / 'validation.txt'}, or --verbose"
     said = f"{text}\n\n{validation.as_text()}" if verbose else f"{text}\n{details}"
     console.result(validation.as_data(), said, validation.passed)
-
-
-_CHECKOUT = Path(__file__).parents[3]
-"""Folder of a clone, which holds the other solvers' equations; they are not in the wheel."""
-
-
-@command
-def bench(
-    console: Console,
-    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for work_precision.png and .json.")] = Path(
-        "out/bench"
-    ),
-    seconds: Annotated[
-        float, typer.Option(help="Seconds of the contact problem; the board's is a fifth as long, at least 0.5 s.")
-    ] = 5.0,
-    boards: Annotated[int, typer.Option(help="Number of boards to simulate at once.")] = 10_000,
-    solvers: Annotated[
-        str, typer.Option(help="Solvers to compare with, comma-separated: scipy's, SUNDIALS CVODE, ngspice.")
-    ] = "LSODA,Radau,BDF,odeint,CVODE,ngspice",
-    first_run: Annotated[
-        bool, typer.Option(help="Also measure a fresh process, with an empty and with a full compiler cache.")
-    ] = True,
-    verbose: VerboseOption = False,
-) -> None:
-    """Measure error and run time of the simulation beside other solvers."""
-    from fingertip.foundation.output_set import SetWriter, hash_parameters
-
-    _find_peers()
-    from benchmarks.peers.options import FILES, read_options, require_libraries
-
-    peers = read_options(solvers, seconds, boards)
-    writer = SetWriter(out, "benchmark", "", hash_parameters([]))
-    writer.check(FILES)
-    require_libraries()
-    from benchmarks.peers.run import run
-
-    found = run(peers, seconds, boards, first_run, console.progress)
-    writer.write(dict(zip(FILES, found.encode(), strict=True)))
-    console.progress(f"wrote {', '.join(FILES)} to {out}")
-    details = f"details: {out / 'work_precision.txt'}, or --verbose"
-    said = found.text if verbose else "\n".join([*found.verdict, details])
-    console.result(found.data, said, passed=not found.misses_target)
-
-
-def _find_peers() -> None:
-    """Make the package `benchmarks` of the clone importable. Raises FingertipError."""
-    from fingertip.foundation.errors import FingertipError, Issue
-
-    if not (_CHECKOUT / "benchmarks" / "peers" / "run.py").is_file():
-        problem = "compares with solvers whose equations are in a clone of the project, not in what pip installs"
-        remedy = "run `sh install.sh` in a clone, then `.venv/bin/fingertip bench` there"
-        raise FingertipError(Issue("fingertip bench", f"{problem}; {remedy}."))
-    sys.path.insert(0, str(_CHECKOUT))

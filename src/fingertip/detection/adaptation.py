@@ -27,6 +27,11 @@ _ENERGY_S = 0.015
 """Window of that energy [s]."""
 MIN_S = 0.3
 """Minimum duration [s]. A shorter part does not determine the deviation in a band of 40 Hz to 10 %."""
+_RAMP_MEAN_S = 0.05
+"""Time over which the signal is averaged to see how the force moves [s]."""
+_RAMP_V, _RAMP_SHARE, _RAMP_DEVIATIONS = 0.01, 0.05, 12.0
+"""Change from one mean to the next that is motion: in volts, as a share of the recording's range, and over the noise.
+Creep of a held grasp stays below."""
 NOISELESS_REMEDY = "use a measured signal, or the voltage of a simulated trace instead of its force"
 """Remedy for a quiet part without noise, such as that of a simulated force before contact."""
 
@@ -82,6 +87,23 @@ def first_disturbance(design: Design, quiet_v: Array) -> int | None:
         return None
     loud = np.flatnonzero(statistic > _DISTURBANCE_RATIO * float(np.median(statistic)))
     return settling + int(loud[0]) if len(loud) else None
+
+
+def describe_ramp(trace: Trace, part: slice, in_volts: bool) -> str | None:
+    """Describe a change of the force within a quiet part; None if there is none that a drift would not make."""
+    volts = trace.voltage_v[part]
+    width = max(1, round(_RAMP_MEAN_S * (len(trace.time_s) - 1) / (trace.time_s[-1] - trace.time_s[0])))
+    means = volts[: len(volts) // width * width].reshape(-1, width).mean(axis=1)
+    if len(means) < 2:
+        return None
+    changes = means[1:] - means[:-1]
+    noise = math.sqrt(float(np.mean(np.diff(volts, 2) ** 2)) / 6 / width)
+    largest = int(np.argmax(np.abs(changes)))
+    unit = _RAMP_V if in_volts else _RAMP_SHARE * float(np.ptp(trace.voltage_v))
+    if abs(changes[largest]) <= max(unit, _RAMP_DEVIATIONS * noise):
+        return None
+    moved = f"{1000 * abs(changes[largest]):.3g} mV" if in_volts else f"{abs(changes[largest]):.3g}"
+    return f"the signal moves by {moved} at {trace.time_s[part][(largest + 1) * width]:.4f} s"
 
 
 def count_constant_samples(quiet_v: Array) -> int:

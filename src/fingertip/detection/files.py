@@ -17,6 +17,7 @@ from fingertip.detection.adaptation import (
     NOISELESS_REMEDY,
     adapt_detector,
     count_constant_samples,
+    describe_ramp,
     equivalent_noise_v,
     first_disturbance,
     select_quiet_part,
@@ -27,6 +28,9 @@ from fingertip.detection.warnings import (
     StepWatch,
     envelope_warnings,
     filtered_warnings,
+    hum_warnings,
+    noise_warnings,
+    polarity_warnings,
     settings_warnings,
     step_warnings,
     threshold_warnings,
@@ -158,6 +162,8 @@ def detect_file(
     trace = replace(raw.validate(design.detector), origin=origin or read_origin(path))
     warnings = list(raw.notes)
     if column_map.in_volts:
+        warnings += hum_warnings(trace.voltage_v, design.detector.sample_rate_hz)
+        warnings += polarity_warnings(trace.voltage_v, design)
         warnings += [*signal_warnings(trace, design.detector), *settings_warnings(design, detector)]
         reads_second = find_second_column(design, detector) is not None and trace.filtered_v is not None
         # Thresholds follow from the recording itself after a calibration. A filtered signal has finer steps.
@@ -167,6 +173,9 @@ def detect_file(
             warnings += step_warnings(trace.voltage_v, design, detector)
 
     quiet = slice(0, 0) if calibrate_s is None else select_quiet_part(trace, calibrate_s, path.name)
+    if calibrate_s is not None and (moved := describe_ramp(trace, quiet, column_map.in_volts)):
+        message = f"{moved}, within {calibrate_s[0]:g}:{calibrate_s[1]:g} s; choose a part in which the force rests."
+        raise TraceError(Issue("--calibrate", message))
     noise_v, level = None, None
     if kind.takes_envelope:
         is_replayed = trace.envelope_v is None
@@ -187,6 +196,8 @@ def detect_file(
         first_s = trace.time_s[quiet][detection.output.on[quiet]][0]
         message = f"{detector} finds slip at {first_s:.4f} s, within {calibrate_s[0]:g}:{calibrate_s[1]:g} s"
         raise TraceError(Issue("--calibrate", f"{message}; choose a part in which nothing moves or vibrates."))
+    if column_map.in_volts:
+        warnings += noise_warnings(detection.learned_noise_v, design)
     level = level or detection.noise
     if level:
         may_be_lower = not kind.takes_envelope or calibrate_s is not None

@@ -1,4 +1,4 @@
-"""Step of the converter that took a recording, found in its voltages, and the warning if it hides the noise.
+"""Warnings of a recording and of settings for which the detectors were not made.
 
 A converter of few bits shows no noise between its steps, and a slow press as a staircase. Each step resembles the
 beginning of slip to a detector whose threshold was made for finer steps.
@@ -18,6 +18,7 @@ from fingertip.design.parameters.declaration import find_bounds
 from fingertip.foundation.errors import DesignError
 from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors.analog_and_digital import noise_level
+from fingertip.slip.detectors.fast import FastDetector
 from fingertip.slip.detectors.noise import NoiseLevel
 from fingertip.slip.detectors.registry import DEFAULT, find_detector_type
 from fingertip.slip.traces.trace import Trace
@@ -140,6 +141,70 @@ def envelope_warnings(trace: Trace, design: Design) -> Iterator[str]:
 
 def _find_ground_v(design: Design) -> float:
     return signal_ground_ratio(design.board) * design.board.supply_v
+
+
+# Warnings of what the detectors were not made for: hum, a reversed sensor, and more noise than `fast` was fitted to.
+
+MAX_HUM_V = 1e-3
+"""Largest RMS hum in the signals of the fit [V]."""
+MAX_NOISE_RATIO = 5.0
+"""Largest ratio of noise to stated noise in the signals of the fit."""
+_MAINS_HZ = (50, 60)
+_PIECE_S = 0.5
+"""Length of a piece of which the hum is taken [s]: whole periods of either mains."""
+_PEAK_RATIO = 4.0
+"""Ratio of a tone to the spectrum around it from which it is hum, and no part of a broad vibration."""
+_HIGH_N = 20.0
+_REST_S = 0.2
+_PRESSED_SHARE, _MOVED_SHARE = 0.8, 0.1
+"""Shares of the voltage's way from no force to `_HIGH_N`: where a reversed signal begins, and how far it moves."""
+
+
+def hum_warnings(volts: Array, rate_hz: float) -> Iterator[str]:
+    """Warn of mains hum in most of a recording that is stronger than any in the signals of the fit."""
+    size = round(_PIECE_S * rate_hz)
+    pieces = volts[: len(volts) // size * size].reshape(-1, size)
+    if len(pieces) < 2:
+        return
+    window = np.hanning(size + 1)[:-1]
+    rms_v = np.abs(np.fft.rfft((pieces - pieces.mean(axis=1, keepdims=True)) * window)) * math.sqrt(2) / window.sum()
+    spectrum_v = np.median(rms_v, axis=0)  # a slip passes, hum stays
+    for hertz in _MAINS_HZ:
+        place = round(hertz * size / rate_hz)
+        around_v = float(np.median(spectrum_v[[place - 4, place - 3, place + 3, place + 4]]))
+        if spectrum_v[place] > max(MAX_HUM_V, _PEAK_RATIO * around_v):
+            yield (
+                f"hum of {1000 * spectrum_v[place]:.2g} mV RMS at {hertz} Hz, more than the {1000 * MAX_HUM_V:g} mV "
+                "that the detectors were tried in: slip is found late, or hum taken for it. Shield the sensor's cable, "
+                "or power the board from a battery."
+            )
+
+
+def polarity_warnings(volts: Array, design: Design) -> Iterator[str]:
+    """Warn of a voltage that begins where the sensor would be pressed hard, and then goes towards no force."""
+    from fingertip.sim.signal.converter import compute_bridge_v  # noqa: PLC0415
+
+    rest_v, pressed_v = compute_bridge_v(design, np.array([0.0, _HIGH_N])).tolist()
+    width = max(1, round(_REST_S * design.detector.sample_rate_hz))
+    means = volts[: len(volts) // width * width].reshape(-1, width).mean(axis=1)
+    shares = (means - rest_v) / (pressed_v - rest_v)
+    if len(shares) and shares[0] > _PRESSED_SHARE and shares.min() < shares[0] - _MOVED_SHARE:
+        yield (
+            f"the voltage begins at {means[0]:.3g} V, as under {_HIGH_N:g} N, and goes towards the {rest_v:.3g} V of a "
+            "sensor without force: is the signal reversed? On this board it "
+            f"{'rises' if pressed_v > rest_v else 'falls'} with the force; give the design of the board that was used."
+        )
+
+
+def noise_warnings(learned_v: float | None, design: Design) -> Iterator[str]:
+    """Warn of more noise than the detector `fast` was fitted to."""
+    stated_v = max(design.detector.noise_v, FastDetector.min_noise_v(design))
+    if learned_v is not None and learned_v > MAX_NOISE_RATIO * stated_v:
+        yield (
+            f"fast has learned a noise of {1000 * learned_v:.2g} mV, {learned_v / stated_v:.0f} times the stated one "
+            f"of {1000 * stated_v:.2g} mV: it was fitted to {MAX_NOISE_RATIO:g} times at most, and misses weak slip. "
+            "Shield the cable, or state the noise: --calibrate takes it from a quiet part."
+        )
 
 
 # Warnings of thresholds and settings that are permitted but degrade a detector.

@@ -30,6 +30,9 @@ from fingertip.pad.response import Pad
 from fingertip.slip.detectors.registry import find_detector_type
 
 T = TypeVar("T")
+SHOWN_TRIALS, SHOWN_MINUTES = 120, 40.0
+"""Trials and minutes from which a validation shows its requirements: the article's trials, and 0 alarms in 40 min
+exclude 0.1 a minute with 95 %."""
 STUDY_TRIALS = 24
 """Largest number of trials in each study beside the campaign: three for each surface and object."""
 MAX_STEP_TRIALS = 60
@@ -140,6 +143,10 @@ class Validation:
         missed = sum(not requirement.passed for requirement in self.requirements)
         count = len(self.requirements)
         verdict = f"{missed} of {count} requirements are MISSED" if missed else f"all {count} requirements are met"
+        plan = self.campaign.plan
+        if not missed and (plan.trials < SHOWN_TRIALS or plan.negative_minutes < SHOWN_MINUTES):
+            enough = f"{SHOWN_TRIALS} trials and {SHOWN_MINUTES:g} min do"
+            verdict += f", but {plan.trials} trials and {plan.negative_minutes:g} min are too few to show it: {enough}"
         lines = [f"{self.design.name}, detector {self.detector}: {verdict}"]
         lines += [f"  {'met   ' if one.passed else 'MISSED'}  {one.message}" for one in self.requirements]
         return "\n".join(lines)

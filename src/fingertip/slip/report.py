@@ -51,7 +51,7 @@ def as_text(detection: Detection) -> str:
     lines = [f"detector {describe_detector(detection)}"]
     lines += [
         f"{DETECTED:{width}} {_format_interval(i)}{_format_begin(i, detection)}" for i in detection.intervals
-    ] or ["never ON"]
+    ] or [_describe_silence(detection)]
     if score is None:
         return "\n".join(lines)
     since_motion = detection.motion_delays_s or (None,) * len(score.slips)
@@ -64,6 +64,19 @@ def as_text(detection: Detection) -> str:
     if silent_s > _TOLD_S:
         lines.append(f"ON for {silent_s:.2f} s without slip")
     return "\n".join(lines)
+
+
+def _describe_silence(detection: Detection) -> str:
+    """Say how near the statistic came to the threshold of a detector that was never ON."""
+    output = detection.output
+    ratio = np.divide(
+        output.statistic_v, output.threshold_v, where=output.threshold_v > 0.0, out=np.zeros(len(output.on))
+    )
+    place = int(np.argmax(ratio))
+    if ratio[place] == 0.0:
+        return "never ON"
+    reached = f"the statistic reached {100 * ratio[place]:.0f} % of its threshold"
+    return f"never ON: {reached}, at {detection.trace.time_s[place]:.4f} s"
 
 
 def describe_detector(detection: Detection) -> str:

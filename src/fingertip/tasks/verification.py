@@ -22,7 +22,8 @@ _COMMANDS = {
     "parts": ("make DESIGN", 0), "print": ("make DESIGN", 1), "steps": ("make DESIGN", 1),
     "signal": ("make DESIGN", 1), "board": ("board DESIGN", 0), "fabrication": ("board DESIGN --fab", 1),
     "models": ("board DESIGN", 2), "firmware": ("firmware DESIGN", 0), "coupon": ("coupon DESIGN", 0),
-    "validation": ("validate DESIGN", 0), "sweep report": ("sweep --show", 0), "benchmark": ("bench", 0),
+    "validation": ("validate DESIGN", 0), "sweep report": ("sweep --show", 0), "benchmark": ("bench solvers", 0),
+    "slip benchmark": ("bench slip", 0),
 }  # fmt: skip
 """Kind of a set -> command that writes it, and how many folders above the set the one is that the command names."""
 

@@ -249,6 +249,31 @@ class FastDetector(Detector):
         state[fast_loop.FLOOR_TICKS] = -float(round(FILTERS_SETTLE_S * ticks_per_s))
 
 
+class IncipientDetector(FastDetector):
+    """Detector `fast` at its early operating point: ON from the first signs of slip."""
+
+    @property
+    def threshold_v(self) -> float:
+        """Threshold above the present noise floor, as a voltage in the wide band [V]."""
+        return self._share * super().threshold_v
+
+    def process(self, voltage_v: Iterable[float], filtered_v: Iterable[float] | None = None) -> FastOutput:
+        """Process the next samples, any number of them, and return one output per sample."""
+        output = super().process(voltage_v, filtered_v)
+        return replace(output, on=output.incipient, threshold_v=self._share * output.threshold_v)
+
+    def step(self, voltage_v: float, filtered_v: float | None = None) -> bool:
+        """Process one sample, as `FastDetector.step` does, and return if slip is incipient or ON."""
+        super().step(voltage_v, filtered_v)
+        return self._state[fast_loop.INCIPIENT] > 0.0
+
+    @property
+    def _share(self) -> float:
+        """Threshold over that of ON, in the stated noise."""
+        c = self.coefficients
+        return 1 - c.incipient_margin / (c.threshold - c.lowest_score)
+
+
 def _min_noise_v(sample_rate_hz: float) -> float:
     return MIN_NOISE_V_RTHZ * math.sqrt(sample_rate_hz / 2)
 

@@ -123,6 +123,10 @@ DETECTORS: dict[str, DetectorType] = {
         "spectrum of 64 ms", "the article's baseline", "voltage_v", "statistic of fft", "fft:FftDetector", ORANGE, "^",
         is_baseline=True,
     ),
+    "incipient": DetectorType(
+        "detector fast at its early operating point", "fast at its early point", "voltage_v", "statistic of fast",
+        "fast:IncipientDetector", RED, "o", second_column="filtered_v",
+    ),
     "fast": DetectorType(
         "energies of 6 and 20 ms over the learned noise, beside the slow force, judged by trees", "short-time energy",
         "voltage_v", "statistic of fast", "fast:FastDetector", RED, "D", second_column="filtered_v",

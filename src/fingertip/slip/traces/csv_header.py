@@ -177,13 +177,27 @@ def _find_likely_header(skipped: Sequence[tuple[int, str]]) -> tuple[int, str]:
     return (same_count or above or skipped)[-1]
 
 
+_LABELLED = re.compile(r"\s*[A-Za-z_]\w*:\s*[-+.\d]")
+
+
+def _find_bare_remedy(line: str) -> str | None:
+    """Say how to strip what a controller's monitor or plotter writes before each number; None for other lines."""
+    if " -> " in line:
+        return "it has the monitor's time stamp; remove that with: sed 's/^.* -> //' FILE > bare.csv"
+    if all(_LABELLED.match(cell) for cell in re.split(r"[,;\t]", line)):
+        return "it has a label before each number; remove them with: sed 's/[A-Za-z_]*: *//g' FILE > bare.csv"
+    return None
+
+
 def _header_issues(name: str, number: int, line: str, columns: ColumnMap) -> list[Issue]:
     cells, _ = _split(line, columns)
     field = f"{name}, line {number}"
     if not set(cells) & set(map(columns.name_in_file, COLUMNS)):
         cells = _split_most(line)
         start = ",".join(cells)[:60]
-        if count := _count_numbers(line) or _count_numbers(SPACES.join(line.split()).replace(SPACES, DELIMITERS[0])):
+        if bare := _find_bare_remedy(line):
+            message = f"{start!r} is not the header of a trace; {bare}."
+        elif count := _count_numbers(line) or _count_numbers(SPACES.join(line.split()).replace(SPACES, DELIMITERS[0])):
             message = f"{start!r} is not the header of a trace; {suggest_numbers(count, columns)}."
         elif all(columns.name_in_file(column) in line for column in columns.required):
             message = f"{start!r} does not separate its names by comma, semicolon or tab; use one of these."

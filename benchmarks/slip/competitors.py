@@ -1,0 +1,78 @@
+"""Detectors that are compared, with the factors of their thresholds, which trade delay for alarms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+from benchmarks.slip.baselines import (
+    SHORT_S,
+    Flags,
+    make_fast_run,
+    make_fft_run,
+    run_chain,
+    run_cusum,
+    run_ratio,
+)
+from benchmarks.slip.recordings import Recording
+from benchmarks.slip.recurrent import FACTORS as RECURRENT_FACTORS
+from benchmarks.slip.recurrent import run_recurrent
+from fingertip.design import Design
+from fingertip.slip.detectors.registry import make_detector
+
+FACTORS = (0.5, 0.6, 0.7, 0.8, 0.86, 0.93, 1.0, 1.1, 1.2, 1.35, 1.5, 1.8, 2.2, 3.0)
+"""Factors of the threshold of `fast`, whose scores end soon above it."""
+WIDE_FACTORS = (0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0, 16.0, 22.0, 32.0, 64.0, 128.0)
+"""Factors of the other thresholds."""
+
+
+COUNTED = "instructions"
+"""Work of a detector whose instructions were counted by an emulator."""
+
+
+@dataclass(frozen=True)
+class Competitor:
+    label: str
+    words: str
+    factors: tuple[float, ...]
+    run: Callable[[Design, Recording, Sequence[float]], Iterator[Flags]]
+    """Returns ON at each sample, for each factor."""
+    memory_s: Callable[[Design], float]
+    """Time that ON outlasts a slip by construction [s]."""
+    operations: str
+    """Work of a sample: instructions where they were counted, otherwise multiplications and additions."""
+
+
+COMPETITORS = {
+    "fast": Competitor(
+        "fast, on", "this project's detector at its sure point", FACTORS, make_fast_run("fast"),
+        lambda design: make_detector("fast", design).memory_s, COUNTED,
+    ),
+    "incipient": Competitor(
+        "fast, incipient", "the same at its early point", FACTORS, make_fast_run("incipient"),
+        lambda design: make_detector("fast", design).memory_s, COUNTED,
+    ),
+    "digital": Competitor(
+        "the article's chain", "Romeo et al. 2021, in software", WIDE_FACTORS, run_chain,
+        lambda design: make_detector("digital", design).memory_s, "16",
+    ),
+    "fft": Competitor(
+        "FFT, stronger", "64 ms every 2 ms, Hann window, one band", WIDE_FACTORS, make_fft_run(is_plain=False),
+        lambda design: make_detector("fft", design).memory_s, "1 200",
+    ),
+    "plain_fft": Competitor(
+        "FFT, as published", "Romeo et al. 2021: 64 ms side by side, strongest bin", WIDE_FACTORS,
+        make_fft_run(is_plain=True), lambda design: make_detector("fft", design).memory_s, "40",
+    ),
+    "cusum": Competitor(
+        "CUSUM", "Page 1954, of the variance", WIDE_FACTORS, run_cusum, lambda _: 0.1, "20",
+    ),
+    "recurrent": Competitor(
+        "recurrent network", "16 gated units, trained on this project's training signals", RECURRENT_FACTORS,
+        run_recurrent, lambda _: 0.06, "540",
+    ),
+    "ratio": Competitor(
+        "energy ratio", "short over long mean, Allen 1978", WIDE_FACTORS, run_ratio, lambda _: 5 * SHORT_S, "19",
+    ),
+}  # fmt: skip
+"""Name -> detector."""

@@ -1,0 +1,88 @@
+"""Run of `fingertip bench slip`: its options, the recordings, and the report."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+
+from benchmarks import held_out_signals
+from benchmarks.slip.competitors import COMPETITORS
+from benchmarks.slip.public_sets import LAYOUTS, read_layout
+from benchmarks.slip.recordings import Recording, count_held_out, draw_held_out, read_folder
+from benchmarks.slip.report import FILES, Report
+from benchmarks.slip.scores import measure
+from fingertip.design import Design
+from fingertip.firmware.packaging import TABLE
+from fingertip.foundation import extras
+from fingertip.foundation.errors import FingertipError, Issue
+from fingertip.foundation.progress import Work
+
+__all__ = ["FILES", "Source", "read_options", "run"]
+
+
+@dataclass(frozen=True)
+class Source:
+    """What is compared, on what."""
+
+    folder: Path | None
+    layout: str | None
+    names: tuple[str, ...]
+    share: float
+
+
+def read_options(folder: Path | None, layout: str | None, detectors: str | None, share: float) -> Source:
+    """Check the options, before any work. Raises FingertipError with all faults."""
+    issues = list[Issue]()
+    names = tuple(COMPETITORS) if detectors is None else tuple(name.strip() for name in detectors.split(","))
+    for name in names:
+        if name not in COMPETITORS:
+            issues.append(Issue("--detectors", f"{name!r} is not known; choose among {', '.join(COMPETITORS)}."))
+    if layout is not None and layout not in LAYOUTS:
+        known = "; ".join(f"{name} ({one.words})" for name, one in LAYOUTS.items())
+        issues.append(Issue("--layout", f"{layout!r} is not known; choose among {known}."))
+    if layout is not None and folder is None:
+        issues.append(Issue("--layout", "describes a folder; give the folder that holds the set."))
+    if folder is not None and not folder.is_dir():
+        issues.append(Issue(str(folder), "is not a folder; give the one that holds the recordings."))
+    if not 0.05 <= share <= 1.0:
+        issues.append(Issue("--share", f"{share:g} is out of bounds; choose 0.05 to 1."))
+    if issues:
+        raise FingertipError(issues)
+    extras.require("fingertip bench slip", "scipy", "numba", "matplotlib")
+    return Source(folder, layout, tuple(dict.fromkeys(names)), share)
+
+
+def run(design: Design, source: Source, progress: Callable[[str], None]) -> Report:
+    """Read or draw the recordings, and run the detectors over them. Raises TraceError."""
+    recordings: Iterable[Recording]
+    if source.folder is None:
+        title = f"Signals of benchmarks/held_out_signals.py, for the board of {design.name}"
+        recordings = draw_held_out(design, source.share, 1)
+        count = sum(count_held_out(row, source.share) for row in held_out_signals.ROWS)
+    else:
+        found = read_folder(source.folder) if source.layout is None else read_layout(source.layout, source.folder)
+        title, recordings, count = found.title, found.recordings, len(found.recordings)
+    work = Work("bench slip", {"detectors": 1.0}, progress)
+    work.begin("detectors")
+    done = 0
+
+    def advance(_: Recording) -> None:
+        nonlocal done
+        done += 1
+        work.advance(done / count)
+
+    points = measure(design, recordings, source.names, advance)
+    return Report(title, points, _read_instructions(design))
+
+
+def _read_instructions(design: Design) -> int | None:
+    """Instructions a sample in slip, measured by the emulator of a Cortex-M4F; None for another sampling rate."""
+    import json
+
+    measured = json.loads(resources.files("fingertip.firmware").joinpath(TABLE).read_text("utf-8"))
+    if not math.isclose(design.detector.sample_rate_hz, measured["sample_rate_hz"]):
+        return None
+    return int(measured["targets"]["Cortex-M4F"]["instructions"]["slip"])

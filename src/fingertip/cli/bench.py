@@ -1,0 +1,115 @@
+"""`fingertip bench`: the simulation beside other solvers, and slip detectors beside each other."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fingertip.cli.console import Console
+from fingertip.cli.help_page import HelpCommand, HelpGroup
+from fingertip.cli.options import VerboseOption, command, load_design
+
+_CHECKOUT = Path(__file__).parents[3]
+"""Folder of a clone, whose benchmarks are not in the wheel."""
+
+
+bench = typer.Typer(
+    name="bench", help="Compare the simulation and the detectors with others.", cls=HelpGroup, no_args_is_help=True
+)
+
+
+@bench.callback()
+def _bench() -> None:
+    """Compare the simulation and the detectors with others. Needs a clone."""
+
+
+@bench.command(cls=HelpCommand)
+@command
+def solvers(
+    console: Console,
+    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for work_precision.png and .json.")] = Path(
+        "out/bench"
+    ),
+    seconds: Annotated[
+        float, typer.Option(help="Seconds of the contact problem; the board's is a fifth as long, at least 0.5 s.")
+    ] = 5.0,
+    boards: Annotated[int, typer.Option(help="Number of boards to simulate at once.")] = 10_000,
+    peers: Annotated[
+        str,
+        typer.Option("--solvers", help="Solvers to compare with, comma-separated: scipy's, SUNDIALS CVODE, ngspice."),
+    ] = "LSODA,Radau,BDF,odeint,CVODE,ngspice",
+    first_run: Annotated[
+        bool, typer.Option(help="Also measure a fresh process, with an empty and with a full compiler cache.")
+    ] = True,
+    verbose: VerboseOption = False,
+) -> None:
+    """Measure error and run time of the simulation beside other solvers."""
+    from fingertip.foundation.output_set import SetWriter, hash_parameters
+
+    _find_benchmarks("solvers")
+    from benchmarks.peers.options import FILES, read_options, require_libraries
+
+    names = read_options(peers, seconds, boards)
+    writer = SetWriter(out, "benchmark", "", hash_parameters([]))
+    writer.check(FILES)
+    require_libraries()
+    from benchmarks.peers.run import run
+
+    found = run(names, seconds, boards, first_run, console.progress)
+    writer.write(dict(zip(FILES, found.encode(), strict=True)))
+    console.progress(f"wrote {', '.join(FILES)} to {out}")
+    details = f"details: {out / 'work_precision.txt'}, or --verbose"
+    said = found.text if verbose else "\n".join([*found.verdict, details])
+    console.result(found.data, said, passed=not found.misses_target)
+
+
+@bench.command(cls=HelpCommand)
+@command
+def slip(
+    console: Console,
+    recordings: Annotated[
+        Path | None,
+        typer.Argument(help="Folder of labelled recordings or of a public set; default: the project's own signals."),
+    ] = None,
+    layout: Annotated[
+        str | None, typer.Option(help="Layout of a public set, as its authors publish it; another word lists them.")
+    ] = None,
+    design: Annotated[
+        Path | None, typer.Option(help="Design file or bundled name; the default design if left out.")
+    ] = None,
+    detectors: Annotated[
+        str | None, typer.Option(help="Detectors to compare, comma-separated; all if left out.")
+    ] = None,
+    share: Annotated[float, typer.Option(help="Share of the project's own signals, 0.05 to 1.")] = 0.25,
+    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for slip_curve.png and slip_bench.json.")] = Path(
+        "out/bench_slip"
+    ),
+) -> None:
+    """Compare slip detectors by delay and false alarms, on labelled recordings or on the project's own signals."""
+    from fingertip.foundation.output_set import SetWriter, hash_parameters
+
+    _find_benchmarks("slip")
+    from benchmarks.slip.run import FILES, read_options, run
+
+    loaded = load_design(design, None)
+    source = read_options(recordings, layout, detectors, share)
+    writer = SetWriter(out, "slip benchmark", "", hash_parameters([]))
+    writer.check(FILES)
+    report = run(loaded, source, console.progress)
+    writer.write(dict(zip(FILES, report.encode(), strict=True)))
+    console.progress(f"wrote {', '.join(FILES)} to {out}")
+    console.result(report.as_data(), report.as_text())
+
+
+def _find_benchmarks(name: str) -> None:
+    """Make the package `benchmarks` of the clone importable. Raises FingertipError."""
+    from fingertip.foundation.errors import FingertipError, Issue
+
+    if not (_CHECKOUT / "benchmarks" / "peers" / "run.py").is_file():
+        problem = "needs the folder benchmarks/ of a clone of the project, which pip does not install"
+        remedy = f"run `sh install.sh` in a clone, then `.venv/bin/fingertip bench {name}` there"
+        raise FingertipError(Issue(f"fingertip bench {name}", f"{problem}; {remedy}."))
+    sys.path.insert(0, str(_CHECKOUT))

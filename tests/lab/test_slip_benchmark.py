@@ -1,0 +1,242 @@
+"""Benchmark of slip detectors: folders of recordings, public layouts, scores, and the command."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.io import savemat
+
+from benchmarks.slip import scores
+from benchmarks.slip.baselines import adapt
+from benchmarks.slip.competitors import COMPETITORS, Competitor
+from benchmarks.slip.public_sets import LAYOUTS, read_layout
+from benchmarks.slip.recordings import Recording, Stretch, draw_held_out, read_folder
+from benchmarks.slip.run import read_options
+from fingertip.design import Design
+from fingertip.foundation.errors import FingertipError, TraceError
+from fingertip.lab.campaign.mix_signals import LabelledSignal, Slide, draw_band_noise
+from fingertip.slip.traces.truth import Interval
+from tests.conftest import run_fingertip
+
+RATE_HZ = 2000.0
+LABELS = "file,kind,start_s,end_s,motion_s\none.csv,quiet,0.2,1.2,\none.csv,slip,1.5,2.0,1.49\none.csv,tap,2.4,2.5,\n"
+
+
+def write_recording(folder: Path, labels: str = LABELS, name: str = "one.csv") -> None:
+    """Write 3 s of noise with a burst of 20 mV from 1.5 to 2 s, and its labels."""
+    rng = np.random.default_rng(3)
+    time_s = np.arange(round(3 * RATE_HZ)) / RATE_HZ
+    volts = 1.0 + 4e-4 * rng.standard_normal(len(time_s))
+    inside = (time_s >= 1.5) & (time_s < 2.0)
+    volts[inside] += 0.02 * draw_band_noise(rng, int(inside.sum()), RATE_HZ, 40.0, 200.0)
+    rows = (f"{t:.4f},{v:.6f}\n" for t, v in zip(time_s, volts, strict=True))
+    (folder / name).write_text("time_s,voltage_v\n" + "".join(rows))
+    (folder / "labels.csv").write_text(labels)
+
+
+def test_a_folder_is_read_with_its_labels(tmp_path: Path) -> None:
+    write_recording(tmp_path)
+    (tmp_path / "bench.toml").write_text('title = "mine"\nrises_with_force = false\nscale = 2\n')
+    found = read_folder(tmp_path)
+    (one,) = found.recordings
+    assert (found.title, one.signal.rate_hz, one.signal.slides) == ("mine", RATE_HZ, (Slide(1.49, 1.5, 2.0),))
+    assert [stretch.kind for stretch in one.stretches] == ["quiet", "tap"]
+    assert one.quiet is not None
+    assert len(one.quiet) == RATE_HZ
+    assert 1.9 < one.signal.voltage_v[0] < 2.1
+    # The article's board falls with the force, the default one rises: the signal is turned for the latter.
+    assert adapt(Design.load("article"), one)[1].signal.voltage_v[0] > 0.0 > adapt(Design(), one)[1].signal.voltage_v[0]
+
+
+@pytest.mark.parametrize(
+    ("labels", "settings", "said"),
+    [
+        ("one.csv,slip,1.5,3.5\n", "", "labels.csv, one.csv: slip from 1.5 to 3.5 s does not lie within the recording"),
+        ("one.csv,shake,1,2\none.csv,slip,x,2\n", "", "'shake' is not a kind of stretch; choose among slip, quiet"),
+        ("one.csv,shake,1,2\none.csv,slip,x,2\n", "", "line 3: has a time that is not a number"),
+        ("one.csv,slip,2,1.5\n", "", "line 2: ends at 1.5 s and begins at 2 s"),
+        ("one.csv,slip,1\n", "", "line 2: has 3 cells; give 4"),
+        ("../one.csv,slip,1,2\n", "", "does not name a file of this folder"),
+        ("two.csv,slip,1,2\n", "", "two.csv: cannot be read (No such file or directory)"),
+        ("one.csv,quiet,1,2\n", "", "holds no slip; label one"),
+        ("", "", "holds no recording of this layout"),
+        (LABELS.split("\n", 1)[1], "", "line 2: has 5 cells; give 4"),
+        ("one.csv,slip,1,2\n", "rate = 5\nscale = true\n", "rate: is not known; choose among title, rate_hz"),
+        ("one.csv,slip,1,2\n", "rate = 5\nscale = true\n", "scale: True is not a number; correct it."),
+        ("one.csv,slip,1,2\n", "columns = {voltage_v = 1}\n", "columns: gives a name for each column"),
+        ("one.csv,slip,1,2\n", "columns = [\n", "bench.toml: is not TOML"),
+    ],
+)
+def test_each_fault_of_a_folder_is_named(labels: str, settings: str, said: str, tmp_path: Path) -> None:
+    write_recording(tmp_path, "file,kind,start_s,end_s\n" + labels)
+    (tmp_path / "bench.toml").write_text(settings)
+    with pytest.raises(TraceError) as refused:
+        read_folder(tmp_path)
+    assert said in str(refused.value)
+
+
+def test_options_are_refused_together() -> None:
+    with pytest.raises(FingertipError) as refused:
+        read_options(None, "mine", "fast,slow", 2.0)
+    text = str(refused.value)
+    assert "--detectors: 'slow' is not known; choose among fast, incipient" in text
+    assert "--layout: 'mine' is not known; choose among natural_texture (a fingertip on a stage" in text
+    assert "--layout: describes a folder" in text
+    assert "--share: 2 is out of bounds; choose 0.05 to 1." in text
+
+
+def make_stage(folder: Path) -> None:
+    """Write what R. V. Grigorii publishes: 10 kHz, five columns; the stage moves in air, rests, and moves in touch."""
+    counts, normal_v = np.zeros(50_000), np.full(50_000, 5.3)
+    counts[5000:15_000] = -8 * np.arange(10_000)
+    counts[15_000:] = counts[14_999]
+    counts[30_000:40_000] += 8 * np.arange(10_000)
+    counts[40_000:] = counts[39_999]
+    normal_v[18_000:44_000] = 3.7
+    table = np.zeros((50_000, 5))
+    table[:, 0] = 1e-3 * np.random.default_rng(1).standard_normal(50_000)
+    table[:, 1], table[:, 4] = normal_v, np.where(counts < 0, counts + 2.0**32, counts)
+    savemat(folder / "data_temp.mat", {"dataQ": table})
+
+
+def make_biotac(folder: Path) -> None:
+    """Write what R. Gao et al. publish: 22 pressures a row of 10 ms, and lines that end with a comma."""
+    place = folder / "raw_data/mat1"
+    place.mkdir(parents=True)
+    pressures = [f"pac{i}" for i in range(1, 23)]
+    lines = [",".join(["timestamp", "tdc", *pressures])]
+    lines += [",".join([f"{1000 + 0.01 * row:.4f}", "3", *["1200"] * 22]) + "," for row in range(200)]
+    (place / "mat1_1_bio.csv").write_text("\n".join(lines) + "\n")
+    moves = [f"{1000 + 0.005 * row:.4f},{0.025 * 0.005 * row:.6f},0,0,0,0,0,1," for row in range(400)]
+    (place / "mat1_1_cp.csv").write_text("timestamp,posx,posy,posz,ox,oy,oz, ow\n" + "\n".join(moves) + "\n")
+
+
+def make_cluster(folder: Path, suffix: str = ".csv") -> None:
+    """Write what M. Eguchi et al. publish: uneven times, the force in N, the position in mm."""
+    tables = {
+        "force": {"time": np.cumsum(np.tile((0.00021, 0.00013), 6000)), "force": np.full(12_000, 1.0)},
+        "position": {
+            "time": np.arange(204) / 100,
+            "X": np.maximum(0.0, np.arange(204) - 100) * 0.4,
+            "Y": np.zeros(204),
+        },
+    }
+    for name, columns in tables.items():
+        place = folder / "sensor_data" / name / "0"
+        place.mkdir(parents=True)
+        path = place / f"0_135_40_500_0{suffix}"
+        if suffix == ".csv":
+            np.savetxt(path, np.stack(list(columns.values()), 1), delimiter=",", header=",".join(columns), comments="")
+        else:
+            pyarrow = pytest.importorskip("pyarrow")
+            pytest.importorskip("pyarrow.parquet").write_table(pyarrow.table(columns), path)
+
+
+def make_piezo(folder: Path) -> None:
+    """Write what the authors publish: eight columns of volts without names and times, 2 kHz."""
+    table = 1.82 + 1e-3 * np.random.default_rng(2).standard_normal((4000, 8))
+    np.savetxt(folder / "Sensor_T1.lvm", table, delimiter="\t", fmt="%.16f")
+    (folder / "labels.csv").write_text("file,kind,start_s,end_s\nSensor_T1.lvm,quiet,0,1\nSensor_T1.lvm,slip,1.2,1.4\n")
+
+
+@pytest.mark.parametrize(
+    ("layout", "make", "rate_hz", "slip_s", "quiet_s"),
+    [
+        ("natural_texture", make_stage, 10_000.0, (3.0, 4.0), 1.0),
+        ("biotac_slide", make_biotac, 2200.0, (0.0, 2.0), 0.3),
+        ("cluster_texture", make_cluster, 6000.0, (1.0, 2.0), 0.9),
+        ("piezo_onset", make_piezo, 2000.0, (1.2, 1.4), 1.0),
+    ],
+)
+def test_public_sets_are_read_in_their_published_form(
+    layout: str, make: object, rate_hz: float, slip_s: tuple[float, float], quiet_s: float, tmp_path: Path
+) -> None:
+    assert callable(make)
+    make(tmp_path)
+    (one,) = read_layout(layout, tmp_path).recordings
+    assert one.signal.rate_hz == pytest.approx(rate_hz)
+    (slide,) = one.signal.slides
+    assert (slide.onset_s, slide.end_s) == pytest.approx(slip_s, abs=0.06)
+    assert one.quiet is not None
+    assert len(one.quiet) / rate_hz == pytest.approx(quiet_s, abs=0.15)
+
+
+def test_a_set_in_parquet_is_the_same_as_in_csv(tmp_path: Path) -> None:
+    (tmp_path / "a").mkdir()
+    (tmp_path / "b").mkdir()
+    make_cluster(tmp_path / "a")
+    make_cluster(tmp_path / "b", ".parquet")
+    one, other = (read_layout("cluster_texture", tmp_path / name).recordings[0] for name in "ab")
+    assert np.allclose(one.signal.voltage_v, other.signal.voltage_v)
+    assert one.signal.slides == other.signal.slides
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_a_folder_of_another_layout_is_refused(layout: str, tmp_path: Path) -> None:
+    with pytest.raises(TraceError, match=r"holds no recording of this layout|labels\.csv: is missing"):
+        read_layout(layout, tmp_path)
+    make_biotac(tmp_path)
+    if layout == "biotac_slide":
+        (tmp_path / "raw_data/mat1/mat1_1_cp.csv").write_text("timestamp,x\n1,2\n")
+        with pytest.raises(TraceError, match="has no column 'posx'"):
+            read_layout(layout, tmp_path)
+
+
+def test_alarms_and_delays_are_counted_where_they_belong(monkeypatch: pytest.MonkeyPatch) -> None:
+    flags = np.zeros(round(4 * RATE_HZ), dtype=bool)
+    for start_s, end_s in ((0.1, 0.2), (1.02, 1.5), (2.3, 2.4), (2.7, 2.8), (3.2, 3.3)):
+        flags[round(start_s * RATE_HZ) : round(end_s * RATE_HZ)] = True
+
+    def run(design: Design, recording: Recording, factors: object) -> list[np.ndarray]:
+        return [flags, flags & False]
+
+    monkeypatch.setitem(
+        COMPETITORS,
+        "known",
+        Competitor("known", "", (1.0, 2.0), run, lambda _: 0.05, "1"),  # type: ignore[arg-type]
+    )
+    signal = LabelledSignal("a", RATE_HZ, np.zeros(len(flags)), (Slide(0.98, 1.0, 1.5),), (Interval(2.2, 2.25),), 0.5)
+    recording = Recording(signal, (Stretch("tap", 2.2, 2.25), Stretch("unsure", 3.1, 4.0)))
+    own, silent = scores.measure(Design(), [recording], ["known"])["known"]
+    assert own.delays_s == pytest.approx([0.02])
+    assert own.motion_delays_s == pytest.approx([0.04])
+    assert own.on_share == pytest.approx(0.96)
+    # 0.1 s: before alarms count. 2.3 s: the tap's reaction. 2.7 s: nothing is labelled. 3.2 s: not sure.
+    assert own.alarms == {"tap": 1, "unlabelled": 1, "unsure": 1}
+    assert own.counted == 2
+    assert own.counted_minutes == pytest.approx((3.5 - 0.52 - 0.9) / 60)
+    assert (silent.found_share, silent.counted) == (0.0, 0)
+    assert scores.at_rate((own, silent), 1.0) is None
+    assert scores.at_rate((own, silent), 100.0) is own
+    assert scores.at_rate((own, silent), 20.0) is None, "0.04 min show no rate of 20"
+    assert scores.best_points((own, silent), 0.5) == [own]
+
+
+@pytest.mark.parametrize("name", COMPETITORS)
+def test_each_detector_finds_a_strong_slip(name: str) -> None:
+    rows = draw_held_out(Design(), 0.1, 5, ["slip at constant force"])
+    points = scores.measure(Design(), rows, [name])[name]
+    best = max(points, key=lambda point: point.found_share)
+    assert best.found_share > 0.85
+    assert scores.at_own_threshold(points).factor == 1.0
+    # A higher threshold finds fewer slips, or the same later.
+    assert points[-1].quantile_ms(0.5) > best.quantile_ms(0.5)
+
+
+def test_the_command_compares_detectors_on_a_folder(tmp_path: Path) -> None:
+    write_recording(tmp_path)
+    done = run_fingertip("bench", "slip", tmp_path, "--detectors", "digital,cusum", "--out", tmp_path / "o", "--json")
+    assert done.returncode == 0, done.stderr
+    data = json.loads(done.stdout)
+    assert data == json.loads((tmp_path / "o/slip_bench.json").read_text())
+    assert list(data["detectors"]) == ["digital", "cusum"]
+    own = next(p for p in data["detectors"]["digital"]["points"] if p["threshold_factor"] == 1.0)
+    assert own["found_share"] == 1.0
+    assert 2.0 < own["delay_median_ms"] < 25.0
+    assert (tmp_path / "o/slip_curve.png").read_bytes()[:4] == b"\x89PNG"
+    text = (tmp_path / "o/slip_bench.txt").read_text()
+    assert "1 slips, 0.0 min without slip" in text
+    assert "are too short to show 0.1 alarms a minute" in text

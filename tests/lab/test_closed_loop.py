@@ -110,6 +110,9 @@ def test_detector_in_the_loop_holds_every_object_in_time():
     assert with_it.false_grips == with_it.unanswered == 0
     for one in trials:
         assert one.manipulation.output("slip").any()
+    assert 0.0 < with_it.slipped_m < without.slipped_m
+    # One increase or two by the ratio, less what the other fingers yield.
+    assert 1.3 < with_it.force_ratio < 3.0
     displacements = {(one.detector, one.name): one.manipulation.signals.object_m[-1] for one in trials}
     assert all(displacements["fast", name] < displacements[NO_CONTROL, name] for name in ("bottle", "parallelepiped"))
 
@@ -127,7 +130,17 @@ def test_detector_in_the_loop_holds_every_object_in_time():
 )
 def test_closed_loop_requirements_can_be_missed(change, missed):
     met = {"detector": "fast", "count": 12, "held": 12, "slipped": 12, "reactions_s": (0.03,), "unanswered": 0}
-    summary = ClosedLoopSummary(**{**met, "false_grips": 0, "suppressed": 3, "suppressed_true": 0, **change})
+    summary = ClosedLoopSummary(
+        **{
+            **met,
+            "false_grips": 0,
+            "suppressed": 3,
+            "suppressed_true": 0,
+            "slipped_m": 0.001,
+            "force_ratio": 1.2,
+            **change,
+        }
+    )
     requirements = list(check_closed_loop(summary, RequirementLimits()))
     assert {requirement.name for requirement in requirements if not requirement.passed} == missed
     assert requirements[0].message == f"{summary.held} of 12 objects held; at least 91.7 %"

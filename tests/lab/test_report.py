@@ -86,7 +86,7 @@ def manipulation(name: str, kind: str, seed: int, lost_s: float | None, moved_m:
     return SimpleNamespace(
         scene=scene, seed=seed, time_s=T, lost_s=lost_s, fingers=("thumb", "index"), output=columns.__getitem__,
         signals=SimpleNamespace(closing_m=closing, object_m=HELD if lost_s is None else LOST),
-        plan=SimpleNamespace(knock_s=1.9, closed_s=1.0),
+        plan=SimpleNamespace(knock_s=1.9, closed_s=1.0, force_n=np.array((1.0, 1.2))),
     )  # fmt: skip
 
 

@@ -226,7 +226,7 @@ def validate(
     mix_size = MixSize(max(4, plan.trials), max(4, 2 * plan.trials // 5))
     mix = summarise_mix(run_detector(detector, design, generate_mix(design, mix_size, first_seed + MIX_SEED_OFFSET)))
     work.begin("closed loop")
-    loop_detectors = tuple(dict.fromkeys(("analog", "fast", detector)))
+    loop_detectors = tuple(dict.fromkeys(("analog", "incipient", "fast", detector)))
     loop_repeats = 3 if plan.trials >= 12 else 1
     manipulations = run_closed_loop(design, loop_detectors, loop_repeats)
     summaries = summarise(manipulations)

@@ -55,6 +55,8 @@ MAX_SINCE_SLIP_S = 0.15
 """Longest time since true slip for which a grip increase is justified [s]. Assumption: a detector's memory."""
 _OUTPUTS = ["voltage_v", "force_n", "slip", "closing_m", "object_m"]
 """Outputs of every manipulation; the board's envelope is added where the detector reads it."""
+_END_S = 0.2
+"""Time at the end over which the force is averaged [s]."""
 _TABLE_N = np.concatenate((np.linspace(0.0, 2.0, 401), np.linspace(2.05, 20.0, 360)))
 
 
@@ -63,6 +65,8 @@ class GripSettings:
     """Settings of the grip law. Times and ratios were chosen on the tuning seeds of `fingertip.lab.campaign.plan`."""
 
     detector: str = "fast"
+    threshold_scale: float = 1.0
+    """Factor of the detector's threshold."""
     max_growth_n_s: float = 8.0
     """Growth of a finger's force above which detections are suppressed [N/s]: more than vibration appears to cause."""
     growth_window_s: float = 0.1
@@ -93,7 +97,9 @@ class GripController:
         self.settings = settings
         self.decisions: list[GripDecision] = []
         self._pad = Pad.from_design(design)
-        self._detectors = [make_detector(settings.detector, design) for _ in range(fingers)]
+        self._detectors = [
+            make_detector(settings.detector, design, threshold_scale=settings.threshold_scale) for _ in range(fingers)
+        ]
         # The hand knows what part of a grip's force its sensors feel.
         volts = compute_bridge_v(design, self._pad.sensed_n(_TABLE_N, None, reads_whole_finger(design, "board")))
         order = np.argsort(volts)
@@ -186,6 +192,10 @@ class ClosedLoopTrial:
     """Number of suppressed detections without true slip; consecutive periods count once."""
     suppressed_true: int
     """Number of suppressed detections in true slip before any grip increase; consecutive periods count once."""
+    slipped_m: float
+    """Way of the object while it slips past any finger [m]."""
+    force_ratio: float
+    """Mean force of the fingers at the end, over the planned one; NaN if the object was lost."""
     manipulation: ManipulationResult
     decisions: tuple[GripDecision, ...]
 
@@ -250,9 +260,18 @@ def evaluate_manipulation(
         sum(not is_true(at) for at in grips),
         sum(not is_true(at) for at in suppressed),
         len(suppressed_true),
+        float(np.abs(np.diff(manipulation.signals.object_m))[slip[1:]].sum()),
+        _find_force_ratio(manipulation),
         manipulation,
         tuple(decisions),
     )
+
+
+def _find_force_ratio(manipulation: ManipulationResult) -> float:
+    if manipulation.lost_s is not None:
+        return math.nan
+    last = manipulation.time_s > manipulation.time_s[-1] - _END_S
+    return float(np.mean(manipulation.output("force_n")[:, last].mean(axis=1) / manipulation.plan.force_n))
 
 
 def any_finger_slips(manipulation: ManipulationResult) -> NDArray[np.bool_]:
@@ -274,6 +293,10 @@ class ClosedLoopSummary:
     false_grips: int
     suppressed: int
     suppressed_true: int
+    slipped_m: float
+    """Median way that the objects slip [m]."""
+    force_ratio: float
+    """Mean force at the end over the planned one, of those held; NaN if none is."""
 
 
 def summarise(trials: Sequence[ClosedLoopTrial]) -> list[ClosedLoopSummary]:
@@ -286,5 +309,8 @@ def summarise(trials: Sequence[ClosedLoopTrial]) -> list[ClosedLoopSummary]:
         unanswered = len(slipped) - len(reactions_s)
         counts = zip(*((trial.false_grips, trial.suppressed, trial.suppressed_true) for trial in group), strict=True)
         outcome = (len(group), held, len(slipped), reactions_s, unanswered)
-        summaries.append(ClosedLoopSummary(detector, *outcome, *map(sum, counts)))
+        slipped_m = float(np.median([trial.slipped_m for trial in group]))
+        ratios = [trial.force_ratio for trial in group if trial.held]
+        ratio = float(np.mean(ratios)) if ratios else math.nan
+        summaries.append(ClosedLoopSummary(detector, *outcome, *map(sum, counts), slipped_m, ratio))
     return summaries

@@ -106,7 +106,13 @@ def as_data(result: CampaignResult, studies: StudyResults) -> dict[str, Any]:
         "motor_discrimination": list(map(to_data, studies.motor)),
         "knock_rejection": list(map(to_data, studies.knocks)),
         "closed_loop": [
-            {**asdict(row), "reactions_s": [round(s, 7) for s in row.reactions_s]} for row in studies.closed_loop
+            {
+                **asdict(row),
+                "reactions_s": [round(s, 7) for s in row.reactions_s],
+                "slipped_m": round(row.slipped_m, 7),
+                "force_ratio": to_number(row.force_ratio),
+            }
+            for row in studies.closed_loop
         ],
         "seed_ranges": robustness.ranges_as_data(studies.seed_ranges),
         "wider_mix": robustness.mix_as_data(studies.wider_mix),
@@ -277,10 +283,13 @@ def _study_tables(studies: StudyResults) -> list[str]:
         "closed loop: four objects, each hit by a robot's pin. False grips: grip increases",
         "without slip. Suppressed: detections without slip that did not tighten the grip,",
         "because the hand was closing or its force was growing.",
-        f"{'detector':18} {'held':>9}   {'reaction median, slowest':>24} {'false grips':>11} {'suppressed':>10}",
+        "Slipped: median way of the object. Force: at the end, over the planned one, of objects held.",
+        f"{'detector':18} {'held':>9} {'slipped':>9} {'force':>6}   {'reaction median, slowest':>24} {'false grips':>11} "
+        f"{'suppressed':>10}",
     ]
     for row in studies.closed_loop:
-        text = f"{row.detector:18} {f'{row.held} of {row.count}':>9}"
+        text = f"{row.detector:18} {f'{row.held} of {row.count}':>9} {1000 * row.slipped_m:6.1f} mm"
+        text += f" {row.force_ratio:6.2f}" if row.held else f" {'-':>6}"
         if row.detector != NO_CONTROL:
             ranked = row.reactions_s
             times = f"{_ms(ranked[len(ranked) // 2])} {_ms(ranked[-1])}" if ranked else "no slip"

@@ -63,6 +63,16 @@ def test_the_table_is_that_of_the_present_training() -> None:
     assert (model.trees, card["sizes"]["rounds"]) == (fit.TREES, fit.ROUNDS)
     assert card["first_seeds"] == fit.SEEDS
     assert set(card["versions"]) == {"python", "numpy", "scipy", "scikit-learn"}
+    pins = (Path(fit.__file__).with_name("requirements.txt")).read_text().splitlines()
+    assert f"scikit-learn=={card['versions']['scikit-learn']}" in pins
+
+
+@pytest.mark.full
+def test_the_signals_of_a_small_fit_are_the_approved_ones() -> None:
+    """`.ci/full` fits with scikit-learn to these signals, and compares the whole table."""
+    card = json.loads(Path(__file__).with_name("approved").joinpath("small_fit.json").read_text())["card"]
+    sizes = {name: card["sizes"][name] for name in ("trials", "events", "disturbances")}
+    assert fit.hash_signals(fit.load_signals(None, sizes)) == card["signals_sha256"]
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -135,18 +135,22 @@ def _round(values: Any) -> Any:
 
 def make_card(signals: Sequence[TrainingSignal], sizes: Mapping[str, int], rounds: int) -> dict[str, Any]:
     """State what a model was fitted to, and with what: the same card gives the same bytes."""
-    digest = hashlib.sha256()
-    for item in signals:
-        for volts in (item.signal.voltage_v, item.signal.filtered_v):
-            digest.update(b"" if volts is None else volts.tobytes())
     versions = {"python": platform.python_version()}
     versions |= {name: metadata.version(name) for name in ("numpy", "scipy", "scikit-learn")}
     return {
         "versions": versions,
         "sizes": {**sizes, "signals": len(signals), "rounds": rounds},
         "first_seeds": SEEDS,
-        "signals_sha256": digest.hexdigest(),
+        "signals_sha256": hash_signals(signals),
     }
+
+
+def hash_signals(signals: Sequence[TrainingSignal]) -> str:
+    digest = hashlib.sha256()
+    for item in signals:
+        for volts in (item.signal.voltage_v, item.signal.filtered_v):
+            digest.update(b"" if volts is None else volts.tobytes())
+    return digest.hexdigest()
 
 
 def as_json(model: FastModel, card: Mapping[str, Any]) -> str:

@@ -10,7 +10,14 @@ import pytest
 
 from fingertip.lab.campaign.mix_signals import LabelledSignal, Slide
 from fingertip.slip.detectors import fast_loop
-from fingertip.slip.detectors.fast import STAY_SCORE, TICK_S, FastDetector, FastSettings, FilteredSignal
+from fingertip.slip.detectors.fast import (
+    STAY_SCORE,
+    TICK_S,
+    FastDetector,
+    FastSettings,
+    FilteredSignal,
+    IncipientDetector,
+)
 from fingertip.slip.detectors.fast_coefficients import (
     DEPTH,
     FEATURES,
@@ -277,6 +284,10 @@ def test_outputs_for_a_controller():
     assert output.confidence[first] > 1.0
     assert (output.confidence[first - 4 : first] <= 1.0).all()
     assert output.incipient[first]
+    early = IncipientDetector(SETTINGS).process(volts)
+    assert np.array_equal(early.on, output.incipient)
+    assert early.threshold_v[first] / output.threshold_v[first] == pytest.approx(0.862, abs=0.001)
+    assert early.statistic_v[np.argmax(early.on)] >= early.threshold_v[np.argmax(early.on)]
     assert np.flatnonzero(output.incipient)[0] <= first
     assert output.statistic_v == pytest.approx(output.confidence * output.threshold_v)
     assert detector.noise_v == pytest.approx(NOISE_V, rel=0.3)

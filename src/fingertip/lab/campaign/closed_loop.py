@@ -300,17 +300,26 @@ class ClosedLoopSummary:
 
 
 def summarise(trials: Sequence[ClosedLoopTrial]) -> list[ClosedLoopSummary]:
-    summaries = []
-    for detector in dict.fromkeys(trial.detector for trial in trials):
-        group = [trial for trial in trials if trial.detector == detector]
-        slipped = [trial for trial in group if trial.onset_s is not None]
-        held = sum(trial.held for trial in group)
-        reactions_s = tuple(sorted(trial.reaction_s for trial in slipped if trial.reaction_s is not None))
-        unanswered = len(slipped) - len(reactions_s)
-        counts = zip(*((trial.false_grips, trial.suppressed, trial.suppressed_true) for trial in group), strict=True)
-        outcome = (len(group), held, len(slipped), reactions_s, unanswered)
-        slipped_m = float(np.median([trial.slipped_m for trial in group]))
-        ratios = [trial.force_ratio for trial in group if trial.held]
-        ratio = float(np.mean(ratios)) if ratios else math.nan
-        summaries.append(ClosedLoopSummary(detector, *outcome, *map(sum, counts), slipped_m, ratio))
-    return summaries
+    groups: dict[str, list[ClosedLoopTrial]] = {}
+    for trial in trials:
+        groups.setdefault(trial.detector, []).append(trial)
+    return [_summarise_group(detector, group) for detector, group in groups.items()]
+
+
+def _summarise_group(detector: str, group: Sequence[ClosedLoopTrial]) -> ClosedLoopSummary:
+    slipped = [trial for trial in group if trial.onset_s is not None]
+    reactions_s = tuple(sorted(trial.reaction_s for trial in slipped if trial.reaction_s is not None))
+    ratios = [trial.force_ratio for trial in group if trial.held]
+    return ClosedLoopSummary(
+        detector,
+        count=len(group),
+        held=len(ratios),
+        slipped=len(slipped),
+        reactions_s=reactions_s,
+        unanswered=len(slipped) - len(reactions_s),
+        false_grips=sum(trial.false_grips for trial in group),
+        suppressed=sum(trial.suppressed for trial in group),
+        suppressed_true=sum(trial.suppressed_true for trial in group),
+        slipped_m=float(np.median([trial.slipped_m for trial in group])),
+        force_ratio=float(np.mean(ratios)) if ratios else math.nan,
+    )

@@ -284,8 +284,8 @@ def _study_tables(studies: StudyResults) -> list[str]:
         "without slip. Suppressed: detections without slip that did not tighten the grip,",
         "because the hand was closing or its force was growing.",
         "Slipped: median way of the object. Force: at the end, over the planned one, of objects held.",
-        f"{'detector':18} {'held':>9} {'slipped':>9} {'force':>6}   {'reaction median, slowest':>24} {'false grips':>11} "
-        f"{'suppressed':>10}",
+        f"{'detector':18} {'held':>9} {'slipped':>9} {'force':>6}   {'reaction median, slowest':>24} "
+        f"{'false grips':>11} {'suppressed':>10}",
     ]
     for row in studies.closed_loop:
         text = f"{row.detector:18} {f'{row.held} of {row.count}':>9} {1000 * row.slipped_m:6.1f} mm"

@@ -136,6 +136,8 @@ class FastOutput(DetectorOutput):
     """Statistic over threshold: from 1 on, slip turns ON."""
     incipient: NDArray[np.bool_]
     """True if slip may have begun: earlier than `on`, with more false alarms, and true as long as `on` is."""
+    incipient_threshold_v: Array
+    """Threshold of the statistic above which `incipient` begins, in the stated noise [V]."""
 
 
 class FastDetector(Detector):
@@ -221,7 +223,14 @@ class FastDetector(Detector):
         m = self._model
         LOOP(self.coefficients, m.features, m.thresholds, m.leaves, stride, samples, filtered, self._state, rows, *out)
         wide, confidence, level, flags = out
-        return FastOutput(confidence * level, level, flags > 1.0, wide, confidence, flags > 0.0)
+        early = self._early_share * level
+        return FastOutput(confidence * level, level, flags > 1.0, wide, confidence, flags > 0.0, early)
+
+    @property
+    def _early_share(self) -> float:
+        """Threshold of `incipient` over that of ON, in the stated noise."""
+        c = self.coefficients
+        return 1 - c.incipient_margin / (c.threshold - c.lowest_score)
 
     def _start(self, voltage_v: float, filtered_v: float | None) -> None:
         """Take the first sample for constant inputs until then: there is no difference, and nothing in the bands."""
@@ -255,23 +264,17 @@ class IncipientDetector(FastDetector):
     @property
     def threshold_v(self) -> float:
         """Threshold above the present noise floor, as a voltage in the wide band [V]."""
-        return self._share * super().threshold_v
+        return self._early_share * super().threshold_v
 
     def process(self, voltage_v: Iterable[float], filtered_v: Iterable[float] | None = None) -> FastOutput:
         """Process the next samples, any number of them, and return one output per sample."""
         output = super().process(voltage_v, filtered_v)
-        return replace(output, on=output.incipient, threshold_v=self._share * output.threshold_v)
+        return replace(output, on=output.incipient, threshold_v=output.incipient_threshold_v)
 
     def step(self, voltage_v: float, filtered_v: float | None = None) -> bool:
         """Process one sample, as `FastDetector.step` does, and return if slip is incipient or ON."""
         super().step(voltage_v, filtered_v)
         return self._state[fast_loop.INCIPIENT] > 0.0
-
-    @property
-    def _share(self) -> float:
-        """Threshold over that of ON, in the stated noise."""
-        c = self.coefficients
-        return 1 - c.incipient_margin / (c.threshold - c.lowest_score)
 
 
 def _min_noise_v(sample_rate_hz: float) -> float:

@@ -149,6 +149,7 @@ FAMILIES: dict[str, list[tuple[Any, ...]]] = {
         (csv(LONG_S, 3.1 - 0.5 * np.clip(LONG_S - 1, 0, 1) + NOISE_FROM_3_S),),
         (csv(LONG_S, 3.1 - 0.5 * np.clip(LONG_S - 1, 0, 1) + NOISE_FROM_3_S), "--design", "article"),
         (csv(LONG_S, 2.0 + 8 * NOISE_FROM_3_S), "--detector", "fast"),
+        (csv(LONG_S, 2.0 + 8 * NOISE_FROM_3_S), "--detector", "fast", "--calibrate", "4:5"),
         ("".join(f"T:{v:.4f},S:1.65\n" for v in V),),
         ("".join(f"12:00:00.{i:04d} -> {v:.4f}\n" for i, v in enumerate(V)),),
     ],

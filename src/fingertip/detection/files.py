@@ -197,7 +197,7 @@ def detect_file(
         message = f"{detector} finds slip at {first_s:.4f} s, within {calibrate_s[0]:g}:{calibrate_s[1]:g} s"
         raise TraceError(Issue("--calibrate", f"{message}; choose a part in which nothing moves or vibrates."))
     if column_map.in_volts:
-        warnings += noise_warnings(detection.learned_noise_v, design)
+        warnings += noise_warnings(detection.learned_noise_v, design, noise_v)
     level = level or detection.noise
     if level:
         may_be_lower = not kind.takes_envelope or calibrate_s is not None

@@ -196,9 +196,9 @@ def polarity_warnings(volts: Array, design: Design) -> Iterator[str]:
         )
 
 
-def noise_warnings(learned_v: float | None, design: Design) -> Iterator[str]:
-    """Warn of more noise than the detector `fast` was fitted to."""
-    stated_v = max(design.detector.noise_v, FastDetector.min_noise_v(design))
+def noise_warnings(learned_v: float | None, design: Design, measured_v: float | None) -> Iterator[str]:
+    """Warn of more noise than the detector `fast` was fitted to, over that of the design or of a quiet part [V]."""
+    stated_v = max(measured_v or design.detector.noise_v, FastDetector.min_noise_v(design))
     if learned_v is not None and learned_v > MAX_NOISE_RATIO * stated_v:
         yield (
             f"fast has learned a noise of {1000 * learned_v:.2g} mV, {learned_v / stated_v:.0f} times the stated one "

@@ -47,6 +47,8 @@ DETECTORS = {"fast": (0.8, 0.86, 1.0, 1.2), "digital": (1.0, 2.0, 4.0), "fft": (
 COLOURS = {"fast": RED, "digital": TEAL, "fft": ORANGE}
 OUTPUTS = ["voltage_v", "force_n", "slip", "closing_m", "object_m"]
 HOLD_S = 10.0
+_RATE_HZ = 1000.0
+_TIMES_S = np.arange(0.0, 40.0, 1 / _RATE_HZ)
 
 
 class UnsteadyGrip(GripController):
@@ -54,20 +56,18 @@ class UnsteadyGrip(GripController):
 
     def __init__(self, design: Design, settings: GripSettings, forces_n: Array, hand: str, seed: int) -> None:
         super().__init__(design, settings, len(forces_n))
-        self._forces_n = forces_n
-        self._motions = [
-            HandMotion.draw(*HANDS[hand], random.Random(f"{seed}:{i}"), force_n, 0.0, 60.0)
-            for i, force_n in enumerate(forces_n.tolist())
-        ]
+        self._added_by_hand_m = np.zeros((len(forces_n), len(_TIMES_S)))
+        for i, force_n in enumerate(forces_n.tolist()):
+            motion = HandMotion.draw(*HANDS[hand], random.Random(f"{seed}:{i}"), force_n, 0.0, float(_TIMES_S[-1]))
+            if motion is not None:
+                moved_n = np.linspace(0.0, 3 * force_n, 301)
+                depths = np.array([self._pad.depth_m(n) for n in moved_n.tolist()])
+                wanted = np.interp(force_n * motion.factor(_TIMES_S), moved_n, depths)
+                self._added_by_hand_m[i] = wanted - self._pad.depth_m(force_n)
 
     def step(self, observation: Observation) -> Array:
-        now = np.array([observation.time_s])
-        command = super().step(observation)
-        for i, (motion, force_n) in enumerate(zip(self._motions, self._forces_n.tolist(), strict=True)):
-            if motion is not None:
-                moved_n = force_n * float(motion.factor(now)[0])
-                command[i] += self._pad.depth_m(moved_n) - self._pad.depth_m(force_n)
-        return np.maximum(command, 0.0)
+        now = min(round(observation.time_s * _RATE_HZ), len(_TIMES_S) - 1)
+        return np.maximum(super().step(observation) + self._added_by_hand_m[:, now], 0.0)
 
 
 @dataclass(frozen=True)

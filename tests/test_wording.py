@@ -13,7 +13,12 @@ import pytest
 from tests.conftest import ROOT
 
 SOURCES = sorted(
-    [*(ROOT / "src").rglob("*.py"), *(ROOT / "tools").rglob("*.py"), *(ROOT / "benchmarks/peers").rglob("*.py")]
+    [
+        *(ROOT / "src").rglob("*.py"),
+        *(ROOT / "tools").rglob("*.py"),
+        *(ROOT / "benchmarks/peers").rglob("*.py"),
+        *(ROOT / "benchmarks/slip").rglob("*.py"),
+    ]
 )
 TESTS = sorted((ROOT / "tests").rglob("*.py"))
 

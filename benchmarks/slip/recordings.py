@@ -74,7 +74,7 @@ class Recording:
     quiet: Array | None = None
     """Samples of a quiet stretch, from which detectors take the noise; None: the design's noise holds."""
     rises_with_force: bool | None = None
-    """Whether the signal rises as the force grows; None: as on the design's board."""
+    """True if the signal rises as the force grows; None: as on the design's board."""
 
 
 @dataclass(frozen=True)

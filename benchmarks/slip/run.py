@@ -25,7 +25,7 @@ __all__ = ["FILES", "Source", "read_options", "run"]
 
 @dataclass(frozen=True)
 class Source:
-    """What is compared, on what."""
+    """Detectors that are compared, and on which recordings."""
 
     folder: Path | None
     layout: str | None

@@ -23,7 +23,7 @@ RATES = (0.1, 1.0)
 
 @dataclass
 class Point:
-    """What one detector reaches with one factor of its threshold."""
+    """Result of one detector with one factor of its threshold."""
 
     factor: float
     slips: int = 0

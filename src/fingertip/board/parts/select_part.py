@@ -95,7 +95,7 @@ class Selection:
 
     @property
     def note(self) -> str:
-        """What to do before ordering; empty for a part that is only to be ordered, or soldered by hand."""
+        """Task before ordering; empty for a part that is only to be ordered, or soldered by hand."""
         if not self.part or not self.reason:
             return self.reason
         look = f"what the house shows for {self.part.lcsc} must be" if self.part.lcsc else "search the house for"

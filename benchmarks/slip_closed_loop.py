@@ -1,6 +1,6 @@
 """Price of slip and of alarms in a closed loop: millimetres slipped and excess force, over the detector's threshold.
 
-    python benchmarks/slip_closed_loop.py [--design fsr400] [--repeats 3] [--minutes 4] [--out FILE.png]
+    python benchmarks/slip_closed_loop.py [--design fsr400] [--repeats 3] [--minutes 2]
 
 The article's manipulations, in which a robot's pin hits a held object, are repeated in hands that are not steady: one
 with the tremor of an able hand, and one whose servo hunts in steps. Then the same hands hold objects that nothing hits,
@@ -12,16 +12,13 @@ from __future__ import annotations
 
 import argparse
 import random
-from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import Array, poisson_interval
-from fingertip.foundation.plot_style import ORANGE, RED, TEAL, new_figure, style_axes, to_png
 from fingertip.lab.campaign.closed_loop import (
     ClosedLoopTrial,
     GripController,
@@ -44,7 +41,6 @@ HANDS = {
 }
 DETECTORS = {"fast": (0.8, 0.86, 1.0, 1.2), "digital": (1.0, 2.0, 4.0), "fft": (1.0, 2.0, 4.0)}
 """Detector -> factors of its threshold. 0.86 of that of `fast` is its early point."""
-COLOURS = {"fast": RED, "digital": TEAL, "fft": ORANGE}
 OUTPUTS = ["voltage_v", "force_n", "slip", "closing_m", "object_m"]
 HOLD_S = 10.0
 _RATE_HZ = 1000.0
@@ -128,49 +124,22 @@ def measure(design: Design, settings: GripSettings | None, hand: str, repeats: i
     return Price(name, scale, tuple(trials), alarms, held_s / 60)
 
 
-def draw(found: dict[str, Sequence[Price]]) -> bytes:
-    """Draw the way that objects slip, and the force at the end, over the rate of alarms, as PNG."""
-    figure = new_figure(12, 6.5)
-    panels = figure.subplots(2, len(found), sharex=True, sharey="row", squeeze=False)
-    for column, (hand, prices) in enumerate(found.items()):
-        for detector, colour in COLOURS.items():
-            group = [price for price in prices if price.detector == detector]
-            rates = [max(price.alarms / price.minutes, 0.5 / price.minutes) for price in group]
-            slipped = [1000 * float(np.mean([trial.slipped_m for trial in price.trials])) for price in group]
-            forces = [float(np.mean([t.force_ratio for t in price.trials if t.held])) for price in group]
-            for axes, values in zip(panels[:, column], (slipped, forces), strict=True):
-                axes.plot(rates, values, color=colour, marker="o", markersize=4, label=detector)
-        panels[0, column].set_title(hand, loc="left", fontweight="bold")
-        panels[1, column].set_xlabel("tightened without slip, per minute")
-        panels[1, column].set_xscale("log")
-        for axes in panels[:, column]:
-            style_axes(axes, "both")
-    panels[0, 0].set_ylabel("mean way of the object [mm]")
-    panels[1, 0].set_ylabel("force at the end over planned")
-    panels[0, -1].legend(frameon=False)
-    return to_png(figure)
-
-
 def main() -> None:
     """Print one line for each hand, detector and threshold."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--design", default="fsr400", help="design file or bundled name")
     parser.add_argument("--repeats", type=int, default=3, help="of each manipulation, 1 to 3")
-    parser.add_argument("--minutes", type=float, default=4.0, help="of holding, for each line")
-    parser.add_argument("--out", type=Path, help="picture to write (PNG)")
+    parser.add_argument("--minutes", type=float, default=2.0, help="of holding, for each line")
     arguments = parser.parse_args()
-    design, found = Design.load(arguments.design), dict[str, list[Price]]()
+    design = Design.load(arguments.design)
+    cases: list[GripSettings | None] = [None]
+    cases += [GripSettings(name, scale) for name, scales in DETECTORS.items() for scale in scales]
     with compiled():
         for hand in HANDS:
             print(hand)
-            cases: list[GripSettings | None] = [None]
-            cases += [GripSettings(name, scale) for name, scales in DETECTORS.items() for scale in scales]
             for settings in cases:
                 price = measure(design, settings, hand, arguments.repeats, arguments.minutes)
                 print(f"  {price.describe()}", flush=True)
-                found.setdefault(hand, []).append(price)
-    if arguments.out:
-        arguments.out.write_bytes(draw({hand: prices for hand, prices in found.items()}))
 
 
 if __name__ == "__main__":

@@ -1,7 +1,6 @@
 """Detectors of this project and of its field, each run over one recording at some factors of its threshold.
 
-The article's chain
-and its FFT are those of `fingertip.slip.detectors`; the FFT is there as published and in a stronger form.
+The article's chain and its FFT are those of `fingertip.slip.detectors`, the FFT as published and in a stronger form.
 
 References: CUSUM: E. S. Page, Biometrika 41, 1954, for a step of the variance of Gaussian samples: M. Basseville and
 I. V. Nikiforov, Detection of Abrupt Changes, 1993, section 2.2. Ratio of a short to a long mean of the energy:

@@ -24,8 +24,6 @@ FACTORS = (0.5, 0.6, 0.7, 0.8, 0.86, 0.93, 1.0, 1.1, 1.2, 1.35, 1.5, 1.8, 2.2, 3
 """Factors of the threshold of `fast`, whose scores end soon above it."""
 WIDE_FACTORS = (0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0, 16.0, 22.0, 32.0, 64.0, 128.0)
 """Factors of the other thresholds."""
-
-
 COUNTED = "instructions"
 """Work of a detector whose instructions were counted by an emulator."""
 

@@ -116,7 +116,7 @@ class Report:
 
     def _describe_work(self, name: str) -> str:
         competitor = COMPETITORS[name]
-        work = f"{competitor.operations} multiplications and additions"
+        work = f"{competitor.operations} multiplications and additions, about"
         if competitor.operations == COUNTED:
             work = "not counted at this rate"
             if self.instructions is not None:

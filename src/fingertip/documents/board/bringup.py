@@ -87,7 +87,7 @@ _MEANINGS = {
 """Parts that a constant voltage depends on."""
 _BRIDGE_PARTS = {TACTILE: "bridge R10 to R13, its amplifier U2 with R14", SENSOR: "R10, R11, C7"}
 _STAGE_PARTS = {TACTILE: "R28 to R33, C26 to C29, U2", SENSOR: "R28 to R33, D6, U2"}
-"""Readings of the front end: a bridge, or a transimpedance stage."""
+"""Parts of the front end: of a bridge, or of a transimpedance stage."""
 _OUTPUT_PARTS = {
     ADC_TACTILE: "R8, R9, D3; C9 and C19 bridged",
     ADC_FILTERED: "R27, D5; C25 bridged",

@@ -1,13 +1,29 @@
-"""Detectors that are compared, with the factors of their thresholds, which trade delay for alarms."""
+"""Detectors that are compared, with the factors of their thresholds, which trade delay for alarms.
+
+A detector of your own is a Python file with a function and a number::
+
+    THRESHOLD = 4.0
+
+    def find_statistic(voltage_v, filtered_v, rate_hz, quiet_v):
+        ...
+
+It returns one number for each sample, from this and earlier samples alone; slip is ON where it exceeds a multiple of
+`THRESHOLD`. `filtered_v` and `quiet_v` are None where a recording has no filtered signal or no quiet stretch.
+"""
 
 from __future__ import annotations
 
+import importlib.util
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
 
 from benchmarks.slip.baselines import (
     SHORT_S,
     Flags,
+    adapt,
     make_fast_run,
     make_fft_run,
     run_chain,
@@ -18,12 +34,15 @@ from benchmarks.slip.recordings import Recording
 from benchmarks.slip.recurrent import FACTORS as RECURRENT_FACTORS
 from benchmarks.slip.recurrent import run_recurrent
 from fingertip.design import Design
+from fingertip.foundation.errors import Issue, TraceError
 from fingertip.slip.detectors.registry import make_detector
 
 FACTORS = (0.5, 0.6, 0.7, 0.8, 0.86, 0.93, 1.0, 1.1, 1.2, 1.35, 1.5, 1.8, 2.2, 3.0)
 """Factors of the threshold of `fast`, whose scores end soon above it."""
 WIDE_FACTORS = (0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.6, 8.0, 11.0, 16.0, 22.0, 32.0, 64.0, 128.0)
 """Factors of the other thresholds."""
+OWN_MEMORY_S = 0.06
+"""Time after a slip in which ON of a detector of your own is no alarm [s]."""
 COUNTED = "instructions"
 """Work of a detector whose instructions were counted by an emulator."""
 
@@ -74,3 +93,30 @@ COMPETITORS = {
     ),
 }  # fmt: skip
 """Name -> detector."""
+
+
+def load_own(path: Path) -> Competitor:
+    """Load a detector from a Python file that the user names. Raises TraceError."""
+    spec = importlib.util.spec_from_file_location("own_detector", path)
+    if not path.is_file() or spec is None or spec.loader is None:
+        raise TraceError(Issue("--own", f"{path} is not a Python file; give one with find_statistic and THRESHOLD."))
+    module = importlib.util.module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+        find_statistic, threshold = module.find_statistic, float(module.THRESHOLD)
+    except Exception as error:
+        message = f"{path} cannot be used ({type(error).__name__}: {error}); it needs find_statistic and THRESHOLD."
+        raise TraceError(Issue("--own", message)) from None
+
+    def run(design: Design, recording: Recording, factors: Sequence[float]) -> Iterator[Flags]:
+        _, recording = adapt(design, recording)
+        signal = recording.signal
+        found = find_statistic(signal.voltage_v, signal.filtered_v, signal.rate_hz, recording.quiet)
+        statistic = np.asarray(found, dtype=np.float64)
+        if statistic.shape != signal.voltage_v.shape:
+            shapes = f"returned {statistic.shape} for {len(signal.voltage_v)} samples"
+            raise TraceError(Issue("--own", f"find_statistic {shapes}; return one number for each sample."))
+        for factor in factors:
+            yield statistic > factor * threshold
+
+    return Competitor(path.stem, str(path), WIDE_FACTORS, run, lambda _: OWN_MEMORY_S, "unknown")

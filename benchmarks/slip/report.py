@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from benchmarks.slip.competitors import COMPETITORS, COUNTED
+from benchmarks.slip.competitors import COUNTED, Competitor
 from benchmarks.slip.scores import RATES, Point, at_own_threshold, at_rate, best_points
 from fingertip.foundation.plot_style import (
     BLUE,
@@ -39,6 +39,7 @@ _SHOWN_MS = 2.0, 300.0
 class Report:
     title: str
     found: Mapping[str, Sequence[Point]]
+    competitors: Mapping[str, Competitor]
     instructions: int | None
     """Instructions a sample of `fast` in slip on a Cortex-M4F; None at another sampling rate than was measured."""
 
@@ -52,7 +53,7 @@ class Report:
             "stretches_by_kind": self._first.stretches,
             "detectors": {
                 name: {
-                    "label": COMPETITORS[name].label,
+                    "label": self.competitors[name].label,
                     "points": [_point_data(point) for point in points],
                     "at_rates": {
                         f"{rate:g}_per_minute": None if (p := at_rate(points, rate)) is None else _point_data(p)
@@ -80,7 +81,9 @@ class Report:
         ]
         for name, points in self.found.items():
             own = at_own_threshold(points)
-            line = f"{COMPETITORS[name].label:20}{_percent(own.found_share):>8}{_delays(own):>15}{own.on_share:>7.3f}"
+            line = (
+                f"{self.competitors[name].label:20}{_percent(own.found_share):>8}{_delays(own):>15}{own.on_share:>7.3f}"
+            )
             low, high = own.alarm_interval
             if self._has_rates:
                 line += f"{own.alarms_per_minute:>12.2f}{f'{low:.2g} to {high:.2g}':>14}"
@@ -101,7 +104,7 @@ class Report:
         kinds = [kind for kind in first.minutes if any(own.alarms.get(kind) for own in owns)]
         if kinds:
             width = max(len(kind) for kind in kinds)
-            names = [f"{COMPETITORS[name].label:>20}" for name in self.found]
+            names = [f"{self.competitors[name].label:>20}" for name in self.found]
             lines += ["", "Alarms at the own threshold, by what the recording shows:"]
             lines.append(f"  {'':{width}}{'stretches':>11}{'minutes':>9}{''.join(names)}")
             for kind in kinds:
@@ -111,11 +114,11 @@ class Report:
                     + "".join(f"{count:>20}" for count in counts)
                 )
         lines += ["", "Work of a sample:"]
-        lines += [f"  {COMPETITORS[name].label:20}{self._describe_work(name)}" for name in self.found]
+        lines += [f"  {self.competitors[name].label:20}{self._describe_work(name)}" for name in self.found]
         return "\n".join(lines)
 
     def _describe_work(self, name: str) -> str:
-        competitor = COMPETITORS[name]
+        competitor = self.competitors[name]
         work = f"{competitor.operations} multiplications and additions, about"
         if competitor.operations == COUNTED:
             work = "not counted at this rate"
@@ -134,14 +137,14 @@ class Report:
         least = 0.5 / self._first.counted_minutes if self._has_rates else 1.0
         for axes, fraction, words in zip(panels, (0.5, 0.9), ("median", "90th percentile"), strict=True):
             for name, points in self.found.items():
-                colour, marker = _STYLES[name]
+                colour, marker = _STYLES.get(name, (TEXT_COLOUR, "*"))
                 own = at_own_threshold(points)
                 best = [] if name in _WITHOUT_CURVE and "fast" in self.found else best_points(points, fraction)
                 for shown, style in ((best, {"linewidth": 1.6}), ([own], {"marker": marker, "markersize": 9})):
                     rates = [max(point.alarms_per_minute, least) if self._has_rates else least for point in shown]
                     delays = [max(point.quantile_ms(fraction), _SHOWN_MS[0]) for point in shown]
                     axes.plot(rates, delays, color=colour, **style)
-                axes.plot([], [], color=colour, marker=marker, linewidth=1.6, label=COMPETITORS[name].label)
+                axes.plot([], [], color=colour, marker=marker, linewidth=1.6, label=self.competitors[name].label)
             axes.set_xscale("log")
             axes.set_yscale("log")
             axes.set_ylim(*_SHOWN_MS)

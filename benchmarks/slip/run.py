@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 
 from benchmarks import held_out_signals
-from benchmarks.slip.competitors import COMPETITORS
+from benchmarks.slip.competitors import COMPETITORS, Competitor, load_own
 from benchmarks.slip.public_sets import LAYOUTS, read_layout
 from benchmarks.slip.recordings import Recording, count_held_out, draw_held_out, read_folder
 from benchmarks.slip.report import FILES, Report
@@ -17,7 +17,7 @@ from benchmarks.slip.scores import measure
 from fingertip.design import Design
 from fingertip.firmware.packaging import TABLE
 from fingertip.foundation import extras
-from fingertip.foundation.errors import FingertipError, Issue
+from fingertip.foundation.errors import FingertipError, Issue, gather
 from fingertip.foundation.progress import Work
 
 __all__ = ["FILES", "Source", "read_options", "run"]
@@ -29,11 +29,13 @@ class Source:
 
     folder: Path | None
     layout: str | None
-    names: tuple[str, ...]
+    competitors: Mapping[str, Competitor]
     share: float
 
 
-def read_options(folder: Path | None, layout: str | None, detectors: str | None, share: float) -> Source:
+def read_options(
+    folder: Path | None, layout: str | None, detectors: str | None, own: Path | None, share: float
+) -> Source:
     """Check the options, before any work. Raises FingertipError with all faults."""
     issues = list[Issue]()
     names = tuple(COMPETITORS) if detectors is None else tuple(name.strip() for name in detectors.split(","))
@@ -49,10 +51,14 @@ def read_options(folder: Path | None, layout: str | None, detectors: str | None,
         issues.append(Issue(str(folder), "is not a folder; give the one that holds the recordings."))
     if not 0.05 <= share <= 1.0:
         issues.append(Issue("--share", f"{share:g} is out of bounds; choose 0.05 to 1."))
+    competitors = {name: COMPETITORS[name] for name in names if name in COMPETITORS}
+    if own is not None:
+        with gather(issues):
+            competitors[own.stem] = load_own(own)
     if issues:
         raise FingertipError(issues)
     extras.require("fingertip bench slip", "scipy", "numba", "matplotlib")
-    return Source(folder, layout, tuple(dict.fromkeys(names)), share)
+    return Source(folder, layout, competitors, share)
 
 
 def run(design: Design, source: Source, progress: Callable[[str], None]) -> Report:
@@ -74,8 +80,8 @@ def run(design: Design, source: Source, progress: Callable[[str], None]) -> Repo
         done += 1
         work.advance(done / count)
 
-    points = measure(design, recordings, source.names, advance)
-    return Report(title, points, _read_instructions(design))
+    points = measure(design, recordings, source.competitors, advance)
+    return Report(title, points, source.competitors, _read_instructions(design))
 
 
 def _read_instructions(design: Design) -> int | None:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from benchmarks.slip.competitors import COMPETITORS
+from benchmarks.slip.competitors import Competitor
 from benchmarks.slip.recordings import UNLABELLED, UNSURE, Recording
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
@@ -99,15 +99,15 @@ def _find_kind(recording: Recording, alarm_s: float) -> str:
 def measure(
     design: Design,
     recordings: Iterable[Recording],
-    names: Sequence[str],
+    competitors: Mapping[str, Competitor],
     advance: Callable[[Recording], None] = lambda _: None,
 ) -> dict[str, tuple[Point, ...]]:
     """Run detectors over recordings, and pool what they find at each factor of their thresholds."""
-    found = {name: tuple(Point(factor) for factor in COMPETITORS[name].factors) for name in names}
+    found = {name: tuple(map(Point, competitor.factors)) for name, competitor in competitors.items()}
     with compiled():
         for recording in recordings:
             for name, points in found.items():
-                competitor = COMPETITORS[name]
+                competitor = competitors[name]
                 memory_s = competitor.memory_s(design)
                 for point, on in zip(points, competitor.run(design, recording, competitor.factors), strict=True):
                     point.add(recording, assess(recording.signal, on, memory_s))

@@ -49,7 +49,7 @@ FOLDERS = (
     ("sweep board", "fingertip.sweep.run.run_sweep"),
 )
 """Words of a command whose --out is a folder, and what must not be called."""
-READ = {"--design", "--hand", "--readings"}
+READ = {"--design", "--hand", "--readings", "--own"}
 """Options that name a file to read."""
 
 

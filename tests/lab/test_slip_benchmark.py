@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ from scipy.io import savemat
 
 from benchmarks.slip import scores
 from benchmarks.slip.baselines import adapt
-from benchmarks.slip.competitors import COMPETITORS, Competitor
+from benchmarks.slip.competitors import COMPETITORS, Competitor, load_own
 from benchmarks.slip.public_sets import LAYOUTS, read_layout
 from benchmarks.slip.recordings import Recording, Stretch, draw_held_out, read_folder
 from benchmarks.slip.run import read_options
@@ -80,11 +81,12 @@ def test_each_fault_of_a_folder_is_named(labels: str, settings: str, said: str, 
 
 def test_options_are_refused_together() -> None:
     with pytest.raises(FingertipError) as refused:
-        read_options(None, "mine", "fast,slow", 2.0)
+        read_options(None, "mine", "fast,slow", Path("nothing.py"), 2.0)
     text = str(refused.value)
     assert "--detectors: 'slow' is not known; choose among fast, incipient" in text
     assert "--layout: 'mine' is not known; choose among natural_texture (a fingertip on a stage" in text
     assert "--layout: describes a folder" in text
+    assert "--own: nothing.py is not a Python file; give one with find_statistic and THRESHOLD." in text
     assert "--share: 2 is out of bounds; choose 0.05 to 1." in text
 
 
@@ -185,7 +187,7 @@ def test_a_folder_of_another_layout_is_refused(layout: str, tmp_path: Path) -> N
             read_layout(layout, tmp_path)
 
 
-def test_alarms_and_delays_are_counted_where_they_belong(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_alarms_and_delays_are_counted_where_they_belong() -> None:
     flags = np.zeros(round(4 * RATE_HZ), dtype=bool)
     for start_s, end_s in ((0.1, 0.2), (1.02, 1.5), (2.3, 2.4), (2.7, 2.8), (3.2, 3.3)):
         flags[round(start_s * RATE_HZ) : round(end_s * RATE_HZ)] = True
@@ -193,14 +195,10 @@ def test_alarms_and_delays_are_counted_where_they_belong(monkeypatch: pytest.Mon
     def run(design: Design, recording: Recording, factors: object) -> list[np.ndarray]:
         return [flags, flags & False]
 
-    monkeypatch.setitem(
-        COMPETITORS,
-        "known",
-        Competitor("known", "", (1.0, 2.0), run, lambda _: 0.05, "1"),  # type: ignore[arg-type]
-    )
+    known = Competitor("known", "", (1.0, 2.0), run, lambda _: 0.05, "1")  # type: ignore[arg-type]
     signal = LabelledSignal("a", RATE_HZ, np.zeros(len(flags)), (Slide(0.98, 1.0, 1.5),), (Interval(2.2, 2.25),), 0.5)
     recording = Recording(signal, (Stretch("tap", 2.2, 2.25), Stretch("unsure", 3.1, 4.0)))
-    own, silent = scores.measure(Design(), [recording], ["known"])["known"]
+    own, silent = scores.measure(Design(), [recording], {"known": known})["known"]
     assert own.delays_s == pytest.approx([0.02])
     assert own.motion_delays_s == pytest.approx([0.04])
     assert own.on_share == pytest.approx(0.96)
@@ -218,7 +216,7 @@ def test_alarms_and_delays_are_counted_where_they_belong(monkeypatch: pytest.Mon
 @pytest.mark.parametrize("name", COMPETITORS)
 def test_each_detector_finds_a_strong_slip(name: str) -> None:
     rows = draw_held_out(Design(), 0.1, 5, ["slip at constant force"])
-    points = scores.measure(Design(), rows, [name])[name]
+    points = scores.measure(Design(), rows, {name: COMPETITORS[name]})[name]
     best = max(points, key=lambda point: point.found_share)
     assert best.found_share > 0.85
     assert scores.at_own_threshold(points).factor == 1.0
@@ -228,11 +226,19 @@ def test_each_detector_finds_a_strong_slip(name: str) -> None:
 
 def test_the_command_compares_detectors_on_a_folder(tmp_path: Path) -> None:
     write_recording(tmp_path)
-    done = run_fingertip("bench", "slip", tmp_path, "--detectors", "digital,cusum", "--out", tmp_path / "o", "--json")
+    own = tmp_path / "steps.py"
+    own.write_text(
+        "import numpy as np\nTHRESHOLD = 0.004\n\n"
+        "def find_statistic(voltage_v, filtered_v, rate_hz, quiet_v):\n"
+        "    assert filtered_v is None and len(quiet_v) == rate_hz\n"
+        "    return np.abs(np.diff(voltage_v, prepend=voltage_v[:1]))\n"
+    )
+    options = ("--detectors", "digital,cusum", "--own", own, "--out", tmp_path / "o")
+    done = run_fingertip("bench", "slip", tmp_path, *options, "--json")
     assert done.returncode == 0, done.stderr
     data = json.loads(done.stdout)
     assert data == json.loads((tmp_path / "o/slip_bench.json").read_text())
-    assert list(data["detectors"]) == ["digital", "cusum"]
+    assert list(data["detectors"]) == ["digital", "cusum", "steps"]
     own = next(p for p in data["detectors"]["digital"]["points"] if p["threshold_factor"] == 1.0)
     assert own["found_share"] == 1.0
     assert 2.0 < own["delay_median_ms"] < 25.0
@@ -240,3 +246,19 @@ def test_the_command_compares_detectors_on_a_folder(tmp_path: Path) -> None:
     text = (tmp_path / "o/slip_bench.txt").read_text()
     assert "1 slips, 0.0 min without slip" in text
     assert "are too short to show 0.1 alarms a minute" in text
+
+
+def test_an_own_detector_that_cannot_be_used_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "mine.py"
+    for text, said in (
+        ("THRESHOLD = 1.0\n", "has no attribute 'find_statistic'"),
+        ("def find_statistic(*_): return 1\n", "has no attribute 'THRESHOLD'"),
+        ("x =\n", "cannot be used (SyntaxError"),
+    ):
+        path.write_text(text)
+        with pytest.raises(TraceError, match=re.escape(said)):
+            load_own(path)
+    path.write_text("THRESHOLD = 1.0\ndef find_statistic(*_): return [1.0]\n")
+    recording = Recording(LabelledSignal("a", RATE_HZ, np.zeros(4000), (Slide(0.98, 1.0, 1.5),)), ())
+    with pytest.raises(TraceError, match=r"returned \(1,\) for 4000 samples"):
+        scores.measure(Design(), [recording], {"mine": load_own(path)})

@@ -83,6 +83,9 @@ def slip(
     detectors: Annotated[
         str | None, typer.Option(help="Detectors to compare, comma-separated; all if left out.")
     ] = None,
+    own: Annotated[
+        Path | None, typer.Option(help="Python file with a detector of your own: find_statistic and THRESHOLD.")
+    ] = None,
     share: Annotated[float, typer.Option(help="Share of the project's own signals, 0.05 to 1.")] = 0.25,
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for slip_curve.png and slip_bench.json.")] = Path(
         "out/bench_slip"
@@ -95,7 +98,7 @@ def slip(
     from benchmarks.slip.run import FILES, read_options, run
 
     loaded = load_design(design, None)
-    source = read_options(recordings, layout, detectors, share)
+    source = read_options(recordings, layout, detectors, own, share)
     writer = SetWriter(out, "slip benchmark", "", hash_parameters([]))
     writer.check(FILES)
     report = run(loaded, source, console.progress)

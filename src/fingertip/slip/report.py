@@ -163,7 +163,7 @@ def draw(trace: Trace, detection: Detection, title: str) -> bytes:
         for axes in (top, middle, *large):
             shade_encoder_band(axes, trace.origin.motion_s)
     # Above the axes, where it covers no data
-    middle.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2, frameon=False, ncols=3, fontsize=9)
+    middle.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2, frameon=False, ncols=2, fontsize=9)
     _draw_intervals(bottom, trace, detection, slips)
     bottom.set_xlim(float(trace.time_s[0]), float(trace.time_s[-1]))
     if onset is not None:

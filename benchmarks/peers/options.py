@@ -36,4 +36,4 @@ def require_libraries() -> None:
 
     Raises MissingLibraryError.
     """
-    extras.require("fingertip bench", "scipy", "numba", "matplotlib")
+    extras.require("fingertip bench solvers", "scipy", "numba", "matplotlib")

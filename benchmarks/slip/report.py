@@ -159,7 +159,7 @@ class Report:
         panels[0].set_ylabel("delay from gross slip to ON [ms]")
         figure.legend(*panels[1].get_legend_handles_labels(), frameon=False, fontsize=9, loc="outside right upper")
         figure.supxlabel(
-            f"{self.title}: {self._first.slips} slips, {self._first.counted_minutes:.0f} min without slip.\n"
+            f"{self.title}: {self._first.slips} slips, {self._first.counted_minutes:.3g} min without slip.\n"
             "Lower left is better. Symbols: each detector's own threshold. "
             f"No alarm at all is drawn at {least:.2g} a minute.",
             x=0.01, ha="left", fontsize=8, color=TEXT_COLOUR,

@@ -197,8 +197,8 @@ _WORDS = (
     ("simulate", "--parameters", "--force-n"), ("simulate", "--parameters", "--speed-m-s"), ("params",),
     ("simulate", "--parameters", "--surface"), ("new",), ("new", "mine", "--preset"), ("new", "mine", "--sensor"),
     ("check", "fsr400", "--tolerance-mm"), ("validate", "--trials"), ("validate", "--minutes"), ("validate", "--seed"),
-    ("bench", "--boards"), ("bench", "--seconds"), ("sweep",), ("sweep", "--show", "--out"), ("detect",), ("check",),
-    ("board", "--check", "--out"), ("calibrate", "sensor", "fsr400"), ("build", "fsr400", "--formats"),
+    ("bench", "solvers", "--boards"), ("bench", "slip", "--share"), ("sweep",), ("sweep", "--show", "--out"),
+    ("detect",), ("check",), ("board", "--check", "--out"), ("calibrate", "sensor", "fsr400"), ("build", "fsr400", "--formats"),
     ("params", "--set"), ("sheet",), ("page",), ("drawing",), ("make",),
 )  # fmt: skip
 

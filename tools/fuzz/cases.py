@@ -198,8 +198,8 @@ _WORDS = (
     ("simulate", "--parameters", "--surface"), ("new",), ("new", "mine", "--preset"), ("new", "mine", "--sensor"),
     ("check", "fsr400", "--tolerance-mm"), ("validate", "--trials"), ("validate", "--minutes"), ("validate", "--seed"),
     ("bench", "solvers", "--boards"), ("bench", "slip", "--share"), ("sweep",), ("sweep", "--show", "--out"),
-    ("detect",), ("check",), ("board", "--check", "--out"), ("calibrate", "sensor", "fsr400"), ("build", "fsr400", "--formats"),
-    ("params", "--set"), ("sheet",), ("page",), ("drawing",), ("make",),
+    ("detect",), ("check",), ("board", "--check", "--out"), ("calibrate", "sensor", "fsr400"),
+    ("build", "fsr400", "--formats"), ("params", "--set"), ("sheet",), ("page",), ("drawing",), ("make",),
 )  # fmt: skip
 
 

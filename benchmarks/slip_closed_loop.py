@@ -21,8 +21,6 @@ from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import Array, poisson_interval
 from fingertip.lab.campaign.closed_loop import (
     ClosedLoopTrial,
-    GripController,
-    GripSettings,
     evaluate_manipulation,
     plan_manipulations,
 )
@@ -30,6 +28,7 @@ from fingertip.lab.campaign.plan import HELD_OUT_FROM
 from fingertip.lab.campaign.run import select_board_outputs
 from fingertip.pad.response import Pad
 from fingertip.sim import ManipulationFile, Observation, run_manipulation
+from fingertip.sim.runs.grip import GripController, GripSettings
 from fingertip.sim.runs.hand_motion import HandMotion, Servo, Tremor
 from fingertip.sim.runs.motion import plan_motion
 

@@ -24,6 +24,7 @@ from fingertip.documents.acceptance import acceptance_data, render_acceptance
 from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet, steps
 from fingertip.documents.coupon import render_instructions
 from fingertip.documents.firmware import render_readme
+from fingertip.firmware.fingers import plan_fingers
 from tests.approved import check_text
 from tests.conftest import ROOT, design_file
 
@@ -104,7 +105,7 @@ def render_documents(name: str) -> dict[str, str]:
         "casting": render_sheet(data, pictures),
         "acceptance": render_acceptance(acceptance_data(design, detection)),
         "coupon": render_instructions(design, COUPON_READINGS),
-        "firmware": render_readme(design),
+        "firmware": render_readme(design, plan_fingers(design, "5" if name == "adult_finger" else "1")),
     }
 
 

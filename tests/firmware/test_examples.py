@@ -14,6 +14,9 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
+from fingertip.firmware.fingers import Fingers, plan_fingers
+from fingertip.firmware.sources import library_settings
+from fingertip.slip.detectors.fast import FastDetector
 from fingertip.tasks.firmware import write_firmware
 from tests.conftest import ROOT
 from tests.firmware.conftest import INSTALL, Library
@@ -23,6 +26,8 @@ from tools.firmware.signals import slip_recording
 ARDUINO = Path(__file__).parent / "arduino"
 BOARDS = ("TEENSYDUINO", "ARDUINO_ARCH_STM32", "ARDUINO_ARCH_RENESAS", "ARDUINO_ARCH_RP2040")
 EXAMPLES = ("slip_pin", "slip_stream")
+GAP_SAMPLES = 40
+"""Samples after which a gap of samples begins anew."""
 
 
 @pytest.fixture(scope="session")
@@ -37,7 +42,8 @@ def arduino(tmp_path_factory: pytest.TempPathFactory) -> Path:
         check=True,
     )
     for example in EXAMPLES:
-        extra = [str(folder / "detector.o"), str(ARDUINO / "board.cpp"), "-o", str(folder / f"{example}.run")]
+        board = [str(ARDUINO / "board.cpp"), "-o", str(folder / f"{example}.run")]
+        extra = [str(folder / "detector.o"), *board]
         compile_sketch(folder, example, "TEENSYDUINO", "-O2", *extra)
     return folder
 
@@ -93,7 +99,7 @@ def test_the_interrupt_only_takes_and_stores_a_sample(arduino: Path, example: st
     (callback,) = re.findall(r"slip_start_timer\((\w+)\)", sketch)
     assert find_calls(sketch, callback) == {"analogRead", "slip_store"}
     assert find_calls(buffer, "slip_store") == set()
-    assert {"slip_fetch", "slip_step_codes"} <= find_calls(sketch, "loop")
+    assert {"slip_fetch", "slip_hand_step"} <= find_calls(sketch, "loop")
 
 
 def find_calls(source: str, function: str) -> set[str]:
@@ -117,17 +123,19 @@ def test_a_loop_that_lags_catches_up_without_losing_a_decision(arduino: Path, li
 
 
 @pytest.mark.parametrize("example", EXAMPLES)
-def test_after_a_gap_the_detector_learns_the_noise_anew(arduino: Path, library: Library, example: str) -> None:
-    """A full buffer drops what waits: its oldest sample may be overwritten while it is read."""
+def test_after_a_gap_the_detector_goes_on(arduino: Path, library: Library, example: str) -> None:
+    """A full buffer drops what waits, as its oldest sample may be overwritten; no step of the gap counts."""
     recorded = slip_recording(library.design, 2.0).codes(library.design)
     codes = tuple(np.concatenate([each[:900], each[:900] + 100, each + 100]) for each in recorded)
     first, last = 100, 100 + 1023
     text, found, _ = run_example(arduino, example, codes, (first, last))
-    parts = (slice(first), slice(last + 1, None))
-    before, after = (library.detector("float").process_codes(*(each[part] for each in codes)) for part in parts)
-    on = np.concatenate([before, np.repeat(before[-1], last + 1 - first), after])
-    assert found == find_changes(on)
-    assert len(found) > 1
+    step = library.design.detector.adc_step_v
+    volts = [step * each[np.r_[:first, first:first:1, last + 1 : len(each)]] for each in codes]
+    volts = [np.insert(each, first, np.full(GAP_SAMPLES + 1, np.nan)) for each in volts]
+    on = FastDetector(library_settings(library.design)).process(*volts).on
+    expected = find_changes(np.delete(np.insert(on, first, np.zeros(last - first - GAP_SAMPLES, bool)), []))
+    assert [level for _, level in found] == [level for _, level in expected] == [0, 1]
+    assert found[1][0] == pytest.approx(expected[1][0], abs=1)  # single precision
     if example == "slip_stream":
         times = [float(line.split(",")[0]) for line in text.splitlines() if line[0].isdigit()]
         rate_hz = library.design.detector.sample_rate_hz
@@ -148,6 +156,63 @@ def test_lines_hold_time_and_voltage(arduino: Path, library: Library) -> None:
     assert rows[:, 2] == pytest.approx(codes[::-1] * design.detector.adc_step_v, abs=1e-6)
     assert lines[0] == "0.000000,0.000000,0.805664"
     assert all(re.fullmatch(r"\d+(\.\d{6},\d+){2}\.\d{6}", line) for line in lines)
+
+
+HAND_BOARDS = {"TEENSYDUINO": "teensy40", "STM32F4xx": "black_pill_f411"}
+"""Macro of a family of boards -> a controller of it that carries five fingers."""
+
+
+def make_hand_sketch(folder: Path, macro: str, fingers: Fingers) -> Path:
+    """Compile the example of a hand for the stand-in of a family of boards; its addresses fit the DMA's registers."""
+    require_tool("g++", INSTALL)
+    write_firmware(Design(), folder, fingers=fingers)
+    objects = []
+    for source in ("slip_detector", "slip_grip"):
+        objects.append(str(folder / f"{source}.o"))
+        flags = ["-c", "-O2", "-std=gnu11", "-fno-pie", str(folder / f"src/{source}.c"), "-o", objects[-1]]
+        subprocess.run(["gcc", *flags], check=True)
+    boards = ["-DARDUINO_ARCH_STM32"] if macro.startswith("STM32") else []
+    program = folder / "slip_hand.run"
+    options = [*boards, "-O2", "-no-pie", *objects, str(ARDUINO / "board.cpp"), "-lm", "-o", str(program)]
+    compile_sketch(folder, "slip_hand", macro, *options)
+    return program
+
+
+@pytest.mark.parametrize("macro", HAND_BOARDS)
+def test_the_example_of_a_hand_tells_which_finger_slips_and_which_has_a_fault(macro: str, tmp_path: Path) -> None:
+    """Index slips from 0.5 s on; the wire of T of the ring finger breaks at 1.5 s; S of the little finger is dead."""
+    design = Design()
+    program = make_hand_sketch(tmp_path / "library", macro, plan_fingers(design, "5", HAND_BOARDS[macro]))
+    count = round(2.5 * design.detector.sample_rate_hz)
+    random, step = np.random.default_rng(1), design.detector.adc_step_v
+    volts = np.full((count, 10), 1.0) + random.normal(0.0, 4e-4, (count, 10))
+    volts[:, 1::2] += 0.65
+    volts[:, 2], volts[:, 3] = slip_recording(design, 2.5).inputs
+    volts[:, 3] += 1.65
+    volts[3000:, 6] = 0.0
+    volts[:, 9] = 1.65
+    codes = np.round(volts / step).astype(int)
+    given = "\n".join(" ".join(map(str, row)) for row in codes.tolist())
+    done = subprocess.run([str(program)], input=given, capture_output=True, text=True, check=True)
+    found = [re.fullmatch(r"(\d+\.\d{3}) s: (\w+) (.*)", line) for line in done.stdout.splitlines()]
+    told = {(match[2], match[3].split(":")[0]): float(match[1]) for match in reversed(found) if match}
+    assert set(told) == {
+        ("index", "slips"),
+        ("ring", "has a voltage that no force gives"),
+        ("ring", "has lost or wrong samples"),
+        ("little", "has a silent S"),
+    } - ({("ring", "has lost or wrong samples")} if ("ring", "has lost or wrong samples") not in told else set())
+    assert 0.5 < told["index", "slips"] < 0.6
+    assert 1.5 < told["ring", "has a voltage that no force gives"] < 1.6
+    assert "grip tightened" in done.stdout
+    changes = [(int(a), int(b)) for a, b in re.findall(r"^(\d+) (\d)$", done.stderr, re.MULTILINE)]
+    assert [level for _, level in changes[:2]] == [0, 1]
+
+
+@pytest.mark.parametrize("macro", BOARDS)
+def test_the_example_of_a_hand_compiles_for_each_family_of_boards(macro: str, tmp_path: Path) -> None:
+    write_firmware(Design(), tmp_path, fingers=plan_fingers(Design(), "3", "teensy40"))
+    compile_sketch(tmp_path, "slip_hand", macro, "-fsyntax-only")
 
 
 LINE_PROGRAM = """

@@ -11,13 +11,14 @@ import pytest
 from fingertip.board.bringup.wiring import SKETCH_PINS
 from fingertip.board.components.bridge import POWER_UP_S
 from fingertip.catalogues.controllers import BOARDS
+from fingertip.catalogues.output_files import BUFFER, TIMER
 from fingertip.design import Design
 from fingertip.design.files import load_tables
-from fingertip.documents.firmware import BUFFER_SAMPLES
 from fingertip.firmware import packaging as costs
+from fingertip.firmware.fingers import BUFFER_SAMPLES
 from fingertip.firmware.packaging import controller_changes, find_warnings
 from fingertip.firmware.sources import HEADER, SOURCE
-from fingertip.tasks.firmware import BUFFER, TIMER, firmware_differences, firmware_files, write_firmware
+from fingertip.tasks.firmware import firmware_differences, firmware_files, write_firmware
 from fingertip.tasks.verification import verify_sets
 from tests.conftest import ROOT, design_file, run_fingertip
 

@@ -10,8 +10,6 @@ from fingertip.lab.campaign.closed_loop import (
     FIRST_SEED,
     NO_CONTROL,
     ClosedLoopSummary,
-    GripController,
-    GripSettings,
     plan_manipulations,
     run_closed_loop,
     summarise,
@@ -20,6 +18,7 @@ from fingertip.lab.campaign.plan import TUNING_SEEDS, CampaignPlan, generate_cas
 from fingertip.lab.validation import RequirementLimits, check_closed_loop
 from fingertip.pad.response import Pad
 from fingertip.sim import Observation
+from fingertip.sim.runs.grip import GripController, GripSettings
 from fingertip.sim.signal.converter import compute_bridge_v, simulate_envelope_v
 from fingertip.slip.detectors.noise import input_noise_v
 
@@ -58,7 +57,7 @@ def test_detection_increases_the_force_of_every_finger_by_the_ratio(detector):
     max_delay_s = {"digital": 0.03, "fft": 0.05, "fast": 0.02, "analog": 0.03}[detector]
     assert 0.5 < grip.decisions[first].time_s <= 0.5 + max_delay_s
     assert not any(command.any() for command in commands[:first])
-    pad = grip._pad
+    pad = grip.law.curve.pad
     further = pad.depth_m(settings.force_ratio) - pad.depth_m(1.0)
     assert commands[first] == pytest.approx([further, further], rel=0.1)
 
@@ -87,7 +86,7 @@ def test_increases_keep_the_refractory_time_and_the_force_limit():
     assert len(grips) > 2
     assert min(np.diff(grips)) >= settings.refractory_s - 1e-9
     # each increase adds at most the closing from this force to the limit
-    pad = grip._pad
+    pad = grip.law.curve.pad
     assert commands[-1][0] <= len(grips) * (pad.depth_m(2.0) - pad.depth_m(0.95))
 
 

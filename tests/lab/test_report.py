@@ -20,7 +20,7 @@ from typer.testing import CliRunner
 from fingertip import lab
 from fingertip.cli import app
 from fingertip.design import Design
-from fingertip.lab.campaign.closed_loop import NO_CONTROL, GripDecision, evaluate_manipulation, summarise
+from fingertip.lab.campaign.closed_loop import NO_CONTROL, evaluate_manipulation, summarise
 from fingertip.lab.campaign.mix import MixSummary, Outcome
 from fingertip.lab.campaign.plan import CampaignPlan, Case
 from fingertip.lab.campaign.run import CampaignResult, DetectorResult, TrialResult
@@ -41,6 +41,7 @@ from fingertip.lab.studies.sensitivity import (
 )
 from fingertip.lab.studies.steps import DelayShift, SamplingRateResult, SignalError, StepSensitivity
 from fingertip.lab.validation import RequirementLimits, Validation, check_closed_loop, check_detection
+from fingertip.sim.runs.grip import GripDecision
 from fingertip.sim.simulation import article_trials
 from fingertip.slip import Trace
 from fingertip.slip.traces.truth import Origin

@@ -19,7 +19,7 @@ from fingertip.board.analysis.tolerance import ResponseBand, compute_response_ba
 from fingertip.design import Design
 from fingertip.filling.predict import AirPocket, LastPoint, Opening
 from fingertip.filling.surface_links import build_skin_grid
-from fingertip.lab.campaign.closed_loop import NO_CONTROL, GripDecision
+from fingertip.lab.campaign.closed_loop import NO_CONTROL
 from fingertip.lab.campaign.plan import CampaignPlan, Case, generate_cases
 from fingertip.lab.campaign.run import CampaignResult, DetectorResult, TrialResult
 from fingertip.lab.report import plots, trial_plots
@@ -27,6 +27,7 @@ from fingertip.lab.report.trial_plots import ExampleTrial
 from fingertip.lab.studies.article import Spectrum, WindowResult
 from fingertip.pictures.filling import draw_filling
 from fingertip.sim import report as sim_report
+from fingertip.sim.runs.grip import GripDecision
 from fingertip.sim.runs.manipulation import ManipulationResult
 from fingertip.slip import Trace, detect
 from fingertip.slip import report as slip_report

@@ -46,6 +46,12 @@ class Recording:
         assert tactile is not None
         return tactile, filtered
 
+    def code_pairs(self, design: Design) -> NDArray[np.uint16]:
+        """Convert both signals to codes that the converter can give, (samples, 2)."""
+        tactile, filtered = self.codes(design)
+        pairs = np.column_stack((tactile, np.zeros_like(tactile) if filtered is None else filtered))
+        return pairs.clip(0, 2**design.detector.adc_bits - 1).astype(np.uint16)
+
     def quantised(self, design: Design) -> Recording:
         """Return the voltages of the codes."""
         low, step = design.detector.adc_low_v, design.detector.adc_step_v

@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design import Design
-from fingertip.firmware.sources import SOURCE, library_sources
+from fingertip.firmware.fingers import NAMES, ONE_FINGER, Fingers
+from fingertip.firmware.sources import GRIP_SOURCE, SOURCE, library_sources
 from fingertip.foundation.numerics import Array
 from tools.firmware.signals import Recording
 
@@ -64,9 +65,13 @@ class TargetRun:
     """Bytes of stack that the deepest step used, by the pattern that it left."""
 
 
-def write_sources(design: Design, folder: Path) -> None:
-    """Write header and source of a design's library into a folder."""
-    for name, data in library_sources(design).items():
+FIVE = Fingers(NAMES, tuple((f"A{2 * i}", f"A{2 * i + 1}") for i in range(len(NAMES))))
+"""Fingers of a hand."""
+
+
+def write_sources(design: Design, folder: Path, fingers: Fingers = ONE_FINGER) -> None:
+    """Write headers and sources of a design's library into a folder."""
+    for name, data in library_sources(design, fingers).items():
         (folder / name).write_bytes(data)
 
 
@@ -74,17 +79,19 @@ def compile_host(folder: Path, real: str, *options: str) -> Path:
     """Compile the library in a folder as a shared library for this machine, with float or double as its type."""
     library = folder / f"slip_{real}.so"
     program = [str(folder / SOURCE), str(PROGRAMS / "probe.c")]
+    if (folder / GRIP_SOURCE).exists():
+        program += [str(folder / GRIP_SOURCE), str(PROGRAMS / "probe_hand.c"), "-lm"]
     flags = [*STRICT, "-O2", "-shared", "-fPIC", f"-DSLIP_REAL={real}", f"-I{folder}", *options]
     _run("gcc", *flags, *program, "-o", str(library))
     return library
 
 
-def compile_target(folder: Path, target: Target, level: str = "-O2") -> Path:
-    """Compile the program for a controller with the library in a folder."""
+def compile_target(folder: Path, target: Target, level: str = "-O2", program: str = "on_target.c") -> Path:
+    """Compile a program for a controller with the library in a folder."""
     image = folder / f"{target.name}{level}.elf"
     link = ["-nostartfiles", "--specs=nano.specs", "-Wl,--gc-sections", f"-T{PROGRAMS / 'target.ld'}"]
     flags = [*target.options, "-mthumb", level, *STRICT, "-ffunction-sections", "-fdata-sections", f"-I{folder}"]
-    _run("arm-none-eabi-gcc", *flags, *link, str(folder / SOURCE), str(PROGRAMS / "on_target.c"), "-o", str(image))
+    _run("arm-none-eabi-gcc", *flags, *link, str(folder / SOURCE), str(PROGRAMS / program), "-o", str(image))
     return image
 
 
@@ -114,7 +121,24 @@ def run_target(image: Path, target: Target, recording: Recording) -> TargetRun:
     """Run the program of `compile_target` on a recording. A board without a filtered signal does not read it."""
     folder = image.parent
     filtered = np.zeros(len(recording.tactile_v)) if recording.filtered_v is None else recording.filtered_v
-    np.column_stack((recording.tactile_v, filtered)).astype("<f4").tofile(folder / "samples.bin")
+    _emulate(image, target, np.column_stack((recording.tactile_v, filtered)).astype("<f4"))
+    kinds = np.dtype([("confidence", "<f4"), ("ticks", "<u4"), ("on", "<u4")])
+    results = np.fromfile(folder / "results.bin", kinds)
+    (stack,) = np.fromfile(folder / "stack.bin", "<u4").tolist()
+    instructions = np.round(results["ticks"] / (target.clock_hz * INSTRUCTION_S))
+    return TargetRun(results["on"] > 0, results["confidence"], instructions, stack)
+
+
+def run_hand_on_target(image: Path, target: Target, codes: NDArray[np.uint16]) -> tuple[NDArray[np.uint32], Array]:
+    """Run the program `hand_on_target.c` on codes, (samples, fingers, 2); the fingers that are ON, and instructions."""
+    _emulate(image, target, codes.astype("<u2"))
+    results = np.fromfile(image.parent / "results.bin", np.dtype([("ticks", "<u4"), ("on", "<u4")]))
+    return results["on"], np.round(results["ticks"] / (target.clock_hz * INSTRUCTION_S))
+
+
+def _emulate(image: Path, target: Target, samples: NDArray[Any]) -> None:
+    folder = image.parent
+    samples.tofile(folder / "samples.bin")
     for name in ("results.bin", "stack.bin"):
         (folder / name).unlink(missing_ok=True)
     _run(
@@ -122,11 +146,6 @@ def run_target(image: Path, target: Target, recording: Recording) -> TargetRun:
         "-semihosting-config", "enable=on,target=native", "-icount", "shift=10,sleep=off", "-kernel", image.name,
         folder=folder,
     )  # fmt: skip
-    kinds = np.dtype([("confidence", "<f4"), ("ticks", "<u4"), ("on", "<u4")])
-    results = np.fromfile(folder / "results.bin", kinds)
-    (stack,) = np.fromfile(folder / "stack.bin", "<u4").tolist()
-    instructions = np.round(results["ticks"] / (target.clock_hz * INSTRUCTION_S))
-    return TargetRun(results["on"] > 0, results["confidence"], instructions, stack)
 
 
 def tool_version(tool: str) -> str:
@@ -162,15 +181,17 @@ class HostDetector:
 
     def process(
         self, tactile_v: Array, filtered_v: Array | None = None
-    ) -> tuple[Array, Array, Array, NDArray[np.bool_], NDArray[np.bool_]]:
-        """Process samples [V]; wide band [V], confidence, wide floor [V^2], incipient slip and ON of each."""
+    ) -> tuple[Array, Array, Array, NDArray[np.bool_], NDArray[np.bool_], NDArray[np.uint8]]:
+        """Process samples [V]; wide band [V], confidence, wide floor [V^2], incipient slip, ON and faults of each."""
         given = [None if volts is None else volts.astype(self._type) for volts in (tactile_v, filtered_v)]
         numbers = [np.zeros(len(tactile_v), self._type) for _ in range(3)]
-        flags = [np.zeros(len(tactile_v), np.uint8) for _ in range(2)]
+        incipient, faults, on = (np.zeros(len(tactile_v), np.uint8) for _ in range(3))
         count = ctypes.c_size_t(len(tactile_v))
-        self._library.probe_process(self._state, *map(_point, given), count, *map(_point, (*numbers, *flags)))
+        self._library.probe_process(
+            self._state, *map(_point, given), count, *map(_point, (*numbers, incipient, faults, on))
+        )
         wide, confidence, floor = numbers
-        return wide, confidence, floor, flags[0] > 0, flags[1] > 0
+        return wide, confidence, floor, incipient > 0, on > 0, faults
 
     def process_codes(self, tactile: NDArray[np.int32], filtered: NDArray[np.int32] | None = None) -> NDArray[np.bool_]:
         """Process codes of the converter; ON of each."""
@@ -179,6 +200,44 @@ class HostDetector:
             self._state, _point(tactile), _point(filtered), ctypes.c_size_t(len(on)), _point(on)
         )
         return on > 0
+
+
+class HostHand:
+    """Detectors of a hand and grip law of a library that `compile_host` made for several fingers."""
+
+    def __init__(self, library: Path, real: str, fingers: int) -> None:
+        self._library = ctypes.CDLL(str(library))
+        self._type = {"float": np.float32, "double": np.float64}[real]
+        self._fingers = fingers
+        for name in ("probe_hand_bytes", "probe_grip_bytes"):
+            getattr(self._library, name).restype = ctypes.c_size_t
+        self.hand_bytes, self.grip_bytes = self._library.probe_hand_bytes(), self._library.probe_grip_bytes()
+
+    def process(
+        self, codes: NDArray[np.uint16], lost: NDArray[np.uint32]
+    ) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+        """Process codes, (samples, fingers, 2); fingers that are ON as bits, and faults, (samples, fingers)."""
+        on, faults = np.zeros(len(codes), np.uint8), np.zeros((len(codes), self._fingers), np.uint8)
+        state = ctypes.create_string_buffer(self.hand_bytes)
+        count = ctypes.c_size_t(len(codes))
+        self._library.probe_hand(state, _point(codes), _point(lost), count, _point(on), _point(faults))
+        return on, faults
+
+    def grip(
+        self, now_us: NDArray[np.uint32], detected: NDArray[np.uint8], inputs: Array
+    ) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:
+        """Run the grip law over periods, with voltages and closings (periods, fingers, 2).
+
+        Returns closings that were added, (periods, fingers), and whether it was suppressed and tightened.
+        """
+        added, flags = np.zeros((len(now_us), self._fingers), self._type), np.zeros(len(now_us), np.uint8)
+        state = ctypes.create_string_buffer(self.grip_bytes)
+        given = np.ascontiguousarray(inputs, self._type)
+        count = ctypes.c_size_t(len(now_us))
+        self._library.probe_grip(
+            state, _point(now_us), _point(detected), _point(given), count, _point(added), _point(flags)
+        )
+        return added, flags % 2 > 0, flags > 1
 
 
 def _point(array: NDArray[Any] | None) -> ctypes.c_void_p:

@@ -77,4 +77,4 @@ TRACE, PLOT, DETECTION = "trace.csv", "slip.png", "detection.json"
 
 FIRMWARE = OutputSet("firmware", "firmware")
 PROPERTIES, MANIFEST = "library.properties", "library.json"
-TIMER, BUFFER = "slip_timer.h", "slip_buffer.h"
+TIMER, BUFFER, HAND, SCAN = "slip_timer.h", "slip_buffer.h", "slip_hand.h", "slip_scan.h"

@@ -159,6 +159,18 @@ def firmware(
     out: Annotated[
         Path | None, typer.Option(metavar="PATH", help="Output folder; out/NAME/firmware by default.")
     ] = None,
+    fingers: Annotated[
+        str, typer.Option(help="Fingers that the controller reads: their number, or names separated by commas.")
+    ] = "1",
+    controller: Annotated[
+        str | None, typer.Option(help="The controller, such as teensy40; black_pill_f411 for several fingers.")
+    ] = None,
+    inputs: Annotated[
+        str | None,
+        typer.Option(
+            help="Its analog inputs, T and S of each finger in turn, separated by commas; the first by default."
+        ),
+    ] = None,
     check: Annotated[
         bool, typer.Option("--check", help="Write nothing; compare the folder with the design; exit 1 if they differ.")
     ] = False,
@@ -171,17 +183,19 @@ def firmware(
     and memory.
     """
     from fingertip.catalogues.output_files import FIRMWARE
+    from fingertip.firmware.fingers import plan_fingers
     from fingertip.firmware.packaging import cost_table, find_warnings, read_costs
     from fingertip.tasks.firmware import firmware_differences, write_firmware
 
     loaded = load_design(design, changes, console)
     folder = out or FIRMWARE.folder(loaded)
+    planned = plan_fingers(loaded, fingers, controller, inputs)
     if check:
-        found = firmware_differences(loaded, folder)
+        found = firmware_differences(loaded, folder, planned)
         text = "\n".join(found) or f"{folder} is up to date with this design"
         console.result({"current": not found, "differences": found}, text, passed=not found)
         return
-    paths = write_firmware(loaded, folder, force=force)
+    paths = write_firmware(loaded, folder, fingers=planned, force=force)
     warnings = list(find_warnings(loaded))
     console.warn(warnings)
     data = {"files": [path.as_posix() for path in paths], "warnings": warnings, "costs": read_costs()}

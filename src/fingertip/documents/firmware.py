@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from fingertip.board import board_circuit
 from fingertip.board.bringup.wiring import HOST_CONNECTOR, SKETCH_PINS, list_notes, list_pins, name_signals
@@ -11,43 +10,25 @@ from fingertip.board.components.bridge import POWER_UP_S
 from fingertip.board.components.values import select_components
 from fingertip.board.parts.circuit import GND, VMID_OUT
 from fingertip.catalogues.bundled import list_bundled_files
-from fingertip.catalogues.controllers import BOARDS, ControllerBoard
+from fingertip.catalogues.controllers import BOARDS
 from fingertip.catalogues.file_kinds import DESIGN
 from fingertip.design import Design
 from fingertip.documents.template import WIDTH, lay_out_page, render
+from fingertip.firmware.fingers import (
+    BUFFER_SAMPLES,
+    CYCLES_PER_INSTRUCTION,
+    NAMES,
+    Fingers,
+    count_fingers,
+    find_load,
+    list_limits,
+)
 from fingertip.firmware.packaging import NAME, cost_table, find_warnings, read_costs
 from fingertip.slip.detectors.fast import TICK_S, FilteredSignal
 from fingertip.slip.detectors.fast_coefficients import load_model
 
-CYCLES_PER_INSTRUCTION = 1.5
-"""Mean clock cycles of an instruction, with waits for the flash. An assumption: most take one, loads and jumps two."""
-BUFFER_SAMPLES = 1024
-"""Samples that may wait in the ring buffer of `slip_buffer.h`."""
 
-
-@dataclass(frozen=True)
-class Load:
-    """Clock cycles between two samples, and those that the detector takes for one."""
-
-    available: int
-    mean: int
-    """Mean while slip lasts."""
-    longest: int
-
-
-def find_load(board: ControllerBoard, sample_rate_hz: float) -> Load:
-    """Find the load of a controller at a sampling rate.
-
-    Each processor takes as many instructions as the measured one of its kind. This overestimates a Cortex-M3, which
-    has instructions that a Cortex-M0+ lacks.
-    """
-    target = read_costs()["targets"]["Cortex-M4F" if board.has_floats else "Cortex-M0+"]
-    counts = target["instructions"]["slip"], target["max_instructions"]
-    mean, longest = (math.ceil(CYCLES_PER_INSTRUCTION * count / 100) * 100 for count in counts)
-    return Load(math.floor(1e4 * board.clock_mhz / sample_rate_hz) * 100, mean, longest)
-
-
-def render_readme(design: Design) -> str:
+def render_readme(design: Design, fingers: Fingers) -> str:
     circuit, detector = board_circuit(select_components(design)), design.detector
     pins = list_pins(circuit, circuit.component(HOST_CONNECTOR))
     signals = name_signals(circuit, design.board.supply_v)
@@ -67,6 +48,11 @@ def render_readme(design: Design) -> str:
         "buffer_samples": BUFFER_SAMPLES,
         "boards": BOARDS,
         "find_load": find_load,
+        "list_limits": list_limits,
+        "count_fingers": count_fingers,
+        "most_fingers": len(NAMES),
+        "fingers": fingers,
+        "peak_fingers": math.ceil(fingers.count / max(1, round(TICK_S * detector.sample_rate_hz))),
         "cycles_per_instruction": CYCLES_PER_INSTRUCTION,
         "connector": HOST_CONNECTOR,
         "pins": [

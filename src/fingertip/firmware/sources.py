@@ -5,10 +5,15 @@ from __future__ import annotations
 import math
 import struct
 from collections.abc import Iterator
+from dataclasses import replace
 from importlib import resources
 from typing import Any
 
+from fingertip.board import board_values
+from fingertip.catalogues.output_files import BUFFER, HAND, SCAN, TIMER
 from fingertip.design import Design
+from fingertip.firmware.fingers import Fingers
+from fingertip.sim.runs.grip import HISTORY, MIN_PRESENT_N, ForceCurve, GripSettings
 from fingertip.slip.detectors import fast_loop
 from fingertip.slip.detectors.fast import FastDetector, FastSettings
 from fingertip.slip.detectors.fast_coefficients import DEPTH, NODES, FastModel, load_model
@@ -28,6 +33,15 @@ _GROUPS = (
     (
         "Filtered signal: factor to a voltage at the filter's input, limit [V]; samples of recovery, and of no change.",
         "FILTERED_GAIN FILTERED_LIMIT LIMITED_SAMPLES STILL_SAMPLES",
+    ),
+    (
+        "Checks of samples: size of what is no voltage, jumps that the next sample must confirm [V]; samples of trust, "
+        "of a gap, and of a report; ticks of OFF after a gap.",
+        "NUMBER_LIMIT JUMP_LIMIT FILTERED_JUMP_LIMIT TRUSTED_SAMPLES GAP_SAMPLES FAULT_SAMPLES RESTART_TICKS",
+    ),
+    (
+        "Tactile voltages that forces give, as their middle and half their range [V], and their codes.",
+        "MIDDLE_INPUT HALF_RANGE LOWEST_CODE HIGHEST_CODE",
     ),
     ("Smoothing factors of 6 and 20 ms, per sample.", "SHORT LONG"),
     (
@@ -87,6 +101,12 @@ def _render_constants(design: Design) -> str:
         "FILTERED_LIMIT": both.coefficients.filtered_limit,
         "LIMITED_SAMPLES": f"{c.limited_samples:.0f}",
         "STILL_SAMPLES": f"{c.still_samples:.0f}",
+        **{
+            name.upper(): f"{getattr(c, name):.0f}"
+            for name in ("trusted_samples", "gap_samples", "fault_samples", "restart_ticks")
+        },
+        "LOWEST_CODE": str(math.ceil((c.middle_input - c.half_range - converter.adc_low_v) / converter.adc_step_v)),
+        "HIGHEST_CODE": str(math.floor((c.middle_input + c.half_range - converter.adc_low_v) / converter.adc_step_v)),
         "SHORT": c.short_smoothing,
         "LONG": c.long_smoothing,
         "TICK_SAMPLES": f"{c.tick_samples:.0f}",
@@ -125,9 +145,29 @@ def _render_constants(design: Design) -> str:
     return "\n\n".join(blocks)
 
 
+OPEN_SHARE = 0.5
+"""Share of the way from an open sensor's voltage to the end of the range that a good board may be off."""
+SHORTED_SHARE = 0.02
+"""Share of the range by which less than a shorted sensor's voltage counts as one."""
+
+
+def library_settings(design: Design) -> FastSettings:
+    """Settings of the detector of a finger, with the voltages that forces give on the board of the design."""
+    converter, response = design.detector, board_values(design).tactile_response
+    lowest, highest = converter.adc_low_v, converter.adc_range_v
+    shorted_v = response.open_v - response.transfer_ohm * response.sensor_v / response.source_ohm
+    shorted_v = min(max(shorted_v, lowest), highest)
+    margin_v = SHORTED_SHARE * (highest - lowest)
+    if design.board.tactile_rises:
+        possible = (response.open_v - OPEN_SHARE * (response.open_v - lowest), shorted_v - margin_v)
+    else:
+        possible = (shorted_v + margin_v, response.open_v + OPEN_SHARE * (highest - response.open_v))
+    return replace(FastSettings.from_design(design), possible_v=possible)
+
+
 def _start(design: Design, filtered_v: float | None) -> FastDetector:
     """Make the detector, and give it one sample, with the filtered signal [V] or without: floors stand still in it."""
-    detector = FastDetector(FastSettings.from_design(design))
+    detector = FastDetector(library_settings(design))
     detector.step(0.0, filtered_v)
     return detector
 
@@ -179,7 +219,58 @@ def _rows(values: list[str]) -> Iterator[str]:
         yield line.rstrip()
 
 
+def _render_fingers(fingers: Fingers) -> str:
+    """Render how many fingers there are, and for several the inputs and names that the example takes."""
+    lines = ["#ifndef SLIP_FINGERS", f"#define SLIP_FINGERS {fingers.count}", "#endif"]
+    if fingers.count > 1:
+        inputs = ", ".join(f"{{{tactile}, {filtered}}}" for tactile, filtered in fingers.inputs)
+        names = ", ".join(f'"{name}"' for name in fingers.names)
+        lines += [f"#define SLIP_INPUTS {{{inputs}}}", f"#define SLIP_NAMES {{{names}}}"]
+    return "\n".join(("/* Fingers that one controller reads; of several, inputs of T and S, and names. */", *lines))
+
+
+def _render_grip(settings: GripSettings) -> str:
+    """Render the constants of the grip law."""
+    times = {"WINDOW": settings.growth_window_s, "SUPPRESSION": settings.suppression_s}
+    times |= {"REFRACTORY": settings.refractory_s, "WATCHDOG": settings.watchdog_s}
+    values = {"MIN_PRESENT_N": MIN_PRESENT_N} | {
+        name.upper(): getattr(settings, name)
+        for name in ("max_growth_n_s", "max_closing_m_s", "force_ratio", "max_force_n", "max_command_m_s")
+    }
+    return "\n".join(
+        (
+            "/* Times [us], moments of the window, and limits of forces, closings and their speeds. */",
+            *(f"#define SLIP_GRIP_{name}_US {round(1e6 * time_s)}u" for name, time_s in times.items()),
+            f"#define SLIP_GRIP_HISTORY {HISTORY}u",
+            *(f"#define SLIP_GRIP_{name} {real(value)}" for name, value in values.items()),
+        )
+    )
+
+
+def _render_curve(curve: ForceCurve) -> str:
+    """Render the voltages and forces of the curve, and the pad's constants."""
+    tables = (
+        ("Ascending tactile voltages [V].", "slip_curve_v", curve.volts.tolist()),
+        ("Forces that they mean [N].", "slip_curve_n", curve.forces_n.tolist()),
+    )
+    blocks = [
+        "\n".join(
+            (
+                "/* Stiffness of the hand behind the pad [N/m]; indentation of the pad under 1 N [m]. */",
+                f"#define SLIP_BACKING_N_PER_M {real(curve.pad.backing.stiffness_n_per_m)}",
+                f"#define SLIP_PAD_M_PER_N23 {real(curve.pad.hertz_m_per_n23)}",
+                f"enum {{ SLIP_CURVE = {len(curve.volts)} }};",
+            )
+        )
+    ]
+    for comment, name, values in tables:
+        rows = _rows([f"R({value!r})" for value in values])
+        blocks.append("\n".join([f"/* {comment} */", f"static const slip_real {name}[SLIP_CURVE] = {{", *rows, "};"]))
+    return "\n\n".join(blocks)
+
+
 HEADER, SOURCE = "slip_detector.h", "slip_detector.c"
+GRIP_HEADER, GRIP_SOURCE = "slip_grip.h", "slip_grip.c"
 
 
 def read_template(name: str) -> str:
@@ -187,11 +278,20 @@ def read_template(name: str) -> str:
     return resources.files(__package__).joinpath("c", name).read_text(encoding="utf-8")
 
 
-def library_sources(design: Design) -> dict[str, bytes]:
-    """Header and source of the detector of a design, by name."""
-    header = _insert(read_template(HEADER), "slip_constants.h", _render_constants(design))
-    source = _insert(read_template(SOURCE), "slip_trees.h", render_trees(load_model()))
-    return {HEADER: header.encode(), SOURCE: source.encode()}
+def library_sources(design: Design, fingers: Fingers) -> dict[str, bytes]:
+    """Headers and sources of a design by name: the detector, and for several fingers the grip law."""
+    constants = f"{_render_fingers(fingers)}\n\n{_render_constants(design)}"
+    files = {
+        HEADER: _insert(read_template(HEADER), "slip_constants.h", constants),
+        SOURCE: _insert(read_template(SOURCE), "slip_trees.h", render_trees(load_model())),
+        **{name: read_template(name) for name in (BUFFER, HAND, TIMER)},
+    }
+    if fingers.count > 1:
+        grip, curve = _render_grip(GripSettings()), _render_curve(ForceCurve.from_design(design))
+        files[SCAN] = read_template(SCAN)
+        files[GRIP_HEADER] = _insert(read_template(GRIP_HEADER), "slip_grip_constants.h", grip)
+        files[GRIP_SOURCE] = _insert(read_template(GRIP_SOURCE), "slip_grip_curve.h", curve)
+    return {name: text.encode() for name, text in files.items()}
 
 
 def _insert(template: str, include: str, text: str) -> str:

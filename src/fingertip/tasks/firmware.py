@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from fingertip.catalogues.output_files import BUFFER, FIRMWARE, MANIFEST, PROPERTIES, README, TIMER
+from fingertip.catalogues.output_files import FIRMWARE, MANIFEST, PROPERTIES, README
 from fingertip.design import Design
 from fingertip.documents.firmware import render_readme
+from fingertip.firmware.fingers import ONE_FINGER, Fingers
 from fingertip.firmware.packaging import library_manifest, library_properties
 from fingertip.firmware.sources import library_sources, read_template
 from fingertip.tasks.verification import compare_with_design
@@ -14,26 +15,30 @@ from fingertip.tasks.verification import compare_with_design
 SOURCES, EXAMPLES = "src", "examples"
 """Folders of the library, as Arduino names them."""
 _EXAMPLE_FILES = {"slip_pin": ("slip_pin.ino",), "slip_stream": ("slip_stream.ino", "slip_line.h")}
-"""Example -> its files. Arduino names a sketch like its folder."""
+"""Example of one finger -> its files. Arduino names a sketch like its folder."""
+_HAND_FILES = {"slip_hand": ("slip_hand.ino",)}
+"""The same for several fingers."""
 
 
-def firmware_files(design: Design) -> dict[str, dict[str, bytes]]:
+def firmware_files(design: Design, fingers: Fingers = ONE_FINGER) -> dict[str, dict[str, bytes]]:
     """Content of the files, by folder within the library and by name; the same design gives the same bytes."""
     folders = {
         ".": {
-            README: render_readme(design).encode(),
+            README: render_readme(design, fingers).encode(),
             PROPERTIES: library_properties(design),
             MANIFEST: library_manifest(design),
         },
-        SOURCES: {**library_sources(design), **{name: read_template(name).encode() for name in (BUFFER, TIMER)}},
+        SOURCES: library_sources(design, fingers),
     }
-    for example, names in _EXAMPLE_FILES.items():
+    for example, names in (_HAND_FILES if fingers.count > 1 else _EXAMPLE_FILES).items():
         files = {name: read_template(f"{EXAMPLES}/{name}").encode() for name in names}
         folders[f"{EXAMPLES}/{example}"] = files
     return folders
 
 
-def write_firmware(design: Design, out: str | Path | None = None, *, force: bool = False) -> tuple[Path, ...]:
+def write_firmware(
+    design: Design, out: str | Path | None = None, *, fingers: Fingers = ONE_FINGER, force: bool = False
+) -> tuple[Path, ...]:
     """Write the library of a design to a folder, `out/NAME/firmware` by default, and return the paths of its files.
 
     Parameters
@@ -42,6 +47,8 @@ def write_firmware(design: Design, out: str | Path | None = None, *, force: bool
         The design.
     out
         The folder.
+    fingers
+        The fingers that the controller reads, as `fingertip.firmware.fingers.plan_fingers` gives them.
     force
         Whether files may be overwritten that this function did not write, or that were changed since.
 
@@ -54,7 +61,7 @@ def write_firmware(design: Design, out: str | Path | None = None, *, force: bool
     folder = FIRMWARE.folder(design) if out is None else Path(out)
     sets = [
         (FIRMWARE.writer(design, folder / place, force, folder), contents)
-        for place, contents in firmware_files(design).items()
+        for place, contents in firmware_files(design, fingers).items()
     ]
     for writer, contents in sets:
         writer.check(contents)
@@ -63,7 +70,7 @@ def write_firmware(design: Design, out: str | Path | None = None, *, force: bool
     return tuple(writer.folder / name for writer, contents in sets for name in contents)
 
 
-def firmware_differences(design: Design, folder: str | Path) -> list[str]:
-    folders = firmware_files(design).items()
+def firmware_differences(design: Design, folder: str | Path, fingers: Fingers = ONE_FINGER) -> list[str]:
+    folders = firmware_files(design, fingers).items()
     expected = {f"{place}/{name}": data for place, contents in folders for name, data in contents.items()}
     return compare_with_design(Path(folder), expected)

@@ -5,13 +5,16 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { LOW = 0, HIGH = 1, INPUT = 0, OUTPUT = 1, A0 = 14, A1 = 15, LED_BUILTIN = 13 };
+enum { LOW = 0, HIGH = 1, INPUT = 0, OUTPUT = 1, INPUT_ANALOG = 2, LED_BUILTIN = 13 };
+enum { A0 = 14, A1, A2, A3, A4, A5, A6, A7, A8, A9 };
+enum { PA0 = 100, PA1, PA2, PA3, PA4, PA5, PA6, PA7, PB0 = 108, PB1 };
 
 void pinMode(int pin, int mode);
 void digitalWrite(int pin, int level);
 int analogRead(int pin);
 void analogReadResolution(int bits);
 unsigned long millis();
+unsigned long micros();
 void delay(unsigned long ms);
 
 struct SerialPort {
@@ -26,6 +29,10 @@ class IntervalTimer {
  public:
   bool begin(void (*callback)(), float period_us);
 };
+
+#if defined(STM32F4xx)
+#include "stm32f4.h"
+#endif
 
 /* Timer of the STM32. */
 enum TimerFormat { HERTZ_FORMAT };

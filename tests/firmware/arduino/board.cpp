@@ -1,7 +1,9 @@
-// Board without hardware: standard input holds the converter's codes of both pins, a pair per line; every sample
-// calls the timer's callback and then loop(), but loop() rests from the sample FIRST to before LAST, if they are given as
-// arguments, and is then called as often as it missed. What the sketch writes goes to standard output, and each change of the pin to standard error, with the number of the sample.
+// Board without hardware: standard input holds the converter's codes of all inputs, T and S of each finger, and a line
+// for each sample. Every sample calls the timer's callback and then loop(), but loop() rests from the sample FIRST to
+// before LAST, if they are given as arguments, and is then called as often as it missed. What the sketch writes goes to
+// standard output, and each change of the pin to standard error, with the number of the sample.
 #include "Arduino.h"
+#include "slip_detector.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,7 +12,7 @@ void setup();
 void loop();
 
 static void (*timer_callback)();
-static int tactile_code, filtered_code, pin_level = -1;
+static int codes[2 * SLIP_FINGERS], pin_level = -1;
 static unsigned long sample;
 static float timer_period_us;
 SerialPort Serial;
@@ -19,6 +21,7 @@ int stand_in_timer;
 void pinMode(int, int) {}
 void analogReadResolution(int) {}
 unsigned long millis() { return sample / 2; }
+unsigned long micros() { return sample * 500; }
 void delay(unsigned long) {}
 
 void digitalWrite(int, int level) {
@@ -28,7 +31,48 @@ void digitalWrite(int, int level) {
   }
 }
 
-int analogRead(int pin) { return pin == A0 ? tactile_code : filtered_code; }
+int analogRead(int pin) { return codes[pin < PA0 ? pin - A0 : pin - PA0]; }
+
+#if defined(STM32F4xx)
+const PinMap PinMap_ADC[1] = {};
+stand_in_rcc stand_in_rcc_registers;
+stand_in_dma stand_in_dma_registers;
+stand_in_adc stand_in_adc_registers;
+stand_in_adc_common stand_in_common_registers;
+
+HardwareTimer::HardwareTimer(int *) {}
+void HardwareTimer::setOverflow(uint32_t rate, TimerFormat) { timer_period_us = 1e6f / static_cast<float>(rate); }
+void HardwareTimer::attachInterrupt(void (*callback)()) { timer_callback = callback; }
+void HardwareTimer::resume() {}
+
+// Convert the inputs of the sequence, if a scan was started, and let the DMA store them as its registers tell.
+static void convert() {
+  const uint32_t wanted = DMA_SxCR_EN | DMA_SxCR_CIRC | DMA_SxCR_MINC | DMA_SxCR_PSIZE_0 | DMA_SxCR_MSIZE_0;
+  const uint32_t count = (ADC1->SQR1 >> ADC_SQR1_L_Pos & 15) + 1, sequence[] = {ADC1->SQR3, ADC1->SQR2, ADC1->SQR1};
+  const uint32_t settings = ADC_CR2_ADON | ADC_CR2_DMA | ADC_CR2_DDS | ADC_CR2_SWSTART;
+  uint16_t *const memory = reinterpret_cast<uint16_t *>(static_cast<uintptr_t>(DMA2_Stream0->M0AR));
+  if (!(RCC->AHB1ENR & RCC_AHB1ENR_DMA2EN) || !(RCC->APB2ENR & RCC_APB2ENR_ADC1EN) || DMA2_Stream0->CR != wanted
+      || DMA2_Stream0->NDTR != count || count != 2 * SLIP_FINGERS || ADC1->CR1 != ADC_CR1_SCAN || ADC1->CR2 != settings) {
+    fprintf(stderr, "the registers do not tell what to convert\n");
+    exit(EXIT_FAILURE);
+  }
+  ADC1->CR2 &= ~static_cast<uint32_t>(ADC_CR2_SWSTART);
+  for (uint32_t i = 0; i < count; i++) {
+    memory[i] = static_cast<uint16_t>(codes[sequence[i / 6] >> 5 * (i % 6) & 31]);
+  }
+}
+#else
+static void convert() {}
+#endif
+
+static bool read_codes() {
+  for (int &code : codes) {
+    if (scanf("%d", &code) != 1) {
+      return false;
+    }
+  }
+  return true;
+}
 
 void SerialPort::begin(unsigned long) {}
 
@@ -50,8 +94,9 @@ int main(int count, char **arguments) {
   unsigned long missed = 0;
   setup();
   fprintf(stderr, "period %g\n", static_cast<double>(timer_period_us));
-  while (scanf("%d %d", &tactile_code, &filtered_code) == 2) {
+  while (read_codes()) {
     timer_callback();
+    convert();
     missed++;
     while (!(first <= sample && sample < last) && missed > 0) {
       loop();

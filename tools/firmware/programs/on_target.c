@@ -3,16 +3,11 @@
  * Each record of results.bin holds the decision, the confidence, and the time that the step took by the controller's
  * timer SysTick, without that of an empty step. stack.bin holds the bytes of stack that the deepest step used. Under
  * `qemu-system-arm -icount shift=10` an instruction takes 1.024 us, so the time is a number of instructions. */
-#include "semihosting.h"
 #include "slip_detector.h"
-
-#define SYSTICK_CONTROL (*(volatile uint32_t *)0xE000E010u)
-#define SYSTICK_RELOAD (*(volatile uint32_t *)0xE000E014u)
-#define SYSTICK_VALUE (*(volatile uint32_t *)0xE000E018u)
-#define COPROCESSOR_ACCESS (*(volatile uint32_t *)0xE000ED88u)
+#include "target.h"
 
 enum { CHUNK = 64, STACK_WORDS = 512 };
-static const uint32_t PATTERN = 0x51A9C0DEu, COUNTER = 0xFFFFFFu;
+static const uint32_t PATTERN = 0x51A9C0DEu;
 
 typedef bool (*step_function)(slip_state *, slip_real, slip_real);
 
@@ -25,9 +20,6 @@ struct record {
     uint32_t ticks;
     uint32_t on;
 };
-
-extern uint32_t stack_top[], data_load[], data_start[], data_end[], bss_start[], bss_end[];
-int main(void);
 
 static bool do_nothing(slip_state *state, slip_real tactile_v, slip_real filtered_v) {
     (void)tactile_v;
@@ -69,9 +61,7 @@ int main(void) {
     size_t count, i;
     bool on;
 
-    SYSTICK_RELOAD = COUNTER;
-    SYSTICK_VALUE = 0;
-    SYSTICK_CONTROL = 5; /* enabled, from the processor's clock, without interrupts */
+    start_counter();
     slip_init(&state);
     overhead = time_step(empty, &state, none, &on);
     while ((count = read_file(input, samples, sizeof samples) / sizeof samples[0]) > 0) {
@@ -89,31 +79,3 @@ int main(void) {
     quit(1);
     return 0;
 }
-
-static void reset(void) {
-    const uint32_t *from = data_load;
-    uint32_t *to;
-#if defined(__ARM_FP)
-    COPROCESSOR_ACCESS |= 0xFu << 20;
-    __asm__ volatile("dsb\n isb");
-#endif
-    for (to = data_start; to < data_end;) {
-        *to++ = *from++;
-    }
-    for (to = bss_start; to < bss_end;) {
-        *to++ = 0;
-    }
-    main();
-}
-
-static void fault(void) {
-    quit(0);
-}
-
-struct vector_table {
-    uint32_t *stack;
-    void (*handlers[15])(void);
-};
-
-extern const struct vector_table vectors;
-__attribute__((section(".vectors"), used)) const struct vector_table vectors = {stack_top, {reset, fault, fault}};

@@ -3,7 +3,7 @@
 
 size_t probe_state_bytes(void);
 void probe_process(slip_state *state, const slip_real *tactile_v, const slip_real *filtered_v, size_t count,
-                   slip_real *wide, slip_real *confidence, slip_real *level, uint8_t *incipient, uint8_t *on);
+                   slip_real *wide, slip_real *confidence, slip_real *level, uint8_t *incipient, uint8_t *faults, uint8_t *on);
 void probe_process_codes(slip_state *state, const int32_t *tactile, const int32_t *filtered, size_t count, uint8_t *on);
 
 size_t probe_state_bytes(void) {
@@ -11,7 +11,7 @@ size_t probe_state_bytes(void) {
 }
 
 void probe_process(slip_state *state, const slip_real *tactile_v, const slip_real *filtered_v, size_t count,
-                   slip_real *wide, slip_real *confidence, slip_real *level, uint8_t *incipient, uint8_t *on) {
+                   slip_real *wide, slip_real *confidence, slip_real *level, uint8_t *incipient, uint8_t *faults, uint8_t *on) {
     size_t i;
     for (i = 0; i < count; i++) {
         slip_process(state, tactile_v + i, filtered_v ? filtered_v + i : NULL, 1, on + i);
@@ -19,6 +19,7 @@ void probe_process(slip_state *state, const slip_real *tactile_v, const slip_rea
         confidence[i] = state->confidence;
         level[i] = state->floor;
         incipient[i] = slip_is_incipient(state);
+        faults[i] = (uint8_t)slip_faults(state);
     }
 }
 

@@ -1,6 +1,6 @@
 #include "slip_detector.h"
 
-#include <math.h> /* INFINITY alone */
+#include <math.h> /* INFINITY, and fabs, which is one instruction */
 
 /* A product and a sum must not be contracted into one rounding: numbers are then those of fingertip's Python. GCC knows
  * no such pragma and takes -ffp-contract=off instead, which is its default with -std=c99. */
@@ -12,6 +12,12 @@
 
 #define R(number) ((slip_real)(number))
 
+#if defined(__GNUC__)
+#define NOT_INLINED __attribute__((noinline))
+#else
+#define NOT_INLINED
+#endif
+
 /* Trees compare keys: integers in the order of the floats whose bits they hold, which a controller compares faster. A
  * double is its own key. */
 #define IS_DOUBLE_float 0
@@ -21,6 +27,8 @@
 
 #if IS_DOUBLE(SLIP_REAL)
 
+#define MAGNITUDE fabs
+
 typedef double slip_key;
 #define KEY(number, bits) (number)
 
@@ -29,6 +37,8 @@ static slip_key key_of(slip_real value) {
 }
 
 #else
+
+#define MAGNITUDE fabsf
 
 typedef uint32_t slip_key;
 #define KEY(number, bits) (bits)
@@ -208,7 +218,7 @@ static void tick(slip_state *state, slip_real slope) {
 
     is_moving = greatest > SLIP_MOVING_RATIO * slow_floor && state->settling == 0;
     /* No floor learns what the trees may take for slip, however long it lasts and whatever came before it. */
-    is_held = state->incipient || (score > SLIP_STAY_SCORE && state->settling == 0);
+    is_held = state->incipient || (score > SLIP_STAY_SCORE && state->settling == 0) || state->replaced > 0;
 
     if (state->incipient) {
         /* A tone's energy is constant and that of slip is not: floors follow a tone. */
@@ -256,9 +266,118 @@ static void tick(slip_state *state, slip_real slope) {
     }
 }
 
+enum check { USED, REPLACED_SAMPLE, CONFIRMED, GLITCH, BEGUN };
+
+/* Return whether a value is at most as large as a limit. NaN is not. */
+static bool is_within(slip_real value, slip_real limit) {
+    return MAGNITUDE(value) <= limit;
+}
+
+/* Judge a sample by its value and by its distance from the last one that was used. What is no voltage is replaced. A
+ * jump is replaced until the next sample confirms it; jumps that follow are trusted for a while. Where nothing is wrong
+ * and the sample does not jump, which is nearly always so, the callers need not ask. */
+static NOT_INLINED enum check check_sample(slip_check *check, slip_real value, bool is_jump) {
+    bool is_gap, is_suspected;
+    if (!is_within(value, SLIP_NUMBER_LIMIT)) {
+        if (check->wrong < UINT16_MAX) {
+            check->wrong++;
+        }
+        return REPLACED_SAMPLE;
+    }
+    is_gap = check->wrong > SLIP_GAP_SAMPLES;
+    is_suspected = check->is_suspected;
+    check->wrong = 0;
+    if (is_jump && !is_suspected && !is_gap && check->trusted == 0) {
+        check->is_suspected = true;
+        return REPLACED_SAMPLE;
+    }
+    check->is_suspected = false;
+    if (is_jump) {
+        check->trusted = SLIP_TRUSTED_SAMPLES;
+    } else if (check->trusted > 0) {
+        check->trusted--;
+    }
+    if (is_gap) {
+        return BEGUN;
+    }
+    return !is_suspected ? USED : is_jump ? CONFIRMED : GLITCH;
+}
+
+static bool is_wrong(const slip_check *check) {
+    return check->wrong > 0 || check->trusted > 0 || check->is_suspected;
+}
+
+/* Note whether the checks must be asked for the next sample. */
+static void note_busy(slip_state *state) {
+    state->is_busy = is_wrong(&state->tactile_check) || is_wrong(&state->filtered_check) || state->replaced > 0;
+}
+
+/* Stay OFF for a while, until the filters have settled after a gap. */
+static void restart(slip_state *state) {
+    if (state->settling < SLIP_RESTART_TICKS) {
+        state->settling = SLIP_RESTART_TICKS;
+    }
+}
+
+/* Judge a sample of T by its voltage and its change [V], note its faults, and return whether it is used. If not, or
+ * where it begins anew, the change is 0. */
+static NOT_INLINED bool use_tactile(slip_state *state, slip_real tactile_v, slip_real *change) {
+    const enum check found = check_sample(&state->tactile_check, tactile_v, !is_within(*change, SLIP_JUMP_LIMIT));
+    /* After a gap much may have happened; and before the detector has settled, the first sample may be a glitch. */
+    if (found == REPLACED_SAMPLE || found == BEGUN || (found == CONFIRMED && state->settling > 0)) {
+        *change = R(0.0);
+    }
+    if (found == GLITCH || state->tactile_check.wrong > 0) {
+        state->replaced = SLIP_FAULT_SAMPLES;
+    } else if (state->replaced > 0) {
+        state->replaced--;
+    }
+    if (state->tactile_check.wrong > SLIP_GAP_SAMPLES) {
+        restart(state);
+    }
+    note_busy(state);
+    return found != REPLACED_SAMPLE;
+}
+
+/* Judge a sample of the filtered signal, as a voltage at the filter's input [V]. Return it, or the last one in its place;
+ * where its rest is to be set anew, that is its place. */
+static NOT_INLINED slip_real use_filtered(slip_state *state, slip_real filtered, bool is_jump) {
+    /* Both were taken at the same time. */
+    const enum check found = state->tactile_check.is_suspected
+        ? REPLACED_SAMPLE : check_sample(&state->filtered_check, filtered, is_jump);
+    if (found == GLITCH || state->filtered_check.wrong > 0) {
+        state->replaced = SLIP_FAULT_SAMPLES;
+    }
+    if (state->filtered_check.wrong > SLIP_GAP_SAMPLES && state->still < SLIP_STILL_SAMPLES) {
+        /* T alone is judged, and what the change of signals leaves is not. */
+        state->still = SLIP_STILL_SAMPLES;
+        restart(state);
+    }
+    note_busy(state);
+    if (found == REPLACED_SAMPLE) {
+        return state->last_filtered;
+    }
+    if (found == CONFIRMED && state->settling > 0) {
+        state->begins = true;
+        state->last_filtered = R(0.0);
+        return R(0.0);
+    }
+    return filtered;
+}
+
+/* Count how long the tactile voltage has been one that no force gives. */
+static void note_outside(slip_state *state, bool is_outside) {
+    if (!is_outside) {
+        state->outside = 0;
+    } else if (state->outside <= SLIP_FAULT_SAMPLES) {
+        state->outside++;
+    }
+}
+
 /* Process one sample: the change of the tactile voltage [V], and the filtered signal's deviation from its rest [V]. */
-static bool step(slip_state *state, slip_real change, slip_real deviation) {
+static void step(slip_state *state, slip_real change, slip_real deviation) {
     slip_real move, board, filtered, restored, edge, upper, wide, slope;
+    bool is_jump;
 
     /* Smallest step of the converter: the smallest difference between two samples. */
     move = change < R(0.0) ? -change : change;
@@ -276,6 +395,12 @@ static bool step(slip_state *state, slip_real change, slip_real deviation) {
      * limit. */
     if (state->has_filtered) {
         filtered = SLIP_FILTERED_GAIN * deviation;
+        /* What jumps in the filtered signal jumps in the tactile voltage too. */
+        is_jump = !is_within(filtered - board - state->difference, SLIP_FILTERED_JUMP_LIMIT);
+        if (is_jump || state->is_busy) {
+            filtered = use_filtered(state, filtered, is_jump);
+        }
+        state->difference = filtered - board;
         move = filtered - state->last_filtered;
         state->last_filtered = filtered;
         if (move < R(0.0)) {
@@ -354,7 +479,6 @@ static bool step(slip_state *state, slip_real change, slip_real deviation) {
         state->phase = 0;
         tick(state, slope);
     }
-    return state->on;
 }
 
 /* Begin with the first sample: whether it has a filtered signal decides what noise is stated. */
@@ -367,6 +491,11 @@ static void start(slip_state *state, bool has_filtered) {
         state->min_floor = SLIP_FILTERED_MIN_FLOOR;
         state->min_upper_floor = SLIP_FILTERED_MIN_UPPER_FLOOR;
     }
+}
+
+void slip_init_finger(slip_state *state, unsigned finger) {
+    slip_init(state);
+    state->phase = (uint16_t)(finger % SLIP_TICK_SAMPLES);
 }
 
 void slip_init(slip_state *state) {
@@ -388,12 +517,20 @@ static bool step_volts(slip_state *state, slip_real tactile_v, slip_real filtere
     slip_real change;
     if (!state->is_started) {
         start(state, has_filtered);
-        state->last_tactile_v = tactile_v;
-        state->rest_v = filtered_v;
+        state->last_tactile_v = is_within(tactile_v, SLIP_NUMBER_LIMIT) ? tactile_v : R(0.0);
+        state->rest_v = is_within(filtered_v, SLIP_NUMBER_LIMIT) ? filtered_v : R(0.0);
     }
     change = tactile_v - state->last_tactile_v;
-    state->last_tactile_v = tactile_v;
-    return step(state, change, filtered_v - state->rest_v);
+    if ((!state->is_busy && is_within(change, SLIP_JUMP_LIMIT)) || use_tactile(state, tactile_v, &change)) {
+        state->last_tactile_v = tactile_v;
+        note_outside(state, !is_within(tactile_v - SLIP_MIDDLE_INPUT, SLIP_HALF_RANGE));
+    }
+    step(state, change, filtered_v - state->rest_v);
+    if (state->is_busy && state->begins) {
+        state->begins = false;
+        state->rest_v = filtered_v;
+    }
+    return state->on;
 }
 
 bool slip_step(slip_state *state, slip_real tactile_v, slip_real filtered_v) {
@@ -406,16 +543,24 @@ bool slip_step_tactile(slip_state *state, slip_real tactile_v) {
 
 /* Process codes in the same way. */
 static bool step_codes(slip_state *state, int32_t tactile_code, int32_t filtered_code, bool has_filtered) {
-    int32_t change;
+    slip_real change;
     if (!state->is_started) {
         start(state, has_filtered);
         state->last_tactile_code = tactile_code;
         state->rest_code = filtered_code;
     }
-    change = tactile_code - state->last_tactile_code;
-    state->last_tactile_code = tactile_code;
-    return step(state, SLIP_ADC_STEP_V * (slip_real)change,
-                SLIP_ADC_STEP_V * (slip_real)(filtered_code - state->rest_code));
+    change = SLIP_ADC_STEP_V * (slip_real)(tactile_code - state->last_tactile_code);
+    /* Every code is a voltage. */
+    if ((!state->is_busy && is_within(change, SLIP_JUMP_LIMIT)) || use_tactile(state, R(0.0), &change)) {
+        state->last_tactile_code = tactile_code;
+        note_outside(state, tactile_code < SLIP_LOWEST_CODE || tactile_code > SLIP_HIGHEST_CODE);
+    }
+    step(state, change, SLIP_ADC_STEP_V * (slip_real)(filtered_code - state->rest_code));
+    if (state->is_busy && state->begins) {
+        state->begins = false;
+        state->rest_code = filtered_code;
+    }
+    return state->on;
 }
 
 bool slip_step_codes(slip_state *state, int32_t tactile_code, int32_t filtered_code) {
@@ -424,6 +569,15 @@ bool slip_step_codes(slip_state *state, int32_t tactile_code, int32_t filtered_c
 
 bool slip_step_tactile_code(slip_state *state, int32_t tactile_code) {
     return step_codes(state, tactile_code, 0, false);
+}
+
+bool slip_step_lost(slip_state *state) {
+    slip_real change = R(0.0);
+    if (state->is_started) {
+        use_tactile(state, R(INFINITY), &change);
+        step(state, change, R(INFINITY));
+    }
+    return state->on;
 }
 
 void slip_process(slip_state *state, const slip_real *tactile_v, const slip_real *filtered_v, size_t count,

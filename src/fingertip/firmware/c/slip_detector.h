@@ -28,6 +28,18 @@ typedef SLIP_REAL slip_real;
 
 #include "slip_constants.h"
 
+/* Codes of the converter for T and S of a finger, taken at the same time. */
+typedef struct slip_codes {
+    uint16_t tactile, filtered;
+} slip_codes;
+
+/* What the last samples of an input were. */
+typedef struct slip_check {
+    uint16_t wrong;    /* samples that were no voltage */
+    uint16_t trusted;  /* samples for which no jump is suspected */
+    bool is_suspected; /* the last sample jumped, and was not used yet */
+} slip_check;
+
 /* State of a detector. It is read after a step: `on`, `confidence`, `wide`, `floor`. */
 typedef struct slip_state {
     /* Filters, in transposed direct form II. */
@@ -39,6 +51,7 @@ typedef struct slip_state {
     slip_real slow, rough;                                   /* sums of slopes since the ring's revolution, of the rest */
     slip_real last_edge, last_filtered;                      /* below the upper edge, and filtered signal [V] */
     slip_real last_tactile_v, rest_v;                        /* last sample, and filtered signal at rest [V] */
+    slip_real difference;                                    /* filtered signal less the filter driven by T [V] */
     slip_real net_short, total_short, net_long, total_long;  /* net and total movement of 6 and 20 ms [V] */
     slip_real slopes[3], peaks[3];                           /* greatest squared slope and upper energy of each slot */
     slip_real lows[3];                                       /* smallest wide energy of each slot [V^2] */
@@ -53,13 +66,22 @@ typedef struct slip_state {
     uint16_t limited;                                        /* samples for which the filtered signal is not used */
     uint16_t still;                                          /* samples since its last change, up to SLIP_STILL_SAMPLES */
     uint16_t settling;                                       /* ticks for which the detector stays OFF at the start */
+    uint16_t replaced;                                       /* samples for which a wrong one is reported */
+    uint16_t outside;                                        /* samples with a voltage that no force gives */
+    slip_check tactile_check, filtered_check;
     uint16_t phase, slot;                                    /* samples since the last tick, ticks of the slot */
     uint8_t ring_phase, ring_at, low_phase;
     bool on, incipient, has_filtered, is_started;
+    bool is_busy;                                            /* a check or `replaced` is not 0 */
+    bool begins;                                             /* the filtered signal's rest is to be set anew */
 } slip_state;
 
 /* Prepare a detector for its first sample. */
 void slip_init(slip_state *state);
+
+/* Prepare the detector of one of several fingers that one controller samples: its trees are evaluated `finger` samples
+ * sooner than those of finger 0, so that the fingers share the work of each sample. */
+void slip_init_finger(slip_state *state, unsigned finger);
 
 /* Process one sample of the tactile voltage T and of the filtered signal S of the board's connector, taken at the same
  * time [V], and return whether slip is ON. A board that gives no filtered signal is judged by T alone. */
@@ -72,6 +94,9 @@ bool slip_step_tactile(slip_state *state, slip_real tactile_v);
  * volts in single precision are not. */
 bool slip_step_codes(slip_state *state, int32_t tactile_code, int32_t filtered_code);
 bool slip_step_tactile_code(slip_state *state, int32_t tactile_code);
+
+/* Process a sample that was lost: the last one takes its place. */
+bool slip_step_lost(slip_state *state);
 
 /* Process samples of T and S [V], any number of them, and write 1 for each at which slip is ON, else 0. Without
  * `filtered_v` (NULL) T alone is judged. */
@@ -86,6 +111,18 @@ static inline slip_real slip_volts(int32_t code) {
 /* Return whether S is not used because it does not change: its wire may be broken. T alone is judged then. */
 static inline bool slip_filtered_is_still(const slip_state *state) {
     return state->has_filtered && state->still >= SLIP_STILL_SAMPLES;
+}
+
+/* Faults of the inputs. They end by themselves. */
+#define SLIP_IS_REPLACED 1u /* in the last 50 ms a sample was lost, no voltage or a glitch: the last one was used */
+#define SLIP_IS_OUTSIDE 2u  /* for 50 ms T has been a voltage that no force gives: open wire, shorted sensor, no supply */
+#define SLIP_IS_STILL 4u    /* S has not changed for 0.2 s: its wire may be broken, and T alone is judged */
+
+/* Return the faults of the inputs as a sum of the numbers above: 0 if there is none. */
+static inline unsigned slip_faults(const slip_state *state) {
+    return (state->replaced > 0 ? SLIP_IS_REPLACED : 0u)
+        | (state->outside > SLIP_FAULT_SAMPLES ? SLIP_IS_OUTSIDE : 0u)
+        | (slip_filtered_is_still(state) ? SLIP_IS_STILL : 0u);
 }
 
 /* Return whether slip may have begun: earlier than `on`, with more false alarms, and true as long as `on` is. */

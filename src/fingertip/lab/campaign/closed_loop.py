@@ -1,11 +1,6 @@
 """Closed loop of the article (III.C, figures 16 and 17): a grip that tightens when slip is detected.
 
-The controller sees what a real one would see (`fingertip.sim.Observation`): sampled voltages and the fingers' closing.
-Each finger has a detector, and the design's bridge converts its voltage back to a force. A detection is suppressed
-while the forces grow fast, "assuming that, when the forces are growing, slippage occurrence cannot happen" (IV.A). This
-suppresses contacts, and the vibration of the hand's own motors while they close. A detection that is not suppressed
-makes every finger close further, by what its pad needs to press harder by a fixed ratio. Then the controller ignores
-detections until motors and detectors have settled.
+The hand and its law are `fingertip.sim.runs.grip`.
 
 In the article's twelve manipulations, four objects three times each, a robot's pin hits a grasped object at 8 cm/s. The
 results say whether the object is held, how soon the hand moves, and whether the grip was ever tightened without slip.
@@ -15,7 +10,6 @@ The same manipulations without control show what the detector adds.
 from __future__ import annotations
 
 import math
-from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
@@ -25,27 +19,20 @@ from numpy.typing import NDArray
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue, gather
 from fingertip.foundation.jit import compiled
-from fingertip.foundation.numerics import Array
 from fingertip.lab.campaign.plan import HELD_OUT_FROM
 from fingertip.lab.campaign.run import select_board_outputs
-from fingertip.pad.response import Pad
 from fingertip.sim import (
     ManipulationFile,
     ManipulationResult,
-    Observation,
     Simulation,
     article_manipulations,
     run_manipulation,
 )
-from fingertip.sim.signal.bridge import reads_whole_finger
-from fingertip.sim.signal.converter import compute_bridge_v
+from fingertip.sim.runs.grip import GripController, GripDecision, GripSettings
 from fingertip.sim.simulation import REPEATS_PER_MANIPULATION
-from fingertip.slip import DETECTORS, make_detector
-from fingertip.slip.detectors.registry import find_detector_type, select_inputs
+from fingertip.slip.detectors.registry import find_detector_type
 from fingertip.slip.traces.truth import INCIPIENT_S
 
-_MIN_PRESENT_N = 0.1
-"""Smallest present force that the force ratio is applied to [N]: with a smaller one a finger would hardly close."""
 FIRST_SEED = HELD_OUT_FROM + 1_000_000
 """Seed of the first manipulation; all of them are held out."""
 NO_CONTROL = "no control"
@@ -57,93 +44,6 @@ _OUTPUTS = ["voltage_v", "force_n", "slip", "closing_m", "object_m"]
 """Outputs of every manipulation; the board's envelope is added where the detector reads it."""
 _END_S = 0.2
 """Time at the end over which the force is averaged [s]."""
-_TABLE_N = np.concatenate((np.linspace(0.0, 2.0, 401), np.linspace(2.05, 20.0, 360)))
-
-
-@dataclass(frozen=True)
-class GripSettings:
-    """Settings of the grip law. Times and ratios were chosen on the tuning seeds of `fingertip.lab.campaign.plan`."""
-
-    detector: str = "fast"
-    threshold_scale: float = 1.0
-    """Factor of the detector's threshold."""
-    max_growth_n_s: float = 8.0
-    """Growth of a finger's force above which detections are suppressed [N/s]: more than vibration appears to cause."""
-    growth_window_s: float = 0.1
-    max_closing_m_s: float = 0.005
-    """Closing speed above which detections are suppressed [m/s]: the force grows with it, the motor vibrates."""
-    suppression_s: float = 0.1
-    """Time for which detections remain suppressed after growth or closing [s]: detectors have a memory."""
-    force_ratio: float = 1.6
-    """Factor by which every finger's force is increased at a detection."""
-    refractory_s: float = 0.06
-    """Time after an increase in which no other one follows [s]: until then the motors have begun to move."""
-    max_force_n: float = 10.0
-
-
-@dataclass(frozen=True)
-class GripDecision:
-    time_s: float
-    detected: bool
-    """True if any finger's detector was ON in the period."""
-    suppressed: bool
-    """True if a detection was, or would have been, suppressed."""
-    tightened: bool
-    """True if the fingers were commanded to close further."""
-
-
-class GripController:
-    def __init__(self, design: Design, settings: GripSettings, fingers: int) -> None:
-        self.settings = settings
-        self.decisions: list[GripDecision] = []
-        self._pad = Pad.from_design(design)
-        self._detectors = [
-            make_detector(settings.detector, design, threshold_scale=settings.threshold_scale) for _ in range(fingers)
-        ]
-        # The hand knows what part of a grip's force its sensors feel.
-        volts = compute_bridge_v(design, self._pad.sensed_n(_TABLE_N, None, reads_whole_finger(design, "board")))
-        order = np.argsort(volts)
-        self._volts, self._forces = volts[order], _TABLE_N[order]
-        self._history: deque[tuple[float, Array]] = deque()
-        self._last_growth_s = -math.inf
-        self._tightened_s = -math.inf
-        self._added_m = np.zeros(fingers)
-
-    def step(self, observation: Observation) -> Array:
-        """Return the commanded closing [m]: the planned closing, and what detections have added to it."""
-        s, now = self.settings, observation.time_s
-        samples = select_inputs(observation, s.detector)
-        assert samples, f"the scene's outputs do not include {DETECTORS[s.detector].input_column}"
-        detected = self._detect(samples)
-        # Growth of force and closing over the window.
-        force = np.array([float(np.interp(v.mean(), self._volts, self._forces)) for v in observation.voltage_v])
-        self._history.append((now, np.array([force, observation.closing_m])))
-        while self._history[0][0] < now - s.growth_window_s - 1e-9:
-            self._history.popleft()
-        then, before = self._history[0]
-        growth_n_s, closing_m_s = (np.array([force, observation.closing_m]) - before) / max(now - then, 1e-9)
-        if float(np.max(growth_n_s)) > s.max_growth_n_s or float(np.max(closing_m_s)) > s.max_closing_m_s:
-            self._last_growth_s = now
-        refractory = now < self._tightened_s + s.refractory_s
-        suppressed = now <= self._last_growth_s + s.suppression_s
-        tightened = detected and not suppressed and not refractory
-        if tightened:
-            self._tightened_s = now
-            self._added_m += [self._further_m(f) for f in force]
-        self.decisions.append(GripDecision(now, detected, suppressed, tightened))
-        return np.asarray(observation.planned_m + self._added_m)
-
-    def _further_m(self, force_n: float) -> float:
-        """Closing that increases a finger's force by the ratio [m]."""
-        present_n = max(force_n, _MIN_PRESENT_N)
-        target_n = min(present_n * self.settings.force_ratio, self.settings.max_force_n)
-        return self._pad.depth_m(target_n) - self._pad.depth_m(present_n)
-
-    def _detect(self, samples: tuple[Array, ...]) -> bool:
-        """Process the new samples of all fingers; return whether any detector was ON at any of them."""
-        # Every detector must process every sample, even if the first one is already ON.
-        on = [bool(detector.process(*rows).on.any()) for detector, *rows in zip(self._detectors, *samples, strict=True)]
-        return any(on)
 
 
 def find_grip_issues(detector: str, simulation: Simulation | None) -> list[Issue]:

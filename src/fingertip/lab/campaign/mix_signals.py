@@ -16,9 +16,9 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.design.formulas.filter import filtered_range_v
 from fingertip.foundation.numerics import Array
-from fingertip.lab.campaign.closed_loop import GripController, GripSettings
 from fingertip.lab.campaign.run import select_board_outputs
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
+from fingertip.sim.runs.grip import GripController, GripSettings
 from fingertip.sim.runs.pose import GRASP_POSE
 from fingertip.sim.runs.timeline import build_timeline
 from fingertip.sim.signal.converter import compute_bridge_v

@@ -83,6 +83,19 @@ LIMITED_S = 0.03
 """Time in which the board's filter recovers from a limit [s]."""
 STILL_S = 0.2
 """Time without any change after which the filtered signal is not used [s]: the converter's noise always moves it."""
+NUMBER_RATIO = 1e6
+"""Ratio to the stated noise from which on a value is no voltage."""
+JUMP_RATIO = 36.0
+"""Ratio to the stated noise of a jump between two samples that the next one must confirm: 20 mV on the default board,
+where a glitch of 10 mV changes no more than 25 ms of output, and touching an object moves 16 mV at most, mostly."""
+FILTERED_JUMP_RATIO = 6.0
+"""The same for a jump of the filtered signal that the tactile voltage does not explain."""
+TRUSTED_S = 0.01
+"""Time after a confirmed jump in which no jump is suspected [s]: a fast movement goes on."""
+GAP_S = 0.02
+"""Time without a voltage after which the next one begins anew [s]; the detector is OFF until `FAULT_S` later."""
+FAULT_S = 0.05
+"""Time for which a replaced sample is reported, and after which an impossible voltage is [s]."""
 STATISTIC_RATIO = 2.5
 """Threshold in volts over the RMS noise in the wide band. It only gives the statistic a scale in volts."""
 
@@ -116,6 +129,10 @@ class FastSettings:
     """Filtered signal of the board. None: the detector is given the tactile voltage alone."""
     direction: float = 1.0
     """1 if the tactile voltage falls with the force, -1 if it rises."""
+    possible_v: tuple[float, float] = (-1e30, 1e30)
+    """Tactile voltages that forces give; others are reported [V]."""
+    phase: int = 0
+    """Samples by which its ticks come sooner: the detectors of a hand's fingers tick one sample apart."""
 
     @classmethod
     def from_design(cls, design: Design, noise_v: float | None = None) -> FastSettings:
@@ -138,6 +155,10 @@ class FastOutput(DetectorOutput):
     """True if slip may have begun: earlier than `on`, with more false alarms, and true as long as `on` is."""
     incipient_threshold_v: Array
     """Threshold of the statistic above which `incipient` begins, in the stated noise [V]."""
+    is_replaced: NDArray[np.bool_]
+    """True for 50 ms after a sample that was no voltage, or a glitch: the last one was used in its place."""
+    is_outside: NDArray[np.bool_]
+    """True while the tactile voltage is one that no force gives: an open wire, a shorted sensor, or too much force."""
 
 
 class FastDetector(Detector):
@@ -150,6 +171,7 @@ class FastDetector(Detector):
         """Constants of the loop at this sampling rate and noise."""
         self._state = [0.0] * fast_loop.STATES
         self._state[fast_loop.FLOOR] = self.coefficients.wide_share * settings.noise_v**2
+        self._state[fast_loop.PHASE] = float(settings.phase % int(self.coefficients.tick_samples))
         self._started = False
 
     @classmethod
@@ -224,7 +246,11 @@ class FastDetector(Detector):
         LOOP(self.coefficients, m.features, m.thresholds, m.leaves, stride, samples, filtered, self._state, rows, *out)
         wide, confidence, level, flags = out
         early = self._early_share * level
-        return FastOutput(confidence * level, level, flags > 1.0, wide, confidence, flags > 0.0, early)
+        on, incipient, is_replaced, is_outside = (
+            np.asarray(flags.astype(np.int8) & int(flag) > 0)
+            for flag in (fast_loop.IS_ON, fast_loop.IS_INCIPIENT, fast_loop.IS_REPLACED, fast_loop.IS_OUTSIDE)
+        )
+        return FastOutput(confidence * level, level, on, wide, confidence, incipient, early, is_replaced, is_outside)
 
     @property
     def _early_share(self) -> float:
@@ -240,9 +266,9 @@ class FastDetector(Detector):
         settings, state = self.settings, self._state
         with_filtered = filtered_v is not None and settings.filtered is not None
         self.coefficients = c = _compute_coefficients(settings, self._model, with_filtered)
-        state[fast_loop.INPUT] = voltage_v
+        state[fast_loop.INPUT] = voltage_v if abs(voltage_v) <= c.number_limit else 0.0
         state[fast_loop.STEP] = state[fast_loop.FILTERED_STEP] = math.inf
-        state[fast_loop.REST] = 0.0 if filtered_v is None else filtered_v
+        state[fast_loop.REST] = filtered_v if filtered_v is not None and abs(filtered_v) <= c.number_limit else 0.0
         state[fast_loop.STILL] = c.still_samples  # until it changes for the first time
         # Energies and floors start at those of the stated noise.
         band_noise_v = _band_noise_v(settings, with_filtered)
@@ -297,6 +323,7 @@ def _compute_coefficients(settings: FastSettings, model: FastModel, with_filtere
     if with_filtered and settings.filtered:
         filtered_gain = 1 / settings.filtered.gain
         filtered_limit = LIMIT_SHARE * settings.filtered.range_v * filtered_gain
+    lowest, highest = settings.possible_v
     threshold = LOWEST_SCORE + settings.threshold_scale * (model.threshold - LOWEST_SCORE)
     return FastCoefficients(
         *board,
@@ -332,4 +359,13 @@ def _compute_coefficients(settings: FastSettings, model: FastModel, with_filtere
         stay_ratio=STAY_RATIO,
         score_smoothing=1 / (1 + SCORE_S * ticks_per_s),
         statistic_gain=STATISTIC_RATIO,
+        number_limit=NUMBER_RATIO * settings.noise_v,
+        jump_limit=JUMP_RATIO * settings.noise_v,
+        filtered_jump_limit=FILTERED_JUMP_RATIO * settings.noise_v,
+        middle_input=(lowest + highest) / 2,
+        half_range=(highest - lowest) / 2,
+        trusted_samples=float(round(TRUSTED_S * rate)),
+        gap_samples=float(round(GAP_S * rate)),
+        fault_samples=float(round(FAULT_S * rate)),
+        restart_ticks=float(round(FAULT_S * ticks_per_s)),
     )

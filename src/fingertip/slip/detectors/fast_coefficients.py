@@ -73,6 +73,19 @@ class FastCoefficients(NamedTuple):
     score_smoothing: float
     statistic_gain: float
     """Threshold in volts, divided by the root of the wide floor."""
+    number_limit: float
+    """Size from which on a value is no voltage [V]."""
+    jump_limit: float
+    """Difference between two samples that the next one must confirm [V]."""
+    filtered_jump_limit: float
+    """The same for the filtered signal, as a voltage at the filter's input [V]."""
+    middle_input: float
+    """Middle of the tactile voltages that forces give [V]."""
+    half_range: float
+    trusted_samples: float
+    gap_samples: float
+    fault_samples: float
+    restart_ticks: float
 
 
 # Filters of the detector `fast`, and the energy that white noise has behind them.

@@ -46,6 +46,9 @@ DECAY_RATIO = 0.02
 """Ratio of the wide energies of 6 and 20 ms below which the vibration has ended. After an abrupt end the ratio falls to
 it within 34 ms, however strong the vibration was."""
 TINY = 1e-30
+IS_INCIPIENT, IS_ON, IS_REPLACED, IS_OUTSIDE = 1.0, 2.0, 4.0, 8.0
+"""Flags, which are summed in the loop's last output: decisions, and faults of the input."""
+USED, REPLACED_SAMPLE, CONFIRMED, GLITCH, BEGUN = range(5)
 
 
 # Indices into the loop's state.
@@ -57,7 +60,8 @@ SLOPE, SLOPE_1, SLOPE_2, PEAK, PEAK_1, PEAK_2, SLOT = range(27, 34)
 STEP, FILTERED_STEP, REST, LIMITED, FLOOR, UPPER_FLOOR, INPUT_FLOOR, FLOOR_TICKS, SETTLING = range(34, 43)
 ON, ON_TICKS, MEAN, MEAN_SQUARE, SMOOTH_SCORE, PHASE, RING_PHASE, RING_AT, CONFIDENCE = range(43, 52)
 INCIPIENT, LOW, LOW_1, LOW_2, LOW_PHASE, ROUGH, STILL, LASTING_TICKS = range(52, 60)
-RING_START = 60
+REPLACED, OUTSIDE, DIFFERENCE, INPUT_CHECK, FILTERED_CHECK = 60, 61, 62, 63, 66
+RING_START = 69
 STATES = RING_START + RING
 
 
@@ -79,6 +83,47 @@ def evaluate_trees(
             node = 2 * node + (2 if above else 1)
         score += leaves[base + tree + node - NODES]
     return score
+
+
+def check_sample(
+    value: float,
+    jump: float,
+    number_limit: float,
+    jump_limit: float,
+    trusted_samples: float,
+    gap_samples: float,
+    state: MutableSequence[float],
+    at: int,
+) -> int:
+    """Judge a sample by its value and by its distance from the last one that was used.
+
+    What is no voltage is replaced. A jump is replaced until the next sample confirms it; jumps that follow are trusted
+    for a while, so that one sample of a fast movement is late. The state holds from `at` on: samples that were no
+    voltage, whether the last one is suspected, and for how many samples jumps are trusted.
+    """
+    if -jump_limit <= jump <= jump_limit and state[at] == state[at + 1] == state[at + 2] == 0.0:
+        return USED
+    # So written that NaN is no voltage.
+    if not -number_limit <= value <= number_limit:
+        state[at] += 1.0
+        return REPLACED_SAMPLE
+    is_gap = state[at] > gap_samples
+    is_jump = not -jump_limit <= jump <= jump_limit
+    is_suspected = state[at + 1] > 0.0
+    state[at] = 0.0
+    if is_jump and not is_suspected and not is_gap and state[at + 2] == 0.0:
+        state[at + 1] = 1.0
+        return REPLACED_SAMPLE
+    state[at + 1] = 0.0
+    if is_jump:
+        state[at + 2] = trusted_samples
+    elif state[at + 2] > 0.0:
+        state[at + 2] -= 1.0
+    if is_gap:
+        return BEGUN
+    if is_suspected:
+        return CONFIRMED if is_jump else GLITCH
+    return USED
 
 
 def _fast_loop(
@@ -103,7 +148,8 @@ def _fast_loop(
         (s_b0, s_b1, s_b2, s_a1, s_a2), rate, direction, filtered_gain, filtered_limit, limited_samples, still_samples,
         short, long, tick_samples, slot_ticks, max_floor_ticks, tone_ticks, unlearning, wide_share, upper_share,
         min_floor, min_upper_floor, min_input_floor, offset, lowest_score, threshold, incipient_margin, noise_rise,
-        stay_score, stay_ratio, score_smoothing, statistic_gain,
+        stay_score, stay_ratio, score_smoothing, statistic_gain, number_limit, jump_limit, filtered_jump_limit,
+        middle_input, half_range, trusted_samples, gap_samples, fault_samples, restart_ticks,
     ) = coefficients  # fmt: skip
     p, h1, h2 = state[BOARD_STAGE], state[BOARD_1], state[BOARD_2]
     q1, r1, r2 = state[RESTORE_1_1], state[RESTORE_1], state[RESTORE_2]
@@ -126,15 +172,30 @@ def _fast_loop(
     incipient, lasting_ticks = state[INCIPIENT], state[LASTING_TICKS]
     low_0, low_1, low_2, low_phase = state[LOW], state[LOW_1], state[LOW_2], state[LOW_PHASE]
     phase, ring_phase, ring_at = state[PHASE], state[RING_PHASE], int(state[RING_AT])
+    replaced, outside, difference = state[REPLACED], state[OUTSIDE], state[DIFFERENCE]
     slope_gain = SLOPE_S * SLOPE_S * rate * rate
     move_gain = MOVE_S * MOVE_S * rate * rate
     at = 0
     level = statistic_gain * math.sqrt(floor)
     for i in range(len(samples)):
-        # Smallest step of the converter: the smallest difference between two samples.
         x = samples[i]
         change = x - last_input
-        last_input = x
+        found = check_sample(x, change, number_limit, jump_limit, trusted_samples, gap_samples, state, INPUT_CHECK)
+        if found == REPLACED_SAMPLE:
+            change = 0.0
+        else:
+            last_input = x
+            outside = 0.0 if -half_range <= x - middle_input <= half_range else outside + 1.0
+            if found == BEGUN or (found == CONFIRMED and settling > 0.0):
+                change = 0.0  # much may have happened in the gap, or the first sample was a glitch
+        if found == GLITCH or state[INPUT_CHECK] > 0.0:
+            replaced = fault_samples
+        elif replaced > 0.0:
+            replaced -= 1.0
+        if state[INPUT_CHECK] > gap_samples and settling < restart_ticks:
+            settling = restart_ticks
+
+        # Smallest step of the converter: the smallest difference between two samples.
         move = -change if change < 0.0 else change
         if 0.0 < move < step:
             step = move
@@ -150,7 +211,27 @@ def _fast_loop(
         if filtered_gain > 0.0:
             y = filtered_gain * (filtered_samples[i] - rest)
             move = y - last_filtered
+            # What jumps in the filtered signal jumps in the tactile voltage too.
+            jump = y - h - difference
+            if state[INPUT_CHECK + 1] > 0.0:
+                found = REPLACED_SAMPLE  # both were taken at the same time
+            else:
+                found = check_sample(
+                    y, jump, number_limit, filtered_jump_limit, trusted_samples, gap_samples, state, FILTERED_CHECK
+                )
+            if found == REPLACED_SAMPLE:
+                y = last_filtered
+                move = 0.0
+            elif found == CONFIRMED and settling > 0.0:
+                rest = filtered_samples[i]
+                y = move = 0.0
             last_filtered = y
+            difference = y - h
+            if found == GLITCH or state[FILTERED_CHECK] > 0.0:
+                replaced = fault_samples
+            if state[FILTERED_CHECK] > gap_samples and still < still_samples:
+                still = still_samples  # T alone is judged, and what the change of signals leaves is not
+                settling = restart_ticks if settling < restart_ticks else settling
             if move < 0.0:
                 move = -move
             if 0.0 < move < filtered_step:
@@ -314,7 +395,7 @@ def _fast_loop(
 
             is_moving = greatest > MOVING_RATIO * slow_floor and settling == 0.0
             # No floor learns what the trees may take for slip, however long it lasts and whatever came before it.
-            is_held = incipient > 0.0 or (score > stay_score and settling == 0.0)
+            is_held = incipient > 0.0 or (score > stay_score and settling == 0.0) or replaced > 0.0
 
             if incipient > 0.0:
                 # A tone's energy is constant and that of slip is not: floors follow a tone.
@@ -355,7 +436,11 @@ def _fast_loop(
         filtered[i] = w
         confidences[i] = confidence
         levels[i] = level
-        flags[i] = incipient + on
+        flags[i] = incipient + IS_ON * on
+        if replaced > 0.0:
+            flags[i] += IS_REPLACED
+        if outside > fault_samples:
+            flags[i] += IS_OUTSIDE
     state[BOARD_STAGE], state[BOARD_1], state[BOARD_2] = p, h1, h2
     state[RESTORE_1_1], state[RESTORE_1], state[RESTORE_2] = q1, r1, r2
     state[EDGE_1], state[EDGE_2], state[UPPER_1], state[UPPER_2] = e1, e2, u1, u2
@@ -376,7 +461,8 @@ def _fast_loop(
     state[SMOOTH_SCORE], state[CONFIDENCE] = smooth_score, confidence
     state[INCIPIENT], state[LASTING_TICKS] = incipient, lasting_ticks
     state[LOW], state[LOW_1], state[LOW_2], state[LOW_PHASE] = low_0, low_1, low_2, low_phase
+    state[REPLACED], state[OUTSIDE], state[DIFFERENCE] = replaced, outside, difference
     state[PHASE], state[RING_PHASE], state[RING_AT] = phase, ring_phase, float(ring_at)
 
 
-LOOP = CompiledLoop(_fast_loop, evaluate_trees, outputs=6, samples="samples", plain_us=4.0)
+LOOP = CompiledLoop(_fast_loop, evaluate_trees, check_sample, outputs=6, samples="samples", plain_us=4.0)

@@ -5,7 +5,7 @@
 // Wire T and S of the board's connector (see the library's README.md) to TACTILE_PIN and FILTERED_PIN, and its ground
 // to ground. A board without S needs no FILTERED_PIN: the library then ignores it.
 #include <slip_buffer.h>
-#include <slip_detector.h>
+#include <slip_hand.h>
 #include <slip_timer.h>
 
 static const int TACTILE_PIN = A0;
@@ -13,18 +13,19 @@ static const int FILTERED_PIN = A1;
 static const int SLIP_PIN = LED_BUILTIN;
 static const unsigned long SETTLE_MS = 2000;  // voltages of the board, after power on
 
-static slip_state slip;
+static slip_hand hand;
 
 static void take_sample() {
-  const uint16_t tactile = analogRead(TACTILE_PIN);
-  const uint16_t filtered = analogRead(FILTERED_PIN);
-  slip_store(tactile, filtered);
+  slip_codes codes;
+  codes.tactile = analogRead(TACTILE_PIN);
+  codes.filtered = analogRead(FILTERED_PIN);
+  slip_store(&codes);
 }
 
 void setup() {
   pinMode(SLIP_PIN, OUTPUT);
   analogReadResolution(SLIP_ADC_BITS);
-  slip_init(&slip);
+  slip_hand_init(&hand);
   delay(SETTLE_MS);
   if (!slip_start_timer(take_sample)) {
     for (;;) {  // no timer is free: blink, rather than stay OFF as if there were no slip
@@ -38,8 +39,5 @@ void loop() {
   if (!slip_fetch(&sample)) {
     return;
   }
-  if (sample.is_after_gap) {
-    slip_init(&slip);  // a gap resembles slip: learn the noise anew
-  }
-  digitalWrite(SLIP_PIN, slip_step_codes(&slip, sample.tactile, sample.filtered) ? HIGH : LOW);
+  digitalWrite(SLIP_PIN, slip_hand_step(&hand, sample.codes, sample.lost) ? HIGH : LOW);
 }

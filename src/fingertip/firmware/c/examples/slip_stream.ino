@@ -8,7 +8,7 @@
 // A timer interrupt takes the samples and stores them; loop() writes them, and runs the detector, whose longest step a
 // slow controller does not finish between two samples. The pin is ON while slip is detected here.
 #include <slip_buffer.h>
-#include <slip_detector.h>
+#include <slip_hand.h>
 #include <slip_timer.h>
 
 #include "slip_line.h"
@@ -19,18 +19,19 @@ static const int SLIP_PIN = LED_BUILTIN;
 static const unsigned long SETTLE_MS = 2000;  // voltages of the board, after power on
 static const uint32_t HEADER_EVERY = SLIP_SAMPLE_RATE_MILLIHZ / 1000u;  // samples
 
-static slip_state slip;
+static slip_hand hand;
 
 static void take_sample() {
-  const uint16_t tactile = analogRead(TACTILE_PIN);
-  const uint16_t filtered = analogRead(FILTERED_PIN);
-  slip_store(tactile, filtered);
+  slip_codes codes;
+  codes.tactile = analogRead(TACTILE_PIN);
+  codes.filtered = analogRead(FILTERED_PIN);
+  slip_store(&codes);
 }
 
 void setup() {
   pinMode(SLIP_PIN, OUTPUT);
   analogReadResolution(SLIP_ADC_BITS);
-  slip_init(&slip);
+  slip_hand_init(&hand);
   Serial.begin(2000000);  // a native USB port ignores the rate, a serial bridge does not
   while (!Serial) {
   }
@@ -46,15 +47,12 @@ void loop() {
   if (!slip_fetch(&sample)) {
     return;
   }
-  if (sample.is_after_gap) {
-    // The computer did not read in time. A gap in the times ends `fingertip detect -` with a message.
-    slip_init(&slip);
-  }
-  const slip_real tactile_v = slip_volts(sample.tactile), filtered_v = slip_volts(sample.filtered);
+  const slip_real tactile_v = slip_volts(sample.codes[0].tactile), filtered_v = slip_volts(sample.codes[0].filtered);
   const size_t length = slip_format_line(line, sample.number, tactile_v, filtered_v);
   if (sample.number % HEADER_EVERY == 0) {
     Serial.write(SLIP_LINE_HEADER, sizeof SLIP_LINE_HEADER - 1);
   }
-  digitalWrite(SLIP_PIN, slip_step_codes(&slip, sample.tactile, sample.filtered) ? HIGH : LOW);
+  // Samples are lost if the computer does not read in time. A gap in the times ends `fingertip detect -` with a message.
+  digitalWrite(SLIP_PIN, slip_hand_step(&hand, sample.codes, sample.lost) ? HIGH : LOW);
   Serial.write(line, length);
 }

@@ -1,0 +1,135 @@
+#include "slip_grip.h"
+
+#include <math.h> /* cbrt alone */
+
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__)
+#pragma GCC optimize("fp-contract=off")
+#endif
+
+#define R(number) ((slip_real)(number))
+
+#include "slip_grip_curve.h"
+
+static const uint32_t LONG_AGO = UINT32_MAX;
+
+slip_real slip_force_n(slip_real tactile_v) {
+    unsigned low = 0, high = SLIP_CURVE - 1, middle;
+    slip_real slope;
+    if (tactile_v <= slip_curve_v[low]) {
+        return slip_curve_n[low];
+    }
+    if (tactile_v >= slip_curve_v[high]) {
+        return slip_curve_n[high];
+    }
+    while (high - low > 1) {
+        middle = (low + high) / 2;
+        if (slip_curve_v[middle] <= tactile_v) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    slope = (slip_curve_n[high] - slip_curve_n[low]) / (slip_curve_v[high] - slip_curve_v[low]);
+    return slope * (tactile_v - slip_curve_v[low]) + slip_curve_n[low];
+}
+
+/* Travel of the hand beyond the touch for a force [m]. */
+static slip_real depth_m(slip_real force_n) {
+    const slip_real root = (slip_real)cbrt((double)force_n);
+    return force_n / SLIP_BACKING_N_PER_M + SLIP_PAD_M_PER_N23 * (root * root);
+}
+
+/* Closing that increases a force by the ratio, but not beyond the limit [m]. It never opens. */
+static slip_real further_m(slip_real force_n) {
+    const slip_real present = force_n > SLIP_GRIP_MIN_PRESENT_N ? force_n : SLIP_GRIP_MIN_PRESENT_N;
+    const slip_real wanted = present * SLIP_GRIP_FORCE_RATIO;
+    const slip_real target = wanted < SLIP_GRIP_MAX_FORCE_N ? wanted : SLIP_GRIP_MAX_FORCE_N;
+    const slip_real further = depth_m(target) - depth_m(present);
+    return further > R(0.0) ? further : R(0.0);
+}
+
+static uint32_t later(uint32_t since_us, uint32_t by_us) {
+    return since_us > LONG_AGO - by_us ? LONG_AGO : since_us + by_us;
+}
+
+/* Drop what is older than the window, store this moment unless one was stored just before, and return the oldest. */
+static const slip_grip_moment *remember(slip_grip *grip, const slip_grip_moment *now) {
+    const slip_grip_moment *last;
+    while (grip->count > 0 && now->time_us - grip->moments[grip->first].time_us > SLIP_GRIP_WINDOW_US) {
+        grip->first = (uint8_t)((grip->first + 1u) % SLIP_GRIP_HISTORY);
+        grip->count--;
+    }
+    last = &grip->moments[(grip->first + grip->count - 1u) % SLIP_GRIP_HISTORY];
+    if (grip->count == 0 || now->time_us - last->time_us >= SLIP_GRIP_WINDOW_US / (SLIP_GRIP_HISTORY - 1u)) {
+        if (grip->count == SLIP_GRIP_HISTORY) {
+            grip->first = (uint8_t)((grip->first + 1u) % SLIP_GRIP_HISTORY);
+            grip->count--;
+        }
+        grip->moments[(grip->first + grip->count) % SLIP_GRIP_HISTORY] = *now;
+        grip->count++;
+    }
+    return &grip->moments[grip->first];
+}
+
+void slip_grip_init(slip_grip *grip) {
+    *grip = (slip_grip){0};
+    grip->since_growth_us = grip->since_tightening_us = LONG_AGO;
+}
+
+bool slip_grip_step(slip_grip *grip, uint32_t now_us, bool detected, const slip_grip_input *inputs) {
+    const uint32_t elapsed_us = grip->is_started ? now_us - grip->last_us : 0;
+    const bool is_late = elapsed_us > SLIP_GRIP_WATCHDOG_US;
+    const slip_grip_moment *then;
+    slip_grip_moment now;
+    slip_real max_step_m, seconds;
+    bool is_growing = is_late;
+    unsigned i;
+
+    grip->last_us = now_us;
+    grip->is_started = true;
+    grip->since_growth_us = later(grip->since_growth_us, elapsed_us);
+    grip->since_tightening_us = later(grip->since_tightening_us, elapsed_us);
+    now.time_us = now_us;
+    for (i = 0; i < SLIP_FINGERS; i++) {
+        now.force_n[i] = slip_force_n(inputs[i].tactile_v);
+        now.closing_m[i] = inputs[i].closing_m;
+    }
+    if (is_late) {
+        grip->count = 0;
+    }
+    then = remember(grip, &now);
+    seconds = R(1e-6) * (slip_real)(now_us == then->time_us ? 1u : now_us - then->time_us);
+    for (i = 0; i < SLIP_FINGERS; i++) {
+        if ((now.force_n[i] - then->force_n[i]) / seconds > SLIP_GRIP_MAX_GROWTH_N_S
+            || (now.closing_m[i] - then->closing_m[i]) / seconds > SLIP_GRIP_MAX_CLOSING_M_S) {
+            is_growing = true;
+        }
+    }
+    if (is_growing) {
+        grip->since_growth_us = 0;
+    }
+    grip->is_suppressed = grip->since_growth_us <= SLIP_GRIP_SUPPRESSION_US;
+    grip->has_tightened =
+        detected && !grip->is_suppressed && grip->since_tightening_us >= SLIP_GRIP_REFRACTORY_US;
+    if (grip->has_tightened) {
+        grip->since_tightening_us = 0;
+    }
+    max_step_m = SLIP_GRIP_MAX_COMMAND_M_S * (R(1e-6) * (slip_real)elapsed_us);
+    for (i = 0; i < SLIP_FINGERS; i++) {
+        if (grip->has_tightened) {
+            grip->target_m[i] += further_m(now.force_n[i]);
+        }
+        if (grip->target_m[i] < grip->added_m[i] + max_step_m) {
+            grip->added_m[i] = grip->target_m[i];
+        } else {
+            grip->added_m[i] += max_step_m;
+        }
+    }
+    return grip->has_tightened;
+}
+
+bool slip_grip_is_alive(const slip_grip *grip, uint32_t now_us) {
+    return grip->is_started && now_us - grip->last_us <= SLIP_GRIP_WATCHDOG_US;
+}

@@ -1,0 +1,58 @@
+/* Grip law of fingertip, in C99: hold, tighten on slip, discard what comes while the forces grow.
+ *
+ * Call slip_grip_step once in each control period of the hand, every 5 to 20 ms, with what the fingers showed since the
+ * last call. `added_m` then holds what each finger is to close beyond what the hand plans. The operations and their order
+ * are those of fingertip's Python (fingertip.sim.runs.grip): with SLIP_REAL defined as double every number has the same
+ * bits.
+ */
+#ifndef SLIP_GRIP_H
+#define SLIP_GRIP_H
+
+#include "slip_detector.h"
+
+#include "slip_grip_constants.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* What a finger showed in a control period. */
+typedef struct slip_grip_input {
+    slip_real tactile_v; /* mean tactile voltage [V] */
+    slip_real closing_m; /* present closing, as the encoder of its motor shows it [m] */
+} slip_grip_input;
+
+/* Forces and closings at a time. */
+typedef struct slip_grip_moment {
+    uint32_t time_us;
+    slip_real force_n[SLIP_FINGERS], closing_m[SLIP_FINGERS];
+} slip_grip_moment;
+
+/* State of the law. `added_m`, `is_suppressed` and `has_tightened` are read after a step. */
+typedef struct slip_grip {
+    slip_real added_m[SLIP_FINGERS];  /* closing that detections have added to what the hand plans [m] */
+    slip_real target_m[SLIP_FINGERS]; /* where it goes, as fast as the limit allows [m] */
+    slip_grip_moment moments[SLIP_GRIP_HISTORY];
+    uint32_t last_us, since_growth_us, since_tightening_us; /* UINT32_MAX: long ago */
+    uint8_t first, count;
+    bool is_started, is_suppressed, has_tightened;
+} slip_grip;
+
+/* Prepare the law. */
+void slip_grip_init(slip_grip *grip);
+
+/* Advance to a time [us], which may overflow, with an input for each finger, and return whether the fingers tighten.
+ * `detected` tells whether any detector was ON since the last step. */
+bool slip_grip_step(slip_grip *grip, uint32_t now_us, bool detected, const slip_grip_input *inputs);
+
+/* Return whether the law was called within the time of the watchdog. A motor whose law is not alive holds its place. */
+bool slip_grip_is_alive(const slip_grip *grip, uint32_t now_us);
+
+/* Return the force on a finger that a tactile voltage means [N]. */
+slip_real slip_force_n(slip_real tactile_v);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

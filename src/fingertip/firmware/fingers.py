@@ -1,0 +1,193 @@
+"""Fingers that one controller reads: their names and inputs, and what the controller can carry."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from fingertip.catalogues.controllers import BOARDS, ControllerBoard
+from fingertip.design import Design
+from fingertip.firmware.packaging import read_costs
+from fingertip.foundation.errors import FingertipError, Issue, join_words, quote_value
+from fingertip.slip.detectors.fast import TICK_S
+
+NAMES = ("thumb", "index", "middle", "ring", "little")
+"""Names of the fingers, in their order, and so how many there are at most."""
+DEFAULT_CONTROLLER = "black_pill_f411"
+"""Controller of several fingers: the cheapest of the table that carries five."""
+CYCLES_PER_INSTRUCTION = 1.5
+"""Mean clock cycles of an instruction, with waits for the flash. An assumption: most take one, loads and jumps two."""
+BUFFER_SAMPLES = 1024
+"""Samples that may wait in the ring buffer of `slip_buffer.h`."""
+CODE_BYTES = 2
+OTHER_RAM_KB = 6
+"""Memory for the grip law, the stack and the controller's own software, estimated."""
+INTERRUPT_SHARE = 0.5
+"""Share of a sample that `analogRead` may take."""
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,15}")
+
+
+@dataclass(frozen=True)
+class Fingers:
+    """Fingers of a library, in the order of its detectors."""
+
+    names: tuple[str, ...] = ("finger",)
+    inputs: tuple[tuple[str, str], ...] = (("A0", "A1"),)
+    """Analog inputs of T and S of each finger."""
+    controller: ControllerBoard | None = None
+
+    @property
+    def count(self) -> int:
+        return len(self.names)
+
+
+ONE_FINGER = Fingers()
+
+
+@dataclass(frozen=True)
+class Load:
+    """Clock cycles between two samples, and those that the detectors of some fingers take for one."""
+
+    available: int
+    at_rest: int
+    """Mean at a constant force."""
+    mean: int
+    """Mean while slip lasts at all fingers."""
+    longest: int
+    """Most, if all fingers slip: the trees of one finger, or of several if there are more than samples of a tick."""
+
+
+def find_load(board: ControllerBoard, sample_rate_hz: float, fingers: int = 1) -> Load:
+    """Find the load of a controller at a sampling rate.
+
+    Each processor takes as many instructions as the measured one of its kind. This overestimates a Cortex-M3, which
+    has instructions that a Cortex-M0+ lacks.
+    """
+    target = read_costs()["targets"]["Cortex-M4F" if board.has_floats else "Cortex-M0+"]
+    counts, short, longest = target["instructions"], target["short_instructions"], target["max_instructions"]
+    with_trees = math.ceil(fingers / max(1, round(TICK_S * sample_rate_hz)))
+    worst = with_trees * longest + (fingers - with_trees) * short
+
+    def cycles(count: float) -> int:
+        return math.ceil(CYCLES_PER_INSTRUCTION * count / 100) * 100
+
+    available = math.floor(1e4 * board.clock_mhz / sample_rate_hz) * 100
+    slip = max(counts["slip"], target["five_fingers"]["slip"] / 5)
+    return Load(available, cycles(fingers * counts["quiet"]), cycles(fingers * slip), cycles(worst))
+
+
+def list_limits(board: ControllerBoard, sample_rate_hz: float) -> dict[str, int]:
+    """Return how many fingers a controller carries by each of its limits, which are named in the plural."""
+    load = find_load(board, sample_rate_hz)
+    share = 1.0 if board.has_scan else INTERRUPT_SHARE
+    by_ram = 1024 * (board.ram_kb - OTHER_RAM_KB) / (read_costs()["state_bytes"] + 2 * CODE_BYTES * BUFFER_SAMPLES)
+    return {
+        "analog inputs": len(board.inputs.split()) // 2,
+        "conversions": math.floor(share * 1e6 / (2 * board.convert_us * sample_rate_hz)),
+        "bytes of memory": math.floor(by_ram),
+        "cycles while all slip": math.floor(load.available / load.mean),
+    }
+
+
+def count_fingers(board: ControllerBoard, sample_rate_hz: float) -> int:
+    return min(len(NAMES), *list_limits(board, sample_rate_hz).values())
+
+
+def plan_fingers(
+    design: Design, fingers: str = "1", controller: str | None = None, inputs: str | None = None
+) -> Fingers:
+    """Give each finger a name and its inputs. Raises FingertipError, with all that is wrong.
+
+    Parameters
+    ----------
+    design
+        The design, whose sampling rate and converter count.
+    fingers
+        Their number, or their names, separated by commas.
+    controller
+        Key of the controller; None for the default one of several fingers, and for any controller of one.
+    inputs
+        Its analog inputs, T and S of each finger in turn, separated by commas; None for the first ones.
+    """
+    issues: list[Issue] = []
+    names = _read_names(fingers, issues)
+    board = None
+    if controller is not None or len(names) > 1:
+        board = _find_board(controller or DEFAULT_CONTROLLER, issues)
+    if issues:
+        raise FingertipError(issues)
+    if board:
+        issues += _find_limit_issues(design, board, len(names))
+    pins = _read_inputs(inputs, board, names, issues)
+    if issues:
+        raise FingertipError(issues)
+    return Fingers(names, tuple(zip(pins[::2], pins[1::2], strict=True)), board)
+
+
+def _read_names(fingers: str, issues: list[Issue]) -> tuple[str, ...]:
+    words = [word.strip() for word in fingers.split(",")]
+    most = len(NAMES)
+    if len(words) == 1 and re.fullmatch(r"[+-]?\d{1,9}", words[0]):
+        if 1 <= int(words[0]) <= most:
+            return NAMES[: int(words[0])] if int(words[0]) > 1 else Fingers.names
+        issues.append(
+            Issue("--fingers", f"{int(words[0])} is not between 1 and {most}; give at least 1 and at most {most}.")
+        )
+    elif len(words) > most:
+        issues.append(Issue("--fingers", f"{len(words)} names are more than {most}; give --fingers {','.join(NAMES)}."))
+    else:
+        for word in words:
+            if not _NAME.fullmatch(word):
+                rule = "a letter, then up to 15 letters, digits, - or _"
+                issues.append(Issue("--fingers", f"{quote_value(word)} is no name: {rule}; give --fingers {NAMES[0]}."))
+        if len(set(words)) < len(words):
+            issues.append(
+                Issue("--fingers", f"two fingers have one name; give --fingers {','.join(NAMES[: len(words)])}.")
+            )
+    return tuple(words)
+
+
+def _find_board(key: str, issues: list[Issue]) -> ControllerBoard | None:
+    for board in BOARDS:
+        if board.key == key:
+            return board
+    known = join_words([board.key for board in BOARDS], "or")
+    issues.append(Issue("--controller", f"{quote_value(key)} is not known; give {known}."))
+    return None
+
+
+def _find_limit_issues(design: Design, board: ControllerBoard, fingers: int) -> Iterator[Issue]:
+    """Report each limit of a controller that the fingers exceed."""
+    rate_hz = design.detector.sample_rate_hz
+    for limit, most in list_limits(board, rate_hz).items():
+        if fingers > most:
+            fit = [other.key for other in BOARDS if count_fingers(other, rate_hz) >= fingers]
+            remedies = [f"--fingers {count_fingers(board, rate_hz)}"] if count_fingers(board, rate_hz) else []
+            remedies += [f"--controller {fit[0]}"] if fit else []
+            text = f"{board.name} has {limit} for {most} at {rate_hz:g} Hz, not for {fingers}"
+            remedy = f"give {join_words(remedies, 'or')}" if remedies else "lower detector.sample_rate_hz"
+            yield Issue("--fingers", f"{text}; {remedy}.")
+
+
+def _read_inputs(
+    inputs: str | None, board: ControllerBoard | None, names: Sequence[str], issues: list[Issue]
+) -> list[str]:
+    known = board.inputs.split() if board else []
+    if inputs is None:
+        return known[: 2 * len(names)] if board else ["A0", "A1"]
+    pins = [word.strip() for word in inputs.split(",")]
+    signals = [f"{signal} of {name}" for name in names for signal in ("T", "S")]
+    usual = ",".join((known or ["A0", "A1"])[: len(signals)])
+    if len(pins) != len(signals):
+        issues.append(Issue("--inputs", f"{len(pins)} inputs are not two a finger; give --inputs {usual}."))
+    for pin in sorted(set(pins)):
+        owners = [signal for signal, own in zip(signals, pins, strict=False) if own == pin]
+        if len(owners) > 1:
+            text = f"{quote_value(pin)} is the input of {join_words(owners)}"
+            issues.append(Issue("--inputs", f"{text}; give --inputs {usual}."))
+        if pin not in known if board else not re.fullmatch(r"[A-Z]{1,4}_?\d{1,2}", pin):
+            text = f"{quote_value(pin)} is no free analog input" + (f" of {board.name}" if board else "")
+            issues.append(Issue("--inputs", f"{text}; give --inputs {usual}."))
+    return pins

@@ -1,0 +1,184 @@
+"""Grip law of the article's closed loop (III.C): hold, tighten on slip, discard what comes while the forces grow.
+
+The controller sees what a real one would see (`Observation`): sampled voltages and the fingers' closing. Each finger
+has a detector, and the design's board converts its voltage back to a force. A detection is suppressed while the forces
+grow fast, "assuming that, when the forces are growing, slippage occurrence cannot happen" (IV.A). This suppresses
+contacts, and the vibration of the hand's own motors while they close. A detection that is not suppressed makes every
+finger close further, by what its pad needs to press harder by a fixed ratio. Then the law ignores detections until
+motors and detectors have settled.
+
+`GripLaw` is the law alone. The library for controllers has the same in C (`firmware/c/slip_grip.c`): every number has
+the same bits, so times are whole microseconds.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fingertip.design import Design
+from fingertip.foundation.numerics import Array
+from fingertip.pad.response import Pad
+from fingertip.sim.runs.motion import Observation
+from fingertip.sim.signal.bridge import reads_whole_finger
+from fingertip.sim.signal.converter import compute_bridge_v
+from fingertip.slip import DETECTORS, make_detector
+from fingertip.slip.detectors.registry import select_inputs
+
+MIN_PRESENT_N = 0.1
+"""Smallest present force that the force ratio is applied to [N]: with a smaller one a finger would hardly close."""
+HISTORY = 16
+"""Moments that are kept over the window of growth, at least a fifteenth of it apart."""
+_TABLE_N = np.concatenate((np.linspace(0.0, 2.0, 401), np.linspace(2.05, 20.0, 360)))
+
+
+@dataclass(frozen=True)
+class GripSettings:
+    """Settings of the grip law. Times and ratios were chosen on the tuning seeds of `fingertip.lab.campaign.plan`."""
+
+    detector: str = "fast"
+    threshold_scale: float = 1.0
+    """Factor of the detector's threshold."""
+    max_growth_n_s: float = 8.0
+    """Growth of a finger's force above which detections are suppressed [N/s]: more than vibration appears to cause."""
+    growth_window_s: float = 0.1
+    max_closing_m_s: float = 0.005
+    """Closing speed above which detections are suppressed [m/s]: the force grows with it, the motor vibrates."""
+    suppression_s: float = 0.1
+    """Time for which detections remain suppressed after growth or closing [s]: detectors have a memory."""
+    force_ratio: float = 1.6
+    """Factor by which every finger's force is increased at a detection."""
+    refractory_s: float = 0.06
+    """Time after an increase in which no other one follows [s]: until then the motors have begun to move."""
+    max_force_n: float = 10.0
+    max_command_m_s: float = 1.0
+    """Speed at which a command grows [m/s]: a limit for motors that would jump. A soft hand's increase takes 7 mm."""
+    watchdog_s: float = 0.25
+    """Time without a step after which nothing is known [s]: detections are suppressed as after growth."""
+
+
+@dataclass(frozen=True)
+class GripDecision:
+    time_s: float
+    detected: bool
+    """True if any finger's detector was ON in the period."""
+    suppressed: bool
+    """True if a detection was, or would have been, suppressed."""
+    tightened: bool
+    """True if the fingers were commanded to close further."""
+
+
+@dataclass(frozen=True, eq=False)
+class ForceCurve:
+    """What a hand knows of its fingers: the force that a tactile voltage means, and the travel that a force needs."""
+
+    volts: Array
+    """Ascending tactile voltages [V]."""
+    forces_n: Array
+    pad: Pad
+
+    @classmethod
+    def from_design(cls, design: Design) -> ForceCurve:
+        """Take both from a design. The hand knows what part of a grip's force its sensors feel."""
+        pad = Pad.from_design(design)
+        volts = compute_bridge_v(design, pad.sensed_n(_TABLE_N, None, reads_whole_finger(design, "board")))
+        order = np.argsort(volts)
+        return cls(volts[order], _TABLE_N[order], pad)
+
+    def force_n(self, voltage_v: float) -> float:
+        return float(np.interp(voltage_v, self.volts, self.forces_n))
+
+    def further_m(self, force_n: float, ratio: float, max_force_n: float) -> float:
+        """Closing that increases a force by a ratio, but not beyond a limit [m]. It never opens."""
+        present_n = max(force_n, MIN_PRESENT_N)
+        target_n = min(present_n * ratio, max_force_n)
+        return max(self.pad.depth_m(target_n) - self.pad.depth_m(present_n), 0.0)
+
+
+def _whole_us(seconds: float) -> int:
+    return round(1e6 * seconds)
+
+
+class GripLaw:
+    """The law for some fingers, with its state."""
+
+    def __init__(self, settings: GripSettings, curve: ForceCurve, fingers: int) -> None:
+        self.settings, self.curve = settings, curve
+        self.added_m = np.zeros(fingers)
+        """Closing that detections have added so far to what the hand plans [m]."""
+        self._target_m = np.zeros(fingers)
+        self._history: deque[tuple[int, list[float], list[float]]] = deque(maxlen=HISTORY)
+        self._last_us: int | None = None
+        self._since_growth_us: int | None = None
+        self._since_tightening_us: int | None = None
+
+    def step(
+        self, now_us: int, detected: bool, volts: Sequence[float], closing_m: Sequence[float]
+    ) -> tuple[bool, bool]:
+        """Advance to a time [us]; return whether detections are suppressed, and whether the fingers tighten.
+
+        Units: `volts` [V], the mean tactile voltage of each finger since the last step; `closing_m` [m].
+        """
+        s = self.settings
+        dt_us = 0 if self._last_us is None else now_us - self._last_us
+        self._last_us = now_us
+        is_late = dt_us > _whole_us(s.watchdog_s)
+        if is_late:
+            self._history.clear()
+        self._since_growth_us = None if self._since_growth_us is None else self._since_growth_us + dt_us
+        self._since_tightening_us = None if self._since_tightening_us is None else self._since_tightening_us + dt_us
+        force = [self.curve.force_n(v) for v in volts]
+        window_us = _whole_us(s.growth_window_s)
+        while self._history and now_us - self._history[0][0] > window_us:
+            self._history.popleft()
+        if not self._history or now_us - self._history[-1][0] >= window_us // (HISTORY - 1):
+            self._history.append((now_us, force, list(closing_m)))
+        then_us, force_then, closing_then = self._history[0]
+        elapsed_s = 1e-6 * max(now_us - then_us, 1)
+        is_growing = any(
+            (f - f0) / elapsed_s > s.max_growth_n_s or (c - c0) / elapsed_s > s.max_closing_m_s
+            for f, f0, c, c0 in zip(force, force_then, closing_m, closing_then, strict=True)
+        )
+        if is_growing or is_late:
+            self._since_growth_us = 0
+        suppressed = self._since_growth_us is not None and self._since_growth_us <= _whole_us(s.suppression_s)
+        is_refractory = self._since_tightening_us is not None and self._since_tightening_us < _whole_us(s.refractory_s)
+        tightened = detected and not suppressed and not is_refractory
+        if tightened:
+            self._since_tightening_us = 0
+            self._target_m += [self.curve.further_m(f, s.force_ratio, s.max_force_n) for f in force]
+        max_step_m = s.max_command_m_s * (1e-6 * dt_us)
+        self.added_m = np.minimum(self._target_m, self.added_m + max_step_m)
+        return suppressed, tightened
+
+
+class GripController:
+    """Hand with a detector for each finger, and the law."""
+
+    def __init__(self, design: Design, settings: GripSettings, fingers: int) -> None:
+        self.settings = settings
+        self.decisions: list[GripDecision] = []
+        self._detectors = [
+            make_detector(settings.detector, design, threshold_scale=settings.threshold_scale) for _ in range(fingers)
+        ]
+        self.law = GripLaw(settings, ForceCurve.from_design(design), fingers)
+
+    def step(self, observation: Observation) -> Array:
+        """Return the commanded closing [m]: the planned closing, and what detections have added to it."""
+        detector, now = self.settings.detector, observation.time_s
+        samples = select_inputs(observation, detector)
+        assert samples, f"the scene's outputs do not include {DETECTORS[detector].input_column}"
+        detected = self._detect(samples)
+        volts = [float(v.mean()) for v in observation.voltage_v]
+        suppressed, tightened = self.law.step(_whole_us(now), detected, volts, observation.closing_m.tolist())
+        self.decisions.append(GripDecision(now, detected, suppressed, tightened))
+        return np.asarray(observation.planned_m + self.law.added_m)
+
+    def _detect(self, samples: tuple[Array, ...]) -> bool:
+        """Process the new samples of all fingers; return whether any detector was ON at any of them."""
+        # Every detector must process every sample, even if the first one is already ON.
+        on = [bool(detector.process(*rows).on.any()) for detector, *rows in zip(self._detectors, *samples, strict=True)]
+        return any(on)

@@ -1,0 +1,378 @@
+"""Several fingers on one controller: detectors with faulty inputs, the grip law, costs, and what is refused."""
+
+from __future__ import annotations
+
+import itertools
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fingertip.catalogues.controllers import BOARDS
+from fingertip.design import Design
+from fingertip.firmware.fingers import NAMES, Fingers, count_fingers, find_load, plan_fingers
+from fingertip.firmware.packaging import read_costs
+from fingertip.firmware.sources import GRIP_SOURCE, SOURCE, library_settings
+from fingertip.foundation import jit
+from fingertip.foundation.errors import FingertipError
+from fingertip.lab.campaign.closed_loop import FIRST_SEED, plan_manipulations
+from fingertip.lab.campaign.run import select_board_outputs
+from fingertip.sim import Observation, run_manipulation
+from fingertip.sim.runs.grip import ForceCurve, GripController, GripLaw, GripSettings
+from fingertip.slip.detectors.fast import FAULT_S, FastDetector, FastOutput
+from tests.conftest import run_fingertip
+from tests.firmware.conftest import require_arm, require_gcc
+from tools.firmware.signals import Recording, campaign_recordings, slip_recording
+from tools.firmware.toolchain import (
+    FIVE,
+    TARGETS,
+    HostHand,
+    compile_host,
+    compile_target,
+    run_hand_on_target,
+    write_sources,
+)
+
+DESIGN = Design()
+RATE_HZ = DESIGN.detector.sample_rate_hz
+REPORT_SAMPLES = round(FAULT_S * RATE_HZ)
+TOP = 2**DESIGN.detector.adc_bits - 1
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Library of five fingers, compiled for this machine."""
+    require_gcc()
+    folder = tmp_path_factory.mktemp("hand")
+    write_sources(DESIGN, folder, FIVE)
+    for real in ("float", "double"):
+        compile_host(folder, real)
+    return folder
+
+
+def record_hand(stride: int, seed: int) -> np.ndarray:
+    """Codes of five fingers, (samples, fingers, 2): each finger feels the trials in another order."""
+    recordings = [one.code_pairs(DESIGN) for one in campaign_recordings(DESIGN, stride)]
+    order = np.random.default_rng(seed)
+    fingers = [np.concatenate([recordings[i] for i in order.permutation(len(recordings))]) for _ in NAMES]
+    return np.stack(fingers, axis=1)
+
+
+def process_in_python(codes: np.ndarray, lost: np.ndarray) -> list[FastOutput]:
+    """Outputs of the detectors of all fingers in the samples that were not lost, which take the place of NaN."""
+    low, step = DESIGN.detector.adc_low_v, DESIGN.detector.adc_step_v
+    outputs = []
+    settings = library_settings(DESIGN)
+    gap = round(0.02 * RATE_HZ) + 1
+    times = np.cumsum(np.minimum(lost, gap) + 1) - 1
+    for finger in range(codes.shape[1]):
+        volts = np.full((2, times[-1] + 1), np.nan)
+        volts[:, times] = low + step * codes[:, finger].astype(float).T
+        detector = FastDetector(replace(settings, phase=finger))
+        with jit.compiled():
+            found = detector.process(*volts)
+        outputs.append(FastOutput(**{name: values[times] for name, values in vars(found).items()}))
+    return outputs
+
+
+def as_bits(flags: list[np.ndarray]) -> np.ndarray:
+    bits: np.ndarray = sum(flag.astype(np.uint8) << i for i, flag in enumerate(flags))
+    return bits
+
+
+@pytest.mark.parametrize("real", ["double", "float"])
+def test_five_fingers_decide_as_python_does_with_glitches_and_gaps(folder: Path, real: str) -> None:
+    codes = record_hand(60, 1)
+    random = np.random.default_rng(2)
+    glitches = random.random(codes.shape) < 1e-4
+    codes[glitches] = random.integers(0, TOP + 1, glitches.sum())
+    lost = np.where(random.random(len(codes)) < 2e-4, random.integers(1, 200, len(codes)), 0).astype(np.uint32)
+    on, faults = HostHand(folder / f"slip_{real}.so", real, 5).process(codes, lost)
+    outputs = process_in_python(codes, lost)
+    expected = as_bits([output.on for output in outputs])
+    assert (expected > 0).mean() > 0.1
+    print(f"{np.count_nonzero(on != expected)} of {len(on)} decisions differ in {real}")
+    assert np.count_nonzero(on != expected) <= (0 if real == "double" else 1e-4 * len(on))
+    for finger, output in enumerate(outputs):
+        assert np.array_equal(faults[:, finger] & 1, output.is_replaced)
+        assert np.array_equal(faults[:, finger] & 2, 2 * output.is_outside)
+        assert output.is_replaced.any()
+
+
+def run_one(recording: Recording) -> FastOutput:
+    with jit.compiled():
+        return FastDetector(library_settings(DESIGN)).process(*recording.inputs)
+
+
+def spoil(recording: Recording, which: str, at: int, value: float) -> Recording:
+    """The recording with one wrong sample in T, S or both."""
+    tactile, filtered = recording.tactile_v.copy(), recording.filtered_v.copy()
+    for name, volts in (("T", tactile), ("S", filtered)):
+        if name in which:
+            volts[at] = value
+    return Recording(tactile, filtered)
+
+
+@pytest.fixture(scope="module")
+def trials() -> list[tuple[Recording, FastOutput]]:
+    return [(recording, run_one(recording)) for recording in campaign_recordings(DESIGN, 40)]
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e30, -1e30, 1e300])
+@pytest.mark.parametrize("which", ["T", "S", "TS"])
+def test_what_is_no_voltage_changes_little_and_is_reported(
+    trials: list[tuple[Recording, FastOutput]], which: str, value: float
+) -> None:
+    random = np.random.default_rng(1)
+    for recording, expected in trials:
+        at = int(random.integers(600, len(expected.on) - 600))
+        found = run_one(spoil(recording, which, at, value))
+        assert found.is_replaced[at : at + REPORT_SAMPLES].all()
+        assert not found.is_replaced[at + REPORT_SAMPLES + 1 :].any() or expected.is_replaced[at:].any()
+        assert np.count_nonzero(found.on != expected.on) <= REPORT_SAMPLES
+
+
+def test_glitches_of_any_size_change_little_output(trials: list[tuple[Recording, FastOutput]]) -> None:
+    """A code of any value in one sample. Few change anything, and the worst may exceed 50 ms: see the manual."""
+    random = np.random.default_rng(3)
+    changed, reported = [], []
+    for (recording, expected), which in itertools.product(trials, ("T", "S", "TS")):
+        for _ in range(6):
+            at = int(random.integers(600, len(expected.on) - 600))
+            code = random.integers(0, TOP + 1)
+            rest_v = 1.65 if which == "S" else 0.0
+            value = float(code * DESIGN.detector.adc_step_v - rest_v)
+            found = run_one(spoil(recording, which, at, value))
+            changed.append(np.count_nonzero(found.on != expected.on) / RATE_HZ)
+            jump = abs(value - recording.tactile_v[at]) if "T" in which else 0.0
+            reported.append(found.is_replaced[at + 1] or jump < 0.03)
+    changed_s = np.array(changed)
+    print(f"{np.mean(changed_s > 0):.3f} change something, worst {1e3 * changed_s.max():.0f} ms, of {len(changed_s)}")
+    assert np.mean(changed_s > FAULT_S) <= 0.005
+    assert np.mean(reported) > 0.7  # a glitch of S is seen from 0.2 V on
+
+
+def test_a_recording_may_begin_with_a_glitch(trials: list[tuple[Recording, FastOutput]]) -> None:
+    for value in (np.nan, 0.0, 3.2):
+        recording, expected = trials[0]
+        assert np.array_equal(run_one(spoil(recording, "TS", 0, value)).on, expected.on)
+
+
+def test_voltages_that_no_force_gives_are_reported_while_they_last() -> None:
+    recording = slip_recording(DESIGN, 3.0)
+    lowest, highest = library_settings(DESIGN).possible_v
+    for wrong in (0.5 * lowest, highest + 0.01):
+        tactile = recording.tactile_v.copy()
+        tactile[2000:4000] = wrong
+        found = run_one(Recording(tactile, recording.filtered_v)).is_outside
+        assert not found[: 2000 + REPORT_SAMPLES].any()
+        assert found[2010 + REPORT_SAMPLES : 4000].all()
+        assert not found[4010:].any()
+
+
+def test_after_a_long_gap_a_still_finger_is_found_still_and_a_slipping_one_slipping() -> None:
+    recording = slip_recording(DESIGN, 6.0)
+    tactile = recording.tactile_v.copy()
+    tactile[3000:5000], tactile[5000:] = np.nan, tactile[5000:] + 0.5
+    filtered = recording.filtered_v.copy()
+    filtered[3000:5000] = np.nan
+    on = run_one(Recording(tactile, filtered)).on
+    assert on[2000:3000].mean() > 0.95
+    assert not on[3200:5000].any()
+    assert on[5100:].mean() > 0.95
+    quiet = np.full(12000, 2.0) + np.random.default_rng(1).normal(0, 4e-4, 12000)
+    rest = np.random.default_rng(2).normal(0, 4e-4, 12000)
+    quiet[3000:5000], quiet[5000:], rest[3000:5000] = np.nan, quiet[5000:] + 0.5, np.nan
+    assert not run_one(Recording(quiet, rest)).on.any()
+
+
+FUZZ_PROGRAM = """
+#include "slip_grip.h"
+#include "slip_hand.h"
+#include <stdio.h>
+#include <string.h>
+int main(void) {
+    static slip_hand hand;
+    static slip_grip grip;
+    float values[10];
+    unsigned faults = 0, wrong = 0;
+    size_t count = 0;
+    slip_hand_init(&hand);
+    slip_grip_init(&grip);
+    while (fread(values, sizeof values, 1, stdin) == 1) {
+        slip_grip_input inputs[SLIP_FINGERS];
+        unsigned on = 0, i;
+        for (i = 0; i < SLIP_FINGERS; i++) {
+            on |= slip_step(&hand.fingers[i], values[2 * i], values[2 * i + 1]);
+            inputs[i].tactile_v = values[2 * i];
+            inputs[i].closing_m = values[2 * i + 1];
+            wrong += !(hand.fingers[i].confidence >= 0 && hand.fingers[i].floor > 0 && hand.fingers[i].floor < 1e12f);
+        }
+        faults |= slip_hand_faults(&hand, SLIP_IS_REPLACED);
+        slip_grip_step(&grip, (uint32_t)(count * 77777u), on, inputs);
+        count++;
+    }
+    printf("%lu %u %u\\n", (unsigned long)count, faults, wrong);
+    return 0;
+}
+"""
+
+
+@pytest.mark.full
+def test_a_million_samples_of_any_value_do_no_harm(folder: Path, tmp_path: Path) -> None:
+    """Under the sanitizers, with every bit pattern of a float: no finding, and floors and confidences stay numbers."""
+    random = np.random.default_rng(5)
+    samples = (2.0 + random.normal(0.0, 1e-3, (200_000, 10))).astype("<f4")
+    wrong = random.random(samples.shape) < 0.02
+    samples[wrong] = random.integers(0, 2**32, wrong.sum(), dtype=np.uint32).view("<f4")
+    (tmp_path / "main.c").write_text(FUZZ_PROGRAM)
+    flags = ["-std=c99", "-g", "-O1", "-fsanitize=undefined,address", "-fno-sanitize-recover=all", f"-I{folder}"]
+    sources = [str(tmp_path / "main.c"), str(folder / SOURCE), str(folder / GRIP_SOURCE), "-lm"]
+    subprocess.run(["gcc", *flags, *sources, "-o", str(tmp_path / "main")], check=True)
+    done = subprocess.run([str(tmp_path / "main")], input=samples.tobytes(), capture_output=True, check=True)
+    assert not done.stderr
+    assert done.stdout.split() == [b"200000", b"31", b"0"]
+
+
+class RecordedGrip(GripController):
+    """Controller of a simulated hand that keeps what its law was given, and what it gave."""
+
+    def __init__(self, design: Design, fingers: int) -> None:
+        super().__init__(design, GripSettings(), fingers)
+        self.given: list[tuple[int, bool, np.ndarray]] = []
+        self.added: list[np.ndarray] = []
+
+    def step(self, observation: Observation) -> np.ndarray:
+        command = super().step(observation)
+        decision = self.decisions[-1]
+        inputs = np.column_stack((observation.voltage_v.mean(axis=1), observation.closing_m))
+        self.given.append((round(1e6 * decision.time_s), decision.detected, inputs))
+        self.added.append(self.law.added_m)
+        return command
+
+
+@pytest.mark.parametrize("repeats", [1, pytest.param(3, marks=pytest.mark.full)])
+def test_the_grip_law_has_the_bits_of_python_in_every_manipulation(repeats: int, tmp_path: Path) -> None:
+    require_gcc()
+    tightened = suppressed = 0
+    with jit.compiled():
+        for number, (scene, seed) in enumerate(plan_manipulations(repeats, FIRST_SEED)):
+            outputs = ["voltage_v", *select_board_outputs(DESIGN, ["fast"])]
+            grip = RecordedGrip(DESIGN, len(scene.fingers))
+            run_manipulation(DESIGN, scene.model_copy(update={"outputs": outputs}), grip, seed)
+            library = make_grip_library(tmp_path / str(number), len(scene.fingers))
+            now, detected, inputs = zip(*grip.given, strict=True)
+            added, is_suppressed, has_tightened = library.grip(
+                np.array(now, np.uint32), np.array(detected, np.uint8), np.stack(inputs)
+            )
+            assert np.array_equal(added, np.stack(grip.added))
+            assert has_tightened.tolist() == [decision.tightened for decision in grip.decisions]
+            assert is_suppressed.tolist() == [decision.suppressed for decision in grip.decisions]
+            tightened, suppressed = tightened + has_tightened.sum(), suppressed + is_suppressed.sum()
+    assert tightened
+    assert suppressed
+
+
+def make_grip_library(folder: Path, fingers: int) -> HostHand:
+    folder.mkdir()
+    write_sources(DESIGN, folder, Fingers(NAMES[:fingers], FIVE.inputs[:fingers]))
+    return HostHand(compile_host(folder, "double"), "double", fingers)
+
+
+def test_the_grip_law_is_that_of_python_for_any_input_and_time(tmp_path: Path) -> None:
+    """Periods from 0.1 ms to beyond the watchdog, across an overflow of the counter of microseconds."""
+    random, count = np.random.default_rng(6), 4000
+    now = np.cumsum(np.round(10.0 ** random.uniform(2, 5.6, count)).astype(np.int64)) + 2**32 - 10_000_000
+    detected = random.random(count) < 0.3
+    inputs = np.stack((random.uniform(-0.1, 3.4, (count, 5)), np.cumsum(random.normal(0, 2e-5, (count, 5)), 0)), axis=2)
+    inputs[500:3000, :, 0] = 0.4 + 1e-4 * inputs[500:3000, :, 0]
+    law = GripLaw(GripSettings(), ForceCurve.from_design(DESIGN), 5)
+    expected, decisions = [], []
+    for at, is_on, rows in zip(now.tolist(), detected.tolist(), inputs, strict=True):
+        decisions.append(law.step(at, is_on, rows[:, 0].tolist(), rows[:, 1].tolist()))
+        expected.append(law.added_m)
+    library = make_grip_library(tmp_path / "five", 5)
+    added, suppressed, tightened = library.grip(now.astype(np.uint32), detected.astype(np.uint8), inputs)
+    assert np.array_equal(added, np.stack(expected))
+    assert list(zip(suppressed.tolist(), tightened.tolist(), strict=True)) == decisions
+    assert 20 < tightened.sum() < suppressed.sum() < count
+    steps = np.diff(added, axis=0) / (1e-6 * np.diff(now)[:, None])
+    assert 0.0 <= steps.min() <= steps.max() <= 1.0 + 1e-9
+
+
+def test_costs_of_five_fingers_are_below_what_the_table_counts() -> None:
+    costs = read_costs()
+    assert 5 * costs["state_bytes"] <= 2048
+    for board in BOARDS:
+        if board.has_floats:
+            hand = costs["targets"]["Cortex-M4F"]["five_fingers"]
+            load = find_load(board, costs["sample_rate_hz"], 5)
+            assert 1.5 * hand["slip"] <= load.mean
+            assert 1.5 * hand["max"] <= load.longest
+    load = find_load(next(board for board in BOARDS if board.key == "black_pill_f411"), 2000.0, 5)
+    assert load.mean <= 0.6 * load.available
+    assert load.longest <= load.available
+
+
+@pytest.mark.full
+def test_the_hand_on_an_emulated_controller_decides_as_here(folder: Path) -> None:
+    require_arm()
+    codes = record_hand(120, 4)[:8000]
+    on, _ = HostHand(folder / "slip_float.so", "float", 5).process(codes, np.zeros(len(codes), np.uint32))
+    image = compile_target(folder, TARGETS[0], program="hand_on_target.c")
+    found, instructions = run_hand_on_target(image, TARGETS[0], codes)
+    assert np.array_equal(found, on)
+    assert instructions.max() <= read_costs()["targets"]["Cortex-M4F"]["max_instructions"] * 2.5
+
+
+@pytest.mark.parametrize(
+    ("options", "message", "remedy"),
+    [
+        (("--fingers", "6"), "6 is not between 1 and 5", ("--fingers", "5")),
+        (("--fingers", "a,b,a"), "two fingers have one name", ("--fingers", "thumb,index,middle")),
+        (("--fingers", "a,2"), "'2' is no name", ("--fingers", "thumb")),
+        (
+            ("--fingers", "5", "--controller", "uno_r4"),
+            "has analog inputs for 3 at 2000 Hz, not for 5",
+            ("--fingers", "3"),
+        ),
+        (("--fingers", "2", "--controller", "due"), "has cycles while all slip for 1", ("--fingers", "1")),
+        (("--controller", "none"), "'none' is not known; give teensy40", ("--controller", "teensy40")),
+        (("--fingers", "2", "--inputs", "PA0,PA1,PA0,PA3"), "'PA0' is the input of T of thumb and T of index", ()),
+        (("--fingers", "2", "--inputs", "PA0,PA1"), "2 inputs are not two a finger", ()),
+        (("--fingers", "2", "--inputs", "PA0,PA1,PA2,PC13"), "'PC13' is no free analog input", ()),
+        (
+            ("--fingers", "5", "--set", "detector.sample_rate_hz=20000"),
+            "for 1 at 20000 Hz, not for 5",
+            ("--fingers", "1"),
+        ),
+    ],
+)
+def test_what_a_controller_cannot_read_is_refused_with_the_limit(
+    tmp_path: Path, options: tuple[str, ...], message: str, remedy: tuple[str, ...]
+) -> None:
+    done = run_fingertip("firmware", "fsr400", "--out", tmp_path / "out", *options)
+    assert done.returncode == 2
+    assert message in done.stderr
+    assert not (tmp_path / "out").exists()
+    pasted = remedy or ("--inputs", "PA0,PA1,PA2,PA3")
+    assert " ".join(pasted) in done.stderr or pasted[-1] in done.stderr
+    other = [word for pair in zip(options[::2], options[1::2], strict=True) if pair[0] != pasted[0] for word in pair]
+    if "--fingers" in other and pasted[-1] == "thumb":
+        other = []
+    done = run_fingertip("firmware", "fsr400", "--out", tmp_path / "out", *other, *pasted)
+    assert done.returncode == 0, done.stderr
+
+
+def test_every_accepted_number_of_fingers_is_within_the_limits_of_its_controller() -> None:
+    for board, fingers in itertools.product(BOARDS, range(1, 6)):
+        if fingers <= count_fingers(board, RATE_HZ):
+            planned = plan_fingers(DESIGN, str(fingers), board.key)
+            used = [pin for pair in planned.inputs for pin in pair]
+            assert len(set(used)) == len(used) == 2 * planned.count
+            assert find_load(board, RATE_HZ, fingers).mean <= find_load(board, RATE_HZ, fingers).available
+        else:
+            with pytest.raises(FingertipError, match="not for"):
+                plan_fingers(DESIGN, str(fingers), board.key)

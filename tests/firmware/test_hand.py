@@ -344,8 +344,8 @@ def test_the_hand_on_an_emulated_controller_decides_as_here(folder: Path) -> Non
         (("--fingers", "2", "--inputs", "PA0,PA1"), "2 inputs are not two a finger", ()),
         (("--fingers", "2", "--inputs", "PA0,PA1,PA2,PC13"), "'PC13' is no free analog input", ()),
         (
-            ("--fingers", "5", "--set", "detector.sample_rate_hz=20000"),
-            "for 1 at 20000 Hz, not for 5",
+            ("--fingers", "5", "--controller", "teensy40", "--set", "detector.sample_rate_hz=20000"),
+            "has conversions for 1 at 20000 Hz, not for 5; give --fingers 1 or --controller nucleo_f446re",
             ("--fingers", "1"),
         ),
     ],

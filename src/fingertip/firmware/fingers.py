@@ -67,7 +67,8 @@ def find_load(board: ControllerBoard, sample_rate_hz: float, fingers: int = 1) -
     """
     target = read_costs()["targets"]["Cortex-M4F" if board.has_floats else "Cortex-M0+"]
     counts, short, longest = target["instructions"], target["short_instructions"], target["max_instructions"]
-    with_trees = math.ceil(fingers / max(1, round(TICK_S * sample_rate_hz)))
+    tick_samples, measured = (max(1, round(TICK_S * rate)) for rate in (sample_rate_hz, read_costs()["sample_rate_hz"]))
+    with_trees = math.ceil(fingers / tick_samples)
     worst = with_trees * longest + (fingers - with_trees) * short
 
     def cycles(count: float) -> int:
@@ -75,6 +76,7 @@ def find_load(board: ControllerBoard, sample_rate_hz: float, fingers: int = 1) -
 
     available = math.floor(1e4 * board.clock_mhz / sample_rate_hz) * 100
     slip = max(counts["slip"], target["five_fingers"]["slip"] / 5)
+    slip = short + (slip - short) * measured / tick_samples  # the trees are evaluated as often at any rate
     return Load(available, cycles(fingers * counts["quiet"]), cycles(fingers * slip), cycles(worst))
 
 

@@ -148,6 +148,7 @@ FAMILIES: dict[str, list[tuple[Any, ...]]] = {
         (csv(T, V + 1e-3 * np.sin(2 * np.pi * 50 * T)),), (csv(T, V + 3e-3 * np.sin(2 * np.pi * 40 * T)),),
         (csv(LONG_S, 3.1 - 0.5 * np.clip(LONG_S - 1, 0, 1) + NOISE_FROM_3_S),),
         (csv(LONG_S, 3.1 - 0.5 * np.clip(LONG_S - 1, 0, 1) + NOISE_FROM_3_S), "--design", "article"),
+        (csv(T, np.where(np.isin(np.arange(len(T)), [400, 800, 900, 1100]), 0.3, V)), "--detector", "fast"),
         (csv(LONG_S, 2.0 + 8 * NOISE_FROM_3_S), "--detector", "fast"),
         (csv(LONG_S, 2.0 + 8 * NOISE_FROM_3_S), "--detector", "fast", "--calibrate", "4:5"),
         ("".join(f"T:{v:.4f},S:1.65\n" for v in V),),

@@ -28,6 +28,7 @@ from fingertip.detection.warnings import (
     StepWatch,
     envelope_warnings,
     filtered_warnings,
+    glitch_warnings,
     hum_warnings,
     noise_warnings,
     polarity_warnings,
@@ -197,7 +198,9 @@ def detect_file(
         message = f"{detector} finds slip at {first_s:.4f} s, within {calibrate_s[0]:g}:{calibrate_s[1]:g} s"
         raise TraceError(Issue("--calibrate", f"{message}; choose a part in which nothing moves or vibrates."))
     if column_map.in_volts:
-        warnings += noise_warnings(detection.learned_noise_v, design, noise_v)
+        # Noise jumps, too.
+        noisy = list(noise_warnings(detection.learned_noise_v, design, noise_v))
+        warnings += noisy or glitch_warnings(detection.output, trace)
     level = level or detection.noise
     if level:
         may_be_lower = not kind.takes_envelope or calibrate_s is not None

@@ -15,12 +15,12 @@ from fingertip.design import Design
 from fingertip.design.formulas.filter import signal_ground_ratio
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
-from fingertip.foundation.errors import DesignError
+from fingertip.foundation.errors import DesignError, join_words
 from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors.analog_and_digital import noise_level
-from fingertip.slip.detectors.fast import FastDetector
+from fingertip.slip.detectors.fast import FastDetector, FastOutput
 from fingertip.slip.detectors.noise import NoiseLevel
-from fingertip.slip.detectors.registry import DEFAULT, find_detector_type
+from fingertip.slip.detectors.registry import DEFAULT, DetectorOutput, find_detector_type
 from fingertip.slip.traces.trace import Trace
 
 _MAX_RESIDUAL = 0.05
@@ -205,6 +205,19 @@ def noise_warnings(learned_v: float | None, design: Design, measured_v: float | 
             f"of {1000 * stated_v:.2g} mV: it was fitted to {MAX_NOISE_RATIO:g} times at most, and misses weak slip. "
             "Shield the cable, or state the noise: --calibrate takes it from a quiet part."
         )
+
+
+def glitch_warnings(output: DetectorOutput, trace: Trace) -> Iterator[str]:
+    """Warn of samples that the detector `fast` took for glitches. It reports each from the next sample on."""
+    if not isinstance(output, FastOutput) or not output.is_replaced.any():
+        return
+    found = np.flatnonzero(np.diff(output.is_replaced, prepend=False))[::2] - 1
+    times = join_words([f"{time_s:.4f}" for time_s in trace.time_s[found[:3]].tolist()])
+    more = f" and {len(found) - 3} more times" if len(found) > 3 else ""
+    yield (
+        f"the signal jumps and is back in the next sample at {times} s{more}: fast takes such samples for glitches, "
+        "and uses the ones before them in their place. Look for a loose contact, or for bytes that were lost."
+    )
 
 
 # Warnings of thresholds and settings that are permitted but degrade a detector.

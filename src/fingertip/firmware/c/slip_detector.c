@@ -396,12 +396,14 @@ static void step(slip_state *state, slip_real change, slip_real deviation) {
     if (state->has_filtered) {
         filtered = SLIP_FILTERED_GAIN * deviation;
         /* What jumps in the filtered signal jumps in the tactile voltage too. */
-        is_jump = !is_within(filtered - board - state->difference, SLIP_FILTERED_JUMP_LIMIT);
+        move = filtered - state->last_filtered;
+        is_jump = !is_within(move, SLIP_FILTERED_JUMP_LIMIT)
+            && !is_within(move - (board - state->last_board), SLIP_FILTERED_JUMP_LIMIT);
+        state->last_board = board;
         if (is_jump || state->is_busy) {
             filtered = use_filtered(state, filtered, is_jump);
+            move = filtered - state->last_filtered;
         }
-        state->difference = filtered - board;
-        move = filtered - state->last_filtered;
         state->last_filtered = filtered;
         if (move < R(0.0)) {
             move = -move;

@@ -60,7 +60,7 @@ SLOPE, SLOPE_1, SLOPE_2, PEAK, PEAK_1, PEAK_2, SLOT = range(27, 34)
 STEP, FILTERED_STEP, REST, LIMITED, FLOOR, UPPER_FLOOR, INPUT_FLOOR, FLOOR_TICKS, SETTLING = range(34, 43)
 ON, ON_TICKS, MEAN, MEAN_SQUARE, SMOOTH_SCORE, PHASE, RING_PHASE, RING_AT, CONFIDENCE = range(43, 52)
 INCIPIENT, LOW, LOW_1, LOW_2, LOW_PHASE, ROUGH, STILL, LASTING_TICKS = range(52, 60)
-REPLACED, OUTSIDE, DIFFERENCE, INPUT_CHECK, FILTERED_CHECK = 60, 61, 62, 63, 66
+REPLACED, OUTSIDE, BOARD, INPUT_CHECK, FILTERED_CHECK = 60, 61, 62, 63, 66
 RING_START = 69
 STATES = RING_START + RING
 
@@ -172,7 +172,7 @@ def _fast_loop(
     incipient, lasting_ticks = state[INCIPIENT], state[LASTING_TICKS]
     low_0, low_1, low_2, low_phase = state[LOW], state[LOW_1], state[LOW_2], state[LOW_PHASE]
     phase, ring_phase, ring_at = state[PHASE], state[RING_PHASE], int(state[RING_AT])
-    replaced, outside, difference = state[REPLACED], state[OUTSIDE], state[DIFFERENCE]
+    replaced, outside, last_board = state[REPLACED], state[OUTSIDE], state[BOARD]
     slope_gain = SLOPE_S * SLOPE_S * rate * rate
     move_gain = MOVE_S * MOVE_S * rate * rate
     at = 0
@@ -211,8 +211,11 @@ def _fast_loop(
         if filtered_gain > 0.0:
             y = filtered_gain * (filtered_samples[i] - rest)
             move = y - last_filtered
-            # What jumps in the filtered signal jumps in the tactile voltage too.
-            jump = y - h - difference
+            # What jumps in the filtered signal jumps in the tactile voltage too, unless it is a glitch.
+            jump = move - (h - last_board)
+            last_board = h
+            if -filtered_jump_limit <= move <= filtered_jump_limit:
+                jump = 0.0
             if state[INPUT_CHECK + 1] > 0.0:
                 found = REPLACED_SAMPLE  # both were taken at the same time
             else:
@@ -226,7 +229,6 @@ def _fast_loop(
                 rest = filtered_samples[i]
                 y = move = 0.0
             last_filtered = y
-            difference = y - h
             if found == GLITCH or state[FILTERED_CHECK] > 0.0:
                 replaced = fault_samples
             if state[FILTERED_CHECK] > gap_samples and still < still_samples:
@@ -461,7 +463,7 @@ def _fast_loop(
     state[SMOOTH_SCORE], state[CONFIDENCE] = smooth_score, confidence
     state[INCIPIENT], state[LASTING_TICKS] = incipient, lasting_ticks
     state[LOW], state[LOW_1], state[LOW_2], state[LOW_PHASE] = low_0, low_1, low_2, low_phase
-    state[REPLACED], state[OUTSIDE], state[DIFFERENCE] = replaced, outside, difference
+    state[REPLACED], state[OUTSIDE], state[BOARD] = replaced, outside, last_board
     state[PHASE], state[RING_PHASE], state[RING_AT] = phase, ring_phase, float(ring_at)
 
 

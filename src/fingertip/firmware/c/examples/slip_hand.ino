@@ -76,8 +76,8 @@ static void control(uint32_t number, unsigned on, const uint32_t sums[SLIP_FINGE
     inputs[i].tactile_v = SLIP_ADC_LOW_V + SLIP_ADC_STEP_V * ((slip_real)sums[i] / (slip_real)PERIOD);
     inputs[i].closing_m = read_closing_m(i);
   }
-  // A finger whose input has a fault does not tighten the grip.
-  on &= ~(replaced | outside);
+  // A finger whose voltage no force gives does not tighten the grip.
+  on &= ~outside;
   if (slip_grip_step(&grip, micros(), on != 0, inputs)) {
     Serial.write("grip tightened\n", 15);
   }

@@ -93,6 +93,10 @@ def list_limits(board: ControllerBoard, sample_rate_hz: float) -> dict[str, int]
     }
 
 
+def find_board(key: str) -> ControllerBoard | None:
+    return next((board for board in BOARDS if board.key == key), None)
+
+
 def count_fingers(board: ControllerBoard, sample_rate_hz: float) -> int:
     return min(len(NAMES), *list_limits(board, sample_rate_hz).values())
 
@@ -117,7 +121,10 @@ def plan_fingers(
     names = _read_names(fingers, issues)
     board = None
     if controller is not None or len(names) > 1:
-        board = _find_board(controller or DEFAULT_CONTROLLER, issues)
+        board = find_board(controller or DEFAULT_CONTROLLER)
+        if board is None:
+            known = join_words([other.key for other in BOARDS], "or")
+            issues.append(Issue("--controller", f"{quote_value(controller)} is not known; give {known}."))
     if issues:
         raise FingertipError(issues)
     if board:
@@ -149,15 +156,6 @@ def _read_names(fingers: str, issues: list[Issue]) -> tuple[str, ...]:
                 Issue("--fingers", f"two fingers have one name; give --fingers {','.join(NAMES[: len(words)])}.")
             )
     return tuple(words)
-
-
-def _find_board(key: str, issues: list[Issue]) -> ControllerBoard | None:
-    for board in BOARDS:
-        if board.key == key:
-            return board
-    known = join_words([board.key for board in BOARDS], "or")
-    issues.append(Issue("--controller", f"{quote_value(key)} is not known; give {known}."))
-    return None
 
 
 def _find_limit_issues(design: Design, board: ControllerBoard, fingers: int) -> Iterator[Issue]:

@@ -299,6 +299,20 @@ def compute_acceptance(context: PointContext) -> OutputValues:
     return {"tactile_open_v": expect_open_v(context.design), "tactile_change_ratio": ratio, **weights}
 
 
+def compute_controller(context: PointContext) -> OutputValues:
+    """Compute what detectors of several fingers ask of the controller that `fingertip firmware` proposes for them."""
+    from fingertip.firmware.fingers import DEFAULT_CONTROLLER, NAMES, count_fingers, find_board, find_load
+
+    board, rate_hz = find_board(DEFAULT_CONTROLLER), context.design.detector.sample_rate_hz
+    assert board
+    load = find_load(board, rate_hz, len(NAMES))
+    return {
+        "controller_fingers": count_fingers(board, rate_hz),
+        "controller_load_percent": 100 * load.mean / load.available,
+        "controller_peak_percent": 100 * load.longest / load.available,
+    }
+
+
 def compute_checks(context: PointContext) -> OutputValues:
     """Run every check of `fingertip check`, at the sweep's tolerance."""
     from fingertip.cad.shapes.parts import parts_by_name

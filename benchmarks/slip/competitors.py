@@ -17,6 +17,7 @@ import importlib.util
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -35,6 +36,7 @@ from benchmarks.slip.recurrent import FACTORS as RECURRENT_FACTORS
 from benchmarks.slip.recurrent import run_recurrent
 from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors.registry import make_detector
 
 FACTORS = (0.5, 0.6, 0.7, 0.8, 0.86, 0.93, 1.0, 1.1, 1.2, 1.35, 1.5, 1.8, 2.2, 3.0)
@@ -108,6 +110,8 @@ def load_own(path: Path) -> Competitor:
         message = f"{path} cannot be used ({type(error).__name__}: {error}); it needs find_statistic and THRESHOLD."
         raise TraceError(Issue("--own", message)) from None
 
+    checked = list[bool]()
+
     def run(design: Design, recording: Recording, factors: Sequence[float]) -> Iterator[Flags]:
         _, recording = adapt(design, recording)
         signal = recording.signal
@@ -116,7 +120,22 @@ def load_own(path: Path) -> Competitor:
         if statistic.shape != signal.voltage_v.shape:
             shapes = f"returned {statistic.shape} for {len(signal.voltage_v)} samples"
             raise TraceError(Issue("--own", f"find_statistic {shapes}; return one number for each sample."))
+        if not checked:
+            _refuse_foresight(find_statistic, recording, statistic)
+            checked.append(True)
         for factor in factors:
             yield statistic > factor * threshold
 
     return Competitor(path.stem, str(path), WIDE_FACTORS, run, lambda _: OWN_MEMORY_S, "unknown")
+
+
+def _refuse_foresight(find_statistic: Callable[..., Any], recording: Recording, whole: Array) -> None:
+    """Refuse a detector whose statistic changes when the recording ends sooner. Raises TraceError."""
+    signal = recording.signal
+    for share in (0.3, 0.6, 0.9):
+        end = round(share * len(whole))
+        filtered = None if signal.filtered_v is None else signal.filtered_v[:end]
+        found = np.asarray(find_statistic(signal.voltage_v[:end], filtered, signal.rate_hz, recording.quiet))
+        if not np.allclose(found, whole[:end], rtol=1e-6, atol=1e-9 * float(np.abs(whole).max()), equal_nan=True):
+            message = "find_statistic gives other numbers where the recording ends sooner: it looks ahead"
+            raise TraceError(Issue("--own", f"{message}; use this sample and earlier ones alone."))

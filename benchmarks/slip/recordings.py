@@ -121,6 +121,8 @@ def read_folder(folder: Path, columns: ColumnMap | None = None, title: str | Non
 
     def read(path: Path) -> Iterator[Recording]:
         raw = read_raw_trace(path, columns)
+        if conflicts := [*_find_conflicts(path.name, labels[path.name])]:
+            raise TraceError(conflicts)
         yield label_trace(raw, labels[path.name], settings.get("rises_with_force", True))
 
     title = settings.get("title", title or folder.resolve().name)
@@ -179,6 +181,19 @@ def _outside(name: str, stretch: Stretch, duration_s: float) -> Issue:
         f"{LABELS}, {Path(name).name}",
         f"{span} does not lie within the recording, 0 to {duration_s:.6g} s; correct it.",
     )
+
+
+def _find_conflicts(name: str, stretches: Sequence[Stretch]) -> Iterator[Issue]:
+    """Report slips that begin before a detector can find them, and stretches that overlap one."""
+    field = f"{LABELS}, {name}"
+    for at, one in enumerate(stretches):
+        if one.kind == SLIP and one.start_s < SETTLING_S:
+            message = f"a slip begins at {one.start_s:g} s, while detectors still learn the noise"
+            yield Issue(field, f"{message}; record {SETTLING_S:g} s before it, or label that stretch {UNSURE}.")
+        for other in stretches[at + 1 :]:
+            if SLIP in (one.kind, other.kind) and one.start_s < other.end_s and other.start_s < one.end_s:
+                spans = " and ".join(f"{each.kind} from {each.start_s:g} to {each.end_s:g} s" for each in (one, other))
+                yield Issue(field, f"{spans} overlap; let one end where the other begins.")
 
 
 def _share_quiet(recordings: Sequence[Recording]) -> tuple[Recording, ...]:

@@ -10,6 +10,7 @@ from typing import Any
 
 from benchmarks.slip.competitors import COUNTED, Competitor
 from benchmarks.slip.scores import RATES, Point, at_own_threshold, at_rate, best_points
+from fingertip.foundation.errors import join_words
 from fingertip.foundation.plot_style import (
     BLUE,
     ORANGE,
@@ -99,7 +100,9 @@ class Report:
         if not self._has_rates:
             lines += ["", "No stretch without slip: nothing is known of false alarms."]
         elif first.counted_minutes < 1 / min(RATES):
-            lines += ["", f"{first.counted_minutes:.1f} min are too short to show {min(RATES):g} alarms a minute."]
+            shown = join_words([f"{rate:g}" for rate in RATES if first.counted_minutes < 1 / rate], "or")
+            minutes = f"{first.counted_minutes:.1f} min without slip"
+            lines += ["", f"{minutes} are too short to show {shown} alarms a minute: one alarm is more."]
         owns = [at_own_threshold(points) for points in self.found.values()]
         kinds = [kind for kind in first.minutes if any(own.alarms.get(kind) for own in owns)]
         if kinds:
@@ -151,6 +154,7 @@ class Report:
             axes.set_yticks([2, 5, 10, 20, 50, 100, 200], ["2", "5", "10", "20", "50", "100", "200"])
             axes.minorticks_off()
             axes.xaxis.set_major_formatter("{x:g}")
+            axes.set_xlim(min(least, min(RATES)) / 1.5, max(axes.get_xlim()[1], 2.0 * max(RATES)))
             for rate in RATES:
                 axes.axvline(rate, color=REFERENCE, linestyle=":", linewidth=1)
             axes.set_title(f"{words} of the delay", loc="left", fontweight="bold")

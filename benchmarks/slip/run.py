@@ -23,6 +23,10 @@ from fingertip.foundation.progress import Work
 __all__ = ["FILES", "Source", "read_options", "run"]
 
 
+DEFAULT_SHARE = 0.25
+"""Share of the project's own signals that is drawn unless another one is given."""
+
+
 @dataclass(frozen=True)
 class Source:
     """Detectors that are compared, and on which recordings."""
@@ -55,6 +59,8 @@ def read_options(
     if own is not None:
         with gather(issues):
             competitors[own.stem] = load_own(own)
+    if folder is not None and share != DEFAULT_SHARE:
+        issues.append(Issue("--share", "draws from the project's own signals; leave it out, or leave out the folder."))
     if issues:
         raise FingertipError(issues)
     extras.require("fingertip bench slip", "scipy", "numba", "matplotlib")

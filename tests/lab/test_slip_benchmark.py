@@ -58,6 +58,9 @@ def test_a_folder_is_read_with_its_labels(tmp_path: Path) -> None:
         ("one.csv,slip,1.5,3.5\n", "", "labels.csv, one.csv: slip from 1.5 to 3.5 s does not lie within the recording"),
         ("one.csv,shake,1,2\none.csv,slip,x,2\n", "", "'shake' is not a kind of stretch; choose among slip, quiet"),
         ("one.csv,shake,1,2\none.csv,slip,x,2\n", "", "line 3: has a time that is not a number"),
+        ("one.csv,slip,0.4,2\n", "", "one.csv: a slip begins at 0.4 s, while detectors still learn the noise"),
+        ("one.csv,slip,1,2\none.csv,quiet,1.5,1.7\n", "", "slip from 1 to 2 s and quiet from 1.5 to 1.7 s overlap"),
+        ("one.csv,slip,1,2\none.csv,slip,1.9,2.5\n", "", "overlap; let one end where the other begins"),
         ("one.csv,slip,2,1.5\n", "", "line 2: ends at 1.5 s and begins at 2 s"),
         ("one.csv,slip,1\n", "", "line 2: has 3 cells; give 4"),
         ("../one.csv,slip,1,2\n", "", "does not name a file of this folder"),
@@ -82,6 +85,8 @@ def test_each_fault_of_a_folder_is_named(labels: str, settings: str, said: str, 
 def test_options_are_refused_together() -> None:
     with pytest.raises(FingertipError) as refused:
         read_options(None, "mine", "fast,slow", Path("nothing.py"), 2.0)
+    with pytest.raises(FingertipError, match="--share: draws from the project's own signals"):
+        read_options(Path(), None, None, None, 0.5)
     text = str(refused.value)
     assert "--detectors: 'slow' is not known; choose among fast, incipient" in text
     assert "--layout: 'mine' is not known; choose among natural_texture (a fingertip on a stage" in text
@@ -245,7 +250,7 @@ def test_the_command_compares_detectors_on_a_folder(tmp_path: Path) -> None:
     assert (tmp_path / "o/slip_curve.png").read_bytes()[:4] == b"\x89PNG"
     text = (tmp_path / "o/slip_bench.txt").read_text()
     assert "1 slips, 0.0 min without slip" in text
-    assert "are too short to show 0.1 alarms a minute" in text
+    assert "are too short to show 0.1 or 1 alarms a minute" in text
 
 
 def test_an_own_detector_that_cannot_be_used_is_refused(tmp_path: Path) -> None:
@@ -261,4 +266,9 @@ def test_an_own_detector_that_cannot_be_used_is_refused(tmp_path: Path) -> None:
     path.write_text("THRESHOLD = 1.0\ndef find_statistic(*_): return [1.0]\n")
     recording = Recording(LabelledSignal("a", RATE_HZ, np.zeros(4000), (Slide(0.98, 1.0, 1.5),)), ())
     with pytest.raises(TraceError, match=r"returned \(1,\) for 4000 samples"):
+        scores.measure(Design(), [recording], {"mine": load_own(path)})
+    path.write_text("THRESHOLD = 1.0\ndef find_statistic(volts, *_): return volts[::-1]\n")
+    volts = np.random.default_rng(1).normal(size=4000)
+    recording = Recording(LabelledSignal("a", RATE_HZ, volts, (Slide(0.98, 1.0, 1.5),)), ())
+    with pytest.raises(TraceError, match="it looks ahead; use this sample and earlier ones alone"):
         scores.measure(Design(), [recording], {"mine": load_own(path)})

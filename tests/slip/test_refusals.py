@@ -138,7 +138,7 @@ FAMILIES: dict[str, list[tuple[Any, ...]]] = {
             ("0:nan", ("--detector", "analog")), ("4.0", ()),
         )),
         ({"time_s": T, "voltage_v": V, "slip": (T >= 0.5) & (T < 0.7)}, "--calibrate", "0:0.9"),
-        *((GRASPED, "--calibrate", part) for part in ("2.5:3.5", "9:9.5", "4:4.1", "0:9")),
+        *((GRASPED, "--calibrate", part) for part in ("2.5:3.5", "9:9.5", "4:4.1", "0:9", "3:9", "3:6")),
         (VIBRATING, "--calibrate", "0.5:5.5", "--detector", "fast"),
         *((FORCE, "--column", "voltage_v=force_n", "--detector", "fast", *more)
           for more in ((), ("--calibrate", "0:0.3"), ("--calibrate", "0:0.4"))),

@@ -72,24 +72,31 @@ def slip(
     console: Console,
     recordings: Annotated[
         Path | None,
-        typer.Argument(help="Folder of labelled recordings or of a public set; default: the project's own signals."),
+        typer.Argument(
+            help="Folder of a public set, or of recordings with a file labels.csv beside them (lines such as "
+            "a.csv,slip,1.2,1.9, with the header file,kind,start_s,end_s); default: the project's own signals."
+        ),
     ] = None,
     layout: Annotated[
-        str | None, typer.Option(help="Layout of a public set, as its authors publish it; another word lists them.")
+        str | None, typer.Option(help="Layout of a public set, as its authors publish it; `--layout list` names them.")
     ] = None,
     design: Annotated[
         Path | None, typer.Option(help="Design file or bundled name; the default design if left out.")
     ] = None,
     detectors: Annotated[
-        str | None, typer.Option(help="Detectors to compare, comma-separated; all if left out.")
+        str | None,
+        typer.Option(
+            help="Detectors to compare, comma-separated: fast, incipient, digital (the article's chain), fft (the "
+            "stronger one), plain_fft (as published), cusum, ratio (of energies), recurrent. All if left out."
+        ),
     ] = None,
     own: Annotated[
         Path | None, typer.Option(help="Python file with a detector of your own: find_statistic and THRESHOLD.")
     ] = None,
     share: Annotated[float, typer.Option(help="Share of the project's own signals, 0.05 to 1.")] = 0.25,
-    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for slip_curve.png and slip_bench.json.")] = Path(
-        "out/bench_slip"
-    ),
+    out: Annotated[
+        Path, typer.Option("--out", "-o", help="Folder for slip_curve.png, slip_bench.json and .txt.")
+    ] = Path("out/bench_slip"),
 ) -> None:
     """Compare slip detectors by delay and false alarms, on labelled recordings or on the project's own signals."""
     from fingertip.foundation.output_set import SetWriter, hash_parameters

@@ -49,6 +49,11 @@ def select_quiet_part(trace: Trace, between_s: tuple[float, float], name: str) -
     if part.stop - part.start == len(trace.time_s):
         message = f"{text} covers all {duration_s:.4g} s of {name}; choose a shorter part"
         raise TraceError(Issue("--calibrate", f"{message} during which nothing happens."))
+    if end_s > duration_s + 1.5 * duration_s / max(1, len(trace.time_s) - 1) + slack_s:
+        message = (
+            f"{text} ends after {name}, which lasts {duration_s:.4g} s; choose an end of at most {duration_s:.4g}."
+        )
+        raise TraceError(Issue("--calibrate", message))
     if trace.slip is not None and trace.slip[part].any():
         first_s = trace.time_s[part][trace.slip[part]][0]
         slip = next(i for i in intervals(trace.time_s, trace.slip) if i.onset_s <= first_s <= i.end_s)

@@ -26,6 +26,7 @@ from fingertip.detection.live import NAME as STREAM_NAME
 from fingertip.detection.live import CsvStream, Transition, follow, open_stream
 from fingertip.detection.warnings import (
     StepWatch,
+    calibration_warnings,
     envelope_warnings,
     filtered_warnings,
     glitch_warnings,
@@ -191,6 +192,8 @@ def detect_file(
         noise_v = equivalent_noise_v(detector, design, trace.voltage_v[quiet], path.name)
         if column_map.in_volts:
             noise_v = max(noise_v, kind.implementation.min_noise_v(design))
+            within = f"the part {calibrate_s[0]:g}:{calibrate_s[1]:g} s of --calibrate"
+            warnings += calibration_warnings(noise_v, design, within)
 
     detection = detect(trace, design, detector, noise_v)
     if calibrate_s and detection.output.on[quiet].any():

@@ -203,15 +203,29 @@ def noise_warnings(learned_v: float | None, design: Design, measured_v: float | 
         yield (
             f"fast has learned a noise of {1000 * learned_v:.2g} mV, {learned_v / stated_v:.0f} times the stated one "
             f"of {1000 * stated_v:.2g} mV: it was fitted to {MAX_NOISE_RATIO:g} times at most, and misses weak slip. "
-            "Shield the cable, or state the noise: --calibrate takes it from a quiet part."
+            "Shield the cable. --calibrate over a quiet part ends this warning, but does not find weaker slip."
+        )
+
+
+def calibration_warnings(noise_v: float, design: Design, within: str) -> Iterator[str]:
+    """Warn of a quiet part with so much noise [V] that something may move in it, which the threshold then hides."""
+    stated_v = max(design.detector.noise_v, FastDetector.min_noise_v(design))
+    if noise_v > MAX_NOISE_RATIO * stated_v:
+        yield (
+            f"{within} has a noise of {1000 * noise_v:.2g} mV, {noise_v / stated_v:.0f} times the stated one of "
+            f"{1000 * stated_v:.2g} mV, and no slip weaker than that is found: if anything slides or vibrates there, "
+            "choose another part; if all of the recording is like that, shield the cable."
         )
 
 
 def glitch_warnings(output: DetectorOutput, trace: Trace) -> Iterator[str]:
     """Warn of samples that the detector `fast` took for glitches. It reports each from the next sample on."""
-    if not isinstance(output, FastOutput) or not output.is_replaced.any():
+    if not isinstance(output, FastOutput):
         return
-    found = np.flatnonzero(np.diff(output.is_replaced, prepend=False))[::2] - 1
+    found = np.flatnonzero(np.diff(output.is_replaced.astype(np.int8), prepend=0) > 0) - 1
+    found = found[~output.incipient[found]]  # strong slip may look like it
+    if not len(found):
+        return
     times = join_words([f"{time_s:.4f}" for time_s in trace.time_s[found[:3]].tolist()])
     more = f" and {len(found) - 3} more times" if len(found) > 3 else ""
     yield (

@@ -276,8 +276,8 @@ static bool is_within(slip_real value, slip_real limit) {
 /* Judge a sample by its value and by its distance from the last one that was used. What is no voltage is replaced. A
  * jump is replaced until the next sample confirms it; jumps that follow are trusted for a while. Where nothing is wrong
  * and the sample does not jump, which is nearly always so, the callers need not ask. */
-static NOT_INLINED enum check check_sample(slip_check *check, slip_real value, bool is_jump) {
-    bool is_gap, is_suspected;
+static NOT_INLINED enum check check_sample(slip_check *check, slip_real value, slip_real jump, slip_real limit) {
+    bool is_gap, is_suspected, is_jump;
     if (!is_within(value, SLIP_NUMBER_LIMIT)) {
         if (check->wrong < UINT16_MAX) {
             check->wrong++;
@@ -286,6 +286,8 @@ static NOT_INLINED enum check check_sample(slip_check *check, slip_real value, b
     }
     is_gap = check->wrong > SLIP_GAP_SAMPLES;
     is_suspected = check->is_suspected;
+    /* What comes back half the way is vibration, and no glitch. */
+    is_jump = !is_within(jump, is_suspected ? R(0.5) * limit : limit);
     check->wrong = 0;
     if (is_jump && !is_suspected && !is_gap && check->trusted == 0) {
         check->is_suspected = true;
@@ -322,7 +324,7 @@ static void restart(slip_state *state) {
 /* Judge a sample of T by its voltage and its change [V], note its faults, and return whether it is used. If not, or
  * where it begins anew, the change is 0. */
 static NOT_INLINED bool use_tactile(slip_state *state, slip_real tactile_v, slip_real *change) {
-    const enum check found = check_sample(&state->tactile_check, tactile_v, !is_within(*change, SLIP_JUMP_LIMIT));
+    const enum check found = check_sample(&state->tactile_check, tactile_v, *change, SLIP_JUMP_LIMIT);
     /* After a gap much may have happened; and before the detector has settled, the first sample may be a glitch. */
     if (found == REPLACED_SAMPLE || found == BEGUN || (found == CONFIRMED && state->settling > 0)) {
         *change = R(0.0);
@@ -341,10 +343,10 @@ static NOT_INLINED bool use_tactile(slip_state *state, slip_real tactile_v, slip
 
 /* Judge a sample of the filtered signal, as a voltage at the filter's input [V]. Return it, or the last one in its place;
  * where its rest is to be set anew, that is its place. */
-static NOT_INLINED slip_real use_filtered(slip_state *state, slip_real filtered, bool is_jump) {
+static NOT_INLINED slip_real use_filtered(slip_state *state, slip_real filtered, slip_real jump) {
     /* Both were taken at the same time. */
     const enum check found = state->tactile_check.is_suspected
-        ? REPLACED_SAMPLE : check_sample(&state->filtered_check, filtered, is_jump);
+        ? REPLACED_SAMPLE : check_sample(&state->filtered_check, filtered, jump, SLIP_FILTERED_JUMP_LIMIT);
     if (found == GLITCH || state->filtered_check.wrong > 0) {
         state->replaced = SLIP_FAULT_SAMPLES;
     }
@@ -376,8 +378,7 @@ static void note_outside(slip_state *state, bool is_outside) {
 
 /* Process one sample: the change of the tactile voltage [V], and the filtered signal's deviation from its rest [V]. */
 static void step(slip_state *state, slip_real change, slip_real deviation) {
-    slip_real move, board, filtered, restored, edge, upper, wide, slope;
-    bool is_jump;
+    slip_real move, jump, board, filtered, restored, edge, upper, wide, slope;
 
     /* Smallest step of the converter: the smallest difference between two samples. */
     move = change < R(0.0) ? -change : change;
@@ -397,11 +398,11 @@ static void step(slip_state *state, slip_real change, slip_real deviation) {
         filtered = SLIP_FILTERED_GAIN * deviation;
         /* What jumps in the filtered signal jumps in the tactile voltage too. */
         move = filtered - state->last_filtered;
-        is_jump = !is_within(move, SLIP_FILTERED_JUMP_LIMIT)
-            && !is_within(move - (board - state->last_board), SLIP_FILTERED_JUMP_LIMIT);
+        jump = is_within(move, SLIP_FILTERED_JUMP_LIMIT) && !state->filtered_check.is_suspected
+            ? R(0.0) : move - (board - state->last_board);
         state->last_board = board;
-        if (is_jump || state->is_busy) {
-            filtered = use_filtered(state, filtered, is_jump);
+        if (state->is_busy || !is_within(jump, SLIP_FILTERED_JUMP_LIMIT)) {
+            filtered = use_filtered(state, filtered, jump);
             move = filtered - state->last_filtered;
         }
         state->last_filtered = filtered;

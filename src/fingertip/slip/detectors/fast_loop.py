@@ -108,8 +108,10 @@ def check_sample(
         state[at] += 1.0
         return REPLACED_SAMPLE
     is_gap = state[at] > gap_samples
-    is_jump = not -jump_limit <= jump <= jump_limit
     is_suspected = state[at + 1] > 0.0
+    # What comes back half the way is vibration, and no glitch.
+    limit = 0.5 * jump_limit if is_suspected else jump_limit
+    is_jump = not -limit <= jump <= limit
     state[at] = 0.0
     if is_jump and not is_suspected and not is_gap and state[at + 2] == 0.0:
         state[at + 1] = 1.0
@@ -214,7 +216,7 @@ def _fast_loop(
             # What jumps in the filtered signal jumps in the tactile voltage too, unless it is a glitch.
             jump = move - (h - last_board)
             last_board = h
-            if -filtered_jump_limit <= move <= filtered_jump_limit:
+            if -filtered_jump_limit <= move <= filtered_jump_limit and state[FILTERED_CHECK + 1] == 0.0:
                 jump = 0.0
             if state[INPUT_CHECK + 1] > 0.0:
                 found = REPLACED_SAMPLE  # both were taken at the same time

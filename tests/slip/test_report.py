@@ -6,6 +6,7 @@ After a change that is meant, `FINGERTIP_APPROVE=1 pytest tests/slip/test_report
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,7 +16,7 @@ import pytest
 from fingertip import Design, Trace, detect
 from fingertip.slip import ChainSettings, SlipChain
 from fingertip.slip.report import as_data, as_text, draw_trace
-from fingertip.slip.traces.truth import Origin
+from fingertip.slip.traces.truth import Interval, Origin
 from tests.approved import check_figures
 from tests.figures import describe_figure, keep_figures
 
@@ -74,3 +75,15 @@ def test_threshold_drawn_is_the_one_of_each_sample() -> None:
         assert np.array_equal(on.get_ydata(), 1000 * found.output.threshold_v)
         assert np.all(0.8 * np.array(on.get_ydata()) < early.get_ydata())
         assert np.all(np.array(early.get_ydata()) < 0.9 * np.array(on.get_ydata()))
+
+
+def test_incipient_slip_that_never_becomes_on_is_listed() -> None:
+    trace, detector = CASES["fast, simulated with a motion"]
+    found = detect(trace, Design.load("article"), detector)
+    assert found.incipient is not None
+    assert "never ON" not in as_text(found)
+    early = tuple(Interval(0.3 + 0.1 * i, 0.31 + 0.1 * i) for i in range(11))
+    text = as_text(replace(found, incipient=(*early, *found.incipient)))
+    assert text.count("never ON") == 10
+    assert re.search(r"^incipient +0\.3000 s to +0\.3100 s, never ON$", text, re.MULTILINE)
+    assert "and 1 more\n" in text

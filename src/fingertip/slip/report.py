@@ -45,6 +45,10 @@ def format_delay(delay_s: float | None) -> str:
     return f"detected after {1000 * delay_s:.1f} ms"
 
 
+_LISTED = 10
+"""Number of intervals of incipient slip alone that a text lists."""
+
+
 def as_text(detection: Detection) -> str:
     """Describe a detection: one line for each interval and, if the true slips are known, for each slip."""
     score, truth = detection.score, detection.trace.origin.truth
@@ -53,6 +57,7 @@ def as_text(detection: Detection) -> str:
     lines += [
         f"{DETECTED:{width}} {_format_interval(i)}{_format_begin(i, detection)}" for i in detection.intervals
     ] or [_describe_silence(detection)]
+    lines += _list_incipient_alone(detection, width)
     if score is None:
         return "\n".join(lines)
     since_motion = detection.motion_delays_s or (None,) * len(score.slips)
@@ -95,6 +100,17 @@ def _format_begin(interval: Interval, detection: Detection) -> str:
     """Say from when an interval of ON was incipient, which lasts as long as ON does."""
     begins = [i.onset_s for i in detection.incipient or () if i.onset_s < interval.onset_s < i.end_s]
     return f", incipient from {begins[0]:.4f} s" if begins else ""
+
+
+def _list_incipient_alone(detection: Detection, width: int) -> list[str]:
+    """List what was incipient slip and never became ON, as for a controller that tightens early."""
+    alone = [
+        one
+        for one in detection.incipient or ()
+        if not any(one.onset_s <= on.onset_s < one.end_s for on in detection.intervals)
+    ]
+    lines = [f"{'incipient':{width}} {_format_interval(one)}, never ON" for one in alone[:_LISTED]]
+    return lines + ([f"{'':{width}} and {len(alone) - _LISTED} more"] if len(alone) > _LISTED else [])
 
 
 def _format_interval(interval: Interval) -> str:

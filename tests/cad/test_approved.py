@@ -152,6 +152,7 @@ def list_filling(design: Design) -> Iterator[str]:
             yield f"{field} = {render(value)}"
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", CHANGES)
 @pytest.mark.parametrize("list_figures", [list_sizes, list_solids, list_filling])
 def test_figures_of_designs_are_the_approved_ones(name: str, list_figures: Callable[[Design], Iterator[str]]) -> None:

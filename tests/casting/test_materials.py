@@ -26,6 +26,7 @@ UNREAD = {"", "common", "trade", "recalled"}
 """Sources that are no document."""
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("silicone", SILICONES.values(), ids=SILICONES)
 class TestEachSilicone:
     def test_every_property_has_a_source_or_is_marked_as_unverified(self, silicone: Silicone) -> None:

@@ -63,6 +63,7 @@ def numbers_missing_from_data(page: str, data: dict[str, Any]) -> list[str]:
     return [token for token in re.findall(r"(?<![\w.])-?\d+(?:\.\d+)?", page) if float(token) not in known]
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("prints", [None, PRINTS], ids=["unsliced", "sliced"])
 @pytest.mark.parametrize("material", SILICONES)
 @pytest.mark.parametrize("method", ["overmold", "sleeve"])

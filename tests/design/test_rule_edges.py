@@ -97,6 +97,7 @@ def test_every_rule_is_broken_by_a_design() -> None:
     assert not {rule.check.__name__ for rule in RULES if rule not in find_broken()}
 
 
+@pytest.mark.every_case
 @pytest.mark.full
 @pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule.check.__name__)
 def test_the_edge_of_a_rule(rule: Rule) -> None:

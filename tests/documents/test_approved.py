@@ -109,6 +109,7 @@ def render_documents(name: str) -> dict[str, str]:
     }
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", DESIGNS)
 def test_documents_are_the_approved_ones(name: str) -> None:
     for document, text in render_documents(name).items():

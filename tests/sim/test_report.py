@@ -74,6 +74,7 @@ def describe(result: Any, **grips: Any) -> str:
                         "\n".join(table[:1] + table[1::every])])  # fmt: skip
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", [*SCENES, *HANDS])
 def test_simulation_is_the_approved_one_compiled_or_not(name: str) -> None:
     grips: dict[str, Any] = {}

@@ -51,6 +51,7 @@ CLEAR_TEXT = np.array(["a"] * 2000)
 NOISE_FROM_3_S = np.random.default_rng(8).normal(0, 4e-4, 12_000) * np.where(np.arange(12_000) > 6000, 3.0, 1.0)
 GRASPED = csv(np.arange(12_000) / 2000, 2.6 + NOISE_FROM_3_S - 0.3 * (np.arange(12_000) > 6000))
 LONG_S = np.arange(12_000) / 2000
+WEAK_SLIDE = 2.6 + np.random.default_rng(8).normal(0, np.where((LONG_S > 3.0) & (LONG_S < 4.2), 2e-3, 4e-4))
 VIBRATING = {
     "time_s": LONG_S,
     "voltage_v": 2.0
@@ -140,6 +141,7 @@ FAMILIES: dict[str, list[tuple[Any, ...]]] = {
         ({"time_s": T, "voltage_v": V, "slip": (T >= 0.5) & (T < 0.7)}, "--calibrate", "0:0.9"),
         *((GRASPED, "--calibrate", part) for part in ("2.5:3.5", "9:9.5", "4:4.1", "0:9", "3:9", "3:6")),
         (VIBRATING, "--calibrate", "0.5:5.5", "--detector", "fast"),
+        *((csv(LONG_S, WEAK_SLIDE), "--detector", "fast", *more) for more in ((), ("--calibrate", "3.2:4"))),
         *((FORCE, "--column", "voltage_v=force_n", "--detector", "fast", *more)
           for more in ((), ("--calibrate", "0:0.3"), ("--calibrate", "0:0.4"))),
     ],
@@ -189,6 +191,7 @@ def describe(folder: Path, path: Path | str, *words: Any, lines: str | None = No
     return "\n".join(line.replace(f"{folder}/", "").replace(f"{ROOT}/", "") for line in said)
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("family", FAMILIES)
 def test_outputs_are_the_approved_ones(family: str, tmp_path: Path) -> None:
     told = []

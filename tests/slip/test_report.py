@@ -51,6 +51,7 @@ CASES = {
 }
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", CASES)
 def test_report_of_a_detection_is_the_approved_one(name: str) -> None:
     trace, detector = CASES[name]

@@ -97,6 +97,7 @@ CASES: dict[str, dict[str, Any]] = {
 }
 
 
+@pytest.mark.every_case
 @pytest.mark.parametrize("name", CASES)
 def test_reports_are_the_approved_ones(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Text, and figures of some: what matplotlib is asked to draw stands for its pixels."""

@@ -175,8 +175,8 @@ def hum_warnings(volts: Array, rate_hz: float) -> Iterator[str]:
         if spectrum_v[place] > max(MAX_HUM_V, _PEAK_RATIO * around_v):
             yield (
                 f"hum of {1000 * spectrum_v[place]:.2g} mV RMS at {hertz} Hz, more than the {1000 * MAX_HUM_V:g} mV "
-                "that the detectors were tried in: slip is found late, or hum taken for it. Shield the sensor's cable, "
-                "or power the board from a battery."
+                "that the detectors were tried in: slip is found late or not at all, or hum taken for it. Shield the "
+                "sensor's cable, or power the board from a battery."
             )
 
 

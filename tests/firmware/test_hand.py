@@ -12,7 +12,7 @@ import pytest
 
 from fingertip.catalogues.controllers import BOARDS
 from fingertip.design import Design
-from fingertip.firmware.fingers import NAMES, Fingers, count_fingers, find_load, plan_fingers
+from fingertip.firmware.fingers import NAMES, count_fingers, find_load, plan_fingers
 from fingertip.firmware.packaging import read_costs
 from fingertip.firmware.sources import GRIP_SOURCE, SOURCE, library_settings
 from fingertip.foundation import jit
@@ -211,7 +211,7 @@ int main(void) {
             wrong += !(hand.fingers[i].confidence >= 0 && hand.fingers[i].floor > 0 && hand.fingers[i].floor < 1e12f);
         }
         faults |= slip_hand_faults(&hand, SLIP_IS_REPLACED);
-        slip_grip_step(&grip, (uint32_t)(count * 77777u), on, inputs);
+        slip_grip_step(&grip, (uint32_t)(count * 77777u), on, ~slip_hand_faults(&hand, SLIP_IS_OUTSIDE), inputs);
         count++;
     }
     printf("%lu %u %u\\n", (unsigned long)count, faults, wrong);
@@ -265,7 +265,10 @@ def test_the_grip_law_has_the_bits_of_python_in_every_manipulation(repeats: int,
             library = make_grip_library(tmp_path / str(number), len(scene.fingers))
             now, detected, inputs = zip(*grip.given, strict=True)
             added, is_suppressed, has_tightened = library.grip(
-                np.array(now, np.uint32), np.array(detected, np.uint8), np.stack(inputs)
+                np.array(now, np.uint32),
+                np.array(detected, np.uint8),
+                np.full(len(now), 31, np.uint8),
+                np.stack(inputs),
             )
             assert np.array_equal(added, np.stack(grip.added))
             assert has_tightened.tolist() == [decision.tightened for decision in grip.decisions]
@@ -277,7 +280,7 @@ def test_the_grip_law_has_the_bits_of_python_in_every_manipulation(repeats: int,
 
 def make_grip_library(folder: Path, fingers: int) -> HostHand:
     folder.mkdir()
-    write_sources(DESIGN, folder, Fingers(NAMES[:fingers], FIVE.inputs[:fingers]))
+    write_sources(DESIGN, folder, replace(FIVE, names=NAMES[:fingers], inputs=FIVE.inputs[:fingers]))
     return HostHand(compile_host(folder, "double"), "double", fingers)
 
 
@@ -285,21 +288,26 @@ def test_the_grip_law_is_that_of_python_for_any_input_and_time(tmp_path: Path) -
     """Periods from 0.1 ms to beyond the watchdog, across an overflow of the counter of microseconds."""
     random, count = np.random.default_rng(6), 4000
     now = np.cumsum(np.round(10.0 ** random.uniform(2, 5.6, count)).astype(np.int64)) + 2**32 - 10_000_000
-    detected = random.random(count) < 0.3
+    on, usable = random.integers(0, 32, (2, count), dtype=np.uint8)
+    on[random.random(count) < 0.6] = 0
+    usable[:3500] |= 15
     inputs = np.stack((random.uniform(-0.1, 3.4, (count, 5)), np.cumsum(random.normal(0, 2e-5, (count, 5)), 0)), axis=2)
     inputs[500:3000, :, 0] = 0.4 + 1e-4 * inputs[500:3000, :, 0]
     law = GripLaw(GripSettings(), ForceCurve.from_design(DESIGN), 5)
     expected, decisions = [], []
-    for at, is_on, rows in zip(now.tolist(), detected.tolist(), inputs, strict=True):
-        decisions.append(law.step(at, is_on, rows[:, 0].tolist(), rows[:, 1].tolist()))
+    for at, is_on, trusted, rows in zip(now.tolist(), on.tolist(), usable.tolist(), inputs, strict=True):
+        flags = [bool(trusted >> i & 1) for i in range(5)]
+        decisions.append(law.step(at, bool(is_on & trusted), rows[:, 0].tolist(), rows[:, 1].tolist(), flags))
         expected.append(law.added_m)
     library = make_grip_library(tmp_path / "five", 5)
-    added, suppressed, tightened = library.grip(now.astype(np.uint32), detected.astype(np.uint8), inputs)
+    added, suppressed, tightened = library.grip(now.astype(np.uint32), on, usable, inputs)
     assert np.array_equal(added, np.stack(expected))
     assert list(zip(suppressed.tolist(), tightened.tolist(), strict=True)) == decisions
     assert 20 < tightened.sum() < suppressed.sum() < count
     steps = np.diff(added, axis=0) / (1e-6 * np.diff(now)[:, None])
     assert 0.0 <= steps.min() <= steps.max() <= 1.0 + 1e-9
+    assert np.diff(added, axis=0).max() <= 0.02 + 1e-12
+    assert added.max() <= GripSettings().max_added_m
 
 
 def test_costs_of_five_fingers_are_below_what_the_table_counts() -> None:
@@ -364,6 +372,56 @@ def test_what_a_controller_cannot_read_is_refused_with_the_limit(
         other = []
     done = run_fingertip("firmware", "fsr400", "--out", tmp_path / "out", *other, *pasted)
     assert done.returncode == 0, done.stderr
+
+
+def test_a_controller_of_another_range_is_warned_of_with_what_helps(tmp_path: Path) -> None:
+    options = ("firmware", "fsr400", "--controller", "uno_r4", "--fingers", "wrist", "--out", tmp_path / "out")
+    done = run_fingertip(*options)
+    assert "0 to 5 V, not 0 to 3.3 V" in done.stderr
+    assert not run_fingertip(*options, "--set", "detector.adc_range_v=5", "--force").stderr.count("warning")
+    header = (tmp_path / "out/src/slip_detector.h").read_text()
+    assert '#define SLIP_INPUTS {{A0, A1}}\n#define SLIP_NAMES {"wrist"}' in header
+
+
+def test_the_watchdog_latches_and_a_release_is_as_slow_as_a_command(folder: Path, tmp_path: Path) -> None:
+    (tmp_path / "main.c").write_text(WATCHDOG_PROGRAM)
+    sources = [str(tmp_path / "main.c"), str(folder / GRIP_SOURCE), "-lm"]
+    subprocess.run(["gcc", "-std=c99", f"-I{folder}", *sources, "-o", str(tmp_path / "main")], check=True)
+    done = subprocess.run([str(tmp_path / "main")], capture_output=True, text=True, check=True)
+    alive, *ways = done.stdout.split()
+    assert alive == "0111001"
+    added = [float(way) for way in ways]
+    assert 0.04 < added[0] <= 0.05
+    assert np.diff(added) == pytest.approx([-0.01] * 4, abs=1e-6)
+
+
+WATCHDOG_PROGRAM = """
+#include "slip_grip.h"
+#include <stdio.h>
+int main(void) {
+    static slip_grip grip;
+    slip_grip_input inputs[SLIP_FINGERS] = {{0}};
+    unsigned i, now = 0;
+    for (i = 0; i < SLIP_FINGERS; i++) inputs[i].tactile_v = 0.5f;
+    slip_grip_init(&grip);
+    printf("%d", slip_grip_is_alive(&grip, 0));
+    slip_grip_step(&grip, 1000, 0, 31, inputs);
+    printf("%d", slip_grip_is_alive(&grip, 999));
+    printf("%d", slip_grip_is_alive(&grip, 1000));
+    printf("%d", slip_grip_is_alive(&grip, 251000));
+    printf("%d", slip_grip_is_alive(&grip, 252000));
+    printf("%d", slip_grip_is_alive(&grip, 1000));
+    slip_grip_step(&grip, 300000, 0, 31, inputs);
+    printf("%d\\n", slip_grip_is_alive(&grip, 300000));
+    for (now = 310000; now < 3000000; now += 10000) slip_grip_step(&grip, now, 1, 31, inputs);
+    slip_grip_release(&grip);
+    for (i = 0; i < 5; i++, now += 10000) {
+        printf("%.7f\\n", (double)grip.added_m[4]);
+        slip_grip_step(&grip, now, 0, 31, inputs);
+    }
+    return 0;
+}
+"""
 
 
 def test_every_accepted_number_of_fingers_is_within_the_limits_of_its_controller() -> None:

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fingertip.catalogues.controllers import BOARDS
 from fingertip.design import Design
 from fingertip.firmware.fingers import NAMES, ONE_FINGER, Fingers
 from fingertip.firmware.sources import GRIP_SOURCE, SOURCE, library_sources
@@ -65,7 +66,7 @@ class TargetRun:
     """Bytes of stack that the deepest step used, by the pattern that it left."""
 
 
-FIVE = Fingers(NAMES, tuple((f"A{2 * i}", f"A{2 * i + 1}") for i in range(len(NAMES))))
+FIVE = Fingers(NAMES, tuple((f"A{2 * i}", f"A{2 * i + 1}") for i in range(len(NAMES))), BOARDS[0])
 """Fingers of a hand."""
 
 
@@ -224,7 +225,7 @@ class HostHand:
         return on, faults
 
     def grip(
-        self, now_us: NDArray[np.uint32], detected: NDArray[np.uint8], inputs: Array
+        self, now_us: NDArray[np.uint32], on: NDArray[np.uint8], usable: NDArray[np.uint8], inputs: Array
     ) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:
         """Run the grip law over periods, with voltages and closings (periods, fingers, 2).
 
@@ -235,7 +236,7 @@ class HostHand:
         given = np.ascontiguousarray(inputs, self._type)
         count = ctypes.c_size_t(len(now_us))
         self._library.probe_grip(
-            state, _point(now_us), _point(detected), _point(given), count, _point(added), _point(flags)
+            state, _point(now_us), _point(on), _point(usable), _point(given), count, _point(added), _point(flags)
         )
         return added, flags % 2 > 0, flags > 1
 

@@ -52,8 +52,8 @@ BOARDS = (
     ),
     ControllerBoard(
         "black_pill_f411", "STM32 Black Pill F411CE", "Cortex-M4F", 100, True, "12 bits, 0 to 3.3 V", "yes",
-        "core STM32duino, generic F411CEUx with USB as serial port; its LED at PC13 lights while the pin is low: "
-        "set `SLIP_PIN` to another GPIO such as PB12",
+        "core STM32duino, BlackPill F411CE with USB as serial port; its button KEY grounds PA0; its LED at PC13 lights "
+        "while the pin is low: set `SLIP_PIN` to another GPIO such as PB12",
         "PA0 PA1 PA2 PA3 PA4 PA5 PA6 PA7 PB0 PB1", 128, 4, True,
     ),
     ControllerBoard(

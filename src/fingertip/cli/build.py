@@ -196,7 +196,7 @@ def firmware(
         console.result({"current": not found, "differences": found}, text, passed=not found)
         return
     paths = write_firmware(loaded, folder, fingers=planned, force=force)
-    warnings = list(find_warnings(loaded))
+    warnings = list(find_warnings(loaded, planned.controller))
     console.warn(warnings)
     data = {"files": [path.as_posix() for path in paths], "warnings": warnings, "costs": read_costs()}
     console.result(data, f"{cost_table()}\n{len(paths)} files in {folder}; its README.md states use and wiring")

@@ -38,7 +38,7 @@ def render_readme(design: Design, fingers: Fingers) -> str:
         "name": NAME,
         "is_bundled": is_bundled,
         "file": design.name if is_bundled else f"{design.name}.toml",
-        "warnings": list(find_warnings(design)),
+        "warnings": list(find_warnings(design, fingers.controller)),
         "rate_hz": detector.sample_rate_hz,
         "adc_bits": detector.adc_bits,
         "adc_range": detector.adc_range_text,

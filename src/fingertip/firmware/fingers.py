@@ -42,6 +42,11 @@ class Fingers:
     def count(self) -> int:
         return len(self.names)
 
+    @property
+    def is_hand(self) -> bool:
+        """True if the library holds the scan, the grip law and the example of a hand."""
+        return self.controller is not None
+
 
 ONE_FINGER = Fingers()
 
@@ -120,7 +125,7 @@ def plan_fingers(
     issues: list[Issue] = []
     names = _read_names(fingers, issues)
     board = None
-    if controller is not None or len(names) > 1:
+    if controller is not None or inputs is not None or names != Fingers.names:
         board = find_board(controller or DEFAULT_CONTROLLER)
         if board is None:
             known = join_words([other.key for other in BOARDS], "or")

@@ -9,6 +9,7 @@ from importlib import resources
 from typing import Any
 
 from fingertip.board.components.values import SUPPLIES, VARIANT_CHANGES
+from fingertip.catalogues.controllers import ControllerBoard
 from fingertip.design import Design
 from fingertip.foundation.version import __version__
 
@@ -91,8 +92,14 @@ def cost_table() -> str:
     return "\n".join("| " + " | ".join(row) + " |" for row in rows)
 
 
-def find_warnings(design: Design) -> Iterator[str]:
+def find_warnings(design: Design, controller: ControllerBoard | None = None) -> Iterator[str]:
     """Warn of a board or a converter that the inputs of a controller do not fit."""
+    if controller and not controller.converter.endswith(f" to {design.detector.adc_range_v:g} V"):
+        range_v = controller.converter.split()[-2]
+        yield (
+            f"{controller.name} converts {controller.converter}, not {design.detector.adc_range_text}: voltages and "
+            f"forces would be wrong; with --set detector.adc_range_v={range_v} they are right."
+        )
     detector = design.detector
     problems = []
     if not design.board.is_for_controller:

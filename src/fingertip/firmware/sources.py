@@ -13,7 +13,7 @@ from fingertip.board import board_values
 from fingertip.catalogues.output_files import BUFFER, HAND, SCAN, TIMER
 from fingertip.design import Design
 from fingertip.firmware.fingers import Fingers
-from fingertip.sim.runs.grip import HISTORY, MIN_PRESENT_N, ForceCurve, GripSettings
+from fingertip.sim.runs.grip import HISTORY, LONGEST_STEP_S, MIN_PRESENT_N, ForceCurve, GripSettings
 from fingertip.slip.detectors import fast_loop
 from fingertip.slip.detectors.fast import FastDetector, FastSettings
 from fingertip.slip.detectors.fast_coefficients import DEPTH, NODES, FastModel, load_model
@@ -222,7 +222,7 @@ def _rows(values: list[str]) -> Iterator[str]:
 def _render_fingers(fingers: Fingers) -> str:
     """Render how many fingers there are, and for several the inputs and names that the example takes."""
     lines = ["#ifndef SLIP_FINGERS", f"#define SLIP_FINGERS {fingers.count}", "#endif"]
-    if fingers.count > 1:
+    if fingers.is_hand:
         inputs = ", ".join(f"{{{tactile}, {filtered}}}" for tactile, filtered in fingers.inputs)
         names = ", ".join(f'"{name}"' for name in fingers.names)
         lines += [f"#define SLIP_INPUTS {{{inputs}}}", f"#define SLIP_NAMES {{{names}}}"]
@@ -232,10 +232,17 @@ def _render_fingers(fingers: Fingers) -> str:
 def _render_grip(settings: GripSettings) -> str:
     """Render the constants of the grip law."""
     times = {"WINDOW": settings.growth_window_s, "SUPPRESSION": settings.suppression_s}
-    times |= {"REFRACTORY": settings.refractory_s, "WATCHDOG": settings.watchdog_s}
+    times |= {"REFRACTORY": settings.refractory_s, "WATCHDOG": settings.watchdog_s, "LONGEST_STEP": LONGEST_STEP_S}
     values = {"MIN_PRESENT_N": MIN_PRESENT_N} | {
         name.upper(): getattr(settings, name)
-        for name in ("max_growth_n_s", "max_closing_m_s", "force_ratio", "max_force_n", "max_command_m_s")
+        for name in (
+            "max_growth_n_s",
+            "max_closing_m_s",
+            "force_ratio",
+            "max_force_n",
+            "max_command_m_s",
+            "max_added_m",
+        )
     }
     return "\n".join(
         (
@@ -256,8 +263,7 @@ def _render_curve(curve: ForceCurve) -> str:
     blocks = [
         "\n".join(
             (
-                "/* Stiffness of the hand behind the pad [N/m]; indentation of the pad under 1 N [m]. */",
-                f"#define SLIP_BACKING_N_PER_M {real(curve.pad.backing.stiffness_n_per_m)}",
+                "/* Indentation of the pad under 1 N [m]. */",
                 f"#define SLIP_PAD_M_PER_N23 {real(curve.pad.hertz_m_per_n23)}",
                 f"enum {{ SLIP_CURVE = {len(curve.volts)} }};",
             )
@@ -286,10 +292,13 @@ def library_sources(design: Design, fingers: Fingers) -> dict[str, bytes]:
         SOURCE: _insert(read_template(SOURCE), "slip_trees.h", render_trees(load_model())),
         **{name: read_template(name) for name in (BUFFER, HAND, TIMER)},
     }
-    if fingers.count > 1:
-        grip, curve = _render_grip(GripSettings()), _render_curve(ForceCurve.from_design(design))
+    if fingers.is_hand:
+        force = ForceCurve.from_design(design)
+        grip, curve = _render_grip(GripSettings()), _render_curve(force)
+        backing = f"#define SLIP_BACKING_N_PER_M {real(force.pad.backing.stiffness_n_per_m)}"
         files[SCAN] = read_template(SCAN)
-        files[GRIP_HEADER] = _insert(read_template(GRIP_HEADER), "slip_grip_constants.h", grip)
+        header = _insert(read_template(GRIP_HEADER), "slip_grip_constants.h", grip)
+        files[GRIP_HEADER] = _insert(header, "slip_grip_backing.h", backing)
         files[GRIP_SOURCE] = _insert(read_template(GRIP_SOURCE), "slip_grip_curve.h", curve)
     return {name: text.encode() for name, text in files.items()}
 

@@ -30,7 +30,7 @@ def firmware_files(design: Design, fingers: Fingers = ONE_FINGER) -> dict[str, d
         },
         SOURCES: library_sources(design, fingers),
     }
-    for example, names in (_HAND_FILES if fingers.count > 1 else _EXAMPLE_FILES).items():
+    for example, names in (_HAND_FILES if fingers.is_hand else _EXAMPLE_FILES).items():
         files = {name: read_template(f"{EXAMPLES}/{name}").encode() for name in names}
         folders[f"{EXAMPLES}/{example}"] = files
     return folders

@@ -78,16 +78,32 @@ void slip_grip_init(slip_grip *grip) {
     grip->since_growth_us = grip->since_tightening_us = LONG_AGO;
 }
 
-bool slip_grip_step(slip_grip *grip, uint32_t now_us, bool detected, const slip_grip_input *inputs) {
+void slip_grip_release(slip_grip *grip) {
+    unsigned i;
+    for (i = 0; i < SLIP_FINGERS; i++) {
+        grip->target_m[i] = R(0.0);
+    }
+}
+
+/* Move towards a target by a step at most. */
+static slip_real approach(slip_real from, slip_real to, slip_real step) {
+    if (to > from + step) {
+        return from + step;
+    }
+    return to < from - step ? from - step : to;
+}
+
+bool slip_grip_step(slip_grip *grip, uint32_t now_us, unsigned on, unsigned usable, const slip_grip_input *inputs) {
     const uint32_t elapsed_us = grip->is_started ? now_us - grip->last_us : 0;
     const bool is_late = elapsed_us > SLIP_GRIP_WATCHDOG_US;
     const slip_grip_moment *then;
     slip_grip_moment now;
-    slip_real max_step_m, seconds;
+    slip_real max_step_m, seconds, target;
     bool is_growing = is_late;
     unsigned i;
 
     grip->last_us = now_us;
+    grip->is_late = false;
     grip->is_started = true;
     grip->since_growth_us = later(grip->since_growth_us, elapsed_us);
     grip->since_tightening_us = later(grip->since_tightening_us, elapsed_us);
@@ -102,8 +118,9 @@ bool slip_grip_step(slip_grip *grip, uint32_t now_us, bool detected, const slip_
     then = remember(grip, &now);
     seconds = R(1e-6) * (slip_real)(now_us == then->time_us ? 1u : now_us - then->time_us);
     for (i = 0; i < SLIP_FINGERS; i++) {
-        if ((now.force_n[i] - then->force_n[i]) / seconds > SLIP_GRIP_MAX_GROWTH_N_S
-            || (now.closing_m[i] - then->closing_m[i]) / seconds > SLIP_GRIP_MAX_CLOSING_M_S) {
+        if ((usable >> i & 1u)
+            && ((now.force_n[i] - then->force_n[i]) / seconds > SLIP_GRIP_MAX_GROWTH_N_S
+                || (now.closing_m[i] - then->closing_m[i]) / seconds > SLIP_GRIP_MAX_CLOSING_M_S)) {
             is_growing = true;
         }
     }
@@ -112,24 +129,26 @@ bool slip_grip_step(slip_grip *grip, uint32_t now_us, bool detected, const slip_
     }
     grip->is_suppressed = grip->since_growth_us <= SLIP_GRIP_SUPPRESSION_US;
     grip->has_tightened =
-        detected && !grip->is_suppressed && grip->since_tightening_us >= SLIP_GRIP_REFRACTORY_US;
+        (on & usable) != 0 && !grip->is_suppressed && grip->since_tightening_us >= SLIP_GRIP_REFRACTORY_US;
     if (grip->has_tightened) {
         grip->since_tightening_us = 0;
     }
-    max_step_m = SLIP_GRIP_MAX_COMMAND_M_S * (R(1e-6) * (slip_real)elapsed_us);
+    max_step_m = is_late ? R(0.0) : SLIP_GRIP_MAX_COMMAND_M_S
+        * (R(1e-6) * (slip_real)(elapsed_us < SLIP_GRIP_LONGEST_STEP_US ? elapsed_us : SLIP_GRIP_LONGEST_STEP_US));
     for (i = 0; i < SLIP_FINGERS; i++) {
         if (grip->has_tightened) {
-            grip->target_m[i] += further_m(now.force_n[i]);
+            target = grip->target_m[i] + ((usable >> i & 1u) ? further_m(now.force_n[i]) : R(0.0));
+            grip->target_m[i] = target < SLIP_GRIP_MAX_ADDED_M ? target : SLIP_GRIP_MAX_ADDED_M;
         }
-        if (grip->target_m[i] < grip->added_m[i] + max_step_m) {
-            grip->added_m[i] = grip->target_m[i];
-        } else {
-            grip->added_m[i] += max_step_m;
-        }
+        grip->added_m[i] = approach(grip->added_m[i], grip->target_m[i], max_step_m);
     }
     return grip->has_tightened;
 }
 
-bool slip_grip_is_alive(const slip_grip *grip, uint32_t now_us) {
-    return grip->is_started && now_us - grip->last_us <= SLIP_GRIP_WATCHDOG_US;
+bool slip_grip_is_alive(slip_grip *grip, uint32_t now_us) {
+    /* Signed, as the step may have come just after `now_us` was read. */
+    if ((int32_t)(now_us - grip->last_us) > (int32_t)SLIP_GRIP_WATCHDOG_US) {
+        grip->is_late = true; /* and stays so when the counter of microseconds comes round */
+    }
+    return grip->is_started && !grip->is_late;
 }

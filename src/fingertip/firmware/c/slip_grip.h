@@ -10,6 +10,13 @@
 
 #include "slip_detector.h"
 
+/* Stiffness of the hand behind the pad [N/m]: how much force a way of the fingertip adds. THIS IS AN ASSUMPTION of the
+ * simulation, for a soft hand. Measure yours, and define it for the whole program: in a stiffer hand the same way adds as
+ * many times more force, and no force is measured against SLIP_GRIP_MAX_FORCE_N while the fingers close. */
+#ifndef SLIP_BACKING_N_PER_M
+#include "slip_grip_backing.h"
+#endif
+
 #include "slip_grip_constants.h"
 
 #ifdef __cplusplus
@@ -19,7 +26,7 @@ extern "C" {
 /* What a finger showed in a control period. */
 typedef struct slip_grip_input {
     slip_real tactile_v; /* mean tactile voltage [V] */
-    slip_real closing_m; /* present closing, as the encoder of its motor shows it [m] */
+    slip_real closing_m; /* present way of the fingertip, as the encoder of its motor shows it [m] */
 } slip_grip_input;
 
 /* Forces and closings at a time. */
@@ -36,17 +43,23 @@ typedef struct slip_grip {
     uint32_t last_us, since_growth_us, since_tightening_us; /* UINT32_MAX: long ago */
     uint8_t first, count;
     bool is_started, is_suppressed, has_tightened;
+    volatile bool is_late; /* the watchdog found no step */
 } slip_grip;
 
 /* Prepare the law. */
 void slip_grip_init(slip_grip *grip);
 
 /* Advance to a time [us], which may overflow, with an input for each finger, and return whether the fingers tighten.
- * `detected` tells whether any detector was ON since the last step. */
-bool slip_grip_step(slip_grip *grip, uint32_t now_us, bool detected, const slip_grip_input *inputs);
+ * `on` holds bit i where the detector of finger i was ON since the last step, `usable` where its inputs can be trusted: a
+ * finger without that bit neither counts nor tightens. */
+bool slip_grip_step(slip_grip *grip, uint32_t now_us, unsigned on, unsigned usable, const slip_grip_input *inputs);
 
-/* Return whether the law was called within the time of the watchdog. A motor whose law is not alive holds its place. */
-bool slip_grip_is_alive(const slip_grip *grip, uint32_t now_us);
+/* Take back what was added, no faster than commands grow, in the steps that follow. */
+void slip_grip_release(slip_grip *grip);
+
+/* Return whether the law was called within the time of the watchdog. Call it often, as in the interrupt of the motors; it
+ * stays false until the next step. A motor whose law is not alive holds its place. */
+bool slip_grip_is_alive(slip_grip *grip, uint32_t now_us);
 
 /* Return the force on a finger that a tactile voltage means [N]. */
 slip_real slip_force_n(slip_real tactile_v);

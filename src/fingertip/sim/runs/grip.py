@@ -28,6 +28,8 @@ from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.slip import DETECTORS, make_detector
 from fingertip.slip.detectors.registry import select_inputs
 
+LONGEST_STEP_S = 0.02
+"""Time of a step that counts at most for the speed of a command [s]: a late step makes no jump."""
 MIN_PRESENT_N = 0.1
 """Smallest present force that the force ratio is applied to [N]: with a smaller one a finger would hardly close."""
 HISTORY = 16
@@ -56,6 +58,8 @@ class GripSettings:
     max_force_n: float = 10.0
     max_command_m_s: float = 1.0
     """Speed at which a command grows [m/s]: a limit for motors that would jump. A soft hand's increase takes 7 mm."""
+    max_added_m: float = 0.05
+    """Closing that is added at most [m]: a finger that touches nothing, or whose motor stands still, would go on."""
     watchdog_s: float = 0.25
     """Time without a step after which nothing is known [s]: detections are suppressed as after growth."""
 
@@ -115,12 +119,22 @@ class GripLaw:
         self._since_growth_us: int | None = None
         self._since_tightening_us: int | None = None
 
+    def release(self) -> None:
+        """Take back what was added, no faster than commands grow."""
+        self._target_m = np.zeros(len(self._target_m))
+
     def step(
-        self, now_us: int, detected: bool, volts: Sequence[float], closing_m: Sequence[float]
+        self,
+        now_us: int,
+        detected: bool,
+        volts: Sequence[float],
+        closing_m: Sequence[float],
+        usable: Sequence[bool] | None = None,
     ) -> tuple[bool, bool]:
         """Advance to a time [us]; return whether detections are suppressed, and whether the fingers tighten.
 
-        Units: `volts` [V], the mean tactile voltage of each finger since the last step; `closing_m` [m].
+        A finger that is not usable, as with a broken wire, neither grows nor tightens. Units: `volts` [V], the mean
+        tactile voltage of each finger since the last step; `closing_m` [m].
         """
         s = self.settings
         dt_us = 0 if self._last_us is None else now_us - self._last_us
@@ -130,6 +144,7 @@ class GripLaw:
             self._history.clear()
         self._since_growth_us = None if self._since_growth_us is None else self._since_growth_us + dt_us
         self._since_tightening_us = None if self._since_tightening_us is None else self._since_tightening_us + dt_us
+        is_usable = [True] * len(volts) if usable is None else usable
         force = [self.curve.force_n(v) for v in volts]
         window_us = _whole_us(s.growth_window_s)
         while self._history and now_us - self._history[0][0] > window_us:
@@ -139,8 +154,8 @@ class GripLaw:
         then_us, force_then, closing_then = self._history[0]
         elapsed_s = 1e-6 * max(now_us - then_us, 1)
         is_growing = any(
-            (f - f0) / elapsed_s > s.max_growth_n_s or (c - c0) / elapsed_s > s.max_closing_m_s
-            for f, f0, c, c0 in zip(force, force_then, closing_m, closing_then, strict=True)
+            ok and ((f - f0) / elapsed_s > s.max_growth_n_s or (c - c0) / elapsed_s > s.max_closing_m_s)
+            for ok, f, f0, c, c0 in zip(is_usable, force, force_then, closing_m, closing_then, strict=True)
         )
         if is_growing or is_late:
             self._since_growth_us = 0
@@ -149,9 +164,13 @@ class GripLaw:
         tightened = detected and not suppressed and not is_refractory
         if tightened:
             self._since_tightening_us = 0
-            self._target_m += [self.curve.further_m(f, s.force_ratio, s.max_force_n) for f in force]
-        max_step_m = s.max_command_m_s * (1e-6 * dt_us)
-        self.added_m = np.minimum(self._target_m, self.added_m + max_step_m)
+            further_m = [
+                self.curve.further_m(f, s.force_ratio, s.max_force_n) if ok else 0.0
+                for ok, f in zip(is_usable, force, strict=True)
+            ]
+            self._target_m = np.minimum(self._target_m + further_m, s.max_added_m)
+        max_step_m = 0.0 if is_late else s.max_command_m_s * (1e-6 * min(dt_us, _whole_us(LONGEST_STEP_S)))
+        self.added_m = np.clip(self._target_m, self.added_m - max_step_m, self.added_m + max_step_m)
         return suppressed, tightened
 
 

@@ -10,7 +10,7 @@
 #include <slip_timer.h>
 #include <stdio.h>
 
-// How far the motor of a finger has closed, in metres.
+// The way that a fingertip has closed, in metres, from the encoder of its motor.
 static slip_real read_closing_m(unsigned finger) {
   (void)finger;
   return 0;
@@ -41,10 +41,10 @@ static void take_sample() {
 void setup() {
   pinMode(SLIP_PIN, OUTPUT);
   Serial.begin(2000000);
-  slip_begin_scan(INPUTS);
   slip_hand_init(&hand);
   slip_grip_init(&grip);
   delay(SETTLE_MS);
+  slip_begin_scan(INPUTS);  // a scan from before would be the detectors' first sample
   if (!slip_start_timer(take_sample)) {
     for (;;) {  // no timer is free: blink, rather than stay OFF as if there were no slip
       digitalWrite(SLIP_PIN, millis() / 100 % 2 ? HIGH : LOW);
@@ -56,10 +56,10 @@ void setup() {
 static void tell(uint32_t time_ms, unsigned fingers, const char *what) {
   for (unsigned i = 0; i < SLIP_FINGERS; i++) {
     if (fingers >> i & 1u) {
-      char line[64];
+      char line[128];
       const int length = snprintf(line, sizeof line, "%lu.%03lu s: %s %s\n", (unsigned long)(time_ms / 1000),
                                   (unsigned long)(time_ms % 1000), NAMES[i], what);
-      Serial.write(line, length);
+      Serial.write(line, length < (int)sizeof line ? length : (int)sizeof line - 1);
     }
   }
 }
@@ -76,9 +76,9 @@ static void control(uint32_t number, unsigned on, const uint32_t sums[SLIP_FINGE
     inputs[i].tactile_v = SLIP_ADC_LOW_V + SLIP_ADC_STEP_V * ((slip_real)sums[i] / (slip_real)PERIOD);
     inputs[i].closing_m = read_closing_m(i);
   }
-  // A finger whose voltage no force gives does not tighten the grip.
+  // A finger whose voltage no force gives neither tightens the grip nor is tightened.
   on &= ~outside;
-  if (slip_grip_step(&grip, micros(), on != 0, inputs)) {
+  if (slip_grip_step(&grip, micros(), on, ~outside, inputs)) {
     Serial.write("grip tightened\n", 15);
   }
   for (unsigned i = 0; i < SLIP_FINGERS; i++) {

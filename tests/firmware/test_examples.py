@@ -133,7 +133,7 @@ def test_after_a_gap_the_detector_goes_on(arduino: Path, library: Library, examp
     volts = [step * each[np.r_[:first, first:first:1, last + 1 : len(each)]] for each in codes]
     volts = [np.insert(each, first, np.full(GAP_SAMPLES + 1, np.nan)) for each in volts]
     on = FastDetector(library_settings(library.design)).process(*volts).on
-    expected = find_changes(np.delete(np.insert(on, first, np.zeros(last - first - GAP_SAMPLES, bool)), []))
+    expected = find_changes(np.insert(on, first, np.zeros(last - first - GAP_SAMPLES, bool)))
     assert [level for _, level in found] == [level for _, level in expected] == [0, 1]
     assert found[1][0] == pytest.approx(expected[1][0], abs=1)  # single precision
     if example == "slip_stream":
@@ -196,12 +196,12 @@ def test_the_example_of_a_hand_tells_which_finger_slips_and_which_has_a_fault(ma
     done = subprocess.run([str(program)], input=given, capture_output=True, text=True, check=True)
     found = [re.fullmatch(r"(\d+\.\d{3}) s: (\w+) (.*)", line) for line in done.stdout.splitlines()]
     told = {(match[2], match[3].split(":")[0]): float(match[1]) for match in reversed(found) if match}
+    told.pop(("ring", "has lost or wrong samples"), None)  # the wire's break may look like a glitch first
     assert set(told) == {
         ("index", "slips"),
         ("ring", "has a voltage that no force gives"),
-        ("ring", "has lost or wrong samples"),
         ("little", "has a silent S"),
-    } - ({("ring", "has lost or wrong samples")} if ("ring", "has lost or wrong samples") not in told else set())
+    }
     assert 0.5 < told["index", "slips"] < 0.6
     assert 1.5 < told["ring", "has a voltage that no force gives"] < 1.6
     assert "grip tightened" in done.stdout

@@ -106,13 +106,17 @@ def compile_object(folder: Path, target: Target, level: str = "-O2") -> tuple[Pa
 
 
 def measure_flash(folder: Path, target: Target, level: str = "-O2") -> int:
-    """Measure code and tables of the library, with the floating-point routines that it needs [byte]."""
+    """Measure code and tables of the library, with the routines of the compiler that it needs [byte]."""
     image, _ = compile_object(folder, target, level)
     linked = image.with_suffix(".linked")
     needed = ["-Wl,--gc-sections", "-Wl,-eslip_process", "-Wl,-uslip_init"]
+    if (folder / GRIP_SOURCE).exists():
+        options = [*target.options, "-mthumb", level, *STRICT, f"-I{folder}", "-c", str(folder / GRIP_SOURCE)]
+        _run("arm-none-eabi-gcc", *options, "-o", str(folder / "grip.o"))
+        needed += ["-Wl,-uslip_grip_step", str(folder / "grip.o")]
     _run(
         "arm-none-eabi-gcc", *target.options, "-mthumb", "-nostartfiles", "--specs=nano.specs", *needed, str(image),
-        "-o", str(linked),
+        "-o", str(linked), "-lm",
     )  # fmt: skip
     sizes = _run("arm-none-eabi-size", str(linked)).splitlines()[1].split()
     return int(sizes[0]) + int(sizes[1])

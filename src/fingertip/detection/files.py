@@ -25,7 +25,6 @@ from fingertip.detection.adaptation import (
 from fingertip.detection.live import NAME as STREAM_NAME
 from fingertip.detection.live import CsvStream, Transition, follow, open_stream
 from fingertip.detection.warnings import (
-    MAX_NOISE_RATIO,
     StepWatch,
     calibration_warnings,
     envelope_warnings,
@@ -41,7 +40,6 @@ from fingertip.detection.warnings import (
 from fingertip.foundation.errors import FingertipError, Issue, TraceError
 from fingertip.slip.detection import Detection, detect
 from fingertip.slip.detectors.analog_and_digital import measure_noise_level
-from fingertip.slip.detectors.fast import FastDetector
 from fingertip.slip.detectors.noise import NoiseLevel
 from fingertip.slip.detectors.registry import (
     DEFAULT,
@@ -181,7 +179,6 @@ def detect_file(
         message = f"{moved}, within {calibrate_s[0]:g}:{calibrate_s[1]:g} s; choose a part in which the force rests."
         raise TraceError(Issue("--calibrate", message))
     noise_v, level = None, None
-    within = f"the part {calibrate_s[0]:g}:{calibrate_s[1]:g} s of --calibrate" if calibrate_s else ""
     if kind.takes_envelope:
         is_replayed = trace.envelope_v is None
         warnings += envelope_warnings(trace, design)
@@ -195,14 +192,8 @@ def detect_file(
         noise_v = equivalent_noise_v(detector, design, trace.voltage_v[quiet], path.name)
         if column_map.in_volts:
             noise_v = max(noise_v, kind.implementation.min_noise_v(design))
-            warnings += calibration_warnings(noise_v, design, within)
-
-    if noise_v is not None and column_map.in_volts:
-        before = detect(trace, design, detector).output.on[quiet]
-        if before.any() and noise_v <= MAX_NOISE_RATIO * max(design.detector.noise_v, FastDetector.min_noise_v(design)):
-            first_s = trace.time_s[quiet][before][0]
-            message = f"before the calibration {detector} is ON at {first_s:.4f} s, within {within}"
-            warnings.append(f"{message}: if that is slip, it is taken for noise now; choose another part.")
+            part = f"the part {calibrate_s[0]:g}:{calibrate_s[1]:g} s of --calibrate"
+            warnings += calibration_warnings(noise_v, detect(trace, design, detector), quiet, design, part)
 
     detection = detect(trace, design, detector, noise_v)
     if calibrate_s and detection.output.on[quiet].any():

@@ -17,6 +17,7 @@ from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
 from fingertip.foundation.errors import DesignError, join_words
 from fingertip.foundation.numerics import Array
+from fingertip.slip.detection import Detection
 from fingertip.slip.detectors.analog_and_digital import noise_level
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
 from fingertip.slip.detectors.noise import NoiseLevel
@@ -198,7 +199,7 @@ def polarity_warnings(volts: Array, design: Design) -> Iterator[str]:
 
 def noise_warnings(learned_v: float | None, design: Design, measured_v: float | None) -> Iterator[str]:
     """Warn of more noise than the detector `fast` was fitted to, over that of the design or of a quiet part [V]."""
-    stated_v = max(measured_v or design.detector.noise_v, FastDetector.min_noise_v(design))
+    stated_v = _stated_noise_v(design, measured_v)
     if learned_v is not None and learned_v > MAX_NOISE_RATIO * stated_v:
         yield (
             f"fast has learned a noise of {1000 * learned_v:.2g} mV, {learned_v / stated_v:.0f} times the stated one "
@@ -207,15 +208,25 @@ def noise_warnings(learned_v: float | None, design: Design, measured_v: float | 
         )
 
 
-def calibration_warnings(noise_v: float, design: Design, within: str) -> Iterator[str]:
-    """Warn of a quiet part with so much noise [V] that something may move in it, which the threshold then hides."""
-    stated_v = max(design.detector.noise_v, FastDetector.min_noise_v(design))
+def calibration_warnings(noise_v: float, before: Detection, quiet: slice, design: Design, part: str) -> Iterator[str]:
+    """Warn of a quiet part in which something may move, as its noise [V] and the detection before calibration tell."""
+    stated_v, on = _stated_noise_v(design), before.output.on[quiet]
     if noise_v > MAX_NOISE_RATIO * stated_v:
         yield (
-            f"{within} has a noise of {1000 * noise_v:.2g} mV, {noise_v / stated_v:.0f} times the stated one of "
+            f"{part} has a noise of {1000 * noise_v:.2g} mV, {noise_v / stated_v:.0f} times the stated one of "
             f"{1000 * stated_v:.2g} mV, and no slip weaker than that is found: if anything slides or vibrates there, "
             "choose another part; if all of the recording is like that, shield the cable."
         )
+    elif on.any():
+        yield (
+            f"before the calibration {before.detector} is ON at {before.trace.time_s[quiet][on][0]:.4f} s, within "
+            f"{part}: if that is slip, it is taken for noise now; choose another part."
+        )
+
+
+def _stated_noise_v(design: Design, measured_v: float | None = None) -> float:
+    """Noise that holds for stated, of the design or of a quiet part [V]."""
+    return max(measured_v or design.detector.noise_v, FastDetector.min_noise_v(design))
 
 
 def glitch_warnings(output: DetectorOutput, trace: Trace) -> Iterator[str]:
@@ -223,6 +234,7 @@ def glitch_warnings(output: DetectorOutput, trace: Trace) -> Iterator[str]:
     if not isinstance(output, FastOutput):
         return
     found = np.flatnonzero(np.diff(output.is_replaced.astype(np.int8), prepend=0) > 0) - 1
+    found = np.maximum(found, 0)
     found = found[~output.incipient[found]]  # strong slip may look like it
     if not len(found):
         return

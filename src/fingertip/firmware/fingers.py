@@ -16,7 +16,7 @@ from fingertip.slip.detectors.fast import TICK_S
 NAMES = ("thumb", "index", "middle", "ring", "little")
 """Names of the fingers, in their order, and so how many there are at most."""
 DEFAULT_CONTROLLER = "black_pill_f411"
-"""Controller of several fingers: the cheapest of the table that carries five."""
+"""Controller of several fingers, unless another one is named: a small board that carries five."""
 CYCLES_PER_INSTRUCTION = 1.5
 """Mean clock cycles of an instruction, with waits for the flash. An assumption: most take one, loads and jumps two."""
 BUFFER_SAMPLES = 1024

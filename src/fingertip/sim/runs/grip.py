@@ -13,6 +13,7 @@ the same bits, so times are whole microseconds.
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -116,8 +117,7 @@ class GripLaw:
         self._target_m = np.zeros(fingers)
         self._history: deque[tuple[int, list[float], list[float]]] = deque(maxlen=HISTORY)
         self._last_us: int | None = None
-        self._since_growth_us: int | None = None
-        self._since_tightening_us: int | None = None
+        self._since_growth_us = self._since_tightening_us = math.inf
 
     def release(self) -> None:
         """Take back what was added, no faster than commands grow."""
@@ -142,8 +142,8 @@ class GripLaw:
         is_late = dt_us > _whole_us(s.watchdog_s)
         if is_late:
             self._history.clear()
-        self._since_growth_us = None if self._since_growth_us is None else self._since_growth_us + dt_us
-        self._since_tightening_us = None if self._since_tightening_us is None else self._since_tightening_us + dt_us
+        self._since_growth_us += dt_us
+        self._since_tightening_us += dt_us
         is_usable = [True] * len(volts) if usable is None else usable
         force = [self.curve.force_n(v) for v in volts]
         window_us = _whole_us(s.growth_window_s)
@@ -159,8 +159,8 @@ class GripLaw:
         )
         if is_growing or is_late:
             self._since_growth_us = 0
-        suppressed = self._since_growth_us is not None and self._since_growth_us <= _whole_us(s.suppression_s)
-        is_refractory = self._since_tightening_us is not None and self._since_tightening_us < _whole_us(s.refractory_s)
+        suppressed = self._since_growth_us <= _whole_us(s.suppression_s)
+        is_refractory = self._since_tightening_us < _whole_us(s.refractory_s)
         tightened = detected and not suppressed and not is_refractory
         if tightened:
             self._since_tightening_us = 0

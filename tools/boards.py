@@ -16,15 +16,18 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from fingertip.board import board_circuit, board_values
+from fingertip.board.circuits.channels import PLACES
 from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.kicad.project import (
     MODEL_FOLDER,
     PROJECT_FILES,
     PROJECTS,
-    StoredProject,
+    SEVERAL,
+    make_project,
     model_files,
     read_archive,
 )
+from fingertip.catalogues.output_files import CHANNEL_SHEET
 from fingertip.design import Design
 from fingertip.foundation.errors import BoardError
 
@@ -36,7 +39,7 @@ def main() -> None:
     """Unpack a project, or store one."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("action", choices=("unpack", "pack"))
-    parser.add_argument("name", choices=(*VARIANT_CHANGES, "models"))
+    parser.add_argument("name", choices=(*VARIANT_CHANGES, SEVERAL, "models"))
     parser.add_argument("folder", type=Path)
     arguments = parser.parse_args()
     if arguments.action == "unpack":
@@ -59,11 +62,13 @@ def pack(name: str, folder: Path) -> str:
         models = folder / MODEL_FOLDER
         files = {path.relative_to(models).as_posix(): path.read_bytes() for path in sorted(models.rglob("*.step"))}
     else:
-        files = {file: (folder / file).read_bytes() for file in PROJECT_FILES}
-        layout, schematic, project = files.values()
-        circuit = board_circuit(board_values(Design.load(changes=VARIANT_CHANGES[name])))
+        names = (*PROJECT_FILES, CHANNEL_SHEET) if name == SEVERAL else PROJECT_FILES
+        files = {file: (folder / file).read_bytes() for file in names}
+        changes = [f"board.channels={PLACES}"] if name == SEVERAL else VARIANT_CHANGES[name]
+        design = Design.load(changes=changes)
+        circuit = board_circuit(board_values(design), design.board.channels)
         try:
-            StoredProject(name, layout.decode(), schematic.decode(), project).enter(circuit)
+            make_project(name, files).enter(circuit)
         except BoardError as error:
             return str(error)
     (PROJECTS / f"{name}.zip").write_bytes(make_archive(files))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -17,7 +16,9 @@ from fingertip.board.kicad.project import (
     IGNORED_ON_BOARD,
     MODEL_FOLDER,
     MODEL_VARIABLE,
+    SEVERAL,
     load_project,
+    make_project,
     read_archive,
 )
 from fingertip.board.parts.circuit import Circuit
@@ -81,11 +82,11 @@ def test_values_parts_and_amplifier_are_entered_everywhere(name: str) -> None:
 
 
 @pytest.mark.every_case
-@pytest.mark.parametrize("name", VARIANT_CHANGES)
+@pytest.mark.parametrize("name", [*VARIANT_CHANGES, SEVERAL])
 def test_project_states_revision_title_rules_and_models(name: str) -> None:
     """KiCad's title block holds about 107 mm: 45 characters of 2 mm behind the word Title."""
-    project = load_project(name)
-    for text in (project.layout, project.schematic):
+    project = make_project(name, read_archive(name))
+    for text in (project.layout, *project.schematics.values()):
         (block,) = children(parse(text), "title_block")
         assert next(children(block, "rev"))[1] == REVISION
         assert 10 < len(next(children(block, "title"))[1]) <= 45
@@ -99,7 +100,7 @@ def test_project_states_revision_title_rules_and_models(name: str) -> None:
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("name", [*VARIANT_CHANGES, "models"])
+@pytest.mark.parametrize("name", [*VARIANT_CHANGES, SEVERAL, "models"])
 def test_archive_is_packed_again_to_the_same_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     stored = read_archive(name)
     boards.unpack(name, tmp_path / "project")
@@ -109,9 +110,11 @@ def test_archive_is_packed_again_to_the_same_files(tmp_path: Path, monkeypatch: 
         packed = (tmp_path / f"{name}.zip").read_bytes()
         assert packed == boards.make_archive(stored)
     if name != "models":
-        layout = tmp_path / "project" / LAYOUT
-        layout.write_text(layout.read_text("utf-8").replace('"Reference" "R4"', '"Reference" "R99"'), encoding="utf-8")
-        assert "it adds R4; it removes R99" in boards.pack(name, tmp_path / "project")
+        layout, part = tmp_path / "project" / LAYOUT, "R404" if name == SEVERAL else "R4"
+        layout.write_text(
+            layout.read_text("utf-8").replace(f'"Reference" "{part}"', '"Reference" "R99"'), encoding="utf-8"
+        )
+        assert f"it adds {part}; it removes R99" in boards.pack(name, tmp_path / "project")
         assert (tmp_path / f"{name}.zip").read_bytes() == packed
 
 
@@ -121,7 +124,8 @@ def test_project_of_another_circuit_or_without_a_field_is_refused_in_words() -> 
     words = r"the stored KiCad project article is not that of its circuit \(it removes R4"
     with pytest.raises(BoardError, match=rf"{words}.*python -m tools\.boards"):
         project.enter(circuit.without("R4"))
-    for name in ("layout", "schematic"):
-        changed = replace(project, **{name: getattr(project, name).replace('"LCSC"', '"House"')})
+    files = read_archive("article")
+    for name in (LAYOUT, SCHEMATIC):
+        changed = make_project("article", files | {name: files[name].replace(b'"LCSC"', b'"House"')})
         with pytest.raises(BoardError, match=r"[A-Z]+\d+ has no field LCSC in its KiCad project"):
             changed.enter(circuit)

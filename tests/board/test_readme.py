@@ -55,6 +55,12 @@ def test_readme_and_wiring_are_the_approved_ones(name: str) -> None:
     check_text(APPROVED / f"{name}_wiring.svg", wiring_diagram(circuit, design.board.supply_v, design.name))
 
 
+def test_files_of_several_fingers_are_the_approved_ones() -> None:
+    files = board_files(several := Design.load("fsr400", changes=["board.channels=3"])) | bring_up_files(several)
+    for file in ("README.md", "bringup.md", "bringup_readings.toml", "wiring.svg", "slip_filter.cir", "bom.csv"):
+        check_text(APPROVED / f"channels_{file}", files[file])
+
+
 @pytest.mark.full
 def test_bring_up_sheet_and_readings_are_the_approved_ones() -> None:
     """The folder pcb/ has those of the other two boards."""

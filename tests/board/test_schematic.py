@@ -73,7 +73,7 @@ def test_schematic_passes_electrical_rules_check(board_folder: BoardFolder, chan
 def test_pin_positions_equal_those_of_kicads_library(name: str) -> None:
     """Symbols can then be updated from the library without disconnecting wires."""
     folder = require_tool("/usr/share/kicad/symbols", HOW_TO_INSTALL_KICAD)
-    (drawn,) = children(parse(load_project(name).schematic), "lib_symbols")
+    (drawn,) = children(parse(load_project(name).schematics[SCHEMATIC]), "lib_symbols")
     wrong = []
     for own in children(drawn, "symbol"):
         library, _, name = own[1].partition(":")

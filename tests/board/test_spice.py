@@ -17,8 +17,7 @@ from fingertip.board.analysis.limits import (
 )
 from fingertip.board.analysis.loads import load_warnings
 from fingertip.board.analysis.response import decibel
-from fingertip.board.circuits.network import build_network
-from fingertip.board.circuits.spice import MAX_SWITCH_OHM
+from fingertip.board.circuits.network import MAX_SWITCH_OHM, build_network
 from fingertip.board.components.bridge import sensor_conductance_s
 from fingertip.board.components.values import SUPPLIES, VARIANT_CHANGES
 from fingertip.board.parts.circuit import Circuit

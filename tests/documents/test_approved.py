@@ -57,7 +57,7 @@ ESTIMATES = {"plate_fdm": PrintEstimate(90.4, 20.04), "plate_fdm_2": PrintEstima
 DESIGNS: dict[str, tuple[str, str, Silicone, dict[str, Any]]] = {
     # name of the files: bundled design, changes, silicone, and what else the sheets depend on
     "fsr400": ("fsr400", "", SILICONES["addition_40a"], {"weak": True}),
-    "fsr402": ("fsr402", "", SILICONES["smooth_sil_940"], {"pictures": True}),
+    "fsr402": ("fsr402", "board.channels=3", SILICONES["smooth_sil_940"], {"pictures": True}),
     "fsr400_compact": ("fsr400_compact", "", SILICONES["dragon_skin_30"], {"prints": ESTIMATES}),
     "article": ("article", "", SILICONES["elastosil_m4641"], {}),
     "adult_finger": ("adult_finger", "", SILICONES["addition_40a"], {}),
@@ -105,7 +105,7 @@ def render_documents(name: str) -> dict[str, str]:
         "casting": render_sheet(data, pictures),
         "acceptance": render_acceptance(acceptance_data(design, detection)),
         "coupon": render_instructions(design, COUPON_READINGS),
-        "firmware": render_readme(design, plan_fingers(design, "5" if name == "adult_finger" else "1")),
+        "firmware": render_readme(design, plan_fingers(design, "5" if name == "adult_finger" else None)),
     }
 
 

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fingertip.catalogues.controllers import BOARDS
+from fingertip.catalogues.controllers import BOARDS, NAMES
 from fingertip.design import Design
-from fingertip.firmware.fingers import NAMES, count_fingers, find_load, plan_fingers
+from fingertip.firmware.fingers import count_fingers, find_load, plan_fingers
 from fingertip.firmware.packaging import read_costs
 from fingertip.firmware.sources import GRIP_SOURCE, SOURCE, library_settings
 from fingertip.foundation import jit

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.catalogues.controllers import BOARDS
+from fingertip.catalogues.controllers import BOARDS, NAMES
 from fingertip.design import Design
-from fingertip.firmware.fingers import NAMES, ONE_FINGER, Fingers
+from fingertip.firmware.fingers import ONE_FINGER, Fingers
 from fingertip.firmware.sources import GRIP_SOURCE, SOURCE, library_sources
 from fingertip.foundation.numerics import Array
 from tools.firmware.signals import Recording

@@ -193,9 +193,10 @@ CATALOGUE: dict[str, Amplifier] = {
 
 AUTO: AmplifierName = "auto"
 ARTICLE_AMPLIFIER, RAIL_TO_RAIL_AMPLIFIER, LOW_OFFSET_AMPLIFIER = "TL082", "MCP6022", "OPA2376"
+LOW_POWER_AMPLIFIER = "TLV2372"
 
 
 def list_dual_amplifiers() -> tuple[Amplifier, ...]:
     """List the amplifiers that board.amplifier can name, the preferred ones first."""
-    names = (RAIL_TO_RAIL_AMPLIFIER, "OPA2197", LOW_OFFSET_AMPLIFIER, "TLV2372", ARTICLE_AMPLIFIER)
+    names = (RAIL_TO_RAIL_AMPLIFIER, "OPA2197", LOW_OFFSET_AMPLIFIER, LOW_POWER_AMPLIFIER, ARTICLE_AMPLIFIER)
     return tuple(CATALOGUE[name] for name in names)

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+NAMES = ("thumb", "index", "middle", "ring", "little")
+"""Names of the fingers that one controller reads, in the order of its inputs and of a board's channels."""
+
 
 @dataclass(frozen=True)
 class ControllerBoard:

@@ -64,6 +64,8 @@ BOARD_FOLDER, FAB_FOLDER = "board", "fab"
 BOARD = OutputSet("board", BOARD_FOLDER)
 NETLIST, VALUES, DECK, BOM = "slip_filter.net", "values.json", "slip_filter.cir", "bom.csv"
 SCHEMATIC, LAYOUT, PROJECT = "slip_filter.kicad_sch", "slip_filter.kicad_pcb", "slip_filter.kicad_pro"
+CHANNEL_SHEET = "channel.kicad_sch"
+"""Sheet of the schematic that each channel of a board for several fingers uses."""
 README = "README.md"
 ASSEMBLY_DRAWING, ASSEMBLY_PDF = "assembly.svg", "assembly.pdf"
 """Assembly drawing of the board, and the same for printing, among the fabrication files."""

@@ -95,11 +95,13 @@ def board(
     loaded = load_design(design, changes, console)
     if readings:
         from fingertip.board.bringup.readings import format_assessment
+        from fingertip.board.bringup.several import format_fingers
         from fingertip.tasks.board import assess_board
 
         console.progress("comparing the readings with those of some 500 faults, which takes about ten seconds")
         assessment = assess_board(loaded, readings)
-        console.result(assessment, format_assessment(assessment), assessment["passed"])
+        text = format_fingers(assessment) if "fingers" in assessment else format_assessment(assessment)
+        console.result(assessment, text, assessment["passed"])
         return
     if check:
         _compare(console, loaded, out, fab)
@@ -124,7 +126,7 @@ def board(
         from fingertip.board.circuits.board_circuit import board_circuit
         from fingertip.board.fabrication.bom import missing_numbers_note
 
-        data["to_order"] = missing_numbers_note(board_circuit(values))
+        data["to_order"] = missing_numbers_note(board_circuit(values, loaded.board.channels))
         lines += ["", data["to_order"]] if data["to_order"] else []
     if article:
         lines += ["", "Errata of the article:"]

@@ -160,8 +160,11 @@ def firmware(
         Path | None, typer.Option(metavar="PATH", help="Output folder; out/NAME/firmware by default.")
     ] = None,
     fingers: Annotated[
-        str, typer.Option(help="Fingers that the controller reads: their number, or names separated by commas.")
-    ] = "1",
+        str | None,
+        typer.Option(
+            help="Fingers that the controller reads: their number, or names separated by commas; those of the board."
+        ),
+    ] = None,
     controller: Annotated[
         str | None, typer.Option(help="The controller, such as teensy40; black_pill_f411 for several fingers.")
     ] = None,

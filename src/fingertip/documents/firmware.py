@@ -6,18 +6,18 @@ import math
 
 from fingertip.board import board_circuit
 from fingertip.board.bringup.wiring import HOST_CONNECTOR, SKETCH_PINS, list_notes, list_pins, name_signals
+from fingertip.board.circuits.channels import split_net
 from fingertip.board.components.bridge import POWER_UP_S
 from fingertip.board.components.values import select_components
 from fingertip.board.parts.circuit import GND, VMID_OUT
 from fingertip.catalogues.bundled import list_bundled_files
-from fingertip.catalogues.controllers import BOARDS
+from fingertip.catalogues.controllers import BOARDS, NAMES
 from fingertip.catalogues.file_kinds import DESIGN
 from fingertip.design import Design
 from fingertip.documents.template import WIDTH, lay_out_page, render
 from fingertip.firmware.fingers import (
     BUFFER_SAMPLES,
     CYCLES_PER_INSTRUCTION,
-    NAMES,
     Fingers,
     count_fingers,
     find_load,
@@ -29,7 +29,7 @@ from fingertip.slip.detectors.fast_coefficients import load_model
 
 
 def render_readme(design: Design, fingers: Fingers) -> str:
-    circuit, detector = board_circuit(select_components(design)), design.detector
+    circuit, detector = board_circuit(select_components(design), design.board.channels), design.detector
     pins = list_pins(circuit, circuit.component(HOST_CONNECTOR))
     signals = name_signals(circuit, design.board.supply_v)
     is_bundled = design.name in list_bundled_files(DESIGN)
@@ -60,12 +60,13 @@ def render_readme(design: Design, fingers: Fingers) -> str:
                 "number": number,
                 "print": signals[net].print,
                 "signal": signals[net].far_end,
-                "input": SKETCH_PINS.get(net),
+                "input": _find_input(net, fingers),
                 "is_ground": net == GND,
             }
             for number, net in pins
         ],
         "wiring_notes": list(list_notes(circuit, design.board.supply_v)),
+        "is_one_board": design.board.channels > 1,
         "has_vmid_pin": VMID_OUT in {net for _, net in pins},
         "cost_table": cost_table(),
         "costs": read_costs(),
@@ -73,3 +74,11 @@ def render_readme(design: Design, fingers: Fingers) -> str:
         "trees": load_model().trees,
     }
     return lay_out_page(render("firmware.md", **data), WIDTH)
+
+
+def _find_input(net: str, fingers: Fingers) -> str | None:
+    """Find the controller's input of a pin; None for one that the detector does not read."""
+    channel, own = split_net(net)
+    if channel > fingers.count or own not in SKETCH_PINS:
+        return None
+    return fingers.inputs[channel - 1][list(SKETCH_PINS).index(own)] if channel else SKETCH_PINS[own]

@@ -7,14 +7,12 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from fingertip.catalogues.controllers import BOARDS, ControllerBoard
+from fingertip.catalogues.controllers import BOARDS, NAMES, ControllerBoard
 from fingertip.design import Design
 from fingertip.firmware.packaging import read_costs
 from fingertip.foundation.errors import FingertipError, Issue, join_words, quote_value
 from fingertip.slip.detectors.fast import TICK_S
 
-NAMES = ("thumb", "index", "middle", "ring", "little")
-"""Names of the fingers, in their order, and so how many there are at most."""
 DEFAULT_CONTROLLER = "black_pill_f411"
 """Controller of several fingers, unless another one is named: a small board that carries five."""
 CYCLES_PER_INSTRUCTION = 1.5
@@ -107,7 +105,7 @@ def count_fingers(board: ControllerBoard, sample_rate_hz: float) -> int:
 
 
 def plan_fingers(
-    design: Design, fingers: str = "1", controller: str | None = None, inputs: str | None = None
+    design: Design, fingers: str | None = None, controller: str | None = None, inputs: str | None = None
 ) -> Fingers:
     """Give each finger a name and its inputs. Raises FingertipError, with all that is wrong.
 
@@ -116,14 +114,18 @@ def plan_fingers(
     design
         The design, whose sampling rate and converter count.
     fingers
-        Their number, or their names, separated by commas.
+        Their number, or their names, separated by commas; None for as many as the design's board has channels.
     controller
         Key of the controller; None for the default one of several fingers, and for any controller of one.
     inputs
         Its analog inputs, T and S of each finger in turn, separated by commas; None for the first ones.
     """
     issues: list[Issue] = []
-    names = _read_names(fingers, issues)
+    channels = design.board.channels
+    names = _read_names(str(channels) if fingers is None else fingers, issues)
+    if 1 < channels < len(names):
+        remedy = f"give --fingers {channels}, or --set board.channels={len(names)}"
+        issues.append(Issue("--fingers", f"{len(names)} are more than the {channels} of the design's board; {remedy}."))
     board = None
     if controller is not None or inputs is not None or names != Fingers.names:
         board = find_board(controller or DEFAULT_CONTROLLER)

@@ -24,7 +24,16 @@ from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import build_network
 from fingertip.board.fabrication.bom import PRICE
 from fingertip.board.kicad.sexpr import read_expression
-from fingertip.catalogues.output_files import BOARD_FOLDER, BOM, BRING_UP, LAYOUT, README, SCHEMATIC, VALUES
+from fingertip.catalogues.output_files import (
+    BOARD_FOLDER,
+    BOM,
+    BRING_UP,
+    CHANNEL_SHEET,
+    LAYOUT,
+    README,
+    SCHEMATIC,
+    VALUES,
+)
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.page.html import Markup, element, figure, join, note, quantity, scrolling, table
@@ -37,7 +46,7 @@ from fingertip.page.svg import Axis, Frame, figure_svg, legend, line
 _COLUMNS = ("Quantity", "References", "Value", "Footprint", "Rating", "Manufacturer", "MPN", "LCSC", PRICE, "Note")
 _HEADINGS = {"MPN": "MPN", "LCSC": "LCSC", PRICE: "USD each"}
 _BOM_CAPTION = "bill of materials; board/bom.csv names the source of each number; prices are estimates of November 2026"
-_NOTES = ("Connectors", "Test points", "Before you apply power")
+_NOTES = ("Channels", "Connectors", "Test points", "Before you apply power")
 """Sections of the board's README that a page shows."""
 _PLACEMENT = "Placement, seen from the front. Pin 1 of a connector is its square pad."
 _COPPER = (
@@ -53,8 +62,9 @@ def render_board(sources: Sources) -> Markup:
     response = join((element("h3", "Response", id="response"), draw_response(sources.design)))
     if BOARD_FOLDER in sources.remarks:
         return join((note(sources.remarks[BOARD_FOLDER]), response))
-    layout, schematic, bom, values, readme, bring_up = (
-        sources.text(f"{BOARD_FOLDER}/{name}") for name in (LAYOUT, SCHEMATIC, BOM, VALUES, README, BRING_UP)
+    layout, schematic, channel, bom, values, readme, bring_up = (
+        sources.text(f"{BOARD_FOLDER}/{name}")
+        for name in (LAYOUT, SCHEMATIC, CHANNEL_SHEET, BOM, VALUES, README, BRING_UP)
     )
     parts = []
     listed = join((element("h3", "What to buy for the board"), render_bom(bom))) if bom else Markup("")
@@ -76,6 +86,9 @@ def render_board(sources: Sources) -> Markup:
     if schematic:
         drawn = render_schematic(read_expression(schematic), "Schematic of the board")
         parts += [element("h3", "Schematic"), figure(drawn, "", "schematic", "wide")]
+    if channel:
+        drawn = render_schematic(read_expression(channel), "Schematic of a channel")
+        parts.append(figure(drawn, "Channel of one finger, here of the first.", "schematic of a channel", "wide"))
     if values:
         parts.append(_render_gate(json.loads(values).get("gate", [])))
     parts.append(response)

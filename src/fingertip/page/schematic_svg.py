@@ -73,9 +73,21 @@ def render_schematic(sheet: Node, title: str) -> Markup:
         ink.circle(find_place(junction)[:2], _JUNCTION_MM, "none", _WIRE)
     for symbol in sheet.children("symbol"):
         _draw_symbol(ink, symbol, library[symbol.word("lib_id")])
-    for label in sheet.children("label", "text"):
+    for label in sheet.children("label", "global_label", "hierarchical_label", "text"):
         _draw_text(ink, label.words[1], label)
+    for inner in sheet.children("sheet"):
+        _draw_sheet(ink, inner)
     return draw_frame(title, ink.parts, ink.reached, _MARGIN_MM, 2)
+
+
+def _draw_sheet(ink: _Ink, sheet: Node) -> None:
+    """Draw a sheet within the sheet: its frame, name and pins."""
+    (x, y, _), (width, height) = find_place(sheet), numbers(first(sheet, "size"))
+    ink.line([(x, y), (x + width, y), (x + width, y + height), (x, y + height), (x, y)], _SYMBOL, 0.25)
+    name = next(text for text in sheet.children("property") if text.words[1] == "Sheetname")
+    _draw_text(ink, name.words[2], name)
+    for pin in sheet.children("pin"):
+        _draw_text(ink, f" {pin.words[1]} ", pin)
 
 
 def draw_frame(title: str, parts: Iterable[Markup], reached: Iterable[Point], margin_mm: float, places: int) -> Markup:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+from fingertip.board.circuits.channels import split_name
 from fingertip.board.fabrication.bom import list_bom
 from fingertip.board.kicad.placement import Box, PlacedPart, Placement
 from fingertip.board.parts.circuit import Circuit, Component
@@ -26,7 +27,8 @@ from fingertip.pictures.drawing.primitives import (
 )
 
 SCALE = 5.0
-_PAPER_MM = 297.0, 210.0
+_A4_MM, _A3_MM = (297.0, 210.0), (420.0, 297.0)
+_LIST_WIDTH_MM = 75.0
 _MARGIN_MM = 12.0
 _TITLE_MM, _NOTE_MM, _LIST_MM = 3.5, 2.0, 2.0
 _MOST_MM, _LEAST_MM = 2.2, 1.2
@@ -58,8 +60,9 @@ class _Box:
 
 def draw_assembly(circuit: Circuit, placement: Placement, title: str) -> Sheet:
     """Draw the front of a board, with a list of what to place."""
-    width, height = _PAPER_MM
-    board = _place((0.0, 0.0, placement.width, placement.height))
+    fits_a4 = SCALE * placement.width + _LIST_WIDTH_MM + _MARGIN_MM < _A4_MM[0]
+    width, height = _A4_MM if fits_a4 else _A3_MM
+    board = _place((0.0, 0.0, placement.width, placement.height), height)
     note = (
         f"Front, {SCALE:g}:1, {placement.width:g} x {placement.height:g} mm; made with fingertip {__version__}. "
         "Print at 100 %. Bar: cathode. Dot: pin 1. Parts with neither go in either way, or in one way only."
@@ -69,26 +72,26 @@ def draw_assembly(circuit: Circuit, placement: Placement, title: str) -> Sheet:
         Text(note, (board.left, board.top + 2.5), _NOTE_MM),
         rectangle(board.left, board.bottom, board.right, board.top, _BOARD),
     ]
-    for part in circuit.components:
-        drawn += _draw_part(part, placement.parts[part.reference])
+    for part in (part for part in circuit.components if part.is_fitted):
+        drawn += _draw_part(part, placement.parts[part.reference], height)
     drawn += _draw_list(circuit, board.right + 5.0, board.top)
     return Sheet("assembly", width, height, tuple(drawn))
 
 
-def _place(box: Box) -> _Box:
+def _place(box: Box, paper_height: float) -> _Box:
     """Place a rectangle of the board, whose y axis points down, on the sheet."""
-    left, top = _MARGIN_MM, _PAPER_MM[1] - _MARGIN_MM - 10.0
+    left, top = _MARGIN_MM, paper_height - _MARGIN_MM - 10.0
     return _Box(left + SCALE * box[0], top - SCALE * box[3], left + SCALE * box[2], top - SCALE * box[1])
 
 
-def _draw_part(part: Component, placed: PlacedPart) -> Iterator[Primitive]:
-    name, pads = part.reference, [(pad, _place(pad.box)) for pad in placed.pads]
+def _draw_part(part: Component, placed: PlacedPart, paper_height: float) -> Iterator[Primitive]:
+    name, pads = part.reference, [(pad, _place(pad.box, paper_height)) for pad in placed.pads]
     for pad, box in pads:
         if diameter := pad.drill or (pad.width if name.startswith("TP") else 0.0):
             yield Arc(box.middle, SCALE * diameter / 2.0, 0.0, 360.0, _PAD)
     if placed.body is None:
         return
-    body = _place(placed.body)
+    body = _place(placed.body, paper_height)
     if name.startswith("TP"):
         yield from _write(body, name, "")
         return
@@ -180,4 +183,7 @@ def _draw_list(circuit: Circuit, left: float, top: float) -> Iterator[Primitive]
         yield rectangle(left, y, left + _LIST_MM, y + _LIST_MM, _PART)
         yield Text(f"{len(item.components)} x", (left + 4.0, y), _LIST_MM)
         yield Text(f"{_describe_value(part)} {package}".strip(), (left + 10.0, y), _LIST_MM)
-        yield Text(" ".join(item.references), (left + 33.0, y), _LIST_MM)
+        # The other channels have the same parts.
+        first = [name for name in item.references if split_name(name)[0] < 2]
+        rest = "; the same at each finger" if len(first) < len(item.references) else ""
+        yield Text(" ".join(first) + rest, (left + 33.0, y), _LIST_MM)

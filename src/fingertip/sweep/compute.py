@@ -103,7 +103,9 @@ def compute_circuit(context: PointContext) -> OutputValues:
         "peaking_db": max(c.value for c in values.gate if c.name == gate.PEAKING),
         "adc_margin": gate.find_smallest_margin(values.gate, gate.HIGHEST, gate.CLAMP),
         "filter_yield": min(c.value for c in values.gate if c.name == gate.YIELD),
-        "unconfirmed_lines": count_unconfirmed(board_circuit(values)),
+        "unconfirmed_lines": count_unconfirmed(board_circuit(values, context.design.board.channels)),
+        "board_current_a": values.shared.supply_current_a if values.shared else math.nan,
+        "crosstalk_db": values.shared.crosstalk_db if values.shared else math.nan,
         "odd_capacitors": max(c.value for c in values.gate if c.name == gate.SERIES),
         "mean_threshold_v": spread.mean_v if spread else math.nan,
         "min_threshold_worst_v": spread.min_v if spread else math.nan,
@@ -301,7 +303,8 @@ def compute_acceptance(context: PointContext) -> OutputValues:
 
 def compute_controller(context: PointContext) -> OutputValues:
     """Compute what detectors of several fingers ask of the controller that `fingertip firmware` proposes for them."""
-    from fingertip.firmware.fingers import DEFAULT_CONTROLLER, NAMES, count_fingers, find_board, find_load
+    from fingertip.catalogues.controllers import NAMES
+    from fingertip.firmware.fingers import DEFAULT_CONTROLLER, count_fingers, find_board, find_load
 
     board, rate_hz = find_board(DEFAULT_CONTROLLER), context.design.detector.sample_rate_hz
     assert board

@@ -173,6 +173,8 @@ OUTPUTS = {
         ("peaking_db", "circuit", "largest gain beyond the band over that of the passband"),
         ("adc_margin", "circuit", "range of the converter over the highest tactile voltage, or the clamps' rail"),
         ("filter_yield", "circuit", "share of boards within 10 % of the cutoff and of the gain, the smaller"),
+        ("board_current_a", "circuit", "supply current of a board of several fingers at rest [A]"),
+        ("crosstalk_db", "circuit", "largest crosstalk between the filtered signals of two fingers [dB]"),
         ("unconfirmed_lines", "circuit", "lines to assemble whose order number two documents do not confirm"),
         ("odd_capacitors", "circuit", "number of capacitors off series E12"),
         ("mean_threshold_v", "circuit", "mean of the comparator's threshold; NaN in other variants"),

@@ -11,16 +11,20 @@ from typing import Any
 
 from fingertip.board.analysis.board_values import BoardValues, board_values
 from fingertip.board.analysis.gate import find_refusals
+from fingertip.board.analysis.shared import connect_cables
 from fingertip.board.bringup.plan import BringUp, plan_bring_up
 from fingertip.board.bringup.prediction import Board
 from fingertip.board.bringup.readings import assess_readings, read_readings, readings_template
+from fingertip.board.bringup.several import assess_fingers, read_fingers, write_template
 from fingertip.board.bringup.wiring import wiring_diagram
 from fingertip.board.circuits.board_circuit import board_circuit
+from fingertip.board.circuits.channels import extract_channel, leave_out_empty
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.fabrication.bom import bill_of_materials
 from fingertip.board.fabrication.fabrication_files import find_outdated_files, provenance_record
 from fingertip.board.kicad.netlist import kicad_netlist_file
 from fingertip.board.kicad.project import MODEL_FOLDER, load_project, model_files
+from fingertip.catalogues.controllers import NAMES
 from fingertip.catalogues.output_files import (
     ASSEMBLY_DRAWING,
     ASSEMBLY_PDF,
@@ -65,12 +69,14 @@ def board_files(design: Design) -> dict[str, bytes]:
     values = board_values(design)
     record = {"parameters": design.board.model_dump(), **values.as_data()}
     text = json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    circuit, project = board_circuit(values), load_project(values.variant)
+    circuit, project = board_circuit(values, channels := design.board.channels), load_project(values.variant, channels)
+    bandwidth_hz, supply_v = find_gain_bandwidth_hz(design.board), design.board.supply_v
+    simulated = circuit if channels == 1 else connect_cables(leave_out_empty(circuit), channels)
     return {
         NETLIST: kicad_netlist_file(circuit),
         **project.enter(circuit),
         ASSEMBLY_DRAWING: render_svg(draw_assembly(circuit, project.placement, _title(design))),
-        DECK: spice_deck(circuit, find_gain_bandwidth_hz(design.board), design.board.supply_v),
+        DECK: spice_deck(simulated, bandwidth_hz, supply_v),
         BOM: bill_of_materials(circuit),
         VALUES: text.encode(),
         README: folder_readme(circuit, project, values, design),
@@ -78,7 +84,8 @@ def board_files(design: Design) -> dict[str, bytes]:
 
 
 def _title(design: Design) -> str:
-    return f"Slip filter board of {design.name}, variant {design.board.variant}"
+    fingers = f" for {design.board.channels} fingers" if design.board.channels > 1 else ""
+    return f"Slip filter board of {design.name}, variant {design.board.variant}{fingers}"
 
 
 def model_sets(folder: Path, force: bool = False, top: Path | None = None) -> list[tuple[SetWriter, dict[str, bytes]]]:
@@ -95,9 +102,10 @@ def model_sets(folder: Path, force: bool = False, top: Path | None = None) -> li
 
 def refuse_other_board(design: Design) -> None:
     """Refuse to replace a board of another circuit in the default folder of a design's board. Raises OutputError."""
-    folder, name = BOARD.folder(design), design.board.variant
+    folder, channels = BOARD.folder(design), design.board.channels
+    name = design.board.variant if channels == 1 else f"{channels}_fingers"
     finish_interrupted(folder)
-    netlist = kicad_netlist_file(board_circuit(board_values(design)))
+    netlist = kicad_netlist_file(board_circuit(board_values(design), channels))
     refuse_other_circuit(folder, netlist, folder.with_name(f"board_{name}"))
 
 
@@ -136,10 +144,10 @@ def plan_board(
 
     def make_layout(component_values: Mapping[str, str]) -> bytes:
         values = board_values(design)
-        circuit = board_circuit(values)
+        circuit = board_circuit(values, design.board.channels)
         for reference, value in component_values.items():
             circuit = circuit.replace(reference, value)
-        return load_project(values.variant).enter(circuit)[LAYOUT]
+        return load_project(values.variant, design.board.channels).enter(circuit)[LAYOUT]
 
     writer, models = BOARD.writer(design, folder, force, top), model_sets(folder, force, top)
     writer.check(())
@@ -201,11 +209,12 @@ def write_fabrication(
     folder = BOARD.folder(design) if out is None else Path(out)
     writer = check_fabrication(design, folder, force=force)
     values = board_values(design)
-    placement, sources = load_project(values.variant).placement, board_files(design)
+    circuit, sources = board_circuit(values, design.board.channels), board_files(design)
+    placement = load_project(values.variant, design.board.channels).placement
     models = {f"{MODEL_FOLDER}/{path}": data for path, data in model_files().items()}
-    files = fabrication_files(sources | models, board_circuit(values), placement, progress)
+    files = fabrication_files(sources | models, circuit, placement, progress)
     if extras.is_installed("reportlab"):
-        sheet = draw_assembly(board_circuit(values), placement, _title(design))
+        sheet = draw_assembly(circuit, placement, _title(design))
         files[ASSEMBLY_PDF] = render_pdf([sheet], sheet.name)
     else:
         progress(f"{ASSEMBLY_PDF} is left out: it needs {extras.describe_missing('reportlab')}")
@@ -279,17 +288,30 @@ def bring_up_files(design: Design) -> dict[str, bytes]:
     plan = _plan(design, values)
     return {
         BRING_UP: render_sheet(plan, values, design, WIRING).encode(),
-        WIRING: wiring_diagram(plan.board.circuit, design.board.supply_v, design.name),
-        BRING_UP_READINGS: readings_template(plan, design.name).encode(),
+        WIRING: wiring_diagram(board_circuit(values, design.board.channels), design.board.supply_v, design.name),
+        BRING_UP_READINGS: _write_template(plan, design).encode(),
     }
 
 
 def assess_board(design: Design, path: Path) -> dict[str, Any]:
     """Assess the readings in a file, as plain data. Raises TomlFileError, BoardError."""
     values = board_values(design)
+    if fingers := NAMES[: design.board.channels] if design.board.channels > 1 else ():
+        taken = read_fingers(path, _plan(design, values), fingers)
+        tone_v = next(iter(taken.values())).tone_v
+        return assess_fingers(_plan(design, values, tone_v), taken, fingers)
     readings = read_readings(path, _plan(design, values))
     return assess_readings(_plan(design, values, readings.tone_v), readings)
 
 
 def _plan(design: Design, values: BoardValues, *tone_v: float) -> BringUp:
-    return plan_bring_up(Board.of_design(design, board_circuit(values)), values, *tone_v)
+    circuit, channels = board_circuit(values), design.board.channels
+    if channels > 1:  # the first finger, with the connector that all share
+        circuit = extract_channel(board_circuit(values, channels), 1)
+    return plan_bring_up(Board.of_design(design, circuit), values, *tone_v)
+
+
+def _write_template(plan: BringUp, design: Design) -> str:
+    if design.board.channels == 1:
+        return readings_template(plan, design.name)
+    return write_template(plan, NAMES[: design.board.channels], design.name)

@@ -8,12 +8,23 @@ the edited file cannot follow, and nothing is written.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+from fingertip.board.circuits.channels import split_name
 from fingertip.board.kicad.netlist import CircuitRecord, describe_structure_changes, join_names, read_netlist
 from fingertip.board.kicad.sexpr import Node, Span, find_word, read_expression, replace_words
-from fingertip.catalogues.output_files import ASSEMBLY_DRAWING, BOM, DECK, LAYOUT, NETLIST, PROJECT, SCHEMATIC, VALUES
+from fingertip.catalogues.output_files import (
+    ASSEMBLY_DRAWING,
+    BOM,
+    CHANNEL_SHEET,
+    DECK,
+    LAYOUT,
+    NETLIST,
+    PROJECT,
+    SCHEMATIC,
+    VALUES,
+)
 from fingertip.foundation.errors import Issue, OutputError
 from fingertip.foundation.input_files import PARSED_LIMIT, read_input
 from fingertip.foundation.output_set import Revision, read_manifest
@@ -39,7 +50,7 @@ def find_edited(folder: Path) -> list[str]:
         return []
     return [
         name
-        for name in (LAYOUT, SCHEMATIC, PROJECT)
+        for name in (LAYOUT, SCHEMATIC, CHANNEL_SHEET, PROJECT)
         if name in manifest.files and (folder / name).is_file() and not has_hash(folder / name, manifest.files[name])
     ]
 
@@ -85,9 +96,10 @@ def revise_edited(
             message = f"was edited, and this design changes more than values ({'; '.join(found)}); {_REMEDY}"
             raise OutputError([Issue(str(folder / name), message) for name in present])
         for name, data in present.items():
-            is_layout = name == LAYOUT
+            is_layout, drawn = name == LAYOUT, select_drawn(new, name)
             try:
-                after, changed, problems = enter_values(data, "footprint" if is_layout else "symbol", old, new)
+                kind = "footprint" if is_layout else "symbol"
+                after, changed, problems = enter_values(data, kind, select_drawn(old, name), drawn)
                 if is_layout and changed:
                     old_values = {reference: part.fields["Value"] for reference, part in old.parts.items()}
                     after, is_complete = enter_texts(after, make_layout(old_values), contents[name])
@@ -98,7 +110,7 @@ def revise_edited(
             revisions[name] = Revision(data, after)
             what = f"the values of {join_names(changed)} are updated" if changed else "it has the values of this design"
             notes.append(f"{folder / name}: was edited; {what}, and nothing else changes.")
-            if own := list_own_values(after, "footprint" if is_layout else "symbol", new):
+            if own := list_own_values(after, kind, drawn):
                 notes[-1] += (
                     f" Your values of {join_names(own)} are in it alone: {BOM}, {NETLIST}, {DECK}, {VALUES} and "
                     f"{ASSEMBLY_DRAWING} have those of the design."
@@ -115,6 +127,22 @@ def _read_circuit(path: Path) -> CircuitRecord:
         return read_netlist(read_input(path, PARSED_LIMIT, below=path.parent))
     except (ValueError, StopIteration):
         raise OutputError(Issue(str(path), f"states no circuit; {_REMEDY}")) from None
+
+
+def select_drawn(circuit: CircuitRecord, file: str) -> CircuitRecord:
+    """Select the parts that a file shows, each with the identifier that it has there.
+
+    The sheet of a channel shows those of the first one, and all channels have their values.
+    """
+    if file == LAYOUT:
+        return circuit
+    channel = 1 if file == CHANNEL_SHEET else 0
+    parts = {
+        name: replace(part, identifier=part.identifier.rpartition("/")[2])
+        for name, part in circuit.parts.items()
+        if split_name(name)[0] == channel
+    }
+    return replace(circuit, parts=parts)
 
 
 def enter_values(data: bytes, kind: str, old: CircuitRecord, new: CircuitRecord) -> tuple[bytes, list[str], list[str]]:
@@ -183,7 +211,7 @@ def _printed_texts(root: Node) -> dict[str, Node]:
 
 
 def _identifier(item: Node) -> str:
-    return item.word("path").rpartition("/")[2] if item.head == "footprint" else item.word("uuid")
+    return item.word("path") if item.head == "footprint" else item.word("uuid")
 
 
 def _reference(item: Node) -> str:

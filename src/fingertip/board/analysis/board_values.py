@@ -34,6 +34,7 @@ from fingertip.board.analysis.response import (
     model_filter,
     target_response,
 )
+from fingertip.board.analysis.shared import SharedFigures, compute_shared_figures
 from fingertip.board.analysis.thresholds import (
     ComparatorLevels,
     OutputOffset,
@@ -77,6 +78,8 @@ class BoardValues(ComponentValues):
     """Mean and worst case of the comparator's threshold; None in variants without one."""
     gate: tuple[GateCondition, ...]
     errata: tuple[Erratum, ...]
+    shared: SharedFigures | None
+    """What the channels of several fingers share; None on a board of one."""
 
     def as_data(self) -> dict[str, Any]:
         gate = {"gate": [condition.as_data() for condition in self.gate]}
@@ -160,6 +163,11 @@ def board_values(design: Design) -> BoardValues:
             *check_yields(compute_yields(model, network.values, circuit, board)),
         ),
         errata=board_errata(components.amplifier, rectifier),
+        shared=(
+            compute_shared_figures(board_circuit(components, board.channels), bandwidth_hz, board)
+            if board.channels > 1
+            else None
+        ),
     )
 
 

@@ -145,7 +145,13 @@ class Diagnosis:
         return next((each.mistake for each in self.likely if each.mistake), None)
 
 
-def diagnose(board: Board, limits: Mapping[str, Limits], readings: Mapping[str, float], tone_v: float) -> Diagnosis:
+def diagnose(
+    board: Board,
+    limits: Mapping[str, Limits],
+    readings: Mapping[str, float],
+    tone_v: float,
+    is_possible: Callable[[Fault], bool] = lambda fault: True,
+) -> Diagnosis:
     """Compare readings with their limits and, if any lies beyond them, find the faults that explain them best.
 
     Units: `readings` and `limits` [V], or [ohm] for resistances across parts in place.
@@ -154,7 +160,7 @@ def diagnose(board: Board, limits: Mapping[str, Limits], readings: Mapping[str, 
     if not failed or len(readings) < MIN_READINGS:
         return Diagnosis(failed, ())
     singles, exchanges = list_faults(board.circuit, board.ends_v), list_exchanges(board.circuit)
-    faults = [Fault("", "", board.circuit), *singles, *exchanges]
+    faults = [Fault("", "", board.circuit), *filter(is_possible, singles), *filter(is_possible, exchanges)]
     predicted = []
     across = [name for name in list_measurable(board.circuit) if name_resistance(name) in readings]
     for fault, values in zip(faults, predict(board, faults, tone_v), strict=True):

@@ -339,11 +339,12 @@ def _list_levels_in_order(board: Board) -> list[str]:
 def plan_bring_up(board: Board, values: BoardValues, tone_v: float = TONE_V) -> BringUp:
     """Plan the bring-up of a board with a tone of this RMS [V]."""
     levels = compute_limits(board, values, tone_v)
+    current_a = values.shared.supply_current_a if values.shared else supply_current_a(board)
     return BringUp(
         board,
         hash_parameters({part.reference: part.value for part in board.circuit.components})[:8],
         resistance_limits(board),
-        {SUPPLY_MA: _scale(1e3 * supply_current_a(board), CURRENT_RATIOS)},
+        {SUPPLY_MA: _scale(1e3 * current_a, CURRENT_RATIOS)},
         levels,
         _others(board, values, levels, tone_v),
     )

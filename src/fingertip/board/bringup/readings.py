@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fingertip.board.bringup.bench import TONE_V
+from fingertip.board.bringup.bench import TONE_V, Fault
 from fingertip.board.bringup.diagnosis import MIN_READINGS, Diagnosis, diagnose
 from fingertip.board.bringup.follow_up import TOP_OHM, limit_resistances, name_resistance
 from fingertip.board.bringup.plan import QUIET, SENSOR_OHM, SUPPLY_MA, SUPPLY_PERCENT, BringUp, Limits
@@ -50,25 +50,36 @@ def readings_template(plan: BringUp, name: str) -> str:
         f"{TONE} = {TONE_V}  # V RMS of the tone, measured at the generator while it is connected",
         "",
     ]
-    for key, limits in plan.all.items():
-        expected = f"expected {round(limits.expected_v, 4) + 0.0:.4g}"
-        if math.isinf(limits.high_v):
-            expected = f"above {limits.low_v:.0f}"
-        lines.append(f"{key} = nan  # {unit_of(key)}, {expected}")
+    lines += (format_entry(key, limits) for key, limits in plan.all.items())
     return "\n".join(lines) + "\n"
+
+
+def format_entry(key: str, limits: Limits) -> str:
+    """Format the line of a reading that is still to be taken."""
+    expected = f"expected {round(limits.expected_v, 4) + 0.0:.4g}"
+    if math.isinf(limits.high_v):
+        expected = f"above {limits.low_v:.0f}"
+    return f"{key} = nan  # {unit_of(key)}, {expected}"
 
 
 def read_readings(path: Path, plan: BringUp) -> Readings:
     """Read a file of readings. Raises TomlFileError or BoardError."""
     tables = read_toml(path)
-    if issues := list(_find_issues(tables, plan, path)):
+    if issues := list(find_reading_issues(tables, plan, path)):
         raise BoardError(issues)
+    return select_readings(tables, plan)
+
+
+def select_readings(tables: Mapping[str, Any], plan: BringUp) -> Readings:
+    """Select what was measured."""
     known = plan.all.keys() | limit_resistances(plan.board.circuit).keys()
     taken = {n: float(v) for n, v in tables.items() if n in known and not math.isnan(v)}
     return Readings(float(tables.get(TONE, TONE_V)), taken)
 
 
-def _find_issues(tables: Mapping[str, Any], plan: BringUp, path: Path) -> Iterator[Issue]:
+def find_reading_issues(
+    tables: Mapping[str, Any], plan: BringUp, path: Path, *, needs_reading: bool = True
+) -> Iterator[Issue]:
     names = plan.all | limit_resistances(plan.board.circuit)
     if IDENTITY not in tables:
         remedy = "`fingertip board DESIGN --bringup` writes a file to fill in, with the line that names the board"
@@ -94,7 +105,9 @@ def _find_issues(tables: Mapping[str, Any], plan: BringUp, path: Path) -> Iterat
             )
         elif math.isinf(value) and not name.endswith("_ohm"):
             yield Issue(name, f"{value} {unit_of(name)} is no reading; write a number, or nan.")
-    if not any(n in names and isinstance(v, int | float) and not math.isnan(v) for n, v in tables.items()):
+    if needs_reading and not any(
+        n in names and isinstance(v, int | float) and not math.isnan(v) for n, v in tables.items()
+    ):
         yield Issue(str(path), "holds no reading; write at least one in place of nan.")
 
 
@@ -204,8 +217,10 @@ _NO_CURRENT = 0.1
 """Share of the least current up to which the board draws none."""
 
 
-def assess_readings(plan: BringUp, readings: Readings) -> dict[str, Any]:
-    """Compare readings with their limits and name the likely fault, as plain data."""
+def assess_readings(
+    plan: BringUp, readings: Readings, is_possible: Callable[[Fault], bool] = lambda fault: True
+) -> dict[str, Any]:
+    """Compare readings with their limits and name the likely fault among the possible ones, as plain data."""
     across = limit_resistances(plan.board.circuit)
     limits = plan.all | across
     rows = [
@@ -222,7 +237,7 @@ def assess_readings(plan: BringUp, readings: Readings) -> dict[str, Any]:
     ]
     levels = {name: value for name, value in readings.values.items() if name in plan.levels}
     ohms = {name: min(value, TOP_OHM) for name, value in readings.values.items() if name in across}
-    diagnosis = diagnose(plan.board, {**plan.levels, **across}, {**levels, **ohms}, readings.tone_v)
+    diagnosis = diagnose(plan.board, {**plan.levels, **across}, {**levels, **ohms}, readings.tone_v, is_possible)
     hints = [f"{row['name']}: {_explain_reading(row)}." for row in rows if row["name"] in _HINTS and not row["passed"]]
     sources = find_sources(plan.board, plan.levels, levels, readings.tone_v)
     return {

@@ -9,13 +9,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from xml.sax.saxutils import escape
 
+from fingertip.board.circuits.channels import split_net
 from fingertip.board.parts.circuit import (
     ADC_ENVELOPE,
     ADC_FILTERED,
     ADC_TACTILE,
     GND,
     POWER_IN,
-    SENSOR_CONNECTOR,
     SLIP,
     VCC,
     VEE,
@@ -23,8 +23,10 @@ from fingertip.board.parts.circuit import (
     Circuit,
     Component,
 )
-from fingertip.board.parts.symbols import AO3401A, JST_SH_4, LOCKING_CONNECTORS
+from fingertip.board.parts.symbols import AO3401A, JST_SH_4, JST_SH_15, LOCKING_CONNECTORS
 from fingertip.board.parts.table import group_plug_wires
+from fingertip.catalogues.controllers import NAMES
+from fingertip.foundation.errors import join_words
 
 NEEDED_PINS = "Firmware and detector `fast` need T and S (2 analog inputs)."
 OTHER_PINS = "A threshold on the envelope needs E and M."
@@ -63,9 +65,9 @@ _SENSOR = Signal("FSR", "either wire", _GREEN)
 def name_signals(circuit: Circuit, supply_v: float) -> dict[str, Signal]:
     """Name the nets at the connectors of supply and controller, of a board with this supply [V]."""
     # A board that gives its filtered signal to a controller has grounds between its pins, which have no mark.
-    is_for_controller = ADC_FILTERED in {net.name for net in circuit.nets}
+    is_for_controller = ADC_FILTERED in {split_net(net.name)[1] for net in circuit.nets}
     plus = Signal("+", f"+{supply_v:g} V", _RED)
-    return {
+    signals = {
         VCC: plus,
         POWER_IN: plus,
         GND: Signal("" if is_for_controller else "0", "ground", _BLACK),
@@ -76,32 +78,47 @@ def name_signals(circuit: Circuit, supply_v: float) -> dict[str, Signal]:
         VMID_OUT: Signal("M", "analog in: signal ground", _GREEN),
         SLIP: Signal("SLIP" if is_for_controller else "S", "digital in: slip, active low", _RED),
     }
+    for net in circuit.nets:
+        channel, own = split_net(net.name)
+        if channel and own in signals:
+            letter, what = signals[own].print, signals[own].far_end.partition(":")[0]
+            signals[net.name] = Signal(
+                f"{letter}{channel}", f"{what}: {letter} of {NAMES[channel - 1]}", signals[own].colour
+            )
+    return signals
 
 
 def wiring_diagram(circuit: Circuit, supply_v: float, name: str) -> bytes:
-    sensor, supply, host = (circuit.component(r) for r in (SENSOR_CONNECTOR, SUPPLY_CONNECTOR, HOST_CONNECTOR))
-    nets = {net.name for net in circuit.nets}
+    supply, host = (circuit.component(r) for r in (SUPPLY_CONNECTOR, HOST_CONNECTOR))
+    sensors = [part for part in circuit.components if part.value == "FSR" and part.is_fitted]
+    nets = {split_net(net.name)[1] for net in circuit.nets}
     signals = name_signals(circuit, supply_v)
     # Ground is marked as the negative pole of a single supply.
     supply_signals = signals if VEE in nets else signals | {GND: replace(signals[GND], print="-")}
     controller = "controller" if ADC_FILTERED in nets else "ADC or controller"
     top = 2 * _MARGIN + _SIZE
-    left_heights = [_height(circuit, part) for part in (sensor, supply)]
+    left_heights = [_height(circuit, part) for part in (*sensors, supply)]
     host_height = _height(circuit, host)
-    left_height = sum(left_heights) + _GAP
+    left_height = sum(left_heights) + _GAP * len(sensors)
     inner = max(left_height, host_height)
     board_height = inner + 2 * _GAP + _HEAD
     connectors_top = top + _HEAD + _GAP
     left_top = connectors_top + (inner - left_height) / 2
     host_top = connectors_top + (inner - host_height) / 2
+    left_tops = [left_top + sum(left_heights[:i]) + _GAP * i for i in range(len(left_heights))]
+    devices = ["sensor"] if len(sensors) == 1 else [f"sensor: {NAMES[k]}" for k in range(len(sensors))]
     notes = list(list_notes(circuit, supply_v))
     height = top + board_height + _GAP + _LINE * len(notes) + _MARGIN
     body = [
         _text(_MARGIN, _MARGIN + _SIZE, f"Wiring of the board of {name}", weight="bold"),
         _box(_BOARD_LEFT, top, _BOARD_RIGHT - _BOARD_LEFT, board_height, "#eef4ee", _GREEN),
         _text((_BOARD_LEFT + _BOARD_RIGHT) / 2, top + 26, "slip-filter board", anchor="middle", weight="bold"),
-        *_connector(circuit, sensor, {}, left_top, "sensor", is_left=True),
-        *_connector(circuit, supply, supply_signals, left_top + left_heights[0] + _GAP, "supply", is_left=True),
+        *(
+            line
+            for sensor, at, device in zip(sensors, left_tops, devices, strict=False)
+            for line in _connector(circuit, sensor, {}, at, device, is_left=True)
+        ),
+        *_connector(circuit, supply, supply_signals, left_tops[-1], "supply", is_left=True),
         *_connector(circuit, host, signals, host_top, controller, is_left=False),
         *(
             _text(_MARGIN, top + board_height + _GAP + _LINE * i + _SIZE, note, colour=_GREY)
@@ -128,11 +145,16 @@ def list_pins(circuit: Circuit, connector: Component) -> list[tuple[str, str]]:
 def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
     """Yield what to observe when the cables are made."""
     locking = circuit.component(HOST_CONNECTOR).footprint in LOCKING_CONNECTORS
-    outputs = {net for _, net in list_pins(circuit, circuit.component(HOST_CONNECTOR))}
+    outputs = {split_net(net)[1] for _, net in list_pins(circuit, circuit.component(HOST_CONNECTOR))}
+    is_several = circuit.component(HOST_CONNECTOR).footprint == JST_SH_15
+    if is_several:
+        yield "Parts are named as on the board of one finger: J1 is J101 at finger 1 and J501 at finger 5."
+        yield "Nothing but the number beside it tells a sensor's socket from another: mark the cables."
     if locking:
         yield "Pin 1 of J1 and J3 has a dot beside it; + is printed beside pin 1 of J2."
+    if locking and not is_several:
         yield "With J1 and J2 on the left, pin 1 of J3 is the lower end."
-    else:
+    if not locking:
         yield "Pin 1 is the square one."
     yield "The sensor's wires may be exchanged."
     if any(component.symbol.name == "D_TVS" for component in circuit.components):
@@ -154,9 +176,12 @@ def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
         yield f"{NEEDED_PINS}{f' {OTHER_PINS}' if VMID_OUT in outputs else ''}".replace("`", "")
         yield f"Take +{supply_v:g} V and the ground of J2 from the controller's own {supply_v:g} V pin and GND."
         tactile, filtered = SKETCH_PINS[ADC_TACTILE], SKETCH_PINS[ADC_FILTERED]
-        yield f"The sketches of fingertip firmware read T at {tactile} and S at {filtered}."
+        if is_several:
+            yield "The README of fingertip firmware names the input of each T and S."
+        else:
+            yield f"The sketches of fingertip firmware read T at {tactile} and S at {filtered}."
     for wire, references in group_plug_wires(circuit).items():
-        yield f"Wires of {' and '.join(references)} ({wire.series} plug): {wire.description}."
+        yield f"Wires of {join_words(references)} ({wire.series} plug): {wire.description}."
     if locking:
         yield "Twist each signal's wire with the ground beside it."
     else:

@@ -29,6 +29,7 @@ from __future__ import annotations
 import functools
 from pathlib import Path
 
+from fingertip.board.circuits.channels import repeat_channel
 from fingertip.board.components.bridge import DIVIDER_F, SENSOR_FILTER_F
 from fingertip.board.components.values import (
     CLAMP,
@@ -85,8 +86,11 @@ def load_rows() -> tuple[dict[str, str], ...]:
     return tuple(read_rows(Path(__file__).parent / "components.csv"))
 
 
-def board_circuit(values: ComponentValues) -> Circuit:
-    """Build the checked circuit of a board with these values. Raises BoardError if it is inconsistent."""
+def board_circuit(values: ComponentValues, channels: int = 1) -> Circuit:
+    """Build the checked circuit of a board with these values. Raises BoardError if it is inconsistent.
+
+    Of several channels, each is the circuit of one finger (`fingertip.board.circuits.channels`).
+    """
     supply = SUPPLIES[values.variant]
     properties = _PROPERTIES[values.variant]
     nets = {"SGND": supply.signal_ground, "VNEG": supply.negative_rail}
@@ -95,7 +99,8 @@ def board_circuit(values: ComponentValues) -> Circuit:
         if properties.issuperset(row["boards"].split()):
             pins = (pin.split("=") for pin in row["pins"].split())
             wiring[_make_component(row, values)] = {number: nets.get(net, net) for number, net in pins}
-    return build_circuit(NAME, wiring)
+    circuit = build_circuit(NAME, wiring)
+    return circuit if channels == 1 else repeat_channel(circuit, channels)
 
 
 _PROPERTIES = {

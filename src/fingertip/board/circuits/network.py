@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from fingertip.board.components.bridge import AD623_BANDWIDTH_HZ, AMPLIFIERS, GAIN_CONSTANT_OHM, GAIN_RESISTOR
 from fingertip.board.components.transimpedance import SUPPRESSOR_F
-from fingertip.board.parts.circuit import RAILS, Circuit, parse_component_value
+from fingertip.board.parts.circuit import RAILS, VCC, Circuit, parse_component_value
 from fingertip.catalogues.amplifiers import OPEN_LOOP_GAIN, Amplifier
 from fingertip.foundation.numerics import Array
 
@@ -40,6 +40,8 @@ INVERSE_GAIN, INVERSE_BANDWIDTH = "1/A0", "1/GBW"
 """Quantities of an amplifier, after its name: 1 / A0, and 1 / (2 pi GBW) [s]."""
 CONDUCTING_S = 1.0
 """Conductance of a diode that conducts [S]. It lies within the loop of an amplifier, which compensates its drop."""
+MAX_SWITCH_OHM = 0.085
+"""Largest resistance of the MOSFET that protects the supply, at 2.5 V from gate to source [ohm] (its data sheet)."""
 _TRIMMER_END_OHM = 1e-3
 """Resistance that remains between a trimmer's wiper and the end to which it is turned [ohm]."""
 
@@ -203,12 +205,19 @@ def build_network(
     sensor_s: float = 0.0,
     conducting: Iterable[str] = (),
     trimmer_ratio: float = 0.5,
+    is_supply_resistive: bool = False,
 ) -> Network:
-    """Build the equations of a circuit, with the rails as inputs."""
+    """Build the equations of a circuit, with the rails as inputs.
+
+    With a resistive supply the positive rail is no input: Kirchhoff's law holds for it and for the outputs of the
+    amplifiers together, as these draw their current from it.
+    """
     nets = circuit.net_by_pin
     driven = {output.net for output in list_amplifiers(circuit)}
     gain_nets = {nets[c.reference, pin] for c in circuit.components for pin in "18" if c.symbol.name == "AD623ARMZ"}
-    free = set(nets.values()) - set(RAILS) - driven - gain_nets
+    rails = tuple(rail for rail in RAILS if rail != VCC or not is_supply_resistive)
+    law = {net: net for net in nets.values() if net not in (*rails, *driven, *gain_nets)}
+    law |= dict.fromkeys(driven if is_supply_resistive else (), VCC)
     terms: list[Term] = []
     values: dict[str, Value] = {}
 
@@ -216,10 +225,10 @@ def build_network(
         """Add an admittance between two nets, or from one to ground, to the current laws of both."""
         values[quantity] = value
         for net, other in ((first, second), (second, first)):
-            if net in free:
-                terms.append(Term(net, net, quantity, 1.0, order))
+            if net in law:
+                terms.append(Term(law[net], net, quantity, 1.0, order))
                 if other is not None:
-                    terms.append(Term(net, other, quantity, -1.0, order))
+                    terms.append(Term(law[net], other, quantity, -1.0, order))
 
     for component in circuit.components:
         symbol, reference = component.symbol.name, component.reference
@@ -236,6 +245,8 @@ def build_network(
                 add(f"{reference}{name}", 1.0 / max(ohm * ratio, _TRIMMER_END_OHM), pins[pin], pins["2"])
         elif component.value == "FSR":
             add(reference, sensor_s, pins["1"], pins["2"])
+        elif symbol == "AO3401A" and is_supply_resistive:
+            add(reference, 1.0 / MAX_SWITCH_OHM, pins["3"], pins["2"])
         elif symbol == "D_TVS":
             add(reference, SUPPRESSOR_F, pins["1"], pins["2"], order=1)
         elif symbol == "1N4148W":
@@ -264,7 +275,7 @@ def build_network(
                     terms.append(Term(pins[out], pins[out], f"{name} {INVERSE_BANDWIDTH}", -1.0, 1))
                     for pin in dict.fromkeys((plus, minus)):
                         add(f"{name} C{pin}", data.input_f, pins[pin], None, order=1)
-    return Network(tuple(terms), values, RAILS)
+    return Network(tuple(terms), values, rails)
 
 
 def filter_quantities(components: Mapping[str, float], amplifier: Amplifier) -> dict[str, Value]:

@@ -64,8 +64,8 @@ def list_bom(circuit: Circuit) -> list[BomLine]:
 
 
 def purchased_components(circuit: Circuit) -> list[Component]:
-    """Components to buy, sorted by reference: all but test points and mounting holes."""
-    return sorted((component for component in circuit.components if component.rating), key=reference_sort_key)
+    """Components to buy, sorted by reference: all but test points, mounting holes and places that stay empty."""
+    return sorted((part for part in circuit.components if part.rating and part.is_fitted), key=reference_sort_key)
 
 
 def format_csv(columns: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> bytes:

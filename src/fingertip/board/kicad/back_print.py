@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
+from fingertip.board.circuits.channels import split_name
 from fingertip.board.kicad.placement import Box, Placement, PrintedText
 from fingertip.board.kicad.sexpr import number, quote
 from fingertip.board.parts.circuit import (
@@ -89,9 +91,10 @@ def list_back_texts(circuit: Circuit, placement: Placement) -> list[PrintedText]
 
 
 def list_values(circuit: Circuit) -> list[str]:
-    """List resistors, capacitors and trimmer by reference and value, such as "R4 1.5k"."""
-    listed = (c for c in circuit.components if c.reference.rstrip("0123456789") in _LISTED)
-    return [f"{c.reference} {_short_value(c.value)}" for c in sorted(listed, key=reference_sort_key)]
+    """List resistors, capacitors and trimmer by reference and value, such as "R4 1.5k"; equal channels once."""
+    listed = [c for c in circuit.components if c.reference.rstrip("0123456789") in _LISTED]
+    once = (replace(c, reference=own) for c in listed for channel, own in [split_name(c.reference)] if channel < 2)
+    return [f"{c.reference} {_short_value(c.value)}" for c in sorted(once, key=reference_sort_key)]
 
 
 def _short_value(value: str) -> str:

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from fingertip.board.circuits.channels import split_name, split_net
 from fingertip.board.kicad.sexpr import Node, Point, find_place, first, numbers, read_expression, turn
 
 Box = tuple[float, float, float, float]
@@ -100,6 +101,22 @@ class Placement:
     via_mm: float
     via_drill_mm: float
     """Diameter of the smallest via, and of its hole."""
+
+
+def view_channel(placement: Placement, channel: int) -> Placement:
+    """Select the parts of a channel and the shared ones, named as on the board of one finger."""
+    parts = {}
+    for reference, part in placement.parts.items():
+        number, own = split_name(reference)
+        if number in (0, channel):
+            pads = (
+                replace(pad, net=own_net)
+                for pad in part.pads
+                for n, own_net in [split_net(pad.net)]
+                if n in (0, channel)
+            )
+            parts[own] = replace(part, pads=tuple(pads))
+    return replace(placement, parts=parts)
 
 
 def read_placement(layout: str) -> Placement:

@@ -12,10 +12,11 @@ import functools
 import json
 import re
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from fingertip.board.circuits.channels import PLACES, name_part, name_sheet, split_name
 from fingertip.board.kicad.back_print import print_values
 from fingertip.board.kicad.netlist import CircuitRecord, Part, describe_structure_changes
 from fingertip.board.kicad.placement import Placement, read_placement
@@ -29,7 +30,9 @@ from fingertip.foundation.errors import BoardError
 PROJECTS = Path(__file__).parent / "projects"
 """Folder of the archives."""
 PROJECT_FILES = (LAYOUT, SCHEMATIC, PROJECT)
-"""Files in the archive of a board."""
+"""Files in the archive of a board; that of several fingers also has the sheet of a channel."""
+SEVERAL = "channels"
+"""Name of the archive of the board for several fingers."""
 
 IGNORED_IN_SCHEMATIC = {
     "lib_symbol_mismatch": "symbols have the pins of KiCad's libraries, but lines of their own",
@@ -75,6 +78,9 @@ _FOOTPRINT = re.compile(r'(?=\(footprint ")')
 _SYMBOL = re.compile(r'(?=\(symbol\s+\(lib_id ")')
 _REFERENCE = re.compile(r'\(property "Reference" "([^"]*)"')
 _ROLE = re.compile(rf"\(descr {_WORD}\)")
+_SHEET = re.compile(r"(?=\(sheet\s+\(at )")
+_SHEET_NAME = re.compile(r'\(property "Sheetname" "([^"]*)"')
+_ATTRIBUTES = re.compile(r"\(attr ([^()]*)\)")
 _LIBRARY_ID = re.compile(r'\(lib_id "([^"]*)"\)')
 
 
@@ -84,7 +90,8 @@ class StoredProject:
 
     name: str
     layout: str
-    schematic: str
+    schematics: Mapping[str, str]
+    """Text of each sheet by the name of its file."""
     project: bytes
     """Content of the project file, which no design changes."""
 
@@ -100,10 +107,14 @@ class StoredProject:
 
     @functools.cached_property
     def symbols(self) -> dict[str, str]:
-        """Symbol of each component in the schematic, as library:name."""
-        pieces = _SYMBOL.split(self.schematic)[1:]
-        symbols = {_find(_REFERENCE, piece): _find(_LIBRARY_ID, piece) for piece in pieces}
-        return {reference: symbol for reference, symbol in symbols.items() if not reference.startswith("#")}
+        """Symbol of each component in the schematic, as library:name. A channel's sheet has those of the first one."""
+        symbols = dict[str, str]()
+        for piece in (piece for text in self.schematics.values() for piece in _SYMBOL.split(text)[1:]):
+            if not (reference := _find(_REFERENCE, piece)).startswith("#"):
+                symbol, (channel, own) = _find(_LIBRARY_ID, piece), split_name(reference)
+                names = [name_part(own, k + 1) for k in range(PLACES)] if channel else [own]
+                symbols |= dict.fromkeys(names, symbol)
+        return symbols
 
     def enter(self, circuit: Circuit) -> dict[str, bytes]:
         """Enter a circuit into the project, and return its files by name.
@@ -117,10 +128,14 @@ class StoredProject:
             )
         layout = print_values(_enter_fields(self.layout, _FOOTPRINT, circuit), circuit, self.placement)
         drawn = {component.reference: _library_id(component.symbol) for component in circuit.components}
-        schematic = _enter_fields(self.schematic, _SYMBOL, circuit)
-        if drawn != self.symbols:
-            schematic = _draw_symbols(schematic, {new: self.symbols[part] for part, new in drawn.items()})
-        return {LAYOUT: layout.encode(), SCHEMATIC: schematic.encode(), PROJECT: self.project}
+        files = {LAYOUT: layout.encode()}
+        for file, stored in self.schematics.items():
+            text = _leave_out(_enter_fields(stored, _SYMBOL, circuit), circuit)
+            if drawn != self.symbols:
+                parts = [name for piece in _SYMBOL.split(stored) if (name := _find(_REFERENCE, piece)) in drawn]
+                text = _draw_symbols(text, {drawn[part]: self.symbols[part] for part in parts})
+            files[file] = text.encode()
+        return files | {PROJECT: self.project}
 
     def find_differences(self, circuit: Circuit) -> Iterator[str]:
         """Describe how the circuit differs from the layout in parts, footprints and nets, or from the schematic.
@@ -148,11 +163,15 @@ class StoredProject:
 
 
 @functools.cache
-def load_project(name: str) -> StoredProject:
-    """Load the project of a board variant."""
-    files = read_archive(name)
-    layout, schematic, project = (files[file] for file in PROJECT_FILES)
-    return StoredProject(name, layout.decode(), schematic.decode(), project)
+def load_project(variant: str, channels: int = 1) -> StoredProject:
+    """Load the project of a board variant, or that of the board for several fingers."""
+    return make_project(name := variant if channels == 1 else SEVERAL, read_archive(name))
+
+
+def make_project(name: str, files: Mapping[str, bytes]) -> StoredProject:
+    """Make a project of its files."""
+    sheets = {file: data.decode() for file, data in files.items() if file.endswith(Path(SCHEMATIC).suffix)}
+    return StoredProject(name, files[LAYOUT].decode(), sheets, files[PROJECT])
 
 
 def _find(pattern: re.Pattern[str], piece: str) -> str:
@@ -200,8 +219,20 @@ def _enter_part(piece: str, component: Component) -> str:
     entered = _PROPERTY.sub(enter, piece)
     if missing:
         raise BoardError(f"{component.reference} has no field {', '.join(sorted(missing))} in its KiCad project.")
+    if not component.is_fitted:
+        entered = _ATTRIBUTES.sub(lambda match: f"(attr {match[1]} dnp)", entered, count=1)
     entered = _ROLE.sub(lambda match: f"(descr {quote(component.role)})", entered, count=1)
     return _LIBRARY_ID.sub(lambda match: f"(lib_id {quote(_library_id(component.symbol))})", entered, count=1)
+
+
+def _leave_out(schematic: str, circuit: Circuit) -> str:
+    """Mark the sheets of the channels that are not fitted."""
+    empty = {name_sheet(split_name(part.reference)[0]) for part in circuit.components if not part.is_fitted}
+    head, *sheets = _SHEET.split(schematic)
+    for i, sheet in enumerate(sheets):
+        if _find(_SHEET_NAME, sheet) in empty:
+            sheets[i] = sheet.replace("(dnp no)", "(dnp yes)", 1)
+    return "".join((head, *sheets))
 
 
 def _draw_symbols(schematic: str, drawn_as: dict[str, str]) -> str:

@@ -128,6 +128,8 @@ class Component:
     """Requirements for purchase, without a manufacturer's name. Empty for what is not purchased."""
     requirement: Requirement | None = None
     """The same as data, of a resistor or a capacitor; None for what is bought by its name."""
+    is_fitted: bool = True
+    """False for a place that stays empty: that of a finger which the hand does not have."""
 
 
 RAILS = ("GND", "VCC", "VEE")

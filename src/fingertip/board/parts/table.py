@@ -12,7 +12,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
-from fingertip.board.parts.circuit import Circuit, Component
+from fingertip.board.parts.circuit import Circuit, Component, reference_sort_key
 
 FOLDER = Path(__file__).parent
 _EXPONENTS = {"M": 6, "k": 3, "u": -6, "n": -9, "p": -12}
@@ -223,7 +223,8 @@ def count_wires(component: Component) -> int:
 
 def list_connectors(circuit: Circuit) -> Iterator[Component]:
     """Yield the connectors of a board in order."""
-    yield from sorted((c for c in circuit.components if c.reference.startswith("J")), key=lambda c: c.reference)
+    fitted = (c for c in circuit.components if c.reference.startswith("J") and c.is_fitted)
+    yield from sorted(fitted, key=reference_sort_key)
 
 
 def group_plug_wires(circuit: Circuit) -> dict[PlugWire, list[str]]:

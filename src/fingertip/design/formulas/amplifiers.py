@@ -15,6 +15,7 @@ from fingertip.catalogues.amplifiers import (
     AUTO,
     CATALOGUE,
     LOW_OFFSET_AMPLIFIER,
+    LOW_POWER_AMPLIFIER,
     RAIL_TO_RAIL_AMPLIFIER,
     Amplifier,
 )
@@ -36,7 +37,8 @@ def choose_amplifier(board: Board) -> Amplifier:
     """Return the dual amplifier of a board: the one it names, or for "auto" the one that fits the variant.
 
     The article's own board has the article's amplifier. Variant comparator has a threshold of some millivolts in
-    hardware, and five offsets add up in its envelope, so it has an amplifier of low offset.
+    hardware, and five offsets add up in its envelope, so it has an amplifier of low offset. A board of several fingers
+    has twenty amplifiers, so it has those of low supply current.
     """
     return CATALOGUE[choose_automatically(board) if board.amplifier == AUTO else board.amplifier]
 
@@ -46,7 +48,7 @@ def choose_automatically(board: Board) -> str:
         return ARTICLE_AMPLIFIER
     if board.variant == "comparator":
         return LOW_OFFSET_AMPLIFIER
-    return RAIL_TO_RAIL_AMPLIFIER
+    return LOW_POWER_AMPLIFIER if board.channels > 1 else RAIL_TO_RAIL_AMPLIFIER
 
 
 def find_gain_bandwidth_hz(board: Board) -> float:

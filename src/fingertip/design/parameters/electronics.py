@@ -20,6 +20,10 @@ class Board(ParameterTable):
         "article: the article's circuit, on plus and minus 5 V; precision: for a controller of 3.3 V, whose software "
         "computes the envelope; comparator: the same with rectifier, envelope and an ON/OFF output.",
     )
+    channels: int = quantity(
+        1, "", (1, 5),
+        "Fingers that one board reads; from 2 on the board has five places, of which that many are fitted (precision).",
+    )  # fmt: skip
     cutoff_hz: float = quantity(
         67.0, "Hz", (Above(0), 10000), "Cutoff frequency of the third-order Butterworth high-pass."
     )
@@ -52,7 +56,8 @@ class Board(ParameterTable):
     )  # fmt: skip
     amplifier: AmplifierName = choice(
         "auto",
-        "Dual amplifiers of the board; auto: TL082 (article), MCP6022 (precision), OPA2376 (comparator).",
+        "Dual amplifiers of the board; auto: TL082 (article), MCP6022 (precision; from 2 channels on TLV2372, which "
+        "draw less), OPA2376 (comparator).",
     )
     resistor_choice: Literal["joint", "apart"] = choice(
         "joint",

@@ -26,6 +26,18 @@ PREFERRED_SHARE = 0.1
 """Share of a limit that the rules keep free, because preferred values differ from the ideal ones."""
 
 
+@RULES.rule("board.channels")
+def several_channels_have_a_board(design: DesignTables) -> Violation | None:
+    board = design.board
+    if board.channels == 1 or board.variant == "precision":
+        return None
+    return Violation(
+        f"{board.channels} fingers are more than one, which is what a board of variant {board.variant} reads",
+        at_most(1),
+        alternatives={"board.variant": "precision"},
+    )
+
+
 @RULES.rule("board.capacitor_uf")
 def filter_capacitor_fits_its_footprint(design: DesignTables) -> Violation | None:
     return _check_footprint("capacitor_uf", "C1 to C3", design)

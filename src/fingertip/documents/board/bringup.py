@@ -34,7 +34,7 @@ from fingertip.board.bringup.plan import (
 )
 from fingertip.board.bringup.prediction import POINTS, list_levels, name_ripple, name_tone, name_voltage
 from fingertip.board.bringup.wiring import list_pins
-from fingertip.board.kicad.placement import Pad, Placement
+from fingertip.board.kicad.placement import Pad, Placement, view_channel
 from fingertip.board.kicad.project import load_project
 from fingertip.board.parts.circuit import (
     ADC_ENVELOPE,
@@ -58,6 +58,7 @@ from fingertip.board.parts.circuit import (
     format_component_value,
 )
 from fingertip.board.parts.symbols import LOCKING_CONNECTORS
+from fingertip.catalogues.controllers import NAMES
 from fingertip.design import Design
 from fingertip.documents.board.readme import collect_board
 from fingertip.documents.template import format_ohm, render
@@ -99,7 +100,11 @@ _OUTPUT_PARTS = {
 
 def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str) -> str:
     """Render the bring-up sheet of a design's board as Markdown, with the file of its wiring diagram."""
-    circuit, bench, placement = plan.board.circuit, plan.board.bench, load_project(values.variant).placement
+    circuit, bench, placement = (
+        plan.board.circuit,
+        plan.board.bench,
+        find_placement(values.variant, design.board.channels),
+    )
     low_hz, middle_hz, high_hz = bench.tones_hz
     parts = {part.reference: part for part in circuit.components}
     small = [name for name, part in parts.items() if "SOT-23" in part.footprint]
@@ -109,6 +114,8 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
         "board/bringup.md",
         **collect_board(values, design),
         name=design.name,
+        orientation="J1 and J2" if design.board.channels == 1 else "the sensors' sockets",
+        fingers=NAMES[: design.board.channels],
         wiring=wiring,
         bench=bench,
         boards=BOARDS,
@@ -172,6 +179,12 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
         hidden=[(what.capitalize(), _join(names)) for what, names in list_hidden_faults(plan).items()],
         clamps=_join(list_unsimulated(plan)),
     )
+
+
+def find_placement(variant: str, channels: int) -> Placement:
+    """Find the placement of a board, of several fingers that of the first."""
+    placement = load_project(variant, channels).placement
+    return placement if channels == 1 else view_channel(placement, 1)
 
 
 def _list_resistances(plan: BringUp, placement: Placement, is_protected: bool) -> Iterator[Row]:

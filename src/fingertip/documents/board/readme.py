@@ -11,9 +11,11 @@ from fingertip.board.analysis.interference import DEAD_ZONE_V, describe_sensor
 from fingertip.board.analysis.limits import describe_adc_range
 from fingertip.board.analysis.loads import signal_band_hz
 from fingertip.board.analysis.noise import noise_warning
+from fingertip.board.analysis.shared import CABLE_M
 from fingertip.board.bringup.wiring import NEEDED_PINS, OTHER_PINS
-from fingertip.board.circuits.board_circuit import CABLE_OHM
-from fingertip.board.circuits.spice import MAX_SWITCH_OHM
+from fingertip.board.circuits.board_circuit import CABLE_OHM, board_circuit
+from fingertip.board.circuits.channels import PLACES
+from fingertip.board.circuits.network import MAX_SWITCH_OHM
 from fingertip.board.components.bridge import MAX_FORCE_N, POWER_UP_S, Bridge, sensor_conductance_s
 from fingertip.board.components.values import CLAMP_A, MAX_CLAMP_A, MAX_LOW_LEAKAGE_A, PULL_UP_OHM, SUPPLIES
 from fingertip.board.fabrication.bom import (
@@ -27,7 +29,7 @@ from fingertip.board.fabrication.bom import (
 )
 from fingertip.board.kicad import project
 from fingertip.board.kicad.project import StoredProject
-from fingertip.board.parts.circuit import Circuit
+from fingertip.board.parts.circuit import Circuit, Component
 from fingertip.board.parts.select_part import NO_LCSC
 from fingertip.board.parts.symbols import CAPACITOR, RESISTOR
 from fingertip.board.parts.table import (
@@ -39,11 +41,13 @@ from fingertip.board.parts.table import (
     load_sources,
 )
 from fingertip.catalogues.amplifiers import CATALOGUE
+from fingertip.catalogues.controllers import NAMES
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import DIODE_V
 from fingertip.design.formulas.filter import COMPARATOR_OFFSET_V, MAX_COMPARATOR_OFFSET_V
 from fingertip.design.rules.amplifiers import CONTROLLER_RANGE_V
 from fingertip.documents.template import render
+from fingertip.foundation.errors import join_words
 from fingertip.foundation.files import format_figure
 
 _NO_DIRECTION = (RESISTOR, CAPACITOR)
@@ -51,13 +55,17 @@ _NO_DIRECTION = (RESISTOR, CAPACITOR)
 
 
 def folder_readme(circuit: Circuit, stored: StoredProject, values: BoardValues, design: Design) -> bytes:
-    placement, limits = stored.placement, values.voltage_limits
+    placement, limits, channels = stored.placement, values.voltage_limits, design.board.channels
     adc_range = describe_adc_range(limits)
     return render(
         "board/readme.md",
         **collect_board(values, design),
         supply_name=SUPPLIES[values.variant].description,
         response=values.achieved_response,
+        channels=channels,
+        places=PLACES,
+        fingers=[f"{k} {name}" for k, name in enumerate(NAMES[:channels], start=1)],
+        cable_m=CABLE_M,
         size_mm=f"{placement.width:g} x {placement.height:g}",
         unlabelled=[name for name, part in placement.parts.items() if name[0] in "RC" and not part.is_labelled],
         all_unlabelled=not any(part.is_labelled for name, part in placement.parts.items() if name[0] in "RC"),
@@ -70,7 +78,7 @@ def folder_readme(circuit: Circuit, stored: StoredProject, values: BoardValues, 
         ],
         cables=list(_list_cables(circuit)),
         plug_wires=[
-            (" and ".join(references), wire, load_sources()[wire.source].title)
+            (join_words(references), wire, load_sources()[wire.source].title)
             for wire, references in group_plug_wires(circuit).items()
         ],
         limits=limits,
@@ -100,6 +108,7 @@ def folder_readme(circuit: Circuit, stored: StoredProject, values: BoardValues, 
         noise_warning=noise_warning(values.noise, design.detector.threshold_v),
         dead_zone_v=DEAD_ZONE_V,
         **_collect_order(circuit, stored),
+        functions=purchased_components(circuit if channels == 1 else board_circuit(values)),
         bridge_shift_v=_find_bridge_shift_v(values.bridge, design.board.supply_v) if values.bridge else 0.0,
         missing_numbers=missing_numbers_note(circuit),
         unconfirmed=UNCONFIRMED,
@@ -128,13 +137,18 @@ def collect_board(values: BoardValues, design: Design) -> dict[str, Any]:
 
 def _list_cables(circuit: Circuit) -> Iterator[tuple[str, ...]]:
     """Yield what to buy for each connector's cable, with the source of its numbers or the reason why there are none."""
+    # The sockets of the sensors take the same plugs, and are one line.
+    groups: dict[str, list[Component]] = {}
     for connector in list_connectors(circuit):
-        for mating in list_mating_parts(connector):
+        groups.setdefault(connector.footprint, []).append(connector)
+    for alike in groups.values():
+        names = join_words([connector.reference for connector in alike])
+        for mating in list_mating_parts(alike[0]):
             numbers = ("", "", mating.reason)
             if part := mating.part:
                 source = part.source_text if part.lcsc else f"{part.source_text}; {NO_LCSC}"
                 numbers = (f"{part.manufacturer} {part.number}", part.lcsc, source)
-            yield connector.reference, str(mating.count(count_wires(connector))), mating.item, *numbers
+            yield names, str(mating.count(count_wires(alike[0])) * len(alike)), mating.item, *numbers
 
 
 def _collect_order(circuit: Circuit, stored: StoredProject) -> dict[str, Any]:

@@ -1,0 +1,140 @@
+"""Bring-up of a board of several fingers: the readings of one finger for each, and what they tell together.
+
+A fault of a part that all fingers share shows at all of them, and one of a finger's own part at no other. So a finger
+whose readings pass clears the shared parts, and where all fail alike the shared parts alone are suspected.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from fingertip.board.bringup.bench import TONE_V, Fault
+from fingertip.board.bringup.diagnosis import MIN_READINGS
+from fingertip.board.bringup.plan import SUPPLY_MA, SUPPLY_OHM, BringUp
+from fingertip.board.bringup.readings import (
+    IDENTITY,
+    TONE,
+    Readings,
+    assess_readings,
+    find_reading_issues,
+    format_assessment,
+    format_entry,
+    select_readings,
+)
+from fingertip.board.circuits.channels import HOST, SHARED_PARTS, name_part
+from fingertip.design.parameters.declaration import suggest_name
+from fingertip.foundation.errors import BoardError, Issue
+from fingertip.foundation.toml_files import read_toml
+
+COMMON_READINGS = (SUPPLY_OHM, SUPPLY_MA)
+"""Readings that are taken once, and not for each finger."""
+WHOLE_BOARD = "board"
+_PART = re.compile(r"\b(?:RV|TP|[CDJQRU])\d{1,2}(?=[ab]?\b)")
+
+
+def write_template(plan: BringUp, fingers: Sequence[str], name: str) -> str:
+    """Write the file of readings, each still without a value: a table for each finger."""
+    own = [format_entry(key, limits) for key, limits in plan.all.items() if key not in COMMON_READINGS]
+    lines = [
+        f"# Readings of a board of {name}, as bringup.md describes them. Save this file under another name.",
+        "# Write each reading in place of nan. What you did not measure stays nan.",
+        "",
+        f'{IDENTITY} = "{plan.identity}"  # do not change: it names the board that these readings belong to',
+        f"{TONE} = {TONE_V}  # V RMS of the tone, measured at the generator while it is connected",
+        *(format_entry(key, plan.all[key]) for key in COMMON_READINGS),
+    ]
+    for channel, finger in enumerate(fingers, start=1):
+        lines += ["", f"[{finger}]  # finger {channel}: TP1 is TP{channel}01", *own]
+    return "\n".join(lines) + "\n"
+
+
+def read_fingers(path: Path, plan: BringUp, fingers: Sequence[str]) -> dict[str, Readings]:
+    """Read a file of readings by finger; one that was not measured is left out. Raises TomlFileError or BoardError."""
+    content = read_toml(path)
+    tables = {name: value for name, value in content.items() if isinstance(value, dict)}
+    common = {name: value for name, value in content.items() if name not in tables}
+    if issues := list(_find_issues(common, tables, plan, fingers, path)):
+        raise BoardError(issues)
+    tone = {TONE: common[TONE]} if TONE in common else {}
+    found = {WHOLE_BOARD: select_readings(common, plan)}
+    found |= {finger: select_readings({**tone, **tables.get(finger, {})}, plan) for finger in fingers}
+    return {finger: taken for finger, taken in found.items() if taken.values}
+
+
+def _find_issues(
+    common: Mapping[str, Any], tables: Mapping[str, Any], plan: BringUp, fingers: Sequence[str], path: Path
+) -> Iterator[Issue]:
+    for name in tables.keys() - set(fingers):
+        yield Issue(f"[{name}]", f"is no finger of this board; {suggest_name(name, list(fingers))}")
+    for name in common.keys() - {IDENTITY, TONE, *COMMON_READINGS}:
+        yield Issue(name, f"stands ahead of the tables; write it below one of [{'], ['.join(fingers)}].")
+    stated = {name: value for name, value in common.items() if name in (IDENTITY, TONE, *COMMON_READINGS)}
+    yield from find_reading_issues(stated, plan, path, needs_reading=False)
+    for finger in fingers:
+        own = {IDENTITY: plan.identity, **tables.get(finger, {})}
+        for issue in find_reading_issues(own, plan, path, needs_reading=False):
+            yield Issue(f"{finger}.{issue.field}", issue.message)
+    if not any(select_readings(table, plan).values for table in (common, *tables.values())):
+        yield Issue(str(path), "holds no reading; write at least one in place of nan.")
+
+
+def assess_fingers(plan: BringUp, readings: Mapping[str, Readings], fingers: Sequence[str]) -> dict[str, Any]:
+    """Compare the readings of all fingers with their limits and name the likely faults, as plain data."""
+    levels = {
+        finger: {name: v for name, v in taken.values.items() if name in plan.levels}
+        for finger, taken in readings.items()
+    }
+    passing = [
+        finger
+        for finger, taken in levels.items()
+        if len(taken) >= MIN_READINGS
+        and all(plan.levels[name].low_v <= v <= plan.levels[name].high_v for name, v in taken.items())
+    ]
+    failing = [finger for finger, taken in levels.items() if taken and finger not in passing]
+    found = {finger: assess_readings(plan, taken, _choose(passing)) for finger, taken in readings.items()}
+    if not passing and len(failing) > 1 and all(_names_shared(found[finger]["likely"]) for finger in failing):
+        found |= {finger: assess_readings(plan, readings[finger], _is_shared) for finger in failing}
+    named = {WHOLE_BOARD: found[WHOLE_BOARD]} if WHOLE_BOARD in found else {}
+    named |= {finger: _rename(found[finger], k) for k, finger in enumerate(fingers, start=1) if finger in found}
+    for finger, each in named.items():
+        each["missing"] = [name for name in each["missing"] if (name in COMMON_READINGS) == (finger == WHOLE_BOARD)]
+    failed = [finger for finger, each in named.items() if not each["passed"]]
+    verdict = (
+        f"{', '.join(failed)}: readings fail." if failed else f"All readings of {', '.join(named)} are within limits."
+    )
+    return {"passed": not failed, "verdict": verdict, "fingers": named}
+
+
+def format_fingers(data: Mapping[str, Any]) -> str:
+    """Format an assessment as text, the verdict first."""
+    parts = [f"{finger}: {format_assessment(each)}" for finger, each in data["fingers"].items()]
+    return "\n\n".join((data["verdict"], *parts))
+
+
+def _is_shared(fault: Fault) -> bool:
+    return SHARED_PARTS.issuperset(fault.reference.split(" and "))
+
+
+def _choose(passing: Sequence[str]) -> Callable[[Fault], bool]:
+    """Faults to consider: those of shared parts only as long as no finger passes."""
+    return lambda fault: not passing or SHARED_PARTS.isdisjoint(fault.reference.split(" and "))
+
+
+def _names_shared(likely: Sequence[str]) -> bool:
+    return any(_PART.findall(sentence)[:1] and _PART.findall(sentence)[0] in SHARED_PARTS for sentence in likely)
+
+
+def _rename(data: Any, channel: int) -> Any:
+    """Name the parts in sentences as the board of several fingers does."""
+    if isinstance(data, dict):
+        return {key: _rename(value, channel) for key, value in data.items()}
+    if isinstance(data, list):
+        return [_rename(value, channel) for value in data]
+    if not isinstance(data, str):
+        return data
+    return _PART.sub(
+        lambda match: match[0] if match[0] in (*SHARED_PARTS, HOST) else name_part(match[0], channel), data
+    )

@@ -1,0 +1,118 @@
+"""Channels of a board for several fingers: what each finger has of its own, what all share, and their names.
+
+A channel is the circuit of one finger (`fingertip.board.circuits.board_circuit`) without supply, references and host
+connector, repeated for each place of the board. Part R28 of channel 3 is R328, and its net SUM is F3/SUM, as KiCad
+names the nets of a sheet F3. All analysis is that of one channel; only what the channels share is computed for all.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from fingertip.board.parts import symbols
+from fingertip.board.parts.circuit import (
+    ADC_FILTERED,
+    ADC_TACTILE,
+    BIAS,
+    GND,
+    POWER_IN,
+    RAILS,
+    Circuit,
+    Component,
+    Net,
+    build_circuit,
+)
+
+PLACES = 5
+"""Channels that the board for several fingers has places for."""
+HOST = "J3"
+"""Connector to the controller."""
+SHARED_PARTS = frozenset(
+    ("J2", "Q1", "C10", "R22", "R23", "C21", "R31", "R32", "C28", "R33", "C29", "H1", "H2", "H3", "H4")
+)
+"""Parts that the board has once: supply, references of mid-supply and of the sensor's bias, holes."""
+SHARED_NETS = frozenset((*RAILS, POWER_IN, "DIVIDED", BIAS, "HALF"))
+_FIRST_PARTS = 100
+"""Number at which the references of the first channel begin; those of one finger stay below it."""
+
+
+def name_part(reference: str, channel: int) -> str:
+    """Name a part of a channel: R28 of the third is R328."""
+    letters = reference.rstrip("0123456789")
+    return f"{letters}{_FIRST_PARTS * channel + int(reference[len(letters) :])}"
+
+
+def split_name(reference: str) -> tuple[int, str]:
+    """Split the name of a part into its channel, 0 for a shared part, and its name on the board of one finger."""
+    letters = reference.rstrip("0123456789")
+    channel, number = divmod(int(reference[len(letters) :]), _FIRST_PARTS)
+    return channel, f"{letters}{number}"
+
+
+def name_net(net: str, channel: int) -> str:
+    """Name a net of a channel; shared nets keep their names."""
+    return net if net in SHARED_NETS else f"{name_sheet(channel)}/{net}"
+
+
+def split_net(net: str) -> tuple[int, str]:
+    """Split the name of a net into its channel, 0 for a shared net, and its name on the board of one finger."""
+    sheet, _, own = net.rpartition("/")
+    return (int(sheet[1:]), own) if sheet else (0, own)
+
+
+def name_sheet(channel: int) -> str:
+    """Name the sheet of a channel in the schematic."""
+    return f"F{channel}"
+
+
+def host_pins() -> dict[str, str]:
+    """Pins of the host connector, by number: T, S and ground of each channel in turn, so that ground separates them."""
+    nets = [name_net(net, channel) for channel in range(1, PLACES + 1) for net in (ADC_TACTILE, ADC_FILTERED, GND)]
+    return {str(number): net for number, net in enumerate(nets, start=1)} | {"MP": GND}
+
+
+def repeat_channel(single: Circuit, fitted: int) -> Circuit:
+    """Build the board of several fingers from that of one: five places, of which the first ones are fitted."""
+    wiring: dict[Component, dict[str, str]] = {}
+    pins = {
+        component: {pin.number: single.net_by_pin[component.reference, pin.number] for pin in component.symbol.pins}
+        for component in single.components
+    }
+    for component, nets in pins.items():
+        if component.reference in SHARED_PARTS:
+            wiring[component] = nets
+    host = single.component(HOST)
+    symbol = symbols.SYMBOLS["Conn_01x15_MountingPin"]
+    role = "to the controller: tactile voltage, filtered signal and ground of each finger"
+    wiring[replace(host, symbol=symbol, footprint=symbols.JST_SH_15, role=role)] = host_pins()
+    for channel in range(1, PLACES + 1):
+        for component, nets in pins.items():
+            if component.reference not in (*SHARED_PARTS, HOST):
+                own = replace(component, reference=name_part(component.reference, channel), is_fitted=channel <= fitted)
+                wiring[own] = {number: name_net(net, channel) for number, net in nets.items()}
+    return build_circuit(single.name, wiring)
+
+
+def leave_out_empty(circuit: Circuit) -> Circuit:
+    """Leave out the parts of empty places."""
+    return circuit.without(*(part.reference for part in circuit.components if not part.is_fitted))
+
+
+def extract_channel(circuit: Circuit, channel: int) -> Circuit:
+    """Extract one channel with what it shares, named as on the board of one finger."""
+    names = {
+        part.reference: own
+        for part in circuit.components
+        for number, own in [split_name(part.reference)]
+        if number in (0, channel)
+    }
+    components = (
+        replace(part, reference=names[part.reference]) for part in circuit.components if part.reference in names
+    )
+    nets = []
+    for net in circuit.nets:
+        number, own = split_net(net.name)
+        nodes = tuple((names[reference], pin) for reference, pin in net.nodes if reference in names)
+        if nodes:
+            nets.append(Net(own if number == channel else net.name, nodes))
+    return Circuit(circuit.name, tuple(components), tuple(nets))

@@ -1,0 +1,222 @@
+"""The board of several fingers: KiCad's checks, its channels against the board of one, crosstalk, and the bring-up."""
+
+from __future__ import annotations
+
+import functools
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.shared import compute_supply_current_a
+from fingertip.board.bringup.bench import Fault, list_faults
+from fingertip.board.bringup.plan import BringUp, plan_bring_up, supply_current_a
+from fingertip.board.bringup.prediction import Board, predict
+from fingertip.board.circuits.channels import HOST, PLACES, extract_channel, name_part, split_name
+from fingertip.board.fabrication.bom import list_bom, purchased_components
+from fingertip.board.kicad.project import load_project
+from fingertip.board.parts.circuit import ADC_FILTERED, ADC_TACTILE, GND
+from fingertip.catalogues.controllers import NAMES
+from fingertip.catalogues.output_files import BRING_UP_READINGS, CHANNEL_SHEET, DECK, LAYOUT, NETLIST, SCHEMATIC
+from fingertip.design import Design
+from fingertip.firmware.fingers import plan_fingers
+from fingertip.foundation.errors import FingertipError
+from fingertip.tasks.board import assess_board, board_files, bring_up_files, write_board
+from tests.board.kicad import read_netlist
+from tests.board.ngspice import run_ngspice
+from tests.board.test_layout import NO_VIOLATIONS, run_drc
+from tests.board.test_schematic import export_netlist, run_erc
+from tests.conftest import run_fingertip
+
+ALL = ("board.channels=5",)
+
+
+@functools.cache
+def load(channels: int) -> Design:
+    return Design.load("fsr400", changes=[f"board.channels={channels}"])
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    made = tmp_path_factory.mktemp("channels")
+    write_board(load(PLACES), made)
+    return made
+
+
+def test_each_channel_is_the_board_of_one_finger() -> None:
+    values = board_values(load(PLACES))
+    single, whole = board_circuit(values), board_circuit(values, PLACES)
+    own = {part for part in single.components if part.reference != HOST}
+    for channel in range(1, PLACES + 1):
+        found = extract_channel(whole, channel)
+        assert {part for part in found.components if part.reference != HOST} == own
+        assert found.without(HOST).net_by_pin == single.without(HOST).net_by_pin
+        pins = [net for number, net in sorted_pins(found) if net in (ADC_TACTILE, ADC_FILTERED)]
+        assert pins == [ADC_TACTILE, ADC_FILTERED]
+    for part in whole.components:
+        channel, name = split_name(part.reference)
+        assert part.reference == (name_part(name, channel) if channel else name)
+
+
+def sorted_pins(circuit: Any) -> list[tuple[int, str]]:
+    pins = ((int(pin), net) for (part, pin), net in circuit.net_by_pin.items() if part == HOST and pin.isdigit())
+    return sorted(pins)
+
+
+def test_ground_separates_the_fingers_at_the_connector() -> None:
+    nets = [net for _, net in sorted_pins(board_circuit(board_values(load(PLACES)), PLACES))]
+    assert nets[2::3] == [GND] * PLACES
+    assert all(f"F{k + 1}/" in net for k in range(PLACES) for net in nets[3 * k : 3 * k + 2])
+
+
+def test_board_of_five_fingers_keeps_its_limits() -> None:
+    values, placement = board_values(load(PLACES)), load_project("precision", PLACES).placement
+    circuit = board_circuit(values, PLACES)
+    lines = list_bom(circuit)
+    assert placement.width <= 60.0
+    assert placement.height <= 46.0
+    assert placement.fiducials == 3
+    assert values.shared
+    assert values.shared.supply_current_a <= 15e-3
+    assert values.shared.crosstalk_db <= -60.0
+    assert len(lines) <= 30
+    assert all(line.selection.part and line.selection.part.number for line in lines)
+
+
+@pytest.mark.parametrize("channels", [2, 4])
+def test_empty_places_are_neither_bought_nor_counted(channels: int) -> None:
+    values = board_values(load(channels))
+    circuit = board_circuit(values, channels)
+    bought = [split_name(part.reference) for part in purchased_components(circuit)]
+    assert {channel for channel, _ in bought} == {*range(channels + 1)}
+    single = board_circuit(values)
+    per_finger = compute_supply_current_a(single, 3.3)
+    assert values.shared
+    shared_a = (channels * per_finger - values.shared.supply_current_a) / (channels - 1)
+    assert 0.0 < shared_a < 0.1e-3, "what is there once counts once"
+    board = Board.of_design(load(channels), single)
+    assert per_finger == pytest.approx(supply_current_a(board), rel=1e-6)
+
+
+def test_kicad_finds_no_fault_and_the_same_circuit(folder: Path) -> None:
+    assert run_erc(folder) == []
+    assert run_drc(folder) == NO_VIOLATIONS
+    assert export_netlist(folder) == read_netlist(folder / NETLIST)
+
+
+@pytest.mark.full
+def test_kicad_agrees_on_empty_places(tmp_path: Path) -> None:
+    write_board(load(3), tmp_path)
+    assert run_erc(tmp_path) == []
+    assert run_drc(tmp_path) == NO_VIOLATIONS
+    assert export_netlist(tmp_path) == read_netlist(tmp_path / NETLIST)
+    assert (tmp_path / SCHEMATIC).read_text("utf-8").count("(dnp yes)") == 2
+
+
+def test_crosstalk_is_that_of_ngspice(tmp_path: Path) -> None:
+    values = board_values(load(PLACES))
+    assert values.shared
+    deck = board_files(load(PLACES))[DECK].decode()
+    pins = " ".join(f"vm(f{k}_adc_filtered,host_ground)" for k in range(1, PLACES + 1))
+    rows = np.array(run_ngspice(tmp_path, deck, f"ac lin 3 67 {values.shared.crosstalk_hz}\nwrdata out {pins}"))
+    levels = rows[:, 1:]
+    worst_db = 20.0 * np.log10((levels[:, 1:] / levels[:, :1]).max())
+    # The deck has one force on the sensors, between those that are searched.
+    assert worst_db == pytest.approx(values.shared.crosstalk_db, abs=0.5)
+
+
+def test_cables_that_do_not_touch_couple_by_the_supply_alone(tmp_path: Path) -> None:
+    """The second finger is coupled by wires, those beyond by supply and references, some 30 dB less."""
+    deck = board_files(load(PLACES))[DECK].decode()
+    pins = " ".join(f"vm(f{k}_adc_filtered,host_ground)" for k in (1, 2, 3))
+    (row,) = run_ngspice(tmp_path, deck, f"ac lin 1 201 201\nwrdata out {pins}")
+    _, first, second, third = row
+    assert 1e-6 < third / first < 0.05 * second / first
+
+
+def plan(channels: int) -> BringUp:
+    circuit = extract_channel(board_circuit(values := board_values(load(channels)), channels), 1)
+    return plan_bring_up(Board.of_design(load(channels), circuit), values)
+
+
+def write_readings(path: Path, channels: int, faults: dict[str, str]) -> Path:
+    """Write readings as boards of each finger with a fault, by its part, would give them."""
+    planned = plan(channels)
+    board, lines = planned.board, [f'board = "{planned.identity}"', "supply_ma = 6.6"]
+    known = {fault.sentence: fault for fault in list_faults(board.circuit, board.ends_v)}
+    for finger in NAMES[:channels]:
+        sentence = faults.get(finger)
+        fault = known[sentence] if sentence else Fault("", "", board.circuit)
+        (values,) = predict(board, [fault])
+        lines += [f"[{finger}]", *(f"{name} = {values[name]!r}" for name in planned.levels if name in values)]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
+
+
+@pytest.mark.full
+def test_fault_of_one_finger_is_found_in_its_own_parts(tmp_path: Path) -> None:
+    broken = "R2 is open: not soldered, or cracked"
+    data = assess_board(load(3), write_readings(tmp_path / "r.toml", 3, {"index": broken}))
+    assert data["verdict"].startswith("index: ")
+    assert [each["passed"] for each in data["fingers"].values()] == [True, True, False, True]
+    assert data["fingers"]["index"]["likely"][0].startswith("R202 is open")
+    assert not any("R22 " in one or "R31 " in one for one in data["fingers"]["index"]["likely"])
+
+
+@pytest.mark.full
+def test_fault_that_all_fingers_show_is_found_in_a_shared_part(tmp_path: Path) -> None:
+    broken = "R23 is open: not soldered, or cracked"
+    data = assess_board(load(2), write_readings(tmp_path / "r.toml", 2, dict.fromkeys(NAMES[:2], broken)))
+    for finger in NAMES[:2]:
+        likely = data["fingers"][finger]["likely"]
+        assert {split_name(one.split()[0])[0] for one in likely} == {0}, likely
+
+
+def test_readings_of_several_fingers_are_refused_with_all_faults(tmp_path: Path) -> None:
+    text = bring_up_files(load(2))[BRING_UP_READINGS].decode()
+    assert (text.count("\ntp1_open_v = nan"), text.count("supply_ma")) == (2, 1)
+    path = tmp_path / "r.toml"
+    path.write_text(
+        text.replace("tp1_open_v = nan", "tp1_open_v = 33", 1).replace("[index]", "tp9 = 1\n[indx]"), encoding="utf-8"
+    )
+    with pytest.raises(FingertipError) as error:
+        assess_board(load(2), path)
+    assert [issue.field for issue in error.value.issues] == ["[indx]", "thumb.tp1_open_v", "thumb.tp9"]
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(FingertipError, match="holds no reading"):
+        assess_board(load(2), path)
+
+
+def test_edited_sheet_of_a_channel_keeps_its_edits(tmp_path: Path) -> None:
+    write_board(load(2), tmp_path)
+    sheet = tmp_path / CHANNEL_SHEET
+    moved = sheet.read_text("utf-8").replace('"Reference" "R101" (at ', '"Reference" "R101" (at 1', 1)
+    sheet.write_text(moved, encoding="utf-8")
+    notes: list[str] = []
+    changed = Design.load("fsr400", changes=["board.channels=2", "board.cutoff_hz=80"])
+    write_board(changed, tmp_path, progress=notes.append)
+    now = sheet.read_text("utf-8")
+    assert '"Reference" "R101" (at 1' in now
+    assert now != moved
+    assert any("the values of R101, R102 and R103 are updated" in note for note in notes)
+    wanted = board_circuit(board_values(changed), 2).component("R201").value
+    assert f'"Value" "{wanted}"' in now
+    assert (tmp_path / LAYOUT).read_bytes() == board_files(changed)[LAYOUT]
+
+
+def test_firmware_takes_its_fingers_from_the_board(tmp_path: Path) -> None:
+    assert plan_fingers(load(3)).names == NAMES[:3]
+    with pytest.raises(FingertipError, match=r"5 are more than the 3 .*give --fingers 3, or --set board.channels=5"):
+        plan_fingers(load(3), "5")
+    run_fingertip("firmware", "params/fsr400.toml", "--set", *ALL, "--out", str(tmp_path / "f"))
+    text = (tmp_path / "f/README.md").read_text("utf-8")
+    assert "| 14 | S5 | analog in: S of little | analog input PB1: the detector reads it |" in " ".join(text.split())
+
+
+def test_other_variants_are_refused() -> None:
+    with pytest.raises(FingertipError, match=r"board.channels: 2 fingers are more than one"):
+        Design.load("article", changes=["board.channels=2"])
+    assert json.loads(board_files(load(PLACES))["values.json"])["amplifier"] == "TLV2372"

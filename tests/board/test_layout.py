@@ -45,7 +45,9 @@ def load_circuit(name: str) -> Circuit:
 
 
 PARTS: dict[str, PlacedPart] = {
-    part.footprint: part for name in VARIANT_CHANGES for part in load_project(name).placement.parts.values()
+    part.footprint: part
+    for project in (*map(load_project, VARIANT_CHANGES), load_project("precision", 5))
+    for part in project.placement.parts.values()
 }
 """A part with each footprint."""
 

@@ -117,6 +117,7 @@ def board(
         f"{loaded.name}, {verdict}",
         f"-3 dB at {achieved.cutoff_hz:.4g} Hz (target {target.cutoff_hz:.4g} Hz), gain {achieved.passband_gain:.4g}; "
         f"files in {folder}, --verbose for the conditions",
+        *_channel_lines(loaded, values),
         "",
         *_table_lines(loaded, values),
     ]
@@ -269,6 +270,15 @@ def _gate_lines(values: BoardValues) -> list[str]:
         if not is_repeated or (condition.name, condition.subject, condition.relation) not in required:
             lines.append(f"  {'' if condition.passed else 'FAILS: '}{describe_condition(condition)}")
     return [*lines, describe_threshold_spread(values.threshold_spread)] if values.threshold_spread else lines
+
+
+def _channel_lines(design: Design, values: BoardValues) -> Iterator[str]:
+    """Yield the figures that the channels of several fingers share."""
+    if shared := values.shared:
+        yield (
+            f"{design.board.channels} fingers: {1e3 * shared.supply_current_a:.1f} mA at rest, crosstalk at most "
+            f"{shared.crosstalk_db:.0f} dB (at {shared.crosstalk_hz:.0f} Hz); the parts below are those of each finger"
+        )
 
 
 def _component_lines(design: Design, values: BoardValues) -> list[str]:

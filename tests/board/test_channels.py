@@ -173,6 +173,14 @@ def test_fault_of_one_finger_is_found_in_its_own_parts(tmp_path: Path) -> None:
     mistaken = write_readings(tmp_path / "s.toml", 3, {"index": "R23 is open: not soldered, or cracked"})
     likely = assess_board(load(3), mistaken)["fingers"]["index"]["likely"]
     assert {split_name(one.split()[0])[0] for one in likely} <= {2}, likely
+    # A finger that was not measured where the other fails clears nothing.
+    lines = mistaken.read_text("utf-8").split("[middle]")[0].splitlines()
+    thumb = lines.index("[thumb]")
+    kept = [line for i, line in enumerate(lines) if not thumb < i < lines.index("[index]") or line.startswith("tp3")]
+    mistaken.write_text("\n".join(kept) + "\n", encoding="utf-8")
+    data = assess_board(load(3), mistaken)
+    assert data["fingers"]["thumb"]["passed"]
+    assert data["fingers"]["index"]["likely"][0].startswith("R23 is open")
 
 
 @pytest.mark.full

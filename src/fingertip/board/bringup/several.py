@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 from fingertip.board.bringup.bench import TONE_V, Fault
-from fingertip.board.bringup.diagnosis import MIN_READINGS
 from fingertip.board.bringup.plan import SUPPLY_MA, SUPPLY_OHM, BringUp
 from fingertip.board.bringup.readings import (
     IDENTITY,
@@ -67,9 +66,9 @@ def read_fingers(path: Path, plan: BringUp, fingers: Sequence[str]) -> dict[str,
 def _find_issues(
     common: Mapping[str, Any], tables: Mapping[str, Any], plan: BringUp, fingers: Sequence[str], path: Path
 ) -> Iterator[Issue]:
-    for name in tables.keys() - set(fingers):
+    for name in (name for name in tables if name not in fingers):
         yield Issue(f"[{name}]", f"is no finger of this board; {suggest_name(name, list(fingers))}")
-    for name in common.keys() - {IDENTITY, TONE, *COMMON_READINGS}:
+    for name in (name for name in common if name not in (IDENTITY, TONE, *COMMON_READINGS)):
         yield Issue(name, f"stands ahead of the tables; write it below one of [{'], ['.join(fingers)}].")
     stated = {name: value for name, value in common.items() if name in (IDENTITY, TONE, *COMMON_READINGS)}
     yield from find_reading_issues(stated, plan, path, needs_reading=False)
@@ -87,15 +86,19 @@ def assess_fingers(plan: BringUp, readings: Mapping[str, Readings], fingers: Seq
         finger: {name: v for name, v in taken.values.items() if name in plan.levels}
         for finger, taken in readings.items()
     }
-    passing = [
-        finger
+    failed_at = {
+        finger: {name for name, v in taken.items() if not plan.levels[name].low_v <= v <= plan.levels[name].high_v}
         for finger, taken in levels.items()
-        if len(taken) >= MIN_READINGS
-        and all(plan.levels[name].low_v <= v <= plan.levels[name].high_v for name, v in taken.items())
-    ]
-    failing = [finger for finger, taken in levels.items() if taken and finger not in passing]
-    found = {finger: assess_readings(plan, taken, _choose(passing)) for finger, taken in readings.items()}
-    if not passing and len(failing) > 1 and all(_names_shared(found[finger]["likely"]) for finger in failing):
+    }
+    failing = [finger for finger, names in failed_at.items() if names]
+    # A finger clears the shared parts of what fails elsewhere if it passes in the same readings.
+    cleared = {
+        finger
+        for finger in failing
+        if any(failed_at[finger] <= levels[other].keys() and not failed_at[other] for other in levels)
+    }
+    found = {finger: assess_readings(plan, taken, _choose(finger in cleared)) for finger, taken in readings.items()}
+    if not cleared and len(failing) > 1 and all(_names_shared(found[finger]["likely"]) for finger in failing):
         found |= {finger: assess_readings(plan, readings[finger], _is_shared) for finger in failing}
     named = {WHOLE_BOARD: found[WHOLE_BOARD]} if WHOLE_BOARD in found else {}
     named |= {finger: _rename(found[finger], k) for k, finger in enumerate(fingers, start=1) if finger in found}
@@ -118,13 +121,13 @@ def _is_shared(fault: Fault) -> bool:
     return SHARED_PARTS.issuperset(fault.reference.split(" and "))
 
 
-def _choose(passing: Sequence[str]) -> Callable[[Fault], bool]:
-    """Faults to consider: those of shared parts only as long as no finger passes."""
-    return lambda fault: not passing or SHARED_PARTS.isdisjoint(fault.reference.split(" and "))
+def _choose(is_cleared: bool) -> Callable[[Fault], bool]:
+    """Faults to consider: those of shared parts unless another finger clears them."""
+    return lambda fault: not is_cleared or SHARED_PARTS.isdisjoint(fault.reference.split(" and "))
 
 
 def _names_shared(likely: Sequence[str]) -> bool:
-    return any(_PART.findall(sentence)[:1] and _PART.findall(sentence)[0] in SHARED_PARTS for sentence in likely)
+    return any(sentence.split(" ")[0] in SHARED_PARTS for sentence in likely)
 
 
 def _rename(data: Any, channel: int) -> Any:

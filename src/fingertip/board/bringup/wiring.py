@@ -149,7 +149,8 @@ def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
     is_several = circuit.component(HOST_CONNECTOR).footprint == JST_SH_15
     if is_several:
         yield "Parts are named as on the board of one finger: J1 is J101 at finger 1 and J501 at finger 5."
-        yield "Nothing but the number beside it tells a sensor's socket from another: mark the cables."
+        yield "Number and name beside it tell a sensor's socket from the others, which are alike: mark the cables."
+        yield "On the board J2 and J3 are at the right edge, and finger 1 is at the bottom."
     if locking:
         yield "Pin 1 of J1 and J3 has a dot beside it; + is printed beside pin 1 of J2."
     if locking and not is_several:
@@ -173,7 +174,10 @@ def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
     if VMID_OUT in outputs:
         yield "E refers to M: sample M too if you use E. Record T and S as they are, against ground."
     if ADC_FILTERED in outputs:
-        yield f"{NEEDED_PINS}{f' {OTHER_PINS}' if VMID_OUT in outputs else ''}".replace("`", "")
+        if is_several:
+            yield "Firmware and detector fast need T and S of each finger (10 analog inputs for five)."
+        else:
+            yield f"{NEEDED_PINS}{f' {OTHER_PINS}' if VMID_OUT in outputs else ''}".replace("`", "")
         yield f"Take +{supply_v:g} V and the ground of J2 from the controller's own {supply_v:g} V pin and GND."
         tactile, filtered = SKETCH_PINS[ADC_TACTILE], SKETCH_PINS[ADC_FILTERED]
         if is_several:
@@ -182,7 +186,9 @@ def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
             yield f"The sketches of fingertip firmware read T at {tactile} and S at {filtered}."
     for wire, references in group_plug_wires(circuit).items():
         yield f"Wires of {join_words(references)} ({wire.series} plug): {wire.description}."
-    if locking:
+    if is_several:
+        yield "Twist T, S and ground of each finger."
+    elif locking:
         yield "Twist each signal's wire with the ground beside it."
     else:
         yield "Keep the wires of J1 and J3 short, and twist each signal with a ground wire."

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 from fingertip.board import board_circuit
-from fingertip.board.bringup.wiring import HOST_CONNECTOR, SKETCH_PINS, list_notes, list_pins, name_signals
+from fingertip.board.bringup.wiring import SKETCH_PINS, list_notes, list_pins, name_signals
 from fingertip.board.circuits.channels import split_net
 from fingertip.board.components.bridge import POWER_UP_S
 from fingertip.board.components.values import select_components
-from fingertip.board.parts.circuit import GND, VMID_OUT
+from fingertip.board.parts.circuit import GND, HOST_CONNECTOR, VMID_OUT
 from fingertip.catalogues.bundled import list_bundled_files
 from fingertip.catalogues.controllers import BOARDS, NAMES
 from fingertip.catalogues.file_kinds import DESIGN

@@ -17,7 +17,7 @@ from fingertip.board.analysis.response import decibel
 from fingertip.board.circuits.channels import leave_out_empty, name_net
 from fingertip.board.circuits.network import build_network
 from fingertip.board.circuits.spice import HOST_GROUND, HOST_SUPPLY
-from fingertip.board.components.bridge import AMPLIFIERS, sensor_conductance_s
+from fingertip.board.components.bridge import AD623_SUPPLY_A, AMPLIFIERS, COMPARATOR_SUPPLY_A, sensor_conductance_s
 from fingertip.board.parts.circuit import (
     ADC_FILTERED,
     ADC_TACTILE,
@@ -25,6 +25,7 @@ from fingertip.board.parts.circuit import (
     POWER_IN,
     SENSOR,
     VCC,
+    VEE,
     Circuit,
     Component,
     Net,
@@ -66,12 +67,10 @@ def compute_shared_figures(circuit: Circuit, gain_bandwidth_hz: float, board: Bo
 
 def compute_supply_current_a(circuit: Circuit, supply_v: float) -> float:
     """Typical current at rest [A]: of the amplifiers, and through the resistors at the supply."""
-    parts_a = [
-        AMPLIFIERS[part.symbol.name].supply_current_a * len(AMPLIFIERS[part.symbol.name].units)
-        for part in circuit.components
-        if part.symbol.name in AMPLIFIERS
-    ]
-    volts = build_network(circuit).operating_point({VCC: supply_v})
+    chips_a = {"AD623ARMZ": AD623_SUPPLY_A, "LMV331": COMPARATOR_SUPPLY_A}
+    chips_a |= {name: amplifier.supply_current_a * len(amplifier.units) for name, amplifier in AMPLIFIERS.items()}
+    parts_a = [chips_a.get(part.symbol.name, 0.0) for part in circuit.components]
+    volts = build_network(circuit).operating_point({VCC: supply_v, VEE: -supply_v})
     for part in circuit.components:
         ends = [circuit.net_by_pin.get((part.reference, pin), "") for pin in "12"]
         if part.symbol.name == "R" and VCC in ends:

@@ -23,6 +23,7 @@ from fingertip.board.parts.circuit import (
     ENVELOPE,
     FILTERED,
     GND,
+    HOST_CONNECTOR,
     SENSOR,
     TACTILE,
     VMID,
@@ -156,7 +157,7 @@ def list_exchanges(circuit: Circuit) -> Iterator[Fault]:
 # They are taken against supply ground, as the controller reads them. The meter's own resistance is part of the
 # circuit, so that a pin whose resistor is open reads nothing instead of floating.
 
-HOST = "J3"
+HOST = HOST_CONNECTOR
 METER_OHM = 10e6
 TOP_HZ = 400.0
 """Tone at which S is measured: the upper end of a simple meter's range, where C25 attenuates most."""

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.board.analysis.board_values import BoardValues
+from fingertip.board.analysis.shared import compute_supply_current_a
 from fingertip.board.bringup.bench import (
     COUPLING_F,
     COUPLING_OHM,
@@ -31,15 +32,12 @@ from fingertip.board.bringup.prediction import (
     name_tone,
     name_voltage,
     predict,
-    solve_constant,
 )
 from fingertip.board.bringup.wiring import list_pins
 from fingertip.board.circuits.network import Network, Value, build_network, list_amplifiers
 from fingertip.board.components.bridge import (
     AD623_OFFSET_V,
-    AD623_SUPPLY_A,
     AMPLIFIERS,
-    COMPARATOR_SUPPLY_A,
     GAIN_CONSTANT_OHM,
     GAIN_RESISTOR,
 )
@@ -269,26 +267,6 @@ def resistance_between(circuit: Circuit, first: str, second: str) -> float:
     return float(np.linalg.inv(G)[row[first], row[first]])
 
 
-def supply_current_a(board: Board) -> float:
-    """Typical current into the positive supply with an open sensor [A]."""
-    circuit = board.circuit
-    chips_a = {"AD623ARMZ": AD623_SUPPLY_A, "LMV331": COMPARATOR_SUPPLY_A}
-    chips_a |= {name: amplifier.supply_current_a * len(amplifier.units) for name, amplifier in AMPLIFIERS.items()}
-    total, branches = 0.0, []
-    for part in circuit.components:
-        total += chips_a.get(part.symbol.name, 0.0)
-        if part.symbol.name == "R" and part.reference != GAIN_RESISTOR:
-            a, b = (circuit.net_by_pin[part.reference, pin] for pin in "12")
-            ohm = parse_component_value(part.value)
-            branches += [(one, other, ohm) for one, other in ((a, b), (b, a)) if one == VCC]
-    wanted = sorted({other for _, other, _ in branches} - set(board.rails_v))
-    volts, _ = solve_constant(board, Fault("", "", circuit), 0.0, wanted)
-    volts = {**volts, **board.rails_v}
-    for one, other, ohm in branches:
-        total += (volts[one] - volts[other]) / ohm
-    return total
-
-
 SUPPLY_OHM, SENSOR_OHM, SUPPLY_MA = "supply_ohm", "sensor_ohm", "supply_ma"
 QUIET, SLIP_TONE = "tp3_quiet_v", "slip_tone_v"
 NEGATIVE_OHM = "negative_supply_ohm"
@@ -339,7 +317,8 @@ def _list_levels_in_order(board: Board) -> list[str]:
 def plan_bring_up(board: Board, values: BoardValues, tone_v: float = TONE_V) -> BringUp:
     """Plan the bring-up of a board with a tone of this RMS [V]."""
     levels = compute_limits(board, values, tone_v)
-    current_a = values.shared.supply_current_a if values.shared else supply_current_a(board)
+    alone_a = compute_supply_current_a(board.circuit, board.rails_v[VCC])
+    current_a = values.shared.supply_current_a if values.shared else alone_a
     return BringUp(
         board,
         hash_parameters({part.reference: part.value for part in board.circuit.components})[:8],

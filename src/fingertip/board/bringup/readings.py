@@ -42,16 +42,19 @@ def unit_of(name: str) -> str:
 
 def readings_template(plan: BringUp, name: str) -> str:
     """Write the file of readings, each still without a value."""
-    lines = [
+    lines = (format_entry(key, limits) for key, limits in plan.all.items())
+    return "\n".join((*list_head(plan, name), "", *lines)) + "\n"
+
+
+def list_head(plan: BringUp, name: str) -> list[str]:
+    """List the lines ahead of the readings."""
+    return [
         f"# Readings of a board of {name}, as bringup.md describes them. Save this file under another name.",
         "# Write each reading in place of nan. What you did not measure stays nan.",
         "",
         f'{IDENTITY} = "{plan.identity}"  # do not change: it names the board that these readings belong to',
         f"{TONE} = {TONE_V}  # V RMS of the tone, measured at the generator while it is connected",
-        "",
     ]
-    lines += (format_entry(key, limits) for key, limits in plan.all.items())
-    return "\n".join(lines) + "\n"
 
 
 def format_entry(key: str, limits: Limits) -> str:

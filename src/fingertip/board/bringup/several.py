@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from fingertip.board.bringup.bench import TONE_V, Fault
+from fingertip.board.bringup.bench import HOST, Fault
 from fingertip.board.bringup.plan import SUPPLY_MA, SUPPLY_OHM, BringUp
 from fingertip.board.bringup.readings import (
     IDENTITY,
@@ -21,9 +21,10 @@ from fingertip.board.bringup.readings import (
     find_reading_issues,
     format_assessment,
     format_entry,
+    list_head,
     select_readings,
 )
-from fingertip.board.circuits.channels import HOST, SHARED_PARTS, name_part
+from fingertip.board.circuits.channels import SHARED_PARTS, name_part
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import BoardError, Issue
 from fingertip.foundation.toml_files import read_toml
@@ -38,11 +39,7 @@ def write_template(plan: BringUp, fingers: Sequence[str], name: str) -> str:
     """Write the file of readings, each still without a value: a table for each finger."""
     own = [format_entry(key, limits) for key, limits in plan.all.items() if key not in COMMON_READINGS]
     lines = [
-        f"# Readings of a board of {name}, as bringup.md describes them. Save this file under another name.",
-        "# Write each reading in place of nan. What you did not measure stays nan.",
-        "",
-        f'{IDENTITY} = "{plan.identity}"  # do not change: it names the board that these readings belong to',
-        f"{TONE} = {TONE_V}  # V RMS of the tone, measured at the generator while it is connected",
+        *list_head(plan, name),
         *(format_entry(key, plan.all[key]) for key in COMMON_READINGS),
     ]
     for channel, finger in enumerate(fingers, start=1):

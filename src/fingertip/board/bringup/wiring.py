@@ -15,8 +15,10 @@ from fingertip.board.parts.circuit import (
     ADC_FILTERED,
     ADC_TACTILE,
     GND,
+    HOST_CONNECTOR,
     POWER_IN,
     SLIP,
+    SUPPLY_CONNECTOR,
     VCC,
     VEE,
     VMID_OUT,
@@ -31,7 +33,6 @@ from fingertip.foundation.errors import join_words
 NEEDED_PINS = "Firmware and detector `fast` need T and S (2 analog inputs)."
 OTHER_PINS = "A threshold on the envelope needs E and M."
 """Outputs that a controller samples, by what it runs."""
-SUPPLY_CONNECTOR, HOST_CONNECTOR = "J2", "J3"
 MOUNTING_PIN = "MP"
 SKETCH_PINS = {ADC_TACTILE: "A0", ADC_FILTERED: "A1"}
 """Inputs of a controller at which the sketches of `fingertip firmware` read the board."""

@@ -15,6 +15,7 @@ from fingertip.board.parts.circuit import (
     ADC_TACTILE,
     BIAS,
     GND,
+    HOST_CONNECTOR,
     POWER_IN,
     RAILS,
     Circuit,
@@ -22,11 +23,10 @@ from fingertip.board.parts.circuit import (
     Net,
     build_circuit,
 )
+from fingertip.catalogues.controllers import NAMES
 
-PLACES = 5
+PLACES = len(NAMES)
 """Channels that the board for several fingers has places for."""
-HOST = "J3"
-"""Connector to the controller."""
 SHARED_PARTS = frozenset(
     ("J2", "Q1", "C10", "R22", "R23", "C21", "R31", "R32", "C28", "R33", "C29", "H1", "H2", "H3", "H4")
 )
@@ -81,13 +81,13 @@ def repeat_channel(single: Circuit, fitted: int) -> Circuit:
     for component, nets in pins.items():
         if component.reference in SHARED_PARTS:
             wiring[component] = nets
-    host = single.component(HOST)
+    host = single.component(HOST_CONNECTOR)
     symbol = symbols.SYMBOLS["Conn_01x15_MountingPin"]
     role = "to the controller: tactile voltage, filtered signal and ground of each finger"
     wiring[replace(host, symbol=symbol, footprint=symbols.JST_SH_15, role=role)] = host_pins()
     for channel in range(1, PLACES + 1):
         for component, nets in pins.items():
-            if component.reference not in (*SHARED_PARTS, HOST):
+            if component.reference not in (*SHARED_PARTS, HOST_CONNECTOR):
                 own = replace(component, reference=name_part(component.reference, channel), is_fitted=channel <= fitted)
                 wiring[own] = {number: name_net(net, channel) for number, net in nets.items()}
     return build_circuit(single.name, wiring)

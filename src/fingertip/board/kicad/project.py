@@ -165,7 +165,8 @@ class StoredProject:
 @functools.cache
 def load_project(variant: str, channels: int = 1) -> StoredProject:
     """Load the project of a board variant, or that of the board for several fingers."""
-    return make_project(name := variant if channels == 1 else SEVERAL, read_archive(name))
+    name = variant if channels == 1 else SEVERAL
+    return make_project(name, read_archive(name))
 
 
 def make_project(name: str, files: Mapping[str, bytes]) -> StoredProject:

@@ -60,7 +60,7 @@ VEE = "VEE"
 VMID = "VMID"
 """Buffered mid-supply of a single supply: the signal ground of a board without a negative rail."""
 
-SENSOR_CONNECTOR = "J1"
+SENSOR_CONNECTOR, SUPPLY_CONNECTOR, HOST_CONNECTOR = "J1", "J2", "J3"
 SENSOR = "SENSOR"
 BIAS = "BIAS"
 """Voltage at which a transimpedance stage holds the sensor."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import Literal
 
 from fingertip.catalogues.amplifiers import AmplifierName
+from fingertip.catalogues.controllers import NAMES
 from fingertip.design.parameters.declaration import Above, ParameterTable, choice, quantity
 
 
@@ -21,7 +22,7 @@ class Board(ParameterTable):
         "computes the envelope; comparator: the same with rectifier, envelope and an ON/OFF output.",
     )
     channels: int = quantity(
-        1, "", (1, 5),
+        1, "", (1, len(NAMES)),
         "Fingers that one board reads; from 2 on the board has five places, of which that many are fitted (precision).",
     )  # fmt: skip
     cutoff_hz: float = quantity(

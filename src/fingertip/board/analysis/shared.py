@@ -70,12 +70,14 @@ def compute_supply_current_a(circuit: Circuit, supply_v: float) -> float:
     chips_a = {"AD623ARMZ": AD623_SUPPLY_A, "LMV331": COMPARATOR_SUPPLY_A}
     chips_a |= {name: amplifier.supply_current_a * len(amplifier.units) for name, amplifier in AMPLIFIERS.items()}
     parts_a = [chips_a.get(part.symbol.name, 0.0) for part in circuit.components]
-    volts = build_network(circuit).operating_point({VCC: supply_v, VEE: -supply_v})
+    branches = []
     for part in circuit.components:
         ends = [circuit.net_by_pin.get((part.reference, pin), "") for pin in "12"]
         if part.symbol.name == "R" and VCC in ends:
-            other = ends[1] if ends[0] == VCC else ends[0]
-            parts_a.append((supply_v - volts[other]) / parse_component_value(part.value))
+            branches.append((ends[1] if ends[0] == VCC else ends[0], parse_component_value(part.value)))
+    network = build_network(circuit).restrict(*(net for net, _ in branches))
+    volts = network.operating_point({VCC: supply_v, VEE: -supply_v})
+    parts_a += [(supply_v - volts[net]) / ohm for net, ohm in branches]
     return sum(parts_a)
 
 

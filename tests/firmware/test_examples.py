@@ -209,6 +209,26 @@ def test_the_example_of_a_hand_tells_which_finger_slips_and_which_has_a_fault(ma
     assert [level for _, level in changes[:2]] == [0, 1]
 
 
+def test_a_scan_that_the_converter_did_not_finish_is_lost_and_the_next_one_is_not(tmp_path: Path) -> None:
+    """Each tenth scan of an STM32F4 overruns from 1 s on: every finger reports it, and slip at index is found."""
+    design = Design()
+    program = make_hand_sketch(tmp_path / "library", "STM32F4xx", plan_fingers(design, "2", "black_pill_f411"))
+    count = round(2.5 * design.detector.sample_rate_hz)
+    volts = np.full((count, 4), 1.0) + np.random.default_rng(1).normal(0.0, 4e-4, (count, 4))
+    volts[:, 1] += 0.65
+    volts[:, 2], volts[:, 3] = slip_recording(design, 2.5).inputs
+    volts[:, 3] += 1.65
+    codes = np.round(volts / design.detector.adc_step_v).astype(int)
+    given = "\n".join(" ".join(map(str, row)) for row in codes.tolist())
+    command = [str(program), "0", "0", "2000"]
+    told = subprocess.run(command, input=given, capture_output=True, text=True, check=True).stdout.splitlines()
+    lost = [line for line in told if line.endswith("has lost or wrong samples")]
+    assert [line.split()[2] for line in lost] == ["thumb", "index"]  # once: the report lasts from one to the next
+    assert all(1.0 <= float(line.split()[0]) <= 1.02 for line in lost)
+    assert any(line.endswith("index slips") for line in told)
+    assert not any("no force gives" in line or "silent" in line for line in told)
+
+
 @pytest.mark.parametrize("macro", BOARDS)
 def test_the_example_of_a_hand_compiles_for_each_family_of_boards(macro: str, tmp_path: Path) -> None:
     write_firmware(Design(), tmp_path, fingers=plan_fingers(Design(), "3", "teensy40"))

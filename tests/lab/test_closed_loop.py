@@ -18,7 +18,7 @@ from fingertip.lab.campaign.plan import TUNING_SEEDS, CampaignPlan, generate_cas
 from fingertip.lab.validation import RequirementLimits, check_closed_loop
 from fingertip.pad.response import Pad
 from fingertip.sim import Observation
-from fingertip.sim.runs.grip import GripController, GripSettings
+from fingertip.sim.runs.grip import ForceCurve, GripController, GripLaw, GripSettings
 from fingertip.sim.signal.converter import compute_bridge_v, simulate_envelope_v
 from fingertip.slip.detectors.noise import input_noise_v
 
@@ -88,6 +88,22 @@ def test_increases_keep_the_refractory_time_and_the_force_limit():
     # each increase adds at most the closing from this force to the limit
     pad = grip.law.curve.pad
     assert commands[-1][0] <= len(grips) * (pad.depth_m(2.0) - pad.depth_m(0.95))
+
+
+def test_the_measured_force_ends_the_closing_of_a_hand_ten_times_as_stiff_as_assumed():
+    """Commands are no faster than the motor, which is a period late: the force exceeds its limit by 0.9 N at most."""
+    settings, curve = GripSettings(max_command_m_s=0.1), ForceCurve.from_design(DESIGN)
+    law = GripLaw(settings, curve, 1)
+    closing_m, forces_n = 0.0, []
+    for period in range(400):
+        forces_n.append(1.0 + 900 * closing_m)
+        law.step(10_000 * period, True, [float(np.interp(forces_n[-1], curve.forces_n, curve.volts))], [closing_m])
+        closing_m = float(law.added_m[0])
+    assert settings.max_force_n <= max(forces_n) <= settings.max_force_n + 0.91
+    assert forces_n[-1] == max(forces_n)
+    law.release()
+    law.step(4_000_000, False, [0.5], [closing_m])
+    assert law.added_m[0] == pytest.approx(closing_m - 1e-3)
 
 
 def test_seeds_are_held_out():

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from hypothesis import strategies as st
 
+from fingertip.catalogues.controllers import BOARDS
 from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, SWEEP
 from fingertip.design import Design
 from fingertip.sim import ManipulationFile, SceneFile
@@ -177,6 +178,22 @@ def reading_cases(draw: st.DrawFn) -> Case:
     return Case("board readings", board, {"a.toml": draw(damaged(originals.board_readings(), 8))}, may_fail=True)
 
 
+_HANDS = {
+    "--fingers": ("5", "thumb,index", "a,a", "6", "0", "2.5", *ODD_TEXTS, *ODD_NUMBERS),
+    "--controller": (*(board.key for board in BOARDS), *ODD_TEXTS),
+    "--inputs": ("A0,A1", "A0,A1,A2,A3", "A0,A0", "PA0,PA1", "A0", ",", *ODD_TEXTS, *ODD_NUMBERS),
+}
+
+
+@st.composite
+def firmware_cases(draw: st.DrawFn) -> Case:
+    """Odd fingers, controllers and inputs of the firmware."""
+    words = ["firmware", draw(st.sampled_from(("fsr400", "article"))), "--out", "f"]
+    for option in draw(st.lists(st.sampled_from(sorted(_HANDS)), min_size=1, max_size=3, unique=True)):
+        words += [option, draw(st.one_of(st.sampled_from(_HANDS[option]), st.text(max_size=20)))]
+    return Case("firmware options", _no_nul(words))
+
+
 @st.composite
 def folder_cases(draw: st.DrawFn) -> Case:
     """Damaged files in output folders: a sweep's database, a board with its manifest."""
@@ -216,7 +233,7 @@ def option_cases(draw: st.DrawFn) -> Case:
 
 _WEIGHTS = {
     set_cases: 20, design_cases: 16, scene_cases: 12, sweep_cases: 12, recording_cases: 32, reading_cases: 4,
-    option_cases: 3, folder_cases: 1,
+    option_cases: 3, firmware_cases: 3, folder_cases: 1,
 }  # fmt: skip
 """Parts of all cases. What takes longest is rarest."""
 

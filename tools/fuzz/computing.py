@@ -20,6 +20,7 @@ from pydantic.fields import FieldInfo
 
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.catalogues.bundled import list_bundled_files
+from fingertip.catalogues.controllers import BOARDS, NAMES
 from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE
 from fingertip.design import Design
 from fingertip.design.files import to_toml
@@ -41,8 +42,8 @@ ROUNDS = 4
 LONG_S = 0.3
 """Longest of the phases that are drawn for scenes [s]."""
 DETECTORS = ("digital", "analog", "fft", "fast")
-_MAY_BE_REFUSED = frozenset({"new", "sweep", "manipulation"})
-"""Families whose input is not known to be valid: a hand may turn out too weak for an object."""
+_MAY_BE_REFUSED = frozenset({"new", "sweep", "manipulation", "hand"})
+"""Families whose input is not known to be valid: a hand may turn out too weak for an object, or a controller for it."""
 _MAY_FAIL = frozenset({"build", "check", "validate", "sweep", "make"})
 """Commands that may end with exit code 1: a check fails on a coarse mesh, or a requirement with few trials."""
 
@@ -52,6 +53,7 @@ _TASKS: tuple[tuple[str, float, tuple[str, ...]], ...] = (
     ("board, analysed", 2, ("board {design} --out b --analysis --bode b.csv --plot {figure} --json",)),
     ("bring-up", 0.3, ("board {design} --out b --bringup",)),
     ("firmware", 10, ("firmware {design} --out f",)),
+    ("hand", 6, ("firmware {design} --out f --fingers {fingers} --controller {controller}",)),
     ("sheet", 8, ("sheet {design} --out s.md --material {silicone}",)),
     ("acceptance", 0.5, ("acceptance {design} --out a.md",)),
     ("part", 12, ("build {design} --out p --parts {part} --formats {meshes} --tolerance-mm {tolerance} --json",)),
@@ -166,8 +168,10 @@ class _Drawing:
             "design": lambda: self.words,
             "detect": lambda: ["detect", self.trace, "--design", self._write_design(), "--json", "--detector",
                                rng.choice(DETECTORS)],
+            "controller": lambda: [rng.choice(BOARDS).key],
             "detector": lambda: [rng.choice(DETECTORS)],
             "figure": lambda: [rng.choice(("b.png", "b.svg"))],
+            "fingers": lambda: [str(rng.randint(1, len(NAMES)))],
             "fitted": lambda: _set(draw_changes(rng, PARAMETERS)),
             "manipulation": lambda: self._draw_scene("manipulation", ManipulationFile),
             "meshes": lambda: [rng.choice(("stl", "3mf", "stl,3mf"))],

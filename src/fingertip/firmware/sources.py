@@ -235,14 +235,7 @@ def _render_grip(settings: GripSettings) -> str:
     times |= {"REFRACTORY": settings.refractory_s, "WATCHDOG": settings.watchdog_s, "LONGEST_STEP": LONGEST_STEP_S}
     values = {"MIN_PRESENT_N": MIN_PRESENT_N} | {
         name.upper(): getattr(settings, name)
-        for name in (
-            "max_growth_n_s",
-            "max_closing_m_s",
-            "force_ratio",
-            "max_force_n",
-            "max_command_m_s",
-            "max_added_m",
-        )
+        for name in ("max_growth_n_s", "max_closing_m_s", "force_ratio", "max_force_n", "max_added_m")
     }
     return "\n".join(
         (
@@ -294,12 +287,14 @@ def library_sources(design: Design, fingers: Fingers) -> dict[str, bytes]:
     }
     if fingers.is_hand:
         force = ForceCurve.from_design(design)
-        grip, curve = _render_grip(GripSettings()), _render_curve(force)
+        settings = GripSettings()
         backing = f"#define SLIP_BACKING_N_PER_M {real(force.pad.backing.stiffness_n_per_m)}"
+        command = f"#define SLIP_GRIP_MAX_COMMAND_M_S {real(settings.max_command_m_s)}"
         files[SCAN] = read_template(SCAN)
-        header = _insert(read_template(GRIP_HEADER), "slip_grip_constants.h", grip)
-        files[GRIP_HEADER] = _insert(header, "slip_grip_backing.h", backing)
-        files[GRIP_SOURCE] = _insert(read_template(GRIP_SOURCE), "slip_grip_curve.h", curve)
+        header = _insert(read_template(GRIP_HEADER), "slip_grip_constants.h", _render_grip(settings))
+        header = _insert(header, "slip_grip_backing.h", backing)
+        files[GRIP_HEADER] = _insert(header, "slip_grip_command.h", command)
+        files[GRIP_SOURCE] = _insert(read_template(GRIP_SOURCE), "slip_grip_curve.h", _render_curve(force))
     return {name: text.encode() for name, text in files.items()}
 
 

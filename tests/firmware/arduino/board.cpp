@@ -1,7 +1,8 @@
 // Board without hardware: standard input holds the converter's codes of all inputs, T and S of each finger, and a line
 // for each sample. Every sample calls the timer's callback and then loop(), but loop() rests from the sample FIRST to
-// before LAST, if they are given as arguments, and is then called as often as it missed. What the sketch writes goes to
-// standard output, and each change of the pin to standard error, with the number of the sample.
+// before LAST, if they are given as arguments, and is then called as often as it missed. From the sample OVERRUN on, the
+// third argument, the DMA misses each tenth scan. What the sketch writes goes to standard output, and each change of the
+// pin to standard error, with the number of the sample.
 #include "Arduino.h"
 #include "slip_detector.h"
 
@@ -13,7 +14,7 @@ void loop();
 
 static void (*timer_callback)();
 static int codes[2 * SLIP_FINGERS], pin_level = -1;
-static unsigned long sample;
+static unsigned long sample, overrun = ~0ul;
 static float timer_period_us;
 SerialPort Serial;
 int stand_in_timer;
@@ -37,6 +38,7 @@ int analogRead(int pin) { return codes[pin < PA0 ? pin - A0 : pin - PA0]; }
 const PinMap PinMap_ADC[1] = {};
 stand_in_rcc stand_in_rcc_registers;
 stand_in_dma stand_in_dma_registers;
+stand_in_dma2 stand_in_dma2_registers;
 stand_in_adc stand_in_adc_registers;
 stand_in_adc_common stand_in_common_registers;
 
@@ -45,7 +47,8 @@ void HardwareTimer::setOverflow(uint32_t rate, TimerFormat) { timer_period_us = 
 void HardwareTimer::attachInterrupt(void (*callback)()) { timer_callback = callback; }
 void HardwareTimer::resume() {}
 
-// Convert the inputs of the sequence, if a scan was started, and let the DMA store them as its registers tell.
+// Convert the inputs of the sequence, if a scan was started, and let the DMA store them as its registers tell. After an
+// overrun the DMA stands at the wrong place until it begins anew.
 static void convert() {
   const uint32_t wanted = DMA_SxCR_EN | DMA_SxCR_CIRC | DMA_SxCR_MINC | DMA_SxCR_PSIZE_0 | DMA_SxCR_MSIZE_0;
   const uint32_t count = (ADC1->SQR1 >> ADC_SQR1_L_Pos & 15) + 1, sequence[] = {ADC1->SQR3, ADC1->SQR2, ADC1->SQR1};
@@ -57,6 +60,16 @@ static void convert() {
     exit(EXIT_FAILURE);
   }
   ADC1->CR2 &= ~static_cast<uint32_t>(ADC_CR2_SWSTART);
+  DMA2->LISR &= ~DMA2->LIFCR;
+  DMA2->LIFCR = 0;
+  if (sample >= overrun && sample % 10 == 0) {
+    ADC1->SR |= ADC_SR_OVR;
+    DMA2_Stream0->NDTR = 3;
+  }
+  if (ADC1->SR & ADC_SR_OVR) {
+    return;
+  }
+  DMA2->LISR |= DMA_LISR_TCIF0;
   for (uint32_t i = 0; i < count; i++) {
     memory[i] = static_cast<uint16_t>(codes[sequence[i / 6] >> 5 * (i % 6) & 31]);
   }
@@ -92,6 +105,7 @@ int main(int count, char **arguments) {
   const unsigned long first = count > 1 ? strtoul(arguments[1], nullptr, 10) : 0;
   const unsigned long last = count > 2 ? strtoul(arguments[2], nullptr, 10) : 0;
   unsigned long missed = 0;
+  overrun = count > 3 ? strtoul(arguments[3], nullptr, 10) : overrun;
   setup();
   fprintf(stderr, "period %g\n", static_cast<double>(timer_period_us));
   while (read_codes()) {

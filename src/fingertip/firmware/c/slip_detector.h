@@ -33,6 +33,9 @@ typedef struct slip_codes {
     uint16_t tactile, filtered;
 } slip_codes;
 
+/* Stands for S where a sample could not be taken. No converter of less than 16 bits gives it. */
+#define SLIP_LOST_CODE 0xFFFFu
+
 /* What the last samples of an input were. */
 typedef struct slip_check {
     uint16_t wrong;    /* samples that were no voltage */

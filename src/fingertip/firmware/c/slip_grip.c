@@ -140,6 +140,10 @@ bool slip_grip_step(slip_grip *grip, uint32_t now_us, unsigned on, unsigned usab
             target = grip->target_m[i] + ((usable >> i & 1u) ? further_m(now.force_n[i]) : R(0.0));
             grip->target_m[i] = target < SLIP_GRIP_MAX_ADDED_M ? target : SLIP_GRIP_MAX_ADDED_M;
         }
+        /* In a hand that is stiffer than assumed the measured force comes to its limit first: go no further. */
+        if (now.force_n[i] >= SLIP_GRIP_MAX_FORCE_N && grip->target_m[i] > grip->added_m[i]) {
+            grip->target_m[i] = grip->added_m[i];
+        }
         grip->added_m[i] = approach(grip->added_m[i], grip->target_m[i], max_step_m);
     }
     return grip->has_tightened;

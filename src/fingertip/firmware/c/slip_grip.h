@@ -12,9 +12,15 @@
 
 /* Stiffness of the hand behind the pad [N/m]: how much force a way of the fingertip adds. THIS IS AN ASSUMPTION of the
  * simulation, for a soft hand. Measure yours, and define it for the whole program: in a stiffer hand the same way adds as
- * many times more force, and no force is measured against SLIP_GRIP_MAX_FORCE_N while the fingers close. */
+ * many times more force. */
 #ifndef SLIP_BACKING_N_PER_M
 #include "slip_grip_backing.h"
+#endif
+
+/* Speed at which a command grows [m/s]. A finger stops when its measured force comes to SLIP_GRIP_MAX_FORCE_N, but a
+ * command that is ahead of its motor goes on until the motor is there: define the speed of your motors. */
+#ifndef SLIP_GRIP_MAX_COMMAND_M_S
+#include "slip_grip_command.h"
 #endif
 
 #include "slip_grip_constants.h"

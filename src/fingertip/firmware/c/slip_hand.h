@@ -31,7 +31,9 @@ static inline unsigned slip_hand_step(slip_hand *hand, const slip_codes *codes, 
         }
     }
     for (i = 0; i < SLIP_FINGERS; i++) {
-        if (slip_step_codes(&hand->fingers[i], codes[i].tactile, codes[i].filtered)) {
+        const bool is_lost = SLIP_ADC_BITS < 16 && codes[i].filtered == SLIP_LOST_CODE;
+        if (is_lost ? slip_step_lost(&hand->fingers[i])
+                    : slip_step_codes(&hand->fingers[i], codes[i].tactile, codes[i].filtered)) {
             on |= 1u << i;
         }
     }

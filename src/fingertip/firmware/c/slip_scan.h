@@ -16,7 +16,20 @@ static_assert(2 * SLIP_FINGERS <= 16, "a scan has 16 places at most");
 
 static volatile slip_codes slip_scanned[SLIP_FINGERS];
 
-/* Prepare the converter ADC1 for the inputs, and stream 0 of DMA2, which belongs to it. Do not call analogRead then. */
+/* Begin to store codes at the first place: half words from the converter to ascending places, again and again, on
+ * channel 0 of stream 0. */
+static inline void slip_begin_storing(void) {
+    DMA2_Stream0->CR = 0;
+    while (DMA2_Stream0->CR & DMA_SxCR_EN) {
+    }
+    DMA2_Stream0->PAR = (uint32_t)(uintptr_t)&ADC1->DR;
+    DMA2_Stream0->M0AR = (uint32_t)(uintptr_t)slip_scanned;
+    DMA2_Stream0->NDTR = 2 * SLIP_FINGERS;
+    DMA2->LIFCR = DMA_LIFCR_CTCIF0 | DMA_LIFCR_CHTIF0 | DMA_LIFCR_CTEIF0 | DMA_LIFCR_CDMEIF0 | DMA_LIFCR_CFEIF0;
+    DMA2_Stream0->CR = DMA_SxCR_MSIZE_0 | DMA_SxCR_PSIZE_0 | DMA_SxCR_MINC | DMA_SxCR_CIRC | DMA_SxCR_EN;
+}
+
+/* Prepare the converter ADC1 for the inputs, and the DMA2 that belongs to it. Do not call analogRead then. */
 static inline void slip_begin_scan(const uint32_t inputs[SLIP_FINGERS][2]) {
     const uint32_t count = 2 * SLIP_FINGERS;
     uint32_t sequence[3] = {0, 0, 0}, i;
@@ -29,14 +42,7 @@ static inline void slip_begin_scan(const uint32_t inputs[SLIP_FINGERS][2]) {
     RCC->AHB1ENR |= RCC_AHB1ENR_DMA2EN;
     RCC->APB2ENR |= RCC_APB2ENR_ADC1EN;
     (void)RCC->APB2ENR; /* the clocks need two cycles */
-    DMA2_Stream0->CR = 0;
-    while (DMA2_Stream0->CR & DMA_SxCR_EN) {
-    }
-    DMA2_Stream0->PAR = (uint32_t)(uintptr_t)&ADC1->DR;
-    DMA2_Stream0->M0AR = (uint32_t)(uintptr_t)slip_scanned;
-    DMA2_Stream0->NDTR = count;
-    /* Half words from the converter to ascending places, again and again, on channel 0. */
-    DMA2_Stream0->CR = DMA_SxCR_MSIZE_0 | DMA_SxCR_PSIZE_0 | DMA_SxCR_MINC | DMA_SxCR_CIRC | DMA_SxCR_EN;
+    slip_begin_storing();
     ADC->CCR = ADC_CCR_ADCPRE_0; /* a quarter of the bus's clock: 36 MHz is its most */
     /* 84 cycles of sampling for each input: the outputs of the board have some resistance. */
     ADC1->SMPR1 = 0x04924924u;
@@ -51,13 +57,23 @@ static inline void slip_begin_scan(const uint32_t inputs[SLIP_FINGERS][2]) {
     delay(1);
 }
 
-/* Take the codes of all inputs, and start the next scan. Call it in the interrupt. */
+/* Take the codes of all inputs, and start the next scan. Call it in the interrupt. A scan that is not complete, as after
+ * an interrupt that came late, is marked as lost. */
 static inline void slip_scan(slip_codes *codes) {
+    const bool is_complete = DMA2->LISR & DMA_LISR_TCIF0;
     uint32_t i;
     for (i = 0; i < SLIP_FINGERS; i++) {
         codes[i].tactile = slip_scanned[i].tactile;
-        codes[i].filtered = slip_scanned[i].filtered;
+        codes[i].filtered = is_complete ? slip_scanned[i].filtered : SLIP_LOST_CODE;
     }
+    if (ADC1->SR & ADC_SR_OVR) {
+        /* The DMA missed a code. It gets no other one until both begin anew. */
+        slip_begin_storing();
+        ADC1->SR = ~(uint32_t)ADC_SR_OVR;
+    } else if (!is_complete) {
+        return; /* it goes on */
+    }
+    DMA2->LIFCR = DMA_LIFCR_CTCIF0;
     ADC1->CR2 |= ADC_CR2_SWSTART;
 }
 

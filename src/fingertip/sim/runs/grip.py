@@ -57,6 +57,7 @@ class GripSettings:
     refractory_s: float = 0.06
     """Time after an increase in which no other one follows [s]: until then the motors have begun to move."""
     max_force_n: float = 10.0
+    """Force up to which detections tighten, as the pad's law predicts it and as it is measured [N]."""
     max_command_m_s: float = 1.0
     """Speed at which a command grows [m/s]: a limit for motors that would jump. A soft hand's increase takes 7 mm."""
     max_added_m: float = 0.05
@@ -169,6 +170,9 @@ class GripLaw:
                 for ok, f in zip(is_usable, force, strict=True)
             ]
             self._target_m = np.minimum(self._target_m + further_m, s.max_added_m)
+        # In a hand that is stiffer than assumed the measured force comes to its limit first: go no further.
+        is_full = np.array(force) >= s.max_force_n
+        self._target_m = np.where(is_full, np.minimum(self._target_m, self.added_m), self._target_m)
         max_step_m = 0.0 if is_late else s.max_command_m_s * (1e-6 * min(dt_us, _whole_us(LONGEST_STEP_S)))
         self.added_m = np.clip(self._target_m, self.added_m - max_step_m, self.added_m + max_step_m)
         return suppressed, tightened

@@ -12,8 +12,9 @@ from typing import Any
 import pytest
 
 from fingertip.catalogues.bundled import find_file, list_bundled_files
-from fingertip.catalogues.file_kinds import DESIGN, KINDS, SCENE, SURFACE, SWEEP
+from fingertip.catalogues.file_kinds import DESIGN, KINDS, SCENE, SET, SURFACE, SWEEP
 from fingertip.design import Design
+from fingertip.design.finger_set import load_set
 from fingertip.foundation.errors import FingertipError, SweepError
 from fingertip.sim import ManipulationFile, SceneFile, load_simulation
 from fingertip.sim.contact.materials import SURFACES, Surface, SurfaceFile
@@ -50,6 +51,8 @@ def test_a_name_gives_what_the_path_gives(kind: Any, folder: Path) -> None:
         elif kind is SWEEP:
             same = read_sweep_file(name) == read_sweep_file(path)
             same = same and str(ROOT) not in to_canonical_text(read_sweep_file(name))
+        elif kind is SET:
+            same = load_set(name).model_dump(mode="json") == load_set(path).model_dump(mode="json")
         elif kind is SURFACE:
             same = SURFACES[name] == Surface.build(SurfaceFile.load(path).surface)
         else:

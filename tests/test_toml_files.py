@@ -15,6 +15,7 @@ from fingertip.catalogues.file_kinds import (
     KINDS,
     MANIPULATION,
     SCENE,
+    SET,
     SURFACE,
     SWEEP,
     identify_kind,
@@ -24,6 +25,7 @@ from fingertip.catalogues.file_kinds import (
 from fingertip.cli.design import KINDS as SCHEMA_KINDS
 from fingertip.cli.design import format_schema
 from fingertip.design import Design
+from fingertip.design.finger_set import SetFile
 from fingertip.foundation.errors import TomlFileError
 from fingertip.sim import ManipulationFile, SceneFile
 from fingertip.sim.contact.materials import SurfaceFile
@@ -33,7 +35,8 @@ from tests.tools import require_module
 
 
 def test_names_of_each_kind_are_those_of_its_model() -> None:
-    models = {DESIGN: Design, SCENE: SceneFile, MANIPULATION: ManipulationFile, SWEEP: SweepFile, SURFACE: SurfaceFile}
+    models = {DESIGN: Design, SET: SetFile, SCENE: SceneFile, MANIPULATION: ManipulationFile, SWEEP: SweepFile}
+    models |= {SURFACE: SurfaceFile}
     assert set(models) == set(KINDS)
     for kind, model in models.items():
         assert kind.names == set(model.model_fields), kind.name
@@ -100,7 +103,9 @@ def test_changes_go_to_the_file_that_knows_their_name() -> None:
 
 SCHEMAS = ROOT / "params" / "schemas"
 FILES = sorted((ROOT / "params").rglob("*.toml"))
-KIND_OF_FOLDER = {"scenes": "scene", "surfaces": "surface", "sweeps": "sweep", "hands": "design", "params": "design"}
+KIND_OF_FOLDER = {
+    "scenes": "scene", "sets": "set", "surfaces": "surface", "sweeps": "sweep", "hands": "design", "params": "design",
+}  # fmt: skip
 
 
 def schema_of(path: Path) -> Path:

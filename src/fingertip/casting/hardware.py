@@ -6,8 +6,9 @@ A bolt is bought as a machine screw, threaded to the head or not.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 from fingertip.board import board_circuit
 from fingertip.board.components.values import select_components
@@ -98,21 +99,32 @@ WEIGHTS_G = (100.0, 500.0)
 """Weights laid on the pad of the finished finger [g]."""
 
 
+Use = Literal["finger", "mold", "bench"]
+"""What an item is bought for: each finger, each mold, or the bench, where one serves all."""
+
+
 def bill_of_materials(design: Design) -> list[dict[str, Any]]:
     """Items to buy besides the silicone: name, count and sizes [mm]."""
+    return [item for _, item in list_hardware(design)]
+
+
+def list_hardware(design: Design) -> list[tuple[Use, dict[str, Any]]]:
+    """List the same items with their uses."""
     bolts = size_clamp_bolts(design.mold, design.mold_layout)
     thread = bolts.thread
     sensor = design.sensor
     out_mm = round(bolts.stand_out_mm(design.mold_layout), 1)
     stands_out = {"note": "they stand out of the palmar side"} if out_mm > 0.0 else {}
     strain_relief = {"item": "thread or lacing cord", "thinner_than_mm": THREAD_MM, "count": 1}
-    return [
+    of_sensor: list[dict[str, Any]] = [
         {
             "item": "force-sensing resistor", "type": design.dimensions.sensor.label, "count": 1,
             "note": "with solder tabs, not with female contacts; with adhesive on its back, or without it and with the "
                     "film below",
         },
         {"item": "adhesive film for the sensor", "thickness_mm": sensor.adhesive_thickness_mm, "count": 1},
+    ]  # fmt: skip
+    of_mold: list[dict[str, Any]] = [
         {
             "item": "mold bolt (machine screw)", "thread_mm": thread.diameter_mm, "length_mm": bolts.length_mm,
             "count": bolts.count, **stands_out,
@@ -121,30 +133,31 @@ def bill_of_materials(design: Design) -> list[dict[str, Any]]:
             "item": "mold nut (hexagon nut)", "thread_mm": thread.diameter_mm, "across_flats_mm": thread.nut_flats_mm,
             "count": bolts.count,
         },
-        *_mold_hardware(design),
-        *interface_of(design).bolts(design),
-        {
-            "item": "stranded wire", **describe_bought_wires(design),
-            "count": 2,
-        },
+    ]  # fmt: skip
+    of_wires = [
+        {"item": "stranded wire", **describe_bought_wires(design), "count": 2},
         # In a fork with a folded tail the wires are glued only.
         *([] if design.dimensions.window_opens_into_gap else [strain_relief]),
-        *({"item": "calibration weight", "mass_g": mass, "count": 1} for mass in WEIGHTS_G),
+    ]
+    weights = [{"item": "calibration weight", "mass_g": mass, "count": 1} for mass in WEIGHTS_G]
+    uses: list[tuple[Use, Sequence[dict[str, Any]]]] = [
+        ("finger", of_sensor), ("mold", of_mold), *_mold_hardware(design),
+        ("finger", [*interface_of(design).bolts(design), *of_wires]), ("bench", weights),
     ]  # fmt: skip
+    return [(use, item) for use, items in uses for item in items]
 
 
-def _mold_hardware(design: Design) -> list[dict[str, Any]]:
-    """List the screw of the chaplet, the syringe, and what is rubbed on the mold."""
-    items: list[dict[str, Any]] = []
+def _mold_hardware(design: Design) -> Iterator[tuple[Use, list[dict[str, Any]]]]:
+    """List the screw of the chaplet, the syringe, in which silicone cures, and what is rubbed on the mold."""
     if chaplet := design.dimensions.chaplet:
-        items.append({
+        yield "mold", [{
             "item": "chaplet screw (machine screw, pan or cylinder head)", "thread_mm": chaplet.thread.diameter_mm,
             "length_mm": chaplet.screw_length(design.mold_layout.dorsal_height), "count": 1,
-        })  # fmt: skip
+        }]  # fmt: skip
     if inlet := design.mold_layout.inlet:
-        items.append({
+        yield "finger", [{
             "item": "syringe with Luer slip tip, without rubber on its plunger", "volume_ml": inlet.syringe.volume_ml,
             "nozzle_bore_mm": design.mold.nozzle_bore_mm, "count": 1,
-        })  # fmt: skip
+        }]  # fmt: skip
     release = "for silicone cast in a rigid mold; without silicone oil, which keeps the patch from sticking"
-    return [*items, {"item": "mold release for silicone", "count": 1, "note": release}]
+    yield "bench", [{"item": "mold release for silicone", "count": 1, "note": release}]

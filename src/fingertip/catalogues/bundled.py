@@ -1,4 +1,4 @@
-"""Bundled designs, scenes and sweeps: the files of `params/`, which are found by bare name.
+"""Bundled designs, sets, scenes and sweeps: the files of `params/`, which are found by bare name.
 
 A bare name is a single word without suffix and slash, such as fsr400. An existing path of the same name comes first.
 The wheel holds `params/` within the package. In a checkout it stands at the top level, beside `src/`.
@@ -18,7 +18,7 @@ from fingertip.foundation.errors import Issue, TomlFileError, join_words
 _IN_WHEEL = Path(__file__).parents[1] / "params"
 _IN_CHECKOUT = Path(__file__).parents[3] / "params"
 PARAMS = _IN_WHEEL if _IN_WHEEL.is_dir() else _IN_CHECKOUT
-_FOLDERS = ("", "scenes", "surfaces", "sweeps")
+_FOLDERS = ("", "scenes", "sets", "surfaces", "sweeps")
 _BARE_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]*")
 _MAX_SUGGESTIONS = 3
 

@@ -1,4 +1,4 @@
-"""Kinds of TOML files: design, scene, manipulation, surface and sweep.
+"""Kinds of TOML files: design, set of fingers, scene, manipulation, surface and sweep.
 
 This is the one place that decides what a TOML file is. The kinds share the suffix .toml, so that only the names at
 the top level of a file tell them apart.
@@ -73,7 +73,13 @@ SURFACE = FileKind(
     "wood",
     "`fingertip simulate` takes a surface file with --surface",
 )
-KINDS = (SWEEP, SURFACE, MANIPULATION, SCENE, DESIGN)
+SET = FileKind(
+    "set",
+    frozenset({"name", "side", "hand", "fingers"}),
+    "adult_hand",
+    "`fingertip make` and `fingertip check` take a set file",
+)
+KINDS = (SWEEP, SET, SURFACE, MANIPULATION, SCENE, DESIGN)
 """All kinds. A name that several kinds share counts for the last of them that has it, unless another name decides."""
 
 

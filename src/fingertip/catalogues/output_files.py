@@ -57,6 +57,10 @@ PRINTS = OutputSet("print", PRINT_FOLDER)
 STEPS = OutputSet("steps", STEPS_FOLDER)
 """Pictures of the casting steps, beside the casting sheet."""
 
+SET_FILES = OutputSet("set")
+SET_PRINTS = OutputSet("set prints", PRINT_FOLDER)
+"""Plates of a set of fingers, whose forms have folders of their own."""
+
 COUPON = OutputSet("coupon", "coupon")
 COUPON_READINGS, COUPON_SHEET, PLAN = "coupon_readings.toml", "coupon.md", "coupon.png"
 

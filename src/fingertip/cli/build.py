@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -97,7 +98,16 @@ def make(
     force: ForceOption = False,
     changes: SetOption = None,
 ) -> None:
-    """Make parts, drawings, board and a simulated trial with its slip. Exit code 1: a check of the parts failed."""
+    """Make parts, drawings, board and a simulated trial with its slip. Exit code 1: a check of the parts failed.
+
+    A set of fingers, such as adult_hand, gives a folder for each of its forms, and plates, casting plan, parts list,
+    acceptance sheet and page of the set.
+    """
+    from fingertip.design.finger_set import is_set
+
+    if is_set(design):
+        _make_set(console, design, out, split_names(formats), force, changes or ())
+        return
     from fingertip.catalogues.output_files import ACCEPTANCE, BOM, README, SHEET
     from fingertip.slip.report import as_data, as_text
     from fingertip.tasks.make import make as make_everything
@@ -124,6 +134,29 @@ def make(
     if made.page:
         lines.append(f"see: {made.page}, all of it in a browser, without a network")
     console.result(data, "\n".join(lines), made.parts.passed)
+
+
+def _make_set(
+    console: Console, file: Path, out: Path | None, formats: list[str] | None, force: bool, changes: Sequence[str]
+) -> None:
+    from fingertip.design.finger_set import load_set
+    from fingertip.tasks.make_set import make_set
+
+    made = make_set(load_set(file, changes), out, formats=formats, force=force, progress=console.progress)
+    for form in made.forms:
+        console.warn(form.detection.warnings)
+    totals, lines = made.data["totals"], list[str]()
+    for form in made.forms:
+        lines += [f"{form.parts.folder}:", *(f"  {line}" for line in format_build(form.parts))]
+    boards = "one board for all fingers" if made.board else "a board for each form"
+    lines += [
+        f"{totals['fingers']} fingers of {totals['molds']} forms: {totals['printed_cm3']:g} cm3 to print, "
+        f"{totals['castings']} castings, {sum(totals['silicone_g'].values()):g} g of silicone in {totals['mixtures']} mixtures, "
+        f"{totals['cure_h']:g} h to cure; {boards}",
+        f"next: {made.folder / 'set.md'} says what to do; see: {made.folder / 'index.html'}",
+    ]
+    data = {"folder": str(made.folder), "passed": made.passed, **made.data}
+    console.result(data, "\n".join(lines), made.passed)
 
 
 @command

@@ -14,7 +14,7 @@ import typer
 
 from fingertip.cli.console import Console
 from fingertip.cli.options import SetOption, VerboseOption, command, find_file_issues, load_design, refuse
-from fingertip.foundation.errors import DesignError, Issue
+from fingertip.foundation.errors import DesignError, Issue, gather
 
 if TYPE_CHECKING:
     from fingertip.cad.verification.check import Check
@@ -31,7 +31,8 @@ def check(
     designs: Annotated[
         list[Path],
         typer.Argument(
-            metavar="DESIGN", help="Design files or bundled names; or folders, to compare with their manifests."
+            metavar="DESIGN",
+            help="Files or bundled names of designs and sets; or folders, to compare with their manifests.",
         ),
     ],
     tolerance_mm: Annotated[
@@ -117,24 +118,29 @@ def _check_designs(
 def _load(files: Sequence[Path], changes: Sequence[str], console: Console) -> dict[str, Design]:
     """Load the designs by name, or by file where two have the same name (as files that leave the name out do)."""
     from fingertip.design.files import load_tables
+    from fingertip.design.finger_set import is_set, load_set
 
     load_tables((), changes)  # reports invalid changes once instead of once per file
-    loaded: dict[Path, Design] = {}
+    loaded: list[tuple[str, Design]] = []
     issues: list[Issue] = []
     for file in dict.fromkeys(files):
-        try:
-            loaded[file] = load_design(file, changes, console)
-        except DesignError as error:
-            issues += (
-                issue if issue.field == str(file) else Issue(f"{file}: {issue.field}", issue.message)
-                for issue in error.issues
-            )
+        found: list[Issue] = []
+        with gather(found):
+            if is_set(file):
+                loaded += ((file.as_posix(), form.design) for form in load_set(file, changes).forms)
+            else:
+                loaded.append((file.as_posix(), load_design(file, changes, console)))
+        issues += (
+            issue if issue.field == str(file) else Issue(f"{file}: {issue.field}", issue.message) for issue in found
+        )
     if issues:
         raise DesignError(issues)
-    names = [design.name for design in loaded.values()]
-    return {
-        design.name if names.count(design.name) == 1 else file.as_posix(): design for file, design in loaded.items()
-    }
+    names = [design.name for _, design in loaded]
+    labels = [
+        design.name if names.count(design.name) == 1 else f"{file}: {design.name}" if is_set(file) else file
+        for file, design in loaded
+    ]
+    return dict(zip(labels, (design for _, design in loaded), strict=True))
 
 
 def _format_table(label: str, checks: Sequence[Check], verbose: bool) -> str:

@@ -231,7 +231,7 @@ def params(
 
 # Commands `fingertip schema` and `fingertip completion`, for editors and shells.
 
-KINDS = ("design", "scene", "manipulation", "surface", "sweep")
+KINDS = ("design", "set", "scene", "manipulation", "surface", "sweep")
 """Kinds of TOML files that have a schema."""
 
 
@@ -256,6 +256,10 @@ def make_schema(kind: str) -> dict[str, Any]:
         from fingertip.design.files import json_schema
 
         found = json_schema()
+    elif kind == "set":
+        from fingertip.design.finger_set import SetFile
+
+        found = SetFile.model_json_schema()
     elif kind == "scene":
         from fingertip.sim import SceneFile
 

@@ -7,6 +7,7 @@ import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+from fingertip.catalogues.output_files import PART_FILES, SET_FILES, SET_PRINTS
 from fingertip.foundation.errors import InputFileError, Issue, OutputError
 from fingertip.foundation.input_files import OUTPUT_LIMIT, read_input
 from fingertip.foundation.output_set.swap import find_output_folder, is_folder, lock, read_plan, staging_folder
@@ -14,8 +15,8 @@ from fingertip.foundation.output_set.writer import MANIFEST, Manifest, hash_file
 
 _OF_ONE_DESIGN = ("parts", "print", "steps", "board", "fabrication", "signal", "firmware")
 """Kinds of sets in the folder of a design, which belong together if they were made from the same parameters."""
-_MAX_DEPTH = 4
-"""Depth of the folders that are looked at: from `out`, that of the models of a design's board."""
+_MAX_DEPTH = 5
+"""Depth of the folders that are looked at: from `out`, that of the models of a board in a set of fingers."""
 _MAX_ENTRIES = 50_000
 """Maximum number of files and folders in them."""
 _COMMANDS = {
@@ -23,7 +24,7 @@ _COMMANDS = {
     "signal": ("make DESIGN", 1), "board": ("board DESIGN", 0), "fabrication": ("board DESIGN --fab", 1),
     "models": ("board DESIGN", 2), "firmware": ("firmware DESIGN", 0), "coupon": ("coupon DESIGN", 0),
     "validation": ("validate DESIGN", 0), "sweep report": ("sweep --show", 0), "benchmark": ("bench solvers", 0),
-    "slip benchmark": ("bench slip", 0),
+    "slip benchmark": ("bench slip", 0), "set": ("make SET", 0), "set prints": ("make SET", 1),
 }  # fmt: skip
 """Kind of a set -> command that writes it, and how many folders above the set the one is that the command names."""
 
@@ -121,11 +122,23 @@ def _compare(folder: Path) -> tuple[int, list[str]]:
                     issues.append(Issue(str(path), "was changed after it was written."))
             except InputFileError as error:
                 issues += error.issues if os.path.lexists(path) else [Issue(str(path), "is missing.")]
-    top = found.get(folder)
     for place, manifest in found.items():
-        if top and manifest.kind in _OF_ONE_DESIGN and manifest.parameters != top.parameters:
-            issues.append(Issue(str(place), f"was made from other parameters than {folder}; make both again."))
+        owner = _find_owner(place, folder, found)
+        if owner and manifest.parameters != found[owner].parameters:
+            issues.append(Issue(str(place), f"was made from other parameters than {owner}; make both again."))
     return sum(len(manifest.files) for manifest in found.values()), [str(issue) for issue in issues]
+
+
+def _find_owner(place: Path, folder: Path, found: Mapping[Path, Manifest]) -> Path | None:
+    """Find the set whose parameters another one must have: that of its design, or of its fingers; None without."""
+    kind = found[place].kind
+    if kind not in _OF_ONE_DESIGN and kind != SET_PRINTS.kind:
+        return None
+    wanted = SET_FILES.kind if kind == SET_PRINTS.kind else PART_FILES.kind
+    owners = [other for other in place.parents if other in found and found[other].kind == wanted]
+    if owners:
+        return owners[0]
+    return folder if folder in found and found[folder].kind != SET_FILES.kind else None
 
 
 def _describe_unfinished(path: Path, place: Path, found: Mapping[Path, Manifest]) -> Issue:

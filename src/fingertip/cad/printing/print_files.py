@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import islice, product
 
 from fingertip.cad.files import stl
 from fingertip.cad.files.threemf import Item, write_items
 from fingertip.cad.kernel.mesh import Mesh
-from fingertip.cad.printing.orientations import print_orientations, supports_by_part
-from fingertip.cad.printing.overhang import bed_pose
+from fingertip.cad.printing.orientations import Orientation, Supports, print_orientations, supports_by_part
+from fingertip.cad.printing.overhang import Pose, bed_pose
 from fingertip.cad.printing.settings import PLATE_KINDS, SLA, PlateKind, describe_part, slicer_settings
-from fingertip.catalogues.print_materials import PRINT_MATERIALS
+from fingertip.catalogues.print_materials import PRINT_MATERIALS, PrintMaterial
 from fingertip.design import Design
+from fingertip.design.parameters import Printer
 
 _ROUNDING_MM = 1e-6
 """Overlap that counts as none [mm]."""
+_TURNS_TRIED = 256
+"""Number of combinations of turns that are tried at most: all those of eight parts."""
 _SHIFT_DIGITS = 3
 """Decimals of the shift to the middle of the bed [mm]."""
 
@@ -48,7 +51,7 @@ def arrange(footprints: Mapping[str, tuple[float, float]], bed: tuple[float, flo
     # Large parts come first. Turns are tried from none to all, until everything lies on one plate.
     names = sorted(footprints, key=lambda name: (-footprints[name][0] * footprints[name][1], name))
     best: list[list[Placed]] = []
-    for turns in product((False, True), repeat=len(names)):
+    for turns in islice(product((False, True), repeat=len(names)), _TURNS_TRIED):
         plates: list[list[Placed]] = []
         for name, is_turned in zip(names, turns, strict=True):
             width, depth = footprints[name][::-1] if is_turned else footprints[name]
@@ -114,28 +117,67 @@ def parts_on_plates(design: Design, kind: PlateKind) -> tuple[str, ...]:
     return tuple(name for name in print_orientations(design) if name not in ("bone", "lid") or bone_holds)
 
 
+@dataclass(frozen=True)
+class Piece:
+    """Part to print, with a name of its own on the plates."""
+
+    name: str
+    part: str
+    mesh: Mesh
+    encoded: str
+    pose: Pose
+    lies: Orientation
+    stands: Supports
+    kinds: tuple[PlateKind, ...]
+    material: PrintMaterial
+
+    def place(self, kind: PlateKind, placed: Placed) -> Item:
+        """Place the part on a plate, with its settings for a slicer."""
+        pose = (self.pose.turned() if placed.is_turned else self.pose).on_bed(self.mesh, placed.x, placed.y)
+        settings = slicer_settings(kind, self.part, self.lies, self.stands)
+        note = describe_part(kind, self.part, self.lies, self.stands, self.material)
+        return Item(self.name, self.encoded, note, pose.rotation, pose.shift, settings)
+
+
+def list_pieces(design: Design, meshes: Mapping[str, Mesh], encoded: Mapping[str, str]) -> dict[str, Piece]:
+    """List the printed parts of a design by their names."""
+    supports, material = supports_by_part(design), PRINT_MATERIALS[design.strength.print_material]
+    on_plates = {kind: parts_on_plates(design, kind) for kind in PLATE_KINDS}
+    return {
+        name: Piece(
+            name, name, meshes[name], encoded[name], bed_pose(meshes[name], lies.rotate_x_deg), lies, supports[name],
+            tuple(kind for kind in PLATE_KINDS if name in on_plates[kind]), material,
+        )
+        for name, lies in print_orientations(design).items()
+    }  # fmt: skip
+
+
+def make_plates(title: str, printer: Printer, pieces: Iterable[Piece]) -> PrintFiles:
+    """Arrange parts on the plates of each kind, on as few as a simple search finds."""
+    contents, plates, every = {}, {}, tuple(pieces)
+    for kind in PLATE_KINDS:
+        named = {piece.name: piece for piece in every if kind in piece.kinds}
+        footprints = {name: piece.pose.size(piece.mesh)[:2] for name, piece in named.items()}
+        arranged = arrange(footprints, (printer.bed_x_mm, printer.bed_y_mm), kind.gap_mm)
+        for file, plate in zip(kind.file_names(len(arranged)), arranged, strict=True):
+            items = [named[placed.name].place(kind, placed) for placed in plate]
+            contents[file] = write_items(f"{title} {file.removesuffix('.3mf')}", items)
+            plates[file] = tuple(placed.name for placed in plate)
+    return PrintFiles(contents, plates)
+
+
 def make_print_files(
     design: Design, meshes: Mapping[str, Mesh], encoded: Mapping[str, str], with_stl: bool
 ) -> PrintFiles:
     """Make the files of the printed parts; plates only if all parts are there, so that none leaves out a part."""
     orientations = print_orientations(design)
-    poses = {name: bed_pose(meshes[name], lies.rotate_x_deg) for name, lies in orientations.items() if name in meshes}
-    contents, plates = {}, {}
+    contents = {}
     if with_stl:
-        contents = {f"{name}.stl": stl.to_bytes(pose.apply(meshes[name]), name) for name, pose in poses.items()}
-    if set(orientations) <= set(encoded):
-        supports, material = supports_by_part(design), PRINT_MATERIALS[design.strength.print_material]
-        for kind in PLATE_KINDS:
-            footprints = {name: poses[name].size(meshes[name])[:2] for name in parts_on_plates(design, kind)}
-            arranged = arrange(footprints, (design.printer.bed_x_mm, design.printer.bed_y_mm), kind.gap_mm)
-            for file, plate in zip(kind.file_names(len(arranged)), arranged, strict=True):
-                items = []
-                for part in plate:
-                    stands, lies, pose = supports[part.name], orientations[part.name], poses[part.name]
-                    pose = (pose.turned() if part.is_turned else pose).on_bed(meshes[part.name], part.x, part.y)
-                    settings = slicer_settings(kind, part.name, lies, stands)
-                    note = describe_part(kind, part.name, lies, stands, material)
-                    items.append(Item(part.name, encoded[part.name], note, pose.rotation, pose.shift, settings))
-                contents[file] = write_items(f"{design.name} {file.removesuffix('.3mf')}", items)
-                plates[file] = tuple(part.name for part in plate)
-    return PrintFiles(contents, plates)
+        for name, lies in orientations.items():
+            if name in meshes:
+                mesh = bed_pose(meshes[name], lies.rotate_x_deg).apply(meshes[name])
+                contents[f"{name}.stl"] = stl.to_bytes(mesh, name)
+    if not set(orientations) <= set(encoded):
+        return PrintFiles(contents, {})
+    arranged = make_plates(design.name, design.printer, list_pieces(design, meshes, encoded).values())
+    return PrintFiles({**contents, **arranged.contents}, arranged.plates)

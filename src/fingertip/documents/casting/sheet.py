@@ -247,10 +247,15 @@ def _silicone_data(silicone: Silicone) -> dict[str, Any]:
     }
 
 
+def round_component_g(component_g: float, total_g: float) -> float:
+    """Round the mass of a component [g] to what is weighed."""
+    return round(component_g, 2 if component_g < _SMALL_SHARE * total_g else 1)
+
+
 def _batch_data(design: Design, silicone: Silicone, volumes: SiliconeVolumes) -> dict[str, Any]:
     """Quantities of one mixture, and the number of mixtures: for the test of the cure, the skin and the patch."""
     batch = compute_batch(silicone, volumes.total_cm3, load_cm3(design))
-    a_g, b_g = (round(part_g, 2 if part_g < _SMALL_SHARE * batch.total_g else 1) for part_g in (batch.a_g, batch.b_g))
+    a_g, b_g = (round_component_g(part_g, batch.total_g) for part_g in (batch.a_g, batch.b_g))
     mixtures = 3 if design.dimensions.chaplet else 2
     # The component of which least is weighed.
     lighter = silicone.components[batch.b_g < batch.a_g]

@@ -1,0 +1,178 @@
+"""Set of fingers: a file that names a hand and its fingers, each by a design and what it changes in it.
+
+Fingers of equal parameters share their parts and one mold, so a set is also a list of distinct designs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import tomlkit
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from fingertip.catalogues.bundled import find_file
+from fingertip.catalogues.controllers import NAMES
+from fingertip.catalogues.file_kinds import DESIGN, SET, identify_kind, read_file
+from fingertip.design.files import load_tables
+from fingertip.design.model import Design
+from fingertip.design.new_design import find_hand
+from fingertip.design.parameters.declaration import issues_from_pydantic
+from fingertip.foundation.errors import DesignError, Issue, gather, join_words, quote_value
+from fingertip.foundation.input_files import is_safe_name
+
+
+class SetFile(BaseModel):
+    """Contents of a set file."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, title="fingertip set")
+
+    name: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", description="Name of the set and its output folder.")
+    side: Literal["left", "right"] = Field("right", description="Side of the hand; fingertips of both are alike.")
+    hand: str = Field("", description="File with the joint of the hand, or a bundled hand; empty for the designs' own.")
+    fingers: dict[str, dict[str, Any]] = Field(
+        description="Finger (thumb, index, middle, ring, little): design, a bundled name or a file beside this one, "
+        "and parameters that differ from it, such as skin.width_mm."
+    )
+
+
+@dataclass(frozen=True)
+class Form:
+    """Fingers of one design."""
+
+    design: Design
+    fingers: tuple[str, ...]
+
+    @property
+    def count(self) -> int:
+        return len(self.fingers)
+
+
+@dataclass(frozen=True)
+class FingerSet:
+    name: str
+    side: str
+    forms: tuple[Form, ...]
+    """Distinct designs, in the order of their first fingers; no two have one name."""
+
+    @property
+    def fingers(self) -> tuple[tuple[str, Form], ...]:
+        """Fingers from the thumb on, each with its form."""
+        found = {finger: form for form in self.forms for finger in form.fingers}
+        return tuple((finger, found[finger]) for finger in NAMES if finger in found)
+
+    def model_dump(self, *, mode: str) -> dict[str, Any]:
+        """Return all parameters, for the hash in a manifest."""
+        forms = [{"fingers": form.fingers, "design": form.design.model_dump(mode=mode)} for form in self.forms]
+        return {"name": self.name, "side": self.side, "forms": forms}
+
+
+def is_set(given: str | Path) -> bool:
+    """Tell whether a path or a bundled name is that of a set. Raises TomlFileError if it is that of nothing."""
+    return identify_kind(find_file(given, DESIGN, SET)) is SET
+
+
+def load_set(file: str | Path, changes: Sequence[str] = ()) -> FingerSet:
+    """Load a set. Changes such as "board.cutoff_hz=80" are made in all fingers. Raises DesignError, with all faults."""
+    path = find_file(file, SET)
+    try:
+        contents = SetFile(**read_file(path, SET))
+    except ValidationError as error:
+        raise DesignError(issues_from_pydantic(error, SetFile)) from None
+    load_tables((), changes)  # what is wrong with them is said once, not for each finger
+    issues: list[Issue] = []
+    if not contents.fingers:
+        issues.append(Issue("fingers", "is empty; give a table such as [fingers.index] with design = 'adult_finger'."))
+    for name in contents.fingers:
+        if name not in NAMES:
+            issues.append(Issue(f"fingers.{name}", f"is no finger; choose from {', '.join(NAMES)}."))
+    hand: dict[str, Any] = {}
+    with gather(issues):
+        hand = _load_hand(path, contents.hand)
+    designs: dict[str, Design] = {}
+    found: dict[Issue, list[str]] = {}
+    for name in (name for name in NAMES if name in contents.fingers):
+        of_finger: list[Issue] = []
+        with gather(of_finger):
+            designs[name] = _load_finger(path, contents.fingers[name], hand, changes)
+        for issue in of_finger:
+            found.setdefault(issue, []).append(name)
+    for issue, names in found.items():  # what is wrong in several fingers is said once
+        issues.append(Issue(f"fingers.{', '.join(names)}: {issue.field}", issue.message))
+    if not issues:
+        issues += _find_differences(designs)
+    if issues:
+        raise DesignError(issues)
+    return FingerSet(contents.name, contents.side, tuple(_name_forms(designs)))
+
+
+def _load_hand(path: Path, given: str) -> dict[str, Any]:
+    """Load the joint of the hand: a file beside the set, or a bundled one; nothing if none is named."""
+    if not given:
+        return {}
+    beside = _find_beside(path, "hand", given)
+    return load_tables([beside or find_hand(given)], (), below=path.parent if beside else None).tables
+
+
+def _find_beside(path: Path, field: str, given: str) -> Path | None:
+    """Find a file beside a set, which may come from a stranger; None if the name is a bundled one."""
+    if not is_safe_name(given):
+        problem = f"{quote_value(given)} is no name of a file beside the set, or of a bundled one"
+        raise DesignError(Issue(field, f"{problem}; put the file there."))
+    return path.parent / given if (path.parent / given).is_file() else None
+
+
+def _load_finger(path: Path, table: Mapping[str, Any], hand: Mapping[str, Any], changes: Sequence[str]) -> Design:
+    base = table.get("design")
+    if not isinstance(base, str):
+        raise DesignError(Issue("design", "is missing; name a design, such as design = 'adult_finger'."))
+    beside = _find_beside(path, "design", base)
+    own = {**hand, **{name: value for name, value in table.items() if name != "design"}}
+    typed = [f"{name}={tomlkit.item(value).as_string()}" for name, value in _list_values(own)]
+    loaded = load_tables([beside or base], [*typed, *changes], below=path.parent if beside else None)
+    return Design.from_tables(loaded.tables, loaded.before, loaded.changed)
+
+
+def _list_values(tables: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    for name, value in tables.items():
+        if isinstance(value, Mapping):
+            yield from ((f"{name}.{inner}", leaf) for inner, leaf in _list_values(value))
+        else:
+            yield name, value
+
+
+def _find_differences(designs: Mapping[str, Design]) -> Iterator[Issue]:
+    """Report what the fingers of a hand must share: interface, printer, and, but for the thumb, the joint."""
+    shared: tuple[tuple[str, str, Callable[[Design], object]], ...] = (
+        ("bone.interface", "interface", lambda design: design.bone.interface),
+        ("printer", "printer", lambda design: design.printer),
+        ("hand", "joint of the hand", lambda design: design.hand if design.dimensions.joint else None),
+    )
+    for field, what, read in shared:
+        groups: list[tuple[object, list[str]]] = []
+        for finger in (finger for finger in designs if field != "hand" or finger != "thumb"):
+            value = read(designs[finger])
+            fingers = next((fingers for known, fingers in groups if known == value), None)
+            if fingers is None:
+                groups.append((value, [finger]))
+            else:
+                fingers.append(finger)
+        if len(groups) > 1:
+            told = " / ".join(join_words(fingers) for _, fingers in groups)
+            remedy = f"give {field} the same value in all of them, or make a set of each"
+            yield Issue(field, f"is not the same {what} for {told}; {remedy}.")
+
+
+def _name_forms(designs: Mapping[str, Design]) -> Iterator[Form]:
+    """Group fingers of equal parameters; a form whose name another one has takes its first finger's besides."""
+    groups: dict[str, list[str]] = {}
+    for finger, design in designs.items():
+        groups.setdefault(repr(design.model_dump() | {"name": ""}), []).append(finger)
+    names = [designs[fingers[0]].name for fingers in groups.values()]
+    for fingers in groups.values():
+        design = designs[fingers[0]]
+        if names.count(design.name) > 1:
+            design = design.model_copy(update={"name": f"{design.name}_{fingers[0]}"[:40]})
+        yield Form(design, tuple(fingers))

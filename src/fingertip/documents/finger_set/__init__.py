@@ -1,0 +1,1 @@
+"""Sheets of a set of fingers: casting plan, parts list and acceptance."""

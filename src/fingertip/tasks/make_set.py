@@ -1,0 +1,223 @@
+"""Everything of a set of fingers: each form once, as `make` makes it, and what the fingers share.
+
+The folder of a form stands below that of the set, whose own files say how often each part is printed and each mold is
+filled. The forms are written one after the other, the files of the set last.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from fingertip.cad.files import threemf
+from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
+from fingertip.cad.printing.orientations import build_volume_excess, print_orientations
+from fingertip.cad.printing.overhang import bed_pose
+from fingertip.cad.printing.print_files import Piece, PrintFiles, list_pieces, make_plates
+from fingertip.cad.shapes.parts import PARTS, print_scale
+from fingertip.casting.quantities import measure_volumes
+from fingertip.casting.set_plan import Mold, plan_castings
+from fingertip.catalogues.output_files import BOARD, BOARD_FOLDER, PAGE, PRINT_FOLDER, SET_FILES, SET_PRINTS
+from fingertip.design import Design
+from fingertip.design.finger_set import FingerSet, Form
+from fingertip.design.geometry.solids import scaled
+from fingertip.documents.acceptance import acceptance_data
+from fingertip.documents.casting.sheet import casting_sheet_data
+from fingertip.documents.finger_set.sheets import (
+    PARTS_OF_A_FINGER,
+    FormSheets,
+    render_casting_plan,
+    render_overview,
+    render_parts_list,
+    render_set_acceptance,
+    set_data,
+    write_parts_csv,
+)
+from fingertip.foundation.errors import DesignError, Issue, OutputError
+from fingertip.foundation.input_files import find_link
+from fingertip.page.set_page import render_set_page
+from fingertip.tasks.board import BRING_UP_FILES, plan_board
+from fingertip.tasks.build import default_formats, parts_writer
+from fingertip.tasks.make import Made, make
+
+REPORT, OVERVIEW, PLAN, PARTS_LIST, ACCEPTANCE = (
+    "set.json",
+    "set.md",
+    "casting_plan.md",
+    "parts_list.md",
+    "acceptance.md",
+)
+_PARTS_CSV = "parts_list.csv"
+_FILES = (REPORT, OVERVIEW, PLAN, PARTS_LIST, _PARTS_CSV, ACCEPTANCE, PAGE)
+_COARSE_MM = 0.1
+_PICTURE_PX = 960
+
+
+@dataclass(frozen=True)
+class MadeSet:
+    folder: Path
+    forms: tuple[Made, ...]
+    board: tuple[Path, ...]
+    """Files of the board for all fingers; none if each finger keeps its own."""
+    data: dict[str, Any]
+
+    @property
+    def passed(self) -> bool:
+        return all(made.parts.passed for made in self.forms)
+
+
+def make_set(
+    fingers: FingerSet,
+    out: str | Path | None = None,
+    *,
+    formats: Iterable[str] | None = None,
+    force: bool = False,
+    progress: Callable[[str], None] = lambda message: None,
+) -> MadeSet:
+    """Make every form of a set in a folder of its own, and the prints, plan and sheets of the set.
+
+    Parameters
+    ----------
+    fingers
+        The set.
+    out
+        Output folder; `out/<set name>` if None.
+    formats
+        File formats of the parts, as for `make`. The plates of the set need "3mf".
+    force
+        Whether files may be overwritten that this function did not write, or that were changed since.
+    progress
+        Called with a message at each step.
+
+    Raises
+    ------
+    FingertipError
+        As `make` does for each form, or if a part is too large for the bed or a silicone thickens too soon. Nothing has
+        been written then, but for forms whose own files were complete.
+    """
+    folder = SET_FILES.folder(fingers) if out is None else Path(out)
+    formats = default_formats(progress) if formats is None else tuple(formats)
+    writer, print_writer = (
+        SET_FILES.writer(fingers, folder, force),
+        SET_PRINTS.writer(fingers, folder / PRINT_FOLDER, force, folder),
+    )
+    writer.check(_FILES)
+    print_writer.check(())
+    places = {form.design.name: folder / form.design.name for form in fingers.forms}
+    if issues := [Issue(str(link), "is a link; remove it.") for link in _find_links(folder, places.values())]:
+        raise OutputError(issues)
+    for form in fingers.forms:
+        parts_writer(form.design, places[form.design.name], force).check((PAGE, ACCEPTANCE))
+    board_design = _find_board(fingers)
+    if board_design:
+        BOARD.writer(board_design, folder / BOARD_FOLDER, force, folder).check(BRING_UP_FILES)
+    progress(f"{fingers.name}: looking at {len(fingers.forms)} forms of {len(fingers.fingers)} fingers")
+    _refuse_early(fingers)
+
+    forms: list[Made] = []
+    for number, form in enumerate(fingers.forms, 1):
+        label = f"{form.design.name} ({number} of {len(fingers.forms)})"
+
+        def tell(message: str, label: str = label) -> None:
+            progress(f"{label}: {message}")
+
+        forms.append(make(form.design, places[form.design.name], formats=formats, force=force, progress=tell))
+    prints = _arrange_prints(fingers, forms) if "3mf" in formats else PrintFiles({}, {})
+    sheets = [_collect(form, made) for form, made in zip(fingers.forms, forms, strict=True)]
+    plan = plan_castings([Mold.of_sheet(each.form.design, each.form.fingers, each.casting) for each in sheets])
+    board: tuple[Path, ...] = ()
+    if board_design:
+        progress("making the board of all fingers")
+        planned = plan_board(board_design, folder / BOARD_FOLDER, force=force, bring_up=True, top=folder)
+        board = planned.write(progress)
+    data = set_data(fingers, sheets, plan, prints.plates, BOARD_FOLDER if board else "")
+    pages = {
+        OVERVIEW: render_overview(data),
+        PLAN: render_casting_plan(data),
+        PARTS_LIST: render_parts_list(data),
+        ACCEPTANCE: render_set_acceptance(data),
+    }
+    titles = dict(zip(("Overview", "Casting plan", "Parts list", "Acceptance"), pages.values(), strict=True))
+    pictures = {
+        form.design.name: (", ".join(form.fingers), made.parts.plot(_PICTURE_PX).png)
+        for form, made in zip(fingers.forms, forms, strict=True)
+    }
+    contents = {name: text.encode() for name, text in pages.items()}
+    contents[_PARTS_CSV] = write_parts_csv(data)
+    contents[REPORT] = (json.dumps(data, indent=2, allow_nan=False) + "\n").encode()
+    contents[PAGE] = render_set_page(fingers.name, pictures, titles)
+    print_writer.write(prints.contents)
+    writer.write(contents)
+    progress(f"{len(contents)} files in {folder}")
+    return MadeSet(folder, tuple(forms), board, data)
+
+
+def _find_links(folder: Path, places: Iterable[Path]) -> Iterator[Path]:
+    """Find forms' folders that are links: a folder may come from a stranger, and they may lead anywhere."""
+    return (link for place in places if (link := find_link(folder, place)))
+
+
+def _find_board(fingers: FingerSet) -> Design | None:
+    """Find the design of one board for all fingers; None if their boards differ or cannot be put on one."""
+    designs = [form.design for form in fingers.forms]
+    first, count = designs[0], len(fingers.fingers)
+    if count < 2 or any(design.board != first.board for design in designs):
+        return None
+    board = first.board.model_copy(update={"channels": count})
+    try:
+        return Design(**first.model_dump() | {"name": fingers.name, "board": board.model_dump()})
+    except DesignError:  # another variant than that of the board for several fingers
+        return None
+
+
+def _refuse_early(fingers: FingerSet) -> None:
+    """Refuse what a set can be refused for, before the work starts. Raises DesignError."""
+    issues, evaluator = list[Issue](), MeshEvaluator(_COARSE_MM)
+    for form in fingers.forms:
+        design = form.design
+        for name in print_orientations(design):
+            mesh = evaluator.mesh(scaled(PARTS[name].solid(design), print_scale(design, PARTS[name])))
+            if (excess := build_volume_excess(design, name, mesh)) > 0.0:
+                text = f"{name} of {design.name} exceeds the build volume by {excess:.1f} mm"
+                issues.append(Issue("printer.bed_x_mm", f"{text}; {_name_larger_bed(design, name, mesh)}."))
+    if issues:
+        raise DesignError(issues)
+    molds = []
+    for form in fingers.forms:
+        volumes = measure_volumes(form.design, evaluator)
+        sheet = casting_sheet_data(form.design, volumes, form.design.silicone.material)
+        molds.append(Mold.of_sheet(form.design, form.fingers, sheet))
+    plan_castings(molds)
+
+
+def _name_larger_bed(design: Design, part: str, mesh: Mesh) -> str:
+    size = bed_pose(mesh, print_orientations(design)[part].rotate_x_deg).size(mesh)
+    short, long = sorted(size[:2])
+    beds = sorted(
+        (("bed_x_mm", design.printer.bed_x_mm), ("bed_y_mm", design.printer.bed_y_mm)), key=lambda bed: bed[1]
+    )
+    needed = [(*beds[0], short), (*beds[1], long), ("bed_z_mm", design.printer.bed_z_mm, size[2])]
+    changes = [f"--set printer.{name}={math.ceil(least + 0.1)}" for name, has, least in needed if least > has]
+    return f"it fits with {' '.join(changes)}"
+
+
+def _arrange_prints(fingers: FingerSet, forms: Iterable[Made]) -> PrintFiles:
+    """Arrange the bones of all fingers, and the tools of each form once, on plates."""
+    pieces: list[Piece] = []
+    for form, made in zip(fingers.forms, forms, strict=True):
+        meshes = {part.part.name: part.mesh for part in made.parts.parts if part.part.is_printed}
+        encoded = {name: threemf.encode_mesh(mesh) for name, mesh in meshes.items()}
+        for name, piece in list_pieces(form.design, meshes, encoded).items():
+            owners = form.fingers if name in PARTS_OF_A_FINGER else (form.design.name,)
+            pieces += (replace(piece, name=f"{name} {owner}") for owner in owners)
+    return make_plates(fingers.name, fingers.forms[0].design.printer, pieces)
+
+
+def _collect(form: Form, made: Made) -> FormSheets:
+    assert made.parts.casting is not None, "all parts are built"
+    volumes = {part.part.name: part.mesh.volume() / 1000.0 for part in made.parts.parts}
+    return FormSheets(form, made.parts.casting, acceptance_data(form.design, made.detection.detection), volumes)

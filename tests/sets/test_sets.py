@@ -1,0 +1,358 @@
+"""Sets of fingers: files, castings, plates, and what is added up over the fingers."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fingertip.cad.files import threemf
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.printing.orientations import build_volume_excess
+from fingertip.cad.printing.print_files import list_pieces, make_plates
+from fingertip.cad.shapes.parts import PARTS, parts_by_name
+from fingertip.casting.hardware import bill_of_materials
+from fingertip.casting.quantities import compute_batch, measure_volumes
+from fingertip.casting.set_plan import CHANGE_S, Mold, plan_castings
+from fingertip.catalogues.controllers import NAMES
+from fingertip.design import Design
+from fingertip.design.finger_set import FingerSet, Form, load_set
+from fingertip.documents.acceptance import acceptance_data
+from fingertip.documents.casting.sheet import casting_sheet_data
+from fingertip.documents.finger_set.sheets import (
+    FormSheets,
+    render_casting_plan,
+    render_overview,
+    render_parts_list,
+    render_set_acceptance,
+    set_data,
+    write_parts_csv,
+)
+from fingertip.foundation.errors import DesignError, FingertipError
+from fingertip.tasks.make_set import _find_board
+from tests.approved import check_text
+from tests.conftest import design_file, run_fingertip
+from tests.documents.test_approved import APPROVED, DESIGNS
+
+FINGER, THUMB = Design.load("adult_finger"), Design.load("adult_thumb")
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def write_set(folder: Path, text: str) -> Path:
+    path = folder / "mine.toml"
+    path.write_text(text)
+    return path
+
+
+# Files
+
+
+def test_fingers_of_equal_parameters_are_one_form_and_changes_are_made_in_all() -> None:
+    found = load_set("adult_hand", ["board.cutoff_hz=80"])
+    assert [(form.design.name, form.fingers) for form in found.forms] == [
+        ("adult_thumb", ("thumb",)),
+        ("adult_finger", ("index", "middle", "ring", "little")),
+    ]
+    assert [name for name, _ in found.fingers] == list(NAMES)
+    assert {form.design.board.cutoff_hz for form in found.forms} == {80.0}
+    assert found.forms[1].design.skin == FINGER.skin
+
+
+def test_a_finger_may_differ_from_its_design_and_forms_of_one_design_have_names_of_their_own(folder: Path) -> None:
+    (folder / "own.toml").write_text('name = "own"\nskin.width_mm = 17\n')
+    text = 'name = "mine"\nside = "left"\n'
+    for finger, more in (("little", "skin.taper_ratio = 0.95"), ("index", ""), ("ring", "")):
+        text += f'[fingers.{finger}]\ndesign = "adult_finger"\n{more}\n'
+    found = load_set(write_set(folder, text))
+    assert [(form.design.name, form.fingers) for form in found.forms] == [
+        ("adult_finger_index", ("index", "ring")),
+        ("adult_finger_little", ("little",)),
+    ]
+    assert [form.design.skin.taper_ratio for form in found.forms] == [0.94, 0.95]
+    assert found.side == "left"
+    (form,) = load_set(write_set(folder, 'name = "one"\n[fingers.index]\ndesign = "own.toml"\n')).forms
+    assert (form.design.name, form.design.skin.width_mm) == ("own", 17.0)
+
+
+def test_everything_that_is_wrong_is_said_at_once(folder: Path) -> None:
+    text = 'name = "mine"\n[fingers.toe]\ndesign = "adult_finger"\n[fingers.thumb]\n'
+    text += '[fingers.index]\ndesign = "../secret.toml"\n'
+    for finger in ("ring", "little"):
+        text += f'[fingers.{finger}]\ndesign = "adult_finger"\nskin.width_mm = 5\n'
+    with pytest.raises(DesignError) as caught:
+        load_set(write_set(folder, text))
+    fields = [issue.field for issue in caught.value.issues]
+    assert fields == [
+        "fingers.toe", "fingers.thumb: design", "fingers.index: design", "fingers.ring, little: skin.width_mm",
+    ]  # fmt: skip
+    assert "put the file there" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("finger", "field", "told"),
+    [
+        ('design = "youth_finger"', "hand", "not the same joint of the hand for index / ring"),
+        ('design = "fsr400"', "bone.interface", "not the same interface for index / ring"),
+        ('design = "adult_finger"\nprinter.bed_x_mm = 200', "printer", "not the same printer for index / ring"),
+    ],
+)
+def test_fingers_of_a_hand_share_joint_interface_and_printer(folder: Path, finger: str, field: str, told: str) -> None:
+    text = f'name = "mine"\n[fingers.index]\ndesign = "adult_finger"\n[fingers.ring]\n{finger}\n'
+    with pytest.raises(DesignError) as caught:
+        load_set(write_set(folder, text))
+    assert (field, True) in [(issue.field, told in issue.message) for issue in caught.value.issues]
+    if field == "hand":  # a thumb has a joint of its own
+        assert len(load_set(write_set(folder, text.replace("ring", "thumb"))).forms) == 2
+
+
+def test_a_hand_gives_every_finger_its_joint(folder: Path) -> None:
+    (folder / "joint.toml").write_text("[hand]\nwidth_mm = 6.4\n")
+    text = 'name = "mine"\nhand = "joint.toml"\n[fingers.thumb]\ndesign = "adult_finger"\n'
+    (form,) = load_set(write_set(folder, text + '[fingers.index]\ndesign = "adult_finger"\n')).forms
+    assert (form.count, form.design.hand.width_mm) == (2, 6.4)
+    (folder / "joint.toml").unlink()
+    (folder / "joint.toml").symlink_to("/etc/hostname")
+    with pytest.raises(FingertipError, match="link"):
+        load_set(write_set(folder, text))
+
+
+# Castings
+
+
+def make_mold(design: Design, fingers: tuple[str, ...], fill_s: float = 60.0) -> Mold:
+    return Mold(design, fingers, 2.5, 3.6, fill_s)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(st.tuples(st.integers(1, 5), st.floats(1.0, 600.0)), min_size=1, max_size=5))
+def test_every_finger_is_cast_once_and_no_cup_thickens(forms: list[tuple[int, float]]) -> None:
+    molds = [
+        make_mold(FINGER, tuple(f"{number} {finger}" for finger in range(count)), fill_s)
+        for number, (count, fill_s) in enumerate(forms)
+    ]
+    plan = plan_castings(molds)
+    castings = [casting for cup in plan.cups for casting in cup.castings]
+    assert sorted(casting.finger for casting in castings) == sorted(name for mold in molds for name in mold.fingers)
+    assert len(plan.rounds) == max(count for count, _ in forms)
+    for cups in plan.rounds:
+        used = [id(casting.mold) for cup in cups for casting in cup.castings]
+        assert len(set(used)) == len(used), "a mold holds one casting at a time"
+        for cup, after in zip(cups, [*cups[1:], None], strict=True):
+            fills = [casting.mold.fill_s for casting in cup.castings]
+            assert cup.fill_s == pytest.approx(sum(fills) + CHANGE_S * (len(fills) - 1))
+            assert cup.fill_s <= cup.silicone.filling_limit_s
+            if after:  # no cup more than needed, as far as the order goes
+                assert cup.fill_s + CHANGE_S + after.castings[0].mold.fill_s > cup.silicone.filling_limit_s
+            assert cup.batch == compute_batch(cup.silicone, 2.5 * len(fills), 3.6 * len(fills))
+
+
+def test_one_finger_cures_as_long_as_its_casting_sheet_says_and_takes_as_much() -> None:
+    sheet = casting_sheet_data(FINGER, measure_volumes(FINGER, MeshEvaluator(0.1)), FINGER.silicone.material)
+    plan = plan_castings([Mold.of_sheet(FINGER, ("index",), sheet)])
+    waits = [row["wait"] for row in sheet["plan"] if "cure of the silicone" in row["wait"]]
+    assert plan.cure_h == sum(float(wait.split()[-2]) for wait in waits) == 72.0
+    mixed_g = sum(batch.total_g for _, batch in plan.mixtures)
+    assert mixed_g == pytest.approx(sheet["batch"]["mixtures"] * sheet["batch"]["total_g"])
+
+
+def test_silicones_do_not_share_a_cup_and_one_that_thickens_too_soon_is_refused() -> None:
+    other = FINGER.with_silicone("dragon_skin_30")
+    plan = plan_castings([make_mold(FINGER, ("index", "ring")), make_mold(other, ("thumb",))])
+    assert [len(cups) for cups in plan.rounds] == [2, 1]
+    assert plan.cure_h == 24.0 * 4
+    with pytest.raises(DesignError, match=r"silicone\.product: addition_40a must fill the mold of adult_finger within"):
+        plan_castings([make_mold(FINGER, ("index",), 601.0)])
+
+
+# Sums
+
+
+def make_sheets(design: Design, fingers: tuple[str, ...], delay_s: float | None = 0.01) -> FormSheets:
+    """Sheets of a form, from coarse meshes."""
+    evaluator = MeshEvaluator(0.2)
+    casting = casting_sheet_data(design, measure_volumes(design, evaluator), design.silicone.material)
+    parts = [name for name, part in parts_by_name(design).items() if part.is_printed or name == "skin"]
+    volumes = {name: evaluator.mesh(PARTS[name].solid(design)).volume() / 1000 for name in parts}
+    score = SimpleNamespace(delays_s=(delay_s,))
+    detection: Any = SimpleNamespace(detector="fast", memory_s=0.1, score=score)
+    return FormSheets(Form(design, fingers), casting, acceptance_data(design, detection), volumes)
+
+
+def collect_data(name: str, sheets: list[FormSheets], board: str) -> dict[str, Any]:
+    fingers = FingerSet(name, "right", tuple(each.form for each in sheets))
+    plan = plan_castings([Mold.of_sheet(each.form.design, each.form.fingers, each.casting) for each in sheets])
+    return set_data(fingers, sheets, plan, {"plate_sla.3mf": ("bone thumb",)}, board)
+
+
+@pytest.fixture(scope="module")
+def sheets() -> list[FormSheets]:
+    return [make_sheets(THUMB, NAMES[:1]), make_sheets(FINGER, NAMES[1:])]
+
+
+@pytest.fixture(scope="module")
+def data(sheets: list[FormSheets]) -> dict[str, Any]:
+    return collect_data("hand", sheets, "board")
+
+
+def test_the_sheets_of_a_set_are_the_approved_ones(data: dict[str, Any]) -> None:
+    """Those of a hand, and those of a single finger that is poured, and of two in silicones that share no cup."""
+    file, changes, _, _ = DESIGNS["poured"]
+    poured = Design.load(design_file(file), changes=[*changes.split(), "silicone.product=mold_star_30"])
+    other = FINGER.with_silicone("dragon_skin_30").model_copy(update={"name": "soft"})
+    pair = [make_sheets(FINGER, ("index",), None), make_sheets(other, ("ring",), None)]
+    every = {"hand": data, "poured": collect_data("poured", [make_sheets(poured, ("index",))], ""),
+             "pair": collect_data("pair", pair, "")}  # fmt: skip
+    for name, found in every.items():
+        assert json.loads(json.dumps(found)) == found
+        pages = {"overview": render_overview, "plan": render_casting_plan, "parts": render_parts_list,
+                 "acceptance": render_set_acceptance}  # fmt: skip
+        for page, render in pages.items():
+            check_text(APPROVED / f"set_{name}_{page}.md", render(found))
+
+
+def test_sums_of_a_set_are_those_of_its_fingers(sheets: list[FormSheets], data: dict[str, Any]) -> None:
+    thumb, finger = sheets
+    printed = {
+        each.form.design.name: sum(v for name, v in each.volumes_cm3.items() if name.startswith("mold"))
+        + each.form.count * (each.volumes_cm3["bone"] + each.volumes_cm3["lid"])
+        for each in sheets
+    }
+    totals = data["totals"]
+    assert totals["printed_cm3"] == pytest.approx(sum(printed.values()), abs=0.005)
+    cast = thumb.casting["volumes_cm3"]["total"] + 4 * finger.casting["volumes_cm3"]["total"]
+    assert totals["cast_cm3"] == pytest.approx(cast, abs=0.005)
+    assert (totals["fingers"], totals["molds"], totals["castings"], totals["mixtures"]) == (5, 2, 5, 6)
+    cups = [cup for cups in data["plan"]["rounds"] for cup in cups]
+    mixtures = [*cups, *data["plan"]["tests"], *data["plan"]["patches"]]
+    mixed_g = sum(mass for mixture in mixtures for mass in mixture["components_g"].values())
+    assert totals["silicone_g"] == {FINGER.silicone.material.label: pytest.approx(mixed_g, abs=0.1)}
+    assert totals["cure_h"] == 144.0
+
+
+def test_the_parts_list_adds_up_the_bills_of_the_fingers(sheets: list[FormSheets], data: dict[str, Any]) -> None:
+    thumb, finger = (
+        {entry["item"]: entry["count"] for entry in bill_of_materials(each.form.design)} for each in sheets
+    )
+    found: dict[str, int] = {}
+    for part in data["parts"]:
+        found[part["item"]] = found.get(part["item"], 0) + part["count"]
+    for item in set(thumb) | set(finger):
+        each, once = thumb.get(item, 0) + 4 * finger.get(item, 0), thumb.get(item, 0) + finger.get(item, 0)
+        expected = {"mold bolt": once, "mold nut ": once, "chaplet s": once, "mold rele": 1, "calibrati": 2}
+        assert found[item] == expected.get(item[:9], each), item
+    rows = list(csv.DictReader(io.StringIO(write_parts_csv(data).decode())))
+    assert len(rows) == len(data["parts"]) + len(data["totals"]["silicone_g"])
+    assert {row["item"]: row["count"] for row in rows}["force-sensing resistor"] == "5"
+
+
+def test_the_plan_tells_each_round_and_what_is_patched_when(data: dict[str, Any]) -> None:
+    text = render_casting_plan(data)
+    assert text.count("## Round") == 4
+    assert text.count("Patch the holes of the screws in the fingers of the round before") == 3
+    first = text.partition("## Round 2")[0]
+    assert "| 1 | adult_thumb | thumb |" in first
+    assert "| 2 | adult_finger | index |" in first
+    assert "Patch" not in first.partition("## Round 1")[2]
+
+
+def test_plates_hold_every_bone_and_each_mold_once_without_overlap() -> None:
+    names = ("bone", "lid", "mold_palmar", "mold_dorsal")
+    meshes = {name: MeshEvaluator(0.2).mesh(PARTS[name].solid(FINGER)) for name in names}
+    pieces = list_pieces(FINGER, meshes, {name: threemf.encode_mesh(mesh) for name, mesh in meshes.items()})
+    many = [replace(pieces["bone"], name=f"bone {finger}") for finger in NAMES]
+    many += [replace(pieces["lid"], name=f"lid {finger}") for finger in NAMES]
+    many += [replace(pieces[name], name=f"{name} {number}") for name in names[2:] for number in range(3)]
+    made = make_plates("hand", FINGER.printer, many)
+    resin = [plate for file, plate in made.plates.items() if "sla" in file]
+    assert sorted(name for plate in resin for name in plate) == sorted(piece.name for piece in many)
+    bed = np.array([FINGER.printer.bed_x_mm, FINGER.printer.bed_y_mm])
+    for file, plate in made.plates.items():
+        boxes = []
+        for item in threemf.read_items(made.contents[file]):
+            placed = meshes[item.name.partition(" ")[0]].vertices @ item.rotation.T + np.array(item.shift)
+            boxes.append((placed.min(axis=0)[:2], placed.max(axis=0)[:2]))
+        assert len(boxes) == len(plate)
+        gap_mm = 2.5 if "sla" in file else 5.0
+        for i, (low, high) in enumerate(boxes):
+            assert (low >= -1e-3).all()
+            assert (high <= bed + 1e-3).all()
+            gaps = [np.maximum(low - other_high, other_low - high).max() for other_low, other_high in boxes[:i]]
+            assert min(gaps, default=gap_mm) >= gap_mm - 1e-3
+
+
+def test_boards_that_differ_or_cannot_be_shared_stay_apart() -> None:
+    def board_of(*changes: str, **other: str) -> Design | None:
+        designs = [Design.load("adult_thumb", changes=changes), Design.load("adult_finger", changes=changes)]
+        if other:
+            designs[1] = Design.load("adult_finger", changes=[*changes, *(f"{k}={v}" for k, v in other.items())])
+        forms = (Form(designs[0], NAMES[:1]), Form(designs[1], NAMES[1:3]))
+        return _find_board(FingerSet("hand", "right", forms))
+
+    found = board_of()
+    assert found is not None
+    assert (found.board.channels, found.name) == (3, "hand")
+    assert board_of(**{"board.cutoff_hz": "80"}) is None
+    assert board_of("board.variant=comparator") is None
+
+
+# Commands
+
+
+def test_a_bed_that_is_too_small_is_refused_before_work_with_a_remedy_that_holds(folder: Path) -> None:
+    done = run_fingertip("make", "adult_hand", "--set", "printer.bed_x_mm=30", "--quiet")
+    assert done.returncode == 2
+    assert not (folder / "out").exists()
+    remedy = done.stderr.splitlines()[0].rpartition("it fits with --set ")[2]
+    assert "mold_palmar of adult_thumb exceeds the build volume by" in done.stderr
+    thumb = Design.load("adult_thumb", changes=[remedy])
+    for name in ("mold_palmar", "mold_dorsal"):
+        assert -1.2 < build_volume_excess(thumb, name, MeshEvaluator(0.05).mesh(PARTS[name].solid(thumb))) <= 0.0
+
+
+def test_other_commands_name_those_that_take_a_set() -> None:
+    done = run_fingertip("build", "adult_hand")
+    assert done.returncode == 2
+    assert "adult_hand: is a set file, not a design file" in done.stderr
+    assert "`fingertip make` and `fingertip check` take a set file" in done.stderr
+
+
+@pytest.mark.full
+def test_a_set_is_made_whole_and_again_with_the_same_bytes(folder: Path) -> None:
+    text = 'name = "pair"\n'
+    for finger in ("index", "ring"):
+        text += f'[fingers.{finger}]\ndesign = "child_finger"\n'
+    write_set(folder, text)
+    done = run_fingertip("make", "mine.toml", "--formats", "stl,3mf", "--json", "--quiet")
+    assert done.returncode == 0, done.stderr
+    result = json.loads(done.stdout)
+    out = folder / "out/pair"
+    assert sorted(path.name for path in out.iterdir() if path.is_dir()) == ["board", "child_finger", "print"]
+    assert (result["totals"]["fingers"], result["totals"]["molds"]) == (2, 1)
+    plates = [name for file, parts in result["plates"].items() if "sla" in file for name in parts]
+    assert sorted(plates) == sorted(
+        ["bone index", "bone ring", "lid index", "lid ring", "mold_dorsal child_finger", "mold_palmar child_finger"]
+    )
+    assert "| ring | `child_finger` |" in (out / "acceptance.md").read_text()
+    assert run_fingertip("check", "out/pair").returncode == 0
+    before = {path: path.read_bytes() for path in out.rglob("*") if path.is_file()}
+    assert run_fingertip("make", "mine.toml", "--formats", "stl,3mf", "--quiet").returncode == 0
+    assert {path: path.read_bytes() for path in out.rglob("*") if path.is_file()} == before
+    (out / "casting_plan.md").write_text("mine\n")
+    done = run_fingertip("make", "mine.toml", "--formats", "stl,3mf", "--quiet")
+    assert done.returncode == 2
+    assert "casting_plan.md" in done.stderr
+    assert "casting_plan.md: was changed" in run_fingertip("check", "out/pair").stdout

@@ -107,12 +107,11 @@ def plan_castings(molds: Sequence[Mold]) -> CastingPlan:
     silicones = {mold.silicone.name: mold.silicone for mold in molds}
     patched = {mold.silicone.name: mold.silicone for mold in molds if mold.design.dimensions.chaplet}
     waits = [silicones, *({cup.silicone.name: cup.silicone for cup in cups} for cups in rounds), patched]
+    smallest = {name: (silicone, compute_batch(silicone, 0.0)) for name, silicone in silicones.items()}
     return CastingPlan(
         rounds,
-        *(
-            tuple((silicone, compute_batch(silicone, 0.0)) for silicone in each.values())
-            for each in (silicones, patched)
-        ),
+        tuple(smallest.values()),
+        tuple(smallest[name] for name in patched),
         sum(max((silicone.cure_h.high for silicone in each.values()), default=0.0) for each in waits),
     )
 

@@ -146,12 +146,13 @@ def _make_set(
     for form in made.forms:
         console.warn(form.detection.warnings)
     totals, lines = made.data["totals"], list[str]()
+    silicone_g = sum(totals["silicone_g"].values())
     for form in made.forms:
         lines += [f"{form.parts.folder}:", *(f"  {line}" for line in format_build(form.parts))]
     boards = "one board for all fingers" if made.board else "a board for each form"
     lines += [
         f"{totals['fingers']} fingers of {totals['molds']} forms: {totals['printed_cm3']:g} cm3 to print, "
-        f"{totals['castings']} castings, {sum(totals['silicone_g'].values()):g} g of silicone in {totals['mixtures']} mixtures, "
+        f"{totals['castings']} castings, {silicone_g:g} g of silicone in {totals['mixtures']} mixtures, "
         f"{totals['cure_h']:g} h to cure; {boards}",
         f"next: {made.folder / 'set.md'} says what to do; see: {made.folder / 'index.html'}",
     ]

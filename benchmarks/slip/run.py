@@ -15,6 +15,7 @@ from benchmarks.slip.recordings import Recording, count_held_out, draw_held_out,
 from benchmarks.slip.report import FILES, Report
 from benchmarks.slip.scores import measure
 from fingertip.design import Design
+from fingertip.detection.warnings import hum_warnings
 from fingertip.firmware.packaging import TABLE
 from fingertip.foundation import extras
 from fingertip.foundation.errors import FingertipError, Issue, gather
@@ -67,8 +68,13 @@ def read_options(
     return Source(folder, layout, competitors, share)
 
 
-def run(design: Design, source: Source, progress: Callable[[str], None]) -> Report:
-    """Read or draw the recordings, and run the detectors over them. Raises TraceError."""
+def run(
+    design: Design, source: Source, progress: Callable[[str], None], warn: Callable[[list[str]], None] = lambda _: None
+) -> Report:
+    """Read or draw the recordings, warn of hum in those of a folder, and run the detectors over them.
+
+    Raises TraceError.
+    """
     recordings: Iterable[Recording]
     if source.folder is None:
         title = f"Signals of benchmarks/held_out_signals.py, for the board of {design.name}"
@@ -77,6 +83,8 @@ def run(design: Design, source: Source, progress: Callable[[str], None]) -> Repo
     else:
         found = read_folder(source.folder) if source.layout is None else read_layout(source.layout, source.folder)
         title, recordings, count = found.title, found.recordings, len(found.recordings)
+        signals = [recording.signal for recording in recordings]
+        warn([f"{one.kind}: {text}" for one in signals for text in hum_warnings(one.voltage_v, one.rate_hz)])
     work = Work("bench slip", {"detectors": 1.0}, progress)
     work.begin("detectors")
     done = 0

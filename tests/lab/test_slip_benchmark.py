@@ -251,6 +251,16 @@ def test_the_command_compares_detectors_on_a_folder(tmp_path: Path) -> None:
     text = (tmp_path / "o/slip_bench.txt").read_text()
     assert "1 slips, 0.0 min without slip" in text
     assert "are too short to show 0.1 or 1 alarms a minute" in text
+    assert "warning" not in done.stderr
+
+
+def test_hum_in_a_recording_is_told_by_its_name(tmp_path: Path) -> None:
+    write_recording(tmp_path)
+    rows = np.loadtxt(tmp_path / "one.csv", delimiter=",", skiprows=1)
+    rows[:, 1] += 0.01 * np.sin(2 * np.pi * 50 * rows[:, 0])
+    np.savetxt(tmp_path / "one.csv", rows, fmt="%.6f", delimiter=",", header="time_s,voltage_v", comments="")
+    done = run_fingertip("bench", "slip", tmp_path, "--detectors", "cusum", "--out", tmp_path / "o")
+    assert "one.csv: hum of 7.1 mV RMS at 50 Hz" in done.stderr
 
 
 def test_an_own_detector_that_cannot_be_used_is_refused(tmp_path: Path) -> None:

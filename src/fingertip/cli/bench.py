@@ -108,7 +108,7 @@ def slip(
     source = read_options(recordings, layout, detectors, own, share)
     writer = SetWriter(out, "slip benchmark", "", hash_parameters([]))
     writer.check(FILES)
-    report = run(loaded, source, console.progress)
+    report = run(loaded, source, console.progress, console.warn)
     writer.write(dict(zip(FILES, report.encode(), strict=True)))
     console.progress(f"wrote {', '.join(FILES)} to {out}")
     console.result(report.as_data(), report.as_text())

@@ -38,7 +38,9 @@ from fingertip.documents.finger_set.sheets import (
     write_parts_csv,
 )
 from fingertip.foundation.errors import DesignError, FingertipError
+from fingertip.foundation.output_set import SetWriter
 from fingertip.tasks.make_set import _find_board
+from fingertip.tasks.verification import verify_sets
 from tests.approved import check_text
 from tests.conftest import design_file, run_fingertip
 from tests.documents.test_approved import APPROVED, DESIGNS
@@ -153,6 +155,7 @@ def test_every_finger_is_cast_once_and_no_cup_thickens(forms: list[tuple[int, fl
         assert len(set(used)) == len(used), "a mold holds one casting at a time"
         for cup, after in zip(cups, [*cups[1:], None], strict=True):
             fills = [casting.mold.fill_s for casting in cup.castings]
+            assert fills == sorted(fills, reverse=True)
             assert cup.fill_s == pytest.approx(sum(fills) + CHANGE_S * (len(fills) - 1))
             assert cup.fill_s <= cup.silicone.filling_limit_s
             if after:  # no cup more than needed, as far as the order goes
@@ -328,6 +331,26 @@ def test_other_commands_name_those_that_take_a_set() -> None:
     assert done.returncode == 2
     assert "adult_hand: is a set file, not a design file" in done.stderr
     assert "`fingertip make` and `fingertip check` take a set file" in done.stderr
+
+
+def test_a_set_is_compared_with_its_own_and_each_form_with_its_own(folder: Path) -> None:
+    def write(place: str, kind: str, parameters: str) -> None:
+        SetWriter(folder / place, kind, "", parameters).write({"a.csv": b"1"})
+
+    write("out", "set", "of the set")
+    write("out/print", "set prints", "of the set")
+    write("out/board", "board", "of the board")
+    write("out/index", "parts", "of the index")
+    write("out/index/print", "print", "of the index")
+    assert verify_sets(folder / "out") == (5, [])
+    write("out/index/signal", "signal", "of another")
+    write("out/print", "set prints", "of another")
+    _, found = verify_sets(folder / "out")
+    told = "was made from other parameters than"
+    assert sorted(found) == [
+        f"{folder}/out/index/signal: {told} {folder}/out/index; make both again.",
+        f"{folder}/out/print: {told} {folder}/out; make both again.",
+    ]
 
 
 @pytest.mark.full

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import groupby
+from itertools import accumulate, groupby
 from typing import Any
 
 from fingertip.casting.quantities import Batch, compute_batch
@@ -17,8 +17,10 @@ from fingertip.catalogues.silicones import Silicone
 from fingertip.design import Design
 from fingertip.foundation.errors import DesignError, Issue
 
-CHANGE_S = 120.0
-"""Time to take the next mold and load its syringe [s]. An assumption."""
+CHANGE_S = 180.0
+"""Time to prop up a filled mold, load the next syringe and take the next mold [s]. An assumption."""
+PATCH_CM3 = 0.5
+"""Silicone that patches the hole of a screw, with what stays in a small syringe [cm3]. An assumption."""
 
 
 @dataclass(frozen=True)
@@ -57,9 +59,15 @@ class Cup:
     """Silicone that is mixed at once, and the castings that it fills, in their order."""
 
     castings: tuple[Casting, ...]
+    patched: tuple[str, ...]
+    """Fingers of rounds before whose holes it patches after the castings."""
     batch: Batch
-    fill_s: float
-    """Time from the first filling to the end of the last one."""
+
+    @property
+    def full_s(self) -> tuple[float, ...]:
+        """Times from the first push to the end of each filling."""
+        ends = accumulate(casting.mold.fill_s + CHANGE_S for casting in self.castings)
+        return tuple(end - CHANGE_S for end in ends)
 
     @property
     def silicone(self) -> Silicone:
@@ -71,8 +79,8 @@ class CastingPlan:
     rounds: tuple[tuple[Cup, ...], ...]
     tests: tuple[tuple[Silicone, Batch], ...]
     """Mixtures for the test of the cure, one of each product."""
-    patches: tuple[tuple[Silicone, Batch], ...]
-    """Mixtures for the patches that no later cup of their product can fill."""
+    patches: tuple[tuple[Silicone, Batch, tuple[str, ...]], ...]
+    """Mixtures for the patches that no later cup of their product fills, with their fingers."""
     cure_h: float
     """Hours in which silicone cures: the test, each round, and the last patches."""
 
@@ -83,7 +91,8 @@ class CastingPlan:
     @property
     def mixtures(self) -> tuple[tuple[Silicone, Batch], ...]:
         """All mixtures in their order."""
-        return (*self.tests, *((cup.silicone, cup.batch) for cup in self.cups), *self.patches)
+        cups = ((cup.silicone, cup.batch) for cup in self.cups)
+        return (*self.tests, *cups, *((silicone, batch) for silicone, batch, _ in self.patches))
 
 
 def plan_castings(molds: Sequence[Mold]) -> CastingPlan:
@@ -99,34 +108,43 @@ def plan_castings(molds: Sequence[Mold]) -> CastingPlan:
     ]
     if issues:
         raise DesignError(issues)
-    count = max(len(mold.fingers) for mold in molds)
-    rounds = tuple(
-        tuple(_fill_cups([Casting(mold.fingers[i], mold) for mold in molds if i < len(mold.fingers)]))
-        for i in range(count)
-    )
+    rounds, unpatched = list[tuple[Cup, ...]](), dict[str, list[str]]()
+    for i in range(max(len(mold.fingers) for mold in molds)):
+        castings = [Casting(mold.fingers[i], mold) for mold in molds if i < len(mold.fingers)]
+        rounds.append(tuple(_fill_cups(castings, unpatched)))
+        for casting in castings:
+            if casting.mold.design.dimensions.chaplet:
+                unpatched.setdefault(casting.mold.silicone.name, []).append(casting.finger)
     silicones = {mold.silicone.name: mold.silicone for mold in molds}
-    patched = {mold.silicone.name: mold.silicone for mold in molds if mold.design.dimensions.chaplet}
-    waits = [silicones, *({cup.silicone.name: cup.silicone for cup in cups} for cups in rounds), patched]
-    smallest = {name: (silicone, compute_batch(silicone, 0.0)) for name, silicone in silicones.items()}
+    patches = tuple(
+        (silicones[name], compute_batch(silicones[name], PATCH_CM3 * len(fingers)), tuple(fingers))
+        for name, fingers in unpatched.items()
+    )
+    waits = [tuple(silicones.values()), *(tuple(cup.silicone for cup in cups) for cups in rounds)]
+    waits.append(tuple(silicone for silicone, _, _ in patches))
     return CastingPlan(
-        rounds,
-        tuple(smallest.values()),
-        tuple(smallest[name] for name in patched),
-        sum(max((silicone.cure_h.high for silicone in each.values()), default=0.0) for each in waits),
+        tuple(rounds),
+        tuple((silicone, compute_batch(silicone, 0.0)) for silicone in silicones.values()),
+        patches,
+        sum(max((silicone.cure_h.high for silicone in each), default=0.0) for each in waits),
     )
 
 
-def _fill_cups(castings: Sequence[Casting]) -> Iterator[Cup]:
-    """Fill the molds of a round from as few cups as their silicones and pot lives allow, the slowest mold first."""
+def _fill_cups(castings: Sequence[Casting], unpatched: dict[str, list[str]]) -> Iterator[Cup]:
+    """Fill the molds of a round from as few cups as their silicones and pot lives allow, the slowest mold first.
+
+    The first cup of a silicone also patches the fingers that wait for it, which are taken out of `unpatched`.
+    """
     by_silicone = sorted(castings, key=lambda casting: (casting.mold.silicone.name, -casting.mold.fill_s))
-    for _, group in groupby(by_silicone, key=lambda casting: casting.mold.silicone.name):
+    for name, group in groupby(by_silicone, key=lambda casting: casting.mold.silicone.name):
         waiting = list(group)
         while waiting:
             silicone, taken, elapsed_s = waiting[0].mold.silicone, list[Casting](), -CHANGE_S
             while waiting and elapsed_s + CHANGE_S + waiting[0].mold.fill_s <= silicone.filling_limit_s:
                 elapsed_s += CHANGE_S + waiting[0].mold.fill_s
                 taken.append(waiting.pop(0))
-            volume, load = (
-                sum(getattr(casting.mold, name) for casting in taken) for name in ("volume_cm3", "load_cm3")
-            )
-            yield Cup(tuple(taken), compute_batch(silicone, volume, load), elapsed_s)
+            patched = tuple(unpatched.pop(name, ()))
+            patch_cm3 = PATCH_CM3 * len(patched)
+            volume_cm3 = sum(casting.mold.volume_cm3 for casting in taken) + patch_cm3
+            loaded_cm3 = sum(casting.mold.load_cm3 for casting in taken) + patch_cm3
+            yield Cup(tuple(taken), patched, compute_batch(silicone, volume_cm3, loaded_cm3))

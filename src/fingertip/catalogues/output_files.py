@@ -60,6 +60,8 @@ STEPS = OutputSet("steps", STEPS_FOLDER)
 SET_FILES = OutputSet("set")
 SET_PRINTS = OutputSet("set prints", PRINT_FOLDER)
 """Plates of a set of fingers, whose forms have folders of their own."""
+SET_REPORT, OVERVIEW, CASTING_PLAN = "set.json", "set.md", "casting_plan.md"
+PARTS_LIST, PARTS_CSV, BOARD_DESIGN = "parts_list.md", "parts_list.csv", "board_design.toml"
 
 COUPON = OutputSet("coupon", "coupon")
 COUPON_READINGS, COUPON_SHEET, PLAN = "coupon_readings.toml", "coupon.md", "coupon.png"

@@ -13,16 +13,33 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from fingertip.board.circuits.channels import list_tactile_pins
 from fingertip.cad.files import threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.printing.orientations import build_volume_excess, print_orientations
 from fingertip.cad.printing.overhang import bed_pose
 from fingertip.cad.printing.print_files import Piece, PrintFiles, list_pieces, make_plates
 from fingertip.cad.shapes.parts import PARTS, print_scale
+from fingertip.cad.verification.check import count_checks, list_warnings
 from fingertip.casting.quantities import measure_volumes
 from fingertip.casting.set_plan import Mold, plan_castings
-from fingertip.catalogues.output_files import BOARD, BOARD_FOLDER, PAGE, PRINT_FOLDER, SET_FILES, SET_PRINTS
+from fingertip.catalogues.output_files import (
+    ACCEPTANCE,
+    BOARD,
+    BOARD_DESIGN,
+    BOARD_FOLDER,
+    CASTING_PLAN,
+    OVERVIEW,
+    PAGE,
+    PARTS_CSV,
+    PARTS_LIST,
+    PRINT_FOLDER,
+    SET_FILES,
+    SET_PRINTS,
+    SET_REPORT,
+)
 from fingertip.design import Design
+from fingertip.design.files import to_toml
 from fingertip.design.finger_set import FingerSet, Form
 from fingertip.design.geometry.solids import scaled
 from fingertip.documents.acceptance import acceptance_data
@@ -30,6 +47,7 @@ from fingertip.documents.casting.sheet import casting_sheet_data
 from fingertip.documents.finger_set.sheets import (
     PARTS_OF_A_FINGER,
     FormSheets,
+    SharedBoard,
     render_casting_plan,
     render_overview,
     render_parts_list,
@@ -44,15 +62,7 @@ from fingertip.tasks.board import BRING_UP_FILES, plan_board
 from fingertip.tasks.build import default_formats, parts_writer
 from fingertip.tasks.make import Made, make
 
-REPORT, OVERVIEW, PLAN, PARTS_LIST, ACCEPTANCE = (
-    "set.json",
-    "set.md",
-    "casting_plan.md",
-    "parts_list.md",
-    "acceptance.md",
-)
-_PARTS_CSV = "parts_list.csv"
-_FILES = (REPORT, OVERVIEW, PLAN, PARTS_LIST, _PARTS_CSV, ACCEPTANCE, PAGE)
+_FILES = (SET_REPORT, OVERVIEW, CASTING_PLAN, PARTS_LIST, PARTS_CSV, BOARD_DESIGN, ACCEPTANCE, PAGE)
 _COARSE_MM = 0.1
 _PICTURE_PX = 960
 
@@ -134,10 +144,11 @@ def make_set(
         progress("making the board of all fingers")
         planned = plan_board(board_design, folder / BOARD_FOLDER, force=force, bring_up=True, top=folder)
         board = planned.write(progress)
-    data = set_data(fingers, sheets, plan, prints.plates, BOARD_FOLDER if board else "")
+    shared = SharedBoard(BOARD_FOLDER, BOARD_DESIGN, list_tactile_pins()) if board_design else None
+    data = set_data(fingers, sheets, plan, prints.plates, shared)
     pages = {
         OVERVIEW: render_overview(data),
-        PLAN: render_casting_plan(data),
+        CASTING_PLAN: render_casting_plan(data),
         PARTS_LIST: render_parts_list(data),
         ACCEPTANCE: render_set_acceptance(data),
     }
@@ -147,8 +158,10 @@ def make_set(
         for form, made in zip(fingers.forms, forms, strict=True)
     }
     contents = {name: text.encode() for name, text in pages.items()}
-    contents[_PARTS_CSV] = write_parts_csv(data)
-    contents[REPORT] = (json.dumps(data, indent=2, allow_nan=False) + "\n").encode()
+    if board_design:
+        contents[BOARD_DESIGN] = to_toml(board_design, "Design of the board for all fingers.").encode()
+    contents[PARTS_CSV] = write_parts_csv(data)
+    contents[SET_REPORT] = (json.dumps(data, indent=2, allow_nan=False) + "\n").encode()
     contents[PAGE] = render_set_page(fingers.name, pictures, titles)
     print_writer.write(prints.contents)
     writer.write(contents)
@@ -206,18 +219,25 @@ def _name_larger_bed(design: Design, part: str, mesh: Mesh) -> str:
 
 
 def _arrange_prints(fingers: FingerSet, forms: Iterable[Made]) -> PrintFiles:
-    """Arrange the bones of all fingers, and the tools of each form once, on plates."""
-    pieces: list[Piece] = []
+    """Arrange the parts of all fingers on plates, and the tools of each form, once, on others."""
+    pieces: dict[str, list[Piece]] = {"fingers": [], "molds": []}
     for form, made in zip(fingers.forms, forms, strict=True):
         meshes = {part.part.name: part.mesh for part in made.parts.parts if part.part.is_printed}
         encoded = {name: threemf.encode_mesh(mesh) for name, mesh in meshes.items()}
         for name, piece in list_pieces(form.design, meshes, encoded).items():
-            owners = form.fingers if name in PARTS_OF_A_FINGER else (form.design.name,)
-            pieces += (replace(piece, name=f"{name} {owner}") for owner in owners)
-    return make_plates(fingers.name, fingers.forms[0].design.printer, pieces)
+            group, owners = ("fingers", form.fingers) if name in PARTS_OF_A_FINGER else ("molds", (form.design.name,))
+            pieces[group] += (replace(piece, name=f"{name} {owner}") for owner in owners)
+    contents, plates = dict[str, bytes](), dict[str, tuple[str, ...]]()
+    for group, parts in pieces.items():
+        arranged = make_plates(f"{fingers.name} {group}", fingers.forms[0].design.printer, parts)
+        contents |= {file.replace("plate", group): data for file, data in arranged.contents.items()}
+        plates |= {file.replace("plate", group): names for file, names in arranged.plates.items()}
+    return PrintFiles(contents, plates)
 
 
 def _collect(form: Form, made: Made) -> FormSheets:
     assert made.parts.casting is not None, "all parts are built"
     volumes = {part.part.name: part.mesh.volume() / 1000.0 for part in made.parts.parts}
-    return FormSheets(form, made.parts.casting, acceptance_data(form.design, made.detection.detection), volumes)
+    acceptance = acceptance_data(form.design, made.detection.detection)
+    verdict, warnings = count_checks(made.parts.checks), tuple(list_warnings(made.parts.checks))
+    return FormSheets(form, made.parts.casting, acceptance, volumes, verdict, warnings)

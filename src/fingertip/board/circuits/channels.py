@@ -71,6 +71,11 @@ def host_pins() -> dict[str, str]:
     return {str(number): net for number, net in enumerate(nets, start=1)} | {"MP": GND}
 
 
+def list_tactile_pins() -> tuple[str, ...]:
+    """List the pin of the host connector at which the tactile voltage of each channel is."""
+    return tuple(number for number, net in host_pins().items() if split_net(net)[1] == ADC_TACTILE)
+
+
 def repeat_channel(single: Circuit, fitted: int) -> Circuit:
     """Build the board of several fingers from that of one: five places, of which the first ones are fitted."""
     wiring: dict[Component, dict[str, str]] = {}

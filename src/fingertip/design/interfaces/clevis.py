@@ -285,7 +285,7 @@ def tendon_force_per_n(design: DesignTables, load_z_mm: float) -> float:
 
 
 def _min_line_n(design: DesignTables) -> float:
-    return round(4 * design.strength.grip_force_n * tendon_force_per_n(design, design.skin.length_mm), -1)
+    return 10.0 * math.ceil(0.4 * design.strength.grip_force_n * tendon_force_per_n(design, design.skin.length_mm))
 
 
 def anchor_pin_stress_mpa(design: DesignTables, force_n: float) -> float:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,6 +22,8 @@ from fingertip.documents.template import lay_out_page, render, render_rows
 
 PARTS_OF_A_FINGER = ("bone", "lid", "sensor_insert")
 """Printed parts that stay in a finger. The others are tools: a set needs each once for each form."""
+_FILLED = "mix and fill"
+"""Words of the stage of a casting sheet's plan that each round repeats."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +35,8 @@ class FormSheets:
     acceptance: Mapping[str, Any]
     volumes_cm3: Mapping[str, float]
     """Volume of each part by name."""
+    verdict: str = ""
+    warnings: tuple[str, ...] = ()
 
     def count_part(self, part: str) -> int:
         """Count how often a part of this form is printed for the set."""
@@ -41,11 +45,23 @@ class FormSheets:
         return self.form.count if part in PARTS_OF_A_FINGER else 1
 
 
+@dataclass(frozen=True)
+class SharedBoard:
+    """Board for all fingers: its folder, and the pin of each finger's tactile voltage at its output connector."""
+
+    folder: str
+    design_file: str
+    tactile_pins: tuple[str, ...]
+
+
 def set_data(
-    fingers: FingerSet, sheets: Sequence[FormSheets], plan: CastingPlan, plates: Mapping[str, Sequence[str]],
-    board: str,
-) -> dict[str, Any]:  # fmt: skip
-    """Collect the data of all sheets of a set. `board` is the folder of the board for all fingers; empty without."""
+    fingers: FingerSet,
+    sheets: Sequence[FormSheets],
+    plan: CastingPlan,
+    plates: Mapping[str, Sequence[str]],
+    board: SharedBoard | None,
+) -> dict[str, Any]:
+    """Collect the data of all sheets of a set."""
     rows = [
         {
             "finger": finger,
@@ -53,21 +69,31 @@ def set_data(
             "width_mm": form.design.skin.width_mm,
             "length_mm": form.design.skin.length_mm,
             "shared": [other for other in form.fingers if other != finger],
+            "pin": board.tactile_pins[number] if board else "",
         }
-        for finger, form in fingers.fingers
+        for number, (finger, form) in enumerate(fingers.fingers)
     ]
     counts = {(each.form.design.name, part): each.count_part(part) for each in sheets for part in each.volumes_cm3}
+    printer = sheets[0].form.design.printer
     return {
         "name": fingers.name,
         "side": fingers.side,
-        "board": board,
+        "board": {"folder": board.folder, "design_file": board.design_file} if board else None,
+        "bed_mm": [printer.bed_x_mm, printer.bed_y_mm, printer.bed_z_mm],
         "fingers": rows,
+        "forms": [
+            {"design": each.form.design.name, "verdict": each.verdict, "warnings": list(each.warnings),
+             "bone_material": each.casting["print_material"],
+             "from_tip_mm": each.form.design.sensor.distance_from_tip_mm}
+            for each in sheets
+        ],
         "prints": [
             {"design": design, "part": part, "count": count} for (design, part), count in counts.items() if count
         ],
         "plates": {file: list(parts) for file, parts in plates.items()},
         "plan": _plan_data(plan),
-        "parts": _list_parts(sheets),
+        "calendar": list(_plan_days(sheets, plan)),
+        "parts": [*_list_parts(sheets), *_list_supplies(sheets, len(plan.mixtures))],
         "acceptance": {each.form.design.name: dict(each.acceptance) for each in sheets},
         "totals": {
             "fingers": len(rows),
@@ -77,8 +103,7 @@ def set_data(
             "silicone_g": {name: round(mass_g, 1) for name, mass_g in _sum_silicones(plan).items()},
             "cast_cm3": round(sum(each.form.count * each.casting["volumes_cm3"]["total"] for each in sheets), 2),
             "printed_cm3": round(
-                sum(count * each.volumes_cm3[part] for each in sheets for part in each.volumes_cm3
-                    if (count := each.count_part(part))), 2,
+                sum(each.count_part(part) * volume for each in sheets for part, volume in each.volumes_cm3.items()), 2
             ),
             "cure_h": plan.cure_h,
         },
@@ -90,8 +115,21 @@ def _plan_data(plan: CastingPlan) -> dict[str, Any]:
         "rounds": [[_cup_data(cup) for cup in cups] for cups in plan.rounds],
         "change_min": CHANGE_S / 60.0,
         "tests": [_batch_data(*mixture) for mixture in plan.tests],
-        "patches": [_batch_data(*mixture) for mixture in plan.patches],
+        "patches": [_batch_data(silicone, batch) | {"fingers": list(names)} for silicone, batch, names in plan.patches],
     }
+
+
+def _plan_days(sheets: Sequence[FormSheets], plan: CastingPlan) -> Iterator[dict[str, Any]]:
+    """Plan the days of the set: those of the longest casting sheet, with its filling once for each round."""
+    stages = max((each.casting["plan"] for each in sheets), key=len)
+    starts = [stage["day"] for stage in stages]
+    day = 1
+    for stage, start, after in zip(stages, starts, [*starts[1:], starts[-1]], strict=True):
+        is_filled = _FILLED in stage["work"]
+        for number in range(1, len(plan.rounds) + 1 if is_filled else 2):
+            name = f"round {number}: " if is_filled and len(plan.rounds) > 1 else ""
+            yield {"day": day, "work": name + stage["work"], "wait": stage["wait"]}
+            day += after - start
 
 
 def _sum_silicones(plan: CastingPlan) -> dict[str, float]:
@@ -111,26 +149,43 @@ def _batch_data(silicone: Silicone, batch: Batch) -> dict[str, Any]:
 
 def _cup_data(cup: Cup) -> dict[str, Any]:
     silicone = cup.silicone
+    prepare_min = silicone.planned_pot_life_min - silicone.filling_limit_s / 60.0
     return _batch_data(silicone, cup.batch) | {
-        "castings": [{"finger": casting.finger, "design": casting.mold.design.name} for casting in cup.castings],
-        "load_cm3": [round(casting.mold.load_cm3, 1) for casting in cup.castings],
-        "fill_min": round(cup.fill_s / 60.0, 1),
-        "limit_min": round(silicone.filling_limit_s / 60.0, 1),
-        "prepare_min": round(silicone.planned_pot_life_min - silicone.filling_limit_s / 60.0, 1),
+        "castings": [
+            {"finger": casting.finger, "design": casting.mold.design.name, "load_cm3": round(casting.mold.load_cm3, 1),
+             "full_min": round(prepare_min + full_s / 60.0, 1)}
+            for casting, full_s in zip(cup.castings, cup.full_s, strict=True)
+        ],
+        "patched": list(cup.patched),
+        "pot_life_min": silicone.planned_pot_life_min,
+        "prepare_min": round(prepare_min, 1),
         "cure_h": silicone.cure_h.high,
-    }
+    }  # fmt: skip
 
 
 def _list_parts(sheets: Sequence[FormSheets]) -> list[dict[str, Any]]:
-    """List what to buy: equal items of all forms are added up, and what serves the bench is there once."""
+    """List the hardware: equal items of all forms are added up, and what serves the bench is there once."""
     found: dict[str, dict[str, Any]] = {}
     for each in sheets:
         for use, item in list_hardware(each.form.design):
-            key = repr({**item, "count": 0})
-            row = found.setdefault(key, {**item, "count": 0, "use": use})
+            row = found.setdefault(repr(item), {**item, "count": 0, "use": use, "designs": []})
             many = each.form.count if use == "finger" else 1
             row["count"] = item["count"] if use == "bench" else row["count"] + many * item["count"]
-    return list(found.values())
+            row["designs"].append(each.form.design.name)
+    return sorted(found.values(), key=lambda row: [each["item"] for each in found.values()].index(row["item"]))
+
+
+def _list_supplies(sheets: Sequence[FormSheets], mixtures: int) -> Iterator[dict[str, Any]]:
+    """List consumables and tools of all forms once; cups and stirrers are counted by the mixtures of the set."""
+    found: dict[tuple[str, str], dict[str, Any]] = {}
+    counted = {"cups": mixtures + 1, "stirrers": mixtures}
+    for each in sheets:
+        for supply in each.casting["supplies"]:
+            row = {"item": supply["item"], "count": counted.get(supply["item"], supply["count"] or ""), "use": "bench"}
+            row = found.setdefault((supply["item"], supply["size"]), {**row, "note": supply["size"], "designs": []})
+            row["designs"].append(each.form.design.name)
+    order = list(dict.fromkeys(item for item, _ in found))
+    return iter(sorted(found.values(), key=lambda row: order.index(row["item"])))
 
 
 def render_casting_plan(data: Mapping[str, Any]) -> str:

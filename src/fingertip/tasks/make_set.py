@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -118,7 +118,12 @@ def make_set(
     writer.check(_FILES)
     print_writer.check(())
     places = {form.design.name: folder / form.design.name for form in fingers.forms}
-    if issues := [Issue(str(link), "is a link; remove it.") for link in _find_links(folder, places.values())]:
+    issues = [Issue(str(link), "is a link; remove it.") for link in _find_links(folder, places.values())]
+    for name in places.keys() & {BOARD_FOLDER, PRINT_FOLDER}:
+        issues.append(
+            Issue("name", f"{name} is a folder of every set, and the name of a design in this one; rename it.")
+        )
+    if issues:
         raise OutputError(issues)
     for form in fingers.forms:
         parts_writer(form.design, places[form.design.name], force).check((PAGE, ACCEPTANCE))
@@ -146,6 +151,16 @@ def make_set(
         board = planned.write(progress)
     shared = SharedBoard(BOARD_FOLDER, BOARD_DESIGN, list_tactile_pins()) if board_design else None
     data = set_data(fingers, sheets, plan, prints.plates, shared)
+    contents = _render_sheets(fingers, forms, data)
+    if board_design:
+        contents[BOARD_DESIGN] = to_toml(board_design, "Design of the board for all fingers.").encode()
+    print_writer.write(prints.contents)
+    writer.write(contents)
+    progress(f"{len(contents)} files in {folder}")
+    return MadeSet(folder, tuple(forms), board, data)
+
+
+def _render_sheets(fingers: FingerSet, forms: Sequence[Made], data: Mapping[str, Any]) -> dict[str, bytes]:
     pages = {
         OVERVIEW: render_overview(data),
         CASTING_PLAN: render_casting_plan(data),
@@ -157,16 +172,12 @@ def make_set(
         form.design.name: (", ".join(form.fingers), made.parts.plot(_PICTURE_PX).png)
         for form, made in zip(fingers.forms, forms, strict=True)
     }
-    contents = {name: text.encode() for name, text in pages.items()}
-    if board_design:
-        contents[BOARD_DESIGN] = to_toml(board_design, "Design of the board for all fingers.").encode()
-    contents[PARTS_CSV] = write_parts_csv(data)
-    contents[SET_REPORT] = (json.dumps(data, indent=2, allow_nan=False) + "\n").encode()
-    contents[PAGE] = render_set_page(fingers.name, pictures, titles)
-    print_writer.write(prints.contents)
-    writer.write(contents)
-    progress(f"{len(contents)} files in {folder}")
-    return MadeSet(folder, tuple(forms), board, data)
+    return {
+        **{name: text.encode() for name, text in pages.items()},
+        PARTS_CSV: write_parts_csv(data),
+        SET_REPORT: (json.dumps(data, indent=2, allow_nan=False) + "\n").encode(),
+        PAGE: render_set_page(fingers.name, pictures, titles),
+    }
 
 
 def _find_links(folder: Path, places: Iterable[Path]) -> Iterator[Path]:

@@ -172,6 +172,7 @@ def test_what_is_unfinished_names_the_command_that_completes_it(tmp_path: Path) 
         ("mine/board/fab", "fabrication", "board DESIGN --fab", "mine/board"),
         ("mine/board/3d/R.3dshapes", "models", "board DESIGN", "mine/board"),
         ("mine/firmware", "firmware", "firmware DESIGN", "mine/firmware"),
+        ("mine/robot", "robot", "robot DESIGN", "mine/robot"),
         ("mine/firmware/src", "firmware", "firmware DESIGN", "mine/firmware"),
         ("new", "", "", ""),
     ):

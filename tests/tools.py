@@ -27,13 +27,13 @@ def require_tool(name: str, how_to_install: str) -> Path:
     pytest.skip(message)
 
 
-def require_module(name: str) -> Any:
+def require_module(name: str, how_to_install: str = "") -> Any:
     """Import an optional package; like `require_tool`, skips the test loudly or fails it if the package is missing."""
     try:
         return importlib.import_module(name)
     except ImportError:
         package = name.partition(".")[0]
-        how_to_install = install_command(package) if package in EXTRAS else "sh install.sh test"
+        how_to_install = how_to_install or (install_command(package) if package in EXTRAS else "sh install.sh test")
         message = f"{name} IS MISSING, THIS IS NOT TESTED: {how_to_install}"
     if os.environ.get("FINGERTIP_REQUIRE_TOOLS") == "1":
         pytest.fail(message, pytrace=False)

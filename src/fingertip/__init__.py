@@ -27,11 +27,13 @@ if TYPE_CHECKING:
     from fingertip.foundation.errors import FingertipError
     from fingertip.pictures.picture import picture
     from fingertip.sim import ManipulationFile, SceneFile, Trial, run_manipulation, run_scene, simulate
+    from fingertip.sim.signal.readout import Readout
     from fingertip.slip import Detection, SlipChain, Trace, detect, read_trace
     from fingertip.tasks.board import write_board
     from fingertip.tasks.build import build
     from fingertip.tasks.firmware import write_firmware
     from fingertip.tasks.make import Made, make
+    from fingertip.tasks.robot import write_robot
 
 _MODULES = {
     "BoardValues": "fingertip.board",
@@ -43,6 +45,7 @@ _MODULES = {
     "Made": "fingertip.tasks.make",
     "ManipulationFile": "fingertip.sim",
     "Picture": "fingertip.foundation.display",
+    "Readout": "fingertip.sim.signal.readout",
     "SceneFile": "fingertip.sim",
     "SlipChain": "fingertip.slip",
     "StreamDetection": "fingertip.detection.files",
@@ -65,6 +68,7 @@ _MODULES = {
     "simulate": "fingertip.sim",
     "write_board": "fingertip.tasks.board",
     "write_firmware": "fingertip.tasks.firmware",
+    "write_robot": "fingertip.tasks.robot",
 }
 """Public name -> module that defines it."""
 
@@ -78,6 +82,7 @@ __all__ = [
     "Made",
     "ManipulationFile",
     "Picture",
+    "Readout",
     "SceneFile",
     "SlipChain",
     "StreamDetection",
@@ -101,6 +106,7 @@ __all__ = [
     "simulate",
     "write_board",
     "write_firmware",
+    "write_robot",
 ]
 
 

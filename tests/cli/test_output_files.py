@@ -40,6 +40,7 @@ FOLDERS = (
     ("make fsr400", "fingertip.tasks.build.verify"),
     ("board", "fingertip.foundation.output_set.SetWriter._write"),
     ("firmware fsr400", "fingertip.foundation.output_set.SetWriter._write"),
+    ("robot fsr400", "fingertip.tasks.robot.build_finger"),
     ("coupon fsr400", "fingertip.tasks.coupon.make_coupon"),
     ("validate", "fingertip.lab.validate"),
     ("drawing fsr400", "fingertip.pictures.drawing.draw.draw_files"),

@@ -24,13 +24,17 @@ from fingertip.documents.acceptance import acceptance_data, render_acceptance
 from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet, steps
 from fingertip.documents.coupon import render_instructions
 from fingertip.documents.firmware import render_readme
+from fingertip.documents.robot import describe_model, render_robot_readme
 from fingertip.firmware.fingers import plan_fingers
+from fingertip.robot.model import build_finger
 from tests.approved import check_text
 from tests.conftest import ROOT, design_file
 
 APPROVED = Path(__file__).parent / "approved"
 TEMPLATES = ROOT / "src/fingertip/documents"
-DOCUMENTS = ("casting", "acceptance", "coupon", "firmware")
+DOCUMENTS = ("casting", "acceptance", "coupon", "firmware", "robot")
+ROBOTS = {"adult_finger": "urdf", "fsr400": "mjcf"}
+"""Design whose model is built -> format."""
 
 MOLD_WITHOUT_CHAPLET = "mold.chaplet_diameter_mm=0 mold.fit_clearance_mm=0.01 printer.surface_error_mm=0"
 STRAIGHT = (
@@ -101,7 +105,10 @@ def render_documents(name: str) -> dict[str, str]:
     assert json.loads(json.dumps(data)) == data
     score = SimpleNamespace(delays_s=given.get("delays_s", (0.01,)))
     detection: Any = SimpleNamespace(detector="fast", memory_s=0.1, score=score)
-    return {
+    robot = {}
+    if name in ROBOTS:
+        robot["robot"] = render_robot_readme(describe_model(build_finger(design), ROBOTS[name]))
+    return robot | {
         "casting": render_sheet(data, pictures),
         "acceptance": render_acceptance(acceptance_data(design, detection)),
         "coupon": render_instructions(design, COUPON_READINGS),

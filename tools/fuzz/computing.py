@@ -54,6 +54,7 @@ _TASKS: tuple[tuple[str, float, tuple[str, ...]], ...] = (
     ("bring-up", 0.3, ("board {design} --out b --bringup",)),
     ("firmware", 10, ("firmware {design} --out f",)),
     ("hand", 6, ("firmware {design} --out f --fingers {fingers} --controller {controller}",)),
+    ("robot", 2, ("robot {design} --out r", "robot {design} --out r --format urdf --json")),
     ("sheet", 8, ("sheet {design} --out s.md --material {silicone}",)),
     ("acceptance", 0.5, ("acceptance {design} --out a.md",)),
     ("part", 12, ("build {design} --out p --parts {part} --formats {meshes} --tolerance-mm {tolerance} --json",)),

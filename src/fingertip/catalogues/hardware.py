@@ -10,6 +10,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+STEEL_G_CM3 = 7.85
+"""Density of screws and pins."""
+
 
 @dataclass(frozen=True)
 class Thread:

@@ -83,6 +83,10 @@ SIGNAL_FOLDER = "signal"
 SIGNAL = OutputSet("signal", SIGNAL_FOLDER)
 TRACE, PLOT, DETECTION = "trace.csv", "slip.png", "detection.json"
 
+ROBOT = OutputSet("robot", "robot")
+ROBOT_FILES = {"mjcf": "finger.xml", "urdf": "finger.urdf"}
+"""Format of a robot's model -> its file."""
+
 FIRMWARE = OutputSet("firmware", "firmware")
 PROPERTIES, MANIFEST = "library.properties", "library.json"
 TIMER, BUFFER, HAND, SCAN = "slip_timer.h", "slip_buffer.h", "slip_hand.h", "slip_scan.h"

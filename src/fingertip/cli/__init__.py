@@ -22,6 +22,7 @@ from fingertip.cli.documents import acceptance, drawing, page, picture, sheet, s
 from fingertip.cli.help_page import HelpCommand, HelpGroup
 from fingertip.cli.options import command
 from fingertip.cli.pad import pad
+from fingertip.cli.robot import robot
 from fingertip.cli.simulate import simulate
 from fingertip.cli.sweep import sweep
 from fingertip.cli.validate import validate
@@ -41,7 +42,7 @@ COMMANDS = {
     "Everything of a design": (new, make, check, params, page, studio),
     "Parts and mold": (build, pad, sheet, acceptance, coupon, picture, drawing, calibrate),
     "Board and controller": (board, firmware),
-    "Signal and slip": (simulate, detect, validate),
+    "Signal and slip": (simulate, detect, validate, robot),
     "Many designs, and measurements of the program": (sweep, bench),
     "Editors and shells": (schema, completion),
 }

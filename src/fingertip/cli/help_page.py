@@ -59,6 +59,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "fingertip board fsr400 --check",
     ),
     "firmware": ("fingertip firmware fsr400",),
+    "robot": ("fingertip robot adult_finger", "fingertip robot fsr400 --format urdf --out my_hand/fingertip"),
     "simulate": (
         "fingertip simulate fsr400 --surface smooth --seed 7 --out smooth.csv",
         "fingertip simulate hard_tap --design fsr400 --set tap.force_n=3 --out tap.csv",

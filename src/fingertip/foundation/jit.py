@@ -171,9 +171,14 @@ def _compile_cached(function: Function, *helpers: Function) -> Function:
     return result
 
 
-def compile_for_process(function: Function) -> Function:
-    """Return the function compiled for this process only, or the function itself where numba is not installed."""
-    result: Function = function
-    if available():
-        result = importlib.import_module("numba").njit(function)
+def compile_for_process(function: Function, *loops: CompiledLoop) -> Function:
+    """Return the function compiled for this process only, or the function itself where numba is not installed.
+
+    It may call the plain form of loops of other files, of whose changes a cache would not know.
+    """
+    if not available():
+        return function
+    for part in (part for loop in loops for part in (loop.plain, *loop._helpers)):
+        importlib.import_module("numba.extending").register_jitable(part)
+    result: Function = importlib.import_module("numba").njit(error_model="numpy")(function)
     return result

@@ -25,7 +25,7 @@ REFERENCE_POSE = Pose(tilt_deg=2.0)
 most. The article does not state it."""
 _MINDLIN = 2.0 / 3.0
 """Stiffness along the surface over that across it, ``2 (1 - nu) / (2 - nu)``, of incompressible rubber."""
-_FORCES_N = (0.05, 0.1, 0.25, 0.5, 0.9, 1.1, 2.0, 4.0, 8.0)
+FORCES_N = (0.05, 0.1, 0.25, 0.5, 0.9, 1.1, 2.0, 4.0, 8.0)
 """Forces of the contacts from which the share is fitted. The two about 1 N give the stiffness."""
 _DEGREE = 3
 _DIGITS = 6
@@ -125,7 +125,7 @@ class Pad:
         A force curve that was measured on a finger holds the share of its own pose: what it is read at is the force of
         the contact, times the share in relation to that pose.
         """
-        root = np.sqrt(np.sqrt(np.clip(contact_n, _FORCES_N[0], _FORCES_N[-1])))
+        root = np.sqrt(np.sqrt(np.clip(contact_n, FORCES_N[0], FORCES_N[-1])))
         sensed = contact_n * _evaluate(self.share, root)
         if shear_n is not None:
             sensed = sensed + shear_n * _evaluate(self.shear_share, root)
@@ -142,8 +142,8 @@ def _evaluate(coefficients: Sequence[float], x: Array) -> Array:
 
 @lru_cache(maxsize=1024)
 def _respond(form: PadForm, pose: Pose) -> Pad:
-    contacts = find_contacts(form, pose, _FORCES_N, math.inf)
-    root = np.sqrt(np.sqrt(np.array(_FORCES_N)))
+    contacts = find_contacts(form, pose, FORCES_N, math.inf)
+    root = np.sqrt(np.sqrt(np.array(FORCES_N)))
 
     def fit(values: list[float]) -> tuple[float, ...]:
         found = np.polynomial.polynomial.polyfit(root, np.array(values), _DEGREE)

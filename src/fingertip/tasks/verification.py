@@ -13,7 +13,7 @@ from fingertip.foundation.input_files import OUTPUT_LIMIT, read_input
 from fingertip.foundation.output_set.swap import find_output_folder, is_folder, lock, read_plan, staging_folder
 from fingertip.foundation.output_set.writer import MANIFEST, Manifest, hash_file, read_manifest
 
-_OF_ONE_DESIGN = ("parts", "print", "steps", "board", "fabrication", "signal", "firmware")
+_OF_ONE_DESIGN = ("parts", "print", "steps", "board", "fabrication", "signal", "firmware", "robot")
 """Kinds of sets in the folder of a design, which belong together if they were made from the same parameters."""
 _MAX_DEPTH = 5
 """Depth of the folders that are looked at: from `out`, that of the models of a board in a set of fingers."""
@@ -23,6 +23,7 @@ _COMMANDS = {
     "parts": ("make DESIGN", 0), "print": ("make DESIGN", 1), "steps": ("make DESIGN", 1),
     "signal": ("make DESIGN", 1), "board": ("board DESIGN", 0), "fabrication": ("board DESIGN --fab", 1),
     "models": ("board DESIGN", 2), "firmware": ("firmware DESIGN", 0), "coupon": ("coupon DESIGN", 0),
+    "robot": ("robot DESIGN", 0),
     "validation": ("validate DESIGN", 0), "sweep report": ("sweep --show", 0), "benchmark": ("bench solvers", 0),
     "slip benchmark": ("bench slip", 0), "set": ("make SET", 0), "set prints": ("make SET", 1),
 }  # fmt: skip

@@ -262,7 +262,12 @@ def skin(design: Design) -> Solid:
     """Build the cured skin at its design size, unstretched, with the hole that the chaplet leaves."""
     chaplet = design.dimensions.chaplet
     hole = (_boss(design, chaplet, sleeve_inset_mm(design)),) if chaplet else ()
-    return difference(SuperconicSolid(design.dimensions.outer), skin_interior(design), *hole)
+    return difference(skin_outline(design), skin_interior(design), *hole)
+
+
+def skin_outline(design: Design) -> Solid:
+    """Build the skin with all that lies in it."""
+    return SuperconicSolid(design.dimensions.outer)
 
 
 def cavity(design: Design) -> Solid:
@@ -277,4 +282,4 @@ def cavity_outline(design: Design) -> Solid:
     volume shrinkage, three times the linear one, reduces its thickness only. The distance is the same as for free
     shrinkage where the skin is a third of the finger's half width thick.
     """
-    return scaled(SuperconicSolid(design.dimensions.outer), design.dimensions.shrinkage)
+    return scaled(skin_outline(design), design.dimensions.shrinkage)

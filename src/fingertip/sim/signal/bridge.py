@@ -83,7 +83,7 @@ class Bridge:
         """Tactile voltage [V] at the forces that the sensor shows [N]."""
         curve, response = self.curve, self.response
         out = np.zeros(len(force_n))
-        _convert(
+        convert(
             (curve.turn_on_n, curve.scale, curve.exponent, TURN_ON_WIDTH_N),
             (response.open_v, response.sensor_v, response.source_ohm, response.transfer_ohm), force_n, out,
         )  # fmt: skip
@@ -135,14 +135,14 @@ def _convert_loop(
         out[i] = voltage
 
 
-_convert = CompiledLoop(_convert_loop, turn_on_power, outputs=1, samples="forces", plain_us=0.9)
+convert = CompiledLoop(_convert_loop, turn_on_power, outputs=1, samples="forces", plain_us=0.9)
 
 
 # Force-sensing resistor: from the force on its active area to the force that it shows.
 
 HYSTERESIS = 0.10
 """Largest relative error by which the force reads high after a higher one (article, III.B: at most 10 %)."""
-_PLAY_FRACTION = 0.2
+PLAY_FRACTION = 0.2
 """Fraction of the force through the play operator. Assumption: the article's small vibrations do pass."""
 CREEP_FROM_S = 1.0
 """Time under load from which creep is counted in decades [s]: data sheets read the sensor then. Assumption."""
@@ -164,8 +164,8 @@ class ForceSensor:
     def process(self, sensed_n: Array) -> Array:
         """Return the force that the sensor shows [N], from the force on its active area [N]."""
         shown = np.zeros(len(sensed_n))
-        play = 1 + HYSTERESIS / _PLAY_FRACTION
-        _indicate(play, self._share, self._step_s / CREEP_FROM_S, sensed_n, self._state, shown)
+        play = 1 + HYSTERESIS / PLAY_FRACTION
+        indicate(play, self._share, self._step_s / CREEP_FROM_S, sensed_n, self._state, shown)
         return shown
 
 
@@ -181,7 +181,7 @@ def _indicate_loop(
     for i in range(len(forces)):
         force = forces[i]
         p = min(max(p, force), force * play_ratio)
-        value = force + _PLAY_FRACTION * (p - force)
+        value = force + PLAY_FRACTION * (p - force)
         if creep > 0.0:
             loaded = loaded + 1.0 if value > 0.0 else 0.0
             value *= 1 + creep * math.log10(1 + loaded * step)
@@ -189,4 +189,4 @@ def _indicate_loop(
     state[_PLAY], state[_LOADED] = p, loaded
 
 
-_indicate = CompiledLoop(_indicate_loop, outputs=2, samples="forces", plain_us=0.4)
+indicate = CompiledLoop(_indicate_loop, outputs=2, samples="forces", plain_us=0.4)

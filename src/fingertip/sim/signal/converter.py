@@ -67,7 +67,7 @@ class AntiAliasFilter:
         rows[:, :2] = step[np.ix_(order, order)] if n == 2 else np.diag(step[:1, :1].repeat(2))
         # Scale the slope's column for the difference of two samples.
         rows[:, 2:] = step[order][:, n : n + 2] * [1.0, 1 / step_s]
-        self._matrix = tuple(rows.ravel().tolist())
+        self.matrix = tuple(rows.ravel().tolist())
         self._state: Array | None = None
 
     @classmethod
@@ -82,7 +82,7 @@ class AntiAliasFilter:
         if len(voltage_v):
             if self._state is None:
                 self._state = np.full(3, voltage_v[0])
-            _filter(self._matrix, voltage_v, voltage_v if after_v is None else after_v, self._state, out)
+            run_poles(self.matrix, voltage_v, voltage_v if after_v is None else after_v, self._state, out)
         return out
 
 
@@ -103,7 +103,7 @@ def _filter_loop(
     state[_FIRST], state[_SECOND], state[_INPUT] = x, y, u
 
 
-_filter = CompiledLoop(_filter_loop, outputs=2, samples="samples", plain_us=0.5)
+run_poles = CompiledLoop(_filter_loop, outputs=2, samples="samples", plain_us=0.5)
 
 
 @dataclass(frozen=True)
@@ -134,9 +134,13 @@ class AdcRange:
 
     def quantise_v(self, voltage_v: Array) -> Array:
         """Round to the converter's steps [V]; voltages outside the range saturate."""
-        step = (self.high_v - self.low_v) / 2**self.bits
-        codes = np.floor((voltage_v - self.low_v) / step + 0.5)
-        return np.asarray(np.clip(codes, 0, 2**self.bits - 1) * step + self.low_v)
+        codes = np.floor((voltage_v - self.low_v) / self.step_v + 0.5)
+        return np.asarray(np.clip(codes, 0, 2**self.bits - 1) * self.step_v + self.low_v)
+
+    @property
+    def step_v(self) -> float:
+        """Voltage between two codes [V]."""
+        return float((self.high_v - self.low_v) / 2**self.bits)
 
 
 class Converter:

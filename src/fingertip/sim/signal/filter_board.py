@@ -81,7 +81,7 @@ def simulate_boards(
         chunk = board
         if len(table) > _CHUNK:
             chunk = board.with_components(**{name: rows[:, _FIXED + i] for i, name in enumerate(board.components)})
-        integrator = _Integrator(chunk, step_s, tolerance_v, rows[:, :_FIXED])
+        integrator = Integrator(chunk, step_s, tolerance_v, rows[:, :_FIXED])
         filtered_v, envelope_v = np.zeros((len(rows), len(voltage_v))), np.zeros((len(rows), len(voltage_v)))
         counts = np.zeros(3)
         for i in range(len(rows)):
@@ -101,7 +101,7 @@ class AnalogStream:
             ]
         )
         fixed = np.array([[float(value) for value in _values(board)[:_FIXED]]])
-        self._integrator, self._count = _Integrator(board, step_s, tolerance_v, fixed), count
+        self.integrator, self._count = Integrator(board, step_s, tolerance_v, fixed), count
         self._states: list[tuple[Array, Array]] = []
         self._last = np.zeros((2, count, 0))
         self.steps = 0
@@ -117,10 +117,10 @@ class AnalogStream:
         # The interval before a chunk's first sample begins at the last sample of the chunk before.
         known = np.concatenate((self._last, [voltage_v, after]), axis=2)
         if not self._states:
-            self._states = [self._integrator.steady_state(0, row[0]) for row in voltage_v]
+            self._states = [self.integrator.steady_state(0, row[0]) for row in voltage_v]
         filtered_v, envelope_v = np.zeros_like(known[0]), np.zeros_like(known[0])
         for i, state in enumerate(self._states):
-            counts = self._integrator.integrate(0, *state, known[0, i], known[1, i], filtered_v[i], envelope_v[i])
+            counts = self.integrator.integrate(0, *state, known[0, i], known[1, i], filtered_v[i], envelope_v[i])
             self.steps += int(counts[envelope_loop.STEPS] + counts[envelope_loop.REJECTED])
         repeated = self._last.shape[2]
         self._last = known[:, :, -1:].copy()
@@ -136,7 +136,7 @@ def find_voltage_issues(field: str, voltage_v: Array) -> Iterator[Issue]:
         yield Issue(field, message)
 
 
-class _Integrator:
+class Integrator:
     """Boards with their step matrices, and one run of the loop for each."""
 
     def __init__(self, board: AnalogBoard, step_s: float, tolerance_v: float, fixed: Array) -> None:
@@ -158,16 +158,31 @@ class _Integrator:
         self, i: int, carried: Array, z: Array, before: Array, after: Array, filtered_v: Array, envelope_v: Array
     ) -> Array:
         """Integrate board i from the first sample to the last; returns the loop's statistics."""
-        statistics, board = np.zeros(3), self._board
-        saturation, nvt, series, r, c, gain = self._fixed[i]
+        statistics = np.zeros(3)
         envelope_loop.run(
-            self._tolerance_v, self._step_s, self._state_count, self._rows, LEVELS, board.rail_v or 0.0,
-            board.rectifier == "precision", (saturation, nvt, series), (r, c), before, after,
-            self._step_columns[i], self._output_rows[i], self._amplifier1_row[i], carried, z,
-            np.zeros(self._rows), np.zeros(len(z)), np.zeros(4 * LEVELS), filtered_v, envelope_v, statistics,
+            *self.constants(i), before, after, *self.matrices(i), carried, z, *self.make_scratch(), filtered_v,
+            envelope_v, statistics,
         )  # fmt: skip
-        envelope_v *= gain  # the loop's rectifier and envelope have the gain 1
+        envelope_v *= self.gain(i)
         return statistics
+
+    def constants(self, i: int) -> tuple[Any, ...]:
+        """Return what the loop takes ahead of the voltages of board i."""
+        saturation, nvt, series, r, c, _ = self._fixed[i]
+        rail_v, is_precise = self._board.rail_v or 0.0, self._board.rectifier == "precision"
+        sizes = self._state_count, self._rows, LEVELS
+        return self._tolerance_v, self._step_s, *sizes, rail_v, is_precise, (saturation, nvt, series), (r, c)
+
+    def matrices(self, i: int) -> tuple[Array, Array, Array]:
+        """Return what it takes behind them."""
+        return self._step_columns[i], self._output_rows[i], self._amplifier1_row[i]
+
+    def make_scratch(self) -> tuple[Array, Array, Array]:
+        return np.zeros(self._rows), np.zeros(self._state_count + 3), np.zeros(4 * LEVELS)
+
+    def gain(self, i: int) -> float:
+        """Return the gain of the envelope of board i: that of the loop is 1."""
+        return float(self._fixed[i][-1])
 
 
 def _values(board: AnalogBoard) -> list[Any]:

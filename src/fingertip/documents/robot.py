@@ -1,0 +1,48 @@
+"""README beside the model of a finger for simulators, and the figures in it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from fingertip.catalogues.output_files import ROBOT_FILES
+from fingertip.documents.template import WIDTH, lay_out_page, render
+from fingertip.robot.contact import FORCES_N, REFERENCE_N
+from fingertip.robot.formats import MAX_SPEED_RAD_S, TIMESTEP_S
+from fingertip.robot.model import TOLERANCE_MM, FingerModel
+
+
+def describe_model(finger: FingerModel, file_format: str) -> dict[str, Any]:
+    """Collect the figures of a model, as --json and the README state them; processors differ in digits far beyond."""
+    inertia, contact, parts = finger.inertia, finger.contact, finger.bodies
+    pieces, low_n, high_n = len(finger.pieces), FORCES_N[0], FORCES_N[-1]
+    surface = "1 convex piece, its surface" if pieces == 1 else f"{pieces} convex pieces, their surface"
+    figures = {
+        "mass_kg": inertia.mass_kg, "centre_m": inertia.centre_m, "moments_kg_m2": inertia.moments_kg_m2,
+        "parts": {part.name: [part.density_g_cm3, 1e-3 * part.density_g_cm3 * part.mesh.volume()] for part in parts},
+        "tip_m": finger.tip_m, "sensor_m": finger.sensor_m, "offset_m": finger.offset_m,
+        "travel_deg": finger.travel_deg, "stop_moment_n_m": finger.stop_moment_n_m, "collision_pieces": pieces,
+        "collision_error_mm": finger.piece_error_mm, "contact_error": contact.error, "solimp": contact.solimp,
+        "solref": contact.solref(contact.inverse_mass_per_kg), "inverse_mass_per_kg": contact.inverse_mass_per_kg,
+        "friction": contact.friction, "torsion_m": contact.torsion_m,
+        "stiffness_n_per_m": contact.pad_stiffness_n_per_m,
+    }  # fmt: skip
+    errors = (
+        f"Collision: {surface} within {finger.piece_error_mm:.2f} mm of the skin's. Contact: force within "
+        f"{100 * contact.error:.1f} percent of the pad's over its depth, from {low_n:g} to {high_n:g} N."
+    )
+    return {"design": finger.name, "format": file_format, "turns": finger.turns, "errors": errors, **_round(figures)}
+
+
+def render_robot_readme(figures: Mapping[str, Any]) -> str:
+    constants = {"tolerance_mm": TOLERANCE_MM, "reference_n": REFERENCE_N, "timestep_s": TIMESTEP_S}
+    speed, file = MAX_SPEED_RAD_S, ROBOT_FILES[figures["format"]]
+    return lay_out_page(render("robot.md", **figures, **constants, speed_rad_s=speed, file=file), WIDTH)
+
+
+def _round(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _round(inner) for key, inner in value.items()}
+    if isinstance(value, float):
+        return float(f"{value + 0.0:.6g}")
+    return value if isinstance(value, int) else [_round(inner) for inner in value]

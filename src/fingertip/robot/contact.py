@@ -1,0 +1,78 @@
+"""Contact of the pad in MuJoCo's terms: solref and solimp that follow the force of the pad over its depth.
+
+A contact of depth r and impedance d(r) holds the force F = s r d^2 / (dmax^2 (1 - d) w) in MuJoCo, where s is the
+stiffness in solref, and w the sum of the inverse masses of both bodies, as `body_invweight0` has them: s holds for one
+w. An impedance near 1 would hold back the masses too; a small one is a spring. Here it grows in proportion to the
+depth, so that the contact stiffens as the pad does.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from fingertip.design import Design
+from fingertip.pad.contacts import find_contacts
+from fingertip.pad.form import PadForm
+from fingertip.pad.response import REFERENCE_POSE, Pad
+from fingertip.sim.contact.materials import SURFACES
+
+FORCES_N = (0.2, 0.35, 0.6, 1.0, 1.7, 2.8, 4.0)
+"""Forces at which the contact is compared with the pad."""
+REFERENCE_N = 1.0
+"""Force at which the damping is linearised."""
+_MAX_IMPEDANCE = 0.1
+"""Impedance at the largest force: the part of other forces on the masses that the contact takes away there."""
+_SLIPPERIEST = "smooth"
+"""Surface that gives the friction of the pad: simulators take the greater one of two that touch."""
+
+
+@dataclass(frozen=True)
+class ContactLaw:
+    """Contact of a rigid plate with the pad, and its greatest relative error over `FORCES_N`."""
+
+    min_impedance: float
+    depth_m: float
+    """Depth at the largest force, from which on the contact is linear."""
+    stiffness_n_per_m: float
+    """Stiffness of solref for a sum of inverse masses of 1/kg."""
+    damping_n_s_per_m: float
+    """Damping of solref for the same."""
+    error: float
+    inverse_mass_per_kg: float
+    """Inverse of the mass that the simulation of a finger moves on the pad."""
+    pad_stiffness_n_per_m: float
+    """Stiffness of the pad at `REFERENCE_N`."""
+    friction: float
+    torsion_m: float
+    """Moment over force at which the contact turns."""
+
+    @property
+    def solimp(self) -> tuple[float, ...]:
+        return self.min_impedance, _MAX_IMPEDANCE, self.depth_m, 0.5, 1.0
+
+    def solref(self, inverse_mass_per_kg: float) -> tuple[float, float]:
+        """Return stiffness and damping for a sum of inverse masses of finger and object [1/kg]."""
+        return -self.stiffness_n_per_m * inverse_mass_per_kg, -self.damping_n_s_per_m * math.sqrt(inverse_mass_per_kg)
+
+
+def fit_contact(design: Design) -> ContactLaw:
+    """Fit the contact to the pad in its reference pose. Raises TraceError, and MissingLibraryError with an insert."""
+    contacts = find_contacts(PadForm.of_design(design), REFERENCE_POSE, FORCES_N, math.inf)
+    depth_m, force_n = 1e-3 * np.array([contact.depth_mm for contact in contacts]), np.array(FORCES_N)
+    pad, friction, fits = Pad.from_design(design), SURFACES[_SLIPPERIEST].friction.mu_c, []
+    for least in np.linspace(0.02 * _MAX_IMPEDANCE, _MAX_IMPEDANCE, 200).tolist():
+        impedance = least + (_MAX_IMPEDANCE - least) * depth_m / depth_m[-1]
+        ratio = force_n * (1.0 - impedance) / (depth_m * impedance**2)
+        fits.append((math.sqrt(ratio.max() / ratio.min()), math.sqrt(ratio.max() * ratio.min()), least, impedance))
+    spread, stiffness, least, impedance = min(fits, key=lambda fit: fit[0])
+    slope = pad.normal_stiffness_n_per_m(REFERENCE_N)
+    # 2 zeta sqrt(slope w) = impedance damping / dmax, with the damping ratio of the simulation of a finger.
+    damping = 2 * pad.backing.damping_ratio * math.sqrt(slope) * _MAX_IMPEDANCE
+    return ContactLaw(
+        least, float(depth_m[-1]), stiffness * _MAX_IMPEDANCE**2,
+        damping / float(np.interp(REFERENCE_N, force_n, impedance)), spread - 1.0, 1 / pad.backing.mass_kg, slope,
+        friction, 2 / 3 * friction * pad.patch_radius_m(REFERENCE_N),
+    )  # fmt: skip

@@ -1,0 +1,114 @@
+"""MJCF, the model of MuJoCo, and URDF, that of ROS. Elements carry the name of their finger: several fit a model."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement
+
+from fingertip.robot.model import FingerModel
+
+TIMESTEP_S = 0.0005
+MAX_SPEED_RAD_S = 10.0
+"""Speed that a joint of URDF has to state. An assumption: no part of the finger limits it."""
+_SCALE = "0.001 0.001 0.001"
+
+
+def render_model(finger: FingerModel, file_format: str, comment: str) -> bytes:
+    """Render a model of one finger, held at its interface; `comment` stands ahead of it."""
+    if file_format == "mjcf":
+        root = Element("mujoco", model=finger.name)
+        SubElement(root, "compiler", angle="radian")
+        # Friction creeps otherwise, and a contact of many points would be as many times as stiff.
+        option = SubElement(root, "option", timestep=f"{TIMESTEP_S:g}", cone="elliptic", impratio="10000")
+        SubElement(option, "flag", multiccd="disable")
+        add_to_mjcf(finger, finger.name, *(SubElement(root, tag) for tag in ("asset", "worldbody", "sensor")))
+    else:
+        root = Element("robot", name=finger.name)
+        SubElement(root, "link", name=f"{finger.name}_interface")
+        add_to_urdf(finger, finger.name, root, f"{finger.name}_interface")
+    root.insert(0, ElementTree.Comment(f" {comment} "))
+    ElementTree.indent(root)
+    data: bytes = ElementTree.tostring(root, "utf-8", xml_declaration=True)
+    return data + b"\n"
+
+
+def add_to_mjcf(finger: FingerModel, name: str, asset: Element, parent: Element, sensor: Element) -> None:
+    """Add a finger under a name of its own to the sections of a model."""
+    for mesh in finger.meshes:
+        SubElement(asset, "mesh", name=f"{name}_{mesh}", file=f"{mesh}.stl", scale=_SCALE)
+    body, inertia, contact = SubElement(parent, "body", name=name), finger.inertia, finger.contact
+    xx, yy, zz, xy, xz, yz = inertia.moments_kg_m2
+    SubElement(
+        body, "inertial", pos=_text(inertia.centre_m), mass=_text([inertia.mass_kg]),
+        fullinertia=_text((xx, yy, zz, xy, xz, yz)),
+    )  # fmt: skip
+    if finger.turns:
+        stops = {"range": f"0 {_text([math.radians(finger.travel_deg)])}"} if finger.travel_deg else {}
+        SubElement(body, "joint", {"name": f"{name}_joint", "type": "hinge", "axis": "1 0 0", **stops})
+    seen = {"contype": "0", "conaffinity": "0", "group": "2"}
+    touched = {
+        "condim": "4", "friction": _text((contact.friction, contact.torsion_m, 1e-4)), "solmix": "1000000",
+        "solref": _text(contact.solref(contact.inverse_mass_per_kg)), "solimp": _text(contact.solimp), "group": "3",
+    }  # fmt: skip
+    colours = {part.name: {**seen, "rgba": _text((*part.colour, 1.0))} for part in finger.bodies}
+    for mesh in finger.meshes:
+        shape = {"name": f"{name}_{mesh}", "type": "mesh", "mesh": f"{name}_{mesh}", "pos": _text(finger.offset_m)}
+        SubElement(body, "geom", {**shape, "mass": "0", **colours.get(mesh, touched)})
+    to_palm, (x, y, z), through_m = f"{_text([math.pi / 2])} 0 0", finger.sensor_m, finger.over_sensor_m
+    # Points of contact lie near the skin's surface: the site reaches from the active area as far beyond it.
+    middle, over, reach = (x, y - through_m, z), (finger.active_radius_m, through_m), [2 * finger.tip_m[2]]
+    for site, kind, position, size, more in (
+        ("tip", "sphere", finger.tip_m, [5e-4], {}), ("sensor", "sphere", finger.sensor_m, [5e-4], {"euler": to_palm}),
+        ("touch", "cylinder", middle, over, {"euler": to_palm}), ("contact", "sphere", finger.tip_m, reach, {}),
+    ):  # fmt: skip
+        shape = {"name": f"{name}_{site}", "type": kind, "pos": _text(position), "size": _text(size), "group": "4"}
+        SubElement(body, "site", {**shape, **more})
+    for site in ("touch", "contact"):
+        SubElement(sensor, "touch", name=f"{name}_{site}", site=f"{name}_{site}")
+
+
+def add_to_urdf(finger: FingerModel, name: str, robot: Element, parent: str) -> None:
+    """Add a finger under a name of its own to a robot, at the frame of a link that is there."""
+    link, inertia = SubElement(robot, "link", name=name), finger.inertia
+    inertial = SubElement(link, "inertial")
+    _place(inertial, inertia.centre_m)
+    SubElement(inertial, "mass", value=_text([inertia.mass_kg]))
+    moments = zip(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), inertia.moments_kg_m2, strict=True)
+    SubElement(inertial, "inertia", {key: _text([value]) for key, value in moments})
+    colours = {part.name: part.colour for part in finger.bodies}
+    for mesh in finger.meshes:
+        shape = SubElement(link, "visual" if mesh in colours else "collision", name=f"{name}_{mesh}")
+        _place(shape, finger.offset_m)
+        SubElement(SubElement(shape, "geometry"), "mesh", filename=f"{mesh}.stl", scale=_SCALE)
+        if mesh in colours:
+            material = SubElement(shape, "material", name=f"{name}_{mesh}")
+            SubElement(material, "color", rgba=_text((*colours[mesh], 1.0)))
+    kind = ("revolute" if finger.travel_deg else "continuous") if finger.turns else "fixed"
+    joint = _join(robot, kind, parent, name, (0.0, 0.0, 0.0))
+    if finger.turns:
+        SubElement(joint, "axis", xyz="1 0 0")
+    if finger.travel_deg:
+        limits = math.radians(finger.travel_deg), finger.stop_moment_n_m, MAX_SPEED_RAD_S
+        upper, effort, velocity = (_text([limit]) for limit in limits)
+        SubElement(joint, "limit", lower="0", upper=upper, effort=effort, velocity=velocity)
+    for frame, position_m, turn in (("tip", finger.tip_m, 0.0), ("sensor", finger.sensor_m, math.pi / 2)):
+        SubElement(robot, "link", name=f"{name}_{frame}")
+        _join(robot, "fixed", name, f"{name}_{frame}", position_m, turn)
+
+
+def _text(values: Iterable[float]) -> str:
+    return " ".join(f"{value + 0.0:.9g}" for value in values)
+
+
+def _place(parent: Element, position_m: Iterable[float], turn: float = 0.0) -> None:
+    SubElement(parent, "origin", xyz=_text(position_m), rpy=f"{_text([turn])} 0 0")
+
+
+def _join(robot: Element, kind: str, parent: str, child: str, at_m: Iterable[float], turn: float = 0.0) -> Element:
+    joint = SubElement(robot, "joint", name=f"{child}_joint", type=kind)
+    _place(joint, at_m, turn)
+    SubElement(joint, "parent", link=parent)
+    SubElement(joint, "child", link=child)
+    return joint

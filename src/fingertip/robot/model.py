@@ -1,0 +1,125 @@
+"""Model of one rigid finger: parts with their densities, mass and inertia, frames, collision pieces and contact.
+
+Meshes keep the axes of the design in mm: x across, y dorsal, z towards the tip. All else is in m and kg, in the frame
+of the interface to the hand, whose axes are parallel to these.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
+from fingertip.cad.shapes.parts import hardware, parts_by_name
+from fingertip.catalogues.hardware import STEEL_G_CM3
+from fingertip.catalogues.print_materials import PRINT_MATERIALS
+from fingertip.catalogues.sensors import FILM_G_CM3
+from fingertip.design import Design
+from fingertip.design.geometry.solids import Point3, cylinder
+from fingertip.design.interfaces import interface_of
+from fingertip.design.interfaces.interface import CrossBolted, middle_y
+from fingertip.robot.contact import ContactLaw, fit_contact
+from fingertip.robot.pieces import cut_skin
+
+TOLERANCE_MM = 0.02
+"""Largest distance of a facet of the parts from the exact surface [mm]."""
+_ON_THE_HAND = ("bone", "lid", "sensor_insert")
+"""Printed parts that stay in the finger."""
+_STEEL = (0.55, 0.56, 0.58)
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """Part of the finger, with its mesh [mm]."""
+
+    name: str
+    mesh: Mesh
+    density_g_cm3: float
+    colour: Point3
+
+
+@dataclass(frozen=True)
+class Inertia:
+    mass_kg: float
+    centre_m: Point3
+    moments_kg_m2: tuple[float, ...]
+    """Inertia about the centre: xx, yy, zz, xy, xz, yz."""
+
+
+@dataclass(frozen=True, eq=False)
+class FingerModel:
+    name: str
+    bodies: tuple[Body, ...]
+    inertia: Inertia
+    offset_m: Point3
+    """Place of the meshes' origin in the frame of the interface."""
+    turns: bool
+    """True if the finger turns about the x axis of the interface, towards the palm."""
+    travel_deg: float
+    """Angle between the stops; 0 without stops."""
+    stop_moment_n_m: float
+    """Moment of the grip force at the tip."""
+    tip_m: Point3
+    sensor_m: Point3
+    """Middle of the active area. Its frame has z out of the pad, and y towards the tip."""
+    active_radius_m: float
+    over_sensor_m: float
+    """Thickness of the skin over the active area."""
+    pieces: tuple[Mesh, ...]
+    piece_error_mm: float
+    """Greatest distance between the pieces together and the skin."""
+    contact: ContactLaw
+
+    @property
+    def meshes(self) -> dict[str, Mesh]:
+        """Meshes by the names of their files, without suffix: parts, then collision pieces from the hand on."""
+        parts = {body.name: body.mesh for body in self.bodies}
+        return parts | {f"collision_{i}": piece for i, piece in enumerate(self.pieces, 1)}
+
+
+def build_finger(design: Design) -> FingerModel:
+    """Build the model of a design's finger. Raises GeometryError or TraceError."""
+    dims, evaluator, interface = design.dimensions, MeshEvaluator(TOLERANCE_MM), interface_of(design)
+    print_g_cm3 = PRINT_MATERIALS[design.strength.print_material].density_g_cm3
+    silicone = design.silicone.material.density_g_cm3
+    densities = {**dict.fromkeys(_ON_THE_HAND, print_g_cm3), "skin": (silicone.low + silicone.high) / 2}
+    parts = {name: part for name, part in parts_by_name(design).items() if name in densities}
+    solids = [(name, part.solid(design), densities[name], part.colour) for name, part in parts.items()]
+    for item in hardware(design, ("bone",)):
+        solids.append((item.name, item.solid, FILM_G_CM3 if item.name == "sensor" else STEEL_G_CM3, item.colour))
+    if isinstance(interface, CrossBolted):
+        (bolt, *_), at = interface.bolts(design), (middle_y(dims), interface.cross_bolt_z(design))
+        half = bolt["crossed_mm"] / 2
+        solids.append(("cross_bolt", cylinder("x", at, -half, half, bolt["thread_mm"] / 2), STEEL_G_CM3, _STEEL))
+    bodies = tuple(Body(name, evaluator.mesh(solid), density, colour) for name, solid, density, colour in solids)
+    joint, (pieces, error_mm) = dims.joint, cut_skin(design)
+    y, z = (joint.axis_y, joint.axis_z) if joint else (middle_y(dims), -design.bone.base_length_mm)
+
+    def place(y_mm: float, z_mm: float) -> Point3:
+        return 0.0, 1e-3 * (y_mm - y), 1e-3 * (z_mm - z)
+
+    tip, offset = place(0.0, design.skin.length_mm), place(0.0, 0.0)
+    return FingerModel(
+        design.name, bodies, measure_inertia(bodies, offset), offset, joint is not None,
+        joint.travel_deg if joint else 0.0, tip[2] * design.strength.grip_force_n, tip,
+        place(-dims.platform_depth, dims.sensor_z),
+        5e-4 * dims.sensor.active_diameter_mm, 1e-3 * design.skin.thickness_palmar_mm, pieces, error_mm,
+        fit_contact(design),
+    )  # fmt: skip
+
+
+def measure_inertia(bodies: tuple[Body, ...], offset_m: Point3) -> Inertia:
+    """Integrate mass, centre and inertia over the meshes, by a tetrahedron from the origin to each triangle."""
+    mass, first, second = 0.0, np.zeros(3), np.zeros((3, 3))
+    for body in bodies:
+        corners = 1e-3 * body.mesh.vertices[body.mesh.triangles] + np.array(offset_m)
+        mass_kg, total = 1e3 * body.density_g_cm3 * np.linalg.det(corners) / 6.0, corners.sum(axis=1)
+        mass += float(mass_kg.sum())
+        first += mass_kg @ total / 4.0
+        second += np.einsum("t,tci,tcj->ij", mass_kg, corners, corners) / 20.0
+        second += np.einsum("t,ti,tj->ij", mass_kg, total, total) / 20.0
+    about = second - np.outer(first, first) / mass
+    x, y, z = (first / mass).tolist()
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = (np.trace(about) * np.eye(3) - about).tolist()
+    return Inertia(mass, (x, y, z), (xx, yy, zz, xy, xz, yz))

@@ -1,0 +1,142 @@
+"""Mass, inertia, frames and collision pieces of the written models, against meshes and readers of other libraries."""
+
+from __future__ import annotations
+
+import math
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from fingertip import Design
+from fingertip.cad.convert import part_mesh
+from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays, to_manifold
+from fingertip.cad.shapes.insert import skin_outline
+from fingertip.pad.form import PadForm
+from fingertip.robot.pieces import cut_skin
+from tests.conftest import run_fingertip
+from tests.robot.conftest import DESIGNS, INSTALL, Model
+from tests.tools import require_module
+
+
+def sample(points: np.ndarray) -> np.ndarray:
+    """Points near the middle plane, where the skin is hollow, and a few others."""
+    return np.concatenate([points[np.abs(points[:, 0]) < 0.3], points[::20]])
+
+
+OTHERS = ("fsr402", "article")
+
+
+def numbers(text: str | None) -> np.ndarray:
+    return np.array([float(word) for word in (text or "").split()])
+
+
+def test_mass_and_inertia_are_the_integrals_of_trimesh_over_the_written_files(model: Model) -> None:
+    trimesh, mass, first, about = require_module("trimesh"), 0.0, np.zeros(3), np.zeros((3, 3))
+    for name, (density, _) in model.figures["parts"].items():
+        mesh = trimesh.load(model.folder / f"{name}.stl")
+        assert mesh.is_watertight
+        mesh.apply_scale(1e-3)
+        mesh.apply_translation(model.figures["offset_m"])
+        mesh.density = 1e3 * density
+        at, own = mesh.center_mass, mesh.mass
+        mass, first = mass + own, first + own * at
+        about += mesh.moment_inertia + own * (at @ at * np.eye(3) - np.outer(at, at))
+    centre = first / mass
+    about -= mass * (centre @ centre * np.eye(3) - np.outer(centre, centre))
+    inertial = ElementTree.parse(model.folder / "finger.xml").find("worldbody/body/inertial")
+    assert inertial is not None
+    written = numbers(inertial.get("fullinertia"))[[0, 3, 4, 3, 1, 5, 4, 5, 2]].reshape(3, 3)
+    assert float(inertial.get("mass", "")) == pytest.approx(mass, rel=1e-6)
+    assert numbers(inertial.get("pos")) == pytest.approx(centre, abs=1e-6 * float(np.linalg.norm(centre)))
+    assert written == pytest.approx(about, abs=1e-6 * float(np.trace(about)))
+
+
+def test_densities_are_those_of_the_catalogues_and_volumes_those_of_the_parts(model: Model) -> None:
+    parts = model.figures["parts"]
+    for name, density_g_cm3 in (("bone", 1.2), ("skin", 1.08)):
+        assert parts[name][0] == density_g_cm3
+        exact_g = 1e-3 * parts[name][0] * part_mesh(model.design, name, 0.005).volume()
+        assert parts[name][1] == pytest.approx(exact_g, rel=5e-3)
+    assert ("lid" in parts, "joint_pin" in parts, "cross_bolt" in parts) in ((True, True, False), (False, False, True))
+    assert model.figures["mass_kg"] == pytest.approx(1e-3 * sum(mass for _, mass in parts.values()), rel=1e-5)
+
+
+def test_frames_are_at_pin_or_base_at_the_tip_and_on_the_sensor(model: Model) -> None:
+    """In the axes of the design these places follow from its parameters."""
+    design, form = model.design, PadForm.of_design(model.design)
+    tip, sensor = (1e3 * (np.array(model.figures[name]) - model.figures["offset_m"]) for name in ("tip_m", "sensor_m"))
+    assert tip == pytest.approx([0.0, 0.0, design.skin.length_mm], abs=1e-3)
+    assert sensor == pytest.approx([0.0, -form.platform_mm, form.sensor_z_mm], abs=1e-3)
+    from_base_mm = design.hand.clearance_radius_mm if design.bone.interface == "clevis" else 0.0
+    assert 1e3 * model.figures["offset_m"][2] == pytest.approx(design.bone.base_length_mm, abs=from_base_mm + 1e-3)
+    skin = (form.skin_mm(np.zeros(1), np.array([form.sensor_z_mm]))[0] + sensor[1]) / 1e3
+    site = ElementTree.parse(model.folder / "finger.xml").find(".//site[@type='cylinder']")
+    assert site is not None
+    assert numbers(site.get("size")) == pytest.approx([form.active_radius_mm / 1e3, skin], abs=1e-6)
+
+
+@pytest.mark.parametrize("name", [*DESIGNS[:1], *(pytest.param(name, marks=pytest.mark.full) for name in OTHERS)])
+def test_pieces_are_convex_and_as_near_to_the_skin_as_stated(name: str) -> None:
+    """Distances by trimesh, from the skin to the pieces together and back; the cut faces lie inside."""
+    trimesh, design = require_module("trimesh"), Design.load(name)
+    pieces, error_mm = cut_skin(design)
+    for piece in pieces:
+        a, b, c = (piece.vertices[piece.triangles[:, i]] for i in range(3))
+        normals = np.cross(b - a, c - a)
+        normals /= np.linalg.norm(normals, axis=1)[:, None]
+        wide = np.abs(np.linalg.det(np.stack([b - a, c - a, normals], axis=1))) > 1e-3
+        over = piece.vertices @ normals[wide].T - np.einsum("ij,ij->i", normals, a)[wide]
+        assert over.max() < 0.01
+    solids = [to_manifold(piece.vertices, piece.triangles) for piece in pieces]
+    solids = [sum(solids[1:], start=solids[0]), MeshEvaluator(0.02).manifold(skin_outline(design))]
+    both = [trimesh.Trimesh(*to_arrays(solid)) for solid in solids]
+    found = [
+        float(trimesh.proximity.closest_point_naive(surface, sample(other.vertices))[1].max())
+        for surface, other in (both, both[::-1])
+    ]
+    assert max(found) < error_mm + 0.03  # tolerance of the mesh that stands for the skin here
+    assert max(found) > error_mm - 0.03
+
+
+@pytest.mark.usefixtures("readers")
+def test_urdf_and_mjcf_hold_the_same_finger_for_three_readers(model: Model, capfd: pytest.CaptureFixture[str]) -> None:
+    yourdfpy, urdf = require_module("yourdfpy", INSTALL), require_module("urdf_parser_py.urdf", INSTALL)
+    name, path = model.design.name, model.folder / "finger.urdf"
+    robot, parsed = yourdfpy.URDF.load(str(path)), urdf.URDF.from_xml_file(str(path))
+    assert capfd.readouterr() == ("", "")
+    link = parsed.link_map[name]
+    figures = model.figures
+    assert (link.inertial.mass, robot.link_map[name].inertial.mass) == pytest.approx([figures["mass_kg"]] * 2, rel=1e-5)
+    moments = link.inertial.inertia
+    found = [moments.ixx, moments.iyy, moments.izz, moments.ixy, moments.ixz, moments.iyz]
+    assert found == pytest.approx(figures["moments_kg_m2"], rel=1e-5, abs=1e-15)
+    assert len(link.collisions) == figures["collision_pieces"]
+    assert len(link.visuals) == len(figures["parts"]) == len(robot.scene.geometry)
+    scene = robot.scene.bounds
+    assert scene[1, 2] == pytest.approx(figures["tip_m"][2], abs=1e-4)  # meshes in metres, in their place
+    for frame in ("tip", "sensor"):
+        assert robot.get_transform(f"{name}_{frame}", name)[:3, 3] == pytest.approx(figures[f"{frame}_m"], abs=1e-7)
+    assert robot.get_transform(f"{name}_sensor", name)[:3, 2] == pytest.approx([0.0, -1.0, 0.0], abs=1e-7)
+    joint = parsed.joint_map[f"{name}_joint"]
+    if model.design.bone.interface == "clevis":
+        assert (joint.type, joint.axis, joint.limit.lower) == ("revolute", [1.0, 0.0, 0.0], 0.0)
+        assert joint.limit.upper == pytest.approx(math.radians(model.design.hand.travel_deg))
+    else:
+        assert joint.type == "fixed"
+
+
+def test_bad_input_is_refused_and_the_same_design_gives_the_same_bytes(model: Model, tmp_path) -> None:
+    done = run_fingertip("robot", model.design.name, "--format", "mjfc", "--out", tmp_path / "a")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "--format: 'mjfc' is no format of a model; did you mean mjcf?" in done.stderr
+    assert not (tmp_path / "a").exists()
+    (tmp_path / "b").mkdir()
+    (tmp_path / "b/finger.xml").write_text("mine")
+    done = run_fingertip("robot", model.design.name, "--out", tmp_path / "b")
+    assert done.returncode == 2
+    assert "was not written by fingertip" in done.stderr
+    assert [path.name for path in (tmp_path / "b").iterdir()] == ["finger.xml"]
+    assert run_fingertip("robot", model.design.name, "--out", tmp_path / "b", "--force", "-q").returncode == 0
+    written = {path.name: path.read_bytes() for path in (tmp_path / "b").iterdir() if path.name != "manifest.json"}
+    assert written == {name: (model.folder / name).read_bytes() for name in written}

@@ -1,0 +1,118 @@
+"""The model in MuJoCo: it loads without a warning, and a plate presses it as the pad model says."""
+
+from __future__ import annotations
+
+import math
+import runpy
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fingertip.pad.contacts import find_contacts
+from fingertip.pad.form import PadForm
+from fingertip.pad.pose import Pose
+from fingertip.robot.contact import FORCES_N
+from tests.conftest import ROOT
+from tests.robot.conftest import INSTALL, Model
+from tests.tools import require_module
+
+pytestmark = pytest.mark.usefixtures("readers")
+OBJECT_KG, STEPS = 0.035, 3000
+
+
+def test_both_formats_load_without_a_warning(model: Model, capfd, monkeypatch: pytest.MonkeyPatch, tmp_path) -> None:
+    mujoco = require_module("mujoco", INSTALL)
+    monkeypatch.chdir(tmp_path)  # where MuJoCo would write its warnings
+    turns = model.design.bone.interface == "clevis"
+    for file in ("finger.xml", "finger.urdf"):
+        spec = mujoco.MjSpec.from_file(str(model.folder / file))
+        spec.compiler.fusestatic = False
+        loaded = spec.compile()
+        assert loaded.body(model.design.name).mass[0] == pytest.approx(model.figures["mass_kg"], rel=1e-5)
+        data = mujoco.MjData(loaded)
+        mujoco.mj_step(loaded, data)
+        assert loaded.njnt == int(turns)
+        inertia = sum(model.figures["moments_kg_m2"][:3])
+        assert loaded.body(model.design.name).inertia.sum() == pytest.approx(inertia, rel=1e-5)
+        assert not any(warning.number for warning in data.warning)
+    assert capfd.readouterr() == ("", "")
+    assert not any(tmp_path.iterdir())
+
+
+def press(mujoco: Any, model: Model, tilt_deg: float, force_n: float) -> tuple[Any, Any, float]:
+    """Press an object with a plane face on the finger, held still, and return model, data and depth [mm]."""
+    spec, form = mujoco.MjSpec.from_file(str(model.folder / "finger.xml")), PadForm.of_design(model.design)
+    for joint in list(spec.joints):
+        spec.delete(joint)
+    spec.option.gravity = [0, 0, 0]
+    slope = math.tan(math.radians(tilt_deg)) + form.base_slope
+    out = np.array([0.0, -1.0, slope]) / math.hypot(1.0, slope)  # from the pad, across the plate
+    frame, turn = np.array([[1.0, 0.0, 0.0], np.cross(-out, [1.0, 0.0, 0.0]), -out]), np.zeros(4)
+    mujoco.mju_mat2Quat(turn, frame.T.ravel())
+    tip = max(float(points @ out) for points in surface(mujoco, spec.compile()))
+    plate = spec.worldbody.add_body(name="plate", pos=tip * out, quat=turn, mass=OBJECT_KG, inertia=[1e-4] * 3)
+    plate.explicitinertial = True
+    for axis in np.eye(3):
+        plate.add_joint(type=mujoco.mjtJoint.mjJNT_SLIDE, axis=axis)
+    plate.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.05, 0.05, 0.005], pos=[0, 0, -0.005])
+    loaded = spec.compile()
+    data = mujoco.MjData(loaded)
+    for _ in range(STEPS):
+        data.xfrc_applied[loaded.body("plate").id, :3] = -force_n * out
+        mujoco.mj_step(loaded, data)
+    return loaded, data, 1e3 * (tip - float(data.body("plate").xpos @ out))
+
+
+def surface(mujoco: Any, loaded: Any) -> np.ndarray:
+    """Vertices of the collision pieces in the world [m]."""
+    data = mujoco.MjData(loaded)
+    mujoco.mj_forward(loaded, data)
+    found = []
+    for i in range(loaded.ngeom):
+        if "collision" in loaded.geom(i).name:
+            mesh = loaded.mesh(int(loaded.geom_dataid[i]))
+            first, count = int(mesh.vertadr[0]), int(mesh.vertnum[0])
+            found.append(
+                loaded.mesh_vert[first : first + count] @ data.geom_xmat[i].reshape(3, 3).T + data.geom_xpos[i]
+            )
+    return np.concatenate(found)
+
+
+@pytest.mark.parametrize("force_n", [0.2, 1.0, 4.0])
+def test_a_plate_meets_the_force_applied_and_the_depth_of_the_pad(model: Model, force_n: float) -> None:
+    mujoco, tilt_deg = require_module("mujoco", INSTALL), 2.0
+    _, data, depth_mm = press(mujoco, model, tilt_deg, force_n)
+    for sensor in ("touch", "contact"):
+        assert data.sensor(f"{model.design.name}_{sensor}").data[0] == pytest.approx(force_n, rel=0.03)
+    contacts = find_contacts(PadForm.of_design(model.design), Pose(tilt_deg), FORCES_N, math.inf)
+    of_pad = np.polyfit(np.log([c.depth_mm for c in contacts]), np.log(FORCES_N), 2)  # the pad's force over its depth
+    of_pad_n = math.exp(float(np.polyval(of_pad, math.log(depth_mm))))
+    assert of_pad_n == pytest.approx(force_n, rel=model.figures["contact_error"] + 0.01)
+
+
+def test_a_block_on_the_pad_swings_at_the_resonance_and_damping_of_the_pad(model: Model) -> None:
+    """A small push on an object of 35 g at 1 N: period and decrement of the mass on the pad's stiffness."""
+    mujoco = require_module("mujoco", INSTALL)
+    loaded, data, _ = press(mujoco, model, 2.0, 1.0)
+    data.qvel[-1] = 0.002  # along the normal of the plate
+    start, out, swing = data.body("plate").xpos.copy(), data.body("plate").xmat[[2, 5, 8]].copy(), []
+    for _ in range(60):
+        mujoco.mj_step(loaded, data)
+        swing.append(float((data.body("plate").xpos - start) @ out))
+    first, second = np.flatnonzero(np.diff(np.sign(swing[1:])))[:2].tolist()
+    expected_hz = math.sqrt(model.figures["stiffness_n_per_m"] / OBJECT_KG) / math.tau
+    assert 0.5 / (loaded.opt.timestep * (second - first)) == pytest.approx(expected_hz, rel=0.06)
+    decrement = math.log(max(swing) / -min(swing)) / math.pi
+    assert decrement / math.hypot(1.0, decrement) == pytest.approx(0.15, rel=0.1)
+
+
+@pytest.mark.full
+def test_example_holds_the_block_with_the_detector_and_loses_it_without() -> None:
+    require_module("mujoco", INSTALL)
+    example = runpy.run_path(str(ROOT / "examples/hold_a_slipping_block.py"))
+    held, lost = (example["hold"](with_detector) for with_detector in (True, False))
+    assert held.slipped_mm < 3.0
+    assert lost.slipped_mm > 25.0
+    assert 0.005 < held.detected_s < 0.06
+    assert held.false_alarms == lost.false_alarms == 0

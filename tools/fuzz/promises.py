@@ -295,6 +295,6 @@ PROMISES: Mapping[str, tuple[Callable[[Path], None], ...]] = {
     ".html": (is_page,), ".stl": (is_closed_stl,), ".3mf": (is_closed_3mf,), ".step": (is_step,),
     ".net": (*_TEXT, is_kicad), ".kicad_sch": (*_TEXT, is_kicad), ".kicad_pcb": (*_TEXT, is_kicad),
     ".c": (*_TEXT, is_c), ".h": (*_TEXT, is_c), ".ino": (*_TEXT, is_c), ".cir": (*_TEXT,), ".md": (*_TEXT,),
-    ".properties": (*_TEXT,), ".txt": (*_TEXT,),
+    ".properties": (*_TEXT,), ".txt": (*_TEXT,), ".urdf": (*_TEXT,), ".xml": (*_TEXT,),
 }  # fmt: skip
 """Promises of each kind of file by the end of its name."""

@@ -15,7 +15,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fingertip.board.circuits.channels import list_tactile_pins
+from fingertip.board.circuits.channels import list_sockets, list_tactile_pins
 from fingertip.cad.files import threemf
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import build_volume_excess
@@ -44,7 +44,7 @@ from fingertip.foundation.output_set import SetWriter
 from fingertip.tasks.make_set import _find_board
 from fingertip.tasks.verification import verify_sets
 from tests.approved import check_text
-from tests.conftest import design_file, run_fingertip
+from tests.conftest import ROOT, design_file, run_fingertip
 from tests.documents.test_approved import APPROVED, DESIGNS
 
 FINGER, THUMB = Design.load("adult_finger"), Design.load("adult_thumb")
@@ -92,6 +92,14 @@ def test_a_finger_may_differ_from_its_design_and_forms_of_one_design_have_names_
     assert (form.design.name, form.design.skin.width_mm) == ("own", 17.0)
 
 
+def test_forms_of_one_long_name_have_folders_of_their_own(folder: Path) -> None:
+    text = 'name = "mine"\n'
+    for finger, ratio in (("index", 0.94), ("middle", 0.95), ("little", 0.945)):
+        text += f'[fingers.{finger}]\ndesign = "adult_finger"\nname = "{"n" * 40}"\nskin.taper_ratio = {ratio}\n'
+    names = [form.design.name for form in load_set(write_set(folder, text)).forms]
+    assert names == [f"{'n' * 33}_{finger}" for finger in ("index", "middle", "little")]
+
+
 def test_everything_that_is_wrong_is_said_at_once(folder: Path) -> None:
     text = 'name = "mine"\n[fingers.toe]\ndesign = "adult_finger"\n[fingers.thumb]\n'
     text += '[fingers.index]\ndesign = "../secret.toml"\n'
@@ -128,6 +136,9 @@ def test_a_hand_gives_every_finger_its_joint(folder: Path) -> None:
     text = 'name = "mine"\nhand = "joint.toml"\n[fingers.thumb]\ndesign = "adult_finger"\n'
     (form,) = load_set(write_set(folder, text + '[fingers.index]\ndesign = "adult_finger"\n')).forms
     assert (form.count, form.design.hand.width_mm) == (2, 6.4)
+    own = '[fingers.thumb]\ndesign = "adult_finger"\nhand.travel_deg = 50\n'
+    (form,) = load_set(write_set(folder, f'name = "mine"\nhand = "joint.toml"\n{own}')).forms
+    assert (form.design.hand.width_mm, form.design.hand.travel_deg) == (6.4, 50.0)
     (folder / "joint.toml").unlink()
     (folder / "joint.toml").symlink_to("/etc/hostname")
     with pytest.raises(FingertipError, match="link"):
@@ -211,7 +222,7 @@ def make_sheets(design: Design, fingers: tuple[str, ...], delay_s: float | None 
     )
 
 
-BOARD = SharedBoard("board", "board_design.toml", list_tactile_pins())
+BOARD = SharedBoard("board", "board_design.toml", list_sockets(), list_tactile_pins())
 
 
 def collect_data(name: str, sheets: list[FormSheets], board: SharedBoard | None) -> dict[str, Any]:
@@ -263,6 +274,13 @@ def test_sums_of_a_set_are_those_of_its_fingers(sheets: list[FormSheets], data: 
     mixed_g = sum(mass for mixture in mixtures for mass in mixture["components_g"].values())
     assert totals["silicone_g"] == {FINGER.silicone.material.label: pytest.approx(mixed_g, abs=0.1)}
     assert totals["cure_h"] == 144.0
+    alone = [each.form.count * each.casting["batch"]["mixtures"] for each in sheets]
+    alone_g = sum(n * each.casting["batch"]["total_g"] for n, each in zip(alone, sheets, strict=True))
+    text = " ".join((ROOT / "docs/sets.md").read_text().split())
+    silicone_g = totals["silicone_g"][FINGER.silicone.material.label]
+    assert f"four rounds, {silicone_g:g} g of silicone in six mixtures and six waits of 24 h" in text
+    assert f"take {alone_g:g} g in fifteen mixtures" in text
+    assert sum(alone) == 15
 
 
 def test_the_parts_list_adds_up_the_bills_of_the_fingers(sheets: list[FormSheets], data: dict[str, Any]) -> None:

@@ -6,7 +6,7 @@ A bolt is bought as a machine screw, threaded to the head or not.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -140,24 +140,26 @@ def list_hardware(design: Design) -> list[tuple[Use, dict[str, Any]]]:
         *([] if design.dimensions.window_opens_into_gap else [strain_relief]),
     ]
     weights = [{"item": "calibration weight", "mass_g": mass, "count": 1} for mass in WEIGHTS_G]
-    uses: list[tuple[Use, Sequence[dict[str, Any]]]] = [
-        ("finger", of_sensor), ("mold", of_mold), *_mold_hardware(design),
-        ("finger", [*interface_of(design).bolts(design), *of_wires]), ("bench", weights),
-    ]  # fmt: skip
-    return [(use, item) for use, items in uses for item in items]
+    return [
+        *(("finger", item) for item in of_sensor),
+        *(("mold", item) for item in of_mold),
+        *_mold_hardware(design),
+        *(("finger", item) for item in (*interface_of(design).bolts(design), *of_wires)),
+        *(("bench", item) for item in weights),
+    ]
 
 
-def _mold_hardware(design: Design) -> Iterator[tuple[Use, list[dict[str, Any]]]]:
+def _mold_hardware(design: Design) -> Iterator[tuple[Use, dict[str, Any]]]:
     """List the screw of the chaplet, the syringe, in which silicone cures, and what is rubbed on the mold."""
     if chaplet := design.dimensions.chaplet:
-        yield "mold", [{
+        yield "mold", {
             "item": "chaplet screw (machine screw, pan or cylinder head)", "thread_mm": chaplet.thread.diameter_mm,
             "length_mm": chaplet.screw_length(design.mold_layout.dorsal_height), "count": 1,
-        }]  # fmt: skip
+        }  # fmt: skip
     if inlet := design.mold_layout.inlet:
-        yield "finger", [{
+        yield "finger", {
             "item": "syringe with Luer slip tip, without rubber on its plunger", "volume_ml": inlet.syringe.volume_ml,
             "nozzle_bore_mm": design.mold.nozzle_bore_mm, "count": 1,
-        }]  # fmt: skip
+        }  # fmt: skip
     release = "for silicone cast in a rigid mold; without silicone oil, which keeps the patch from sticking"
-    yield "bench", [{"item": "mold release for silicone", "count": 1, "note": release}]
+    yield "bench", {"item": "mold release for silicone", "count": 1, "note": release}

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from fingertip.cli.board_tables import channel_lines, gate_lines, load_lines, table_lines
 from fingertip.cli.console import Console
 from fingertip.cli.options import (
     ForceOption,
@@ -25,8 +26,6 @@ from fingertip.foundation import extras
 if TYPE_CHECKING:
     from fingertip.board.analysis.board_values import BoardValues
     from fingertip.design import Design
-
-_FORCES_N = (0.0, 0.2, 0.8, 1.3, 3.0, 8.0, 20.0)
 
 
 @command
@@ -117,12 +116,12 @@ def board(
         f"{loaded.name}, {verdict}",
         f"-3 dB at {achieved.cutoff_hz:.4g} Hz (target {target.cutoff_hz:.4g} Hz), gain {achieved.passband_gain:.4g}; "
         f"files in {folder}, --verbose for the conditions",
-        *_channel_lines(loaded, values),
+        *channel_lines(loaded, values),
         "",
-        *_table_lines(loaded, values),
+        *table_lines(loaded, values),
     ]
     if verbose:
-        lines += ["", *_load_lines(loaded, values), "", *_gate_lines(values)]
+        lines += ["", *load_lines(loaded, values), "", *gate_lines(values)]
     if fab:
         from fingertip.board.circuits.board_circuit import board_circuit
         from fingertip.board.fabrication.bom import missing_numbers_note
@@ -223,27 +222,6 @@ def _find_warnings(design: Design, values: BoardValues) -> Iterator[str]:
         yield from settings_warnings(design)
 
 
-def _table_lines(design: Design, values: BoardValues) -> list[str]:
-    from fingertip.board.analysis.limits import describe_adc_range, describe_filter_swing
-
-    aliasing, limits = values.aliasing, values.voltage_limits
-    sign = "" if design.board.is_for_controller else "plus and minus "
-    return [
-        *_component_lines(design, values),
-        "",
-        *_response_lines(values),
-        "",
-        f"supply of {sign}{design.board.supply_v:g} V: signal ground is at {limits.signal_ground_v:g} V, "
-        f"{describe_filter_swing(limits)}",
-        f"at {aliasing.nyquist_hz:g} Hz, half the ADC's sampling rate, the tactile voltage is attenuated by "
-        f"{-aliasing.tactile_nyquist_db:.1f} dB and the "
-        f"{'envelope' if design.board.has_envelope else 'filtered signal'} by {-aliasing.output_nyquist_db:.1f} dB",
-        describe_adc_range(limits),
-        "",
-        *_force_lines(design, values),
-    ]
-
-
 def _format_verdict(values: BoardValues, warnings: Sequence[str]) -> str:
     """Verdict on the board: its conditions, and in the same breath what is doubtful all the same."""
     failed = sum(not condition.passed for condition in values.gate)
@@ -254,154 +232,3 @@ def _format_verdict(values: BoardValues, warnings: Sequence[str]) -> str:
     if warnings:
         said[0] += ", with a warning:" if len(warnings) == 1 else f", with {len(warnings)} warnings:"
     return "\n".join([*said, *(f"  warning: {warning}" for warning in warnings)])
-
-
-def _gate_lines(values: BoardValues) -> list[str]:
-    """Conditions that the board must meet to work."""
-    from fingertip.board.analysis.gate import describe_condition
-    from fingertip.board.analysis.thresholds import describe_threshold_spread
-    from fingertip.catalogues.amplifiers import CATALOGUE
-
-    amplifier = CATALOGUE[values.amplifier]
-    lines = [f"Conditions with {amplifier.order_name} (unverified: {', '.join(amplifier.unverified)}):"]
-    required = {(c.name, c.subject, c.relation) for c in values.gate if c.level == "required" and c.passed}
-    for condition in values.gate:
-        is_repeated = condition.level == "advised" and condition.passed
-        if not is_repeated or (condition.name, condition.subject, condition.relation) not in required:
-            lines.append(f"  {'' if condition.passed else 'FAILS: '}{describe_condition(condition)}")
-    return [*lines, describe_threshold_spread(values.threshold_spread)] if values.threshold_spread else lines
-
-
-def _channel_lines(design: Design, values: BoardValues) -> Iterator[str]:
-    """Yield the figures that the channels of several fingers share."""
-    if shared := values.shared:
-        yield (
-            f"{design.board.channels} fingers: {1e3 * shared.supply_current_a:.1f} mA at rest, crosstalk at most "
-            f"{shared.crosstalk_db:.0f} dB (at {shared.crosstalk_hz:.0f} Hz); the parts below are those of each finger"
-        )
-
-
-def _component_lines(design: Design, values: BoardValues) -> list[str]:
-    from fingertip.board.parts.circuit import format_component_value
-
-    ideal, preferred, adc = values.ideal, values.preferred, values.adc_interface
-    has_envelope = design.board.has_envelope
-    filter_resistors = [
-        ("R1", ideal.r1_ohm, preferred.r1_ohm, "first stage, pole"),
-        ("R2", ideal.r2_ohm, preferred.r2_ohm, "Sallen-Key, feedback"),
-        ("R3", ideal.r3_ohm, preferred.r3_ohm, "Sallen-Key, to ground"),
-        ("R4", ideal.r4_ohm, preferred.r4_ohm, "gain, to ground"),
-        ("R5", ideal.r5_ohm, preferred.r5_ohm, "gain, feedback"),
-    ]
-    if has_envelope:
-        filter_resistors.append(("R6", ideal.r_lp_ohm, preferred.r_lp_ohm, "R_LP, envelope"))
-    single = adc.output_ohm, adc.output_f
-    others = [
-        ("C1 C2 C3", (preferred.c_f,), "both filters"),
-        *([("C4", (preferred.c_lp_f,), "C_LP, envelope")] if has_envelope else []),
-        *_front_end_rows(values),
-        *([("R7 C8", single, "anti-aliasing filter, envelope")] if has_envelope else []),
-        *([("R27 C25", single, "anti-aliasing filter, filtered signal")] if design.board.is_for_controller else []),
-        ("R8 C9", (adc.first_ohm, adc.first_f), "anti-aliasing filter, tactile voltage: first pole"),
-        ("R9 C19", (adc.second_ohm, adc.second_f), "anti-aliasing filter, tactile voltage: second pole"),
-    ]
-    if added := values.first_stage_capacitors:
-        capacitors = (added.series_capacitor_f, added.limiting_capacitor_f)
-        others.append(("C14 C20", capacitors, "first stage, AC coupling of R4 and low-pass"))
-    lines = [f"{'component':10} {'ideal':>14} {design.board.series:>10} {'deviation':>9}  function"]
-    lines += [
-        f"{name:10} {ohm:10.1f} ohm {format_component_value(fitted):>10} {_format_deviation(fitted / ohm)}  {function}"
-        for name, ohm, fitted, function in filter_resistors
-    ]
-    lines += [
-        f"{names:10} {'':14} {' '.join(map(format_component_value, components)):>10} {'':9}  {function}"
-        for names, components, function in others
-    ]
-    return lines
-
-
-def _front_end_rows(values: BoardValues) -> list[tuple[str, tuple[float, ...], str]]:
-    if bridge := values.bridge:
-        return [
-            ("R10", (bridge.sensor_top_ohm,), "bridge, supply to sensor"),
-            ("R11", (bridge.sensor_shunt_ohm,), "bridge, parallel to the sensor"),
-            ("R12", (bridge.reference_top_ohm,), "bridge, supply to reference"),
-            ("R13", (bridge.reference_bottom_ohm,), "bridge, reference to ground"),
-            ("R14", (bridge.gain_ohm,), f"bridge amplifier, gain {bridge.gain:.2f}"),
-        ]
-    fitted = values.by_reference
-    return [
-        ("R28 C26", (fitted["R28"], fitted["C26"]), "sensor's cable, behind the suppressor D6"),
-        ("R29", (fitted["R29"],), "transimpedance stage, input"),
-        ("R30 C27", (fitted["R30"], fitted["C27"]), "transimpedance stage, feedback"),
-        ("R31 R32", (fitted["R31"], fitted["R32"]), "sensor's bias"),
-        ("R33", (fitted["R33"],), "sensor's bias, low-pass"),
-        ("C28 C29", (fitted["C28"], fitted["C29"]), "sensor's bias, low-pass"),
-    ]
-
-
-def _response_lines(values: BoardValues) -> list[str]:
-    from fingertip.foundation.files import format_figure
-
-    target, achieved = values.target_response, values.achieved_response
-    quantities = [
-        ("maximum gain", target.passband_gain, achieved.passband_gain, ""),
-        ("maximum gain", target.passband_gain_db, achieved.passband_gain_db, "dB"),
-        ("first pole", target.first_pole_hz, achieved.first_pole_hz, "Hz"),
-        ("Sallen-Key f0", target.section_hz, achieved.section_hz, "Hz"),
-        ("Sallen-Key Q", target.section_quality, achieved.section_quality, ""),
-        ("lower -3 dB", target.cutoff_hz, achieved.cutoff_hz, "Hz"),
-        ("upper -3 dB", target.upper_cutoff_hz, achieved.upper_cutoff_hz, "Hz"),
-        ("envelope corner", target.envelope_pole_hz, achieved.envelope_pole_hz, "Hz"),
-        ("envelope time constant", 1e3 * target.envelope_decay_s, 1e3 * achieved.envelope_decay_s, "ms"),
-        ("amplifier bandwidth", target.amplifier_bandwidth_hz, achieved.amplifier_bandwidth_hz, "Hz"),
-    ]
-    lines = [f"{'response':22} {'target':>12} {'achieved':>12}"]
-    lines += [
-        f"{name:22} {format_figure(wanted):>12} {format_figure(real):>12} {unit}".rstrip()
-        for name, wanted, real, unit in quantities
-    ]
-    software = "; software computes the envelope" if values.voltage_limits.max_envelope_v is None else ""
-    lines.append(
-        f"achieved: preferred values; gain and -3 dB with the finite bandwidth and gain of the amplifiers{software}"
-    )
-    return lines
-
-
-def _format_deviation(ratio: float) -> str:
-    """Deviation of a ratio from 1 in percent; one that rounds to zero has no sign."""
-    text = f"{100 * (ratio - 1):+.2f}%"
-    return f"{text[1:] if text[1:] == '0.00%' else text:>9}"
-
-
-def _load_lines(design: Design, values: BoardValues) -> list[str]:
-    """Load and peak current of each amplifier in the band of the vibrations."""
-    from fingertip.board.analysis.loads import signal_band_hz
-    from fingertip.foundation.files import format_figure
-
-    low_hz, high_hz = signal_band_hz(design.board.cutoff_hz)
-    lines = [f"amplifiers, {low_hz:.4g} Hz to {high_hz:.4g} Hz: smallest load, and peak current at the clipping level"]
-    for load in values.amplifier_loads:
-        ohm, milliampere = format_figure(load.min_ohm, 3), format_figure(1e3 * load.max_current_a, 2)
-        is_bound = load.min_filter_ohm is not None and load.min_filter_ohm > 1.001 * load.min_ohm
-        diode = "; D1 conducting, upper bound of the current" if is_bound else ""
-        lines.append(f"  {load.amplifier:4} {ohm:>6} ohm, {milliampere} mA{diode}")
-    return lines
-
-
-def _force_lines(design: Design, values: BoardValues) -> list[str]:
-    """Sensor resistance and tactile voltage at a few forces, and what they assume of the sensor."""
-    from fingertip.board.components.bridge import sensor_conductance_s
-
-    conductance_of = sensor_conductance_s
-    if design.force_curve.curve == "calibrated":
-        from fingertip.sim.signal.bridge import ConductanceCurve  # needs numpy
-
-        conductance_of = ConductanceCurve.of_design(design).conductance_s
-    lines = [f"{'force':>8} {'sensor':>10} {'tactile voltage':>16}"]
-    for force_n in _FORCES_N:
-        conductance_s = conductance_of(force_n)
-        resistance = f"{1 / conductance_s:.0f} ohm" if conductance_s else "open"
-        tactile_v = values.tactile_response.tactile_v(conductance_s)
-        lines.append(f"{force_n:6g} N {resistance:>10} {tactile_v:14.2f} V")
-    return [*lines, design.force_curve.describe()]

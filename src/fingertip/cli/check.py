@@ -127,7 +127,8 @@ def _load(files: Sequence[Path], changes: Sequence[str], console: Console) -> di
         found: list[Issue] = []
         with gather(found):
             if is_set(file):
-                loaded += ((file.as_posix(), form.design) for form in load_set(file, changes).forms)
+                forms = load_set(file, changes).forms
+                loaded += ((f"{file.as_posix()}: {form.design.name}", form.design) for form in forms)
             else:
                 loaded.append((file.as_posix(), load_design(file, changes, console)))
         issues += (
@@ -136,11 +137,7 @@ def _load(files: Sequence[Path], changes: Sequence[str], console: Console) -> di
     if issues:
         raise DesignError(issues)
     names = [design.name for _, design in loaded]
-    labels = [
-        design.name if names.count(design.name) == 1 else f"{file}: {design.name}" if is_set(file) else file
-        for file, design in loaded
-    ]
-    return dict(zip(labels, (design for _, design in loaded), strict=True))
+    return {design.name if names.count(design.name) == 1 else label: design for label, design in loaded}
 
 
 def _format_table(label: str, checks: Sequence[Check], verbose: bool) -> str:

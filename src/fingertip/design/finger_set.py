@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-import tomlkit
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from fingertip.catalogues.bundled import find_file
@@ -125,12 +124,15 @@ def _find_beside(path: Path, field: str, given: str) -> Path | None:
 
 
 def _load_finger(path: Path, table: Mapping[str, Any], hand: Mapping[str, Any], changes: Sequence[str]) -> Design:
+    import tomlkit  # noqa: PLC0415
+
     base = table.get("design")
     if not isinstance(base, str):
         raise DesignError(Issue("design", "is missing; name a design, such as design = 'adult_finger'."))
     beside = _find_beside(path, "design", base)
-    own = {**hand, **{name: value for name, value in table.items() if name != "design"}}
-    typed = [f"{name}={tomlkit.item(value).as_string()}" for name, value in _list_values(own)]
+    own = {name: value for name, value in table.items() if name != "design"}
+    values = (*_list_values(hand), *_list_values(own))  # a finger may differ from the hand in one value
+    typed = [f"{name}={tomlkit.item(value).as_string()}" for name, value in values]
     loaded = load_tables([beside or base], [*typed, *changes], below=path.parent if beside else None)
     return Design.from_tables(loaded.tables, loaded.before, loaded.changed)
 
@@ -174,5 +176,6 @@ def _name_forms(designs: Mapping[str, Design]) -> Iterator[Form]:
     for fingers in groups.values():
         design = designs[fingers[0]]
         if names.count(design.name) > 1:
-            design = design.model_copy(update={"name": f"{design.name}_{fingers[0]}"[:40]})
+            # Cut so that a long name keeps its finger, and no two forms have one folder.
+            design = design.model_copy(update={"name": f"{design.name[:33]}_{fingers[0]}"})
         yield Form(design, tuple(fingers))

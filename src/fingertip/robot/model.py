@@ -24,8 +24,6 @@ from fingertip.robot.pieces import cut_skin
 
 TOLERANCE_MM = 0.02
 """Largest distance of a facet of the parts from the exact surface [mm]."""
-_ON_THE_HAND = ("bone", "lid", "sensor_insert")
-"""Printed parts that stay in the finger."""
 _STEEL = (0.55, 0.56, 0.58)
 
 
@@ -83,9 +81,12 @@ def build_finger(design: Design) -> FingerModel:
     dims, evaluator, interface = design.dimensions, MeshEvaluator(TOLERANCE_MM), interface_of(design)
     print_g_cm3 = PRINT_MATERIALS[design.strength.print_material].density_g_cm3
     silicone = design.silicone.material.density_g_cm3
-    densities = {**dict.fromkeys(_ON_THE_HAND, print_g_cm3), "skin": (silicone.low + silicone.high) / 2}
-    parts = {name: part for name, part in parts_by_name(design).items() if name in densities}
-    solids = [(name, part.solid(design), densities[name], part.colour) for name, part in parts.items()]
+    skin_g_cm3 = (silicone.low + silicone.high) / 2
+    solids = [
+        (name, part.solid(design), print_g_cm3 if part.is_printed else skin_g_cm3, part.colour)
+        for name, part in parts_by_name(design).items()
+        if part.is_in_finger
+    ]
     for item in hardware(design, ("bone",)):
         solids.append((item.name, item.solid, FILM_G_CM3 if item.name == "sensor" else STEEL_G_CM3, item.colour))
     if isinstance(interface, CrossBolted):

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from fingertip.board.circuits.channels import list_tactile_pins
+from fingertip.board.circuits.channels import list_sockets, list_tactile_pins
 from fingertip.cad.files import threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.printing.orientations import build_volume_excess, print_orientations
@@ -45,7 +45,6 @@ from fingertip.design.geometry.solids import scaled
 from fingertip.documents.acceptance import acceptance_data
 from fingertip.documents.casting.sheet import casting_sheet_data
 from fingertip.documents.finger_set.sheets import (
-    PARTS_OF_A_FINGER,
     FormSheets,
     SharedBoard,
     render_casting_plan,
@@ -149,7 +148,7 @@ def make_set(
         progress("making the board of all fingers")
         planned = plan_board(board_design, folder / BOARD_FOLDER, force=force, bring_up=True, top=folder)
         board = planned.write(progress)
-    shared = SharedBoard(BOARD_FOLDER, BOARD_DESIGN, list_tactile_pins()) if board_design else None
+    shared = SharedBoard(BOARD_FOLDER, BOARD_DESIGN, list_sockets(), list_tactile_pins()) if board_design else None
     data = set_data(fingers, sheets, plan, prints.plates, shared)
     contents = _render_sheets(fingers, forms, data)
     if board_design:
@@ -236,7 +235,7 @@ def _arrange_prints(fingers: FingerSet, forms: Iterable[Made]) -> PrintFiles:
         meshes = {part.part.name: part.mesh for part in made.parts.parts if part.part.is_printed}
         encoded = {name: threemf.encode_mesh(mesh) for name, mesh in meshes.items()}
         for name, piece in list_pieces(form.design, meshes, encoded).items():
-            group, owners = ("fingers", form.fingers) if name in PARTS_OF_A_FINGER else ("molds", (form.design.name,))
+            group, owners = ("fingers", form.fingers) if PARTS[name].is_in_finger else ("molds", (form.design.name,))
             pieces[group] += (replace(piece, name=f"{name} {owner}") for owner in owners)
     contents, plates = dict[str, bytes](), dict[str, tuple[str, ...]]()
     for group, parts in pieces.items():

@@ -18,6 +18,7 @@ from fingertip.board.parts.circuit import (
     HOST_CONNECTOR,
     POWER_IN,
     RAILS,
+    SENSOR_CONNECTOR,
     Circuit,
     Component,
     Net,
@@ -69,6 +70,11 @@ def host_pins() -> dict[str, str]:
     """Pins of the host connector, by number: T, S and ground of each channel in turn, so that ground separates them."""
     nets = [name_net(net, channel) for channel in range(1, PLACES + 1) for net in (ADC_TACTILE, ADC_FILTERED, GND)]
     return {str(number): net for number, net in enumerate(nets, start=1)} | {"MP": GND}
+
+
+def list_sockets() -> tuple[str, ...]:
+    """List the sensor's connector of each channel."""
+    return tuple(name_part(SENSOR_CONNECTOR, channel) for channel in range(1, PLACES + 1))
 
 
 def list_tactile_pins() -> tuple[str, ...]:

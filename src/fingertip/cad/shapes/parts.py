@@ -32,6 +32,8 @@ class Part:
     is_printed: bool
     exists_in: Callable[[Design], bool] = lambda design: True
     """Function that tells whether a design has this part."""
+    is_in_finger: bool = False
+    """True for what a finished finger consists of; the others serve to make it."""
     is_tool: bool = False
     """True for what helps to assemble the finger, and lies nowhere in it or in its mold."""
 
@@ -51,12 +53,15 @@ def _dorsal_hole_count(design: Design) -> int:
 PARTS: dict[str, Part] = {
     part.name: part
     for part in (
-        Part("bone", bone.bone, bone.genus, (0.93, 0.89, 0.80), True),
+        Part("bone", bone.bone, bone.genus, (0.93, 0.89, 0.80), True, is_in_finger=True),
         Part(
             "lid", bone.lid, lambda design: 0, (0.80, 0.74, 0.62), True,
-            exists_in=lambda design: design.dimensions.fold is not None,
+            exists_in=lambda design: design.dimensions.fold is not None, is_in_finger=True,
         ),
-        Part("skin", skin.skin, lambda design: int(design.dimensions.chaplet is not None), (0.87, 0.62, 0.52), False),
+        Part(
+            "skin", skin.skin, lambda design: int(design.dimensions.chaplet is not None), (0.87, 0.62, 0.52), False,
+            is_in_finger=True,
+        ),
         Part("mold_palmar", mold.mold_palmar, lambda design: len(design.mold_layout.bolts), (0.45, 0.58, 0.70), True),
         Part("mold_dorsal", mold.mold_dorsal, _dorsal_hole_count, (0.62, 0.72, 0.80), True),
         Part(
@@ -65,7 +70,7 @@ PARTS: dict[str, Part] = {
         ),
         Part(
             "sensor_insert", lambda design: insert.sensor_insert(design)[0], lambda design: 0, (0.36, 0.55, 0.42), True,
-            exists_in=lambda design: design.dimensions.insert is not None,
+            exists_in=lambda design: design.dimensions.insert is not None, is_in_finger=True,
         ),
         Part(
             "insert_jig", insert.insert_jig, lambda design: 1, (0.55, 0.70, 0.58), True,

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from fingertip.cad.printing.orientations import print_orientations
+from fingertip.cad.shapes.parts import PARTS
 from fingertip.casting.hardware import list_hardware
 from fingertip.casting.quantities import Batch
 from fingertip.casting.set_plan import CHANGE_S, CastingPlan, Cup
@@ -20,8 +20,6 @@ from fingertip.design.finger_set import FingerSet, Form
 from fingertip.documents.casting.sheet import round_component_g
 from fingertip.documents.template import lay_out_page, render, render_rows
 
-PARTS_OF_A_FINGER = ("bone", "lid", "sensor_insert")
-"""Printed parts that stay in a finger. The others are tools: a set needs each once for each form."""
 _FILLED = "mix and fill"
 """Words of the stage of a casting sheet's plan that each round repeats."""
 
@@ -39,18 +37,19 @@ class FormSheets:
     warnings: tuple[str, ...] = ()
 
     def count_part(self, part: str) -> int:
-        """Count how often a part of this form is printed for the set."""
-        if part not in print_orientations(self.form.design):
+        """Count how often a part of this form is printed for the set: molds and other tools once."""
+        if not PARTS[part].is_printed:
             return 0
-        return self.form.count if part in PARTS_OF_A_FINGER else 1
+        return self.form.count if PARTS[part].is_in_finger else 1
 
 
 @dataclass(frozen=True)
 class SharedBoard:
-    """Board for all fingers: its folder, and the pin of each finger's tactile voltage at its output connector."""
+    """Board for all fingers: its folder, and for each finger its socket and the pin of its tactile voltage."""
 
     folder: str
     design_file: str
+    sockets: tuple[str, ...]
     tactile_pins: tuple[str, ...]
 
 
@@ -69,6 +68,7 @@ def set_data(
             "width_mm": form.design.skin.width_mm,
             "length_mm": form.design.skin.length_mm,
             "shared": [other for other in form.fingers if other != finger],
+            "socket": board.sockets[number] if board else "",
             "pin": board.tactile_pins[number] if board else "",
         }
         for number, (finger, form) in enumerate(fingers.fingers)
@@ -93,7 +93,7 @@ def set_data(
         "plates": {file: list(parts) for file, parts in plates.items()},
         "plan": _plan_data(plan),
         "calendar": list(_plan_days(sheets, plan)),
-        "parts": [*_list_parts(sheets), *_list_supplies(sheets, len(plan.mixtures))],
+        "parts": _list_parts(sheets, len(plan.mixtures)),
         "acceptance": {each.form.design.name: dict(each.acceptance) for each in sheets},
         "totals": {
             "fingers": len(rows),
@@ -122,6 +122,7 @@ def _plan_data(plan: CastingPlan) -> dict[str, Any]:
 def _plan_days(sheets: Sequence[FormSheets], plan: CastingPlan) -> Iterator[dict[str, Any]]:
     """Plan the days of the set: those of the longest casting sheet, with its filling once for each round."""
     stages = max((each.casting["plan"] for each in sheets), key=len)
+    assert sum(_FILLED in stage["work"] for stage in stages) == 1, "casting/plan.md names the stage that is repeated"
     starts = [stage["day"] for stage in stages]
     day = 1
     for stage, start, after in zip(stages, starts, [*starts[1:], starts[-1]], strict=True):
@@ -163,29 +164,26 @@ def _cup_data(cup: Cup) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _list_parts(sheets: Sequence[FormSheets]) -> list[dict[str, Any]]:
-    """List the hardware: equal items of all forms are added up, and what serves the bench is there once."""
-    found: dict[str, dict[str, Any]] = {}
+def _list_parts(sheets: Sequence[FormSheets], mixtures: int) -> list[dict[str, Any]]:
+    """List what to buy, the sizes of one item together; cups and stirrers are counted by the mixtures of the set.
+
+    Equal items of all forms are added up, and what serves the bench is there once.
+    """
+    counted = {"cups": mixtures + 1, "stirrers": mixtures}
+    found: dict[str, dict[str, dict[str, Any]]] = {}
     for each in sheets:
-        for use, item in list_hardware(each.form.design):
-            row = found.setdefault(repr(item), {**item, "count": 0, "use": use, "designs": []})
+        supplies = [
+            ("bench", {"item": name, "count": counted.get(name, supply["count"] or ""), "note": supply["size"]})
+            for supply in each.casting["supplies"]
+            for name in (supply["item"],)
+        ]
+        for use, item in (*list_hardware(each.form.design), *supplies):
+            sizes = found.setdefault(item["item"], {})
+            row = sizes.setdefault(repr(item), {**item, "count": 0, "use": use, "designs": []})
             many = each.form.count if use == "finger" else 1
             row["count"] = item["count"] if use == "bench" else row["count"] + many * item["count"]
             row["designs"].append(each.form.design.name)
-    return sorted(found.values(), key=lambda row: [each["item"] for each in found.values()].index(row["item"]))
-
-
-def _list_supplies(sheets: Sequence[FormSheets], mixtures: int) -> Iterator[dict[str, Any]]:
-    """List consumables and tools of all forms once; cups and stirrers are counted by the mixtures of the set."""
-    found: dict[tuple[str, str], dict[str, Any]] = {}
-    counted = {"cups": mixtures + 1, "stirrers": mixtures}
-    for each in sheets:
-        for supply in each.casting["supplies"]:
-            row = {"item": supply["item"], "count": counted.get(supply["item"], supply["count"] or ""), "use": "bench"}
-            row = found.setdefault((supply["item"], supply["size"]), {**row, "note": supply["size"], "designs": []})
-            row["designs"].append(each.form.design.name)
-    order = list(dict.fromkeys(item for item, _ in found))
-    return iter(sorted(found.values(), key=lambda row: order.index(row["item"])))
+    return [row for sizes in found.values() for row in sizes.values()]
 
 
 def render_casting_plan(data: Mapping[str, Any]) -> str:

@@ -28,8 +28,9 @@ def describe_model(finger: FingerModel, file_format: str) -> dict[str, Any]:
         "stiffness_n_per_m": contact.pad_stiffness_n_per_m,
     }  # fmt: skip
     errors = (
-        f"Collision: {surface} within {finger.piece_error_mm:.2f} mm of the skin's. Contact: force within "
-        f"{100 * contact.error:.1f} percent of the pad's over its depth, from {low_n:g} to {high_n:g} N."
+        f"Collision: {surface} within {finger.piece_error_mm:.2f} mm of the skin's outline. Contact: force within "
+        f"{100 * contact.error:.1f} percent of that of the layer model of the pad over its depth, from {low_n:g} to "
+        f"{high_n:g} N."
     )
     return {"design": finger.name, "format": file_format, "turns": finger.turns, "errors": errors, **_round(figures)}
 

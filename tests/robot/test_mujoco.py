@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import math
+import re
 import runpy
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from fingertip import write_robot
+from fingertip.design.finger_set import load_set
 from fingertip.pad.contacts import find_contacts
 from fingertip.pad.form import PadForm
 from fingertip.pad.pose import Pose
@@ -79,16 +84,81 @@ def surface(mujoco: Any, loaded: Any) -> np.ndarray:
     return np.concatenate(found)
 
 
-@pytest.mark.parametrize("force_n", [0.2, 1.0, 4.0])
+@pytest.mark.parametrize("force_n", [0.2, 1.0, 4.0, 10.0])
 def test_a_plate_meets_the_force_applied_and_the_depth_of_the_pad(model: Model, force_n: float) -> None:
     mujoco, tilt_deg = require_module("mujoco", INSTALL), 2.0
     _, data, depth_mm = press(mujoco, model, tilt_deg, force_n)
     for sensor in ("touch", "contact"):
         assert data.sensor(f"{model.design.name}_{sensor}").data[0] == pytest.approx(force_n, rel=0.03)
     contacts = find_contacts(PadForm.of_design(model.design), Pose(tilt_deg), FORCES_N, math.inf)
-    of_pad = np.polyfit(np.log([c.depth_mm for c in contacts]), np.log(FORCES_N), 2)  # the pad's force over its depth
+    of_pad = np.polyfit(np.log([c.depth_mm for c in contacts]), np.log(FORCES_N), 3)  # the pad's force over its depth
     of_pad_n = math.exp(float(np.polyval(of_pad, math.log(depth_mm))))
     assert of_pad_n == pytest.approx(force_n, rel=model.figures["contact_error"] + 0.01)
+
+
+def test_points_of_the_skin_read_the_depth_under_a_plate_and_its_slip(model: Model) -> None:
+    mujoco, slip_m_s = require_module("mujoco", INSTALL), 0.02
+    loaded, data, depth_mm = press(mujoco, model, 2.0, 1.0)
+    data.qvel[-2] = slip_m_s  # along the finger
+    mujoco.mj_forward(loaded, data)
+    depth_m, across_m_s, along_m_s = data.sensor(f"{model.design.name}_tactile").data.reshape(3, -1)
+    radius_m = 1e-3 * PadForm.of_design(model.design).active_radius_mm
+    assert len(depth_m) == model.figures["taxels"] == (2 * round(radius_m / 5e-4) + 1) ** 2
+    assert 1e3 * depth_m.max() == pytest.approx(depth_mm, abs=0.02)
+    pressed = depth_m > 0.0
+    assert 0.2 < pressed.mean() < 0.8
+    assert along_m_s[pressed] == pytest.approx(slip_m_s, rel=0.02)
+    assert across_m_s == pytest.approx(0.0, abs=0.05 * slip_m_s)
+
+
+def test_snippets_of_the_readme_attach_the_finger_and_correct_its_contact(
+    model: Model, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mujoco, name = require_module("mujoco", INSTALL), model.design.name
+    correct, attach = re.findall(r"```python\n(.*?)```", (model.folder / "README.md").read_text(), re.DOTALL)
+    link = '<site name="end_of_last_link"/><geom size="0.01" pos="0 0 -0.1"/>'
+    thing = '<body name="object"><freejoint/><geom size="0.01" mass="0.1"/></body>'
+    hand = f"<mujoco><worldbody><body>{link}</body>{thing}</worldbody></mujoco>"
+    (model.folder / "hand.xml").write_text(hand)
+    monkeypatch.chdir(model.folder)
+    names: dict[str, Any] = {"mujoco": mujoco}
+    exec(attach, names)
+    exec(correct.replace(name, f"index_{name}"), names)
+    loaded = names["model"]
+    stiffness = loaded.geom(f"index_{name}_collision_1").solref[0] / names["ratio"]
+    assert stiffness == pytest.approx(model.figures["solref"][0], rel=1e-5)
+    assert names["ratio"] * model.figures["inverse_mass_per_kg"] == pytest.approx(
+        sum(loaded.body(body).invweight0[0] for body in (f"index_{name}", "object")), rel=1e-5
+    )
+    assert (loaded.opt.timestep, loaded.opt.impratio) == (0.0005, 10000)
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_a_set_is_one_model_whose_fingers_stand_side_by_side_and_feel_by_themselves(tmp_path: Path, side: str) -> None:
+    mujoco = require_module("mujoco", INSTALL)
+    loaded_set = load_set("adult_hand")
+    figures = write_robot(replace(loaded_set, side=side), tmp_path)
+    loaded = mujoco.MjModel.from_xml_path(str(tmp_path / "finger.xml"))
+    data = mujoco.MjData(loaded)
+    mujoco.mj_forward(loaded, data)
+    names = [name for name, _ in loaded_set.fingers]
+    assert [loaded.body(i).name for i in range(1, loaded.nbody)] == names
+    places = [float(data.body(name).xpos[0]) for name in names]
+    assert places == sorted(places, reverse=side == "right")  # seen from the palm, the right thumb is on the right
+    assert list(figures["places_m"].values()) == pytest.approx(places)
+    assert data.ncon == 0
+    for name, form in loaded_set.fingers:
+        assert loaded.body(name).mass[0] == pytest.approx(figures["forms"][form.design.name]["mass_kg"], rel=1e-5)
+        for sensor in ("touch", "contact", "tactile"):
+            assert not data.sensor(f"{name}_{sensor}").data.any()
+    assert all((tmp_path / f"{form.design.name}_README.md").exists() for form in loaded_set.forms)
+    write_robot(loaded_set, tmp_path, file_format="urdf", force=True)
+    spec = mujoco.MjSpec.from_file(str(tmp_path / "finger.urdf"))
+    spec.compiler.fusestatic = False
+    in_urdf = spec.compile()
+    assert in_urdf.njnt == loaded.njnt == len(names)
+    for name in names:
+        assert in_urdf.body(name).mass[0] == pytest.approx(loaded.body(name).mass[0], rel=1e-5)
 
 
 def test_a_block_on_the_pad_swings_at_the_resonance_and_damping_of_the_pad(model: Model) -> None:

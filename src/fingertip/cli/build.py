@@ -151,7 +151,8 @@ def _make_set(
         lines += [f"{form.parts.folder}:", *(f"  {line}" for line in format_build(form.parts))]
     boards = "one board for all fingers" if made.board else "a board for each form"
     lines += [
-        f"{totals['fingers']} fingers of {totals['molds']} forms: {totals['printed_cm3']:g} cm3 to print, "
+        f"{totals['fingers']} fingers of {totals['molds']} forms: {totals['fingers_cm3']:g} cm3 to print for them, "
+        f"{totals['molds_cm3']:g} cm3 for their molds, "
         f"{totals['castings']} castings, {silicone_g:g} g of silicone in {totals['mixtures']} mixtures, "
         f"{totals['cure_h']:g} h to cure; {boards}",
         f"next: {made.folder / 'set.md'} says what to do; see: {made.folder / 'index.html'}",

@@ -95,6 +95,7 @@ def sheet(
     from fingertip.cad.printing.slicer import HOW_TO_INSTALL, PrintEstimate, find_slicer, slice_plate
     from fingertip.cad.verification.bone import check_strength
     from fingertip.cad.verification.check import list_warnings
+    from fingertip.cad.verification.pad import check_pad
     from fingertip.cad.verification.strength import assess_strength
     from fingertip.casting.quantities import measure_volumes
     from fingertip.catalogues.output_files import SHEET, STEPS, STEPS_FOLDER
@@ -122,7 +123,7 @@ def sheet(
             prints[name] = slice_plate(program, name, files.contents[plate], loaded)
     volumes = measure_volumes(loaded, MeshEvaluator(_MESH_TOLERANCE_MM))
     strength = assess_strength(loaded, MeshEvaluator(_MESH_TOLERANCE_MM))
-    warnings = list_warnings(check_strength(loaded, strength), with_advice=True)
+    warnings = list_warnings([*check_strength(loaded, strength), *check_pad(loaded)], with_advice=True)
     data = casting_sheet_data(loaded, volumes, silicone, prints, warnings)
     drawn: dict[str, bytes] = {}
     if pictures:

@@ -22,14 +22,18 @@ def robot(
     force: ForceOption = False,
     changes: SetOption = None,
 ) -> None:
-    """Write a model of one finger for simulators: meshes, mass and inertia, frames, collision pieces and contact.
+    """Write a model of a finger, or of a set, for simulators: meshes, inertia, frames, collision pieces and contact.
 
-    The README beside it states the frames, the errors of collision pieces and contact, and how to attach the finger.
+    The README beside it states the frames, the errors of collision pieces and contact, and how to attach a finger.
     """
+    from fingertip.design.finger_set import is_set, load_set
     from fingertip.tasks.robot import write_robot
 
-    made = write_robot(
-        load_design(design, changes, console), out, file_format=file_format, force=force, progress=console.progress
-    )
-    mass, written = f"{1e3 * made['mass_kg']:.2f} g in {len(made['parts'])} parts", f"{len(made['files'])} files"
-    console.result(made, f"{mass}. {made['errors']}\n{written} in {made['folder']}; its README.md explains them")
+    loaded = load_set(design, changes or ()) if is_set(design) else load_design(design, changes, console)
+    made = write_robot(loaded, out, file_format=file_format, force=force, progress=console.progress)
+    lines = [
+        f"{form['design']}: {1e3 * form['mass_kg']:.2f} g in {len(form['parts'])} parts. {form['errors']}"
+        for form in made.get("forms", {"": made}).values()
+    ]
+    written = f"{len(made['files'])} files in {made['folder']}; its README.md explains them"
+    console.result(made, "\n".join([*lines, written]))

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from fingertip.catalogues.output_files import ROBOT_FILES
+from fingertip.catalogues.output_files import README, ROBOT_FILES
+from fingertip.design.finger_set import FingerSet
 from fingertip.documents.template import WIDTH, lay_out_page, render
 from fingertip.robot.contact import FORCES_N, REFERENCE_N
 from fingertip.robot.formats import MAX_SPEED_RAD_S, TIMESTEP_S
 from fingertip.robot.model import TOLERANCE_MM, FingerModel
+from fingertip.robot.tactile import SPACING_MM
 
 
 def describe_model(finger: FingerModel, file_format: str) -> dict[str, Any]:
@@ -25,20 +27,34 @@ def describe_model(finger: FingerModel, file_format: str) -> dict[str, Any]:
         "collision_error_mm": finger.piece_error_mm, "contact_error": contact.error, "solimp": contact.solimp,
         "solref": contact.solref(contact.inverse_mass_per_kg), "inverse_mass_per_kg": contact.inverse_mass_per_kg,
         "friction": contact.friction, "torsion_m": contact.torsion_m,
-        "stiffness_n_per_m": contact.pad_stiffness_n_per_m,
+        "stiffness_n_per_m": contact.pad_stiffness_n_per_m, "depths_mm": contact.depths_mm,
+        "forces_n": contact.forces_n, "taxels": len(finger.taxels.points_mm),
+        "below_interface_m": -1e-3 * float(finger.bodies[0].mesh.vertices[:, 2].min()) - finger.offset_m[2],
     }  # fmt: skip
-    errors = (
-        f"Collision: {surface} within {finger.piece_error_mm:.2f} mm of the skin's outline. Contact: force within "
-        f"{100 * contact.error:.1f} percent of that of the layer model of the pad over its depth, from {low_n:g} to "
-        f"{high_n:g} N."
-    )
+    errors = f"Collision: {surface} within {finger.piece_error_mm:.2f} mm of the skin's outline."
+    if file_format == "mjcf":
+        errors += (
+            f" Contact: force within {100 * contact.error:.1f} percent of that of the layer model of the pad over its "
+            f"depth, from {low_n:g} to {high_n:g} N."
+        )
     return {"design": finger.name, "format": file_format, "turns": finger.turns, "errors": errors, **_round(figures)}
 
 
-def render_robot_readme(figures: Mapping[str, Any]) -> str:
-    constants = {"tolerance_mm": TOLERANCE_MM, "reference_n": REFERENCE_N, "timestep_s": TIMESTEP_S}
+def render_robot_readme(figures: Mapping[str, Any], fingers: Sequence[str]) -> str:
+    """Render the README of a finger's model, or of the fingers of one form in the model of a set."""
+    constants = {
+        "tolerance_mm": TOLERANCE_MM, "reference_n": REFERENCE_N, "timestep_s": TIMESTEP_S, "pad_n": FORCES_N,
+        "spacing_mm": SPACING_MM,
+    }  # fmt: skip
     speed, file = MAX_SPEED_RAD_S, ROBOT_FILES[figures["format"]]
-    return lay_out_page(render("robot.md", **figures, **constants, speed_rad_s=speed, file=file), WIDTH)
+    page = render("robot.md", **figures, **constants, fingers=fingers, speed_rad_s=speed, file=file)
+    return lay_out_page(page, WIDTH)
+
+
+def render_set_readme(fingers: FingerSet, file: str, places_m: Mapping[str, float]) -> str:
+    rows = [(name, form.design.name, places_m[name]) for name, form in fingers.fingers]
+    page = render("robot_set.md", name=fingers.name, side=fingers.side, file=file, rows=rows, readme=README)
+    return lay_out_page(page, WIDTH)
 
 
 def _round(value: Any) -> Any:

@@ -1,11 +1,17 @@
-"""MJCF, the model of MuJoCo, and URDF, that of ROS. Elements carry the name of their finger: several fit a model."""
+"""MJCF, the model of MuJoCo, and URDF, that of ROS. Elements carry the name of their finger: several fit a model.
+
+The fingers of a set stand side by side, as nothing tells where a hand has them.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
+
+import numpy as np
 
 from fingertip.robot.model import FingerModel
 
@@ -15,30 +21,54 @@ MAX_SPEED_RAD_S = 10.0
 _SCALE = "0.001 0.001 0.001"
 
 
-def render_model(finger: FingerModel, file_format: str, comment: str) -> bytes:
-    """Render a model of one finger, held at its interface; `comment` stands ahead of it."""
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """Finger in a model."""
+
+    name: str
+    finger: FingerModel
+    prefix: str = ""
+    """What the names of its meshes' files begin with."""
+    x_m: float = 0.0
+    """Place of its interface."""
+
+
+def render_model(name: str, fingers: Sequence[Placed], file_format: str, comment: str) -> bytes:
+    """Render a model of fingers, each held at its interface; `comment` stands ahead of it."""
     if file_format == "mjcf":
-        root = Element("mujoco", model=finger.name)
+        root = Element("mujoco", model=name)
         SubElement(root, "compiler", angle="radian")
         # Friction creeps otherwise, and a contact of many points would be as many times as stiff.
         option = SubElement(root, "option", timestep=f"{TIMESTEP_S:g}", cone="elliptic", impratio="10000")
         SubElement(option, "flag", multiccd="disable")
-        add_to_mjcf(finger, finger.name, *(SubElement(root, tag) for tag in ("asset", "worldbody", "sensor")))
+        asset, world, sensor = (SubElement(root, tag) for tag in ("asset", "worldbody", "sensor"))
+        for form, prefix in {placed.finger: placed.prefix for placed in fingers}.items():
+            for mesh in form.meshes:
+                place = {"name": f"{form.name}_{mesh}", "file": f"{prefix}{mesh}.stl", "scale": _SCALE}
+                SubElement(asset, "mesh", place)
+            points_m = 1e-3 * form.taxels.points_mm + np.array(form.offset_m)
+            SubElement(
+                asset, "mesh", name=f"{form.name}_taxels", inertia="shell", vertex=_text(points_m.ravel()),
+                normal=_text(form.taxels.normals.ravel()), face=_text(form.taxels.triangles.ravel()),
+            )  # fmt: skip
+        for placed in fingers:
+            _add_to_mjcf(placed, world, sensor)
     else:
-        root = Element("robot", name=finger.name)
-        SubElement(root, "link", name=f"{finger.name}_interface")
-        add_to_urdf(finger, finger.name, root, f"{finger.name}_interface")
+        root = Element("robot", name=name)
+        SubElement(root, "link", name=f"{name}_interface")
+        for placed in fingers:
+            _add_to_urdf(placed, root, f"{name}_interface")
     root.insert(0, ElementTree.Comment(f" {comment} "))
     ElementTree.indent(root)
     data: bytes = ElementTree.tostring(root, "utf-8", xml_declaration=True)
     return data + b"\n"
 
 
-def add_to_mjcf(finger: FingerModel, name: str, asset: Element, parent: Element, sensor: Element) -> None:
-    """Add a finger under a name of its own to the sections of a model."""
-    for mesh in finger.meshes:
-        SubElement(asset, "mesh", name=f"{name}_{mesh}", file=f"{mesh}.stl", scale=_SCALE)
-    body, inertia, contact = SubElement(parent, "body", name=name), finger.inertia, finger.contact
+def _add_to_mjcf(placed: Placed, world: Element, sensor: Element) -> None:
+    name, finger = placed.name, placed.finger
+    body, inertia, contact = SubElement(world, "body", name=name), finger.inertia, finger.contact
+    if placed.x_m:
+        body.set("pos", _text((placed.x_m, 0.0, 0.0)))
     xx, yy, zz, xy, xz, yz = inertia.moments_kg_m2
     SubElement(
         body, "inertial", pos=_text(inertia.centre_m), mass=_text([inertia.mass_kg]),
@@ -54,7 +84,12 @@ def add_to_mjcf(finger: FingerModel, name: str, asset: Element, parent: Element,
     }  # fmt: skip
     colours = {part.name: {**seen, "rgba": _text((*part.colour, 1.0))} for part in finger.bodies}
     for mesh in finger.meshes:
-        shape = {"name": f"{name}_{mesh}", "type": "mesh", "mesh": f"{name}_{mesh}", "pos": _text(finger.offset_m)}
+        shape = {
+            "name": f"{name}_{mesh}",
+            "type": "mesh",
+            "mesh": f"{finger.name}_{mesh}",
+            "pos": _text(finger.offset_m),
+        }
         SubElement(body, "geom", {**shape, "mass": "0", **colours.get(mesh, touched)})
     to_palm, (x, y, z), through_m = f"{_text([math.pi / 2])} 0 0", finger.sensor_m, finger.over_sensor_m
     # Points of contact lie near the skin's surface: the site reaches from the active area as far beyond it.
@@ -65,12 +100,15 @@ def add_to_mjcf(finger: FingerModel, name: str, asset: Element, parent: Element,
     ):  # fmt: skip
         shape = {"name": f"{name}_{site}", "type": kind, "pos": _text(position), "size": _text(size), "group": "4"}
         SubElement(body, "site", {**shape, **more})
+    unseen = {"name": f"{name}_taxels", "type": "mesh", "mesh": f"{finger.name}_taxels", "mass": "0"}
+    SubElement(body, "geom", {**unseen, **seen, "group": "4"})
+    SubElement(sensor, "tactile", name=f"{name}_tactile", geom=f"{name}_taxels", mesh=f"{finger.name}_taxels")
     for site in ("touch", "contact"):
         SubElement(sensor, "touch", name=f"{name}_{site}", site=f"{name}_{site}")
 
 
-def add_to_urdf(finger: FingerModel, name: str, robot: Element, parent: str) -> None:
-    """Add a finger under a name of its own to a robot, at the frame of a link that is there."""
+def _add_to_urdf(placed: Placed, robot: Element, parent: str) -> None:
+    name, finger = placed.name, placed.finger
     link, inertia = SubElement(robot, "link", name=name), finger.inertia
     inertial = SubElement(link, "inertial")
     _place(inertial, inertia.centre_m)
@@ -81,12 +119,12 @@ def add_to_urdf(finger: FingerModel, name: str, robot: Element, parent: str) -> 
     for mesh in finger.meshes:
         shape = SubElement(link, "visual" if mesh in colours else "collision", name=f"{name}_{mesh}")
         _place(shape, finger.offset_m)
-        SubElement(SubElement(shape, "geometry"), "mesh", filename=f"{mesh}.stl", scale=_SCALE)
+        SubElement(SubElement(shape, "geometry"), "mesh", filename=f"{placed.prefix}{mesh}.stl", scale=_SCALE)
         if mesh in colours:
             material = SubElement(shape, "material", name=f"{name}_{mesh}")
             SubElement(material, "color", rgba=_text((*colours[mesh], 1.0)))
     kind = ("revolute" if finger.travel_deg else "continuous") if finger.turns else "fixed"
-    joint = _join(robot, kind, parent, name, (0.0, 0.0, 0.0))
+    joint = _join(robot, kind, parent, name, (placed.x_m, 0.0, 0.0))
     if finger.turns:
         SubElement(joint, "axis", xyz="1 0 0")
     if finger.travel_deg:

@@ -19,8 +19,10 @@ from fingertip.design import Design
 from fingertip.design.geometry.solids import Point3, cylinder
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.interface import CrossBolted, middle_y
+from fingertip.pad.form import PadForm
 from fingertip.robot.contact import ContactLaw, fit_contact
 from fingertip.robot.pieces import cut_skin
+from fingertip.robot.tactile import TactileMesh, mesh_active_area
 
 TOLERANCE_MM = 0.02
 """Largest distance of a facet of the parts from the exact surface [mm]."""
@@ -68,6 +70,7 @@ class FingerModel:
     piece_error_mm: float
     """Greatest distance between the pieces together and the skin."""
     contact: ContactLaw
+    taxels: TactileMesh
 
     @property
     def meshes(self) -> dict[str, Mesh]:
@@ -106,7 +109,7 @@ def build_finger(design: Design) -> FingerModel:
         joint.travel_deg if joint else 0.0, tip[2] * design.strength.grip_force_n, tip,
         place(-dims.platform_depth, dims.sensor_z),
         5e-4 * dims.sensor.active_diameter_mm, 1e-3 * design.skin.thickness_palmar_mm, pieces, error_mm,
-        fit_contact(design),
+        fit_contact(design), mesh_active_area(PadForm.of_design(design)),
     )  # fmt: skip
 
 

@@ -21,6 +21,7 @@ from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name, print_sca
 from fingertip.cad.verification.assembly import brep_balance_solids, check_brep_assembly
 from fingertip.cad.verification.bone import check_strength
 from fingertip.cad.verification.check import list_warnings
+from fingertip.cad.verification.pad import check_pad
 from fingertip.cad.verification.printing import check_brep_solid
 from fingertip.cad.verification.verify import validate_tolerance, verify
 from fingertip.casting.quantities import measure_volumes
@@ -145,7 +146,8 @@ def build(
         all_built = names == [*known]
         casting = None
         if all_built:
-            warnings = list_warnings(check_strength(design, strength), with_advice=True) if strength else ()
+            told = (*(check_strength(design, strength) if strength else ()), *check_pad(design))
+            warnings = list_warnings(told, with_advice=True)
             volumes = measure_volumes(design, evaluator)
             casting = casting_sheet_data(design, volumes, design.silicone.material, None, warnings)
         steps_drawn = _draw_steps(design, casting, progress) if pictures and casting else {}

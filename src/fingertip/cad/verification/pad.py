@@ -7,7 +7,16 @@ from collections.abc import Iterator
 
 from fingertip.cad.verification.check import Check
 from fingertip.design import Design
-from fingertip.pad.survey import FIRM_N, FORCE_N, GRASP_DEG, MAX_TURN_ON_N, WIDE_DEG, survey_pad
+from fingertip.foundation.errors import join_words
+from fingertip.pad.survey import (
+    FIRM_N,
+    FORCE_N,
+    GRASP_DEG,
+    MAX_TURN_ON_N,
+    TILTS_DEG,
+    WIDE_DEG,
+    survey_pad,
+)
 
 WANTED_SHARE, WANTED_EVENNESS = 0.4, 0.6
 """Least share of a force that should reach the sensor in a grasp, and over the largest one there. Assumptions."""
@@ -20,7 +29,7 @@ WANTED_TURN_ON_N, WANTED_STRAIN = 1.0, 0.3
 def check_pad(design: Design) -> Iterator[Check]:
     survey = survey_pad(design)
     share, turn_on = survey.least_share(*GRASP_DEG), survey.worst_turn_on_n
-    grasp, wide = (f"{low:g} to {high:g} degrees" for low, high in (GRASP_DEG, WIDE_DEG))
+    grasp = f"{GRASP_DEG[0]:g} to {GRASP_DEG[1]:g} degrees"
     remedy = "an insert or harder silicone helps"
     if design.skin.crown_radius_mm == 0.0:
         remedy = "begin with fsr400, whose pad has a crown"
@@ -33,11 +42,13 @@ def check_pad(design: Design) -> Iterator[Check]:
         f"a turn of the finger by {grasp} changes the signal {1 / max(survey.evenness, 0.001):.3g} times, as a grip "
         f"does; {remedy}.",
     )  # fmt: skip
-    never = turn_on == math.inf
+    never, tilts = turn_on == math.inf, zip(TILTS_DEG, survey.turn_on_n, strict=True)
+    deaf = [tilt for tilt, force in tilts if force > WANTED_TURN_ON_N and WIDE_DEG[0] <= tilt <= WIDE_DEG[1]]
     at = f"at no force up to {MAX_TURN_ON_N:g} N" if never else f"at {turn_on:.2g} N"
     yield _warn(
         "pad.turn_on_force", MAX_TURN_ON_N if never else turn_on, MAX_TURN_ON_N, "N", turn_on > WANTED_TURN_ON_N,
-        f"at some tilt of {wide} the sensor turns on {at}, not below {WANTED_TURN_ON_N:g} N; {remedy}.",
+        f"on a plate tilted by {join_words(f'{tilt:g}' for tilt in deaf)} degrees (below 0: tip up) the sensor turns "
+        f"on {at}, not below {WANTED_TURN_ON_N:g} N; {remedy}.",
     )  # fmt: skip
     yield _warn(
         "pad.strain", survey.strain, _MAX_STRAIN, "", survey.strain > WANTED_STRAIN,

@@ -14,7 +14,7 @@ from fingertip.board.analysis.noise import noise_warning
 from fingertip.board.analysis.shared import CABLE_M
 from fingertip.board.bringup.wiring import NEEDED_PINS, OTHER_PINS
 from fingertip.board.circuits.board_circuit import CABLE_OHM, board_circuit
-from fingertip.board.circuits.channels import PLACES
+from fingertip.board.circuits.channels import PLACES, list_sockets
 from fingertip.board.circuits.network import MAX_SWITCH_OHM
 from fingertip.board.components.bridge import MAX_FORCE_N, POWER_UP_S, Bridge, sensor_conductance_s
 from fingertip.board.components.values import CLAMP_A, MAX_CLAMP_A, MAX_LOW_LEAKAGE_A, PULL_UP_OHM, SUPPLIES
@@ -29,7 +29,7 @@ from fingertip.board.fabrication.bom import (
 )
 from fingertip.board.kicad import project
 from fingertip.board.kicad.project import StoredProject
-from fingertip.board.parts.circuit import Circuit, Component
+from fingertip.board.parts.circuit import SENSOR_CONNECTOR, Circuit, Component
 from fingertip.board.parts.select_part import NO_LCSC
 from fingertip.board.parts.symbols import CAPACITOR, RESISTOR
 from fingertip.board.parts.table import (
@@ -40,6 +40,7 @@ from fingertip.board.parts.table import (
     list_mating_parts,
     load_sources,
 )
+from fingertip.casting.hardware import describe_bought_wires
 from fingertip.catalogues.amplifiers import CATALOGUE
 from fingertip.catalogues.controllers import NAMES
 from fingertip.design import Design
@@ -76,7 +77,7 @@ def folder_readme(circuit: Circuit, stored: StoredProject, values: BoardValues, 
             for rules, checks in (("ERC", project.IGNORED_IN_SCHEMATIC), ("DRC", project.IGNORED_ON_BOARD))
             for check in checks.items()
         ],
-        cables=list(_list_cables(circuit)),
+        cables=list(_list_cables(circuit, "or_lead" in describe_bought_wires(design))),
         plug_wires=[
             (join_words(references), wire, load_sources()[wire.source].title)
             for wire, references in group_plug_wires(circuit).items()
@@ -135,8 +136,9 @@ def collect_board(values: BoardValues, design: Design) -> dict[str, Any]:
     }
 
 
-def _list_cables(circuit: Circuit) -> Iterator[tuple[str, ...]]:
+def _list_cables(circuit: Circuit, fingers_take_leads: bool) -> Iterator[tuple[str, ...]]:
     """Yield what to buy for each connector's cable, with the source of its numbers or the reason why there are none."""
+    sensors = {SENSOR_CONNECTOR, *list_sockets()}
     # The sockets of the sensors take the same plugs, and are one line.
     groups: dict[str, list[Component]] = {}
     for connector in list_connectors(circuit):
@@ -144,6 +146,8 @@ def _list_cables(circuit: Circuit) -> Iterator[tuple[str, ...]]:
     for alike in groups.values():
         names = join_words([connector.reference for connector in alike])
         for mating in list_mating_parts(alike[0]):
+            if alike[0].reference in sensors and mating.item.startswith("or leads") and not fingers_take_leads:
+                continue
             numbers = ("", "", mating.reason)
             if part := mating.part:
                 source = part.source_text if part.lcsc else f"{part.source_text}; {NO_LCSC}"

@@ -19,9 +19,11 @@ from fingertip.catalogues.silicones import Silicone
 from fingertip.design.finger_set import FingerSet, Form
 from fingertip.documents.casting.sheet import round_component_g
 from fingertip.documents.template import lay_out_page, render, render_rows
+from fingertip.firmware.fingers import DEFAULT_CONTROLLER, find_board
 
 _FILLED = "mix and fill"
 """Words of the stage of a casting sheet's plan that each round repeats."""
+_PATCH_SYRINGE = "syringe of 1 ml without rubber on its plunger, with a blunt needle, for the patch"
 
 
 @dataclass(frozen=True)
@@ -74,16 +76,17 @@ def set_data(
         for number, (finger, form) in enumerate(fingers.fingers)
     ]
     counts = {(each.form.design.name, part): each.count_part(part) for each in sheets for part in each.volumes_cm3}
-    printer = sheets[0].form.design.printer
+    printer, controller = sheets[0].form.design.printer, find_board(DEFAULT_CONTROLLER)
     return {
         "name": fingers.name,
         "side": fingers.side,
         "board": {"folder": board.folder, "design_file": board.design_file} if board else None,
+        "controller": controller.name if controller else "",
         "bed_mm": [printer.bed_x_mm, printer.bed_y_mm, printer.bed_z_mm],
         "fingers": rows,
         "forms": [
             {"design": each.form.design.name, "verdict": each.verdict, "warnings": list(each.warnings),
-             "bone_material": each.casting["print_material"],
+             "bone_material": each.casting["print_material"], "joint": each.casting["joint"],
              "from_tip_mm": each.form.design.sensor.distance_from_tip_mm}
             for each in sheets
         ],
@@ -93,7 +96,7 @@ def set_data(
         "plates": {file: list(parts) for file, parts in plates.items()},
         "plan": _plan_data(plan),
         "calendar": list(_plan_days(sheets, plan)),
-        "parts": _list_parts(sheets, len(plan.mixtures)),
+        "parts": _list_parts(sheets, plan),
         "acceptance": {each.form.design.name: dict(each.acceptance) for each in sheets},
         "totals": {
             "fingers": len(rows),
@@ -101,10 +104,10 @@ def set_data(
             "castings": sum(len(cup.castings) for cup in plan.cups),
             "mixtures": len(plan.mixtures),
             "silicone_g": {name: round(mass_g, 1) for name, mass_g in _sum_silicones(plan).items()},
+            "examples": {each.casting["silicone"]["label"]: each.casting["silicone"]["example"] for each in sheets},
             "cast_cm3": round(sum(each.form.count * each.casting["volumes_cm3"]["total"] for each in sheets), 2),
-            "printed_cm3": round(
-                sum(each.count_part(part) * volume for each in sheets for part, volume in each.volumes_cm3.items()), 2
-            ),
+            "fingers_cm3": _sum_printed(sheets, in_finger=True),
+            "molds_cm3": _sum_printed(sheets, in_finger=False),
             "cure_h": plan.cure_h,
         },
     }  # fmt: skip
@@ -129,8 +132,20 @@ def _plan_days(sheets: Sequence[FormSheets], plan: CastingPlan) -> Iterator[dict
         is_filled = _FILLED in stage["work"]
         for number in range(1, len(plan.rounds) + 1 if is_filled else 2):
             name = f"round {number}: " if is_filled and len(plan.rounds) > 1 else ""
+            name += f"open and trim those of round {number - 1}; " if number > 1 else ""
             yield {"day": day, "work": name + stage["work"], "wait": stage["wait"]}
             day += after - start
+
+
+def _sum_printed(sheets: Sequence[FormSheets], in_finger: bool) -> float:
+    """Add up the volumes of the parts that stay in the fingers, or of the tools [cm3]."""
+    volumes = (
+        each.count_part(part) * volume
+        for each in sheets
+        for part, volume in each.volumes_cm3.items()
+        if PARTS[part].is_in_finger is in_finger
+    )
+    return round(sum(volumes), 2)
 
 
 def _sum_silicones(plan: CastingPlan) -> dict[str, float]:
@@ -164,12 +179,14 @@ def _cup_data(cup: Cup) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _list_parts(sheets: Sequence[FormSheets], mixtures: int) -> list[dict[str, Any]]:
-    """List what to buy, the sizes of one item together; cups and stirrers are counted by the mixtures of the set.
+def _list_parts(sheets: Sequence[FormSheets], plan: CastingPlan) -> list[dict[str, Any]]:
+    """List what to buy, the sizes of one item together.
 
-    Equal items of all forms are added up, and what serves the bench is there once.
+    Equal items of all forms are added up, and what serves the bench is there once, or as often as the plan asks for.
     """
-    counted = {"cups": mixtures + 1, "stirrers": mixtures}
+    mixtures, patches = len(plan.mixtures), len(plan.patches) + sum(bool(cup.patched) for cup in plan.cups)
+    counted = {"cups": mixtures + len(plan.cups), "stirrers": mixtures, _PATCH_SYRINGE: patches}
+    counted["vise or stand"] = max(sum(len(cup.castings) for cup in cups) for cups in plan.rounds)
     found: dict[str, dict[str, dict[str, Any]]] = {}
     for each in sheets:
         supplies = [

@@ -20,11 +20,12 @@ from fingertip.casting.quantities import SiliconeVolumes
 from fingertip.catalogues.output_files import COUPON_READINGS
 from fingertip.catalogues.silicones import SILICONES, MaterialProperty, Silicone
 from fingertip.design import Design
+from fingertip.design.finger_set import load_set
 from fingertip.documents.acceptance import acceptance_data, render_acceptance
 from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet, steps
 from fingertip.documents.coupon import render_instructions
 from fingertip.documents.firmware import render_readme
-from fingertip.documents.robot import describe_model, render_robot_readme
+from fingertip.documents.robot import describe_model, render_robot_readme, render_set_readme
 from fingertip.firmware.fingers import plan_fingers
 from fingertip.robot.model import build_finger
 from tests.approved import check_text
@@ -107,13 +108,20 @@ def render_documents(name: str) -> dict[str, str]:
     detection: Any = SimpleNamespace(detector="fast", memory_s=0.1, score=score)
     robot = {}
     if name in ROBOTS:
-        robot["robot"] = render_robot_readme(describe_model(build_finger(design), ROBOTS[name]))
+        robot["robot"] = render_robot_readme(describe_model(build_finger(design), ROBOTS[name]), [design.name])
     return robot | {
         "casting": render_sheet(data, pictures),
         "acceptance": render_acceptance(acceptance_data(design, detection)),
         "coupon": render_instructions(design, COUPON_READINGS),
         "firmware": render_readme(design, plan_fingers(design, "5" if name == "adult_finger" else None)),
     }
+
+
+def test_readme_of_the_model_of_a_set_is_the_approved_one() -> None:
+    places_m = {"thumb": -0.03, "index": 0.0, "middle": 0.03, "ring": 0.06, "little": 0.09}
+    check_text(APPROVED / "set_hand_robot.md", render_set_readme(load_set("adult_hand"), "finger.xml", places_m))
+    urdf = render_set_readme(load_set("adult_hand"), "finger.urdf", places_m)
+    assert "change `origin` of their joints" in urdf
 
 
 @pytest.mark.every_case

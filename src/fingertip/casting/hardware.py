@@ -100,7 +100,7 @@ WEIGHTS_G = (100.0, 500.0)
 
 
 Use = Literal["finger", "mold", "bench"]
-"""What an item is bought for: each finger, each mold, or the bench, where one serves all."""
+"""Use of a bought item: each finger, each mold, or the bench, where one serves all."""
 
 
 def bill_of_materials(design: Design) -> list[dict[str, Any]]:

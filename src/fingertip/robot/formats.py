@@ -28,7 +28,7 @@ class Placed:
     name: str
     finger: FingerModel
     prefix: str = ""
-    """What the names of its meshes' files begin with."""
+    """First part of the names of its meshes' files."""
     x_m: float = 0.0
     """Place of its interface."""
 

@@ -79,7 +79,7 @@ class BoardValues(ComponentValues):
     gate: tuple[GateCondition, ...]
     errata: tuple[Erratum, ...]
     shared: SharedFigures | None
-    """What the channels of several fingers share; None on a board of one."""
+    """Figures that the channels of several fingers share; None on a board of one."""
 
     def as_data(self) -> dict[str, Any]:
         gate = {"gate": [condition.as_data() for condition in self.gate]}

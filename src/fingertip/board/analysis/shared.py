@@ -1,4 +1,4 @@
-"""What the channels of a board share: its supply current, and how much slip at one finger appears at the others.
+"""Shared figures of a board's channels: its supply current, and how much slip at one finger appears at the others.
 
 Four ways couple channels: the references, the supply, whose voltage falls when an amplifier draws more current, the
 ground of the cables, over which that current returns, and the capacitance between wires. All amplifiers draw their

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 
 from fingertip.cad.verification.check import Check
 from fingertip.design import Design
-from fingertip.foundation.errors import join_words
 from fingertip.pad.survey import (
     FIRM_N,
     FORCE_N,
@@ -43,12 +42,12 @@ def check_pad(design: Design) -> Iterator[Check]:
         f"does; {remedy}.",
     )  # fmt: skip
     never, tilts = turn_on == math.inf, zip(TILTS_DEG, survey.turn_on_n, strict=True)
-    deaf = [tilt for tilt, force in tilts if force > WANTED_TURN_ON_N and WIDE_DEG[0] <= tilt <= WIDE_DEG[1]]
+    deaf = [f"{tilt:g}" for tilt, force in tilts if force > WANTED_TURN_ON_N and WIDE_DEG[0] <= tilt <= WIDE_DEG[1]]
     at = f"at no force up to {MAX_TURN_ON_N:g} N" if never else f"at {turn_on:.2g} N"
     yield _warn(
         "pad.turn_on_force", MAX_TURN_ON_N if never else turn_on, MAX_TURN_ON_N, "N", turn_on > WANTED_TURN_ON_N,
-        f"on a plate tilted by {join_words(f'{tilt:g}' for tilt in deaf)} degrees (below 0: tip up) the sensor turns "
-        f"on {at}, not below {WANTED_TURN_ON_N:g} N; {remedy}.",
+        f"on a plate tilted by {', '.join(deaf)} degrees (below 0: tip up) the sensor turns on {at}, not below "
+        f"{WANTED_TURN_ON_N:g} N; {remedy}.",
     )  # fmt: skip
     yield _warn(
         "pad.strain", survey.strain, _MAX_STRAIN, "", survey.strain > WANTED_STRAIN,

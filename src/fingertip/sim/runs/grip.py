@@ -79,7 +79,7 @@ class GripDecision:
 
 @dataclass(frozen=True, eq=False)
 class ForceCurve:
-    """What a hand knows of its fingers: the force that a tactile voltage means, and the travel that a force needs."""
+    """Knowledge of a hand about a finger: the force that a tactile voltage means, and the travel that a force needs."""
 
     volts: Array
     """Ascending tactile voltages [V]."""

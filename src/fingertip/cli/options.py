@@ -90,6 +90,8 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
     for parameter in declared:
         for option in getattr(parameter.annotation, "__metadata__", ()):
             name = parameter.name
+            if not option.metavar and isinstance(option, typer.models.ArgumentInfo):
+                option.metavar = name.upper()
             option.autocompletion = COMPLETIONS.get(f"{function.__name__} {name}") or COMPLETIONS.get(name)
 
     @functools.wraps(function)
@@ -108,7 +110,7 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
         except BrokenPipeError:
             discard_stdout()
             raise typer.Exit(PIPE_CLOSED) from None
-        except (typer.Exit, typer.Abort, typer.BadParameter):
+        except (typer.Exit, typer.Abort):
             raise
         except Exception as error:
             if interruption.find_signal(error) is not None:

@@ -52,11 +52,8 @@ def validate(
     writer = SetWriter(folder, "validation", loaded.name, parameters, force=force)
     writer.check(campaign.FILES)
     validation = campaign.validate(loaded, plan, detector, progress=console.progress, first_seed=seed)
-    if with_plots:
-        console.progress("drawing plots")
     files = validation.files(with_plots)
     writer.write(files)
-    console.progress(f"wrote {', '.join(files)} to {folder}")
     text = validation.as_verdict()
     details = f"details: {folder / 'validation.txt'}, or --verbose"
     said = f"{text}\n\n{validation.as_text()}" if verbose else f"{text}\n{details}"

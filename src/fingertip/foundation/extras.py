@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from fingertip.foundation.errors import Issue, MissingLibraryError, join_words
@@ -51,6 +52,13 @@ def describe_missing(*modules: str) -> str:
     listed = join_words(_PACKAGES.get(module, module) for module in modules)
     words, verb = ("package", "is") if len(modules) == 1 else ("packages", "are")
     return f"the {words} {listed}, which {verb} not installed; {install_command(*modules)}"
+
+
+def say_left_out(files: Mapping[str, str], progress: Callable[[str], None]) -> None:
+    """Say what is left out for want of optional packages, given by module, and the command that adds it."""
+    missing = {module: name for module, name in files.items() if not is_installed(module)}
+    if missing:
+        progress(f"left out: {join_words(dict.fromkeys(missing.values()))}; {install_command(*missing)} adds them")
 
 
 def require(field: str, *modules: str, subject: str = "", alternative: str = "") -> None:

@@ -33,6 +33,7 @@ import numpy as np
 
 from fingertip.foundation import extras
 from fingertip.foundation.numerics import Array
+from fingertip.foundation.progress import ShareText
 
 Function = Callable[..., Any]
 
@@ -72,7 +73,7 @@ def _report_loading() -> None:
     global _is_reported
     if _progress and not _is_reported:
         _is_reported = True
-        _progress("loading compiled loops; their first use on a machine takes some seconds more")
+        _progress(ShareText("loading compiled loops; their first use on a machine takes some seconds more", 0.0))
 
 
 def as_samples(voltage_v: Iterable[float]) -> list[float] | Array:

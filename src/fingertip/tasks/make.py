@@ -31,7 +31,8 @@ from fingertip.design import Design
 from fingertip.documents.acceptance import acceptance_data, render_acceptance
 from fingertip.foundation import extras
 from fingertip.foundation.files import TemporaryFolder
-from fingertip.pictures.drawing.draw import PDF, draw_files, file_names
+from fingertip.foundation.progress import ReportProgress, Work
+from fingertip.pictures.drawing.draw import draw_files, file_names
 from fingertip.sim.trace_file import encode_trace
 from fingertip.tasks.board import BRING_UP_FILES, BoardPlan, plan_board
 from fingertip.tasks.build import build, default_formats, parts_writer
@@ -92,73 +93,70 @@ def make(
     folder = PART_FILES.folder(design) if out is None else Path(out)
     board_folder, signal = folder / BOARD_FOLDER, SIGNAL.writer(design, folder / SIGNAL_FOLDER, force, folder)
     sheets = parts_writer(design, folder, force)
-    formats = None if formats is None else tuple(formats)
-    draws = "step" in (default_formats() if formats is None else formats) and _can_draw(progress)
+    wanted = {"cadquery": "STEP files", "reportlab": "drawings", "matplotlib": PLOT}
+    if formats is not None:
+        formats = tuple(formats)
+        wanted = {"matplotlib": PLOT} if "step" not in formats else wanted
+    extras.say_left_out(wanted, progress)
+    formats = default_formats() if formats is None else formats
+    draws = "step" in formats and extras.is_installed("reportlab")
     sheets.check((ACCEPTANCE, PAGE, *(file_names(design) if draws else ())))
     BOARD.writer(design, board_folder, force, folder).check(BRING_UP_FILES)
     plan_board(design, board_folder, force=force, top=folder)
     signal.check((TRACE, PLOT, DETECTION))
+    work = Work(design.name, {"parts": 14.0, "page": 2.0}, progress)
     boards: list[BoardPlan] = []
     others: list[tuple[SetWriter, Mapping[str, bytes]]] = []
     drawings: dict[str, bytes] = {}
     found: list[FileDetection] = []
 
-    def make_the_others() -> None:
-        progress("making the board")
+    def make_the_others(report: ReportProgress) -> None:
+        rest = Work("", {"board": 1.0, "trial": 5.0} | ({"drawings": 12.0} if draws else {}), report)
+        rest.begin("board")
         boards.append(plan_board(design, board_folder, force=force, bring_up=True, top=folder))
-        signal_set, detection = simulate_and_detect(design, progress)
+        signal_set, detection = simulate_and_detect(design, rest.within("trial"))
         page = render_acceptance(acceptance_data(design, detection.detection))
-        drawings.update(draw_files(design, progress) if draws else {})
+        drawings.update(draw_files(design, rest.within("drawings")) if draws else {})
         others.extend(((signal, signal_set), (sheets, {ACCEPTANCE: page.encode(), **drawings})))
         found.append(detection)
 
+    report = work.within("parts")
     parts = build(
-        design, folder, formats=formats, pictures=True, force=force, progress=progress, meanwhile=make_the_others
+        design, folder, formats=formats, pictures=True, force=force, progress=report, meanwhile=make_the_others
     )
     (board,) = boards
     board_paths = board.write(progress)
-    progress(f"{len(board_paths)} files in {board_folder}")
     for writer, contents in others:
         writer.write(contents)
-        progress(f"{len(contents)} files in {writer.folder}")
     signal_paths, _ = (tuple(writer.folder / name for name in contents) for writer, contents in others)
     drawn = tuple(parts.folder / name for name in drawings)
-    return Made(parts, drawn, board_paths, signal_paths, found[0], _make_page(design, parts, force, progress))
+    page = None
+    if "stl" in formats:
+        from fingertip.tasks.page import write_page  # noqa: PLC0415
 
-
-def _can_draw(progress: Callable[[str], None]) -> bool:
-    if extras.is_installed("reportlab"):
-        return True
-    progress(f"{PDF} is left out: it needs {extras.describe_missing('reportlab')}")
-    return False
-
-
-def _make_page(design: Design, parts: Build, force: bool, progress: Callable[[str], None]) -> Path | None:
-    if not all("stl" in part.files for part in parts.parts):
+        work.begin("page")
+        page, _, _ = write_page(design, parts.folder, force=force)
+    else:
         progress(f"{PAGE} is left out: it shows the STL files; add stl to the formats")
-        return None
-    from fingertip.tasks.page import write_page  # noqa: PLC0415
-
-    progress("making the page")
-    path, _, _ = write_page(design, parts.folder, force=force)
-    return path
+    return Made(parts, drawn, board_paths, signal_paths, found[0], page)
 
 
-def simulate_and_detect(design: Design, progress: Callable[[str], None]) -> tuple[dict[str, bytes], FileDetection]:
+def simulate_and_detect(design: Design, progress: ReportProgress) -> tuple[dict[str, bytes], FileDetection]:
     """Simulate a trial, and detect slip in its trace as it is read back from a file."""
     from fingertip.detection.files import detect_file  # noqa: PLC0415
     from fingertip.sim import SceneFile, load_simulation, run_scene  # noqa: PLC0415
     from fingertip.slip.detectors.registry import find_second_column  # noqa: PLC0415
     from fingertip.slip.report import as_data  # noqa: PLC0415
 
-    progress("simulating a trial")
+    work = Work("", {"simulated trial": 3.0, "detection of slip in it": 2.0}, progress)
+    work.begin("simulated trial")
     scene = load_simulation().scene
     assert isinstance(scene, SceneFile)
     if second := find_second_column(design, DETECTOR):
         scene = scene.model_copy(update={"outputs": [*scene.outputs, f"sampled_{second}"]})
     result = run_scene(design, scene)
     contents = {TRACE: encode_trace(result.time_s, result.columns, Path(TRACE))}
-    progress("detecting slip in it")
+    work.begin("detection of slip in it")
     with TemporaryFolder() as temporary:
         path = temporary / TRACE
         path.write_bytes(contents[TRACE])
@@ -169,6 +167,4 @@ def simulate_and_detect(design: Design, progress: Callable[[str], None]) -> tupl
         from fingertip.slip.report import draw  # noqa: PLC0415
 
         contents[PLOT] = draw(found.trace, found.detection, f"{design.name}: simulated trial")
-    else:
-        progress(f"{PLOT} is left out: it needs {extras.describe_missing('matplotlib')}")
     return contents, found

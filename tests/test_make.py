@@ -98,7 +98,7 @@ def test_drawings_come_with_step_files(tmp_path: Path, monkeypatch: pytest.Monke
     made = make(design, tmp_path / "b", formats=["stl", "step"], progress=messages.append)
     assert made.drawings == ()
     assert [message for message in messages if "left out" in message] == [
-        'left out: drawings; pip install "fingertip[drawing]" adds them'
+        f"left out: drawings; {extras.install_command('reportlab')} adds them"
     ]
 
 

@@ -93,12 +93,8 @@ def make(
     folder = PART_FILES.folder(design) if out is None else Path(out)
     board_folder, signal = folder / BOARD_FOLDER, SIGNAL.writer(design, folder / SIGNAL_FOLDER, force, folder)
     sheets = parts_writer(design, folder, force)
-    wanted = {"cadquery": "STEP files", "reportlab": "drawings", "matplotlib": PLOT}
-    if formats is not None:
-        formats = tuple(formats)
-        wanted = {"matplotlib": PLOT} if "step" not in formats else wanted
-    extras.say_left_out(wanted, progress)
-    formats = default_formats() if formats is None else formats
+    named = None if formats is None else tuple(formats)
+    formats = default_formats() if named is None else named
     draws = "step" in formats and extras.is_installed("reportlab")
     sheets.check((ACCEPTANCE, PAGE, *(file_names(design) if draws else ())))
     BOARD.writer(design, board_folder, force, folder).check(BRING_UP_FILES)
@@ -138,6 +134,8 @@ def make(
         page, _, _ = write_page(design, parts.folder, force=force)
     else:
         progress(f"{PAGE} is left out: it shows the STL files; add stl to the formats")
+    wanted = {"cadquery": "STEP files", "reportlab": "drawings"} if named is None or "step" in named else {}
+    extras.say_left_out({**wanted, "matplotlib": PLOT}, progress)
     return Made(parts, drawn, board_paths, signal_paths, found[0], page)
 
 

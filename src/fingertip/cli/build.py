@@ -123,7 +123,7 @@ def make(
         _make_set(console, design, out, split_names(formats), force, changes or ())
         return
     from fingertip.catalogues.output_files import ACCEPTANCE, BOARD_FOLDER, BOM, PRINT_FOLDER, README, SHEET
-    from fingertip.slip.report import as_data, as_summary
+    from fingertip.slip.report import as_data, format_delay
     from fingertip.tasks.make import make as make_everything
 
     loaded = load_design(design, changes, console)
@@ -140,9 +140,11 @@ def make(
     }
     prints = made.parts.prints
     printed = f"{PRINT_FOLDER}/{'plate_*.3mf' if prints.plates else '*.stl'}" if prints.contents else "the parts"
+    score = made.detection.detection.score
+    found = ", ".join(map(format_delay, score.delays_s)) if score else "of unknown time"
     drawings = f", and {made.drawings[-1].name}" if made.drawings else ""
     last = [
-        f"board: {BOARD_FOLDER}/{BOM} lists what to buy; simulated trial: {as_summary(made.detection.detection)}",
+        f"board: {BOARD_FOLDER}/{BOM} lists what to buy; simulated trial: slip {found}",
         f"look at: {made.page or made.parts.folder} in a browser{drawings}",
         f"next: print {printed}, then follow {SHEET}, {BOARD_FOLDER}/{README} and {ACCEPTANCE}",
     ]

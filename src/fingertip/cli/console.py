@@ -113,8 +113,10 @@ def describe_fault(error: BaseException) -> FingertipError:
     return FingertipError(Issue("fingertip", message))
 
 
-def describe_path_error(error: OSError) -> FingertipError | None:
+def describe_path_error(error: BaseException) -> FingertipError | None:
     """Describe an error of the system that blames a path, which is no fault of the program; None for others."""
+    if not isinstance(error, OSError):
+        return None
     if isinstance(error, FileNotFoundError) and error.filename is None and _is_working_folder_gone():
         return FingertipError(Issue("working folder", "has been removed; change to a folder that exists."))
     reason = error.strerror or type(error).__name__

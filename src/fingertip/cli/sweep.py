@@ -67,7 +67,8 @@ def sweep(
 
     Exit code 0: every point has its row; 1: some points failed or exceeded the time limit.
     """
-    from fingertip.sweep.engines import DaskEngine, ProcessEngine, count_processors
+    from fingertip.foundation.processes import count_processors
+    from fingertip.sweep.engines import DaskEngine, ProcessEngine
     from fingertip.sweep.plan import SweepPlan
     from fingertip.sweep.report import load_pyarrow
 

@@ -29,7 +29,7 @@ def validate(
     from fingertip.board.analysis.board_values import board_values
     from fingertip.board.analysis.limits import adc_range_warnings
     from fingertip.detection.warnings import settings_warnings
-    from fingertip.foundation import extras, jit
+    from fingertip.foundation import extras
     from fingertip.foundation.output_set import SetWriter, hash_parameters
     from fingertip.lab.campaign.plan import check_first_seed
     from fingertip.slip.detectors import registry
@@ -38,13 +38,8 @@ def validate(
     registry.find_detector_type(detector)
     plan = campaign.CampaignPlan(trials, minutes)
     check_first_seed(seed)
-    if not jit.available():
-        console.progress(
-            f"numba is not installed ({extras.install_command('numba')}): this takes some twenty times longer"
-        )
     with_plots = extras.is_installed("matplotlib")
-    if not with_plots:
-        console.progress(f"the plots (*.png) are left out: they need {extras.describe_missing('matplotlib')}")
+    extras.say_left_out({"matplotlib": "plots", "numba": "compiled loops (20 times faster)"}, console.progress)
     warnings = [*settings_warnings(loaded, detector), *adc_range_warnings(board_values(loaded).voltage_limits)]
     console.warn(warnings)
     folder = out or Path("out") / loaded.name / "validation"

@@ -92,10 +92,7 @@ def draw(design: Design, width_px: int = 1600, progress: Callable[[str], None] =
     exploded = _explode(parts)
     exploded += _mark_thin_walls(design, evaluator, exploded)
     half, mark = width_px // 2, _mark_weakest(design, evaluator, exploded)
-    sections = list_sections(design, evaluator)
-    work = Work(
-        "", {"dorsal view": 1.0, "palmar view": 1.0, "sections": 1.0 * len(sections), "on the hand": 1.0}, progress
-    )
+    work = Work("", dict.fromkeys(("dorsal view", "palmar view", "sections", "on the hand"), 1.0), progress)
     work.begin("dorsal view")
     dorsal = _draw_panel("dorsal view", exploded, Camera.from_angles(28, 24), half, labels=_LABELS, mark=mark)
     work.begin("palmar view")
@@ -105,7 +102,7 @@ def draw(design: Design, width_px: int = 1600, progress: Callable[[str], None] =
     top[: len(dorsal), :half], top[: len(palmar), half:] = dorsal, palmar
     panels = [top]
     work.begin("sections")
-    for section in sections:
+    for section in list_sections(design, evaluator):
         panels.append(draw_section(section, evaluator, width_px))
     if design.dimensions.joint:
         title = f"finger on the hand: straight, and bent by {design.hand.travel_deg:g} degrees to its stop"

@@ -72,15 +72,6 @@ def as_text(detection: Detection) -> str:
     return "\n".join(lines)
 
 
-def as_summary(detection: Detection) -> str:
-    """Describe a detection in a few words."""
-    score = detection.score
-    if score is None:
-        return f"{len(detection.intervals)} slips detected"
-    false = f", {len(score.false_intervals)} false alarms" if score.false_intervals else ""
-    return f"slip {', '.join(format_delay(delay) for delay in score.delays_s)}{false}"
-
-
 def _describe_silence(detection: Detection) -> str:
     """Say how near the statistic came to the threshold of a detector that was never ON."""
     output = detection.output

@@ -44,6 +44,7 @@ from fingertip.foundation.errors import DesignError, InputFileError, Issue
 from fingertip.foundation.input_files import PARSED_LIMIT, is_safe_name, read_input
 from fingertip.foundation.output_set import SetWriter, read_manifest
 from fingertip.foundation.output_set.writer import has_hash
+from fingertip.foundation.processes import in_background
 from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.pad.survey import survey_pad
 
@@ -117,7 +118,8 @@ def build(
     file_formats = select_names("--formats", default_formats(progress) if formats is None else formats, FORMATS)
     if "step" in file_formats:
         extras.require("--formats", "cadquery", subject="step", alternative="leave step out with --formats stl,3mf")
-    if design.dimensions.insert and "skin" in names:
+    presses = design.dimensions.insert is not None and "skin" in names
+    if presses:
         extras.require("sensor.insert", "scipy", alternative="set sensor.insert=none")
     validate_tolerance(tolerance_mm)
     design, evaluator = design.with_silicone(material), MeshEvaluator(tolerance_mm)
@@ -128,14 +130,11 @@ def build(
     picture_writer = STEPS.writer(design, folder / STEPS_FOLDER, force, folder)
     picture_writer.check(())
 
-    stages = {"parts": 2.5, "pad by finite elements": 30.0, "pictures": 3.0, "rest": 7.0, "STEP files": 4.0}
-    idle = {
-        "pad by finite elements": not (design.dimensions.insert and "skin" in names),
-        "pictures": not pictures,
-        "rest": meanwhile is None,
-        "STEP files": "step" not in file_formats,
-    }
-    work = Work("", {stage: weight for stage, weight in stages.items() if not idle.get(stage)}, progress)
+    stages = {
+        "parts": 2.0, "pad by finite elements": 30.0 * presses, "rest": 3.0 * (meanwhile is not None),
+        "pictures": 1.0 * pictures, "STEP files": 4.0 * ("step" in file_formats),
+    }  # fmt: skip
+    work = Work("", stages, progress)
 
     with contextlib.ExitStack() as stack:
         # The B-rep kernel works in a process of its own while this process makes and checks the meshes.
@@ -146,7 +145,7 @@ def build(
             tools = tuple(name for name in names if PARTS[name].is_tool)
             job = StepJob(design.name, solids, brep_balance_solids(design, names), bought, tools)
             process = stack.enter_context(StepProcess(job))
-        if design.dimensions.insert and "skin" in names:
+        if presses:
             work.begin("pad by finite elements")
             survey_pad(design)
         verified = verify(design, names, file_formats, evaluator, work.within("parts"))
@@ -157,9 +156,11 @@ def build(
             warnings = list_warnings(check_strength(design, strength), with_advice=True) if strength else ()
             volumes = measure_volumes(design, evaluator)
             casting = casting_sheet_data(design, volumes, design.silicone.material, None, warnings)
-        steps_drawn = _draw_steps(design, casting, work.within("pictures")) if pictures and casting else {}
+        drawing = stack.enter_context(in_background(_draw_steps, design, casting)) if pictures and casting else dict
         if meanwhile:
             meanwhile(work.within("rest"))
+        work.begin("pictures")
+        steps_drawn = drawing()
         step = StepFiles({}, {}, {})
         if process:
             work.begin("STEP files")
@@ -204,11 +205,11 @@ def _replace_subset(writer: SetWriter, contents: Mapping[str, bytes], obsolete: 
     return tuple(f"{writer.folder.name}/{name}" for name in removed)
 
 
-def _draw_steps(design: Design, casting: dict[str, Any], progress: Callable[[str], None]) -> dict[str, bytes]:
+def _draw_steps(design: Design, casting: dict[str, Any]) -> dict[str, bytes]:
     from fingertip.documents.casting.sheet import steps  # noqa: PLC0415
     from fingertip.pictures.steps.pictures import draw_steps  # noqa: PLC0415
 
-    return draw_steps(design, casting, [step.picture for step in steps(casting)], progress)
+    return draw_steps(design, casting, [step.picture for step in steps(casting)])
 
 
 def _file_names(parts: Iterable[str], formats: Iterable[str], is_whole: bool) -> list[str]:

@@ -102,7 +102,7 @@ def make_coupon(
             parts = tuple((name, solid, COUPON_PARTS[name].colour) for name, solid in solids.items())
             process = stack.enter_context(StepProcess(StepJob(f"{design.name}_coupon", parts)))
         meshes = {}
-        work = Work("", {**{name: 1.0 for name in solids}, "STEP files": 4.0, "plan view": 1.0}, progress)
+        work = Work("", dict.fromkeys((*solids, "STEP files", "plan view"), 1.0), progress)
         for name, solid in solids.items():
             work.begin(name)
             meshes[name] = evaluator.mesh(scaled(solid, print_scale(design, COUPON_PARTS[name])))

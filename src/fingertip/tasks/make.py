@@ -2,14 +2,14 @@
 
 The parts stand at the top of the folder, as `build` writes them, with pictures of the casting steps in `steps/`, and
 the drawings and the acceptance sheet beside them. The board is in `board/`, the trial in `signal/`. Each is a set of
-its own. While the B-rep kernel works on the STEP files in a second process, this process makes the others. The page
+its own. STEP files, trial and pictures are made in processes beside, while this process makes the others. The page
 that shows them all is made last, from what was written.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -31,15 +31,15 @@ from fingertip.design import Design
 from fingertip.documents.acceptance import acceptance_data, render_acceptance
 from fingertip.foundation import extras
 from fingertip.foundation.files import TemporaryFolder
+from fingertip.foundation.processes import in_background
 from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.pictures.drawing.draw import draw_files, file_names
 from fingertip.sim.trace_file import encode_trace
-from fingertip.tasks.board import BRING_UP_FILES, BoardPlan, plan_board
+from fingertip.tasks.board import BRING_UP_FILES, plan_board
 from fingertip.tasks.build import build, default_formats, parts_writer
 
 if TYPE_CHECKING:
     from fingertip.detection.files import FileDetection
-    from fingertip.foundation.output_set import SetWriter
 
 
 DETECTOR = "fast"
@@ -98,34 +98,30 @@ def make(
     draws = "step" in formats and extras.is_installed("reportlab")
     sheets.check((ACCEPTANCE, PAGE, *(file_names(design) if draws else ())))
     BOARD.writer(design, board_folder, force, folder).check(BRING_UP_FILES)
-    plan_board(design, board_folder, force=force, top=folder)
     signal.check((TRACE, PLOT, DETECTION))
-    work = Work(design.name, {"parts": 14.0, "page": 2.0}, progress)
-    boards: list[BoardPlan] = []
-    others: list[tuple[SetWriter, Mapping[str, bytes]]] = []
-    drawings: dict[str, bytes] = {}
-    found: list[FileDetection] = []
+    work = Work(design.name, {"parts": 6.0, "page": 2.0}, progress)
+    rest: list[tuple[dict[str, bytes], FileDetection, dict[str, bytes]]] = []
 
-    def make_the_others(report: ReportProgress) -> None:
-        rest = Work("", {"board": 1.0, "trial": 5.0} | ({"drawings": 12.0} if draws else {}), report)
-        rest.begin("board")
-        boards.append(plan_board(design, board_folder, force=force, bring_up=True, top=folder))
-        signal_set, detection = simulate_and_detect(design, rest.within("trial"))
-        page = render_acceptance(acceptance_data(design, detection.detection))
-        drawings.update(draw_files(design, rest.within("drawings")) if draws else {})
-        others.extend(((signal, signal_set), (sheets, {ACCEPTANCE: page.encode(), **drawings})))
-        found.append(detection)
+    def make_the_rest(report: ReportProgress) -> None:
+        stages = Work("", {"trial": 2.0} | ({"drawings": 12.0} if draws else {}), report)
+        stages.begin("trial")
+        signal_files, found = trial()
+        drawings = draw_files(design, stages.within("drawings")) if draws else {}
+        sheet = render_acceptance(acceptance_data(design, found.detection)).encode()
+        rest.append((signal_files, found, {ACCEPTANCE: sheet, **drawings}))
 
     report = work.within("parts")
-    parts = build(
-        design, folder, formats=formats, pictures=True, force=force, progress=report, meanwhile=make_the_others
-    )
-    (board,) = boards
+    with in_background(simulate_and_detect, design) as trial:
+        board = plan_board(design, board_folder, force=force, bring_up=True, top=folder)
+        parts = build(
+            design, folder, formats=formats, pictures=True, force=force, progress=report, meanwhile=make_the_rest
+        )
+    ((signal_files, found, sheet_files),) = rest
     board_paths = board.write(progress)
-    for writer, contents in others:
-        writer.write(contents)
-    signal_paths, _ = (tuple(writer.folder / name for name in contents) for writer, contents in others)
-    drawn = tuple(parts.folder / name for name in drawings)
+    signal.write(signal_files)
+    sheets.write(sheet_files)
+    signal_paths = tuple(signal.folder / name for name in signal_files)
+    drawn = tuple(parts.folder / name for name in sheet_files if name != ACCEPTANCE)
     page = None
     if "stl" in formats:
         from fingertip.tasks.page import write_page  # noqa: PLC0415
@@ -136,10 +132,12 @@ def make(
         progress(f"{PAGE} is left out: it shows the STL files; add stl to the formats")
     wanted = {"cadquery": "STEP files", "reportlab": "drawings"} if named is None or "step" in named else {}
     extras.say_left_out({**wanted, "matplotlib": PLOT}, progress)
-    return Made(parts, drawn, board_paths, signal_paths, found[0], page)
+    return Made(parts, drawn, board_paths, signal_paths, found, page)
 
 
-def simulate_and_detect(design: Design, progress: ReportProgress) -> tuple[dict[str, bytes], FileDetection]:
+def simulate_and_detect(
+    design: Design, progress: ReportProgress = lambda message: None
+) -> tuple[dict[str, bytes], FileDetection]:
     """Simulate a trial, and detect slip in its trace as it is read back from a file."""
     from fingertip.detection.files import detect_file  # noqa: PLC0415
     from fingertip.sim import SceneFile, load_simulation, run_scene  # noqa: PLC0415

@@ -181,14 +181,9 @@ LONG_S = 15.0
 """Duration above which a simulation reports its progress [s]."""
 
 
-class ShareDone:
-    """Reports the share of a simulation that is done, and the time left."""
-
-    def __init__(self, name: str, duration_s: float, progress: ReportProgress | None) -> None:
-        self._duration_s, label = duration_s, f"simulating {duration_s:.1f} s of {name}"
-        self._work = Work("", {label: 1.0}, progress if duration_s > LONG_S else None)
-        self._work.begin(label)
-
-    def report(self, simulated_s: float) -> None:
-        """Report that so much has been simulated, if the last report is some time ago."""
-        self._work.advance(simulated_s / self._duration_s)
+def report_share(name: str, duration_s: float, progress: ReportProgress | None) -> Callable[[float], None]:
+    """Return what takes the time that has been simulated [s] and reports the share that is done, if it takes long."""
+    label = f"simulating {duration_s:.1f} s of {name}"
+    work = Work("", {label: 1.0}, progress if duration_s > LONG_S else None)
+    work.begin(label)
+    return lambda simulated_s: work.advance(simulated_s / duration_s)

@@ -89,7 +89,7 @@ def test_many_remarks_are_cut_and_counted(tmp_path: Path) -> None:
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no pseudo-terminal")
 def test_a_terminal_shows_one_line_that_is_drawn_again() -> None:
     reader, writer = os.openpty()
-    command = [sys.executable, "-m", "fingertip", "check", "fsr400", "fsr402", "--tolerance-mm", "0.1"]
+    command = [sys.executable, "-m", "fingertip", "check", "fsr400", "fsr402", "--tolerance-mm", "0.05"]
     done = subprocess.run(
         command, stdout=subprocess.PIPE, stderr=writer, env=os.environ | {"TERM": "xterm"}, text=True, check=False
     )

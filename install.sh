@@ -87,6 +87,7 @@ choose_requirements() {
 install_all() {
     # shellcheck disable=SC2086 # several options
     quietly .venv/bin/python -m pip install -q $options -r .venv/requirements.txt &&
+        quietly .venv/bin/python -m pip uninstall -q -y fingertip && # its name to pip until November 2026
         quietly .venv/bin/python -m pip install -q --no-index --no-build-isolation -e ".$extras"
 }
 

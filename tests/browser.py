@@ -30,7 +30,7 @@ def open_browser(folder: Path) -> Iterator[Any]:
     """Start Chromium with an empty profile in a folder; its `downloads` go to another one in it."""
     chromium, chromedriver = require_tool("chromium", HOW), require_tool("chromedriver", HOW)
     if importlib.util.find_spec("selenium") is None:
-        require_tool("selenium", 'pip install "fingertip[test]"')
+        require_tool("selenium", 'pip install "fingertip-kit[test]"')
     from selenium import webdriver
     from selenium.webdriver.chrome.service import Service
 

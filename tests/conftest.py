@@ -110,7 +110,8 @@ def built(design: Design, tmp_path_factory: pytest.TempPathFactory) -> Build:
 
 @pytest.fixture
 def core(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """The packages of all extras cannot be found."""
+    """The packages of all extras cannot be found, and `pip` on the PATH is that of this Python."""
+    monkeypatch.setattr(extras, "find_pip", lambda: "pip install")
     for module in extras.EXTRAS:
         monkeypatch.setitem(sys.modules, module, None)
     jit.available.cache_clear()

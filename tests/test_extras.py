@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -23,7 +24,7 @@ from tests.conftest import design_file, run_fingertip, run_python
 DESIGN = str(design_file("fsr400"))
 STEP = (
     "--formats: step needs the package cadquery, which is not installed; "
-    'pip install "fingertip[step]", or leave step out with --formats stl,3mf.'
+    'pip install "fingertip-kit[step]", or leave step out with --formats stl,3mf.'
 )
 
 
@@ -32,9 +33,8 @@ def test_build_makes_stl_and_3mf_and_says_what_step_needs(tmp_path: Path) -> Non
     done = run_fingertip("build", DESIGN, "--parts", "bone", "--out", tmp_path / "out")
     assert done.returncode == 0
     assert {path.suffix for path in (tmp_path / "out").glob("bone.*")} == {".stl", ".3mf"}
-    said = [line for line in done.stderr.splitlines() if "pip" in line]
-    sentence = 'building STL and 3MF; pip install "fingertip[step]" adds STEP files and checks against exact solids'
-    assert said == [sentence]
+    sentence = 'left out: STEP files and checks against exact solids; pip install "fingertip-kit[step]" adds them'
+    assert done.stderr == f"{sentence}\n"
     messages: list[str] = []
     found = build(Design(), tmp_path / "python", parts=["bone"], progress=messages.append)
     assert dict(found.parts[0].files) == {"stl": "bone.stl", "3mf": "bone.3mf"}
@@ -58,25 +58,24 @@ def test_validation_leaves_its_plots_out(tmp_path: Path, monkeypatch: pytest.Mon
     done = run_fingertip("validate", DESIGN, "--out", tmp_path / "out")
     assert done.returncode == 0, done.stderr
     assert asked == [False]
-    numba, plots = (line for line in done.stderr.splitlines() if "pip" in line)
-    assert numba == 'numba is not installed (pip install "fingertip[fast]"): this takes some twenty times longer'
-    assert plots == (
-        "the plots (*.png) are left out: they need the package matplotlib, which is not installed; "
-        'pip install "fingertip[plots]"'
-    )
+    assert [line for line in done.stderr.splitlines() if "pip" in line] == [
+        'left out: plots and compiled loops (20 times faster); pip install "fingertip-kit[plots,fast]" adds them'
+    ]
 
 
 @pytest.mark.usefixtures("core")
 def test_functions_for_python_name_the_extra() -> None:
-    with pytest.raises(MissingLibraryError, match=r'^part_solid: needs the package cadquery.*"fingertip\[step\]"\.$'):
+    with pytest.raises(
+        MissingLibraryError, match=r'^part_solid: needs the package cadquery.*"fingertip-kit\[step\]"\.$'
+    ):
         fingertip.part_solid(Design(), "bone")
     with pytest.raises(
-        MissingLibraryError, match=r'^part_trimesh: .* trimesh.*"fingertip\[mesh\]", or use part_mesh\.$'
+        MissingLibraryError, match=r'^part_trimesh: .* trimesh.*"fingertip-kit\[mesh\]", or use part_mesh\.$'
     ):
         fingertip.part_trimesh(Design(), "bone")
-    with pytest.raises(MissingLibraryError, match=r'^Trace.to_dataframe: .* pandas.*"fingertip\[frames\]"'):
+    with pytest.raises(MissingLibraryError, match=r'^Trace.to_dataframe: .* pandas.*"fingertip-kit\[frames\]"'):
         fingertip.Trace(np.zeros(1), np.zeros(1)).to_dataframe()
-    with pytest.raises(MissingLibraryError, match=r'^plot: needs the package matplotlib.*"fingertip\[plots\]"\.$'):
+    with pytest.raises(MissingLibraryError, match=r'^plot: needs the package matplotlib.*"fingertip-kit\[plots\]"\.$'):
         new_figure(1, 1)
 
 
@@ -96,10 +95,36 @@ def test_package_that_cannot_be_imported_is_not_called_missing(tmp_path: Path, m
     monkeypatch.delitem(sys.modules, "trimesh", raising=False)
     with pytest.raises(MissingLibraryError) as caught:
         extras.load("trimesh", "field")
-    reason = "No module named 'no_such_module'"
-    assert str(caught.value) == (
-        f'field: needs the package trimesh, which cannot be imported ({reason}); pip install "fingertip[mesh]".'
-    )
+    reason, command = "No module named 'no_such_module'", extras.install_command("trimesh")
+    assert str(caught.value) == (f"field: needs the package trimesh, which cannot be imported ({reason}); {command}.")
+
+
+def run_venv(folder: Path, shebang: str = "", path: str = "") -> str:
+    """Return how packages are installed from a folder with the Python of an environment, and with this pip in it."""
+    for place in (folder / ".venv/bin", folder / "other"):
+        place.mkdir(parents=True, exist_ok=True)
+        (place / "pip").write_text(f"#!{shebang}\n", encoding="utf-8")
+        (place / "pip").chmod(0o755)
+    python = folder / ".venv/bin/python"
+    with contextlib.chdir(folder), pytest.MonkeyPatch.context() as patch:
+        if not python.is_symlink():
+            python.symlink_to(sys.executable)
+        patch.setattr(sys, "executable", str(python))
+        patch.setenv("PATH", path)
+        return extras.find_pip()
+
+
+def test_hints_name_the_pip_of_the_running_interpreter(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    python, folder = str(tmp_path / ".venv/bin/python"), str(tmp_path / ".venv/bin")
+    assert run_venv(tmp_path, python, folder) == "pip install"
+    assert run_venv(tmp_path, python) == ".venv/bin/python -m pip install"
+    assert run_venv(tmp_path, python, str(tmp_path / "other")) == ".venv/bin/python -m pip install"
+    assert run_venv(tmp_path, "/bin/sh", folder) == ".venv/bin/python -m pip install"
+    with monkeypatch.context() as elsewhere:
+        elsewhere.setattr(Path, "cwd", lambda: Path("/nowhere"))
+        assert run_venv(tmp_path / "a b", python) == f"'{tmp_path}/a b/.venv/bin/python' -m pip install"
+    monkeypatch.setattr(extras, "is_installed", lambda module: module != "pip")
+    assert run_venv(tmp_path, python, folder) == "uv pip install --python .venv/bin/python"
 
 
 IMPORT_EVERYTHING = """

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.foundation.extras import EXTRAS
+from fingertip.foundation.extras import DISTRIBUTION, EXTRAS
 from tests.tools import require_tool
 from tools.dependencies.pins import CONSTRAINTS, ROOT, canonical, names_of, read_pins, read_project
 
@@ -33,7 +33,7 @@ def named_dependencies() -> list[str]:
     """Dependencies of the core and of all extras, without the package itself, of which some extras consist."""
     extras = read_project()["optional-dependencies"].values()
     names = names_of([*read_project()["dependencies"], *(entry for extra in extras for entry in extra)])
-    return [name for name in names if name != "fingertip"]
+    return [name for name in names if name != DISTRIBUTION]
 
 
 def test_messages_name_the_extra_that_installs_each_package() -> None:
@@ -44,8 +44,9 @@ def test_messages_name_the_extra_that_installs_each_package() -> None:
     users = set(extras) - {"all", "docs", "test"}
     assert set(EXTRAS.values()) == users
     assert len(extras["all"]) == 1
-    assert set(re.findall(r"\w+", extras["all"][0])) == {"fingertip", *users}
-    assert extras["test"][0] == "fingertip[all,docs]"
+    assert set(re.findall(r"[\w-]+", extras["all"][0])) == {DISTRIBUTION, *users}
+    assert extras["test"][0] == f"{DISTRIBUTION}[all,docs]"
+    assert read_project()["name"] == DISTRIBUTION
 
 
 def test_constraints_are_plain_pins_of_every_dependency() -> None:
@@ -64,7 +65,7 @@ def test_installed_versions_are_the_pinned_ones() -> None:
     installed = {canonical(d.metadata["Name"]): d.version for d in metadata.distributions()}
     wrong = {name: (installed[name], pin) for name, pin in pins().items() if installed.get(name, pin) != pin}
     assert wrong == {}
-    unpinned = set(installed) - set(pins()) - {"fingertip", "pip", "setuptools"}
+    unpinned = set(installed) - set(pins()) - {DISTRIBUTION, "pip", "setuptools"}
     assert unpinned == set(), "add these to constraints.txt"
 
 

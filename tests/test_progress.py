@@ -1,4 +1,4 @@
-"""Progress of long work: shares, the time left, the bar of a terminal and the lines of a log."""
+"""Progress of long work: shares, the time left, the bar of a terminal, and silence in a log."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import sys
 
 import pytest
 
-from fingertip.cli import console as display_module
 from fingertip.cli.console import BAR_WIDTH, CLEAR_LINE, Console, ProgressDisplay, format_bar
 from fingertip.foundation import progress as progress_module
 from fingertip.foundation.errors import FingertipError, Issue
@@ -27,7 +26,6 @@ class Clock:
 def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     clock = Clock()
     monkeypatch.setattr(progress_module, "time", clock)
-    monkeypatch.setattr(display_module, "time", clock)
     return clock
 
 
@@ -63,6 +61,24 @@ def test_shares_follow_from_the_durations_of_the_stages(clock: Clock) -> None:
     assert describe_share("x", 0.01, 3600.0) == "x: 1 % done", "too early for an estimate"
 
 
+def test_work_within_a_stage_counts_as_its_share(clock: Clock) -> None:
+    messages: list[str] = []
+    outer = Work("fsr400", {"parts": 3.0, "page": 1.0}, messages.append)
+    inner = Work("", {"bone": 1.0, "skin": 1.0}, outer.within("parts"))
+    inner.begin("bone")
+    clock.now_s = 0.5
+    inner.begin("skin")  # another stage is reported at once
+    inner.advance(0.5)
+    outer.within("page")("a note")
+    assert messages == [
+        "fsr400: parts: 0 % done",
+        "fsr400: bone: 0 % done",
+        "fsr400: skin: 38 % done, 1 s left",
+        "fsr400: page: 75 % done, 0 s left",
+        "a note",
+    ]
+
+
 class Terminal(io.StringIO):
     """Text stream that says it is a terminal."""
 
@@ -89,11 +105,14 @@ def test_a_terminal_shows_one_bar_that_messages_replace(monkeypatch: pytest.Monk
     assert len(format_bar(message, 80)) == 79
 
 
-def test_a_log_has_a_line_now_and_then(monkeypatch: pytest.MonkeyPatch, clock: Clock) -> None:
-    monkeypatch.setattr(sys, "stderr", io.StringIO())
-    display = ProgressDisplay()
-    for second in range(31):
-        clock.now_s = second
-        display.show(ShareText(f"{second} s", second / 30))
-        display.show("message") if second == 5 else None
-    assert sys.stderr.getvalue().split("\n") == ["0 s", "message", "10 s", "20 s", "30 s", ""]  # type: ignore[attr-defined]
+@pytest.mark.parametrize(("stream", "term"), [(io.StringIO(), "xterm"), (Terminal(), "dumb")])
+def test_a_log_has_each_note_once_and_no_shares(
+    monkeypatch: pytest.MonkeyPatch, stream: io.StringIO, term: str
+) -> None:
+    monkeypatch.setattr(sys, "stderr", stream)
+    monkeypatch.setenv("TERM", term)
+    console = Console(False, False)
+    for share in range(10):
+        console.progress(ShareText("stage", share / 10))
+        console.progress("note")
+    assert stream.getvalue() == "note\n"

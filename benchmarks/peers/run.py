@@ -55,7 +55,7 @@ def run(
 ) -> BenchResult:
     """Measure fingertip and its peers. Units: `seconds` [s] of the contact problem."""
     machine = describe_machine()
-    with compiled(progress), contextlib.ExitStack() as resources:
+    with compiled(), contextlib.ExitStack() as resources:
         cvode: CvodeLibrary | str = ""
         if "CVODE" in peers:
             try:

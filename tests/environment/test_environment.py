@@ -254,7 +254,7 @@ def test_one_processor(tmp_path: Path) -> None:
     one = min(os.sched_getaffinity(0))
     done = run("sweep", "s.toml", "--out", "o", folder=tmp_path, prepare=lambda: os.sched_setaffinity(0, {one}))
     assert done.returncode == 0, done.stderr
-    assert "1 outputs, 1 processes" in done.stderr
+    assert " by 1 processes, " in done.stdout
 
 
 @pytest.mark.full

@@ -181,7 +181,7 @@ def test_a_whole_validation_finds_what_the_article_promises(tmp_path):
         app, ["validate", "fsr400", "--trials", "8", "--minutes", "1", "--json", "--out", str(tmp_path)]
     )
     assert done.exit_code == 0, done.stdout
-    assert "validate takes some 88 s on a core of its own" in done.stderr
+    assert "%" not in done.stderr, "shares are for terminals"
     assert {path.name for path in tmp_path.iterdir()} >= set(FILES)
     verdict = (
         r"fsr400, detector fast: all \d+ requirements are met, but 8 trials and 1 min are too few to show it: "

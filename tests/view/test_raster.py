@@ -7,6 +7,7 @@ import pytest
 from manifold3d import Manifold
 
 from fingertip.cad.kernel.mesh import to_canonical_mesh
+from fingertip.foundation.numerics import Array
 from fingertip.pictures.raster import Camera, Canvas
 
 RADIUS_MM, PIXELS_PER_MM, SIZE = 10.0, 5.0, 120
@@ -75,3 +76,45 @@ def test_the_nearer_surface_hides_the_other_in_any_order() -> None:
     red, green = pictures[0][20, 20, :2]
     assert red > 100
     assert green == 0
+
+
+def fill_one_by_one(corners: Array, shades: Array, shape: tuple[int, int]) -> tuple[Array, Array]:
+    """Depth and brightness of triangles [fine pixels], each drawn over those before it where it is nearer."""
+    depth, light = np.full(shape, -np.inf), np.ones(shape)
+    rows, columns = np.mgrid[: shape[0], : shape[1]]
+    for (a, b, c), shade in zip(corners, shades, strict=True):
+        det = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])
+        if det == 0.0:
+            continue
+        v = ((columns - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (rows - a[1])) / det
+        w = ((b[0] - a[0]) * (rows - a[1]) - (columns - a[0]) * (b[1] - a[1])) / det
+        u = 1.0 - v - w
+        z = u * a[2] + v * b[2] + w * c[2]
+        seen = (u >= -1e-9) & (v >= -1e-9) & (w >= -1e-9) & (z > depth)
+        depth[seen] = z[seen]
+        light[seen] = (u * shade[0] + v * shade[1] + w * shade[2])[seen]
+    return depth, light
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_triangles_drawn_together_are_those_drawn_one_by_one(seed: int) -> None:
+    """Large and small ones, at corners of pixels, at one depth, seen from their edge, and beyond the canvas."""
+    random = np.random.default_rng(seed)
+    width, height = 40, 30
+    size = random.choice([2.0, 15.0, 90.0], (300, 1, 1))
+    corners = random.uniform(-15.0, 50.0, (300, 1, 3)) + random.uniform(-1.0, 1.0, (300, 3, 3)) * size
+    corners[::2, :, :2] = np.round(corners[::2, :, :2])
+    corners[::3, :, 2] = np.round(corners[::3, :1, 2] / 20.0)
+    corners[::25, 2] = corners[::25, 1]
+    shades = random.uniform(0.2, 1.0, (300, 3))
+    canvas = Canvas(width, height, 1.0, Camera.from_angles(0, 0), oversample=1)
+    corners_2d = corners[:, :, :2]
+    low = np.maximum(np.ceil(corners_2d.min(axis=1)), 0).astype(int)
+    high = np.minimum(np.floor(corners_2d.max(axis=1)), (width - 1, height - 1)).astype(int)
+    a, b, c = np.moveaxis(corners_2d, 1, 0)
+    det = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (c[:, 0] - a[:, 0]) * (b[:, 1] - a[:, 1])
+    some = (low <= high).all(axis=1) & (det != 0.0)
+    canvas._fill_triangles(corners[some], shades[some], low[some], high[some], np.ones(3))
+    depth, light = fill_one_by_one(corners, shades, (height, width))
+    np.testing.assert_array_equal(canvas._depth, depth)
+    np.testing.assert_array_equal(canvas._colour[:, :, 1], light)

@@ -47,8 +47,8 @@ _HEADING = """\
 # Licences of the dependencies
 
 fingertip is under Apache-2.0. The packages that it needs keep their own licences. This page lists all that
-`pip install "fingertip[all]"` brings, as their metadata states it. `python -m tools.dependencies.licences` makes the
-page; tests compare it with what is installed.
+`pip install "fingertip-kit[all]"` brings, as their metadata states it. `python -m tools.dependencies.licences` makes
+the page; tests compare it with what is installed.
 
 The wheel of fingertip contains none of these packages: pip fetches each from its publisher. Whoever passes on an
 installation, such as a container image, also passes on these packages and must keep to their terms. Those of the LGPL

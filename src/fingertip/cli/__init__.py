@@ -15,7 +15,7 @@ from fingertip.cli.build import build, coupon, firmware, make
 from fingertip.cli.calibrate import calibrate
 from fingertip.cli.check import check
 from fingertip.cli.completion import VARIABLE, answer_shell
-from fingertip.cli.console import BAD_INPUT, FAULT, Console, describe_fault
+from fingertip.cli.console import Console
 from fingertip.cli.design import completion, new, params, schema
 from fingertip.cli.detect import detect
 from fingertip.cli.documents import acceptance, drawing, page, picture, sheet, studio
@@ -26,7 +26,6 @@ from fingertip.cli.robot import robot
 from fingertip.cli.simulate import simulate
 from fingertip.cli.sweep import sweep
 from fingertip.cli.validate import validate
-from fingertip.foundation import interruption
 from fingertip.foundation.errors import FingertipError, Issue
 from fingertip.foundation.version import __version__
 
@@ -72,6 +71,15 @@ def _refuse_empty_words(words: Sequence[str]) -> None:
             raise FingertipError(Issue(name, "is empty, perhaps a variable that is not set; give a value, or omit it."))
 
 
+@command
+def _answer() -> None:
+    _refuse_empty_words(sys.argv[1:])
+    if VARIABLE in os.environ:
+        answer_shell(typer.main.get_command(app))
+    else:
+        app()
+
+
 def main() -> None:
     """Entry point of the `fingertip` command."""
     # The linear systems here have some twenty unknowns: threads of the linear algebra library only delay the start.
@@ -81,16 +89,6 @@ def main() -> None:
     # The modules loaded so far stay until the end: the garbage collector need not search them again and again.
     gc.freeze()
     try:
-        _refuse_empty_words(sys.argv[1:])
-        if VARIABLE in os.environ:
-            answer_shell(typer.main.get_command(app))
-        else:
-            app()
-    except FingertipError as error:
-        Console(False, False).print_issues(error)
-        raise SystemExit(BAD_INPUT) from None
-    except Exception as error:  # outside of a command, such as in the parsing of its options
-        if interruption.find_signal(error) is not None:
-            raise SystemExit(interruption.report(error)) from None
-        Console(False, False).print_issues(describe_fault(error))
-        raise SystemExit(FAULT) from None
+        _answer()
+    except typer.Exit as end:
+        raise SystemExit(end.exit_code) from None

@@ -21,11 +21,6 @@ bench = typer.Typer(
 )
 
 
-@bench.callback()
-def _bench() -> None:
-    """Compare the simulation and the detectors with others. Needs a clone."""
-
-
 @bench.command(cls=HelpCommand)
 @command
 def solvers(
@@ -60,7 +55,6 @@ def solvers(
 
     found = run(names, seconds, boards, first_run, console.progress)
     writer.write(dict(zip(FILES, found.encode(), strict=True)))
-    console.progress(f"wrote {', '.join(FILES)} to {out}")
     details = f"details: {out / 'work_precision.txt'}, or --verbose"
     said = found.text if verbose else "\n".join([*found.verdict, details])
     console.result(found.data, said, passed=not found.misses_target)
@@ -110,8 +104,7 @@ def slip(
     writer.check(FILES)
     report = run(loaded, source, console.progress, console.warn)
     writer.write(dict(zip(FILES, report.encode(), strict=True)))
-    console.progress(f"wrote {', '.join(FILES)} to {out}")
-    console.result(report.as_data(), report.as_text())
+    console.result(report.as_data(), f"{report.as_text()}\nwrote {', '.join(FILES)} to {out}")
 
 
 def _find_benchmarks(name: str) -> None:

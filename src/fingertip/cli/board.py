@@ -22,6 +22,7 @@ from fingertip.cli.options import (
     refuse,
 )
 from fingertip.foundation import extras
+from fingertip.foundation.progress import ShareText
 
 if TYPE_CHECKING:
     from fingertip.board.analysis.board_values import BoardValues
@@ -97,7 +98,7 @@ def board(
         from fingertip.board.bringup.several import format_fingers
         from fingertip.tasks.board import assess_board
 
-        console.progress("comparing the readings with those of some 500 faults, which takes about ten seconds")
+        console.progress(ShareText("comparing the readings with those of some 500 faults", 0.0))
         assessment = assess_board(loaded, readings)
         text = format_fingers(assessment) if "fingers" in assessment else format_assessment(assessment)
         console.result(assessment, text, assessment["passed"])
@@ -132,7 +133,8 @@ def board(
         lines += ["", "Errata of the article:"]
         for erratum in values.errata:
             lines += [f"  {erratum.subject}", f"    article: {erratum.statement}", f"    correct: {erratum.correction}"]
-    written["files"] += _write_responses(console, loaded, values, bode, plot)
+    written["files"] += (responses := _write_responses(loaded, values, bode, plot))
+    lines += ["", f"wrote {' and '.join(responses)}"] if responses else []
     if analysis:
         from fingertip.board.analysis.report import analyse
         from fingertip.documents.board.analysis import analysis_text
@@ -170,13 +172,10 @@ def _write(
         task.check_fabrication(design, folder, force=force)
     notes: list[str] = []
     paths = task.write_board(design, folder, force=force, bring_up=bring_up, progress=notes.append)
-    for message in (*(f"wrote {path}" for path in paths), *notes):
-        console.progress(message)
+    for note in notes:
+        console.progress(note)
     if fab:
-        fabrication_paths = task.write_fabrication(design, folder, console.progress, force=force)
-        for path in fabrication_paths:
-            console.progress(f"wrote {path}")
-        paths += fabrication_paths
+        paths += task.write_fabrication(design, folder, console.progress, force=force)
     # Fabrication files of an earlier design may be left in the folder.
     differences = task.fabrication_differences(design, folder)
     console.warn(f"{difference} Do not send these files to a board house." for difference in differences)
@@ -184,9 +183,7 @@ def _write(
     return folder, {"files": files, "notes": notes, "fabrication_differences": differences}
 
 
-def _write_responses(
-    console: Console, design: Design, values: BoardValues, bode: Path | None, plot: Path | None
-) -> list[str]:
+def _write_responses(design: Design, values: BoardValues, bode: Path | None, plot: Path | None) -> list[str]:
     from fingertip.foundation.files import write_file
 
     contents: list[tuple[str, Path, bytes]] = []
@@ -201,7 +198,6 @@ def _write_responses(
         contents.append(("--plot", plot, draw_response(compute_response_band(design), title, plot.suffix.lower())))
     for option, path, content in contents:
         write_file(path, content, option)
-        console.progress(f"wrote {path}")
     return [path.as_posix() for _, path, _ in contents]
 
 

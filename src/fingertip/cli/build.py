@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
+import textwrap
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -42,7 +43,7 @@ def build(
     changes: SetOption = None,
 ) -> None:
     """Build bone, skin and mold as STL, 3MF and STEP files, check them, and write a report and a casting sheet."""
-    from fingertip.catalogues.output_files import REPORT
+    from fingertip.catalogues.output_files import REPORT, SHEET
     from fingertip.tasks.build import build as build_parts
 
     loaded = load_design(design, changes, console)
@@ -58,28 +59,41 @@ def build(
         progress=console.progress,
     )
     data = json.loads(result.contents[REPORT]) | {"folder": str(result.folder), "removed": list(result.removed)}
-    console.result(data, "\n".join(format_build(result)), result.passed)
+    lines = [*_format_build(result), *_list_remarks(result, _MAX_LINES - 4)]
+    if result.casting:
+        lines.append(f"next: {result.folder / SHEET} says what to print, and how to cast the skin")
+    console.result(data, "\n".join(lines), result.passed)
 
 
-def format_build(result: Build) -> list[str]:
-    lines = [
-        f"{built.part.name:12} {built.mesh.volume() / 1000:8.2f} cm3   {', '.join(built.files.values())}"
-        for built in result.parts
-    ]
-    from fingertip.cad.verification.check import count_checks, list_warnings
-    from fingertip.catalogues.output_files import PRINT_FOLDER
+_MAX_LINES, _MAX_WIDTH = 12, 100
+"""Largest summary of what was made: a screen shows it at a glance, and a terminal breaks no line."""
 
-    if result.prints.contents:
-        lines.append(f"{f'{PRINT_FOLDER}/':28}{', '.join(result.prints.contents)}")
 
-    if result.strength:
-        from fingertip.cad.verification.strength import describe_strength
+def _format_build(result: Build) -> list[str]:
+    """Format verdict, parts and strength in three lines."""
+    from fingertip.cad.verification.check import count_checks
 
-        lines += describe_strength(result.strength)
-    lines += format_failures(result.checks)
-    lines += [f"warning: {text}" for text in list_warnings(result.checks)]
-    lines.append(f"{count_checks(result.checks)}; written to {result.folder}")
+    parts = ", ".join(f"{built.part.name} {built.mesh.volume() / 1000:.2f}" for built in result.parts)
+    lines = [f"{result.design.name}: {count_checks(result.checks)}; written to {result.folder}", f"parts, cm3: {parts}"]
+    if found := result.strength:
+        factors = f"{found.grip_safety_factor:.2f} at the grip force, {found.shock_safety_factor:.2f} at the shock"
+        lines.append(f"bone: safety factor {factors}; weakest at z = {found.weakest.z_mm:.1f} mm")
     return lines
+
+
+def _list_remarks(result: Build, room: int) -> list[str]:
+    """List failed checks and warnings in so many lines: each is cut to its share, and those without one are counted."""
+    from fingertip.cad.verification.check import list_warnings
+    from fingertip.cad.verification.strength import describe_strength
+    from fingertip.catalogues.output_files import REPORT
+
+    remarks = [" ".join(format_failures([check])) for check in result.checks if not check.passed]
+    remarks += (f"warning: {text}" for text in list_warnings(result.checks))
+    remarks += describe_strength(result.strength)[1:] if result.strength else []
+    shown = remarks if len(remarks) <= room else remarks[: room - 1]
+    share: dict[str, Any] = {"max_lines": room // max(1, len(shown)), "subsequent_indent": "  ", "placeholder": " ..."}
+    lines = [line for remark in shown for line in textwrap.wrap(remark, _MAX_WIDTH, **share)]
+    return lines + ([f"and {len(remarks) - len(shown)} more, in {REPORT}"] if len(shown) < len(remarks) else [])
 
 
 def split_names(text: str | None) -> list[str] | None:
@@ -108,8 +122,8 @@ def make(
     if is_set(design):
         _make_set(console, design, out, split_names(formats), force, changes or ())
         return
-    from fingertip.catalogues.output_files import ACCEPTANCE, BOM, README, SHEET
-    from fingertip.slip.report import as_data, as_text
+    from fingertip.catalogues.output_files import ACCEPTANCE, BOARD_FOLDER, BOM, PRINT_FOLDER, README, SHEET
+    from fingertip.slip.report import as_data, format_delay
     from fingertip.tasks.make import make as make_everything
 
     loaded = load_design(design, changes, console)
@@ -124,21 +138,25 @@ def make(
         "page": None if made.page is None else str(made.page),
         "detection": as_data(made.detection.detection, made.detection.noise),
     }
-    lines = [
-        *format_build(made.parts),
-        f"board: {made.board[0].parent}; {BOM} lists what to buy, {README} how to use it",
-        f"simulated trial: {made.signal[0]}",
-        as_text(made.detection.detection),
-        f"next: {made.parts.folder / SHEET} says what to print and how to cast it, {ACCEPTANCE} how to test it",
+    prints = made.parts.prints
+    printed = f"{PRINT_FOLDER}/{'plate_*.3mf' if prints.plates else '*.stl'}" if prints.contents else "the parts"
+    score = made.detection.detection.score
+    found = ", ".join(map(format_delay, score.delays_s)) if score else "of unknown time"
+    drawings = f", and {made.drawings[-1].name}" if made.drawings else ""
+    last = [
+        f"board: {BOARD_FOLDER}/{BOM} lists what to buy; simulated trial: slip {found}",
+        f"look at: {made.page or made.parts.folder} in a browser{drawings}",
+        f"next: print {printed}, then follow {SHEET}, {BOARD_FOLDER}/{README} and {ACCEPTANCE}",
     ]
-    if made.page:
-        lines.append(f"see: {made.page}, all of it in a browser, without a network")
+    lines = _format_build(made.parts)
+    lines += [*_list_remarks(made.parts, _MAX_LINES - len(lines) - len(last)), *last]
     console.result(data, "\n".join(lines), made.parts.passed)
 
 
 def _make_set(
     console: Console, file: Path, out: Path | None, formats: list[str] | None, force: bool, changes: Sequence[str]
 ) -> None:
+    from fingertip.catalogues.output_files import OVERVIEW, PAGE
     from fingertip.design.finger_set import load_set
     from fingertip.tasks.make_set import make_set
 
@@ -147,16 +165,19 @@ def _make_set(
         console.warn(form.detection.warnings)
     totals, lines = made.data["totals"], list[str]()
     silicone_g = sum(totals["silicone_g"].values())
-    for form in made.forms:
-        lines += [f"{form.parts.folder}:", *(f"  {line}" for line in format_build(form.parts))]
     boards = "one board for all fingers" if made.board else "a board for each form"
-    lines += [
-        f"{totals['fingers']} fingers of {totals['molds']} forms: {totals['fingers_cm3']:g} cm3 to print for them, "
-        f"{totals['molds_cm3']:g} cm3 for their molds, "
+    last = [
+        f"{totals['fingers']} fingers of {totals['molds']} forms; to print: {totals['fingers_cm3']:g} cm3 for them, "
+        f"{totals['molds_cm3']:g} cm3 for their molds",
         f"{totals['castings']} castings, {silicone_g:g} g of silicone in {totals['mixtures']} mixtures, "
         f"{totals['cure_h']:g} h to cure; {boards}",
-        f"next: {made.folder / 'set.md'} says what to do; see: {made.folder / 'index.html'}",
+        f"look at: {made.folder / PAGE}",
+        f"next: {made.folder / OVERVIEW} says what to print, cast and build",
     ]
+    for form in made.forms:
+        room = (_MAX_LINES - len(last)) // len(made.forms) - 1
+        lines += [_format_build(form.parts)[0], *(_list_remarks(form.parts, room) if room > 0 else [])]
+    lines += last
     data = {"folder": str(made.folder), "passed": made.passed, **made.data}
     console.result(data, "\n".join(lines), made.passed)
 
@@ -220,9 +241,9 @@ def firmware(
     The README beside it states the wiring to the board's output connector, and what the detector costs in instructions
     and memory.
     """
-    from fingertip.catalogues.output_files import FIRMWARE
+    from fingertip.catalogues.output_files import FIRMWARE, README
     from fingertip.firmware.fingers import plan_fingers
-    from fingertip.firmware.packaging import cost_table, find_warnings, read_costs
+    from fingertip.firmware.packaging import find_warnings, read_costs
     from fingertip.tasks.firmware import firmware_differences, write_firmware
 
     loaded = load_design(design, changes, console)
@@ -237,4 +258,5 @@ def firmware(
     warnings = list(find_warnings(loaded, planned.controller))
     console.warn(warnings)
     data = {"files": [path.as_posix() for path in paths], "warnings": warnings, "costs": read_costs()}
-    console.result(data, f"{cost_table()}\n{len(paths)} files in {folder}; its README.md states use and wiring")
+    text = f"{len(paths)} files in {folder}\nnext: {folder / README} states wiring, use, and what each sample costs"
+    console.result(data, text)

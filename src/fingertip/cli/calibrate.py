@@ -34,11 +34,6 @@ calibrate = typer.Typer(
 )
 
 
-@calibrate.callback()
-def _calibrate() -> None:
-    """Turn measurements into parameters of a design."""
-
-
 @calibrate.command(cls=HelpCommand)
 @command
 def printer(
@@ -96,9 +91,8 @@ def printer(
             console.write("\n".join(lines))
         console.print_issues(refused, data)
         raise typer.Exit(BAD_INPUT) from None
-    console.progress("checking the calibrated design")
     parts = parts_by_name(calibrated)
-    checks = verify(calibrated, parts, ("stl",), MeshEvaluator(_TOLERANCE_MM)).checks
+    checks = verify(calibrated, parts, ("stl",), MeshEvaluator(_TOLERANCE_MM), console.progress).checks
     lines += format_failures(checks)
     passed = sum(check.passed for check in checks)
     lines.append(f"{passed} of {len(checks)} checks of the calibrated design passed")

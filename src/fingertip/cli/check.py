@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -15,14 +14,11 @@ import typer
 from fingertip.cli.console import Console
 from fingertip.cli.options import SetOption, VerboseOption, command, find_file_issues, load_design, refuse
 from fingertip.foundation.errors import DesignError, Issue, gather
+from fingertip.foundation.progress import Work
 
 if TYPE_CHECKING:
     from fingertip.cad.verification.check import Check
     from fingertip.design import Design
-
-
-_TEXT_WIDTH = 80
-"""Width of warnings, as that of the table [characters]."""
 
 
 @command
@@ -97,10 +93,11 @@ def _check_designs(
     loaded = _load(files, changes, console)
     validate_tolerance(tolerance_mm)
     checks_by_design: dict[str, tuple[Check, ...]] = {}
+    work = Work("checking", dict.fromkeys(loaded, 1.0), console.progress)
     for label, design in loaded.items():
-        console.progress(f"checking {label}")
+        work.begin(label)
         parts, evaluator = parts_by_name(design), MeshEvaluator(tolerance_mm)
-        checks_by_design[label] = verify(design, parts, ("stl",), evaluator, console.progress).checks
+        checks_by_design[label] = verify(design, parts, ("stl",), evaluator).checks
     if junit is not None:
         from fingertip.foundation.files import write_file
 
@@ -160,8 +157,7 @@ def _format_table(label: str, checks: Sequence[Check], verbose: bool) -> str:
         for row in rows
     ]
     lines.insert(0, verdict)
-    for text in list_warnings(checks):
-        lines += textwrap.wrap(f"warning: {text}", _TEXT_WIDTH, subsequent_indent="  ", break_on_hyphens=False)
+    lines += (f"warning: {text}" for text in list_warnings(checks))
     return "\n".join([*lines, *(describe_cause(c.name) for c in shown if not c.passed)])
 
 

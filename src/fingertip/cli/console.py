@@ -15,8 +15,7 @@ import re
 import shutil
 import sys
 import textwrap
-import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import typer
@@ -29,37 +28,34 @@ if TYPE_CHECKING:
     from fingertip.sweep.run import RunState
 
 
-# Progress on stderr: a bar on a terminal, else a line now and then for a log.
+# Progress on stderr: one line that is drawn again and again on a terminal, and nothing elsewhere.
 
-LINE_INTERVAL_S = 10.0
-"""Smallest time between two lines of a log that report shares [s]."""
 MIN_ROWS_FOR_ESTIMATE = 10
 BAR_WIDTH = 20
 CLEAR_LINE = "\r\x1b[2K"
 
 
 class ProgressDisplay:
-    """Messages on stderr. The share of long work is a bar in the last line of a terminal, and a few lines of a log."""
+    """Notes on stderr, each said once, and below them on a terminal a bar for the share of the work that is done."""
 
     has_bar: ClassVar[bool] = False
     """True while the terminal, of which there is one, shows a bar: whoever prints next removes it."""
 
     def __init__(self) -> None:
         self._is_terminal = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
-        self._last_s = -math.inf
+        self._said: set[str] = set()
 
     def show(self, message: str) -> None:
-        """Show a message; one that carries a share replaces the one before it, or is left out of a log for a while."""
+        """Show a note, or a share in the place of the one before it; a log or a pipe gets no shares."""
         if not isinstance(message, ShareText):
-            self.clear()
-            print(message, file=sys.stderr, flush=True)
+            if message not in self._said:
+                self.clear()
+                print(message, file=sys.stderr, flush=True)
+            self._said.add(message)
         elif self._is_terminal:
             line = format_bar(message, shutil.get_terminal_size().columns)
             print(f"{CLEAR_LINE}{line}", end="", file=sys.stderr, flush=True)
             ProgressDisplay.has_bar = True
-        elif time.monotonic() - self._last_s >= LINE_INTERVAL_S:
-            self._last_s = time.monotonic()
-            print(message, file=sys.stderr, flush=True)
 
     def clear(self) -> None:
         if ProgressDisplay.has_bar:
@@ -70,20 +66,7 @@ class ProgressDisplay:
 def format_bar(message: ShareText, columns: int) -> str:
     """Format a bar with its message, in one line of a terminal."""
     full = round(BAR_WIDTH * message.share)
-    return f"[{'#' * full}{'.' * (BAR_WIDTH - full)}] {message}"[: columns - 1]
-
-
-@contextlib.contextmanager
-def sweep_progress(console: Console, size: int) -> Iterator[Callable[[RunState], None]]:
-    """Provide a callback that shows the state of a sweep."""
-    begun = time.monotonic()
-
-    def show(state: RunState) -> None:
-        # A short sweep leaves no line in a log.
-        if sys.stderr.isatty() or time.monotonic() - begun >= LINE_INTERVAL_S:
-            console.progress(ShareText(format_state(state), state.done / size))
-
-    yield show
+    return f"[{'#' * full}{'.' * (BAR_WIDTH - full)}] {escape_control(message)}"[: columns - 1]
 
 
 def format_state(state: RunState) -> str:
@@ -130,8 +113,10 @@ def describe_fault(error: BaseException) -> FingertipError:
     return FingertipError(Issue("fingertip", message))
 
 
-def describe_path_error(error: OSError) -> FingertipError | None:
+def describe_path_error(error: BaseException) -> FingertipError | None:
     """Describe an error of the system that blames a path, which is no fault of the program; None for others."""
+    if not isinstance(error, OSError):
+        return None
     if isinstance(error, FileNotFoundError) and error.filename is None and _is_working_folder_gone():
         return FingertipError(Issue("working folder", "has been removed; change to a folder that exists."))
     reason = error.strerror or type(error).__name__
@@ -185,10 +170,9 @@ class Console:
         self._display = ProgressDisplay()
 
     def progress(self, message: str) -> None:
-        """Print a message or a step of progress to stderr; on a terminal a share of long work is a bar."""
+        """Print a note to stderr, or show the share of long work on a terminal."""
         if not self.quiet:
-            text = escape_message(message)
-            self._display.show(ShareText(text, message.share) if isinstance(message, ShareText) else text)
+            self._display.show(message if isinstance(message, ShareText) else escape_message(message))
 
     def warn(self, warnings: Iterable[str]) -> None:
         for warning in warnings:

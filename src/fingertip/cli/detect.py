@@ -99,7 +99,6 @@ def detect(
     if plot is not None:
         from fingertip.slip.report import draw
 
-        console.progress(f"drawing {plot}")
         add_to_set(plot, draw(found.trace, found.detection, trace.name), "--plot")
     console.result(as_data(found.detection, found.noise), as_text(found.detection))
 

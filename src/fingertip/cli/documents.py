@@ -21,6 +21,7 @@ from fingertip.cli.options import (
     refuse,
 )
 from fingertip.foundation.errors import Issue
+from fingertip.foundation.progress import Work
 
 if TYPE_CHECKING:
     from fingertip.design import Design
@@ -117,9 +118,11 @@ def sheet(
 
         files = verify(loaded, print_orientations(loaded), ("3mf",), MeshEvaluator(_SLICED_MESH_TOLERANCE_MM)).prints
         prints = {}
-        for plate in (name for name in files.plates if name.startswith(f"plate_{FDM.name}")):
+        plates = [name for name in files.plates if name.startswith(f"plate_{FDM.name}")]
+        work = Work("slicing", dict.fromkeys(plates, 1.0), console.progress)
+        for plate in plates:
+            work.begin(plate)
             name = plate.removesuffix(".3mf")
-            console.progress(f"slicing {name}")
             prints[name] = slice_plate(program, name, files.contents[plate], loaded)
     volumes = measure_volumes(loaded, MeshEvaluator(_MESH_TOLERANCE_MM))
     strength = assess_strength(loaded, MeshEvaluator(_MESH_TOLERANCE_MM))

@@ -7,13 +7,16 @@ from the attributes of the parameters that all versions of typer share.
 from __future__ import annotations
 
 import shutil
+import sys
 import textwrap
-from typing import Any
+from typing import Any, NoReturn
 
 from typer.core import TyperCommand, TyperGroup
 
 from fingertip.cli.completion import first_sentence
+from fingertip.cli.console import BAD_INPUT, Console
 from fingertip.cli.options import COMMON
+from fingertip.foundation.errors import FingertipError, Issue
 
 EXAMPLES: dict[str, tuple[str, ...]] = {
     "": (
@@ -108,7 +111,23 @@ class HelpCommand(TyperCommand):
 
 
 class HelpGroup(TyperGroup):
-    """Group of commands whose help page this module writes."""
+    """Group of commands whose help page this module writes, and whose errors are printed as those of the commands."""
+
+    def main(self, *args: Any, **extra: Any) -> NoReturn:
+        """Run the program. Words that it does not take would be drawn in a box by typer; none give the help page."""
+        try:
+            raise SystemExit(super().main(*args, **extra | {"standalone_mode": False}))
+        except Exception as error:
+            if not hasattr(error, "format_message"):
+                raise
+            message = error.format_message()
+            if type(error).__name__ == "NoArgsIsHelpError":
+                print(message, file=sys.stderr)
+            else:
+                path = getattr(getattr(error, "ctx", None), "command_path", "fingertip")
+                text = f"{message[:1].lower()}{message[1:].rstrip('.')}; `{path} --help` lists what it takes."
+                Console(False, False).print_issues(FingertipError(Issue(path, text)))
+            raise SystemExit(BAD_INPUT) from None
 
     def format_help(self, ctx: Any, formatter: Any) -> None:
         subjects: dict[str, list[tuple[str, str]]] = {}
@@ -154,8 +173,6 @@ def metavar(parameter: Any) -> str:
         return ""
     if parameter.metavar:
         return str(parameter.metavar)
-    if parameter.param_type_name == "argument":
-        return str(parameter.name).upper()
     return _METAVARS.get(_type_name(parameter), "TEXT")
 
 

@@ -7,7 +7,7 @@ import inspect
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -90,6 +90,8 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
     for parameter in declared:
         for option in getattr(parameter.annotation, "__metadata__", ()):
             name = parameter.name
+            if not option.metavar and isinstance(option, typer.models.ArgumentInfo):
+                option.metavar = name.upper()
             option.autocompletion = COMPLETIONS.get(f"{function.__name__} {name}") or COMPLETIONS.get(name)
 
     @functools.wraps(function)
@@ -98,33 +100,22 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
         given = {name: value for name, value in {**words, "console": console}.items() if name in own}
         try:
             function(**given)
-        except FingertipError as error:
-            if interruption.find_signal(error) is not None:
-                _end_interrupted(error)
-            console.print_issues(error)
-            raise typer.Exit(BAD_INPUT) from None
-        except interruption.INTERRUPTIONS as error:
-            _end_interrupted(error)
+        except (typer.Exit, typer.Abort):
+            raise
         except BrokenPipeError:
             discard_stdout()
             raise typer.Exit(PIPE_CLOSED) from None
-        except (typer.Exit, typer.Abort, typer.BadParameter):
-            raise
-        except Exception as error:
+        except (Exception, *interruption.INTERRUPTIONS) as error:
             if interruption.find_signal(error) is not None:
-                _end_interrupted(error)
-            refusal = describe_path_error(error) if isinstance(error, OSError) else None
+                ProgressDisplay().clear()
+                raise typer.Exit(interruption.report(error)) from None
+            refusal = error if isinstance(error, FingertipError) else describe_path_error(error)
             console.print_issues(refusal or describe_fault(error))
             raise typer.Exit(BAD_INPUT if refusal else FAULT) from None
 
     run.__annotations__ = {parameter.name: parameter.annotation for parameter in declared}
     run.__signature__ = signature.replace(parameters=declared)  # type: ignore[attr-defined]
     return run
-
-
-def _end_interrupted(error: BaseException) -> NoReturn:
-    ProgressDisplay().clear()
-    raise typer.Exit(interruption.report(error)) from None
 
 
 def load_design(file: Path | None, changes: Sequence[str] | None, console: Console | None = None) -> Design:

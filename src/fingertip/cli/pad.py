@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fingertip.cli.console import Console
-from fingertip.cli.options import DesignArgument, SetOption, command, load_design
+from fingertip.cli.options import DesignArgument, SetOption, command, load_design, refuse
 from fingertip.foundation import extras
-from fingertip.foundation.errors import TraceError
+from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.progress import ShareText
 
 if TYPE_CHECKING:
     from fingertip.pad.fem_contact import PadContact
@@ -61,7 +62,7 @@ def pad(
     from fingertip.pad.survey import FORCE_N, find_own_mode_hz, survey_pad
 
     if friction is not None and not large_strain:
-        raise typer.BadParameter("acts only with --large-strain; add that.", param_hint="'--friction'")
+        refuse([Issue("--friction", "acts only with --large-strain; add that.")])
     if fem or refine or large_strain:
         extras.require("--fem", "scipy")
     loaded = load_design(design, changes, console)
@@ -71,7 +72,7 @@ def pad(
     lines = _list_lines(loaded.name, form, survey)
     lines.append(f"silicone over the sensor resonates at {data['own_mode_hz']:.0f} Hz; simulations leave its mass out")
     for is_fine in (False, True)[: 1 + refine] if fem or refine else ():
-        console.progress(f"finite elements{', finer mesh' if is_fine else ''}")
+        console.progress(ShareText(f"finite elements{', finer mesh' if is_fine else ''}", 0.5 * is_fine))
         found = _press(form, is_fine)
         name = "fem_refined" if is_fine else "fem"
         data[name] = [
@@ -137,8 +138,8 @@ def _strain_far(console: Console, form: PadForm, friction: float) -> list[dict[s
 
     model, forces = PadModel(form, MeshSize(_COARSE_MM), is_half=True), (FORCE_N, FIRM_N)
     rows: list[dict[str, Any]] = []
-    for tilt in _STRAINED_DEG:
-        console.progress(f"large strain at a tilt of {tilt:g} degrees")
+    for done, tilt in enumerate(_STRAINED_DEG):
+        console.progress(ShareText(f"large strain at a tilt of {tilt:g} degrees", done / len(_STRAINED_DEG)))
         patch = Patch(model, Pose(tilt))
         ways = {
             "small": _collect(patch.press(force, with_strain=False) for force in forces),

@@ -98,15 +98,14 @@ def simulate(
             record, grips_s, picture = _simulate(simulation, opened, path, grip, plot is not None, console.progress)
         if out is None and (removed := trace_file.write_trace(simulation.design, path, finished, force)):
             console.progress(f"removed what was made from earlier traces or another design: {', '.join(removed)}")
-    console.progress(f"wrote {path}")
     console.warn(summary.find_warnings(record))
     if simulation.scene.sensing.bridge == "board":
         console.progress(simulation.design.force_curve.describe())
     if plot is not None and picture is not None:
         write_file(plot, picture, "--plot")
-        console.progress(f"wrote {plot}")
     written = {"trace": path.as_posix()} | ({"plot": plot.as_posix()} if plot else {})
-    console.result(written | summary.as_data(record, grips_s), "\n".join(summary.as_text(record, grips_s)))
+    lines = [*summary.as_text(record, grips_s), f"wrote {' and '.join(written.values())}"]
+    console.result(written | summary.as_data(record, grips_s), "\n".join(lines))
 
 
 def _simulate(
@@ -128,6 +127,5 @@ def _simulate(
     trace_file.write_columns(file, path, record.time_s, record.columns)
     picture = None
     if plotted:
-        progress("drawing the plot")
         picture = summary.draw(record, summary.as_text(record, grips_s)[0])
     return record, grips_s, picture

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -9,10 +10,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fingertip.cli.console import CHECK_FAILED, Console, sweep_progress
+from fingertip.cli.console import CHECK_FAILED, Console, format_state
 from fingertip.cli.options import command, find_file_issues, find_idle_issues, find_range_issues, refuse
 from fingertip.foundation import interruption
 from fingertip.foundation.errors import Issue, SweepError
+from fingertip.foundation.progress import ShareText
 
 if TYPE_CHECKING:
     from fingertip.sweep.database import SweepDatabase
@@ -65,7 +67,8 @@ def sweep(
 
     Exit code 0: every point has its row; 1: some points failed or exceeded the time limit.
     """
-    from fingertip.sweep.engines import DaskEngine, ProcessEngine, count_processors
+    from fingertip.foundation.processes import count_processors
+    from fingertip.sweep.engines import DaskEngine, ProcessEngine
     from fingertip.sweep.plan import SweepPlan
     from fingertip.sweep.report import load_pyarrow
 
@@ -95,7 +98,7 @@ def sweep(
     engine = DaskEngine(cluster) if cluster else ProcessEngine(jobs or count_processors())
     with _open_database(console, folder, plan, resume) as database:
         code = _run(console, database, engine)
-        _export(console, database, csv, parquet)
+        _export(database, csv, parquet)
     if code:
         raise typer.Exit(code)
 
@@ -131,15 +134,14 @@ def _run(console: Console, database: SweepDatabase, engine: Engine) -> int:
     from fingertip.sweep.run import run_sweep
 
     plan, folder = database.plan, database.folder
-    workers = f"{engine.workers} {engine.description}"
-    console.progress(f"{plan.file.name}: {plan.size} points, {len(plan.outputs)} outputs, {workers}")
     interrupted, start_s = None, time.perf_counter()
-    with sweep_progress(console, plan.size) as show_progress:
-        try:
-            state = run_sweep(plan, database, engine, show_progress)
-        except interruption.INTERRUPTIONS as error:
-            interrupted = interruption.exit_code(error)
-            interruption.forget_signal()
+    try:
+        state = run_sweep(
+            plan, database, engine, lambda s: console.progress(ShareText(format_state(s), s.done / plan.size))
+        )
+    except interruption.INTERRUPTIONS as error:
+        interrupted = interruption.exit_code(error)
+        interruption.forget_signal()
     counts = database.count_by_status()
     rows = sum(counts.values())
     data = {"folder": folder.as_posix(), "points": plan.size, "rows": rows, **counts}
@@ -149,11 +151,14 @@ def _run(console: Console, database: SweepDatabase, engine: Engine) -> int:
         return interrupted
     statuses = ", ".join(f"{count} {status}" for status, count in counts.items() if count)
     elapsed_s = time.perf_counter() - start_s
-    rate = f"{state.written} points in {elapsed_s:.1f} s, {state.written / elapsed_s:.3g} points/s"
-    console.progress(rate if state.written else "every point already had its row")
-    console.progress(f"to report on them: fingertip sweep --show --out {folder.as_posix()}")
+    speed = f"{state.written} now in {elapsed_s:.1f} s by {engine.workers} {engine.description}"
+    lines = [
+        f"{rows} of {plan.size} points in {folder}: {statuses}",
+        f"{speed}, {state.written / elapsed_s:.3g} points/s" if state.written else "every point already had its row",
+        f"next: fingertip sweep --show --out {shlex.quote(folder.as_posix())}",
+    ]
     data = {"name": plan.file.name, **data, "computed_now": state.written}
-    console.result(data, f"{rows} of {plan.size} points in {folder}: {statuses}")
+    console.result(data, "\n".join(lines))
     return CHECK_FAILED if counts["failed"] + counts["timeout"] or rows < plan.size else 0
 
 
@@ -167,15 +172,14 @@ def _show_report(
     assert folder is not None
     with SweepDatabase.open(folder) as database:
         data = write_report(database, folder, console.progress, plan)
-        _export(console, database, csv, parquet)
+        _export(database, csv, parquet)
     text = data.pop("text")
     console.result(data, text)
 
 
-def _export(console: Console, database: SweepDatabase, csv: Path | None, parquet: Path | None) -> None:
+def _export(database: SweepDatabase, csv: Path | None, parquet: Path | None) -> None:
     from fingertip.sweep.report import write_csv, write_parquet
 
     for path, write in ((csv, write_csv), (parquet, write_parquet)):
         if path is not None:
             write(database, path)
-            console.progress(f"wrote {path}")

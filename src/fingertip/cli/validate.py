@@ -29,7 +29,7 @@ def validate(
     from fingertip.board.analysis.board_values import board_values
     from fingertip.board.analysis.limits import adc_range_warnings
     from fingertip.detection.warnings import settings_warnings
-    from fingertip.foundation import extras, jit
+    from fingertip.foundation import extras
     from fingertip.foundation.output_set import SetWriter, hash_parameters
     from fingertip.lab.campaign.plan import check_first_seed
     from fingertip.slip.detectors import registry
@@ -38,13 +38,8 @@ def validate(
     registry.find_detector_type(detector)
     plan = campaign.CampaignPlan(trials, minutes)
     check_first_seed(seed)
-    if not jit.available():
-        console.progress(
-            f"numba is not installed ({extras.install_command('numba')}): this takes some twenty times longer"
-        )
     with_plots = extras.is_installed("matplotlib")
-    if not with_plots:
-        console.progress(f"the plots (*.png) are left out: they need {extras.describe_missing('matplotlib')}")
+    extras.say_left_out({"matplotlib": "plots", "numba": "compiled loops (20 times faster)"}, console.progress)
     warnings = [*settings_warnings(loaded, detector), *adc_range_warnings(board_values(loaded).voltage_limits)]
     console.warn(warnings)
     folder = out or Path("out") / loaded.name / "validation"
@@ -52,11 +47,8 @@ def validate(
     writer = SetWriter(folder, "validation", loaded.name, parameters, force=force)
     writer.check(campaign.FILES)
     validation = campaign.validate(loaded, plan, detector, progress=console.progress, first_seed=seed)
-    if with_plots:
-        console.progress("drawing plots")
     files = validation.files(with_plots)
     writer.write(files)
-    console.progress(f"wrote {', '.join(files)} to {folder}")
     text = validation.as_verdict()
     details = f"details: {folder / 'validation.txt'}, or --verbose"
     said = f"{text}\n\n{validation.as_text()}" if verbose else f"{text}\n{details}"

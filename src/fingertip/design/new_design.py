@@ -23,6 +23,7 @@ from fingertip.design.model import Design
 from fingertip.design.parameters import Hand
 from fingertip.design.parameters.declaration import issues_from_pydantic, suggest_name
 from fingertip.foundation.errors import DesignError, Issue, TomlFileError
+from fingertip.foundation.progress import ShareText
 from fingertip.foundation.toml_files import read_toml
 
 _OPTIONAL = ("length_limit_mm", "tendon_diameter_mm")
@@ -133,7 +134,7 @@ def write_new_design(
     except ValidationError as error:
         raise DesignError(issues_from_pydantic(error, Design)) from None
     fit = fit_design(
-        begun, loaded.changed, lambda share: progress(f"fitting lengths: {share:.0%} of the search"),
+        begun, loaded.changed, lambda share: progress(ShareText("fitting lengths", share)),
         DesignTables(**load_tables(files[:1], []).tables), _JOINT_PARAMETERS if hand is not None else (),
     )  # fmt: skip
     design = Design(**fit.tables.model_dump())

@@ -1,18 +1,27 @@
 """Optional packages: the extra of the installation that brings each, and the error that names it where one is missing.
 
-`pip install fingertip` installs the core. STEP files, trimesh meshes, plots, the samplers of sweeps, compiled loops and
+The core is installed without an extra. STEP files, trimesh meshes, plots, the samplers of sweeps, compiled loops and
 some file formats need one more package each. Modules import such a package where they use it, after `require`, or with
 `load`; both raise an error with the command that installs it.
 """
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import importlib.util
+import os
+import shlex
+import shutil
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any
 
 from fingertip.foundation.errors import Issue, MissingLibraryError, join_words
 
+DISTRIBUTION = "fingertip-kit"
+"""Name to pip: on the package index `fingertip` is somebody else's."""
 EXTRAS = {
     "cadquery": "step",
     "trimesh": "mesh",
@@ -42,8 +51,23 @@ def is_installed(module: str) -> bool:
 
 
 def install_command(*modules: str) -> str:
+    """Return the command that installs optional packages beside the running program, typed in the working folder."""
     names = dict.fromkeys(EXTRAS[module] for module in modules)
-    return f'pip install "fingertip[{",".join(names)}]"'
+    return f'{find_pip()} "{DISTRIBUTION}[{",".join(names)}]"'
+
+
+def find_pip() -> str:
+    """Return how this interpreter's packages are installed: a bare `pip` may belong to another one."""
+    folder, python, pip = Path(sys.executable).parent, sys.executable, shutil.which("pip")
+    with contextlib.suppress(OSError, ValueError):  # the working folder is gone, or is not above
+        python = str(Path(python).relative_to(Path.cwd()))
+    if not is_installed("pip"):  # in environments that uv makes
+        return f"uv pip install --python {shlex.quote(python)}"
+    if pip and Path(pip).parent == folder:
+        with contextlib.suppress(OSError), open(pip, encoding="utf-8", errors="replace") as script:
+            if os.path.samefile(script.readline().removeprefix("#!").strip(), sys.executable):
+                return "pip install"
+    return f"{shlex.quote(python)} -m pip install"
 
 
 def describe_missing(*modules: str) -> str:
@@ -51,6 +75,13 @@ def describe_missing(*modules: str) -> str:
     listed = join_words(_PACKAGES.get(module, module) for module in modules)
     words, verb = ("package", "is") if len(modules) == 1 else ("packages", "are")
     return f"the {words} {listed}, which {verb} not installed; {install_command(*modules)}"
+
+
+def say_left_out(files: Mapping[str, str], progress: Callable[[str], None]) -> None:
+    """Say what is left out for want of optional packages, given by module, and the command that adds it."""
+    missing = {module: name for module, name in files.items() if not is_installed(module)}
+    if missing:
+        progress(f"left out: {join_words(dict.fromkeys(missing.values()))}; {install_command(*missing)} adds them")
 
 
 def require(field: str, *modules: str, subject: str = "", alternative: str = "") -> None:

@@ -43,8 +43,6 @@ CALL_S = 5e-6
 """Time that the conversion of lists to arrays and back adds to a compiled call [s], measured for the detectors."""
 
 _always_compile = False
-_progress: Callable[[str], None] | None = None
-_is_reported = False
 
 
 @functools.cache
@@ -57,22 +55,14 @@ def available() -> bool:
 
 
 @contextlib.contextmanager
-def compiled(progress: Callable[[str], None] | None = None) -> Iterator[None]:
+def compiled() -> Iterator[None]:
     """Run every loop compiled within this block, where numba is installed."""
-    global _always_compile, _progress
-    before = _always_compile, _progress
-    _always_compile, _progress = available(), progress
+    global _always_compile
+    before, _always_compile = _always_compile, available()
     try:
         yield
     finally:
-        _always_compile, _progress = before
-
-
-def _report_loading() -> None:
-    global _is_reported
-    if _progress and not _is_reported:
-        _is_reported = True
-        _progress("loading compiled loops; their first use on a machine takes some seconds more")
+        _always_compile = before
 
 
 def as_samples(voltage_v: Iterable[float]) -> list[float] | Array:
@@ -137,7 +127,6 @@ class CompiledLoop:
 
     def _run_first(self, arrays: list[Any]) -> None:
         """Load the loop, and run it; if its cache is damaged or the disk full, it is compiled for this process."""
-        _report_loading()
         loop = _compile_cached(self.plain, *self._helpers)
         try:
             loop(*arrays)

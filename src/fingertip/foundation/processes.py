@@ -12,7 +12,7 @@ import pickle
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any, TypeVar
 
 T = TypeVar("T")
@@ -62,10 +62,47 @@ def call_within_limits(limit_s: float, memory_bytes: int, function: Callable[...
     raise ValueError(f"it cannot be read in {limit_s:g} s of computing")
 
 
+def count_processors() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@contextlib.contextmanager
+def in_background(function: Callable[..., T], *arguments: Any) -> Iterator[Callable[[], T]]:
+    """Call a function in another process, which ends with this block; what is provided waits for the result.
+
+    With one processor, or where the process fails for any reason, the function is called when the result is wanted.
+    """
+
+    def wait() -> T:
+        answer, _ = process.communicate() if process else (b"", None)
+        if process and process.returncode == 0 and not (found := pickle.loads(answer))[1]:
+            return found[0]  # type: ignore[no-any-return]
+        return function(*arguments)
+
+    process, pipe = None, subprocess.PIPE
+    try:
+        if count_processors() > 1:
+            # A session of its own: Ctrl-C reaches this process alone, which ends the other one.
+            process = subprocess.Popen(
+                python_command(__name__), stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, start_new_session=True
+            )
+            assert process.stdin
+            with contextlib.suppress(BrokenPipeError):
+                process.stdin.write(pickle.dumps((None, None, function, arguments)))
+                process.stdin.flush()
+        yield wait
+    finally:
+        if process:
+            process.kill()
+            process.communicate()
+
+
 def _answer_call() -> None:
     end_with_parent()
+    answer = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # libraries print there
     limit_s, memory_bytes, function, arguments = pickle.load(sys.stdin.buffer)  # imports what the function needs
-    if sys.platform != "win32":
+    if sys.platform != "win32" and limit_s is not None:
         import resource  # noqa: PLC0415
 
         for kind, limit in ((resource.RLIMIT_CPU, round(limit_s)), (resource.RLIMIT_DATA, memory_bytes)):
@@ -75,8 +112,10 @@ def _answer_call() -> None:
         result = function(*arguments)
     except Exception as raised:
         error = raised.with_traceback(None)
-    sys.stdout.buffer.write(pickle.dumps((result, error)))
+    answer.write(pickle.dumps((result, error)))
+    answer.close()
 
 
 if __name__ == "__main__":
     _answer_call()
+    os._exit(0)  # unloading the libraries of the B-rep kernel would take a third of a second

@@ -18,14 +18,18 @@ EVERY_S = 1.0
 
 
 class ShareText(str):
-    """Message on progress that knows the share of the work that is done, from 0 to 1."""
+    """Message on progress: what is done now, and the share of the work that is done, from 0 to 1.
 
+    Any other text that work reports is a note, which stays to be read after the work.
+    """
+
+    label: str
     share: float
 
-    def __new__(cls, text: str, share: float) -> ShareText:
-        """Make a message with the share that is done."""
-        made = super().__new__(cls, text)
-        made.share = min(1.0, max(0.0, share))
+    def __new__(cls, label: str, share: float, elapsed_s: float = 0.0) -> ShareText:
+        """Make a message with the share that is done, and an estimate of the time left if some time has passed."""
+        made = super().__new__(cls, describe_share(label, share, elapsed_s))
+        made.label, made.share = label, min(1.0, max(0.0, share))
         return made
 
 
@@ -37,7 +41,7 @@ class Work:
         self._stages = dict(stages)
         self._whole = sum(self._stages.values())
         self._progress = progress
-        self._stage = ""
+        self._stage = self._detail = ""
         self._before = 0.0
         self._begun = time.monotonic()
         self._reported = -EVERY_S
@@ -47,25 +51,37 @@ class Work:
         names = list(self._stages)
         self._before = sum(self._stages[name] for name in names[: names.index(stage)])
         self._stage = stage
-        self._report(self._before / self._whole)
+        self._report(0.0, "")
 
-    def advance(self, share: float) -> None:
-        """Report the share of the current stage that is done, unless the last report was a moment ago."""
-        if time.monotonic() - self._reported >= EVERY_S:
-            self._report((self._before + share * self._stages[self._stage]) / self._whole)
+    def within(self, stage: str) -> ReportProgress:
+        """Begin a stage, and return what its work reports to, whose labels and shares stand for those of the stage."""
+        self.begin(stage)
 
-    def _report(self, share: float) -> None:
-        self._reported = time.monotonic()
-        if self._progress is None:
-            return
-        label = ": ".join(text for text in (self._name, self._stage) if text)
-        self._progress(ShareText(describe_share(label, share, self._reported - self._begun), share))
+        def report(message: str) -> None:
+            if isinstance(message, ShareText):
+                self.advance(message.share, message.label)
+            elif self._progress is not None:
+                self._progress(message)
+
+        return report
+
+    def advance(self, share: float, detail: str = "") -> None:
+        """Report the share of the current stage that is done, unless the last report of the same was a moment ago."""
+        if detail != self._detail or time.monotonic() - self._reported >= EVERY_S:
+            self._report(share, detail)
+
+    def _report(self, share: float, detail: str) -> None:
+        self._reported, self._detail = time.monotonic(), detail
+        if self._progress is not None:
+            label = ": ".join(text for text in (self._name, detail or self._stage) if text)
+            done = (self._before + share * self._stages[self._stage]) / self._whole
+            self._progress(ShareText(label, done, self._reported - self._begun))
 
 
 def describe_share(label: str, share: float, elapsed_s: float) -> str:
     """Describe the share of the work that is done and, where it can be estimated, the time left."""
     text = f"{label}: {100 * share:.0f} % done"
-    if share < MIN_SHARE_FOR_ESTIMATE:
+    if share < MIN_SHARE_FOR_ESTIMATE or not elapsed_s:
         return text
     return f"{text}, {format_duration(max(0.0, elapsed_s * (1 / share - 1)))} left"
 

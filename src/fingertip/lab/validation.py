@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 
 from fingertip.design import Design
 from fingertip.foundation.comparison import Comparison
-from fingertip.foundation.progress import Work, format_duration
+from fingertip.foundation.progress import Work
 from fingertip.lab.campaign.closed_loop import ClosedLoopSummary, ClosedLoopTrial, run_closed_loop, summarise
 from fingertip.lab.campaign.mix import MixSize, generate_mix, run_detector
 from fingertip.lab.campaign.mix import summarise as summarise_mix
@@ -212,10 +212,9 @@ def validate(
     check_first_seed(first_seed)
     plan, limits = plan or CampaignPlan(), limits or RequirementLimits()
     stages_s = estimate_stages_s(plan)
-    progress(f"validate takes some {format_duration(sum(stages_s.values()))} on a core of its own")
     work = Work("validate", stages_s, progress)
     work.begin("trials")
-    result = run_campaign(design, plan, progress=progress, first_seed=first_seed, advance=work.advance)
+    result = run_campaign(design, plan, first_seed=first_seed, advance=work.advance)
     ranges = [result.at_nominal_threshold(detector)]
     work.begin("further ranges of seeds")
     for i in range(1, SEED_RANGES):

@@ -25,6 +25,7 @@ from fingertip.design.geometry.solids import Point3, Solid
 from fingertip.design.interfaces.clevis_solids import knuckle
 from fingertip.foundation.display import Picture
 from fingertip.foundation.numerics import Array
+from fingertip.foundation.progress import Work
 from fingertip.pictures.raster import Camera, Canvas, Colour, Pen, bounds, to_png
 from fingertip.pictures.section import SENSOR_COLOUR, draw_scale_bar, draw_section, list_sections
 
@@ -91,20 +92,21 @@ def draw(design: Design, width_px: int = 1600, progress: Callable[[str], None] =
     exploded = _explode(parts)
     exploded += _mark_thin_walls(design, evaluator, exploded)
     half, mark = width_px // 2, _mark_weakest(design, evaluator, exploded)
-    progress("drawing: dorsal view")
+    work = Work("", dict.fromkeys(("dorsal view", "palmar view", "sections", "on the hand"), 1.0), progress)
+    work.begin("dorsal view")
     dorsal = _draw_panel("dorsal view", exploded, Camera.from_angles(28, 24), half, labels=_LABELS, mark=mark)
-    progress("drawing: palmar view")
+    work.begin("palmar view")
     camera = Camera.from_angles(28, -38)
     palmar = _draw_panel("palmar view", exploded, camera, width_px - half, labels=_LABELS)
     top = np.full((max(len(dorsal), len(palmar)), width_px, 3), 255, dtype=np.uint8)
     top[: len(dorsal), :half], top[: len(palmar), half:] = dorsal, palmar
     panels = [top]
+    work.begin("sections")
     for section in list_sections(design, evaluator):
-        progress(f"drawing: {section.title.partition(';')[0]}")
         panels.append(draw_section(section, evaluator, width_px))
     if design.dimensions.joint:
         title = f"finger on the hand: straight, and bent by {design.hand.travel_deg:g} degrees to its stop"
-        progress(f"drawing: {title}")
+        work.begin("on the hand")
         names = ("bone", "lid", "skin")
         solids = {name: part.solid(design) for name, part in parts_by_name(design).items() if name in names}
         solids["sensor"] = sensor_body(design)

@@ -16,6 +16,7 @@ from fingertip.cad.kernel.mesh import Mesh
 from fingertip.foundation.numerics import Array
 
 Colour = tuple[float, float, float]
+Whole: TypeAlias = NDArray[np.int_]
 Pen: TypeAlias = ImageDraw.ImageDraw
 Font: TypeAlias = ImageFont.FreeTypeFont
 _CREASE_COSINE = math.cos(math.radians(35.0))
@@ -25,6 +26,7 @@ _LEAST_TINT = 0.5
 _DECIMALS = 6
 """Decimals of projected points [mm or pixels] and shades. The last digits of a product of matrices depend on the
 processor, and pictures must not."""
+_PIXELS_AT_ONCE = 100_000
 _FROM_BELOW = -0.2
 """Dorsal component of the direction to the viewer below which the view is one from below."""
 
@@ -62,6 +64,7 @@ class Canvas:
         shape = (height * oversample, width * oversample)
         self._colour = np.ones((*shape, 3))
         self._depth = np.full(shape, -np.inf)
+        self._first, self._last = np.array(shape), np.zeros(2, dtype=int)
 
     def draw(self, mesh: Mesh, colour: Colour, centre: Array) -> None:
         """Draw a mesh; `centre` is the point [mm] shown in the middle of the picture."""
@@ -72,33 +75,52 @@ class Canvas:
         corners = projected[mesh.triangles]
         shades = _shades(mesh, self._camera)
         facing = shades[:, 0, 1] > 0
-        base = np.array(colour)
-        for triangle, shade in zip(corners[facing], shades[facing, :, 0], strict=True):
-            self._fill_triangle(triangle, shade, base)
+        corners, shade = corners[facing], shades[facing, :, 0]
+        low = np.maximum(np.ceil(corners[:, :, :2].min(axis=1)), 0).astype(int)
+        high = np.minimum(np.floor(corners[:, :, :2].max(axis=1)), (width - 1, height - 1)).astype(int)
+        (ax, ay, _), (bx, by, _), (cx, cy, _) = np.moveaxis(corners, 0, 2)
+        self._first = np.minimum(self._first, low.min(axis=0, initial=max(width, height))[::-1])
+        self._last = np.maximum(self._last, high.max(axis=0, initial=0)[::-1])
+        shown = np.flatnonzero(((bx - ax) * (cy - ay) - (cx - ax) * (by - ay) != 0.0) & (low <= high).all(axis=1))
+        # Some triangles at a time, so that the pixels of their boxes fit into the memory that is near the processor.
+        part = np.cumsum((high - low + 1)[shown].prod(axis=1)) // _PIXELS_AT_ONCE
+        for some in np.split(shown, np.flatnonzero(np.diff(part)) + 1):
+            self._fill_triangles(corners[some], shade[some], low[some], high[some], np.array(colour))
 
-    def _fill_triangle(self, p: Array, shade: Array, base: Array) -> None:
-        """Fill a triangle where it is nearer to the viewer than what has been drawn, using barycentric coordinates."""
-        height, width = self._depth.shape
-        x0, x1 = max(math.ceil(p[:, 0].min()), 0), min(math.floor(p[:, 0].max()), width - 1)
-        y0, y1 = max(math.ceil(p[:, 1].min()), 0), min(math.floor(p[:, 1].max()), height - 1)
-        if x0 > x1 or y0 > y1:
-            return
-        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = p.tolist()
-        det = (bx - ax) * (cy - ay) - (cx - ax) * (by - ay)
-        if det == 0.0:
-            return
-        x = np.arange(x0, x1 + 1)[None, :]
-        y = np.arange(y0, y1 + 1)[:, None]
-        v = ((x - ax) * (cy - ay) - (cx - ax) * (y - ay)) / det
-        w = ((bx - ax) * (y - ay) - (x - ax) * (by - ay)) / det
+    def _fill_triangles(self, p: Array, shade: Array, low: Whole, high: Whole, base: Array) -> None:
+        """Fill triangles where they are nearer to the viewer than what has been drawn, by barycentric coordinates.
+
+        `low` and `high` are the corners of their boxes [fine pixels]. Of triangles at one depth the first is drawn.
+        """
+        each, y = _expand(low[:, 1], high[:, 1])
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = np.moveaxis(p, 0, 2)
+        det = ((bx - ax) * (cy - ay) - (cx - ax) * (by - ay))[each]
+        left, down = ax[each], y - ay[each]
+        v_right, v_down = (cy - ay)[each], (cx - ax)[each] * down
+        w_right, w_down = (by - ay)[each], (bx - ax)[each] * down
+        # In a row, each coordinate is 0 at an end of the triangle; to round outwards makes up for the last digits.
+        ends = [low[each, 0]], [high[each, 0]]
+        for slope, offset in ((v_right, -v_down), (-w_right, w_down), (w_right - v_right, v_down - w_down + det)):
+            with np.errstate(divide="ignore", invalid="ignore"):
+                zero = np.clip(left - offset / slope, -1.0, self._depth.shape[1])
+            ends[0].append(np.where(slope * det > 0.0, np.floor(zero), -np.inf))
+            ends[1].append(np.where(slope * det < 0.0, np.ceil(zero), np.inf))
+        row, x = _expand(np.max(ends[0], axis=0).astype(int), np.min(ends[1], axis=0).astype(int))
+        right = x - left[row]
+        v = (right * v_right[row] - v_down[row]) / det[row]
+        w = (w_down[row] - right * w_right[row]) / det[row]
         u = 1.0 - v - w
-        depth = u * az + v * bz + w * cz
-        window = self._depth[y0 : y1 + 1, x0 : x1 + 1]
-        visible = (u >= -1e-9) & (v >= -1e-9) & (w >= -1e-9) & (depth > window)
-        if visible.any():
-            window[visible] = depth[visible]
-            light = (u * shade[0] + v * shade[1] + w * shade[2])[visible]
-            self._colour[y0 : y1 + 1, x0 : x1 + 1][visible] = light[:, None] * base
+        inside = np.flatnonzero((u >= -1e-9) & (v >= -1e-9) & (w >= -1e-9))
+        row, u, v, w = row[inside], u[inside], v[inside], w[inside]
+        each, pixel = each[row], y[row] * self._depth.shape[1] + x[inside]
+        depth = u * az[each] + v * bz[each] + w * cz[each]
+        drawn = self._depth.reshape(-1)
+        nearer = np.flatnonzero(depth > drawn[pixel])
+        np.maximum.at(drawn, pixel[nearer], depth[nearer])
+        seen = nearer[depth[nearer] == drawn[pixel[nearer]]][::-1]  # the last that is assigned to a pixel counts
+        lights = shade[each[seen]]
+        light = u[seen] * lights[:, 0] + v[seen] * lights[:, 1] + w[seen] * lights[:, 2]
+        self._colour.reshape(-1, 3)[pixel[seen]] = light[:, None] * base
 
     @property
     def depth_mm(self) -> Array:
@@ -107,6 +129,7 @@ class Canvas:
 
     def tint(self, mask: NDArray[np.bool_], drawn: Colour, colour: Colour) -> None:
         """Give fine pixels that were drawn in one colour another one, even in the shade; empty ones become pale."""
+        self._first, self._last = np.zeros(2, dtype=int), np.array(self._depth.shape)
         is_empty = ~np.isfinite(self._depth) & mask
         shade = self._colour[mask] / np.array(drawn)
         self._colour[mask] = (_LEAST_TINT + (1.0 - _LEAST_TINT) * shade) * np.array(colour)
@@ -114,13 +137,24 @@ class Canvas:
 
     def image(self) -> NDArray[np.uint8]:
         """Return the picture (height, width, 3), outlined at steps in depth and averaged to its final resolution."""
-        colour = self._colour.copy()
-        colour[_outline(self._depth, self._scale)] *= 0.45
         k = self._k
         height, width = self._depth.shape
-        small = colour.reshape(height // k, k, width // k, k, 3).mean(axis=(1, 3))
-        picture: NDArray[np.uint8] = (np.clip(small, 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
+        picture = np.full((height // k, width // k, 3), 255, dtype=np.uint8)
+        # What was drawn, with room for its outline: the rest stays white.
+        (top, left), (bottom, right) = np.maximum(self._first // k - 1, 0), self._last // k + 2
+        window = np.s_[top * k : bottom * k, left * k : right * k]
+        colour = self._colour[window].copy()
+        colour[_outline(self._depth[window], self._scale)] *= 0.45
+        small = sum(colour[row::k, column::k] for row in range(k) for column in range(k)) / (k * k)
+        picture[top:bottom, left:right] = (np.clip(small, 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
         return picture
+
+
+def _expand(first: Whole, last: Whole) -> tuple[Whole, Whole]:
+    """List the whole numbers of ranges, one range after the other, each with the index of its range."""
+    count = np.maximum(last - first + 1, 0)
+    each = np.repeat(np.arange(len(count)), count)
+    return each, np.arange(len(each)) + (first - np.cumsum(count) + count)[each]
 
 
 def _outline(depth: Array, scale: float) -> NDArray[np.bool_]:
@@ -128,7 +162,7 @@ def _outline(depth: Array, scale: float) -> NDArray[np.bool_]:
     step = np.zeros(depth.shape, dtype=bool)
     near = np.where(np.isfinite(depth), depth, -1e9)
     for away, steps in ((near, step), (near.T, step.T)):
-        jump = np.diff(away, axis=0)
+        jump = away[1:] - away[:-1]
         steps[1:] |= jump > scale
         steps[:-1] |= jump < -scale
     return step
@@ -155,11 +189,9 @@ def _smooth_normals(mesh: Mesh, weighted: Array, facet: Array) -> Array:
     vertex = mesh.triangles.ravel()
     order = np.argsort(vertex, kind="stable")
     count = np.bincount(vertex, minlength=len(mesh.vertices))
-    start = np.concatenate(([0], np.cumsum(count)[:-1]))
-    each = count[vertex]  # each corner is paired with every corner at its vertex
-    corner = np.repeat(np.arange(len(vertex)), each)
-    within = np.arange(len(corner)) - np.repeat(np.cumsum(each) - each, each)
-    other = order[np.repeat(start[vertex], each) + within] // 3
+    start = np.concatenate(([0], np.cumsum(count)[:-1]))[vertex]
+    corner, place = _expand(start, start + count[vertex] - 1)  # each corner with every corner at its vertex
+    other = order[place] // 3
     smooth = np.einsum("ij,ij->i", facet[corner // 3], facet[other]) > _CREASE_COSINE
     total = np.zeros((len(vertex), 3))
     np.add.at(total, corner[smooth], weighted[other[smooth]])

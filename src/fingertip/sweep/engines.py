@@ -160,10 +160,6 @@ def set_current_point(point: int) -> None:
         _status.points[_slot] = point
 
 
-def count_processors() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 @contextlib.contextmanager
 def _block_interrupts() -> Iterator[None]:
     """Block SIGINT: processes started within never receive it, and this process receives it at the end."""

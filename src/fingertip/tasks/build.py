@@ -45,7 +45,8 @@ from fingertip.foundation.errors import DesignError, InputFileError, Issue
 from fingertip.foundation.input_files import PARSED_LIMIT, is_safe_name, read_input
 from fingertip.foundation.output_set import SetWriter, read_manifest
 from fingertip.foundation.output_set.writer import has_hash
-from fingertip.foundation.progress import Work
+from fingertip.foundation.processes import in_background
+from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.pad.survey import survey_pad
 
 
@@ -60,7 +61,7 @@ def build(
     pictures: bool = False,
     force: bool = False,
     progress: Callable[[str], None] = lambda message: None,
-    meanwhile: Callable[[], None] = lambda: None,
+    meanwhile: Callable[[ReportProgress], None] | None = None,
 ) -> Build:
     """Build parts, check them, and write them with `design.toml`, `casting.md` and `report.json`.
 
@@ -94,7 +95,8 @@ def build(
     progress
         Called with a message at each step.
     meanwhile
-        Called once before anything is written, while the B-rep kernel works. An error that it raises ends the build.
+        Called once before anything is written, while the B-rep kernel works, with a function that takes its progress.
+        An error that it raises ends the build.
 
     Raises
     ------
@@ -117,7 +119,8 @@ def build(
     file_formats = select_names("--formats", default_formats(progress) if formats is None else formats, FORMATS)
     if "step" in file_formats:
         extras.require("--formats", "cadquery", subject="step", alternative="leave step out with --formats stl,3mf")
-    if design.dimensions.insert and "skin" in names:
+    presses = design.dimensions.insert is not None and "skin" in names
+    if presses:
         extras.require("sensor.insert", "scipy", alternative="set sensor.insert=none")
     validate_tolerance(tolerance_mm)
     design, evaluator = design.with_silicone(material), MeshEvaluator(tolerance_mm)
@@ -128,20 +131,25 @@ def build(
     picture_writer = STEPS.writer(design, folder / STEPS_FOLDER, force, folder)
     picture_writer.check(())
 
+    stages = {
+        "parts": 2.0, "pad by finite elements": 30.0 * presses, "rest": 3.0 * (meanwhile is not None),
+        "pictures": 1.0 * pictures, "STEP files": 4.0 * ("step" in file_formats),
+    }  # fmt: skip
+    work = Work("", stages, progress)
+
     with contextlib.ExitStack() as stack:
         # The B-rep kernel works in a process of its own while this process makes and checks the meshes.
         process = None
         if "step" in file_formats:
-            progress("starting the B-rep kernel in a second process")
             solids = tuple((name, PARTS[name].solid(design), PARTS[name].colour) for name in names)
             bought = tuple((item.name, item.solid, item.colour) for item in hardware(design, names))
             tools = tuple(name for name in names if PARTS[name].is_tool)
             job = StepJob(design.name, solids, brep_balance_solids(design, names), bought, tools)
             process = stack.enter_context(StepProcess(job))
-        if design.dimensions.insert and "skin" in names:
-            progress("pressing the pad with its insert by finite elements: some half a minute, once for each form")
+        if presses:
+            work.begin("pad by finite elements")
             survey_pad(design)
-        verified = verify(design, names, file_formats, evaluator, progress)
+        verified = verify(design, names, file_formats, evaluator, work.within("parts"))
         meshes, checks, strength = verified.meshes, list(verified.checks), verified.strength
         all_built = names == [*known]
         casting = None
@@ -150,12 +158,14 @@ def build(
             warnings = list_warnings(told, with_advice=True)
             volumes = measure_volumes(design, evaluator)
             casting = casting_sheet_data(design, volumes, design.silicone.material, None, warnings)
-        steps_drawn = _draw_steps(design, casting, progress) if pictures and casting else {}
-        meanwhile()
+        drawing = stack.enter_context(in_background(_draw_steps, design, casting)) if pictures and casting else dict
+        if meanwhile:
+            meanwhile(work.within("rest"))
+        work.begin("pictures")
+        steps_drawn = drawing()
         step = StepFiles({}, {}, {})
         if process:
-            work = Work("", {"waiting for the B-rep kernel": 1.0}, progress)
-            work.begin("waiting for the B-rep kernel")
+            work.begin("STEP files")
             step = process.result(advance=work.advance)
             for name, measured in step.measurements.items():
                 scale = print_scale(design, PARTS[name])
@@ -174,9 +184,8 @@ def build(
     print_writer.check(prints.contents)
     picture_writer.check(steps_drawn)
     removed = writer.write(contents)
-    progress(f"{len(contents)} files in {folder}")
-    removed += _replace_subset(print_writer, prints.contents, ".3mf" if prints.plates else None, progress)
-    removed += _replace_subset(picture_writer, steps_drawn, ".png", progress)
+    removed += _replace_subset(print_writer, prints.contents, ".3mf" if prints.plates else None)
+    removed += _replace_subset(picture_writer, steps_drawn, ".png")
     if removed:
         progress(f"removed files of another design from {folder}: {', '.join(removed)}")
     return replace(result, removed=removed)
@@ -188,24 +197,21 @@ def parts_writer(design: Design, folder: Path, force: bool = False) -> SetWriter
     return PART_FILES.writer(design, folder, force, adopted=adopted)
 
 
-def _replace_subset(
-    writer: SetWriter, contents: Mapping[str, bytes], obsolete: str | None, progress: Callable[[str], None]
-) -> tuple[str, ...]:
+def _replace_subset(writer: SetWriter, contents: Mapping[str, bytes], obsolete: str | None) -> tuple[str, ...]:
     """Write a set below the parts, without older files ending with `obsolete`; return what was removed."""
     old = read_manifest(writer.folder, writer.top)
     if not contents and (old is None or old.parameters == writer.parameters):
         return ()
     unwanted = [name for name in old.files if name.endswith(obsolete)] if old and obsolete else []
     removed = writer.write(contents, unwanted)
-    progress(f"{len(contents)} files in {writer.folder}")
     return tuple(f"{writer.folder.name}/{name}" for name in removed)
 
 
-def _draw_steps(design: Design, casting: dict[str, Any], progress: Callable[[str], None]) -> dict[str, bytes]:
+def _draw_steps(design: Design, casting: dict[str, Any]) -> dict[str, bytes]:
     from fingertip.documents.casting.sheet import steps  # noqa: PLC0415
     from fingertip.pictures.steps.pictures import draw_steps  # noqa: PLC0415
 
-    return draw_steps(design, casting, [step.picture for step in steps(casting)], progress)
+    return draw_steps(design, casting, [step.picture for step in steps(casting)])
 
 
 def _file_names(parts: Iterable[str], formats: Iterable[str], is_whole: bool) -> list[str]:
@@ -241,8 +247,7 @@ def default_formats(progress: Callable[[str], None] = lambda message: None) -> t
     """Return the formats of a build that names none: all of them, but STEP only where cadquery is installed."""
     if extras.is_installed("cadquery"):
         return FORMATS
-    addition = f"{extras.install_command('cadquery')} adds STEP files and checks against exact solids"
-    progress(f"building STL and 3MF; {addition}")
+    extras.say_left_out({"cadquery": "STEP files and checks against exact solids"}, progress)
     return tuple(name for name in FORMATS if name != "step")
 
 

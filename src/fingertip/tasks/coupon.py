@@ -24,6 +24,7 @@ from fingertip.documents.coupon import render_instructions
 from fingertip.foundation import extras
 from fingertip.foundation.errors import DesignError, Issue
 from fingertip.foundation.files import round_for_output
+from fingertip.foundation.progress import Work
 from fingertip.pictures.coupon_plan import draw_plan
 from fingertip.tasks.build import select_names
 
@@ -101,23 +102,27 @@ def make_coupon(
             parts = tuple((name, solid, COUPON_PARTS[name].colour) for name, solid in solids.items())
             process = stack.enter_context(StepProcess(StepJob(f"{design.name}_coupon", parts)))
         meshes = {}
+        work = Work("", dict.fromkeys((*solids, "STEP files", "plan view"), 1.0), progress)
         for name, solid in solids.items():
+            work.begin(name)
             meshes[name] = evaluator.mesh(scaled(solid, print_scale(design, COUPON_PARTS[name])))
-            progress(f"{name}: {len(meshes[name].triangles)} triangles, {meshes[name].volume() / 1000:.2f} cm3")
             checks.append(Check(f"{name}.build_volume_excess", _bed_excess(design, meshes[name]), 0.0, "mm"))
             for file_format in (each for each in formats if each in MESH_FORMATS):
                 data = MESH_FORMATS[file_format].to_bytes(meshes[name], name)
                 contents[f"{name}.{file_format}"] = data
                 read = MESH_FORMATS[file_format].from_bytes(data)
                 checks += check_mesh_file(design, COUPON_PARTS[name], read, file_format)
-        step = process.result() if process else StepFiles({}, {}, {})
+        step = StepFiles({}, {}, {})
+        if process:
+            work.begin("STEP files")
+            step = process.result(advance=work.advance)
     for name, measured in step.measurements.items():
         part = COUPON_PARTS[name]
         checks += check_brep_solid(design, part, meshes[name], measured, print_scale(design, part), tolerance_mm)
         contents[f"{name}.step"] = step.contents[f"{name}.step"]
     contents[COUPON_READINGS] = write_template(design).encode()
     contents[COUPON_SHEET] = render_instructions(design, COUPON_READINGS).encode()
-    progress("drawing the plan view")
+    work.begin("plan view")
     contents[PLAN] = draw_plan(design, meshes)
     return Coupon(design, folder, meshes, contents, tuple(checks))
 

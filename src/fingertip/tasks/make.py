@@ -2,14 +2,14 @@
 
 The parts stand at the top of the folder, as `build` writes them, with pictures of the casting steps in `steps/`, and
 the drawings and the acceptance sheet beside them. The board is in `board/`, the trial in `signal/`. Each is a set of
-its own. While the B-rep kernel works on the STEP files in a second process, this process makes the others. The page
+its own. STEP files, trial and pictures are made in processes beside, while this process makes the others. The page
 that shows them all is made last, from what was written.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -31,14 +31,15 @@ from fingertip.design import Design
 from fingertip.documents.acceptance import acceptance_data, render_acceptance
 from fingertip.foundation import extras
 from fingertip.foundation.files import TemporaryFolder
-from fingertip.pictures.drawing.draw import PDF, draw_files, file_names
+from fingertip.foundation.processes import in_background
+from fingertip.foundation.progress import ReportProgress, Work
+from fingertip.pictures.drawing.draw import draw_files, file_names
 from fingertip.sim.trace_file import encode_trace
-from fingertip.tasks.board import BRING_UP_FILES, BoardPlan, plan_board
+from fingertip.tasks.board import BRING_UP_FILES, plan_board
 from fingertip.tasks.build import build, default_formats, parts_writer
 
 if TYPE_CHECKING:
     from fingertip.detection.files import FileDetection
-    from fingertip.foundation.output_set import SetWriter
 
 
 DETECTOR = "fast"
@@ -92,73 +93,66 @@ def make(
     folder = PART_FILES.folder(design) if out is None else Path(out)
     board_folder, signal = folder / BOARD_FOLDER, SIGNAL.writer(design, folder / SIGNAL_FOLDER, force, folder)
     sheets = parts_writer(design, folder, force)
-    formats = None if formats is None else tuple(formats)
-    draws = "step" in (default_formats() if formats is None else formats) and _can_draw(progress)
+    named = None if formats is None else tuple(formats)
+    formats = default_formats() if named is None else named
+    draws = "step" in formats and extras.is_installed("reportlab")
     sheets.check((ACCEPTANCE, PAGE, *(file_names(design) if draws else ())))
     BOARD.writer(design, board_folder, force, folder).check(BRING_UP_FILES)
-    plan_board(design, board_folder, force=force, top=folder)
     signal.check((TRACE, PLOT, DETECTION))
-    boards: list[BoardPlan] = []
-    others: list[tuple[SetWriter, Mapping[str, bytes]]] = []
-    drawings: dict[str, bytes] = {}
-    found: list[FileDetection] = []
+    work = Work(design.name, {"parts": 6.0, "page": 2.0}, progress)
+    rest: list[tuple[dict[str, bytes], FileDetection, dict[str, bytes]]] = []
 
-    def make_the_others() -> None:
-        progress("making the board")
-        boards.append(plan_board(design, board_folder, force=force, bring_up=True, top=folder))
-        signal_set, detection = simulate_and_detect(design, progress)
-        page = render_acceptance(acceptance_data(design, detection.detection))
-        drawings.update(draw_files(design, progress) if draws else {})
-        others.extend(((signal, signal_set), (sheets, {ACCEPTANCE: page.encode(), **drawings})))
-        found.append(detection)
+    def make_the_rest(report: ReportProgress) -> None:
+        stages = Work("", {"trial": 2.0} | ({"drawings": 12.0} if draws else {}), report)
+        stages.begin("trial")
+        signal_files, found = trial()
+        drawings = draw_files(design, stages.within("drawings")) if draws else {}
+        sheet = render_acceptance(acceptance_data(design, found.detection)).encode()
+        rest.append((signal_files, found, {ACCEPTANCE: sheet, **drawings}))
 
-    parts = build(
-        design, folder, formats=formats, pictures=True, force=force, progress=progress, meanwhile=make_the_others
-    )
-    (board,) = boards
+    report = work.within("parts")
+    with in_background(simulate_and_detect, design) as trial:
+        board = plan_board(design, board_folder, force=force, bring_up=True, top=folder)
+        parts = build(
+            design, folder, formats=formats, pictures=True, force=force, progress=report, meanwhile=make_the_rest
+        )
+    ((signal_files, found, sheet_files),) = rest
     board_paths = board.write(progress)
-    progress(f"{len(board_paths)} files in {board_folder}")
-    for writer, contents in others:
-        writer.write(contents)
-        progress(f"{len(contents)} files in {writer.folder}")
-    signal_paths, _ = (tuple(writer.folder / name for name in contents) for writer, contents in others)
-    drawn = tuple(parts.folder / name for name in drawings)
-    return Made(parts, drawn, board_paths, signal_paths, found[0], _make_page(design, parts, force, progress))
+    signal.write(signal_files)
+    sheets.write(sheet_files)
+    signal_paths = tuple(signal.folder / name for name in signal_files)
+    drawn = tuple(parts.folder / name for name in sheet_files if name != ACCEPTANCE)
+    page = None
+    if "stl" in formats:
+        from fingertip.tasks.page import write_page  # noqa: PLC0415
 
-
-def _can_draw(progress: Callable[[str], None]) -> bool:
-    if extras.is_installed("reportlab"):
-        return True
-    progress(f"{PDF} is left out: it needs {extras.describe_missing('reportlab')}")
-    return False
-
-
-def _make_page(design: Design, parts: Build, force: bool, progress: Callable[[str], None]) -> Path | None:
-    if not all("stl" in part.files for part in parts.parts):
+        work.begin("page")
+        page, _, _ = write_page(design, parts.folder, force=force)
+    else:
         progress(f"{PAGE} is left out: it shows the STL files; add stl to the formats")
-        return None
-    from fingertip.tasks.page import write_page  # noqa: PLC0415
-
-    progress("making the page")
-    path, _, _ = write_page(design, parts.folder, force=force)
-    return path
+    wanted = {"cadquery": "STEP files", "reportlab": "drawings"} if named is None or "step" in named else {}
+    extras.say_left_out({**wanted, "matplotlib": PLOT}, progress)
+    return Made(parts, drawn, board_paths, signal_paths, found, page)
 
 
-def simulate_and_detect(design: Design, progress: Callable[[str], None]) -> tuple[dict[str, bytes], FileDetection]:
+def simulate_and_detect(
+    design: Design, progress: ReportProgress = lambda message: None
+) -> tuple[dict[str, bytes], FileDetection]:
     """Simulate a trial, and detect slip in its trace as it is read back from a file."""
     from fingertip.detection.files import detect_file  # noqa: PLC0415
     from fingertip.sim import SceneFile, load_simulation, run_scene  # noqa: PLC0415
     from fingertip.slip.detectors.registry import find_second_column  # noqa: PLC0415
     from fingertip.slip.report import as_data  # noqa: PLC0415
 
-    progress("simulating a trial")
+    work = Work("", {"simulated trial": 3.0, "detection of slip in it": 2.0}, progress)
+    work.begin("simulated trial")
     scene = load_simulation().scene
     assert isinstance(scene, SceneFile)
     if second := find_second_column(design, DETECTOR):
         scene = scene.model_copy(update={"outputs": [*scene.outputs, f"sampled_{second}"]})
     result = run_scene(design, scene)
     contents = {TRACE: encode_trace(result.time_s, result.columns, Path(TRACE))}
-    progress("detecting slip in it")
+    work.begin("detection of slip in it")
     with TemporaryFolder() as temporary:
         path = temporary / TRACE
         path.write_bytes(contents[TRACE])
@@ -169,6 +163,4 @@ def simulate_and_detect(design: Design, progress: Callable[[str], None]) -> tupl
         from fingertip.slip.report import draw  # noqa: PLC0415
 
         contents[PLOT] = draw(found.trace, found.detection, f"{design.name}: simulated trial")
-    else:
-        progress(f"{PLOT} is left out: it needs {extras.describe_missing('matplotlib')}")
     return contents, found

@@ -56,9 +56,10 @@ from fingertip.documents.finger_set.sheets import (
 )
 from fingertip.foundation.errors import DesignError, Issue, OutputError
 from fingertip.foundation.input_files import find_link
+from fingertip.foundation.progress import Work
 from fingertip.page.set_page import render_set_page
 from fingertip.tasks.board import BRING_UP_FILES, plan_board
-from fingertip.tasks.build import default_formats, parts_writer
+from fingertip.tasks.build import parts_writer
 from fingertip.tasks.make import Made, make
 
 _FILES = (SET_REPORT, OVERVIEW, CASTING_PLAN, PARTS_LIST, PARTS_CSV, BOARD_DESIGN, ACCEPTANCE, PAGE)
@@ -109,7 +110,7 @@ def make_set(
         been written then, but for forms whose own files were complete.
     """
     folder = SET_FILES.folder(fingers) if out is None else Path(out)
-    formats = default_formats(progress) if formats is None else tuple(formats)
+    formats = None if formats is None else tuple(formats)
     writer, print_writer = (
         SET_FILES.writer(fingers, folder, force),
         SET_PRINTS.writer(fingers, folder / PRINT_FOLDER, force, folder),
@@ -129,23 +130,22 @@ def make_set(
     board_design = _find_board(fingers)
     if board_design:
         BOARD.writer(board_design, folder / BOARD_FOLDER, force, folder).check(BRING_UP_FILES)
-    progress(f"{fingers.name}: looking at {len(fingers.forms)} forms of {len(fingers.fingers)} fingers")
+    labels = [f"{form.design.name} ({number} of {len(fingers.forms)})" for number, form in enumerate(fingers.forms, 1)]
+    work = Work(fingers.name, {"forms": 1.0, **dict.fromkeys(labels, 15.0), "set": 2.0}, progress)
+    work.begin("forms")
     _refuse_early(fingers)
 
     forms: list[Made] = []
-    for number, form in enumerate(fingers.forms, 1):
-        label = f"{form.design.name} ({number} of {len(fingers.forms)})"
-
-        def tell(message: str, label: str = label) -> None:
-            progress(f"{label}: {message}")
-
-        forms.append(make(form.design, places[form.design.name], formats=formats, force=force, progress=tell))
-    prints = _arrange_prints(fingers, forms) if "3mf" in formats else PrintFiles({}, {})
+    for label, form in zip(labels, fingers.forms, strict=True):
+        report = work.within(label)
+        forms.append(make(form.design, places[form.design.name], formats=formats, force=force, progress=report))
+    work.begin("set")
+    is_printed = formats is None or "3mf" in formats
+    prints = _arrange_prints(fingers, forms) if is_printed else PrintFiles({}, {})
     sheets = [_collect(form, made) for form, made in zip(fingers.forms, forms, strict=True)]
     plan = plan_castings([Mold.of_sheet(each.form.design, each.form.fingers, each.casting) for each in sheets])
     board: tuple[Path, ...] = ()
     if board_design:
-        progress("making the board of all fingers")
         planned = plan_board(board_design, folder / BOARD_FOLDER, force=force, bring_up=True, top=folder)
         board = planned.write(progress)
     shared = SharedBoard(BOARD_FOLDER, BOARD_DESIGN, list_sockets(), list_tactile_pins()) if board_design else None
@@ -155,7 +155,6 @@ def make_set(
         contents[BOARD_DESIGN] = to_toml(board_design, "Design of the board for all fingers.").encode()
     print_writer.write(prints.contents)
     writer.write(contents)
-    progress(f"{len(contents)} files in {folder}")
     return MadeSet(folder, tuple(forms), board, data)
 
 

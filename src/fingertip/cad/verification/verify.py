@@ -25,6 +25,7 @@ from fingertip.cad.verification.walls import check_walls
 from fingertip.design import Design
 from fingertip.design.geometry.solids import scaled
 from fingertip.foundation.errors import DesignError, Issue
+from fingertip.foundation.progress import Work
 
 MESH_FORMATS = {"stl": stl, "3mf": threemf}
 MIN_TOLERANCE_MM, MAX_TOLERANCE_MM = 0.0005, 1.0
@@ -51,10 +52,10 @@ def verify(
     """Make the mesh files of the parts, read them back, and check parts and assembly. Raises GeometryError."""
     mesh_formats = [file_format for file_format in formats if file_format in MESH_FORMATS]
     solids = {name: PARTS[name].solid(design) for name in parts}
-    meshes = {}
+    meshes, work = {}, Work("", {**{f"mesh of {name}": 1.0 for name in solids}, "checks": 2.0 * len(solids)}, progress)
     for name, solid in solids.items():
+        work.begin(f"mesh of {name}")
         meshes[name] = evaluator.mesh(scaled(solid, print_scale(design, PARTS[name])))
-        progress(f"{name}: {len(meshes[name].triangles)} triangles, {meshes[name].volume() / 1000:.2f} cm3")
     # Part files and plates hold the same mesh, so its text is made once.
     encoded = {name: threemf.encode_mesh(mesh) for name, mesh in meshes.items()} if "3mf" in mesh_formats else {}
     contents = {}
@@ -65,6 +66,7 @@ def verify(
         if name in encoded:
             contents[f"{name}.3mf"] = threemf.write_items(name, [threemf.Item(name, encoded[name], note)])
     prints = make_print_files(design, meshes, encoded, "stl" in mesh_formats)
+    work.begin("checks")
     checks: list[Check] = []
     for file, data in contents.items():
         name, file_format = file.rsplit(".", 1)

@@ -283,14 +283,13 @@ def run_campaign(
     plan: CampaignPlan,
     detectors: Sequence[str] = tuple(DETECTORS),
     scales: Sequence[float] = SCALES,
-    progress: Callable[[str], None] = lambda _: None,
     first_seed: int = HELD_OUT_FROM,
     advance: Callable[[float], None] = lambda _: None,
 ) -> CampaignResult:
     """Simulate every case once and evaluate every detector on it."""
     scales = sorted({1.0, *scales})
     factors = {name: sorted({*(LOW_SCALES if needs_board(name) else ()), *scales}) for name in detectors}
-    results = run_cases(design, list(generate_cases(plan, first_seed)), factors, advance, progress)
+    results = run_cases(design, list(generate_cases(plan, first_seed)), factors, advance)
     return CampaignResult(plan, first_seed, results)
 
 
@@ -299,11 +298,10 @@ def run_cases(
     cases: Sequence[Case],
     factors: Mapping[str, Sequence[float]],
     advance: Callable[[float], None] = lambda _: None,
-    progress: Callable[[str], None] | None = None,
 ) -> dict[str, tuple[DetectorResult, ...]]:
     """Simulate cases and evaluate each detector on them at some factors of its threshold."""
     trials: dict[str, list[list[TrialResult]]] = {name: [] for name in factors}
-    with compiled(progress):
+    with compiled():
         for i, case in enumerate(cases):
             advance(i / len(cases))
             trace, force_n = simulate_trace(design, case, tuple(factors))

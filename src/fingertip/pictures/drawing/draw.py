@@ -9,6 +9,7 @@ from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.design import Design
 from fingertip.design.geometry.sizes import Length, PartDrawing
 from fingertip.foundation import extras
+from fingertip.foundation.progress import Work
 from fingertip.pictures.drawing import mold_sizes, part_sizes
 from fingertip.pictures.drawing.layout import lay_out
 from fingertip.pictures.drawing.primitives import Sheet
@@ -78,11 +79,12 @@ def draw_sheets(design: Design, progress: Callable[[str], None] = lambda message
     drawings = part_drawings(design)
     # The engraved letters would hide the rest under some hundred edges. A note names them.
     plain = design.with_values({"mold.engraving_depth_mm": 0.0})
-    progress("projecting the parts in a second process")
+    work = Work("", {"projecting the parts": 20.0, **{f"drawing of {d.part}": 1.0 for d in drawings}}, progress)
+    work.begin("projecting the parts")
     views = project_parts(tuple((d.part, PARTS[d.part].solid(plain), d.views) for d in drawings))
     sheets = {}
     for number, drawing in enumerate(drawings, 1):
-        progress(f"laying out {drawing.part}")
+        work.begin(f"drawing of {drawing.part}")
         sheets[drawing.part] = lay_out(drawing, views[drawing.part], Heading(design.name, "", number, len(drawings)))
     return sheets
 

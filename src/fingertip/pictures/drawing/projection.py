@@ -2,24 +2,16 @@
 
 from __future__ import annotations
 
-import os
 import pickle
 import subprocess
-import sys
-from pathlib import Path
 
 from fingertip.design.geometry.sizes import ViewName
 from fingertip.design.geometry.solids import Solid
 from fingertip.foundation.errors import FingertipError, GeometryError, Issue
 from fingertip.foundation.files import TemporaryFolder
-from fingertip.foundation.processes import end_with_parent, python_command, python_environment
+from fingertip.foundation.processes import python_command, python_environment
 from fingertip.pictures.drawing.primitives import PROJECTIONS, ProjectedView
 
-# Program that projects parts: `python -m fingertip.pictures.drawing.projection FOLDER`, with a pickled job on stdin.
-
-
-ANSWER_FILE = "answer.pickle"
-"""File with the views of each part, or with a `FingertipError`."""
 Job = tuple[tuple[str, Solid, tuple[ViewName, ...]], ...]
 """Name, solid and views of each part."""
 PartViews = dict[str, dict[ViewName, ProjectedView]]
@@ -38,46 +30,28 @@ def run_job(job: Job) -> PartViews:
     return views
 
 
-def main() -> None:
-    """Run the job on stdin and write its result or its error."""
-    end_with_parent()
-    answer: PartViews | FingertipError
-    try:
-        answer = run_job(pickle.load(sys.stdin.buffer))
-    except FingertipError as error:
-        answer = error
-    (Path(sys.argv[1]) / ANSWER_FILE).write_bytes(pickle.dumps(answer))
-
-
-if __name__ == "__main__":
-    main()
-    os._exit(0)  # unloading the kernel's libraries would take a third of a second
-
-
 TIME_LIMIT_S = 180.0
 
 
 def project_parts(job: Job, time_limit_s: float = TIME_LIMIT_S) -> PartViews:
-    with TemporaryFolder() as folder:
+    with TemporaryFolder() as folder:  # ezdxf reads settings of the current folder
         try:
             done = subprocess.run(
-                python_command("fingertip.pictures.drawing.projection", str(folder)),
-                input=pickle.dumps(job),
-                stdout=subprocess.DEVNULL,  # Open CASCADE prints there
-                stderr=subprocess.PIPE,
+                python_command("fingertip.foundation.processes"),
+                input=pickle.dumps((None, None, run_job, (job,))),
+                capture_output=True,
                 timeout=time_limit_s,
-                cwd=folder,  # ezdxf reads settings of the current folder
+                cwd=folder,
                 env=python_environment(),
                 check=False,
             )
         except subprocess.TimeoutExpired:
             message = f"the B-rep kernel was still projecting after {time_limit_s:g} s; check the design with build."
             raise GeometryError(Issue("drawing", message)) from None
-        answer_file = folder / ANSWER_FILE
-        if not answer_file.exists():
-            last = done.stderr.decode(errors="replace").strip().splitlines()[-1:] or ["no message"]
-            raise GeometryError(Issue("drawing", f"the B-rep kernel crashed ({last[0]}); check the design with build."))
-        answer: PartViews | FingertipError = pickle.loads(answer_file.read_bytes())
-    if isinstance(answer, FingertipError):
-        raise answer
-    return answer
+    last = done.stderr.decode(errors="replace").strip().splitlines()[-1:] or ["no message"]
+    views, error = ({}, last[0]) if done.returncode else pickle.loads(done.stdout)
+    if isinstance(error, FingertipError):
+        raise error
+    if error is not None:
+        raise GeometryError(Issue("drawing", f"the B-rep kernel crashed ({error}); check the design with build."))
+    return views  # type: ignore[no-any-return]

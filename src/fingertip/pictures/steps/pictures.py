@@ -6,6 +6,7 @@ import inspect
 from collections.abc import Callable, Mapping, Sequence
 
 from fingertip.design import Design
+from fingertip.foundation.progress import Work
 from fingertip.pictures.steps import filling_scenes, mold_scenes, sensor_scenes
 from fingertip.pictures.steps.objects import Bench
 from fingertip.pictures.steps.scene import Data, Scene, draw_scene
@@ -23,7 +24,9 @@ def draw_steps(
     design: Design, data: Data, names: Sequence[str], progress: Callable[[str], None] = lambda message: None
 ) -> dict[str, bytes]:
     bench, pictures = Bench(design), {}
+    work = Work("", {"pictures of the steps": 1.0}, progress)
+    work.begin("pictures of the steps")
     for number, name in enumerate(names, 1):
-        progress(f"drawing step {number} of {len(names)}")
+        work.advance((number - 1) / len(names))
         pictures[f"{number:02}-{name}.png"] = draw_scene(SCENES[name](bench, data))
     return pictures

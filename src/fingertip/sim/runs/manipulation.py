@@ -32,7 +32,7 @@ from fingertip.sim.contact.materials import select_surface
 from fingertip.sim.runs.files import GraspedObject, Hand, ManipulationFile
 from fingertip.sim.runs.motion import Controller, MotionPlan, Observation, delay_commands, plan_motion, thumb_force_n
 from fingertip.sim.runs.stepper import HandSignals, ManipulationStepper
-from fingertip.sim.signal.grid import Grid, ShareDone, StageCost
+from fingertip.sim.signal.grid import Grid, StageCost, report_share
 from fingertip.slip.traces.trace import Trace
 from fingertip.slip.traces.truth import Interval, Origin, intervals
 
@@ -165,7 +165,7 @@ def run_manipulation(
     pad = Pad.from_design(design)
     raise_issues(_find_issues(design, scene, seed))
     plan = plan_motion(design, scene, pad, seed)
-    done = ShareDone(scene.name, plan.duration_s, progress)
+    done = report_share(scene.name, plan.duration_s, progress)
     outputs = frozenset(scene.outputs) | ({"voltage_v"} if controller else set())
     if controller and "envelope_v" in outputs:
         outputs |= {"sampled_envelope_v"}
@@ -179,14 +179,14 @@ def run_manipulation(
         # No controller needs intermediate values, so a chunk may be long.
         for start in range(0, count, CHUNK):
             stepper.advance(delay_commands(commands, start, min(start + CHUNK, count), period, delay))
-            done.report(start / rate_hz)
+            done(start / rate_hz)
     else:
         planned = commands.copy()
         for i, start in enumerate(starts):
             observation = _observe(stepper, start / rate_hz, planned[:, i])
             commands[:, i] = _validate_command(controller.step(observation), start / rate_hz, len(scene.fingers))
             stepper.advance(delay_commands(commands, start, min(start + period, count), period, delay))
-            done.report(start / rate_hz)
+            done(start / rate_hz)
     signals = HandSignals.join(stepper.chunks)
     beyond = np.flatnonzero(signals.object_m >= scene.object.length_m)
     lost_s = float(signals.time_s[beyond[0]]) if stepper.is_lost and len(beyond) else None

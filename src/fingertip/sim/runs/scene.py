@@ -51,7 +51,7 @@ from fingertip.sim.signal.finger import (
     FingerSignals,
     needs_contact,
 )
-from fingertip.sim.signal.grid import CostMeter, Grid, ShareDone, StageCost, count_samples
+from fingertip.sim.signal.grid import CostMeter, Grid, StageCost, count_samples, report_share
 from fingertip.slip.traces.trace import Trace
 from fingertip.slip.traces.truth import Interval, Origin, SlipCollector
 
@@ -325,9 +325,9 @@ def stream_scene(
     """
     run, slips = SceneRun(design, scene, seed, grid), SlipCollector()
     slipping = airborne = 0
-    done = ShareDone(scene.name, run.timeline.duration_s, progress)
+    done = report_share(scene.name, run.timeline.duration_s, progress)
     chunks = run.chunks()
-    with jit.compiled(progress) if run.predict_plain_s() > COMPILE_FROM_S else contextlib.nullcontext():
+    with jit.compiled() if run.predict_plain_s() > COMPILE_FROM_S else contextlib.nullcontext():
         for chunk in chunks:
             if chunk.slip is not None:
                 slips.add(chunk.time_s, chunk.slip)
@@ -335,7 +335,7 @@ def stream_scene(
                     slipping += int(np.count_nonzero(chunk.slip))
                     airborne += int(np.count_nonzero(chunk.force_n[chunk.slip] <= 0.0))
             take(chunk)
-            done.report(float(chunk.time_s[-1]) if len(chunk.time_s) else 0.0)
+            done(float(chunk.time_s[-1]) if len(chunk.time_s) else 0.0)
     rate, slide = design.detector.sample_rate_hz, run.timeline.slide
     motion_s = slide.start_s if slide else None
     share = float(run.pad.sensed_n(np.array([run.force_n]))[0]) / run.force_n

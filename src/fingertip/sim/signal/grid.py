@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.foundation.numerics import Array
-from fingertip.foundation.progress import ReportProgress, ShareText, describe_share
+from fingertip.foundation.progress import ReportProgress, Work
 
 BASE_HZ = 10_000.0
 """Points per second: forces within 0.1 mN, envelopes within 1 mV of vanishing steps, mostly (docs/accuracy.md)."""
@@ -179,25 +179,11 @@ class CostMeter:
 
 LONG_S = 15.0
 """Duration above which a simulation reports its progress [s]."""
-_EVERY_S = 1.0
-"""Time between two reports [s]."""
 
 
-class ShareDone:
-    """Reports the share of a simulation that is done, and the time left."""
-
-    def __init__(self, name: str, duration_s: float, progress: ReportProgress | None) -> None:
-        self._duration_s = duration_s
-        self._progress = progress if duration_s > LONG_S else None
-        self._begun = self._reported = time.monotonic()
-        if self._progress:
-            self._progress(f"{name}, {duration_s:.1f} s:")
-
-    def report(self, simulated_s: float) -> None:
-        """Report that so much has been simulated, if the last report is some time ago."""
-        now = time.monotonic()
-        if not self._progress or now - self._reported < _EVERY_S:
-            return
-        self._reported = now
-        share = simulated_s / self._duration_s
-        self._progress(ShareText(describe_share("simulating", share, now - self._begun), share))
+def report_share(name: str, duration_s: float, progress: ReportProgress | None) -> Callable[[float], None]:
+    """Return what takes the time that has been simulated [s] and reports the share that is done, if it takes long."""
+    label = f"simulating {duration_s:.1f} s of {name}"
+    work = Work("", {label: 1.0}, progress if duration_s > LONG_S else None)
+    work.begin(label)
+    return lambda simulated_s: work.advance(simulated_s / duration_s)

@@ -14,6 +14,7 @@ from typing import Any
 from fingertip.foundation import extras
 from fingertip.foundation.files import open_atomic
 from fingertip.foundation.output_set import SetWriter, hash_parameters
+from fingertip.foundation.progress import Work
 from fingertip.sweep.database import SweepDatabase, SweepRow
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.report.plots import select_plots
@@ -41,7 +42,8 @@ def write_report(
 
     Raises OutputError or SweepError.
     """
-    progress("reading the rows")
+    work = Work("", {"reading the rows": 1.0, "drawing": 2.0}, progress)
+    work.begin("reading the rows")
     if plan is not None:
         database.check_same_sweep(plan)
     summary = summarise(plan or database.plan, database.table())
@@ -52,7 +54,7 @@ def write_report(
     if len(summary.table.point):
         plots = dict(select_plots(summary))
         if extras.is_installed("matplotlib"):
-            progress("drawing")
+            work.begin("drawing")
             files |= {name: draw() for name, draw in plots.items()}
         elif plots:
             progress(f"left out {', '.join(plots)}: plots need {extras.describe_missing('matplotlib')}")
@@ -62,8 +64,7 @@ def write_report(
     # The database in the folder is open, so the folder must stay where it is.
     parameters = hash_parameters(summary.plan.to_toml())
     SetWriter(folder, "sweep report", summary.plan.file.name, parameters, force=True, in_place=True).write(files)
-    progress(f"wrote {', '.join(names)} to {folder}")
-    return data | {"text": format_text(summary)}
+    return data | {"text": f"{format_text(summary)}\n\nwrote {', '.join(names)} to {folder}"}
 
 
 def _format_front(summary: SweepSummary) -> bytes:

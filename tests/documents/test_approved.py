@@ -15,6 +15,8 @@ from typing import Any
 
 import pytest
 
+from fingertip.cad.printing.print_files import parts_on_plates
+from fingertip.cad.printing.settings import PLATE_KINDS
 from fingertip.cad.printing.slicer import PrintEstimate
 from fingertip.casting.quantities import SiliconeVolumes
 from fingertip.catalogues.output_files import COUPON_READINGS
@@ -26,6 +28,7 @@ from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet, 
 from fingertip.documents.coupon import render_instructions
 from fingertip.documents.firmware import render_readme
 from fingertip.documents.robot import describe_model, render_robot_readme, render_set_readme
+from fingertip.documents.start import render_basis_table, render_start
 from fingertip.firmware.fingers import plan_fingers
 from fingertip.robot.model import build_finger
 from tests.approved import check_text
@@ -33,7 +36,7 @@ from tests.conftest import ROOT, design_file
 
 APPROVED = Path(__file__).parent / "approved"
 TEMPLATES = ROOT / "src/fingertip/documents"
-DOCUMENTS = ("casting", "acceptance", "coupon", "firmware", "robot")
+DOCUMENTS = ("casting", "acceptance", "coupon", "firmware", "robot", "start", "basis")
 ROBOTS = {"adult_finger": "urdf", "fsr400": "mjcf"}
 """Design whose model is built -> format."""
 
@@ -95,6 +98,26 @@ DESIGNS: dict[str, tuple[str, str, Silicone, dict[str, Any]]] = {
 }  # fmt: skip
 
 
+FILES = ("README.md", "bringup.md", "wiring.svg")
+
+
+def describe_build(
+    design: Design, data: dict[str, Any], is_whole: bool
+) -> tuple[dict[str, Any], list[float], set[str]]:
+    """Report, size and files of a build; those that are not whole have neither board nor resin plate."""
+    warning = "the bone is expected to break at 39 N, below strength.shock_force_n = 60 N, at the collar."
+    checks = [
+        {"name": "bone.safety_factor.shock", "passed": True, "warning": warning},
+        {"name": "pad.turn_on_force", "passed": True, "warning": "the sensor turns on at 3 N; an insert helps."},
+        {"name": "mold.wall", "passed": True},
+    ]
+    parts = {name: {"volume_mm3": 1234.5} for name in ("bone", "skin", "mold_palmar", "mold_dorsal")}
+    plates = {f"print/plate_{kind.name}.3mf": {"parts": list(parts_on_plates(design, kind))} for kind in PLATE_KINDS}
+    files = {f"board/{name}" for name in FILES} | {"acceptance.md", *plates} if is_whole else {"print/plate_fdm.3mf"}
+    files = files if design.name != "fsr400" or is_whole else set()
+    return {"checks": checks, "parts": parts, "print": plates, "casting": data}, [18.0, 16.4, 61.8], files
+
+
 @functools.cache
 def render_documents(name: str) -> dict[str, str]:
     """Render the documents of a design."""
@@ -110,6 +133,8 @@ def render_documents(name: str) -> dict[str, str]:
     if name in ROBOTS:
         robot["robot"] = render_robot_readme(describe_model(build_finger(design), ROBOTS[name]), [design.name])
     return robot | {
+        "start": render_start(design, *describe_build(design, data, bool(pictures)), len(steps(data)), "✓ All passed"),
+        "basis": render_basis_table(design),
         "casting": render_sheet(data, pictures),
         "acceptance": render_acceptance(acceptance_data(design, detection)),
         "coupon": render_instructions(design, COUPON_READINGS),

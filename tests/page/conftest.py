@@ -82,6 +82,15 @@ def make_check(name: str, value: float, limit: float, relation: str = "at most",
     return {"name": name, "value": value, "limit": limit, "unit": "mm", "relation": relation, "passed": True, **more}
 
 
+CASTING: dict[str, Any] = {
+    "sensor": "FSR 400", "silicone": {"label": "addition-cure silicone"}, "bill": [{"item": "stranded wire"}],
+    "batch": {"buy_g": 33, "mixtures": 3, "in_mold_g": 2.9}, "filling": {"syringe": {"volume_ml": 5.0}},
+    "supplies": [{"item": "solder"}],
+    "plan": [{"day": 1, "work": "print", "wait": "cure: 24 h"}, {"day": 2, "work": "test", "wait": ""}],
+}  # fmt: skip
+"""Data of the casting sheet, as far as a page reads it."""
+
+
 def make_report(**strength: Any) -> dict[str, Any]:
     checks = [
         make_check("bone.safety_factor.grip", 1.25, 1.0, "at least", unit=""),
@@ -90,8 +99,14 @@ def make_report(**strength: Any) -> dict[str, Any]:
         make_check("skin.min_thickness_misaligned", 2.0, 1.9, "at least"),
         *(make_check(f"bone.wall.pin_{i}", 0.1 * i, 2.0 + i) for i in range(8)),
     ]
-    return {"checks": checks, "strength": {"material": "surgical_guide", "grip_safety_factor": 3.456,
-            "shock_safety_factor": 2.0, "weakest": {"place": "cross-section", "z_mm": -12.34}, **strength}}  # fmt: skip
+    parts = {name: {"volume_mm3": 1000.0 * (i + 1)} for i, name in enumerate(("bone", "skin", "mold_palmar"))}
+    plates = {"sla": ["bone", "mold_palmar"], "fdm": ["mold_palmar"], "lost": ["bone"]}
+    printed = {f"print/plate_{kind}.3mf": {"parts": names} for kind, names in plates.items()}
+    found = {
+        "material": "surgical_guide", "grip_safety_factor": 3.456, "shock_safety_factor": 2.0,
+        "weakest": {"place": "cross-section", "z_mm": -12.34}, **strength,
+    }  # fmt: skip
+    return {"checks": checks, "parts": parts, "print": printed, "casting": CASTING, "strength": found}
 
 
 def make_sources(
@@ -119,7 +134,9 @@ def make_sources(
         "signal/detection.json": b'{"detector": "digital", "motion_s": 0.485}',
     }  # fmt: skip
     kept = {key: data for key, data in {**files, **(replaced or {})}.items() if data is not None}
-    return Sources(design, make_report(), kept, remarks or {})
+    return Sources(
+        design, make_report(), kept, remarks or {}, frozenset({"print/plate_sla.3mf", "print/plate_fdm.3mf"})
+    )
 
 
 @pytest.fixture(scope="session")
@@ -131,7 +148,7 @@ def design() -> Design:
 def folder(design: Design, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Everything of a design, with a drawing in place of the one that takes a minute."""
     place = tmp_path_factory.mktemp("page") / "finger"
-    made = make(design, place, formats=["stl"])
+    made = make(design, place, formats=["stl", "3mf"])
     assert made.page == place / PAGE
     parts_writer(design, place).add({"drawing_bone.svg": DRAWING})
     write_page(design, place)

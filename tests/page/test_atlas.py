@@ -13,7 +13,8 @@ import pytest
 from fingertip import Design
 from fingertip.design.files import list_parameters
 from fingertip.design.parameters import PARAMETERS
-from fingertip.page.atlas import (
+from fingertip.page.atlas import render_atlas
+from fingertip.pictures.parameter_changes import (
     _FARTHER,
     _NEARER,
     _RING,
@@ -23,7 +24,6 @@ from fingertip.page.atlas import (
     draw_parameter,
     find_depth_changes,
     find_ring,
-    render_atlas,
 )
 from tests.approved import check_figures
 from tests.figures import sum_up

@@ -7,6 +7,7 @@ import json
 import re
 import shutil
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +18,21 @@ from fingertip import Design
 from fingertip.cad.files import stl
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.catalogues.output_files import PAGE
-from fingertip.page.atlas import draw_parameter, render_atlas
+from fingertip.documents.finger_set.sheets import (
+    render_casting_plan,
+    render_overview,
+    render_parts_list,
+    render_set_acceptance,
+)
+from fingertip.documents.start import render_set_start
+from fingertip.page.atlas import render_atlas
+from fingertip.page.set_page import render_set_page
+from fingertip.pictures.parameter_changes import draw_parameter
+from fingertip.pictures.steps.pictures import draw_finger
 from tests.browser import HOW, click, drawn_ms, find_barriers, open_browser, picture, wait
 from tests.conftest import ROOT, some_of
+from tests.page.conftest import Page
+from tests.sets.test_sets import BOARD, FINGER, NAMES, THUMB, collect_data, make_sheets
 from tests.tools import require_tool
 
 
@@ -126,6 +139,7 @@ def test_parts_are_hidden_and_shown(opened: Any) -> None:
 
 @pytest.mark.full
 def test_a_parameter_highlights_its_parts(opened: Any) -> None:
+    click(opened, "[data-preset=opened]")
     before = picture(opened)
     button = opened.find_element("id", "p-mold.nut_depth_mm")
     opened.execute_script("arguments[0].closest('details').open = true", button)
@@ -142,6 +156,8 @@ def test_a_parameter_highlights_its_parts(opened: Any) -> None:
 def test_a_line_of_the_parts_list_highlights_its_parts_and_the_reverse(opened: Any) -> None:
     """Every picture of the board shows them: front, back and copper. Keys do what the pointer does."""
     from selenium.webdriver.common.keys import Keys
+
+    click(opened, "#tab-board")
 
     def picked() -> list[str]:
         script = "return [...document.querySelectorAll('[data-part].picked')].map((part) => part.dataset.part)"
@@ -172,6 +188,7 @@ def test_a_line_of_the_parts_list_highlights_its_parts_and_the_reverse(opened: A
 
 @pytest.mark.full
 def test_placed_parts_are_counted(opened: Any) -> None:
+    click(opened, "#tab-board")
     box = opened.find_element("css selector", "#bom tr[data-parts^='C1 C2 C3'] input")
     assert opened.find_element("id", "bom-placed").text.startswith("0 of ")
     opened.execute_script("arguments[0].click()", box)
@@ -227,7 +244,7 @@ def test_prints_with_everything_unfolded(opened: Any) -> None:
     assert opened.execute_script(folded) == before > 10
     opened.execute_script("for (const d of document.querySelectorAll('details')) d.remove()")
     short = base64.b64decode(opened.print_page())
-    assert 60 > count_sheets(data) > count_sheets(short) + 10
+    assert 75 > count_sheets(data) > count_sheets(short) + 10
 
 
 def count_sheets(pdf: bytes) -> int:
@@ -235,9 +252,182 @@ def count_sheets(pdf: bytes) -> int:
 
 
 @pytest.mark.full
-@pytest.mark.parametrize(("scheme", "width"), [("light", 1300), ("dark", 390)])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", [1400, 390])
 def test_is_accessible(opened: Any, scheme: str, width: int) -> None:
-    assert find_barriers(opened, scheme, width) == []
+    for tab in list_tabs(opened):
+        click(opened, f"#tab-{tab}")
+        assert find_barriers(opened, scheme, width) == [], tab
+
+
+def list_tabs(driver: Any) -> list[str]:
+    found: list[str] = driver.execute_script("return [...document.querySelectorAll('[role=tab]')].map((t) => t.hash)")
+    assert len(found) in (6, 7)
+    return [name.removeprefix("#") for name in found]
+
+
+@contextmanager
+def sized(driver: Any, width: int, height: int) -> Iterator[None]:
+    """Give the browser's window another size, and load the page anew in it."""
+    size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500}
+    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    driver.refresh()
+    wait(lambda: drawn_ms(driver))
+    try:
+        yield
+    finally:
+        driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+SHOWN = "return [...document.querySelectorAll('.panel')].filter((p) => p.getClientRects().length).map((p) => p.id)"
+
+
+@pytest.mark.full
+def test_first_screen_says_what_it_takes_and_links_to_the_files(opened: Any, folder: Path) -> None:
+    """Figures are those of the sheets: masses and days of the casting sheet, and the price that the README states."""
+    with sized(opened, 1400, 900):
+        first = "return [...document.querySelectorAll('#start .hero, #start .next')]"
+        assert opened.execute_script(f"{first}.every((e) => e.getBoundingClientRect().bottom <= innerHeight)")
+        text = " ".join(opened.find_element("id", "start").text.split())
+    casting = json.loads((folder / "report.json").read_bytes())["casting"]
+    readme = " ".join((folder / "board/README.md").read_text().split())
+    cost = re.search(r"The parts of one board cost (\d+ to \d+ US dollars)", readme)
+    assert cost
+    for words in (
+        "Nobody has printed, cast or soldered one yet",
+        "The bone is expected to break at 39 N. Keep harder knocks off.",
+        f"{casting['batch']['buy_g']} g in 3 mixtures", f"{casting['plan'][-1]['day']} days at the earliest", cost[1],
+        "the mold alone, for a filament printer", "25 steps with pictures",
+    ):  # fmt: skip
+        assert words in text, words
+    script = "return [...document.querySelectorAll('a[href]')].map((a) => a.getAttribute('href'))"
+    links = {link for link in opened.execute_script(script) if not link.startswith(("#", "https:"))}
+    assert {"print/plate_sla.3mf", "casting.md", "acceptance.md", "board/README.md", "board/wiring.svg"} <= links
+    assert [link for link in links if not (folder / link).is_file()] == []
+
+
+CUT = """
+    const seen = [...document.querySelectorAll('.panel *')].filter((e) => e.getClientRects().length);
+    return seen.filter((e) => !e.closest('thead') && !(e.closest('svg') && e.tagName !== 'svg')).filter((e) => {
+      const { right } = e.getBoundingClientRect();
+      const scrolls = e.scrollWidth > e.clientWidth + 1 && e.clientWidth && getComputedStyle(e).display !== 'inline';
+      return right > innerWidth + 1 || (scrolls && !['svg', 'SELECT', 'INPUT'].includes(e.tagName));
+    }).map((e) => e.outerHTML.slice(0, 100))"""
+"""Elements that are cut or scroll sidewards, without the heads of tables that became cards and parts of pictures."""
+WINDOWS = ((1400, 900), (390, 844))
+
+
+def check_tabs(driver: Any, height: int) -> None:
+    """Check that only the chosen tab is laid out, in four screens at most, and that nothing in it is cut."""
+    tabs = list_tabs(driver)
+    for tab in tabs:
+        click(driver, f"#tab-{tab}")
+        wait(lambda tab=tab: driver.execute_script(SHOWN) == [tab])
+        assert driver.execute_script("return document.documentElement.scrollHeight") <= 4 * height, tab
+    driver.execute_script("document.querySelectorAll('details').forEach((d) => { d.open = true; })")
+    for tab in tabs:
+        click(driver, f"#tab-{tab}")
+        wait(lambda tab=tab: driver.execute_script(SHOWN) == [tab])
+        assert driver.execute_script("return document.documentElement.scrollWidth <= innerWidth"), tab
+        assert driver.execute_script("return innerWidth > 500") or driver.execute_script(CUT) == [], tab
+
+
+@pytest.mark.full
+def test_one_tab_is_laid_out_and_nothing_is_cut(opened: Any) -> None:
+    from selenium.webdriver.common.keys import Keys
+
+    for width, height in WINDOWS:
+        with sized(opened, width, height):
+            check_tabs(opened, height)
+    opened.find_element("id", "tab-more").send_keys(Keys.ARROW_RIGHT)
+    wait(lambda: opened.execute_script(SHOWN) == ["start"])
+    assert opened.switch_to.active_element.get_attribute("aria-selected") == "true"
+    opened.switch_to.active_element.send_keys(Keys.END)
+    wait(lambda: opened.execute_script(SHOWN) == ["more"])
+    assert drawn_share(opened) > 0.1
+
+
+@pytest.mark.full
+def test_an_address_selects_the_tab_that_holds_it(opened: Any) -> None:
+    tabs = {"checks": "more", "board": "board", "casting": "cast", "p-mold.nut_depth_mm": "more", "model": "start"}
+    for anchor, tab in tabs.items():
+        opened.execute_script("location.hash = arguments[0]", anchor)
+        wait(lambda tab=tab: opened.execute_script(SHOWN) == [tab])
+        assert opened.find_element("id", anchor).is_displayed()
+    # A parameter shapes parts that stand in another tab; going back leads to it again.
+    opened.execute_script("location.hash = 'p-mold.nut_depth_mm'")
+    wait(lambda: opened.execute_script(SHOWN) == ["more"])
+    click(opened, "[id='p-mold.nut_depth_mm']")
+    wait(lambda: opened.execute_script(SHOWN) == ["start"])
+    opened.back()
+    wait(lambda: opened.execute_script(SHOWN) == ["more"])
+
+
+@pytest.mark.full
+def test_ticks_survive_a_reload_and_are_taken_back(opened: Any) -> None:
+    def count(name: str) -> str:
+        return str(opened.find_element("id", f"ticks-{name}").get_attribute("textContent"))
+
+    click(opened, "#step-3 summary")
+    click(opened, "#step-3 input")
+    click(opened, "#step-4 summary")
+    for row in (1, 2):
+        click(opened, f"#buy tbody tr:nth-child({row}) input")
+    assert not opened.find_element("css selector", "#step-3 details").get_attribute("open")
+    assert (count("steps"), count("shopping").partition(" of ")[0]) == ("1 of 25 steps", "2")
+    opened.refresh()
+    wait(lambda: drawn_ms(opened))
+    assert (count("steps"), count("shopping").partition(" of ")[0]) == ("1 of 25 steps", "2")
+    assert opened.find_element("css selector", "#step-3 input").is_selected()
+    click(opened, "#cast .ticked button")
+    assert (count("steps"), count("shopping").partition(" of ")[0]) == ("0 of 25 steps", "2")
+    opened.execute_script("localStorage.clear()")
+
+
+@pytest.mark.full
+def test_a_phone_scrolls_over_the_view_and_enlarges_pictures(opened: Any) -> None:
+    with sized(opened, 390, 844):
+        heights = "return [...document.querySelectorAll('[role=tab]')].map((t) => t.getBoundingClientRect().height)"
+        assert min(opened.execute_script(heights)) >= 44
+        click(opened, "#tab-cast")
+        click(opened, "#step-3 .enlarge")
+        width = "return document.querySelector('dialog[open] img').getBoundingClientRect().width"
+        assert opened.execute_script(width) > 800
+        click(opened, "dialog > button")
+        assert opened.execute_script("return document.querySelector('dialog[open]')") is None
+        assert (
+            opened.execute_script("return getComputedStyle(document.getElementById('canvas')).touchAction") == "pan-y"
+        )
+
+
+@pytest.mark.full
+def test_page_of_a_set_is_laid_out_alike(driver: Any, tmp_path: Path) -> None:
+    data = collect_data("hand", [make_sheets(THUMB, NAMES[:1]), make_sheets(FINGER, NAMES[1:])], BOARD)
+    data |= {"plates": {"fingers_sla.3mf": ("bone thumb",), "molds_sla.3mf": ("mold",), "molds_fdm.3mf": ("mold",)}}
+    files = {"board/README.md", "parts_list.csv", *(f"print/{plate}" for plate in data["plates"])}
+    renderers = (render_overview, render_casting_plan, render_parts_list, render_set_acceptance)
+    pictures = {design.name: draw_finger(design, 320) for design in (THUMB, FINGER)}
+    start = render_set_start(data, Design(name="hand", board={"channels": 5}))
+    page = tmp_path / PAGE
+    page.write_bytes(
+        render_set_page(data, pictures, start, [render(data) for render in renderers], files, ["adult_thumb"])
+    )
+    driver.get("about:blank")
+    driver.get_log("browser")
+    driver.get(page.as_uri())
+    for width, height in WINDOWS:
+        size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500}
+        driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+        driver.refresh()
+        check_tabs(driver, height)
+        for scheme in ("light", "dark"):
+            for tab in list_tabs(driver):
+                click(driver, f"#tab-{tab}")
+                assert find_barriers(driver, scheme, width) == [], tab
+    assert driver.find_element("css selector", "header .failed").text.startswith("✗ Checks of adult_thumb failed")
+    links = {link for link in Page(page.read_text()).attributes("href") if not link.startswith("#")}
+    assert links == files | {f"{design.name}/{PAGE}" for design in (THUMB, FINGER)}
+    assert [entry for entry in driver.get_log("browser") if entry["level"] != "INFO"] == []
 
 
 @pytest.mark.parametrize("scheme", some_of(["light", "dark"], "dark"))

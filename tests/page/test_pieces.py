@@ -16,13 +16,13 @@ from fingertip.board.kicad.project import read_archive
 from fingertip.board.kicad.sexpr import read_expression
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.shapes.parts import parts_by_name
+from fingertip.cad.shapes.reads import shapes_of_parameters
 from fingertip.catalogues.output_files import SCHEMATIC
 from fingertip.page import markdown
 from fingertip.page.board_section import draw_response
 from fingertip.page.html import Markup, code, element, figure, table
 from fingertip.page.layout_svg import list_pads, render_back
 from fingertip.page.model_section import Item, scene_json
-from fingertip.page.parameters_and_checks import shapes_of_parameters
 from fingertip.page.schematic_svg import find_way, first, list_bodies, numbers, points
 from fingertip.page.svg import Axis, Frame, format_tick, number
 from fingertip.page.trial_section import _reduce

@@ -39,6 +39,7 @@ from fingertip.documents.finger_set.sheets import (
     set_data,
     write_parts_csv,
 )
+from fingertip.documents.start import render_set_start
 from fingertip.foundation.errors import DesignError, FingertipError
 from fingertip.foundation.output_set import SetWriter
 from fingertip.tasks.make_set import _find_board
@@ -255,6 +256,10 @@ def test_the_sheets_of_a_set_are_the_approved_ones(data: dict[str, Any]) -> None
                  "acceptance": render_set_acceptance}  # fmt: skip
         for page, render in pages.items():
             check_text(APPROVED / f"set_{name}_{page}.md", render(found))
+    plates = {name: ("bone thumb",) for name in ("fingers_sla.3mf", "molds_fdm_1.3mf", "molds_sla_1.3mf")}
+    board = Design(name="hand", board={"channels": 5})
+    check_text(APPROVED / "set_hand_start.md", render_set_start(data | {"plates": plates}, board))
+    check_text(APPROVED / "set_pair_start.md", render_set_start(every["pair"] | {"plates": {}}, None))
 
 
 def test_sums_of_a_set_are_those_of_its_fingers(sheets: list[FormSheets], data: dict[str, Any]) -> None:

@@ -1,4 +1,4 @@
-"""Board of a page: layout, schematic, what to buy, connections, gate, response and bring-up."""
+"""Board of a page: layout, what to buy, schematic, gate, notes, bring-up, and the response of its filter."""
 
 from __future__ import annotations
 
@@ -25,18 +25,21 @@ from fingertip.board.circuits.network import build_network
 from fingertip.board.fabrication.bom import PRICE
 from fingertip.board.kicad.sexpr import read_expression
 from fingertip.catalogues.output_files import (
+    ASSEMBLY_DRAWING,
     BOARD_FOLDER,
     BOM,
     BRING_UP,
     CHANNEL_SHEET,
     LAYOUT,
+    PROJECT,
     README,
     SCHEMATIC,
     VALUES,
+    WIRING,
 )
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
-from fingertip.page.html import Markup, element, figure, join, note, quantity, scrolling, table
+from fingertip.page.html import Markup, element, embed, figure, fold, join, note, quantity, scrolling, table
 from fingertip.page.layout_svg import render_back, render_copper, render_placement
 from fingertip.page.markdown import render, split_sections
 from fingertip.page.schematic_svg import render_schematic
@@ -44,10 +47,11 @@ from fingertip.page.sources import COMMANDS, Sources
 from fingertip.page.svg import Axis, Frame, figure_svg, legend, line
 
 _COLUMNS = ("Quantity", "References", "Value", "Footprint", "Rating", "Manufacturer", "MPN", "LCSC", PRICE, "Note")
-_HEADINGS = {"MPN": "MPN", "LCSC": "LCSC", PRICE: "USD each"}
+_FILES = (README, BOM, BRING_UP, WIRING, ASSEMBLY_DRAWING, PROJECT)
 _BOM_CAPTION = "bill of materials; board/bom.csv names the source of each number; prices are estimates of November 2026"
-_NOTES = ("Channels", "Connectors", "Test points", "Before you apply power")
+_NOTES = ("Before you apply power", "Channels", "Connectors", "Test points", "Before you order", "Order form")
 """Sections of the board's README that a page shows."""
+_CHANNEL = "Channel of one finger, here of the first."
 _PLACEMENT = "Placement, seen from the front. Pin 1 of a connector is its square pad."
 _COPPER = (
     "Copper, seen through the board from the front: front layer in orange, back layer in blue, pale where it is poured."
@@ -58,72 +62,74 @@ _BACK = (
 
 
 def render_board(sources: Sources) -> Markup:
-    """Render the board, or say how to make it. The response follows from the design alone."""
-    response = join((element("h3", "Response", id="response"), draw_response(sources.design)))
+    """Render the board, or say how to make it."""
     if BOARD_FOLDER in sources.remarks:
-        return join((note(sources.remarks[BOARD_FOLDER]), response))
+        return note(sources.remarks[BOARD_FOLDER])
     layout, schematic, channel, bom, values, readme, bring_up = (
         sources.text(f"{BOARD_FOLDER}/{name}")
         for name in (LAYOUT, SCHEMATIC, CHANNEL_SHEET, BOM, VALUES, README, BRING_UP)
     )
-    parts = []
-    listed = join((element("h3", "What to buy for the board"), render_bom(bom))) if bom else Markup("")
+    links, sections = sources.links, split_sections(readme or "")
+    named = [path for path in (f"{BOARD_FOLDER}/{name}" for name in _FILES) if path in links]
+    listed = (element("li", element("a", path, href=links[path])) for path in named)
+    parts = [element("p", "Files of the board:"), element("ul", *listed, class_="files")] if named else []
+    folded = list[tuple[str, Markup]]()
+    buy = fold("What to buy for the board", render_bom(bom), state="roomy") if bom else Markup("")
     if layout:
         board = read_expression(layout)
-        placement = render_placement(board, "Placement of the components")
-        back = render_back(board, "Back of the board")
-        # It scrolls by itself on a low screen, so the keyboard must reach it.
-        pictures = element(
-            "div", figure(placement, _PLACEMENT, "placement"), figure(back, _BACK, "back"),
-            role="group", tabindex="0", aria_label="front and back of the board",
-        )  # fmt: skip
-        if listed:  # both are seen at once
-            pictures = element("div", pictures, element("div", listed), class_="parts")
-        copper = figure(render_copper(board, "Copper of the board"), _COPPER, "copper")
-        parts += [element("h3", "Layout"), pictures, copper]
+        placement = figure(render_placement(board, "Placement of the components"), _PLACEMENT, "placement")
+        # Both are seen at once.
+        parts.append(
+            element("div", element("div", placement), element("div", buy), class_="parts") if buy else placement
+        )
+        folded += [
+            ("Back", figure(render_back(board, "Back of the board"), _BACK, "back")),
+            ("Copper", figure(render_copper(board, "Copper of the board"), _COPPER, "copper")),
+        ]
     else:
-        parts.append(listed)
-    if schematic:
-        drawn = render_schematic(read_expression(schematic), "Schematic of the board")
-        parts += [element("h3", "Schematic"), figure(drawn, "", "schematic", "wide")]
-    if channel:
-        drawn = render_schematic(read_expression(channel), "Schematic of a channel")
-        parts.append(figure(drawn, "Channel of one finger, here of the first.", "schematic of a channel", "wide"))
+        parts.append(buy)
+    sheets = ((schematic, "Schematic of the board", ""), (channel, "Schematic of a channel", _CHANNEL))
+    for sheet, title, caption in sheets:
+        if sheet:
+            folded.append((title, figure(render_schematic(read_expression(sheet), title), caption, title, "wide")))
     if values:
         parts.append(_render_gate(json.loads(values).get("gate", [])))
-    parts.append(response)
-    for heading, text in split_sections(readme or "").items():
-        if heading in _NOTES:
-            parts += [element("h3", heading), render(text)]
+    folded += [(heading, render(sections[heading], links)) for heading in _NOTES if heading in sections]
     if bring_up:
-        body = render(bring_up.partition("\n")[2])
-        parts += [element("h3", "Bring-up"), element("details", element("summary", "Bring-up with a multimeter"), body)]
-    else:
+        folded.append(("Bring-up with a multimeter", render(bring_up.partition("\n")[2], links)))
+    if wiring := sources.files.get(f"{BOARD_FOLDER}/{WIRING}"):
+        drawn = element("img", src=embed(wiring, "image/svg+xml"), alt="Wiring of sensor, board and controller")
+        folded.append(("How to connect it", figure(drawn, "", "wiring", "paper")))
+    parts += [fold(title, content) for title, content in folded]
+    if not bring_up:
         made = element("code", COMMANDS[BOARD_FOLDER])
         parts.append(note("There is no bring-up sheet: in the folder of this page, ", made, " makes it."))
     return join(parts)
 
 
 def render_bom(text: str) -> Markup:
-    """Render `bom.csv`, without the columns that are empty, as a table whose lines name their parts.
+    """Render `bom.csv` as a table whose lines name their parts.
 
     `board.js` adds a check box for what is placed and a button that highlights the parts of a line on the pictures of
     the board. Without scripts it is a plain table.
     """
-    lines = list(csv.DictReader(io.StringIO(text)))
-    columns = [name for name in _COLUMNS if any(line.get(name) for line in lines)]
-    head = (element("th", _HEADINGS.get(name, name.lower()), scope="col") for name in columns)
-    rows = (
-        element(
-            "tr",
-            *(element("td", line[name], class_="references" if name == "References" else None) for name in columns),
-            data_parts=line["References"],
-        )
-        for line in lines
-    )
+    rows = []
+    for row in csv.DictReader(io.StringIO(text)):
+        found = {name: row.get(name) or "" for name in _COLUMNS}
+        name = " ".join(filter(None, (found["Manufacturer"], found["MPN"])))
+        lcsc = f"LCSC {found['LCSC']}" if found["LCSC"] else ""
+        more = ", ".join(filter(None, (found["Footprint"], lcsc, found["Note"])))
+        cells = (
+            ("quantity", found["Quantity"]), ("references", found["References"]),
+            ("value", join((found["Value"], element("small", found["Rating"])))),
+            ("part", join((name, element("small", more)))), ("USD each", found[PRICE]),
+        )  # fmt: skip
+        written = (element("td", cell, data_label=label, class_=label.split()[0]) for label, cell in cells)
+        rows.append(element("tr", *written, data_parts=found["References"], data_value=found["Value"]))
+    head = (element("th", label, scope="col") for label in ("quantity", "references", "value", "part", "USD each"))
     whole = element(
         "table", element("caption", _BOM_CAPTION), element("thead", element("tr", *head)), element("tbody", *rows),
-        class_="broad", id="bom",
+        class_="cards", id="bom",
     )  # fmt: skip
     # The script shows the line of controls; without it there is nothing to control.
     controls = element("div", class_="row", id="bom-controls", hidden=True)
@@ -141,8 +147,8 @@ def _render_gate(gate: list[Mapping[str, Any]]) -> Markup:
         limit = quantity(entry["limit"], entry["unit"], entry["bound"])
         rows.append((entry["name"], entry["subject"], value, limit, element("span", said, class_=kind)))
     body = table(("requirement", "of", "value", "must be", "met"), rows, "what makes the board work")
-    summary = element("summary", f"Requirements of the board: {passed} of {len(gate)} met")
-    return element("details", summary, body, open=passed < len(gate))
+    state = "open" if passed < len(gate) else ""
+    return fold(f"Requirements of the board: {passed} of {len(gate)} met", body, state=state)
 
 
 BOARDS = 1000

@@ -1,41 +1,95 @@
-"""Casting guide of a page with the pictures of its steps, dimensioned sheets, and where all figures come from."""
+"""Sheets of a design as tabs of its page: printing, shopping, casting, drawings, and where all figures come from."""
 
 from __future__ import annotations
 
-from fingertip.catalogues.output_files import ACCEPTANCE, SHEET, STEPS_FOLDER
+from collections.abc import Callable, Mapping
+
+from fingertip.catalogues.output_files import (
+    ACCEPTANCE,
+    BOARD_FOLDER,
+    PRINT_FOLDER,
+    README,
+    SHEET,
+    SIGNAL_FOLDER,
+    STEPS_FOLDER,
+)
 from fingertip.design import Design
 from fingertip.design.files import list_parameters
-from fingertip.page.html import Markup, element, embed, figure, join, note, table
+from fingertip.documents.start import render_basis_table
+from fingertip.page.html import Markup, element, embed, figure, fold, join, note, table
 from fingertip.page.markdown import list_steps, render, split_sections
 from fingertip.page.parameters_and_checks import link_parameters
 from fingertip.page.sources import COMMANDS, Sources
 
-_OPEN = ("What to buy", "Quantities", "Warnings")
+_BUY, _PRINTING, _PROCEDURE, _PLAN = "What to buy", "Printing", "Procedure", "Plan"
+_OPEN = (_PLAN, "Quantities", "Warnings")
 """Sections that nobody should miss; others are folded up."""
+_TICKED = {"data_ticks": "shopping", "data_noun": "things at hand"}
+"""Attributes by which `page.js` adds boxes to tick to the lines of a table."""
+_PLATE_KINDS = {"fdm": "filament", "sla": "resin"}
+
+
+def render_printing(sources: Sources) -> Markup:
+    """Render the files for the printer with what each holds, and how to print them."""
+    rows = []
+    for path, found in sources.report.get(PRINT_FOLDER, {}).items():
+        if path in sources.links:
+            kind = next((kind for mark, kind in _PLATE_KINDS.items() if f"_{mark}" in path), "any")
+            parts = ", ".join(part.replace("_", " ") for part in sorted(found["parts"]))
+            rows.append((element("a", path, href=sources.links[path]), kind, parts))
+    files = table(("file", "printer", "holds"), sorted(rows, key=lambda row: row[1] == "any"), "files to print")
+    text = split_sections(sources.files[SHEET].decode()).get(_PRINTING, "")
+    missing = note(element("code", COMMANDS[PRINT_FOLDER]), " makes plates and parts as they lie on the bed.")
+    return join((files if rows else missing, fold("How to print", render(text, sources.links), state="roomy")))
+
+
+def render_tests(sources: Sources) -> Markup:
+    """Render the acceptance sheet, or say how to make it."""
+    lead, *sections = split_sections(sources.text(ACCEPTANCE) or "").items()
+    if not sections:
+        return note("There is no acceptance sheet: ", element("code", COMMANDS[SIGNAL_FOLDER]), " makes it.")
+    folded = (fold(title, render(text, sources.links), state="roomy") for title, text in sections)
+    return join((render(lead[1].partition("\n")[2]), *folded))
+
+
+def render_shopping(sources: Sources) -> Markup:
+    """Render what to buy with boxes to tick: what goes into finger and mold, then supplies and tools, then plugs."""
+    text = split_sections(sources.files[SHEET].decode()).get(_BUY, "")
+    casting = sources.report.get("casting") or {}
+    supplies = {supply["item"] for supply in casting.get("supplies", ())}
+    parts = [render_list(text, lambda line: line.split("|")[2].strip() in supplies, sources.links)]
+    plugs = split_sections(sources.text(f"{BOARD_FOLDER}/{README}") or "").get("What else to buy")
+    if plugs:
+        parts.append(fold("Plugs and wires of the board", render(plugs, sources.links, **_TICKED)))
+    said = ("The parts on the board stand ", element("a", "with its pictures", href="#board"), ".")
+    return join((*parts, element("p", *said)))
+
+
+def render_list(text: str, is_bench: Callable[[str], bool], links: Mapping[str, str]) -> Markup:
+    """Render a list to buy with boxes to tick, the lines of supplies and tools folded up."""
+    lines = text.strip().splitlines()
+    rows = [line for line in lines if line.startswith("|")]
+    bench = [row for row in rows[2:] if is_bench(row)]
+    listed = render("\n".join(line for line in lines if line not in bench), links, **_TICKED)
+    if not bench:
+        return listed
+    rest = render("\n".join([*rows[:2], *bench]), links, **_TICKED)
+    return join((listed, fold(f"Supplies and tools of the bench: {len(bench)}", rest)))
 
 
 def render_casting(sources: Sources) -> Markup:
-    """Render the casting sheet, its procedure as steps with pictures."""
+    """Render the casting sheet without what to print and to buy, its procedure as steps with pictures."""
     sections = split_sections(sources.files[SHEET].decode())
-    pictures = {
-        name: embed(data, "image/png")
-        for name, data in sources.files.items()
-        if name.startswith(f"{STEPS_FOLDER}/") and name.endswith(".png")
-    }
     parts = [render(sections.pop("").partition("\n")[2])]
     for heading, text in sections.items():
-        if heading == "Procedure":
+        if heading == _PROCEDURE:
             parts.append(element("h3", "Step by step"))
             if STEPS_FOLDER in sources.remarks:
                 parts.append(note(sources.remarks[STEPS_FOLDER]))
-            parts.append(list_steps(text, pictures))
-        elif heading in _OPEN:
-            parts += [element("h3", heading), render(text)]
-        else:
-            parts.append(element("details", element("summary", heading), render(text)))
-    if page := sources.text(ACCEPTANCE):
-        title = "Tests of sensor and finished finger, with what each failure means"
-        parts.append(element("details", element("summary", title), render(page.partition("\n")[2])))
+            parts.append(list_steps(text, sources.links))
+        elif heading not in (_BUY, _PRINTING):
+            state, name = ("roomy" if heading in _OPEN else ""), ("plan" if heading == _PLAN else "")
+            parts.append(fold(heading, render(text, sources.links), name=name, state=state))
     return join(parts)
 
 
@@ -47,7 +101,8 @@ def render_drawing(sources: Sources) -> Markup:
             part = name.removeprefix("drawing_").removesuffix(".svg").replace("_", " ")
             title = f"drawing of the {part}"
             picture = element("img", src=embed(data, "image/svg+xml"), alt=f"Dimensioned {title}", decoding="async")
-            sheets.append(figure(picture, f"{part}, from {name}", title, "wide paper"))
+            drawn = figure(picture, f"{part}, from {name}", title, "wide paper")
+            sheets.append(fold(title.capitalize(), drawn))
     if sheets:
         return join(sheets)
     return note(
@@ -59,28 +114,6 @@ def render_drawing(sources: Sources) -> Markup:
 
 def render_basis(design: Design) -> Markup:
     """Render where each kind of figure comes from, and which parameters nobody verified."""
-    curve, printer = design.force_curve, design.printer
-    is_weighed = curve.curve == "calibrated"
-    is_calibrated = printer.offset_mm != 0.0 or printer.scale_percent != 100.0
-    sensor = design.force_curve.describe()
-    rows = [
-        ("Parts and checks", "computed", "Measured on the files themselves, read back. Nobody has printed and cast "
-         "these files yet."),
-        ("Printer", "set in the design" if is_calibrated else "assumed",
-         f"Scale {printer.scale_percent:g} %, surfaces {printer.offset_mm:g} mm out. "
-         + ("" if is_calibrated else "Print the fit coupon (fingertip coupon) to measure yours.")),
-        ("Filling and casting", "simulated", "A Newtonian silicone in a thin gap. Mix ratio, pot life and viscosity "
-         "are ranges of the kind; the container of yours is right."),
-        ("Strength of the bone", "computed", "Beam sections with stress concentrations, and the strength of the print "
-         "material that the report names."),
-        ("Board", "computed", "From the circuit, with typical figures of the amplifiers. Nobody has built this board "
-         "yet."),
-        ("Sensor", "measured" if is_weighed else "data sheet",
-         f"{sensor[0].upper()}{sensor[1:]}."),
-        ("Trial and detection", "simulated", "Friction, vibration, sensor, board and converter are models; a real "
-         "finger will differ. Record a trial of your own, and read it with fingertip detect."),
-    ]  # fmt: skip
     unverified = [parameter.path for parameter in list_parameters() if "(unverified)" in parameter.description]
     said = ("Parameters for which no document was found: ", link_parameters(unverified), ".")
-    doubtful = element("p", *said) if unverified else ""
-    return join((table(("figures", "are", "which means"), rows, "where the figures come from"), doubtful))
+    return join((render(render_basis_table(design)), element("p", *said) if unverified else ""))

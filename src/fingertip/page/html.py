@@ -42,20 +42,39 @@ def join(children: Iterable[str]) -> Markup:
 
 
 def figure(picture: Markup, caption: str, label: str = "", class_: str = "") -> Markup:
-    """Build a picture with its caption. It scrolls by itself where it is wider than the page."""
+    """Build a picture with its caption. It is as wide as the page at most; `page.js` adds a button that enlarges it."""
     said = [element("figcaption", caption)] if caption else []
-    return scrolling(element("figure", picture, *said, class_=class_ or None), label or caption)
+    return element("figure", picture, *said, class_=class_ or None, aria_label=label or None)
 
 
-def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "", class_: str = "") -> Markup:
-    """Build a table. It scrolls by itself where it is wider than the page."""
+def table(
+    head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "", class_: str = "", **attributes: str
+) -> Markup:
+    """Build a table. Where there is no room for its columns, each row stands as a card, its cells with their names."""
     title = [element("caption", caption)] if caption else []
     header = element("thead", element("tr", *(element("th", cell, scope="col") for cell in head)))
-    body = element("tbody", *(element("tr", *(element("td", cell) for cell in row)) for row in rows))
-    inner = element("table", *title, header, body, class_=class_ or None)
-    label = caption or ", ".join(head)
-    # An attribute holds no elements.
-    return scrolling(inner, unescape(re.sub(r"<[^>]*>", "", label)) if isinstance(label, Markup) else label)
+    names = [_strip(cell) for cell in head]
+    body = element(
+        "tbody",
+        *(
+            element("tr", *(element("td", cell, data_label=name) for name, cell in zip(names, row, strict=True)))
+            for row in rows
+        ),
+    )
+    kinds = " ".join(kind for kind in ("cards" if len(head) > 2 else "", class_) if kind)
+    inner = element("table", *title, header, body, class_=kinds or None, **attributes)
+    return scrolling(inner, _strip(caption) or ", ".join(names))
+
+
+def _strip(text: str) -> str:
+    """Return text without elements, which an attribute cannot hold."""
+    return unescape(re.sub(r"<[^>]*>", "", text)) if isinstance(text, Markup) else text
+
+
+def fold(title: str, *content: str, name: str = "", state: str = "", level: int = 3) -> Markup:
+    """Build a section that is folded up; it is "open", or "roomy": open at first where the screen is not a phone's."""
+    heading = element("summary", element(f"h{level}", title, id=name or None))
+    return element("details", heading, *content, open=bool(state), class_="roomy" if state == "roomy" else None)
 
 
 def scrolling(inner: Markup, label: str) -> Markup:

@@ -150,16 +150,29 @@ _EXPORTED = (
     "threads."
 )
 
+_USE = (
+    "Drag to turn, wheel or two fingers to zoom, right button or two fingers to shift. On a touch screen, tap the view "
+    "first: until then a swipe up or down scrolls the page."
+)
+_HOLE = (
+    "The open hole in the back of the finger is where a screw held the bone while the skin cured; the casting step "
+    '"Patch" closes it.'
+)
 
-def render_model(items: Sequence[Item], origin: str = _EXPORTED, *, saves_files: bool = True) -> Markup:
+
+def render_model(items: Sequence[Item], origin: str = _EXPORTED, *, preset: str = "finger") -> Markup:
+    """Render the 3D view, which shows a state of the mold or the finger first. Only exported parts can be saved."""
+    hole = f" {_HOLE}" if any(item.name == "chaplet_screw" for item in items) else ""
+    rows = _rows(items, preset, saves_files=origin == _EXPORTED)
     return element(
         "div",
-        element("canvas", id="canvas", tabindex="0", role="application", aria_label=_HELP),
-        element("p", "", id="view-status", class_="status", role="status"),
-        element("div", *_rows(items, saves_files), class_="controls"),
         element(
-            "p", f"Drag to turn, wheel or two fingers to zoom, right button or two fingers to shift. {origin}",
-            class_="status controls",
+            "div", element("canvas", id="canvas", tabindex="0", role="application", aria_label=_HELP),
+            element("p", "", id="view-status", class_="status", role="status"), rows[0],
+        ),
+        element(
+            "details", element("summary", "Parts, sections, directions and saving"), *rows[1:],
+            element("p", f"{_USE} {origin}{hole}", class_="status"), class_="controls roomy", open=True,
         ),
         id="view",
     )  # fmt: skip
@@ -167,7 +180,7 @@ def render_model(items: Sequence[Item], origin: str = _EXPORTED, *, saves_files:
 
 def render_no_view() -> Markup:
     """Render what stands in place of the 3D view where a browser has none."""
-    text = "This browser shows no 3D view (WebGL). The pictures of the casting steps below show the same parts."
+    text = "This browser shows no 3D view (WebGL). The pictures of the casting steps show the same parts."
     return element("p", text, id="no-view", class_="note", hidden=True)
 
 
@@ -183,9 +196,9 @@ def render_boxes(items: Sequence[Item]) -> Markup:
     return join(_box(i, label, next(item for item in items if item.label == label)) for i, label in enumerate(labels))
 
 
-def _rows(items: Sequence[Item], saves_files: bool) -> list[Markup]:
+def _rows(items: Sequence[Item], preset: str, *, saves_files: bool) -> list[Markup]:
     presets = [
-        element("button", label, type="button", data_preset=name, aria_pressed="true" if name == "opened" else "false")
+        element("button", label, type="button", data_preset=name, aria_pressed="true" if name == preset else "false")
         for name, label in _PRESETS
     ]
     views = [
@@ -198,10 +211,10 @@ def _rows(items: Sequence[Item], saves_files: bool) -> list[Markup]:
         if saves_files and not item.is_bought
     ]
     return [
-        element("div", *presets, class_="row", role="group", aria_label="state of the mold"),
+        element("div", *presets, class_="row controls", role="group", aria_label="what is shown"),
         element(
             "div", element("label", "take apart", for_="apart"),
-            element("input", type="range", id="apart", min=0, max=100, value=50),
+            element("input", type="range", id="apart", min=0, max=100, value=0),
             element("output", "", id="apart-value", for_="apart"), class_="row",
         ),
         element(

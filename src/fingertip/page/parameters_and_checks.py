@@ -6,46 +6,15 @@ Each check links to the parameters that set it.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, cast
+from typing import Any
 
-from fingertip.cad.shapes.parts import hardware, parts_by_name
+from fingertip.cad.shapes.reads import shapes_of_parameters
 from fingertip.cad.verification.check import list_causes
 from fingertip.cad.verification.strength import WANTED_AT_GRIP, WANTED_AT_SHOCK
 from fingertip.design import Design
 from fingertip.design.files import Parameter, format_value, list_parameters
-from fingertip.design.rules.ruleset import RecordingTables
-from fingertip.page.html import Markup, code, element, join, note, quantity, table
+from fingertip.page.html import Markup, code, element, fold, join, note, quantity, table
 from fingertip.page.model_section import label_item
-
-_HARDWARE_OF = (("bone",), ("mold_dorsal",), ("mold_palmar", "mold_dorsal"))
-"""Parts whose hardware is made apart, so that each item is blamed for little more than it reads itself."""
-
-
-def parameters_of_shapes(design: Design) -> dict[str, frozenset[str]]:
-    """Find the parameters that the shape of each part and bought item reads, by the item's name.
-
-    They are recorded while the shape is made, so a parameter that this design does not use is in none of the sets.
-    """
-    found: dict[str, frozenset[str]] = {}
-    for name, part in parts_by_name(design).items():
-        recorder = RecordingTables(design)
-        part.solid(cast(Design, recorder))
-        found[name] = frozenset(recorder.reads)
-    for parts in _HARDWARE_OF:
-        recorder = RecordingTables(design)
-        for item in hardware(cast(Design, recorder), parts):
-            found.setdefault(item.name, frozenset(recorder.reads))
-    return found
-
-
-def shapes_of_parameters(design: Design) -> Mapping[str, tuple[str, ...]]:
-    """Find the items whose shape reads each parameter, by its name; parameters that move nothing are left out."""
-    moved: dict[str, list[str]] = {}
-    for item, parameters in parameters_of_shapes(design).items():
-        for parameter in sorted(parameters):
-            moved.setdefault(parameter, []).append(item)
-    return {parameter: tuple(items) for parameter, items in moved.items()}
-
 
 _EFFECTS = {
     "silicone": ("quantities and times of casting", "casting"),
@@ -64,7 +33,8 @@ def render_parameters(design: Design) -> Markup:
     parts = [
         element(
             "p",
-            "Press the name of a parameter to see in the 3D view what it shapes: every part whose shape reads it. "
+            "Press the name of a parameter to see in the 3D view what it shapes: every part whose shape reads it; the "
+            "browser's way back leads here again. "
             "Change one in the design file, or with ", element("code", "--set TABLE.KEY=VALUE"), ".",
         )
     ]  # fmt: skip
@@ -74,7 +44,7 @@ def render_parameters(design: Design) -> Markup:
         title = f"{name or 'design'}: {len(parameters)} parameter{'s' if len(parameters) > 1 else ''}{note}"
         rows = [_render_row(design, parameter, moved) for parameter in parameters]
         body = table(("parameter", "value", "bounds"), rows, f"parameters of [{name}]" if name else "name")
-        parts.append(element("details", element("summary", title), body, open=name == "skin"))
+        parts.append(fold(title, body))
     return join(parts)
 
 
@@ -128,17 +98,18 @@ EVERY_FILE = "Every file was read back and measured. A check that fails names th
 """Sentences on the checks of a build."""
 
 
-def render_verdict(report: Mapping[str, Any], passed: str = "of the parts passed") -> Markup:
-    """Render in one line whether the parts passed their checks; `passed` ends the sentence if they did."""
+def tell_verdict(report: Mapping[str, Any], passed: str = "of the parts passed") -> tuple[str, str]:
+    """Tell in a line whether the parts passed their checks, and its kind; `passed` ends the sentence if they did."""
     checks = report["checks"]
-    failed = [check for check in checks if not check["passed"]]
-    warned = _find_warnings(checks)
+    warned, failed = len(_find_warnings(checks)), sum(not check["passed"] for check in checks)
     if failed:
-        text, kind = f"✗ {len(failed)} of {len(checks)} checks failed: do not print these parts", "failed"
-    elif warned:
-        text, kind = f"⚠ {len(checks) - len(warned)} of {len(checks)} checks {passed}, {len(warned)} warn", "warned"
-    else:
-        text, kind = f"✓ All {len(checks)} checks {passed}", "passed"
+        return f"✗ {failed} of {len(checks)} checks failed: do not print these parts", "failed"
+    ending = f"; {warned} of them with a warning" if warned else ""
+    return f"✓ All {len(checks)} checks {passed}{ending}", "warned" if warned else "passed"
+
+
+def render_verdict(report: Mapping[str, Any], passed: str = "of the parts passed") -> Markup:
+    text, kind = tell_verdict(report, passed)
     return element("p", text, class_=f"verdict {kind}")
 
 
@@ -156,17 +127,16 @@ def render_checks(report: Mapping[str, Any], basis: str = EVERY_FILE) -> Markup:
     elif "strength" in report:
         parts.append(_warn_of_strength(report["strength"]))
     if closest := _find_closest(checks):
-        parts += [element("h3", "Closest to their limits"), _tabulate(closest, "checks closest to their limits")]
+        parts.append(fold("The checks closest to their limits", _tabulate(closest, "checks closest to their limits")))
     groups: dict[str, list[Check]] = {}
     for check in checks:
         groups.setdefault(check["name"].split(".")[0], []).append(check)
-    parts.append(element("h3", "All checks"))
     for subject, group in groups.items():
         passed = sum(check["passed"] for check in group)
         warnings = len(_find_warnings(group))
-        summary = f"{subject.replace('_', ' ')}: {passed - warnings} of {len(group)} passed"
-        summary += f", {warnings} warn" if warnings else ""
-        parts.append(element("details", element("summary", summary), _tabulate(group, f"checks of {subject}")))
+        summary = f"{subject.replace('_', ' ')}: {passed} of {len(group)} passed"
+        summary += f", {warnings} with a warning" if warnings else ""
+        parts.append(fold(summary, _tabulate(group, f"checks of {subject}")))
     return join(parts)
 
 
@@ -206,7 +176,7 @@ def _tabulate(checks: Sequence[Check], caption: str) -> Markup:
         value = quantity(check["value"], check["unit"])
         limit = quantity(check["limit"], check["unit"], check["relation"])
         rows.append((name, value, limit, said, link_parameters(list_causes(check["name"]))))
-    return table(("check", "value", "must be", "passed", "set by"), rows, caption, "broad")
+    return table(("check", "value", "must be", "passed", "set by"), rows, caption)
 
 
 def _find_warnings(checks: Sequence[Check]) -> list[Check]:

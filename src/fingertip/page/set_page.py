@@ -1,59 +1,84 @@
-"""Page of a set of fingers as one HTML file: the hand, and the sheets of the set."""
+"""Page of a set of fingers as one HTML file: the hand, what it takes, and the sheets of the set."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
+from typing import Any
+from urllib.parse import quote
 
 from fingertip.catalogues.output_files import PAGE
-from fingertip.foundation.version import __version__
-from fingertip.page import markdown
-from fingertip.page.html import element, embed, read_asset, render_document
+from fingertip.page.casting_section import render_list
+from fingertip.page.html import Markup, element, fold, join
+from fingertip.page.markdown import render, split_sections
+from fingertip.page.tabs import Tab, render_finger, render_first_screen, render_tabs
+
+_TICKED = {"data_ticks": "casting", "data_noun": "stages and castings done"}
 
 
-def render_set_page(name: str, pictures: Mapping[str, tuple[str, bytes]], sheets: Mapping[str, str]) -> bytes:
+def render_set_page(
+    data: Mapping[str, Any],
+    pictures: Mapping[str, bytes],
+    start: str,
+    sheets: Iterable[str],
+    files: Collection[str],
+    failed: Collection[str] = (),
+) -> bytes:
     """Render the page of a set. The same files give the same bytes.
 
     Parameters
     ----------
-    name
-        Name of the set.
+    data
+        Data of the set, from `set_data`.
     pictures
-        Folder of each form -> its fingers, and its picture (PNG).
+        Folder of each form -> picture of its finger (PNG).
+    start
+        First screen, as Markdown.
     sheets
-        Title of each section -> its Markdown, whose own title is left out.
+        Overview, casting plan, parts list and acceptance sheet, as Markdown.
+    files
+        Paths of the set's files, to which its page links.
+    failed
+        Forms of which a check failed.
     """
-    links = (element("li", element("a", title, href=f"#{_anchor(title)}")) for title in ("The hand", *sheets))
-    drawn = (
-        element(
-            "figure",
-            element("img", src=embed(data, "image/png"), alt=f"{fingers}: {form} in parts", width="440"),
-            element("figcaption", f"{fingers}: ", element("a", form, href=f"{form}/{PAGE}")),
+    links = {path: quote(path) for path in files}
+    drawn = [
+        render_finger(
+            pictures[row["design"]],
+            join((f"{row['finger']}: ", element("a", row["design"], href=f"{quote(row['design'])}/{PAGE}"))),
         )
-        for form, (fingers, data) in pictures.items()
-    )
-    sections = [
-        element("section", element("h2", "The hand", id=_anchor("The hand")), element("div", *drawn, class_="facts")),
-        *(
-            element("section", element("h2", title, id=_anchor(title)), markdown.render(_without_title(text)))
-            for title, text in sheets.items()
-        ),
+        for row in data["fingers"]
     ]
-    body = (
-        element("a", "Skip to the content", href="#content", class_="skip"),
-        element("header", element("h1", f"Fingers of {name}"),
-                element("p", "A set of sensorised prosthetic fingertips: parts, casting plan, parts list, acceptance.",
-                        class_="lead")),
-        element("nav", element("ul", *links), aria_label="sections"),
-        element("main", *sections, id="content"),
-        element("footer", element("p", f"fingertip {__version__}")),
-    )  # fmt: skip
-    return render_document(f"{name}: fingertip", body, read_asset("page.css"), ())
+    overview, plan, parts, acceptance = (split_sections(text) for text in sheets)
+    hand, shopping, tests, castings = (_without_title(each.pop("")) for each in (overview, parts, acceptance, plan))
+    tabs = [
+        Tab("start", "Start", (
+            render_first_screen(start, element("div", *drawn, class_="fingers"), links),
+            fold("Every step in words", render(overview["What to do"], links)),
+        )),
+        Tab("print", "Print", (element("h2", "Print the parts"), render(overview["To print"], links))),
+        Tab("buy", "Buy", (
+            element("h2", "What to buy", id="parts-list"),
+            render_list(shopping, lambda line: "| bench |" in line, links),
+        )),
+        Tab("cast", "Cast", (
+            element("h2", "Cast the skins", id="casting-plan"), render(castings, links),
+            *(fold(title, render(text, links, **_TICKED), state="roomy" if title == "Days" else "")
+              for title, text in plan.items()),
+        )),
+        Tab("board", "Board", (element("h2", "Fingers and their boards"), render(hand, links), _list_board(links))),
+        Tab("test", "Test", (
+            element("h2", "Test the fingers", id="acceptance"), render(tests, links),
+        )),
+    ]  # fmt: skip
+    said = f"✗ Checks of {', '.join(failed)} failed: do not print these parts"
+    banner = [element("p", said, class_="verdict failed")] if failed else ()
+    return render_tabs(data["name"], f"Fingers of {data['name']}", tabs, banner=banner)
 
 
-def _anchor(title: str) -> str:
-    return title.lower().replace(" ", "-")
+def _list_board(links: Mapping[str, str]) -> Markup:
+    listed = [element("li", element("a", path, href=links[path])) for path in links if path.startswith("board/")]
+    return element("ul", *listed, class_="files") if listed else Markup("")
 
 
 def _without_title(text: str) -> str:
-    first, _, rest = text.partition("\n")
-    return rest if first.startswith("# ") else text
+    return text.partition("\n")[2]

@@ -11,18 +11,21 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 from fingertip.cad.shapes.parts import parts_by_name
-from fingertip.catalogues.output_files import BOARD_FOLDER, REPORT, SHEET, SIGNAL_FOLDER, STEPS_FOLDER
+from fingertip.catalogues.output_files import BOARD_FOLDER, PRINT_FOLDER, REPORT, SHEET, SIGNAL_FOLDER, STEPS_FOLDER
 from fingertip.design import Design
 from fingertip.foundation.errors import Issue, OutputError
 from fingertip.foundation.input_files import OUTPUT_LIMIT, read_input
 from fingertip.foundation.output_set import Manifest, hash_parameters, read_manifest
 from fingertip.foundation.output_set.swap import hash_content
+from fingertip.page.html import embed
 
 _MAKE = "fingertip make DESIGN"
 COMMANDS = {
     STEPS_FOLDER: "fingertip build design.toml --out . --pictures",
+    PRINT_FOLDER: "fingertip build design.toml --out .",
     BOARD_FOLDER: "fingertip board design.toml --out board --bringup",
     SIGNAL_FOLDER: "fingertip make design.toml --out .",
     "drawing": "fingertip drawing design.toml --out .",
@@ -44,6 +47,17 @@ class Sources:
     """Path, such as "bone.stl" or "board/bom.csv" -> content."""
     remarks: Mapping[str, str]
     """Folder of a set that is missing, old or changed -> sentence that says so and names the command."""
+    unread: frozenset[str] = frozenset()
+    """Paths of the design's other files, which a page may link to."""
+
+    @property
+    def links(self) -> dict[str, str]:
+        """Address of each file by its path; within the board's folder also by its name. Pictures are held here."""
+        board = {path.partition("/")[2]: path for path in self.files if path.startswith(f"{BOARD_FOLDER}/")}
+        addresses = {name: quote(path) for name, path in board.items()}
+        addresses |= {path: quote(path) for path in (*self.files, *self.unread)}
+        pictures = (path for path in self.files if path.startswith(f"{STEPS_FOLDER}/") and path.endswith(".png"))
+        return addresses | {path: embed(self.files[path], "image/png") for path in pictures}
 
     def text(self, name: str) -> str | None:
         """Return a file as text; None if it is not there."""
@@ -68,7 +82,7 @@ def read_sources(design: Design, folder: Path) -> Sources:
     issues += [Issue(str(folder / name), message) for name in changed]
     if issues:
         raise OutputError(issues)
-    remarks = {}
+    remarks, unread = {}, set(manifest.files)
     for kind in (STEPS_FOLDER, BOARD_FOLDER, SIGNAL_FOLDER):
         found = _read_current_set(folder, kind, wanted)
         if isinstance(found, str):
@@ -76,8 +90,12 @@ def read_sources(design: Design, folder: Path) -> Sources:
             remarks[kind] = f"{found}; in the folder of the page, {remedy} makes them."
         else:
             files |= {f"{kind}/{name}": data for name, data in found.items()}
+    prints = read_manifest(folder / PRINT_FOLDER, folder)
+    if prints and prints.parameters == wanted:
+        unread |= {f"{PRINT_FOLDER}/{name}" for name in prints.files}
     report = json.loads(files[REPORT])
-    return Sources(design, report, files, remarks)
+    there = frozenset(path for path in unread - files.keys() if os.path.lexists(folder / path))
+    return Sources(design, report, files, remarks, there)
 
 
 def _read_current_set(top: Path, kind: str, parameters: str) -> dict[str, bytes] | str:

@@ -135,6 +135,13 @@ class Canvas:
         self._colour[mask] = (_LEAST_TINT + (1.0 - _LEAST_TINT) * shade) * np.array(colour)
         self._colour[is_empty] = 1.0 - 0.35 * (1.0 - np.array(colour))
 
+    def cover(self) -> NDArray[np.uint8]:
+        """Return how far each pixel of the picture is covered by what was drawn, from 0 to 255."""
+        k = self._k
+        fine = np.isfinite(self._depth).reshape(self._depth.shape[0] // k, k, -1, k)
+        cover: NDArray[np.uint8] = (fine.mean(axis=(1, 3)) * 255.0 + 0.5).astype(np.uint8)
+        return cover
+
     def image(self) -> NDArray[np.uint8]:
         """Return the picture (height, width, 3), outlined at steps in depth and averaged to its final resolution."""
         k = self._k

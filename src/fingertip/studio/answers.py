@@ -17,6 +17,7 @@ from fingertip.cad.printing.print_files import make_print_files
 from fingertip.cad.printing.settings import FDM, SLA, PlateKind
 from fingertip.cad.report import DESIGN_HEADING
 from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale
+from fingertip.cad.shapes.reads import shapes_of_parameters
 from fingertip.cad.verification.assembly import check_assembly
 from fingertip.cad.verification.bone import check_strength
 from fingertip.cad.verification.check import Check
@@ -32,7 +33,7 @@ from fingertip.pad.form import PadForm
 from fingertip.page.html import note
 from fingertip.page.model_section import Item, place_items, render_boxes, scene_data
 from fingertip.page.pad_section import render_pad
-from fingertip.page.parameters_and_checks import EVERY_FILE, render_checks, render_verdict, shapes_of_parameters
+from fingertip.page.parameters_and_checks import EVERY_FILE, render_checks, render_verdict
 from fingertip.studio.worker import StillWanted
 
 if TYPE_CHECKING:

@@ -6,13 +6,14 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from fingertip.cad.shapes.reads import shapes_of_parameters
 from fingertip.design import Design
 from fingertip.design.files import Parameter
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import Bounds, find_bounds, list_choices
 from fingertip.page.html import Markup, code, element, read_asset, read_viewer_library, render_document
 from fingertip.page.model_section import render_model, render_no_view, scene_json
-from fingertip.page.parameters_and_checks import describe_table, group_parameters, shapes_of_parameters
+from fingertip.page.parameters_and_checks import describe_table, group_parameters
 from fingertip.studio.answers import DOWNLOADS, FILE_TOLERANCE_MM, VIEW_TOLERANCE_MM, make_items, make_pointer
 
 # Form of the studio as HTML: a slider and a number for each number, a list for each choice, a place for refusals.
@@ -102,7 +103,7 @@ def render_studio(design: Design, token: str) -> bytes:
     form = render_form(design, shapes_of_parameters(design))
     model = element(
         "div", element("h2", "Model", id="model"), render_no_view(),
-        render_model(items, _ORIGIN, saves_files=False),
+        render_model(items, _ORIGIN, preset="opened"),
         element("div", element("h3", "What the sensor feels"), element("div", "", id="pad"), class_="felt"),
         class_="model",
     )  # fmt: skip

@@ -54,17 +54,21 @@ from fingertip.documents.finger_set.sheets import (
     set_data,
     write_parts_csv,
 )
+from fingertip.documents.start import render_set_start
 from fingertip.foundation.errors import DesignError, Issue, OutputError
 from fingertip.foundation.input_files import find_link
 from fingertip.foundation.progress import Work
 from fingertip.page.set_page import render_set_page
+from fingertip.pictures.steps.pictures import draw_finger
 from fingertip.tasks.board import BRING_UP_FILES, plan_board
 from fingertip.tasks.build import parts_writer
 from fingertip.tasks.make import Made, make
 
 _FILES = (SET_REPORT, OVERVIEW, CASTING_PLAN, PARTS_LIST, PARTS_CSV, BOARD_DESIGN, ACCEPTANCE, PAGE)
 _COARSE_MM = 0.1
-_PICTURE_PX = 960
+_PICTURE_PX = 320
+_SHOWN = (".md", ".csv", ".svg", ".kicad_pro")
+"""Ends of the names of the board's files that the page of a set links to."""
 
 
 @dataclass(frozen=True)
@@ -150,7 +154,8 @@ def make_set(
         board = planned.write(progress)
     shared = SharedBoard(BOARD_FOLDER, BOARD_DESIGN, list_sockets(), list_tactile_pins()) if board_design else None
     data = set_data(fingers, sheets, plan, prints.plates, shared)
-    contents = _render_sheets(fingers, forms, data)
+    failed = [made.parts.design.name for made in forms if not made.parts.passed]
+    contents = _render_sheets(fingers, data, board_design, _list_files(prints, board, folder), failed)
     if board_design:
         contents[BOARD_DESIGN] = to_toml(board_design, "Design of the board for all fingers.").encode()
     print_writer.write(prints.contents)
@@ -158,23 +163,32 @@ def make_set(
     return MadeSet(folder, tuple(forms), board, data)
 
 
-def _render_sheets(fingers: FingerSet, forms: Sequence[Made], data: Mapping[str, Any]) -> dict[str, bytes]:
+def _list_files(prints: PrintFiles, board: Iterable[Path], folder: Path) -> list[str]:
+    """List the files of a set that its page links to, without those of the page's own making."""
+    printed = [f"{PRINT_FOLDER}/{name}" for name in prints.contents]
+    return [*printed, *(path.relative_to(folder).as_posix() for path in board if path.suffix in _SHOWN)]
+
+
+def _render_sheets(
+    fingers: FingerSet,
+    data: Mapping[str, Any],
+    board_design: Design | None,
+    files: Sequence[str],
+    failed: Sequence[str] = (),
+) -> dict[str, bytes]:
     pages = {
         OVERVIEW: render_overview(data),
         CASTING_PLAN: render_casting_plan(data),
         PARTS_LIST: render_parts_list(data),
         ACCEPTANCE: render_set_acceptance(data),
     }
-    titles = dict(zip(("Overview", "Casting plan", "Parts list", "Acceptance"), pages.values(), strict=True))
-    pictures = {
-        form.design.name: (", ".join(form.fingers), made.parts.plot(_PICTURE_PX).png)
-        for form, made in zip(fingers.forms, forms, strict=True)
-    }
+    pictures = {form.design.name: draw_finger(form.design, _PICTURE_PX) for form in fingers.forms}
+    start = render_set_start(data, board_design)
     return {
         **{name: text.encode() for name, text in pages.items()},
         PARTS_CSV: write_parts_csv(data),
         SET_REPORT: (json.dumps(data, indent=2, allow_nan=False) + "\n").encode(),
-        PAGE: render_set_page(fingers.name, pictures, titles),
+        PAGE: render_set_page(data, pictures, start, pages.values(), [*pages, PARTS_CSV, *files], failed),
     }
 
 

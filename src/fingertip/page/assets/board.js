@@ -5,17 +5,8 @@
   if (!table || !parts.length) return;
   const lines = [...table.tBodies[0].rows].map((row) => ({ row, names: row.dataset.parts.split(' ') }));
   const lineOf = new Map(lines.flatMap((line) => line.names.map((name) => [name, line])));
-  const key = `fingertip-placed-${document.documentElement.dataset.design}`;
+  const ticks = globalThis.fingertipTicks('placed');
   let picked = [];
-
-  function recall() {
-    // A browser may refuse to store anything for a file; the boxes then last as long as the page is open.
-    try { return new Set(JSON.parse(localStorage.getItem(key)) || []); } catch { return new Set(); }
-  }
-  const placed = recall();
-  function keep() {
-    try { localStorage.setItem(key, JSON.stringify([...placed])); } catch { /* see recall */ }
-  }
 
   function mark(names, name) {
     for (const part of parts) part.classList.toggle(name, names.includes(part.dataset.part));
@@ -35,9 +26,9 @@
   }
   function count() {
     const all = lines.reduce((sum, { names }) => sum + names.length, 0);
-    const done = lines.reduce((sum, { names }) => sum + (placed.has(names[0]) ? names.length : 0), 0);
+    const done = lines.reduce((sum, { names }) => sum + (ticks.has(names[0]) ? names.length : 0), 0);
     total.textContent = `${done} of ${all} parts placed`;
-    mark(lines.filter(({ names }) => placed.has(names[0])).flatMap(({ names }) => names), 'placed');
+    mark(lines.filter(({ names }) => ticks.has(names[0])).flatMap(({ names }) => names), 'placed');
   }
 
   const controls = document.getElementById('bom-controls');
@@ -61,10 +52,8 @@
   heading.scope = 'col';
   heading.textContent = 'placed';
   table.tHead.rows[0].prepend(heading);
-  const valueAt = [...table.tHead.rows[0].cells].findIndex((cell) => cell.textContent === 'value') - 1;
   for (const line of lines) {
     const { row, names } = line;
-    row.dataset.value = row.cells[valueAt].textContent;
     const cell = row.querySelector('.references');
     line.button = document.createElement('button');
     line.button.type = 'button';
@@ -82,15 +71,13 @@
     line.button.addEventListener('blur', () => mark([], 'pointed'));
     const box = document.createElement('input');
     box.type = 'checkbox';
-    box.checked = placed.has(names[0]);
+    box.checked = ticks.has(names[0]);
     box.setAttribute('aria-label', `${names.join(', ')} placed`);
     box.addEventListener('change', () => {
-      if (box.checked) placed.add(names[0]);
-      else placed.delete(names[0]);
-      keep();
+      ticks.set(names[0], box.checked);
       count();
     });
-    row.insertCell(0).append(box);
+    Object.assign(row.insertCell(0), { className: 'tick' }).append(box);
   }
   for (const part of parts) {
     part.addEventListener('click', () => {

@@ -136,6 +136,7 @@
   const controls = new THREE.OrbitControls(camera, canvas);
   controls.enableDamping = false;
   controls.enableZoom = false; // the wheel scrolls the page until the view is used
+  canvas.style.touchAction = 'pan-y'; // and so does a finger
 
   const plane = new THREE.Plane(new THREE.Vector3(-1, 0, 0), 0);
   const stencil = (side, operation) => new THREE.MeshBasicMaterial({
@@ -240,7 +241,7 @@
   // Centre what is shown and make it fill the view, seen from the direction of the camera or from another one.
   function fit(direction) {
     const corners = shownCorners();
-    if (!corners.length) return;
+    if (!corners.length || !canvas.clientHeight) return; // nothing is shown, or the view's tab is not
     const away = direction
       ? new THREE.Vector3(...direction).normalize()
       : camera.position.clone().sub(controls.target).normalize();
@@ -382,7 +383,11 @@
     act();
   });
   canvas.addEventListener('pointerdown', () => { controls.enableZoom = true; canvas.focus({ preventScroll: true }); });
-  canvas.addEventListener('blur', () => { controls.enableZoom = false; });
+  canvas.addEventListener('click', () => { canvas.style.touchAction = 'none'; });
+  canvas.addEventListener('blur', () => {
+    controls.enableZoom = false;
+    canvas.style.touchAction = 'pan-y';
+  });
   controls.addEventListener('change', draw);
 
   // Highlighting of what a parameter moves.
@@ -399,8 +404,9 @@
       const said = [...new Set(items.filter((item) => highlighted.includes(item.name)).map((item) => item.label))];
       byId('view-status').textContent = isOff ? 'Nothing is highlighted.'
         : `${button.dataset.named ?? button.textContent.trim()} shapes: ${said.join(', ')}.`;
-      const { bottom } = canvas.getBoundingClientRect();
-      if (bottom < 80) canvas.scrollIntoView({ block: 'start' });
+      const { bottom, height } = canvas.getBoundingClientRect();
+      if (!height && !isOff) location.hash = '#model'; // the view stands in another tab
+      else if (bottom < 80) canvas.scrollIntoView({ block: 'start' });
     });
   }
 
@@ -443,7 +449,9 @@
     width = clientWidth;
     fit(isFirst ? DIRECTIONS.slanted : undefined);
   }).observe(canvas);
-  show(PRESETS.opened.has);
+  const first = PRESETS[presets.find((button) => button.getAttribute('aria-pressed') === 'true').dataset.preset];
+  byId('apart').value = String(first.apart);
+  show(first.has);
   place();
   paint();
 

@@ -1,15 +1,21 @@
-"""Registry of the scenes, and the pictures of a procedure."""
+"""Registry of the scenes, the pictures of a procedure, and a picture of the finished finger."""
 
 from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
 
+import numpy as np
+from PIL import Image
+
+from fingertip.cad.shapes.insert import cavity_outline
 from fingertip.design import Design
+from fingertip.design.geometry.solids import cylinder, intersection
 from fingertip.foundation.progress import Work
+from fingertip.pictures.raster import Canvas, bounds, to_png
 from fingertip.pictures.steps import filling_scenes, mold_scenes, sensor_scenes
 from fingertip.pictures.steps.objects import Bench
-from fingertip.pictures.steps.scene import Data, Scene, draw_scene
+from fingertip.pictures.steps.scene import Data, Paint, Scene, View, draw_scene
 
 SCENES: Mapping[str, Callable[[Bench, Data], Scene]] = {
     name.rstrip("_"): scene
@@ -30,3 +36,25 @@ def draw_steps(
         work.advance((number - 1) / len(names))
         pictures[f"{number:02}-{name}.png"] = draw_scene(SCENES[name](bench, data))
     return pictures
+
+
+_EDGE_PX = 4
+"""Distance of the finished finger from the edge of its picture."""
+
+
+def draw_finger(design: Design, width_px: int = 640) -> bytes:
+    """Draw the finished finger, its skin patched, from the back and below from the palm, on a clear ground."""
+    bench = Bench(design)
+    shown = [*bench.assembled_bone(), bench.part("skin")]
+    if chaplet := bench.dims.chaplet:
+        hole = cylinder("y", (chaplet.z, 0.0), chaplet.facet_y, bench.layout.dorsal_height, chaplet.radius)
+        shown.append(bench.solid(intersection(hole, cavity_outline(design)), Paint.SILICONE))
+    views = []
+    for camera in (View.DORSAL, View.PALMAR):
+        centre, size = bounds([item.mesh for item in shown], camera)
+        scale = (width_px - 2 * _EDGE_PX) / float(size[0])
+        canvas = Canvas(width_px, int(size[1] * scale) + 2 * _EDGE_PX, scale, camera)
+        for item in shown:
+            canvas.draw(item.mesh, item.colour, centre)
+        views.append(np.dstack([canvas.image(), canvas.cover()]))
+    return to_png(Image.fromarray(np.concatenate(views)))

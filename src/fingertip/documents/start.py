@@ -1,0 +1,97 @@
+"""First screen of a page in plain words: what a finger or a set is, what it takes, and the next three steps.
+
+Every figure is that of the sheets: it comes from the report, from the data of a set, or from the function that the
+board's README asks.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Mapping, Sequence
+from typing import Any
+
+from fingertip.board.analysis.board_values import board_values
+from fingertip.board.circuits.board_circuit import board_circuit
+from fingertip.board.fabrication.bom import estimate_cost, purchased_components
+from fingertip.cad.shapes.parts import PARTS
+from fingertip.catalogues.output_files import PRINT_FOLDER
+from fingertip.catalogues.print_materials import PRINT_MATERIALS
+from fingertip.design import Design
+from fingertip.documents.template import lay_out_page, render
+
+_HARDER = {"bone.safety_factor.shock": "Keep harder knocks off.", "bone.safety_factor.grip": "Do not grip that hard."}
+"""Check that warns of a force -> what a user must know besides."""
+
+
+def render_start(
+    design: Design,
+    report: Mapping[str, Any],
+    size_mm: Sequence[float],
+    files: Collection[str],
+    steps: int,
+    verdict: str,
+) -> str:
+    """Render the first screen of a design; `files` are the paths that it may name, `steps` the number to cast."""
+    printed = {
+        name: part["volume_mm3"] / 1000.0 for name, part in report.get("parts", {}).items() if PARTS[name].is_printed
+    }
+    finger, mold = ([name for name in printed if PARTS[name].is_in_finger == kept] for kept in (True, False))
+    plates = {path: found["parts"] for path, found in report.get(PRINT_FOLDER, {}).items() if path.endswith(".3mf")}
+    casting = report.get("casting")
+    page = render(
+        "start.md",
+        skin=design.skin,
+        size_mm=[f"{size:.0f}" for size in size_mm],
+        material=PRINT_MATERIALS[design.strength.print_material],
+        filament=PRINT_MATERIALS["petg"],
+        finger_parts=finger,
+        finger_cm3=sum(printed[name] for name in finger),
+        mold_cm3=sum(printed[name] for name in mold),
+        plates={path: parts for path, parts in plates.items() if path in files},
+        casting=casting,
+        waits=_count_waits(casting["plan"]) if casting else {},
+        warnings=_tell_warnings(report),
+        files=files,
+        steps=steps,
+        verdict=verdict,
+        **_board_data(design),
+    )
+    return lay_out_page(page)
+
+
+def render_set_start(data: Mapping[str, Any], board_design: Design | None) -> str:
+    """Render the first screen of a set, with the board of all its fingers if there is one."""
+    board = _board_data(board_design) if board_design else {"cost_usd": None, "components": 0}
+    page = render("finger_set/start.md", **data, waits=_count_waits(data["calendar"]), **board)
+    return lay_out_page(page)
+
+
+def render_basis_table(design: Design) -> str:
+    """Render where each kind of figure of a page comes from, as a table."""
+    printer, curve = design.printer, design.force_curve
+    is_calibrated = printer.offset_mm != 0.0 or printer.scale_percent != 100.0
+    page = render(
+        "basis.md", printer=printer, is_calibrated=is_calibrated, is_weighed=curve.curve == "calibrated",
+        sensor=curve.describe(),
+    )  # fmt: skip
+    return lay_out_page(page)
+
+
+def _board_data(design: Design) -> dict[str, Any]:
+    circuit = board_circuit(board_values(design), design.board.channels)
+    return {"cost_usd": estimate_cost(circuit), "components": len(purchased_components(circuit))}
+
+
+def _count_waits(plan: Sequence[Mapping[str, Any]]) -> dict[str, int]:
+    """Count the waits of a plan, the most frequent first."""
+    return dict(Counter(stage["wait"] for stage in plan if stage["wait"]).most_common())
+
+
+def _tell_warnings(report: Mapping[str, Any]) -> list[str]:
+    """Tell what the checks warn of, without names of parameters and places on the bone."""
+    told = []
+    for check in report["checks"]:
+        if check["passed"] and (warning := check.get("warning")):
+            said = warning.partition(", below strength.")[0].partition("; ")[0].rstrip(".")
+            told.append(f"{said[0].upper()}{said[1:]}. {_HARDER.get(check['name'], '')}".rstrip())
+    return told

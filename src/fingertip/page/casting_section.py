@@ -16,7 +16,7 @@ from fingertip.catalogues.output_files import (
 from fingertip.design import Design
 from fingertip.design.files import list_parameters
 from fingertip.documents.start import render_basis_table
-from fingertip.page.html import Markup, element, embed, figure, fold, join, note, table
+from fingertip.page.html import Markup, element, fold, join, note, table
 from fingertip.page.markdown import list_steps, render, split_sections
 from fingertip.page.parameters_and_checks import link_parameters
 from fingertip.page.sources import COMMANDS, Sources
@@ -94,21 +94,15 @@ def render_casting(sources: Sources) -> Markup:
 
 
 def render_drawing(sources: Sources) -> Markup:
-    """Render the dimensioned sheets, or say how to make them."""
-    sheets = []
-    for name, data in sources.files.items():
-        if name.startswith("drawing_") and name.endswith(".svg"):
-            part = name.removeprefix("drawing_").removesuffix(".svg").replace("_", " ")
-            title = f"drawing of the {part}"
-            picture = element("img", src=embed(data, "image/svg+xml"), alt=f"Dimensioned {title}", decoding="async")
-            drawn = figure(picture, f"{part}, from {name}", title, "wide paper")
-            sheets.append(fold(title.capitalize(), drawn))
+    """Render links to the dimensioned sheets, whose data would be a sixth of the page, or say how to make them."""
+    sheets = [name for name in sources.files if name.startswith("drawing_") and name.endswith(".svg")]
     if sheets:
-        return join(sheets)
+        listed = (element("li", element("a", name, href=sources.links.get(name))) for name in sheets)
+        return element("ul", *listed)
     return note(
         "There is no drawing of these parts yet: in the folder of this page, ", element("code", COMMANDS["drawing"]),
         " makes a sheet with all dimensions and tolerances for each printed part, and ",
-        element("code", COMMANDS["page"]), " then shows them here.",
+        element("code", COMMANDS["page"]), " then links them here.",
     )  # fmt: skip
 
 

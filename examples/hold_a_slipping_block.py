@@ -11,6 +11,7 @@ pad, times the pad's stiffness, through the resonance of the finger. What the de
 import math
 import random
 import tempfile
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import mujoco
@@ -79,8 +80,11 @@ def build_scene(design: Design, folder: str) -> tuple[mujoco.MjModel, ProfileFor
     return model, profile, Readout(design, [pad], seed=1), resonance
 
 
-def hold(with_detector: bool) -> Outcome:
-    """Close the grip, pull at the block, and tighten the grip when the detector finds slip, if it may."""
+def hold(with_detector: bool, watch: Callable[[mujoco.MjData, bool], None] = lambda data, on: None) -> Outcome:
+    """Close the grip, pull at the block, and tighten the grip when the detector finds slip, if it may.
+
+    After each step, `watch` gets what MuJoCo knows, and whether the detector is ON.
+    """
     design = Design.load("fsr400", changes=["detector.sample_rate_hz=2000"])
     with tempfile.TemporaryDirectory() as folder:
         model, profile, readout, resonance = build_scene(design, f"{folder}/robot")
@@ -101,6 +105,7 @@ def hold(with_detector: bool) -> Outcome:
         sample = readout.step(resonance.process(drive_n, load_n))
         voltages = sample.sampled_tactile_v[0], sample.sampled_output_v[0]
         on = detector.step(*map(float, voltages if readout.has_filtered else voltages[:1]))
+        watch(data, on)
         if data.time < PULL_S:
             alarms += on and data.time > HELD_S  # while the grip closes nothing is judged
             continue

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import fingertip
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.shapes.parts import parts_by_name
+from fingertip.cad.verification.verify import verify
 from tests.conftest import run_python
 
 
@@ -43,6 +48,80 @@ def test_part_as_cadquery_solid_and_trimesh() -> None:
     assert abs(cadquery.Workplane(solid).val().Volume() - mesh.volume) / mesh.volume < 0.002
     with pytest.raises(fingertip.FingertipError, match="did you mean bone"):
         fingertip.part_mesh(design, "bome")
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("name", ["fsr400", "adult_finger"])
+def test_faces_of_a_part_are_tagged_and_frames_are_places_of_cadquery(name: str) -> None:
+    import cadquery
+
+    design = fingertip.Design.load(name)
+    parts = {part: fingertip.part_workplane(design, part) for part in ("bone", "skin", "mold_palmar", "mold_dorsal")}
+    tags = {part: set(workplane.ctx.tags) for part, workplane in parts.items()}
+    assert tags == {
+        "bone": {"pocket", "post"}, "skin": {"pad"}, "mold_palmar": {"pad", "parting"}, "mold_dorsal": {"parting"},
+    }  # fmt: skip
+    places, dims = fingertip.frames(design), design.dimensions
+    assert set(places) == {"interface", "tip", "sensor"}
+    # The floor lies behind the sensor's front by sensor and film, and the pad in front of it by that of the skin.
+    thickness_mm = dims.sensor.thickness_mm + design.sensor.adhesive_thickness_mm
+    sensor = cadquery.Plane(places["sensor"])
+    local = [sensor.toLocalCoords(face.Center()) for face in parts["bone"].ctx.tags["pocket"].vals()]
+    assert all(abs(at.x) < 1e-6 and abs(at.z + thickness_mm) < 1e-3 for at in local)
+    out = sensor.toWorldCoords((0.0, 0.0, design.skin.thickness_palmar_mm))
+    assert min(face.distance(cadquery.Vertex.makeVertex(*out.toTuple())) for face in parts["skin"].faces().vals()) < 0.2
+    if design.bone.interface == "clevis":
+        return  # the middle of its post is open
+    drilled = parts["bone"].faces(tag="post").workplane().circle(0.5).cutBlind(-2.0)
+    assert drilled.val().isValid()
+    assert 0.2 < parts["bone"].val().Volume() - drilled.val().Volume() < 1.6
+
+
+def test_checks_are_those_of_the_command() -> None:
+    design = fingertip.Design()
+    assert fingertip.check(design, tolerance_mm=0.05) == tuple(
+        verify(design, parts_by_name(design), ("stl",), MeshEvaluator(0.05)).checks
+    )
+
+
+def test_a_sweep_gives_a_row_for_each_design_and_goes_on_where_it_ended(tmp_path: Path) -> None:
+    file, told = tmp_path / "mine.toml", list[str]()
+    text = 'name = "mine"\noutputs = ["q", "cutoff_3db_hz"]\n\n[axes]\n"board.cutoff_hz" = [50.0, 60.0]\n'
+    file.write_text(text, encoding="utf-8")
+    table = fingertip.run_sweep(file, {"design.board.r5_ohm": 2e5}, tmp_path / "rows", jobs=1, progress=told.append)
+    assert list(table.index) == [0, 1]
+    assert list(table["board.cutoff_hz"]) == [50.0, 60.0]
+    assert list(table["status"]) == ["ok", "ok"]
+    assert table["cutoff_3db_hz"].to_numpy() == pytest.approx([50.0, 60.0], rel=0.03)
+    assert "of 2 designs" in told[-1]
+    again = fingertip.run_sweep(file, {"design.board.r5_ohm": 2e5}, tmp_path / "rows", jobs=1)
+    assert again.equals(table)
+
+
+def test_detection_takes_arrays_and_follows_their_rate() -> None:
+    design = fingertip.Design.load(changes={"detector.sample_rate_hz": 1000})
+    trace = fingertip.simulate(design, fingertip.Trial(seed=3))
+    wanted = fingertip.detect(trace, design, "fast")
+    found = fingertip.detect(fingertip.Trace(trace.time_s, trace.voltage_v), detector="fast")
+    assert wanted.intervals
+    assert found.intervals
+    assert fingertip.detect(list(trace.voltage_v), None, "fast", rate_hz=1000).intervals == found.intervals
+    rows = np.stack([trace.time_s, trace.voltage_v], axis=1)
+    assert fingertip.detect(rows, detector="fast").intervals == found.intervals
+
+
+@pytest.mark.parametrize(
+    ("recording", "rate_hz", "told"),
+    [
+        (np.zeros(9), None, "recording: has shape (9,) and no rate; give voltages (n,) with rate_hz"),
+        (np.zeros((9, 3)), 2000.0, "has shape (9, 3) and rate_hz=2000"),
+        (np.zeros(9), -1.0, "rate_hz: -1 is no sampling rate"),
+        (np.zeros(4000), 100.0, "100.0 Hz is too small; at least 1000 Hz"),
+    ],
+)
+def test_arrays_that_are_no_recording_are_refused(recording: np.ndarray, rate_hz: float | None, told: str) -> None:
+    with pytest.raises(fingertip.FingertipError, match=re.escape(told)):
+        fingertip.detect(recording, rate_hz=rate_hz)
 
 
 HEAVY = {"cadquery", "OCP", "trimesh", "vtk", "matplotlib", "scipy", "numba", "distributed", "reportlab"}

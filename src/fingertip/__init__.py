@@ -19,18 +19,22 @@ from fingertip.foundation.version import __version__
 
 if TYPE_CHECKING:
     from fingertip.board import BoardValues, board_values
-    from fingertip.cad.convert import assembly, part_mesh, part_solid, part_trimesh
+    from fingertip.cad.convert import assembly, frames, part_mesh, part_solid, part_trimesh, part_workplane
     from fingertip.cad.report import Build
     from fingertip.design import Design
+    from fingertip.detection.arrays import detect
     from fingertip.detection.files import FileDetection, StreamDetection, detect_file, detect_stream
     from fingertip.foundation.display import Picture
     from fingertip.foundation.errors import FingertipError
     from fingertip.pictures.picture import picture
     from fingertip.sim import ManipulationFile, SceneFile, Trial, run_manipulation, run_scene, simulate
     from fingertip.sim.signal.readout import Readout
-    from fingertip.slip import Detection, SlipChain, Trace, detect, read_trace
+    from fingertip.slip import Detection, SlipChain, Trace, read_trace
+    from fingertip.sweep.table import run_sweep
     from fingertip.tasks.board import write_board
     from fingertip.tasks.build import build
+    from fingertip.tasks.check import check
+    from fingertip.tasks.coupon import write_coupon
     from fingertip.tasks.firmware import write_firmware
     from fingertip.tasks.make import Made, make
     from fingertip.tasks.robot import write_robot
@@ -54,19 +58,24 @@ _MODULES = {
     "assembly": "fingertip.cad.convert",
     "board_values": "fingertip.board",
     "build": "fingertip.tasks.build",
-    "detect": "fingertip.slip",
+    "check": "fingertip.tasks.check",
+    "detect": "fingertip.detection.arrays",
     "detect_file": "fingertip.detection.files",
     "detect_stream": "fingertip.detection.files",
+    "frames": "fingertip.cad.convert",
     "make": "fingertip.tasks.make",
     "part_mesh": "fingertip.cad.convert",
     "part_solid": "fingertip.cad.convert",
     "part_trimesh": "fingertip.cad.convert",
+    "part_workplane": "fingertip.cad.convert",
     "picture": "fingertip.pictures.picture",
     "read_trace": "fingertip.slip",
     "run_manipulation": "fingertip.sim",
     "run_scene": "fingertip.sim",
+    "run_sweep": "fingertip.sweep.table",
     "simulate": "fingertip.sim",
     "write_board": "fingertip.tasks.board",
+    "write_coupon": "fingertip.tasks.coupon",
     "write_firmware": "fingertip.tasks.firmware",
     "write_robot": "fingertip.tasks.robot",
 }
@@ -92,19 +101,24 @@ __all__ = [
     "assembly",
     "board_values",
     "build",
+    "check",
     "detect",
     "detect_file",
     "detect_stream",
+    "frames",
     "make",
     "part_mesh",
     "part_solid",
     "part_trimesh",
+    "part_workplane",
     "picture",
     "read_trace",
     "run_manipulation",
     "run_scene",
+    "run_sweep",
     "simulate",
     "write_board",
+    "write_coupon",
     "write_firmware",
     "write_robot",
 ]

@@ -8,16 +8,22 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
+from fingertip.cad.shapes.frames import find_frames
 from fingertip.cad.shapes.parts import hardware, parts_by_name
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Solid
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation import extras
 from fingertip.foundation.errors import DesignError, Issue
+from fingertip.pad.form import PadForm
 
 if TYPE_CHECKING:
     import cadquery
     import trimesh
+
+
+_ALONG, _NEAR_MM, _POCKET_MM = 0.999, 0.02, 0.3
+"""Component of a normal along an axis, distance from a place, and depth of the pocket besides the sensor's."""
 
 
 def part_solid(design: Design, name: str) -> cadquery.Solid:
@@ -35,6 +41,55 @@ def part_solid(design: Design, name: str) -> cadquery.Solid:
     from fingertip.cad.kernel import brep  # noqa: PLC0415
 
     return brep.BrepEvaluator().solid(solid)
+
+
+def part_workplane(design: Design, name: str) -> cadquery.Workplane:
+    """Build a part as a `cadquery.Workplane` with tagged faces, such as `bone.faces(tag="post").workplane()`.
+
+    The tag "pad" is on the skin over the sensor, or on what shapes it; "pocket" on the floor that the sensor lies on;
+    "post" on the proximal end of the bone; "parting" on the parting plane of a mold half. Raises as `part_solid`.
+    """
+    solid, form, dims = part_solid(design, name), PadForm.of_design(design), design.dimensions
+    import cadquery  # noqa: PLC0415
+
+    over_sensor = cadquery.Vertex.makeVertex(0.0, -form.platform_mm - form.over_sensor_mm, form.sensor_z_mm)
+    level = [face for face in solid.Faces() if face.geomType() == "PLANE"]
+    below_mm = [
+        (face.Center().y, face)
+        for face in level
+        if face.normalAt().y < -_ALONG and abs(face.Center().z - dims.sensor_z) < dims.sensor.head_diameter_mm / 2
+        and form.platform_mm + face.Center().y < dims.sensor.thickness_mm + _POCKET_MM and name == "bone"
+    ]  # fmt: skip
+    floor = max((y for y, _ in below_mm), default=0.0)
+    tagged = {
+        "pad": [face for face in solid.Faces() if face.distance(over_sensor) < _NEAR_MM],
+        "pocket": [face for y, face in below_mm if y > floor - _NEAR_MM],
+        "post": [
+            face for face in level
+            if name == "bone" and abs(face.Center().z - solid.BoundingBox().zmin) < _NEAR_MM
+        ],
+        "parting": [
+            face for face in level
+            if name.startswith("mold") and abs(face.normalAt().y) > _ALONG and abs(face.Center().y) < _NEAR_MM
+        ],
+    }  # fmt: skip
+    workplane = cadquery.Workplane(solid)
+    for tag, faces in tagged.items():
+        if faces:
+            workplane.newObject(faces).tag(tag)
+    return workplane
+
+
+def frames(design: Design) -> dict[str, cadquery.Location]:
+    """Locate the interface to the hand, the tip and the sensor, whose z axis points out of the pad and y to the tip."""
+    extras.require("frames", "cadquery")
+    import cadquery  # noqa: PLC0415
+
+    across, outward = (1.0, 0.0, 0.0), {"sensor": (0.0, -1.0, 0.0)}
+    return {
+        name: cadquery.Location(cadquery.Plane(at, across, outward.get(name, (0.0, 0.0, 1.0))))
+        for name, at in find_frames(design).items()
+    }
 
 
 def part_mesh(design: Design, name: str, tolerance_mm: float = 0.01) -> Mesh:

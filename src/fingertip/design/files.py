@@ -29,15 +29,28 @@ class LoadedTables:
     """Names of the changed parameters, such as "mold.draft_deg"."""
 
 
+Changes = Iterable[str] | Mapping[str, Any]
+"""Changes of parameters: texts such as "mold.draft_deg=2", or {"mold.draft_deg": 2}."""
+
+
+def list_changes(changes: Changes) -> Sequence[str]:
+    """List changes as texts. Raises DesignError if they are one."""
+    import tomlkit  # noqa: PLC0415
+
+    if isinstance(changes, str):
+        raise DesignError(Issue("changes", f"{changes!r} is a single text; give a list, such as {[changes]!r}."))
+    if isinstance(changes, Mapping):
+        return [f"{name}={tomlkit.item(value).as_string()}" for name, value in changes.items()]
+    return list(changes)
+
+
 def load_tables(
-    files: Iterable[str | Path], changes: Iterable[str], kind: FileKind = DESIGN, below: Path | None = None
+    files: Iterable[str | Path], changes: Changes, kind: FileKind = DESIGN, below: Path | None = None
 ) -> LoadedTables:
     """Merge TOML files, then changes of the form `table.key=value`; later values win. Raises DesignError.
 
     Files that another file names are read `below` its folder (see `read_input`).
     """
-    if isinstance(changes, str):
-        raise DesignError(Issue("changes", f"{changes!r} is a single text; give a list, such as {[changes]!r}."))
     before: dict[str, Any] = {}
     parsed: list[dict[str, Any]] = []
     issues: list[Issue] = []
@@ -46,7 +59,7 @@ def load_tables(
             _merge(before, read_file(find_file(file, kind), kind, below))
         except FingertipError as error:
             issues.extend(error.issues)
-    for change in changes:
+    for change in list_changes(changes):
         try:
             parsed.append(parse_change(change))
         except DesignError as error:

@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from fingertip.catalogues.bundled import find_file
 from fingertip.catalogues.controllers import NAMES
 from fingertip.catalogues.file_kinds import DESIGN, SET, identify_kind, read_file
-from fingertip.design.files import load_tables
+from fingertip.design.files import list_changes, load_tables
 from fingertip.design.model import Design
 from fingertip.design.new_design import find_hand
 from fingertip.design.parameters.declaration import issues_from_pydantic
@@ -124,16 +124,14 @@ def _find_beside(path: Path, field: str, given: str) -> Path | None:
 
 
 def _load_finger(path: Path, table: Mapping[str, Any], hand: Mapping[str, Any], changes: Sequence[str]) -> Design:
-    import tomlkit  # noqa: PLC0415
-
     base = table.get("design")
     if not isinstance(base, str):
         raise DesignError(Issue("design", "is missing; name a design, such as design = 'adult_finger'."))
     beside = _find_beside(path, "design", base)
     own = {name: value for name, value in table.items() if name != "design"}
     values = (*_list_values(hand), *_list_values(own))  # a finger may differ from the hand in one value
-    typed = [f"{name}={tomlkit.item(value).as_string()}" for name, value in values]
-    loaded = load_tables([beside or base], [*typed, *changes], below=path.parent if beside else None)
+    typed = [*list_changes(dict(values)), *changes]
+    loaded = load_tables([beside or base], typed, below=path.parent if beside else None)
     return Design.from_tables(loaded.tables, loaded.before, loaded.changed)
 
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from pydantic import ValidationError
 
 from fingertip.design.all_rules import RULES
-from fingertip.design.files import list_parameters, load_tables
+from fingertip.design.files import Changes, list_parameters, load_tables
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import issues_from_pydantic
@@ -39,8 +39,10 @@ class Design(DesignTables):
         self._validate(tables)
 
     @classmethod
-    def load(cls, *files: str | Path, changes: Iterable[str] = ()) -> Self:
-        """Read a design: the defaults, then each file, then changes such as "mold.draft_deg=2"; later values win.
+    def load(cls, *files: str | Path, changes: Changes = ()) -> Self:
+        """Read a design: the defaults, then each file, then changes; later values win.
+
+        A change is a text such as "mold.draft_deg=2"; a mapping such as {"mold.draft_deg": 2} holds several.
 
         Raises
         ------

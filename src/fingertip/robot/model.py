@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
+from fingertip.cad.shapes.frames import find_frames
 from fingertip.cad.shapes.parts import hardware, parts_by_name
 from fingertip.catalogues.hardware import STEEL_G_CM3
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
@@ -97,17 +98,17 @@ def build_finger(design: Design) -> FingerModel:
         half = bolt["crossed_mm"] / 2
         solids.append(("cross_bolt", cylinder("x", at, -half, half, bolt["thread_mm"] / 2), STEEL_G_CM3, _STEEL))
     bodies = tuple(Body(name, evaluator.mesh(solid), density, colour) for name, solid, density, colour in solids)
-    joint, (pieces, error_mm) = dims.joint, cut_skin(design)
-    y, z = (joint.axis_y, joint.axis_z) if joint else (middle_y(dims), -design.bone.base_length_mm)
+    joint, (pieces, error_mm), frames = dims.joint, cut_skin(design), find_frames(design)
+    (_, y, z) = frames["interface"]
 
-    def place(y_mm: float, z_mm: float) -> Point3:
-        return 0.0, 1e-3 * (y_mm - y), 1e-3 * (z_mm - z)
+    def place(at_mm: Point3) -> Point3:
+        return 0.0, 1e-3 * (at_mm[1] - y), 1e-3 * (at_mm[2] - z)
 
-    tip, offset = place(0.0, design.skin.length_mm), place(0.0, 0.0)
+    tip, offset = place(frames["tip"]), place((0.0, 0.0, 0.0))
     return FingerModel(
         design.name, bodies, measure_inertia(bodies, offset), offset, joint is not None,
         joint.travel_deg if joint else 0.0, tip[2] * design.strength.grip_force_n, tip,
-        place(-dims.platform_depth, dims.sensor_z),
+        place(frames["sensor"]),
         5e-4 * dims.sensor.active_diameter_mm, 1e-3 * design.skin.thickness_palmar_mm, pieces, error_mm,
         fit_contact(design), mesh_active_area(PadForm.of_design(design)),
     )  # fmt: skip

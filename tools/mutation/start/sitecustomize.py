@@ -23,8 +23,8 @@ from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
 from types import CodeType, ModuleType
 from typing import Any
 
-LOOPS = "CompiledLoop"
-"""Word in the source of modules that numba compiles: it cannot compile what a hook adds, so they record nothing."""
+LOOPS = ("CompiledLoop", "compile_for_process")
+"""Words in the source of modules that numba compiles: it cannot compile what a hook adds, so they record nothing."""
 
 
 def number_blocks(tree: ast.Module) -> list[list[ast.stmt]]:

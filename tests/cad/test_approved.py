@@ -180,7 +180,7 @@ def test_values_of_checks_are_the_approved_ones(name: str) -> None:
 def test_catalogues_are_the_approved_ones() -> None:
     """Each figure is entered a second time, from the document that its entry names."""
     entries = [
-        *silicones.SILICONES.values(), *sensors.CATALOGUE.values(), *amplifiers.CATALOGUE.values(),
+        *silicones.load_silicones().values(), *sensors.CATALOGUE.values(), *amplifiers.CATALOGUE.values(),
         *print_materials.PRINT_MATERIALS.values(), *BOARDS, *THREADS, *SYRINGES.values(),
     ]  # fmt: skip
     needles = [f"needle for {hole} mm: {render(find_needle(hole))}" for hole in (0.9, 1.1, 1.3, 1.6, 2.0, 2.4)]

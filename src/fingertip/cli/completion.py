@@ -6,9 +6,9 @@ At the tab key the shell starts the program with the line before the cursor, and
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import Any
+from typing import Any, get_args
 
-from fingertip.catalogues.silicones import SILICONES
+from fingertip.catalogues.silicones import SiliconeName
 
 VARIABLE = "_FINGERTIP_COMPLETE"
 """Environment variable by which a shell asks for completions."""
@@ -132,7 +132,7 @@ COMPLETIONS = {
     "preset": _words(*(f"{age}_{digit}" for age in ("adult", "child", "youth") for digit in ("finger", "thumb"))),
     "formats": _words("stl", "3mf", "step", "stl,3mf", "stl,3mf,step"),
     "parts": _words("bone", "skin", "mold_palmar", "mold_dorsal", "lid", "core", "sensor_insert", "insert_jig"),
-    "material": _words(*SILICONES, "own"),
+    "material": _words(*get_args(SiliconeName), "own"),
     "detector": _words("digital", "analog", "fft", "fast", "incipient"),
     "grip": _words("fast", "incipient", "digital", "analog"),
     "surface": _files("SURFACE"),

@@ -20,7 +20,7 @@ from pydantic.fields import FieldInfo
 
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.catalogues.bundled import list_bundled_files
-from fingertip.catalogues.controllers import BOARDS, NAMES
+from fingertip.catalogues.controllers import NAMES, load_controllers
 from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE
 from fingertip.design import Design
 from fingertip.design.files import to_toml
@@ -169,7 +169,7 @@ class _Drawing:
             "design": lambda: self.words,
             "detect": lambda: ["detect", self.trace, "--design", self._write_design(), "--json", "--detector",
                                rng.choice(DETECTORS)],
-            "controller": lambda: [rng.choice(BOARDS).key],
+            "controller": lambda: [rng.choice(load_controllers()).key],
             "detector": lambda: [rng.choice(DETECTORS)],
             "figure": lambda: [rng.choice(("b.png", "b.svg"))],
             "fingers": lambda: [str(rng.randint(1, len(NAMES)))],

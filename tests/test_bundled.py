@@ -124,10 +124,17 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.full
 def test_the_wheel_holds_every_bundled_file(wheel: Path) -> None:
+    package = ROOT / "src/fingertip"
     with zipfile.ZipFile(wheel) as archive:
-        held = {name: archive.read(name) for name in archive.namelist() if name.startswith("fingertip/params/")}
-    files = [path for path in sorted(PARAMS.rglob("*")) if path.suffix in (".toml", ".json")]
-    assert held == {f"fingertip/params/{path.relative_to(PARAMS).as_posix()}": path.read_bytes() for path in files}
+        held = {name: archive.read(name) for name in archive.namelist() if name.startswith("fingertip/")}
+    files = {
+        f"fingertip/{path.relative_to(package).as_posix()}": path.read_bytes()
+        for path in package.rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts
+    }
+    bundled = (path for path in PARAMS.rglob("*") if path.suffix in (".toml", ".json"))
+    files |= {f"fingertip/params/{path.relative_to(PARAMS).as_posix()}": path.read_bytes() for path in bundled}
+    assert held == files
 
 
 @pytest.mark.full

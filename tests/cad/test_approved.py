@@ -23,7 +23,7 @@ from fingertip.cad.verification.check import list_causes, list_warnings
 from fingertip.casting.hardware import size_wires
 from fingertip.casting.quantities import measure_volumes, pose_tolerance_deg, skin_pull_off_n
 from fingertip.catalogues import amplifiers, print_materials, sensors, silicones
-from fingertip.catalogues.controllers import BOARDS
+from fingertip.catalogues.controllers import load_controllers
 from fingertip.catalogues.hardware import SYRINGES, THREADS, find_needle
 from fingertip.design import Design
 from fingertip.design.geometry.seat import list_contacts, tape_span_mm
@@ -180,8 +180,8 @@ def test_values_of_checks_are_the_approved_ones(name: str) -> None:
 def test_catalogues_are_the_approved_ones() -> None:
     """Each figure is entered a second time, from the document that its entry names."""
     entries = [
-        *silicones.SILICONES.values(), *sensors.CATALOGUE.values(), *amplifiers.CATALOGUE.values(),
-        *print_materials.PRINT_MATERIALS.values(), *BOARDS, *THREADS, *SYRINGES.values(),
+        *silicones.load_silicones().values(), *sensors.CATALOGUE.values(), *amplifiers.CATALOGUE.values(),
+        *print_materials.PRINT_MATERIALS.values(), *load_controllers(), *THREADS, *SYRINGES.values(),
     ]  # fmt: skip
     needles = [f"needle for {hole} mm: {render(find_needle(hole))}" for hole in (0.9, 1.1, 1.3, 1.6, 2.0, 2.4)]
     check_figures(APPROVED / "catalogues.txt", [*map(render, entries), *needles], 0.0, 0.0)

@@ -15,11 +15,14 @@ from fingertip.casting.quantities import (
     parts_by_weight,
     split_by_mix_ratio,
 )
-from fingertip.catalogues.silicones import SILICONES, SOURCES, MaterialProperty, Silicone, SiliconeName
+from fingertip.catalogues.silicones import MaterialProperty, Silicone, SiliconeName, load_silicones, load_sources
 from fingertip.design import Design
 from fingertip.design.parameters import ChosenSilicone
 from fingertip.design.parameters.finger import OWN
 from fingertip.foundation.errors import DesignError
+
+SILICONES = load_silicones()
+SOURCES = load_sources()
 
 PSI_MPA = 0.00689476
 UNREAD = {"", "common", "trade", "recalled"}

@@ -25,11 +25,13 @@ from fingertip.casting.quantities import (
     volumes_data,
 )
 from fingertip.catalogues.hardware import select_thread
-from fingertip.catalogues.silicones import SILICONES
+from fingertip.catalogues.silicones import load_silicones
 from fingertip.design import Design
 from fingertip.design.geometry.solids import difference, intersection, union
 from fingertip.filling.mold_filling import injected_cm3, predict_mold_filling
 from tests.conftest import design_file
+
+SILICONES = load_silicones()
 
 
 def load(name: str, *changes: str) -> Design:

@@ -19,7 +19,7 @@ from fingertip.cad.report import Build
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.casting.consumables import flat_width_mm
 from fingertip.casting.quantities import SiliconeVolumes, pose_tolerance_deg
-from fingertip.catalogues.silicones import SILICONES
+from fingertip.catalogues.silicones import load_silicones
 from fingertip.design import Design
 from fingertip.design.new_design import PRESETS
 from fingertip.documents.acceptance import acceptance_data, render_acceptance
@@ -31,6 +31,8 @@ from fingertip.tasks.build import build
 from tests.conftest import DESIGNS, design_file, run_fingertip
 from tests.drawing.test_printed_sizes import calibrated
 from tests.tools import require_tool
+
+SILICONES = load_silicones()
 
 FSR400 = design_file("fsr400")
 SOCKET = ("bone.interface=socket", "bone.base_length_mm=32")

@@ -12,7 +12,7 @@ import typer.main
 
 from fingertip.cli import app
 from fingertip.cli.console import fit_width
-from fingertip.cli.help_page import EXAMPLES, MAX_WIDTH
+from fingertip.cli.help_page import MAX_WIDTH, load_examples
 from tests.conftest import run_fingertip
 
 ROOT_COMMAND: Any = typer.main.get_command(app)
@@ -29,7 +29,7 @@ COMMANDS = dict(commands())
 
 
 def test_help_pages_fit_and_show_every_option_and_examples() -> None:
-    assert set(EXAMPLES) == {"", *COMMANDS}
+    assert set(load_examples()) == {"", *COMMANDS}
     wrong = []
     for name, command in {"": ROOT_COMMAND, **COMMANDS}.items():
         done = run_fingertip(*name.split(), "--help")
@@ -46,7 +46,7 @@ def test_help_pages_fit_and_show_every_option_and_examples() -> None:
 def test_examples_are_understood() -> None:
     """Every word of an example is a command, an option or a value; tests/test_readme.py runs most of them."""
     wrong = []
-    for example in (example for group in EXAMPLES.values() for example in group):
+    for example in (example for group in load_examples().values() for example in group):
         program, *words = shlex.split(example)
         group: Any = ROOT_COMMAND
         name = ""

@@ -20,7 +20,7 @@ from fingertip.cad.printing.settings import PLATE_KINDS
 from fingertip.cad.printing.slicer import PrintEstimate
 from fingertip.casting.quantities import SiliconeVolumes
 from fingertip.catalogues.output_files import COUPON_READINGS
-from fingertip.catalogues.silicones import SILICONES, MaterialProperty, Silicone
+from fingertip.catalogues.silicones import MaterialProperty, Silicone, load_silicones
 from fingertip.design import Design
 from fingertip.design.finger_set import load_set
 from fingertip.documents.acceptance import acceptance_data, render_acceptance
@@ -33,6 +33,8 @@ from fingertip.firmware.fingers import plan_fingers
 from fingertip.robot.model import build_finger
 from tests.approved import check_text
 from tests.conftest import ROOT, design_file
+
+SILICONES = load_silicones()
 
 APPROVED = Path(__file__).parent / "approved"
 TEMPLATES = ROOT / "src/fingertip/documents"

@@ -10,7 +10,7 @@ import pytest
 
 from fingertip.board.bringup.wiring import SKETCH_PINS
 from fingertip.board.components.bridge import POWER_UP_S
-from fingertip.catalogues.controllers import BOARDS
+from fingertip.catalogues.controllers import load_controllers
 from fingertip.catalogues.output_files import BUFFER, TIMER
 from fingertip.design import Design
 from fingertip.design.files import load_tables
@@ -61,7 +61,7 @@ def test_controllers_and_ports_of_the_readme_stand_in_the_manual() -> None:
     manual = (ROOT / "docs/firmware.md").read_text(encoding="utf-8")
     assert all(table in manual for table in tables)
     timers = firmware_files(Design.load("fsr400"))["src"][TIMER].decode()
-    for board in BOARDS:
+    for board in load_controllers():
         core = {"Teensy": "TEENSYDUINO", "STM32": "STM32", "Arduino UNO": "RENESAS", "Raspberry": "RP2040"}
         known = any(board.name.startswith(name) and macro in timers for name, macro in core.items())
         assert known == (board.timer == "yes"), board.name

@@ -26,7 +26,7 @@ from fingertip.lab.campaign.run import TrialResult
 from fingertip.sweep import compute
 from fingertip.sweep.compute import PointContext
 from fingertip.sweep.designs import CachedEvaluator, DesignBuilder, LruCache
-from fingertip.sweep.outputs import GROUPS, OUTPUTS
+from fingertip.sweep.outputs import GROUPS, load_outputs
 from fingertip.sweep.point_evaluator import PointEvaluator
 from tests.approved import check_figures
 from tests.sweep.examples import make_plan
@@ -314,7 +314,7 @@ def test_an_error_of_a_point_is_its_reason(monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_errors_of_the_time_step_cost_nothing_unless_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     calls = count_group_calls(monkeypatch)
-    errors = [name for name in OUTPUTS if name.startswith("simulation.")]
+    errors = [name for name in load_outputs() if name.startswith("simulation.")]
     axes = {"scene.mount.mass_kg": [0.035]}
     plan = make_plan(outputs=["found_share"], trials=1, scene=SHORT_SLIDE, axes=axes)
     PointEvaluator(plan).evaluate(0, plan.point(0))
@@ -332,7 +332,7 @@ def test_errors_of_the_time_step_cost_nothing_unless_asked_for(monkeypatch: pyte
 
 
 def list_outputs(group: str) -> list[str]:
-    return [output.name for output in OUTPUTS.values() if output.group == group]
+    return [output.name for output in load_outputs().values() if output.group == group]
 
 
 @pytest.mark.parametrize(

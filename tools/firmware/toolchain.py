@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.catalogues.controllers import BOARDS, NAMES
+from fingertip.catalogues.controllers import NAMES, load_controllers
 from fingertip.design import Design
 from fingertip.firmware.fingers import ONE_FINGER, Fingers
 from fingertip.firmware.sources import GRIP_SOURCE, SOURCE, library_sources
@@ -66,7 +66,7 @@ class TargetRun:
     """Bytes of stack that the deepest step used, by the pattern that it left."""
 
 
-FIVE = Fingers(NAMES, tuple((f"A{2 * i}", f"A{2 * i + 1}") for i in range(len(NAMES))), BOARDS[0])
+FIVE = Fingers(NAMES, tuple((f"A{2 * i}", f"A{2 * i + 1}") for i in range(len(NAMES))), load_controllers()[0])
 """Fingers of a hand."""
 
 

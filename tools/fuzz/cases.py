@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from hypothesis import strategies as st
 
-from fingertip.catalogues.controllers import BOARDS
+from fingertip.catalogues.controllers import load_controllers
 from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, SWEEP
 from fingertip.design import Design
 from fingertip.sim import ManipulationFile, SceneFile
@@ -180,7 +180,7 @@ def reading_cases(draw: st.DrawFn) -> Case:
 
 _HANDS = {
     "--fingers": ("5", "thumb,index", "a,a", "6", "0", "2.5", *ODD_TEXTS, *ODD_NUMBERS),
-    "--controller": (*(board.key for board in BOARDS), *ODD_TEXTS),
+    "--controller": (*(board.key for board in load_controllers()), *ODD_TEXTS),
     "--inputs": ("A0,A1", "A0,A1,A2,A3", "A0,A0", "PA0,PA1", "A0", ",", *ODD_TEXTS, *ODD_NUMBERS),
 }
 

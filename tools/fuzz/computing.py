@@ -20,7 +20,7 @@ from pydantic.fields import FieldInfo
 
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.catalogues.bundled import list_bundled_files
-from fingertip.catalogues.controllers import BOARDS, NAMES
+from fingertip.catalogues.controllers import NAMES, load_controllers
 from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE
 from fingertip.design import Design
 from fingertip.design.files import to_toml
@@ -30,7 +30,7 @@ from fingertip.design.parameters.declaration import find_bounds, list_choices
 from fingertip.foundation.errors import FingertipError
 from fingertip.foundation.validation import raise_issues
 from fingertip.sim import ManipulationFile, SceneFile, Simulation, load_simulation
-from fingertip.sweep.outputs import OUTPUTS
+from fingertip.sweep.outputs import load_outputs
 from tools.fuzz.cases import Case
 from tools.fuzz.remedies import as_changes
 from tools.fuzz.values import list_parameters, write_text
@@ -169,7 +169,7 @@ class _Drawing:
             "design": lambda: self.words,
             "detect": lambda: ["detect", self.trace, "--design", self._write_design(), "--json", "--detector",
                                rng.choice(DETECTORS)],
-            "controller": lambda: [rng.choice(BOARDS).key],
+            "controller": lambda: [rng.choice(load_controllers()).key],
             "detector": lambda: [rng.choice(DETECTORS)],
             "figure": lambda: [rng.choice(("b.png", "b.svg"))],
             "fingers": lambda: [str(rng.randint(1, len(NAMES)))],
@@ -219,7 +219,7 @@ class _Drawing:
         rng = self.rng
         name = rng.choice([name for name, info in sorted(PARAMETERS.items()) if info.annotation in (int, float)])
         values = sorted({draw_value(rng, PARAMETERS[name]) for _ in range(2)}, key=str)
-        outputs = rng.sample(sorted(OUTPUTS), rng.randint(1, 3))
+        outputs = rng.sample(sorted(load_outputs()), rng.randint(1, 3))
         lines = [f'design = "{self._write_design()}"', f"outputs = {json.dumps(outputs)}", "tolerance_mm = 0.2"]
         self.files["w.toml"] = "\n".join([*lines, "[axes]", f"{name} = [{', '.join(map(str, values))}]"]).encode()
         return ["w.toml"]

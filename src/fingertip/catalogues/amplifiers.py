@@ -1,4 +1,4 @@
-"""Catalogue of operational amplifiers for the board, with the source of every figure.
+"""Catalogue of operational amplifiers for the board, read from `amplifiers.csv` with the source of every figure.
 
 The catalogue is separate from circuits and rules, so that a figure can be corrected without touching one. Figures
 listed in `unverified` were recalled from the data sheet, assumed, or derived; no document of the maker was read for
@@ -15,18 +15,13 @@ import functools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import ClassVar, Literal
+
+from fingertip.foundation.tables import load_table, read_rows
 
 AmplifierName = Literal["auto", "TL082", "TLV2372", "MCP6022", "OPA2376", "OPA2197"]
 """Names that the parameter board.amplifier accepts. A test holds them and `CATALOGUE` together."""
-
-SOURCES = {
-    "TL082": "STMicroelectronics TL082B (bandwidth), Texas Instruments SLOS081 (the rest)",
-    "TLV2372": "Texas Instruments SLOS270F; bandwidth, supply and supply current also in SGLS244B",
-    "MCP6022": "Microchip DS21685D, industrial temperature grade",
-    "OPA2376": "Texas Instruments SBOS406G",
-    "OPA2197": "Texas Instruments SBOS737C",
-}
 
 
 @dataclass(frozen=True)
@@ -60,15 +55,12 @@ class Amplifier:
     """Capacitance of each input to ground [F]: common-mode and differential together."""
     unverified: tuple[str, ...]
     """Names of the figures that no document read confirms."""
+    input_from_lower_v: tuple[float, float]
+    """Distance from the lower rail that the inputs must keep [V]: typical and guaranteed."""
+    source: str
+    """Documents of the other figures."""
     units: ClassVar[Mapping[str, tuple[str, str, str]]] = {"a": ("3", "2", "1"), "b": ("5", "6", "7")}
     """Unit letter -> pins of non-inverting input, inverting input and output."""
-    input_from_lower_v: tuple[float, float] = (0.0, 0.0)
-    """Distance from the lower rail that the inputs must keep [V]: typical and guaranteed."""
-
-    @property
-    def source(self) -> str:
-        """Documents of the figures that are not `unverified`."""
-        return SOURCES[self.name]
 
     @functools.cached_property
     def second_pole_hz(self) -> float:
@@ -86,108 +78,7 @@ OPEN_LOOP_GAIN = 2e5
 
 CATALOGUE: dict[str, Amplifier] = {
     amplifier.name: amplifier
-    for amplifier in (
-        # Without a grade a TL082 may have 15 mV of offset, the grade BC 3 mV. Its current is the smallest
-        # short-circuit current of STMicroelectronics' table. Its data sheets state no input capacitance.
-        Amplifier(
-            name="TL082",
-            symbol="TL082",
-            order_name="TL082BC",
-            bandwidth_hz=4e6,
-            phase_margin_deg=45.0,
-            noise_v=18e-9,
-            offset_v=3e-3,
-            max_offset_v=3e-3,
-            drift_v_per_k=18e-6,
-            output_from_rail_v=1.5,
-            output_current_a=10e-3,
-            min_supply_v=7.0,
-            max_supply_v=36.0,
-            supply_current_a=1.4e-3,
-            input_f=8e-12,
-            unverified=("phase_margin_deg", "output_current_a", "min_supply_v", "input_f"),
-            input_from_lower_v=(3.0, 4.0),
-        ),
-        Amplifier(
-            name="TLV2372",
-            symbol="TLV2372",
-            order_name="TLV2372",
-            bandwidth_hz=3e6,
-            phase_margin_deg=65.0,
-            noise_v=39e-9,
-            offset_v=2e-3,
-            max_offset_v=4.5e-3,
-            drift_v_per_k=2e-6,
-            output_from_rail_v=0.1,
-            output_current_a=7e-3,
-            min_supply_v=2.7,
-            max_supply_v=16.0,
-            supply_current_a=0.55e-3,
-            input_f=8e-12,
-            unverified=("phase_margin_deg", "drift_v_per_k", "output_from_rail_v", "output_current_a", "input_f"),
-        ),
-        Amplifier(
-            name="MCP6022",
-            symbol="MCP6022",
-            order_name="MCP6022-I/SN",
-            bandwidth_hz=10e6,
-            phase_margin_deg=65.0,
-            noise_v=8.7e-9,
-            offset_v=0.25e-3,
-            max_offset_v=0.5e-3,
-            drift_v_per_k=3.5e-6,
-            output_from_rail_v=0.05,
-            output_current_a=15e-3,
-            min_supply_v=2.5,
-            max_supply_v=5.5,
-            supply_current_a=1e-3,
-            input_f=9e-12,
-            unverified=("phase_margin_deg", "offset_v", "output_from_rail_v", "output_current_a", "input_f"),
-        ),
-        Amplifier(
-            name="OPA2376",
-            symbol="OPA2376xxD",
-            order_name="OPA2376AID",
-            bandwidth_hz=5.5e6,
-            phase_margin_deg=60.0,
-            noise_v=7.5e-9,
-            offset_v=5e-6,
-            max_offset_v=25e-6,
-            drift_v_per_k=1e-6,
-            output_from_rail_v=0.05,
-            output_current_a=15e-3,
-            min_supply_v=2.2,
-            max_supply_v=5.5,
-            supply_current_a=0.95e-3,
-            input_f=19.5e-12,
-            unverified=(
-                "phase_margin_deg",
-                "offset_v",
-                "drift_v_per_k",
-                "output_from_rail_v",
-                "output_current_a",
-                "input_f",
-            ),
-        ),
-        Amplifier(
-            name="OPA2197",
-            symbol="LM2904",
-            order_name="OPA2197ID",
-            bandwidth_hz=10e6,
-            phase_margin_deg=60.0,
-            noise_v=5.5e-9,
-            offset_v=25e-6,
-            max_offset_v=100e-6,
-            drift_v_per_k=2.5e-6,
-            output_from_rail_v=0.1,
-            output_current_a=32e-3,
-            min_supply_v=4.5,
-            max_supply_v=36.0,
-            supply_current_a=1e-3,
-            input_f=8e-12,
-            unverified=("phase_margin_deg", "output_from_rail_v", "input_f"),
-        ),
-    )
+    for amplifier in load_table(Amplifier, read_rows(Path(__file__).with_name("amplifiers.csv")))
 }
 """Dual amplifiers by the name that `board.amplifier` gives them."""
 

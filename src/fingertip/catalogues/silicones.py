@@ -1,20 +1,24 @@
-"""Catalogue of silicones for the skin, with the source of every figure.
+"""Catalogue of silicones for the skin, read from `silicones.toml` with the source of every figure.
 
 The catalogue is separate from the formulas, so that a figure can be corrected without touching one. A figure that is
-not `verified` was not found in a document of the product or of its kind. Batches differ: the container and the data
-sheet of the product you bought are right where they differ from this catalogue.
+not `verified` was not found in a document of the product or of its kind.
 """
 
 from __future__ import annotations
 
+import functools
+import tomllib
 from dataclasses import dataclass
-from typing import Literal
+from pathlib import Path
+from typing import Any, Literal, Self, cast
+
+from fingertip.foundation.tables import load_table
 
 SiliconeName = Literal[
     "addition_40a", "condensation_40a", "smooth_sil_940", "mold_star_30", "dragon_skin_30", "elastosil_m4641",
     "sylgard_184", "ecoflex_00_30",
 ]  # fmt: skip
-"""Names of the catalogue, for the parameter silicone.product. A test holds them and `SILICONES` together."""
+"""Names of the catalogue, for the parameter silicone.product. A test holds them and `silicones.toml` together."""
 Cure = Literal["addition", "condensation"]
 """Cure system: addition (platinum) or condensation (tin). Addition cure shrinks least, but uncured resin inhibits it.
 Condensation cure is not inhibited."""
@@ -23,29 +27,6 @@ RatioBasis = Literal["weight", "volume", "weight or volume"]
 
 GENERIC: frozenset[SiliconeName] = frozenset(("addition_40a", "condensation_40a"))
 """Names that stand for a kind of silicone, not for a product."""
-
-SOURCES = {
-    "article": "Method for Automatic Slippage Detection With Tactile Sensors Embedded in Prosthetic Hands, III.B",
-    "common": "commonly stated for silicones of this hardness; no document found",
-    "trade": "trade figure for silicones of this hardness; no document found",
-    "recalled": "recalled from the maker's data sheet, which could not be read",
-    "neat": "D. Neat, Silicone rubber: usual ranges (davidneat.wordpress.com/materials/mouldmaking/silicone-rubber)",
-    "troll": "trollfactory.de/lexikon/kondensationsvernetzend",
-    "stmpro": "STMPRO X50, a condensation silicone of 30 to 32 Shore A (kb.hairquip.nz/Main/StmproX50)",
-    "psi2022": "Mechanical characterization of PDMS with different mixing ratios, Procedia Structural Integrity 2022",
-    "wang2014": "J. Appl. Polym. Sci. 2014, 131, 41050: E = 20 MPa divided by the ratio, in compression",
-    "johnston2014": "J. Micromech. Microeng. 2014, 24, 035017, abstract: cured at 25 to 200 degrees Celsius",
-    "pmc": "PMC11019708, table 2",
-    "niml": "niml.org, modulus of Sylgard for various mixing ratios: left to cure for at least two days",
-    "dragon_skin_tb": "Smooth-On, Dragon Skin Series bulletin; quoted in via-balaena/CortenForge, cf-cast/src/cure.rs",
-    "ecoflex_tb": "Smooth-On, Ecoflex Series bulletin; quoted in via-balaena/CortenForge, cf-cast/src/cure.rs",
-    "mold_star_page": "Smooth-On, page of Mold Star 30; quoted by Fab Lab Seoul Innovation, Fab Academy 2018, week 10",
-    "mold_star_tb": "Smooth-On, bulletin of Mold Star 15, 16 and 30; quoted in notes on molds in public repositories",
-    "smooth_sil_page": "Smooth-On, page of Smooth-Sil 940; quoted in notes on casting in a public repository",
-    "design": "the table [silicone] of the design file",
-    "": "no document found",
-}  # fmt: skip
-
 
 WANTED_POT_LIFE_MIN = 20.0
 """Pot life that leaves time to stir, degas, load the syringe and fill [min]. An assumption."""
@@ -60,8 +41,17 @@ class MaterialProperty:
     low: float
     high: float
     source: str
-    """Key of `SOURCES`."""
+    """Key of a source of the catalogue."""
     verified: bool = True
+
+    @classmethod
+    def parse(cls, text: str) -> Self:
+        """Parse a value or a range, its source and a mark if it is not verified: "0.7 to 2, common, unverified"."""
+        figures, *rest = text.split(", ")
+        verified = rest[-1:] != ["unverified"]
+        (source,) = rest[: None if verified else -1] or [""]
+        low, _, high = figures.partition(" to ")
+        return cls(float(low), float(high or low), source, verified)
 
     def __str__(self) -> str:
         value = f"{self.low:g}" if self.low == self.high else f"{self.low:g} to {self.high:g}"
@@ -118,132 +108,21 @@ class Silicone:
         return {name: value for name, value in vars(self).items() if isinstance(value, MaterialProperty)}
 
 
-def _unverified(low: float, high: float, source: str = "") -> MaterialProperty:
-    return MaterialProperty(low, high, source, verified=False)
+@functools.cache
+def _load() -> dict[str, Any]:
+    return tomllib.loads(Path(__file__).with_name("silicones.toml").read_text(encoding="utf-8"))
 
 
-def _single(value: float, source: str) -> MaterialProperty:
-    return MaterialProperty(value, value, source)
+def load_sources() -> dict[str, str]:
+    """Load the sources of the figures: key -> title."""
+    return cast(dict[str, str], _load()["sources"])
 
 
-# Bulletins state the stress at 100 % strain. It is the low end of a modulus here; the high end is Young's modulus of a
-# neo-Hookean rubber, which is 12/7 of it. A shrinkage stated as less than 0.1 % is the range 0 to 0.1 %.
-SILICONES: dict[str, Silicone] = {
-    silicone.name: silicone
-    for silicone in (
-        Silicone(
-            "addition_40a", "addition-cure (platinum) silicone, 40 Shore A", "addition", ("part A", "part B"), "weight",
-            parts_a=_unverified(10.0, 10.0, "common"),
-            parts_b=_unverified(1.0, 1.0, "common"),
-            viscosity_pa_s=_unverified(20.0, 35.0, "trade"),
-            density_g_cm3=_unverified(1.08, 1.08, "common"),
-            shore_a=_single(40.0, "article"),
-            modulus_mpa=_unverified(0.7, 2.0, "common"),  # upper end: Ruess, lg E = 0.0235 S - 0.6403
-            shrinkage_percent=_unverified(0.2, 0.2, "common"),
-            pot_life_min=MaterialProperty(5.0, 40.0, "neat"),
-            cure_h=MaterialProperty(2.0, 24.0, "neat"),
-            elongation_percent=_unverified(250.0, 400.0),
-        ),
-        Silicone(
-            "condensation_40a", "condensation-cure (tin) silicone, 40 Shore A", "condensation", ("base", "catalyst"),
-            "weight",
-            parts_a=_unverified(10.0, 10.0, "common"),
-            parts_b=_unverified(1.0, 1.0, "common"),
-            viscosity_pa_s=_unverified(20.0, 35.0, "trade"),
-            density_g_cm3=MaterialProperty(1.07, 1.09, "stmpro"),
-            shore_a=_single(40.0, "article"),
-            modulus_mpa=_unverified(0.7, 2.0, "common"),
-            shrinkage_percent=MaterialProperty(0.8, 1.2, "troll"),
-            pot_life_min=MaterialProperty(5.0, 40.0, "neat"),
-            cure_h=MaterialProperty(2.0, 24.0, "neat"),
-            elongation_percent=_unverified(250.0, 400.0),
-        ),
-        Silicone(
-            "smooth_sil_940", "Smooth-On Smooth-Sil 940", "addition", ("part A", "part B"), "weight",
-            parts_a=_single(10.0, "smooth_sil_page"),
-            parts_b=_single(1.0, "smooth_sil_page"),
-            viscosity_pa_s=_unverified(35.0, 35.0, "recalled"),
-            density_g_cm3=_unverified(1.18, 1.18, "recalled"),
-            shore_a=_single(40.0, "smooth_sil_page"),
-            modulus_mpa=_unverified(1.38, 2.36, "recalled"),
-            shrinkage_percent=_unverified(0.0, 0.1, "recalled"),
-            pot_life_min=_unverified(30.0, 30.0, "recalled"),
-            cure_h=_unverified(24.0, 24.0, "recalled"),
-            elongation_percent=_unverified(300.0, 300.0, "recalled"),
-            tensile_strength_mpa=_unverified(4.1, 4.1, "recalled"),
-        ),
-        Silicone(
-            "mold_star_30", "Smooth-On Mold Star 30", "addition", ("part A", "part B"), "volume",
-            parts_a=_single(1.0, "mold_star_page"),
-            parts_b=_single(1.0, "mold_star_page"),
-            viscosity_pa_s=_unverified(12.5, 12.5, "recalled"),
-            density_g_cm3=_unverified(1.12, 1.12, "recalled"),
-            shore_a=_unverified(30.0, 30.0, "recalled"),
-            modulus_mpa=_unverified(0.66, 1.13, "recalled"),
-            shrinkage_percent=MaterialProperty(0.0, 0.1, "mold_star_tb"),
-            pot_life_min=_single(45.0, "mold_star_page"),
-            cure_h=_single(6.0, "mold_star_page"),
-            elongation_percent=_unverified(339.0, 339.0, "recalled"),
-            tensile_strength_mpa=_unverified(2.9, 2.9, "recalled"),
-        ),
-        Silicone(
-            "dragon_skin_30", "Smooth-On Dragon Skin 30", "addition", ("part A", "part B"), "weight or volume",
-            parts_a=_single(1.0, "dragon_skin_tb"),
-            parts_b=_single(1.0, "dragon_skin_tb"),
-            viscosity_pa_s=_single(20.0, "dragon_skin_tb"),
-            density_g_cm3=_single(1.08, "dragon_skin_tb"),
-            shore_a=_single(30.0, "dragon_skin_tb"),
-            modulus_mpa=MaterialProperty(0.59, 1.02, "dragon_skin_tb"),
-            shrinkage_percent=MaterialProperty(0.0, 0.1, "dragon_skin_tb"),
-            pot_life_min=_single(45.0, "dragon_skin_tb"),
-            cure_h=_single(16.0, "dragon_skin_tb"),
-            elongation_percent=_single(364.0, "dragon_skin_tb"),
-            tensile_strength_mpa=_single(3.45, "dragon_skin_tb"),
-        ),
-        Silicone(
-            "elastosil_m4641", "Wacker Elastosil M 4641", "addition", ("component A", "component B"), "weight",
-            parts_a=_unverified(10.0, 10.0, "recalled"),
-            parts_b=_unverified(1.0, 1.0, "recalled"),
-            viscosity_pa_s=_unverified(20.0, 35.0, "trade"),
-            density_g_cm3=_unverified(1.07, 1.1, "recalled"),
-            shore_a=_unverified(43.0, 43.0, "recalled"),
-            modulus_mpa=_unverified(0.7, 2.0, "common"),
-            shrinkage_percent=_unverified(0.0, 0.1, "recalled"),
-            pot_life_min=_unverified(60.0, 90.0, "recalled"),
-            cure_h=_unverified(12.0, 24.0, "recalled"),
-            elongation_percent=_unverified(250.0, 400.0, "common"),
-        ),
-        Silicone(
-            "sylgard_184", "Dow Sylgard 184", "addition", ("base", "curing agent"), "weight",
-            parts_a=_single(10.0, "psi2022"),
-            parts_b=_single(1.0, "psi2022"),
-            viscosity_pa_s=_unverified(3.5, 4.0, "recalled"),
-            density_g_cm3=_unverified(1.03, 1.03, "recalled"),
-            shore_a=MaterialProperty(40.7, 42.7, "psi2022"),
-            modulus_mpa=_single(2.0, "wang2014"),
-            shrinkage_percent=_unverified(0.2, 0.2, "common"),
-            pot_life_min=_unverified(90.0, 90.0, "recalled"),
-            cure_h=_single(48.0, "niml"),
-            elongation_percent=_single(140.0, "pmc"),
-            tensile_strength_mpa=MaterialProperty(3.51, 7.65, "johnston2014"),
-        ),
-        Silicone(
-            "ecoflex_00_30", "Smooth-On Ecoflex 00-30", "addition", ("part A", "part B"), "weight or volume",
-            parts_a=_single(1.0, "ecoflex_tb"),
-            parts_b=_single(1.0, "ecoflex_tb"),
-            viscosity_pa_s=_single(3.0, "ecoflex_tb"),
-            density_g_cm3=_single(1.07, "ecoflex_tb"),
-            shore_a=None,
-            modulus_mpa=MaterialProperty(0.069, 0.118, "ecoflex_tb"),
-            shrinkage_percent=MaterialProperty(0.0, 0.1, "ecoflex_tb"),
-            pot_life_min=_single(45.0, "ecoflex_tb"),
-            cure_h=_single(4.0, "ecoflex_tb"),
-            elongation_percent=_single(900.0, "ecoflex_tb"),
-            shore_00=_single(30.0, "ecoflex_tb"),
-            tensile_strength_mpa=_single(1.38, "ecoflex_tb"),
-        ),
-    )
-}  # fmt: skip
+@functools.cache
+def load_silicones() -> dict[str, Silicone]:
+    """Load the catalogue: name -> silicone, in the order of the file."""
+    rows = ({"name": name, **row} for name, row in _load()["silicones"].items())
+    return {silicone.name: silicone for silicone in load_table(Silicone, rows)}
 
 
 def find_example(silicone: Silicone) -> dict[str, str] | None:
@@ -256,8 +135,8 @@ def find_example(silicone: Silicone) -> dict[str, str] | None:
     wanted = silicone.shore_a.low
     found = [
         (abs(product.shore_a.low - wanted), name)
-        for name, product in SILICONES.items()
+        for name, product in load_silicones().items()
         if name not in GENERIC and product.cure == silicone.cure and product.shore_a
         and product.pot_life_min.low >= WANTED_POT_LIFE_MIN
     ]  # fmt: skip
-    return {"name": min(found)[1], "label": SILICONES[min(found)[1]].label} if found else None
+    return {"name": min(found)[1], "label": load_silicones()[min(found)[1]].label} if found else None

@@ -6,58 +6,24 @@ At the tab key the shell starts the program with the line before the cursor, and
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import Any
+from pathlib import Path
+from typing import Any, get_args
 
-from fingertip.catalogues.silicones import SILICONES
+from fingertip.catalogues.silicones import SiliconeName
 
 VARIABLE = "_FINGERTIP_COMPLETE"
 """Environment variable by which a shell asks for completions."""
 
-# What the shells run. They get lines of a word, a tab and its meaning; where there is none, they complete files. No
-# space follows the name of a parameter, which ends in =.
+SHELLS = ("bash", "zsh", "fish")
 
 
-SCRIPTS = {
-    "bash": r"""# Completion of fingertip for bash: eval "$(fingertip completion bash)"
-_fingertip() {
-    local IFS=$'\n' line="${COMP_LINE:0:COMP_POINT}" cut=""
-    # Bash cuts words at = and completes behind it, so what stands before is taken off.
-    local word="${line##*[[:space:]]}"
-    case "$word" in *=*) cut="${word%"${word##*=}"}" ;; esac
-    case "$word" in -*) cut="${cut#*=}" ;; esac
-    COMPREPLY=($(env _FINGERTIP_COMPLETE=1 _TYPER_COMPLETE_ARGS="$line" "${1:-fingertip}" 2>/dev/null))
-    COMPREPLY=("${COMPREPLY[@]%%$'\t'*}")
-    [[ "${COMPREPLY[0]}" == *= ]] && compopt -o nospace 2>/dev/null
-    COMPREPLY=("${COMPREPLY[@]#"$cut"}")
-}
-complete -o default -F _fingertip fingertip""",
-    "zsh": r"""#compdef fingertip
-# Completion of fingertip for zsh: eval "$(fingertip completion zsh)", after compinit
-_fingertip() {
-    local -a found
-    found=(${(f)"$(env _FINGERTIP_COMPLETE=1 _TYPER_COMPLETE_ARGS="${words[1,CURRENT]}" ${words[1]} 2>/dev/null)"})
-    if (( ! $#found )); then
-        _files
-    elif [[ ${found[1]%%$'\t'*} == *= ]]; then
-        compadd -S '' -- ${found%%$'\t'*}
-    else
-        found=(${${found//:/\\:}/$'\t'/:})
-        _describe word found
-    fi
-}
-compdef _fingertip fingertip""",
-    "fish": r"""# Completion of fingertip for fish; write it to ~/.config/fish/completions/fingertip.fish
-function __fingertip_words
-    set -l found (env _FINGERTIP_COMPLETE=1 _TYPER_COMPLETE_ARGS=(commandline -cp) fingertip 2>/dev/null)
-    if set -q found[1]
-        string join \n -- $found
-    else
-        __fish_complete_path (commandline -ct)
-    end
-end
-complete -c fingertip -e
-complete -c fingertip -f -a '(__fingertip_words)'""",
-}
+def read_script(shell: str) -> str:
+    """Read what a shell runs, of `completion.bash` and the others.
+
+    The script gets lines of a word, a tab and its meaning; where there is none, it completes files. No space follows
+    the name of a parameter, which ends in =.
+    """
+    return Path(__file__).with_suffix(f".{shell}").read_text(encoding="utf-8").rstrip("\n")
 
 
 def answer_shell(root: Any) -> None:
@@ -132,12 +98,12 @@ COMPLETIONS = {
     "preset": _words(*(f"{age}_{digit}" for age in ("adult", "child", "youth") for digit in ("finger", "thumb"))),
     "formats": _words("stl", "3mf", "step", "stl,3mf", "stl,3mf,step"),
     "parts": _words("bone", "skin", "mold_palmar", "mold_dorsal", "lid", "core", "sensor_insert", "insert_jig"),
-    "material": _words(*SILICONES, "own"),
+    "material": _words(*get_args(SiliconeName), "own"),
     "detector": _words("digital", "analog", "fft", "fast", "incipient"),
     "grip": _words("fast", "incipient", "digital", "analog"),
     "surface": _files("SURFACE"),
     "time_scale": _words("s", "ms", "us", "ns"),
     "kind": _words("design", "scene", "manipulation", "surface", "sweep"),
-    "shell": _words(*SCRIPTS),
+    "shell": _words(*SHELLS),
 }
 """Parameter of all commands, or of one, -> words that it takes."""

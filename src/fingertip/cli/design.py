@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fingertip.catalogues.sensors import CATALOGUE
-from fingertip.cli.completion import SCRIPTS
+from fingertip.cli.completion import SHELLS, read_script
 from fingertip.cli.console import Console
 from fingertip.cli.options import (
     OptionalDesignArgument,
@@ -308,6 +308,6 @@ def completion(
     """
     from fingertip.design.parameters.declaration import suggest_name
 
-    if shell not in SCRIPTS:
-        raise DesignError(Issue("SHELL", f"{shell!r} has no completion; {suggest_name(shell, tuple(SCRIPTS))}"))
-    Console(False, quiet).write(SCRIPTS[shell])
+    if shell not in SHELLS:
+        raise DesignError(Issue("SHELL", f"{shell!r} has no completion; {suggest_name(shell, SHELLS)}"))
+    Console(False, quiet).write(read_script(shell))

@@ -6,10 +6,13 @@ from the attributes of the parameters that all versions of typer share.
 
 from __future__ import annotations
 
+import functools
 import shutil
 import sys
 import textwrap
-from typing import Any, NoReturn
+import tomllib
+from pathlib import Path
+from typing import Any, NoReturn, cast
 
 from typer.core import TyperCommand, TyperGroup
 
@@ -18,68 +21,6 @@ from fingertip.cli.console import BAD_INPUT, Console
 from fingertip.cli.options import COMMON
 from fingertip.foundation.errors import FingertipError, Issue
 
-EXAMPLES: dict[str, tuple[str, ...]] = {
-    "": (
-        "fingertip make adult_finger",
-        "fingertip new myfinger --sensor fsr402",
-        "fingertip detect out/adult_finger/signal/trace.csv",
-    ),
-    "new": (
-        "fingertip new myfinger --sensor fsr402",
-        "fingertip new mytip --preset adult_finger --hand flexible_flyer --allow-shorter-travel "
-        "--set skin.width_mm=19 --set strength.grip_force_n=14",
-    ),
-    "params": ("fingertip params fsr402", "fingertip params fsr400 --set skin.width_mm=18 --toml"),
-    "schema": ("fingertip schema design", "fingertip schema sweep"),
-    "make": ("fingertip make adult_finger", "fingertip make fsr400 --set skin.width_mm=18 --out out/wider"),
-    "build": (
-        "fingertip build fsr400 --formats stl",
-        "fingertip build fsr400 --set skin.width_mm=18 --set name=wider --formats stl,3mf",
-    ),
-    "check": (
-        "fingertip check fsr400 fsr402 --junit out/checks.xml",
-        "fingertip check fsr400 --verbose",
-        "fingertip check out/fsr400",
-    ),
-    "pad": ("fingertip pad fsr400", "fingertip pad fsr400 --set skin.crown_radius_mm=12"),
-    "picture": ("fingertip picture fsr400", "fingertip picture adult_finger --filling --out filling.png"),
-    "drawing": ("fingertip drawing adult_finger --out out/adult_drawing",),
-    "page": ("fingertip page fsr400",),
-    "studio": ("fingertip studio fsr400", "fingertip studio mine.toml --port 0 --no-browser"),
-    "sheet": ("fingertip sheet fsr400", "fingertip sheet fsr400 --material smooth_sil_940 --out casting.md"),
-    "acceptance": ("fingertip acceptance fsr400 --out acceptance.md",),
-    "coupon": ("fingertip coupon fsr400",),
-    "calibrate": (
-        "fingertip calibrate printer fsr400 my_readings.toml --out calibrated.toml",
-        "fingertip calibrate sensor my_weighings.csv article --out weighed.toml",
-    ),
-    "calibrate printer": ("fingertip calibrate printer fsr400 my_readings.toml --out calibrated.toml",),
-    "calibrate sensor": ("fingertip calibrate sensor my_weighings.csv article --out weighed.toml",),
-    "board": (
-        "fingertip board fsr400",
-        "fingertip board fsr400 --analysis --plot response.svg --out out/board",
-        "fingertip board article --article --out out/article_board",
-        "fingertip board fsr400 --check",
-    ),
-    "firmware": ("fingertip firmware fsr400",),
-    "robot": ("fingertip robot adult_finger", "fingertip robot fsr400 --format urdf --out my_hand/fingertip"),
-    "simulate": (
-        "fingertip simulate fsr400 --surface smooth --seed 7 --out smooth.csv",
-        "fingertip simulate hard_tap --design fsr400 --set tap.force_n=3 --out tap.csv",
-    ),
-    "detect": (
-        "fingertip detect smooth.csv --detector fast",
-        "fingertip detect daq.csv --column time_s='Time [s]' --column voltage_v='AI0 (V)'",
-    ),
-    "validate": ("fingertip validate fsr400 --trials 12 --minutes 1",),
-    "sweep": ("fingertip sweep board --out out/sweep", "fingertip sweep --show --out out/sweep"),
-    "bench": ("fingertip bench solvers", "fingertip bench slip"),
-    "bench solvers": ("fingertip bench solvers --solvers odeint --seconds 1 --boards 100",),
-    "bench slip": ("fingertip bench slip --share 0.1", "fingertip bench slip recordings --detectors fast,cusum"),
-    "completion": ("fingertip completion bash",),
-}
-"""Command -> commands to copy."""
-
 MAX_WIDTH = 80
 """Largest width of a help page, in columns: longer lines are hard to read."""
 MIN_WIDTH = 40
@@ -87,6 +28,13 @@ MAX_TERM = 26
 """Largest width of the column of options; a longer one has a line of its own."""
 _METAVARS = {"int": "NUMBER", "integer": "NUMBER", "float": "NUMBER", "path": "PATH"}
 """Name of a type in typer -> what stands for a value on a help page."""
+
+
+@functools.cache
+def load_examples() -> dict[str, list[str]]:
+    """Load the commands to copy: command -> its examples."""
+    text = Path(__file__).with_name("examples.toml").read_text(encoding="utf-8")
+    return cast(dict[str, list[str]], tomllib.loads(text))
 
 
 class HelpCommand(TyperCommand):
@@ -154,7 +102,7 @@ def _write_page(command: Any, ctx: Any, formatter: Any, usage: str, sections: di
                 widths = [len(term) for term, _ in rows if len(term) <= MAX_TERM]
                 formatter.write_dl(rows, col_max=max(widths, default=MAX_TERM))
     formatter.write("\nExamples:\n")
-    for example in EXAMPLES[_command_name(ctx)]:
+    for example in load_examples()[_command_name(ctx)]:
         # A word to copy stays whole.
         lines = textwrap.wrap(
             f"  $ {example}", formatter.width, subsequent_indent=" " * 6, break_long_words=False, break_on_hyphens=False

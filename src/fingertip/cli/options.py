@@ -7,11 +7,11 @@ import inspect
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, get_args
 
 import typer
 
-from fingertip.catalogues.silicones import SILICONES
+from fingertip.catalogues.silicones import SiliconeName
 from fingertip.cli.completion import COMPLETIONS
 from fingertip.cli.console import (
     BAD_INPUT,
@@ -59,7 +59,10 @@ OptionalDesignArgument = Annotated[
     Path | None, typer.Argument(help="Design file or bundled name; the default design if left out.")
 ]
 MaterialOption = Annotated[
-    str | None, typer.Option(help=f"Silicone: {', '.join(SILICONES)} or own; the design's silicone.product if omitted.")
+    str | None,
+    typer.Option(
+        help=f"Silicone: {', '.join(get_args(SiliconeName))} or own; the design's silicone.product if omitted."
+    ),
 ]
 CalibratedDesignOption = Annotated[
     Path | None,

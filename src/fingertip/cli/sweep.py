@@ -75,11 +75,11 @@ def sweep(
     idle = find_idle_issues("--outputs", {"--csv": csv, "--parquet": parquet} if outputs else {})
     refuse(find_file_issues("--csv", csv, ".csv"), find_file_issues("--parquet", parquet, ".parquet"), idle)
     if outputs:
-        from fingertip.sweep.outputs import OUTPUTS
+        from fingertip.sweep.outputs import load_outputs
 
-        listed = [{"name": o.name, "group": o.group, "description": o.description} for o in OUTPUTS.values()]
+        listed = [{"name": o.name, "group": o.group, "description": o.description} for o in load_outputs().values()]
         lines = [f"{'output':24} {'group':10} description"]
-        lines += [f"{o.name:24} {o.group:10} {o.description}" for o in OUTPUTS.values()]
+        lines += [f"{o.name:24} {o.group:10} {o.description}" for o in load_outputs().values()]
         console.result({"outputs": listed}, "\n".join(lines))
         return
     if parquet is not None:

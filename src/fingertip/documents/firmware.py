@@ -11,7 +11,7 @@ from fingertip.board.components.bridge import POWER_UP_S
 from fingertip.board.components.values import select_components
 from fingertip.board.parts.circuit import GND, HOST_CONNECTOR, VMID_OUT
 from fingertip.catalogues.bundled import list_bundled_files
-from fingertip.catalogues.controllers import BOARDS, NAMES
+from fingertip.catalogues.controllers import NAMES, load_controllers
 from fingertip.catalogues.file_kinds import DESIGN
 from fingertip.design import Design
 from fingertip.documents.template import WIDTH, lay_out_page, render
@@ -46,7 +46,7 @@ def render_readme(design: Design, fingers: Fingers) -> str:
         "is_for_controller": design.board.is_for_controller,
         "power_up_s": POWER_UP_S,
         "buffer_samples": BUFFER_SAMPLES,
-        "boards": BOARDS,
+        "boards": load_controllers(),
         "find_load": find_load,
         "list_limits": list_limits,
         "count_fingers": count_fingers,

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from fingertip.catalogues.controllers import BOARDS, NAMES, ControllerBoard
+from fingertip.catalogues.controllers import NAMES, ControllerBoard, load_controllers
 from fingertip.design import Design
 from fingertip.firmware.packaging import read_costs
 from fingertip.foundation.errors import FingertipError, Issue, join_words, quote_value
@@ -97,7 +97,7 @@ def list_limits(board: ControllerBoard, sample_rate_hz: float) -> dict[str, int]
 
 
 def find_board(key: str) -> ControllerBoard | None:
-    return next((board for board in BOARDS if board.key == key), None)
+    return next((board for board in load_controllers() if board.key == key), None)
 
 
 def count_fingers(board: ControllerBoard, sample_rate_hz: float) -> int:
@@ -130,7 +130,7 @@ def plan_fingers(
     if controller is not None or inputs is not None or names != Fingers.names:
         board = find_board(controller or DEFAULT_CONTROLLER)
         if board is None:
-            known = join_words([other.key for other in BOARDS], "or")
+            known = join_words([other.key for other in load_controllers()], "or")
             issues.append(Issue("--controller", f"{quote_value(controller)} is not known; give {known}."))
     if issues:
         raise FingertipError(issues)
@@ -170,7 +170,7 @@ def _find_limit_issues(design: Design, board: ControllerBoard, fingers: int) -> 
     rate_hz = design.detector.sample_rate_hz
     for limit, most in list_limits(board, rate_hz).items():
         if fingers > most:
-            fit = [other.key for other in BOARDS if count_fingers(other, rate_hz) >= fingers]
+            fit = [other.key for other in load_controllers() if count_fingers(other, rate_hz) >= fingers]
             remedies = [f"--fingers {count_fingers(board, rate_hz)}"] if count_fingers(board, rate_hz) else []
             remedies += [f"--controller {fit[0]}"] if fit else []
             text = f"{board.name} has {limit} for {most} at {rate_hz:g} Hz, not for {fingers}"

@@ -48,10 +48,10 @@ from fingertip.board.parts.circuit import (
     format_component_value,
 )
 from fingertip.board.parts.select_part import BULK_CAPACITOR, SUPPLY_CAPACITOR, find_package, require_capacitor
-from fingertip.board.parts.table import read_rows
 from fingertip.catalogues.amplifiers import CATALOGUE
 from fingertip.design.formulas.filter import VMID_BOTTOM_OHM, VMID_TOP_OHM
 from fingertip.foundation.errors import BoardError
+from fingertip.foundation.tables import read_rows
 
 NAME = "slip_filter"
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from pathlib import Path
 
 from fingertip.board.circuits.network import MAX_SWITCH_OHM
 from fingertip.board.components.bridge import (
@@ -105,85 +106,23 @@ def spice_deck(circuit: Circuit, gain_bandwidth_hz: float, supply_v: float, *, w
 
 # Models: amplifiers with their bandwidth and noise, comparator and diodes
 
-_AMPLIFIER_MODEL = """\
-* {name}: one pole, {gain:g} open loop and {bandwidth:.10g} Hz gain-bandwidth, noise {noise:g} V/sqrt(Hz);
-* input capacitance {input_pf:g} pF; no rails, no offset.
-.subckt {name} plus minus out
-CP plus 0 {input_pf:g}p
-CM minus 0 {input_pf:g}p
-RN n 0 {noise_ohm:.10g}
-EN p plus n 0 1
-G1 0 pole p minus {gain:.10g}
-R1 pole 0 1
-C1 pole 0 {pole_farad:.12g}
-E1 out 0 pole 0 1
-.ends"""
-
 _OUTPUT = "E1 out 0 pole 0 1"
 _SUPPLIED_OUTPUT = "E1 driven 0 pole 0 1\nVS driven out 0\nFS vcc 0 VS 1"
 """Output of an amplifier; and the same with its current drawn from the supply, as if none returned to ground."""
 
-_WORST_CASE_MODEL = """\
-* {name}: two poles, {gain:g} open loop, {bandwidth:.10g} Hz gain-bandwidth and a second pole at {second_hz:.10g} Hz;
-* offset {offset:g} V, input capacitance {input_pf:g} pF; no rails.
-.subckt {name} plus minus out
-CP plus 0 {input_pf:g}p
-CM minus 0 {input_pf:g}p
-VO p plus dc {offset:g}
-G1 0 pole p minus {gain:.10g}
-R1 pole 0 1
-C1 pole 0 {pole_farad:.12g}
-G2 0 second pole 0 1
-R2 second 0 1
-C2 second 0 {second_farad:.12g}
-E1 out 0 second 0 1
-.ends"""
+_MODELS = Path(__file__).with_name("models")
+"""Folder of the models: Python format strings, by kind or by the value of the part."""
 
-_INSTRUMENTATION_MODEL = """\
-* AD623: gain 1 + 100k/Rg, Rg from the current between its pins; one pole at its bandwidth over the gain of this board;
-* noise of input and output.
-.subckt instrumentation minus plus rga rgb ref out
-RN n 0 {input_ohm:.10g}
-EN p plus n 0 1
-E1 rga m p 0 1
-V1 0 m 0
-E2 rgb 0 minus 0 1
-E3 x 0 p minus 1
-H1 y x V1 {gain_constant_ohm:.10g}
-RO z 0 {output_ohm:.10g}
-EO w y z 0 1
-G1 0 pole w 0 1
-G2 0 pole ref 0 1
-R1 pole 0 1
-C1 pole 0 {pole_farad:.12g}
-E4 out 0 pole 0 1
-.ends"""
 
-_SUPPRESSOR_MODEL = """\
-* ESD suppressor: 35 pF, and 7 V at 1 mA in either direction; figures of its kind, not measured.
-.model DTVS D(Is=1e-15 N=1 Rs=0.4 Cjo=70p M=0.3 Bv=6.3 Ibv=1m)"""
-
-_OTHER_MODELS = {
-    "LMV331": """\
-* LMV331: no offset, no delay; 10 uV of its own hysteresis for the solver's sake.
-.model open_collector SW(Vt=0 Vh=5u Ron=50 Roff=1G)""",
-    "1N4148W": f"""\
-* 1N4148: forward 0.62 V at 1 mA, 4 pF; figures of a common model, not measured.
-.model D1N4148 D(Is={1e9 * SATURATION_A:g}n Rs={SERIES_OHM:g} N={EMISSION:g} Cjo=4p M=0.4 tt=20n)""",
-    CLAMP: f"""\
-* BAT54: Schottky, forward 0.24 V at 0.1 mA, 10 pF; figures of a common model, not measured.
-.model DBAT54 D(Is={CLAMP_A:.10g} Rs=2 N=1.1 Cjo=12p M=0.4)""",
-    LOW_LEAKAGE_CLAMP: f"""\
-* BAV199: silicon with low leakage, 2 pF; figures of its data sheet, not measured.
-.model DBAV199 D(Is={LOW_LEAKAGE_A:.10g} Rs=1 N=1.4 Cjo=2p M=0.3)""",
-}
-"""Models of parts by their value."""
+def _model(name: str, /, **fields: str | float) -> str:
+    return (_MODELS / f"{name}.cir").read_text(encoding="utf-8").rstrip("\n").format(**fields)
 
 
 def _models(circuit: Circuit, gain_bandwidth_hz: float, worst_case: bool) -> Iterator[str]:
     for name in sorted({component.symbol.name for component in circuit.components} & set(AMPLIFIERS)):
         amplifier = AMPLIFIERS[name]
-        yield (_WORST_CASE_MODEL if worst_case else _AMPLIFIER_MODEL).format(
+        yield _model(
+            "worst_case_amplifier" if worst_case else "amplifier",
             offset=amplifier.max_offset_v,
             # Across 1 ohm this capacitance puts the second pole at its frequency.
             second_hz=amplifier.second_pole_hz,
@@ -200,16 +139,26 @@ def _models(circuit: Circuit, gain_bandwidth_hz: float, worst_case: bool) -> Ite
     names = {component.symbol.name for component in circuit.components}
     if "AD623ARMZ" in names:
         gain_ohm = parse_component_value(circuit.component(GAIN_RESISTOR).value)
-        yield _INSTRUMENTATION_MODEL.format(
+        yield _model(
+            "instrumentation",
             gain_constant_ohm=GAIN_CONSTANT_OHM,
             input_ohm=_equivalent_noise_ohm(AD623_NOISE_V),
             output_ohm=_equivalent_noise_ohm(AD623_OUTPUT_NOISE_V),
             pole_farad=(1.0 + GAIN_CONSTANT_OHM / gain_ohm) / (math.tau * AD623_BANDWIDTH_HZ),
         )
     if "D_TVS" in names:
-        yield _SUPPRESSOR_MODEL
+        yield _model("suppressor")
     values = {component.value for component in circuit.components}
-    yield from (model for value, model in _OTHER_MODELS.items() if value in values)
+    for value in ("LMV331", "1N4148W", CLAMP, LOW_LEAKAGE_CLAMP):
+        if value in values:
+            yield _model(
+                value,
+                saturation_na=1e9 * SATURATION_A,
+                series_ohm=SERIES_OHM,
+                emission=EMISSION,
+                clamp_a=CLAMP_A,
+                low_leakage_a=LOW_LEAKAGE_A,
+            )
 
 
 def _equivalent_noise_ohm(density_v: float) -> float:

@@ -5,25 +5,23 @@ Every number is copied from the source that is named beside it. Nothing here can
 
 from __future__ import annotations
 
-import csv
 import functools
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any
 
 from fingertip.board.parts.circuit import Circuit, Component, reference_sort_key
+from fingertip.foundation import tables
+from fingertip.foundation.tables import Row
 
 FOLDER = Path(__file__).parent
-_EXPONENTS = {"M": 6, "k": 3, "u": -6, "n": -9, "p": -12}
 
 PRICES = {"a": (0.0, 0.05), "b": (0.05, 0.5), "c": (0.5, 5.0)}
 """Price of one piece [US dollar], by class: estimates of November 2026, most of them after the house's own prices."""
 UNCONFIRMED = "confirm before ordering"
 BASIC_SOURCE = "kicad_library"
 """Key of the document that lists the house's basic and preferred parts."""
-
-Row = TypeVar("Row")
 
 
 @dataclass(frozen=True)
@@ -62,6 +60,9 @@ class Part:
         """Titles of the documents with their dates."""
         found = (load_sources()[key] for key in self.sources)
         return "; ".join(f"{source.title} ({source.date})" for source in found)
+
+
+_PART = tuple(field.name for field in fields(Part))
 
 
 @dataclass(frozen=True)
@@ -119,38 +120,21 @@ def load_named_parts() -> tuple[NamedPart, ...]:
     return load_table(NamedPart, "named_parts.csv")
 
 
-def parse_value(text: str) -> float:
-    """Parse a value of the table [ohm or F], correctly rounded: "100n" is the float nearest to 1e-7."""
-    exponent = _EXPONENTS.get(text[-1])
-    return float(text) if exponent is None else float(f"{text[:-1]}e{exponent}")
-
-
-def read_rows(name: str | Path) -> Iterator[dict[str, str]]:
-    """Read the rows of one of the table's files, or of another with its whole path, each by column."""
-    with (FOLDER / name).open(encoding="utf-8", newline="") as file:
-        yield from csv.DictReader(file)
-
-
-_READERS: dict[str, Callable[[str], Any]] = {
-    "str": str,
-    "int": int,
-    "float": parse_value,
-    "tuple[str, ...]": lambda text: tuple(text.split()),
-}
+def read_rows(name: str) -> Iterator[dict[str, str]]:
+    """Read the rows of one of the table's files, each by column."""
+    return tables.read_rows(FOLDER / name)
 
 
 def load_table(kind: type[Row], name: str) -> tuple[Row, ...]:
     """Load the rows of one of the table's files, whose columns are the fields; five of them make the field `part`."""
 
-    def read(row: dict[str, str], field: str, field_type: str) -> Any:
-        if field == "part":
-            sources = tuple(row["sources"].split())
-            part = Part(row["manufacturer"], row["number"], row["lcsc"], row["price"], sources)
-            return part if part.number else None
-        return _READERS[field_type](row[field])
+    def join(row: dict[str, Any]) -> dict[str, Any]:
+        if "number" in row:
+            part = {column: row.pop(column) for column in _PART}
+            row["part"] = tables.load_table(Part, [part])[0] if part["number"] else None
+        return row
 
-    columns = [(field.name, str(field.type)) for field in fields(cast(Any, kind))]
-    return tuple(kind(*(read(row, *column) for column in columns)) for row in read_rows(name))
+    return tables.load_table(kind, map(join, read_rows(name)))
 
 
 # Mating parts: the plug of each connector, its contacts or finished leads, and the wires they take.

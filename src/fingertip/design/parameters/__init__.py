@@ -12,7 +12,7 @@ from typing import Any, Self
 from pydantic import BaseModel, ConfigDict, Field
 from pydantic.fields import FieldInfo
 
-from fingertip.catalogues.silicones import SILICONES
+from fingertip.catalogues.silicones import load_silicones
 from fingertip.design.parameters.bone import Bone, Hand, Strength
 from fingertip.design.parameters.declaration import Above, ParameterTable, choice, quantity, suggest_name, text
 from fingertip.design.parameters.electronics import Board, Detector
@@ -90,8 +90,8 @@ class Tables(BaseModel):
         """Copy the tables with another silicone; the tables themselves if no name is given. Raises DesignError."""
         if name is None or name == self.silicone.product:
             return self
-        if name not in SILICONES and name != OWN:
-            raise DesignError(Issue("--material", f"there is no {name!r}; {suggest_name(name, (*SILICONES, OWN))}"))
+        if name not in (known := (*load_silicones(), OWN)):
+            raise DesignError(Issue("--material", f"there is no {name!r}; {suggest_name(name, known)}"))
         return self.with_values({"silicone.product": name})
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from fingertip.catalogues.sensors import PART_TO_PART, SensorName
-from fingertip.catalogues.silicones import SILICONES, MaterialProperty, Silicone, SiliconeName
+from fingertip.catalogues.silicones import MaterialProperty, Silicone, SiliconeName, load_silicones
 from fingertip.design.parameters.declaration import Above, ParameterTable, choice, quantity, text
 
 
@@ -155,7 +155,7 @@ class ChosenSilicone(ParameterTable):
     def material(self) -> Silicone:
         """Silicone of the catalogue, or the one that the user's own figures describe."""
         if self.product != OWN:
-            return SILICONES[self.product]
+            return load_silicones()[self.product]
         stated = {name: MaterialProperty(value := getattr(self, name), value, "design") for name in _STATED}
         return Silicone(OWN, self.label, self.cure, _COMPONENTS[self.cure], self.ratio_by, **stated)
 

@@ -43,7 +43,7 @@ from fingertip.casting.quantities import (
 from fingertip.catalogues.hardware import NOZZLE_DEPTH_MM, find_needle
 from fingertip.catalogues.output_files import PRINT_FOLDER
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
-from fingertip.catalogues.silicones import SOURCES, WANTED_POT_LIFE_MIN, Silicone, find_example
+from fingertip.catalogues.silicones import WANTED_POT_LIFE_MIN, Silicone, find_example, load_sources
 from fingertip.design import Design
 from fingertip.design.geometry.features import END_ROOM_MM
 from fingertip.design.geometry.mold_layout import size_clamp_bolts
@@ -227,7 +227,7 @@ def _fit_data(design: Design) -> dict[str, Any]:
 
 def _silicone_data(silicone: Silicone) -> dict[str, Any]:
     properties = {
-        name: {"low": p.low, "high": p.high, "source": SOURCES[p.source], "verified": p.verified}
+        name: {"low": p.low, "high": p.high, "source": load_sources()[p.source], "verified": p.verified}
         for name, p in silicone.properties().items()
     }
     return {

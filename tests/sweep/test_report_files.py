@@ -111,7 +111,9 @@ def test_reports_are_the_approved_ones(name: str, tmp_path: Path, monkeypatch: p
     summary = json.loads((tmp_path / "out/summary.json").read_text())
     assert summary == {key: value for key, value in data.items() if key != "text"}
     drawn = ("\n".join(describe_figure(figure)) for figure in figures)
-    found = "\n\n".join([data["text"], json.dumps(summary["limiting_rules"][:1], indent=1), *written, *drawn])
+    text, _, told = data["text"].rpartition("\n\n")
+    assert told == f"wrote {', '.join(name for name in data['files'])} to {tmp_path / 'out'}"
+    found = "\n\n".join([text, json.dumps(summary["limiting_rules"][:1], indent=1), *written, *drawn])
     check_figures(Path(__file__).parent / f"approved/{name}.txt", found.splitlines(), 1e-3, 1e-9)
 
 

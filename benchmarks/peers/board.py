@@ -145,10 +145,7 @@ class BoardProblem:
 
 
 def measure_board(
-    seconds: float,
-    peers: tuple[str, ...],
-    cvode: CvodeLibrary | str,
-    advance: Callable[[float], None] = lambda _: None,
+    seconds: float, peers: tuple[str, ...], cvode: CvodeLibrary | str, advance: Callable[[float], None] = lambda _: None
 ) -> WorkPrecision:
     """Measure fingertip and its peers on the same problem. Units: `seconds` [s]."""
     seconds = max(seconds, MIN_SECONDS)

@@ -149,10 +149,7 @@ class ContactProblem:
 
 
 def measure_contact(
-    seconds: float,
-    peers: tuple[str, ...],
-    cvode: CvodeLibrary | str,
-    advance: Callable[[float], None] = lambda _: None,
+    seconds: float, peers: tuple[str, ...], cvode: CvodeLibrary | str, advance: Callable[[float], None] = lambda _: None
 ) -> WorkPrecision:
     """Measure fingertip and its peers on the same problem. Units: `seconds` [s]."""
     problem = ContactProblem.over(seconds)

@@ -66,9 +66,7 @@ from tests.oracles.filter_formulas import (
     section_quality,
     tactile_pin_transfer,
 )
-from tests.oracles.ideal_filter import (
-    ideal_filter_transfer,
-)
+from tests.oracles.ideal_filter import ideal_filter_transfer
 from tests.tools import require_module
 
 VALUES = board_values(ARTICLE)

@@ -38,24 +38,14 @@ from fingertip.board.components.selection import (
 )
 from fingertip.catalogues.amplifiers import AmplifierName
 from fingertip.design import Design
-from fingertip.design.formulas.filter import (
-    FilterComponents,
-    find_preferred_neighbours,
-    ideal_components,
-)
+from fingertip.design.formulas.filter import FilterComponents, find_preferred_neighbours, ideal_components
 from fingertip.design.parameters import Board
 from fingertip.documents.template import format_ohm
 from fingertip.foundation.errors import BoardError, DesignError
 from fingertip.foundation.files import format_figure
 from fingertip.tasks.board import board_files
 from tests.designs import ARTICLE, article_design, load_article
-from tests.oracles.filter_formulas import (
-    ideal_cutoff_hz,
-    passband_gain,
-    pole_hz,
-    section_frequency_hz,
-    section_quality,
-)
+from tests.oracles.filter_formulas import ideal_cutoff_hz, passband_gain, pole_hz, section_frequency_hz, section_quality
 
 
 def resistances(c: FilterComponents) -> tuple[float, ...]:
@@ -363,11 +353,7 @@ def test_no_capacitor_and_resistors_together_are_better(cutoff: float) -> None:
 # Bridge
 
 
-CASES = [
-    *((5.0, "E24", diameter_mm) for diameter_mm in (5.08, 12.7, 4.0)),
-    (6.0, "E24", 5.08),
-    (6.0, "E96", 12.7),
-]
+CASES = [*((5.0, "E24", diameter_mm) for diameter_mm in (5.08, 12.7, 4.0)), (6.0, "E24", 5.08), (6.0, "E96", 12.7)]
 
 
 def test_sensor_curve_passes_through_its_points_and_is_monotonic() -> None:

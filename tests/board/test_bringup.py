@@ -28,13 +28,7 @@ from fingertip.board.bringup.prediction import (
     name_voltage,
     predict,
 )
-from fingertip.board.bringup.readings import (
-    Readings,
-    assess_readings,
-    find_sources,
-    read_readings,
-    readings_template,
-)
+from fingertip.board.bringup.readings import Readings, assess_readings, find_sources, read_readings, readings_template
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.parts.circuit import (

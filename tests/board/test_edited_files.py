@@ -348,11 +348,7 @@ def test_printed_values_follow_and_other_texts_stay() -> None:
     assert enter_texts(edited, old, layout_with_texts(a="R1 2k")) == (after, False)
 
 
-TEXTS = (
-    "(a)",
-    '(a "b" (c 1 "") d)',
-    ' \r\n(kicad_pcb\t(x "say \\"(no)\\" \\\\")\n(y -1.5e3 ä "ü\\n") )\n',
-)
+TEXTS = ("(a)", '(a "b" (c 1 "") d)', ' \r\n(kicad_pcb\t(x "say \\"(no)\\" \\\\")\n(y -1.5e3 ä "ü\\n") )\n')
 
 
 def leading_words(node: Node) -> list[tuple[Node, int, str]]:

@@ -20,13 +20,7 @@ from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.kicad.back_print import find_text_box, list_back_texts, list_values, print_values
 from fingertip.board.kicad.netlist import REVISION
 from fingertip.board.kicad.placement import PlacedPart, Placement
-from fingertip.board.kicad.project import (
-    MODEL_FOLDER,
-    MODEL_FOLDER_OF_KICAD,
-    MODEL_VARIABLE,
-    load_project,
-    model_files,
-)
+from fingertip.board.kicad.project import MODEL_FOLDER, MODEL_FOLDER_OF_KICAD, MODEL_VARIABLE, load_project, model_files
 from fingertip.board.kicad.sexpr import turn
 from fingertip.board.parts.circuit import Circuit
 from fingertip.board.parts.symbols import M2_HOLE

@@ -102,11 +102,7 @@ def test_rectifier_changed_in_one_place_scales_envelope_noise_and_ripple(
     before, voltage = board_values(DESIGN), 4 + 1e-2 * np.sin(math.tau * TONE_HZ * np.arange(2000) / 2000)
     envelope = simulate_board(AnalogBoard.from_design(DESIGN), 5e-4, voltage, 1e-7).envelope_v
     select, ohm = FilterSelection.by_reference, factor * before.by_reference[reference]
-    monkeypatch.setattr(
-        FilterSelection,
-        "by_reference",
-        lambda selection: {**select(selection), reference: ohm},
-    )
+    monkeypatch.setattr(FilterSelection, "by_reference", lambda selection: {**select(selection), reference: ohm})
     board_values.cache_clear()
     after = board_values(DESIGN)
     changed = simulate_board(AnalogBoard.from_design(DESIGN), 5e-4, voltage, 1e-7).envelope_v

@@ -11,10 +11,7 @@ import numpy as np
 import pytest
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.analysis.limits import (
-    adc_range_warnings,
-    describe_adc_range,
-)
+from fingertip.board.analysis.limits import adc_range_warnings, describe_adc_range
 from fingertip.board.analysis.loads import load_warnings
 from fingertip.board.analysis.response import decibel
 from fingertip.board.circuits.network import MAX_SWITCH_OHM, build_network
@@ -198,10 +195,7 @@ def test_output_connector_has_ground_beside_each_signal(name: str) -> None:
         assert all(nets[str(int(pin) + 1)] == "GND" for pin in PINS[name])
 
 
-RANGE_SWEEP = {
-    "precision": ["board.cutoff_hz=40", "board.capacitor_series=E12"],
-    "comparator": [],
-}
+RANGE_SWEEP = {"precision": ["board.cutoff_hz=40", "board.capacitor_series=E12"], "comparator": []}
 
 
 def limit_to_the_rails(deck: str) -> str:

@@ -7,13 +7,7 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.design.geometry import seat as bone_play
-from fingertip.design.geometry.seat import (
-    Contact,
-    Loss,
-    SkinPoint,
-    list_contacts,
-    worst,
-)
+from fingertip.design.geometry.seat import Contact, Loss, SkinPoint, list_contacts, worst
 from fingertip.design.new_design import PRESETS
 from tests.conftest import design_file
 

@@ -6,15 +6,7 @@ import math
 
 import pytest
 
-from fingertip.design.geometry.sizes import (
-    FIT,
-    INNER,
-    OUTER,
-    Circle,
-    Length,
-    Tolerance,
-    symmetric,
-)
+from fingertip.design.geometry.sizes import FIT, INNER, OUTER, Circle, Length, Tolerance, symmetric
 from fingertip.pictures.drawing.dimensioning import NoRoomError, Occupancy, PlacedLength, place_circle, place_lengths
 from fingertip.pictures.drawing.primitives import (
     PROJECTIONS,

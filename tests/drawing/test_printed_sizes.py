@@ -7,13 +7,7 @@ import pytest
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.design import Design
 from fingertip.design.geometry import DesignTables
-from fingertip.design.geometry.sizes import (
-    FIT,
-    MIN_TOLERANCE_MM,
-    PartDrawing,
-    Size,
-    general,
-)
+from fingertip.design.geometry.sizes import FIT, MIN_TOLERANCE_MM, PartDrawing, Size, general
 from fingertip.design.interfaces import interface_of
 from fingertip.pictures.drawing.draw import part_drawings
 from tests.drawing.conftest import FILES, load_variant

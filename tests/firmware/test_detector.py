@@ -17,12 +17,7 @@ from fingertip.slip.detectors.fast import FastDetector, FastOutput
 from fingertip.slip.detectors.fast_coefficients import load_model
 from tests.firmware.conftest import Library, make_library, require_arm, require_gcc
 from tools.firmware.measure import measure
-from tools.firmware.signals import (
-    Recording,
-    campaign_recordings,
-    count_differences,
-    slip_recording,
-)
+from tools.firmware.signals import Recording, campaign_recordings, count_differences, slip_recording
 from tools.firmware.toolchain import (
     TARGETS,
     Target,
@@ -246,10 +241,7 @@ def test_decisions_and_confidences_are_those_of_this_machine(library: Library, t
 def test_no_step_calls_a_function_on_a_controller_with_floating_point(library: Library) -> None:
     require_arm()
     floating, integer = TARGETS
-    (image, _), (other, _) = (
-        compile_object(library.folder, floating),
-        compile_object(library.folder, integer),
-    )
+    (image, _), (other, _) = (compile_object(library.folder, floating), compile_object(library.folder, integer))
     assert set(undefined(image)) <= {"memset", "memcpy"}  # of slip_init
     routines = set(undefined(other)) - {"memset", "memcpy"}
     assert routines

@@ -93,10 +93,7 @@ SHARED_EVALUATOR = CachedEvaluator(COARSE_MM)
 @pytest.mark.full
 @pytest.mark.parametrize(
     "changes",
-    [
-        ["printer.scale_percent=101", "mold.method=sleeve"],
-        ["bone.interface=socket", "bone.base_length_mm=32"],
-    ],
+    [["printer.scale_percent=101", "mold.method=sleeve"], ["bone.interface=socket", "bone.base_length_mm=32"]],
 )
 def test_checks_with_caches_equal_those_without(changes: list[str]) -> None:
     design = Design.load(changes=changes)

@@ -156,12 +156,7 @@ def test_only_missing_points_are_computed(clock: Clock) -> None:
     ],
 )
 def test_rows_are_written_at_once_then_at_intervals_or_when_many_wait(
-    clock: Clock,
-    monkeypatch: pytest.MonkeyPatch,
-    begin_s: float,
-    tick_s: float,
-    max_pending: int,
-    expected: list[int],
+    clock: Clock, monkeypatch: pytest.MonkeyPatch, begin_s: float, tick_s: float, max_pending: int, expected: list[int]
 ) -> None:
     clock.now_s, clock.tick_s = begin_s, tick_s
     monkeypatch.setattr(run, "MAX_PENDING_ROWS", max_pending)

@@ -26,13 +26,7 @@ from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors import fast_coefficients as fast_model
 from fingertip.slip.detectors.fast_coefficients import DEPTH, NODES, FastModel
 from tools.detector_training.rows import Rows, collect
-from tools.detector_training.signals import (
-    DISTURBANCES_FROM,
-    FIRST_SEED,
-    MANIPULATIONS_FROM,
-    TrainingSignal,
-    generate,
-)
+from tools.detector_training.signals import DISTURBANCES_FROM, FIRST_SEED, MANIPULATIONS_FROM, TrainingSignal, generate
 
 TREES = 90
 ROUNDS = 4

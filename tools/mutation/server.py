@@ -175,18 +175,7 @@ def _run_fresh(job: Job, folder: Path, answer: int) -> int:
         TESTS_VARIABLE: str(tests), f"{TESTS_VARIABLE}_FAILED": str(failed),
     }  # fmt: skip
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
-    words = [
-        sys.executable,
-        "-m",
-        "pytest",
-        "-x",
-        "-q",
-        "-p",
-        "no:cacheprovider",
-        "-p",
-        __name__,
-        *files,
-    ]
+    words = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-p", __name__, *files]
     limit = (job.limit_s, job.limit_s)
     done = subprocess.run(
         words, cwd=ROOT, env=environment, check=False, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, limit)

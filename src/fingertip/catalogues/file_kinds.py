@@ -68,10 +68,7 @@ SWEEP = FileKind(
     "`fingertip sweep` takes a sweep file",
 )  # fmt: skip
 SURFACE = FileKind(
-    "surface",
-    frozenset({"surface"}),
-    "wood",
-    "`fingertip simulate` takes a surface file with --surface",
+    "surface", frozenset({"surface"}), "wood", "`fingertip simulate` takes a surface file with --surface"
 )
 SET = FileKind(
     "set",

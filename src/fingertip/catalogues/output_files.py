@@ -35,12 +35,7 @@ class OutputSet:
         return Path("out", design.name, self.place)
 
     def writer(
-        self,
-        design: _Named,
-        folder: Path,
-        force: bool = False,
-        top: Path | None = None,
-        adopted: Collection[str] = (),
+        self, design: _Named, folder: Path, force: bool = False, top: Path | None = None, adopted: Collection[str] = ()
     ) -> SetWriter:
         """Writer of the set of a design in a folder; the others as for `SetWriter`."""
         parameters = hash_parameters(design.model_dump(mode="json"))

@@ -101,12 +101,7 @@ class VoltageLimits:
 
 
 def compute_voltage_limits(
-    circuit: Circuit,
-    supply: Supply,
-    supply_v: float,
-    amplifier: Amplifier,
-    gain: float,
-    detector: Detector,
+    circuit: Circuit, supply: Supply, supply_v: float, amplifier: Amplifier, gain: float, detector: Detector
 ) -> VoltageLimits:
     """Compute the limits of a board whose filter has a dual amplifier of this type and this maximum gain."""
     # Each amplifier of the filter swings as a voltage follower: down to where its output or its input ends first.

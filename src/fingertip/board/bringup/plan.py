@@ -35,12 +35,7 @@ from fingertip.board.bringup.prediction import (
 )
 from fingertip.board.bringup.wiring import list_pins
 from fingertip.board.circuits.network import Network, Value, build_network, list_amplifiers
-from fingertip.board.components.bridge import (
-    AD623_OFFSET_V,
-    AMPLIFIERS,
-    GAIN_CONSTANT_OHM,
-    GAIN_RESISTOR,
-)
+from fingertip.board.components.bridge import AD623_OFFSET_V, AMPLIFIERS, GAIN_CONSTANT_OHM, GAIN_RESISTOR
 from fingertip.board.parts.circuit import (
     ENVELOPE,
     FILTERED,
@@ -138,11 +133,7 @@ def _draw_constant(board: Board, net: str, ground: str, random: np.random.Genera
 
 
 def _limit_pins(
-    board: Board,
-    limits: Mapping[str, Limits],
-    nominal: Mapping[str, float],
-    tone_v: float,
-    random: np.random.Generator,
+    board: Board, limits: Mapping[str, Limits], nominal: Mapping[str, float], tone_v: float, random: np.random.Generator
 ) -> dict[str, Limits]:
     found = {}
     for pin in list_output_pins(board.circuit):
@@ -174,10 +165,7 @@ def _widen(expected_v: float, drawn_v: Array, meter: tuple[float, float]) -> Lim
 
 
 def _limit_envelope(
-    board: Board,
-    values: BoardValues,
-    nominal: Mapping[str, float],
-    ends: Sequence[Mapping[str, float]],
+    board: Board, values: BoardValues, nominal: Mapping[str, float], ends: Sequence[Mapping[str, float]]
 ) -> dict[str, Limits]:
     """Limits of the envelope at rest and with the tone: the rectifier adds offsets."""
     offset, constant_v, noise_v = values.output_offset, METER_DC[1], values.noise.mean_envelope_v or 0.0

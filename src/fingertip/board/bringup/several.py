@@ -38,10 +38,7 @@ _PART = re.compile(r"\b(?:RV|TP|[CDJQRU])\d{1,2}(?=[ab]?\b)")
 def write_template(plan: BringUp, fingers: Sequence[str], name: str) -> str:
     """Write the file of readings, each still without a value: a table for each finger."""
     own = [format_entry(key, limits) for key, limits in plan.all.items() if key not in COMMON_READINGS]
-    lines = [
-        *list_head(plan, name),
-        *(format_entry(key, plan.all[key]) for key in COMMON_READINGS),
-    ]
+    lines = [*list_head(plan, name), *(format_entry(key, plan.all[key]) for key in COMMON_READINGS)]
     for channel, finger in enumerate(fingers, start=1):
         lines += ["", f"[{finger}]  # finger {channel}: TP1 is TP{channel}01", *own]
     return "\n".join(lines) + "\n"

@@ -31,13 +31,7 @@ from pathlib import Path
 
 from fingertip.board.circuits.channels import repeat_channel
 from fingertip.board.components.bridge import DIVIDER_F, SENSOR_FILTER_F
-from fingertip.board.components.values import (
-    CLAMP,
-    LOW_LEAKAGE_CLAMP,
-    MAX_LOW_LEAKAGE_A,
-    SUPPLIES,
-    ComponentValues,
-)
+from fingertip.board.components.values import CLAMP, LOW_LEAKAGE_CLAMP, MAX_LOW_LEAKAGE_A, SUPPLIES, ComponentValues
 from fingertip.board.parts import symbols
 from fingertip.board.parts.circuit import (
     CapacitorRequirement,

@@ -17,12 +17,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
-from fingertip.board.fabrication.bom import (
-    ASSEMBLY_BOM,
-    ASSEMBLY_PLACEMENT,
-    assembly_bom_file,
-    placement_file,
-)
+from fingertip.board.fabrication.bom import ASSEMBLY_BOM, ASSEMBLY_PLACEMENT, assembly_bom_file, placement_file
 from fingertip.board.kicad.placement import Placement
 from fingertip.board.parts.circuit import Circuit
 from fingertip.foundation.errors import BoardError, InputFileError, MissingLibraryError

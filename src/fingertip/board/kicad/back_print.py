@@ -13,12 +13,7 @@ from dataclasses import replace
 from fingertip.board.circuits.channels import split_name
 from fingertip.board.kicad.placement import Box, Placement, PrintedText
 from fingertip.board.kicad.sexpr import number, quote
-from fingertip.board.parts.circuit import (
-    Circuit,
-    format_component_value,
-    parse_component_value,
-    reference_sort_key,
-)
+from fingertip.board.parts.circuit import Circuit, format_component_value, parse_component_value, reference_sort_key
 from fingertip.foundation.errors import BoardError
 
 _LISTED = ("C", "R", "RV")

@@ -104,9 +104,7 @@ def supports_by_part(design: Design) -> dict[str, Supports]:
         "mold_palmar": Supports((), bridges, "hollows, which silicone, bone, keys and nuts touch"),
         "mold_dorsal": Supports((), bridges, "hollows, which silicone, bone, screw and syringe touch"),
         "core": Supports(
-            (_everywhere(design, top=0.0),),
-            "under the foot of the collar, outside",
-            "anything else above the collar",
+            (_everywhere(design, top=0.0),), "under the foot of the collar, outside", "anything else above the collar"
         ),
     }
     for tool in ("sensor_insert", "insert_jig"):

@@ -7,15 +7,7 @@ from collections.abc import Iterator
 
 from fingertip.cad.verification.check import Check
 from fingertip.design import Design
-from fingertip.pad.survey import (
-    FIRM_N,
-    FORCE_N,
-    GRASP_DEG,
-    MAX_TURN_ON_N,
-    TILTS_DEG,
-    WIDE_DEG,
-    survey_pad,
-)
+from fingertip.pad.survey import FIRM_N, FORCE_N, GRASP_DEG, MAX_TURN_ON_N, TILTS_DEG, WIDE_DEG, survey_pad
 
 WANTED_SHARE, WANTED_EVENNESS = 0.4, 0.6
 """Least share of a force that should reach the sensor in a grasp, and over the largest one there. Assumptions."""

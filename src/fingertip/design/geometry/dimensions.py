@@ -10,14 +10,7 @@ import math
 from dataclasses import replace
 from functools import cached_property
 
-from fingertip.design.geometry.conic import (
-    ConicBody,
-    CrossSection,
-    Tip,
-    add_groove,
-    inset_body,
-    weight_of_fullness,
-)
+from fingertip.design.geometry.conic import ConicBody, CrossSection, Tip, add_groove, inset_body, weight_of_fullness
 from fingertip.design.geometry.features import (
     NOTCH_WIDTH_MM,
     SLIDING_MM,

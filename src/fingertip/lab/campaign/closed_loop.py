@@ -21,13 +21,7 @@ from fingertip.foundation.errors import FingertipError, Issue, gather
 from fingertip.foundation.jit import compiled
 from fingertip.lab.campaign.plan import HELD_OUT_FROM
 from fingertip.lab.campaign.run import select_board_outputs
-from fingertip.sim import (
-    ManipulationFile,
-    ManipulationResult,
-    Simulation,
-    article_manipulations,
-    run_manipulation,
-)
+from fingertip.sim import ManipulationFile, ManipulationResult, Simulation, article_manipulations, run_manipulation
 from fingertip.sim.runs.grip import GripController, GripDecision, GripSettings
 from fingertip.sim.simulation import REPEATS_PER_MANIPULATION
 from fingertip.slip.detectors.registry import find_detector_type

@@ -32,15 +32,7 @@ from fingertip.slip.traces.columns import (
     without_headers,
 )
 from fingertip.slip.traces.csv_header import NOT_TEXT, Header, find_header
-from fingertip.slip.traces.trace import (
-    COLUMNS,
-    ColumnMap,
-    RawTrace,
-    bounded_lines,
-    max_lines,
-    max_rows,
-    shape_message,
-)
+from fingertip.slip.traces.trace import COLUMNS, ColumnMap, RawTrace, bounded_lines, max_lines, max_rows, shape_message
 
 _TAIL_BYTES = 4096
 """Length of the end of a file that is examined for a number that was cut off [bytes]."""

@@ -90,7 +90,7 @@ def test_an_interval_of_the_last_sample_has_no_length_but_counts() -> None:
 def test_a_trace_in_memory_is_validated() -> None:
     invalid = Trace(T * 2, np.where(np.arange(len(T)) == 7, np.nan, V))
     with pytest.raises(TraceError, match="at sample 7 is not a finite number") as caught:
-        detect(invalid, Design())
+        detect(invalid, Design.load(changes={"detector.sample_rate_hz": 2000}))
     assert [issue.field for issue in caught.value.issues] == ["trace, voltage_v", "trace, time_s"]
     assert "--rate-hz 1000" in str(caught.value)
 

@@ -35,11 +35,11 @@ Changes = Iterable[str] | Mapping[str, Any]
 
 def list_changes(changes: Changes) -> Sequence[str]:
     """List changes as texts. Raises DesignError if they are one."""
-    import tomlkit  # noqa: PLC0415
-
     if isinstance(changes, str):
         raise DesignError(Issue("changes", f"{changes!r} is a single text; give a list, such as {[changes]!r}."))
     if isinstance(changes, Mapping):
+        import tomlkit  # noqa: PLC0415
+
         return [f"{name}={tomlkit.item(value).as_string()}" for name, value in changes.items()]
     return list(changes)
 

@@ -57,7 +57,7 @@ def test_a_straight_pad_is_deaf_at_some_tilts_and_the_checks_say_so():
     assert all(check.passed for check in checks.values())
     assert checks["pad.share"].value < 0.1
     assert "5% of 1 N" in checks["pad.share"].warning
-    assert "at no force up to 20 N" in checks["pad.turn_on_force"].warning
+    assert "feels no force up to 20 N" in checks["pad.turn_on_force"].warning
     assert survey_pad(Design.load("article")).worst_turn_on_n == math.inf
     assert not any(check.warning for check in check_pad(crowned()))
 

@@ -52,7 +52,9 @@ _BOM_CAPTION = "bill of materials; board/bom.csv names the source of each number
 _NOTES = ("Before you apply power", "Channels", "Connectors", "Test points", "Before you order", "Order form")
 """Sections of the board's README that a page shows."""
 _CHANNEL = "Channel of one finger, here of the first."
-_PLACEMENT = "Placement, seen from the front. Pin 1 of a connector is its square pad."
+_PLACEMENT = (
+    "Placement, seen from the front. Point at a pad to read its pin; a table below names the pins of connectors."
+)
 _COPPER = (
     "Copper, seen through the board from the front: front layer in orange, back layer in blue, pale where it is poured."
 )

@@ -144,7 +144,7 @@ def _draw_pads(footprint: Node) -> list[Markup]:
             element(
                 "rect", element("title", f"{name_part(footprint)} pin {pad.name}"), x=number(x - pad.width / 2, 3),
                 y=number(y - pad.height / 2, 3), width=number(pad.width, 3), height=number(pad.height, 3),
-                rx=number(pad.rounding * min(pad.width, pad.height), 3), fill=_PAD,
+                rx=number((0.5 if pad.shape == "oval" else pad.rounding) * min(pad.width, pad.height), 3), fill=_PAD,
                 transform=f"rotate({number(-pad.turned_deg, 3)} {centre})" if pad.turned_deg else None,
             )
         )  # fmt: skip

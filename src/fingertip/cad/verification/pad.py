@@ -35,11 +35,12 @@ def check_pad(design: Design) -> Iterator[Check]:
     )  # fmt: skip
     never, tilts = turn_on == math.inf, zip(TILTS_DEG, survey.turn_on_n, strict=True)
     deaf = [f"{tilt:g}" for tilt, force in tilts if force > WANTED_TURN_ON_N and WIDE_DEG[0] <= tilt <= WIDE_DEG[1]]
-    at = f"at no force up to {MAX_TURN_ON_N:g} N" if never else f"at {turn_on:.2g} N"
+    feels = f"turns on at {turn_on:.2g} N, not below {WANTED_TURN_ON_N:g} N"
+    if never:
+        feels = f"feels no force up to {MAX_TURN_ON_N:g} N"
     yield _warn(
         "pad.turn_on_force", MAX_TURN_ON_N if never else turn_on, MAX_TURN_ON_N, "N", turn_on > WANTED_TURN_ON_N,
-        f"on a plate tilted by {', '.join(deaf)} degrees (below 0: tip up) the sensor turns on {at}, not below "
-        f"{WANTED_TURN_ON_N:g} N; {remedy}.",
+        f"on a plate tilted by {', '.join(deaf)} degrees (below 0: tip up) the sensor {feels}; {remedy}.",
     )  # fmt: skip
     yield _warn(
         "pad.strain", survey.strain, _MAX_STRAIN, "", survey.strain > WANTED_STRAIN,

@@ -12,10 +12,10 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from fingertip.catalogues.bundled import PARAMS
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.validation import raise_issues
 from fingertip.sim import SceneFile
-from fingertip.sim.runs.pose import GRASP_POSE
 from fingertip.sim.simulation import article_trials
 
 TUNING_SEEDS = range(1000, 1400)
@@ -31,45 +31,13 @@ def check_first_seed(seed: int) -> None:
         raise TraceError(Issue("--seed", f"{seed} is refused, {reason}; choose {HELD_OUT_FROM} to {LAST_SEED}."))
 
 
-_GRASP = {"mode": "grasp", "min_force_n": 0.5, "max_force_n": 2.0}
-NEGATIVE_SCENES: dict[str, tuple[SceneFile, float]] = {
-    "contact": (SceneFile(scene="contact", hold={"min_s": 1.0, "release": False}), 0.25),
-    "release": (SceneFile(scene="release", hold={"min_s": 1.0}), 0.2),
-    "load change": (
-        SceneFile(
-            scene="load_change",
-            pose=GRASP_POSE,
-            hold={**_GRASP, "max_force_n": 1.5},
-            load_change={"by_n": 1.0, "rise_s": 0.15},
-        ),
-        0.2,
-    ),
-    "drift": (
-        SceneFile(
-            scene="drift",
-            pose=GRASP_POSE,
-            hold={**_GRASP, "min_s": 20.0},
-            drift={"share_per_decade": 0.05, "volt_per_s": 0.0005},
-        ),
-        0.1,
-    ),
-    "motor": (
-        SceneFile(scene="motor_vibration", pose=GRASP_POSE, hold=_GRASP, motor={"force_n": 0.01, "duration_s": 2.0}),
-        0.1,
-    ),
-    "hard tap": (
-        SceneFile(
-            scene="hard_tap",
-            pose=GRASP_POSE,
-            hold={**_GRASP, "min_force_n": 1.0},
-            tap={"force_n": 2.0, "rise_s": 0.004, "count": 3},
-        ),
-        0.1,
-    ),
-    "cable": (
-        SceneFile(scene="cable_touch", pose=GRASP_POSE, hold=_GRASP, cable={"step_v": 0.02, "hum_v": 0.005}),
-        0.05,
-    ),
+_SCENES = {
+    "contact": ("contact", 0.25), "release": ("release", 0.2), "load change": ("load_change", 0.2),
+    "drift": ("drift", 0.1), "motor": ("motor_vibration", 0.1), "hard tap": ("hard_tap", 0.1),
+    "cable": ("cable_touch", 0.05),
+}  # fmt: skip
+NEGATIVE_SCENES = {
+    cause: (SceneFile.load(PARAMS / "scenes" / f"{name}.toml"), share) for cause, (name, share) in _SCENES.items()
 }
 """Cause of alarms -> scene of ``params/scenes`` without slip, and its fraction of the time without slip."""
 REPORTED_SEPARATELY = ("hard tap", "motor", "cable")

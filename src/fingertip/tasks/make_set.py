@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -122,7 +122,9 @@ def make_set(
     writer.check(_FILES)
     print_writer.check(())
     places = {form.design.name: folder / form.design.name for form in fingers.forms}
-    issues = [Issue(str(link), "is a link; remove it.") for link in _find_links(folder, places.values())]
+    # A folder may come from a stranger, and links may lead anywhere.
+    links = (link for place in places.values() if (link := find_link(folder, place)))
+    issues = [Issue(str(link), "is a link; remove it.") for link in links]
     for name in places.keys() & {BOARD_FOLDER, PRINT_FOLDER}:
         issues.append(
             Issue("name", f"{name} is a folder of every set, and the name of a design in this one; rename it.")
@@ -190,11 +192,6 @@ def _render_sheets(
         SET_REPORT: (json.dumps(data, indent=2, allow_nan=False) + "\n").encode(),
         PAGE: render_set_page(data, pictures, start, pages.values(), [*pages, PARTS_CSV, *files], failed),
     }
-
-
-def _find_links(folder: Path, places: Iterable[Path]) -> Iterator[Path]:
-    """Find forms' folders that are links: a folder may come from a stranger, and they may lead anywhere."""
-    return (link for place in places if (link := find_link(folder, place)))
 
 
 def _find_board(fingers: FingerSet) -> Design | None:

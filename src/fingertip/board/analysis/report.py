@@ -24,12 +24,12 @@ from fingertip.board.analysis.response import find_envelope_gain, model_filter
 from fingertip.board.analysis.thresholds import ComparatorLevels, OutputOffset
 from fingertip.board.analysis.tolerance import (
     ARTICLE_CAPACITOR_PERCENT,
+    CUTOFF_CAPACITORS,
     Spread,
     TolerancedFilter,
     component_tolerances,
     compute_sensitivities,
     monte_carlo,
-    state_capacitors,
 )
 from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import Network, Value, build_network
@@ -82,6 +82,7 @@ def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
     toleranced = TolerancedFilter(model, network.values)
     noise, total = noise_budget(noisy)
     percent = component_tolerances(circuit)
+    article_percent = percent | dict.fromkeys(CUTOFF_CAPACITORS, ARTICLE_CAPACITOR_PERCENT)
     offsets = zip(noisy.sources, zip(*(noisy.offsets_v(net) for net in NETS), strict=True), strict=True)
     return Analysis(
         noise=noise,
@@ -107,7 +108,7 @@ def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
         component_percent=percent,
         boards=boards,
         spread=monte_carlo(toleranced, percent, boards, seed),
-        article_spread=monte_carlo(toleranced, state_capacitors(percent, ARTICLE_CAPACITOR_PERCENT), boards, seed),
+        article_spread=monte_carlo(toleranced, article_percent, boards, seed),
         sensitivity=compute_sensitivities(toleranced),
     )  # fmt: skip
 

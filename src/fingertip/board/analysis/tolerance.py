@@ -129,11 +129,6 @@ def component_tolerances(circuit: Circuit) -> dict[str, float]:
     return {name: found.tolerance_percent for name in COMPONENTS if (found := requirements.get(name))}
 
 
-def state_capacitors(tolerances: Mapping[str, float], percent: float) -> dict[str, float]:
-    """Tolerances [%] with another one for C1 to C3, which set the cutoff."""
-    return {name: percent if name in CUTOFF_CAPACITORS else own for name, own in tolerances.items()}
-
-
 YIELD_BOARDS, YIELD_RATIO, LEAST_YIELD = 4000, 0.1, 0.99
 """Boards that are drawn for a yield, deviation from the design within which a board counts, and share that must."""
 

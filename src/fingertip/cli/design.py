@@ -7,6 +7,7 @@ import json
 import math
 import shlex
 from collections.abc import Callable, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -231,7 +232,12 @@ def params(
 
 # Commands `fingertip schema` and `fingertip completion`, for editors and shells.
 
-KINDS = ("design", "set", "scene", "manipulation", "surface", "sweep")
+_MODELS = {
+    "design": "design.parameters:Tables", "set": "design.finger_set:SetFile", "scene": "sim:SceneFile",
+    "manipulation": "sim:ManipulationFile", "surface": "sim.contact.materials:SurfaceFile",
+    "sweep": "sweep.sweep_file:SweepFile",
+}  # fmt: skip
+KINDS = tuple(_MODELS)
 """Kinds of TOML files that have a schema."""
 
 
@@ -240,49 +246,23 @@ def schema(
     kind: Annotated[str, typer.Argument(help=f"Kind of file: {', '.join(KINDS)}.")], quiet: QuietOption = False
 ) -> None:
     """Print the JSON schema of a kind of TOML file, for editors. Bundled files name theirs in their first line."""
-    Console(False, quiet).write(format_schema(kind))
-
-
-def format_schema(kind: str) -> str:
-    """Format the JSON schema of a kind of TOML file. Raises DesignError."""
-    return json.dumps(make_schema(kind), indent=2)
+    Console(False, quiet).write(json.dumps(make_schema(kind), indent=2))
 
 
 def make_schema(kind: str) -> dict[str, Any]:
     """Make the JSON schema of a kind of TOML file. Raises DesignError."""
     from fingertip.design.parameters.declaration import suggest_name
 
-    if kind == "design":
-        from fingertip.design.files import json_schema
-
-        found = json_schema()
-    elif kind == "set":
-        from fingertip.design.finger_set import SetFile
-
-        found = SetFile.model_json_schema()
-    elif kind == "scene":
-        from fingertip.sim import SceneFile
-
-        found = SceneFile.model_json_schema()
-    elif kind == "manipulation":
-        from fingertip.sim import ManipulationFile
-
-        found = ManipulationFile.model_json_schema()
-    elif kind == "surface":
-        from fingertip.sim.contact.materials import SurfaceFile
-
-        found = SurfaceFile.model_json_schema()
-    elif kind == "sweep":
-        from fingertip.sweep.sweep_file import SweepFile
-
-        found = SweepFile.model_json_schema()
+    if kind not in _MODELS:
+        raise DesignError(Issue("KIND", f"{kind!r} is no kind of file; {suggest_name(kind, KINDS)}"))
+    module, _, name = _MODELS[kind].partition(":")
+    found = getattr(import_module(f"fingertip.{module}"), name).model_json_schema()
+    if kind == "sweep":
         for base in ("design", "scene"):  # the file of a base may be named in place of its tables
             found["properties"][base] = {
                 "anyOf": [{"type": "string"}, {"type": "object"}],
                 "description": found["properties"][base]["description"],
             }
-    else:
-        raise DesignError(Issue("KIND", f"{kind!r} is no kind of file; {suggest_name(kind, KINDS)}"))
     schema: dict[str, Any] = _normalise(found)
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
 

@@ -18,12 +18,7 @@ from fingertip import Design
 from fingertip.cad.files import stl
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.catalogues.output_files import PAGE
-from fingertip.documents.finger_set.sheets import (
-    render_casting_plan,
-    render_overview,
-    render_parts_list,
-    render_set_acceptance,
-)
+from fingertip.documents.finger_set.sheets import render_sheet
 from fingertip.documents.start import render_set_start
 from fingertip.page.atlas import render_atlas
 from fingertip.page.set_page import render_set_page
@@ -405,13 +400,11 @@ def test_page_of_a_set_is_laid_out_alike(driver: Any, tmp_path: Path) -> None:
     data = collect_data("hand", [make_sheets(THUMB, NAMES[:1]), make_sheets(FINGER, NAMES[1:])], BOARD)
     data |= {"plates": {"fingers_sla.3mf": ("bone thumb",), "molds_sla.3mf": ("mold",), "molds_fdm.3mf": ("mold",)}}
     files = {"board/README.md", "parts_list.csv", *(f"print/{plate}" for plate in data["plates"])}
-    renderers = (render_overview, render_casting_plan, render_parts_list, render_set_acceptance)
+    sheets = [render_sheet(name, data) for name in ("overview", "casting_plan", "parts_list", "acceptance")]
     pictures = {design.name: draw_finger(design, 320) for design in (THUMB, FINGER)}
     start = render_set_start(data, Design(name="hand", board={"channels": 5}))
     page = tmp_path / PAGE
-    page.write_bytes(
-        render_set_page(data, pictures, start, [render(data) for render in renderers], files, ["adult_thumb"])
-    )
+    page.write_bytes(render_set_page(data, pictures, start, sheets, files, ["adult_thumb"]))
     driver.get("about:blank")
     driver.get_log("browser")
     driver.get(page.as_uri())

@@ -29,16 +29,7 @@ from fingertip.design import Design
 from fingertip.design.finger_set import FingerSet, Form, load_set
 from fingertip.documents.acceptance import acceptance_data
 from fingertip.documents.casting.sheet import casting_sheet_data
-from fingertip.documents.finger_set.sheets import (
-    FormSheets,
-    SharedBoard,
-    render_casting_plan,
-    render_overview,
-    render_parts_list,
-    render_set_acceptance,
-    set_data,
-    write_parts_csv,
-)
+from fingertip.documents.finger_set.sheets import FormSheets, SharedBoard, render_sheet, set_data, write_parts_csv
 from fingertip.documents.start import render_set_start
 from fingertip.foundation.errors import DesignError, FingertipError
 from fingertip.foundation.output_set import SetWriter
@@ -252,10 +243,9 @@ def test_the_sheets_of_a_set_are_the_approved_ones(data: dict[str, Any]) -> None
              "pair": collect_data("pair", pair, None)}  # fmt: skip
     for name, found in every.items():
         assert json.loads(json.dumps(found)) == found
-        pages = {"overview": render_overview, "plan": render_casting_plan, "parts": render_parts_list,
-                 "acceptance": render_set_acceptance}  # fmt: skip
-        for page, render in pages.items():
-            check_text(APPROVED / f"set_{name}_{page}.md", render(found))
+        pages = {"overview": "overview", "plan": "casting_plan", "parts": "parts_list", "acceptance": "acceptance"}
+        for page, sheet in pages.items():
+            check_text(APPROVED / f"set_{name}_{page}.md", render_sheet(sheet, found))
     plates = {name: ("bone thumb",) for name in ("fingers_sla.3mf", "molds_fdm_1.3mf", "molds_sla_1.3mf")}
     board = Design(name="hand", board={"channels": 5})
     check_text(APPROVED / "set_hand_start.md", render_set_start(data | {"plates": plates}, board))
@@ -309,7 +299,7 @@ def test_the_parts_list_adds_up_the_bills_of_the_fingers(sheets: list[FormSheets
 
 
 def test_the_plan_tells_each_round_and_what_is_patched_when(data: dict[str, Any]) -> None:
-    text = render_casting_plan(data)
+    text = render_sheet("casting_plan", data)
     assert text.count("## Round") == 4
     assert "Last, patch the holes in thumb and index from the same cup." in text
     assert "1.0 g of part B" not in text

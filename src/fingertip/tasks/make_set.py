@@ -44,16 +44,7 @@ from fingertip.design.finger_set import FingerSet, Form
 from fingertip.design.geometry.solids import scaled
 from fingertip.documents.acceptance import acceptance_data
 from fingertip.documents.casting.sheet import casting_sheet_data
-from fingertip.documents.finger_set.sheets import (
-    FormSheets,
-    SharedBoard,
-    render_casting_plan,
-    render_overview,
-    render_parts_list,
-    render_set_acceptance,
-    set_data,
-    write_parts_csv,
-)
+from fingertip.documents.finger_set.sheets import FormSheets, SharedBoard, render_sheet, set_data, write_parts_csv
 from fingertip.documents.start import render_set_start
 from fingertip.foundation.errors import DesignError, Issue, OutputError
 from fingertip.foundation.input_files import find_link
@@ -178,12 +169,8 @@ def _render_sheets(
     files: Sequence[str],
     failed: Sequence[str] = (),
 ) -> dict[str, bytes]:
-    pages = {
-        OVERVIEW: render_overview(data),
-        CASTING_PLAN: render_casting_plan(data),
-        PARTS_LIST: render_parts_list(data),
-        ACCEPTANCE: render_set_acceptance(data),
-    }
+    names = {OVERVIEW: "overview", CASTING_PLAN: "casting_plan", PARTS_LIST: "parts_list", ACCEPTANCE: "acceptance"}
+    pages = {file: render_sheet(name, data) for file, name in names.items()}
     pictures = {form.design.name: draw_finger(form.design, _PICTURE_PX) for form in fingers.forms}
     start = render_set_start(data, board_design)
     return {

@@ -203,12 +203,9 @@ def _list_parts(sheets: Sequence[FormSheets], plan: CastingPlan) -> list[dict[st
     return [row for sizes in found.values() for row in sizes.values()]
 
 
-def render_casting_plan(data: Mapping[str, Any]) -> str:
-    return lay_out_page(render("finger_set/casting_plan.md", **data))
-
-
-def render_parts_list(data: Mapping[str, Any]) -> str:
-    return lay_out_page(render("finger_set/parts_list.md", **data))
+def render_sheet(name: str, data: Mapping[str, Any]) -> str:
+    """Render overview, casting_plan, parts_list or acceptance of a set as Markdown."""
+    return lay_out_page(render(f"finger_set/{name}.md", **data))
 
 
 def write_parts_csv(data: Mapping[str, Any]) -> bytes:
@@ -219,11 +216,3 @@ def write_parts_csv(data: Mapping[str, Any]) -> bytes:
     writer.writeheader()
     writer.writerows(rows)
     return text.getvalue().encode()
-
-
-def render_set_acceptance(data: Mapping[str, Any]) -> str:
-    return lay_out_page(render("finger_set/acceptance.md", **data))
-
-
-def render_overview(data: Mapping[str, Any]) -> str:
-    return lay_out_page(render("finger_set/overview.md", **data))

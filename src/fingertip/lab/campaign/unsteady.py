@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -41,12 +42,7 @@ def _draw_tremor(rng: np.random.Generator, share: tuple[float, float], slow_shar
     return SceneFile(scene="tremor", pose=GRASP_POSE, hold={**_HOLD, "min_s": 4.0}, tremor=tremor)
 
 
-def _draw_able_hand(rng: np.random.Generator) -> SceneFile:
-    return _draw_tremor(rng, (0.002, 0.02), (0.015, 0.075))
-
-
-def _draw_stump(rng: np.random.Generator) -> SceneFile:
-    return _draw_tremor(rng, (0.01, 0.05), (0.05, 0.15))
+_draw_stump = partial(_draw_tremor, share=(0.01, 0.05), slow_share=(0.05, 0.15))
 
 
 def _draw_servo(rng: np.random.Generator, step_n: tuple[float, float], rise_s: tuple[float, float]) -> SceneFile:
@@ -54,14 +50,6 @@ def _draw_servo(rng: np.random.Generator, step_n: tuple[float, float], rise_s: t
         "step_n": _log_uniform(rng, *step_n), "rise_s": _uniform(rng, *rise_s), "interval_s": _uniform(rng, 0.2, 1.0),
     }  # fmt: skip
     return SceneFile(scene="servo_steps", pose=GRASP_POSE, hold={**_HOLD, "min_s": 3.0}, servo=servo)
-
-
-def _draw_hobby_servo(rng: np.random.Generator) -> SceneFile:
-    return _draw_servo(rng, (0.015, 0.05), (0.01, 0.03))
-
-
-def _draw_brushless_servo(rng: np.random.Generator) -> SceneFile:
-    return _draw_servo(rng, (0.003, 0.015), (0.003, 0.01))
 
 
 def _draw_set_down(rng: np.random.Generator) -> SceneFile:
@@ -103,10 +91,10 @@ def _draw_slide(rng: np.random.Generator, distance_m: float) -> dict[str, Any]:
 
 
 UNSTEADY: Mapping[str, Callable[[np.random.Generator], SceneFile]] = {
-    "tremor of an able hand": _draw_able_hand,
+    "tremor of an able hand": partial(_draw_tremor, share=(0.002, 0.02), slow_share=(0.015, 0.075)),
     "tremor of a stump": _draw_stump,
-    "steps of a hobby servo": _draw_hobby_servo,
-    "steps of a brushless servo": _draw_brushless_servo,
+    "steps of a hobby servo": partial(_draw_servo, step_n=(0.015, 0.05), rise_s=(0.01, 0.03)),
+    "steps of a brushless servo": partial(_draw_servo, step_n=(0.003, 0.015), rise_s=(0.003, 0.01)),
     "setting down": _draw_set_down,
     "walking": _draw_walk,
     "unstable contact": _draw_edge,

@@ -20,9 +20,9 @@ BESIDE_ARTICLE: Mapping[str, Any] = json.loads(Path(__file__).with_name("beside_
 """Figures of the article's finger and board under all laws, which ``tools/beside_article.py`` measures."""
 
 
-def format_ms(seconds: float, otherwise: str = "missed", form: str = ".1f") -> str:
+def format_ms(seconds: float, otherwise: str = "missed", form: str = ".1f", unit: str = " ms") -> str:
     """Format a time in milliseconds; another text stands for one that is not finite."""
-    return f"{1000 * seconds:{form}} ms" if math.isfinite(seconds) else otherwise
+    return f"{1000 * seconds:{form}}{unit}" if math.isfinite(seconds) else otherwise
 
 
 def format_mn(newtons: float) -> str:

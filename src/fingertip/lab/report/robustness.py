@@ -67,8 +67,7 @@ def variation_table(variations: Sequence[VariationResult], detector: str) -> lis
     return lines
 
 
-def _ms(seconds: float) -> str:
-    return f"{1000 * seconds:.1f}" if math.isfinite(seconds) else "missed"
+_ms = partial(format_ms, unit="")
 
 
 def _variation_row(v: VariationResult, base: VariationResult) -> str:
@@ -79,7 +78,7 @@ def _variation_row(v: VariationResult, base: VariationResult) -> str:
         change = f"{1000 * v.change_s:+.1f}"
     else:
         change = "found" if math.isfinite(v.median_s) > math.isfinite(base.median_s) else "missed"
-    onset = "" if v is base else format_ms(v.onset_change_s, "?", "+.1f").removesuffix(" ms")
+    onset = "" if v is base else _ms(v.onset_change_s, "?", "+.1f")
     envelope = f"{format_mv(v.light_v)} / {format_mv(v.firm_v)} mV"
     return (
         f"{found:>13} {_ms(v.median_s):>7} {change:>7} {_ms(v.p90_s):>7} {_ms(v.worst_mean_s):>7} "

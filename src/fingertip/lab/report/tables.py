@@ -166,6 +166,7 @@ def _group(values: tuple[float, float, int]) -> dict[str, Any]:
 
 
 _ms = partial(format_ms, otherwise="  missed ", form="6.1f")
+_short_ms = partial(format_ms, otherwise=" missed", form="7.1f", unit="")
 
 
 def as_text(result: CampaignResult, detector: str, studies: StudyResults) -> str:
@@ -296,10 +297,6 @@ def _study_tables(studies: StudyResults) -> list[str]:
             text += f"   {times:>24} {row.false_grips:11} {row.suppressed:10}"
         lines.append(text)
     return lines
-
-
-def _short_ms(seconds: float) -> str:
-    return f"{1000 * seconds:7.1f}" if math.isfinite(seconds) else " missed"
 
 
 @dataclass(frozen=True)

@@ -7,13 +7,15 @@ command writes as several files is a set (`fingertip.foundation.output_set`).
 from __future__ import annotations
 
 import contextlib
+import csv
+import io
 import itertools
 import math
 import os
 import shutil
 import stat
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from types import TracebackType
 from typing import BinaryIO
@@ -89,6 +91,12 @@ def round_for_output(value: float) -> float:
     are returned as they are.
     """
     return round(float(value), 6) + 0.0
+
+
+def format_csv(columns: Iterable[str], rows: Iterable[Iterable[object]]) -> bytes:
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows((columns, *rows))
+    return text.getvalue().encode()
 
 
 # Temporary folders that do not outlive their use by long.

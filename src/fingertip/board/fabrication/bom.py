@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import csv
 import functools
-import io
 import re
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 from fingertip.board.kicad.placement import Placement
 from fingertip.board.parts.circuit import Circuit, Component, reference_sort_key
 from fingertip.board.parts.select_part import Selection, select_part
 from fingertip.board.parts.table import BASIC_SOURCE, PRICES, Part, load_table
+from fingertip.foundation.files import format_csv
 
 PRICE = "Price of one [USD, estimate of 2026-11]"
 COLUMNS = (
@@ -66,14 +64,6 @@ def list_bom(circuit: Circuit) -> list[BomLine]:
 def purchased_components(circuit: Circuit) -> list[Component]:
     """Components to buy, sorted by reference: all but test points, mounting holes and places that stay empty."""
     return sorted((part for part in circuit.components if part.rating and part.is_fitted), key=reference_sort_key)
-
-
-def format_csv(columns: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> bytes:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows(rows)
-    return text.getvalue().encode()
 
 
 # Files in the columns of the assembly house JLCPCB: bill of materials, and placement with its rotations.

@@ -7,7 +7,6 @@ board that fails KiCad's own checks is not exported.
 
 from __future__ import annotations
 
-import hashlib
 import io
 import re
 import shutil
@@ -23,6 +22,7 @@ from fingertip.board.parts.circuit import Circuit
 from fingertip.foundation.errors import BoardError, InputFileError, MissingLibraryError
 from fingertip.foundation.files import TemporaryFolder
 from fingertip.foundation.input_files import OUTPUT_LIMIT, PARSED_LIMIT, read_input
+from fingertip.foundation.output_set.swap import hash_content
 from fingertip.foundation.progress import Work
 
 _LAYERS = "F.Cu,B.Cu,F.Paste,F.SilkS,B.SilkS,F.Mask,B.Mask,Edge.Cuts"
@@ -145,8 +145,8 @@ def provenance_record(board_files: Mapping[str, bytes], fabrication_files: Mappi
 
     It lists the board files that the fabrication files were made from, one folder up, and the fabrication files.
     """
-    lines = [f"{_sha256(data)}  {_PARENT}{name}" for name, data in board_files.items() if name.endswith(_SOURCES)]
-    lines += [f"{_sha256(data)}  {name}" for name, data in fabrication_files.items()]
+    lines = [f"{hash_content(data)}  {_PARENT}{name}" for name, data in board_files.items() if name.endswith(_SOURCES)]
+    lines += [f"{hash_content(data)}  {name}" for name, data in fabrication_files.items()]
     return ("\n".join(lines) + "\n").encode()
 
 
@@ -163,18 +163,14 @@ def find_outdated_files(folder: Path, record: str, board_files: Mapping[str, byt
     differences = [
         f"{folder}: was made from another {name.removeprefix(_PARENT)} than this design gives; {remedy}."
         for name, data in sources.items()
-        if recorded.get(name) != _sha256(data)
+        if recorded.get(name) != hash_content(data)
     ]
     for name, digest in recorded.items():
         if not name.startswith(_PARENT):
             path = folder / name
             try:
-                if _sha256(read_input(path, OUTPUT_LIMIT, below=folder)) != digest:
+                if hash_content(read_input(path, OUTPUT_LIMIT, below=folder)) != digest:
                     differences.append(f"{path}: was changed after it was made.")
             except InputFileError as error:
                 differences += [str(issue) for issue in error.issues]
     return differences
-
-
-def _sha256(data: bytes) -> str:
-    return hashlib.sha256(data).hexdigest()

@@ -5,8 +5,6 @@ Every figure is that of the forms' own sheets, multiplied or added up.
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -20,6 +18,7 @@ from fingertip.design.finger_set import FingerSet, Form
 from fingertip.documents.casting.sheet import round_component_g
 from fingertip.documents.template import lay_out_page, render, render_rows
 from fingertip.firmware.fingers import DEFAULT_CONTROLLER, find_board
+from fingertip.foundation.files import format_csv
 
 _FILLED = "mix and fill"
 """Words of the stage of a casting sheet's plan that each round repeats."""
@@ -211,8 +210,4 @@ def render_sheet(name: str, data: Mapping[str, Any]) -> str:
 def write_parts_csv(data: Mapping[str, Any]) -> bytes:
     """Write the parts list as CSV, as shops and spreadsheets read it."""
     rows = render_rows("finger_set/parts_list.md", data)
-    text = io.StringIO()
-    writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    return text.getvalue().encode()
+    return format_csv(rows[0], (row.values() for row in rows))

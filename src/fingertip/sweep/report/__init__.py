@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from fingertip.foundation import extras
-from fingertip.foundation.files import open_atomic
+from fingertip.foundation.files import format_csv, open_atomic
 from fingertip.foundation.output_set import SetWriter, hash_parameters
 from fingertip.foundation.progress import Work
 from fingertip.sweep.database import SweepDatabase, SweepRow
@@ -70,13 +70,9 @@ def write_report(
 def _format_front(summary: SweepSummary) -> bytes:
     table = summary.table
     columns = [table.point, *table.axes.values(), *table.outputs.values()]
-    out = io.StringIO()
-    lines = csv.writer(out, lineterminator="\n")
-    lines.writerow(["point", *table.axes, *table.outputs])
-    for row in summary.selection.front:
-        values = [column[row].item() if column.dtype != object else column[row] for column in columns]
-        lines.writerow(["" if value != value else value for value in values])  # only NaN differs from itself
-    return out.getvalue().encode()
+    found = ([c[row].item() if c.dtype != object else c[row] for c in columns] for row in summary.selection.front)
+    rows = (["" if value != value else value for value in values] for values in found)  # only NaN differs from itself
+    return format_csv(["point", *table.axes, *table.outputs], rows)
 
 
 _GROUP_ROWS = 65_536

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from fingertip.board.circuits.channels import list_sockets, list_tactile_pins
 from fingertip.cad.files import threemf
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.printing.orientations import build_volume_excess
+from fingertip.cad.printing.orientations import build_volume_excess, print_orientations
 from fingertip.cad.printing.print_files import list_pieces, make_plates
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.casting.hardware import bill_of_materials
@@ -362,7 +362,8 @@ def test_a_bed_that_is_too_small_is_refused_before_work_with_a_remedy_that_holds
     assert "mold_palmar of adult_thumb exceeds the build volume by" in done.stderr
     thumb = Design.load("adult_thumb", changes=[remedy])
     for name in ("mold_palmar", "mold_dorsal"):
-        assert -1.2 < build_volume_excess(thumb, name, MeshEvaluator(0.05).mesh(PARTS[name].solid(thumb))) <= 0.0
+        mesh, lies = MeshEvaluator(0.05).mesh(PARTS[name].solid(thumb)), print_orientations(thumb)[name]
+        assert -1.2 < build_volume_excess(thumb, mesh, lies.rotate_x_deg) <= 0.0
 
 
 def test_a_folder_that_leads_elsewhere_or_has_two_uses_is_refused(folder: Path) -> None:

@@ -10,6 +10,7 @@ from typing import Any
 
 from fingertip.cad.files.step_process import StepFiles, StepJob, StepProcess
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
+from fingertip.cad.printing.orientations import build_volume_excess
 from fingertip.cad.report import FORMATS
 from fingertip.cad.shapes.coupon import COUPON_PARTS
 from fingertip.cad.shapes.parts import print_scale
@@ -106,7 +107,7 @@ def make_coupon(
         for name, solid in solids.items():
             work.begin(name)
             meshes[name] = evaluator.mesh(scaled(solid, print_scale(design, COUPON_PARTS[name])))
-            checks.append(Check(f"{name}.build_volume_excess", _bed_excess(design, meshes[name]), 0.0, "mm"))
+            checks.append(Check(f"{name}.build_volume_excess", build_volume_excess(design, meshes[name]), 0.0, "mm"))
             for file_format in (each for each in formats if each in MESH_FORMATS):
                 data = MESH_FORMATS[file_format].to_bytes(meshes[name], name)
                 contents[f"{name}.{file_format}"] = data
@@ -125,11 +126,3 @@ def make_coupon(
     work.begin("plan view")
     contents[PLAN] = draw_plan(design, meshes)
     return Coupon(design, folder, meshes, contents, tuple(checks))
-
-
-def _bed_excess(design: Design, mesh: Mesh) -> float:
-    """Measure how far a piece, as it lies, exceeds the printer's build volume [mm]; negative if it fits."""
-    x, y, z = (float(size) for size in mesh.vertices.max(axis=0) - mesh.vertices.min(axis=0))
-    printer = design.printer
-    bed, footprint = sorted((printer.bed_x_mm, printer.bed_y_mm)), sorted((x, y))
-    return max(footprint[0] - bed[0], footprint[1] - bed[1], z - printer.bed_z_mm)

@@ -199,9 +199,9 @@ def _refuse_early(fingers: FingerSet) -> None:
     issues, evaluator = list[Issue](), MeshEvaluator(_COARSE_MM)
     for form in fingers.forms:
         design = form.design
-        for name in print_orientations(design):
+        for name, lies in print_orientations(design).items():
             mesh = evaluator.mesh(scaled(PARTS[name].solid(design), print_scale(design, PARTS[name])))
-            if (excess := build_volume_excess(design, name, mesh)) > 0.0:
+            if (excess := build_volume_excess(design, mesh, lies.rotate_x_deg)) > 0.0:
                 text = f"{name} of {design.name} exceeds the build volume by {excess:.1f} mm"
                 issues.append(Issue("printer.bed_x_mm", f"{text}; {_name_larger_bed(design, name, mesh)}."))
     if issues:

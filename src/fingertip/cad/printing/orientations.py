@@ -64,9 +64,9 @@ def _orient_lid(design: Design) -> Orientation:
     return Orientation(best, _LID_FACES[best], any(area > MAX_UNSUPPORTED_MM2 / 2 for area in areas[best]))
 
 
-def build_volume_excess(design: Design, name: str, mesh: Mesh) -> float:
+def build_volume_excess(design: Design, mesh: Mesh, rotate_x_deg: float = 0.0) -> float:
     """Measure how far a part, turned on the bed or not, exceeds the build volume [mm]; negative if it fits."""
-    rotation, printer = math.radians(print_orientations(design)[name].rotate_x_deg), design.printer
+    rotation, printer = math.radians(rotate_x_deg), design.printer
     x, y, z = mesh.vertices.T
     depth, height = (math.cos(rotation) * y - math.sin(rotation) * z, math.sin(rotation) * y + math.cos(rotation) * z)
     footprint = sorted(float(along.max() - along.min()) for along in (x, depth))

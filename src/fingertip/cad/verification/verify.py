@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.printing.orientations import build_volume_excess
+from fingertip.cad.printing.orientations import build_volume_excess, print_orientations
 from fingertip.cad.printing.print_files import PrintFiles, make_print_files
 from fingertip.cad.shapes.parts import PARTS, print_scale
 from fingertip.cad.verification.assembly import check_assembly, check_joint
@@ -85,7 +85,8 @@ def check_parts(
     """Check print size, walls, clearances and mold function of those parts that have a mesh in `meshes`."""
     for name, mesh in meshes.items():
         if PARTS[name].is_printed:
-            yield Check(f"{name}.build_volume_excess", build_volume_excess(design, name, mesh), 0.0, "mm")
+            excess = build_volume_excess(design, mesh, print_orientations(design)[name].rotate_x_deg)
+            yield Check(f"{name}.build_volume_excess", excess, 0.0, "mm")
             yield check_overhang(design, evaluator, name, mesh)
     yield from check_walls(design, evaluator, meshes)
     if "skin" in meshes:

@@ -140,7 +140,6 @@ class RowElimination:
         return self._substitute(is_pole_wet=bool(wet[-1]))
 
     def _eliminate(self, number: int, columns: NDArray[np.intp]) -> _EliminatedRow:
-        """Eliminate the row before from a row."""
         own, next_row, _ = self._network.blocks
         block = own[number][columns][:, columns]
         loads = self._loads[:-1].reshape(*self._network.shape, -1)[number][columns]

@@ -62,7 +62,6 @@ def split_net(net: str) -> tuple[int, str]:
 
 
 def name_sheet(channel: int) -> str:
-    """Name the sheet of a channel in the schematic."""
     return f"F{channel}"
 
 

@@ -172,7 +172,6 @@ def key_socket_keeps_a_floor(design: DesignTables) -> Limit | None:
 
 @RULES.at_most("mold.nut_depth_mm")
 def nut_trap_keeps_a_floor(design: DesignTables) -> Limit | None:
-    """The nut traps keep a floor under the nut."""
     maximum = design.skin.semi_axis_palmar_mm + design.mold.wall_mm - _NUT_FLOOR
     return Limit(maximum, f"leaves less than {_NUT_FLOOR:g} mm under the nut")
 

@@ -63,7 +63,6 @@ class Arc:
     style: Style
 
     def points(self, count: int = 72) -> tuple[Point, ...]:
-        """Return points on the arc."""
         angles = (math.radians(self.start_deg + (self.end_deg - self.start_deg) * i / count) for i in range(count + 1))
         return tuple(
             (self.centre[0] + self.radius * math.cos(a), self.centre[1] + self.radius * math.sin(a)) for a in angles

@@ -130,7 +130,6 @@ class Timeline:
 
     @property
     def moves(self) -> tuple[TrapezoidalMove, ...]:
-        """Moves of the slide."""
         if self.slide is None:
             return ()
         return self.slide.moves if isinstance(self.slide, RepeatedMove) else (self.slide,)

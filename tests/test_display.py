@@ -77,7 +77,7 @@ def test_tables_are_well_formed_and_escaped(trace: Trace, detection: Detection, 
     assert [row[0].text for row in parse(built._repr_html_())[0].iter("tr")] == ["part", "bone"]
     assert len(repr(built)) < 300
     assert "bone; " in repr(built)
-    assert f"of {len(built.checks)} checks passed" in repr(built)
+    assert f"all {len(built.checks)} checks passed" in repr(built)
     (table,) = parse(html_table("<script>", ["<b>"], [["&", "<script>"]]))
     assert "".join(table.itertext()) == "<script><b>&<script>"
 

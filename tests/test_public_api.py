@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -79,9 +80,10 @@ def test_faces_of_a_part_are_tagged_and_frames_are_places_of_cadquery(name: str)
 
 def test_checks_are_those_of_the_command() -> None:
     design = fingertip.Design()
-    assert fingertip.check(design, tolerance_mm=0.05) == tuple(
-        verify(design, parts_by_name(design), ("stl",), MeshEvaluator(0.05)).checks
-    )
+    checks = verify(design, parts_by_name(design), ("stl",), MeshEvaluator(0.05)).checks
+    assert fingertip.check(design, tolerance_mm=0.05).checks == checks
+    with pytest.raises(fingertip.FingertipError, match="tolerance"):
+        fingertip.check(design, tolerance_mm=-1.0)
 
 
 def test_a_sweep_gives_a_row_for_each_design_and_goes_on_where_it_ended(tmp_path: Path) -> None:
@@ -116,10 +118,13 @@ def test_detection_takes_arrays_and_follows_their_rate() -> None:
         (np.zeros(9), None, "recording: has shape (9,) and no rate; give voltages (n,) with rate_hz"),
         (np.zeros((9, 3)), 2000.0, "has shape (9, 3) and rate_hz=2000"),
         (np.zeros(9), -1.0, "rate_hz: -1 is no sampling rate"),
+        ("volts", 2000.0, "recording: is no array of numbers"),
+        (fingertip.Trace(np.arange(9) / 2000, np.zeros(9)), 2000.0, "rate_hz: 2000 Hz is given, and a trace has"),
+        (fingertip.Trace(np.zeros(9), np.zeros(9)), None, "time"),
         (np.zeros(4000), 100.0, "100.0 Hz is too small; at least 1000 Hz"),
     ],
 )
-def test_arrays_that_are_no_recording_are_refused(recording: np.ndarray, rate_hz: float | None, told: str) -> None:
+def test_arrays_that_are_no_recording_are_refused(recording: Any, rate_hz: float | None, told: str) -> None:
     with pytest.raises(fingertip.FingertipError, match=re.escape(told)):
         fingertip.detect(recording, rate_hz=rate_hz)
 

@@ -124,7 +124,8 @@ def test_files_the_readme_promises(clone: Path) -> None:
 def test_python_block_runs(script: str, clone: Path) -> None:
     done = run_python("-c", script, PWD=str(clone))
     assert done.returncode == 0, done.stderr
-    assert done.stdout.strip() or (clone / "out/mine/bone.stl").exists()
+    assert ("Interval(" if "found.intervals" in script else "") in done.stdout
+    assert done.stdout.strip() if "print(" in script else (clone / "out/mine/bone.stl").exists()
 
 
 def test_the_quoted_message_is_the_message_printed(clone: Path) -> None:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from fingertip.board import BoardValues, board_values
     from fingertip.cad.convert import assembly, frames, part_mesh, part_solid, part_trimesh, part_workplane
     from fingertip.cad.report import Build
+    from fingertip.cad.verification.verify import check
     from fingertip.design import Design
     from fingertip.detection.arrays import detect
     from fingertip.detection.files import FileDetection, StreamDetection, detect_file, detect_stream
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
     from fingertip.sweep.table import run_sweep
     from fingertip.tasks.board import write_board
     from fingertip.tasks.build import build
-    from fingertip.tasks.check import check
     from fingertip.tasks.coupon import write_coupon
     from fingertip.tasks.firmware import write_firmware
     from fingertip.tasks.make import Made, make
@@ -58,7 +58,7 @@ _MODULES = {
     "assembly": "fingertip.cad.convert",
     "board_values": "fingertip.board",
     "build": "fingertip.tasks.build",
-    "check": "fingertip.tasks.check",
+    "check": "fingertip.cad.verification.verify",
     "detect": "fingertip.detection.arrays",
     "detect_file": "fingertip.detection.files",
     "detect_stream": "fingertip.detection.files",

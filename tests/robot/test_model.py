@@ -13,8 +13,9 @@ from fingertip.cad.convert import part_mesh
 from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays, to_manifold
 from fingertip.cad.shapes.insert import skin_outline
 from fingertip.pad.form import PadForm
+from fingertip.robot.contact import fit_contact
 from fingertip.robot.pieces import cut_skin
-from tests.conftest import run_fingertip
+from tests.conftest import ROOT, run_fingertip, some_of
 from tests.robot.conftest import DESIGNS, INSTALL, Model
 from tests.tools import require_module
 
@@ -74,6 +75,11 @@ def test_frames_are_at_pin_or_base_at_the_tip_and_on_the_sensor(model: Model) ->
     site = ElementTree.parse(model.folder / "finger.xml").find(".//site[@type='cylinder']")
     assert site is not None
     assert numbers(site.get("size")) == pytest.approx([form.active_radius_mm / 1e3, skin], abs=1e-6)
+
+
+@pytest.mark.parametrize("name", some_of([path.stem for path in sorted((ROOT / "params").glob("*.toml"))], *DESIGNS))
+def test_the_contact_is_within_three_percent_of_the_pad(name: str) -> None:
+    assert fit_contact(Design.load(name)).error < 0.03  # as the docs say
 
 
 @pytest.mark.parametrize("name", [*DESIGNS[:1], *(pytest.param(name, marks=pytest.mark.full) for name in OTHERS)])

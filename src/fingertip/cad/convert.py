@@ -49,31 +49,25 @@ def part_workplane(design: Design, name: str) -> cadquery.Workplane:
     The tag "pad" is on the skin over the sensor, or on what shapes it; "pocket" on the floor that the sensor lies on;
     "post" on the proximal end of the bone; "parting" on the parting plane of a mold half. Raises as `part_solid`.
     """
-    solid, form, dims = part_solid(design, name), PadForm.of_design(design), design.dimensions
+    solid = part_solid(design, name)
     import cadquery  # noqa: PLC0415
 
+    workplane, form, dims = cadquery.Workplane(solid), PadForm.of_design(design), design.dimensions
     over_sensor = cadquery.Vertex.makeVertex(0.0, -form.platform_mm - form.over_sensor_mm, form.sensor_z_mm)
-    level = [face for face in solid.Faces() if face.geomType() == "PLANE"]
-    below_mm = [
-        (face.Center().y, face)
-        for face in level
-        if face.normalAt().y < -_ALONG and abs(face.Center().z - dims.sensor_z) < dims.sensor.head_diameter_mm / 2
-        and form.platform_mm + face.Center().y < dims.sensor.thickness_mm + _POCKET_MM and name == "bone"
-    ]  # fmt: skip
-    floor = max((y for y, _ in below_mm), default=0.0)
-    tagged = {
-        "pad": [face for face in solid.Faces() if face.distance(over_sensor) < _NEAR_MM],
-        "pocket": [face for y, face in below_mm if y > floor - _NEAR_MM],
-        "post": [
-            face for face in level
-            if name == "bone" and abs(face.Center().z - solid.BoundingBox().zmin) < _NEAR_MM
-        ],
-        "parting": [
-            face for face in level
-            if name.startswith("mold") and abs(face.normalAt().y) > _ALONG and abs(face.Center().y) < _NEAR_MM
-        ],
-    }  # fmt: skip
-    workplane = cadquery.Workplane(solid)
+    tagged = {"pad": [face for face in solid.Faces() if face.distance(over_sensor) < _NEAR_MM]}
+    level = [(face, face.normalAt(), face.Center()) for face in solid.Faces() if face.geomType() == "PLANE"]
+    if name == "bone":
+        base_z, least_y = solid.BoundingBox().zmin, -form.platform_mm
+        tagged["post"] = [face for face, _, at in level if abs(at.z - base_z) < _NEAR_MM]
+        # The floor is the deepest of the faces under the sensor's head that look out of the pad.
+        under = [
+            (face, at.y) for face, normal, at in level
+            if normal.y < -_ALONG and abs(at.z - dims.sensor_z) < dims.sensor.head_diameter_mm / 2
+            and at.y < least_y + dims.sensor.thickness_mm + _POCKET_MM
+        ]  # fmt: skip
+        tagged["pocket"] = [face for face, y in under if y > max(y for _, y in under) - _NEAR_MM]
+    elif name.startswith("mold"):
+        tagged["parting"] = [face for face, normal, at in level if abs(normal.y) > _ALONG and abs(at.y) < _NEAR_MM]
     for tag, faces in tagged.items():
         if faces:
             workplane.newObject(faces).tag(tag)

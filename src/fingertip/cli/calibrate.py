@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from fingertip.design import Design
 
 
-_TOLERANCE_MM = 0.01
-
 calibrate = typer.Typer(
     name="calibrate", help="Turn measurements into parameters.", cls=HelpGroup, no_args_is_help=True
 )
@@ -57,9 +55,7 @@ def printer(
     Exit code 0: the calibrated design passes all rules and checks, 1: a check fails, 2: the readings are not usable, or
     a rule refuses the calibrated design.
     """
-    from fingertip.cad.kernel.mesh import MeshEvaluator
-    from fingertip.cad.shapes.parts import parts_by_name
-    from fingertip.cad.verification.verify import verify
+    from fingertip.cad.verification.verify import check as check_design
     from fingertip.calibration import printer as fit
     from fingertip.calibration.readings import read_readings
     from fingertip.design.files import to_toml
@@ -91,8 +87,7 @@ def printer(
             console.write("\n".join(lines))
         console.print_issues(refused, data)
         raise typer.Exit(BAD_INPUT) from None
-    parts = parts_by_name(calibrated)
-    checks = verify(calibrated, parts, ("stl",), MeshEvaluator(_TOLERANCE_MM), console.progress).checks
+    checks = check_design(calibrated, progress=console.progress).checks
     lines += format_failures(checks)
     passed = sum(check.passed for check in checks)
     lines.append(f"{passed} of {len(checks)} checks of the calibrated design passed")

@@ -85,10 +85,8 @@ def _check_designs(
     console: Console,
     verbose: bool,
 ) -> tuple[dict[str, Any], list[str]]:
-    from fingertip.cad.kernel.mesh import MeshEvaluator
-    from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.cad.verification.check import list_warnings
-    from fingertip.cad.verification.verify import validate_tolerance, verify
+    from fingertip.cad.verification.verify import check, validate_tolerance
 
     loaded = _load(files, changes, console)
     validate_tolerance(tolerance_mm)
@@ -96,8 +94,7 @@ def _check_designs(
     work = Work("checking", dict.fromkeys(loaded, 1.0), console.progress)
     for label, design in loaded.items():
         work.begin(label)
-        parts, evaluator = parts_by_name(design), MeshEvaluator(tolerance_mm)
-        checks_by_design[label] = verify(design, parts, ("stl",), evaluator).checks
+        checks_by_design[label] = check(design, tolerance_mm=tolerance_mm).checks
     if junit is not None:
         from fingertip.foundation.files import write_file
 

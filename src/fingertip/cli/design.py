@@ -30,12 +30,9 @@ from fingertip.foundation.errors import DesignError, FingertipError, Issue, gath
 
 if TYPE_CHECKING:
     from fingertip.cad.verification.check import Check
-    from fingertip.cad.verification.verify import VerifiedParts
     from fingertip.design import Design
     from fingertip.design.new_design import NewDesign
 
-_TOLERANCE_MM = 0.01
-"""Tolerance of the meshes on which a new design is checked [mm]: that of a build."""
 _LOADS = ("grip", "shock")
 _LARGER_MM = (1.0, 2.0, 3.0, 4.0)
 """Widths by which a finger that fails is made larger, and its height by half of them, until one passes [mm]."""
@@ -110,8 +107,9 @@ def new(
     if preset or hand:
         from fingertip.cad.verification.check import list_causes, list_warnings
         from fingertip.cad.verification.strength import describe_strength, strength_data
+        from fingertip.cad.verification.verify import check as check_design
 
-        verified = _check_new(made.design, console.progress)
+        verified = check_design(made.design, progress=console.progress)
         if failed := [check for check in verified.checks if not check.passed]:
             remedy = _find_passing(
                 lambda more: write_new_design(name, sensor, preset, hand, [*(changes or ()), *more], console.progress),
@@ -131,15 +129,6 @@ def new(
     console.result(data, "\n".join([*lines, f"wrote {path}; edit it, then run: {following}"]))
 
 
-def _check_new(design: Design, progress: Callable[[str], None]) -> VerifiedParts:
-    """Check the parts of a new design as a build does."""
-    from fingertip.cad.kernel.mesh import MeshEvaluator
-    from fingertip.cad.shapes.parts import parts_by_name
-    from fingertip.cad.verification.verify import verify
-
-    return verify(design, parts_by_name(design), ("stl",), MeshEvaluator(_TOLERANCE_MM), progress)
-
-
 def _find_passing(
     make: Callable[[list[str]], NewDesign],
     design: Design,
@@ -149,6 +138,8 @@ def _find_passing(
     progress: Callable[[str], None],
 ) -> str:
     """Find the first larger finger that passes every check, as options to be typed; else loads that this one holds."""
+    from fingertip.cad.verification.verify import check as check_design
+
     for larger_mm in _LARGER_MM:
         sizes = {"skin.width_mm": larger_mm, "skin.semi_axis_dorsal_mm": larger_mm / 2}
         free = {name: by for name, by in sizes.items() if not any(change.startswith(name) for change in given)}
@@ -157,7 +148,7 @@ def _find_passing(
         with contextlib.suppress(DesignError):
             made = make(settings)
             may_lose = allow_shorter_travel or not _find_lost_travel(made)
-            if free and may_lose and all(check.passed for check in _check_new(made.design, progress).checks):
+            if free and may_lose and all(check.passed for check in check_design(made.design, progress=progress).checks):
                 return "it passes with " + " ".join(f"--set {setting}" for setting in settings)
     settings = [
         f"strength.{load}_force_n={math.floor(design.value(f'strength.{load}_force_n') * check.value / check.limit):g}"

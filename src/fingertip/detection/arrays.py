@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -37,7 +38,7 @@ def detect(
     noise_v
         White RMS noise of the signal; by default the design's [V].
     rate_hz
-        Sampling rate of the voltages [Hz].
+        Sampling rate of voltages without times [Hz].
 
     Raises
     ------
@@ -47,16 +48,25 @@ def detect(
         If its rate is out of bounds, or too low for the design's filters.
     """
     design = design or Design()
-    trace = recording if isinstance(recording, Trace) else _read_array(recording, rate_hz)
-    if len(trace.time_s) > 1 and "sample_rate_hz" not in design.detector.model_fields_set:
-        found_hz = (len(trace.time_s) - 1) / float(trace.time_s[-1] - trace.time_s[0])
-        stated_hz = rate_hz or float(f"{found_hz:.6g}")
-        design = adapt_rate(design, stated_hz, "threshold_v" in design.detector.model_fields_set)
+    trace = _read_array(recording, rate_hz)
+    lasts_s = float(trace.time_s[-1] - trace.time_s[0]) if len(trace.time_s) > 1 else 0.0
+    stated = design.detector.model_fields_set
+    # What has no rate is refused below with all else that is wrong with it.
+    if 0.0 < lasts_s < math.inf and "sample_rate_hz" not in stated:
+        found_hz = rate_hz or float(f"{(len(trace.time_s) - 1) / lasts_s:.6g}")
+        design = adapt_rate(design, found_hz, "threshold_v" in stated)
     return detect_in_trace(trace, design, detector, noise_v)
 
 
 def _read_array(recording: Any, rate_hz: float | None) -> Trace:
-    array = np.asarray(recording, dtype=float)
+    if isinstance(recording, Trace) and rate_hz is None:
+        return recording
+    if isinstance(recording, Trace):
+        raise TraceError(Issue("rate_hz", f"{rate_hz:g} Hz is given, and a trace has its own times; leave it out."))
+    try:
+        array = np.asarray(recording, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise TraceError(Issue("recording", f"is no array of numbers ({error}); give voltages.")) from None
     if array.ndim == 2 and array.shape[1] == 2 and rate_hz is None:
         return Trace(array[:, 0].copy(), array[:, 1].copy())
     if array.ndim != 1 or rate_hz is None:

@@ -11,6 +11,7 @@ from fingertip.documents.template import WIDTH, lay_out_page, render
 from fingertip.robot.contact import FORCES_N, REFERENCE_N
 from fingertip.robot.formats import MAX_SPEED_RAD_S, TIMESTEP_S
 from fingertip.robot.model import TOLERANCE_MM, FingerModel
+from fingertip.robot.pieces import FACET_MM
 from fingertip.robot.tactile import SPACING_MM
 
 
@@ -44,7 +45,7 @@ def render_robot_readme(figures: Mapping[str, Any], fingers: Sequence[str]) -> s
     """Render the README of a finger's model, or of the fingers of one form in the model of a set."""
     constants = {
         "tolerance_mm": TOLERANCE_MM, "reference_n": REFERENCE_N, "timestep_s": TIMESTEP_S, "pad_n": FORCES_N,
-        "spacing_mm": SPACING_MM,
+        "spacing_mm": SPACING_MM, "facet_mm": FACET_MM,
     }  # fmt: skip
     speed, file = MAX_SPEED_RAD_S, ROBOT_FILES[figures["format"]]
     page = render("robot.md", **figures, **constants, fingers=fingers, speed_rad_s=speed, file=file)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 WANTED_MM = 0.15
 """Distance to the skin at which no further cut is made."""
 MAX_PIECES = 4
-_TOLERANCE_MM, _EXACT_MM = 0.03, 0.005
+FACET_MM, _EXACT_MM = 0.03, 0.005
 """Tolerances of the mesh that is cut, and of the one that stands for the skin's true surface."""
 _MIN_MM = 1.0
 """Least length of a piece."""
@@ -35,7 +35,7 @@ _FLAT = 0.99
 
 def cut_skin(design: Design) -> tuple[tuple[Mesh, ...], float]:
     """Cut the skin, filled with what lies in it, into convex pieces; with the greatest distance to its surface [mm]."""
-    outline, evaluator = skin_outline(design), MeshEvaluator(_TOLERANCE_MM)
+    outline, evaluator = skin_outline(design), MeshEvaluator(FACET_MM)
     body, surface = evaluator.manifold(outline), MeshEvaluator(_EXACT_MM).mesh(outline).vertices
     cuts, dims = [0.0, design.skin.length_mm], design.dimensions
     last_cut_mm = dims.sensor_z - dims.sensor.active_diameter_mm / 2

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ from fingertip.design.parameters.declaration import suggest_name
 from fingertip.documents.robot import describe_model, render_robot_readme, render_set_readme
 from fingertip.foundation.errors import DesignError, Issue
 from fingertip.robot.formats import Placed, render_model
-from fingertip.robot.model import FingerModel, build_finger
+from fingertip.robot.model import build_finger
 
 _GAP_MM = 5.0
 """Distance between the skins of two fingers of a set."""
@@ -45,41 +45,38 @@ def write_robot(
         message = f"{file_format!r} is no format of a model; {suggest_name(file_format, tuple(ROBOT_FILES))}"
         raise DesignError(Issue("--format", message))
     folder, file = ROBOT.folder(design) if out is None else Path(out), ROBOT_FILES[file_format]
+    is_set = isinstance(design, FingerSet)
     forms = design.forms if isinstance(design, FingerSet) else (Form(design, (design.name,)),)
     # The files of a set are told apart by their form.
-    prefixes = [f"{form.design.name}_" if isinstance(design, FingerSet) else "" for form in forms]
-    writer = ROBOT.writer(design, folder, force)
-    writer.check(
-        {README, file, *(f"{prefix}{name}" for prefix in prefixes for name in (README, "bone.stl", "skin.stl"))}
-    )
-    models, figures, contents = list[FingerModel](), dict[str, dict[str, Any]](), dict[str, bytes]()
-    for form, prefix in zip(forms, prefixes, strict=True):
+    prefixes = {form: f"{form.design.name}_" if is_set else "" for form in forms}
+    writer, names = ROBOT.writer(design, folder, force), (README, "bone.stl", "skin.stl")
+    writer.check({README, file, *(f"{prefix}{name}" for prefix in prefixes.values() for name in names)})
+    places_m = _place(design) if isinstance(design, FingerSet) else {design.name: 0.0}
+    placed, figures, contents = dict[str, Placed](), dict[str, dict[str, Any]](), dict[str, bytes]()
+    for form, prefix in prefixes.items():
         progress(f"{form.design.name}: meshing the parts, and fitting the contact to the pad")
-        models.append(build_finger(form.design))
-        figures[form.design.name] = described = describe_model(models[-1], file_format)
-        contents |= {f"{prefix}{name}.stl": stl.to_bytes(mesh, name) for name, mesh in models[-1].meshes.items()}
-        contents[f"{prefix}{README}"] = render_robot_readme(described, form.fingers).encode()
-    comment, data = f"by fingertip robot; {README} states units and frames.", figures[forms[0].design.name]
+        model = build_finger(form.design)
+        placed |= {finger: Placed(finger, model, prefix, places_m[finger]) for finger in form.fingers}
+        figures[form.design.name] = data = describe_model(model, file_format)
+        contents |= {f"{prefix}{name}.stl": stl.to_bytes(mesh, name) for name, mesh in model.meshes.items()}
+        contents[f"{prefix}{README}"] = render_robot_readme(data, form.fingers).encode()
+    made = f"by fingertip robot; {README} states units and frames."
     if isinstance(design, FingerSet):
-        placed = _place(design, dict(zip(forms, zip(models, prefixes, strict=True), strict=True)))
-        places = {finger.name: finger.x_m for finger in placed}
-        data = {"set": design.name, "format": file_format, "places_m": places, "forms": figures}
-        contents[README] = render_set_readme(design, file, places).encode()
-        comment = f"Fingers of {design.name} {comment}"
+        data = {"set": design.name, "format": file_format, "places_m": places_m, "forms": figures}
+        contents[README] = render_set_readme(design, file, places_m).encode()
+        comment = f"Fingers of {design.name} {made}"
     else:
-        placed, comment = [Placed(design.name, models[0])], f"Finger {design.name} {comment} {data['errors']}"
+        comment = f"Finger {design.name} {made} {data['errors']}"
     # XML allows no two hyphens in a comment.
-    contents[file] = render_model(design.name, placed, file_format, comment.replace("--", "-"))
+    in_order = [placed[finger] for finger in places_m]
+    contents[file] = render_model(design.name, in_order, file_format, comment.replace("--", "-"))
     writer.write(contents, [other for other in ROBOT_FILES.values() if other != file])
     return {**data, "folder": str(folder), "files": list(contents)}
 
 
-def _place(fingers: FingerSet, models: Mapping[Form, tuple[FingerModel, str]]) -> list[Placed]:
-    """Place fingers side by side, in the order of the hand, with its palm towards -y."""
+def _place(fingers: FingerSet) -> dict[str, float]:
+    """Place the interfaces side by side, in the order of the hand, with its palm towards -y: finger -> x [m]."""
     step_m = 1e-3 * (max(form.design.skin.width_mm for form in fingers.forms) + _GAP_MM)
     step_m *= -1.0 if fingers.side == "right" else 1.0
     middle = (len(fingers.fingers) - 1) / 2
-    return [
-        Placed(name, *models[form], round((number - middle) * step_m, 6) + 0.0)
-        for number, (name, form) in enumerate(fingers.fingers)
-    ]
+    return {name: round((i - middle) * step_m, 6) + 0.0 for i, (name, _) in enumerate(fingers.fingers)}

@@ -144,11 +144,12 @@ class Check(Comparison):
 
 
 def count_checks(checks: Sequence[Check]) -> str:
-    """Say how many checks passed, and how many of the others only warn."""
+    """Say how many checks failed, or that all passed, and how many of them with a warning."""
     states = [check.state for check in checks]
-    passed, warned = states.count("passed"), states.count("warning")
-    text = f"{passed} of {len(states)} checks passed"
-    return text + (f", {warned} warning{'s' if warned > 1 else ''}" if warned else "")
+    warned, failed = states.count("warning"), len(states) - states.count("passed") - states.count("warning")
+    if failed:
+        return f"{failed} of {len(states)} checks failed"
+    return f"all {len(states)} checks passed" + (f", {warned} of them with a warning" if warned else "")
 
 
 def list_warnings(checks: Sequence[Check], *, with_advice: bool = False) -> list[str]:

@@ -12,7 +12,7 @@ from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.printing.orientations import build_volume_excess, print_orientations
 from fingertip.cad.printing.print_files import PrintFiles, make_print_files
-from fingertip.cad.shapes.parts import PARTS, print_scale
+from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale
 from fingertip.cad.verification.assembly import check_assembly, check_joint
 from fingertip.cad.verification.bone import check_air_vent, check_bone, check_strength
 from fingertip.cad.verification.check import Check
@@ -40,6 +40,14 @@ class VerifiedParts:
     """Files of the printed parts as they lie on the bed."""
     checks: tuple[Check, ...]
     strength: BoneStrength | None
+
+
+def check(
+    design: Design, *, tolerance_mm: float = 0.01, progress: Callable[[str], None] = lambda message: None
+) -> VerifiedParts:
+    """Check all parts of a design on meshes, as the command does. Raises DesignError or GeometryError."""
+    validate_tolerance(tolerance_mm)
+    return verify(design, parts_by_name(design), ("stl",), MeshEvaluator(tolerance_mm), progress)
 
 
 def verify(

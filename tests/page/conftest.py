@@ -102,6 +102,7 @@ def make_report(**strength: Any) -> dict[str, Any]:
     parts = {name: {"volume_mm3": 1000.0 * (i + 1)} for i, name in enumerate(("bone", "skin", "mold_palmar"))}
     plates = {"sla": ["bone", "mold_palmar"], "fdm": ["mold_palmar"], "lost": ["bone"]}
     printed = {f"print/plate_{kind}.3mf": {"parts": names} for kind, names in plates.items()}
+    printed |= {f"print/{name}.stl": {"parts": [name]} for name in ("bone", "mold_palmar")}
     found = {
         "material": "surgical_guide", "grip_safety_factor": 3.456, "shock_safety_factor": 2.0,
         "weakest": {"place": "cross-section", "z_mm": -12.34}, **strength,
@@ -135,7 +136,7 @@ def make_sources(
     }  # fmt: skip
     kept = {key: data for key, data in {**files, **(replaced or {})}.items() if data is not None}
     return Sources(
-        design, make_report(), kept, remarks or {}, frozenset({"print/plate_sla.3mf", "print/plate_fdm.3mf"})
+        design, make_report(), kept, remarks or {}, frozenset(make_report()["print"]) - {"print/plate_lost.3mf"}
     )
 
 

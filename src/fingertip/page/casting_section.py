@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from fingertip.cad.printing.print_files import parts_on_plates
+from fingertip.cad.printing.settings import FDM
 from fingertip.catalogues.output_files import (
     ACCEPTANCE,
     BOARD_FOLDER,
@@ -31,13 +33,17 @@ _PLATE_KINDS = {"fdm": "filament", "sla": "resin"}
 
 def render_printing(sources: Sources) -> Markup:
     """Render the files for the printer with what each holds, and how to print them."""
-    rows = []
+    rows, filament = [], parts_on_plates(sources.design, FDM)
     for path, found in sources.report.get(PRINT_FOLDER, {}).items():
         if path in sources.links:
-            kind = next((kind for mark, kind in _PLATE_KINDS.items() if f"_{mark}" in path), "any")
+            # A part alone is for any printer, but if its strength or the primer asks for resin.
+            alone = "any" if set(found["parts"]) <= set(filament) else "resin"
+            kind = next((kind for mark, kind in _PLATE_KINDS.items() if f"_{mark}" in path), alone)
             parts = ", ".join(part.replace("_", " ") for part in sorted(found["parts"]))
             rows.append((element("a", path, href=sources.links[path]), kind, parts))
-    files = table(("file", "printer", "holds"), sorted(rows, key=lambda row: row[1] == "any"), "files to print")
+    files = table(
+        ("file", "printer", "holds"), sorted(rows, key=lambda row: row[0].endswith("stl</a>")), "files to print"
+    )
     text = split_sections(sources.files[SHEET].decode()).get(_PRINTING, "")
     missing = note(element("code", COMMANDS[PRINT_FOLDER]), " makes plates and parts as they lie on the bed.")
     return join((files if rows else missing, fold("How to print", render(text, sources.links), state="roomy")))
@@ -95,9 +101,9 @@ def render_casting(sources: Sources) -> Markup:
 
 def render_drawing(sources: Sources) -> Markup:
     """Render links to the dimensioned sheets, whose data would be a sixth of the page, or say how to make them."""
-    sheets = [name for name in sources.files if name.startswith("drawing_") and name.endswith(".svg")]
+    sheets = sorted(name for name in sources.links if name.startswith("drawing"))
     if sheets:
-        listed = (element("li", element("a", name, href=sources.links.get(name))) for name in sheets)
+        listed = (element("li", element("a", name, href=sources.links[name])) for name in sheets)
         return element("ul", *listed)
     return note(
         "There is no drawing of these parts yet: in the folder of this page, ", element("code", COMMANDS["drawing"]),

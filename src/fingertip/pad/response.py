@@ -104,7 +104,8 @@ class Pad:
         changes = np.flatnonzero(np.diff(depth_m, prepend=np.nan) != 0.0)
         k, c = self.backing.stiffness_n_per_m, self.hertz_m_per_n23
         depth = np.maximum(depth_m[changes], 0.0)
-        n = np.sqrt(depth / c)
+        n, bound = np.sqrt(depth / c), np.cbrt(depth * k)  # both above the root: without the hand, without the pad
+        n = np.where(n > 16.0 * bound, bound, n)  # steps from farther away would not arrive
         for _ in range(12):
             n = n - (n * n * (n / k + c) - depth) / np.where(n > 0.0, n * (3 * n / k + 2 * c), 1.0)
         force = np.where(depth > 0.0, n * n * n, 0.0)

@@ -20,7 +20,7 @@ from fingertip.foundation.errors import DesignError
 from fingertip.foundation.numerics import maximise_linear
 from fingertip.pad.form import PadForm
 from fingertip.pad.layer import find_contacts
-from fingertip.pad.pose import Pose
+from fingertip.pad.pose import ObjectShape, Pose
 from fingertip.pad.response import Backing, Pad
 
 
@@ -50,7 +50,7 @@ def filling(draw: Draw) -> float:
         beyond = total - np.cumsum(volume[:-1].reshape(rows, columns).sum(axis=1))[:-1]
         exact = float((beyond / along.sum(axis=1)).sum())
         errors.append(abs(found.resistance_integral / exact - 1.0))
-    return max(errors) / 1e-6
+    return float(max(errors)) / 1e-6
 
 
 _TABLES = ("sensor.", "bone.", "hand.", "skin.", "mold.")
@@ -87,7 +87,8 @@ def pad(draw: Draw) -> float:
     form = PadForm.of_design(Design.load(draw.choose("design", ("fsr400", "fsr402", "article"))))
     young = draw.log("modulus [MPa]", (0.05, 3.0), (1e-3, 1e3))
     form = replace(form, young_mpa=young, poisson=0.5 - draw.log("0.5 - Poisson's ratio", (0.001, 0.1), (1e-9, 0.45)))
-    shape = draw.choose("object", ("plate", "cylinder", "sphere"))
+    shapes: tuple[ObjectShape, ...] = "plate", "cylinder", "sphere"
+    shape = draw.choose("object", shapes)
     radius = draw.log("radius [mm]", (1.0, 500.0), (0.5, 1e5)) if shape != "plate" else 0.0
     tilt = draw.rng.uniform(-5.0, 20.0) if draw.is_inside else draw.rng.uniform(-89.0, 89.0)
     force = draw.log("force / (modulus mm2)", (0.01, 5.0), (1e-6, 100.0)) * young
@@ -125,4 +126,4 @@ def play(draw: Draw) -> float:
         goals.append(np.concatenate((normal, np.cross(point, normal))))
     found = maximise_linear([goal.tolist() for goal in goals], [row.tolist() for row in rows], gaps, 100.0)
     exact = [-linprog(-goal, np.array(rows), gaps, bounds=[(-100.0, 100.0)] * 6).fun for goal in goals]
-    return max(abs(a - b) / max(abs(b), 1e-3) for (a, _), b in zip(found, exact, strict=True)) / 1e-6
+    return float(max(abs(a - b) / max(abs(b), 1e-3) for (a, _), b in zip(found, exact, strict=True))) / 1e-6

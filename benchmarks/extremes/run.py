@@ -79,7 +79,8 @@ class Count:
 
 
 def run(cases: int, progress: ReportProgress | None) -> Found:
-    """Try so many cases of all families together, at least two of each."""
+    """Try so many cases of all families together, at least two of each. Raises MissingLibraryError."""
+    extras.require("fingertip bench extremes", "scipy", "numba")
     counts = [Count(family) for family in FAMILIES]
     sizes = [max(2, round(cases * family.weight)) for family in FAMILIES]
     # All families advance together, so that the time left is a fair estimate.
@@ -110,9 +111,7 @@ class Found:
             lines.append(f"| {' | '.join(map(str, row))} | {c.worst:.2g} | {c.worst_case} | {c.cpu_s:.0f} s |")
         lines += ["", "| family | inside the documented bounds (beyond) |", "| --- | --- |"]
         for c in self.counts:
-            ranges = (
-                f"{name} {_describe(inside)} ({_describe(beyond)})" for name, (inside, beyond) in c.ranges.items()
-            )
+            ranges = (f"{name} {_describe(ends[0])} ({_describe(ends[1])})" for name, ends in c.ranges.items())
             lines.append(f"| {c.family.name} | {'; '.join(ranges)} |")
         return "\n".join(lines)
 
@@ -141,8 +140,3 @@ def replace_table(file: Path, found: Found) -> bytes:
     block = f"{BEGIN}\n\n{found.table}\n\n{END}"
     before, _, rest = text.partition(BEGIN)
     return (before + block + rest.partition(END)[2] if END in rest else f"{block}\n").encode()
-
-
-def require_libraries() -> None:
-    """Raise unless the libraries of the references are installed. Raises MissingLibraryError."""
-    extras.require("fingertip bench extremes", "scipy", "numba")

@@ -125,11 +125,10 @@ def extremes(
 
     _find_benchmarks("extremes")
     refuse(find_file_issues("--report", report, ".md"))
-    from benchmarks.extremes.run import FILES, replace_table, require_libraries, run
+    from benchmarks.extremes.run import FILES, replace_table, run
 
     writer = SetWriter(out, "extreme cases", "", hash_parameters([]))
     writer.check(FILES)
-    require_libraries()
     found = run(cases, console.progress)
     writer.write(dict(zip(FILES, found.encode(), strict=True)))
     if report:

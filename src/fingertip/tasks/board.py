@@ -71,7 +71,7 @@ def board_files(design: Design) -> dict[str, bytes]:
     text = json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     circuit, project = board_circuit(values, channels := design.board.channels), load_project(values.variant, channels)
     bandwidth_hz, supply_v = find_gain_bandwidth_hz(design.board), design.board.supply_v
-    simulated = circuit if channels == 1 else connect_cables(leave_out_empty(circuit), channels)
+    simulated = circuit if channels == 1 else connect_cables(leave_out_empty(circuit), design.board)
     return {
         NETLIST: kicad_netlist_file(circuit),
         **project.enter(circuit),

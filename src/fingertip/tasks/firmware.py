@@ -16,7 +16,7 @@ SOURCES, EXAMPLES = "src", "examples"
 """Folders of the library, as Arduino names them."""
 _EXAMPLE_FILES = {"slip_pin": ("slip_pin.ino",), "slip_stream": ("slip_stream.ino", "slip_line.h")}
 """Example of one finger -> its files. Arduino names a sketch like its folder."""
-_HAND_FILES = {"slip_hand": ("slip_hand.ino",)}
+_HAND_FILES = {"slip_hand": ("slip_hand.ino",), "slip_stream": _EXAMPLE_FILES["slip_stream"]}
 """The same for several fingers."""
 
 

@@ -124,7 +124,7 @@ def make_set(
         raise OutputError(issues)
     for form in fingers.forms:
         parts_writer(form.design, places[form.design.name], force).check((PAGE, ACCEPTANCE))
-    board_design = _find_board(fingers)
+    board_design = fingers.board_design
     if board_design:
         BOARD.writer(board_design, folder / BOARD_FOLDER, force, folder).check(BRING_UP_FILES)
     labels = [f"{form.design.name} ({number} of {len(fingers.forms)})" for number, form in enumerate(fingers.forms, 1)]
@@ -139,7 +139,7 @@ def make_set(
     work.begin("set")
     is_printed = formats is None or "3mf" in formats
     prints = _arrange_prints(fingers, forms) if is_printed else PrintFiles({}, {})
-    sheets = [_collect(form, made) for form, made in zip(fingers.forms, forms, strict=True)]
+    sheets = [_collect(fingers, form, made) for form, made in zip(fingers.forms, forms, strict=True)]
     plan = plan_castings([Mold.of_sheet(each.form.design, each.form.fingers, each.casting) for each in sheets])
     board: tuple[Path, ...] = ()
     if board_design:
@@ -179,19 +179,6 @@ def _render_sheets(
         SET_REPORT: (json.dumps(data, indent=2, allow_nan=False) + "\n").encode(),
         PAGE: render_set_page(data, pictures, start, pages.values(), [*pages, PARTS_CSV, *files], failed),
     }
-
-
-def _find_board(fingers: FingerSet) -> Design | None:
-    """Find the design of one board for all fingers; None if their boards differ or cannot be put on one."""
-    designs = [form.design for form in fingers.forms]
-    first, count = designs[0], len(fingers.fingers)
-    if count < 2 or any(design.board != first.board for design in designs):
-        return None
-    board = first.board.model_copy(update={"channels": count})
-    try:
-        return Design(**first.model_dump() | {"name": fingers.name, "board": board.model_dump()})
-    except DesignError:  # another variant than that of the board for several fingers
-        return None
 
 
 def _refuse_early(fingers: FingerSet) -> None:
@@ -242,9 +229,15 @@ def _arrange_prints(fingers: FingerSet, forms: Iterable[Made]) -> PrintFiles:
     return PrintFiles(contents, plates)
 
 
-def _collect(form: Form, made: Made) -> FormSheets:
+def _collect(fingers: FingerSet, form: Form, made: Made) -> FormSheets:
     assert made.parts.casting is not None, "all parts are built"
     volumes = {part.part.name: part.mesh.volume() / 1000.0 for part in made.parts.parts}
-    acceptance = acceptance_data(form.design, made.detection.detection)
+    detection = made.detection.detection
+    own = {
+        name: acceptance_data(fingers.calibrated[name], detection)
+        for name in form.fingers
+        if name in fingers.calibrated
+    }
     verdict, warnings = count_checks(made.parts.checks), tuple(list_warnings(made.parts.checks))
-    return FormSheets(form, made.parts.casting, acceptance, volumes, verdict, warnings)
+    acceptance = acceptance_data(form.design, detection)
+    return FormSheets(form, made.parts.casting, acceptance, volumes, verdict, warnings, own)

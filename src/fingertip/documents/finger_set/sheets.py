@@ -6,13 +6,14 @@ Every figure is that of the forms' own sheets, multiplied or added up.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.casting.hardware import list_hardware
 from fingertip.casting.quantities import Batch
 from fingertip.casting.set_plan import CHANGE_S, CastingPlan, Cup
+from fingertip.catalogues.controllers import NAMES
 from fingertip.catalogues.silicones import Silicone
 from fingertip.design.finger_set import FingerSet, Form
 from fingertip.documents.casting.sheet import round_component_g
@@ -36,6 +37,8 @@ class FormSheets:
     """Volume of each part by name."""
     verdict: str = ""
     warnings: tuple[str, ...] = ()
+    calibrated: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    """Acceptance of each finger whose sensor has a force curve of its own."""
 
     def count_part(self, part: str) -> int:
         """Count how often a part of this form is printed for the set: molds and other tools once."""
@@ -66,14 +69,18 @@ def set_data(
         {
             "finger": finger,
             "design": form.design.name,
+            "acceptance": f"sensor of {finger}" if finger in fingers.calibrated else form.design.name,
             "width_mm": form.design.skin.width_mm,
             "length_mm": form.design.skin.length_mm,
             "shared": [other for other in form.fingers if other != finger],
-            "socket": board.sockets[number] if board else "",
-            "pin": board.tactile_pins[number] if board else "",
+            "socket": board.sockets[NAMES.index(finger)] if board else "",
+            "pin": board.tactile_pins[NAMES.index(finger)] if board else "",
         }
-        for number, (finger, form) in enumerate(fingers.fingers)
+        for finger, form in fingers.fingers
     ]
+    acceptance = {each.form.design.name: dict(each.acceptance) for each in sheets}
+    for finger, own in ((finger, own) for each in sheets for finger, own in each.calibrated.items()):
+        acceptance[f"sensor of {finger}"] = dict(own)
     counts = {(each.form.design.name, part): each.count_part(part) for each in sheets for part in each.volumes_cm3}
     printer, controller = sheets[0].form.design.printer, find_board(DEFAULT_CONTROLLER)
     return {
@@ -96,7 +103,7 @@ def set_data(
         "plan": _plan_data(plan),
         "calendar": list(_plan_days(sheets, plan)),
         "parts": _list_parts(sheets, plan),
-        "acceptance": {each.form.design.name: dict(each.acceptance) for each in sheets},
+        "acceptance": acceptance,
         "totals": {
             "fingers": len(rows),
             "molds": len(sheets),

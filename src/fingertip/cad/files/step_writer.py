@@ -7,7 +7,6 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from OCP.IFSelect import IFSelect_RetDone
-from OCP.Interface import Interface_Static
 from OCP.Quantity import Quantity_Color, Quantity_TOC_sRGB
 from OCP.STEPCAFControl import STEPCAFControl_Writer
 from OCP.TCollection import TCollection_ExtendedString
@@ -35,7 +34,7 @@ _REFERENCE = re.compile(r"#(\d+)")
 def write_part(path: Path, part: ColouredSolid) -> None:
     """Write one named, coloured solid (AP214, mm). Raises GeometryError."""
     name, solid, colour = part
-    document, shapes = _open_document("XmlOcaf")
+    document, shapes = _open_document()
     label = shapes.AddShape(solid, False)
     _describe(document, label, name, colour, XCAFDoc_ColorType.XCAFDoc_ColorGen)
     _write(document, path, name)
@@ -43,9 +42,7 @@ def write_part(path: Path, part: ColouredSolid) -> None:
 
 def write_assembly(path: Path, title: str, parts: Iterable[ColouredSolid]) -> None:
     """Write several named, coloured solids as one assembly called `title` (AP214, mm). Raises GeometryError."""
-    document, shapes = _open_document("BinXCAF")
-    shapes.SetAutoNaming_s(False)
-    Interface_Static.SetIVal_s("write.stepcaf.subshapes.name", 1)
+    document, shapes = _open_document()
     top = shapes.NewShape()
     _set_name(top, title)
     for name, solid, colour in parts:
@@ -59,8 +56,8 @@ def write_assembly(path: Path, title: str, parts: Iterable[ColouredSolid]) -> No
     _write(document, path, title)
 
 
-def _open_document(kind: str) -> tuple[TDocStd_Document, XCAFDoc_ShapeTool]:
-    document = TDocStd_Document(TCollection_ExtendedString(kind))
+def _open_document() -> tuple[TDocStd_Document, XCAFDoc_ShapeTool]:
+    document = TDocStd_Document(TCollection_ExtendedString("BinXCAF"))
     return document, XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
 
 

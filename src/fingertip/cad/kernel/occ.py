@@ -8,7 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+from OCP.Bnd import Bnd_Box
 from OCP.BRepAlgoAPI import BRepAlgoAPI_Common, BRepAlgoAPI_Cut, BRepAlgoAPI_Fuse
+from OCP.BRepBndLib import BRepBndLib
 from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakeWire, BRepBuilderAPI_Transform
 from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakePrism
 from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt, gp_Trsf, gp_Vec
@@ -26,6 +28,14 @@ def list_shapes(shape: TopoDS_Shape, kind: Any) -> list[TopoDS_Shape]:
     found = TopTools_IndexedMapOfShape()
     TopExp.MapShapes_s(shape, kind, found)
     return list(found)
+
+
+def bounds(shape: TopoDS_Shape) -> tuple[Point3, Point3]:
+    """Find the lowest and the highest corner of a shape's bounding box [mm]."""
+    box = Bnd_Box()
+    BRepBndLib.AddOptimal_s(shape, box)
+    x, y, z, *high = box.Get()
+    return (x, y, z), (high[0], high[1], high[2])
 
 
 def fuse(*shapes: TopoDS_Shape) -> TopoDS_Shape:

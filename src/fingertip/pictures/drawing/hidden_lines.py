@@ -7,9 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from OCP.Bnd import Bnd_Box
 from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
-from OCP.BRepBndLib import BRepBndLib
 from OCP.BRepLib import BRepLib
 from OCP.BRepTools import BRepTools_WireExplorer
 from OCP.GCPnts import GCPnts_TangentialDeflection
@@ -22,7 +20,6 @@ from OCP.TopoDS import TopoDS, TopoDS_Shape
 
 from fingertip.cad.kernel import occ
 from fingertip.design.geometry.sizes import ViewName
-from fingertip.design.geometry.solids import Point3
 from fingertip.pictures.drawing.primitives import PROJECTIONS, Line2, ProjectedView, Projection
 
 DEFLECTION_MM = 0.002
@@ -45,17 +42,10 @@ def project(solid: TopoDS_Shape, view: ViewName) -> ProjectedView:
 
 
 def _far_half(solid: TopoDS_Shape) -> TopoDS_Shape:
-    (x, y, z), (_, far_y, far_z) = _bounds(solid)
+    (x, y, z), (_, far_y, far_z) = occ.bounds(solid)
     margin = 1.0
     near = occ.make_box((x - margin, y - margin, z - margin), (0.0, far_y + margin, far_z + margin))
     return occ.cut(solid, near)
-
-
-def _bounds(shape: TopoDS_Shape) -> tuple[Point3, Point3]:
-    box = Bnd_Box()
-    BRepBndLib.AddOptimal_s(shape, box)
-    *low, x, y, z = box.Get()
-    return (low[0], low[1], low[2]), (x, y, z)
 
 
 def _remove_hidden_lines(shape: TopoDS_Shape, projection: Projection) -> tuple[tuple[Line2, ...], tuple[Line2, ...]]:
@@ -101,7 +91,7 @@ def _cut_outlines(half: TopoDS_Shape, projection: Projection) -> tuple[Line2, ..
     """Return the outlines of the faces in the plane of the section, closed."""
     rings = []
     for face in occ.list_shapes(half, TopAbs_FACE):
-        low, high = _bounds(face)
+        low, high = occ.bounds(face)
         is_plane = BRepAdaptor_Surface(TopoDS.Face_s(face)).GetType() == GeomAbs_Plane
         if not is_plane or max(abs(low[0]), abs(high[0])) > _IN_PLANE_MM:
             continue

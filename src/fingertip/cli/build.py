@@ -30,7 +30,7 @@ def build(
     formats: Annotated[
         str | None,
         typer.Option(
-            help="File formats (stl, 3mf, step), separated by commas; all by default, step if cadquery is installed."
+            help="File formats (stl, 3mf, step), separated by commas; all by default, step if it can be made."
         ),
     ] = None,
     tolerance_mm: Annotated[

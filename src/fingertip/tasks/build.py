@@ -65,7 +65,7 @@ def build(
 ) -> Build:
     """Build parts, check them, and write them with `design.toml`, `casting.md` and `report.json`.
 
-    Only the requested parts and formats are made. cadquery is loaded for "step" only, in a separate process.
+    Only the requested parts and formats are made. Open CASCADE is loaded for "step" only, in a separate process.
 
     The folder `print/` in it holds each printed part as it lies on the bed (with "stl"), and plates of all printed
     parts (with "3mf", if all are built).
@@ -103,7 +103,7 @@ def build(
     DesignError
         If a part, format, tolerance, silicone or folder name is not valid.
     MissingLibraryError
-        If STEP files are requested and cadquery cannot be loaded.
+        If STEP files are requested and Open CASCADE cannot be loaded.
     GeometryError
         If a kernel rejects a solid. No file has been written then.
     OutputError
@@ -118,7 +118,7 @@ def build(
     names = select_names("--parts", known if parts is None else parts, known)
     file_formats = select_names("--formats", default_formats(progress) if formats is None else formats, FORMATS)
     if "step" in file_formats:
-        extras.require("--formats", "cadquery", subject="step", alternative="leave step out with --formats stl,3mf")
+        extras.require("--formats", "OCP", subject="step", alternative="leave step out with --formats stl,3mf")
     presses = design.dimensions.insert is not None and "skin" in names
     if presses:
         extras.require("sensor.insert", "scipy", alternative="set sensor.insert=none")
@@ -244,10 +244,10 @@ def _files_of_version_one(folder: Path) -> list[str]:
 
 
 def default_formats(progress: Callable[[str], None] = lambda message: None) -> tuple[str, ...]:
-    """Return the formats of a build that names none: all of them, but STEP only where cadquery is installed."""
-    if extras.is_installed("cadquery"):
+    """Return the formats of a build that names none: all of them, but STEP only where its kernel is installed."""
+    if extras.is_installed("OCP"):
         return FORMATS
-    extras.say_left_out({"cadquery": "STEP files and checks against exact solids"}, progress)
+    extras.say_left_out({"OCP": "STEP files and checks against exact solids"}, progress)
     return tuple(name for name in FORMATS if name != "step")
 
 

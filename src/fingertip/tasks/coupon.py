@@ -76,7 +76,7 @@ def write_coupon(
     folder = COUPON.folder(design) if out is None else Path(out)
     file_formats = select_names("--formats", formats, FORMATS)
     if "step" in file_formats:
-        extras.require("--formats", "cadquery", subject="step", alternative="leave step out with --formats stl,3mf")
+        extras.require("--formats", "OCP", subject="step", alternative="leave step out with --formats stl,3mf")
     validate_tolerance(tolerance_mm)
     writer = COUPON.writer(design, folder, force)
     names = [f"{part}.{file_format}" for part in COUPON_PARTS for file_format in file_formats]

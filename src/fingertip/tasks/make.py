@@ -130,7 +130,7 @@ def make(
         page, _, _ = write_page(design, parts.folder, force=force)
     else:
         progress(f"{PAGE} is left out: it shows the STL files; add stl to the formats")
-    wanted = {"cadquery": "STEP files", "reportlab": "drawings"} if named is None or "step" in named else {}
+    wanted = {"OCP": "STEP files", "reportlab": "drawings"} if named is None or "step" in named else {}
     extras.say_left_out({**wanted, "matplotlib": PLOT}, progress)
     return Made(parts, drawn, board_paths, signal_paths, found, page)
 

@@ -31,8 +31,15 @@ STYLE = """\
 .md-typeset table:not([class]) td, .md-typeset table:not([class]) th { padding: .4em .8em; min-width: 0; }
 .md-typeset table caption { text-align: left; font-weight: bold; padding: .4em .8em; }
 .md-typeset .language-text pre, .md-typeset .language-text code { white-space: pre-wrap; }
+.md-typeset a:not(.headerlink):not(:has(> img)), .md-copyright a { text-decoration: underline; }
+.md-copyright { color: var(--md-footer-fg-color--light); }
 """
-"""Style sheet of the site: names of parameters stay whole, and long lines of output wrap."""
+"""Style sheet of the site: names of parameters stay whole, long lines of output wrap, links are more than a colour."""
+
+_LISTING = re.compile(r"(<pre[^>]*>(?:<span></span>)?<code)(?=[ >])")
+"""Begin of a listing, which may scroll: the keyboard must reach it."""
+_PICTURE = re.compile(r'(<img\b[^>]*\bsrc="([^":]+)"[^>]*>)')
+"""Picture from a file, which is shown no wider than the text: a link leads to it in its own size."""
 
 _GENERATED: dict[str, Callable[[], str]] = {
     "parameters": reference.list_all_parameters,
@@ -76,6 +83,7 @@ def on_post_template(output: str, template_name: str, config: Any) -> str:
 
 
 def _with_policy(page: str) -> str:
+    page = _PICTURE.sub(r'<a href="\2">\1</a>', _LISTING.sub(r'\1 tabindex="0"', page))
     return page.replace("<head>", f'<head><meta http-equiv="Content-Security-Policy" content="{POLICY}">', 1)
 
 

@@ -117,8 +117,8 @@ def render_studio(design: Design, token: str) -> bytes:
         "div", element("h2", "Model", id="model"), render_no_view(),
         render_model(items, _ORIGIN, preset="opened"),
         element(
-            "div", element("h3", "What it takes"), element("div", "", id="figures"),
-            element("h3", "What the sensor feels"), element("div", "", id="pad"), class_="felt",
+            "div", element("h2", "What it takes"), element("div", "", id="figures"),
+            element("h2", "What the sensor feels"), element("div", "", id="pad"), class_="felt",
         ),
         class_="model",
     )  # fmt: skip

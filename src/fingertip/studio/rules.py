@@ -16,7 +16,7 @@ from fingertip.design.bands import Band, describe_bands, find_bands
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
-from fingertip.design.refusal import is_number
+from fingertip.design.refusal import as_typed, is_number
 from fingertip.foundation.errors import DesignError, Issue
 from fingertip.studio.answers import describe_issues, read_design
 from fingertip.studio.worker import StillWanted
@@ -43,18 +43,13 @@ class BandFinder:
         except (ValidationError, LookupError, TypeError):
             return ()
         if (others, path) not in self._found:
-            tried = [present] if is_valid(path, present) else []
+            is_valid = isinstance(present, int | float) and find_bounds(PARAMETERS[path]).contain(present)
+            tried = [as_typed(path, present)] if is_valid else []
             bands = find_bands(others, path, tried, still_wanted)
-            while len(self._found) >= _BANDS_KEPT:
-                self._found.pop(next(iter(self._found)))
+            if len(self._found) >= _BANDS_KEPT:
+                self._found.clear()
             self._found[others, path] = bands
         return self._found[others, path]
-
-
-def is_valid(path: str, value: object) -> bool:
-    """Return whether a value is a number within the bounds that a parameter declares."""
-    wanted = int if PARAMETERS[path].annotation is int else int | float
-    return isinstance(value, wanted) and not isinstance(value, bool) and find_bounds(PARAMETERS[path]).contain(value)
 
 
 def answer_bands(finder: BandFinder, tables: Mapping[str, Any], path: str, still_wanted: StillWanted) -> dict[str, Any]:

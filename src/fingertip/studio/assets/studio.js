@@ -89,7 +89,7 @@
     if (passing !== undefined) {
       const [field] = own.keys();
       const fix = make('button', { type: 'button', textContent: `set ${passing}` });
-      fix.setAttribute('aria-label', `set ${field.path} to ${passing}`);
+      fix.setAttribute('aria-label', `set ${passing} for ${field.path}`);
       fix.addEventListener('click', () => put(field, String(passing)));
       field.refusal.append(' ', fix);
     }

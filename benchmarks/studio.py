@@ -79,7 +79,7 @@ def measure(driver: Any, design: Design, count: int) -> tuple[list[float], list[
 
 def wait_until_idle(driver: Any) -> None:
     """Wait for parts and checks, and a moment more: somebody who slides looks before the next change."""
-    wait(lambda: not driver.execute_script("return document.documentElement.dataset.busy"), 30)
+    wait(lambda: not driver.execute_script("return document.documentElement.dataset.busy"), 120)
     time.sleep(0.05)
 
 

@@ -139,7 +139,7 @@ class AdcRange:
     def quantise_v(self, voltage_v: Array) -> Array:
         """Round to the converter's steps [V]; voltages outside the range saturate."""
         codes = np.floor((voltage_v - self.low_v) / self.step_v + 0.5)
-        return np.asarray(np.clip(codes, 0, 2**self.bits - 1) * self.step_v + self.low_v)
+        return np.asarray(np.minimum(np.maximum(codes, 0.0), 2.0**self.bits - 1) * self.step_v + self.low_v)
 
     @property
     def step_v(self) -> float:

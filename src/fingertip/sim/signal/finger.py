@@ -28,16 +28,7 @@ from fingertip.sim.signal.analog_circuit import board_with_amplifiers
 from fingertip.sim.signal.bridge import Bridge, ForceSensor, reads_whole_finger
 from fingertip.sim.signal.converter import AdcRange, AntiAliasFilter, Converter, EnvelopeSource, compute_input_noise_v
 from fingertip.sim.signal.filter_board import AnalogStream, SlipPin
-from fingertip.sim.signal.grid import (
-    CostMeter,
-    Grid,
-    Instants,
-    SampleClock,
-    Sampler,
-    StageCost,
-    draw_noise,
-    open_stream,
-)
+from fingertip.sim.signal.grid import CostMeter, Grid, Instants, SampleClock, Sampler, draw_noise, open_stream
 from fingertip.sim.signal.interference import InterferenceSource, RefinedNoise
 from fingertip.sim.signal.parameters import PathTables
 
@@ -314,11 +305,11 @@ class _BoardSignals:
             found["tactile_v"] = self._samplers["tactile_v"].process(tactile_v, at)
         if not self._board:
             return found
-        before_v = tactile_v if jumps is None else tactile_v - jumps
+        volts = (tactile_v[None],) if jumps is None else ((tactile_v - jumps)[None], tactile_v[None])
         taken = self._board.steps
         with self._meter.stage("filter board", 4):
-            filtered, envelope = (rows[0] for rows in self._board.process(before_v[None], tactile_v[None]))
-        self._meter.add(StageCost("filter board", 4, self._board.steps - taken, 0.0))
+            filtered, envelope = (rows[0] for rows in self._board.process(*volts))
+        self._meter.add("filter board", 4, self._board.steps - taken)
         signals = {"filtered_v": filtered, "envelope_v": envelope}
         if self._pin:
             with self._meter.stage("comparator", 1, count):

@@ -256,9 +256,9 @@ class FastDetector(Detector):
         m = self._model
         LOOP(self.coefficients, m.features, m.thresholds, m.leaves, stride, samples, filtered, self._state, rows, *out)
         wide, confidence, level, flags = out
-        early = self._early_share * level
+        early, bits = self._early_share * level, flags.astype(np.int8)
         on, incipient, is_replaced, is_outside = (
-            np.asarray(flags.astype(np.int8) & int(flag) > 0)
+            np.asarray(bits & int(flag) > 0)
             for flag in (fast_loop.IS_ON, fast_loop.IS_INCIPIENT, fast_loop.IS_REPLACED, fast_loop.IS_OUTSIDE)
         )
         return FastOutput(confidence * level, level, on, wide, confidence, incipient, early, is_replaced, is_outside)

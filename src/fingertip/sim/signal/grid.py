@@ -91,7 +91,7 @@ class SampleClock:
 
     def advance(self, points: int) -> Instants:
         origin, last = max(self._points - 1, 0), self._points + points - 1
-        end = math.floor((last + _SNAP) / self._ratio) + 1
+        end = self.count_until(last)
         at = np.arange(self._samples, end) * self._ratio
         whole = np.floor(at + _SNAP)
         fraction = at - whole
@@ -99,6 +99,10 @@ class SampleClock:
         found = Instants(self._samples, whole.astype(np.int64) - origin, fraction, self._rate)
         self._points, self._samples = last + 1, end
         return found
+
+    def count_until(self, point: int) -> int:
+        """Number of samples up to a point of the grid."""
+        return math.floor((point + _SNAP) / self._ratio) + 1
 
 
 class Sampler:

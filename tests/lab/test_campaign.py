@@ -362,7 +362,7 @@ def test_every_case_is_simulated_once_and_evaluated_at_every_threshold(monkeypat
         return SimpleNamespace(seed=case.seed), 2.0 * case.seed
 
     def evaluate(
-        case: Case, trace: Any, force_n: float, name: str, _: Design, scales: Sequence[float]
+        case: Case, trace: Any, force_n: float, name: str, _: Design, scales: Sequence[float], _runs: Any
     ) -> list[TrialResult]:
         assert (trace.seed, force_n) == (case.seed, 2.0 * case.seed)
         return [trial([scale], case=case, alarms=[name]) for scale in scales]

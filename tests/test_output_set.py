@@ -323,7 +323,7 @@ def test_folder_in_the_place_of_a_file_and_a_file_in_that_of_a_folder_are_refuse
     with pytest.raises(OutputError, match=r"new_only\.txt: is a folder; move it away"):
         writer(folder, "new").write(NEW)
     assert files_in(folder) == OLD
-    with pytest.raises(OutputError, match=r"bom\.csv: is a file; choose another folder with --out"):
+    with pytest.raises(OutputError, match=r"bom\.csv: is a file; choose another folder with out"):
         writer(folder / "bom.csv" / "deeper" / "board", "new").write(NEW)
     assert [path.name for path in tmp_path.iterdir()] == ["board"]
 

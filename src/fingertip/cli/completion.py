@@ -97,6 +97,7 @@ COMPLETIONS = {
     "hand": _hands,
     "preset": _words(*(f"{age}_{digit}" for age in ("adult", "child", "youth") for digit in ("finger", "thumb"))),
     "formats": _words("stl", "3mf", "step", "cq", "stl,3mf", "stl,3mf,step"),
+    "coupon formats": _words("stl", "3mf", "step", "stl,3mf", "stl,3mf,step"),
     "parts": _words("bone", "skin", "mold_palmar", "mold_dorsal", "lid", "core", "sensor_insert", "insert_jig"),
     "material": _words(*get_args(SiliconeName), "own"),
     "detector": _words("digital", "analog", "fft", "fast", "incipient"),

@@ -112,7 +112,7 @@ def build(
         written then.
     """
     if out is not None and not str(out).strip():
-        message = "is empty; give a folder, such as . for the current one, or omit the option."
+        message = "is empty; give a folder, such as . for the current one, or leave it out."
         raise DesignError(Issue("--out", message))
     folder = PART_FILES.folder(design) if out is None else Path(out)
     known = tuple(parts_by_name(design))

@@ -71,7 +71,7 @@ def write_coupon(
 ) -> Coupon:
     """Write a coupon. Raises DesignError or GeometryError or MissingLibraryError or OutputError."""
     if out is not None and not str(out).strip():
-        message = "is empty; give a folder, such as . for the current one, or omit the option."
+        message = "is empty; give a folder, such as . for the current one, or leave it out."
         raise DesignError(Issue("--out", message))
     folder = COUPON.folder(design) if out is None else Path(out)
     file_formats = select_names("--formats", formats, FORMATS)

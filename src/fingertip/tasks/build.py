@@ -111,10 +111,7 @@ def build(
         If the folder cannot be written, or holds a file of these names that is somebody's own. No file has been
         written then.
     """
-    if out is not None and not str(out).strip():
-        message = "is empty; give a folder, such as . for the current one, or leave it out."
-        raise DesignError(Issue("--out", message))
-    folder = PART_FILES.folder(design) if out is None else Path(out)
+    folder = PART_FILES.folder(design, out)
     known = tuple(parts_by_name(design))
     names = select_names("--parts", known if parts is None else parts, known)
     file_formats = select_names("--formats", default_formats(progress) if formats is None else formats, ALL_FORMATS)

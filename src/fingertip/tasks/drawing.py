@@ -23,7 +23,7 @@ def write_drawing(
     Raises MissingLibraryError or GeometryError or OutputError.
     """
     require_packages("drawing")
-    folder = PART_FILES.folder(design) if out is None else Path(out)
+    folder = PART_FILES.folder(design, out)
     writer = parts_writer(design, folder, force)
     writer.check_addition(file_names(design))
     files = draw_files(design, progress)

@@ -27,7 +27,7 @@ _MAX_LENGTH = 90
 _NEARBY = 1e-6
 """Relative difference of the parameters by which definitions are confirmed."""
 _SUM, _PRODUCT, _ATOM = range(3)
-"""How tightly an expression binds."""
+"""Ranks of expressions: the higher one binds more tightly."""
 
 
 def _operators(sign: str, rank: int, compute: Callable[[float, float], float]) -> tuple[Any, Any]:

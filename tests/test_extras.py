@@ -24,8 +24,8 @@ from tests.conftest import design_file, run_fingertip, run_python
 
 DESIGN = str(design_file("fsr400"))
 STEP = (
-    "--formats: step needs the package cadquery-ocp-novtk, which is not installed; "
-    'pip install "fingertip-kit[step]", or leave step out with --formats stl,3mf.'
+    "formats: step needs the package cadquery-ocp-novtk, which is not installed; "
+    'pip install "fingertip-kit[step]", or leave step out with formats=["stl", "3mf"].'
 )
 
 

@@ -240,7 +240,9 @@ def test_edited_sheet_of_a_channel_keeps_its_edits(tmp_path: Path) -> None:
 
 def test_commands_say_how_many_fingers_and_firmware_takes_them_from_the_board(tmp_path: Path) -> None:
     assert plan_fingers(load(3)).names == NAMES[:3]
-    with pytest.raises(FingertipError, match=r"5 are more than the 3 .*give --fingers 3, or --set board.channels=5"):
+    with pytest.raises(
+        FingertipError, match=r"5 are more than the 3 .*give fingers=3, or changes=\{.board.channels.: 5\}"
+    ):
         plan_fingers(load(3), "5")
     said = run_fingertip("board", "params/fsr400.toml", "--set", *ALL, "--out", str(tmp_path / "b")).stdout
     assert "5 fingers: 11.0 mA at rest, crosstalk at most -69 dB (at 201 Hz)" in said

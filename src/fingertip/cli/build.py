@@ -30,7 +30,8 @@ def build(
     formats: Annotated[
         str | None,
         typer.Option(
-            help="File formats (stl, 3mf, step), separated by commas; all by default, step if it can be made."
+            help="File formats (stl, 3mf, step, cq), separated by commas; cq: CadQuery scripts. By default all others, "
+            "step if it can be made."
         ),
     ] = None,
     tolerance_mm: Annotated[
@@ -108,7 +109,8 @@ def make(
     design: DesignArgument,
     out: Annotated[Path | None, typer.Option("--out", "-o", help="Output folder; out/NAME by default.")] = None,
     formats: Annotated[
-        str | None, typer.Option(help="File formats of the parts (stl, 3mf, step), separated by commas; as for build.")
+        str | None,
+        typer.Option(help="File formats of the parts (stl, 3mf, step, cq), separated by commas; as for build."),
     ] = None,
     force: ForceOption = False,
     changes: SetOption = None,

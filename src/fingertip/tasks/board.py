@@ -187,7 +187,7 @@ def write_board(
     """
     if out is None and not force:
         refuse_other_board(design)
-    plan = plan_board(design, BOARD.folder(design) if out is None else Path(out), force=force, bring_up=bring_up)
+    plan = plan_board(design, BOARD.folder(design, out), force=force, bring_up=bring_up)
     return plan.write(progress)
 
 
@@ -206,7 +206,7 @@ def write_fabrication(
     """
     from fingertip.board.fabrication.fabrication_files import fabrication_files  # noqa: PLC0415
 
-    folder = BOARD.folder(design) if out is None else Path(out)
+    folder = BOARD.folder(design, out)
     writer = check_fabrication(design, folder, force=force)
     values = board_values(design)
     circuit, sources = board_circuit(values, design.board.channels), board_files(design)

@@ -58,7 +58,7 @@ def write_firmware(
         If the folder cannot be written, or holds a file of these names that is somebody's own. Nothing has been
         written then.
     """
-    folder = FIRMWARE.folder(design) if out is None else Path(out)
+    folder = FIRMWARE.folder(design, out)
     sets = [
         (FIRMWARE.writer(design, folder / place, force, folder), contents)
         for place, contents in firmware_files(design, fingers).items()

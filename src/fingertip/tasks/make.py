@@ -90,7 +90,7 @@ def make(
     FingertipError
         As `build`, `write_board`, `simulate` and `detect_file` do. Nothing has been written then.
     """
-    folder = PART_FILES.folder(design) if out is None else Path(out)
+    folder = PART_FILES.folder(design, out)
     board_folder, signal = folder / BOARD_FOLDER, SIGNAL.writer(design, folder / SIGNAL_FOLDER, force, folder)
     sheets = parts_writer(design, folder, force)
     named = None if formats is None else tuple(formats)

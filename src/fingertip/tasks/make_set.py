@@ -104,7 +104,7 @@ def make_set(
         As `make` does for each form, or if a part is too large for the bed or a silicone thickens too soon. Nothing has
         been written then, but for forms whose own files were complete.
     """
-    folder = SET_FILES.folder(fingers) if out is None else Path(out)
+    folder = SET_FILES.folder(fingers, out)
     formats = None if formats is None else tuple(formats)
     writer, print_writer = (
         SET_FILES.writer(fingers, folder, force),

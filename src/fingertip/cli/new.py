@@ -77,12 +77,15 @@ def new(
     each size. The preset is then that whose widths are nearest.
     """
     from fingertip.catalogues.bundled import list_bundled_files
+    from fingertip.catalogues.file_kinds import DESIGN, SET
     from fingertip.design.new_design import find_lost_travel, write_new_design
     from fingertip.foundation.files import write_file
 
     issues = list(find_file_issues("--out", out, ".toml", kept="give another name"))
-    if name in list_bundled_files():
-        issues.append(Issue("NAME", f"{name} is the name of a bundled file; choose another, such as my_{name}."))
+    for kind in (DESIGN, SET):
+        if name in list_bundled_files(kind):
+            taken = f"{name} is the name of a bundled {kind.name}"
+            issues.append(Issue("NAME", f"{taken}; choose another, such as my_{name}."))
     path = out or Path(f"{name}.toml")
     if finger:
         _write_set(console, name, finger, sensor, preset, hand, changes or (), allow_shorter_travel, path, issues)
@@ -210,16 +213,22 @@ def _find_passing(
     from fingertip.cad.verification.verify import check as check_design
     from fingertip.design.new_design import find_lost_travel
 
-    for larger_mm in _LARGER_MM:
-        sizes = {"skin.width_mm": larger_mm, "skin.semi_axis_dorsal_mm": larger_mm / 2}
-        free = {name: by for name, by in sizes.items() if not any(change.startswith(name) for change in given)}
-        settings = [f"{name}={design.value(name) + by:g}" for name, by in free.items()]
+    shares = {"skin.width_mm": 1.0, "skin.semi_axis_dorsal_mm": 0.5}
+    free = {name: by for name, by in shares.items() if not any(change.startswith(name) for change in given)}
+    for larger_mm in _LARGER_MM if free else ():
+        settings = [f"{name}={design.value(name) + by * larger_mm:g}" for name, by in free.items()]
         progress(f"trying a larger finger: {' '.join(settings)}")
         with contextlib.suppress(DesignError):
             made = make(settings)
             may_lose = allow_shorter_travel or not find_lost_travel(made)
-            if free and may_lose and all(check.passed for check in check_design(made.design, progress=progress).checks):
+            found = {check.name: check for check in check_design(made.design, progress=progress).checks}
+            if may_lose and all(check.passed for check in found.values()):
                 return "it passes with " + " ".join(f"--set {setting}" for setting in settings)
+            # A fit may take a minute: go on only if the largest finger reaches what this step has gained in proportion.
+            steps = _LARGER_MM[-1] / larger_mm
+            factors = [check for check in failed if check.name.startswith("bone.safety_factor.")]
+            if any(one.value + steps * (found[one.name].value - one.value) < one.limit for one in factors):
+                break
     return _find_lighter_loads(design, failed)
 
 

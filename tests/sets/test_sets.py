@@ -15,7 +15,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fingertip.board.circuits.channels import list_sockets, list_tactile_pins
 from fingertip.cad.files import threemf
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import build_volume_excess, print_orientations
@@ -29,7 +28,7 @@ from fingertip.design import Design
 from fingertip.design.finger_set import FingerSet, Form, load_set
 from fingertip.documents.acceptance import acceptance_data
 from fingertip.documents.casting.sheet import casting_sheet_data
-from fingertip.documents.finger_set.sheets import FormSheets, SharedBoard, render_sheet, set_data, write_parts_csv
+from fingertip.documents.finger_set.sheets import FormSheets, render_sheet, set_data, write_parts_csv
 from fingertip.documents.start import render_set_start
 from fingertip.foundation.errors import DesignError, FingertipError
 from fingertip.foundation.output_set import SetWriter
@@ -214,13 +213,10 @@ def make_sheets(design: Design, fingers: tuple[str, ...], delay_s: float | None 
     )
 
 
-BOARD = SharedBoard("board", "board_design.toml", list_sockets(), list_tactile_pins())
-
-
-def collect_data(name: str, sheets: list[FormSheets], board: SharedBoard | None) -> dict[str, Any]:
+def collect_data(name: str, sheets: list[FormSheets], has_board: bool) -> dict[str, Any]:
     fingers = FingerSet(name, "right", tuple(each.form for each in sheets))
     plan = plan_castings([Mold.of_sheet(each.form.design, each.form.fingers, each.casting) for each in sheets])
-    return set_data(fingers, sheets, plan, {"plate_sla.3mf": ("bone thumb",)}, board)
+    return set_data(fingers, sheets, plan, {"plate_sla.3mf": ("bone thumb",)}, has_board)
 
 
 @pytest.fixture(scope="module")
@@ -230,7 +226,7 @@ def sheets() -> list[FormSheets]:
 
 @pytest.fixture(scope="module")
 def data(sheets: list[FormSheets]) -> dict[str, Any]:
-    return collect_data("hand", sheets, BOARD)
+    return collect_data("hand", sheets, has_board=True)
 
 
 def test_the_sheets_of_a_set_are_the_approved_ones(data: dict[str, Any]) -> None:
@@ -239,8 +235,8 @@ def test_the_sheets_of_a_set_are_the_approved_ones(data: dict[str, Any]) -> None
     poured = Design.load(design_file(file), changes=[*changes.split(), "silicone.product=mold_star_30"])
     other = FINGER.with_silicone("dragon_skin_30").model_copy(update={"name": "soft"})
     pair = [make_sheets(FINGER, ("index",), None), make_sheets(other, ("ring",), None)]
-    every = {"hand": data, "poured": collect_data("poured", [make_sheets(poured, ("index",))], None),
-             "pair": collect_data("pair", pair, None)}  # fmt: skip
+    every = {"hand": data, "poured": collect_data("poured", [make_sheets(poured, ("index",))], has_board=False),
+             "pair": collect_data("pair", pair, has_board=False)}  # fmt: skip
     for name, found in every.items():
         assert json.loads(json.dumps(found)) == found
         pages = {"overview": "overview", "plan": "casting_plan", "parts": "parts_list", "acceptance": "acceptance"}

@@ -181,7 +181,10 @@ def _describe(path: Path, made: NewDesign) -> tuple[dict[str, Any], list[str]]:
 
 
 def _check(
-    design: Design, find_remedy: Callable[[Sequence[Check]], str], data: dict[str, Any], progress: Callable[[str], None]
+    design: Design,
+    find_remedy: Callable[[Design, Sequence[Check]], str],
+    data: dict[str, Any],
+    progress: Callable[[str], None],
 ) -> list[str]:
     """Check a design as a build does, add its strength to the data, and describe it. Raises FingertipError."""
     from fingertip.cad.verification.check import list_causes, list_warnings

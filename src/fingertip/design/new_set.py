@@ -35,8 +35,6 @@ _SIZE = ("skin.width_mm", "skin.length_mm")
 _JOINT = tuple(name for name in FREE if name.startswith("hand."))
 """Sizes of the joint that a fit of a single finger may change."""
 _EXAMPLE = "--finger index=18x25"
-_MAX_NAME = 33
-"""Longest name of a set, whose designs bear the name of a finger besides."""
 
 
 @dataclass(frozen=True)
@@ -102,8 +100,6 @@ def start_set(
     sizes: dict[str, Size] = {}
     with gather(issues):
         refuse_words(name, sensor, preset)
-    if len(name) > _MAX_NAME:
-        issues.append(Issue("name", f"{name!r} leaves no room for the fingers' names; use up to {_MAX_NAME} letters."))
     with gather(issues):
         sizes = read_sizes(given)
     for change in changes:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from fingertip.catalogues.controllers import NAMES
 from fingertip.catalogues.sensors import CATALOGUE
 from fingertip.cli.console import Console
 from fingertip.cli.options import SetOption, command, find_file_issues
@@ -153,13 +154,15 @@ def _write_set(
         with gather(issues, f"{label}: "):
             said += _check(form.design.design, _find_lighter_loads, data, report) if form.is_own else []
         told.append(data | {"design": form.file, "fingers": list(form.fingers)})
-        lines += [f"{label}: {form.file}", *(f"  {line}" for line in said)]
+        lines += [f"{label}: {form.file}, begun from {form.design.base}", *(f"  {line}" for line in said)]
     if issues:
         raise FingertipError(issues)
     for form in forms:
         if form.is_own:
             write_file(path.with_name(form.file), form.design.text.encode())
     write_file(path, write_set_file(name, forms).encode())
+    if missing := [finger for finger in NAMES if not any(finger in form.fingers for form in forms)]:
+        lines.append(f"note: this hand has no {join_words(missing, 'and no')}")
     following = f"fingertip make {shlex.quote(path.as_posix())}"
     data = {"set": path.as_posix(), "name": name, "forms": told, "next": following}
     console.result(data, "\n".join([*lines, f"wrote {path}; edit its designs, then run: {following}"]))

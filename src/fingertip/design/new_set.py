@@ -123,8 +123,8 @@ def start_set(
 def fit_set(starts: Starts, may_change_joint: bool, progress: Callable[[str], None]) -> tuple[NewForm, ...]:
     """Fit the designs of a set to one joint.
 
-    It stays as it is. Where the narrowest finger cannot turn on it, its fit changes the joint for all, if it may. A
-    thumb has a joint of its own if no hand is given. Raises DesignError, with what is wrong in all fingers.
+    The fit of the narrowest finger decides on the joint, which loses travel or tendon distance only if it may. A thumb
+    has a joint of its own if no hand is given. Raises DesignError, with what is wrong in all fingers.
     """
     issues: list[Issue] = []
     forms, joints = dict[tuple[str, ...], NewForm](), dict[str, dict[str, float]]()
@@ -132,14 +132,17 @@ def fit_set(starts: Starts, may_change_joint: bool, progress: Callable[[str], No
     for fingers, start in sorted(starts.items(), key=lambda one: one[1].tables.skin.width_mm):
         label, shares = join_words(fingers), "all" if start.measured else start.base
         report, found, made = work.within(label), list[Issue](), None
+        lost: list[Issue] = []
         tables = start.tables.with_values(joints.get(shares, {}))
+        held = replace(start, tables=tables, given=(*start.given, *_JOINT))
         with gather(found):
-            made = fit_start(replace(start, tables=tables, given=(*start.given, *_JOINT)), report)
-        if found and shares not in joints:
-            found = []
-            with gather(found):
-                made = fit_start(start, report)
-                found += () if may_change_joint else find_lost_travel(made)
+            made = fit_start(held if shares in joints else start, report)
+            lost = [] if shares in joints or may_change_joint else find_lost_travel(made)
+        if lost:  # a fit that holds the joint may find other lengths; one that cannot takes long
+            try:
+                made = fit_start(held, report)
+            except DesignError:
+                found = lost
         issues += (Issue(f"{label}: {issue.field}", issue.message) for issue in found)
         if made:
             forms[fingers] = NewForm(fingers, made)

@@ -16,7 +16,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fingertip.board.circuits.channels import list_sockets, list_tactile_pins
 from fingertip.cad.files import threemf
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import build_volume_excess, print_orientations
@@ -31,7 +30,7 @@ from fingertip.design.files import to_toml
 from fingertip.design.finger_set import FingerSet, Form, load_set
 from fingertip.documents.acceptance import acceptance_data
 from fingertip.documents.casting.sheet import casting_sheet_data
-from fingertip.documents.finger_set.sheets import FormSheets, SharedBoard, render_sheet, set_data, write_parts_csv
+from fingertip.documents.finger_set.sheets import FormSheets, render_sheet, set_data, write_parts_csv
 from fingertip.documents.start import render_set_start
 from fingertip.firmware.fingers import plan_set
 from fingertip.firmware.sources import GRIP_SOURCE, library_sources
@@ -113,7 +112,7 @@ def test_fingers_that_differ_in_their_sensors_share_a_mold_and_keep_their_force_
     assert "slip_curve_of[SLIP_FINGERS] = {0, 1, 2}" in source
     sheets = [make_sheets(THUMB, ("thumb",)), make_sheets(FINGER, ("index", "ring"))]
     own = make_sheets(found.calibrated["index"], ("index",)).acceptance
-    rows = collect_data("mine", [sheets[0], replace(sheets[1], calibrated={"index": own})], BOARD, found.calibrated)
+    rows = collect_data("mine", [sheets[0], replace(sheets[1], calibrated={"index": own})], True, found.calibrated)
     lines = [line for line in render_sheet("acceptance", rows).splitlines() if line.startswith(("| index", "| ring"))]
     limits = [[f"{weight['limits_v'][0]:.2f}" for weight in each["weights"]] for each in (own, sheets[1].acceptance)]
     for line, low in zip(lines, limits, strict=True):
@@ -266,18 +265,12 @@ def make_sheets(design: Design, fingers: tuple[str, ...], delay_s: float | None 
     )
 
 
-BOARD = SharedBoard("board", "board_design.toml", list_sockets(), list_tactile_pins())
-
-
 def collect_data(
-    name: str,
-    sheets: list[FormSheets],
-    board: SharedBoard | None,
-    calibrated: Mapping[str, Design] = MappingProxyType({}),
+    name: str, sheets: list[FormSheets], has_board: bool, calibrated: Mapping[str, Design] = MappingProxyType({})
 ) -> dict[str, Any]:
     fingers = FingerSet(name, "right", tuple(each.form for each in sheets), calibrated)
     plan = plan_castings([Mold.of_sheet(each.form.design, each.form.fingers, each.casting) for each in sheets])
-    return set_data(fingers, sheets, plan, {"plate_sla.3mf": ("bone thumb",)}, board)
+    return set_data(fingers, sheets, plan, {"plate_sla.3mf": ("bone thumb",)}, has_board)
 
 
 @pytest.fixture(scope="module")
@@ -287,7 +280,7 @@ def sheets() -> list[FormSheets]:
 
 @pytest.fixture(scope="module")
 def data(sheets: list[FormSheets]) -> dict[str, Any]:
-    return collect_data("hand", sheets, BOARD)
+    return collect_data("hand", sheets, has_board=True)
 
 
 def test_the_sheets_of_a_set_are_the_approved_ones(data: dict[str, Any]) -> None:
@@ -296,8 +289,8 @@ def test_the_sheets_of_a_set_are_the_approved_ones(data: dict[str, Any]) -> None
     poured = Design.load(design_file(file), changes=[*changes.split(), "silicone.product=mold_star_30"])
     other = FINGER.with_silicone("dragon_skin_30").model_copy(update={"name": "soft"})
     pair = [make_sheets(FINGER, ("index",), None), make_sheets(other, ("ring",), None)]
-    every = {"hand": data, "poured": collect_data("poured", [make_sheets(poured, ("index",))], None),
-             "pair": collect_data("pair", pair, None)}  # fmt: skip
+    every = {"hand": data, "poured": collect_data("poured", [make_sheets(poured, ("index",))], has_board=False),
+             "pair": collect_data("pair", pair, has_board=False)}  # fmt: skip
     for name, found in every.items():
         assert json.loads(json.dumps(found)) == found
         pages = {"overview": "overview", "plan": "casting_plan", "parts": "parts_list", "acceptance": "acceptance"}

@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from fingertip.board.circuits.channels import list_sockets, list_tactile_pins
 from fingertip.cad.files import threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.printing.orientations import build_volume_excess, print_orientations
@@ -34,9 +33,11 @@ from fingertip.catalogues.output_files import (
     PARTS_CSV,
     PARTS_LIST,
     PRINT_FOLDER,
+    README,
     SET_FILES,
     SET_PRINTS,
     SET_REPORT,
+    SHEET,
 )
 from fingertip.design import Design
 from fingertip.design.files import to_toml
@@ -44,7 +45,7 @@ from fingertip.design.finger_set import FingerSet, Form
 from fingertip.design.geometry.solids import scaled
 from fingertip.documents.acceptance import acceptance_data
 from fingertip.documents.casting.sheet import casting_sheet_data
-from fingertip.documents.finger_set.sheets import FormSheets, SharedBoard, render_sheet, set_data, write_parts_csv
+from fingertip.documents.finger_set.sheets import FormSheets, render_sheet, set_data, write_parts_csv
 from fingertip.documents.start import render_set_start
 from fingertip.foundation.errors import DesignError, Issue, OutputError
 from fingertip.foundation.input_files import find_link
@@ -145,10 +146,9 @@ def make_set(
     if board_design:
         planned = plan_board(board_design, folder / BOARD_FOLDER, force=force, bring_up=True, top=folder)
         board = planned.write(progress)
-    shared = SharedBoard(BOARD_FOLDER, BOARD_DESIGN, list_sockets(), list_tactile_pins()) if board_design else None
-    data = set_data(fingers, sheets, plan, prints.plates, shared)
+    data = set_data(fingers, sheets, plan, prints.plates, has_board=board_design is not None)
     failed = [made.parts.design.name for made in forms if not made.parts.passed]
-    contents = _render_sheets(fingers, data, board_design, _list_files(prints, board, folder), failed)
+    contents = _render_sheets(fingers, data, board_design, _list_files(fingers, prints, board, folder), failed)
     if board_design:
         contents[BOARD_DESIGN] = to_toml(board_design, "Design of the board for all fingers.").encode()
     print_writer.write(prints.contents)
@@ -156,10 +156,12 @@ def make_set(
     return MadeSet(folder, tuple(forms), board, data)
 
 
-def _list_files(prints: PrintFiles, board: Iterable[Path], folder: Path) -> list[str]:
+def _list_files(fingers: FingerSet, prints: PrintFiles, board: Iterable[Path], folder: Path) -> list[str]:
     """List the files of a set that its page links to, without those of the page's own making."""
-    printed = [f"{PRINT_FOLDER}/{name}" for name in prints.contents]
-    return [*printed, *(path.relative_to(folder).as_posix() for path in board if path.suffix in _SHOWN)]
+    own = (SHEET, ACCEPTANCE, f"{BOARD_FOLDER}/{README}")
+    listed = [f"{form.design.name}/{file}" for form in fingers.forms for file in own]
+    listed += (f"{PRINT_FOLDER}/{name}" for name in prints.contents)
+    return [*listed, *(path.relative_to(folder).as_posix() for path in board if path.suffix in _SHOWN)]
 
 
 def _render_sheets(

@@ -9,11 +9,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from fingertip.board.circuits.channels import list_pins, list_sockets
+from fingertip.board.parts.circuit import ADC_FILTERED, ADC_TACTILE
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.casting.hardware import list_hardware
 from fingertip.casting.quantities import Batch
 from fingertip.casting.set_plan import CHANGE_S, CastingPlan, Cup
 from fingertip.catalogues.controllers import NAMES
+from fingertip.catalogues.output_files import BOARD_DESIGN, BOARD_FOLDER
 from fingertip.catalogues.silicones import Silicone
 from fingertip.design.finger_set import FingerSet, Form
 from fingertip.documents.casting.sheet import round_component_g
@@ -47,24 +50,18 @@ class FormSheets:
         return self.form.count if PARTS[part].is_in_finger else 1
 
 
-@dataclass(frozen=True)
-class SharedBoard:
-    """Board for all fingers: its folder, and for each finger its socket and the pin of its tactile voltage."""
-
-    folder: str
-    design_file: str
-    sockets: tuple[str, ...]
-    tactile_pins: tuple[str, ...]
-
-
 def set_data(
     fingers: FingerSet,
     sheets: Sequence[FormSheets],
     plan: CastingPlan,
     plates: Mapping[str, Sequence[str]],
-    board: SharedBoard | None,
+    has_board: bool,
 ) -> dict[str, Any]:
-    """Collect the data of all sheets of a set."""
+    """Collect the data of all sheets of a set, which has one board for all its fingers or none."""
+    sockets, pins, slip_pins = (
+        dict(zip(NAMES, each if has_board else [""] * len(NAMES), strict=True))
+        for each in (list_sockets(), list_pins(ADC_TACTILE), list_pins(ADC_FILTERED))
+    )
     rows = [
         {
             "finger": finger,
@@ -73,8 +70,9 @@ def set_data(
             "width_mm": form.design.skin.width_mm,
             "length_mm": form.design.skin.length_mm,
             "shared": [other for other in form.fingers if other != finger],
-            "socket": board.sockets[NAMES.index(finger)] if board else "",
-            "pin": board.tactile_pins[NAMES.index(finger)] if board else "",
+            "socket": sockets[finger],
+            "pin": pins[finger],
+            "slip_pin": slip_pins[finger],
         }
         for finger, form in fingers.fingers
     ]
@@ -86,14 +84,14 @@ def set_data(
     return {
         "name": fingers.name,
         "side": fingers.side,
-        "board": {"folder": board.folder, "design_file": board.design_file} if board else None,
+        "board": {"folder": BOARD_FOLDER, "design_file": BOARD_DESIGN} if has_board else None,
         "controller": controller.name if controller else "",
         "bed_mm": [printer.bed_x_mm, printer.bed_y_mm, printer.bed_z_mm],
         "fingers": rows,
         "forms": [
-            {"design": each.form.design.name, "verdict": each.verdict, "warnings": list(each.warnings),
-             "bone_material": each.casting["print_material"], "joint": each.casting["joint"],
-             "from_tip_mm": each.form.design.sensor.distance_from_tip_mm}
+            {"design": each.form.design.name, "fingers": list(each.form.fingers), "verdict": each.verdict,
+             "warnings": list(each.warnings), "bone_material": each.casting["print_material"],
+             "joint": each.casting["joint"], "from_tip_mm": each.form.design.sensor.distance_from_tip_mm}
             for each in sheets
         ],
         "prints": [

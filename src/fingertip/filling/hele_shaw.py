@@ -99,6 +99,7 @@ def _guess(network: FlowNetwork, front: Front, injected_mm3: float) -> Mask:
     wet = network.is_open.copy()
     order = np.argsort(np.where(wet, u, np.inf))
     wet[order[np.cumsum(network.volume_mm3[order]) <= removed_mm3]] = False
+    wet[order[0]] = False  # however coarse the grid: without a dry node the equations are singular
     return wet
 
 

@@ -106,7 +106,8 @@ class Pad:
         force = np.zeros(len(changes))
         touches = depth_m[changes] > 0.0
         depth = depth_m[changes][touches]
-        n = np.sqrt(depth / c)
+        n, bound = np.sqrt(depth / c), np.cbrt(depth * k)  # both above the root: without the hand, without the pad
+        n = np.where(n > 16.0 * bound, bound, n)  # steps from farther away would not arrive
         for _ in range(12):
             n = n - (n * n * (n / k + c) - depth) / (n * (3 * n / k + 2 * c))
         force[touches] = n * n * n

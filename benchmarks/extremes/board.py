@@ -49,5 +49,5 @@ def board(draw: Draw) -> float:
         wave = np.convolve(noise, np.hanning(12) / 6, "same")
     voltage = amplitude * wave * (np.arange(SAMPLES) > SAMPLES // 8)
     found = simulate_board(fitted, step, voltage, TOLERANCE_V).envelope_v
-    exact = simulate_board(fitted, step, voltage, max(1e-8, 1e-10 * amplitude * 1e4)).envelope_v
+    exact = simulate_board(fitted, step, voltage, max(1e-8, 1e-6 * amplitude)).envelope_v
     return float(np.abs(found - exact).max() / (10 * TOLERANCE_V + 0.05 * np.abs(exact).max()))

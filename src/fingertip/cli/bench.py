@@ -1,4 +1,4 @@
-"""`fingertip bench`: the simulation beside other solvers, and slip detectors beside each other."""
+"""`fingertip bench`: the simulation beside other solvers, slip detectors beside each other, and extreme cases."""
 
 from __future__ import annotations
 
@@ -105,6 +105,35 @@ def slip(
     report = run(loaded, source, console.progress, console.warn)
     writer.write(dict(zip(FILES, report.encode(), strict=True)))
     console.result(report.as_data(), f"{report.as_text()}\nwrote {', '.join(FILES)} to {out}")
+
+
+@bench.command(cls=HelpCommand)
+@command
+def extremes(
+    console: Console,
+    cases: Annotated[int, typer.Option(help="Number of cases of all families together.", min=1, max=1_000_000)] = 5000,
+    report: Annotated[
+        Path | None, typer.Option(help="Markdown file for the table, or in which it is replaced between its marks.")
+    ] = None,
+    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for extremes.txt and extremes.json.")] = Path(
+        "out/bench_extremes"
+    ),
+) -> None:
+    """Try extreme and stiff cases of every kernel: held, refused with a reason, or wrong."""
+    from fingertip.foundation.files import write_file
+    from fingertip.foundation.output_set import SetWriter, hash_parameters
+
+    _find_benchmarks("extremes")
+    from benchmarks.extremes.run import FILES, encode, replace_table, require_libraries, run
+
+    writer = SetWriter(out, "extreme cases", "", hash_parameters([]))
+    writer.check(FILES)
+    require_libraries()
+    found = run(cases, console.progress)
+    writer.write(dict(zip(FILES, encode(found), strict=True)))
+    if report:
+        write_file(report, replace_table(report, found), "--report")
+    console.result(found.as_data(), found.as_text(), passed=found.is_passed)
 
 
 def _find_benchmarks(name: str) -> None:

@@ -68,7 +68,7 @@ class PadMotion:
 
 
 def admissible_step_s(friction: Friction, mount: Mount, max_load_n: float) -> float:
-    """Longest step for a stuck pad, which turns by ``sqrt((k + N sigma0) / m)`` radians per second, and its damping [s]."""
+    """Longest step for a stuck pad, which turns by ``sqrt((k + N sigma0) / m)`` radians per second, and free [s]."""
     stiffness = mount.stiffness_n_per_m + max_load_n * friction.sigma0
     damping = max_load_n * (friction.sigma1 + friction.sigma2)
     phase_s = MAX_PHASE * math.sqrt(mount.mass_kg / stiffness) if stiffness > 0.0 else math.inf
@@ -199,14 +199,15 @@ def _drag_loop(
         # Second stage: right-hand side at the end of the step, solved with the same matrix.
         load, c, unloaded = next_load, next_c, next_unloaded
         xe, ve, se = x + h * kx1, v + h * kv1, s + h * ks1
-        ratio = ve / vs
+        ratio, most = ve / vs, g
         g = mu_c + drop / (1 + ratio * ratio)
+        most = g if g > most else most
         z = c * se
         ratio = s0 * (z if z >= 0.0 else -z) * per_mu_s
         before = s if s >= 0.0 else -s
-        if ratio > 2.0 and (se if se >= 0.0 else -se) > before:
-            # Bristles bent beyond breakaway only straighten up: the step is longer than they are, and they slide.
-            z = (1.0 if ve >= 0.0 else -1.0) / (s0 * per_mu_s)
+        if s0 * (z if z >= 0.0 else -z) > 2 * most and (se if se >= 0.0 else -se) > before:
+            # Bristles bent beyond sliding only straighten up. The step is longer than they are: they slide.
+            z = (g if ve >= 0.0 else -g) / s0
             se, ratio = z / c, 1.0
         relax = unloaded + (relax_per_s * (ratio - 1) if ratio > 1.0 else 0.0)
         ds = next_grip * (ve - s0 * (ve if ve >= 0.0 else -ve) * z / g) - relax * se
@@ -221,8 +222,8 @@ def _drag_loop(
         v += h * (1.5 * kv1 + 0.5 * kv2)
         s += h * (1.5 * ks1 + 0.5 * ks2)
         z = c * s
-        if s0 * (z if z >= 0.0 else -z) * per_mu_s > 2.0 and (s if s >= 0.0 else -s) > before:
-            z = (1.0 if v >= 0.0 else -1.0) / (s0 * per_mu_s)
+        if s0 * (z if z >= 0.0 else -z) > 2 * most and (s if s >= 0.0 else -s) > before:
+            z = (g if v >= 0.0 else -g) / s0
             s = z / c
         xs[i + 1] = x
         vs_out[i + 1] = v

@@ -50,7 +50,10 @@ class BoardSignals:
 def simulate_board(
     board: AnalogBoard, step_s: float, voltage_v: Array, tolerance_v: float = 1e-4, after_v: Array | None = None
 ) -> BoardSignals:
-    """Simulate a board's response to a voltage, starting in the steady state of its first sample. Raises TraceError."""
+    """Simulate a board's response to a voltage, starting in the steady state of its first sample. Raises TraceError.
+
+    The tolerance is that of the estimated error of one step, not of their sum: docs/accuracy.md says what is left.
+    """
     single = all(np.ndim(value) == 0 for value in _values(board))
     chunks = list(simulate_boards(board, step_s, voltage_v, tolerance_v, after_v))
     filtered_v = np.concatenate([chunk.filtered_v for chunk in chunks])

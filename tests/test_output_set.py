@@ -380,7 +380,7 @@ def test_folder_without_manifest_takes_equal_files_and_explains_others(tmp_path:
         writer(tmp_path, "new").write(NEW)
     assert str(caught.value) == (
         f"{tmp_path}: has no manifest.json that says who wrote board.net, bom.csv; move them away, choose another "
-        "place with --out, or add --force to overwrite them."
+        "place with out, or add force=True to overwrite them."
     )
 
 

@@ -90,9 +90,9 @@ def test_options_are_refused_together() -> None:
     text = str(refused.value)
     assert "detectors: 'slow' is not known; choose among fast, incipient" in text
     assert "layout: 'mine' is not known; choose among natural_texture (a fingertip on a stage" in text
-    assert "--layout: describes a folder" in text
-    assert "--own: nothing.py is not a Python file; give one with find_statistic and THRESHOLD." in text
-    assert "--share: 2 is out of bounds; choose 0.05 to 1." in text
+    assert "layout: describes a folder" in text
+    assert "own: nothing.py is not a Python file; give one with find_statistic and THRESHOLD." in text
+    assert "share: 2 is out of bounds; choose 0.05 to 1." in text
 
 
 def make_stage(folder: Path) -> None:

@@ -33,6 +33,7 @@ FILES = (
     ("new tip", "--out", ".toml", "fingertip.foundation.files.write_file"),
     ("calibrate printer fsr400 readings.toml", "--out", ".toml", "fingertip.cad.verification.verify.verify"),
     ("calibrate sensor weighings.csv", "--out", ".toml", "fingertip.calibration.sensor.calibrate_sensor"),
+    ("bench extremes", "--report", ".md", "benchmarks.extremes.run.run"),
 )
 """Words of a command, its option that names a file to write, a suffix that is written, and what must not be called."""
 FOLDERS = (
@@ -47,6 +48,7 @@ FOLDERS = (
     ("page fsr400", "fingertip.tasks.page.read_sources"),
     ("bench solvers", "benchmarks.peers.options.require_libraries"),
     ("bench slip", "benchmarks.slip.run.run"),
+    ("bench extremes", "benchmarks.extremes.run.run"),
     ("sweep board", "fingertip.sweep.run.run_sweep"),
 )
 """Words of a command whose --out is a folder, and what must not be called."""

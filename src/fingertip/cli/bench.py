@@ -10,7 +10,7 @@ import typer
 
 from fingertip.cli.console import Console
 from fingertip.cli.help_page import HelpCommand, HelpGroup
-from fingertip.cli.options import VerboseOption, command, load_design
+from fingertip.cli.options import VerboseOption, command, find_file_issues, load_design, refuse
 
 _CHECKOUT = Path(__file__).parents[3]
 """Folder of a clone, whose benchmarks are not in the wheel."""
@@ -124,13 +124,14 @@ def extremes(
     from fingertip.foundation.output_set import SetWriter, hash_parameters
 
     _find_benchmarks("extremes")
-    from benchmarks.extremes.run import FILES, encode, replace_table, require_libraries, run
+    refuse(find_file_issues("--report", report, ".md"))
+    from benchmarks.extremes.run import FILES, replace_table, require_libraries, run
 
     writer = SetWriter(out, "extreme cases", "", hash_parameters([]))
     writer.check(FILES)
     require_libraries()
     found = run(cases, console.progress)
-    writer.write(dict(zip(FILES, encode(found), strict=True)))
+    writer.write(dict(zip(FILES, found.encode(), strict=True)))
     if report:
         write_file(report, replace_table(report, found), "--report")
     console.result(found.as_data(), found.as_text(), passed=found.is_passed)

@@ -25,7 +25,8 @@ _COMMANDS = {
     "models": ("board DESIGN", 2), "firmware": ("firmware DESIGN", 0), "coupon": ("coupon DESIGN", 0),
     "robot": ("robot DESIGN", 0),
     "validation": ("validate DESIGN", 0), "sweep report": ("sweep --show", 0), "benchmark": ("bench solvers", 0),
-    "slip benchmark": ("bench slip", 0), "set": ("make SET", 0), "set prints": ("make SET", 1),
+    "slip benchmark": ("bench slip", 0), "extreme cases": ("bench extremes", 0),
+    "set": ("make SET", 0), "set prints": ("make SET", 1),
 }  # fmt: skip
 """Kind of a set -> command that writes it, and how many folders above the set the one is that the command names."""
 

@@ -110,7 +110,7 @@ if [ "$level" -eq 1 ]; then
 fi
 
 # --- shared libraries ----------------------------------------------------------------------------------------------
-# cadquery's wheels are built to draw on a screen and bring everything but these. Only STEP needs them.
+# The wheels of Open CASCADE are built to draw on a screen and bring everything but these. Only STEP needs them.
 libraries="libGL.so.1 libX11.so.6 libexpat.so.1"
 packages="libgl1 libx11-6 libexpat1"
 missing() {

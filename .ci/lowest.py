@@ -16,7 +16,7 @@ def lowest_versions(pyproject: Path) -> list[str]:
     for requirement in [*project["dependencies"], *(item for extra in extras for item in extra)]:
         if requirement.startswith(f"{project['name']}["):  # an extra that consists of others
             continue
-        name, version = re.fullmatch(r"([\w.-]+)>=([\w.]+)", requirement).groups()
+        name, version = re.fullmatch(r"([\w.-]+)>=([\w.]+)(?:,<\d+)?", requirement).groups()
         lines.add(f"{name}=={version}" if version.count(".") > 1 else f"{name}=={version}.*")
     return sorted(lines)
 

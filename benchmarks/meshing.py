@@ -127,6 +127,7 @@ def structured_grid(body: ConicBody) -> Iterator[MeshResult]:
 
 def open_cascade(body: ConicBody) -> Iterator[MeshResult]:
     """Mesh with Open CASCADE's incremental mesher, on the B-rep solid of `cad.kernel.brep`."""
+    import cadquery as cq
     from OCP.BRepMesh import BRepMesh_IncrementalMesh
     from OCP.BRepTools import BRepTools
 
@@ -135,13 +136,13 @@ def open_cascade(body: ConicBody) -> Iterator[MeshResult]:
     shape = brep.BrepEvaluator().shape(SuperconicSolid(body))
 
     def run(linear: float, angular: float) -> None:
-        BRepTools.Clean_s(shape.wrapped)  # otherwise the mesher reuses a finer mesh of a previous run
-        BRepMesh_IncrementalMesh(shape.wrapped, linear, False, angular, False)
+        BRepTools.Clean_s(shape)  # otherwise the mesher reuses a finer mesh of a previous run
+        BRepMesh_IncrementalMesh(shape, linear, False, angular, False)
 
     for mesher, tolerances in OCC.items():
         for linear, angular in tolerances:
             cpu = median_cpu_time(lambda at=linear, turn=angular: run(at, turn))
-            vertices, triangles = shape.tessellate(linear, angular)
+            vertices, triangles = cq.Shape.cast(shape).tessellate(linear, angular)
             mesh = Mesh(np.array([v.toTuple() for v in vertices]), np.array(triangles))
             yield measure_mesh(body, mesher, f"{linear:g} mm, {angular:g}", mesh, cpu)
             if cpu > MAX_MESHING_S:
@@ -160,7 +161,7 @@ def gmsh_surface_mesher(body: ConicBody) -> Iterator[MeshResult]:
     gmsh.option.setNumber("General.NumThreads", 1)
     with tempfile.TemporaryDirectory() as folder:
         step = str(Path(folder) / "outer.step")
-        cq.exporters.export(cq.Workplane(brep.BrepEvaluator().shape(SuperconicSolid(body))), step)
+        cq.exporters.export(cq.Workplane(cq.Shape.cast(brep.BrepEvaluator().shape(SuperconicSolid(body)))), step)
         gmsh.model.occ.importShapes(step)
     gmsh.model.occ.synchronize()
 

@@ -53,13 +53,15 @@ def make_parts_with_cadquery(design: Any, folder: Path, shared: bool) -> None:
     A plain script has a function for each part and checks that its solid is valid. With `shared`, solids from which
     several parts are cut are made once and validity is not checked: the fastest such a script can be.
     """
+    import cadquery as cq
+
     from fingertip.cad.kernel.brep import BrepEvaluator
     from fingertip.cad.shapes.parts import parts_by_name
 
     kernel = BrepEvaluator()
     for name, part in parts_by_name(design).items():
         solid = kernel.shape(part.solid(design)) if shared else BrepEvaluator().solid(part.solid(design))
-        solid.exportStl(str(folder / f"{name}.stl"), TOLERANCE_MM, 0.5)
+        cq.Shape.cast(solid).exportStl(str(folder / f"{name}.stl"), TOLERANCE_MM, 0.5)
 
 
 def compare_with_cadquery(designs: int) -> None:

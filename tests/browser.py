@@ -84,7 +84,7 @@ def picture(driver: Any) -> Any:
 
 
 def find_barriers(driver: Any, scheme: str, width: int) -> list[list[str]]:
-    """Find what axe-core calls serious or critical, in one colour scheme at one width, at which the page must fit."""
+    """Find what axe-core objects to, in one colour scheme at one width, at which the page must fit."""
     axe = require_tool(str(AXE), HOW).read_text(encoding="utf-8")
     features = [{"name": "prefers-color-scheme", "value": scheme}]
     size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500}
@@ -96,10 +96,10 @@ def find_barriers(driver: Any, scheme: str, width: int) -> list[list[str]]:
         assert driver.execute_script("return document.documentElement.scrollWidth <= innerWidth")
         driver.execute_cdp_cmd("Runtime.evaluate", {"expression": axe})  # the page's policy would refuse a script
         script = "const done = arguments[0]; axe.run(document).then((r) => done(r.violations.map((v) => "
-        found = driver.execute_async_script(f"{script}[v.id, v.impact, v.nodes[0].html])))")
+        found: list[list[str]] = driver.execute_async_script(f"{script}[v.id, v.impact, v.nodes[0].html])))")
         background = driver.execute_script("return getComputedStyle(document.body).backgroundColor")
         assert (background == "rgb(255, 255, 255)") == (scheme == "light")
-        return [violation for violation in found if violation[1] in ("serious", "critical")]
+        return found
     finally:
         driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
         driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})

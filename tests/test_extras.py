@@ -12,6 +12,7 @@ import pytest
 
 import fingertip
 from fingertip import lab as campaign
+from fingertip.cad import convert
 from fingertip.cad.report import FORMATS
 from fingertip.design import Design
 from fingertip.foundation import extras
@@ -23,8 +24,8 @@ from tests.conftest import design_file, run_fingertip, run_python
 
 DESIGN = str(design_file("fsr400"))
 STEP = (
-    "--formats: step needs the package cadquery, which is not installed; "
-    'pip install "fingertip-kit[step]", or leave step out with --formats stl,3mf.'
+    "formats: step needs the package cadquery-ocp-novtk, which is not installed; "
+    'pip install "fingertip-kit[step]", or leave step out with formats=["stl", "3mf"].'
 )
 
 
@@ -66,7 +67,7 @@ def test_validation_leaves_its_plots_out(tmp_path: Path, monkeypatch: pytest.Mon
 @pytest.mark.usefixtures("core")
 def test_functions_for_python_name_the_extra() -> None:
     with pytest.raises(
-        MissingLibraryError, match=r'^part_solid: needs the package cadquery.*"fingertip-kit\[step\]"\.$'
+        MissingLibraryError, match=r'^part_solid: needs the package cadquery,.*"fingertip-kit\[cadquery\]"\.$'
     ):
         fingertip.part_solid(Design(), "bone")
     with pytest.raises(
@@ -97,6 +98,24 @@ def test_package_that_cannot_be_imported_is_not_called_missing(tmp_path: Path, m
         extras.load("trimesh", "field")
     reason, command = "No module named 'no_such_module'", extras.install_command("trimesh")
     assert str(caught.value) == (f"field: needs the package trimesh, which cannot be imported ({reason}); {command}.")
+
+
+def test_cadquery_without_its_build_of_ocp_names_what_restores_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """`pip install "fingertip-kit[step]"` beside cadquery replaces OCP by a build without VTK."""
+    versions = {"cadquery-ocp": "7.9.3", "cadquery-ocp-novtk": "7.9.4"}
+
+    def load(name: str) -> None:
+        raise ModuleNotFoundError("No module named 'OCP.IVtkOCC'")
+
+    monkeypatch.setattr(convert.importlib, "import_module", load)
+    monkeypatch.setattr(convert.metadata, "version", versions.__getitem__)
+    monkeypatch.setattr(extras, "find_pip", lambda: "pip install")
+    with pytest.raises(MissingLibraryError) as caught:
+        fingertip.frames(Design())
+    assert str(caught.value) == (
+        "frames: cadquery cannot be loaded (No module named 'OCP.IVtkOCC'): cadquery-ocp-novtk 7.9.4 has replaced its "
+        "OCP; pip install --force-reinstall --no-deps cadquery-ocp==7.9.3"
+    )
 
 
 def run_venv(folder: Path, shebang: str = "", path: str = "") -> str:
@@ -133,7 +152,7 @@ from fingertip.foundation.extras import EXTRAS
 
 class Finder:
     def find_spec(self, name, path=None, target=None):
-        if name.partition(".")[0] in {*EXTRAS, "OCP", "dask"}:
+        if name.partition(".")[0] in EXTRAS:
             raise ModuleNotFoundError(f"No module named {name!r}", name=name)
 
 sys.meta_path.insert(0, Finder())
@@ -158,6 +177,7 @@ def test_only_the_exact_kernel_needs_an_extra_to_be_imported() -> None:
         [
             "fingertip.cad.files.step_writer: ModuleNotFoundError",
             "fingertip.cad.kernel.brep: MissingLibraryError",
+            "fingertip.cad.kernel.occ: ModuleNotFoundError",
             "fingertip.pictures.drawing.hidden_lines: ModuleNotFoundError",
         ]
     )

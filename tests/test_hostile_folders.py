@@ -759,7 +759,7 @@ new_figure(1.0, 1.0)
 @pytest.fixture
 def strange(tmp_path: Path) -> Path:
     """A current folder with modules, and settings of libraries, that nobody asked for."""
-    for name in ("json", "pickle", "multiprocessing", "cadquery", "numpy"):
+    for name in ("json", "pickle", "multiprocessing", "cadquery", "OCP", "numpy"):
         (tmp_path / f"{name}.py").write_text(f"open('{name} was run', 'w')\nraise SystemExit('a stranger')\n")
     for name in ("matplotlibrc", ".numba_config.yaml", "ezdxf.ini", "XSTEP.us", "SHAPE.us"):
         (tmp_path / name).write_bytes(b"\xff not what a library expects")

@@ -323,7 +323,7 @@ def test_folder_in_the_place_of_a_file_and_a_file_in_that_of_a_folder_are_refuse
     with pytest.raises(OutputError, match=r"new_only\.txt: is a folder; move it away"):
         writer(folder, "new").write(NEW)
     assert files_in(folder) == OLD
-    with pytest.raises(OutputError, match=r"bom\.csv: is a file; choose another folder with --out"):
+    with pytest.raises(OutputError, match=r"bom\.csv: is a file; choose another folder with out"):
         writer(folder / "bom.csv" / "deeper" / "board", "new").write(NEW)
     assert [path.name for path in tmp_path.iterdir()] == ["board"]
 
@@ -380,7 +380,7 @@ def test_folder_without_manifest_takes_equal_files_and_explains_others(tmp_path:
         writer(tmp_path, "new").write(NEW)
     assert str(caught.value) == (
         f"{tmp_path}: has no manifest.json that says who wrote board.net, bom.csv; move them away, choose another "
-        "place with --out, or add --force to overwrite them."
+        "place with out, or add force=True to overwrite them."
     )
 
 

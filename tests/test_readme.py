@@ -136,8 +136,9 @@ def test_the_quoted_message_is_the_message_printed(clone: Path) -> None:
     assert f"error: {' '.join(quoted[1].split())}" in done.stderr
 
 
-EXAMPLES = sorted(path for path in (ROOT / "examples").glob("*.py") if path.stem != "hold_a_slipping_block")
-"""All but the one that needs MuJoCo, which has a test beside those of the models for it."""
+ELSEWHERE = {"hold_a_slipping_block", "continue_in_build123d"}
+"""Examples that need MuJoCo, which has a test beside those of the models for it, or an environment of build123d."""
+EXAMPLES = sorted(path for path in (ROOT / "examples").glob("*.py") if path.stem not in ELSEWHERE)
 
 
 @pytest.mark.full

@@ -22,11 +22,15 @@ if TYPE_CHECKING:
     from fingertip.cad.convert import assembly, frames, part_mesh, part_solid, part_trimesh, part_workplane
     from fingertip.cad.report import Build
     from fingertip.cad.verification.verify import check
+    from fingertip.calibration.printer import calibrate_printer
+    from fingertip.calibration.readings import read_readings
+    from fingertip.calibration.sensor import calibrate_sensor, read_weighings
     from fingertip.design import Design
     from fingertip.detection.arrays import detect
     from fingertip.detection.files import FileDetection, StreamDetection, detect_file, detect_stream
     from fingertip.foundation.display import Picture
     from fingertip.foundation.errors import FingertipError
+    from fingertip.lab import CampaignPlan, validate
     from fingertip.pictures.picture import picture
     from fingertip.sim import ManipulationFile, SceneFile, Trial, run_manipulation, run_scene, simulate
     from fingertip.sim.signal.readout import Readout
@@ -35,93 +39,49 @@ if TYPE_CHECKING:
     from fingertip.tasks.board import write_board
     from fingertip.tasks.build import build
     from fingertip.tasks.coupon import write_coupon
+    from fingertip.tasks.drawing import write_drawing
     from fingertip.tasks.firmware import write_firmware
     from fingertip.tasks.make import Made, make
     from fingertip.tasks.robot import write_robot
 
-_MODULES = {
-    "BoardValues": "fingertip.board",
-    "Build": "fingertip.cad.report",
-    "Design": "fingertip.design",
-    "Detection": "fingertip.slip",
-    "FileDetection": "fingertip.detection.files",
-    "FingertipError": "fingertip.foundation.errors",
-    "Made": "fingertip.tasks.make",
-    "ManipulationFile": "fingertip.sim",
-    "Picture": "fingertip.foundation.display",
-    "Readout": "fingertip.sim.signal.readout",
-    "SceneFile": "fingertip.sim",
-    "SlipChain": "fingertip.slip",
-    "StreamDetection": "fingertip.detection.files",
-    "Trace": "fingertip.slip",
-    "Trial": "fingertip.sim",
-    "assembly": "fingertip.cad.convert",
-    "board_values": "fingertip.board",
-    "build": "fingertip.tasks.build",
-    "check": "fingertip.cad.verification.verify",
-    "detect": "fingertip.detection.arrays",
-    "detect_file": "fingertip.detection.files",
-    "detect_stream": "fingertip.detection.files",
-    "frames": "fingertip.cad.convert",
-    "make": "fingertip.tasks.make",
-    "part_mesh": "fingertip.cad.convert",
-    "part_solid": "fingertip.cad.convert",
-    "part_trimesh": "fingertip.cad.convert",
-    "part_workplane": "fingertip.cad.convert",
-    "picture": "fingertip.pictures.picture",
-    "read_trace": "fingertip.slip",
-    "run_manipulation": "fingertip.sim",
-    "run_scene": "fingertip.sim",
-    "run_sweep": "fingertip.sweep.table",
-    "simulate": "fingertip.sim",
-    "write_board": "fingertip.tasks.board",
-    "write_coupon": "fingertip.tasks.coupon",
-    "write_firmware": "fingertip.tasks.firmware",
-    "write_robot": "fingertip.tasks.robot",
+_NAMES = {
+    "board": "BoardValues board_values",
+    "cad.convert": "assembly frames part_mesh part_solid part_trimesh part_workplane",
+    "cad.report": "Build",
+    "cad.verification.verify": "check",
+    "calibration.printer": "calibrate_printer",
+    "calibration.readings": "read_readings",
+    "calibration.sensor": "calibrate_sensor read_weighings",
+    "design": "Design",
+    "detection.arrays": "detect",
+    "detection.files": "FileDetection StreamDetection detect_file detect_stream",
+    "foundation.display": "Picture",
+    "foundation.errors": "FingertipError",
+    "lab": "CampaignPlan validate",
+    "pictures.picture": "picture",
+    "sim": "ManipulationFile SceneFile Trial run_manipulation run_scene simulate",
+    "sim.signal.readout": "Readout",
+    "slip": "Detection SlipChain Trace read_trace",
+    "sweep.table": "run_sweep",
+    "tasks.board": "write_board",
+    "tasks.build": "build",
+    "tasks.coupon": "write_coupon",
+    "tasks.drawing": "write_drawing",
+    "tasks.firmware": "write_firmware",
+    "tasks.make": "Made make",
+    "tasks.robot": "write_robot",
 }
-"""Public name -> module that defines it."""
+"""Module of the package -> its public names."""
+_MODULES = {name: f"fingertip.{module}" for module, names in _NAMES.items() for name in names.split()}
 
 __all__ = [
-    "BoardValues",
-    "Build",
-    "Design",
-    "Detection",
-    "FileDetection",
-    "FingertipError",
-    "Made",
-    "ManipulationFile",
-    "Picture",
-    "Readout",
-    "SceneFile",
-    "SlipChain",
-    "StreamDetection",
-    "Trace",
-    "Trial",
-    "__version__",
-    "assembly",
-    "board_values",
-    "build",
-    "check",
-    "detect",
-    "detect_file",
-    "detect_stream",
-    "frames",
-    "make",
-    "part_mesh",
-    "part_solid",
-    "part_trimesh",
-    "part_workplane",
-    "picture",
-    "read_trace",
-    "run_manipulation",
-    "run_scene",
-    "run_sweep",
-    "simulate",
-    "write_board",
-    "write_coupon",
-    "write_firmware",
-    "write_robot",
-]
+    "BoardValues", "Build", "CampaignPlan", "Design", "Detection", "FileDetection", "FingertipError", "Made",
+    "ManipulationFile", "Picture", "Readout", "SceneFile", "SlipChain", "StreamDetection", "Trace", "Trial",
+    "__version__", "assembly", "board_values", "build", "calibrate_printer", "calibrate_sensor", "check", "detect",
+    "detect_file", "detect_stream", "frames", "make", "part_mesh", "part_solid", "part_trimesh", "part_workplane",
+    "picture", "read_readings", "read_trace", "read_weighings", "run_manipulation", "run_scene", "run_sweep",
+    "simulate", "validate", "write_board", "write_coupon", "write_drawing", "write_firmware", "write_robot",
+]  # fmt: skip
 
 
 def __getattr__(name: str) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -130,15 +131,30 @@ def test_crosstalk_is_that_of_ngspice(
     """With wires that touch, and with supply, ground and references alone."""
     monkeypatch.setattr(shared, "WIRE_F_PER_M", wire_f)
     circuit = board_circuit(board_values(load(PLACES)), PLACES)
-    bandwidth_hz = find_gain_bandwidth_hz(load(PLACES).board)
-    deck = spice_deck(shared.connect_cables(circuit, PLACES), bandwidth_hz, 3.3).decode()
+    bandwidth_hz = find_gain_bandwidth_hz(board := load(PLACES).board)
+    deck = spice_deck(shared.connect_cables(circuit, board), bandwidth_hz, 3.3).decode()
     pins = " ".join(f"vm(f{k}_adc_filtered,host_ground)" for k in range(1, PLACES + 1))
-    found_db, hz = shared.find_crosstalk(circuit, PLACES, bandwidth_hz, 67.0)
+    found_db, hz = shared.find_crosstalk(circuit, board, bandwidth_hz)
     (row,) = run_ngspice(tmp_path, deck, f"ac lin 1 {hz} {hz}\nwrdata out {pins}")
     levels = np.array(row[1:])
     # The deck has one force on the sensors, between those that are searched.
     assert 20.0 * np.log10((levels[1:] / levels[0]).max()) == pytest.approx(found_db, abs=1.0)
     assert least_db < found_db < most_db
+
+
+def test_long_cables_warn_with_a_length_that_does_not() -> None:
+    def warn(*changes: str) -> str:
+        design = Design.load("fsr400", changes=["board.channels=5", *changes])
+        values = board_values(design)
+        assert values.shared
+        return shared.crosstalk_warning(values.shared, design.board)
+
+    assert not warn()
+    warning = warn("board.cable_m=5")
+    found = re.search(r"with -49 dB, above -60 dB; give board.cable_m of ([\d.]+) or less", warning)
+    assert found, warning
+    assert not warn(f"board.cable_m={found[1]}")
+    assert warn(f"board.cable_m={float(found[1]) + 0.03}")
 
 
 def plan(channels: int) -> BringUp:
@@ -224,7 +240,9 @@ def test_edited_sheet_of_a_channel_keeps_its_edits(tmp_path: Path) -> None:
 
 def test_commands_say_how_many_fingers_and_firmware_takes_them_from_the_board(tmp_path: Path) -> None:
     assert plan_fingers(load(3)).names == NAMES[:3]
-    with pytest.raises(FingertipError, match=r"5 are more than the 3 .*give --fingers 3, or --set board.channels=5"):
+    with pytest.raises(
+        FingertipError, match=r"5 are more than the 3 .*give fingers=3, or changes=\{.board.channels.: 5\}"
+    ):
         plan_fingers(load(3), "5")
     said = run_fingertip("board", "params/fsr400.toml", "--set", *ALL, "--out", str(tmp_path / "b")).stdout
     assert "5 fingers: 11.0 mA at rest, crosstalk at most -69 dB (at 201 Hz)" in said

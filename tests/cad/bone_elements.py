@@ -47,7 +47,7 @@ class Stresses:
 def write_step(design: Design, folder: Path) -> None:
     import cadquery as cq
 
-    solid = BrepEvaluator().solid(bone(design))
+    solid = cq.Solid(BrepEvaluator().solid(bone(design)))
     cq.exporters.export(cq.Workplane(obj=solid), str(folder / "bone.step"))
 
 

@@ -70,7 +70,7 @@ def solve_eye(design: Design, folder: Path, fine_mm: float, force_n: float) -> t
     joint = design.dimensions.joint
     assert joint
     half = intersection(bone(design), Box((0.0, -FAR_MM, -FAR_MM), (FAR_MM, FAR_MM, FAR_MM)))
-    cq.exporters.export(cq.Workplane(obj=BrepEvaluator().solid(half)), str(folder / "bone.step"))
+    cq.exporters.export(cq.Workplane(obj=cq.Solid(BrepEvaluator().solid(half))), str(folder / "bone.step"))
     length = design.dimensions.eyes.half_width_at(joint.axis_y) if joint.is_fork else joint.half_width + 3.0
     sizes = {
         "fine": fine_mm, "coarse": COARSE_MM, "base": BASE_MM, "y": joint.axis_y, "z": joint.axis_z, "length": length,

@@ -14,6 +14,7 @@ from fingertip.cad.printing import orientations
 from fingertip.cad.shapes import bone, insert, mold, parts
 from fingertip.cad.verification import mold as mold_checks
 from fingertip.cad.verification import skin as skin_checks
+from fingertip.cad.verification import verify
 from fingertip.cad.verification.check import search_distance
 from fingertip.design import Design
 from fingertip.design.geometry.seat import find_losses, min_skin_thickness, worst
@@ -354,7 +355,7 @@ def test_parts_larger_than_the_build_volume_fail(monkeypatch: pytest.MonkeyPatch
     assert failed_checks("printer.bed_x_mm=51", "printer.bed_y_mm=43") == set()
     upright = orientations.Orientation(0.0, "its end", needs_supports=False)
     original = orientations.print_orientations
-    monkeypatch.setattr(orientations, "print_orientations", lambda design: original(design) | {"mold_palmar": upright})
+    monkeypatch.setattr(verify, "print_orientations", lambda design: original(design) | {"mold_palmar": upright})
     assert failed_checks("printer.bed_x_mm=40") == {"mold_dorsal.build_volume_excess"}
 
 

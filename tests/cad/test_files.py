@@ -92,7 +92,7 @@ def test_step_holds_one_valid_named_solid_with_the_volume_of_the_mesh(built: Bui
         solids = cq.importers.importStep(str(path)).solids().vals()
         assert len(solids) == 1
         assert solids[0].isValid()
-        exact = brep.volume(solids[0])
+        exact = brep.volume(solids[0].wrapped)
         mesh = load(built, name, "stl")
         assert abs(exact - mesh.volume) <= built.tolerance_mm * mesh.area
         assert f"PRODUCT('{name}','{name}'" in path.read_text()

@@ -250,7 +250,7 @@ def test_files_that_are_no_weighings(content: bytes | None, message: str, tmp_pa
 
 
 def test_a_scale_is_for_counts_only() -> None:
-    with pytest.raises(TraceError, match="--scale: does not apply to voltage_v; leave it out"):
+    with pytest.raises(TraceError, match="scale: does not apply to voltage_v; leave it out"):
         calibrate_sensor(DESIGN, parse_weighings(weighings_csv(), "w.csv"), 0.1)
     counts = parse_weighings(weighings_csv().replace("voltage_v", "counts"), "w.csv")
     for scale in (0.0, math.nan, math.inf):

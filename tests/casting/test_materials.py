@@ -138,7 +138,7 @@ def test_own_figures_are_ignored_for_a_product_of_the_catalogue() -> None:
 
 
 def test_unknown_silicone_is_refused_with_the_nearest_name() -> None:
-    with pytest.raises(DesignError, match=r"--material: there is no 'sylgard'; did you mean sylgard_184\?"):
+    with pytest.raises(DesignError, match=r"material: there is no 'sylgard'; did you mean sylgard_184\?"):
         Design().with_silicone("sylgard")
     with pytest.raises(DesignError, match=r"'dragonskin_30' is not known; .* Did you mean dragon_skin_30\?") as caught:
         Design.load(changes=["silicone.product=dragonskin_30"])

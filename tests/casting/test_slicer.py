@@ -58,18 +58,18 @@ def test_estimates_of_a_sliced_plate_are_returned(tmp_path: Path) -> None:
     ],
 )
 def test_last_words_of_a_program_without_gcode_are_quoted(tmp_path: Path, script: str, line: str) -> None:
-    with pytest.raises(GeometryError, match=rf"^mine: PrusaSlicer could not slice it \({line}\); remove --slicer\.$"):
+    with pytest.raises(GeometryError, match=rf"^mine: PrusaSlicer could not slice it \({line}\); remove slicer\.$"):
         slice_plate(write_program(tmp_path, script), "mine", b"", Design())
 
 
 def test_program_that_takes_long_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert slicer.TIME_LIMIT_S == 300.0
     monkeypatch.setattr(slicer, "TIME_LIMIT_S", 0.05)
-    with pytest.raises(GeometryError, match=r"^mine: PrusaSlicer did not finish within 0\.05 s; remove --slicer\.$"):
+    with pytest.raises(GeometryError, match=r"^mine: PrusaSlicer did not finish within 0\.05 s; remove slicer\.$"):
         slice_plate(write_program(tmp_path, "exec sleep 20"), "mine", b"", Design())
 
 
 @pytest.mark.parametrize("line", ESTIMATES.splitlines())
 def test_gcode_with_one_of_the_two_estimates_is_refused(line: str) -> None:
-    with pytest.raises(GeometryError, match=r"^mine: .* states no print time or no filament volume; remove --slicer"):
+    with pytest.raises(GeometryError, match=r"^mine: .* states no print time or no filament volume; remove slicer"):
         parse_gcode("mine", f"G1 X0\n{line}\n")

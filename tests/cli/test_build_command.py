@@ -38,17 +38,18 @@ def test_failed_check_exits_1(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     assert json.loads((tmp_path / "report.json").read_text())["passed"] is False
 
 
-def without_cadquery(tmp_path: Path) -> str:
+def fake_module(tmp_path: Path, name: str, text: str) -> str:
     fake = tmp_path / "fake"
     fake.mkdir()
-    (fake / "cadquery.py").write_text("raise ImportError('libGL.so.1: cannot open shared object file')\n")
-    return str(fake)
+    (fake / f"{name}.py").write_text(text)
+    return str(fake) + os.pathsep + os.environ.get("PYTHONPATH", "")
 
 
 @pytest.mark.full
 def test_without_libgl_the_step_error_names_the_packages_to_install(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    done = run_fingertip("build", FSR400, "--out", out, PYTHONPATH=without_cadquery(tmp_path))
+    fake = fake_module(tmp_path, "OCP", "raise ImportError('libGL.so.1: cannot open shared object file')\n")
+    done = run_fingertip("build", FSR400, "--out", out, PYTHONPATH=fake)
     assert done.returncode == 2
     errors = [line for line in done.stderr.splitlines() if line.startswith("error")]
     assert len(errors) == 1
@@ -59,17 +60,24 @@ def test_without_libgl_the_step_error_names_the_packages_to_install(tmp_path: Pa
 
 
 @pytest.mark.full
+def test_step_and_drawings_need_no_cadquery(tmp_path: Path) -> None:
+    fake = fake_module(tmp_path, "cadquery", "raise SystemExit('cadquery was loaded')\n")
+    for command in ("build", "drawing"):
+        done = run_fingertip(command, FSR400, "--out", tmp_path / command, PYTHONPATH=fake)
+        assert done.returncode == 0, done.stderr
+    assert (tmp_path / "build/assembly.step").exists()
+
+
+@pytest.mark.full
 def test_hanging_step_process_is_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from fingertip.cad.files.step_process import StepProcess
     from fingertip.foundation.errors import GeometryError
     from fingertip.tasks import build as module
 
-    fake = tmp_path / "fake"
-    fake.mkdir()
-    (fake / "cadquery.py").write_text("import time\ntime.sleep(600)\n")
-    monkeypatch.setenv("PYTHONPATH", str(fake) + os.pathsep + os.environ.get("PYTHONPATH", ""))
+    fake = fake_module(tmp_path, "OCP", "import time\ntime.sleep(600)\n")
+    monkeypatch.setenv("PYTHONPATH", fake)
     monkeypatch.setattr(StepProcess.result, "__defaults__", (3.0,))
-    with pytest.raises(GeometryError, match="still loading cadquery after 3 s"):
+    with pytest.raises(GeometryError, match="still loading Open CASCADE after 3 s"):
         module.build(Design(), tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
@@ -117,7 +125,7 @@ def test_string_instead_of_a_list_is_rejected() -> None:
     from fingertip.foundation.errors import DesignError
 
     with pytest.raises(
-        DesignError, match=r"--formats: 'stl,3mf' is a single text; give a list, such as \['stl', '3mf'\]"
+        DesignError, match=r"formats: 'stl,3mf' is a single text; give a list, such as \['stl', '3mf'\]"
     ):
         build(Design(), formats="stl,3mf")
     with pytest.raises(DesignError, match=r"changes: 'skin.width_mm=18' is a single text; give a list"):

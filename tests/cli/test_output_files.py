@@ -142,7 +142,7 @@ def test_each_fault_of_a_file_is_named(
     inputs = (None, Path("nothing.toml"), Path("mine.toml"))
     issues = [*find_file_issues("--out", Path(name), ".toml", ".TXT", inputs=inputs, kept="pay")]
     assert len(issues) == (said is not None)
-    assert not said or said in str(issues[0])
+    assert not said or said in issues[0].typed
     assert sorted(tmp_path.iterdir()) == before
 
 

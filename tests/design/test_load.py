@@ -50,7 +50,7 @@ def test_every_parameter_has_a_description_and_its_unit_in_its_name() -> None:
     suffix = {
         "mm": "_mm", "degree": "_deg", "Hz": "_hz", "uF": "_uf", "ohm": "_ohm", "V": "_v",
         "samples": "_samples", "bit": "_bits", "%": "_percent", "N": "_n", "Pa s": "_pa_s",
-        "g/cm3": "_g_cm3", "min": "_min", "h": "_h", "MPa": "_mpa", "uS": "_us",
+        "g/cm3": "_g_cm3", "m": "_m", "min": "_min", "h": "_h", "MPa": "_mpa", "uS": "_us",
     }  # fmt: skip
     for parameter in list_parameters():
         assert parameter.description, parameter.path

@@ -162,8 +162,8 @@ HAND_BOARDS = {"TEENSYDUINO": "teensy40", "STM32F4xx": "black_pill_f411"}
 """Macro of a family of boards -> a controller of it that carries five fingers."""
 
 
-def make_hand_sketch(folder: Path, macro: str, fingers: Fingers) -> Path:
-    """Compile the example of a hand for the stand-in of a family of boards; its addresses fit the DMA's registers."""
+def make_hand_sketch(folder: Path, macro: str, fingers: Fingers, example: str = "slip_hand") -> Path:
+    """Compile an example of a hand for the stand-in of a family of boards; its addresses fit the DMA's registers."""
     require_tool("g++", INSTALL)
     write_firmware(Design(), folder, fingers=fingers)
     objects = []
@@ -171,10 +171,11 @@ def make_hand_sketch(folder: Path, macro: str, fingers: Fingers) -> Path:
         objects.append(str(folder / f"{source}.o"))
         flags = ["-c", "-O2", "-std=gnu11", "-fno-pie", str(folder / f"src/{source}.c"), "-o", objects[-1]]
         subprocess.run(["gcc", *flags], check=True)
-    boards = ["-DARDUINO_ARCH_STM32"] if macro.startswith("STM32") else []
-    program = folder / "slip_hand.run"
+    boards = [f"-DSLIP_FINGERS={fingers.count}"]
+    boards += ["-DARDUINO_ARCH_STM32"] if macro.startswith("STM32") else []
+    program = folder / f"{example}.run"
     options = [*boards, "-O2", "-no-pie", *objects, str(ARDUINO / "board.cpp"), "-lm", "-o", str(program)]
-    compile_sketch(folder, "slip_hand", macro, *options)
+    compile_sketch(folder, example, macro, *options)
     return program
 
 
@@ -232,7 +233,19 @@ def test_a_scan_that_the_converter_did_not_finish_is_lost_and_the_next_one_is_no
 @pytest.mark.parametrize("macro", BOARDS)
 def test_the_example_of_a_hand_compiles_for_each_family_of_boards(macro: str, tmp_path: Path) -> None:
     write_firmware(Design(), tmp_path, fingers=plan_fingers(Design(), "3", "teensy40"))
-    compile_sketch(tmp_path, "slip_hand", macro, "-fsyntax-only")
+    for example in ("slip_hand", "slip_stream"):
+        compile_sketch(tmp_path, example, macro, "-fsyntax-only")
+
+
+def test_the_stream_of_a_hand_is_that_of_the_finger_whose_number_was_sent(tmp_path: Path) -> None:
+    program = make_hand_sketch(tmp_path, "TEENSYDUINO", plan_fingers(Design(), "3", "teensy40"), "slip_stream")
+    given = "100 200 300 400 500 600\n" * 400
+    done = subprocess.run(
+        [str(program)], input=given, capture_output=True, text=True, check=True, env={"KEYS": "3x9"}
+    )  # fmt: skip
+    volts = [float(line.split(",")[1]) for line in done.stdout.splitlines() if line[0].isdigit()]
+    step_v = Design().detector.adc_step_v
+    assert volts == pytest.approx([100 * step_v] * 100 + [500 * step_v] * 300, abs=1e-6)
 
 
 LINE_PROGRAM = """

@@ -279,14 +279,25 @@ def test_the_grip_law_has_the_bits_of_python_in_every_manipulation(repeats: int,
     assert suppressed
 
 
-def make_grip_library(folder: Path, fingers: int) -> HostHand:
+def make_grip_library(folder: Path, fingers: int, designs: tuple[Design, ...] = ()) -> HostHand:
     folder.mkdir()
-    write_sources(DESIGN, folder, replace(FIVE, names=NAMES[:fingers], inputs=FIVE.inputs[:fingers]))
+    hand = replace(FIVE, names=NAMES[:fingers], inputs=FIVE.inputs[:fingers], designs=designs)
+    write_sources(DESIGN, folder, hand)
     return HostHand(compile_host(folder, "double"), "double", fingers)
 
 
+def load_calibrated(name: str, conductance_us: float) -> Design:
+    return Design.load(name, changes={"force_curve.curve": "calibrated", "force_curve.conductance_us": conductance_us})
+
+
 def test_the_grip_law_is_that_of_python_for_any_input_and_time(tmp_path: Path) -> None:
-    """Periods from 0.1 ms to beyond the watchdog, across an overflow of the counter of microseconds."""
+    """Periods from 0.1 ms to beyond the watchdog, across an overflow of the counter of microseconds.
+
+    Sensors and pads of the fingers differ; two have the same.
+    """
+    weak, strong = load_calibrated("fsr400", 50.0), load_calibrated("adult_thumb", 900.0)
+    designs = (Design.load("adult_thumb"), DESIGN, weak, DESIGN, strong)
+    curves = [ForceCurve.from_design(design) for design in designs]
     random, count = np.random.default_rng(6), 4000
     now = np.cumsum(np.round(10.0 ** random.uniform(2, 5.6, count)).astype(np.int64)) + 2**32 - 10_000_000
     on, usable = random.integers(0, 32, (2, count), dtype=np.uint8)
@@ -294,13 +305,13 @@ def test_the_grip_law_is_that_of_python_for_any_input_and_time(tmp_path: Path) -
     usable[:3500] |= 15
     inputs = np.stack((random.uniform(-0.1, 3.4, (count, 5)), np.cumsum(random.normal(0, 2e-5, (count, 5)), 0)), axis=2)
     inputs[500:3000, :, 0] = 0.4 + 1e-4 * inputs[500:3000, :, 0]
-    law = GripLaw(GripSettings(), ForceCurve.from_design(DESIGN), 5)
+    law = GripLaw(GripSettings(), curves)
     expected, decisions = [], []
     for at, is_on, trusted, rows in zip(now.tolist(), on.tolist(), usable.tolist(), inputs, strict=True):
         flags = [bool(trusted >> i & 1) for i in range(5)]
         decisions.append(law.step(at, bool(is_on & trusted), rows[:, 0].tolist(), rows[:, 1].tolist(), flags))
         expected.append(law.added_m)
-    library = make_grip_library(tmp_path / "five", 5)
+    library = make_grip_library(tmp_path / "five", 5, designs)
     added, suppressed, tightened = library.grip(now.astype(np.uint32), on, usable, inputs)
     assert np.array_equal(added, np.stack(expected))
     assert list(zip(suppressed.tolist(), tightened.tolist(), strict=True)) == decisions

@@ -22,12 +22,14 @@ from fingertip.lab.campaign import run
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, TUNING_SEEDS, CampaignPlan, Case, generate_cases
 from fingertip.lab.campaign.run import (
     LOW_SCALES,
+    SCALES,
     CampaignResult,
     DetectorResult,
     TrialResult,
     evaluate,
     quantile_s,
     run_campaign,
+    score_trial,
     speed_m_s,
     surface,
 )
@@ -123,6 +125,19 @@ def test_scaled_threshold_equals_a_detector_made_with_that_scale(detector, scale
     (found,) = evaluate(SLIP, trace, 1.0, detector, ARTICLE, [scale])
     on = make_detector(detector, ARTICLE, threshold_scale=scale).process(trace.voltage_v).on
     assert found.delays_s == (intervals(trace.time_s, on)[0].onset_s - 1.5,)
+
+
+@pytest.mark.parametrize("detector", ["fast", "incipient", "digital", "fft"])
+def test_thresholds_without_a_run_of_their_own_have_its_results(detector):
+    from fingertip.slip import make_detector
+
+    trace, runs = trace_with([(1.5, 2.0)], [(1.0, 1.02)]), {}
+    evaluate(SLIP, trace, 1.0, "fast", ARTICLE, SCALES, runs)
+    found = evaluate(SLIP, trace, 1.0, detector, ARTICLE, SCALES, runs)
+    for scale, result in zip(SCALES, found, strict=True):
+        alone = make_detector(detector, ARTICLE, threshold_scale=scale)
+        assert result == score_trial(SLIP, trace, 1.0, alone.process(trace.voltage_v).on, alone.memory_s)
+    assert 1 < len(runs) < len(SCALES)
 
 
 @pytest.mark.parametrize(
@@ -362,7 +377,7 @@ def test_every_case_is_simulated_once_and_evaluated_at_every_threshold(monkeypat
         return SimpleNamespace(seed=case.seed), 2.0 * case.seed
 
     def evaluate(
-        case: Case, trace: Any, force_n: float, name: str, _: Design, scales: Sequence[float]
+        case: Case, trace: Any, force_n: float, name: str, _: Design, scales: Sequence[float], _runs: Any
     ) -> list[TrialResult]:
         assert (trace.seed, force_n) == (case.seed, 2.0 * case.seed)
         return [trial([scale], case=case, alarms=[name]) for scale in scales]

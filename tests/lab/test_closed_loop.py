@@ -57,7 +57,7 @@ def test_detection_increases_the_force_of_every_finger_by_the_ratio(detector):
     max_delay_s = {"digital": 0.03, "fft": 0.05, "fast": 0.02, "analog": 0.03}[detector]
     assert 0.5 < grip.decisions[first].time_s <= 0.5 + max_delay_s
     assert not any(command.any() for command in commands[:first])
-    pad = grip.law.curve.pad
+    pad = grip.law.curves[0].pad
     further = pad.depth_m(settings.force_ratio) - pad.depth_m(1.0)
     assert commands[first] == pytest.approx([further, further], rel=0.1)
 
@@ -86,14 +86,14 @@ def test_increases_keep_the_refractory_time_and_the_force_limit():
     assert len(grips) > 2
     assert min(np.diff(grips)) >= settings.refractory_s - 1e-9
     # each increase adds at most the closing from this force to the limit
-    pad = grip.law.curve.pad
+    pad = grip.law.curves[0].pad
     assert commands[-1][0] <= len(grips) * (pad.depth_m(2.0) - pad.depth_m(0.95))
 
 
 def test_the_measured_force_ends_the_closing_of_a_hand_ten_times_as_stiff_as_assumed():
     """Commands are no faster than the motor, which is a period late: the force exceeds its limit by 0.9 N at most."""
     settings, curve = GripSettings(max_command_m_s=0.1), ForceCurve.from_design(DESIGN)
-    law = GripLaw(settings, curve, 1)
+    law = GripLaw(settings, [curve])
     closing_m, forces_n = 0.0, []
     for period in range(400):
         forces_n.append(1.0 + 900 * closing_m)

@@ -85,14 +85,14 @@ def test_each_fault_of_a_folder_is_named(labels: str, settings: str, said: str, 
 def test_options_are_refused_together() -> None:
     with pytest.raises(FingertipError) as refused:
         read_options(None, "mine", "fast,slow", Path("nothing.py"), 2.0)
-    with pytest.raises(FingertipError, match="--share: draws from the project's own signals"):
+    with pytest.raises(FingertipError, match="share: draws from the project's own signals"):
         read_options(Path(), None, None, None, 0.5)
     text = str(refused.value)
-    assert "--detectors: 'slow' is not known; choose among fast, incipient" in text
-    assert "--layout: 'mine' is not known; choose among natural_texture (a fingertip on a stage" in text
-    assert "--layout: describes a folder" in text
-    assert "--own: nothing.py is not a Python file; give one with find_statistic and THRESHOLD." in text
-    assert "--share: 2 is out of bounds; choose 0.05 to 1." in text
+    assert "detectors: 'slow' is not known; choose among fast, incipient" in text
+    assert "layout: 'mine' is not known; choose among natural_texture (a fingertip on a stage" in text
+    assert "layout: describes a folder" in text
+    assert "own: nothing.py is not a Python file; give one with find_statistic and THRESHOLD." in text
+    assert "share: 2 is out of bounds; choose 0.05 to 1." in text
 
 
 def make_stage(folder: Path) -> None:

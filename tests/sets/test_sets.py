@@ -5,9 +5,10 @@ from __future__ import annotations
 import csv
 import io
 import json
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
+from types import MappingProxyType, SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fingertip.board.circuits.channels import list_sockets, list_tactile_pins
 from fingertip.cad.files import threemf
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import build_volume_excess, print_orientations
@@ -26,14 +26,16 @@ from fingertip.casting.quantities import compute_batch, measure_volumes
 from fingertip.casting.set_plan import CHANGE_S, PATCH_CM3, Mold, plan_castings
 from fingertip.catalogues.controllers import NAMES
 from fingertip.design import Design
+from fingertip.design.files import to_toml
 from fingertip.design.finger_set import FingerSet, Form, load_set
 from fingertip.documents.acceptance import acceptance_data
 from fingertip.documents.casting.sheet import casting_sheet_data
-from fingertip.documents.finger_set.sheets import FormSheets, SharedBoard, render_sheet, set_data, write_parts_csv
+from fingertip.documents.finger_set.sheets import FormSheets, render_sheet, set_data, write_parts_csv
 from fingertip.documents.start import render_set_start
+from fingertip.firmware.fingers import plan_set
+from fingertip.firmware.sources import GRIP_SOURCE, library_sources
 from fingertip.foundation.errors import DesignError, FingertipError
 from fingertip.foundation.output_set import SetWriter
-from fingertip.tasks.make_set import _find_board
 from fingertip.tasks.verification import verify_sets
 from tests.approved import check_text
 from tests.conftest import ROOT, design_file, run_fingertip
@@ -90,6 +92,55 @@ def test_forms_of_one_long_name_have_folders_of_their_own(folder: Path) -> None:
         text += f'[fingers.{finger}]\ndesign = "adult_finger"\nname = "{"n" * 40}"\nskin.taper_ratio = {ratio}\n'
     names = [form.design.name for form in load_set(write_set(folder, text)).forms]
     assert names == [f"{'n' * 33}_{finger}" for finger in ("index", "middle", "little")]
+
+
+def test_fingers_that_differ_in_their_sensors_share_a_mold_and_keep_their_force_curves(folder: Path) -> None:
+    """A calibrated finger is a file of its own, as `fingertip calibrate sensor --out` writes it."""
+    curve = FINGER.force_curve.model_copy(update={"curve": "calibrated", "conductance_us": 60.0})
+    (folder / "weighed.toml").write_text(to_toml(FINGER.model_copy(update={"force_curve": curve})))
+    text = 'name = "mine"\n[fingers.thumb]\ndesign = "adult_thumb"\n[fingers.index]\ndesign = "weighed.toml"\n'
+    alike = load_set(write_set(folder, text))
+    assert (alike.forms[1].design.force_curve, alike.calibrated) == (curve, {})
+    found = load_set(write_set(folder, text + '[fingers.ring]\ndesign = "adult_finger"\n'))
+    assert [(form.design.name, form.fingers) for form in found.forms[1:]] == [("adult_finger", ("index", "ring"))]
+    assert found.forms[1].design == FINGER
+    assert {finger: design.force_curve for finger, design in found.calibrated.items()} == {"index": curve}
+    board, fingers = plan_set(found, "teensy40")
+    assert (board.board.channels, fingers.names) == (4, ("thumb", "index", "ring"))  # the ring has the fourth place
+    assert fingers.designs == (THUMB, found.calibrated["index"], FINGER)
+    source = library_sources(board, fingers)[GRIP_SOURCE].decode()
+    assert "slip_curve_of[SLIP_FINGERS] = {0, 1, 2}" in source
+    sheets = [make_sheets(THUMB, ("thumb",)), make_sheets(FINGER, ("index", "ring"))]
+    own = make_sheets(found.calibrated["index"], ("index",)).acceptance
+    rows = collect_data("mine", [sheets[0], replace(sheets[1], calibrated={"index": own})], True, found.calibrated)
+    lines = [line for line in render_sheet("acceptance", rows).splitlines() if line.startswith(("| index", "| ring"))]
+    limits = [[f"{weight['limits_v'][0]:.2f}" for weight in each["weights"]] for each in (own, sheets[1].acceptance)]
+    for line, low in zip(lines, limits, strict=True):
+        assert all(f"| {volts} to" in line for volts in low)
+    assert limits[0] != limits[1]
+
+
+def test_one_controller_reads_fingers_of_one_board_alone(folder: Path) -> None:
+    text = 'name = "mine"\n[fingers.index]\ndesign = "adult_finger"\n[fingers.ring]\ndesign = "adult_finger"\n'
+    mixed = load_set(write_set(folder, f"{text}board.cutoff_hz = 80\ndetector.adc_bits = 10\n"))
+    with pytest.raises(FingertipError) as caught:
+        plan_set(mixed)
+    assert [issue.field for issue in caught.value.issues] == ["board", "detector"]
+    run = run_fingertip("firmware", "mine.toml", "--fingers", "3")
+    assert run.returncode == 2
+    assert "--fingers: does not apply to a set" in run.stderr
+    write_set(folder, text)
+    assert run_fingertip("firmware", "mine.toml", "--out", "library", "--controller", "teensy40").returncode == 0
+    assert (
+        run_fingertip("firmware", "mine.toml", "--out", "library", "--controller", "teensy40", "--check").returncode
+        == 0
+    )
+    assert '"index", "ring"' in (folder / "library/src/slip_detector.h").read_text()
+    readme = (folder / "library/README.md").read_text()
+    for row in ("| ring | A2 | A3 |", "| 4 | T2 | analog in: T of index | analog input A0: the detector reads it |",
+                "| 10 | T4 | analog in: T of ring | analog input A2: the detector reads it |",
+                "| 1 | T1 | analog in: T of thumb | not needed |"):  # fmt: skip
+        assert row in readme
 
 
 def test_everything_that_is_wrong_is_said_at_once(folder: Path) -> None:
@@ -214,13 +265,12 @@ def make_sheets(design: Design, fingers: tuple[str, ...], delay_s: float | None 
     )
 
 
-BOARD = SharedBoard("board", "board_design.toml", list_sockets(), list_tactile_pins())
-
-
-def collect_data(name: str, sheets: list[FormSheets], board: SharedBoard | None) -> dict[str, Any]:
-    fingers = FingerSet(name, "right", tuple(each.form for each in sheets))
+def collect_data(
+    name: str, sheets: list[FormSheets], has_board: bool, calibrated: Mapping[str, Design] = MappingProxyType({})
+) -> dict[str, Any]:
+    fingers = FingerSet(name, "right", tuple(each.form for each in sheets), calibrated)
     plan = plan_castings([Mold.of_sheet(each.form.design, each.form.fingers, each.casting) for each in sheets])
-    return set_data(fingers, sheets, plan, {"plate_sla.3mf": ("bone thumb",)}, board)
+    return set_data(fingers, sheets, plan, {"plate_sla.3mf": ("bone thumb",)}, has_board)
 
 
 @pytest.fixture(scope="module")
@@ -230,7 +280,7 @@ def sheets() -> list[FormSheets]:
 
 @pytest.fixture(scope="module")
 def data(sheets: list[FormSheets]) -> dict[str, Any]:
-    return collect_data("hand", sheets, BOARD)
+    return collect_data("hand", sheets, has_board=True)
 
 
 def test_the_sheets_of_a_set_are_the_approved_ones(data: dict[str, Any]) -> None:
@@ -239,8 +289,8 @@ def test_the_sheets_of_a_set_are_the_approved_ones(data: dict[str, Any]) -> None
     poured = Design.load(design_file(file), changes=[*changes.split(), "silicone.product=mold_star_30"])
     other = FINGER.with_silicone("dragon_skin_30").model_copy(update={"name": "soft"})
     pair = [make_sheets(FINGER, ("index",), None), make_sheets(other, ("ring",), None)]
-    every = {"hand": data, "poured": collect_data("poured", [make_sheets(poured, ("index",))], None),
-             "pair": collect_data("pair", pair, None)}  # fmt: skip
+    every = {"hand": data, "poured": collect_data("poured", [make_sheets(poured, ("index",))], has_board=False),
+             "pair": collect_data("pair", pair, has_board=False)}  # fmt: skip
     for name, found in every.items():
         assert json.loads(json.dumps(found)) == found
         pages = {"overview": "overview", "plan": "casting_plan", "parts": "parts_list", "acceptance": "acceptance"}
@@ -342,7 +392,7 @@ def test_boards_that_differ_or_cannot_be_shared_stay_apart() -> None:
         if other:
             designs[1] = Design.load("adult_finger", changes=[*changes, *(f"{k}={v}" for k, v in other.items())])
         forms = (Form(designs[0], NAMES[:1]), Form(designs[1], NAMES[1:3]))
-        return _find_board(FingerSet("hand", "right", forms))
+        return FingerSet("hand", "right", forms).board_design
 
     found = board_of()
     assert found is not None
@@ -423,7 +473,7 @@ def test_a_set_is_made_whole_and_again_with_the_same_bytes(folder: Path) -> None
     assert all(parts[0].startswith("mold") == ("molds" in file) for file, parts in result["plates"].items())
     board = run_fingertip("board", out / "board_design.toml", "--check", "--out", out / "board")
     assert board.returncode == 0, board.stdout + board.stderr
-    assert "| ring, pin 4 |" in (out / "acceptance.md").read_text()
+    assert "| ring, pin 10 |" in (out / "acceptance.md").read_text()
     assert run_fingertip("check", "out/pair").returncode == 0
     before = {path: path.read_bytes() for path in out.rglob("*") if path.is_file()}
     assert run_fingertip("make", "mine.toml", "--formats", "stl,3mf", "--quiet").returncode == 0

@@ -17,7 +17,7 @@ from fingertip.sim import ManipulationFile, article_manipulations, compiled, run
 from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S
 from fingertip.sim.runs import grasp_loop
 from fingertip.sim.runs.files import Hand
-from fingertip.sim.runs.motion import Motors, plan_motion
+from fingertip.sim.runs.motion import Motors, delay_commands, plan_motion
 from fingertip.sim.runs.stepper import HandSignals, ManipulationStepper
 from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.sim.signal.grid import BASE_HZ, Grid
@@ -235,6 +235,31 @@ def test_chunk_sizes_change_no_bit():
         assert np.array_equal(first.find(name), second.find(name)), name
 
 
+@pytest.mark.parametrize("delay_s", [0.0, 0.015, 0.0333])
+def test_commands_of_a_controller_give_what_the_same_commands_give_in_advance(delay_s):
+    """Whatever part of the future is computed before a command is known."""
+
+    class ReactingController:
+        def __init__(self):
+            self.commands = []
+
+        def step(self, observation):
+            self.commands.append(observation.planned_m + 0.1 * abs(observation.voltage_v[:, -1] - 2.5) * 1e-3)
+            assert observation.closing_m.shape == (2,)
+            return self.commands[-1]
+
+    scene, controller = make_scene(grasp={"kind": "pinch"}, hand={"delay_s": delay_s}), ReactingController()
+    result = run_manipulation(DESIGN, scene, controller, 1)
+    period, delay = scene.hand.count_points(BASE_HZ)
+    count = Grid().count_points(result.plan.duration_s, DESIGN.detector.sample_rate_hz) - 1
+    stepper = ManipulationStepper(DESIGN, scene, result.plan, PAD, 1, frozenset(scene.outputs) | {"voltage_v"}, Grid())
+    stepper.advance(delay_commands(np.array(controller.commands).T, 0, count, period, delay))
+    signals = HandSignals.join(stepper.chunks)
+    assert len(controller.commands) == math.ceil(count / period)
+    assert np.array_equal(result.signals.closing_m, signals.closing_m)
+    assert np.array_equal(result.signals.find("voltage_v"), signals.find("voltage_v"))
+
+
 @pytest.mark.full
 def test_command_takes_effect_after_the_delay():
     class StepController:
@@ -287,9 +312,8 @@ def test_controller_receives_samples_and_encoders_only():
 
     class RecordingController:
         def step(self, observation):
-            observations.append(
-                replace(observation, voltage_v=observation.voltage_v.copy(), envelope_v=observation.envelope_v.copy())
-            )
+            names = ("voltage_v", "envelope_v", "closing_m")
+            observations.append(replace(observation, **{name: getattr(observation, name).copy() for name in names}))
             command = observation.planned_m.copy()
             for array in (observation.voltage_v, observation.closing_m, observation.planned_m, observation.envelope_v):
                 array[...] = 99.0  # must not change the simulation
@@ -301,6 +325,8 @@ def test_controller_receives_samples_and_encoders_only():
     assert np.array_equal(voltage, result.output("voltage_v")[:, : voltage.shape[1]])
     assert {observation.voltage_v.shape for observation in observations[1:]} == {(2, 20)}
     assert [observation.time_s for observation in observations[:3]] == [0.0, 0.01, 0.02]
+    closing_m = np.stack([observation.closing_m for observation in observations], axis=1)
+    assert np.array_equal(closing_m, result.signals.closing_m[:, ::20][:, : closing_m.shape[1]])
     assert set(vars(observations[0])) == {"time_s", "voltage_v", "closing_m", "planned_m", "envelope_v", "filtered_v"}
     envelope_v = np.concatenate([observation.envelope_v for observation in observations], axis=1)
     assert np.array_equal(envelope_v, result.output("sampled_envelope_v")[:, : voltage.shape[1]])

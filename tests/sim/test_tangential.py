@@ -45,6 +45,22 @@ def test_breakaway_force_is_mu_s_times_load():
     assert spring.max() == pytest.approx(FRICTION.mu_s * FORCE_N, rel=0.03)
 
 
+@pytest.mark.parametrize("whole", [True, False])
+def test_pad_that_nothing_has_moved_rests_without_steps_of_its_own(whole):
+    """With the load changing meanwhile; the next steps have the bits of a pad that begins then."""
+    rest, time = 500, np.arange(3000) * 1e-4
+    load = FORCE_N * (1 + 0.5 * np.sin(20 * time))
+    carriage_m = 0.01 + np.concatenate((np.zeros(rest), 0.04 * time[: len(time) - rest]))
+    speed_m_s = np.where(np.arange(len(time)) > rest, 0.04, 0.0)
+    pad, cuts = DraggedPad(FRICTION, MOUNT, 1e-4), [0, 3000] if whole else [0, 100, 500, 501, 3000]
+    parts = [pad.process(carriage_m[a:b], speed_m_s[a:b], load[a:b]) for a, b in pairwise(cuts)]
+    late = DraggedPad(FRICTION, MOUNT, 1e-4).process(carriage_m[rest:], speed_m_s[rest:], load[rest:])
+    for name in ("position_m", "velocity_m_s", "bristle_m"):
+        found = np.concatenate([getattr(part, name) for part in parts])
+        assert found[rest:].tobytes() == getattr(late, name).tobytes()
+        assert found[:rest].tobytes() == np.full(rest, 0.01 if name == "position_m" else 0.0).tobytes()
+
+
 @pytest.mark.parametrize("speed", [0.02, 0.04, 0.08])
 def test_steady_sliding_matches_closed_form(speed):
     motion = pull(speed, 1.0)

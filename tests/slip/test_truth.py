@@ -92,7 +92,7 @@ def test_a_trace_in_memory_is_validated() -> None:
     with pytest.raises(TraceError, match="at sample 7 is not a finite number") as caught:
         detect(invalid, Design.load(changes={"detector.sample_rate_hz": 2000}))
     assert [issue.field for issue in caught.value.issues] == ["trace, voltage_v", "trace, time_s"]
-    assert "--rate-hz 1000" in str(caught.value)
+    assert "rate_hz=1000" in str(caught.value)
 
 
 @pytest.mark.full

@@ -62,5 +62,5 @@ def ask(server: StudioServer, method: str, path: str, body: bytes | None = None,
     return reply
 
 
-def post(server: StudioServer, name: str, tables: object, client: str = "test") -> Reply:
-    return ask(server, "POST", f"/api/{name}", json.dumps({"client": client, "tables": tables}).encode())
+def post(server: StudioServer, name: str, tables: object, **more: str) -> Reply:
+    return ask(server, "POST", f"/api/{name}", json.dumps({"client": "test", "tables": tables, **more}).encode())

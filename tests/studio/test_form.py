@@ -8,14 +8,20 @@ import pytest
 
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
-from fingertip.studio.answers import make_pointer
-from fingertip.studio.page import Field, make_form
+from fingertip.studio.page import MAIN, Field, make_form
 
 FIELDS = {field.parameter.path: field for fields in make_form().values() for field in fields}
 
 
-def test_fields_stand_in_the_order_of_the_file_with_sliders_between_the_declared_bounds() -> None:
-    assert list(FIELDS) == list(PARAMETERS)
+def test_ten_fields_come_first_and_the_others_in_the_order_of_the_file() -> None:
+    groups = make_form()
+    main, *others = ([field.parameter.path for field in fields] for fields in groups.values())
+    assert (next(iter(groups)), len(main)) == (MAIN, 10)
+    assert [path for paths in others for path in paths] == [path for path in PARAMETERS if path not in main]
+    assert set(main) <= set(PARAMETERS)
+
+
+def test_sliders_are_between_the_declared_bounds() -> None:
     assert [field.slider for field in FIELDS.values() if not slider_has_the_bounds(field)] == []
 
 
@@ -46,9 +52,3 @@ def test_sliders_have_some_hundred_steps_of_round_size() -> None:
         if not right:
             wrong.append((field.parameter.path, slider))
     assert wrong == []
-
-
-def test_pointers_are_those_of_rfc_6901() -> None:
-    assert make_pointer("skin.width_mm") == "/skin/width_mm"
-    assert make_pointer("") == ""
-    assert make_pointer("a/b.c~d") == "/a~1b/c~0d"

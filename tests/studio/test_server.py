@@ -72,6 +72,24 @@ def test_checks_are_those_of_the_design(server: StudioServer, tables: dict[str, 
     assert "1 of" in strip_elements(weak["verdict"])
 
 
+def test_rules_answer_with_the_nearest_value_that_passes(server: StudioServer, tables: dict[str, Any]) -> None:
+    def judge(path: str, **values: object) -> Any:
+        return post(server, "rules", change(tables, **values), field=path).content
+
+    assert judge("skin.width_mm", skin__width_mm=18) == {}
+    for value, passing in ((8, 16.5), (40, 19.1), ("x", 17)):
+        answer = judge("skin.width_mm", skin__width_mm=value)
+        (issue,) = answer["issues"]
+        assert (issue["field"], answer["passing"]) == ("skin.width_mm", passing)
+        assert issue["message"].endswith("With the other parameters as they are, 16.5 to 19.1 mm pass.")
+        assert judge("skin.width_mm", skin__width_mm=passing) == {}
+    # No value of the parameter in hand helps: the remedies say which other does.
+    others = judge("skin.length_mm", skin__width_mm=8)
+    assert "passing" not in others
+    assert any("skin.width_mm" in issue["field"] + issue["message"] for issue in others["issues"])
+    assert post(server, "bands", change(tables, skin__width_mm=8), field="skin.length_mm").content["bands"] == []
+
+
 @pytest.mark.full
 def test_the_picture_of_the_pad_holds_the_figures_of_the_command(server: StudioServer, tables: dict[str, Any]) -> None:
     drawn = post(server, "pad", change(tables, skin__crown_radius_mm=14)).content["pad"]
@@ -113,7 +131,7 @@ def test_a_wrong_value_is_refused_at_its_field(
     server: StudioServer, tables: dict[str, Any], path: str, value: object, said: str
 ) -> None:
     issues = post(server, "parts", change(tables, **{path: value})).content["issues"]
-    assert issues[0]["pointer"] == "/" + path.replace("__", "/")
+    assert issues[0]["field"] == path.replace("__", ".")
     assert said in issues[0]["message"]
 
 
@@ -131,7 +149,7 @@ def test_downloads_and_checks_are_those_of_a_build(
     }
     assert names == {
         "design": "mine.toml", "stl": "mine_stl.zip", "plate_fdm": "mine_plate_fdm.3mf",
-        "plate_sla": "mine_plate_sla.3mf",
+        "plate_sla": "mine_plate_sla.3mf", "picture": "mine.png",
     }  # fmt: skip
     assert replies["design"].data == (tmp_path / "design.toml").read_bytes()
     for kind in ("plate_fdm", "plate_sla"):

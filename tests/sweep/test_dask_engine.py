@@ -171,7 +171,7 @@ def test_loss_of_the_scheduler_is_reported_and_resume_completes_the_rows(
         if state.written:
             dask.kill(0)
 
-    is_lost = pytest.raises(SweepError, match=r"--cluster: is lost.*--resume")
+    is_lost = pytest.raises(SweepError, match=r"cluster: is lost.*resume")
     with SweepDatabase.create(tmp_path / "out", plan) as database, is_lost:
         run_sweep(plan, database, engine, kill_scheduler, worker_functions.succeed)
     assert capfd.readouterr() == ("", "")

@@ -268,7 +268,7 @@ def test_lost_cluster_ends_the_run_with_a_sentence(clock: Clock) -> None:
             future.set_running_or_notify_cancel()
             return future
 
-    with pytest.raises(SweepError, match="--cluster: is lost"):
+    with pytest.raises(SweepError, match="cluster: is lost"):
         compute(Lost(), Database())
 
 

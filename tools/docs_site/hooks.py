@@ -30,9 +30,20 @@ STYLE = """\
 .md-typeset table:not([class]) { display: table; font-size: .64rem; }
 .md-typeset table:not([class]) td, .md-typeset table:not([class]) th { padding: .4em .8em; min-width: 0; }
 .md-typeset table caption { text-align: left; font-weight: bold; padding: .4em .8em; }
-.md-typeset .language-text pre, .md-typeset .language-text code { white-space: pre-wrap; }
+.md-typeset pre > code { white-space: pre-wrap; overflow-wrap: anywhere; }
+.md-typeset a:not(.headerlink):not(:has(> img)), .md-copyright a { text-decoration: underline; }
+.md-copyright { color: var(--md-footer-fg-color--light); }
+.md-typeset .highlight :is(.c, .c1, .cm) { color: var(--md-code-fg-color); font-style: italic; }
+@media (max-width: 45em) {
+  .md-typeset__scrollwrap { overflow: visible; margin: 0; } .md-typeset__table { padding: 0; width: 100%; }
+  .md-typeset table:not([class]) { table-layout: fixed; width: 100%; overflow-wrap: anywhere; }
+  .md-typeset td code, .md-typeset th code { white-space: normal; }
+}
 """
-"""Style sheet of the site: names of parameters stay whole, and long lines of output wrap."""
+"""Style sheet of the site: long lines wrap, for nothing may scroll that no key reaches, and links are underlined."""
+
+_PICTURE = re.compile(r'(<img\b[^>]*\bsrc="([^":]+)"[^>]*>)')
+"""Picture from a file, which is shown no wider than the text: a link leads to it in its own size."""
 
 _GENERATED: dict[str, Callable[[], str]] = {
     "parameters": reference.list_all_parameters,
@@ -76,6 +87,7 @@ def on_post_template(output: str, template_name: str, config: Any) -> str:
 
 
 def _with_policy(page: str) -> str:
+    page = _PICTURE.sub(r'<a href="\2">\1</a>', page)
     return page.replace("<head>", f'<head><meta http-equiv="Content-Security-Policy" content="{POLICY}">', 1)
 
 

@@ -124,7 +124,7 @@ def load_modules() -> None:
     others = ["numba", "matplotlib.figure", "matplotlib.backends.backend_agg", "PIL.Image", "scipy.stats", "lxml.etree"]
     own = [module.name for module in pkgutil.walk_packages(fingertip.__path__, "fingertip.")]
     for name in [*own, *others]:
-        if not name.endswith(("__main__", "brep", "step_writer", "step_process", "hidden_lines")):
+        if not name.endswith(("__main__", "brep", "occ", "step_writer", "step_process", "hidden_lines")):
             with contextlib.suppress(ImportError):
                 importlib.import_module(name)
 

@@ -5,7 +5,10 @@ Use them in CQ-editor and Jupyter, or for analysis.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import contextlib
+import importlib
+from importlib import metadata
+from typing import TYPE_CHECKING, Any
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.shapes.frames import find_frames
@@ -14,7 +17,7 @@ from fingertip.design import Design
 from fingertip.design.geometry.solids import Solid
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation import extras
-from fingertip.foundation.errors import DesignError, Issue
+from fingertip.foundation.errors import DesignError, Issue, MissingLibraryError
 from fingertip.pad.form import PadForm
 
 if TYPE_CHECKING:
@@ -37,10 +40,10 @@ def part_solid(design: Design, name: str) -> cadquery.Solid:
         If cadquery, or a system library it needs, is missing.
     """
     solid = _find_solid(design, name)
-    extras.require("part_solid", "cadquery")
+    cadquery = _load_cadquery("part_solid")
     from fingertip.cad.kernel import brep  # noqa: PLC0415
 
-    return brep.BrepEvaluator().solid(solid)
+    return cadquery.Solid(brep.BrepEvaluator().solid(solid))
 
 
 def part_workplane(design: Design, name: str) -> cadquery.Workplane:
@@ -49,9 +52,7 @@ def part_workplane(design: Design, name: str) -> cadquery.Workplane:
     The tag "pad" is on the skin over the sensor, or on what shapes it; "pocket" on the floor that the sensor lies on;
     "post" on the proximal end of the bone; "parting" on the parting plane of a mold half. Raises as `part_solid`.
     """
-    solid = part_solid(design, name)
-    import cadquery  # noqa: PLC0415
-
+    solid, cadquery = part_solid(design, name), _load_cadquery("part_workplane")
     workplane, form, dims = cadquery.Workplane(solid), PadForm.of_design(design), design.dimensions
     over_sensor = cadquery.Vertex.makeVertex(0.0, -form.platform_mm - form.over_sensor_mm, form.sensor_z_mm)
     tagged = {"pad": [face for face in solid.Faces() if face.distance(over_sensor) < _NEAR_MM]}
@@ -76,9 +77,7 @@ def part_workplane(design: Design, name: str) -> cadquery.Workplane:
 
 def frames(design: Design) -> dict[str, cadquery.Location]:
     """Locate the interface to the hand, the tip and the sensor, whose z axis points out of the pad and y to the tip."""
-    extras.require("frames", "cadquery")
-    import cadquery  # noqa: PLC0415
-
+    cadquery = _load_cadquery("frames")
     across, outward = (1.0, 0.0, 0.0), {"sensor": (0.0, -1.0, 0.0)}
     return {
         name: cadquery.Location(cadquery.Plane(at, across, outward.get(name, (0.0, 0.0, 1.0))))
@@ -120,13 +119,32 @@ def assembly(design: Design) -> cadquery.Assembly:
     MissingLibraryError
         If cadquery, or a system library it needs, is missing.
     """
-    extras.require("assembly", "cadquery")
+    cadquery = _load_cadquery("assembly")
     from fingertip.cad.kernel import brep  # noqa: PLC0415
 
     evaluator, parts = brep.BrepEvaluator(), parts_by_name(design)
     placed = [(name, part.solid(design), part.colour) for name, part in parts.items()]
     placed += [(item.name, item.solid, item.colour) for item in hardware(design, list(parts))]
-    return brep.assemble(design.name, [(name, evaluator.solid(solid), colour) for name, solid, colour in placed])
+    whole = cadquery.Assembly(name=design.name)
+    for name, solid, colour in placed:
+        whole.add(cadquery.Solid(evaluator.solid(solid)), name=name, color=cadquery.Color(*colour))
+    return whole
+
+
+def _load_cadquery(field: str) -> Any:
+    """Import cadquery, whose build of OCP may have been replaced by that of the extra `step`, which lacks VTK."""
+    extras.require(field, "cadquery")
+    from fingertip.cad.kernel import brep  # noqa: F401, PLC0415 # names a missing system library
+
+    try:
+        return importlib.import_module("cadquery")
+    except ImportError as error:
+        message = f"cadquery cannot be loaded ({error})"
+        with contextlib.suppress(metadata.PackageNotFoundError):
+            remedy = f"--force-reinstall --no-deps cadquery-ocp=={metadata.version('cadquery-ocp')}"
+            replacing = f"cadquery-ocp-novtk {metadata.version('cadquery-ocp-novtk')}"
+            message += f": {replacing} has replaced its OCP; {extras.find_pip()} {remedy}"
+        raise MissingLibraryError(Issue(field, f"{message}.")) from error
 
 
 def _find_solid(design: Design, name: str) -> Solid:

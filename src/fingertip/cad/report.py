@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +15,7 @@ from fingertip.cad.printing.print_files import PrintFiles
 from fingertip.cad.shapes.parts import PARTS, Part, hardware
 from fingertip.cad.verification.check import Check, count_checks, list_warnings
 from fingertip.cad.verification.strength import BoneStrength, strength_data
-from fingertip.catalogues.output_files import ASSEMBLY, DESIGN, PRINT_FOLDER, REPORT, SHEET
+from fingertip.catalogues.output_files import ASSEMBLY, DESIGN, PRINT_FOLDER, REPORT, SCRIPT_SUFFIX, SHEET
 from fingertip.design import Design
 from fingertip.foundation.display import Picture, html_table, to_dataframe
 from fingertip.foundation.files import round_for_output
@@ -25,8 +26,16 @@ if TYPE_CHECKING:
     import pandas
 
 FORMATS = ("stl", "3mf", "step")
+ALL_FORMATS = (*FORMATS, "cq")
+"""Formats of a part's files; a CadQuery script is written where it is named only."""
 DESIGN_HEADING = "Design from which these files were built. `fingertip build` accepts this file."
-ALL_FILES = (*(f"{part}.{file_format}" for part in PARTS for file_format in FORMATS), ASSEMBLY, SHEET, REPORT, DESIGN)
+
+
+def part_file(part: str, file_format: str) -> str:
+    return f"{part}{SCRIPT_SUFFIX if file_format == 'cq' else f'.{file_format}'}"
+
+
+ALL_FILES = (*(part_file(*one) for one in itertools.product(PARTS, ALL_FORMATS)), ASSEMBLY, SHEET, REPORT, DESIGN)
 
 
 @dataclass(frozen=True)

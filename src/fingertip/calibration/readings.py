@@ -161,12 +161,12 @@ def write_template(design: Design) -> str:
     return "\n".join(lines) + "\n"
 
 
-def read_readings(path: Path, design: Design) -> tuple[Measured, ...]:
+def read_readings(path: str | Path, design: Design) -> tuple[Measured, ...]:
     """Read a file of readings of the coupon of a design. Lengths without readings are left out, but for thin walls.
 
     Raises TomlFileError or DesignError.
     """
-    return check_readings(read_toml(path), design, str(path))
+    return check_readings(read_toml(Path(path)), design, str(path))
 
 
 def check_readings(tables: Mapping[str, Any], design: Design, source: str) -> tuple[Measured, ...]:

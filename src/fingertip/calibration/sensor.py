@@ -57,10 +57,10 @@ class Weighings:
     """Readings without load, which show the offset of the board."""
 
 
-def read_weighings(path: Path) -> Weighings:
+def read_weighings(path: str | Path) -> Weighings:
     """Read a file of weighings. Raises TraceError."""
     try:
-        content = read_input(path, RECORDING_LIMIT, "a file of weighings", MAX_BYTES + 1)
+        content = read_input(Path(path), RECORDING_LIMIT, "a file of weighings", MAX_BYTES + 1)
     except InputFileError as error:
         raise TraceError(error.issues) from None
     if len(content) > MAX_BYTES or b"\0" in content:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
+from fingertip.foundation.errors import DesignError, Issue
 from fingertip.foundation.output_set import SetWriter, hash_parameters
 
 
@@ -30,9 +31,12 @@ class OutputSet:
     place: str = ""
     """Folder below that of the design."""
 
-    def folder(self, design: _Named) -> Path:
-        """Folder that the set of a design is written to unless another is named."""
-        return Path("out", design.name, self.place)
+    def folder(self, design: _Named, out: str | Path | None = None) -> Path:
+        """Folder that the set of a design is written to, or `out`. Raises DesignError if that is empty."""
+        if out is not None and not str(out).strip():
+            message = "is empty; give a folder, such as . for the current one, or leave it out."
+            raise DesignError(Issue("--out", message))
+        return Path("out", design.name, self.place) if out is None else Path(out)
 
     def writer(
         self, design: _Named, folder: Path, force: bool = False, top: Path | None = None, adopted: Collection[str] = ()
@@ -46,6 +50,8 @@ PART_FILES = OutputSet("parts")
 DESIGN, REPORT, SHEET, ASSEMBLY = "design.toml", "report.json", "casting.md", "assembly.step"
 ACCEPTANCE, EXPLODED_VIEW, FILLING_VIEW, PAGE = "acceptance.md", "exploded.png", "filling.png", "index.html"
 PAD_VIEW = "pad.svg"
+SCRIPT_SUFFIX = ".cq.py"
+"""End of the name of a part's CadQuery script."""
 
 PRINT_FOLDER, STEPS_FOLDER = "print", "steps"
 PRINTS = OutputSet("print", PRINT_FOLDER)

@@ -16,10 +16,11 @@ from fingertip.cli.calibrate import calibrate
 from fingertip.cli.check import check
 from fingertip.cli.completion import VARIABLE, answer_shell
 from fingertip.cli.console import Console
-from fingertip.cli.design import completion, new, params, schema
+from fingertip.cli.design import completion, params, schema
 from fingertip.cli.detect import detect
 from fingertip.cli.documents import acceptance, drawing, page, picture, sheet, studio
 from fingertip.cli.help_page import HelpCommand, HelpGroup
+from fingertip.cli.new import new
 from fingertip.cli.options import command
 from fingertip.cli.pad import pad
 from fingertip.cli.robot import robot

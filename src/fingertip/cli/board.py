@@ -206,8 +206,11 @@ def _find_warnings(design: Design, values: BoardValues) -> Iterator[str]:
     from fingertip.board.analysis.gate import gate_warnings
     from fingertip.board.analysis.loads import load_warnings
     from fingertip.board.analysis.noise import noise_warning
+    from fingertip.board.analysis.shared import crosstalk_warning
 
     if warning := noise_warning(values.noise, design.detector.threshold_v):
+        yield warning
+    if values.shared and (warning := crosstalk_warning(values.shared, design.board)):
         yield warning
     yield from load_warnings(design, values.filter_load_ohm, values.preferred.c_f)
     yield from gate_warnings(values.gate)

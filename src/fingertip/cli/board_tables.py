@@ -175,7 +175,10 @@ def _force_lines(design: Design, values: BoardValues) -> list[str]:
         from fingertip.sim.signal.bridge import ConductanceCurve  # needs numpy
 
         conductance_of = ConductanceCurve.of_design(design).conductance_s
-    lines = [f"{'force':>8} {'sensor':>10} {'tactile voltage':>16}"]
+    lines = [
+        "bare sensor; in a finger, skin and bone take part of a force",
+        f"{'force':>8} {'sensor':>10} {'tactile voltage':>16}",
+    ]
     for force_n in _FORCES_N:
         conductance_s = conductance_of(force_n)
         resistance = f"{1 / conductance_s:.0f} ohm" if conductance_s else "open"

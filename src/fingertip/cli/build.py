@@ -13,6 +13,7 @@ import typer
 from fingertip.cli.check import format_failures
 from fingertip.cli.console import Console
 from fingertip.cli.options import DesignArgument, ForceOption, MaterialOption, SetOption, command, load_design
+from fingertip.foundation.errors import FingertipError, Issue
 
 if TYPE_CHECKING:
     from fingertip.cad.report import Build
@@ -29,7 +30,8 @@ def build(
     formats: Annotated[
         str | None,
         typer.Option(
-            help="File formats (stl, 3mf, step), separated by commas; all by default, step if cadquery is installed."
+            help="File formats (stl, 3mf, step, cq), separated by commas; cq: CadQuery scripts. By default all others, "
+            "step if it can be made."
         ),
     ] = None,
     tolerance_mm: Annotated[
@@ -74,7 +76,7 @@ def _format_build(result: Build) -> list[str]:
     from fingertip.cad.verification.check import count_checks
 
     parts = ", ".join(f"{built.part.name} {built.mesh.volume() / 1000:.2f}" for built in result.parts)
-    lines = [f"{result.design.name}: {count_checks(result.checks)}; written to {result.folder}", f"parts, cm3: {parts}"]
+    lines = [f"{result.design.name}: {count_checks(result.checks)}; in {result.folder}", f"parts, cm3: {parts}"]
     if found := result.strength:
         factors = f"{found.grip_safety_factor:.2f} at the grip force, {found.shock_safety_factor:.2f} at the shock"
         lines.append(f"bone: safety factor {factors}; weakest at z = {found.weakest.z_mm:.1f} mm")
@@ -107,7 +109,8 @@ def make(
     design: DesignArgument,
     out: Annotated[Path | None, typer.Option("--out", "-o", help="Output folder; out/NAME by default.")] = None,
     formats: Annotated[
-        str | None, typer.Option(help="File formats of the parts (stl, 3mf, step), separated by commas; as for build.")
+        str | None,
+        typer.Option(help="File formats of the parts (stl, 3mf, step, cq), separated by commas; as for build."),
     ] = None,
     force: ForceOption = False,
     changes: SetOption = None,
@@ -242,13 +245,19 @@ def firmware(
     and memory.
     """
     from fingertip.catalogues.output_files import FIRMWARE, README
-    from fingertip.firmware.fingers import plan_fingers
+    from fingertip.design.finger_set import is_set, load_set
+    from fingertip.firmware.fingers import plan_fingers, plan_set
     from fingertip.firmware.packaging import find_warnings, read_costs
     from fingertip.tasks.firmware import firmware_differences, write_firmware
 
-    loaded = load_design(design, changes, console)
+    if is_set(design):
+        if fingers:
+            raise FingertipError(Issue("--fingers", "does not apply to a set, which names its fingers; leave it out."))
+        loaded, planned = plan_set(load_set(design, changes or ()), controller, inputs)
+    else:
+        loaded = load_design(design, changes, console)
+        planned = plan_fingers(loaded, fingers, controller, inputs)
     folder = out or FIRMWARE.folder(loaded)
-    planned = plan_fingers(loaded, fingers, controller, inputs)
     if check:
         found = firmware_differences(loaded, folder, planned)
         text = "\n".join(found) or f"{folder} is up to date with this design"

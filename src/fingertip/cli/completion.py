@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, get_args
 
+from fingertip.catalogues.controllers import NAMES
 from fingertip.catalogues.silicones import SiliconeName
 
 VARIABLE = "_FINGERTIP_COMPLETE"
@@ -95,15 +96,17 @@ COMPLETIONS = {
     "changes": _settings,
     "keep": _parameters,
     "hand": _hands,
+    "finger": _words(*(f"{name}=" for name in NAMES)),
     "preset": _words(*(f"{age}_{digit}" for age in ("adult", "child", "youth") for digit in ("finger", "thumb"))),
-    "formats": _words("stl", "3mf", "step", "stl,3mf", "stl,3mf,step"),
+    "formats": _words("stl", "3mf", "step", "cq", "stl,3mf", "stl,3mf,step"),
+    "coupon formats": _words("stl", "3mf", "step", "stl,3mf", "stl,3mf,step"),
     "parts": _words("bone", "skin", "mold_palmar", "mold_dorsal", "lid", "core", "sensor_insert", "insert_jig"),
     "material": _words(*get_args(SiliconeName), "own"),
     "detector": _words("digital", "analog", "fft", "fast", "incipient"),
     "grip": _words("fast", "incipient", "digital", "analog"),
     "surface": _files("SURFACE"),
     "time_scale": _words("s", "ms", "us", "ns"),
-    "kind": _words("design", "scene", "manipulation", "surface", "sweep"),
+    "kind": _words("design", "set", "scene", "manipulation", "surface", "sweep"),
     "shell": _words(*SHELLS),
 }
 """Parameter of all commands, or of one, -> words that it takes."""

@@ -207,7 +207,7 @@ class Console:
         """Print the issues of an error to stderr; with --json also to stdout, with what was found before."""
         self._display.clear()
         for issue in error.issues[:_MAX_PRINTED]:
-            print(f"error: {issue}", file=sys.stderr)
+            print(f"error: {issue.typed}", file=sys.stderr)
         if len(error.issues) > _MAX_PRINTED:
             print(f"error: and {len(error.issues) - _MAX_PRINTED} more; correct these first", file=sys.stderr)
         if self.as_json:

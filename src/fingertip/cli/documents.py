@@ -151,19 +151,11 @@ def drawing(
     changes: SetOption = None,
 ) -> None:
     """Draw each printed part to scale with its dimensions, tolerances and sizes to check, as SVG and as one PDF."""
-    from fingertip.catalogues.output_files import PART_FILES
-    from fingertip.pictures.drawing.draw import draw_files, file_names, require_packages
-    from fingertip.tasks.build import parts_writer
+    from fingertip.tasks.drawing import write_drawing
 
-    require_packages("fingertip drawing")
-    loaded = load_design(design, changes, console)
-    folder = out or PART_FILES.folder(loaded)
-    writer = parts_writer(loaded, folder, force)
-    writer.check_addition(file_names(loaded))
-    files = draw_files(loaded, console.progress)
-    writer.add(files)
-    paths = [str(folder / name) for name in files]
-    console.result({"drawings": paths}, f"{len(files) - 1} sheets drawn to {paths[-1]}, and each to an SVG file")
+    paths = write_drawing(load_design(design, changes, console), out, force=force, progress=console.progress)
+    data = {"drawings": [str(path) for path in paths]}
+    console.result(data, f"{len(paths) - 1} sheets drawn to {paths[-1]}, and each to an SVG file")
 
 
 MIN_WIDTH_PX = 400

@@ -1,10 +1,12 @@
 """Set of fingers: a file that names a hand and its fingers, each by a design and what it changes in it.
 
-Fingers of equal parameters share their parts and one mold, so a set is also a list of distinct designs.
+Fingers of equal parameters share their parts and one mold, so a set is also a list of distinct designs. The force curve
+of a sensor changes no part: fingers that differ in it alone are of one form.
 """
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +20,7 @@ from fingertip.catalogues.file_kinds import DESIGN, SET, identify_kind, read_fil
 from fingertip.design.files import list_changes, load_tables
 from fingertip.design.model import Design
 from fingertip.design.new_design import find_hand
+from fingertip.design.parameters import ForceCurve
 from fingertip.design.parameters.declaration import issues_from_pydantic
 from fingertip.foundation.errors import DesignError, Issue, gather, join_words, quote_value
 from fingertip.foundation.input_files import is_safe_name
@@ -55,6 +58,8 @@ class FingerSet:
     side: str
     forms: tuple[Form, ...]
     """Distinct designs, in the order of their first fingers; no two have one name."""
+    calibrated: Mapping[str, Design] = dataclasses.field(default_factory=dict)
+    """Designs of the fingers whose sensor has another force curve than the design of their form."""
 
     @property
     def fingers(self) -> tuple[tuple[str, Form], ...]:
@@ -62,10 +67,31 @@ class FingerSet:
         found = {finger: form for form in self.forms for finger in form.fingers}
         return tuple((finger, found[finger]) for finger in NAMES if finger in found)
 
+    @property
+    def designs(self) -> dict[str, Design]:
+        """Design of each finger, with the force curve of its own sensor."""
+        return {finger: self.calibrated.get(finger, form.design) for finger, form in self.fingers}
+
+    @property
+    def board_design(self) -> Design | None:
+        """Design of one board for all fingers; None if their boards differ or cannot be put on one.
+
+        Each finger has the place that the board prints its name at, so a place before it may have no finger.
+        """
+        first, last = self.forms[0].design, NAMES.index(self.fingers[-1][0])
+        if len(self.fingers) < 2 or any(form.design.board != first.board for form in self.forms):
+            return None
+        board = first.board.model_copy(update={"channels": last + 1})
+        try:
+            return Design(**first.model_dump() | {"name": self.name, "board": board.model_dump()})
+        except DesignError:  # another variant than that of the board for several fingers
+            return None
+
     def model_dump(self, *, mode: str) -> dict[str, Any]:
         """Return all parameters, for the hash in a manifest."""
         forms = [{"fingers": form.fingers, "design": form.design.model_dump(mode=mode)} for form in self.forms]
-        return {"name": self.name, "side": self.side, "forms": forms}
+        curves = {finger: design.force_curve.model_dump(mode=mode) for finger, design in self.calibrated.items()}
+        return {"name": self.name, "side": self.side, "forms": forms} | ({"calibrated": curves} if curves else {})
 
 
 def is_set(given: str | Path) -> bool:
@@ -104,7 +130,10 @@ def load_set(file: str | Path, changes: Sequence[str] = ()) -> FingerSet:
         issues += _find_differences(designs)
     if issues:
         raise DesignError(issues)
-    return FingerSet(contents.name, contents.side, tuple(_name_forms(designs)))
+    forms = tuple(_name_forms(designs))
+    bases = {finger: form.design for form in forms for finger in form.fingers}
+    calibrated = {name: each for name, each in designs.items() if each.force_curve != bases[name].force_curve}
+    return FingerSet(contents.name, contents.side, forms, calibrated)
 
 
 def _load_hand(path: Path, given: str) -> dict[str, Any]:
@@ -166,13 +195,18 @@ def _find_differences(designs: Mapping[str, Design]) -> Iterator[Issue]:
 
 
 def _name_forms(designs: Mapping[str, Design]) -> Iterator[Form]:
-    """Group fingers of equal parameters; a form whose name another one has takes its first finger's besides."""
+    """Group fingers of equal parts; a form whose name another one has takes its first finger's besides.
+
+    Where the sensors of a form differ, its design has the typical one.
+    """
     groups: dict[str, list[str]] = {}
     for finger, design in designs.items():
-        groups.setdefault(repr(design.model_dump() | {"name": ""}), []).append(finger)
+        groups.setdefault(repr(design.model_dump() | {"name": "", "force_curve": None}), []).append(finger)
     names = [designs[fingers[0]].name for fingers in groups.values()]
     for fingers in groups.values():
         design = designs[fingers[0]]
+        if any(designs[finger].force_curve != design.force_curve for finger in fingers):
+            design = Design(**design.model_dump() | {"force_curve": ForceCurve().model_dump()})
         if names.count(design.name) > 1:
             # Cut so that a long name keeps its finger, and no two forms have one folder.
             design = design.model_copy(update={"name": f"{design.name[:33]}_{fingers[0]}"})

@@ -17,7 +17,7 @@ from fingertip.design.all_rules import PART_RULES
 from fingertip.design.geometry import DesignTables
 from fingertip.design.refusal import cheapest_first
 from fingertip.design.remedies import find_remedies
-from fingertip.design.rules.ruleset import BrokenRule, find_violations
+from fingertip.design.rules.ruleset import BrokenRule, RuleChecker
 from fingertip.foundation.errors import DesignError
 from fingertip.foundation.numerics import bisect
 
@@ -99,33 +99,47 @@ def fit_design(
     free = {name: ends for name, ends in FREE.items() if name not in given and name not in unused}
     begin = {name: float(tables.value(name)) for name in free}
 
-    def broken(values: Mapping[str, float]) -> list[BrokenRule]:
-        design = tables.with_values(values)
-        return list(find_violations(quick, design)) or list(find_violations(slow, design))
+    scores: dict[tuple[float, ...], float] = {}
+
+    def judge(values: Mapping[str, float], limit: float = math.inf) -> tuple[float, list[BrokenRule]]:
+        """Score a design and list what it breaks, both only as far as the score stays within the limit."""
+        key, found, score = tuple(values.values()), list[BrokenRule](), 0.0
+        if scores.get(key, 0.0) > limit:
+            return scores[key], found
+        checker = RuleChecker(tables.with_values(values))
+        for rules in (quick, slow):
+            for broken in checker.find_broken(rules):
+                found.append(broken)
+                if (score := _score(found)) > limit:
+                    break
+            if found:
+                break
+        scores[key] = score
+        return score, found
 
     nearest, values = math.inf, dict(begin)
     for number, kind in enumerate(_ROUNDS):
         reached: list[tuple[float, dict[str, float]]] = []
         for seed in range(kind.searches):
             progress((number + seed / kind.searches) / len(_ROUNDS))
-            reached.append(_search(kind, seed, free, begin, broken))
+            reached.append(_search(kind, seed, free, begin, judge))
             if sum(score == 0.0 for score, _ in reached) == kind.choice:
                 break
         nearest, values = min(reached, key=lambda found: (found[0], _measure_change(free, begin, found[1])))
-        if nearest == 0.0 or _blame_given(free, [broken(found) for _, found in reached]):
+        if nearest == 0.0 or _blame_given(free, [judge(found)[1] for _, found in reached]):
             break
     if nearest:
-        raise DesignError(find_remedies(tables, broken(begin), before, [*given, *measured]))
+        raise DesignError(find_remedies(tables, judge(begin)[1], before, [*given, *measured]))
     # What was measured moves back first, while the other lengths still make room for it.
     order = sorted(free, key=lambda name: not name.startswith("hand."))
     for _ in range(2):
         for name in order:
-            values[name] = _move_back(name, begin[name], values, lambda trial: not broken(trial))
+            values[name] = _move_back(name, begin[name], values, lambda trial: judge(trial, 0.0)[0] == 0.0)
     changes = {name: (begin[name], values[name]) for name in free if values[name] != begin[name]}
     reasons = {
         name: found[0].violation.problem
         for name in changes
-        if name.startswith("hand.") and (found := broken({**values, name: begin[name]}))
+        if name.startswith("hand.") and (found := judge({**values, name: begin[name]})[1])
     }
     return Fit(tables.with_values(values), changes, reasons)
 
@@ -141,18 +155,18 @@ def _search(
     seed: int,
     free: Mapping[str, tuple[float, float]],
     begin: Mapping[str, float],
-    broken: Callable[[Mapping[str, float]], list[BrokenRule]],
+    judge: Callable[[Mapping[str, float], float], tuple[float, list[BrokenRule]]],
 ) -> tuple[float, dict[str, float]]:
     rng, values = random.Random(seed), dict(begin)
-    found = broken(values)
-    best, improved = _score(found), 0
+    best, found = judge(values, math.inf)
+    improved = 0
     for step in range(_STEPS):
         if best == 0.0 or step - improved > kind.patience:
             break
         repair = _list_repairs(found, free, values) if rng.random() < kind.repairs else []
         trial = {**values, **(rng.choice(repair) if repair else _change_at_random(rng, free, values))}
-        found_now = broken(trial)
-        if (score := _score(found_now)) <= best:
+        score, found_now = judge(trial, best)
+        if score <= best:
             improved = step if score < best else improved
             best, values, found = score, trial, found_now
     return best, values
@@ -218,7 +232,7 @@ def _move_back(
 ) -> float:
     """Move one value towards where it began, as far as the design passes; rounded to hundredths."""
     here = values[name]
-    if passes({**values, name: begin}):
+    if here == begin or passes({**values, name: begin}):
         return begin
 
     def between(share: float) -> float:

@@ -77,7 +77,7 @@ class Design(DesignTables):
         return design
 
     @classmethod
-    def without_remedies(cls, **tables: Any) -> Design:
+    def without_remedies(cls, /, **tables: Any) -> Design:
         """Make a design as the constructor does, but refuse it faster: the messages contain no remedies.
 
         A sweep refuses thousands of designs, and needs to know only why.

@@ -110,6 +110,17 @@ def write_new_design(
 
     Raises DesignError or TomlFileError.
     """
+    refuse_words(name, sensor, preset)
+    if preset is None and hand is None:
+        fitted = CATALOGUE.get(sensor or "fsr400", CATALOGUE["fsr400"])  # a custom sensor begins as an FSR 400
+        base, own = fitted.bundled_design, [f"sensor.model={sensor or 'fsr400'}", *fitted.changes, *changes]
+        design = Design(**load_tables([list_bundled_files(DESIGN)[base]], own).tables | {"name": name})
+        return NewDesign("\n".join([*_list_lines(design, base), ""]), base, {}, {}, design)
+    return fit_start(start_design(name, sensor, preset, hand, changes), progress)
+
+
+def refuse_words(name: str, sensor: str | None, preset: str | None) -> None:
+    """Refuse a name that no design may have, and an unknown sensor or preset. Raises DesignError."""
     issues: list[Issue] = []
     try:
         DesignTables(name=name)
@@ -121,24 +132,54 @@ def write_new_design(
         issues.append(Issue("preset", f"{preset!r} is not known; {suggest_name(preset, PRESETS)}"))
     if issues:
         raise DesignError(issues)
-    if preset is None and hand is None:
-        fitted = CATALOGUE.get(sensor or "fsr400", CATALOGUE["fsr400"])  # a custom sensor begins as an FSR 400
-        base, own = fitted.bundled_design, [f"sensor.model={sensor or 'fsr400'}", *fitted.changes, *changes]
-        design = Design(**load_tables([list_bundled_files(DESIGN)[base]], own).tables | {"name": name})
-        return NewDesign("\n".join([*_list_lines(design, base), ""]), base, {}, {}, design)
-    start = preset or "adult_finger"
-    files: list[str | Path] = [list_bundled_files(DESIGN)[start], *([find_hand(hand)] if hand is not None else [])]
+
+
+@dataclass(frozen=True)
+class Start:
+    """Design with a joint before its fit: a preset with what is given."""
+
+    tables: DesignTables
+    base: str
+    before: DesignTables
+    given: tuple[str, ...]
+    """Parameters that stay as they are."""
+    measured: tuple[str, ...]
+    """Parameters of the hand, if one is given."""
+
+
+def start_design(
+    name: str, sensor: str | None, preset: str | None, hand: str | Path | None, changes: Sequence[str]
+) -> Start:
+    base = preset or "adult_finger"
+    files: list[str | Path] = [list_bundled_files(DESIGN)[base], *([find_hand(hand)] if hand is not None else [])]
     loaded = load_tables(files, [*([f"sensor.model={sensor}"] if sensor else []), *changes])
     try:
         begun = DesignTables(**loaded.tables | {"name": name})
     except ValidationError as error:
         raise DesignError(issues_from_pydantic(error, Design)) from None
+    before = DesignTables(**load_tables(files[:1], []).tables)
+    return Start(begun, base, before, loaded.changed, _JOINT_PARAMETERS if hand is not None else ())
+
+
+def fit_start(start: Start, progress: Callable[[str], None]) -> NewDesign:
+    """Fit the lengths that nobody measures. Raises DesignError."""
     fit = fit_design(
-        begun, loaded.changed, lambda share: progress(ShareText("fitting lengths", share)),
-        DesignTables(**load_tables(files[:1], []).tables), _JOINT_PARAMETERS if hand is not None else (),
+        start.tables, start.given, lambda share: progress(ShareText("fitting lengths", share)), start.before,
+        start.measured,
     )  # fmt: skip
     design = Design(**fit.tables.model_dump())
-    return NewDesign("\n".join([*_list_lines(design, start), ""]), start, fit.changes, fit.reasons, design)
+    return NewDesign("\n".join([*_list_lines(design, start.base), ""]), start.base, fit.changes, fit.reasons, design)
+
+
+def find_lost_travel(made: NewDesign) -> list[Issue]:
+    """Find what the fit has taken from the joint: travel, or distance of the tendon."""
+    issues = []
+    for name, reason in made.reasons.items():
+        before, after = made.fitted[name]
+        if after < before:
+            lost = f"{before:g} would become {after:g}: {reason}"
+            issues.append(Issue(name, f"{lost}; allow it with --allow-shorter-travel"))
+    return issues
 
 
 def _list_lines(design: Design, base: str) -> Iterator[str]:

@@ -58,7 +58,7 @@ class Search:
         if not is_number(name) or name in self.invalid:
             return None
         present = tables.value(name)
-        grid = self._grid(name, present)
+        grid = self.list_grid(name, present)
         sides = [[value for value in grid if (value > present) is above] for above in (True, False)]
         coarse = {value for side in sides for value in (*side[_STRIDE - 1 :: _STRIDE], *side[-1:])}
         failing = {present}
@@ -96,7 +96,7 @@ class Search:
                 return rounded
         return best
 
-    def _grid(self, name: str, present: float) -> Sequence[float]:
+    def list_grid(self, name: str, present: float) -> Sequence[float]:
         """Values between the parameter's bounds, the nearest to the present one first."""
         bounds = find_bounds(PARAMETERS[name])
         high = bounds.maximum if bounds.maximum is not None else 2.0 * abs(present) + 1.0

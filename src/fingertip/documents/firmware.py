@@ -22,6 +22,7 @@ from fingertip.firmware.fingers import (
     count_fingers,
     find_load,
     list_limits,
+    list_places,
 )
 from fingertip.firmware.packaging import NAME, cost_table, find_warnings, read_costs
 from fingertip.slip.detectors.fast import TICK_S, FilteredSignal
@@ -32,12 +33,13 @@ def render_readme(design: Design, fingers: Fingers) -> str:
     circuit, detector = board_circuit(select_components(design), design.board.channels), design.detector
     pins = list_pins(circuit, circuit.component(HOST_CONNECTOR))
     signals = name_signals(circuit, design.board.supply_v)
-    is_bundled = design.name in list_bundled_files(DESIGN)
+    streamed = (*fingers.designs, design)[0]
+    is_bundled = streamed.name in list_bundled_files(DESIGN)
     data = {
         "design": design.name,
         "name": NAME,
         "is_bundled": is_bundled,
-        "file": design.name if is_bundled else f"{design.name}.toml",
+        "file": streamed.name if is_bundled else f"{streamed.name}.toml",
         "warnings": list(find_warnings(design, fingers.controller)),
         "rate_hz": detector.sample_rate_hz,
         "adc_bits": detector.adc_bits,
@@ -52,6 +54,7 @@ def render_readme(design: Design, fingers: Fingers) -> str:
         "count_fingers": count_fingers,
         "most_fingers": len(NAMES),
         "fingers": fingers,
+        "forces": _describe_forces(design, fingers),
         "peak_fingers": math.ceil(fingers.count / max(1, round(TICK_S * detector.sample_rate_hz))),
         "cycles_per_instruction": CYCLES_PER_INSTRUCTION,
         "connector": HOST_CONNECTOR,
@@ -76,9 +79,18 @@ def render_readme(design: Design, fingers: Fingers) -> str:
     return lay_out_page(render("firmware.md", **data), WIDTH)
 
 
+def _describe_forces(design: Design, fingers: Fingers) -> dict[str, list[str]]:
+    """Describe how far the forces of the fingers can be trusted; fingers of which the same is true stand together."""
+    said: dict[str, list[str]] = {}
+    for name, finger in zip(fingers.names, fingers.designs or (design,) * fingers.count, strict=True):
+        said.setdefault(finger.force_curve.describe(), []).append(name)
+    return said
+
+
 def _find_input(net: str, fingers: Fingers) -> str | None:
     """Find the controller's input of a pin; None for one that the detector does not read."""
     channel, own = split_net(net)
-    if channel > fingers.count or own not in SKETCH_PINS:
+    places = list_places(fingers.names)
+    if own not in SKETCH_PINS or (channel and channel not in places):
         return None
-    return fingers.inputs[channel - 1][list(SKETCH_PINS).index(own)] if channel else SKETCH_PINS[own]
+    return fingers.inputs[places.index(channel)][list(SKETCH_PINS).index(own)] if channel else SKETCH_PINS[own]

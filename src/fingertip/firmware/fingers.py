@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from fingertip.catalogues.controllers import NAMES, ControllerBoard, load_controllers
 from fingertip.design import Design
+from fingertip.design.finger_set import FingerSet
 from fingertip.firmware.packaging import read_costs
 from fingertip.foundation.errors import FingertipError, Issue, join_words, quote_value
 from fingertip.slip.detectors.fast import TICK_S
@@ -35,6 +36,8 @@ class Fingers:
     inputs: tuple[tuple[str, str], ...] = (("A0", "A1"),)
     """Analog inputs of T and S of each finger."""
     controller: ControllerBoard | None = None
+    designs: tuple[Design, ...] = ()
+    """Design of each finger with its pad and the force curve of its sensor; empty where all are that of the library."""
 
     @property
     def count(self) -> int:
@@ -126,6 +129,11 @@ def plan_fingers(
     if 1 < channels < len(names):
         remedy = f"give --fingers {channels}, or --set board.channels={len(names)}"
         issues.append(Issue("--fingers", f"{len(names)} are more than the {channels} of the design's board; {remedy}."))
+    elif 1 < channels < (last := max(list_places(names), default=0)):
+        problem = f"{NAMES[last - 1]} has place {last}, and the design's board {channels}"
+        issues.append(
+            Issue("--fingers", f"{problem}; give --set board.channels={last}, or leave {NAMES[last - 1]} out.")
+        )
     board = None
     if controller is not None or inputs is not None or names != Fingers.names:
         board = find_board(controller or DEFAULT_CONTROLLER)
@@ -140,6 +148,29 @@ def plan_fingers(
     if issues:
         raise FingertipError(issues)
     return Fingers(names, tuple(zip(pins[::2], pins[1::2], strict=True)), board)
+
+
+def list_places(names: Sequence[str]) -> list[int]:
+    """List the places of fingers on one board, from 1 on: where it prints their names, or in turn for other names."""
+    if all(name in NAMES for name in names):
+        return [NAMES.index(name) + 1 for name in names]
+    return list(range(1, len(names) + 1))
+
+
+def plan_set(fingers: FingerSet, controller: str | None = None, inputs: str | None = None) -> tuple[Design, Fingers]:
+    """Plan the fingers of a set; return the design of their board too. Raises FingertipError."""
+    designs = fingers.designs
+    first = next(iter(designs.values()))
+    issues = [
+        Issue(table, f"is not the same in all fingers of the set; give {table} the same values for one controller.")
+        for table in ("board", "detector")
+        if any(getattr(design, table) != getattr(first, table) for design in designs.values())
+    ]
+    if issues:
+        raise FingertipError(issues)
+    design = fingers.board_design or first.model_copy(update={"name": fingers.name})
+    planned = plan_fingers(design, ",".join(designs), controller, inputs)
+    return design, replace(planned, designs=tuple(designs.values()))
 
 
 def _read_names(fingers: str, issues: list[Issue]) -> tuple[str, ...]:

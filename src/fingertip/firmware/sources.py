@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from importlib import resources
 from typing import Any
@@ -247,25 +247,29 @@ def _render_grip(settings: GripSettings) -> str:
     )
 
 
-def _render_curve(curve: ForceCurve) -> str:
-    """Render the voltages and forces of the curve, and the pad's constants."""
-    tables = (
-        ("Ascending tactile voltages [V].", "slip_curve_v", curve.volts.tolist()),
-        ("Forces that they mean [N].", "slip_curve_n", curve.forces_n.tolist()),
-    )
+def _render_curves(curves: Sequence[ForceCurve]) -> str:
+    """Render the distinct curves, the pads' constants beside them, and which of them each finger has."""
+    distinct = list({_list_numbers(curve): curve for curve in curves})
+    of_finger = ", ".join(str(distinct.index(_list_numbers(curve))) for curve in curves)
+    pads = ", ".join(real(pad) for _, _, pad in distinct)
     blocks = [
-        "\n".join(
-            (
-                "/* Indentation of the pad under 1 N [m]. */",
-                f"#define SLIP_PAD_M_PER_N23 {real(curve.pad.hertz_m_per_n23)}",
-                f"enum {{ SLIP_CURVE = {len(curve.volts)} }};",
-            )
-        )
+        f"enum {{ SLIP_CURVES = {len(distinct)}, SLIP_CURVE = {len(distinct[0][0])} }};",
+        f"/* Curve of each finger. */\nstatic const uint8_t slip_curve_of[SLIP_FINGERS] = {{{of_finger}}};",
+        f"/* Indentation of its pad under 1 N [m]. */\nstatic const slip_real slip_pads_m_per_n23[] = {{{pads}}};",
     ]
-    for comment, name, values in tables:
-        rows = _rows([f"R({value!r})" for value in values])
-        blocks.append("\n".join([f"/* {comment} */", f"static const slip_real {name}[SLIP_CURVE] = {{", *rows, "};"]))
+    tables = (
+        ("Ascending tactile voltages [V].", "slip_curves_v", [volts for volts, _, _ in distinct]),
+        ("Forces that they mean [N].", "slip_curves_n", [forces_n for _, forces_n, _ in distinct]),
+    )
+    for comment, name, numbers in tables:
+        rows = [line for each in numbers for line in ("{", *_rows([f"R({value!r})" for value in each]), "},")]
+        opening = f"static const slip_real {name}[SLIP_CURVES][SLIP_CURVE] = {{"
+        blocks.append("\n".join([f"/* {comment} */", opening, *rows, "};"]))
     return "\n\n".join(blocks)
+
+
+def _list_numbers(curve: ForceCurve) -> tuple[tuple[float, ...], tuple[float, ...], float]:
+    return tuple(curve.volts.tolist()), tuple(curve.forces_n.tolist()), curve.pad.hertz_m_per_n23
 
 
 HEADER, SOURCE = "slip_detector.h", "slip_detector.c"
@@ -286,15 +290,15 @@ def library_sources(design: Design, fingers: Fingers) -> dict[str, bytes]:
         **{name: read_template(name) for name in (BUFFER, HAND, TIMER)},
     }
     if fingers.is_hand:
-        force = ForceCurve.from_design(design)
+        curves = [ForceCurve.from_design(each) for each in fingers.designs or (design,) * fingers.count]
         settings = GripSettings()
-        backing = f"#define SLIP_BACKING_N_PER_M {real(force.pad.backing.stiffness_n_per_m)}"
+        backing = f"#define SLIP_BACKING_N_PER_M {real(curves[0].pad.backing.stiffness_n_per_m)}"
         command = f"#define SLIP_GRIP_MAX_COMMAND_M_S {real(settings.max_command_m_s)}"
         files[SCAN] = read_template(SCAN)
         header = _insert(read_template(GRIP_HEADER), "slip_grip_constants.h", _render_grip(settings))
         header = _insert(header, "slip_grip_backing.h", backing)
         files[GRIP_HEADER] = _insert(header, "slip_grip_command.h", command)
-        files[GRIP_SOURCE] = _insert(read_template(GRIP_SOURCE), "slip_grip_curve.h", _render_curve(force))
+        files[GRIP_SOURCE] = _insert(read_template(GRIP_SOURCE), "slip_grip_curve.h", _render_curves(curves))
     return {name: text.encode() for name, text in files.items()}
 
 

@@ -13,6 +13,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from fingertip.foundation.arguments import as_arguments
+
 MAX_VALUE_LENGTH = 80
 """Maximum length of a value that a message repeats [characters]."""
 _MAX_WORD_LENGTH = 400
@@ -72,7 +74,7 @@ def _cut(text: str) -> str:
 
 @dataclass(frozen=True)
 class Issue:
-    """One problem with the input."""
+    """One problem with the input, in the words of the command line; `str` gives it in those of Python."""
 
     field: str
     """Location of the problem: a parameter such as `skin.width_mm`, a file, an option or a CSV column."""
@@ -83,8 +85,13 @@ class Issue:
         object.__setattr__(self, "field", escape_control(_cut(self.field)))
         object.__setattr__(self, "message", _PASTED.sub(r"\1", escape_message(_cut(self.message))))
 
-    def __str__(self) -> str:
+    @property
+    def typed(self) -> str:
+        """The sentence for the command line, whose options it names."""
         return f"{self.field}: {self.message}" if self.field else self.message
+
+    def __str__(self) -> str:
+        return as_arguments(self.typed)
 
 
 class FingertipError(Exception):

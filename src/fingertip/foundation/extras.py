@@ -23,7 +23,8 @@ from fingertip.foundation.errors import Issue, MissingLibraryError, join_words
 DISTRIBUTION = "fingertip-kit"
 """Name to pip: on the package index `fingertip` is somebody else's."""
 EXTRAS = {
-    "cadquery": "step",
+    "OCP": "step",
+    "cadquery": "cadquery",
     "trimesh": "mesh",
     "matplotlib": "plots",
     "scipy": "sweep",
@@ -36,7 +37,7 @@ EXTRAS = {
     "pandas": "frames",
 }
 """Module of an optional package -> extra that installs it."""
-_PACKAGES = {"nptdms": "npTDMS"}
+_PACKAGES = {"OCP": "cadquery-ocp-novtk", "nptdms": "npTDMS"}
 """Module -> name of its package, where they differ."""
 
 

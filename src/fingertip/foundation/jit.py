@@ -42,6 +42,7 @@ LOAD_S = 0.5
 CALL_S = 5e-6
 """Time that the conversion of lists to arrays and back adds to a compiled call [s], measured for the detectors."""
 
+_FLOAT64 = np.dtype(np.float64)
 _always_compile = False
 
 
@@ -121,7 +122,7 @@ class CompiledLoop:
             self._run_first(arrays)
         else:
             self._compiled(*arrays)
-        for argument, values in list(zip(arguments, arrays, strict=True))[-self.outputs :]:
+        for argument, values in zip(arguments[first_output:], arrays[first_output:], strict=True):
             if argument is not values:
                 argument[:] = values.tolist()
 
@@ -140,6 +141,8 @@ class CompiledLoop:
 
 def _as_compiled(argument: Any, copy: bool) -> Any:
     """An argument as compiled code takes it: lists as arrays, and inputs contiguous, so that one form is compiled."""
+    if type(argument) is np.ndarray and argument.dtype is _FLOAT64 and argument.flags.c_contiguous:
+        return argument  # nearly all of them; short chunks are fast by this
     if isinstance(argument, list):
         return np.array(argument, dtype=np.float64)
     if copy and isinstance(argument, np.ndarray):

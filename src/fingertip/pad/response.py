@@ -103,12 +103,14 @@ class Pad:
         """
         changes = np.flatnonzero(np.diff(depth_m, prepend=np.nan) != 0.0)
         k, c = self.backing.stiffness_n_per_m, self.hertz_m_per_n23
-        depth = np.maximum(depth_m[changes], 0.0)
+        force = np.zeros(len(changes))
+        touches = depth_m[changes] > 0.0
+        depth = depth_m[changes][touches]
         n, bound = np.sqrt(depth / c), np.cbrt(depth * k)  # both above the root: without the hand, without the pad
         n = np.where(n > 16.0 * bound, bound, n)  # steps from farther away would not arrive
         for _ in range(12):
-            n = n - (n * n * (n / k + c) - depth) / np.where(n > 0.0, n * (3 * n / k + 2 * c), 1.0)
-        force = np.where(depth > 0.0, n * n * n, 0.0)
+            n = n - (n * n * (n / k + c) - depth) / (n * (3 * n / k + 2 * c))
+        force[touches] = n * n * n
         return np.repeat(force, np.diff(changes, append=len(depth_m)))
 
     def patch_radius_m(self, force_n: float) -> float:

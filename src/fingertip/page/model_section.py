@@ -24,6 +24,7 @@ from fingertip.page.html import Markup, element, join
 
 Offset = tuple[float, float, float]
 
+_IN_FINGER = ("bone", "lid", "skin")
 _TOLERANCE_MM = 0.02
 """Tolerance of the meshes of bought items, which are in no file."""
 _GAP_MM = 6.0
@@ -71,6 +72,13 @@ def place_items(
         mesh = make_mesh(bought.solid)
         items.append(Item(bought.name, label_item(bought.name), mesh, 1.0, bought.colour, True, opened, apart))
     return tuple(items)
+
+
+def measure_finger(items: tuple[Item, ...]) -> list[float]:
+    """Measure the finished finger: across, thickness and length [mm]."""
+    corners = [item.mesh.vertices / item.scale for item in items if item.name in _IN_FINGER]
+    size: list[float] = np.ptp(np.concatenate(corners), axis=0).tolist()
+    return size
 
 
 def label_item(name: str) -> str:
@@ -163,7 +171,8 @@ _HOLE = (
 def render_model(items: Sequence[Item], origin: str = _EXPORTED, *, preset: str = "finger") -> Markup:
     """Render the 3D view, which shows a state of the mold or the finger first. Only exported parts can be saved."""
     hole = f" {_HOLE}" if any(item.name == "chaplet_screw" for item in items) else ""
-    rows = _rows(items, preset, saves_files=origin == _EXPORTED)
+    is_exported = origin == _EXPORTED
+    rows = _rows(items, preset, saves_files=is_exported)
     return element(
         "div",
         element(
@@ -172,7 +181,7 @@ def render_model(items: Sequence[Item], origin: str = _EXPORTED, *, preset: str 
         ),
         element(
             "details", element("summary", "Parts, sections, directions and saving"), *rows[1:],
-            element("p", f"{_USE} {origin}{hole}", class_="status"), class_="controls roomy", open=True,
+            element("p", f"{_USE} {origin}{hole}", class_="status"), class_="controls roomy", open=is_exported,
         ),
         id="view",
     )  # fmt: skip

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from fingertip.documents.start import render_start
 from fingertip.page.board_section import draw_response, render_board
 from fingertip.page.casting_section import (
@@ -15,7 +13,7 @@ from fingertip.page.casting_section import (
     render_tests,
 )
 from fingertip.page.html import Markup, element, fold, read_asset, read_viewer_library
-from fingertip.page.model_section import Item, list_items, render_model, render_no_view, scene_json
+from fingertip.page.model_section import list_items, measure_finger, render_model, render_no_view, scene_json
 from fingertip.page.pad_section import render_pad
 from fingertip.page.parameters_and_checks import render_checks, render_parameters, render_verdict, tell_verdict
 from fingertip.page.sources import Sources
@@ -24,7 +22,6 @@ from fingertip.page.trial_section import render_trial
 from fingertip.pictures.steps.pictures import draw_finger
 
 ARTICLE_DOI = "10.1109/TMRB.2021.3060032"
-_IN_FINGER = ("bone", "lid", "skin")
 
 
 def render_page(sources: Sources) -> bytes:
@@ -68,13 +65,6 @@ def render_page(sources: Sources) -> bytes:
 
 def _title(text: str, name: str = "") -> Markup:
     return element("h2", text, id=name or None)
-
-
-def measure_finger(items: tuple[Item, ...]) -> list[float]:
-    """Measure the finished finger: across, thickness and length [mm]."""
-    corners = [item.mesh.vertices / item.scale for item in items if item.name in _IN_FINGER]
-    size: list[float] = np.ptp(np.concatenate(corners), axis=0).tolist()
-    return size
 
 
 def _render_source() -> Markup:

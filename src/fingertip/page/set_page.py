@@ -76,7 +76,8 @@ def render_set_page(
 
 
 def _list_board(links: Mapping[str, str]) -> Markup:
-    listed = [element("li", element("a", path, href=links[path])) for path in links if path.startswith("board/")]
+    shown = [path for path in links if path.startswith("board/")] or [path for path in links if "/board/" in path]
+    listed = [element("li", element("a", path, href=links[path])) for path in shown]
     return element("ul", *listed, class_="files") if listed else Markup("")
 
 

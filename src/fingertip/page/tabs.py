@@ -52,21 +52,26 @@ def render_first_screen(text: str, pictures: Markup, links: Mapping[str, str]) -
     """Render the first screen from its Markdown: a section is a box, or a step if its heading begins with a number."""
     sections = split_sections(text)
     lead, before = sections.pop(""), sections.pop(_BEFORE)
-    facts, steps = list[Markup](), list[Markup]()
-    for heading, said in sections.items():
-        content = render(said, links)
-        if heading[0].isdigit():
-            steps.append(element("li", element("h3", heading), content))
-        else:
-            facts.append(element("div", element("dt", heading), element("dd", content)))
+    steps = [
+        element("li", element("h3", heading), render(sections.pop(heading), links))
+        for heading in [*sections]
+        if heading[0].isdigit()
+    ]
     about = element(
         "div", element("div", render(lead), class_="lead"), element("h2", _BEFORE), render(before, links),
-        element("dl", *facts, class_="facts"), class_="about",
+        render_facts(sections, links), class_="about",
     )  # fmt: skip
     return join((
         element("div", pictures, about, class_="hero"), element("h2", "The next three steps"),
         element("ol", *steps, class_="next"),
     ))  # fmt: skip
+
+
+def render_facts(sections: Mapping[str, str], links: Mapping[str, str] | None = None) -> Markup:
+    facts = (
+        element("div", element("dt", title), element("dd", render(said, links))) for title, said in sections.items()
+    )
+    return element("dl", *facts, class_="facts")
 
 
 def render_finger(picture: bytes, caption: Markup | str) -> Markup:

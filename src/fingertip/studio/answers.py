@@ -23,17 +23,23 @@ from fingertip.cad.verification.bone import check_strength
 from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.strength import assess_strength, strength_data
 from fingertip.cad.verification.verify import check_parts, verify
+from fingertip.casting.quantities import measure_volumes
 from fingertip.catalogues.output_files import DESIGN, PRINT_FOLDER
 from fingertip.design import Design
 from fingertip.design.files import to_toml
 from fingertip.design.geometry.solids import Solid, scaled
+from fingertip.documents.casting.sheet import casting_sheet_data
+from fingertip.documents.start import render_start
 from fingertip.foundation.errors import FingertipError
 from fingertip.pad.contacts import is_quick
 from fingertip.pad.form import PadForm
 from fingertip.page.html import note
-from fingertip.page.model_section import Item, place_items, render_boxes, scene_data
+from fingertip.page.markdown import split_sections
+from fingertip.page.model_section import Item, measure_finger, place_items, render_boxes, scene_data
 from fingertip.page.pad_section import render_pad
 from fingertip.page.parameters_and_checks import EVERY_FILE, render_checks, render_verdict
+from fingertip.page.tabs import render_facts
+from fingertip.pictures.steps.pictures import draw_finger
 from fingertip.studio.worker import StillWanted
 
 if TYPE_CHECKING:
@@ -46,6 +52,8 @@ FILE_TOLERANCE_MM = 0.01
 """Tolerance of the files and of all checks [mm], that of `fingertip build`."""
 _MESHES_KEPT = 64
 """Number of meshes that are kept, of solids that the next change may leave as they are."""
+_PICTURE_PX = 320
+"""Width of the picture of a finger [px]."""
 
 
 class AskingEvaluator(MeshEvaluator):
@@ -63,26 +71,32 @@ class AskingEvaluator(MeshEvaluator):
 
 def read_design(tables: Mapping[str, Any], before: Design) -> Design:
     """Make the design of the form's values. Raises DesignError."""
-    old = before.model_dump(mode="json")
-    return Design.from_tables(tables, old, _list_changed(tables, old))
-
-
-def make_pointer(path: str) -> str:
-    """Make the JSON pointer of a dotted name; "" for a problem of the whole design."""
-    steps = path.split(".") if path else []
-    return "".join("/" + step.replace("~", "~0").replace("/", "~1") for step in steps)
+    return Design.from_tables(tables, before.model_dump(mode="json"))
 
 
 def describe_issues(error: FingertipError) -> list[dict[str, str]]:
-    """Describe the issues of an error, each with the JSON pointer of its field."""
-    return [
-        {"field": issue.field, "pointer": make_pointer(issue.field), "message": issue.message} for issue in error.issues
-    ]
+    return [{"field": issue.field, "message": issue.message} for issue in error.issues]
 
 
 def answer_parts(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
     items = make_items(design, still_wanted)
     return {"scene": scene_data(items), "boxes": render_boxes(items)}
+
+
+def answer_figures(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
+    """Tell size, masses, days and prices as the page of the design does, from meshes at the tolerance of the view."""
+    items = make_items(design, still_wanted)
+    volumes = measure_volumes(design, AskingEvaluator(VIEW_TOLERANCE_MM, still_wanted))
+    parts = {item.name: {"volume_mm3": item.mesh.volume()} for item in items if not item.is_bought}
+    casting = casting_sheet_data(design, volumes, design.silicone.material)
+    still_wanted()
+    start = render_start(design, {"parts": parts, "checks": (), "casting": casting}, measure_finger(items), (), 0, "")
+    sections = split_sections(start)
+    return {"figures": render_facts({heading: sections[heading] for heading in _FIGURES})}
+
+
+_FIGURES = ("Size", "Print", "Silicone", "Time", "Cost")
+"""Sections of the first screen of a page that the studio shows."""
 
 
 def make_items(design: Design, still_wanted: StillWanted = lambda: None) -> tuple[Item, ...]:
@@ -157,18 +171,6 @@ def _make_mesh(solid: Solid) -> Mesh:
     return MeshEvaluator(VIEW_TOLERANCE_MM).mesh(solid)
 
 
-def _list_changed(tables: Mapping[str, Any], old: Mapping[str, Any]) -> tuple[str, ...]:
-    changed: list[str] = []
-    for name, value in tables.items():
-        known = old.get(name)
-        if isinstance(value, Mapping) and isinstance(known, Mapping):
-            changed += (f"{name}.{key}" for key, inner in value.items() if known.get(key, _MISSING) != inner)
-        elif known != value:
-            changed.append(name)
-    return tuple(changed)
-
-
-_MISSING = object()
 _FIRST_DATE = (1980, 1, 1, 0, 0, 0)
 """Earliest date of a ZIP file: the files have none, so that the same design gives the same bytes."""
 
@@ -207,13 +209,20 @@ def download_plates(kind: PlateKind, design: Design, still_wanted: StillWanted) 
     return Download(f"{design.name}_plates_{kind.name}.zip", "application/zip", _pack(plates))
 
 
+def download_picture(design: Design, still_wanted: StillWanted) -> Download:
+    return Download(f"{design.name}.png", "image/png", _draw_finger(design))
+
+
+_draw_finger = lru_cache(maxsize=_MESHES_KEPT)(partial(draw_finger, width_px=_PICTURE_PX))
+
 DOWNLOADS: Mapping[str, tuple[str, Callable[[Design, StillWanted], Download]]] = {
     "design": ("design.toml", download_design),
     "stl": ("parts.zip (STL)", download_parts),
     "plate_fdm": ("filament plate (3MF)", partial(download_plates, FDM)),
     "plate_sla": ("resin plate (3MF)", partial(download_plates, SLA)),
+    "picture": ("", download_picture),
 }
-"""Name in the address -> label of its button, and function that makes the file."""
+"""Name in the address -> label of its button, "" if it has none, and function that makes the file."""
 
 
 def _make_meshes(design: Design, still_wanted: StillWanted) -> dict[str, Mesh]:

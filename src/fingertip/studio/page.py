@@ -2,25 +2,34 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from fingertip.cad.shapes.reads import shapes_of_parameters
+from fingertip.catalogues.bundled import list_bundled_files
+from fingertip.catalogues.file_kinds import DESIGN
 from fingertip.design import Design
+from fingertip.design.bands import describe_bands
 from fingertip.design.files import Parameter
 from fingertip.design.parameters import PARAMETERS
-from fingertip.design.parameters.declaration import Bounds, find_bounds, list_choices
+from fingertip.design.parameters.declaration import find_bounds, list_choices
 from fingertip.page.html import Markup, code, element, read_asset, read_viewer_library, render_document
 from fingertip.page.model_section import render_model, render_no_view, scene_json
 from fingertip.page.parameters_and_checks import describe_table, group_parameters
-from fingertip.studio.answers import DOWNLOADS, FILE_TOLERANCE_MM, VIEW_TOLERANCE_MM, make_items, make_pointer
+from fingertip.studio.answers import DOWNLOADS, FILE_TOLERANCE_MM, VIEW_TOLERANCE_MM, make_items
 
 # Form of the studio as HTML: a slider and a number for each number, a list for each choice, a place for refusals.
 
 
 _LOGARITHMIC_STEP = 0.002
 """Step of a logarithmic slider, half a percent of the value."""
+_MAIN = (
+    "sensor.model", "skin.width_mm", "skin.length_mm", "skin.semi_axis_palmar_mm", "skin.thickness_palmar_mm",
+    "skin.thickness_side_mm", "silicone.product", "bone.interface", "bone.base_length_mm", "mold.method",
+)  # fmt: skip
+"""Parameters that people change first. They stand above all tables, with their whole names."""
 
 
 def render_form(design: Design, moved: Mapping[str, tuple[str, ...]]) -> Markup:
@@ -31,26 +40,26 @@ def render_form(design: Design, moved: Mapping[str, tuple[str, ...]]) -> Markup:
             element("input", type="search", id="find", autocomplete="off"), class_="row",
         ),
         element("ul", "", id="other-refusals", class_="refusal", hidden=True),
-        *(_render_table(table, fields, design, moved) for table, fields in make_form().items()),
+        *(_render_group(name, fields, design, moved) for name, fields in make_form().items()),
         id="form", novalidate=True, autocomplete="off",
     )  # fmt: skip
 
 
-def _render_table(table: str, fields: Sequence[Field], design: Design, moved: Mapping[str, tuple[str, ...]]) -> Markup:
-    name, count = table or "design", len(fields)
-    description = describe_table(design, table)
+def _render_group(name: str, fields: Sequence[Field], design: Design, moved: Mapping[str, tuple[str, ...]]) -> Markup:
+    count, is_main = len(fields), name == MAIN
     title = (
-        element("span", name, class_="code"), f": {count} parameter{'s' if count > 1 else ''}",
-        element("span", "", class_="counts", data_counts=name),
+        element("span", name, class_=None if is_main else "code"), f": {count} parameter{'s' if count > 1 else ''}",
+        element("span", "", class_="counts"),
     )  # fmt: skip
+    description = "" if name in (MAIN, "design") else describe_table(design, name)
     said = [element("p", description, class_="hint")] if description else []
-    rendered = (_render_field(field, design, moved.get(field.parameter.path, ())) for field in fields)
-    return element("details", element("summary", *title), *said, *rendered, class_="group", open=name == "skin")
+    rendered = (_render_field(field, design, moved.get(field.parameter.path, ()), is_main) for field in fields)
+    return element("details", element("summary", *title), *said, *rendered, class_="group", open=is_main)
 
 
-def _render_field(field: Field, design: Design, items: tuple[str, ...]) -> Markup:
+def _render_field(field: Field, design: Design, items: tuple[str, ...], is_main: bool) -> Markup:
     path = field.parameter.path
-    name, value, described = f"f-{path}", design.value(path), f"d-{path} e-{path}"
+    name, value, described = f"f-{path}", design.value(path), f"e-{path} b-{path} d-{path}"
     controls: list[Markup] = []
     if field.kind == "choice":
         options = (element("option", word, value=word, selected=word == value) for word in field.choices)
@@ -59,7 +68,7 @@ def _render_field(field: Field, design: Design, items: tuple[str, ...]) -> Marku
         controls.append(element("input", type="text", id=name, value=str(value), aria_describedby=described))
     else:
         if slider := field.slider:
-            controls.append(_render_slider(path, slider, value))
+            controls.append(_render_slider(path, slider, value, described))
         number = repr(value).removesuffix(".0")
         controls.append(element("input", type="number", id=name, value=number, step="any", aria_describedby=described))
         controls.append(element("span", field.parameter.unit, class_="unit"))
@@ -69,26 +78,29 @@ def _render_field(field: Field, design: Design, items: tuple[str, ...]) -> Marku
     )  # fmt: skip
     reset = element("button", "undo", type="button", class_="reset", hidden=True, aria_label=f"undo {path}")
     bounds = f" [{field.bounds}]" if field.bounds else ""
-    label = element("label", code(path.rpartition(".")[2]), for_=name, class_="code")
+    label = element("label", code(path if is_main else path.rpartition(".")[2]), for_=name, class_="code")
     return element(
         "div",
         element("div", label, shapes, reset, class_="head"),
         element("div", *controls, class_="control"),
-        element("p", f"{field.parameter.description}{bounds}", id=f"d-{path}", class_="hint"),
         element("p", "", id=f"e-{path}", class_="refusal", hidden=True),
+        element("p", "", id=f"b-{path}", class_="hint passing", hidden=True),
+        element("p", f"{field.parameter.description}{bounds}", id=f"d-{path}", class_="hint"),
         class_="field", id=f"p-{path}", tabindex="-1", data_path=path, data_kind=field.kind,
-        data_pointer=make_pointer(path),
     )  # fmt: skip
 
 
-def _render_slider(path: str, slider: Slider, value: float) -> Markup:
+def _render_slider(path: str, slider: Slider, value: float, described: str) -> Markup:
     """Render a slider; the position of a logarithmic one is the common logarithm of its value."""
     low, high, step = slider.minimum, slider.maximum, slider.step
     if slider.is_logarithmic:
         low, high, step = math.log10(low), math.log10(high), _LOGARITHMIC_STEP
         value = math.log10(value) if value > 0 else low
     numbers = {"min": f"{low:.6g}", "max": f"{high:.6g}", "step": f"{step:.6g}", "value": f"{value:.6g}"}
-    return element("input", type="range", aria_label=f"{path}, slider", data_log=slider.is_logarithmic, **numbers)
+    return element(
+        "input", type="range", aria_label=f"{path}, slider", aria_describedby=described,
+        data_log=slider.is_logarithmic, **numbers,
+    )  # fmt: skip
 
 
 _LEAD = "Move a slider: the parts and their checks follow. Nothing is written until you download a file."
@@ -104,7 +116,10 @@ def render_studio(design: Design, token: str) -> bytes:
     model = element(
         "div", element("h2", "Model", id="model"), render_no_view(),
         render_model(items, _ORIGIN, preset="opened"),
-        element("div", element("h3", "What the sensor feels"), element("div", "", id="pad"), class_="felt"),
+        element(
+            "div", element("h2", "What it takes"), element("div", "", id="figures"),
+            element("h2", "What the sensor feels"), element("div", "", id="pad"), class_="felt",
+        ),
         class_="model",
     )  # fmt: skip
     beside = element("div", model, element("div", element("h2", "Parameters", id="parameters"), form), class_="beside")
@@ -112,9 +127,10 @@ def render_studio(design: Design, token: str) -> bytes:
         element("a", "Skip to the parameters", href="#form", class_="skip"),
         element("header", element("h1", f"Studio: {design.name}"), element("p", _LEAD, class_="lead")),
         _render_bar(),
-        element("main", element("section", beside), _render_checks(), id="content"),
+        element("main", element("section", _render_presets(), beside), _render_checks(), id="content"),
         element("footer", element("p", "Served to this machine alone. Ctrl-C in the terminal ends it.")),
         element("script", scene_json(items), type="application/json", id="scene"),
+        element("script", _encode_presets(), type="application/json", id="presets"),
     )
     style = read_asset("page.css") + read_asset("studio.css", __package__)
     scripts = (read_viewer_library(), read_asset("viewer.js"), read_asset("studio.js", __package__))
@@ -141,7 +157,9 @@ def render_way_in(url: str) -> str:
 
 
 def _render_bar() -> Markup:
-    buttons = (element("button", label, type="button", data_download=name) for name, (label, _) in DOWNLOADS.items())
+    buttons = (
+        element("button", label, type="button", data_download=name) for name, (label, _) in DOWNLOADS.items() if label
+    )
     return element(
         "section",
         element("div", element("p", "checking", class_="verdict"), id="verdict", role="status"),
@@ -149,6 +167,27 @@ def _render_bar() -> Markup:
         element("div", element("span", "download"), *buttons, class_="row", role="group", aria_label="download"),
         class_="bar", aria_label="verdict and downloads",
     )  # fmt: skip
+
+
+def _render_presets() -> Markup:
+    """Render a button for each bundled design; the script asks for its picture, which takes half a second."""
+    buttons = (
+        element("button", element("img", alt="", hidden=True), name, type="button", data_design=name)
+        for name in list_bundled_files(DESIGN)
+    )
+    return element(
+        "details",
+        element("summary", "Start from a bundled design"),
+        element("div", *buttons),
+        class_="presets",
+        open=True,
+    )
+
+
+def _encode_presets() -> Markup:
+    designs = {name: Design.load(name) for name in list_bundled_files(DESIGN)}
+    values = {name: {path: design.value(path) for path in PARAMETERS} for name, design in designs.items()}
+    return Markup(json.dumps(values, separators=(",", ":")))
 
 
 def _render_checks() -> Markup:
@@ -192,40 +231,36 @@ class Field:
     """One of "number", "integer", "choice" and "text"."""
     choices: tuple[str, ...]
     bounds: str
-    """Bounds of a number for people, such as "8 to 40"."""
+    """Bounds of a number for people, such as "8 to 40 mm"."""
     slider: Slider | None
-    """Slider of a number; None if it has a bound on one side only."""
+    """Slider of a number."""
+
+
+MAIN = "what people change first"
+"""Name of the first group of the form."""
 
 
 def make_form() -> dict[str, list[Field]]:
-    """Make the fields of each table; those that stand in no table are the table ""."""
-    return {table: list(map(_make_field, parameters)) for table, parameters in group_parameters().items()}
+    """Make the fields of each group: those that people change first, then the rest of each table."""
+    groups: dict[str, list[Field]] = {MAIN: []}
+    for table, parameters in group_parameters().items():
+        for parameter in parameters:
+            is_main = parameter.path in _MAIN
+            groups.setdefault(MAIN if is_main else table or "design", []).append(_make_field(parameter))
+    groups[MAIN].sort(key=lambda field: _MAIN.index(field.parameter.path))
+    return groups
 
 
 def _make_field(parameter: Parameter) -> Field:
     declared = PARAMETERS[parameter.path]
-    choices, bounds = list_choices(declared), find_bounds(declared)
-    kind = "choice" if choices else _KINDS[type(parameter.default)]
-    return Field(parameter, kind, choices, _describe_bounds(bounds), _make_slider(bounds, kind == "integer"))
-
-
-def _make_slider(bounds: Bounds, is_whole: bool) -> Slider | None:
+    if choices := list_choices(declared):
+        return Field(parameter, "choice", choices, "", None)
+    kind, bounds = _KINDS[type(parameter.default)], find_bounds(declared)
     low, high = bounds.above if bounds.minimum is None else bounds.minimum, bounds.maximum
     if low is None or high is None:
-        return None
+        return Field(parameter, kind, (), "", None)
     step = 10.0 ** math.floor(math.log10((high - low) / _STEPS))
-    if is_whole:
-        step = max(1.0, step)
-    if bounds.above is not None:
-        low += step
-    return Slider(low, high, step, low > 0 and high / low > _LOGARITHMIC_RATIO)
-
-
-def _describe_bounds(bounds: Bounds) -> str:
-    low, above, high = bounds.minimum, bounds.above, bounds.maximum
-    start = f"above {above:g}" if above is not None else f"{low:g}" if low is not None else ""
-    if high is None:
-        return f"at least {start}" if low is not None else start
-    if not start:
-        return f"at most {high:g}"
-    return f"{start}, at most {high:g}" if above is not None else f"{start} to {high:g}"
+    first = low + step if bounds.above is not None else low
+    is_logarithmic = first > 0 and high / first > _LOGARITHMIC_RATIO
+    slider = Slider(first, high, max(1.0, step) if kind == "integer" else step, is_logarithmic)
+    return Field(parameter, kind, (), describe_bands(parameter.path, [(low, high)]), slider)

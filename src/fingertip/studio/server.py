@@ -30,12 +30,14 @@ from fingertip.studio.answers import (
     DOWNLOADS,
     answer_all_checks,
     answer_checks,
+    answer_figures,
     answer_pad,
     answer_parts,
     describe_issues,
     read_design,
 )
 from fingertip.studio.page import render_locked, render_studio, render_way_in
+from fingertip.studio.rules import BandFinder, answer_bands, answer_rules
 from fingertip.studio.worker import NewestWinsWorker, StillWanted, SupersededError
 
 ADDRESS = "127.0.0.1"
@@ -48,11 +50,14 @@ _TIMEOUT_S = 60.0
 """Time after which a connection that sends nothing is closed [s]."""
 _ANSWERS: Mapping[str, Callable[[Design, StillWanted], dict[str, Any]]] = {
     "parts": answer_parts,
+    "figures": answer_figures,
     "checks": answer_checks,
     "pad": answer_pad,
     "all-checks": answer_all_checks,
 }
-"""Name in the address -> function that answers."""
+"""Name in the address -> function that answers, after the answers before it."""
+_ANSWERS_AT_ONCE = {"rules": answer_rules, "bands": answer_bands}
+"""Name in the address -> function that answers a question on the parameter in hand, whatever the worker does."""
 _HTML = "text/html; charset=utf-8"
 _STATUS_OF_REFUSAL = {
     HTTPStatus.NOT_IMPLEMENTED: HTTPStatus.METHOD_NOT_ALLOWED,
@@ -87,7 +92,7 @@ class StudioServer(ThreadingHTTPServer):
             super().__init__((ADDRESS, port), _Handler)
         except OSError as error:
             raise StudioError(Issue("--port", _describe_bind_error(port, error))) from error
-        self.worker = NewestWinsWorker()
+        self.worker, self.finder = NewestWinsWorker(), BandFinder(design)
         # The page is made now, which also loads and warms up everything that a change of a slider needs.
         self.page = render_studio(design, self.token)
 
@@ -192,11 +197,14 @@ class _Handler(BaseHTTPRequestHandler):
     def _answer(self) -> _Reply:
         if not self._is_token(self.headers.get(TOKEN_HEADER, "")):
             raise _RefusedRequestError(HTTPStatus.FORBIDDEN, "The request carries not the token of this studio.")
-        tables, client = self._read_content()
+        tables, client, field = self._read_content()
         _, api, name, *rest = [*self._split_address().path.split("/"), "", ""]
-        answer, download = _ANSWERS.get(name), DOWNLOADS.get(rest[0]) if name == "download" else None
-        if api != "api" or (answer is None and download is None):
+        at_once, answer = _ANSWERS_AT_ONCE.get(name), _ANSWERS.get(name)
+        download = DOWNLOADS.get(rest[0]) if name == "download" else None
+        if api != "api" or not (at_once or answer or download):
             raise _RefusedRequestError(HTTPStatus.NOT_FOUND, "There is nothing at this address.")
+        if at_once:
+            return _make_json(at_once(self.server.finder, tables, field, self._raise_if_gone))
         run, before = self.server.worker.run, self.server.design
         if answer:
             job = answer
@@ -226,7 +234,8 @@ class _Handler(BaseHTTPRequestHandler):
         except ValueError:
             raise _RefusedRequestError(HTTPStatus.BAD_REQUEST, "The address of the request is none.") from None
 
-    def _read_content(self) -> tuple[dict[str, Any], str]:
+    def _read_content(self) -> tuple[dict[str, Any], str, str]:
+        """Read tables, client and, if there is one, the field in hand."""
         if self.headers.get_content_type() != "application/json":
             raise _RefusedRequestError(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "The request must be application/json.")
         length = self.headers.get("Content-Length", "")
@@ -247,14 +256,18 @@ class _Handler(BaseHTTPRequestHandler):
             raise _RefusedRequestError(HTTPStatus.BAD_REQUEST, "The request is not valid JSON.") from None
         if not isinstance(content, dict):
             raise _RefusedRequestError(HTTPStatus.BAD_REQUEST, "The request is no JSON object.")
-        tables, client = content.get("tables"), content.get("client")
-        if not isinstance(tables, dict) or not isinstance(client, str):
+        tables, client, field = content.get("tables"), content.get("client"), content.get("field", "")
+        if not isinstance(tables, dict) or not isinstance(client, str) or not isinstance(field, str):
             raise _RefusedRequestError(HTTPStatus.BAD_REQUEST, "The request holds not both tables and a client.")
         try:
             check_values(tables)
         except UnusableTomlError as error:
             raise _RefusedRequestError(HTTPStatus.BAD_REQUEST, f"The request {error}.") from None
-        return tables, client
+        return tables, client, field
+
+    def _raise_if_gone(self) -> None:
+        if self._has_gone():
+            raise SupersededError
 
     def _has_gone(self) -> bool:
         """Return whether the page was closed, or has given this request up."""

@@ -204,7 +204,7 @@ class SweepDatabase:
         except (ValueError, RecursionError):  # no valid TOML
             raise make_damage_error(self.folder, "the description of its sweep cannot be read") from None
         except SweepError as error:
-            reason = str(error.issues[0]).rstrip(".")
+            reason = error.issues[0].typed.rstrip(".")
             raise make_damage_error(self.folder, f"the description of its sweep cannot be used ({reason})") from None
 
     def add(self, rows: Sequence[StoredRow]) -> None:

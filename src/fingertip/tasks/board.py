@@ -71,7 +71,7 @@ def board_files(design: Design) -> dict[str, bytes]:
     text = json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     circuit, project = board_circuit(values, channels := design.board.channels), load_project(values.variant, channels)
     bandwidth_hz, supply_v = find_gain_bandwidth_hz(design.board), design.board.supply_v
-    simulated = circuit if channels == 1 else connect_cables(leave_out_empty(circuit), channels)
+    simulated = circuit if channels == 1 else connect_cables(leave_out_empty(circuit), design.board)
     return {
         NETLIST: kicad_netlist_file(circuit),
         **project.enter(circuit),
@@ -187,7 +187,7 @@ def write_board(
     """
     if out is None and not force:
         refuse_other_board(design)
-    plan = plan_board(design, BOARD.folder(design) if out is None else Path(out), force=force, bring_up=bring_up)
+    plan = plan_board(design, BOARD.folder(design, out), force=force, bring_up=bring_up)
     return plan.write(progress)
 
 
@@ -206,7 +206,7 @@ def write_fabrication(
     """
     from fingertip.board.fabrication.fabrication_files import fabrication_files  # noqa: PLC0415
 
-    folder = BOARD.folder(design) if out is None else Path(out)
+    folder = BOARD.folder(design, out)
     writer = check_fabrication(design, folder, force=force)
     values = board_values(design)
     circuit, sources = board_circuit(values, design.board.channels), board_files(design)

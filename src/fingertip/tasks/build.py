@@ -13,10 +13,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from fingertip.cad.files.cadquery_script import write_script
 from fingertip.cad.files.step_process import StepFiles, StepJob, StepProcess
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.settings import PLATE_KINDS
-from fingertip.cad.report import DESIGN_HEADING, FORMATS, Build, BuiltPart
+from fingertip.cad.report import ALL_FORMATS, DESIGN_HEADING, FORMATS, Build, BuiltPart, part_file
 from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name, print_scale
 from fingertip.cad.verification.assembly import brep_balance_solids, check_brep_assembly
 from fingertip.cad.verification.bone import check_strength
@@ -65,7 +66,7 @@ def build(
 ) -> Build:
     """Build parts, check them, and write them with `design.toml`, `casting.md` and `report.json`.
 
-    Only the requested parts and formats are made. cadquery is loaded for "step" only, in a separate process.
+    Only the requested parts and formats are made. Open CASCADE is loaded for "step" only, in a separate process.
 
     The folder `print/` in it holds each printed part as it lies on the bed (with "stl"), and plates of all printed
     parts (with "3mf", if all are built).
@@ -82,7 +83,7 @@ def build(
     parts
         Names from `PARTS`; all parts of the design if None.
     formats
-        Any of "stl", "3mf", "step"; `default_formats` if None.
+        Any of "stl", "3mf", "step" and "cq", a CadQuery script; `default_formats` if None.
     tolerance_mm
         Largest distance of a facet from the exact surface [mm], 0.0005 to 1.
     material
@@ -103,22 +104,19 @@ def build(
     DesignError
         If a part, format, tolerance, silicone or folder name is not valid.
     MissingLibraryError
-        If STEP files are requested and cadquery cannot be loaded.
+        If STEP files are requested and Open CASCADE cannot be loaded.
     GeometryError
         If a kernel rejects a solid. No file has been written then.
     OutputError
         If the folder cannot be written, or holds a file of these names that is somebody's own. No file has been
         written then.
     """
-    if out is not None and not str(out).strip():
-        message = "is empty; give a folder, such as . for the current one, or omit the option."
-        raise DesignError(Issue("--out", message))
-    folder = PART_FILES.folder(design) if out is None else Path(out)
+    folder = PART_FILES.folder(design, out)
     known = tuple(parts_by_name(design))
     names = select_names("--parts", known if parts is None else parts, known)
-    file_formats = select_names("--formats", default_formats(progress) if formats is None else formats, FORMATS)
+    file_formats = select_names("--formats", default_formats(progress) if formats is None else formats, ALL_FORMATS)
     if "step" in file_formats:
-        extras.require("--formats", "cadquery", subject="step", alternative="leave step out with --formats stl,3mf")
+        extras.require("--formats", "OCP", subject="step", alternative="leave step out with --formats stl,3mf")
     presses = design.dimensions.insert is not None and "skin" in names
     if presses:
         extras.require("sensor.insert", "scipy", alternative="set sensor.insert=none")
@@ -172,8 +170,10 @@ def build(
                 checks += check_brep_solid(design, PARTS[name], meshes[name], measured, scale, tolerance_mm)
             checks += check_brep_assembly(design, step.measurements, step.volumes_mm3)
         contents = dict(verified.contents) | step.contents
+    if "cq" in file_formats:
+        contents |= {part_file(name, "cq"): write_script(design, name) for name in names}
 
-    files = {name: {file_format: f"{name}.{file_format}" for file_format in file_formats} for name in names}
+    files = {name: {file_format: part_file(name, file_format) for file_format in file_formats} for name in names}
     built = tuple(BuiltPart(PARTS[n], meshes[n], files[n], step.measurements.get(n)) for n in names)
     if casting:
         contents[SHEET] = render_sheet(casting, [f"{STEPS_FOLDER}/{name}" for name in steps_drawn]).encode()
@@ -215,7 +215,7 @@ def _draw_steps(design: Design, casting: dict[str, Any]) -> dict[str, bytes]:
 
 
 def _file_names(parts: Iterable[str], formats: Iterable[str], is_whole: bool) -> list[str]:
-    names = [f"{part}.{file_format}" for part in parts for file_format in formats]
+    names = [part_file(part, file_format) for part in parts for file_format in formats]
     names += [ASSEMBLY] if "step" in formats else []
     return [*names, *([SHEET] if is_whole else []), REPORT, DESIGN]
 
@@ -244,10 +244,10 @@ def _files_of_version_one(folder: Path) -> list[str]:
 
 
 def default_formats(progress: Callable[[str], None] = lambda message: None) -> tuple[str, ...]:
-    """Return the formats of a build that names none: all of them, but STEP only where cadquery is installed."""
-    if extras.is_installed("cadquery"):
+    """Return the formats of a build that names none: STL and 3MF, and STEP where its kernel is installed."""
+    if extras.is_installed("OCP"):
         return FORMATS
-    extras.say_left_out({"cadquery": "STEP files and checks against exact solids"}, progress)
+    extras.say_left_out({"OCP": "STEP files and checks against exact solids"}, progress)
     return tuple(name for name in FORMATS if name != "step")
 
 

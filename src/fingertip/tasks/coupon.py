@@ -23,7 +23,6 @@ from fingertip.design import Design
 from fingertip.design.geometry.solids import scaled
 from fingertip.documents.coupon import render_instructions
 from fingertip.foundation import extras
-from fingertip.foundation.errors import DesignError, Issue
 from fingertip.foundation.files import round_for_output
 from fingertip.foundation.progress import Work
 from fingertip.pictures.coupon_plan import draw_plan
@@ -70,13 +69,10 @@ def write_coupon(
     progress: Callable[[str], None] = lambda message: None,
 ) -> Coupon:
     """Write a coupon. Raises DesignError or GeometryError or MissingLibraryError or OutputError."""
-    if out is not None and not str(out).strip():
-        message = "is empty; give a folder, such as . for the current one, or omit the option."
-        raise DesignError(Issue("--out", message))
-    folder = COUPON.folder(design) if out is None else Path(out)
+    folder = COUPON.folder(design, out)
     file_formats = select_names("--formats", formats, FORMATS)
     if "step" in file_formats:
-        extras.require("--formats", "cadquery", subject="step", alternative="leave step out with --formats stl,3mf")
+        extras.require("--formats", "OCP", subject="step", alternative="leave step out with --formats stl,3mf")
     validate_tolerance(tolerance_mm)
     writer = COUPON.writer(design, folder, force)
     names = [f"{part}.{file_format}" for part in COUPON_PARTS for file_format in file_formats]

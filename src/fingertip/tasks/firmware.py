@@ -16,7 +16,7 @@ SOURCES, EXAMPLES = "src", "examples"
 """Folders of the library, as Arduino names them."""
 _EXAMPLE_FILES = {"slip_pin": ("slip_pin.ino",), "slip_stream": ("slip_stream.ino", "slip_line.h")}
 """Example of one finger -> its files. Arduino names a sketch like its folder."""
-_HAND_FILES = {"slip_hand": ("slip_hand.ino",)}
+_HAND_FILES = {"slip_hand": ("slip_hand.ino",), "slip_stream": _EXAMPLE_FILES["slip_stream"]}
 """The same for several fingers."""
 
 
@@ -58,7 +58,7 @@ def write_firmware(
         If the folder cannot be written, or holds a file of these names that is somebody's own. Nothing has been
         written then.
     """
-    folder = FIRMWARE.folder(design) if out is None else Path(out)
+    folder = FIRMWARE.folder(design, out)
     sets = [
         (FIRMWARE.writer(design, folder / place, force, folder), contents)
         for place, contents in firmware_files(design, fingers).items()

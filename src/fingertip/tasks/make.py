@@ -90,7 +90,7 @@ def make(
     FingertipError
         As `build`, `write_board`, `simulate` and `detect_file` do. Nothing has been written then.
     """
-    folder = PART_FILES.folder(design) if out is None else Path(out)
+    folder = PART_FILES.folder(design, out)
     board_folder, signal = folder / BOARD_FOLDER, SIGNAL.writer(design, folder / SIGNAL_FOLDER, force, folder)
     sheets = parts_writer(design, folder, force)
     named = None if formats is None else tuple(formats)
@@ -130,7 +130,7 @@ def make(
         page, _, _ = write_page(design, parts.folder, force=force)
     else:
         progress(f"{PAGE} is left out: it shows the STL files; add stl to the formats")
-    wanted = {"cadquery": "STEP files", "reportlab": "drawings"} if named is None or "step" in named else {}
+    wanted = {"OCP": "STEP files", "reportlab": "drawings"} if named is None or "step" in named else {}
     extras.say_left_out({**wanted, "matplotlib": PLOT}, progress)
     return Made(parts, drawn, board_paths, signal_paths, found, page)
 

@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from fingertip.board.circuits.channels import list_sockets, list_tactile_pins
 from fingertip.cad.files import threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.printing.orientations import build_volume_excess, print_orientations
@@ -34,9 +33,11 @@ from fingertip.catalogues.output_files import (
     PARTS_CSV,
     PARTS_LIST,
     PRINT_FOLDER,
+    README,
     SET_FILES,
     SET_PRINTS,
     SET_REPORT,
+    SHEET,
 )
 from fingertip.design import Design
 from fingertip.design.files import to_toml
@@ -44,7 +45,7 @@ from fingertip.design.finger_set import FingerSet, Form
 from fingertip.design.geometry.solids import scaled
 from fingertip.documents.acceptance import acceptance_data
 from fingertip.documents.casting.sheet import casting_sheet_data
-from fingertip.documents.finger_set.sheets import FormSheets, SharedBoard, render_sheet, set_data, write_parts_csv
+from fingertip.documents.finger_set.sheets import FormSheets, render_sheet, set_data, write_parts_csv
 from fingertip.documents.start import render_set_start
 from fingertip.foundation.errors import DesignError, Issue, OutputError
 from fingertip.foundation.input_files import find_link
@@ -104,7 +105,7 @@ def make_set(
         As `make` does for each form, or if a part is too large for the bed or a silicone thickens too soon. Nothing has
         been written then, but for forms whose own files were complete.
     """
-    folder = SET_FILES.folder(fingers) if out is None else Path(out)
+    folder = SET_FILES.folder(fingers, out)
     formats = None if formats is None else tuple(formats)
     writer, print_writer = (
         SET_FILES.writer(fingers, folder, force),
@@ -124,7 +125,7 @@ def make_set(
         raise OutputError(issues)
     for form in fingers.forms:
         parts_writer(form.design, places[form.design.name], force).check((PAGE, ACCEPTANCE))
-    board_design = _find_board(fingers)
+    board_design = fingers.board_design
     if board_design:
         BOARD.writer(board_design, folder / BOARD_FOLDER, force, folder).check(BRING_UP_FILES)
     labels = [f"{form.design.name} ({number} of {len(fingers.forms)})" for number, form in enumerate(fingers.forms, 1)]
@@ -139,16 +140,15 @@ def make_set(
     work.begin("set")
     is_printed = formats is None or "3mf" in formats
     prints = _arrange_prints(fingers, forms) if is_printed else PrintFiles({}, {})
-    sheets = [_collect(form, made) for form, made in zip(fingers.forms, forms, strict=True)]
+    sheets = [_collect(fingers, form, made) for form, made in zip(fingers.forms, forms, strict=True)]
     plan = plan_castings([Mold.of_sheet(each.form.design, each.form.fingers, each.casting) for each in sheets])
     board: tuple[Path, ...] = ()
     if board_design:
         planned = plan_board(board_design, folder / BOARD_FOLDER, force=force, bring_up=True, top=folder)
         board = planned.write(progress)
-    shared = SharedBoard(BOARD_FOLDER, BOARD_DESIGN, list_sockets(), list_tactile_pins()) if board_design else None
-    data = set_data(fingers, sheets, plan, prints.plates, shared)
+    data = set_data(fingers, sheets, plan, prints.plates, has_board=board_design is not None)
     failed = [made.parts.design.name for made in forms if not made.parts.passed]
-    contents = _render_sheets(fingers, data, board_design, _list_files(prints, board, folder), failed)
+    contents = _render_sheets(fingers, data, board_design, _list_files(fingers, prints, board, folder), failed)
     if board_design:
         contents[BOARD_DESIGN] = to_toml(board_design, "Design of the board for all fingers.").encode()
     print_writer.write(prints.contents)
@@ -156,10 +156,12 @@ def make_set(
     return MadeSet(folder, tuple(forms), board, data)
 
 
-def _list_files(prints: PrintFiles, board: Iterable[Path], folder: Path) -> list[str]:
+def _list_files(fingers: FingerSet, prints: PrintFiles, board: Iterable[Path], folder: Path) -> list[str]:
     """List the files of a set that its page links to, without those of the page's own making."""
-    printed = [f"{PRINT_FOLDER}/{name}" for name in prints.contents]
-    return [*printed, *(path.relative_to(folder).as_posix() for path in board if path.suffix in _SHOWN)]
+    own = (SHEET, ACCEPTANCE, f"{BOARD_FOLDER}/{README}")
+    listed = [f"{form.design.name}/{file}" for form in fingers.forms for file in own]
+    listed += (f"{PRINT_FOLDER}/{name}" for name in prints.contents)
+    return [*listed, *(path.relative_to(folder).as_posix() for path in board if path.suffix in _SHOWN)]
 
 
 def _render_sheets(
@@ -179,19 +181,6 @@ def _render_sheets(
         SET_REPORT: (json.dumps(data, indent=2, allow_nan=False) + "\n").encode(),
         PAGE: render_set_page(data, pictures, start, pages.values(), [*pages, PARTS_CSV, *files], failed),
     }
-
-
-def _find_board(fingers: FingerSet) -> Design | None:
-    """Find the design of one board for all fingers; None if their boards differ or cannot be put on one."""
-    designs = [form.design for form in fingers.forms]
-    first, count = designs[0], len(fingers.fingers)
-    if count < 2 or any(design.board != first.board for design in designs):
-        return None
-    board = first.board.model_copy(update={"channels": count})
-    try:
-        return Design(**first.model_dump() | {"name": fingers.name, "board": board.model_dump()})
-    except DesignError:  # another variant than that of the board for several fingers
-        return None
 
 
 def _refuse_early(fingers: FingerSet) -> None:
@@ -242,9 +231,15 @@ def _arrange_prints(fingers: FingerSet, forms: Iterable[Made]) -> PrintFiles:
     return PrintFiles(contents, plates)
 
 
-def _collect(form: Form, made: Made) -> FormSheets:
+def _collect(fingers: FingerSet, form: Form, made: Made) -> FormSheets:
     assert made.parts.casting is not None, "all parts are built"
     volumes = {part.part.name: part.mesh.volume() / 1000.0 for part in made.parts.parts}
-    acceptance = acceptance_data(form.design, made.detection.detection)
+    detection = made.detection.detection
+    own = {
+        name: acceptance_data(fingers.calibrated[name], detection)
+        for name in form.fingers
+        if name in fingers.calibrated
+    }
     verdict, warnings = count_checks(made.parts.checks), tuple(list_warnings(made.parts.checks))
-    return FormSheets(form, made.parts.casting, acceptance, volumes, verdict, warnings)
+    acceptance = acceptance_data(form.design, detection)
+    return FormSheets(form, made.parts.casting, acceptance, volumes, verdict, warnings, own)

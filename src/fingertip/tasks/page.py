@@ -16,7 +16,7 @@ def write_page(
     design: Design, out: str | Path | None = None, *, force: bool = False
 ) -> tuple[Path, int, tuple[str, ...]]:
     """Write the page of a design beside its files; returns its size [byte]. Raises OutputError."""
-    folder = PART_FILES.folder(design) if out is None else Path(out)
+    folder = PART_FILES.folder(design, out)
     writer = parts_writer(design, folder, force)
     writer.check((PAGE,))
     try:

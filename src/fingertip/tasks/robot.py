@@ -44,7 +44,7 @@ def write_robot(
     if file_format not in ROBOT_FILES:
         message = f"{file_format!r} is no format of a model; {suggest_name(file_format, tuple(ROBOT_FILES))}"
         raise DesignError(Issue("--format", message))
-    folder, file = ROBOT.folder(design) if out is None else Path(out), ROBOT_FILES[file_format]
+    folder, file = ROBOT.folder(design, out), ROBOT_FILES[file_format]
     is_set = isinstance(design, FingerSet)
     forms = design.forms if isinstance(design, FingerSet) else (Form(design, (design.name,)),)
     # The files of a set are told apart by their form.

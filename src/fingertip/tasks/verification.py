@@ -56,7 +56,7 @@ def compare_with_design(
         try:
             existing = read_input(path, OUTPUT_LIMIT, below=folder)
         except InputFileError as error:
-            found += map(str, error.issues)
+            found += (issue.typed for issue in error.issues)
             continue
         if existing != data:
             found += [f"{path}: differs from what this design gives.", *explain(existing, data)]
@@ -128,7 +128,7 @@ def _compare(folder: Path) -> tuple[int, list[str]]:
         owner = _find_owner(place, folder, found)
         if owner and manifest.parameters != found[owner].parameters:
             issues.append(Issue(str(place), f"was made from other parameters than {owner}; make both again."))
-    return sum(len(manifest.files) for manifest in found.values()), [str(issue) for issue in issues]
+    return sum(len(manifest.files) for manifest in found.values()), [issue.typed for issue in issues]
 
 
 def _find_owner(place: Path, folder: Path, found: Mapping[Path, Manifest]) -> Path | None:

@@ -20,6 +20,8 @@ void delay(unsigned long ms);
 struct SerialPort {
   void begin(unsigned long baud);
   operator bool() const { return true; }
+  int available();
+  int read();
   size_t write(const char *bytes, size_t count);
 };
 extern SerialPort Serial;

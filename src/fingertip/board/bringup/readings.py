@@ -59,7 +59,7 @@ def list_head(plan: BringUp, name: str) -> list[str]:
 
 def format_entry(key: str, limits: Limits) -> str:
     """Format the line of a reading that is still to be taken."""
-    expected = f"expected {round(limits.expected_v, 4) + 0.0:.4g}"
+    expected = f"expected {round(float(f'{limits.expected_v:.4g}'), 4) + 0.0:.4g}"
     if math.isinf(limits.high_v):
         expected = f"above {limits.low_v:.0f}"
     return f"{key} = nan  # {unit_of(key)}, {expected}"

@@ -76,9 +76,9 @@ def list_sockets() -> tuple[str, ...]:
     return tuple(name_part(SENSOR_CONNECTOR, channel) for channel in range(1, PLACES + 1))
 
 
-def list_tactile_pins() -> tuple[str, ...]:
-    """List the pin of the host connector at which the tactile voltage of each channel is."""
-    return tuple(number for number, net in host_pins().items() if split_net(net)[1] == ADC_TACTILE)
+def list_pins(net: str) -> tuple[str, ...]:
+    """List the pin of the host connector at which a voltage of each channel is: T or S."""
+    return tuple(number for number, own in host_pins().items() if split_net(own)[1] == net)
 
 
 def repeat_channel(single: Circuit, fitted: int) -> Circuit:

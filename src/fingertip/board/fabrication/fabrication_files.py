@@ -172,5 +172,5 @@ def find_outdated_files(folder: Path, record: str, board_files: Mapping[str, byt
                 if hash_content(read_input(path, OUTPUT_LIMIT, below=folder)) != digest:
                     differences.append(f"{path}: was changed after it was made.")
             except InputFileError as error:
-                differences += [str(issue) for issue in error.issues]
+                differences += [issue.typed for issue in error.issues]
     return differences

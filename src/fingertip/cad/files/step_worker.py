@@ -40,8 +40,8 @@ def run_job(job: StepJob, folder: Path) -> JobMeasurements:
 
     Raises MissingLibraryError or GeometryError.
     """
-    write_status(folder, "loading cadquery")
-    from fingertip.cad.kernel import brep  # raises MissingLibraryError if cadquery cannot be loaded  # noqa: PLC0415
+    write_status(folder, "loading Open CASCADE")
+    from fingertip.cad.kernel import brep  # raises MissingLibraryError if OCP cannot be loaded  # noqa: PLC0415
 
     own_job, forked_job = _split_job(job) if sys.platform == "linux" else (job, StepJob(job.title, ()))
     with _ForkedJob(forked_job, folder) as forked:

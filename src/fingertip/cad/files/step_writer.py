@@ -6,18 +6,20 @@ import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-import cadquery as cq
 from OCP.IFSelect import IFSelect_RetDone
+from OCP.Quantity import Quantity_Color, Quantity_TOC_sRGB
 from OCP.STEPCAFControl import STEPCAFControl_Writer
 from OCP.TCollection import TCollection_ExtendedString
 from OCP.TDataStd import TDataStd_Name
+from OCP.TDF import TDF_Label
 from OCP.TDocStd import TDocStd_Document
-from OCP.XCAFDoc import XCAFDoc_ColorType, XCAFDoc_DocumentTool
+from OCP.TopLoc import TopLoc_Location
+from OCP.TopoDS import TopoDS_Builder, TopoDS_Compound, TopoDS_Shape
+from OCP.XCAFDoc import XCAFDoc_ColorType, XCAFDoc_DocumentTool, XCAFDoc_ShapeTool
 
-from fingertip.cad.kernel.brep import assemble
 from fingertip.foundation.errors import GeometryError, Issue
 
-ColouredSolid = tuple[str, cq.Solid, tuple[float, float, float]]
+ColouredSolid = tuple[str, TopoDS_Shape, tuple[float, float, float]]
 """Name, solid and colour of a part."""
 
 _TIMESTAMP = re.compile(r"'\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d'")
@@ -32,20 +34,49 @@ _REFERENCE = re.compile(r"#(\d+)")
 def write_part(path: Path, part: ColouredSolid) -> None:
     """Write one named, coloured solid (AP214, mm). Raises GeometryError."""
     name, solid, colour = part
-    document = TDocStd_Document(TCollection_ExtendedString("XmlOcaf"))
-    label = XCAFDoc_DocumentTool.ShapeTool_s(document.Main()).AddShape(solid.wrapped, False)
-    TDataStd_Name.Set_s(label, TCollection_ExtendedString(name))
-    colours = XCAFDoc_DocumentTool.ColorTool_s(document.Main())
-    colours.SetColor(label, cq.Color(*colour).wrapped, XCAFDoc_ColorType.XCAFDoc_ColorGen)
-    writer = STEPCAFControl_Writer()
-    if not writer.Transfer(document) or writer.Write(str(path)) != IFSelect_RetDone:
-        raise GeometryError(Issue("STEP", f"the B-rep kernel could not write {name}; use --formats stl,3mf."))
-    _make_reproducible(path)
+    document, shapes = _open_document()
+    label = shapes.AddShape(solid, False)
+    _describe(document, label, name, colour, XCAFDoc_ColorType.XCAFDoc_ColorGen)
+    _write(document, path, name)
 
 
 def write_assembly(path: Path, title: str, parts: Iterable[ColouredSolid]) -> None:
-    """Write several named, coloured solids as one assembly called `title` (AP214, mm)."""
-    assemble(title, parts).export(str(path), "STEP")
+    """Write several named, coloured solids as one assembly called `title` (AP214, mm). Raises GeometryError."""
+    document, shapes = _open_document()
+    top = shapes.NewShape()
+    _set_name(top, title)
+    for name, solid, colour in parts:
+        label, compound = shapes.NewShape(), TopoDS_Compound()
+        TopoDS_Builder().MakeCompound(compound)
+        TopoDS_Builder().Add(compound, solid)
+        shapes.SetShape(label, compound)
+        _describe(document, label, name, colour, XCAFDoc_ColorType.XCAFDoc_ColorSurf)
+        _set_name(shapes.AddComponent(top, label, TopLoc_Location()), name)
+    shapes.UpdateAssemblies()
+    _write(document, path, title)
+
+
+def _open_document() -> tuple[TDocStd_Document, XCAFDoc_ShapeTool]:
+    document = TDocStd_Document(TCollection_ExtendedString("BinXCAF"))
+    return document, XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
+
+
+def _describe(
+    document: TDocStd_Document, label: TDF_Label, name: str, colour: tuple[float, float, float], kind: XCAFDoc_ColorType
+) -> None:
+    _set_name(label, name)
+    shade = Quantity_Color(*colour, Quantity_TOC_sRGB)
+    XCAFDoc_DocumentTool.ColorTool_s(document.Main()).SetColor(label, shade, kind)
+
+
+def _set_name(label: TDF_Label, name: str) -> None:
+    TDataStd_Name.Set_s(label, TCollection_ExtendedString(name))
+
+
+def _write(document: TDocStd_Document, path: Path, name: str) -> None:
+    writer = STEPCAFControl_Writer()
+    if not writer.Transfer(document) or writer.Write(str(path)) != IFSelect_RetDone:
+        raise GeometryError(Issue("STEP", f"the B-rep kernel could not write {name}; use --formats stl,3mf."))
     _make_reproducible(path)
 
 

@@ -1,8 +1,8 @@
 """Constructive solid geometry: parts as trees of primitives and boolean operations, independent of any kernel.
 
 Each part is described once as a tree of the frozen dataclasses below. Two geometry kernels evaluate the tree and share
-no geometry code: `cad.kernel.mesh` (numpy and manifold3d) and `cad.kernel.brep` (cadquery). All lengths are in mm and
-all axes are parallel to x, y or z. Solids compare and hash by value, so that a kernel evaluates equal solids once.
+no geometry code: `cad.kernel.mesh` (numpy and manifold3d) and `cad.kernel.brep` (Open CASCADE). All lengths are in mm
+and all axes are parallel to x, y or z. Solids compare and hash by value, so that a kernel evaluates equal solids once.
 """
 
 from __future__ import annotations

@@ -25,6 +25,10 @@ class Board(ParameterTable):
         1, "", (1, len(NAMES)),
         "Fingers that one board reads; from 2 on the board has five places, of which that many are fitted (precision).",
     )  # fmt: skip
+    cable_m: float = quantity(
+        0.5, "m", (0.05, 5),
+        "Length of the cables of a board of several fingers, for which their crosstalk is computed.",
+    )  # fmt: skip
     cutoff_hz: float = quantity(
         67.0, "Hz", (Above(0), 10000), "Cutoff frequency of the third-order Butterworth high-pass."
     )

@@ -250,7 +250,7 @@ def bone_is_held(design: DesignTables) -> Violation | None:
     )
 
 
-@RULES.rule("sensor.insert_height_mm", bone_is_held)
+@RULES.rule("sensor.insert_height_mm", bone_is_held, takes_long=True)
 def skin_covers_insert(design: DesignTables) -> Violation | None:
     """The skin keeps its minimum thickness over the edge of an insert, on a bone that lies off too."""
     dims, height, minimum = design.dimensions, design.sensor.insert_height_mm, design.skin.min_thickness_mm

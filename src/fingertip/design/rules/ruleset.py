@@ -164,6 +164,11 @@ class RuleChecker:
             self._passed[rule] = all(map(self.passes, rule.prerequisites)) and self._check(rule)
         return self._passed[rule]
 
+    def find_broken(self, rules: Iterable[Rule]) -> Iterator[BrokenRule]:
+        for rule in rules:
+            if not self.passes(rule) and rule in self.violations:
+                yield BrokenRule(rule, self.violations[rule], self._design)
+
     def _check(self, rule: Rule) -> bool:
         tables = RecordingTables(self._design, self._invalid).as_tables() if self._invalid else self._design
         try:
@@ -179,10 +184,7 @@ def find_violations(
     rules: Iterable[Rule], design: DesignTables, invalid: frozenset[str] = frozenset()
 ) -> Iterator[BrokenRule]:
     """Check a design, and yield every rule it breaks, in the order of `rules`; the parameters are `RuleChecker`'s."""
-    checker = RuleChecker(design, invalid)
-    for rule in rules:
-        if not checker.passes(rule) and rule in checker.violations:
-            yield BrokenRule(rule, checker.violations[rule], design)
+    return RuleChecker(design, invalid).find_broken(rules)
 
 
 class RecordingTables:

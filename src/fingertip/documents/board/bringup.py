@@ -117,6 +117,8 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
         orientation="J1 and J2" if design.board.channels == 1 else "the sensors' sockets",
         fingers=NAMES[: design.board.channels],
         wiring=wiring,
+        idle_v=values.tactile_response.open_v,
+        middle_v=values.voltage_limits.signal_ground_v,
         bench=bench,
         boards=BOARDS,
         supply_percent=SUPPLY_PERCENT,

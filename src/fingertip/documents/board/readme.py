@@ -11,7 +11,6 @@ from fingertip.board.analysis.interference import DEAD_ZONE_V, describe_sensor
 from fingertip.board.analysis.limits import describe_adc_range
 from fingertip.board.analysis.loads import signal_band_hz
 from fingertip.board.analysis.noise import noise_warning
-from fingertip.board.analysis.shared import CABLE_M
 from fingertip.board.bringup.wiring import NEEDED_PINS, OTHER_PINS
 from fingertip.board.circuits.board_circuit import CABLE_OHM, board_circuit
 from fingertip.board.circuits.channels import PLACES, list_sockets
@@ -66,7 +65,7 @@ def folder_readme(circuit: Circuit, stored: StoredProject, values: BoardValues, 
         channels=channels,
         places=PLACES,
         fingers=[f"{k} {name}" for k, name in enumerate(NAMES[:channels], start=1)],
-        cable_m=CABLE_M,
+        cable_m=design.board.cable_m,
         size_mm=f"{placement.width:g} x {placement.height:g}",
         unlabelled=[name for name, part in placement.parts.items() if name[0] in "RC" and not part.is_labelled],
         all_unlabelled=not any(part.is_labelled for name, part in placement.parts.items() if name[0] in "RC"),
@@ -125,6 +124,7 @@ def collect_board(values: BoardValues, design: Design) -> dict[str, Any]:
     return {
         "values": values,
         "board": design.board,
+        "changes": f" --set board.channels={design.board.channels}" if design.board.channels > 1 else "",
         "detector": design.detector,
         "supply": supply,
         "is_for_controller": design.board.is_for_controller,

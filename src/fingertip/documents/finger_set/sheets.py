@@ -6,13 +6,17 @@ Every figure is that of the forms' own sheets, multiplied or added up.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
+from fingertip.board.circuits.channels import list_pins, list_sockets
+from fingertip.board.parts.circuit import ADC_FILTERED, ADC_TACTILE
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.casting.hardware import list_hardware
 from fingertip.casting.quantities import Batch
 from fingertip.casting.set_plan import CHANGE_S, CastingPlan, Cup
+from fingertip.catalogues.controllers import NAMES
+from fingertip.catalogues.output_files import BOARD_DESIGN, BOARD_FOLDER
 from fingertip.catalogues.silicones import Silicone
 from fingertip.design.finger_set import FingerSet, Form
 from fingertip.documents.casting.sheet import round_component_g
@@ -36,6 +40,8 @@ class FormSheets:
     """Volume of each part by name."""
     verdict: str = ""
     warnings: tuple[str, ...] = ()
+    calibrated: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    """Acceptance of each finger whose sensor has a force curve of its own."""
 
     def count_part(self, part: str) -> int:
         """Count how often a part of this form is printed for the set: molds and other tools once."""
@@ -44,49 +50,48 @@ class FormSheets:
         return self.form.count if PARTS[part].is_in_finger else 1
 
 
-@dataclass(frozen=True)
-class SharedBoard:
-    """Board for all fingers: its folder, and for each finger its socket and the pin of its tactile voltage."""
-
-    folder: str
-    design_file: str
-    sockets: tuple[str, ...]
-    tactile_pins: tuple[str, ...]
-
-
 def set_data(
     fingers: FingerSet,
     sheets: Sequence[FormSheets],
     plan: CastingPlan,
     plates: Mapping[str, Sequence[str]],
-    board: SharedBoard | None,
+    has_board: bool,
 ) -> dict[str, Any]:
-    """Collect the data of all sheets of a set."""
+    """Collect the data of all sheets of a set, which has one board for all its fingers or none."""
+    sockets, pins, slip_pins = (
+        dict(zip(NAMES, each if has_board else [""] * len(NAMES), strict=True))
+        for each in (list_sockets(), list_pins(ADC_TACTILE), list_pins(ADC_FILTERED))
+    )
     rows = [
         {
             "finger": finger,
             "design": form.design.name,
+            "acceptance": f"sensor of {finger}" if finger in fingers.calibrated else form.design.name,
             "width_mm": form.design.skin.width_mm,
             "length_mm": form.design.skin.length_mm,
             "shared": [other for other in form.fingers if other != finger],
-            "socket": board.sockets[number] if board else "",
-            "pin": board.tactile_pins[number] if board else "",
+            "socket": sockets[finger],
+            "pin": pins[finger],
+            "slip_pin": slip_pins[finger],
         }
-        for number, (finger, form) in enumerate(fingers.fingers)
+        for finger, form in fingers.fingers
     ]
+    acceptance = {each.form.design.name: dict(each.acceptance) for each in sheets}
+    for finger, own in ((finger, own) for each in sheets for finger, own in each.calibrated.items()):
+        acceptance[f"sensor of {finger}"] = dict(own)
     counts = {(each.form.design.name, part): each.count_part(part) for each in sheets for part in each.volumes_cm3}
     printer, controller = sheets[0].form.design.printer, find_board(DEFAULT_CONTROLLER)
     return {
         "name": fingers.name,
         "side": fingers.side,
-        "board": {"folder": board.folder, "design_file": board.design_file} if board else None,
+        "board": {"folder": BOARD_FOLDER, "design_file": BOARD_DESIGN} if has_board else None,
         "controller": controller.name if controller else "",
         "bed_mm": [printer.bed_x_mm, printer.bed_y_mm, printer.bed_z_mm],
         "fingers": rows,
         "forms": [
-            {"design": each.form.design.name, "verdict": each.verdict, "warnings": list(each.warnings),
-             "bone_material": each.casting["print_material"], "joint": each.casting["joint"],
-             "from_tip_mm": each.form.design.sensor.distance_from_tip_mm}
+            {"design": each.form.design.name, "fingers": list(each.form.fingers), "verdict": each.verdict,
+             "warnings": list(each.warnings), "bone_material": each.casting["print_material"],
+             "joint": each.casting["joint"], "from_tip_mm": each.form.design.sensor.distance_from_tip_mm}
             for each in sheets
         ],
         "prints": [
@@ -96,7 +101,7 @@ def set_data(
         "plan": _plan_data(plan),
         "calendar": list(_plan_days(sheets, plan)),
         "parts": _list_parts(sheets, plan),
-        "acceptance": {each.form.design.name: dict(each.acceptance) for each in sheets},
+        "acceptance": acceptance,
         "totals": {
             "fingers": len(rows),
             "molds": len(sheets),

@@ -14,39 +14,41 @@
 
 static const uint32_t LONG_AGO = UINT32_MAX;
 
-slip_real slip_force_n(slip_real tactile_v) {
+slip_real slip_force_n(unsigned finger, slip_real tactile_v) {
+    const slip_real *const curve_v = slip_curves_v[slip_curve_of[finger]];
+    const slip_real *const curve_n = slip_curves_n[slip_curve_of[finger]];
     unsigned low = 0, high = SLIP_CURVE - 1, middle;
     slip_real slope;
-    if (tactile_v <= slip_curve_v[low]) {
-        return slip_curve_n[low];
+    if (tactile_v <= curve_v[low]) {
+        return curve_n[low];
     }
-    if (tactile_v >= slip_curve_v[high]) {
-        return slip_curve_n[high];
+    if (tactile_v >= curve_v[high]) {
+        return curve_n[high];
     }
     while (high - low > 1) {
         middle = (low + high) / 2;
-        if (slip_curve_v[middle] <= tactile_v) {
+        if (curve_v[middle] <= tactile_v) {
             low = middle;
         } else {
             high = middle;
         }
     }
-    slope = (slip_curve_n[high] - slip_curve_n[low]) / (slip_curve_v[high] - slip_curve_v[low]);
-    return slope * (tactile_v - slip_curve_v[low]) + slip_curve_n[low];
+    slope = (curve_n[high] - curve_n[low]) / (curve_v[high] - curve_v[low]);
+    return slope * (tactile_v - curve_v[low]) + curve_n[low];
 }
 
 /* Travel of the hand beyond the touch for a force [m]. */
-static slip_real depth_m(slip_real force_n) {
+static slip_real depth_m(unsigned finger, slip_real force_n) {
     const slip_real root = (slip_real)cbrt((double)force_n);
-    return force_n / SLIP_BACKING_N_PER_M + SLIP_PAD_M_PER_N23 * (root * root);
+    return force_n / SLIP_BACKING_N_PER_M + slip_pads_m_per_n23[slip_curve_of[finger]] * (root * root);
 }
 
 /* Closing that increases a force by the ratio, but not beyond the limit [m]. It never opens. */
-static slip_real further_m(slip_real force_n) {
+static slip_real further_m(unsigned finger, slip_real force_n) {
     const slip_real present = force_n > SLIP_GRIP_MIN_PRESENT_N ? force_n : SLIP_GRIP_MIN_PRESENT_N;
     const slip_real wanted = present * SLIP_GRIP_FORCE_RATIO;
     const slip_real target = wanted < SLIP_GRIP_MAX_FORCE_N ? wanted : SLIP_GRIP_MAX_FORCE_N;
-    const slip_real further = depth_m(target) - depth_m(present);
+    const slip_real further = depth_m(finger, target) - depth_m(finger, present);
     return further > R(0.0) ? further : R(0.0);
 }
 
@@ -109,7 +111,7 @@ bool slip_grip_step(slip_grip *grip, uint32_t now_us, unsigned on, unsigned usab
     grip->since_tightening_us = later(grip->since_tightening_us, elapsed_us);
     now.time_us = now_us;
     for (i = 0; i < SLIP_FINGERS; i++) {
-        now.force_n[i] = slip_force_n(inputs[i].tactile_v);
+        now.force_n[i] = slip_force_n(i, inputs[i].tactile_v);
         now.closing_m[i] = inputs[i].closing_m;
     }
     if (is_late) {
@@ -137,7 +139,7 @@ bool slip_grip_step(slip_grip *grip, uint32_t now_us, unsigned on, unsigned usab
         * (R(1e-6) * (slip_real)(elapsed_us < SLIP_GRIP_LONGEST_STEP_US ? elapsed_us : SLIP_GRIP_LONGEST_STEP_US));
     for (i = 0; i < SLIP_FINGERS; i++) {
         if (grip->has_tightened) {
-            target = grip->target_m[i] + ((usable >> i & 1u) ? further_m(now.force_n[i]) : R(0.0));
+            target = grip->target_m[i] + ((usable >> i & 1u) ? further_m(i, now.force_n[i]) : R(0.0));
             grip->target_m[i] = target < SLIP_GRIP_MAX_ADDED_M ? target : SLIP_GRIP_MAX_ADDED_M;
         }
         /* In a hand that is stiffer than assumed the measured force comes to its limit first: go no further. */

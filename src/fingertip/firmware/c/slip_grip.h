@@ -67,8 +67,8 @@ void slip_grip_release(slip_grip *grip);
  * stays false until the next step. A motor whose law is not alive holds its place. */
 bool slip_grip_is_alive(slip_grip *grip, uint32_t now_us);
 
-/* Return the force on a finger that a tactile voltage means [N]. */
-slip_real slip_force_n(slip_real tactile_v);
+/* Return the force that a tactile voltage of a finger means [N], by the curve of its sensor. */
+slip_real slip_force_n(unsigned finger, slip_real tactile_v);
 
 #ifdef __cplusplus
 }

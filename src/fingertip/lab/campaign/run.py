@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
-from fingertip.foundation.numerics import poisson_interval
+from fingertip.foundation.numerics import Array, poisson_interval
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, Case, generate_cases
 from fingertip.sim import SceneFile, run_scene
 from fingertip.sim.runs.scene import SceneRun
 from fingertip.slip import DETECTORS, Trace, make_detector
-from fingertip.slip.detectors.registry import find_second_column, select_inputs
+from fingertip.slip.detectors.fast import FastDetector, FastOutput
+from fingertip.slip.detectors.registry import Detector, DetectorOutput, find_second_column, select_inputs
 from fingertip.slip.traces.truth import INCIPIENT_S, Interval, intervals, score
 
 SAME_EVENT_S = 0.1
@@ -74,22 +75,46 @@ def needs_board(*detectors: str) -> bool:
 
 
 def evaluate(
-    case: Case, trace: Trace, force_n: float, detector: str, design: Design, scales: Sequence[float]
+    case: Case,
+    trace: Trace,
+    force_n: float,
+    detector: str,
+    design: Design,
+    scales: Sequence[float],
+    fast_runs: dict[float, FastOutput] | None = None,
 ) -> list[TrialResult]:
-    """Run a detector on a trace, for each factor of its threshold; a constant one needs a single run."""
+    """Run a detector on a trace, for each factor of its threshold; a constant one needs a single run.
+
+    `fast_runs` keeps by factor what `fast` gave on this trace: `incipient` is another operating point of the same run.
+    """
+    runs = {} if fast_runs is None else fast_runs
     nominal, inputs = make_detector(detector, design), select_inputs(trace, detector)
-    output = nominal.process(*inputs)
+    output = _process(nominal, inputs, 1.0, runs)
     constant = float(np.ptp(output.threshold_v)) == 0.0
-    results = []
-    for scale in scales:
-        if scale == 1.0:
-            on = output.on
-        elif constant:
-            on = output.statistic_v > scale * output.threshold_v
-        else:
-            on = make_detector(detector, design, threshold_scale=scale).process(*inputs).on
-        results.append(score_trial(case, trace, force_n, on, nominal.memory_s))
-    return results
+    found: dict[float, TrialResult] = {}
+    is_off = False  # at a factor, and then at all greater ones
+    for scale in sorted(scales):
+        if not is_off:
+            if constant or scale == 1.0:
+                on = output.on if scale == 1.0 else output.statistic_v > scale * output.threshold_v
+                is_off = constant and not on.any()
+            else:
+                scaled = make_detector(detector, design, threshold_scale=scale)
+                on = _process(scaled, inputs, scale, runs).on
+                is_off = isinstance(scaled, FastDetector) and scaled.is_off_beyond(runs[scale])
+            result = score_trial(case, trace, force_n, on, nominal.memory_s)
+        found[scale] = result
+    return [found[scale] for scale in scales]
+
+
+def _process(
+    detector: Detector, inputs: tuple[Array, ...], scale: float, runs: dict[float, FastOutput]
+) -> DetectorOutput:
+    if not isinstance(detector, FastDetector):
+        return detector.process(*inputs)
+    if scale not in runs:
+        runs[scale] = FastDetector.process(detector, *inputs)
+    return detector.select(runs[scale])
 
 
 def score_trial(case: Case, trace: Trace, force_n: float, on: NDArray[np.bool_], memory_s: float) -> TrialResult:
@@ -305,8 +330,9 @@ def run_cases(
         for i, case in enumerate(cases):
             advance(i / len(cases))
             trace, force_n = simulate_trace(design, case, tuple(factors))
+            runs: dict[float, FastOutput] = {}
             for name, scales in factors.items():
-                trials[name].append(evaluate(case, trace, force_n, name, design, scales))
+                trials[name].append(evaluate(case, trace, force_n, name, design, scales, runs))
     return {
         name: tuple(map(DetectorResult, scales, zip(*trials[name], strict=True))) for name, scales in factors.items()
     }

@@ -70,8 +70,8 @@ def file_names(design: Design) -> tuple[str, ...]:
 
 
 def require_packages(field: str) -> None:
-    """Raise a `MissingLibraryError` that blames `field` unless cadquery and reportlab are installed."""
-    extras.require(field, "cadquery", "reportlab", alternative="draw a picture with fingertip picture")
+    """Raise a `MissingLibraryError` that blames `field` unless Open CASCADE and reportlab are installed."""
+    extras.require(field, "OCP", "reportlab", alternative="draw a picture with fingertip picture")
 
 
 def draw_sheets(design: Design, progress: Callable[[str], None] = lambda message: None) -> dict[str, Sheet]:

@@ -1,20 +1,24 @@
 """Projection of B-rep solids with exact removal of hidden lines, and longitudinal sections, by Open CASCADE.
 
-Importing this module loads cadquery; import `cad.kernel.brep` first, which says what to install where that fails.
+Importing this module loads Open CASCADE; import `cad.kernel.brep` first, which says what to install where that fails.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-import cadquery as cq
+from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
 from OCP.BRepLib import BRepLib
+from OCP.BRepTools import BRepTools_WireExplorer
 from OCP.GCPnts import GCPnts_TangentialDeflection
+from OCP.GeomAbs import GeomAbs_Plane
 from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt
 from OCP.HLRAlgo import HLRAlgo_Projector
 from OCP.HLRBRep import HLRBRep_Algo, HLRBRep_HLRToShape
-from OCP.TopAbs import TopAbs_REVERSED
+from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_REVERSED, TopAbs_WIRE
+from OCP.TopoDS import TopoDS, TopoDS_Shape
 
+from fingertip.cad.kernel import occ
 from fingertip.design.geometry.sizes import ViewName
 from fingertip.pictures.drawing.primitives import PROJECTIONS, Line2, ProjectedView, Projection
 
@@ -28,8 +32,8 @@ _DECIMALS = 4
 _IN_PLANE_MM = 1e-5
 
 
-def project(solid: Any, view: ViewName) -> ProjectedView:
-    """Project a `cadquery.Solid`. The section removes the half at x < 0 first."""
+def project(solid: TopoDS_Shape, view: ViewName) -> ProjectedView:
+    """Project a solid. The section removes the half at x < 0 first."""
     shape = _far_half(solid) if view == "section" else solid
     visible, hidden = _remove_hidden_lines(shape, PROJECTIONS[view])
     if view == "section":
@@ -37,20 +41,19 @@ def project(solid: Any, view: ViewName) -> ProjectedView:
     return ProjectedView(visible, hidden)
 
 
-def _far_half(solid: Any) -> Any:
-    box = solid.BoundingBox()
+def _far_half(solid: TopoDS_Shape) -> TopoDS_Shape:
+    (x, y, z), (_, far_y, far_z) = occ.bounds(solid)
     margin = 1.0
-    corner = cq.Vector(box.xmin - margin, box.ymin - margin, box.zmin - margin)
-    near = cq.Solid.makeBox(margin - box.xmin, box.ylen + 2 * margin, box.zlen + 2 * margin, corner)
-    return solid.cut(near)
+    near = occ.make_box((x - margin, y - margin, z - margin), (0.0, far_y + margin, far_z + margin))
+    return occ.cut(solid, near)
 
 
-def _remove_hidden_lines(shape: Any, projection: Projection) -> tuple[tuple[Line2, ...], tuple[Line2, ...]]:
+def _remove_hidden_lines(shape: TopoDS_Shape, projection: Projection) -> tuple[tuple[Line2, ...], tuple[Line2, ...]]:
     """Compute the visible and the hidden edges. Smooth edges between faces are neither."""
-    BRepLib.EncodeRegularity_s(shape.wrapped, _SMOOTH_RAD)
+    BRepLib.EncodeRegularity_s(shape, _SMOOTH_RAD)
     axes = gp_Ax2(gp_Pnt(0.0, 0.0, 0.0), gp_Dir(*projection.towards), gp_Dir(*projection.right))
     algorithm = HLRBRep_Algo()
-    algorithm.Add(shape.wrapped)
+    algorithm.Add(shape)
     algorithm.Projector(HLRAlgo_Projector(axes))
     algorithm.Update()
     algorithm.Hide()
@@ -67,14 +70,14 @@ def _polylines(*compounds: Any) -> tuple[Line2, ...]:
         if compound is None or compound.IsNull():
             continue
         BRepLib.BuildCurves3d_s(compound)
-        for edge in cq.Shape.cast(compound).Edges():
+        for edge in occ.list_shapes(compound, TopAbs_EDGE):
             points = tuple(_points(edge, lambda p: (p.X(), p.Y())))
             found.add(min(points, points[::-1]))  # begins at its lower end
     return tuple(sorted(edge for edge in found if len(edge) > 1))
 
 
-def _points(edge: Any, flatten: Any) -> list[tuple[float, float]]:
-    sampled = GCPnts_TangentialDeflection(edge._geomAdaptor(), _ANGLE_RAD, DEFLECTION_MM)
+def _points(edge: TopoDS_Shape, flatten: Any) -> list[tuple[float, float]]:
+    sampled = GCPnts_TangentialDeflection(BRepAdaptor_Curve(TopoDS.Edge_s(edge)), _ANGLE_RAD, DEFLECTION_MM)
     points: list[tuple[float, float]] = []
     for i in range(1, sampled.NbPoints() + 1):
         u, v = flatten(sampled.Value(i))
@@ -84,17 +87,20 @@ def _points(edge: Any, flatten: Any) -> list[tuple[float, float]]:
     return points
 
 
-def _cut_outlines(half: Any, projection: Projection) -> tuple[Line2, ...]:
+def _cut_outlines(half: TopoDS_Shape, projection: Projection) -> tuple[Line2, ...]:
     """Return the outlines of the faces in the plane of the section, closed."""
     rings = []
-    for face in half.Faces():
-        box = face.BoundingBox()
-        if face.geomType() != "PLANE" or max(abs(box.xmin), abs(box.xmax)) > _IN_PLANE_MM:
+    for face in occ.list_shapes(half, TopAbs_FACE):
+        low, high = occ.bounds(face)
+        is_plane = BRepAdaptor_Surface(TopoDS.Face_s(face)).GetType() == GeomAbs_Plane
+        if not is_plane or max(abs(low[0]), abs(high[0])) > _IN_PLANE_MM:
             continue
-        for wire in face.Wires():
+        for wire in occ.list_shapes(face, TopAbs_WIRE):
             ring: list[tuple[float, float]] = []
-            for edge in wire:
-                points = _points(edge, lambda p: projection.flatten((p.X(), p.Y(), p.Z())))
-                ring += reversed(points) if edge.wrapped.Orientation() == TopAbs_REVERSED else points
+            edges = BRepTools_WireExplorer(TopoDS.Wire_s(wire))
+            while edges.More():
+                points = _points(edges.Current(), lambda p: projection.flatten((p.X(), p.Y(), p.Z())))
+                ring += reversed(points) if edges.Current().Orientation() == TopAbs_REVERSED else points
+                edges.Next()
             rings.append(tuple(ring))
     return tuple(sorted(rings))

@@ -19,7 +19,7 @@ PartViews = dict[str, dict[ViewName, ProjectedView]]
 
 def run_job(job: Job) -> PartViews:
     """Project every part in its views. Raises MissingLibraryError or GeometryError."""
-    from fingertip.cad.kernel import brep  # raises MissingLibraryError if cadquery cannot be loaded  # noqa: PLC0415
+    from fingertip.cad.kernel import brep  # raises MissingLibraryError if OCP cannot be loaded  # noqa: PLC0415
     from fingertip.pictures.drawing.hidden_lines import project  # noqa: PLC0415
 
     evaluator = brep.BrepEvaluator()

@@ -140,12 +140,18 @@ def _drag_loop(
     m, k, d = mount
     G = ROS2_GAMMA * h
     x, v, s = state[0], state[1], state[2]
-    load = N[0]
+    xs[0], vs_out[0], zs[0] = x, v, 1 / math.sqrt(N[0] + N0) * s
+    # A pad that nothing has moved yet stays where it is, with the bits of the steps below.
+    first = 0
+    rests = v == s == 0.0 and math.copysign(1.0, v) + math.copysign(1.0, s) == 2.0
+    while rests and first < len(X) - 1 and X[first] == X[first + 1] == x and V[first] == V[first + 1] == 0.0:
+        first += 1
+        xs[first], vs_out[first], zs[first] = x, v, s
+    load = N[first]
     c = 1 / math.sqrt(load + N0)
     unloaded = relax_per_s * (1 - load / N0) if load < N0 else 0.0  # relaxation without load, the first part of r
     per_mu_s = 1 / (mu_c + drop)
-    xs[0], vs_out[0], zs[0] = x, v, c * s
-    for i in range(len(X) - 1):
+    for i in range(first, len(X) - 1):
         # Friction at the start of the step: g(v), ds/dt, and its derivatives J_ss by s and J_sv by v.
         ratio = v / vs
         denominator = 1 + ratio * ratio

@@ -35,7 +35,8 @@ MIN_PRESENT_N = 0.1
 """Smallest present force that the force ratio is applied to [N]: with a smaller one a finger would hardly close."""
 HISTORY = 16
 """Moments that are kept over the window of growth, at least a fifteenth of it apart."""
-_TABLE_N = np.concatenate((np.linspace(0.0, 2.0, 401), np.linspace(2.05, 20.0, 360)))
+_TABLE_N = np.concatenate((np.linspace(0.0, 0.5, 41), np.geomspace(0.5, 20.0, 88)[1:]))
+"""Forces of a curve [N]. Lines between them are within 0.5 % of the force above 0.3 N, where the sensor is on."""
 
 
 @dataclass(frozen=True)
@@ -109,13 +110,13 @@ def _whole_us(seconds: float) -> int:
 
 
 class GripLaw:
-    """The law for some fingers, with its state."""
+    """The law for some fingers, each with the curve of its sensor and pad, and its state."""
 
-    def __init__(self, settings: GripSettings, curve: ForceCurve, fingers: int) -> None:
-        self.settings, self.curve = settings, curve
-        self.added_m = np.zeros(fingers)
+    def __init__(self, settings: GripSettings, curves: Sequence[ForceCurve]) -> None:
+        self.settings, self.curves = settings, tuple(curves)
+        self.added_m = np.zeros(len(self.curves))
         """Closing that detections have added so far to what the hand plans [m]."""
-        self._target_m = np.zeros(fingers)
+        self._target_m = np.zeros(len(self.curves))
         self._history: deque[tuple[int, list[float], list[float]]] = deque(maxlen=HISTORY)
         self._last_us: int | None = None
         self._since_growth_us = self._since_tightening_us = math.inf
@@ -146,7 +147,7 @@ class GripLaw:
         self._since_growth_us += dt_us
         self._since_tightening_us += dt_us
         is_usable = [True] * len(volts) if usable is None else usable
-        force = [self.curve.force_n(v) for v in volts]
+        force = [curve.force_n(v) for curve, v in zip(self.curves, volts, strict=True)]
         window_us = _whole_us(s.growth_window_s)
         while self._history and now_us - self._history[0][0] > window_us:
             self._history.popleft()
@@ -166,8 +167,8 @@ class GripLaw:
         if tightened:
             self._since_tightening_us = 0
             further_m = [
-                self.curve.further_m(f, s.force_ratio, s.max_force_n) if ok else 0.0
-                for ok, f in zip(is_usable, force, strict=True)
+                curve.further_m(f, s.force_ratio, s.max_force_n) if ok else 0.0
+                for curve, ok, f in zip(self.curves, is_usable, force, strict=True)
             ]
             self._target_m = np.minimum(self._target_m + further_m, s.max_added_m)
         # In a hand that is stiffer than assumed the measured force comes to its limit first: go no further.
@@ -187,7 +188,7 @@ class GripController:
         self._detectors = [
             make_detector(settings.detector, design, threshold_scale=settings.threshold_scale) for _ in range(fingers)
         ]
-        self.law = GripLaw(settings, ForceCurve.from_design(design), fingers)
+        self.law = GripLaw(settings, [ForceCurve.from_design(design)] * fingers)
 
     def step(self, observation: Observation) -> Array:
         """Return the commanded closing [m]: the planned closing, and what detections have added to it."""

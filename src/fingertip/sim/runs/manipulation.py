@@ -181,23 +181,35 @@ def run_manipulation(
             stepper.advance(delay_commands(commands, start, min(start + CHUNK, count), period, delay))
             done(start / rate_hz)
     else:
-        planned = commands.copy()
-        for i, start in enumerate(starts):
-            observation = _observe(stepper, start / rate_hz, planned[:, i])
-            commands[:, i] = _validate_command(controller.step(observation), start / rate_hz, len(scene.fingers))
-            stepper.advance(delay_commands(commands, start, min(start + period, count), period, delay))
-            done(start / rate_hz)
+        # A command acts after its delay. What happens until then is known, and is computed in one chunk.
+        planned, given, known = commands.copy(), 0, 0
+        while given < len(starts):
+            while given < len(starts) and starts[given] <= known:
+                command = controller.step(_observe(stepper, starts[given], period, planned[:, given]))
+                commands[:, given] = _validate_command(command, starts[given] / rate_hz, len(scene.fingers))
+                given += 1
+            end = min((given + delay // period) * period, count)
+            if end > known:
+                stepper.advance(delay_commands(commands, known, end, period, delay))
+            known = end
+            done(known / rate_hz)
     signals = HandSignals.join(stepper.chunks)
     beyond = np.flatnonzero(signals.object_m >= scene.object.length_m)
     lost_s = float(signals.time_s[beyond[0]]) if stepper.is_lost and len(beyond) else None
     return ManipulationResult(scene, seed, plan, signals, lost_s, stepper.meter.costs)
 
 
-def _observe(stepper: ManipulationStepper, time_s: float, planned_m: Array) -> Observation:
-    """Collect what a controller sees: the samples since its last command."""
-    find, closing_m = stepper.chunks[-1].find, stepper.motors.closing_m.copy()
+def _observe(stepper: ManipulationStepper, point: int, period: int, planned_m: Array) -> Observation:
+    """Collect what a controller sees at a point of the last chunk: the samples since its last command."""
+    window, closing_m = stepper.select_window(point, period)
+
+    def find(name: str) -> Array | None:
+        found = stepper.chunks[-1].find(name)
+        return None if found is None else found[:, window]
+
     voltage_v = find("voltage_v")
     assert voltage_v is not None
+    time_s = point / stepper.grid.rate_hz
     return Observation(time_s, voltage_v, closing_m, planned_m, find("sampled_envelope_v"), find("sampled_filtered_v"))
 
 

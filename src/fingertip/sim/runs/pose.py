@@ -34,6 +34,8 @@ class ScenePose(ParameterTable):
 
     def find_issues(self, form: PadForm) -> Iterator[Issue]:
         """Yield why the middle of the poses cannot be, with values nearer to the goal that can."""
+        if is_possible(form, self._turned(0.0, 0.0)):
+            return
         try:
             check_pose(form, self._turned(0.0, 0.0))
         except TraceError as error:

@@ -98,6 +98,7 @@ class ManipulationStepper:
         self._samplers = [Sampler() for _ in range(2 * count + 2)]
         self._fingers = [Finger(self._set_up(i), self.grid, self.outputs, self.meter) for i in range(count)]
         still, none = np.zeros((count, 1)), np.zeros(1)
+        self._closing_m = still
         self._record(still, still, _describe_drives(still, still, still, still, still, still, none), none, none)
 
     @property
@@ -109,6 +110,7 @@ class ManipulationStepper:
         count, length = command_m.shape
         with self.meter.stage("hand", 2, length):
             motors = self.motors.follow(command_m)
+        self._closing_m = motors.closing_m
         loads = np.concatenate((self._last_load_n[:, None], motors.force_n), axis=1)
         time_s = self.grid.time_s(self._points - 1, length + 1)
         self._points += length
@@ -124,6 +126,12 @@ class ManipulationStepper:
         pushes = motors.vibration_n + np.array(shares)[:, None] * pressed_n
         drives = _describe_drives(loads[:, 1:], pushes, motors.jump_n, shear, over_object_m_s, bristle, object_m)
         self._record(motors.closing_m, command_m, drives, object_m, pin_n)
+
+    def select_window(self, point: int, period: int) -> tuple[slice, Array]:
+        """Select the samples of the last chunk in the period before one of its points, and the closing there [m]."""
+        before = self._clock.count_until(self._points - 1) - len(self.chunks[-1].time_s)
+        first, end = (max(self._clock.count_until(at) - before, 0) for at in (point - period, point))
+        return slice(first, end), self._closing_m[:, point - self._points].copy()
 
     def _move(self, time_s: Array, loads: Array) -> tuple[Array, ...]:
         """Compute shear, velocity over the object and bristles of each pad, position of the object, and pin force."""

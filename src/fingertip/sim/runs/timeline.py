@@ -22,7 +22,7 @@ from fingertip.sim.contact.vibration import ProfileForce, smoothstep, transmit
 from fingertip.sim.runs.files import Motor, SceneFile, Slide, Tap
 from fingertip.sim.signal.bridge import Bridge, reads_whole_finger
 from fingertip.sim.signal.finger import FingerDrive
-from fingertip.sim.signal.grid import CostMeter, Grid, StageCost
+from fingertip.sim.signal.grid import CostMeter, Grid
 from fingertip.sim.signal.parameters import ACCELERATION_M_S2, Sensing
 
 SLIDE_M = 0.04
@@ -243,7 +243,7 @@ class ErrorControlledPad:
     def process(self, carriage_m: Array, carriage_m_s: Array, load_n: Array, push_n: Array | None) -> FingerDrive:
         with self._meter.stage("friction", coupled.STATES):
             motion = self._contact.process(carriage_m, carriage_m_s, load_n)
-        self._meter.add(StageCost("friction", coupled.STATES, motion.evaluations, 0.0))
+        self._meter.add("friction", coupled.STATES, motion.evaluations)
         return _describe(motion, carriage_m, load_n, push_n)
 
 
@@ -277,7 +277,7 @@ class CoupledPad:
             if push_n is not None:
                 pressing = pressing + transmit(load_n) * push_n
             motion = self._contact.process(carriage_m, carriage_m_s, pressing)
-        self._meter.add(StageCost("coupled contact", coupled.STATES, motion.evaluations, 0.0))
+        self._meter.add("coupled contact", coupled.STATES, motion.evaluations)
         contact_n = np.where(load_n > 0.0, motion.force_n, 0.0)
         return _describe(motion, carriage_m, load_n, push_n, contact_n)
 

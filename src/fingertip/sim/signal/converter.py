@@ -20,7 +20,7 @@ from fingertip.board import board_circuit
 from fingertip.board.analysis.noise import add_noise
 from fingertip.board.circuits.network import build_network
 from fingertip.board.components.values import SUPPLIES, select_components
-from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE, ENVELOPE, FILTERED, TACTILE, Circuit
+from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE, ENVELOPE, FILTERED, TACTILE
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.foundation.jit import CompiledLoop
@@ -55,26 +55,14 @@ PINS = {ADC_TACTILE: TACTILE, ADC_ENVELOPE: ENVELOPE, ADC_FILTERED: FILTERED}
 class AntiAliasFilter:
     """One or two poles that start in the steady state of their first sample and keep their state between chunks."""
 
-    def __init__(self, circuit: Circuit, source: str, pin: str, step_s: float) -> None:
-        network = build_network(circuit).drive(source)
-        system = network.ground(*(name for name in network.inputs if name != source)).restrict(pin).state_space
-        step = exponentials(augment(system.A, system.B[:, 0], np.zeros(len(system.A))), step_s, 1)[0]
-        # The loop has two states, the second of which is the voltage at the pin. One pole stands in both.
-        last = int(np.argmax(system.rows[pin][: len(system.A)]))
-        order = [0 if last else len(system.A) - 1, last]
-        n = len(system.A)
-        rows = np.zeros((2, 4))
-        rows[:, :2] = step[np.ix_(order, order)] if n == 2 else np.diag(step[:1, :1].repeat(2))
-        # Scale the slope's column for the difference of two samples.
-        rows[:, 2:] = step[order][:, n : n + 2] * [1.0, 1 / step_s]
-        self.matrix = tuple(rows.ravel().tolist())
+    def __init__(self, matrix: tuple[float, ...]) -> None:
+        self.matrix = matrix
         self._state: Array | None = None
 
     @classmethod
     def ahead_of(cls, pin: str, design: Design, step_s: float | None = None) -> AntiAliasFilter:
         """Filter of a board's pin, one of `PINS`; without a step [s], for voltages at the samples."""
-        step_s = 1 / design.detector.sample_rate_hz if step_s is None else step_s
-        return cls(board_circuit(select_components(design)), PINS[pin], pin, step_s)
+        return cls(_compute_poles(pin, design, 1 / design.detector.sample_rate_hz if step_s is None else step_s))
 
     def process(self, voltage_v: Array, after_v: Array | None = None) -> Array:
         """Return the voltage at the pin [V]; where the input jumps, `after_v` is the voltage right after."""
@@ -84,6 +72,22 @@ class AntiAliasFilter:
                 self._state = np.full(3, voltage_v[0])
             run_poles(self.matrix, voltage_v, voltage_v if after_v is None else after_v, self._state, out)
         return out
+
+
+@functools.lru_cache(maxsize=256)
+def _compute_poles(pin: str, design: Design, step_s: float) -> tuple[float, ...]:
+    network = build_network(board_circuit(select_components(design))).drive(source := PINS[pin])
+    system = network.ground(*(name for name in network.inputs if name != source)).restrict(pin).state_space
+    step = exponentials(augment(system.A, system.B[:, 0], np.zeros(len(system.A))), step_s, 1)[0]
+    # The loop has two states, the second of which is the voltage at the pin. One pole stands in both.
+    last = int(np.argmax(system.rows[pin][: len(system.A)]))
+    order = [0 if last else len(system.A) - 1, last]
+    n = len(system.A)
+    rows = np.zeros((2, 4))
+    rows[:, :2] = step[np.ix_(order, order)] if n == 2 else np.diag(step[:1, :1].repeat(2))
+    # Scale the slope's column for the difference of two samples.
+    rows[:, 2:] = step[order][:, n : n + 2] * [1.0, 1 / step_s]
+    return tuple(rows.ravel().tolist())
 
 
 def _filter_loop(
@@ -135,7 +139,7 @@ class AdcRange:
     def quantise_v(self, voltage_v: Array) -> Array:
         """Round to the converter's steps [V]; voltages outside the range saturate."""
         codes = np.floor((voltage_v - self.low_v) / self.step_v + 0.5)
-        return np.asarray(np.clip(codes, 0, 2**self.bits - 1) * self.step_v + self.low_v)
+        return np.asarray(np.minimum(np.maximum(codes, 0.0), 2.0**self.bits - 1) * self.step_v + self.low_v)
 
     @property
     def step_v(self) -> float:

@@ -77,12 +77,15 @@ def dot(rows: Sequence[float], start: int, z: Sequence[float], width: int) -> fl
 def multiply(
     columns: Sequence[float], start: int, z: Sequence[float], width: int, rows: int, out: MutableSequence[float]
 ) -> None:
-    """Multiply a matrix, stored by columns, with z: eight sums at a time do not wait for each other."""
+    """Multiply a matrix, stored by columns, with z: eight sums at a time do not wait for each other.
+
+    A mask that changes no index spares the compiled code the test for negative ones: the sums become vectors.
+    """
     for block in range(0, rows, BLOCK):
         a0 = a1 = a2 = a3 = a4 = a5 = a6 = a7 = 0.0
-        at = start + block
         for i in range(width):
             value = z[i]
+            at = (start + block + i * rows) & 0x7FFFFFFF
             a0 += columns[at] * value
             a1 += columns[at + 1] * value
             a2 += columns[at + 2] * value
@@ -91,7 +94,6 @@ def multiply(
             a5 += columns[at + 5] * value
             a6 += columns[at + 6] * value
             a7 += columns[at + 7] * value
-            at += rows
         out[block], out[block + 1], out[block + 2], out[block + 3] = a0, a1, a2, a3
         out[block + 4], out[block + 5], out[block + 6], out[block + 7] = a4, a5, a6, a7
 

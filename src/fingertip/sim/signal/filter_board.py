@@ -113,7 +113,7 @@ class AnalogStream:
     def process(self, voltage_v: Array, after_v: Array | None = None) -> tuple[Array, Array]:
         """Return filtered voltages and envelopes [V], (boards, samples) like the voltages. Raises TraceError."""
         after = voltage_v if after_v is None else after_v
-        for name, rows in (("voltage_v", voltage_v), ("after_v", after)):
+        for name, rows in (("voltage_v", voltage_v), ("after_v", () if after_v is None else after_v)):
             raise_issues(
                 issue for i, row in enumerate(rows) for issue in find_voltage_issues(f"{name} of board {i}", row)
             )

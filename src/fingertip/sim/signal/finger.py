@@ -6,6 +6,8 @@ that no output needs do not exist: there is no vibration for slip alone, and no 
 
 from __future__ import annotations
 
+import copy
+import functools
 import random
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields
@@ -26,16 +28,7 @@ from fingertip.sim.signal.analog_circuit import board_with_amplifiers
 from fingertip.sim.signal.bridge import Bridge, ForceSensor, reads_whole_finger
 from fingertip.sim.signal.converter import AdcRange, AntiAliasFilter, Converter, EnvelopeSource, compute_input_noise_v
 from fingertip.sim.signal.filter_board import AnalogStream, SlipPin
-from fingertip.sim.signal.grid import (
-    CostMeter,
-    Grid,
-    Instants,
-    SampleClock,
-    Sampler,
-    StageCost,
-    draw_noise,
-    open_stream,
-)
+from fingertip.sim.signal.grid import CostMeter, Grid, Instants, SampleClock, Sampler, draw_noise, open_stream
 from fingertip.sim.signal.interference import InterferenceSource, RefinedNoise
 from fingertip.sim.signal.parameters import PathTables
 
@@ -283,14 +276,12 @@ class _BoardSignals:
                 self._noise = RefinedNoise(grid, lambda count: draw_noise(stream, deviation_v, count))
         self._board: AnalogStream | None = None
         self._pin: SlipPin | None = None
-        self._converters: dict[str, tuple[str, Converter]] = {}
+        self._converters: dict[str, Converter] = {}
+        self._sources: dict[str, str] = {}
         self._envelope = EnvelopeSource(setup.design)
         if outputs & OF_BOARD:
             with meter.stage("filter board", 4):
-                board = board_with_amplifiers(setup.design, setup.path.sensing.amplifiers)
-                # The board's own error falls with the step as that of its input does.
-                tolerance_v = BOARD_TOLERANCE_V / grid.refinement**2
-                self._board = AnalogStream(board, grid.step_s, tolerance_v=tolerance_v)
+                self._board = copy.copy(_prepare_board(setup.design, setup.path.sensing.amplifiers, grid))
         if "slip_pin_v" in outputs:
             with meter.stage("comparator", 1):
                 self._pin = SlipPin(setup.design, grid.step_s)
@@ -299,9 +290,10 @@ class _BoardSignals:
             ("sampled_envelope_v", of_envelope, self._envelope.pin), ("sampled_filtered_v", "filtered", ADC_FILTERED),
         ):  # fmt: skip
             if name in outputs:
+                self._sources[name] = source
                 with meter.stage(_ADC_STAGES[source]):
                     converter = _build_converter(setup, grid, f"{source} noise", pin, from_signal_ground=True)
-                    self._converters[name] = source, converter
+                    self._converters[source] = converter
 
     def process(self, bridge_v: Array, jumps: Array | None, at: Instants) -> dict[str, Array]:
         count, found = len(bridge_v), {}
@@ -313,11 +305,11 @@ class _BoardSignals:
             found["tactile_v"] = self._samplers["tactile_v"].process(tactile_v, at)
         if not self._board:
             return found
-        before_v = tactile_v if jumps is None else tactile_v - jumps
+        volts = (tactile_v[None],) if jumps is None else ((tactile_v - jumps)[None], tactile_v[None])
         taken = self._board.steps
         with self._meter.stage("filter board", 4):
-            filtered, envelope = (rows[0] for rows in self._board.process(before_v[None], tactile_v[None]))
-        self._meter.add(StageCost("filter board", 4, self._board.steps - taken, 0.0))
+            filtered, envelope = (rows[0] for rows in self._board.process(*volts))
+        self._meter.add("filter board", 4, self._board.steps - taken)
         signals = {"filtered_v": filtered, "envelope_v": envelope}
         if self._pin:
             with self._meter.stage("comparator", 1, count):
@@ -325,11 +317,21 @@ class _BoardSignals:
         found |= {
             name: self._samplers[name].process(values, at) for name, values in signals.items() if name in self._outputs
         }
-        for name, (source, converter) in self._converters.items():
+        sampled = {}
+        for source, converter in self._converters.items():
             with self._meter.stage(_ADC_STAGES[source]):
-                sampled = converter.process(signals[f"{source}_v"], at)
-                found[name] = self._envelope.finish(sampled) if name == "sampled_envelope_v" else sampled
+                sampled[source] = converter.process(signals[f"{source}_v"], at)
+        for name, source in self._sources.items():
+            is_envelope = name == "sampled_envelope_v"
+            found[name] = self._envelope.finish(sampled[source]) if is_envelope else sampled[source]
         return found
+
+
+@functools.lru_cache(maxsize=64)
+def _prepare_board(design: Design, amplifiers: str, grid: Grid) -> AnalogStream:
+    # The board's own error falls with the step as that of its input does.
+    tolerance_v = BOARD_TOLERANCE_V / grid.refinement**2
+    return AnalogStream(board_with_amplifiers(design, amplifiers), grid.step_s, tolerance_v=tolerance_v)
 
 
 def _build_converter(

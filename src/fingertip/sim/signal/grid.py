@@ -6,11 +6,11 @@ the rate changes the samples and nothing else. An instant between two points get
 
 from __future__ import annotations
 
-import contextlib
+import functools
 import hashlib
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -71,6 +71,11 @@ class Instants:
     """Fraction of the step from there to the next point."""
     sample_rate_hz: float
 
+    @functools.cached_property
+    def between(self) -> NDArray[np.intp]:
+        """Numbers of the instants that lie between two points."""
+        return np.flatnonzero(self.fraction)
+
     @property
     def time_s(self) -> Array:
         return np.arange(self.first, self.first + len(self.index)) / self.sample_rate_hz
@@ -85,7 +90,7 @@ class SampleClock:
 
     def advance(self, points: int) -> Instants:
         origin, last = max(self._points - 1, 0), self._points + points - 1
-        end = math.floor((last + _SNAP) / self._ratio) + 1
+        end = self.count_until(last)
         at = np.arange(self._samples, end) * self._ratio
         whole = np.floor(at + _SNAP)
         fraction = at - whole
@@ -93,6 +98,10 @@ class SampleClock:
         found = Instants(self._samples, whole.astype(np.int64) - origin, fraction, self._rate)
         self._points, self._samples = last + 1, end
         return found
+
+    def count_until(self, point: int) -> int:
+        """Number of samples up to a point of the grid."""
+        return math.floor((point + _SNAP) / self._ratio) + 1
 
 
 class Sampler:
@@ -106,8 +115,7 @@ class Sampler:
         known = np.concatenate((self._last, values)) if len(self._last) else values
         self._last = values[-1:].copy()
         picked = known[at.index]
-        if at.fraction.any():
-            between = np.flatnonzero(at.fraction)
+        if len(between := at.between):
             before = at.index[between]
             picked[between] += at.fraction[between] * (known[before + 1] - known[before])
         return picked
@@ -154,25 +162,36 @@ class CostMeter:
     """Sum of the cost of each stage over all chunks. A stage that never ran is not listed."""
 
     def __init__(self) -> None:
-        self._costs: dict[str, StageCost] = {}
+        self._costs: dict[str, tuple[int, int, float]] = {}
 
-    @contextlib.contextmanager
-    def stage(self, name: str, states: int = 0, evaluations: int = 0) -> Iterator[None]:
-        start = time.process_time()
-        yield
-        self.add(StageCost(name, states, evaluations, time.process_time() - start))
+    def stage(self, name: str, states: int = 0, evaluations: int = 0) -> _Stage:
+        """Measure the CPU time of a block."""
+        return _Stage(self, name, states, evaluations)
 
-    def add(self, cost: StageCost) -> None:
-        assert cost.name in STAGES
-        before = self._costs.get(cost.name, StageCost(cost.name, 0, 0, 0.0))
-        self._costs[cost.name] = StageCost(
-            cost.name, cost.states, before.evaluations + cost.evaluations, before.cpu_s + cost.cpu_s
-        )
+    def add(self, name: str, states: int, evaluations: int, cpu_s: float = 0.0) -> None:
+        assert name in STAGES
+        _, evaluated, spent_s = self._costs.get(name, (0, 0, 0.0))
+        self._costs[name] = states, evaluated + evaluations, spent_s + cpu_s
 
     @property
     def costs(self) -> tuple[StageCost, ...]:
         """Costs of the stages that ran, in the order of `STAGES`."""
-        return tuple(self._costs[name] for name in STAGES if name in self._costs)
+        return tuple(StageCost(name, *self._costs[name]) for name in STAGES if name in self._costs)
+
+
+class _Stage:
+    """Block whose CPU time counts. A hand enters 50 of them every 10 ms, so this is no generator."""
+
+    __slots__ = ("_cost", "_meter", "_start_s")
+
+    def __init__(self, meter: CostMeter, name: str, states: int, evaluations: int) -> None:
+        self._meter, self._cost = meter, (name, states, evaluations)
+
+    def __enter__(self) -> None:
+        self._start_s = time.process_time()
+
+    def __exit__(self, *_: object) -> None:
+        self._meter.add(*self._cost, time.process_time() - self._start_s)
 
 
 # Progress of long simulations.

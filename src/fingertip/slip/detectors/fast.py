@@ -217,6 +217,17 @@ class FastDetector(Detector):
         """Process the next samples, any number of them, and return one output per sample."""
         return self._run(voltage_v, filtered_v, np.zeros(COUNT), 0)
 
+    def select(self, output: FastOutput) -> FastOutput:
+        """Return the output of a detector `fast` at this operating point."""
+        return output
+
+    def is_off_beyond(self, output: FastOutput) -> bool:
+        """Return whether a greater threshold would give no ON either, because nothing here came near this one.
+
+        Every threshold grows with the scale, and until a score exceeds one of them no state depends on it.
+        """
+        return self.coefficients.stay_threshold == STAY_SCORE and not output.incipient.any()
+
     def compute_features(self, voltage_v: Array, filtered_v: Array | None = None) -> tuple[FastOutput, Array]:
         """Process samples and return the output and the features of every tick, (ticks, features)."""
         ticks = len(voltage_v) // int(self.coefficients.tick_samples)
@@ -245,9 +256,9 @@ class FastDetector(Detector):
         m = self._model
         LOOP(self.coefficients, m.features, m.thresholds, m.leaves, stride, samples, filtered, self._state, rows, *out)
         wide, confidence, level, flags = out
-        early = self._early_share * level
+        early, bits = self._early_share * level, flags.astype(np.int8)
         on, incipient, is_replaced, is_outside = (
-            np.asarray(flags.astype(np.int8) & int(flag) > 0)
+            np.asarray(bits & int(flag) > 0)
             for flag in (fast_loop.IS_ON, fast_loop.IS_INCIPIENT, fast_loop.IS_REPLACED, fast_loop.IS_OUTSIDE)
         )
         return FastOutput(confidence * level, level, on, wide, confidence, incipient, early, is_replaced, is_outside)
@@ -294,7 +305,10 @@ class IncipientDetector(FastDetector):
 
     def process(self, voltage_v: Iterable[float], filtered_v: Iterable[float] | None = None) -> FastOutput:
         """Process the next samples, any number of them, and return one output per sample."""
-        output = super().process(voltage_v, filtered_v)
+        return self.select(super().process(voltage_v, filtered_v))
+
+    def select(self, output: FastOutput) -> FastOutput:
+        """Return the output of a detector `fast` at this operating point."""
         return replace(output, on=output.incipient, threshold_v=output.incipient_threshold_v)
 
     def step(self, voltage_v: float, filtered_v: float | None = None) -> bool:

@@ -70,6 +70,8 @@ WINDOW_S = 0.064
 """Window length [s]: 128 samples at 2 kHz (article, section IV.B)."""
 HOP_S = 0.002
 """Time between the starts of two windows [s]."""
+_BATCH = 256
+"""Number of spectra that are computed at a time."""
 EXCURSION_S = WINDOW_S / 8
 """Assumed mean duration of an excursion above the threshold [s]; a test counts the alarms in noise."""
 
@@ -163,13 +165,15 @@ class FftDetector(Detector):
         if not len(self._past) and len(new):
             self._past = np.full(n - 1, new[0])
         samples = np.concatenate((self._past, new))
-        start = 0
-        # One spectrum at a time: numpy may round a batch of transforms differently.
-        for end in range(self._until_next, len(new), self.settings.hop_samples):
-            statistic[start:end] = self._rms_v
-            self._rms_v, start = self._band_rms(samples[end : end + n]), end
-            self._until_next = end + self.settings.hop_samples
-        statistic[start:] = self._rms_v
+        hop, first = self.settings.hop_samples, self._until_next
+        statistic[:first] = self._rms_v
+        # numpy computes real transforms row by row: those of a batch have the bits of single ones.
+        for start in range(first, len(new), _BATCH * hop):
+            end = min(start + _BATCH * hop, len(new))
+            shape, item = (-(-(end - start) // hop), n), samples.itemsize
+            rms_v = self._band_rms(np.ndarray(shape, np.float64, samples, start * item, (hop * item, item)))
+            statistic[start:end] = np.repeat(rms_v, hop)[: end - start]
+            self._rms_v, self._until_next = float(rms_v[-1]), start + hop * len(rms_v)
         self._until_next -= len(new)
         self._past = samples[len(new) :]
         return DetectorOutput(statistic, np.full(len(new), self._threshold_v), statistic > self._threshold_v)
@@ -178,10 +182,10 @@ class FftDetector(Detector):
         """Process one sample [V] and return whether slip is ON."""
         return bool(self.process([voltage_v]).on[0])
 
-    def _band_rms(self, samples: Array) -> float:
-        band = np.fft.rfft((samples - samples[0]) * self._window)[self._first_bin : self._end_bin]
+    def _band_rms(self, windows: Array) -> Array:
+        band = np.fft.rfft((windows - windows[:, :1]) * self._window)[:, self._first_bin : self._end_bin]
         energies = band.real**2 + band.imag**2
-        return math.sqrt(float(np.max(energies) if self.settings.is_plain else np.sum(energies)))
+        return np.asarray(np.sqrt(energies.max(axis=1) if self.settings.is_plain else energies.sum(axis=1)))
 
     def noise_weights(self) -> Array:
         """Weights of the energy as a sum of squares (`false_alarms.tail_probability`), in noise of unit variance."""

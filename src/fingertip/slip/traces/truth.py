@@ -79,7 +79,8 @@ class SlipCollector:
         if not len(time_s):
             return
         before = self._onset_s is not None
-        edges = np.flatnonzero(np.diff(np.concatenate(([before], flags)).astype(np.int8)))
+        padded = np.concatenate(([before], flags))
+        edges = np.flatnonzero(padded[1:] != padded[:-1])
         for moment in time_s[edges].tolist():
             if self._onset_s is None:
                 self._onset_s = moment

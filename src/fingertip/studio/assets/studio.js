@@ -10,16 +10,18 @@
   const byId = (id) => document.getElementById(id);
 
   const fields = [...document.querySelectorAll('.field')].map((element) => {
-    const { path, kind, pointer } = element.dataset;
+    const { path, kind } = element.dataset;
     const input = byId(`f-${path}`);
     return {
-      element, path, kind, pointer, input,
+      element, path, kind, input,
       slider: element.querySelector('input[type=range]'),
       reset: element.querySelector('.reset'),
       refusal: byId(`e-${path}`),
+      passing: byId(`b-${path}`),
       initial: input.value,
     };
   });
+  const find = (path) => fields.find((field) => field.path === path);
   const isNumber = ({ kind }) => kind === 'number' || kind === 'integer';
 
   // What is no number is sent as text: the server says what is wrong with it.
@@ -27,59 +29,72 @@
     const text = field.input.value.trim();
     return isNumber(field) && text !== '' && Number.isFinite(Number(text)) ? Number(text) : field.input.value;
   }
-  function collect() {
+  function collect(values) {
     const tables = {};
     for (const field of fields) {
       const steps = field.path.split('.');
       const name = steps.pop();
       const table = steps.reduce((found, step) => { found[step] ??= {}; return found[step]; }, tables);
-      table[name] = read(field);
+      table[name] = values ? values[field.path] : read(field);
     }
     return tables;
   }
   const hasChanged = (field) => (isNumber(field) && field.input.value !== ''
     ? Number(field.input.value) !== Number(field.initial) : field.input.value !== field.initial);
 
-  function ask(address) {
+  function ask(address, { signal, ...more } = {}) {
     return fetch(`/api/${address}`, {
       method: 'POST',
       headers: { 'Content-Type': 'application/json', 'X-Fingertip-Token': root.dataset.token },
-      body: JSON.stringify({ client, tables: collect() }),
+      body: JSON.stringify({ client, tables: collect(), ...more }),
+      signal,
     });
   }
 
-  function say(text, kind) {
-    const paragraph = document.createElement('p');
-    paragraph.className = `verdict ${kind}`;
-    paragraph.textContent = text;
-    byId('verdict').replaceChildren(paragraph);
+  function say(text, kind, paths = []) {
+    const paragraph = make('p', { className: `verdict ${kind}`, textContent: text });
+    paragraph.append(...paths.flatMap((path) => [make('a', { href: `#p-${path}`, textContent: path }), ' ']));
+    keepPlace(() => byId('verdict').replaceChildren(paragraph));
   }
 
-  function showRefusals(issues) {
-    const known = new Map(fields.map((field) => [field.pointer, field]));
+  const make = (name, properties) => Object.assign(document.createElement(name), properties);
+
+  // The field in hand stays where it is on the screen, whatever is said above it.
+  function keepPlace(act) {
+    const top = held?.element.getBoundingClientRect().top;
+    act();
+    if (held) scrollBy(0, held.element.getBoundingClientRect().top - top);
+  }
+
+  // What is refused stands beside the field in hand and beside those that are blamed.
+  function showRefusals(issues, passing) {
     const own = new Map();
     const others = [];
     for (const issue of issues) {
-      const field = known.get(issue.pointer);
+      const field = find(issue.field);
       if (field) own.set(field, [...(own.get(field) ?? []), issue.message]);
       else others.push(issue.field ? `${issue.field}: ${issue.message}` : issue.message);
     }
+    if (held && issues.length && !own.has(held)) own.set(held, issues.map((issue) => `${issue.field}: ${issue.message}`));
     for (const field of fields) {
       const messages = own.get(field) ?? [];
-      field.refusal.textContent = messages.join(' ');
+      field.refusal.replaceChildren(messages.join(' '));
       field.refusal.hidden = messages.length === 0;
       field.element.classList.toggle('refused', messages.length > 0);
-      if (messages.length) {
-        field.input.setAttribute('aria-invalid', 'true');
-        field.element.closest('details').open = true;
-      } else field.input.removeAttribute('aria-invalid');
+      for (const input of [field.input, field.slider].filter(Boolean)) {
+        if (messages.length) input.setAttribute('aria-invalid', 'true');
+        else input.removeAttribute('aria-invalid');
+      }
+    }
+    if (passing !== undefined) {
+      const [field] = own.keys();
+      const fix = make('button', { type: 'button', textContent: `set ${passing}` });
+      fix.setAttribute('aria-label', `set ${passing} for ${field.path}`);
+      fix.addEventListener('click', () => put(field, String(passing)));
+      field.refusal.append(' ', fix);
     }
     byId('other-refusals').hidden = others.length === 0;
-    byId('other-refusals').replaceChildren(...others.map((text) => {
-      const item = document.createElement('li');
-      item.textContent = text;
-      return item;
-    }));
+    byId('other-refusals').replaceChildren(...others.map((textContent) => make('li', { textContent })));
     count();
   }
 
@@ -102,14 +117,10 @@
     const answer = await response.json();
     if (answer.superseded) return null; // by a newer request of this page
     if (answer.issues) {
-      showRefusals(answer.issues);
-      say(`✗ ${answer.issues.length} refused; the view shows the last design that passed: `, 'failed');
-      for (const { field } of answer.issues.filter((issue) => byId(`p-${issue.field}`)).slice(0, MAX_LINKS)) {
-        const link = document.createElement('a');
-        link.href = `#p-${field}`;
-        link.textContent = field;
-        byId('verdict').firstChild.append(link, ' ');
-      }
+      if (answer.bands) showBands(find(answer.issues[0].field), answer);
+      keepPlace(() => showRefusals(answer.issues, answer.passing));
+      const paths = answer.issues.map((issue) => issue.field).filter(find).slice(0, MAX_LINKS);
+      say(`✗ ${answer.issues.length} refused; the view shows the last design that passed: `, 'failed', paths);
       return null;
     }
     if (answer.error) {
@@ -130,15 +141,19 @@
       while (changedAt !== null) {
         const started = changedAt;
         changedAt = null;
-        const answer = await receive(await ask('parts'));
+        const [path, tables] = [held?.path ?? '', collect()];
+        const passed = await receive(await ask('rules', { field: path, tables }));
+        root.dataset.rulesMs = String(Math.round(performance.now() - started));
+        if (!passed) continue;
+        keepPlace(() => showRefusals([]));
+        const answer = await receive(await ask('parts', { tables }));
         if (answer) {
-          showRefusals([]);
           view?.replace(answer.scene, answer.boxes);
           await view?.drawn();
           const taken = performance.now() - started;
           root.dataset.changeMs = String(Math.round(taken));
           byId('change-time').textContent = `drawn in ${(taken / 1000).toFixed(2)} s`;
-          if (changedAt === null) await check('checks');
+          for (const follow of [showFigures, check]) if (changedAt === null) await follow();
         }
       }
     } catch {
@@ -146,27 +161,31 @@
     } finally {
       isBusy = false;
       delete root.dataset.busy;
+      hold(held);
     }
   }
 
+  // A change that comes meanwhile is sent at once: the server then gives this up.
+  let work = new AbortController();
   async function askUnlessChanged(address) {
-    const asked = ask(address);
-    // A change that comes meanwhile is sent at once: the server then gives this up.
-    const waiting = new Promise((resolve) => { interrupt = () => resolve(null); });
-    const response = await Promise.race([asked, waiting]);
-    interrupt = () => {};
-    if (response === null) {
-      asked.catch(() => {}); // nobody waits for its answer any more
-      return null;
+    try {
+      return await receive(await ask(address, { signal: work.signal }));
+    } catch (error) {
+      if (error.name === 'AbortError') return null;
+      throw error;
     }
-    return receive(response);
   }
 
-  async function check(address) {
+  async function showFigures() {
+    const answer = await askUnlessChanged('figures');
+    if (answer) byId('figures').innerHTML = answer.figures;
+  }
+
+  async function check(address = 'checks') {
     say('checking', '');
     const answer = await askUnlessChanged(address);
     if (!answer) return;
-    byId('verdict').innerHTML = answer.verdict;
+    keepPlace(() => { byId('verdict').innerHTML = answer.verdict; });
     byId('checks').innerHTML = answer.checks;
     globalThis.fingertipWatch(byId('checks'));
     root.dataset.checked = String(answer.count);
@@ -178,45 +197,84 @@
     const drawn = answer.pad ? answer : changedAt === null && await askUnlessChanged('pad');
     if (drawn) byId('pad').innerHTML = drawn.pad;
   }
-  let interrupt = () => {};
 
-  function change() {
+  function change(field) {
     changedAt ??= performance.now();
-    interrupt();
+    if (field !== held) probing.abort();
+    held = field;
+    work.abort();
+    work = new AbortController();
+    for (const other of fields) if (other !== field) showBands(other, {});
     count();
     update();
+  }
+
+  // Values that pass, on the track of a slider and in words: of the field in hand, as the others are. They are asked for
+  // when somebody takes it in hand, and given up when another one is.
+  let held = null;
+  let probing = new AbortController();
+  async function hold(field) {
+    if (field !== held) probing.abort();
+    held = field;
+    if (!field || !isNumber(field) || field.isProbed) return;
+    field.isProbed = true;
+    probing = new AbortController();
+    const found = await ask('bands', { field: field.path, signal: probing.signal }).catch(() => null);
+    showBands(field, found ? await found.json() : {});
+  }
+  function showBands(field, { bands, said }) {
+    field.isProbed = Boolean(bands);
+    field.passing.hidden = !bands;
+    if (!bands) {
+      field.slider?.style.removeProperty('--bands');
+      return;
+    }
+    field.passing.textContent = said ? `passes: ${said}` : 'no value passes with the others as they are';
+    const share = (value) => {
+      const [low, high] = [Number(field.slider.min), Number(field.slider.max)];
+      return `${(100 * clamp((place(field, value) - low) / (high - low), 0, 1)).toFixed(2)}%`;
+    };
+    const colours = bands.flatMap(([low, high]) => [
+      `transparent ${share(low)}`, `var(--good) ${share(low)}`, `var(--good) max(${share(high)}, ${share(low)} + 3px)`,
+      `transparent max(${share(high)}, ${share(low)} + 3px)`,
+    ]);
+    field.slider?.style.setProperty('--bands', `linear-gradient(to right, ${colours.join(', ') || 'transparent 0 100%'})`);
   }
 
   const clamp = (value, low, high) => Math.min(high, Math.max(low, value));
   function follow(field) { // the slider follows the number
     const value = Number(field.input.value);
     if (!field.slider || !Number.isFinite(value)) return;
-    const position = 'log' in field.slider.dataset ? Math.log10(value) : value;
-    field.slider.value = String(clamp(position, Number(field.slider.min), Number(field.slider.max)));
+    field.slider.value = String(clamp(place(field, value), Number(field.slider.min), Number(field.slider.max)));
     tell(field);
+  }
+  function place({ slider }, value) {
+    return 'log' in slider.dataset ? Math.log10(value) : value;
+  }
+  function put(field, value) {
+    field.input.value = value;
+    follow(field);
+    field.input.focus();
+    change(field);
   }
   function tell({ slider, input, element }) {
     slider?.setAttribute('aria-valuetext', `${input.value} ${element.querySelector('.unit').textContent}`.trim());
   }
   for (const field of fields) {
-    const { input, slider, reset, kind } = field;
+    const { element, input, slider, reset, kind } = field;
+    for (const taken of ['focusin', 'pointerdown']) element.addEventListener(taken, () => hold(field));
     input.addEventListener('input', () => {
       follow(field);
-      change();
+      change(field);
     });
     slider?.addEventListener('input', () => {
       const value = Number(slider.value);
       const chosen = 'log' in slider.dataset ? Number((10 ** value).toPrecision(3)) : Number(value.toPrecision(12));
       input.value = String(kind === 'integer' ? Math.round(chosen) : chosen);
       tell(field);
-      change();
+      change(field);
     });
-    reset.addEventListener('click', () => {
-      input.value = field.initial;
-      follow(field);
-      input.focus();
-      change();
-    });
+    reset.addEventListener('click', () => put(field, field.initial));
     tell(field);
   }
   byId('form').addEventListener('submit', (event) => event.preventDefault());
@@ -235,8 +293,8 @@
       if (words.length && found) group.open = true;
     }
   });
-  addEventListener('click', ({ target }) => { // a check names its parameters
-    const link = target.closest('#checks a[href^="#p-"]');
+  addEventListener('click', ({ target }) => { // a check or a verdict names its parameters
+    const link = target.closest('a[href^="#p-"]');
     const group = link && byId(decodeURIComponent(link.hash.slice(1)))?.closest('details');
     if (group) group.open = true;
   });
@@ -253,8 +311,7 @@
         const response = await ask(`download/${button.dataset.download}`);
         if (!isFile(response)) await receive(response);
         else {
-          const link = document.createElement('a');
-          link.href = URL.createObjectURL(await response.blob());
+          const link = make('a', { href: URL.createObjectURL(await response.blob()) });
           [, link.download] = response.headers.get('Content-Disposition').match(/filename="([^"]*)"/);
           link.click();
           setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
@@ -265,5 +322,28 @@
       button.disabled = false;
     });
   }
-  change();
+
+  // Bundled designs to start from, with pictures that are asked for one after another while nothing else is.
+  const presets = JSON.parse(byId('presets').textContent);
+  const starts = [...document.querySelectorAll('button[data-design]')];
+  for (const button of starts) {
+    button.addEventListener('click', () => {
+      for (const field of fields) {
+        field.input.value = String(presets[button.dataset.design][field.path]);
+        follow(field);
+      }
+      change(null);
+    });
+  }
+  async function drawPresets() {
+    for (const button of starts) {
+      while (isBusy) await new Promise((resolve) => { setTimeout(resolve, 200); });
+      const response = await ask('download/picture', { tables: collect(presets[button.dataset.design]) });
+      if (!isFile(response)) return;
+      button.firstChild.src = URL.createObjectURL(await response.blob());
+      button.firstChild.hidden = false;
+    }
+  }
+  change(null);
+  drawPresets().catch(() => {});
 })();

@@ -4,7 +4,8 @@
 //   stty -F /dev/ttyACM0 2000000 raw -echo
 //   fingertip detect - --detector fast --design design.toml < /dev/ttyACM0
 //
-// The header is repeated each second, so reading may begin at any time.
+// The header is repeated each second, so reading may begin at any time. Of several fingers one is streamed: the first, or
+// the one whose number the computer sends, as `echo 2 > /dev/ttyACM0` does.
 // A timer interrupt takes the samples and stores them; loop() writes them, and runs the detector, whose longest step a
 // slow controller does not finish between two samples. The pin is ON while slip is detected here.
 #include <slip_buffer.h>
@@ -13,19 +14,26 @@
 
 #include "slip_line.h"
 
-static const int TACTILE_PIN = A0;
-static const int FILTERED_PIN = A1;
+#if defined(SLIP_INPUTS)
+static const uint32_t INPUTS[SLIP_FINGERS][2] = SLIP_INPUTS;  // T and S of each finger
+#else
+static const uint32_t INPUTS[SLIP_FINGERS][2] = {{A0, A1}};
+#endif
 static const int SLIP_PIN = LED_BUILTIN;
 static const unsigned long SETTLE_MS = 2000;  // voltages of the board, after power on
 static const uint32_t HEADER_EVERY = SLIP_SAMPLE_RATE_MILLIHZ / 1000u;  // samples
 
 static slip_hand hand;
+static volatile unsigned finger;
 
 static void take_sample() {
-  slip_codes codes;
-  codes.tactile = analogRead(TACTILE_PIN);
-  codes.filtered = analogRead(FILTERED_PIN);
-  slip_store(&codes);
+  slip_codes codes[SLIP_FINGERS];
+  codes[0].tactile = analogRead(INPUTS[finger][0]);
+  codes[0].filtered = analogRead(INPUTS[finger][1]);
+  for (unsigned i = 1; i < SLIP_FINGERS; i++) {
+    codes[i] = codes[0];  // the detectors of the others see the same finger
+  }
+  slip_store(codes);
 }
 
 void setup() {
@@ -44,6 +52,10 @@ void setup() {
 void loop() {
   slip_sample sample;
   char line[SLIP_LINE_BYTES];
+  const int wanted = Serial.available() ? Serial.read() - '1' : -1;
+  if (wanted >= 0 && wanted < (int)SLIP_FINGERS) {
+    finger = (unsigned)wanted;
+  }
   if (!slip_fetch(&sample)) {
     return;
   }

@@ -1,0 +1,251 @@
+"""Command `fingertip new`: begin a design of one's own, or a set of them for a hand."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import shlex
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from fingertip.catalogues.controllers import NAMES
+from fingertip.catalogues.sensors import CATALOGUE
+from fingertip.cli.console import Console
+from fingertip.cli.options import SetOption, command, find_file_issues
+from fingertip.foundation.errors import DesignError, FingertipError, Issue, gather, join_words
+from fingertip.foundation.progress import Work
+
+if TYPE_CHECKING:
+    from fingertip.cad.verification.check import Check
+    from fingertip.design import Design
+    from fingertip.design.new_design import NewDesign
+    from fingertip.design.new_set import Starts
+
+_LOADS = ("grip", "shock")
+_LARGER_MM = (1.0, 2.0, 3.0, 4.0)
+"""Widths by which a finger that fails is made larger, and its height by half of them, until one passes [mm]."""
+
+
+@command
+def new(
+    console: Console,
+    name: Annotated[str, typer.Argument(help="Name of the design: up to 40 letters, digits, - and _.")],
+    sensor: Annotated[
+        str | None, typer.Option(help=f"Sensor: {', '.join(CATALOGUE)} or custom (see the file); fsr400 by default.")
+    ] = None,
+    preset: Annotated[
+        str | None,
+        typer.Option(
+            help="Anatomical size, with a joint: adult_finger, adult_thumb, youth_finger, youth_thumb, child_finger or "
+            "child_thumb."
+        ),
+    ] = None,
+    hand: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FILE",
+            help="File with the sizes of your hand's joint, or a bundled hand: amazing_hand, david_finger, "
+            "flexible_flyer, inmoov or orca_hand.",
+        ),
+    ] = None,
+    finger: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=WIDTHxLENGTH",
+            help="Finger of a hand (thumb, index, middle, ring, little) with width and length of its skin in mm, such "
+            "as index=18x25; repeatable. Writes a set and a design for each size.",
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", metavar="FILE", help="File to write; NAME.toml by default.")
+    ] = None,
+    allow_shorter_travel: Annotated[
+        bool,
+        typer.Option("--allow-shorter-travel", help="Let the finger bend less, or its tendon lie nearer the joint."),
+    ] = False,
+    changes: SetOption = None,
+) -> None:
+    """Write a design file with comments, to be edited: the main parameters, and all others as comments.
+
+    The bundled design of the sensor is the base, or the preset. With a preset or a hand, lengths that nobody measures
+    are fitted until the design can be made, and its parts are checked; what is changed with --set stays. An existing
+    file is never overwritten.
+
+    With --finger, once for each finger of a hand, it writes a set of fingers on one joint, and beside it a design for
+    each size. The preset is then that whose widths are nearest.
+    """
+    from fingertip.catalogues.bundled import list_bundled_files
+    from fingertip.catalogues.file_kinds import DESIGN, SET
+    from fingertip.design.new_design import find_lost_travel, write_new_design
+    from fingertip.foundation.files import write_file
+
+    issues = list(find_file_issues("--out", out, ".toml", kept="give another name"))
+    for kind in (DESIGN, SET):
+        if name in list_bundled_files(kind):
+            taken = f"{name} is the name of a bundled {kind.name}"
+            issues.append(Issue("NAME", f"{taken}; choose another, such as my_{name}."))
+    path = out or Path(f"{name}.toml")
+    if finger:
+        _write_set(console, name, finger, sensor, preset, hand, changes or (), allow_shorter_travel, path, issues)
+        return
+    made = None
+    found: list[Issue] = []
+    with gather(found):
+        made = write_new_design(name, sensor, preset, hand, changes or (), console.progress)
+        if not allow_shorter_travel:
+            found += find_lost_travel(made)
+    issues += _name_options(found)
+    if made and out is None:
+        issues += find_file_issues("--out", path, ".toml", kept="give another name")
+    if issues or made is None:
+        raise FingertipError(issues)
+    following = f"fingertip make {shlex.quote(path.as_posix())}"
+    data, lines = _describe(path, made)
+    if preset or hand:
+
+        def find_remedy(design: Design, failed: Sequence[Check]) -> str:
+            return _find_passing(
+                lambda more: write_new_design(name, sensor, preset, hand, [*(changes or ()), *more], console.progress),
+                design, failed, changes or (), allow_shorter_travel, console.progress,
+            )  # fmt: skip
+
+        lines += _check(made.design, find_remedy, data, console.progress)
+    write_file(path, made.text.encode())
+    console.result(data | {"next": following}, "\n".join([*lines, f"wrote {path}; edit it, then run: {following}"]))
+
+
+def _write_set(
+    console: Console,
+    name: str,
+    sizes: Sequence[str],
+    sensor: str | None,
+    preset: str | None,
+    hand: str | None,
+    changes: Sequence[str],
+    may_change_joint: bool,
+    path: Path,
+    issues: list[Issue],
+) -> None:
+    """Write a set, and beside it the designs that it names."""
+    from fingertip.design.new_set import fit_set, start_set, write_set_file
+    from fingertip.foundation.files import write_file
+
+    found: list[Issue] = []
+    starts: Starts = {}
+    with gather(found):
+        starts = start_set(name, sizes, sensor, preset, hand, changes)
+    issues += _name_options(found)
+    for file in (path, *(path.with_name(f"{start.tables.name}.toml") for start in starts.values())):
+        issues += find_file_issues("--out", file, ".toml", kept="give another name")
+    if issues:
+        raise FingertipError(dict.fromkeys(issues))
+    work = Work("", {"fit": 2.0 * len(starts), "checks": len(starts)}, console.progress)
+    forms = fit_set(starts, may_change_joint, work.within("fit"))
+    checking = Work("checking", dict.fromkeys((join_words(form.fingers) for form in forms), 1.0), work.within("checks"))
+    told: list[dict[str, Any]] = []
+    lines: list[str] = []
+    for form in forms:
+        label = join_words(form.fingers)
+        data, said = _describe(path.with_name(form.file), form.design)
+        report = checking.within(label)
+        with gather(issues, f"{label}: "):
+            said += _check(form.design.design, _find_lighter_loads, data, report) if form.is_own else []
+        told.append(data | {"design": form.file, "fingers": list(form.fingers)})
+        lines += [f"{label}: {form.file}, begun from {form.design.base}", *(f"  {line}" for line in said)]
+    if issues:
+        raise FingertipError(issues)
+    for form in forms:
+        if form.is_own:
+            write_file(path.with_name(form.file), form.design.text.encode())
+    write_file(path, write_set_file(name, forms).encode())
+    if missing := [finger for finger in NAMES if not any(finger in form.fingers for form in forms)]:
+        lines.append(f"note: this hand has no {join_words(missing, 'and no')}")
+    following = f"fingertip make {shlex.quote(path.as_posix())}"
+    data = {"set": path.as_posix(), "name": name, "forms": told, "next": following}
+    console.result(data, "\n".join([*lines, f"wrote {path}; edit its designs, then run: {following}"]))
+
+
+def _name_options(issues: Iterable[Issue]) -> list[Issue]:
+    options = {"name": "NAME", "sensor": "--sensor", "preset": "--preset"}
+    return [Issue(options.get(issue.field, issue.field), issue.message) for issue in issues]
+
+
+def _describe(path: Path, made: NewDesign) -> tuple[dict[str, Any], list[str]]:
+    data: dict[str, Any] = {
+        "design": path.as_posix(), "name": made.design.name, "sensor": made.design.sensor.model, "base": made.base,
+        "fitted": {name: list(values) for name, values in made.fitted.items()}, "reasons": dict(made.reasons),
+    }  # fmt: skip
+    lines = [f"fitted: {name} {before:g} -> {after:g}" for name, (before, after) in made.fitted.items()]
+    lines += [f"note: {reason}: a measured value was changed" for reason in made.reasons.values()]
+    return data, lines
+
+
+def _check(
+    design: Design,
+    find_remedy: Callable[[Design, Sequence[Check]], str],
+    data: dict[str, Any],
+    progress: Callable[[str], None],
+) -> list[str]:
+    """Check a design as a build does, add its strength to the data, and describe it. Raises FingertipError."""
+    from fingertip.cad.verification.check import list_causes, list_warnings
+    from fingertip.cad.verification.strength import describe_strength, strength_data
+    from fingertip.cad.verification.verify import check as check_design
+
+    verified = check_design(design, progress=progress)
+    if failed := [check for check in verified.checks if not check.passed]:
+        remedy = find_remedy(design, failed)
+        raise FingertipError(
+            Issue(check.name, f"{check.value:.3g} {check.unit} must be {check.relation} {check.limit:g}, or `make` "
+                  f"fails; {remedy or 'change ' + ' or '.join(list_causes(check.name)) + ' with --set'}")
+            for check in failed
+        )  # fmt: skip
+    assert verified.strength
+    data["strength"] = strength_data(verified.strength)
+    return [*describe_strength(verified.strength), *(f"warning: {text}" for text in list_warnings(verified.checks))]
+
+
+def _find_passing(
+    make: Callable[[list[str]], NewDesign],
+    design: Design,
+    failed: Sequence[Check],
+    given: Sequence[str],
+    allow_shorter_travel: bool,
+    progress: Callable[[str], None],
+) -> str:
+    """Find the first larger finger that passes every check, as options to be typed; else loads that this one holds."""
+    from fingertip.cad.verification.verify import check as check_design
+    from fingertip.design.new_design import find_lost_travel
+
+    shares = {"skin.width_mm": 1.0, "skin.semi_axis_dorsal_mm": 0.5}
+    free = {name: by for name, by in shares.items() if not any(change.startswith(name) for change in given)}
+    for larger_mm in _LARGER_MM if free else ():
+        settings = [f"{name}={design.value(name) + by * larger_mm:g}" for name, by in free.items()]
+        progress(f"trying a larger finger: {' '.join(settings)}")
+        with contextlib.suppress(DesignError):
+            made = make(settings)
+            may_lose = allow_shorter_travel or not find_lost_travel(made)
+            found = {check.name: check for check in check_design(made.design, progress=progress).checks}
+            if may_lose and all(check.passed for check in found.values()):
+                return "it passes with " + " ".join(f"--set {setting}" for setting in settings)
+            # A fit may take a minute: go on only if the largest finger reaches what this step has gained in proportion.
+            steps = _LARGER_MM[-1] / larger_mm
+            factors = [check for check in failed if check.name.startswith("bone.safety_factor.")]
+            if any(one.value + steps * (found[one.name].value - one.value) < one.limit for one in factors):
+                break
+    return _find_lighter_loads(design, failed)
+
+
+def _find_lighter_loads(design: Design, failed: Sequence[Check]) -> str:
+    """Find loads that a bone holds which is too weak for its own, as options to be typed; nothing if more fails."""
+    settings = [
+        f"strength.{load}_force_n={math.floor(design.value(f'strength.{load}_force_n') * check.value / check.limit):g}"
+        for check in failed
+        for load in _LOADS
+        if check.name == f"bone.safety_factor.{load}"
+    ]
+    if len(settings) < len(failed):
+        return ""
+    return "it holds lighter loads: " + " ".join(f"--set {setting}" for setting in settings)

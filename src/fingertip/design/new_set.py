@@ -1,0 +1,180 @@
+"""New set of fingers from the width and length of each: forms of equal size are one, and all turn on one joint."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from fingertip.catalogues.controllers import NAMES
+from fingertip.design.files import load_tables
+from fingertip.design.fit import FREE
+from fingertip.design.geometry import DesignTables
+from fingertip.design.model import Design
+from fingertip.design.new_design import (
+    PRESETS,
+    NewDesign,
+    Start,
+    find_lost_travel,
+    fit_start,
+    refuse_words,
+    start_design,
+)
+from fingertip.design.parameters.declaration import issues_from_pydantic, suggest_name
+from fingertip.foundation.errors import DesignError, Issue, gather, join_words, quote_value
+from fingertip.foundation.progress import Work
+
+Size = tuple[float, float]
+"""Width and length of the skin [mm]."""
+Starts = Mapping[tuple[str, ...], Start]
+"""Fingers of one size -> their design before its fit."""
+_SIZE = ("skin.width_mm", "skin.length_mm")
+_JOINT = tuple(name for name in FREE if name.startswith("hand."))
+"""Sizes of the joint that a fit of a single finger may change."""
+_EXAMPLE = "--finger index=18x25"
+
+
+@dataclass(frozen=True)
+class NewForm:
+    """Fingers of one size."""
+
+    fingers: tuple[str, ...]
+    design: NewDesign
+
+    @property
+    def file(self) -> str:
+        """Bundled design, or file that is to be written beside the set."""
+        return f"{self.design.design.name}.toml" if self.is_own else self.design.base
+
+    @property
+    def is_own(self) -> bool:
+        bundled = Design.load(self.design.base)
+        return self.design.design != bundled.model_copy(update={"name": self.design.design.name})
+
+
+def read_sizes(given: Sequence[str]) -> dict[str, Size]:
+    """Read sizes such as "index=18x25", from the thumb on. Raises DesignError with all faults."""
+    sizes: dict[str, Size] = {}
+    issues: list[Issue] = []
+    for text in given:
+        name, _, size = text.partition("=")
+        field, found = f"--finger {text}", re.fullmatch(r"(\d+(?:\.\d+)?)x(\d+(?:\.\d+)?)", size)
+        if name not in NAMES:
+            issues.append(Issue(field, f"{quote_value(name)} is no finger; {suggest_name(name, NAMES)}"))
+        elif name in sizes:
+            issues.append(Issue(field, "is given twice; give each finger once."))
+        if not found:
+            issues.append(Issue(field, f"states no width and length of the skin in mm; write it as {_EXAMPLE}."))
+            continue
+        width_mm, length_mm = (float(found[1]), float(found[2]))
+        sizes[name] = (width_mm, length_mm)
+        try:
+            DesignTables.model_validate({"skin": {"width_mm": width_mm, "length_mm": length_mm}})
+        except ValidationError as error:
+            issues += (
+                Issue(f"{field}: {issue.field}", issue.message) for issue in issues_from_pydantic(error, DesignTables)
+            )
+        else:
+            if width_mm > length_mm:
+                issues.append(
+                    Issue(field, f"is wider than long; the width comes first: --finger {name}={found[2]}x{found[1]}.")
+                )
+    if issues:
+        raise DesignError(issues)
+    return {name: sizes[name] for name in NAMES if name in sizes}
+
+
+def start_set(
+    name: str,
+    given: Sequence[str],
+    sensor: str | None,
+    preset: str | None,
+    hand: str | Path | None,
+    changes: Sequence[str],
+) -> Starts:
+    """Begin a design for each size, in the order of their first fingers. Raises DesignError with all faults."""
+    issues: list[Issue] = []
+    sizes: dict[str, Size] = {}
+    with gather(issues):
+        refuse_words(name, sensor, preset)
+    with gather(issues):
+        sizes = read_sizes(given)
+    for change in changes:
+        if change.partition("=")[0].strip() in _SIZE:
+            issues.append(Issue(f"--set {change}", "is one size for all fingers; --finger gives each its own."))
+    if issues:
+        raise DesignError(issues)
+    groups: dict[tuple[str, Size], list[str]] = {}
+    for finger, size in sizes.items():
+        groups.setdefault((_choose_preset(finger, sizes, preset), size), []).append(finger)
+    starts: dict[tuple[str, ...], Start] = {}
+    for (base, size), fingers in groups.items():
+        own = [*changes, *(f"{field}={value!r}" for field, value in zip(_SIZE, size, strict=True))]
+        with gather(issues):
+            starts[tuple(fingers)] = start_design(f"{name}_{fingers[0]}", sensor, base, hand, own)
+    if issues:
+        raise DesignError(dict.fromkeys(issues))  # what is wrong in several is said once
+    return starts
+
+
+def fit_set(starts: Starts, may_change_joint: bool, progress: Callable[[str], None]) -> tuple[NewForm, ...]:
+    """Fit the designs of a set to one joint.
+
+    The fit of the narrowest finger decides on the joint, which loses travel or tendon distance only if it may. A thumb
+    has a joint of its own if no hand is given. Raises DesignError, with what is wrong in all fingers.
+    """
+    issues: list[Issue] = []
+    forms, joints = dict[tuple[str, ...], NewForm](), dict[str, dict[str, float]]()
+    work = Work("fitting", {join_words(fingers): 1.0 for fingers in starts}, progress)
+    for fingers, start in sorted(starts.items(), key=lambda one: one[1].tables.skin.width_mm):
+        label, shares = join_words(fingers), "all" if start.measured else start.base
+        report, found, made = work.within(label), list[Issue](), None
+        lost: list[Issue] = []
+        tables = start.tables.with_values(joints.get(shares, {}))
+        held = replace(start, tables=tables, given=(*start.given, *_JOINT))
+        with gather(found):
+            made = fit_start(held if shares in joints else start, report)
+            lost = [] if shares in joints or may_change_joint else find_lost_travel(made)
+        if lost:  # a fit that holds the joint may find other lengths; one that cannot takes long
+            try:
+                made = fit_start(held, report)
+            except DesignError:
+                found = lost
+        issues += (Issue(f"{label}: {issue.field}", issue.message) for issue in found)
+        if made:
+            forms[fingers] = NewForm(fingers, made)
+            joints.setdefault(shares, {field: made.design.value(field) for field in _JOINT})
+    if issues:
+        raise DesignError(issues)
+    return tuple(forms[fingers] for fingers in starts)
+
+
+def _choose_preset(finger: str, sizes: Mapping[str, Size], preset: str | None) -> str:
+    """Choose the preset of a finger, of the age that is given, or of that whose widths are nearest to all fingers."""
+    widths = {base: float(DesignTables(**load_tables([base], []).tables).skin.width_mm) for base in PRESETS}
+
+    def differ(age: str) -> float:
+        return sum(abs(width_mm - widths[_name_preset(age, other)]) for other, (width_mm, _) in sizes.items())
+
+    age = preset.partition("_")[0] if preset else min((base.partition("_")[0] for base in PRESETS), key=differ)
+    return _name_preset(age, finger)
+
+
+def _name_preset(age: str, finger: str) -> str:
+    return f"{age}_{'thumb' if finger == 'thumb' else 'finger'}"
+
+
+def write_set_file(name: str, forms: Sequence[NewForm]) -> str:
+    """Write the file of a set, with its fingers from the thumb on."""
+    heading = "# Set of fingers for `fingertip make`. Each has a design: a file beside this one, or a bundled one."
+    lines = [heading, f'name = "{name}"', 'side = "right"  # or left; fingertips of both are alike']
+    for finger in NAMES:
+        for form in forms:
+            if finger in form.fingers:
+                skin = form.design.design.skin
+                size = f"  # skin {skin.width_mm:g} mm wide, {skin.length_mm:g} mm long"
+                lines += ["", f"[fingers.{finger}]", f'design = "{form.file}"{size}']
+    return "\n".join([*lines, ""])

@@ -1,0 +1,90 @@
+"""`fingertip new` for a hand: a set and its designs from the sizes of the fingers."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from pathlib import Path
+
+import pytest
+
+from fingertip.design import Design
+from fingertip.design.files import load_tables
+from fingertip.design.finger_set import load_set
+from fingertip.design.fit import FREE
+from fingertip.design.new_set import fit_set, start_set, write_set_file
+from fingertip.foundation.errors import DesignError
+from tests.conftest import run_fingertip
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_everything_that_is_wrong_is_said_at_once_before_a_fit(folder: Path) -> None:
+    (folder / "mine.toml").touch()
+    sizes = ("toe=18x25", "index=18", "ring=5x25", "little=25x18", "thumb=22x27", "thumb=22x27")
+    options = [word for size in sizes for word in ("--finger", size)]
+    done = run_fingertip("new", "mine", *options, "--preset", "child", "--set", "skin.width_mm=18")
+    assert done.returncode == 2
+    begins = (
+        "--preset: ", "--finger toe=18x25: 'toe' is no finger", "--finger index=18: ",
+        "--finger ring=5x25: skin.width_mm: 5.0 mm is too small; at least 6 mm", "--finger little=25x18: is wider",
+        "--finger thumb=22x27: is given twice", "--set skin.width_mm=18: ", "mine.toml: exists",
+    )  # fmt: skip
+    lines = done.stderr.splitlines()
+    assert len(lines) == len(begins)
+    assert all(line.startswith(f"error: {begin}") for line, begin in zip(lines, begins, strict=True)), lines
+    assert "--finger little=18x25" in done.stderr
+
+
+def test_sizes_of_presets_give_a_set_of_presets_and_equal_fingers_one_form() -> None:
+    sizes = ["ring=14x23", "index=14x23", "thumb=15.5x24"]
+    forms = fit_set(start_set("mine", sizes, None, None, None, ()), False, print)
+    assert [(form.fingers, form.file) for form in forms] == [
+        (("thumb",), "child_thumb"),
+        (("index", "ring"), "child_finger"),
+    ]
+    Path("mine.toml").write_text(write_set_file("mine", forms))
+    assert [form.design for form in load_set("mine.toml").forms] == [
+        form.design.design.model_copy(update={"name": form.file}) for form in forms
+    ]
+
+
+@pytest.mark.full
+def test_a_set_of_sizes_shares_its_joint_and_passes_or_names_the_loads_that_it_holds() -> None:
+    """A finger of 17 mm alone would take 0.01 mm from the tendon's distance."""
+    command = ("new", "mine", "--finger", "index=17x25", "--finger", "middle=18x25", "--finger", "ring=17x25", "--json")
+    weak = run_fingertip(*command)
+    assert weak.returncode == 2
+    assert "error: index and ring: bone.safety_factor.grip: " in weak.stderr
+    assert not Path("mine_index.toml").exists()
+    lighter = weak.stderr.splitlines()[0].partition("it holds lighter loads: ")[2]
+    done = run_fingertip(*command, *shlex.split(lighter))
+    assert done.returncode == 0, done.stderr
+    result = json.loads(done.stdout)
+    assert [(form["design"], form["fingers"]) for form in result["forms"]] == [
+        ("mine_index.toml", ["index", "ring"]),
+        ("mine_middle.toml", ["middle"]),
+    ]
+    index = Design.load("mine_index.toml")
+    assert (index.skin.width_mm, index.skin.length_mm) == (17.0, 25.0)
+    assert index.hand == Design.load("adult_finger").hand
+    assert result["next"] == "fingertip make mine.toml"
+    assert run_fingertip("check", "mine.toml").returncode == 0
+
+
+@pytest.mark.full
+def test_a_joint_that_a_finger_cannot_turn_on_changes_for_all_if_it_may() -> None:
+    starts = start_set("mine", ["little=16x25", "index=18x25"], None, "adult_finger", None, ())
+    with pytest.raises(DesignError, match=r"little: hand\.tendon_distance_mm: 5\.04 would become 4\.\d+: .*--allow"):
+        fit_set(starts, False, print)
+    index, little = (form.design.design for form in fit_set(starts, True, print))
+    assert index.hand == little.hand
+    assert index.hand.tendon_distance_mm < 5.04
+    given = load_tables(["adult_finger"], []).tables["hand"]
+    assert {name for name, value in given.items() if getattr(index.hand, name) != value} <= {
+        name.partition(".")[2] for name in FREE
+    }

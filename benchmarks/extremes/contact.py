@@ -64,7 +64,7 @@ def fixed_steps(draw: Draw) -> float:
     """Compare with steps 16 times as short, at the step that the program chooses."""
     friction, mount, load = _draw_contact(draw, 1e9, 1e3)
     step = min(1 / BASE_HZ, admissible_step_s(friction, mount, load))
-    time: Array = np.arange(STEPS * PARTS + 1) * (step / PARTS)
+    time = np.asarray(np.arange(STEPS * PARTS + 1) * (step / PARTS), dtype=np.float64)
     columns = _drag(draw, time, load)
     coarse = [column[::PARTS] for column in columns]
     fine_load = np.interp(time, time[::PARTS], coarse[2])
@@ -86,7 +86,7 @@ def error_control(draw: Draw) -> float:
         draw.log("resonance [Hz]", (20.0, 500.0), (1.0, 1e4)), draw.log("its damping ratio", (0.05, 0.8), (0.01, 3.0))
     )
     step = draw.log("sample time [s]", (1e-4, 1e-3), (1e-5, 1e-2))
-    time: Array = np.arange(101) * step
+    time = np.asarray(np.arange(101) * step, dtype=np.float64)
     columns = _drag(draw, time, load)
     friction = Friction(**{**vars(friction), "elastic": elastic})
     tolerance = 1e-5 * max(load, 1e-2)

@@ -12,7 +12,6 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -185,8 +184,8 @@ class _Stage:
 
     __slots__ = ("_cost", "_meter", "_start_s")
 
-    def __init__(self, meter: CostMeter, *cost: Any) -> None:
-        self._meter, self._cost = meter, cost
+    def __init__(self, meter: CostMeter, name: str, states: int, evaluations: int) -> None:
+        self._meter, self._cost = meter, (name, states, evaluations)
 
     def __enter__(self) -> None:
         self._start_s = time.process_time()

@@ -8,11 +8,13 @@ that every processor gives the same bits.
 from __future__ import annotations
 
 import math
+from collections.abc import MutableSequence, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fingertip.design import Design
+from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
 from fingertip.pad.response import Pad
 from fingertip.sim.contact import coupled
@@ -317,8 +319,24 @@ def motor_force_n(motor: Motor, phases: tuple[float, float], held_s: float, time
     t = time_s - held_s - motor.at_s
     envelope = smoothstep(t / MOTOR_RAMP_S) - smoothstep((t - motor.duration_s) / MOTOR_RAMP_S + 1)
     force = np.zeros_like(t)
-    # math.sin point by point: the last bit of a vectorised sine varies between processors.
-    for i in np.flatnonzero(envelope).tolist():
-        x = w * float(t[i])
-        force[i] = math.sin(x + phases[0]) + motor.harmonic * math.sin(2 * x + phases[1])
+    _shake(w, phases, motor.harmonic, t, envelope, force)
     return motor.force_n * envelope * force
+
+
+def _shake_loop(
+    w: float,
+    phases: tuple[float, float],
+    harmonic: float,
+    time: Sequence[float],
+    envelope: Sequence[float],
+    out: MutableSequence[float],
+) -> None:
+    """Sum both tones point by point: the last bit of a vectorised sine varies between processors."""
+    first, second = phases
+    for i in range(len(time)):
+        if envelope[i] != 0.0:
+            x = w * time[i]
+            out[i] = math.sin(x + first) + harmonic * math.sin(2 * x + second)
+
+
+_shake = CompiledLoop(_shake_loop, outputs=1, samples="time", plain_us=0.3)

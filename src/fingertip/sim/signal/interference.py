@@ -63,17 +63,11 @@ class InterferenceSource:
 def compute_cable_v(cable: Cable, held_s: float, time_s: Array, step_s: float) -> tuple[Array, Array]:
     """Voltage of a touched cable [V], and its jumps, each at the point that follows it; with hum in between."""
     volts, jumps = np.zeros(len(time_s)), np.zeros(len(time_s))
-    begin = held_s + cable.at_s
-    for moment, sign in ((begin, 1.0), (begin + cable.duration_s, -1.0)):
-        since = time_s - moment
-        for i in np.flatnonzero((since >= 0.0) & (since < _GONE * cable.decay_s)).tolist():
-            part = sign * cable.step_v * math.exp(-float(since[i]) / cable.decay_s)
-            volts[i] += part
-            if since[i] < step_s * (1 - 1e-9):
-                jumps[i] += part
-    during = np.flatnonzero((time_s >= begin) & (time_s < begin + cable.duration_s))
-    for i in during.tolist():
-        volts[i] += cable.hum_v * math.sin(2 * math.pi * cable.hum_hz * (float(time_s[i]) - begin))
+    begin_s = held_s + cable.at_s
+    _touch(
+        (begin_s, begin_s + cable.duration_s), cable.step_v, cable.decay_s, _GONE * cable.decay_s, step_s * (1 - 1e-9),
+        cable.hum_v, 2 * math.pi * cable.hum_hz, time_s, volts, jumps,
+    )  # fmt: skip
     return volts, jumps
 
 
@@ -161,6 +155,31 @@ def _design_butterworth(corner_hz: float, is_high_pass: bool) -> tuple[float, ..
     return tuple(found)
 
 
+def _touch_loop(
+    moments: tuple[float, float],
+    step_v: float,
+    decay: float,
+    gone: float,
+    h: float,
+    hum_v: float,
+    w: float,
+    time: Sequence[float],
+    out: MutableSequence[float],
+    jumps: MutableSequence[float],
+) -> None:
+    begin, end = moments
+    for i in range(len(time)):
+        for moment, volts in ((begin, step_v), (end, -step_v)):
+            since = time[i] - moment
+            if 0.0 <= since < gone:
+                part = volts * math.exp(-since / decay)
+                out[i] += part
+                if since < h:
+                    jumps[i] += part
+        if begin <= time[i] < end:
+            out[i] += hum_v * math.sin(w * (time[i] - begin))
+
+
 def _hum_loop(
     w: float, amplitude: float, third: float, fifth: float, time: Sequence[float], out: MutableSequence[float]
 ) -> None:
@@ -200,6 +219,7 @@ def _band_pass_loop(
         out[i] = x
 
 
+_touch = CompiledLoop(_touch_loop, outputs=2, samples="time", plain_us=0.4)
 _hum = CompiledLoop(_hum_loop, outputs=1, samples="time", plain_us=0.6)
 _pink = CompiledLoop(_pink_loop, outputs=2, samples="out", plain_us=4.0)
 _band_pass = CompiledLoop(_band_pass_loop, outputs=2, samples="white", plain_us=3.0)

@@ -79,7 +79,8 @@ def test_a_set_of_sizes_shares_its_joint_and_passes_or_names_the_loads_that_it_h
 @pytest.mark.full
 def test_a_joint_that_a_finger_cannot_turn_on_changes_for_all_if_it_may() -> None:
     starts = start_set("mine", ["little=16x25", "index=18x25"], None, "adult_finger", None, ())
-    with pytest.raises(DesignError, match=r"little: hand\.tendon_distance_mm: 5\.04 would become 4\.\d+: .*allow_shorter_travel"):
+    told = r"little: hand\.tendon_distance_mm: 5\.04 would become 4\.\d+: .*allow_shorter_travel"
+    with pytest.raises(DesignError, match=told):
         fit_set(starts, False, print)
     index, little = (form.design.design for form in fit_set(starts, True, print))
     assert index.hand == little.hand

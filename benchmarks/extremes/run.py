@@ -19,7 +19,12 @@ from fingertip.foundation.progress import ReportProgress, Work
 
 FAMILIES = (
     Family("contact, fixed steps", "steps / 16: 10 % of the forces (beyond: 25 %)", 0.6, contact.fixed_steps),
-    Family("contact, error control", "tolerance / 100: 100 of them (bouncing: 10 %)", 0.25, contact.error_control),
+    Family(
+        "contact, error control",
+        "tolerance / 100: 100 tolerances (bouncing: 10 % of the load)",
+        0.25,
+        contact.error_control,
+    ),
     Family("board", "tolerance / 10000: 10 tolerances and 5 % of the peak", 0.1, board.board),
     Family("filling", "mass, and a closed form: 1e-6", 0.02, bodies.filling),
     Family("geometry", "all checks of the parts", 0.0003, bodies.geometry),

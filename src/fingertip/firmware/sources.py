@@ -249,8 +249,11 @@ def _render_grip(settings: GripSettings) -> str:
 
 def _render_curves(curves: Sequence[ForceCurve]) -> str:
     """Render the distinct curves, the pads' constants beside them, and which of them each finger has."""
-    distinct = list({_list_numbers(curve): curve for curve in curves})
-    of_finger = ", ".join(str(distinct.index(_list_numbers(curve))) for curve in curves)
+    numbers = [
+        (tuple(curve.volts.tolist()), tuple(curve.forces_n.tolist()), curve.pad.hertz_m_per_n23) for curve in curves
+    ]
+    distinct = list(dict.fromkeys(numbers))
+    of_finger = ", ".join(str(distinct.index(each)) for each in numbers)
     pads = ", ".join(real(pad) for _, _, pad in distinct)
     blocks = [
         f"enum {{ SLIP_CURVES = {len(distinct)}, SLIP_CURVE = {len(distinct[0][0])} }};",
@@ -261,15 +264,11 @@ def _render_curves(curves: Sequence[ForceCurve]) -> str:
         ("Ascending tactile voltages [V].", "slip_curves_v", [volts for volts, _, _ in distinct]),
         ("Forces that they mean [N].", "slip_curves_n", [forces_n for _, forces_n, _ in distinct]),
     )
-    for comment, name, numbers in tables:
-        rows = [line for each in numbers for line in ("{", *_rows([f"R({value!r})" for value in each]), "},")]
+    for comment, name, columns in tables:
+        rows = [line for each in columns for line in ("{", *_rows([f"R({value!r})" for value in each]), "},")]
         opening = f"static const slip_real {name}[SLIP_CURVES][SLIP_CURVE] = {{"
         blocks.append("\n".join([f"/* {comment} */", opening, *rows, "};"]))
     return "\n\n".join(blocks)
-
-
-def _list_numbers(curve: ForceCurve) -> tuple[tuple[float, ...], tuple[float, ...], float]:
-    return tuple(curve.volts.tolist()), tuple(curve.forces_n.tolist()), curve.pad.hertz_m_per_n23
 
 
 HEADER, SOURCE = "slip_detector.h", "slip_detector.c"

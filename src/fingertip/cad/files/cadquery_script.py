@@ -16,7 +16,6 @@ from fingertip.design.geometry.solids import Difference, Intersection, Placed, P
 from fingertip.filling.vents import place_vents
 
 _WIDTH = 110
-_PRIMITIVES = Path(__file__).parents[1] / "kernel" / "cadquery_primitives.py"
 _WORD = re.compile(r"[a-zA-Z_]\w*")
 _RATIO = re.compile(r"weight|scale|slope|shrinkage|ratio|fullness|drop|flank")
 """Names of numbers that are no lengths."""
@@ -43,7 +42,7 @@ if "show_object" in globals():  # in CQ-editor, or imported from ocp_vscode
     show_object({part}, name="{part}")
 else:
     size = {part}.BoundingBox()
-    print(f"{part}: {{size.xlen:.3f}} x {{size.ylen:.3f}} x {{size.zlen:.3f}} mm, {{volume({part}):.3f}} mm3")
+    print(f"{part}: {{size.xlen:.3f}} x {{size.ylen:.3f}} x {{size.zlen:.3f}} mm, {{volume({part}.wrapped):.3f}} mm3")
 '''
 
 
@@ -53,14 +52,25 @@ def write_script(design: Design, part: str) -> bytes:
     names = Names(design)
     solid, solids = build_with_names(PARTS[part].solid, names.design)
     definitions = names.confirmed(design)
-    _, _, source = _PRIMITIVES.read_text(encoding="utf-8").partition('"""\n\n')
-    imports, _, functions = source.partition("# Functions\n\n")
-    statements = _Statements(solids, {part, *_WORD.findall(source), *definitions}).write(part, solid)
+    imports, functions = _read_sources()
+    statements = _Statements(solids, {part, *_WORD.findall(imports + functions), *definitions}).write(part, solid)
     text = _SCRIPT.format(
         title=part.replace("_", " ").capitalize(), design=design.name, part=part, imports=imports, functions=functions,
         dimensions="\n".join(_define(definitions, statements)), statements=statements,
     )  # fmt: skip
     return text.encode()
+
+
+def _read_sources() -> tuple[str, str]:
+    """Read imports and functions of the modules that a script holds."""
+    kernel = Path(__file__).parents[1] / "kernel"
+    names = "cadquery_primitives.py", "bezier.py"
+    (own, primitives), (others, faces) = (
+        (kernel / name).read_text(encoding="utf-8").partition('"""\n\n')[2].split("# Functions\n\n") for name in names
+    )
+    kept = [line for line in own.rstrip().splitlines() if "fingertip" not in line]
+    imports = "\n".join([*kept[:-1], *(line for line in others.splitlines() if line.startswith("from OCP"))])
+    return f"{imports}\n\n", f"{faces}\n\n{primitives}".rstrip()
 
 
 class _Statements:

@@ -30,7 +30,7 @@ try:
     from OCP.TopTools import TopTools_IndexedMapOfShape
 
     from fingertip.cad.kernel import occ, occ_primitives
-    from fingertip.cad.kernel.occ_primitives import volume as volume
+    from fingertip.cad.kernel.bezier import volume as volume
 except ImportError as error:
     extras.require("STEP", "OCP", alternative="leave STEP out with --formats stl,3mf")
     message = (

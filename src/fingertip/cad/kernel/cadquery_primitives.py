@@ -1,7 +1,7 @@
 """Primitives of parts as cadquery shapes, from plain numbers [mm].
 
 The scripts that `fingertip build --formats cq` writes hold what follows as it stands here, so that a script gives the
-same solid as the STEP file. That is why this module imports nothing of fingertip.
+same solid as the STEP file, together with `bezier.py`. It imports nothing else of fingertip.
 """
 
 from __future__ import annotations
@@ -10,18 +10,10 @@ from collections.abc import Sequence
 from typing import Any
 
 import cadquery as cq
-from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeFace, BRepBuilderAPI_Sewing
-from OCP.BRepGProp import BRepGProp
-from OCP.Geom import Geom_BezierCurve, Geom_BezierSurface
-from OCP.gp import gp_Pnt
-from OCP.GProp import GProp_GProps
-from OCP.TColgp import TColgp_Array1OfPnt, TColgp_Array2OfPnt
-from OCP.TColStd import TColStd_Array1OfReal, TColStd_Array2OfReal
+
+from fingertip.cad.kernel.bezier import bezier_edge, sew_superconic
 
 # Functions
-
-SEWING_MM = 1e-6
-"""Distance within which edges of neighbouring faces are sewn together [mm]."""
 
 
 def point(axis: str, across: Sequence[float], along: float) -> cq.Vector:
@@ -68,38 +60,6 @@ def elbow_tube(start_y: float, start_z: float, exit_z: float, end_y: float, bend
     return down.fuse(bend, up)
 
 
-def volume(shape: Any) -> float:
-    """Compute the volume by adaptive Gauss-Kronrod quadrature.
-
-    On a straight superconic prism with an arc of weight 4 the result is exact to 1e-10 mm3 of 4259 mm3. There the
-    kernel's plain quadrature (`Shape.Volume()`) is off by 0.3 mm3, and its adaptive Gauss quadrature with a stated
-    tolerance of 1e-6 by 11 mm3.
-    """
-    properties = GProp_GProps()
-    BRepGProp.VolumePropertiesGK_s(shape.wrapped, properties, 1e-6, False, True, False, False, False)
-    return float(properties.Mass())
-
-
-def bezier_face(quadrant: Any, span: Any) -> cq.Face:
-    """Make a rational Bezier face: the tensor product of an arc of the section with a span."""
-    poles = TColgp_Array2OfPnt(1, len(quadrant), 1, len(span))
-    weights = TColStd_Array2OfReal(1, len(quadrant), 1, len(span))
-    for i, (x, y, w) in enumerate(quadrant, 1):
-        for j, (z, scale, palmar_scale, v) in enumerate(span, 1):
-            poles.SetValue(i, j, gp_Pnt(x * scale, y * (palmar_scale if y < 0 else scale), z))
-            weights.SetValue(i, j, w * v)
-    return cq.Face(BRepBuilderAPI_MakeFace(Geom_BezierSurface(poles, weights), SEWING_MM).Face())
-
-
-def bezier_edge(row: Any, z: float) -> cq.Edge:
-    """Make an edge in the plane at height z from control points (x, y, weight)."""
-    poles, weights = TColgp_Array1OfPnt(1, len(row)), TColStd_Array1OfReal(1, len(row))
-    for i, (x, y, w) in enumerate(row, 1):
-        poles.SetValue(i, gp_Pnt(x, y, z))
-        weights.SetValue(i, w)
-    return cq.Edge(BRepBuilderAPI_MakeEdge(Geom_BezierCurve(poles, weights)).Edge())
-
-
 def superconic(
     half_width: float, palmar: float, dorsal: float, palmar_weight: float, dorsal_weight: float, spans: Any
 ) -> Any:
@@ -108,33 +68,14 @@ def superconic(
     Each half of the section has a height and a weight of its arcs: 0.707 for an ellipse, more for a squarer one. A span
     is a list of control points (z, scale of the section, scale of its palmar height, weight), of a line or a conic.
     """
-    quadrants = [
-        ((half_width, 0, 1), (half_width, dorsal, dorsal_weight), (0, dorsal, 1)),
-        ((0, dorsal, 1), (-half_width, dorsal, dorsal_weight), (-half_width, 0, 1)),
-        ((-half_width, 0, 1), (-half_width, -palmar, palmar_weight), (0, -palmar, 1)),
-        ((0, -palmar, 1), (half_width, -palmar, palmar_weight), (half_width, 0, 1)),
-    ]
-    sewing = BRepBuilderAPI_Sewing(SEWING_MM)
-    for span in spans:
-        for quadrant in quadrants:
-            sewing.Add(bezier_face(quadrant, span).wrapped)
-    for z, scale, palmar_scale, _ in (spans[0][0], spans[-1][-1]):
-        if scale:
-            rows = [[(x * scale, y * (palmar_scale if y < 0 else scale), w) for x, y, w in arc] for arc in quadrants]
-            wire = cq.Wire.assembleEdges([bezier_edge(row, z) for row in rows])
-            sewing.Add(cq.Face.makeFromWires(wire).wrapped)
-    sewing.Perform()
-    shell: Any = cq.Shape.cast(sewing.SewedShape())
-    if volume(cq.Solid.makeSolid(shell)) < 0:  # it has been sewn with its faces pointing inwards
-        shell = cq.Shape.cast(shell.wrapped.Reversed())
-    return cq.Solid.makeSolid(shell)
+
+    def make_face(edges: list[Any]) -> Any:
+        return cq.Face.makeFromWires(cq.Wire.assembleEdges([cq.Edge(edge) for edge in edges])).wrapped
+
+    return cq.Solid(sew_superconic((half_width, palmar, dorsal, palmar_weight, dorsal_weight), spans, make_face))
 
 
 def drafted_extrusion(outline: Any, low: float, high: float) -> Any:
     """Extrude an outline of lines and conic arcs along z; each is a list of control points (x, y, weight)."""
-    edges = [
-        bezier_edge(piece, low) if len(piece) > 2
-        else cq.Edge.makeLine(*(cq.Vector(x, y, low) for x, y, _ in piece))
-        for piece in outline
-    ]  # fmt: skip
-    return cq.Solid.extrudeLinear(cq.Wire.assembleEdges(edges), [], cq.Vector(0.0, 0.0, high - low))
+    wire = cq.Wire.assembleEdges([cq.Edge(bezier_edge(piece, low)) for piece in outline])
+    return cq.Solid.extrudeLinear(wire, [], cq.Vector(0.0, 0.0, high - low))

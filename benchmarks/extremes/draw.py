@@ -53,7 +53,7 @@ class Family:
 
     name: str
     against: str
-    """What a case is compared with, and the bound of its deviation."""
+    """Reference of a case, and the bound of its deviation."""
     weight: float
     """Share of all cases, chosen by their cost."""
     deviate: Callable[[Draw], float]

@@ -1,13 +1,14 @@
 """Work-precision of the board: a burst of vibration through filter, diode and envelope, by fingertip and its peers.
 
 The input is a simulated tactile voltage: samples that straight lines join. Peers get right-hand sides and Jacobians of
-their own, scipy's compiled by numba and CVODE's in C, with the same function for the diode and its series resistance.
+their own, compiled by numba for scipy's, and in C for the others, with the same function for the diode and its series
+resistance.
 Their steps are no longer than a sample, or end at every sample; both ways are measured, and the better one counts.
 ngspice reads the samples as a piecewise linear source.
 
-The same burst is also given as a sine, to CVODE and to ngspice, whose native source it is. Their errors are then those
-against the exact response to that sine, so that each solver's error is that of its integration alone. What the straight
-lines change in the response is stated beside.
+The same burst is also given as a sine, to the solvers in C and to ngspice, whose native source it is. Their errors are
+then those against the exact response to that sine, so that each solver's error is that of its integration alone. What
+the straight lines change in the response is stated beside.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.peers import spice
-from benchmarks.peers.cvode import CvodeLibrary
+from benchmarks.peers.native import NATIVE, NativeSolver, NativeSolvers
 from benchmarks.peers.options import SOLVE_IVP
 from benchmarks.peers.scipy_solvers import Segment, System, scipy_version, solve_with_scipy
 from benchmarks.peers.spice import Spice, gain
@@ -38,7 +39,7 @@ from fingertip.sim.signal.filter_board import simulate_board
 STEP_S = 1 / 2000
 LEVELS_V = (5e-4, 1e-4, 2e-5)
 """Errors at which solvers are compared [V]."""
-TARGETS = {"scipy odeint": 25.0, "CVODE": 10.0, "ngspice, sine": 60.0}
+TARGETS = {"scipy odeint": 25.0, "CVODE": 10.0, "CVODE, sine": 8.0, "ngspice, sine": 60.0}
 OURS = "fingertip"
 MIN_SECONDS = 0.5
 """Shortest length of the problem [s], with a burst of 0.2 s."""
@@ -115,8 +116,8 @@ class BoardProblem:
         found = solve_with_scipy(method, system, segments, self.start, tolerance, np.full(4, 0.1 * tolerance))[3]
         return np.asarray(found[np.searchsorted(wanted, time_s)], dtype=np.float64)
 
-    def run_cvode(self, library: CvodeLibrary, way: str, reference: Array | None, tolerance: float) -> Outcome:
-        """Envelope by CVODE [V], in one of the ways "no longer than a sample", "stops at samples" and "sine"."""
+    def run_native(self, solver: NativeSolver, way: str, reference: Array | None, tolerance: float) -> Outcome:
+        """Envelope in C or Fortran [V], in one of the ways "step <= sample", "stops at samples" and "sine"."""
         board, count = self.board, len(self.time_s)
         d, c = board.diode, {name: float(value) for name, value in board.components.items()}
         parameters = np.array(
@@ -128,12 +129,13 @@ class BoardProblem:
             last = np.arange(1, count)
         elif way == "sine":
             last = np.array([*(round(time / STEP_S) for time in self.burst_s), count - 1])
-        envelope, cpu_s = library.solve_board(
-            parameters, None if way == "sine" else self.voltage_v, np.array([CONSTANT_V, AMPLITUDE_V, FREQUENCY_HZ]),
-            last, way == "sine", STEP_S if way == "no longer than a sample" else 0.0, 1 / STEP_S, self.start, tolerance,
-            np.full(4, 0.1 * tolerance),
+        is_sine = way == "sine"
+        drive = np.array([CONSTANT_V, AMPLITUDE_V, FREQUENCY_HZ]) if is_sine else self.voltage_v
+        states, cpu_s = solver.solve(
+            "board", parameters, drive, 0 if is_sine else count, last, 1 / STEP_S, self.start, tolerance,
+            np.full(4, 0.1 * tolerance), restart=is_sine, longest_s=STEP_S if way == "step <= sample" else 0.0,
         )  # fmt: skip
-        return Outcome(envelope, cpu_s, reference)
+        return Outcome(states[:, 3], cpu_s, reference)
 
     def run_spice(self, simulator: Spice, system: System | None, reltol: float, longest_s: float) -> Outcome:
         """Envelope by ngspice [V]: at the samples, or, for the sine, at its own time points."""
@@ -145,7 +147,7 @@ class BoardProblem:
 
 
 def measure_board(
-    seconds: float, peers: tuple[str, ...], cvode: CvodeLibrary | str, advance: Callable[[float], None] = lambda _: None
+    seconds: float, peers: tuple[str, ...], native: NativeSolvers, advance: Callable[[float], None] = lambda _: None
 ) -> WorkPrecision:
     """Measure fingertip and its peers on the same problem. Units: `seconds` [s]."""
     seconds = max(seconds, MIN_SECONDS)
@@ -154,6 +156,7 @@ def measure_board(
     begin, end = problem.burst_s
     diagram = WorkPrecision(f"board, {seconds:g} s with a burst of {end - begin:.3g} s", "V", LEVELS_V)
     diagram.solvers[OURS] = f"{__version__}, exact linear steps and SDIRK4, compiled loop, samples joined by lines"
+    diagram.targets |= {name: TARGETS[name] for name in TARGETS if name.removesuffix(", sine") in native.found}
     problem.run_fingertip(1e-3)  # compiles
     reference = problem.run_fingertip(1e-12).result
     diagram.reference_difference = float(np.abs(problem.run_restarted(system, 1e-12) - reference).max())
@@ -162,7 +165,7 @@ def measure_board(
         for tolerance in (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 1e-6)
     ]
     jobs += _scipy_jobs(diagram, problem, system, peers)
-    if {"CVODE", "ngspice"} & set(peers):
+    if {*NATIVE, "ngspice"} & set(peers):
         t = problem.time_s
         sine = problem.run_exact_sine(system, "LSODA", 1e-12, t)
         difference = float(np.abs(problem.run_exact_sine(system, "Radau", 1e-10, t) - sine).max())
@@ -172,7 +175,7 @@ def measure_board(
             f"straight lines instead of the sine change the envelope by up to {lines:.1e} V; errors for the sine are "
             "those against the response to the sine"
         )
-        jobs += _cvode_jobs(diagram, problem, peers, cvode, sine)
+        jobs += _native_jobs(diagram, problem, native, sine)
         jobs += _spice_jobs(diagram, problem, system, peers)
     diagram.measure(jobs, reference, advance)
     return diagram
@@ -198,30 +201,19 @@ def _scipy_jobs(diagram: WorkPrecision, problem: BoardProblem, system: System, p
                 yield Job(name, setting, partial(problem.run_scipy, system, method, stops, 10.0**e))
 
 
-def _cvode_jobs(
-    diagram: WorkPrecision, problem: BoardProblem, peers: tuple[str, ...], cvode: CvodeLibrary | str, sine: Array
-) -> Iterator[Job]:
-    if "CVODE" not in peers:
-        return
-    diagram.targets["CVODE"] = TARGETS["CVODE"]
-    if isinstance(cvode, str):
-        diagram.solvers["CVODE"] = "NOT MEASURED"
-        diagram.omissions.append(f"CVODE: NOT MEASURED: {cvode}")
-        return
-    settings = (
-        f"SUNDIALS {cvode.version}, BDF with Newton and a dense matrix, equations in C ({cvode.compiler}), analytic "
-        "Jacobian, rtol as stated, atol: rtol x 0.1 V"
-    )
-    diagram.solvers["CVODE"] = f"{settings}, samples joined by lines, steps as stated"
-    diagram.solvers["CVODE, sine"] = f"{settings}, input: the sine, restarted where it begins and ends"
-    exponents = np.arange(-3.0, -8.1, -0.5)
-    for way, short in (("no longer than a sample", "step <= sample"), ("stops at samples", "stops at samples")):
+def _native_jobs(diagram: WorkPrecision, problem: BoardProblem, native: NativeSolvers, sine: Array) -> Iterator[Job]:
+    diagram.leave_out(native.missing)
+    for name, solver in native.found.items():
+        settings = f"{solver.description}, equations in C, analytic Jacobian, rtol as stated, atol: rtol x 0.1 V"
+        diagram.solvers[name] = f"{settings}, samples joined by lines, steps as stated"
+        diagram.solvers[f"{name}, sine"] = f"{settings}, input: the sine, restarted where it begins and ends"
+        exponents = np.arange(-1.0, -8.1, -0.5)
+        for way in ("step <= sample", "stops at samples"):
+            for e in exponents:
+                yield Job(name, f"rtol {10.0**e:.1e} {way}", partial(problem.run_native, solver, way, None, 10.0**e))
         for e in exponents:
-            yield Job(
-                "CVODE", f"rtol {10.0**e:.1e} {short}", partial(problem.run_cvode, cvode, way, None, 10.0**e)
-            )  # fmt: skip
-    for e in exponents:
-        yield Job("CVODE, sine", f"rtol {10.0**e:.1e}", partial(problem.run_cvode, cvode, "sine", sine, 10.0**e))
+            run = partial(problem.run_native, solver, "sine", sine, 10.0**e)
+            yield Job(f"{name}, sine", f"rtol {10.0**e:.1e}", run)
 
 
 def _spice_jobs(diagram: WorkPrecision, problem: BoardProblem, system: System, peers: tuple[str, ...]) -> Iterator[Job]:

@@ -1,8 +1,8 @@
 """Work-precision of the contact: a pad dragged to and fro under a changing load, by fingertip and by its peers.
 
-Peers get right-hand sides and Jacobians of their own, scipy's compiled by numba and CVODE's in C. They restart at the
-drive's few corners (fingertip steps from sample to sample), and return their dense output at the samples. Only the
-integration is timed, for every solver.
+Peers get right-hand sides and Jacobians of their own, compiled by numba for scipy's, and in C for the others. They
+restart at the drive's few corners (fingertip steps from sample to sample), and return their dense output at the
+samples. Only the integration is timed, for every solver.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from benchmarks.peers.cvode import CvodeLibrary
+from benchmarks.peers.native import NativeSolver, NativeSolvers
 from benchmarks.peers.options import SOLVE_IVP
 from benchmarks.peers.scipy_solvers import Segment, System, scipy_version, solve_with_scipy
 from benchmarks.peers.work_precision import Job, Outcome, WorkPrecision
@@ -33,7 +33,7 @@ from fingertip.sim.contact.vibration import ContactResonance
 RATE_HZ = 2000.0
 LEVELS_N = (1e-5, 5e-6, 2.5e-6)
 """Errors at which solvers are compared [N]."""
-TARGETS = {"scipy odeint": 15.0, "CVODE": 10.0}
+TARGETS = {"scipy odeint": 12.0, "CVODE": 12.0, "RADAU5": 1.0, "RADAU": 1.0, "Rodas5P": 1.0}
 OURS = "fingertip"
 STEPPER = "fingertip, ROS2 of trials"
 _FRICTION = Friction(0.6, 0.48)
@@ -135,21 +135,21 @@ class ContactProblem:
         cpu_s = time.process_time() - start
         return Outcome(self.forces_n(found[0], np.maximum(found[3], 0.0)), cpu_s)
 
-    def run_cvode(self, library: CvodeLibrary, tolerance: float) -> Outcome:
-        """Forces by CVODE [N]."""
+    def run_native(self, solver: NativeSolver, tolerance: float, option: int | None = None) -> Outcome:
+        """Forces by a solver in C or Fortran [N]."""
         f, mount, omega = _FRICTION, self.mount, 2 * math.pi * self.normal.resonance_hz
         surface = [f.mu_c, f.mu_s - f.mu_c, f.stribeck_m_s, f.sigma0, f.sigma1, f.sigma2, LOAD_SCALE_N]
         normal = [omega * omega, 2 * self.normal.damping_ratio * omega]
         parameters = np.array([*surface, mount.mass_kg, mount.stiffness_n_per_m, mount.damping_n_s_per_m, *normal])
-        x, y, cpu_s = library.solve_contact(
-            parameters, self.drives(), np.array(self.corners[1:]), RATE_HZ, self.start, tolerance,
-            tolerance * self.absolute,
+        states, cpu_s = solver.solve(
+            "contact", parameters, self.drives(), 0, np.array(self.corners[1:]), RATE_HZ, self.start, tolerance,
+            tolerance * self.absolute, option=option,
         )  # fmt: skip
-        return Outcome(self.forces_n(x, np.maximum(y, 0.0)), cpu_s)
+        return Outcome(self.forces_n(states[:, 0], np.maximum(states[:, 3], 0.0)), cpu_s)
 
 
 def measure_contact(
-    seconds: float, peers: tuple[str, ...], cvode: CvodeLibrary | str, advance: Callable[[float], None] = lambda _: None
+    seconds: float, peers: tuple[str, ...], native: NativeSolvers, advance: Callable[[float], None] = lambda _: None
 ) -> WorkPrecision:
     """Measure fingertip and its peers on the same problem. Units: `seconds` [s]."""
     problem = ContactProblem.over(seconds)
@@ -157,10 +157,7 @@ def measure_contact(
     diagram = WorkPrecision(f"contact, {seconds:g} s to and fro", "N", LEVELS_N)
     diagram.solvers[OURS] = f"{__version__}, RODAS, compiled loop; each sample ends a step"
     diagram.solvers[STEPPER] = f"{__version__}, ROS2 with equal steps on an exact resonance, compiled loops"
-    if "odeint" in peers:
-        diagram.targets["scipy odeint"] = TARGETS["scipy odeint"]
-    if "CVODE" in peers:
-        diagram.targets["CVODE"] = TARGETS["CVODE"]
+    diagram.targets |= {name: TARGETS[name] for name in TARGETS if name.removeprefix("scipy ") in peers}
     problem.run_fingertip(1e-3)  # compiles
     reference = problem.run_fingertip(1e-12).result
     other = problem.run_scipy(system, "Radau", 1e-11).result
@@ -170,7 +167,7 @@ def measure_contact(
         Job(STEPPER, f"steps of {1e6 / RATE_HZ / n:g} us", partial(problem.run_stepper, n))
         for n in (2, 5, 10, 20, 40, 80, 160)
     ]
-    jobs += _peer_jobs(diagram, problem, system, peers, cvode)
+    jobs += _peer_jobs(diagram, problem, system, peers, native)
     diagram.measure(jobs, reference, advance)
     if "ngspice" in peers:
         diagram.omissions.append("ngspice: has no model of friction")
@@ -178,7 +175,7 @@ def measure_contact(
 
 
 def _peer_jobs(
-    diagram: WorkPrecision, problem: ContactProblem, system: System, peers: tuple[str, ...], cvode: CvodeLibrary | str
+    diagram: WorkPrecision, problem: ContactProblem, system: System, peers: tuple[str, ...], native: NativeSolvers
 ) -> Iterator[Job]:
     """Jobs of the peers; writes their versions and settings, or why they are missing, into the diagram."""
     settings = "analytic Jacobian, restarted at the drive's corners, rtol as stated, atol: rtol as a force"
@@ -192,17 +189,11 @@ def _peer_jobs(
         for e in exponents.get(method, np.arange(-5.0, -9.1, -1.0)):
             run = partial(problem.run_scipy, system, method, 10.0**e)
             yield Job(name, f"rtol {10.0**e:.1e}", run)
-    if "CVODE" not in peers:
-        return
-    if isinstance(cvode, str):
-        diagram.solvers["CVODE"] = "NOT MEASURED"
-        diagram.omissions.append(f"CVODE: NOT MEASURED: {cvode}")
-        return
-    diagram.solvers["CVODE"] = (
-        f"SUNDIALS {cvode.version}, BDF with Newton and a dense matrix, equations in C ({cvode.compiler}), {settings}"
-    )
-    for e in np.arange(-6.0, -10.1, -0.5):
-        yield Job("CVODE", f"rtol {10.0**e:.1e}", partial(problem.run_cvode, cvode, 10.0**e))
+    diagram.leave_out(native.missing)
+    for name, solver in native.found.items():
+        diagram.solvers[name] = f"{solver.description}, equations in C, {settings}"
+        for e in np.arange(-4.0, -10.1, -0.5):
+            yield Job(name, f"rtol {10.0**e:.1e}", partial(problem.run_native, solver, 10.0**e))
 
 
 def _scipy_equations(mount: Mount, press: NormalContact) -> System:

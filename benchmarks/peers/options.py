@@ -7,7 +7,7 @@ from fingertip.foundation.errors import FingertipError, Issue
 
 SOLVE_IVP = ("LSODA", "Radau", "BDF")
 """Methods of scipy's `solve_ivp`."""
-PEERS = (*SOLVE_IVP, "odeint", "CVODE", "ngspice")
+PEERS = (*SOLVE_IVP, "odeint", "CVODE", "RADAU5", "RADAU", "Rodas5P", "ngspice")
 """Names of `fingertip bench --solvers`."""
 FILES = ("work_precision.png", "trial_accuracy.png", "work_precision.json", "work_precision.txt")
 """Files that the command writes."""

@@ -38,17 +38,18 @@ def draw(diagrams: Sequence[WorkPrecision], footnote: str) -> bytes:
     figure = new_figure(12, 7)
     panels = figure.subplots(1, len(diagrams), squeeze=False)[0]
     names = list(dict.fromkeys(point.solver for diagram in diagrams for point in diagram.points))
-    styles = {name: _STYLES[i % len(_STYLES)] for i, name in enumerate(names)}
+    styles = {name: (*_STYLES[i % len(_STYLES)], "-:"[i // len(_STYLES)]) for i, name in enumerate(names)}
     for axes, diagram in zip(panels, diagrams, strict=True):
         for solver in dict.fromkeys(point.solver for point in diagram.points):
-            colour, marker = styles[solver]
+            colour, marker, line = styles[solver]
             every = [(p.error, p.cpu_s) for p in diagram.points if p.solver == solver]
             best = [(p.error, p.cpu_s) for p in diagram.best_points(solver)]
             axes.loglog(*zip(*every, strict=True), color=colour, marker=marker, markersize=4, linestyle="", alpha=0.3)
             width = 2.2 if solver == next(iter(diagram.solvers)) else 1.2
             axes.loglog(
-                *zip(*best, strict=True), color=colour, marker=marker, markersize=5, linewidth=width, label=solver
-            )
+                *zip(*best, strict=True), color=colour, marker=marker, markersize=5, linestyle=line, linewidth=width,
+                label=solver,
+            )  # fmt: skip
         for level in diagram.levels:
             axes.axvline(level, color=REFERENCE, linestyle="--", linewidth=0.8)
         levels = ", ".join(f"{level:g}" for level in diagram.levels)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,7 +10,7 @@ from typing import Any
 from benchmarks.peers import throughput
 from benchmarks.peers.board import measure_board
 from benchmarks.peers.contact import measure_contact
-from benchmarks.peers.cvode import CvodeLibrary, CvodeMissingError, compile_cvode
+from benchmarks.peers.native import compile_solvers
 from benchmarks.peers.plots import draw, draw_trials
 from benchmarks.peers.trial import measure_trial
 from benchmarks.peers.work_precision import describe_machine
@@ -55,21 +54,16 @@ def run(
 ) -> BenchResult:
     """Measure fingertip and its peers. Units: `seconds` [s] of the contact problem."""
     machine = describe_machine()
-    with compiled(), contextlib.ExitStack() as resources:
-        cvode: CvodeLibrary | str = ""
-        if "CVODE" in peers:
-            try:
-                cvode = resources.enter_context(compile_cvode())
-            except CvodeMissingError as missing:
-                cvode = str(missing)
-                progress(f"CVODE is NOT MEASURED: {cvode}")
+    with compiled(), compile_solvers(peers) as native:
+        for name, reason in native.missing.items():
+            progress(f"{name} is NOT MEASURED: {reason}")
         work = Work("bench", STAGES, progress)
         work.begin("contact")
-        diagrams = [measure_contact(seconds, peers, cvode, work.advance)]
+        diagrams = [measure_contact(seconds, peers, native, work.advance)]
         work.begin("board")
-        diagrams.append(measure_board(seconds / 5, peers, cvode, work.advance))
+        diagrams.append(measure_board(seconds / 5, peers, native, work.advance))
         work.begin("start-up")
-        start_up = throughput.measure_start_up(peers, cvode)
+        start_up = throughput.measure_start_up(peers, native)
         work.begin("a whole trial")
         whole_trial = measure_trial()
         work.begin("120 trials")

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from benchmarks.peers import spice
 from benchmarks.peers.board import STEP_S, BoardProblem
-from benchmarks.peers.cvode import CvodeLibrary
+from benchmarks.peers.native import NATIVE, NativeSolvers
 from benchmarks.peers.spice import Spice
 from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TraceError
@@ -142,18 +142,19 @@ def measure_first_run() -> dict[str, Any]:
     return {"empty_cache_cpu_s": times[0], "full_cache_cpu_s": times[1]}
 
 
-def measure_start_up(peers: tuple[str, ...], cvode: CvodeLibrary | str) -> dict[str, float]:
+def measure_start_up(peers: tuple[str, ...], native: NativeSolvers) -> dict[str, float]:
     """Measure the CPU time of each solver's start-up [s], with filled caches.
 
-    fingertip and scipy start in a fresh process of Python. CVODE's programs are compiled, and ngspice reads a deck.
+    fingertip and scipy start in a fresh process of Python. Equations in C are compiled with their solver, and ngspice
+    reads a deck.
     """
     found = {"fingertip: process, imports, and loading both compiled loops": _time_process(_LOAD_LOOPS)}
-    if set(peers) - {"CVODE", "ngspice"}:
+    if set(peers) - {*NATIVE, "ngspice"}:
         found["scipy: process and import, without the compilation of the equations"] = _time_process(
             "import scipy.integrate"
         )
-    if isinstance(cvode, CvodeLibrary):
-        found["CVODE: compilation of both problems"] = cvode.compilation_s
+    for name, cpu_s in native.compilation_s.items():
+        found[f"{name}: compilation of both problems"] = cpu_s
     if "ngspice" in peers and (program := spice.find_program()):
         board = AnalogBoard.from_design(Design())
         problem = BoardProblem(board, 1.0)

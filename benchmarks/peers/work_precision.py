@@ -12,7 +12,7 @@ import os
 import platform
 import statistics
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from itertools import pairwise
 from typing import Any
@@ -135,6 +135,12 @@ class WorkPrecision:
         else:
             self.points.append(Point(solver, setting, cpu_s, error))
 
+    def leave_out(self, missing: Mapping[str, str]) -> None:
+        """Name solvers that cannot be measured, each with the reason."""
+        for name, reason in missing.items():
+            self.solvers[name] = "NOT MEASURED"
+            self.omissions.append(f"{name}: NOT MEASURED: {reason}")
+
     def best_points(self, solver: str) -> list[Point]:
         """Points of a solver that none of its others beats, from the fastest to the most accurate."""
         best: list[Point] = []
@@ -169,8 +175,9 @@ class WorkPrecision:
         return Comparison(tuple(ratios), mean, self.targets.get(solver))
 
     def comparisons(self) -> dict[str, Comparison]:
-        """Comparison of each solver with fingertip."""
-        return {solver: self.compare(solver) for solver in list(self.solvers)[1:]}
+        """Comparison of each solver with fingertip, the smallest margin first."""
+        found = {solver: self.compare(solver) for solver in list(self.solvers)[1:]}
+        return dict(sorted(found.items(), key=lambda item: item[1].mean or math.inf))
 
     @property
     def misses_target(self) -> bool:

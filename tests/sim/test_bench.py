@@ -6,6 +6,7 @@ import contextlib
 import json
 import sys
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +16,7 @@ from typer.testing import CliRunner
 from benchmarks.peers import board, contact, spice, throughput
 from benchmarks.peers.board import BoardProblem
 from benchmarks.peers.contact import ContactProblem
-from benchmarks.peers.cvode import CvodeFailedError, CvodeLibrary, compile_cvode
+from benchmarks.peers.native import NATIVE, NativeSolver, SolverFailedError, compile_solvers
 from benchmarks.peers.spice import Spice
 from benchmarks.peers.work_precision import WorkPrecision
 from fingertip.cli import app
@@ -40,30 +41,66 @@ def diagram_of(*points: tuple[str, float, float], levels: tuple[float, ...] = (1
     return diagram
 
 
-def cvode_or_skip() -> contextlib.AbstractContextManager[CvodeLibrary]:
-    """CVODE's programs; skips loudly where compiler or library are missing."""
+@contextlib.contextmanager
+def native_or_skip(*names: str) -> Iterator[dict[str, NativeSolver]]:
+    """Solvers in C; skips loudly where compiler or library are missing."""
     require_tool("cc", "install a C compiler")
-    require_tool("/usr/include/cvode/cvode.h", "install libsundials-dev, version 6 or newer")
-    return compile_cvode()
+    if "CVODE" in names:
+        require_tool("/usr/include/cvode/cvode.h", "install libsundials-dev, version 6 or newer")
+    if "RADAU" in names:
+        require_tool("/usr/local/lib/libradau.so", "run `sh .ci/install-radau` as root on Debian")
+    with compile_solvers(names) as native:
+        assert not native.missing
+        yield dict(native.found)
 
 
 @pytest.mark.full
 def test_peers_agree_with_fingertip_on_the_contact():
     problem = ContactProblem.over(1.0)
     system = contact._scipy_equations(problem.mount, problem.normal)
-    with compiled(), cvode_or_skip() as cvode:
+    with compiled(), native_or_skip(*NATIVE) as native:
         ours = problem.run_fingertip(1e-10).result
-        runs = {
-            "odeint": problem.run_scipy(system, "odeint", 1e-10),
-            "LSODA": problem.run_scipy(system, "LSODA", 1e-10),
-            "CVODE": problem.run_cvode(cvode, 1e-10),
-        }
-        with pytest.raises(CvodeFailedError, match="CVODE's error -"):
-            problem.run_cvode(cvode, 1e-30)
+        runs = {method: problem.run_scipy(system, method, 1e-10) for method in ("odeint", "LSODA")}
+        runs |= {name: problem.run_native(solver, 1e-10) for name, solver in native.items()}
+        for name, solver in native.items():
+            with pytest.raises(SolverFailedError, match=f"{name}'s error -"):
+                problem.run_native(solver, 1e-30)
     for name, run in runs.items():
         assert np.abs(run.result - ours).max() < 1e-6, name
         assert run.cpu_s > 0.0
     assert np.abs(ours[: len(problem.time_s)]).max() > 0.2
+
+
+@pytest.mark.full
+def test_peers_agree_with_fingertip_on_the_board():
+    problem = BoardProblem(AnalogBoard.from_design(DESIGN), 0.5)
+    system = board._scipy_equations(problem.board)
+    with compiled(), native_or_skip(*NATIVE) as native:
+        ours = problem.run_fingertip(1e-10).result
+        sine = problem.run_exact_sine(system, "LSODA", 1e-11, problem.time_s)
+        for name, solver in native.items():
+            # Steps over the input's corners deceive the error estimates of high orders.
+            for way, expected, bound in (
+                ("step <= sample", ours, 2e-4), ("stops at samples", ours, 2e-6), ("sine", sine, 2e-6),
+            ):  # fmt: skip
+                found = problem.run_native(solver, way, None, 1e-8).result
+                assert np.abs(found - expected).max() < bound, (name, way)
+    assert ours.max() > 0.3
+
+
+@pytest.mark.full
+def test_rodas5p_has_its_published_order():
+    # Equal steps from corner to corner of the drive, where the solution is smooth, each half as long as before. Where a
+    # step is longer than a sample, the dense output counts, whose order is 4.
+    problem = ContactProblem.over(1.0)
+    with compiled(), native_or_skip("Rodas5P") as native:
+        ours = problem.run_fingertip(1e-13).result
+        errors = [
+            np.abs(problem.run_native(native["Rodas5P"], 1.0, steps).result - ours).max() for steps in (250, 500, 1000)
+        ]
+    orders = np.log2(np.divide(errors[:-1], errors[1:]))
+    print(errors, orders)
+    assert ((orders > 3.7) & (orders < 5.5)).all(), errors
 
 
 @pytest.mark.full
@@ -87,8 +124,8 @@ def test_ngspice_agrees_on_both_sources():
 def test_command_writes_diagrams_and_times(tmp_path):
     pytest.importorskip("numba")
     done = run_fingertip(
-        "bench", "solvers", "--out", tmp_path, "--seconds", 1, "--boards", 20, "--solvers", "LSODA, odeint,CVODE",
-        "--no-first-run", "--json",
+        "bench", "solvers", "--out", tmp_path, "--seconds", 1, "--boards", 20,
+        "--solvers", "LSODA, odeint,CVODE,RADAU5,Rodas5P", "--no-first-run", "--json",
     )  # fmt: skip
     data = json.loads(done.stdout)
     missed = any(data[name]["cpu_s"] > data[name]["target_s"] for name in ("trials", "manipulations", "boards"))
@@ -121,7 +158,10 @@ def test_command_writes_diagrams_and_times(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--solvers", "LSODA,Euler"], "'Euler' is not known; choose among LSODA, Radau, BDF, odeint, CVODE, ngspice."),
+        (
+            ["--solvers", "LSODA,Euler"],
+            "'Euler' is not known; choose among LSODA, Radau, BDF, odeint, CVODE, RADAU5, RADAU, Rodas5P, ngspice.",
+        ),
         (["--solvers", ""], "--solvers: '' names no solver; give at least one of LSODA, Radau, BDF, odeint, CVODE"),
         (["--solvers", " , "], "--solvers: ' , ' names no solver"),
         (["--seconds", "0"], "--seconds: 0 s is out of bounds; choose 1 to 60 s."),

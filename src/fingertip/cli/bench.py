@@ -33,9 +33,8 @@ def solvers(
     ] = 5.0,
     boards: Annotated[int, typer.Option(help="Number of boards to simulate at once.")] = 10_000,
     peers: Annotated[
-        str,
-        typer.Option("--solvers", help="Solvers to compare with, comma-separated: scipy's, SUNDIALS CVODE, ngspice."),
-    ] = "LSODA,Radau,BDF,odeint,CVODE,ngspice",
+        str, typer.Option("--solvers", help="Solvers to compare with, comma-separated: scipy's, others in C, ngspice.")
+    ] = "LSODA,Radau,BDF,odeint,CVODE,RADAU5,RADAU,Rodas5P,ngspice",
     first_run: Annotated[
         bool, typer.Option(help="Also measure a fresh process, with an empty and with a full compiler cache.")
     ] = True,

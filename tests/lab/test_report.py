@@ -17,9 +17,9 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from fingertip import lab
 from fingertip.cli import app
 from fingertip.design import Design
+from fingertip.lab import validation as lab
 from fingertip.lab.campaign.closed_loop import NO_CONTROL, evaluate_manipulation, summarise
 from fingertip.lab.campaign.mix import MixSummary, Outcome
 from fingertip.lab.campaign.plan import CampaignPlan, Case
@@ -43,7 +43,7 @@ from fingertip.lab.studies.steps import DelayShift, SamplingRateResult, SignalEr
 from fingertip.lab.validation import RequirementLimits, Validation, check_closed_loop, check_detection
 from fingertip.sim.runs.grip import GripDecision
 from fingertip.sim.simulation import article_trials
-from fingertip.slip import Trace
+from fingertip.slip.traces.trace import Trace
 from fingertip.slip.traces.truth import Origin
 from tests.approved import check_figures, check_text
 from tests.figures import describe_figure, keep_figures

@@ -29,8 +29,8 @@ from fingertip.lab.studies.steps import SIGNALS, _find_shift_s, _pool_shifts, co
 from fingertip.sim import SceneFile, run_scene
 from fingertip.sim.runs.timeline import TrapezoidalMove
 from fingertip.sim.simulation import article_trials
-from fingertip.slip import Trace
 from fingertip.slip.detectors.analog_and_digital import noise_level
+from fingertip.slip.traces.trace import Trace
 from tests.designs import ARTICLE
 from tools import beside_article
 

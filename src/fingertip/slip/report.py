@@ -74,10 +74,7 @@ def as_text(detection: Detection) -> str:
 
 def _describe_silence(detection: Detection) -> str:
     """Say how near the statistic came to the threshold of a detector that was never ON."""
-    output = detection.output
-    ratio = np.divide(
-        output.statistic_v, output.threshold_v, where=output.threshold_v > 0.0, out=np.zeros(len(output.on))
-    )
+    ratio = detection.output.ratio
     place = int(np.argmax(ratio))
     if ratio[place] == 0.0:
         return "never ON"

@@ -20,8 +20,7 @@ from fingertip.lab.campaign.unsteady import UNSTEADY
 from fingertip.sim import SceneFile
 from fingertip.sim.signal.converter import SimulatedBoardDetector
 from fingertip.sim.simulation import article_trials
-from fingertip.slip import make_detector
-from fingertip.slip.detectors.registry import select_inputs
+from fingertip.slip.detectors.registry import make_detector, select_inputs
 from fingertip.slip.traces.truth import intervals
 
 EARLY_S = 0.005

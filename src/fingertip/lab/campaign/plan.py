@@ -88,6 +88,11 @@ def generate_cases(plan: CampaignPlan, first_seed: int = HELD_OUT_FROM) -> Itera
             seed += 1
 
 
+def generate_limited_cases(plan: CampaignPlan, first_seed: int = HELD_OUT_FROM) -> Iterator[Case]:
+    """Generate those of all cases whose alarms a requirement limits."""
+    return (case for case in generate_cases(plan, first_seed) if case.cause not in REPORTED_SEPARATELY)
+
+
 def generate_trials(trials: int, first_seed: int = HELD_OUT_FROM) -> Iterator[Case]:
     return (case for case in generate_cases(CampaignPlan(trials, 0.5), first_seed) if case.cause == "slip")
 

@@ -20,20 +20,13 @@ from fingertip.design import Design
 from fingertip.detection.adaptation import adapt_rate
 from fingertip.foundation.errors import DesignError
 from fingertip.foundation.jit import compiled
-from fingertip.lab.campaign.plan import (
-    HELD_OUT_FROM,
-    REPORTED_SEPARATELY,
-    CampaignPlan,
-    Case,
-    generate_cases,
-    generate_trials,
-)
+from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, Case, generate_limited_cases, generate_trials
 from fingertip.lab.campaign.run import evaluate, quantile_s, run_detector_on, select_board_outputs
 from fingertip.lab.studies.bounds import compute_bounds_s
 from fingertip.sim import SceneResult, run_scene
 from fingertip.sim.runs.scene import SceneRun
 from fingertip.sim.signal.grid import Grid
-from fingertip.slip import DETECTORS
+from fingertip.slip.detectors.registry import DETECTORS
 
 REFINEMENT = 16
 """Number of steps of the finer grid per step of the shipped one."""
@@ -186,7 +179,7 @@ def study_sampling_rates(
             adapted = adapt_rate(design, rate)
         except DesignError:
             continue
-        cases = (case for case in generate_cases(plan, first_seed) if case.cause not in REPORTED_SEPARATELY)
+        cases = generate_limited_cases(plan, first_seed)
         pooled, bounds = run_detector_on(adapted, cases, DETECTOR), compute_bounds_s(adapted, trials, first_seed)
         results.append(
             SamplingRateResult(

@@ -32,6 +32,14 @@ class DetectorOutput:
     """Threshold at each sample, in the same unit."""
     on: NDArray[np.bool_]
 
+    @property
+    def ratio(self) -> Array:
+        """Statistic over threshold; 0 where the threshold is 0."""
+        import numpy as np  # noqa: PLC0415
+
+        zeros = np.zeros(len(self.on))
+        return np.divide(self.statistic_v, self.threshold_v, where=self.threshold_v > 0.0, out=zeros)
+
 
 class Detector(ABC):
     """Causal detector that keeps its state between chunks of samples.
@@ -39,6 +47,10 @@ class Detector(ABC):
     The output has the same bits however the input is divided into chunks. The state can be pickled between any two
     chunks.
     """
+
+    _threshold_v: float
+    memory_s: float
+    """Longest time that ON outlasts the slip that caused it, because its samples are still averaged [s]."""
 
     @classmethod
     def for_design(cls, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0) -> Detector:
@@ -56,14 +68,9 @@ class Detector(ABC):
         return 0.0
 
     @property
-    @abstractmethod
     def threshold_v(self) -> float:
         """Threshold in noise alone, while the force is constant [V]."""
-
-    @property
-    @abstractmethod
-    def memory_s(self) -> float:
-        """Longest time that ON outlasts the slip that caused it, because its samples are still averaged [s]."""
+        return self._threshold_v
 
     @abstractmethod
     def process(self, voltage_v: Iterable[float]) -> DetectorOutput:

@@ -182,13 +182,7 @@ REPEATS_PER_MANIPULATION = 3
 
 @dataclass(frozen=True)
 class Trial:
-    """One sliding-finger trial: surface, sliding speed, holding force, and the seed of everything random.
-
-    Raises
-    ------
-    TraceError
-        With one issue for each value that is not valid.
-    """
+    """One sliding-finger trial; its seed draws everything random. Raises TraceError with all invalid values."""
 
     surface: str = "medium"
     speed_m_s: float = 0.04

@@ -165,11 +165,17 @@ def detect(trace: Trace, design: Design, detector: str = registry.DEFAULT, noise
         output,
         detected,
         None if truth is None else score(detected, truth, instance.memory_s),
-        _find_confidences(output.ratio, trace.time_s, detected),
+        _find_confidences(find_ratio(output), trace.time_s, detected),
         intervals(trace.time_s, output.incipient) if isinstance(output, FastOutput) else None,
         instance.noise_v if isinstance(instance, FastDetector) else None,
         trace,
     )
+
+
+def find_ratio(output: registry.DetectorOutput) -> Array:
+    """Find the statistic over the threshold at each sample; 0 where the threshold is 0."""
+    zeros, is_known = np.zeros(len(output.on)), output.threshold_v > 0.0
+    return np.divide(output.statistic_v, output.threshold_v, where=is_known, out=zeros)
 
 
 def _find_confidences(ratio: Array, time_s: Array, detected: tuple[Interval, ...]) -> tuple[float, ...]:

@@ -234,14 +234,10 @@ class SceneRun:
         )
 
     def _build_pad(self, setup: FingerSetup, grid: Grid) -> CoupledPad | UncoupledPad:
-        mount, contact = mount_pad(self.pad, self.force_n), self.scene.contact
-        if contact.feedback:
-            profile = setup.make_profile_force(grid.step_s)
-            shaking_n = self.scene.tap.force_n + 2 * self.scene.motor.force_n
-            return CoupledPad(
-                self.friction, mount, self.pad, self.force_n, profile, grid, self.max_load_n + shaking_n, self.meter
-            )
-        return UncoupledPad(self.friction, mount, grid, self.max_load_n, self.meter)
+        if not self.scene.contact.feedback:
+            return UncoupledPad(setup, grid, self.max_load_n, self.meter)
+        shaking_n = self.scene.tap.force_n + 2 * self.scene.motor.force_n
+        return CoupledPad(setup, grid, self.max_load_n + shaking_n, self.meter)
 
     def _open_random(self, purpose: str) -> random.Random:
         """Random numbers for one purpose, so that setting the force changes neither the surface nor the motors."""

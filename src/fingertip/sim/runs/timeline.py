@@ -18,12 +18,11 @@ from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
 from fingertip.pad.response import Pad
 from fingertip.sim.contact import coupled
-from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion
-from fingertip.sim.contact.vibration import ProfileForce, smoothstep, transmit
+from fingertip.sim.contact.vibration import smoothstep, transmit
 from fingertip.sim.runs.files import Motor, SceneFile, Slide, Tap
 from fingertip.sim.signal.bridge import Bridge, reads_whole_finger
-from fingertip.sim.signal.finger import FingerDrive
+from fingertip.sim.signal.finger import FingerDrive, FingerSetup
 from fingertip.sim.signal.grid import CostMeter, Grid
 from fingertip.sim.signal.parameters import ACCELERATION_M_S2, Sensing
 
@@ -54,11 +53,11 @@ class TrapezoidalMove:
 
     @classmethod
     def with_speed(
-        cls, start_s: float, distance_m: float, speed_m_s: float, acceleration_m_s2: float | None = None
+        cls, start_s: float, distance_m: float, speed_m_s: float, acceleration_m_s2: float = ACCELERATION_M_S2
     ) -> TrapezoidalMove:
         """Build the move that reaches `speed_m_s`, where the distance allows it."""
-        a = ACCELERATION_M_S2 if acceleration_m_s2 is None else acceleration_m_s2
-        return cls(start_s, distance_m, a, min(speed_m_s, math.sqrt(a * distance_m)))
+        peak_m_s = min(speed_m_s, math.sqrt(acceleration_m_s2 * distance_m))
+        return cls(start_s, distance_m, acceleration_m_s2, peak_m_s)
 
     @classmethod
     def with_duration(cls, start_s: float, distance_m: float, duration_s: float) -> TrapezoidalMove:
@@ -234,7 +233,8 @@ class UncoupledPad:
     Plain bristles are integrated with the steps of the grid, elasto-plastic ones with error control.
     """
 
-    def __init__(self, friction: Friction, mount: Mount, grid: Grid, max_load_n: float, meter: CostMeter) -> None:
+    def __init__(self, setup: FingerSetup, grid: Grid, max_load_n: float, meter: CostMeter) -> None:
+        friction, mount = setup.friction, mount_pad(setup.pad, setup.held_n)
         self._meter, self._states = meter, coupled.STATES if friction.elastic else 3
         self._integrator: DraggedPad | coupled.CoupledContact = (
             coupled.CoupledContact(friction, mount, _FAST_CONTACT, grid.step_s, max_load_n, _TOLERANCE_N)
@@ -253,19 +253,10 @@ class UncoupledPad:
 class CoupledPad:
     """Pad whose vibration acts back on friction; the profile is read along the path that results without that."""
 
-    def __init__(
-        self,
-        friction: Friction,
-        mount: Mount,
-        pad: Pad,
-        held_n: float,
-        profile: ProfileForce,
-        grid: Grid,
-        max_load_n: float,
-        meter: CostMeter,
-    ) -> None:
+    def __init__(self, setup: FingerSetup, grid: Grid, max_load_n: float, meter: CostMeter) -> None:
+        pad, held_n, friction, mount = setup.pad, setup.held_n, setup.friction, mount_pad(setup.pad, setup.held_n)
         self._first = DraggedPad(replace(friction, elastic=0.0), mount, grid.step_s)
-        self._profile, self._meter = profile, meter
+        self._profile, self._meter = setup.make_profile_force(grid.step_s), meter
         hand_ratio = pad.backing.stiffness_n_per_m / pad.normal_stiffness_n_per_m(held_n)
         normal = coupled.NormalContact(pad.resonance_hz(held_n), pad.backing.damping_ratio, hand_ratio)
         self._contact = coupled.CoupledContact(friction, mount, normal, grid.step_s, max_load_n, _TOLERANCE_N)

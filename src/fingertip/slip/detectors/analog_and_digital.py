@@ -52,15 +52,10 @@ class ChainSettings:
 
 @dataclass(frozen=True, eq=False)
 class ChainOutput(DetectorOutput):
-    """Output of the chain: one value per input sample."""
+    """Output of the chain: one value per input sample; the statistic is the window's mean (article, eq. 12)."""
 
     filtered_v: Array
     envelope_v: Array
-
-    @property
-    def mean_v(self) -> Array:
-        """Mean of the envelope over the window that ends with the sample (article, eq. 12) [V]."""
-        return self.statistic_v
 
 
 class FirstOrder(NamedTuple):

@@ -32,14 +32,6 @@ class DetectorOutput:
     """Threshold at each sample, in the same unit."""
     on: NDArray[np.bool_]
 
-    @property
-    def ratio(self) -> Array:
-        """Statistic over threshold; 0 where the threshold is 0."""
-        import numpy as np  # noqa: PLC0415
-
-        zeros = np.zeros(len(self.on))
-        return np.divide(self.statistic_v, self.threshold_v, where=self.threshold_v > 0.0, out=zeros)
-
 
 class Detector(ABC):
     """Causal detector that keeps its state between chunks of samples.

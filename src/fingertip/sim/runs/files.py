@@ -139,7 +139,13 @@ class _SceneTables(SimulationFile):
 
 
 class SceneFile(PathTables, _SceneTables):
-    """One validated scene. Raises TraceError with all parameters out of bounds, unknown names and broken rules."""
+    """One validated scene; a faulty one reports all its issues at once.
+
+    Raises
+    ------
+    TraceError
+        With one issue for each parameter out of bounds, unknown name or broken rule.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, title="fingertip scene")
     file_kind: ClassVar[FileKind] = SCENE
@@ -331,7 +337,13 @@ class _ManipulationTables(SimulationFile):
 
 
 class ManipulationFile(PathTables, _ManipulationTables):
-    """One validated manipulation. Raises TraceError like `SceneFile`."""
+    """One validated manipulation; a faulty one reports all its issues at once.
+
+    Raises
+    ------
+    TraceError
+        With one issue for each parameter out of bounds, unknown name or broken rule.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, title="fingertip manipulation")
     file_kind: ClassVar[FileKind] = MANIPULATION

@@ -23,8 +23,8 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.foundation import jit
-from fingertip.slip import make_detector
 from fingertip.slip.detectors import analog_and_digital
+from fingertip.slip.detectors.registry import make_detector
 
 ROUNDS = 7
 COLD_ROUNDS = 5
@@ -35,7 +35,7 @@ import json, time
 import numpy as np
 from fingertip.foundation import jit
 from fingertip.design import Design
-from fingertip.slip import make_detector
+from fingertip.slip.detectors.registry import make_detector
 detectors = [make_detector(name, Design()) for name in ("digital", "fast")]
 moments = [time.process_time()]
 import numba
@@ -139,7 +139,7 @@ def measure_break_even(samples: int) -> dict[str, object]:
     imported, first, second = (round(statistics.median(column), 3) for column in zip(*loads, strict=True))
     call = (
         "import time; import numpy as np; from fingertip.design import Design; "
-        "from fingertip.slip import make_detector; volts = np.full({samples}, 4.0); "
+        "from fingertip.slip.detectors.registry import make_detector; volts = np.full({samples}, 4.0); "
         "detector = make_detector('{name}', Design()); start = time.process_time(); "
         "detector.process(volts); print(time.process_time() - start)"
     )

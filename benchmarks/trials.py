@@ -26,7 +26,7 @@ from fingertip.lab.studies.boards import with_article_board
 from fingertip.lab.studies.sensitivity import VARIATIONS
 from fingertip.lab.validation import SEED_RANGES, STUDY_TRIALS
 from fingertip.sim import SceneResult, run_scene
-from fingertip.slip import DETECTORS
+from fingertip.slip.detectors.registry import DETECTORS
 
 OUTPUTS = {
     "force": ["force_n"],

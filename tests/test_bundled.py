@@ -17,7 +17,7 @@ from fingertip.design import Design
 from fingertip.design.finger_set import load_set
 from fingertip.foundation.errors import FingertipError, SweepError
 from fingertip.sim import ManipulationFile, SceneFile, load_simulation
-from fingertip.sim.contact.materials import SURFACES, Surface, SurfaceFile
+from fingertip.sim.contact.materials import SURFACES, SurfaceFile
 from fingertip.sweep.sweep_file import read_sweep_file, to_canonical_text
 from tests.conftest import ROOT, run_fingertip, run_python
 
@@ -54,7 +54,7 @@ def test_a_name_gives_what_the_path_gives(kind: Any, folder: Path) -> None:
         elif kind is SET:
             same = load_set(name).model_dump(mode="json") == load_set(path).model_dump(mode="json")
         elif kind is SURFACE:
-            same = SURFACES[name] == Surface.build(SurfaceFile.load(path).surface)
+            same = SURFACES[name] == SurfaceFile.load(path).surface
         else:
             model = SceneFile if kind is SCENE else ManipulationFile
             by_name, by_path = load_simulation(name, "fsr402"), load_simulation(path, PARAMS / "fsr402.toml")

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 import fingertip
-from fingertip import lab as campaign
 from fingertip.cad import convert
 from fingertip.cad.report import FORMATS
 from fingertip.design import Design
 from fingertip.foundation import extras
 from fingertip.foundation.errors import MissingLibraryError
 from fingertip.foundation.plot_style import new_figure
+from fingertip.lab import validation as campaign
 from fingertip.sweep.plan import SweepPlan
 from fingertip.tasks.build import build, default_formats
 from tests.conftest import design_file, run_fingertip, run_python

@@ -30,11 +30,15 @@ if TYPE_CHECKING:
     from fingertip.detection.files import FileDetection, StreamDetection, detect_file, detect_stream
     from fingertip.foundation.display import Picture
     from fingertip.foundation.errors import FingertipError
-    from fingertip.lab import CampaignPlan, validate
+    from fingertip.lab.campaign.plan import CampaignPlan
+    from fingertip.lab.validation import validate
     from fingertip.pictures.picture import picture
     from fingertip.sim import ManipulationFile, SceneFile, Trial, run_manipulation, run_scene, simulate
     from fingertip.sim.signal.readout import Readout
-    from fingertip.slip import Detection, SlipChain, Trace, read_trace
+    from fingertip.slip.detection import Detection
+    from fingertip.slip.detectors.analog_and_digital import SlipChain
+    from fingertip.slip.traces.read import read_trace
+    from fingertip.slip.traces.trace import Trace
     from fingertip.sweep.table import run_sweep
     from fingertip.tasks.board import write_board
     from fingertip.tasks.build import build
@@ -57,11 +61,15 @@ _NAMES = {
     "detection.files": "FileDetection StreamDetection detect_file detect_stream",
     "foundation.display": "Picture",
     "foundation.errors": "FingertipError",
-    "lab": "CampaignPlan validate",
+    "lab.campaign.plan": "CampaignPlan",
+    "lab.validation": "validate",
     "pictures.picture": "picture",
     "sim": "ManipulationFile SceneFile Trial run_manipulation run_scene simulate",
     "sim.signal.readout": "Readout",
-    "slip": "Detection SlipChain Trace read_trace",
+    "slip.detection": "Detection",
+    "slip.detectors.analog_and_digital": "SlipChain",
+    "slip.traces.read": "read_trace",
+    "slip.traces.trace": "Trace",
     "sweep.table": "run_sweep",
     "tasks.board": "write_board",
     "tasks.build": "build",

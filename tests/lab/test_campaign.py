@@ -42,7 +42,8 @@ from fingertip.lab.studies.steps import study_sampling_rates
 from fingertip.lab.validation import FILES, RequirementLimits, check_detection
 from fingertip.sim import SceneFile
 from fingertip.sim.simulation import article_trials
-from fingertip.slip import DETECTORS, Trace
+from fingertip.slip.detectors.registry import DETECTORS
+from fingertip.slip.traces.trace import Trace
 from tests.designs import ARTICLE, article_design
 from tools.onsets import measure_onsets_ms
 
@@ -118,7 +119,7 @@ def test_detection_of_incipient_slip_has_a_delay_of_zero_and_is_no_alarm():
 
 @pytest.mark.parametrize(("detector", "scale"), [("digital", 3.0), ("fft", 3.0), ("fast", 1.2)])
 def test_scaled_threshold_equals_a_detector_made_with_that_scale(detector, scale):
-    from fingertip.slip import make_detector
+    from fingertip.slip.detectors.registry import make_detector
     from fingertip.slip.traces.truth import intervals
 
     trace = trace_with([(1.5, 2.0)], [])
@@ -129,7 +130,7 @@ def test_scaled_threshold_equals_a_detector_made_with_that_scale(detector, scale
 
 @pytest.mark.parametrize("detector", ["fast", "incipient", "digital", "fft"])
 def test_thresholds_without_a_run_of_their_own_have_its_results(detector):
-    from fingertip.slip import make_detector
+    from fingertip.slip.detectors.registry import make_detector
 
     trace, runs = trace_with([(1.5, 2.0)], [(1.0, 1.02)]), {}
     evaluate(SLIP, trace, 1.0, "fast", ARTICLE, SCALES, runs)

@@ -17,9 +17,9 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from fingertip import lab
 from fingertip.cli import app
 from fingertip.design import Design
+from fingertip.lab import validation as lab
 from fingertip.lab.campaign.closed_loop import NO_CONTROL, evaluate_manipulation, summarise
 from fingertip.lab.campaign.mix import MixSummary, Outcome
 from fingertip.lab.campaign.plan import CampaignPlan, Case
@@ -28,7 +28,7 @@ from fingertip.lab.report import trial_plots
 from fingertip.lab.report.tables import StudyResults
 from fingertip.lab.report.trial_plots import ExampleTrial
 from fingertip.lab.studies.article import DEVICES, MOVED_M, ProtocolResult, ProtocolStudy, Spectrum, WindowResult
-from fingertip.lab.studies.boards import ArticleBoardResult, BoardResult
+from fingertip.lab.studies.boards import BoardResult
 from fingertip.lab.studies.bounds import DiscriminationResult, KnockResult
 from fingertip.lab.studies.previous_works import PlainFftResult, PlateResult, PreviousWorks
 from fingertip.lab.studies.sensitivity import (
@@ -43,7 +43,7 @@ from fingertip.lab.studies.steps import DelayShift, SamplingRateResult, SignalEr
 from fingertip.lab.validation import RequirementLimits, Validation, check_closed_loop, check_detection
 from fingertip.sim.runs.grip import GripDecision
 from fingertip.sim.simulation import article_trials
-from fingertip.slip import Trace
+from fingertip.slip.traces.trace import Trace
 from fingertip.slip.traces.truth import Origin
 from tests.approved import check_figures, check_text
 from tests.figures import describe_figure, keep_figures
@@ -136,6 +136,9 @@ def studies() -> StudyResults:
     shifts = (DelayShift("fast", 20, 1, 0, 0.0, 0.0, 0.001), DelayShift("digital", 20, 4, 1, 0.0, 0.008, math.inf))
     slip = Outcome("slip", 0.0, 0.5, 2, (0.01, 0.02), (0.03, 0.04), (0.95, 0.9), 1, (0.1,), 0, 0, 0.0)
     tap = Outcome("tap", 0.0, 2.0, 0, (), (), (), 0, (), 3, 1, 0.01)
+    delays_s = [(0.03,)] * 30 + [(0.05,)] * 9 + [()]  # in 20 minutes, with three alarms
+    slips = [TrialResult(Case("slip", SCENES[0], i), 30.0, 1.0, 1, delay_s, 0.9, ("contact",) * (i < 3), 0.01)
+             for i, delay_s in enumerate(delays_s)]  # fmt: skip
     mix = {"slip": (slip,), "tap": (tap, replace(tap, minutes=1.0, events=5, alarms=2))}
     return StudyResults(
         bounds_s=[0.009, 0.012, math.inf, 0.004],
@@ -157,7 +160,7 @@ def studies() -> StudyResults:
         rates=[SamplingRateResult(rate, 10 / rate, 20 / rate, 1.0, 0.012, 0.02, 0.1) for rate in (1000.0, 2000.0)],
         boards=[BoardResult("article", 0.023, False, 0.5, 0.04, math.inf, 0.25, 0.06, 0.1),
                 BoardResult("precision", 0.0049, True, 1.0, 0.02, 0.03, 0.75, 0.04, 0.2)],
-        article=[ArticleBoardResult("digital", 0.975, 0.03, 0.05, 0.06, 0.15)],
+        article={"digital": DetectorResult(1.0, tuple(slips))},
         protocol=protocol(summaries[1]),
         previous=PreviousWorks(
             [PlateResult("ridged_fine", 1.0, 15, 15, 0.012), PlateResult("ridged_fine", 5.0, 15, 0, math.nan)],

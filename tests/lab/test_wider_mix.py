@@ -110,7 +110,7 @@ def test_signals_are_the_approved_ones(name: str) -> None:
 @pytest.mark.parametrize("name", list(mix_signals.NOISES))
 def test_unstated_noise_is_in_the_signal_and_the_slip_is_the_same(name):
     plain = mix_signals.simulate_scene(DESIGN, SLIP, 3, "slip")
-    noisy = mix_signals.in_noise(DESIGN, SLIP, 3, name)
+    noisy = mix_signals.in_condition(DESIGN, SLIP, 3, name, mix_signals.NOISES[name])
     assert noisy.slides == plain.slides
     assert noisy.alarms_from_s == 1.0
     difference = np.diff(noisy.voltage_v[:2000], 2).std() / np.diff(plain.voltage_v[:2000], 2).std()

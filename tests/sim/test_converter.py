@@ -20,11 +20,10 @@ from fingertip.sim.signal.converter import (
     EnvelopeSource,
     compute_input_noise_v,
     compute_noise_gain,
-    sample_v,
     simulate_quiescent_level,
     simulate_replay_level,
 )
-from fingertip.sim.signal.grid import Grid, SampleClock, Sampler, count_samples, open_stream
+from fingertip.sim.signal.grid import Grid, SampleClock, Sampler, count_samples, draw_noise, open_stream
 from fingertip.slip.detectors.noise import DEVIATIONS
 from tests.designs import ARTICLE, article_design, load_article
 from tests.oracles.filter_formulas import envelope_pin_transfer, tactile_pin_transfer
@@ -186,6 +185,11 @@ def simulate_hold(design: Design, *outputs: str, **sensing) -> dict[str, np.ndar
     return {name: column[SETTLED:] for name, column in found.columns.items()}
 
 
+def sample_v(design: Design, voltage_v: np.ndarray, seed: int) -> np.ndarray:
+    noise_v = draw_noise(open_stream(seed, "test"), design.detector.noise_v, len(voltage_v))
+    return AdcRange.from_design(design).above_signal_ground(design).quantise_v(voltage_v + noise_v)
+
+
 @pytest.mark.full
 @pytest.mark.parametrize("variant", VARIANT_CHANGES)
 def test_simulated_board_is_as_noisy_as_its_noise_budget(variant):
@@ -208,11 +212,8 @@ def test_adc_adds_its_noise_behind_the_gain():
     expected = np.hypot(ARTICLE.detector.noise_v, step / np.sqrt(12))
     assert np.std(np.diff(noisy["voltage_v"])) == pytest.approx(expected * np.sqrt(2), rel=0.02)
     assert np.std(np.diff(silent["voltage_v"])) < step
-    sampled = sample_v(ARTICLE, np.full(20_000, 0.1), open_stream(1, "test"))
-    assert np.std(sampled) == pytest.approx(expected, rel=0.02)
-    assert np.array_equal(
-        sample_v(ARTICLE, np.array([0.1]), None), AdcRange(16, -10.0, 10.0).quantise_v(np.array([0.1]))
-    )
+    assert np.std(sample_v(ARTICLE, np.full(20_000, 0.1), 1)) == pytest.approx(expected, rel=0.02)
+    assert AdcRange.from_design(ARTICLE).above_signal_ground(ARTICLE) == AdcRange(16, -10.0, 10.0)
 
 
 @pytest.mark.parametrize("variant", ["article", "precision"])
@@ -220,7 +221,7 @@ def test_quiescent_level_is_that_of_a_scene_with_constant_force(variant):
     design = article_design(board={"variant": variant})
     level = simulate_quiescent_level(design)
     output = "envelope_v" if design.board.has_envelope else "filtered_v"
-    sampled_v = sample_v(design, simulate_hold(design, output)[output], open_stream(2, "test"))
+    sampled_v = sample_v(design, simulate_hold(design, output)[output], 2)
     envelope_v = EnvelopeSource(design).finish(sampled_v)
     width = design.detector.window_samples
     means = np.convolve(envelope_v, np.full(width, 1 / width), "valid")

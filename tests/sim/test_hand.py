@@ -12,8 +12,9 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
+from fingertip.foundation.jit import compiled
 from fingertip.pad.response import Pad
-from fingertip.sim import ManipulationFile, article_manipulations, compiled, run_manipulation
+from fingertip.sim import ManipulationFile, article_manipulations, run_manipulation
 from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S
 from fingertip.sim.runs import grasp_loop
 from fingertip.sim.runs.files import Hand

@@ -12,9 +12,9 @@ import pytest
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
 from fingertip.foundation.numerics import Array
-from fingertip.sim import SURFACES, ManipulationFile, ManipulationResult, SceneFile, load_simulation, run_scene
+from fingertip.sim import ManipulationFile, ManipulationResult, SceneFile, load_simulation, run_scene
 from fingertip.sim.contact.friction import Friction
-from fingertip.sim.contact.materials import ARTICLE_SURFACES, SurfaceFile, SurfaceTable, select_surface
+from fingertip.sim.contact.materials import ARTICLE_SURFACES, SURFACES, SurfaceFile, SurfaceTable
 from fingertip.sim.contact.surfaces import SurfaceProfile, average_over_patch, generate_profile
 from fingertip.sim.contact.vibration import ProfileForce
 from fingertip.sim.report import find_warnings
@@ -39,16 +39,16 @@ def slide(name: str = "medium", force_n: float = 1.0, **surface: object) -> tupl
 def test_bundled_files_state_every_value_and_begin_with_the_articles() -> None:
     assert tuple(SURFACES)[:6] == ARTICLE_SURFACES
     for name, surface in SURFACES.items():
-        values = surface.roughness_um, surface.cutoff_wavelength_m, surface.hurst, surface.friction.stribeck_m_s
+        values = surface.roughness_um, surface.longest_wave_mm, surface.hurst, surface.friction.stribeck_m_s
         assert min(values) > 0.0, name
         assert surface.material
-        assert (surface.ridge_depth_m > 0.0) == name.startswith("ridged"), name
+        assert (surface.ridge_depth_um > 0.0) == name.startswith("ridged"), name
     roughness = {name: SURFACES[name].roughness_um for name in ARTICLE_SURFACES[:3]}
     assert roughness == {"smooth": 0.2, "medium": 0.8, "gross": 3.2}
 
 
 def test_a_value_of_ones_own_changes_the_named_surface() -> None:
-    own = select_surface("wood", SurfaceTable(roughness_um=10.0, static_friction=0.6))
+    own = SurfaceTable(roughness_um=10.0, static_friction=0.6).complete("wood")
     assert (own.roughness_um, own.friction.mu_s) == (10.0, 0.6)
     assert own.friction.mu_c == SURFACES["wood"].friction.mu_c
     assert own.material == "own surface, else as wood"
@@ -100,7 +100,7 @@ def write_profile(path: Path, wave_mm: float, length_mm: float = 50.0, step_mm: 
 def test_a_measured_profile_is_what_the_pad_feels(tmp_path: Path) -> None:
     table = SurfaceFile.load(write_profile(tmp_path / "plate.csv", 0.8)).surface
     assert table.profile_step_um == pytest.approx(10.0)
-    surface = select_surface("medium", table)
+    surface = table.complete("medium")
     assert surface.material == "plate.csv"
     profile = generate_profile(random.Random(1), surface, 0.0, 0.04)
     assert np.ptp(profile.height_m(np.linspace(0.0, 0.04, 5001))) == pytest.approx(10e-6, rel=1e-3)

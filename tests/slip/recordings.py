@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from fingertip.cli import app
 from fingertip.design import Design
-from fingertip.slip import make_detector
+from fingertip.slip.detectors.registry import make_detector
 
 
 def run(*words, lines=None):

@@ -17,9 +17,11 @@ from fingertip.design import Design
 from fingertip.detection.warnings import settings_warnings, threshold_warnings
 from fingertip.foundation.errors import TraceError
 from fingertip.sim.signal.converter import simulate_envelope_v
-from fingertip.slip import Trace, detect, make_detector
+from fingertip.slip.detection import detect
 from fingertip.slip.detectors.analog_and_digital import AnalogDetector, ChainSettings, SlipChain, high_pass, noise_level
 from fingertip.slip.detectors.noise import NoiseLevel, mean_quantised_noise_v, quantised_noise_v
+from fingertip.slip.detectors.registry import make_detector
+from fingertip.slip.traces.trace import Trace
 from tests.designs import ARTICLE
 from tests.slip.recordings import ONSET, T, V, csv, run, single_onset
 
@@ -72,8 +74,8 @@ def test_window_mean_is_the_mean_of_the_last_samples(samples, length):
     out = SlipChain(replace(SETTINGS, window_samples=length)).process(samples)
     padded = np.concatenate((np.zeros(length - 1), out.envelope_v))
     means = [math.fsum(padded[i : i + length]) / length for i in range(len(samples))]
-    assert out.mean_v == pytest.approx(np.array(means), abs=1e-11)
-    assert np.array_equal(out.on, out.mean_v > SETTINGS.threshold_v)
+    assert out.statistic_v == pytest.approx(np.array(means), abs=1e-11)
+    assert np.array_equal(out.on, out.statistic_v > SETTINGS.threshold_v)
 
 
 def test_running_sum_does_not_accumulate_rounding_errors():
@@ -81,7 +83,7 @@ def test_running_sum_does_not_accumulate_rounding_errors():
     rng = np.random.default_rng(2)
     chain.process(rng.normal(0, 5, 100_000))
     out = chain.process([0.0] * 4000)
-    assert abs(out.mean_v[-1]) < 1e-15
+    assert abs(out.statistic_v[-1]) < 1e-15
 
 
 @pytest.mark.parametrize("design", [ARTICLE, Design()])
@@ -90,7 +92,7 @@ def test_noise_level_matches_simulated_noise(design):
     rng = np.random.default_rng(3)
     step = design.detector.adc_step_v
     noise = np.round((2.5 * step + rng.normal(0, design.detector.noise_v, 200_000)) / step) * step
-    means = SlipChain(ChainSettings.from_design(design)).process(noise).mean_v[200:]
+    means = SlipChain(ChainSettings.from_design(design)).process(noise).statistic_v[200:]
     assert means.mean() == pytest.approx(level.mean_v, rel=0.03)
     assert means.std() == pytest.approx(level.deviation_v, rel=0.10)
     assert means.max() < level.threshold_v

@@ -14,9 +14,10 @@ from fingertip.design import Design
 from fingertip.detection.adaptation import equivalent_noise_v
 from fingertip.foundation import jit
 from fingertip.foundation.errors import TraceError
-from fingertip.slip import DETECTORS, ChainSettings, SlipChain, make_detector
+from fingertip.slip.detectors.analog_and_digital import ChainSettings, SlipChain
 from fingertip.slip.detectors.fft import ALARMS_PER_HOUR, EXCURSION_S, FftDetector, FftSettings, tail_probability
 from fingertip.slip.detectors.noise import quantised_noise_v
+from fingertip.slip.detectors.registry import DETECTORS, make_detector
 
 DESIGN = Design()
 NAMES = list(DETECTORS)

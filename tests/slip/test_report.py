@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from fingertip import Design, Trace, detect
-from fingertip.slip import ChainSettings, SlipChain
+from fingertip.slip.detectors.analog_and_digital import ChainSettings, SlipChain
 from fingertip.slip.report import as_data, as_text, draw_trace
 from fingertip.slip.traces.truth import Interval, Origin
 from tests.approved import check_figures

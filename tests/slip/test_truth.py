@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 from fingertip import Design, Trace, detect, detect_file
 from fingertip.catalogues.output_files import SIGNAL
 from fingertip.foundation.errors import TraceError
-from fingertip.slip import Interval
 from fingertip.slip.traces.truth import (
     STICK_S,
+    Interval,
     Origin,
     SlipCollector,
     intervals,

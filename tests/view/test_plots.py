@@ -29,8 +29,9 @@ from fingertip.pictures.filling import draw_filling
 from fingertip.sim import report as sim_report
 from fingertip.sim.runs.grip import GripDecision
 from fingertip.sim.runs.manipulation import ManipulationResult
-from fingertip.slip import Trace, detect
 from fingertip.slip import report as slip_report
+from fingertip.slip.detection import detect
+from fingertip.slip.traces.trace import Trace
 from fingertip.slip.traces.truth import Origin
 from fingertip.sweep.report import plots as sweep_plots
 from fingertip.sweep.report.feasibility_plot import draw_feasibility

@@ -29,7 +29,7 @@ from fingertip.board.kicad.netlist import CircuitRecord, read_netlist
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError
 from fingertip.foundation.output_set import SetWriter, read_manifest
-from fingertip.slip import read_trace
+from fingertip.slip.traces.read import read_trace
 from fingertip.sweep.database import SweepDatabase
 from fingertip.tasks.board import plan_board
 from fingertip.tasks.edited_board import enter_texts, enter_values

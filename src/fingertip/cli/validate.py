@@ -25,18 +25,18 @@ def validate(
     changes: SetOption = None,
 ) -> None:
     """Test a design's detectors on simulated slips and on scenes without slip. Exit code 1: a requirement is missed."""
-    from fingertip import lab as campaign
     from fingertip.board.analysis.board_values import board_values
     from fingertip.board.analysis.limits import adc_range_warnings
     from fingertip.detection.warnings import settings_warnings
     from fingertip.foundation import extras
     from fingertip.foundation.output_set import SetWriter, hash_parameters
-    from fingertip.lab.campaign.plan import check_first_seed
+    from fingertip.lab import validation as campaign
+    from fingertip.lab.campaign.plan import CampaignPlan, check_first_seed
     from fingertip.slip.detectors import registry
 
     loaded = load_design(design, changes)
     registry.find_detector_type(detector)
-    plan = campaign.CampaignPlan(trials, minutes)
+    plan = CampaignPlan(trials, minutes)
     check_first_seed(seed)
     with_plots = extras.is_installed("matplotlib")
     extras.say_left_out({"matplotlib": "plots", "numba": "compiled loops (20 times faster)"}, console.progress)

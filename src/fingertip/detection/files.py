@@ -13,15 +13,7 @@ from functools import partial
 from pathlib import Path
 
 from fingertip.design import Design
-from fingertip.detection.adaptation import (
-    NOISELESS_REMEDY,
-    adapt_detector,
-    count_constant_samples,
-    describe_ramp,
-    equivalent_noise_v,
-    first_disturbance,
-    select_quiet_part,
-)
+from fingertip.detection import adaptation
 from fingertip.detection.live import NAME as STREAM_NAME
 from fingertip.detection.live import CsvStream, Transition, follow, open_stream
 from fingertip.detection.warnings import (
@@ -39,17 +31,9 @@ from fingertip.detection.warnings import (
 )
 from fingertip.foundation.errors import FingertipError, Issue, TraceError
 from fingertip.slip.detection import Detection, detect
+from fingertip.slip.detectors import registry
 from fingertip.slip.detectors.analog_and_digital import measure_noise_level
 from fingertip.slip.detectors.noise import NoiseLevel
-from fingertip.slip.detectors.registry import (
-    DEFAULT,
-    Detector,
-    UsedSignals,
-    find_detector_type,
-    find_second_column,
-    find_signals,
-    make_detector,
-)
 from fingertip.slip.traces.read import read_raw_trace
 from fingertip.slip.traces.sampling import RATE_TOLERANCE, rate_bounds_message
 from fingertip.slip.traces.trace import ColumnMap, RawTrace, Trace, signal_warnings
@@ -81,14 +65,14 @@ class StreamDetection:
     """Design used, at the stream's sampling rate."""
     warnings: tuple[str, ...]
     """Reasons to doubt the result."""
-    signals: UsedSignals
+    signals: registry.UsedSignals
     """Columns of a trace that the detector takes from the lines."""
 
 
 def detect_file(
     path: str | Path,
     design: Design | None = None,
-    detector: str = DEFAULT,
+    detector: str = registry.DEFAULT,
     *,
     rate_hz: float | None = None,
     calibrate_s: tuple[float, float] | None = None,
@@ -147,9 +131,9 @@ def detect_file(
     """
     path, report = Path(path), progress or (lambda message: None)
     design = design or Design()
-    kind = find_detector_type(detector)
+    kind = registry.find_detector_type(detector)
     keep_threshold = _keeps_threshold(design, keep_threshold)
-    adapt = partial(adapt_detector, detector, keep_threshold, keep_window, calibrate_s is not None, report)
+    adapt = partial(adaptation.adapt_detector, detector, keep_threshold, keep_window, calibrate_s is not None, report)
     if adapt_to_file is None:
         adapt_to_file = "sample_rate_hz" not in design.detector.model_fields_set
     if rate_hz is not None:
@@ -167,15 +151,15 @@ def detect_file(
         warnings += hum_warnings(trace.voltage_v, design.detector.sample_rate_hz)
         warnings += polarity_warnings(trace.voltage_v, design)
         warnings += [*signal_warnings(trace, design.detector), *settings_warnings(design, detector)]
-        reads_second = find_second_column(design, detector) is not None and trace.filtered_v is not None
+        reads_second = registry.find_second_column(design, detector) is not None and trace.filtered_v is not None
         # Thresholds follow from the recording itself after a calibration. A filtered signal has finer steps.
         if reads_second:
             warnings += filtered_warnings(trace, design)
         elif calibrate_s is None:
             warnings += step_warnings(trace.voltage_v, design, detector)
 
-    quiet = slice(0, 0) if calibrate_s is None else select_quiet_part(trace, calibrate_s, path.name)
-    if calibrate_s is not None and (moved := describe_ramp(trace, quiet, column_map.in_volts)):
+    quiet = slice(0, 0) if calibrate_s is None else adaptation.select_quiet_part(trace, calibrate_s, path.name)
+    if calibrate_s is not None and (moved := adaptation.describe_ramp(trace, quiet, column_map.in_volts)):
         message = f"{moved}, within {calibrate_s[0]:g}:{calibrate_s[1]:g} s; choose a part in which the force rests."
         raise TraceError(Issue("--calibrate", message))
     noise_v, level = None, None
@@ -189,7 +173,7 @@ def detect_file(
             calibrated = design.with_values({"detector.threshold_v": level.rounded_threshold_v})
             design = Design(**calibrated.model_dump())
     elif calibrate_s is not None:
-        noise_v = equivalent_noise_v(detector, design, trace.voltage_v[quiet], path.name)
+        noise_v = adaptation.equivalent_noise_v(detector, design, trace.voltage_v[quiet], path.name)
         if column_map.in_volts:
             noise_v = max(noise_v, kind.implementation.min_noise_v(design))
             part = f"the part {calibrate_s[0]:g}:{calibrate_s[1]:g} s of --calibrate"
@@ -208,13 +192,13 @@ def detect_file(
     if level:
         may_be_lower = not kind.takes_envelope or calibrate_s is not None
         warnings += threshold_warnings(detection.threshold_v, level, may_be_lower)
-    if calibrate_s and (sample := first_disturbance(design, trace.voltage_v[quiet])) is not None:
+    if calibrate_s and (sample := adaptation.first_disturbance(design, trace.voltage_v[quiet])) is not None:
         within = f"within {calibrate_s[0]:g}:{calibrate_s[1]:g} s of --calibrate"
-        constant = count_constant_samples(trace.voltage_v[quiet])
+        constant = adaptation.count_constant_samples(trace.voltage_v[quiet])
         if constant > sample / 2:
             last_s = trace.time_s[quiet.start + constant - 1]
             message = f"the signal is constant up to {last_s:.4f} s, {within}"
-            warnings.append(f"{message}: a signal without noise gives no threshold; {NOISELESS_REMEDY}.")
+            warnings.append(f"{message}: a signal without noise gives no threshold; {adaptation.NOISELESS_REMEDY}.")
         else:
             message = f"the signal is disturbed at {trace.time_s[quiet.start + sample]:.4f} s, {within}"
             warnings.append(f"{message}: thresholds may be too high; choose another part.")
@@ -224,7 +208,7 @@ def detect_file(
 def detect_stream(
     lines: Iterable[str],
     design: Design | None = None,
-    detector: str = DEFAULT,
+    detector: str = registry.DEFAULT,
     *,
     rate_hz: float | None = None,
     scale: float = 1.0,
@@ -253,10 +237,10 @@ def detect_stream(
     """
     report = progress or (lambda message: None)
     design = design or Design()
-    kind = find_detector_type(detector)
+    kind = registry.find_detector_type(detector)
     if rate_hz is not None:
         keep_threshold = _keeps_threshold(design, keep_threshold)
-        design = adapt_detector(detector, keep_threshold, keep_window, False, report, design, rate_hz)
+        design = adaptation.adapt_detector(detector, keep_threshold, keep_window, False, report, design, rate_hz)
     voltage = ColumnMap(columns or {}, rate_hz, scale, time_scale)
     if not voltage.in_volts:
         problem = "names a force, whose thresholds require --calibrate and the whole recording"
@@ -265,11 +249,11 @@ def detect_stream(
     voltage = voltage.with_simulated_names(stream.header.names)
     envelope = _map_envelope(voltage)
     instance, column_map = _select_stream_detector(stream, design, detector, voltage, envelope, report)
-    second = find_second_column(design, detector)
+    second = registry.find_second_column(design, detector)
     reads_second = second is not None and voltage.name_in_file(second) in stream.header.names
     watch = None if reads_second else StepWatch(design, detector)
     transitions = follow(stream, instance, design.detector, column_map, report, watch, second)
-    signals = find_signals(design, detector, reads_second)
+    signals = registry.find_signals(design, detector, reads_second)
     return StreamDetection(transitions, design, tuple(settings_warnings(design, detector)), signals)
 
 
@@ -323,12 +307,12 @@ def _board_noise(trace: Trace, design: Design, is_replayed: bool, quiet: slice, 
 
 def _select_stream_detector(
     stream: CsvStream, design: Design, detector: str, voltage: ColumnMap, envelope: ColumnMap, progress: Progress
-) -> tuple[Detector, ColumnMap]:
+) -> tuple[registry.Detector, ColumnMap]:
     """Create the detector and select its columns; `analog` takes the board's output if the lines contain it."""
-    if not find_detector_type(detector).takes_envelope:
-        return make_detector(detector, design), voltage
+    if not registry.find_detector_type(detector).takes_envelope:
+        return registry.make_detector(detector, design), voltage
     if envelope.name_in_file("voltage_v") in stream.header.names:
-        return make_detector(detector, design), envelope
+        return registry.make_detector(detector, design), envelope
     from fingertip.sim.signal.converter import SimulatedBoardDetector  # noqa: PLC0415
 
     progress(f"{STREAM_NAME} has no column {voltage.name_in_file('envelope_v')}: simulating the design's board")

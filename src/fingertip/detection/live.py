@@ -11,15 +11,9 @@ from fingertip.design.parameters import Detector as DetectorParameters
 from fingertip.detection.warnings import StepWatch
 from fingertip.foundation.errors import Issue, TraceError, shorten
 from fingertip.slip.detectors.registry import Detector
+from fingertip.slip.traces import sampling
 from fingertip.slip.traces.columns import split_cells, unquote
 from fingertip.slip.traces.csv_header import Header, find_header
-from fingertip.slip.traces.sampling import (
-    RATE_TOLERANCE,
-    STEP_TOLERANCE,
-    guess_time_unit,
-    rate_bounds_message,
-    rate_message,
-)
 from fingertip.slip.traces.trace import ColumnMap, bounded_lines, length_message, range_message
 
 NAME = "standard input"
@@ -120,15 +114,15 @@ class _SampleClock:
             self._start_s = time_s
             return
         step_s = time_s - previous_s
-        if abs(step_s - self._step_s) > STEP_TOLERANCE * self._step_s:
+        if abs(step_s - self._step_s) > sampling.STEP_TOLERANCE * self._step_s:
             remedy = "use --rate-hz, or record without gaps"
             if step_s == 0.0:
                 remedy = "ignore rounded times with --column time_s=none and --rate-hz"
             elif self._has_valid_step:
                 rate_hz = self._parameters.sample_rate_hz
                 remedy = f"if few samples are missing, ignore the times with --rate-hz {rate_hz:g} --column time_s=none"
-            elif step_s > 0.0 and guess_time_unit(1 / step_s):
-                raise _line_error(line, rate_bounds_message(1 / step_s) or "")
+            elif step_s > 0.0 and sampling.guess_time_unit(1 / step_s):
+                raise _line_error(line, sampling.rate_bounds_message(1 / step_s) or "")
             raise _line_error(
                 line,
                 f"{time_s:.9g} s is {step_s:.4g} s after the previous sample, but the detector requires steps of "
@@ -142,9 +136,9 @@ class _SampleClock:
     def _check_rate(self, time_s: float, line: int) -> None:
         rate_hz = self._steps / (time_s - self._start_s)
         # A single time stamp may be off by STEP_TOLERANCE, which affects the mean of few steps more than that of many.
-        tolerance = RATE_TOLERANCE + STEP_TOLERANCE / self._steps
+        tolerance = sampling.RATE_TOLERANCE + sampling.STEP_TOLERANCE / self._steps
         if abs(rate_hz / self._parameters.sample_rate_hz - 1) > tolerance:
-            raise _line_error(line, rate_message(rate_hz, self._parameters))
+            raise _line_error(line, sampling.rate_message(rate_hz, self._parameters))
         if self._steps >= _RATE_WINDOWS * self._parameters.window_samples:
             self._start_s, self._steps = time_s, 0
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.foundation.plot_style import SERIES, TEXT_COLOUR, TRUTH, new_figure, style_axes, to_png
-from fingertip.sim.contact.materials import SurfaceTable, select_surface
+from fingertip.sim.contact.materials import SurfaceTable
 from fingertip.sim.runs.manipulation import ManipulationResult
 from fingertip.sim.runs.scene import SceneRecord, SceneResult
 from fingertip.sim.signal.parameters import OUTPUTS
@@ -101,7 +101,7 @@ def _name_event(result: ManipulationResult) -> str:
 
 
 def _describe_surface(name: str, table: SurfaceTable) -> str:
-    material = select_surface(name, table).material
+    material = table.complete(name).material
     return material if table.material or material == name else f"{name} ({material})"
 
 

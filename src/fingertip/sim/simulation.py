@@ -30,7 +30,6 @@ from fingertip.sim.runs.motion import Controller
 from fingertip.sim.runs.scene import SceneRecord, SceneResult, run_scene, select_columns, stream_scene
 from fingertip.sim.runs.timeline import SLIDE_M
 from fingertip.sim.signal.finger import FingerSignals
-from fingertip.sim.signal.parameters import find_converter_warnings
 from fingertip.sim.trace_file import open_trace, write_columns
 from fingertip.slip.traces.trace import Trace
 
@@ -50,7 +49,7 @@ class Simulation:
         if "voltage_v" in self.scene.outputs:
             limits = board_values(self.design).voltage_limits
             if self.scene.converter.bits:
-                yield from find_converter_warnings(self.scene.converter, limits.min_tactile_v, limits.max_tactile_v)
+                yield from self.scene.converter.find_warnings(limits.min_tactile_v, limits.max_tactile_v)
             else:
                 yield from adc_range_warnings(limits)
         if isinstance(self.scene, SceneFile) and self.scene.slide.distance_m and self.scene.surface.profile_um:
@@ -182,13 +181,7 @@ REPEATS_PER_MANIPULATION = 3
 
 @dataclass(frozen=True)
 class Trial:
-    """One sliding-finger trial: surface, sliding speed, holding force, and the seed of everything random.
-
-    Raises
-    ------
-    TraceError
-        With one issue for each value that is not valid.
-    """
+    """One sliding-finger trial; its seed draws everything random. Raises TraceError with all invalid values."""
 
     surface: str = "medium"
     speed_m_s: float = 0.04

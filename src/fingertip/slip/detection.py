@@ -10,19 +10,12 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.foundation.display import Picture, html_table, plot, to_dataframe
 from fingertip.foundation.errors import Issue
+from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import raise_issues
+from fingertip.slip.detectors import registry
 from fingertip.slip.detectors.analog_and_digital import SlipChain, noise_level
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
 from fingertip.slip.detectors.noise import NoiseLevel
-from fingertip.slip.detectors.registry import (
-    DEFAULT,
-    DetectorOutput,
-    UsedSignals,
-    find_detector_type,
-    find_signals,
-    make_detector,
-    select_inputs,
-)
 from fingertip.slip.traces.trace import RawTrace, Trace
 from fingertip.slip.traces.truth import Interval, Score, intervals, score
 
@@ -43,10 +36,10 @@ class UsedThreshold:
     highest_v: float
 
     @classmethod
-    def of(cls, detector: str, output: DetectorOutput) -> UsedThreshold:
+    def of(cls, detector: str, output: registry.DetectorOutput) -> UsedThreshold:
         used, on = output.threshold_v, np.flatnonzero(output.on)
         first_v = float(used[on[0]]) if len(on) else None
-        quantity = find_detector_type(detector).quantity
+        quantity = registry.find_detector_type(detector).quantity
         return cls(quantity, first_v, float(used[-1]), float(np.nanmin(used)), float(np.nanmax(used)))
 
     def describe(self) -> str:
@@ -62,14 +55,14 @@ class Detection:
     """Result of detection on one trace, with the settings used."""
 
     detector: str
-    signals: UsedSignals
+    signals: registry.UsedSignals
     """Columns of the trace that the detector took."""
     threshold: UsedThreshold
     memory_s: float
     """Longest time that ON outlasts slip [s]."""
     noise: NoiseLevel | None
     """Noise level of the article's chain at this input noise; None for other detectors than `digital`."""
-    output: DetectorOutput
+    output: registry.DetectorOutput
     intervals: tuple[Interval, ...]
     score: Score | None
     """Score against the true slips; None if the trace does not contain them."""
@@ -120,13 +113,7 @@ class Detection:
         return plot("fingertip.slip.report:draw", self.trace, self, title or f"detector {self.detector}")
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """Return the intervals as a data frame; `is_true` is missing where the true slip is not known.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
+        """Return the intervals; `is_true` is missing where true slip is not known. Raises MissingLibraryError."""
         columns: dict[str, list[object]] = {
             "onset_s": [interval.onset_s for interval in self.intervals],
             "end_s": [interval.end_s for interval in self.intervals],
@@ -137,7 +124,7 @@ class Detection:
         return to_dataframe(columns, "Detection.to_dataframe")
 
 
-def detect(trace: Trace, design: Design, detector: str = DEFAULT, noise_v: float | None = None) -> Detection:
+def detect(trace: Trace, design: Design, detector: str = registry.DEFAULT, noise_v: float | None = None) -> Detection:
     """Detect slip in a trace.
 
     Parameters
@@ -159,36 +146,39 @@ def detect(trace: Trace, design: Design, detector: str = DEFAULT, noise_v: float
         a detector that takes it.
     """
     issues = RawTrace("trace", trace, in_volts=noise_v is None).find_issues(design.detector)
-    inputs = select_inputs(trace, detector)
+    inputs = registry.select_inputs(trace, detector)
     if not inputs:
-        remedy = f"record it, or use --detector {DEFAULT}, which works without a board"
+        remedy = f"record it, or use --detector {registry.DEFAULT}, which works without a board"
         message = f"is missing: the detector {detector} works on the board's output; {remedy}."
         issues.append(Issue("trace, envelope_v", message))
     raise_issues(issues)
-    instance = make_detector(detector, design, noise_v)
+    instance = registry.make_detector(detector, design, noise_v)
     output = instance.process(*inputs)
     detected = intervals(trace.time_s, output.on)
     truth = None if trace.slip is None else intervals(trace.time_s, trace.slip)
     return Detection(
         detector,
-        find_signals(design, detector, len(inputs) > 1),
+        registry.find_signals(design, detector, len(inputs) > 1),
         UsedThreshold.of(detector, output),
         instance.memory_s,
         noise_level(design, noise_v) if isinstance(instance, SlipChain) else None,
         output,
         detected,
         None if truth is None else score(detected, truth, instance.memory_s),
-        _confidences(output, trace, detected),
+        _find_confidences(find_ratio(output), trace.time_s, detected),
         intervals(trace.time_s, output.incipient) if isinstance(output, FastOutput) else None,
         instance.noise_v if isinstance(instance, FastDetector) else None,
         trace,
     )
 
 
-def _confidences(output: DetectorOutput, trace: Trace, detected: tuple[Interval, ...]) -> tuple[float, ...]:
-    ratio = np.divide(
-        output.statistic_v, output.threshold_v, where=output.threshold_v > 0.0, out=np.zeros(len(output.on))
-    )
-    first = np.searchsorted(trace.time_s, [i.onset_s for i in detected])
-    last = np.searchsorted(trace.time_s, [i.end_s for i in detected])
+def find_ratio(output: registry.DetectorOutput) -> Array:
+    """Find the statistic over the threshold at each sample; 0 where the threshold is 0."""
+    zeros, is_known = np.zeros(len(output.on)), output.threshold_v > 0.0
+    return np.divide(output.statistic_v, output.threshold_v, where=is_known, out=zeros)
+
+
+def _find_confidences(ratio: Array, time_s: Array, detected: tuple[Interval, ...]) -> tuple[float, ...]:
+    first = np.searchsorted(time_s, [i.onset_s for i in detected])
+    last = np.searchsorted(time_s, [i.end_s for i in detected])
     return tuple(float(ratio[a : max(b, a + 1)].max()) for a, b in zip(first.tolist(), last.tolist(), strict=True))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fingertip.foundation import plot_style as style
-from fingertip.slip.detection import Detection
+from fingertip.slip.detection import Detection, find_ratio
 from fingertip.slip.detectors.analog_and_digital import ChainOutput
 from fingertip.slip.detectors.fast import FastOutput
 from fingertip.slip.detectors.noise import NoiseLevel
@@ -74,10 +74,7 @@ def as_text(detection: Detection) -> str:
 
 def _describe_silence(detection: Detection) -> str:
     """Say how near the statistic came to the threshold of a detector that was never ON."""
-    output = detection.output
-    ratio = np.divide(
-        output.statistic_v, output.threshold_v, where=output.threshold_v > 0.0, out=np.zeros(len(output.on))
-    )
+    ratio = find_ratio(detection.output)
     place = int(np.argmax(ratio))
     if ratio[place] == 0.0:
         return "never ON"

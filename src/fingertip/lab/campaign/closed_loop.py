@@ -59,12 +59,19 @@ def run_with_grip(
     if issues := find_grip_issues(detector, simulation):
         raise FingertipError(issues)
     assert isinstance(scene, ManipulationFile)
+    result, decisions = _close_loop(design, scene, detector, simulation.seed, progress)
+    return result, tuple(decision.time_s for decision in decisions if decision.tightened)
+
+
+def _close_loop(
+    design: Design, scene: ManipulationFile, detector: str, seed: int, progress: Callable[[str], None] | None = None
+) -> tuple[ManipulationResult, Sequence[GripDecision]]:
+    """Run a manipulation whose outputs are those of the scene and those that the controller reads."""
     needed = ["voltage_v", *select_board_outputs(design, [detector])]
     missing = [name for name in needed if name not in scene.outputs]
     scene = scene.model_copy(update={"outputs": [*scene.outputs, *missing]})
     controller = GripController(design, GripSettings(detector), len(scene.fingers))
-    result = run_manipulation(design, scene, controller, simulation.seed, progress)
-    return result, tuple(decision.time_s for decision in controller.decisions if decision.tightened)
+    return run_manipulation(design, scene, controller, seed, progress), controller.decisions
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,13 +109,12 @@ def run_closed_loop(
     with compiled():
         for detector in (*((NO_CONTROL,) if uncontrolled else ()), *detectors):
             for scene, seed in plan_manipulations(repeats, FIRST_SEED):
-                controller = None
-                if detector != NO_CONTROL:
-                    sampled = select_board_outputs(design, [detector])
-                    scene = scene.model_copy(update={"outputs": [*_OUTPUTS, *sampled]})
-                    controller = GripController(design, GripSettings(detector), len(scene.fingers))
-                manipulation = run_manipulation(design, scene, controller, seed)
-                trials.append(evaluate_manipulation(detector, manipulation, controller.decisions if controller else ()))
+                decisions: Sequence[GripDecision] = ()
+                if detector == NO_CONTROL:
+                    manipulation = run_manipulation(design, scene, None, seed)
+                else:
+                    manipulation, decisions = _close_loop(design, scene, detector, seed)
+                trials.append(evaluate_manipulation(detector, manipulation, decisions))
     return trials
 
 

@@ -20,8 +20,7 @@ from fingertip.lab.campaign.unsteady import UNSTEADY
 from fingertip.sim import SceneFile
 from fingertip.sim.signal.converter import SimulatedBoardDetector
 from fingertip.sim.simulation import article_trials
-from fingertip.slip import make_detector
-from fingertip.slip.detectors.registry import select_inputs
+from fingertip.slip.detectors.registry import make_detector, select_inputs
 from fingertip.slip.traces.truth import intervals
 
 EARLY_S = 0.005
@@ -49,10 +48,8 @@ def generate_mix(design: Design, size: MixSize, first_seed: int) -> Iterator[Lab
         for draw_hand in (mix_signals.grip_steps, mix_signals.manipulation):
             for _ in range(math.ceil(size.events / 7)):
                 yield from draw_hand(design, next(seeds))
-        for _ in range(size.events):
-            yield mix_signals.abrupt_burst(design, next(seeds), *BURSTS_V)
-        for _ in range(math.ceil(size.events / 2)):
-            yield mix_signals.low_burst(design, next(seeds), *BURSTS_V)
+        for draw_burst, share in ((mix_signals.abrupt_burst, 1), (mix_signals.low_burst, 2)):
+            yield from (draw_burst(design, next(seeds), *BURSTS_V) for _ in range(math.ceil(size.events / share)))
         for i in range(math.ceil(size.events / 2)):
             yield mix_signals.long_slide(design, next(seeds), SLIDE_STRENGTHS_V[i % len(SLIDE_STRENGTHS_V)])
         for _ in range(math.ceil(size.events / 3)):
@@ -68,11 +65,10 @@ def _noisy(
     design: Design, size: MixSize, trials: Sequence[SceneFile], seeds: Iterator[int]
 ) -> Iterator[LabelledSignal]:
     held = NEGATIVE_SCENES["drift"][0]
-    for name in mix_signals.NOISES:
-        for i in range(size.noisy):
-            yield mix_signals.in_noise(design, trials[i * len(trials) // size.noisy], next(seeds), name)
-        for _ in range(math.ceil(size.noisy / 6)):
-            yield mix_signals.in_noise(design, held, next(seeds), name)
+    for name, condition in mix_signals.NOISES.items():
+        slides = [trials[i * len(trials) // size.noisy] for i in range(size.noisy)]
+        for scene in (*slides, *[held] * math.ceil(size.noisy / 6)):
+            yield mix_signals.in_condition(design, scene, next(seeds), name, condition)
     hand = SceneFile(**(held.model_dump() | {"noise": {"hand_v": 5e-4}}))
     for _ in range(math.ceil(size.noisy / 3)):
         yield mix_signals.simulate_scene(design, hand, next(seeds), "vibration with the grasp", _CONTACT_S)
@@ -135,13 +131,11 @@ def assess(signal: LabelledSignal, on: NDArray[np.bool_], memory_s: float) -> Ou
     ]
     disturbed = sum(any(event.onset_s <= i.onset_s < event.end_s + REACTION_S for i in found) for event in events)
     counted = ~is_slip & (time_s >= signal.alarms_from_s)
-    kind, strength_v, minutes, slides = signal.kind, signal.strength_v, signal.duration_s / 60, len(signal.slides)
-    found_slips = tuple(delays), tuple(motion_delays), tuple(shares)
-    alarms_s = tuple(alarm.onset_s for alarm in alarms)
-    share = float(np.mean(on[counted])) if counted.any() else 0.0
     return Outcome(
-        kind, strength_v, minutes, slides, *found_slips, len(alarms), alarms_s, len(events), disturbed, share
-    )
+        signal.kind, signal.strength_v, signal.duration_s / 60, len(signal.slides), tuple(delays), tuple(motion_delays),
+        tuple(shares), len(alarms), tuple(alarm.onset_s for alarm in alarms), len(events), disturbed,
+        float(np.mean(on[counted])) if counted.any() else 0.0,
+    )  # fmt: skip
 
 
 def run_detector(name: str, design: Design, signals: Iterable[LabelledSignal]) -> list[Outcome]:

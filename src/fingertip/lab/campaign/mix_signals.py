@@ -18,6 +18,7 @@ from fingertip.design.formulas.filter import filtered_range_v
 from fingertip.foundation.numerics import Array
 from fingertip.lab.campaign.run import select_board_outputs
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
+from fingertip.sim.runs.files import Hand
 from fingertip.sim.runs.grip import GripController, GripSettings
 from fingertip.sim.runs.pose import GRASP_POSE
 from fingertip.sim.runs.timeline import build_timeline
@@ -162,12 +163,12 @@ def _burst(
     return _record(design, rng, LabelledSignal(kind, rate, volts, (slide,), strength_v=strength_v))
 
 
-def ringing_knock(design: Design, seed: int, low_v: float = 0.05, high_v: float = 0.5) -> LabelledSignal:
+def ringing_knock(design: Design, seed: int) -> LabelledSignal:
     """Draw a held force with three knocks that ring and decay, as hand and object do: no slip."""
     rng, rate = np.random.default_rng(seed), design.detector.sample_rate_hz
     times_s = np.arange(round(4.0 * rate)) / rate
     volts = np.full(len(times_s), draw_rest_v(design, rng))
-    height_v = math.exp(rng.uniform(math.log(low_v), math.log(high_v)))
+    height_v = math.exp(rng.uniform(math.log(0.05), math.log(0.5)))
     ring_hz, decay_s = rng.uniform(50.0, 150.0), math.exp(rng.uniform(math.log(0.004), math.log(0.02)))
     events, direction = [], 1.0 if design.board.tactile_rises else -1.0  # the force rises first
     for start_s in (1.5, 2.2, 2.9):
@@ -226,27 +227,27 @@ def _last_before(moment_s: float, starts_s: Sequence[float]) -> float:
     return max((start for start in starts_s if start <= moment_s), default=moment_s)
 
 
-def grip_change(design: Design, seed: int, min_rise_s: float = 0.02, max_rise_s: float = 0.15) -> LabelledSignal:
+def grip_change(design: Design, seed: int) -> LabelledSignal:
     """Simulate one change of a grasp's force by 1 N, up or down, within a random time."""
     rng = np.random.default_rng(seed)
     grows = bool(rng.random() < 0.5)
     hold = {"mode": "grasp", "min_force_n": 0.5 if grows else 1.3, "max_force_n": 1.5 if grows else 2.5}
-    change = {"by_n": 1.0 if grows else -1.0, "rise_s": float(rng.uniform(min_rise_s, max_rise_s))}
+    change = {"by_n": 1.0 if grows else -1.0, "rise_s": float(rng.uniform(0.02, 0.15))}
     scene = SceneFile(scene="grip_change", pose=GRASP_POSE, hold=hold, load_change=change)
     return simulate_scene(design, scene, seed, "grip change")
 
 
-def fast_closing(design: Design, seed: int, min_close_s: float = 0.05, max_close_s: float = 0.15) -> LabelledSignal:
+def fast_closing(design: Design, seed: int) -> LabelledSignal:
     """Simulate a grasp that closes within a random time."""
-    close_s = float(np.random.default_rng(seed).uniform(min_close_s, max_close_s))
+    close_s = float(np.random.default_rng(seed).uniform(0.05, 0.15))
     hold = {"mode": "grasp", "min_force_n": 0.5, "max_force_n": 2.0, "close_s": close_s, "release": False}
     return simulate_scene(design, SceneFile(scene="fast_closing", pose=GRASP_POSE, hold=hold), seed, "fast closing")
 
 
-def taps(design: Design, seed: int, min_force_n: float = 0.3, max_force_n: float = 2.0) -> LabelledSignal:
+def taps(design: Design, seed: int) -> LabelledSignal:
     """Simulate three knocks of one random force and rise time on a grasped object."""
     rng = np.random.default_rng(seed)
-    force_n, rise_s = float(rng.uniform(min_force_n, max_force_n)), float(rng.uniform(0.002, 0.01))
+    force_n, rise_s = float(rng.uniform(0.3, 2.0)), float(rng.uniform(0.002, 0.01))
     tap = {"force_n": force_n, "rise_s": rise_s, "count": 3}
     hold = {"mode": "grasp", "min_force_n": 0.5, "max_force_n": 2.0}
     return simulate_scene(design, SceneFile(scene="taps", pose=GRASP_POSE, hold=hold, tap=tap), seed, "tap")
@@ -257,16 +258,11 @@ class SteppedGrip(GripController):
 
     def __init__(self, design: Design, fingers: int, moments_s: tuple[float, ...]) -> None:
         super().__init__(design, GripSettings("digital", max_growth_n_s=np.inf, max_closing_m_s=np.inf), fingers)
-        self._moments_s, self._periods, self._design = moments_s, 0, design
+        self._moments_s, self._periods, self._period_s = moments_s, 0, Hand().period_s
 
     def _detect(self, samples: tuple[Array, ...]) -> bool:
-        self._periods += 1
-        now = (self._periods - 1) * self._period_s
+        now, self._periods = self._periods * self._period_s, self._periods + 1
         return any(now - self._period_s < moment <= now for moment in self._moments_s)
-
-    @property
-    def _period_s(self) -> float:
-        return ManipulationFile(scene="grip_steps").hand.period_s
 
 
 def grip_steps(design: Design, seed: int) -> list[LabelledSignal]:
@@ -324,11 +320,6 @@ def manipulation(design: Design, seed: int, speed_m_s: float = 0.0, max_margin: 
 
 def _select_outputs(design: Design) -> list[str]:
     return ["voltage_v", "slip", *select_board_outputs(design, ["fast"])]
-
-
-def in_noise(design: Design, scene: SceneFile, seed: int, name: str) -> LabelledSignal:
-    """Simulate a scene in one of the conditions of `NOISES`; alarms count after the first second."""
-    return in_condition(design, scene, seed, name, NOISES[name])
 
 
 def in_condition(

@@ -15,9 +15,9 @@ from fingertip.foundation.numerics import Array, poisson_interval
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, Case, generate_cases
 from fingertip.sim import SceneFile, run_scene
 from fingertip.sim.runs.scene import SceneRun
-from fingertip.slip import DETECTORS, Trace, make_detector
+from fingertip.slip.detectors import registry
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
-from fingertip.slip.detectors.registry import Detector, DetectorOutput, find_second_column, select_inputs
+from fingertip.slip.traces.trace import Trace
 from fingertip.slip.traces.truth import INCIPIENT_S, Interval, intervals, score
 
 SAME_EVENT_S = 0.1
@@ -64,14 +64,14 @@ def simulate_trace(design: Design, case: Case, detectors: Sequence[str]) -> tupl
 
 def select_board_outputs(design: Design, detectors: Sequence[str]) -> list[str]:
     """Select the sampled outputs of the board that detectors read, beside the tactile voltage."""
-    columns = {DETECTORS[name].input_column for name in detectors}
-    columns |= {find_second_column(design, name) or "voltage_v" for name in detectors}
+    columns = {registry.DETECTORS[name].input_column for name in detectors}
+    columns |= {registry.find_second_column(design, name) or "voltage_v" for name in detectors}
     return [f"sampled_{name}" for name in sorted(columns - {"voltage_v"})]
 
 
 def needs_board(*detectors: str) -> bool:
     """Return whether any of the detectors reads the board's envelope."""
-    return any(DETECTORS[name].input_column == "envelope_v" for name in detectors)
+    return any(registry.DETECTORS[name].input_column == "envelope_v" for name in detectors)
 
 
 def evaluate(
@@ -88,7 +88,7 @@ def evaluate(
     `fast_runs` keeps by factor what `fast` gave on this trace: `incipient` is another operating point of the same run.
     """
     runs = {} if fast_runs is None else fast_runs
-    nominal, inputs = make_detector(detector, design), select_inputs(trace, detector)
+    nominal, inputs = registry.make_detector(detector, design), registry.select_inputs(trace, detector)
     output = _process(nominal, inputs, 1.0, runs)
     constant = float(np.ptp(output.threshold_v)) == 0.0
     found: dict[float, TrialResult] = {}
@@ -99,7 +99,7 @@ def evaluate(
                 on = output.on if scale == 1.0 else output.statistic_v > scale * output.threshold_v
                 is_off = constant and not on.any()
             else:
-                scaled = make_detector(detector, design, threshold_scale=scale)
+                scaled = registry.make_detector(detector, design, threshold_scale=scale)
                 on = _process(scaled, inputs, scale, runs).on
                 is_off = isinstance(scaled, FastDetector) and scaled.is_off_beyond(runs[scale])
             result = score_trial(case, trace, force_n, on, nominal.memory_s)
@@ -108,8 +108,8 @@ def evaluate(
 
 
 def _process(
-    detector: Detector, inputs: tuple[Array, ...], scale: float, runs: dict[float, FastOutput]
-) -> DetectorOutput:
+    detector: registry.Detector, inputs: tuple[Array, ...], scale: float, runs: dict[float, FastOutput]
+) -> registry.DetectorOutput:
     if not isinstance(detector, FastDetector):
         return detector.process(*inputs)
     if scale not in runs:
@@ -306,7 +306,7 @@ class CampaignResult:
 def run_campaign(
     design: Design,
     plan: CampaignPlan,
-    detectors: Sequence[str] = tuple(DETECTORS),
+    detectors: Sequence[str] = tuple(registry.DETECTORS),
     scales: Sequence[float] = SCALES,
     first_seed: int = HELD_OUT_FROM,
     advance: Callable[[float], None] = lambda _: None,

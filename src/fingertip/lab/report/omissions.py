@@ -14,21 +14,17 @@ from fingertip.lab.campaign.run import CampaignResult, DetectorResult, surface
 from fingertip.lab.report.numbers import BESIDE_ARTICLE, format_milli, format_mn, format_ms, format_mv
 from fingertip.lab.report.robustness import LEVELS_ARE_ASSUMED
 from fingertip.lab.report.tables import STATED, StudyResults
+from fingertip.lab.studies import sensitivity
 from fingertip.lab.studies.article import RESONANCES_HZ
-from fingertip.lab.studies.sensitivity import (
-    BOTH,
-    ELASTO_PLASTIC,
-    HELD_LONGER,
-    LOADED_ON,
-    LOADS_N,
-    PATCH_AVERAGE,
-    STICK_SLIP,
-    VariationResult,
-)
 from fingertip.lab.studies.steps import GOAL_SHARE
 from fingertip.sim.contact.materials import ARTICLE_SURFACES, SURFACES
 
-_EXPLAINED = {"patch": PATCH_AVERAGE, "stick_slip": STICK_SLIP, "both": BOTH, "elasto_plastic": ELASTO_PLASTIC}
+_EXPLAINED = {
+    "patch": sensitivity.PATCH_AVERAGE,
+    "stick_slip": sensitivity.STICK_SLIP,
+    "both": sensitivity.BOTH,
+    "elasto_plastic": sensitivity.ELASTO_PLASTIC,
+}
 """Name in the template -> label of a variation that it explains."""
 
 
@@ -60,22 +56,22 @@ def as_markdown(
     )
 
 
-def collect_effects(variations: Sequence[VariationResult], patch_radius_m: float) -> dict[str, Any]:
+def collect_effects(variations: Sequence[sensitivity.VariationResult], patch_radius_m: float) -> dict[str, Any]:
     """Collect what the page says of effects that the trials leave out."""
     base, rows = variations[0], {v.label: v for v in variations}
-    patch = rows.get(PATCH_AVERAGE)
+    patch = rows.get(sensitivity.PATCH_AVERAGE)
     return {
         **{name: rows.get(label) for name, label in _EXPLAINED.items()},
         "base": base,
         "other_effects": [v for v in variations[1:] if v.is_realistic and v.label not in _EXPLAINED.values()],
         "laws": [v for v in variations if v.is_law],
         "beside": BESIDE_ARTICLE,
-        "loaded_on": LOADED_ON,
-        "loads_n": LOADS_N,
+        "loaded_on": sensitivity.LOADED_ON,
+        "loads_n": sensitivity.LOADS_N,
         "patch_radius_m": patch_radius_m,
         "patch_ratio": base.vibration_n / patch.vibration_n if patch and patch.vibration_n else math.inf,
-        "wavelengths_mm": sorted({1000 * SURFACES[name].cutoff_wavelength_m for name in ARTICLE_SURFACES}),
-        "held_longer": HELD_LONGER,
+        "wavelengths_mm": sorted({SURFACES[name].longest_wave_mm for name in ARTICLE_SURFACES}),
+        "held_longer": sensitivity.HELD_LONGER,
         "levels_are_assumed": LEVELS_ARE_ASSUMED,
         "isfinite": math.isfinite,
         "ms": format_ms,

@@ -17,7 +17,7 @@ from fingertip.lab.campaign.run import CampaignResult, DetectorResult, quantile_
 from fingertip.lab.report import robustness
 from fingertip.lab.report.numbers import ONSETS, format_ms, to_data, to_number
 from fingertip.lab.studies.article import DEVICES, MOVED_M, ProtocolStudy, Spectrum, WindowResult
-from fingertip.lab.studies.boards import ArticleBoardResult, BoardResult
+from fingertip.lab.studies.boards import BoardResult
 from fingertip.lab.studies.bounds import DiscriminationResult, KnockResult
 from fingertip.lab.studies.previous_works import PLATE_FACTORS, PreviousWorks
 from fingertip.lab.studies.sensitivity import ASSUMED_M_S2, AccelerationResult, VariationResult
@@ -54,8 +54,8 @@ class StudyResults:
     accelerations: Sequence[AccelerationResult]
     rates: Sequence[SamplingRateResult]
     boards: Sequence[BoardResult]
-    article: Sequence[ArticleBoardResult]
-    """The same finger on the article's board and converter; empty if the design has them."""
+    article: Mapping[str, DetectorResult]
+    """Detectors of the same finger on the article's board and converter; empty if the design has them."""
     protocol: ProtocolStudy
     previous: PreviousWorks
     motor: Sequence[DiscriminationResult]
@@ -95,7 +95,17 @@ def as_data(result: CampaignResult, studies: StudyResults) -> dict[str, Any]:
         "acceleration_sensitivity": list(map(to_data, studies.accelerations)),
         "sampling_rates": list(map(to_data, studies.rates)),
         "board_variants": list(map(to_data, studies.boards)),
-        "article_board": list(map(to_data, studies.article)),
+        "article_board": [
+            {
+                "detector": name,
+                "found_share": to_number(found.found_share),
+                "median_s": to_number(found.delay_s(0.5)),
+                "p90_s": to_number(found.delay_s(0.9)),
+                "motion_p90_s": to_number(found.motion_delay_s(0.9)),
+                "alarms_per_minute": to_number(found.alarms_per_minute),
+            }
+            for name, found in studies.article.items()
+        ],
         "article_protocol": {
             "encoder_hz": ENCODER_HZ,
             "rows": [asdict(row) for row in list_protocol_rows(studies.protocol, studies.previous)],
@@ -248,9 +258,9 @@ def _study_tables(studies: StudyResults) -> list[str]:
             f"{'detector':10} {'found':>8} {'median':>10} {'p90':>10} {'p90 from motion':>16} {'alarms/min':>12}",
         ]
     lines += [
-        f"{a.detector:10} {100 * a.found_share:7.1f}% {_ms(a.median_s):>10} {_ms(a.p90_s):>10} "
-        f"{_ms(a.motion_p90_s):>16} {a.alarms_per_minute:12.2f}"
-        for a in studies.article
+        f"{name:10} {100 * found.found_share:7.1f}% {_ms(found.delay_s(0.5)):>10} {_ms(found.delay_s(0.9)):>10} "
+        f"{_ms(found.motion_delay_s(0.9)):>16} {found.alarms_per_minute:12.2f}"
+        for name, found in studies.article.items()
     ]
     lines += protocol_as_lines(studies.protocol, studies.previous)
     detectors = list(dict.fromkeys(row.detector for row in studies.accelerations))

@@ -23,9 +23,10 @@ from fingertip.lab.report.plots import COLOURS, NOTE, OTHER_COLOUR, add_legend
 from fingertip.lab.studies.article import WINDOW_DETECTOR, WINDOWS_S, with_window
 from fingertip.sim import SceneFile
 from fingertip.sim.simulation import article_trials
-from fingertip.slip import ChainSettings, SlipChain, Trace, make_detector
-from fingertip.slip.detectors.registry import select_inputs
+from fingertip.slip.detectors.analog_and_digital import ChainSettings, SlipChain
+from fingertip.slip.detectors.registry import make_detector, select_inputs
 from fingertip.slip.report import draw_bars, shade_encoder_band
+from fingertip.slip.traces.trace import Trace
 from fingertip.slip.traces.truth import intervals
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import BAND_CUTOFFS
 from fingertip.foundation.errors import DesignError
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_cases
-from fingertip.lab.campaign.run import run_campaign, run_cases, surface
+from fingertip.lab.campaign.run import DetectorResult, run_campaign, run_cases, surface
 from fingertip.sim.signal.converter import simulate_quiescent_level
 
 VARIANTS = ("article", "precision")
@@ -73,21 +73,6 @@ def study_board_variants(
     return results
 
 
-@dataclass(frozen=True)
-class ArticleBoardResult:
-    """Result of one detector on the article's board; delays are infinite if too few slips are found."""
-
-    detector: str
-    found_share: float
-    median_s: float
-    """Median delay from gross slip [s]."""
-    p90_s: float
-    """90th percentile from gross slip [s]."""
-    motion_p90_s: float
-    """90th percentile from the start of the robot's motion [s]."""
-    alarms_per_minute: float
-
-
 def with_article_board(design: Design) -> Design:
     """Copy of a design with the board and the converter of the bundled design `article`."""
     article = Design.load(ARTICLE).model_dump()
@@ -96,15 +81,10 @@ def with_article_board(design: Design) -> Design:
 
 def study_article_board(
     design: Design, plan: CampaignPlan, first_seed: int = HELD_OUT_FROM
-) -> list[ArticleBoardResult]:
+) -> dict[str, DetectorResult]:
     """Run the cases of a plan on the article's board with every detector; none if the design has that board."""
     changed = with_article_board(design)
     if changed == design:
-        return []
+        return {}
     result = run_campaign(changed, plan, scales=(1.0,), first_seed=first_seed)
-    rows = []
-    for name in result.detectors:
-        r = result.at_nominal_threshold(name)
-        delays_s = r.delay_s(0.5), r.delay_s(0.9), r.motion_delay_s(0.9)
-        rows.append(ArticleBoardResult(name, r.found_share, *delays_s, r.alarms_per_minute))
-    return rows
+    return {name: result.at_nominal_threshold(name) for name in result.detectors}

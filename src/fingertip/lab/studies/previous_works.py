@@ -24,7 +24,7 @@ from fingertip.sim.contact.materials import SURFACES
 from fingertip.sim.simulation import article_trials
 from fingertip.slip.detectors.fft import FftDetector, FftSettings
 
-RIDGED = tuple(name for name, surface in SURFACES.items() if surface.ridge_depth_m)
+RIDGED = tuple(name for name, surface in SURFACES.items() if surface.ridge_depth_um)
 PLATE_FACTORS = (1.0, 5.0)
 """Factors of the threshold on the ridged plates; with the second one the means are about the article's."""
 FFT_FACTORS = tuple(2.0 ** (i / 2) for i in range(20))

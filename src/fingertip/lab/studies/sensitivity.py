@@ -22,31 +22,13 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
-from fingertip.lab.campaign.plan import (
-    HELD_OUT_FROM,
-    REPORTED_SEPARATELY,
-    CampaignPlan,
-    Case,
-    generate_cases,
-    generate_trials,
-)
-from fingertip.lab.campaign.run import (
-    DetectorResult,
-    TrialResult,
-    evaluate,
-    find_onset_s,
-    measure_vibration_n,
-    median_of_known,
-    quantile_s,
-    run_cases,
-    simulate_trace,
-    surface,
-)
+from fingertip.lab.campaign import run as campaign
+from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, Case, generate_limited_cases, generate_trials
 from fingertip.lab.studies.bounds import compute_bounds_s
 from fingertip.pad.response import Backing
 from fingertip.sim import SceneFile, run_scene
-from fingertip.slip import DETECTORS
 from fingertip.slip.detectors.analog_and_digital import noise_level
+from fingertip.slip.detectors.registry import DETECTORS
 
 ACCELERATIONS_M_S2 = (0.5, 1.0, 2.0, 5.0, 10.0)
 ASSUMED_M_S2 = 1.0
@@ -83,11 +65,11 @@ def study_accelerations(
         bounds = compute_bounds_s(design, trials, first_seed, accelerate)
         rows = [(BOUND, bounds, len(bounds))]
         cases = [replace(case, scene=accelerate(case.scene)) for case in trials_at_1]
-        found = run_cases(design, cases, dict.fromkeys(detectors, (1.0,)))
+        found = campaign.run_cases(design, cases, dict.fromkeys(detectors, (1.0,)))
         rows += [(name, pooled.delays_s, pooled.slips) for name, (pooled,) in found.items()]
         for name, delays_s, count in rows:
             share = sum(map(math.isfinite, delays_s)) / count
-            median_s, p90_s = (quantile_s(delays_s, count, q) for q in (0.5, 0.9))
+            median_s, p90_s = (campaign.quantile_s(delays_s, count, q) for q in (0.5, 0.9))
             results.append(AccelerationResult(a, name, share, median_s, p90_s))
     return results
 
@@ -288,8 +270,7 @@ def study_assumptions(
     variations: Sequence[Variation] = VARIATIONS,
 ) -> list[VariationResult]:
     """Measure the delay without and with each change; all thresholds follow the noise, the design's own one too."""
-    plan = CampaignPlan(trials, _NEGATIVE_MINUTES)
-    cases = [case for case in generate_cases(plan, first_seed) if case.cause not in REPORTED_SEPARATELY]
+    cases = list(generate_limited_cases(CampaignPlan(trials, _NEGATIVE_MINUTES), first_seed))
     all_variations = (UNCHANGED, *variations)
     runs = [_run_variation(design, detector, variation, cases) for variation in all_variations]
     before, onsets_before_s, _ = runs[0]
@@ -298,13 +279,13 @@ def study_assumptions(
         median_s, before_s = pooled.delay_s(0.5), before.delay_s(0.5)
         is_comparable = math.isfinite(median_s) and math.isfinite(before_s)
         change_s = median_s - before_s if is_comparable else math.nan
-        onset_s = median_of_known(now - then for now, then in zip(onsets_s, onsets_before_s, strict=True))
-        worst_s = max((mean for mean, _, _ in pooled.group_delays(surface).values()), default=math.inf)
+        onset_s = campaign.median_of_known(now - then for now, then in zip(onsets_s, onsets_before_s, strict=True))
+        worst_s = max((mean for mean, _, _ in pooled.group_delays(campaign.surface).values()), default=math.inf)
         light_v, firm_v = (measure_envelope_v(design, LOADED_ON, force_n, seeds, variation) for force_n in LOADS_N)
         row = VariationResult(
             variation.label, variation.is_realistic, variation.is_law, pooled.slips, pooled.found_share, median_s,
-            change_s, pooled.alarms_per_minute, onset_s, median_of_known(vibrations_n), pooled.delay_s(0.9), worst_s,
-            light_v, firm_v,
+            change_s, pooled.alarms_per_minute, onset_s, campaign.median_of_known(vibrations_n), pooled.delay_s(0.9),
+            worst_s, light_v, firm_v,
         )  # fmt: skip
         results.append(row)
     return results
@@ -312,17 +293,17 @@ def study_assumptions(
 
 def _run_variation(
     design: Design, detector: str, variation: Variation, cases: Sequence[Case]
-) -> tuple[DetectorResult, list[float], list[float]]:
+) -> tuple[campaign.DetectorResult, list[float], list[float]]:
     """Run the cases with a change: the pooled result, and true onset and vibration in each trial, NaN without slip."""
     changed_design = variation.vary_design(design)
-    collected: list[TrialResult] = []
+    collected: list[campaign.TrialResult] = []
     onsets_s, vibrations_n = [], []
     with compiled():
         for case in cases:
             changed_case = replace(case, scene=variation.vary_scene(case.scene))
-            trace, force_n = simulate_trace(changed_design, changed_case, [detector])
-            collected += evaluate(changed_case, trace, force_n, detector, changed_design, [1.0])
+            trace, force_n = campaign.simulate_trace(changed_design, changed_case, [detector])
+            collected += campaign.evaluate(changed_case, trace, force_n, detector, changed_design, [1.0])
             if case.cause == "slip":
-                onsets_s.append(find_onset_s(changed_design, changed_case, trace))
-                vibrations_n.append(measure_vibration_n(trace))
-    return DetectorResult(1.0, tuple(collected)), onsets_s, vibrations_n
+                onsets_s.append(campaign.find_onset_s(changed_design, changed_case, trace))
+                vibrations_n.append(campaign.measure_vibration_n(trace))
+    return campaign.DetectorResult(1.0, tuple(collected)), onsets_s, vibrations_n

@@ -20,20 +20,13 @@ from fingertip.design import Design
 from fingertip.detection.adaptation import adapt_rate
 from fingertip.foundation.errors import DesignError
 from fingertip.foundation.jit import compiled
-from fingertip.lab.campaign.plan import (
-    HELD_OUT_FROM,
-    REPORTED_SEPARATELY,
-    CampaignPlan,
-    Case,
-    generate_cases,
-    generate_trials,
-)
+from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, Case, generate_limited_cases, generate_trials
 from fingertip.lab.campaign.run import evaluate, quantile_s, run_detector_on, select_board_outputs
 from fingertip.lab.studies.bounds import compute_bounds_s
-from fingertip.sim import SceneResult, run_scene
+from fingertip.sim import run_scene
 from fingertip.sim.runs.scene import SceneRun
 from fingertip.sim.signal.grid import Grid
-from fingertip.slip import DETECTORS
+from fingertip.slip.detectors.registry import DETECTORS
 
 REFINEMENT = 16
 """Number of steps of the finer grid per step of the shipped one."""
@@ -66,15 +59,11 @@ def compare_grids(
     pair = [run_scene(design, scene, case.seed, grid=Grid(parts * shipped.refinement)) for parts in (1, refinement)]
     errors = {name: float(np.max(np.abs(pair[0].columns[name] - pair[1].columns[name]))) for name in SIGNALS}
     rate = design.detector.sample_rate_hz
-    shifts = {
-        name: rate * _find_shift_s(*(_find_delays_s(design, case, one, name) for one in pair)) for name in detectors
-    }
+    shifts = {}
+    for name in detectors:
+        coarse, fine = (evaluate(case, one.trace, one.force_n, name, design, [1.0])[0].delays_s for one in pair)
+        shifts[name] = rate * _find_shift_s(coarse, fine)
     return GridDifference(errors, shifts)
-
-
-def _find_delays_s(design: Design, case: Case, result: SceneResult, detector: str) -> tuple[float, ...]:
-    (found,) = evaluate(case, result.trace, result.force_n, detector, design, [1.0])
-    return found.delays_s
 
 
 def _find_shift_s(coarse_s: Sequence[float], fine_s: Sequence[float]) -> float:
@@ -186,7 +175,7 @@ def study_sampling_rates(
             adapted = adapt_rate(design, rate)
         except DesignError:
             continue
-        cases = (case for case in generate_cases(plan, first_seed) if case.cause not in REPORTED_SEPARATELY)
+        cases = generate_limited_cases(plan, first_seed)
         pooled, bounds = run_detector_on(adapted, cases, DETECTOR), compute_bounds_s(adapted, trials, first_seed)
         results.append(
             SamplingRateResult(

@@ -30,7 +30,7 @@ from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import find_column_issues, find_negative, find_not_positive, raise_issues
 from fingertip.sim.contact import coupled_loop
 from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S, Friction
-from fingertip.sim.contact.tangential import Mount
+from fingertip.sim.contact.tangential import Mount, PadMotion
 
 MAX_STEPS = 200_000
 STATES = 5
@@ -59,12 +59,9 @@ class NormalContact:
 
 
 @dataclass(frozen=True)
-class CoupledMotion:
+class CoupledMotion(PadMotion):
     """Motion of the pad and normal force, one value per sample, and the number of steps."""
 
-    position_m: Array
-    velocity_m_s: Array
-    bristle_m: Array
     force_n: Array
     """Normal force [N], exactly 0 in flight."""
     steps: int
@@ -72,7 +69,6 @@ class CoupledMotion:
 
     @property
     def evaluations(self) -> int:
-        """Number of evaluations of the right-hand side."""
         return 6 * (self.steps + self.rejected)
 
 

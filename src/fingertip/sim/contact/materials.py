@@ -7,9 +7,7 @@ gives no coefficient of friction and calls the roughness of the other surfaces u
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, Literal
 
@@ -70,7 +68,17 @@ class SurfaceTable(ParameterTable):
         changed = {key: value for key, value in self if value != getattr(default, key)}
         if changed:
             changed.setdefault("material", f"own surface, else as {name}")
-        return _FILES[name].surface.model_copy(update=changed)
+        return SURFACES[name].model_copy(update=changed)
+
+    @property
+    def friction(self) -> Friction:
+        """Friction of a complete table, per newton of normal force. Raises TraceError."""
+        return Friction(self.static_friction, self.kinetic_friction, self.stribeck_m_s)
+
+    @property
+    def is_proportional(self) -> bool:
+        """True if vibration is proportional to the load."""
+        return self.load_law == "proportional"
 
 
 class SurfaceFile(BaseModel):
@@ -94,49 +102,13 @@ class SurfaceFile(BaseModel):
             raise TraceError(error.issues) from None
 
 
-@dataclass(frozen=True)
-class Surface:
-    """Surface with all its values, friction per newton of normal force."""
-
-    material: str
-    roughness_um: float
-    """Arithmetic mean deviation Ra of the profile [um]."""
-    friction: Friction
-    cutoff_wavelength_m: float
-    """Longest wavelength that counts as roughness [m]. Longer ones count as waviness."""
-    hurst: float
-    ridge_pitch_m: float
-    ridge_depth_m: float
-    profile_m: tuple[float, ...]
-    """Measured heights [m]; none if the profile is generated."""
-    profile_step_m: float
-    is_proportional: bool
-    """True if vibration is proportional to the load."""
-
-    @classmethod
-    def build(cls, table: SurfaceTable) -> Surface:
-        friction = Friction(table.static_friction, table.kinetic_friction, table.stribeck_m_s)
-        return cls(
-            table.material, table.roughness_um, friction, 1e-3 * table.longest_wave_mm, table.hurst,
-            1e-3 * table.ridge_pitch_mm, 1e-6 * table.ridge_depth_um,
-            tuple(1e-6 * height for height in table.profile_um), 1e-6 * table.profile_step_um,
-            table.load_law == "proportional",
-        )  # fmt: skip
+def _load_bundled() -> dict[str, SurfaceTable]:
+    files = {path.stem: SurfaceFile.load(path) for path in (PARAMS / "surfaces").glob("*.toml")}
+    return {name: files[name].surface for name in (*ARTICLE_SURFACES, *sorted({*files} - {*ARTICLE_SURFACES}))}
 
 
-def _load_bundled() -> dict[str, SurfaceFile]:
-    files = {path.stem: SurfaceFile.load(path) for path in sorted((PARAMS / "surfaces").glob("*.toml"))}
-    return {name: files[name] for name in sorted(files, key=lambda name: (*ARTICLE_SURFACES, name).index(name))}
-
-
-_FILES = _load_bundled()
-SURFACES: Mapping[str, Surface] = {name: Surface.build(file.surface) for name, file in _FILES.items()}
+SURFACES: Mapping[str, SurfaceTable] = _load_bundled()
 """Bundled surfaces by name, the article's six first."""
-
-
-def select_surface(name: str, table: SurfaceTable) -> Surface:
-    """Return a bundled surface, or one that differs from it by a table. Raises TraceError."""
-    return SURFACES[name] if table == SurfaceTable() else Surface.build(table.complete(name))
 
 
 def find_surface_issues(
@@ -168,10 +140,10 @@ def find_surface_issues(
 
 def find_pitch_issues(name: str, table: SurfaceTable, speed_m_s: float, rate_hz: float) -> Iterator[Issue]:
     """Yield a ridge that passes faster than samples can show."""
-    surface = select_surface(name, table)
+    surface = table.complete(name)
     least = 2.0 * speed_m_s / rate_hz
-    if surface.ridge_depth_m and surface.ridge_pitch_m <= least:
-        what = f"{1000 * surface.ridge_pitch_m:g} mm passes at half of detector.sample_rate_hz or faster"
+    if surface.ridge_depth_um and 1e-3 * surface.ridge_pitch_mm <= least:
+        what = f"{surface.ridge_pitch_mm:g} mm passes at half of detector.sample_rate_hz or faster"
         yield Issue("surface.ridge_pitch_mm", f"{what}; above {round_up(1000 * least):g} mm.")
 
 
@@ -213,6 +185,6 @@ def _parse_rows(lines: list[str]) -> Array:
         raise ValueError("does not hold two finite numbers in each line, and two lines or more")
     if len(rows) > _MAX_POINTS:
         raise ValueError(f"has {len(rows)} points; at most {_MAX_POINTS} are read")
-    if not math.isfinite(float(np.abs(rows).max())) or float(np.abs(rows[:, 1]).max()) > 1e6:
+    if float(np.abs(rows[:, 1]).max()) > 1e6:
         raise ValueError("has heights beyond 1 m")
     return rows

@@ -17,7 +17,7 @@ import numpy as np
 
 from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
-from fingertip.sim.contact.materials import Surface
+from fingertip.sim.contact.materials import SurfaceTable
 
 _ROUGH_OCTAVES = 5
 """Octaves of roughness below the cutoff wavelength: to at least 0.5 kHz at 4 cm/s, far above the resonance."""
@@ -46,22 +46,23 @@ class SurfaceProfile:
 
 
 def generate_profile(
-    rng: random.Random, surface: Surface, start_m: float, length_m: float, patch_radius_m: float = 0.0
+    rng: random.Random, surface: SurfaceTable, start_m: float, length_m: float, patch_radius_m: float = 0.0
 ) -> SurfaceProfile:
-    """Generate the heights of a surface, or cut them out of a measured profile."""
-    if surface.profile_m:
+    """Generate the heights of a surface, whose table is complete, or cut them out of a measured profile."""
+    if surface.profile_um:
         return _cut_profile(rng, surface, start_m, length_m, patch_radius_m)
-    count = math.ceil(length_m / _SPACING_M) + 2
+    count, cutoff_m = math.ceil(length_m / _SPACING_M) + 2, 1e-3 * surface.longest_wave_mm
     waves, square = [], 0.0
     for i in range(-_WAVY_OCTAVES * _PER_OCTAVE, _ROUGH_OCTAVES * _PER_OCTAVE):
         octave = (i + rng.random()) / _PER_OCTAVE  # random wavelengths share no common period, so they do not beat
         amplitude = 2.0 ** (-surface.hurst * octave)
         square += amplitude * amplitude / 2 if octave >= 0.0 else 0.0
-        waves.append((amplitude, 2 * math.pi * 2.0**octave / surface.cutoff_wavelength_m, 2 * math.pi * rng.random()))
+        waves.append((amplitude, 2 * math.pi * 2.0**octave / cutoff_m, 2 * math.pi * rng.random()))
     scale = surface.roughness_um * 1e-6 * math.sqrt(math.pi / 2) / math.sqrt(square)
     waves = [(scale * amplitude, k, phase) for amplitude, k, phase in waves]
-    if surface.ridge_depth_m:
-        waves.append((surface.ridge_depth_m / 2, 2 * math.pi / surface.ridge_pitch_m, 2 * math.pi * rng.random()))
+    if surface.ridge_depth_um:
+        number = 2 * math.pi / (1e-3 * surface.ridge_pitch_mm)
+        waves.append((1e-6 * surface.ridge_depth_um / 2, number, 2 * math.pi * rng.random()))
     averaged = [(amplitude * average_over_patch(k * patch_radius_m), k, phase) for amplitude, k, phase in waves]
     return SurfaceProfile(start_m, *sum_waves(averaged, _SPACING_M, count))
 
@@ -84,9 +85,9 @@ def sum_waves(waves: Sequence[tuple[float, float, float]], spacing: float, count
 
 
 def _cut_profile(
-    rng: random.Random, surface: Surface, start_m: float, length_m: float, patch_radius_m: float
+    rng: random.Random, surface: SurfaceTable, start_m: float, length_m: float, patch_radius_m: float
 ) -> SurfaceProfile:
-    heights, step_m = np.array(surface.profile_m), surface.profile_step_m
+    heights, step_m = 1e-6 * np.array(surface.profile_um), 1e-6 * surface.profile_step_um
     if (reach := int(patch_radius_m / step_m)) > 0:
         # `average_over_patch` in space: pressure over a round patch, summed across the line, is a parabola along it.
         x = np.arange(-reach, reach + 1) * step_m / patch_radius_m

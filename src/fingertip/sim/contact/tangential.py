@@ -66,6 +66,11 @@ class PadMotion:
     velocity_m_s: Array
     bristle_m: Array
 
+    @property
+    def evaluations(self) -> int:
+        """Number of evaluations of the right-hand side."""
+        return 2 * len(self.position_m)
+
 
 def admissible_step_s(friction: Friction, mount: Mount, max_load_n: float) -> float:
     """Longest step for a stuck pad, which turns by ``sqrt((k + N sigma0) / m)`` radians per second, and free [s]."""

@@ -28,13 +28,7 @@ from fingertip.sim.contact.materials import ARTICLE_SURFACES, SurfaceTable, find
 from fingertip.sim.contact.mounts import MountTable
 from fingertip.sim.runs.hand_motion import Servo, Tremor
 from fingertip.sim.runs.pose import ScenePose
-from fingertip.sim.signal.parameters import (
-    ACCELERATION_M_S2,
-    PathTables,
-    SimulationFile,
-    assumption,
-    find_converter_issues,
-)
+from fingertip.sim.signal.parameters import ACCELERATION_M_S2, PathTables, SimulationFile, assumption
 
 MIN_STIFFNESS_N_PER_M = 100.0
 """Smallest stiffness of an object that yields [N/m]: that of the hand. 20 N dent it by 20 cm."""
@@ -196,7 +190,7 @@ class SceneFile(PathTables, _SceneTables):
         if hold.min_force_n > hold.max_force_n:
             message = f"{hold.min_force_n:g} N is above hold.max_force_n; at most {hold.max_force_n:.12g} N."
             yield Issue("hold.min_force_n", message), {"hold.min_force_n", "hold.max_force_n"}
-        yield from find_converter_issues(self.converter)
+        yield from self.converter.find_issues()
         yield from find_surface_issues(
             "contact.surface", self.contact.surface, self.surface, "slide.distance_m", slide.distance_m
         )
@@ -397,4 +391,4 @@ class ManipulationFile(PathTables, _ManipulationTables):
         if 0.0 < stiffness < MIN_STIFFNESS_N_PER_M:
             message = f"{stiffness:g} N/m is no object that a hand can hold; at least {MIN_STIFFNESS_N_PER_M:g} N/m."
             yield Issue("object.stiffness_n_per_m", message), {"object.stiffness_n_per_m"}
-        yield from find_converter_issues(self.converter)
+        yield from self.converter.find_issues()

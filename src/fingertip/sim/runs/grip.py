@@ -26,8 +26,7 @@ from fingertip.pad.response import Pad
 from fingertip.sim.runs.motion import Observation
 from fingertip.sim.signal.bridge import reads_whole_finger
 from fingertip.sim.signal.converter import compute_bridge_v
-from fingertip.slip import DETECTORS, make_detector
-from fingertip.slip.detectors.registry import select_inputs
+from fingertip.slip.detectors.registry import DETECTORS, make_detector, select_inputs
 
 LONGEST_STEP_S = 0.02
 """Time of a step that counts at most for the speed of a command [s]: a late step makes no jump."""

@@ -28,7 +28,6 @@ from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import check_type, raise_issues, round_down, round_up
 from fingertip.pad.response import Pad
-from fingertip.sim.contact.materials import select_surface
 from fingertip.sim.runs.files import GraspedObject, Hand, ManipulationFile
 from fingertip.sim.runs.motion import Controller, MotionPlan, Observation, delay_commands, plan_motion, thumb_force_n
 from fingertip.sim.runs.stepper import HandSignals, ManipulationStepper
@@ -236,7 +235,7 @@ def _find_issues(design: Design, scene: ManipulationFile, seed: int) -> list[Iss
     mass_kg, strongest = scene.object.mass_kg, find_bounds(Hand.model_fields["max_force_n"]).maximum or math.inf
     max_kg, min_kg = mass_kg * strongest / needed, find_bounds(GraspedObject.model_fields["mass_kg"]).minimum or 0.0
     if needed > strongest and max_kg < min_kg:
-        friction = select_surface(scene.object.surface, scene.surface).friction
+        friction = scene.complete().surface.friction
         mu_s, mu_c = (round_up(mu * min_kg / max_kg) for mu in (friction.mu_s, friction.mu_c))
         changes = (
             f"surface.static_friction={mu_s:g} and surface.kinetic_friction={mu_c:g} and object.mass_kg={min_kg:g}"

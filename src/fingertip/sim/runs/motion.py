@@ -15,7 +15,6 @@ from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
 from fingertip.pad.response import Pad
 from fingertip.sim.contact.friction import Friction
-from fingertip.sim.contact.materials import select_surface
 from fingertip.sim.contact.vibration import smoothstep
 from fingertip.sim.runs.files import GraspedObject, Hand, ManipulationFile
 from fingertip.sim.runs.timeline import OPEN_S, TrapezoidalMove, find_trigger_s
@@ -72,7 +71,7 @@ class MotionPlan:
 def thumb_force_n(scene: ManipulationFile, share: float) -> float:
     """Planned force of the thumb at a share of its range [N]: of margins over holding the weight by friction on both
     sides, or of forces where the robot carries the object."""
-    grasp, mu = scene.grasp, select_surface(scene.object.surface, scene.surface).friction.mu_s
+    grasp, mu = scene.grasp, scene.complete().surface.friction.mu_s
     if scene.knock.attached:
         return grasp.force_n or grasp.min_force_n + (grasp.max_force_n - grasp.min_force_n) * share
     margin = grasp.min_margin + (grasp.max_margin - grasp.min_margin) * share
@@ -97,7 +96,7 @@ def plan_motion(design: Design, scene: ManipulationFile, pad: Pad, seed: int) ->
     target, grasp, knock = scene.object, scene.grasp, scene.knock
 
     # The order of the draws is part of the result: thumb, shares, reaches, friction.
-    nominal = select_surface(target.surface, scene.surface).friction
+    nominal = scene.complete().surface.friction
     thumb = thumb_force_n(scene, rng.random())
     shares = [1 + grasp.uneven * (2 * rng.random() - 1) for _ in scene.fingers[1:]]
     forces = [thumb, *(thumb * share / sum(shares) for share in shares)]

@@ -26,31 +26,13 @@ from fingertip.foundation.validation import check_type, raise_issues
 from fingertip.pad.pose import Pose
 from fingertip.pad.response import Pad
 from fingertip.sim.contact.friction import ELASTO_PLASTIC, Friction
-from fingertip.sim.contact.materials import Surface, select_surface
+from fingertip.sim.contact.materials import SurfaceTable
 from fingertip.sim.contact.surfaces import SurfaceProfile
 from fingertip.sim.contact.tangential import admissible_step_s
 from fingertip.sim.runs.files import DIRECTIONS, SceneFile
 from fingertip.sim.runs.hand_motion import HandMotion, largest_factor
-from fingertip.sim.runs.timeline import (
-    CoupledPad,
-    ErrorControlledPad,
-    SlidingPad,
-    SteppedPad,
-    Timeline,
-    build_timeline,
-    knock_force_n,
-    motor_force_n,
-    mount_pad,
-)
-from fingertip.sim.signal.finger import (
-    OF_BOARD,
-    OF_BRIDGE,
-    Finger,
-    FingerDrive,
-    FingerSetup,
-    FingerSignals,
-    needs_contact,
-)
+from fingertip.sim.runs.timeline import CoupledPad, Timeline, UncoupledPad, build_timeline, mount_pad
+from fingertip.sim.signal.finger import OF_BOARD, OF_BRIDGE, OF_CONTACT, Finger, FingerDrive, FingerSetup, FingerSignals
 from fingertip.sim.signal.grid import CostMeter, Grid, StageCost, count_samples, report_share
 from fingertip.slip.traces.trace import Trace
 from fingertip.slip.traces.truth import Interval, Origin, SlipCollector
@@ -161,8 +143,8 @@ class SceneRun:
         return self.scene.draw_pad(self.design, self.seed)
 
     @functools.cached_property
-    def surface(self) -> Surface:
-        return select_surface(self.scene.contact.surface, self.scene.surface)
+    def surface(self) -> SurfaceTable:
+        return self.scene.surface.complete(self.scene.contact.surface)
 
     @functools.cached_property
     def friction(self) -> Friction:
@@ -199,7 +181,7 @@ class SceneRun:
         contact, outputs, slides = self.scene.contact, frozenset(self.scene.outputs), self.timeline.slide is not None
         adaptive = slides and (contact.feedback or contact.bristles == "elasto_plastic")
         runs = {
-            "friction": slides, "error control": adaptive, "shaking": needs_contact(outputs),
+            "friction": slides, "error control": adaptive, "shaking": bool(outputs & OF_CONTACT),
             "bridge": bool(outputs & OF_BRIDGE), "ADC": "voltage_v" in outputs, "board": bool(outputs & OF_BOARD),
             "comparator": "slip_pin_v" in outputs,
         }  # fmt: skip
@@ -222,7 +204,10 @@ class SceneRun:
                 load_n = self.timeline.load_n(self.pad, time_s)
                 if self.hand_motion:
                     load_n = load_n * self.hand_motion.factor(time_s)
-            push_n = self._compute_push_n(time_s, phases) if feedback or needs_contact(outputs) else None
+            push_n = None
+            if (feedback or outputs & OF_CONTACT) and (self.scene.tap.force_n or self.scene.motor.force_n):
+                with self.meter.stage("disturbances"):
+                    push_n = self.timeline.push_n(time_s, phases)
             if pad is None:
                 yield finger.process(FingerDrive(load_n, push_n))
                 continue
@@ -248,30 +233,11 @@ class SceneRun:
             event_origin_s=self.timeline.held_s,
         )
 
-    def _build_pad(self, setup: FingerSetup, grid: Grid) -> SlidingPad:
-        mount, contact = mount_pad(self.pad, self.force_n), self.scene.contact
-        if contact.feedback:
-            profile = setup.make_profile_force(grid.step_s)
-            shaking_n = self.scene.tap.force_n + 2 * self.scene.motor.force_n
-            return CoupledPad(
-                self.friction, mount, self.pad, self.force_n, profile, grid, self.max_load_n + shaking_n, self.meter
-            )
-        if contact.bristles == "elasto_plastic":
-            return ErrorControlledPad(self.friction, mount, grid, self.max_load_n, self.meter)
-        return SteppedPad(self.friction, mount, grid, self.meter)
-
-    def _compute_push_n(self, time_s: Array, phases: tuple[float, float]) -> Array | None:
-        """Compute the forces of knocks and motors [N]; None without any."""
-        scene, held = self.scene, self.timeline.held_s
-        if not scene.tap.force_n and not scene.motor.force_n:
-            return None
-        with self.meter.stage("disturbances"):
-            push = np.zeros_like(time_s)
-            if scene.tap.force_n:
-                push += knock_force_n(scene.tap, held, time_s)
-            if scene.motor.force_n:
-                push += motor_force_n(scene.motor, phases, held, time_s)
-            return push
+    def _build_pad(self, setup: FingerSetup, grid: Grid) -> CoupledPad | UncoupledPad:
+        if not self.scene.contact.feedback:
+            return UncoupledPad(setup, grid, self.max_load_n, self.meter)
+        shaking_n = self.scene.tap.force_n + 2 * self.scene.motor.force_n
+        return CoupledPad(setup, grid, self.max_load_n + shaking_n, self.meter)
 
     def _open_random(self, purpose: str) -> random.Random:
         """Random numbers for one purpose, so that setting the force changes neither the surface nor the motors."""

@@ -16,7 +16,6 @@ from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.pad.response import Pad
 from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S
-from fingertip.sim.contact.materials import select_surface
 from fingertip.sim.contact.tangential import MAX_PHASE
 from fingertip.sim.runs import grasp_loop
 from fingertip.sim.runs.files import ManipulationFile
@@ -179,7 +178,7 @@ class ManipulationStepper:
             friction=self.plan.friction,
             open_random=lambda purpose: random.Random(f"{self.seed}:{name}:{purpose}"),
             seed=(self.seed, name),
-            surface=select_surface(scene.object.surface, scene.surface),
+            surface=scene.complete().surface,
             profile_start_m=-PROFILE_MARGIN_M,
             profile_length_m=PROFILE_MARGIN_M + scene.object.length_m,
             patch_average=scene.object.patch_average,

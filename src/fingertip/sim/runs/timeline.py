@@ -18,12 +18,11 @@ from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
 from fingertip.pad.response import Pad
 from fingertip.sim.contact import coupled
-from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion
-from fingertip.sim.contact.vibration import ProfileForce, smoothstep, transmit
+from fingertip.sim.contact.vibration import smoothstep, transmit
 from fingertip.sim.runs.files import Motor, SceneFile, Slide, Tap
 from fingertip.sim.signal.bridge import Bridge, reads_whole_finger
-from fingertip.sim.signal.finger import FingerDrive
+from fingertip.sim.signal.finger import FingerDrive, FingerSetup
 from fingertip.sim.signal.grid import CostMeter, Grid
 from fingertip.sim.signal.parameters import ACCELERATION_M_S2, Sensing
 
@@ -54,11 +53,11 @@ class TrapezoidalMove:
 
     @classmethod
     def with_speed(
-        cls, start_s: float, distance_m: float, speed_m_s: float, acceleration_m_s2: float | None = None
+        cls, start_s: float, distance_m: float, speed_m_s: float, acceleration_m_s2: float = ACCELERATION_M_S2
     ) -> TrapezoidalMove:
         """Build the move that reaches `speed_m_s`, where the distance allows it."""
-        a = ACCELERATION_M_S2 if acceleration_m_s2 is None else acceleration_m_s2
-        return cls(start_s, distance_m, a, min(speed_m_s, math.sqrt(a * distance_m)))
+        peak_m_s = min(speed_m_s, math.sqrt(acceleration_m_s2 * distance_m))
+        return cls(start_s, distance_m, acceleration_m_s2, peak_m_s)
 
     @classmethod
     def with_duration(cls, start_s: float, distance_m: float, duration_s: float) -> TrapezoidalMove:
@@ -124,7 +123,7 @@ class Timeline:
     """Moment at which the holding force is reached."""
     release_s: float
     duration_s: float
-    slide: TrapezoidalMove | RepeatedMove | None
+    slide: RepeatedMove | None
     approach: TrapezoidalMove | None
     """Approach of a finger that presses; None for a grasp."""
     lift: TrapezoidalMove | None
@@ -132,9 +131,17 @@ class Timeline:
 
     @property
     def moves(self) -> tuple[TrapezoidalMove, ...]:
-        if self.slide is None:
-            return ()
-        return self.slide.moves if isinstance(self.slide, RepeatedMove) else (self.slide,)
+        return self.slide.moves if self.slide else ()
+
+    def push_n(self, time_s: Array, phases: tuple[float, float]) -> Array:
+        """Forces of knocks, and of motors from the phases of their tones [rad], on the pad [N]."""
+        tap, motor = self.scene.tap, self.scene.motor
+        push = np.zeros_like(time_s)
+        if tap.force_n:
+            push += _knock_force_n(tap, self.held_s, time_s)
+        if motor.force_n:
+            push += _motor_force_n(motor, phases, self.held_s, time_s)
+        return push
 
     def load_n(self, pad: Pad, time_s: Array) -> Array:
         """Quasi-static normal force [N]."""
@@ -184,11 +191,9 @@ def build_timeline(design: Design, scene: SceneFile, pad: Pad, force_n: float) -
     return Timeline(scene, force_n, held, release, end + hold.after_s, sliding, approach, lift)
 
 
-def _plan_slide(slide: Slide, start_s: float) -> TrapezoidalMove | RepeatedMove:
+def _plan_slide(slide: Slide, start_s: float) -> RepeatedMove:
     distance_m = slide.distance_m / slide.moves
     first = TrapezoidalMove.with_speed(start_s, distance_m, slide.speed_m_s, slide.acceleration_m_s2)
-    if slide.moves == 1:
-        return first
     period_s = first.end_s - start_s + slide.pause_s
     return RepeatedMove(tuple(replace(first, start_s=start_s + i * period_s) for i in range(slide.moves)))
 
@@ -222,54 +227,39 @@ def mount_pad(pad: Pad, force_n: float) -> Mount:
     return Mount(behind.mass_kg, k, 2 * behind.damping_ratio * math.sqrt(k * behind.mass_kg))
 
 
-class SteppedPad:
-    """Pad with plain bristles, integrated with the steps of the grid. The contact force follows elsewhere."""
+class UncoupledPad:
+    """Pad on which vibration does not act back: the contact force follows elsewhere.
 
-    def __init__(self, friction: Friction, mount: Mount, grid: Grid, meter: CostMeter) -> None:
-        self._pad, self._meter = DraggedPad(friction, mount, grid.step_s), meter
+    Plain bristles are integrated with the steps of the grid, elasto-plastic ones with error control.
+    """
+
+    def __init__(self, setup: FingerSetup, grid: Grid, max_load_n: float, meter: CostMeter) -> None:
+        friction, mount = setup.friction, mount_pad(setup.pad, setup.held_n)
+        self._meter, self._states = meter, coupled.STATES if friction.elastic else 3
+        self._integrator: DraggedPad | coupled.CoupledContact = (
+            coupled.CoupledContact(friction, mount, _FAST_CONTACT, grid.step_s, max_load_n, _TOLERANCE_N)
+            if friction.elastic
+            else DraggedPad(friction, mount, grid.step_s)
+        )
 
     def process(self, carriage_m: Array, carriage_m_s: Array, load_n: Array, push_n: Array | None) -> FingerDrive:
         """Follow the pad over the next points: position [m] and velocity [m/s] of the carriage, and forces [N]."""
-        with self._meter.stage("friction", 3, 2 * len(load_n)):
-            motion = self._pad.process(carriage_m, carriage_m_s, load_n)
-        return _describe(motion, carriage_m, load_n, push_n)
-
-
-class ErrorControlledPad:
-    """Pad with elasto-plastic bristles, integrated with error control. The contact force follows elsewhere."""
-
-    def __init__(self, friction: Friction, mount: Mount, grid: Grid, max_load_n: float, meter: CostMeter) -> None:
-        self._contact = coupled.CoupledContact(friction, mount, _FAST_CONTACT, grid.step_s, max_load_n, _TOLERANCE_N)
-        self._meter = meter
-
-    def process(self, carriage_m: Array, carriage_m_s: Array, load_n: Array, push_n: Array | None) -> FingerDrive:
-        with self._meter.stage("friction", coupled.STATES):
-            motion = self._contact.process(carriage_m, carriage_m_s, load_n)
-        self._meter.add("friction", coupled.STATES, motion.evaluations)
+        with self._meter.stage("friction", self._states):
+            motion = self._integrator.process(carriage_m, carriage_m_s, load_n)
+        self._meter.add("friction", self._states, motion.evaluations)
         return _describe(motion, carriage_m, load_n, push_n)
 
 
 class CoupledPad:
     """Pad whose vibration acts back on friction; the profile is read along the path that results without that."""
 
-    def __init__(
-        self,
-        friction: Friction,
-        mount: Mount,
-        pad: Pad,
-        held_n: float,
-        profile: ProfileForce,
-        grid: Grid,
-        max_load_n: float,
-        meter: CostMeter,
-    ) -> None:
-        plain = replace(friction, elastic=0.0)
-        self._first = DraggedPad(plain, mount, grid.step_s)
-        self._profile = profile
+    def __init__(self, setup: FingerSetup, grid: Grid, max_load_n: float, meter: CostMeter) -> None:
+        pad, held_n, friction, mount = setup.pad, setup.held_n, setup.friction, mount_pad(setup.pad, setup.held_n)
+        self._first = DraggedPad(replace(friction, elastic=0.0), mount, grid.step_s)
+        self._profile, self._meter = setup.make_profile_force(grid.step_s), meter
         hand_ratio = pad.backing.stiffness_n_per_m / pad.normal_stiffness_n_per_m(held_n)
         normal = coupled.NormalContact(pad.resonance_hz(held_n), pad.backing.damping_ratio, hand_ratio)
         self._contact = coupled.CoupledContact(friction, mount, normal, grid.step_s, max_load_n, _TOLERANCE_N)
-        self._meter = meter
 
     def process(self, carriage_m: Array, carriage_m_s: Array, load_n: Array, push_n: Array | None) -> FingerDrive:
         """Follow the pad over the next points. The contact force is part of the result."""
@@ -284,15 +274,8 @@ class CoupledPad:
         return _describe(motion, carriage_m, load_n, push_n, contact_n)
 
 
-SlidingPad = SteppedPad | ErrorControlledPad | CoupledPad
-
-
 def _describe(
-    motion: PadMotion | coupled.CoupledMotion,
-    carriage_m: Array,
-    load_n: Array,
-    push_n: Array | None,
-    contact_n: Array | None = None,
+    motion: PadMotion, carriage_m: Array, load_n: Array, push_n: Array | None, contact_n: Array | None = None
 ) -> FingerDrive:
     path_m, shear_m = motion.position_m, carriage_m - motion.position_m
     return FingerDrive(load_n, push_n, None, path_m, motion.velocity_m_s, motion.bristle_m, shear_m, contact_n)
@@ -304,7 +287,7 @@ MOTOR_RAMP_S = 0.02
 """Time in which the vibration of a motor starts and stops [s]. Assumption."""
 
 
-def knock_force_n(tap: Tap, held_s: float, time_s: Array) -> Array:
+def _knock_force_n(tap: Tap, held_s: float, time_s: Array) -> Array:
     """Force of the knocks [N]. Each one rises and falls as a smooth step."""
     total = np.zeros_like(time_s)
     for i in range(tap.count):
@@ -313,7 +296,7 @@ def knock_force_n(tap: Tap, held_s: float, time_s: Array) -> Array:
     return tap.force_n * total
 
 
-def motor_force_n(motor: Motor, phases: tuple[float, float], held_s: float, time_s: Array) -> Array:
+def _motor_force_n(motor: Motor, phases: tuple[float, float], held_s: float, time_s: Array) -> Array:
     """Force of the motors' vibration [N]. Units: `phases` of fundamental and second harmonic [rad]."""
     w = 2 * math.pi * motor.frequency_hz
     t = time_s - held_s - motor.at_s

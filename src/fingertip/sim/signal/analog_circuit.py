@@ -24,7 +24,7 @@ from fingertip.board.analysis.response import EnvelopeModel, find_rectifier, mod
 from fingertip.board.circuits.network import Network, Value, build_network
 from fingertip.board.components.bridge import EMISSION, SATURATION_A, SERIES_OHM, THERMAL_V
 from fingertip.board.components.values import select_components
-from fingertip.board.parts.circuit import FILTERED, STAGE1_OUT, TACTILE, VMID, Circuit
+from fingertip.board.parts.circuit import FILTERED, STAGE1_OUT, TACTILE, VMID
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.foundation.errors import Issue
@@ -123,23 +123,16 @@ class AnalogBoard:
         raise_issues(issues)
 
     @classmethod
-    def from_circuit(
-        cls, circuit: Circuit, envelope_cutoff_hz: float, gain_bandwidth_hz: float | None = None
-    ) -> AnalogBoard:
-        """Board of a circuit; `envelope_cutoff_hz` is the pole in software of one without an envelope."""
+    def from_design(cls, design: Design, gain_bandwidth_hz: float | None = None) -> AnalogBoard:
+        """Board of a design, with the values of the components that are fitted and ideal or slow amplifiers."""
+        circuit = board_circuit(select_components(design))
         network = build_network(circuit, gain_bandwidth_hz).drive(TACTILE)
         quiet = {VMID, *network.inputs} - {TACTILE}
         return cls(
             network.ground(*quiet).restrict(FILTERED),
-            model_envelope(circuit) or model_software_envelope(envelope_cutoff_hz),
+            model_envelope(circuit) or model_software_envelope(design.board.envelope_cutoff_hz),
             "diode" if find_rectifier(circuit) == "diode" else "precision",
         )
-
-    @classmethod
-    def from_design(cls, design: Design, gain_bandwidth_hz: float | None = None) -> AnalogBoard:
-        """Board of a design, with the values of the components that are fitted and ideal or slow amplifiers."""
-        circuit = board_circuit(select_components(design))
-        return cls.from_circuit(circuit, design.board.envelope_cutoff_hz, gain_bandwidth_hz)
 
     @property
     def components(self) -> dict[str, Value]:

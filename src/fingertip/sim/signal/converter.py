@@ -23,7 +23,7 @@ from fingertip.board.components.values import SUPPLIES, select_components
 from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE, ENVELOPE, FILTERED, TACTILE
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
-from fingertip.foundation.jit import CompiledLoop
+from fingertip.foundation.jit import CompiledLoop, as_samples
 from fingertip.foundation.numerics import Array
 from fingertip.sim.signal.analog_circuit import AnalogBoard, augment, exponentials
 from fingertip.sim.signal.bridge import Bridge
@@ -180,21 +180,6 @@ class Converter:
         return self._adc.quantise_v(sampled)
 
 
-class EnvelopeFollower:
-    """Half-wave rectifier and one pole, as software computes them from samples of the filtered signal [V]."""
-
-    def __init__(self, design: Design) -> None:
-        # The discrete step response equals that of the analog pole at the samples.
-        cutoff_hz, rate_hz = design.board.envelope_cutoff_hz, design.detector.sample_rate_hz
-        self._smoothing = 1 - math.exp(-math.tau * cutoff_hz / rate_hz)
-        self._state = [0.0]
-
-    def process(self, filtered_v: Array) -> Array:
-        envelope_v = np.zeros(len(filtered_v))
-        _follow(self._smoothing, filtered_v, self._state, envelope_v)
-        return envelope_v
-
-
 def _follow_loop(
     smoothing: float, samples: Sequence[float], state: MutableSequence[float], out: MutableSequence[float]
 ) -> None:
@@ -210,25 +195,29 @@ _follow = CompiledLoop(_follow_loop, outputs=2, samples="samples", plain_us=0.2)
 
 
 class EnvelopeSource:
-    """Output of a design's board from which its sampled envelope follows, and what lies between them."""
+    """Output of a design's board from which its sampled envelope follows, and what lies between them.
+
+    Of a board without an envelope, software rectifies the filtered signal, and follows its half waves with one pole.
+    """
 
     def __init__(self, design: Design) -> None:
-        self.pin = ADC_ENVELOPE if design.board.has_envelope else ADC_FILTERED
-        self._follower = None if design.board.has_envelope else EnvelopeFollower(design)
+        self._is_sampled = design.board.has_envelope
+        self.pin = ADC_ENVELOPE if self._is_sampled else ADC_FILTERED
+        # The discrete step response equals that of the analog pole at the samples.
+        cutoff_hz, rate_hz = design.board.envelope_cutoff_hz, design.detector.sample_rate_hz
+        self._smoothing, self._state = 1 - math.exp(-math.tau * cutoff_hz / rate_hz), [0.0]
 
     def select(self, filtered_v: Array, envelope_v: Array) -> Array:
         """Select the output that is sampled [V]."""
-        return filtered_v if self._follower else envelope_v
+        return envelope_v if self._is_sampled else filtered_v
 
     def finish(self, sampled_v: Array) -> Array:
         """Return the envelope [V] of the next samples of that output [V]."""
-        return self._follower.process(sampled_v) if self._follower else sampled_v
-
-
-def sample_v(design: Design, voltage_v: Array, noise: Stream | None) -> Array:
-    """Convert voltages at the ADC's instants, above signal ground [V], to samples; without `noise` the ADC has none."""
-    noisy = voltage_v if noise is None else voltage_v + draw_noise(noise, design.detector.noise_v, len(voltage_v))
-    return AdcRange.from_design(design).above_signal_ground(design).quantise_v(noisy)
+        if self._is_sampled:
+            return sampled_v
+        envelope_v = np.zeros(len(sampled_v))
+        _follow(self._smoothing, sampled_v, self._state, envelope_v)
+        return envelope_v
 
 
 # Noise of the board's amplifiers, so that a simulated board is as noisy as its noise budget.
@@ -276,10 +265,7 @@ def simulate_envelope_v(design: Design, voltage_v: Array) -> Array:
     A recording has passed the anti-aliasing poles of the tactile voltage (`fingertip.sim.signal.converter`), which the
     real board's filter has not: the envelope comes out some 3 % low at 2 kHz, 12 % at 1 kHz. Raises TraceError.
     """
-    source, board = EnvelopeSource(design), AnalogBoard.from_design(design)
-    signals = simulate_board(board, 1 / design.detector.sample_rate_hz, voltage_v)
-    output_v = source.select(signals.filtered_v, signals.envelope_v)
-    return source.finish(sample_v(design, AntiAliasFilter.ahead_of(source.pin, design).process(output_v), None))
+    return SimulatedBoardDetector(design).simulate_envelope_v(voltage_v)
 
 
 class SimulatedBoardDetector(Detector):
@@ -289,31 +275,23 @@ class SimulatedBoardDetector(Detector):
         self._board = AnalogStream(AnalogBoard.from_design(design), 1 / design.detector.sample_rate_hz)
         self._source = EnvelopeSource(design)
         self._poles = AntiAliasFilter.ahead_of(self._source.pin, design)
-        self._design, self._detector = design, AnalogDetector.for_design(design)
-
-    @property
-    def threshold_v(self) -> float:
-        """Mean of the envelope above which slip is ON [V]."""
-        return self._detector.threshold_v
-
-    @property
-    def memory_s(self) -> float:
-        """Length of the window [s]."""
-        return self._detector.memory_s
+        self._adc = AdcRange.from_design(design).above_signal_ground(design)
+        self._detector = AnalogDetector.for_design(design)
+        self._threshold_v, self.memory_s = self._detector.threshold_v, self._detector.memory_s
 
     def process(self, voltage_v: Iterable[float]) -> DetectorOutput:
         """Process the next samples of the tactile voltage [V], any number of them, and return as many outputs."""
-        samples = np.asarray(voltage_v if isinstance(voltage_v, np.ndarray) else list(voltage_v), dtype=np.float64)
-        return self._detector.process(self._convert(samples) if len(samples) else samples)
+        samples = np.asarray(as_samples(voltage_v), dtype=np.float64)
+        return self._detector.process(self.simulate_envelope_v(samples) if len(samples) else samples)
 
     def step(self, voltage_v: float) -> bool:
         """Process one sample [V] and return whether slip is ON."""
-        return self._detector.step(float(self._convert(np.array([voltage_v]))[0]))
+        return self._detector.step(float(self.simulate_envelope_v(np.array([voltage_v]))[0]))
 
-    def _convert(self, voltage_v: Array) -> Array:
+    def simulate_envelope_v(self, voltage_v: Array) -> Array:
         """Return the sampled envelope of the next samples [V]; any chunks give the same bits."""
         output_v = self._source.select(*(rows[0] for rows in self._board.process(voltage_v[None])))
-        return self._source.finish(sample_v(self._design, self._poles.process(output_v), None))
+        return self._source.finish(self._adc.quantise_v(self._poles.process(output_v)))
 
 
 def compute_bridge_v(design: Design, force_n: Array) -> Array:

@@ -21,7 +21,7 @@ from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.pad.response import Pad
 from fingertip.sim.contact.friction import Friction
-from fingertip.sim.contact.materials import Surface
+from fingertip.sim.contact.materials import SurfaceTable
 from fingertip.sim.contact.surfaces import SurfaceProfile, generate_profile
 from fingertip.sim.contact.vibration import ContactResonance, ProfileForce, transmit
 from fingertip.sim.signal.analog_circuit import board_with_amplifiers
@@ -37,12 +37,7 @@ BOARD_TOLERANCE_V = 1e-4
 OF_BOARD = frozenset({"filtered_v", "envelope_v", "slip_pin_v", "sampled_envelope_v", "sampled_filtered_v"})
 OF_BRIDGE = OF_BOARD | {"voltage_v", "tactile_v"}
 OF_CONTACT = OF_BRIDGE | {"force_n"}
-"""Outputs that need the filter board, the bridge, and the contact force."""
-
-
-def needs_contact(outputs: frozenset[str]) -> bool:
-    """Return whether an output depends on the contact force, and with it on all that shakes the pad."""
-    return bool(outputs & OF_CONTACT)
+"""Outputs that need the filter board, the bridge, and the contact force with all that shakes the pad."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,8 +100,8 @@ class FingerSetup:
     """Function from a purpose to the random numbers of surfaces."""
     seed: tuple[int, str]
     """Seed of the noise, and the name of the finger; no two fingers share their noise."""
-    surface: Surface | None = None
-    """Surface on which the finger slides. None: it does not slide."""
+    surface: SurfaceTable | None = None
+    """Surface on which the finger slides, complete. None: it does not slide."""
     profile_start_m: float = 0.0
     profile_length_m: float = 0.0
     towards_tip: int = 1
@@ -137,7 +132,7 @@ class Finger:
         self._clock = SampleClock(grid, setup.design.detector.sample_rate_hz)
         self._motion = _MotionSampler(setup.friction, outputs)
         self._contact: _Contact | None = None
-        if needs_contact(outputs) and not contact_is_given:
+        if outputs & OF_CONTACT and not contact_is_given:
             self._contact = _Contact(setup, grid, meter)
         self._force = Sampler() if "force_n" in outputs else None
         self._bridge = _BridgeVoltage(setup, grid, meter) if outputs & OF_BRIDGE else None

@@ -266,6 +266,32 @@ class ConverterInput(ParameterTable):
         5.0, "V", (-100 + MIN_RANGE_V, 100), "Upper end of its range: 3.3 or 5 in most microcontrollers."
     )
 
+    def find_issues(self) -> Iterator[tuple[Issue, set[str]]]:
+        """Yield each broken rule, with the names of the parameters it reads."""
+        fields = {"converter.bits", "converter.low_v", "converter.high_v"}
+        min_v = round(self.low_v + MIN_RANGE_V, 6)
+        if self.bits and self.high_v < min_v:
+            message = f"{self.high_v:g} V leaves no range above converter.low_v; at least {min_v:.9g} V."
+            yield Issue("converter.high_v", message), fields
+        if 0 < self.bits < MIN_BITS:
+            yield Issue("converter.bits", f"{self.bits} is too small; choose {MIN_BITS} to 24, or 0."), fields
+        if not self.bits and self != ConverterInput():
+            message = (
+                "0 leaves the design's ADC in place, so the range has no effect; choose 12, or leave the range out."
+            )
+            yield Issue("converter.bits", message), fields
+
+    def find_warnings(self, min_v: float, max_v: float) -> Iterator[str]:
+        """Yield a warning if the converter clips a voltage that lies between two limits [V]."""
+        if self.low_v <= min_v and max_v <= self.high_v:
+            return
+        cut = "all of it" if max_v <= self.low_v or min_v >= self.high_v else "what lies outside"
+        yield (
+            f"the tactile voltage lies between {min_v:.2f} V (20 N) and {max_v:.2f} V (no force), and a converter from "
+            f"{self.low_v:g} to {self.high_v:g} V clips {cut}: divide the voltage ahead of the converter, which "
+            f"divides slip too, or choose a range up to converter.high_v={math.ceil(10 * max_v) / 10:g}."
+        )
+
 
 class PathTables(BaseModel):
     """Tables of the path from force to samples. A file lists them after its own, so it names this base class first."""
@@ -275,30 +301,3 @@ class PathTables(BaseModel):
     noise: Noise = Noise()
     sensing: Sensing = Sensing()
     converter: ConverterInput = ConverterInput()
-
-
-def find_converter_issues(converter: ConverterInput) -> Iterator[tuple[Issue, set[str]]]:
-    """Yield each broken rule of a converter, with the names of the parameters it reads."""
-    fields = {"converter.bits", "converter.low_v", "converter.high_v"}
-    min_v = round(converter.low_v + MIN_RANGE_V, 6)
-    if converter.bits and converter.high_v < min_v:
-        message = f"{converter.high_v:g} V leaves no range above converter.low_v; at least {min_v:.9g} V."
-        yield Issue("converter.high_v", message), fields
-    if 0 < converter.bits < MIN_BITS:
-        yield Issue("converter.bits", f"{converter.bits} is too small; choose {MIN_BITS} to 24, or 0."), fields
-    unused = ConverterInput()
-    if not converter.bits and (converter.low_v, converter.high_v) != (unused.low_v, unused.high_v):
-        message = "0 leaves the design's ADC in place, so the range has no effect; choose 12, or leave the range out."
-        yield Issue("converter.bits", message), fields
-
-
-def find_converter_warnings(converter: ConverterInput, min_v: float, max_v: float) -> Iterator[str]:
-    """Yield a warning if a converter clips a voltage that lies between two limits [V]."""
-    if converter.low_v <= min_v and max_v <= converter.high_v:
-        return
-    cut = "all of it" if max_v <= converter.low_v or min_v >= converter.high_v else "what lies outside"
-    yield (
-        f"the tactile voltage lies between {min_v:.2f} V (20 N) and {max_v:.2f} V (no force), and a converter from "
-        f"{converter.low_v:g} to {converter.high_v:g} V clips {cut}: divide the voltage ahead of the converter, which "
-        f"divides slip too, or choose a range up to converter.high_v={math.ceil(10 * max_v) / 10:g}."
-    )

@@ -52,15 +52,10 @@ class ChainSettings:
 
 @dataclass(frozen=True, eq=False)
 class ChainOutput(DetectorOutput):
-    """Output of the chain: one value per input sample."""
+    """Output of the chain: one value per input sample; the statistic is the window's mean (article, eq. 12)."""
 
     filtered_v: Array
     envelope_v: Array
-
-    @property
-    def mean_v(self) -> Array:
-        """Mean of the envelope over the window that ends with the sample (article, eq. 12) [V]."""
-        return self.statistic_v
 
 
 class FirstOrder(NamedTuple):
@@ -93,6 +88,7 @@ class SlipChain(Detector):
         self._state = [0.0] * STATES
         self._started = False
         self._average = AnalogDetector(settings.sample_rate_hz, settings.window_samples, settings.threshold_v)
+        self._threshold_v, self.memory_s = settings.threshold_v, self._average.memory_s
 
     @classmethod
     def for_design(cls, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0) -> SlipChain:
@@ -107,16 +103,6 @@ class SlipChain(Detector):
         settling = min(len(quiet_v) // 2, round(0.1 * design.detector.sample_rate_hz) + design.detector.window_samples)
         means = cls(ChainSettings.from_design(design)).process(quiet_v).statistic_v[settling:]
         return float(means.mean() + DEVIATIONS * means.std()) / noise_level(design, 1.0).threshold_v
-
-    @property
-    def threshold_v(self) -> float:
-        """Window mean above which slip is ON [V]."""
-        return self._average.threshold_v
-
-    @property
-    def memory_s(self) -> float:
-        """Window length [s]."""
-        return self._average.memory_s
 
     def process(self, voltage_v: Iterable[float]) -> ChainOutput:
         """Process the next samples [V], any number of them, and return one output per sample."""
@@ -220,8 +206,7 @@ class AnalogDetector(Detector):
     """
 
     def __init__(self, sample_rate_hz: float, window_samples: int, threshold_v: float) -> None:
-        self.sample_rate_hz = sample_rate_hz
-        self._threshold_v = threshold_v
+        self._threshold_v, self.memory_s = threshold_v, window_samples / sample_rate_hz
         self._ring_buffer = [0.0] * window_samples
         self._state = [0.0, 0.0]
 
@@ -234,16 +219,6 @@ class AnalogDetector(Detector):
             raise TraceError(Issue("noise_v", f"{problem}, which applies to the board's output; {remedy}"))
         d = design.detector
         return cls(d.sample_rate_hz, d.window_samples, d.threshold_v * threshold_scale)
-
-    @property
-    def threshold_v(self) -> float:
-        """Window mean above which slip is ON [V]."""
-        return self._threshold_v
-
-    @property
-    def memory_s(self) -> float:
-        """Window length [s]."""
-        return len(self._ring_buffer) / self.sample_rate_hz
 
     def process(self, voltage_v: Iterable[float]) -> DetectorOutput:
         """Process the next samples of the envelope [V], any number of them, and return one output per sample."""

@@ -164,6 +164,9 @@ class FastOutput(DetectorOutput):
 class FastDetector(Detector):
     """Fast detector with its state. It starts in the steady state of the first sample."""
 
+    memory_s = math.log(1 / (fast_loop.DECAY_RATIO * STAY_RATIO)) * LONG_S
+    """Time until an abrupt end is recognised [s]: by the ratio of the energies or, after a weak slip, the floor."""
+
     def __init__(self, settings: FastSettings, model: FastModel | None = None) -> None:
         self.settings = settings
         self._model = model = model or load_model()
@@ -187,11 +190,6 @@ class FastDetector(Detector):
     def threshold_v(self) -> float:
         """Threshold above the present noise floor, as a voltage in the wide band [V]."""
         return self.coefficients.statistic_gain * math.sqrt(self._state[fast_loop.FLOOR])
-
-    @property
-    def memory_s(self) -> float:
-        """Time until an abrupt end is recognised [s]: by the ratio of the energies or, after a weak slip, the floor."""
-        return math.log(1 / (fast_loop.DECAY_RATIO * STAY_RATIO)) * LONG_S
 
     @property
     def noise_v(self) -> float:

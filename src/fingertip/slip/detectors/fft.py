@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fingertip.design import Design
+from fingertip.foundation.jit import as_samples
 from fingertip.foundation.numerics import Array, bisect
 from fingertip.slip.detectors.noise import input_noise_v
 from fingertip.slip.detectors.registry import Detector, DetectorOutput
@@ -53,17 +54,15 @@ def tail_probability(weights: Array, threshold: float) -> float:
     return 0.5 * math.erfc((r + math.log(v / r) / r) / math.sqrt(2))
 
 
-def solve_threshold(weights: Array, excursion_s: float, alarms_per_hour: float = ALARMS_PER_HOUR) -> float:
-    """Find the energy threshold that noise crosses at a given rate."""
+@functools.lru_cache(maxsize=64)
+def solve_threshold(energy_weights: tuple[float, ...], excursion_s: float, alarms_per_hour: float) -> float:
+    """Find the RMS threshold that noise of unit variance crosses at a given rate."""
+    weights = np.array(energy_weights)
     probability = alarms_per_hour * excursion_s / 3600
     mean = float(weights.sum())
-    _, threshold = bisect(
-        lambda energy: tail_probability(weights, energy) > probability,
-        mean,
-        mean + 200 * float(weights.max()),
-        halvings=80,
-    )
-    return threshold
+    most = mean + 200 * float(weights.max())
+    _, energy = bisect(lambda energy: tail_probability(weights, energy) > probability, mean, most, halvings=80)
+    return math.sqrt(energy)
 
 
 WINDOW_S = 0.064
@@ -104,11 +103,6 @@ class FftSettings:
         return replace(settings, hop_samples=n, low_hz=bin_hz, high_hz=(rate - bin_hz) / 2, is_plain=True)
 
 
-@functools.lru_cache(maxsize=64)
-def _unit_noise_threshold(weights: tuple[float, ...], excursion_s: float, alarms_per_hour: float) -> float:
-    return math.sqrt(solve_threshold(np.array(weights), excursion_s, alarms_per_hour))
-
-
 class FftDetector(Detector):
     """FFT detector with its state. It starts as if the input had always had the value of the first sample."""
 
@@ -128,10 +122,11 @@ class FftDetector(Detector):
         weights = tuple(self.noise_weights().tolist())
         if settings.is_plain:  # each bin alone has two squares, and all bins share the alarms
             excursion_s, rate = n / settings.sample_rate_hz, ALARMS_PER_HOUR / len(in_band)
-            unit_threshold = _unit_noise_threshold(weights[:2], excursion_s, rate)
+            unit_threshold = solve_threshold(weights[:2], excursion_s, rate)
         else:
-            unit_threshold = _unit_noise_threshold(weights, EXCURSION_S, ALARMS_PER_HOUR)
+            unit_threshold = solve_threshold(weights, EXCURSION_S, ALARMS_PER_HOUR)
         self._threshold_v = unit_threshold * settings.noise_v * settings.threshold_scale
+        self.memory_s = n / settings.sample_rate_hz
         self._past = np.zeros(0)
         self._until_next = 0
         self._rms_v = 0.0
@@ -148,19 +143,9 @@ class FftDetector(Detector):
         # In white noise of unit variance the mean square of the statistic is the sum of the weights.
         return math.sqrt(float(np.mean(rms_v**2))) / math.sqrt(float(fft.noise_weights().sum()))
 
-    @property
-    def threshold_v(self) -> float:
-        """RMS value in the band, or in one bin, above which slip is ON [V]."""
-        return self._threshold_v
-
-    @property
-    def memory_s(self) -> float:
-        """Window length [s]."""
-        return self.settings.window_samples / self.settings.sample_rate_hz
-
     def process(self, voltage_v: Iterable[float]) -> DetectorOutput:
         """Process the next samples [V], any number of them, and return one output per sample."""
-        new = np.asarray(voltage_v if isinstance(voltage_v, np.ndarray) else list(voltage_v), dtype=np.float64)
+        new = np.asarray(as_samples(voltage_v), dtype=np.float64)
         n, statistic = self.settings.window_samples, np.empty(len(new))
         if not len(self._past) and len(new):
             self._past = np.full(n - 1, new[0])

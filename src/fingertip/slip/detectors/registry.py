@@ -40,6 +40,10 @@ class Detector(ABC):
     chunks.
     """
 
+    _threshold_v: float
+    memory_s: float
+    """Longest time that ON outlasts the slip that caused it, because its samples are still averaged [s]."""
+
     @classmethod
     def for_design(cls, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0) -> Detector:
         """Create it for a design, a noise [V] (None: the design's) and a factor of the threshold. Raises TraceError."""
@@ -56,14 +60,9 @@ class Detector(ABC):
         return 0.0
 
     @property
-    @abstractmethod
     def threshold_v(self) -> float:
         """Threshold in noise alone, while the force is constant [V]."""
-
-    @property
-    @abstractmethod
-    def memory_s(self) -> float:
-        """Longest time that ON outlasts the slip that caused it, because its samples are still averaged [s]."""
+        return self._threshold_v
 
     @abstractmethod
     def process(self, voltage_v: Iterable[float]) -> DetectorOutput:

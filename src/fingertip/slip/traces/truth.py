@@ -175,8 +175,7 @@ def encoder_band_s(motion_s: float) -> tuple[float, float]:
 
 def encoder_delay_band_s(delay_s: float) -> tuple[float, float]:
     """Shortest and longest delay that encoders show for a true delay since the motion [s]."""
-    first_s, last_s = encoder_band_s(0.0)
-    return delay_s - last_s, delay_s - first_s
+    return delay_s - 1 / ENCODER_HZ, delay_s
 
 
 def format_delay_band(delay_s: float) -> str:

@@ -32,7 +32,7 @@ from fingertip.cad.verification.check import (
     search_distance,
 )
 from fingertip.design import Design
-from fingertip.design.geometry.features import Joint, TendonAnchor
+from fingertip.design.geometry.features import Joint
 from fingertip.design.geometry.solids import (
     Box,
     Cone,
@@ -246,8 +246,15 @@ def check_joint(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     wall = design.printer.min_wall_mm - evaluator.tolerance_mm
     yield from _check_eyes(design, joint, evaluator, wall)
     if anchor:
-        yield _check_anchor(design, anchor, evaluator, wall)
-        yield _check_tendon(design, joint, anchor, evaluator)
+        length = max(wall, design.printer.min_wall_mm / 2)  # a coarse mesh leaves nothing of the wall
+        inner, outside = anchor.inner_half_width, complement(evaluator, filled_bone(design))
+        hole = evaluator.manifold(cylinder("x", (anchor.y, anchor.z), inner, inner + length, anchor.radius))
+        yield check_min_distance("bone.wall.anchor_to_outside", hole, outside, wall)
+        # The tendon leaves its anchor straight along the finger.
+        radius = min(design.hand.tendon_diameter_mm / 2, anchor.radius)
+        tendon = evaluator.manifold(cylinder("z", (0.0, anchor.y), joint.low_z - joint.radius, anchor.z, radius))
+        bone = evaluator.manifold(PARTS["bone"].solid(design))
+        yield check_zero_volume("joint.tendon_overlap", (tendon ^ bone).volume())
     yield from _check_travel(design, joint, evaluator)
 
 
@@ -274,22 +281,6 @@ def _check_eyes(design: Design, joint: Joint, evaluator: MeshEvaluator, wall: fl
     else:
         box = solid.bounding_box()
         yield Check("bone.wall.tongue", box[3] - box[0], wall, "mm", "at least")
-
-
-def _check_anchor(design: Design, anchor: TendonAnchor, evaluator: MeshEvaluator, wall: float) -> Check:
-    inner = anchor.inner_half_width
-    length = max(wall, design.printer.min_wall_mm / 2)  # a coarse mesh leaves nothing of the wall
-    hole = cylinder("x", (anchor.y, anchor.z), inner, inner + length, anchor.radius)
-    outside = complement(evaluator, filled_bone(design))
-    return check_min_distance("bone.wall.anchor_to_outside", evaluator.manifold(hole), outside, wall)
-
-
-def _check_tendon(design: Design, joint: Joint, anchor: TendonAnchor, evaluator: MeshEvaluator) -> Check:
-    """Check that nothing lies in the way of the tendon, which leaves its anchor straight along the finger."""
-    radius = min(design.hand.tendon_diameter_mm / 2, anchor.radius)
-    tendon = evaluator.manifold(cylinder("z", (0.0, anchor.y), joint.low_z - joint.radius, anchor.z, radius))
-    bone = evaluator.manifold(PARTS["bone"].solid(design))
-    return check_zero_volume("joint.tendon_overlap", (tendon ^ bone).volume())
 
 
 def _check_travel(design: Design, joint: Joint, evaluator: MeshEvaluator) -> Iterator[Check]:

@@ -170,11 +170,11 @@ def rectangular_duct(width_mm: float, height_mm: float, length_mm: float) -> Duc
     return Duct(volume, resistance, 0.5 * resistance * volume)
 
 
-def fill_in_series(ducts: Iterable[Duct]) -> tuple[float, float, float]:
-    """Fill ducts in turn: their resistance [1/mm3], volume [mm3], and the integral of the growing resistance [1]."""
+def fill_in_series(ducts: Iterable[Duct]) -> Duct:
+    """Join ducts that fill in turn to one."""
     resistance = volume = integral = 0.0
     for duct in ducts:
         integral += resistance * duct.volume_mm3 + duct.resistance_integral
         resistance += duct.resistance
         volume += duct.volume_mm3
-    return resistance, volume, integral
+    return Duct(volume, resistance, integral)

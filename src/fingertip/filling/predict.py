@@ -15,7 +15,6 @@ import numpy as np
 
 from fingertip.filling.ducts_and_mouths import Duct, Mouth, fill_in_series, mouth_resistance, open_mouth
 from fingertip.filling.hele_shaw import ClosingVent, Filling, TrappedAir, fill, find_air
-from fingertip.filling.hele_shaw import LastPoint as Last
 from fingertip.filling.surface_links import Layer, SkinGrid
 from fingertip.foundation.numerics import Array
 
@@ -31,21 +30,14 @@ def refine_peak(layer: Layer, values: Array, node: int) -> tuple[float, float, f
             (i * columns + (j - 1) % columns, i * columns + (j + 1) % columns),
             (node - columns if i else -1, node + columns if i + 1 < rows else -1),
         ):
-            if low >= 0 and high >= 0:
-                point += _offset(values, low, node, high, points)
+            if low < 0 or high < 0:
+                continue
+            # Move to the vertex of the parabola through the values of the three nodes.
+            curvature = values[low] - 2.0 * values[node] + values[high]
+            if np.isfinite(curvature) and curvature < 0.0:
+                shift = float(np.clip(0.5 * (values[low] - values[high]) / curvature, -0.5, 0.5))
+                point += abs(shift) * (points[high if shift > 0.0 else low] - points[node])
     return float(point[0]), float(point[1]), float(point[2])
-
-
-def _offset(values: Array, low: int, middle: int, high: int, points: Array) -> Array:
-    """Move from the middle one of three nodes to the vertex of the parabola through their values."""
-    curvature = values[low] - 2.0 * values[middle] + values[high]
-    nothing: Array = np.zeros(3)
-    if not np.isfinite(curvature) or curvature >= 0.0:
-        return nothing
-    shift = float(np.clip(0.5 * (values[low] - values[high]) / curvature, -0.5, 0.5))
-    neighbour = points[high] if shift > 0.0 else points[low]
-    moved: Array = abs(shift) * (neighbour - points[middle])
-    return moved
 
 
 _WITHIN = 0.5
@@ -163,8 +155,8 @@ def follow_front(grid: SkinGrid, gate: Opening) -> Course:
     return Course(grid, fill(network, source), mouth_resistance(layer, mouth, gate.diameter_mm))
 
 
-def find_last_points(course: Course, vents: Sequence[Opening]) -> tuple[tuple[Last, ...], tuple[TrappedAir, ...]]:
-    """Find the last points, the last first, and the air that the vents do not let out, the largest first."""
+def find_last_points(course: Course, vents: Sequence[Opening]) -> tuple[list[int], tuple[TrappedAir, ...]]:
+    """Find the nodes that fill last, the last first, and the air that the vents do not let out, the largest first."""
     layer, arrival = course.grid.layer, course.filling.arrival_mm3
     closing = tuple(
         sample for vent in vents for sample in _close(open_mouth(layer, vent.point_mm, vent.diameter_mm), arrival)
@@ -176,7 +168,7 @@ def find_last_points(course: Course, vents: Sequence[Opening]) -> tuple[tuple[La
     if cut_off.any():
         volume = float(network.volume_mm3[cut_off].sum())
         pockets = (*pockets, TrappedAir(int(np.flatnonzero(cut_off)[0]), 0.0, volume))
-    return tuple(points), pockets
+    return points, pockets
 
 
 def place_of(course: Course, node: int) -> Point3:
@@ -188,31 +180,32 @@ def predict_filling(
     course: Course, vents: Sequence[Opening], ducts: Sequence[Duct], *, viscosity_pa_s: float, pressure_pa: float
 ) -> FillingPrediction:
     grid, filling = course.grid, course.filling
-    clock = _Clock.of(filling, course.mouth_resistance, ducts, viscosity_pa_s / pressure_pa)
+    before = fill_in_series(ducts)
+    clock = _Clock.of(filling, course.mouth_resistance, before, viscosity_pa_s / pressure_pa)
     volume, arrival = filling.network.total_mm3, filling.arrival_mm3
     points, pockets = find_last_points(course, vents)
+    arrival_s, trapped_s = clock.time_s(arrival), clock.time_s(np.array([air.injected_mm3 for air in pockets]))
     # At the last front the pressure has no finite limit, because the front has shrunk to a point.
     moving = slice(0, -1)
     pressures = np.stack([front.pressure_per_mm3 for front in filling.fronts[moving]])
-    pressures *= (pressure_pa * 1e-6 / (clock.ducts_resistance + clock.resistance[moving]))[:, None]  # [N/mm2]
+    pressures *= (pressure_pa * 1e-6 / (before.resistance + clock.resistance[moving]))[:, None]  # [N/mm2]
     on_insert = -pressures @ grid.insert_area_mm2
     across = np.hypot(on_insert[:, 0], on_insert[:, 1])
     worst = int(np.argmax(across))
     direction = on_insert[worst, :2] / max(float(across[worst]), 1e-300)
     in_cavity = float(np.max(clock.resistance[moving]))
-    gate_fraction = in_cavity / (clock.ducts_resistance + in_cavity)
     static_n = pressure_pa * 1e-6
     return FillingPrediction(
         volume_mm3=volume,
-        ducts_mm3=clock.ducts_mm3,
+        ducts_mm3=before.volume_mm3,
         viscosity_pa_s=viscosity_pa_s,
         pressure_pa=pressure_pa,
-        ducts_s=clock.ducts_integral * clock.seconds,
+        ducts_s=before.resistance_integral * clock.seconds,
         fill_s=float(clock.time_s(np.array([volume]))[0]),
-        ducts_resistance=clock.ducts_resistance,
+        ducts_resistance=before.resistance,
         cavity_integral=float(clock.integral[-1]),
-        total_integral=clock.ducts_integral + clock.ducts_resistance * volume + float(clock.integral[-1]),
-        gate_pressure_pa=pressure_pa * gate_fraction,
+        total_integral=before.resistance_integral + before.resistance * volume + float(clock.integral[-1]),
+        gate_pressure_pa=pressure_pa * (in_cavity / (before.resistance + in_cavity)),
         side_force_n=float(across[worst]),
         side_force_direction=(float(direction[0]), float(direction[1])),
         axial_force_n=float(np.max(-on_insert[:, 2])),
@@ -220,22 +213,15 @@ def predict_filling(
         static_axial_force_n=static_n * float(grid.insert_area_mm2[:, 2].sum()),
         static_opening_force_n=static_n * float(grid.parting_area_mm2.sum()),
         arrival_mm3=arrival,
-        arrival_s=clock.time_s(arrival),
+        arrival_s=arrival_s,
         last_points=tuple(
-            LastPoint(
-                place_of(course, point.node), point.arrival_mm3,
-                float(clock.time_s(np.array([point.arrival_mm3]))[0]),
-            )
-            for point in points
+            LastPoint(place_of(course, node), float(arrival[node]), float(arrival_s[node])) for node in points
         ),
         air_pockets=tuple(
-            AirPocket(
-                place_of(course, air.node), air.volume_mm3, air.injected_mm3,
-                float(clock.time_s(np.array([air.injected_mm3]))[0]),
-            )
-            for air in pockets
+            AirPocket(place_of(course, air.node), air.volume_mm3, air.injected_mm3, time)
+            for air, time in zip(pockets, trapped_s.tolist(), strict=True)
         ),
-    )  # fmt: skip
+    )
 
 
 def _close(mouth: Mouth, arrival_mm3: Array) -> list[ClosingVent]:
@@ -256,9 +242,7 @@ def _close(mouth: Mouth, arrival_mm3: Array) -> list[ClosingVent]:
 class _Clock:
     """Resistance of ducts and cavity over the injected volume, and the time that follows from it."""
 
-    ducts_resistance: float
-    ducts_mm3: float
-    ducts_integral: float
+    ducts: Duct
     injected_mm3: Array
     resistance: Array
     """Resistance of the cavity at each front [1/mm3]."""
@@ -268,13 +252,13 @@ class _Clock:
     """mu / dp [s]."""
 
     @classmethod
-    def of(cls, filling: Filling, mouth_resistance: float, ducts: Sequence[Duct], seconds: float) -> _Clock:
+    def of(cls, filling: Filling, mouth_resistance: float, ducts: Duct, seconds: float) -> _Clock:
         """Collect the resistances of a filling; the mouth's may be negative, their sum at a front may not."""
         gate = filling.gate
         injected = np.array([front.injected_mm3 for front in filling.fronts])
         resistance = np.array([gate @ front.pressure_per_mm3 for front in filling.fronts]) + mouth_resistance
         integral = np.array([gate @ front.potential for front in filling.fronts]) + mouth_resistance * injected
-        return cls(*fill_in_series(ducts), injected, np.maximum(resistance, 0.0), np.maximum(integral, 0.0), seconds)
+        return cls(ducts, injected, np.maximum(resistance, 0.0), np.maximum(integral, 0.0), seconds)
 
     def time_s(self, volume_mm3: Array) -> Array:
         """Compute the times of injected volumes: between fronts the integral is cubic, with the resistance as slope."""
@@ -289,5 +273,5 @@ class _Clock:
             + integral[k + 1] * x * x * (3 - 2 * x)
             + step * x * (1 - x) * (slope[k] * (1 - x) - slope[k + 1] * x)
         )
-        times: Array = self.seconds * (self.ducts_integral + self.ducts_resistance * volume_mm3 + cavity)
+        times: Array = self.seconds * (self.ducts.resistance_integral + self.ducts.resistance * volume_mm3 + cavity)
         return times

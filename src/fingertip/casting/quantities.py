@@ -153,14 +153,14 @@ def skin_pull_off_n(design: Design, silicone: Silicone) -> float:
     section, bone, skin = design.dimensions.bone_outline.section, design.bone, design.skin
     radius = (section.half_width + (section.dorsal + design.dimensions.flat_depth) / 2) / 2
     thickness = min(skin.thickness_side_mm, skin.thickness_dorsal_mm)
-    modulus = silicone.modulus_mpa.low
-    held = 0.0
-    if bone.groove_depth_mm:
-        pressure = modulus * (bone.groove_depth_mm / radius) * thickness / radius
-        held += pressure * math.tau * radius * bone.groove_width_mm
+
+    def press(stretched_mm: float, width_mm: float) -> float:
+        pressure = silicone.modulus_mpa.low * (stretched_mm / radius) * thickness / radius
+        return pressure * math.tau * radius * width_mm
+
+    held = press(bone.groove_depth_mm, bone.groove_width_mm)
     if design.mold.method == "sleeve":
-        pressure = modulus * (design.mold.sleeve_interference_mm / radius) * thickness / radius
-        held += FRICTION * pressure * math.tau * radius * design.dimensions.taper_end_z
+        held += FRICTION * press(design.mold.sleeve_interference_mm, design.dimensions.taper_end_z)
     return held
 
 

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fingertip.foundation.errors import GeometryError, Issue
-from fingertip.foundation.numerics import Array
+from fingertip.foundation.numerics import Array, bisect_arrays
 from fingertip.pad.touch import X
 
 if TYPE_CHECKING:
@@ -132,12 +132,11 @@ def _outline(form: PadForm) -> Array:
 
     def reach(start: Array, x: float, z: float) -> Array:
         """Distance from points on the axis, in a direction, at which the surface falls to the rim."""
-        low, high = np.zeros(len(start)), np.full(len(start), _WIDEST_MM)
-        for _ in range(50):
-            middle = 0.5 * (low + high)
-            is_inside = form.skin_mm(x * middle, start + z * middle) >= RIM_MM
-            low, high = np.where(is_inside, middle, low), np.where(is_inside, high, middle)
-        return low
+
+        def is_inside(distance: Array) -> NDArray[np.bool_]:
+            return np.asarray(form.skin_mm(x * distance, start + z * distance) >= RIM_MM)
+
+        return bisect_arrays(is_inside, np.zeros(len(start)), np.full(len(start), _WIDEST_MM), halvings=50)[0]
 
     length = form.sensor_z_mm + float(reach(np.array([form.sensor_z_mm]), 0.0, 1.0)[0])
     z = length * np.sin(np.linspace(0.0, 0.5 * math.pi, 400))  # closer towards the tip

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from itertools import combinations, pairwise
+from itertools import combinations
 from typing import TYPE_CHECKING
 
 from fingertip.cad.files.step_process import BrepMeasurements
@@ -21,6 +21,7 @@ from fingertip.cad.shapes.bridged_ceiling import (
     half_slot,
     hexagon_slot_area_mm2,
 )
+from fingertip.cad.shapes.engraving import signed_area
 from fingertip.cad.shapes.insert import boss, cavity, cavity_outline, contact_y, filled_bone, head_y, mold_insert
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.check import (
@@ -36,7 +37,6 @@ from fingertip.design.geometry.features import Joint
 from fingertip.design.geometry.solids import (
     Box,
     Cone,
-    Prism,
     Solid,
     SuperconicSolid,
     cylinder,
@@ -190,7 +190,8 @@ def _cutout_volume_mm3(design: Design) -> float:
     ) + ceiling_steps_volume_mm3(slot, radius)
     pry_slot = d.pry_width_mm * d.pry_depth_mm * 2.0 * d.pry_height_mm
     letters = (prism for half in ("palmar", "dorsal") for prism in mold.engraved_text(design, half))
-    engraved = d.engraving_depth_mm * sum(map(_prism_area_mm2, letters))
+    rings = (ring for letter in letters for ring in (letter.corners, *letter.holes))
+    engraved = d.engraving_depth_mm * sum(map(signed_area, rings))  # holes run clockwise, and count as negative
     pried = 2.0 * pry_slot - _vents_in_pry_slots_mm3(design)
     return len(m.bolts) * fastener + pried + engraved + _screw_hole_volume_mm3(design)
 
@@ -215,13 +216,6 @@ def _screw_hole_volume_mm3(design: Design) -> float:
     hole, counterbore, radius = head - contact_y(design), top - head, chaplet.hole_radius
     steps = ceiling_steps_volume_mm3(disc_slot_area_mm2(chaplet.head_radius, half_slot(radius)), radius)
     return math.pi * (radius**2 * hole + chaplet.head_radius**2 * counterbore) + steps
-
-
-def _prism_area_mm2(prism: Solid) -> float:
-    """Compute the area [mm2] of a prism's end by the shoelace formula; holes run clockwise and count as negative."""
-    assert isinstance(prism, Prism)
-    edges = (pair for ring in (prism.corners, *prism.holes) for pair in pairwise([*ring, ring[0]]))
-    return sum(a[0] * b[1] - b[0] * a[1] for a, b in edges) / 2.0
 
 
 def _volume_below_parting_plane_mm3(key: Solid) -> float:

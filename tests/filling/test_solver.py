@@ -16,7 +16,7 @@ from fingertip.filling.ducts_and_mouths import (
     rectangular_duct,
     round_duct,
 )
-from fingertip.filling.hele_shaw import ClosingVent, Filling, TrappedAir, fill, find_air
+from fingertip.filling.hele_shaw import Filling, TrappedAir, fill, find_air
 from fingertip.filling.network import RowElimination
 from fingertip.filling.surface_links import Layer, hexahedron_volumes
 from fingertip.foundation.numerics import Array
@@ -190,7 +190,7 @@ def rank(height: Array) -> Array:
 
 def find(height: Array, *vents_y: float) -> tuple[list[int], tuple[TrappedAir, ...]]:
     arrival = rank(height)
-    vents = tuple(ClosingVent(node_at(y), float(arrival[node_at(y)])) for y in vents_y)
+    vents = {node_at(y): float(arrival[node_at(y)]) for y in vents_y}
     return find_air(LAYER.network, arrival, vents)
 
 

@@ -6,10 +6,7 @@ import math
 from dataclasses import dataclass
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes import insert as skin
-from fingertip.cad.shapes import mold
-from fingertip.cad.shapes.insert import mold_insert
-from fingertip.cad.shapes.mold import runners
+from fingertip.cad.shapes import insert, mold
 from fingertip.catalogues.silicones import Silicone
 from fingertip.design import Design
 from fingertip.design.geometry.solids import intersection, union
@@ -62,12 +59,12 @@ class Batch:
 
 def measure_volumes(design: Design, evaluator: MeshEvaluator) -> SiliconeVolumes:
     """Measure the silicone volumes of a design's mold, on meshes of the evaluator's tolerance. Raises GeometryError."""
-    block, cavity = evaluator.manifold(mold.block(design)), evaluator.manifold(skin.cavity(design))
-    insert = evaluator.manifold(mold_insert(design))
-    openings = evaluator.manifold(union(*runners(design)))
+    block, cavity = evaluator.manifold(mold.block(design)), evaluator.manifold(insert.cavity(design))
+    held = evaluator.manifold(insert.mold_insert(design))
+    openings = evaluator.manifold(union(*mold.runners(design)))
     hollow = evaluator.manifold(intersection(mold.cast_hollow(design), mold.block(design)))
-    hollow_mm3 = hollow.volume() - (hollow ^ insert).volume()
-    skin_mm3 = cavity.volume() - (cavity ^ insert).volume()
+    hollow_mm3 = hollow.volume() - (hollow ^ held).volume()
+    skin_mm3 = cavity.volume() - (cavity ^ held).volume()
     openings_mm3 = ((openings ^ block) - cavity).volume()
     gap_mm3 = max(0.0, hollow_mm3 - skin_mm3 - openings_mm3)
     return SiliconeVolumes(skin_mm3 / 1000.0, openings_mm3 / 1000.0, gap_mm3 / 1000.0)

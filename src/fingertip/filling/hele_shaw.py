@@ -25,6 +25,7 @@ Ito and K. Kunisch, SIAM J. Optim. 13 (2002) 865 (the active set).
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -198,14 +199,6 @@ SMALLEST_POCKET_MM3 = 0.5
 
 
 @dataclass(frozen=True)
-class ClosingVent:
-    """Vent, and the injected volume at which the front has covered it."""
-
-    node: int
-    covered_mm3: float
-
-
-@dataclass(frozen=True)
 class TrappedAir:
     """Part of the unfilled region that no vent can empty any more."""
 
@@ -248,9 +241,12 @@ class _Field:
 
 
 def find_air(
-    network: FlowNetwork, arrival_mm3: Array, vents: tuple[ClosingVent, ...]
+    network: FlowNetwork, arrival_mm3: Array, vents: Mapping[int, float]
 ) -> tuple[list[int], tuple[TrappedAir, ...]]:
-    """Find the nodes that fill last, the last one first, and the trapped air, the largest first."""
+    """Find the nodes that fill last, the last one first, and the trapped air, the largest first.
+
+    `vents` holds the nodes of vents, with the injected volume at which the front has covered each [mm3].
+    """
     arrival = np.where(network.is_open, arrival_mm3, -np.inf)
     a, b, _ = network.links
     field = _Field(arrival, network.volume_mm3, _climb(arrival, a, b))
@@ -306,10 +302,10 @@ def _leaves(part: _Part) -> list[int]:
     return [peak for child in part.children for peak in _leaves(child)] or [part.peak]
 
 
-def _trap(field: _Field, part: _Part, since_mm3: float, vents: tuple[ClosingVent, ...]) -> list[TrappedAir]:
+def _trap(field: _Field, part: _Part, since_mm3: float, vents: Mapping[int, float]) -> list[TrappedAir]:
     """Find the air trapped in a part that split off at an injected volume."""
-    own = tuple(v for v in vents if v.covered_mm3 > since_mm3 and int(field.basin[v.node]) in part.basins)
-    closed_mm3 = max((v.covered_mm3 for v in own), default=since_mm3)
+    own = {node: mm3 for node, mm3 in vents.items() if mm3 > since_mm3 and int(field.basin[node]) in part.basins}
+    closed_mm3 = max(own.values(), default=since_mm3)
     if closed_mm3 < part.splits_mm3:
         if closed_mm3 >= field.arrival[part.peak]:
             return []

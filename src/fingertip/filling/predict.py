@@ -8,13 +8,13 @@ silicone: state the viscosity of the end of the filling for a safe time.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from fingertip.filling.ducts_and_mouths import Duct, Mouth, fill_in_series, mouth_resistance, open_mouth
-from fingertip.filling.hele_shaw import ClosingVent, Filling, TrappedAir, fill, find_air
+from fingertip.filling.hele_shaw import Filling, TrappedAir, fill, find_air
 from fingertip.filling.surface_links import Layer, SkinGrid
 from fingertip.foundation.numerics import Array
 
@@ -158,9 +158,10 @@ def follow_front(grid: SkinGrid, gate: Opening) -> Course:
 def find_last_points(course: Course, vents: Sequence[Opening]) -> tuple[list[int], tuple[TrappedAir, ...]]:
     """Find the nodes that fill last, the last first, and the air that the vents do not let out, the largest first."""
     layer, arrival = course.grid.layer, course.filling.arrival_mm3
-    closing = tuple(
-        sample for vent in vents for sample in _close(open_mouth(layer, vent.point_mm, vent.diameter_mm), arrival)
-    )
+    closing: dict[int, float] = {}
+    for vent in vents:
+        for node, volume in _close(open_mouth(layer, vent.point_mm, vent.diameter_mm), arrival):
+            closing[node] = max(volume, closing.get(node, 0.0))
     points, pockets = find_air(course.filling.network, arrival, closing)
     # What closed quads cut off from the gate is one more pocket.
     network = course.grid.layer.network
@@ -224,18 +225,15 @@ def predict_filling(
     )
 
 
-def _close(mouth: Mouth, arrival_mm3: Array) -> list[ClosingVent]:
-    """Find when the front covers each sample of a vent's mouth, which can lie in several parts of the cavity."""
+def _close(mouth: Mouth, arrival_mm3: Array) -> Iterable[tuple[int, float]]:
+    """List the node of each sample of a vent's mouth, and when the front covers it, in any part of the cavity."""
     reached = np.where(np.isfinite(arrival_mm3), arrival_mm3, 0.0)
     samples, corner = np.arange(len(mouth.nodes)), np.argmax(mouth.weights, axis=1)
     heaviest = mouth.nodes[samples, corner]
     covered = np.einsum("sk,sk->s", mouth.weights, reached[mouth.nodes])
     # A node is the smallest volume that is resolved: one within the mouth is vented as long as it is not full.
     covered = np.where(mouth.weights[samples, corner] > _WITHIN, reached[heaviest], covered)
-    latest: dict[int, float] = {}
-    for node, volume in zip(heaviest.tolist(), covered.tolist(), strict=True):
-        latest[node] = max(volume, latest.get(node, 0.0))
-    return [ClosingVent(node, volume) for node, volume in latest.items()]
+    return zip(heaviest.tolist(), covered.tolist(), strict=True)
 
 
 @dataclass(frozen=True, eq=False)

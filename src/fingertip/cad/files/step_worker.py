@@ -49,7 +49,7 @@ def run_job(job: StepJob, folder: Path) -> JobMeasurements:
         _write_parts(solids, folder)
         write_status(folder, "making the hardware")
         bought = [(name, evaluator.solid(solid), colour) for name, solid, colour in job.hardware]
-        forked.wait_for_solids()
+        forked.receive()
         all_solids = solids + [
             (name, brep.load(folder / f"{name}.brep"), colour) for name, _, colour in forked_job.parts
         ]
@@ -58,7 +58,8 @@ def run_job(job: StepJob, folder: Path) -> JobMeasurements:
         from fingertip.cad.files import step_writer  # noqa: PLC0415
 
         step_writer.write_assembly(folder / "assembly.step", f"fingertip_{job.title}", all_solids + bought)
-        return _measure(own_job, evaluator, solids, folder) | forked.wait_for_measurements()
+        measured, others = _measure(own_job, evaluator, solids, folder), forked.receive()
+        return measured | others if isinstance(others, JobMeasurements) else measured
 
 
 def _split_job(job: StepJob) -> tuple[StepJob, StepJob]:
@@ -129,20 +130,17 @@ class _ForkedJob:
         if not error and self._process.exitcode:
             raise self._crash_error()
 
-    def wait_for_solids(self) -> None:
-        if self._process and isinstance(error := self._receive(), FingertipError):
-            raise error
-
-    def wait_for_measurements(self) -> JobMeasurements:
-        answer = self._receive() if self._process else JobMeasurements({}, {})
-        assert isinstance(answer, JobMeasurements)
-        return answer
-
-    def _receive(self) -> object:
+    def receive(self) -> object:
+        """Wait for the next answer of the process; without a process there is none."""
+        if not self._process:
+            return None
         try:
-            return self._answer.recv()
+            answer = self._answer.recv()
         except EOFError:
             raise self._crash_error() from None
+        if isinstance(answer, FingertipError):
+            raise answer
+        return answer
 
     def _crash_error(self) -> GeometryError:
         message = f"the B-rep kernel crashed while it made {self._names}; use --formats stl,3mf."

@@ -266,14 +266,13 @@ def _check_eyes(design: Design, joint: Joint, evaluator: MeshEvaluator, wall: fl
     beside = Box(
         (-reach, joint.axis_y - edge, joint.axis_z), (reach, joint.axis_y + edge, joint.shoulder_z - joint.clearance)
     )
-    solid = evaluator.manifold(PARTS["bone"].solid(design)) ^ evaluator.manifold(beside)
     if joint.is_fork:
         gap = evaluator.manifold(intersection(space(design, joint), beside))
         gap = gap.trim_by_plane((1.0, 0.0, 0.0), -joint.half_width).trim_by_plane((-1.0, 0.0, 0.0), -joint.half_width)
         outside = complement(evaluator, filled_bone(design)) ^ evaluator.manifold(beside)
         yield check_min_distance("bone.wall.cheek", gap, outside, wall)
     else:
-        box = solid.bounding_box()
+        box = (evaluator.manifold(PARTS["bone"].solid(design)) ^ evaluator.manifold(beside)).bounding_box()
         yield Check("bone.wall.tongue", box[3] - box[0], wall, "mm", "at least")
 
 

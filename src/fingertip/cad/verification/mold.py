@@ -15,9 +15,7 @@ import numpy as np
 
 from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays
 from fingertip.cad.shapes import bone, mold
-from fingertip.cad.shapes.bone import seals
 from fingertip.cad.shapes.insert import cavity, filled_bone, mold_insert, screw_hole
-from fingertip.cad.shapes.mold import base_recess, openings, runner, runners, runners_with_axes, side_vents, sprue
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.verification.check import (
     PLANE_OFFSET_MM,
@@ -65,7 +63,7 @@ def check_mold(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
         yield _check_cable_channel(design, evaluator)
     if design.mold.filling == "gravity":
         # Air would be trapped in the cavity above the highest vent.
-        body, vented = evaluator.manifold(cavity(design)), evaluator.manifold(union(*runners(design)))
+        body, vented = evaluator.manifold(cavity(design)), evaluator.manifold(union(*mold.runners(design)))
         trapped = body.bounding_box()[5] - (body ^ vented).bounding_box()[5]
         yield Check("mold.air_trap_height", trapped, 2 * evaluator.tolerance_mm, "mm")
     yield from _check_cavity_walls(design, evaluator)
@@ -84,7 +82,7 @@ def _check_openings(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]
     others = 1 + sum(vent.kind != "side" for vent in vents)
     yield Check("mold.inlet_and_vent_openings", len(distal) + len(dorsal), others, "openings", "exactly")
     # Two grooves may meet on their way, so each is followed by itself.
-    open_grooves = sum(_is_open(design, groove, evaluator) for groove in side_vents(design))
+    open_grooves = sum(_is_open(design, groove, evaluator) for groove in mold.side_vents(design))
     at_side = sum(vent.kind == "side" for vent in vents)
     yield Check("mold.side_vent_openings", open_grooves, at_side, "openings", "exactly")
     cast = evaluator.manifold(intersection(mold.cast_hollow(design), mold.block(design)))
@@ -170,26 +168,26 @@ def _check_cavity_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Ch
 def _check_runner_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     """Check the walls between inlet and vents and everything else that is cut into the block, and its outside."""
     wall, block = design.printer.min_wall_mm - evaluator.tolerance_mm, mold.block(design)
-    runners_ = evaluator.manifold(intersection(openings(design), block))
+    runners = evaluator.manifold(intersection(mold.openings(design), block))
     sockets = evaluator.manifold(union(*mold.key_sockets(design)))
-    yield check_min_distance("mold.wall.runners_to_keys", runners_, sockets, wall)
+    yield check_min_distance("mold.wall.runners_to_keys", runners, sockets, wall)
     inlet = design.mold_layout.inlet
     if inlet:
-        led = evaluator.manifold(union(sprue(design, inlet), runner(inlet)))
+        led = evaluator.manifold(union(mold.sprue(design, inlet), mold.runner(inlet)))
         bolts = evaluator.manifold(union(*mold.bolt_holes(design)))
         land = design.mold.land_mm - 2 * design.mold.key_clearance_mm
         yield check_min_distance("mold.land.bolts_to_runner", led, bolts, land)
     # A groove in the parting plane ends in a pry slot where the mold's side has no room for both.
-    grooves = side_vents(design)
+    grooves = mold.side_vents(design)
     cutouts = evaluator.manifold(mold.outer_cutouts_and_screw(design))
-    clear = evaluator.manifold(intersection(difference(openings(design), *grooves), block))
+    clear = evaluator.manifold(intersection(difference(mold.openings(design), *grooves), block))
     yield check_min_distance("mold.wall.runners_to_cutouts", clear, cutouts, wall)
     if grooves:
         bolts = evaluator.manifold(union(*mold.bolt_holes(design), *screw_hole(design)))
         beside = evaluator.manifold(intersection(union(*grooves), block))
         yield check_min_distance("mold.wall.side_vents_to_bolts", beside, bolts, wall)
     # Along its own axis a hole opens to the outside.
-    within = ((evaluator.manifold(intersection(solid, block)), axis) for solid, axis in runners_with_axes(design))
+    within = ((evaluator.manifold(intersection(solid, block)), axis) for solid, axis in mold.runners_with_axes(design))
     nearest = min(_distance_to_faces(solid, evaluator.manifold(block), {0, 1, 2} - {axis}) for solid, axis in within)
     yield Check("mold.wall.runners_to_outside", nearest, wall, "mm", "at least")
 
@@ -294,9 +292,9 @@ def flooded_mm3(design: Design, evaluator: MeshEvaluator) -> float:
     """Compute the volume that silicone in the cavity can reach outside it and in hollows of the bone [mm3]."""
     if evaluator.tolerance_mm < _FLOOD_TOLERANCE_MM:
         evaluator = MeshEvaluator(_FLOOD_TOLERANCE_MM)
-    present, recess = parts_by_name(design), base_recess(design, 0.0)
+    present, recess = parts_by_name(design), mold.base_recess(design, 0.0)
     inside = [present[name].solid(design) for name in _IN_THE_MOLD if name in present]
-    solid = union(*inside, bone.sensor_body(design), *seals(design))
+    solid = union(*inside, bone.sensor_body(design), *bone.seals(design))
     room = evaluator.manifold(difference(union(cavity(design), *recess), solid))
     flooded = max(room.decompose(), key=lambda body: float(body.volume()))  # the skin, or what it leaks into
     # Above the recess all of the room lies in the cavity. Below, the two share few of the surfaces that take time.

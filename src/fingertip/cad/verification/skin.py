@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -226,7 +227,5 @@ def _move(solid: Manifold, motion: Motion) -> Manifold:
 
 def _perimeter(solid: Manifold, z: float) -> float:
     """Compute the perimeter [mm] of a solid's section at height `z` [mm]."""
-    total = 0.0
-    for outline in solid.slice(z).to_polygons():
-        total += sum(math.dist(a, b) for a, b in zip(outline, [*outline[1:], outline[0]], strict=True))
-    return total
+    outlines = solid.slice(z).to_polygons()
+    return sum(math.dist(a, b) for outline in outlines for a, b in pairwise([*outline, outline[0]]))

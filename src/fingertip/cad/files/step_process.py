@@ -6,7 +6,6 @@ The process runs `cad.files.step_worker`. It works while this process makes the 
 from __future__ import annotations
 
 import contextlib
-import json
 import os
 import pickle
 import signal
@@ -18,16 +17,15 @@ from dataclasses import dataclass
 from types import TracebackType
 
 from fingertip.design.geometry.solids import Solid
-from fingertip.foundation import errors
-from fingertip.foundation.errors import GeometryError, Issue
+from fingertip.foundation.errors import FingertipError, GeometryError, Issue
 from fingertip.foundation.files import TemporaryFolder
 from fingertip.foundation.processes import python_command, python_environment
 
 TIME_LIMIT_S = 180.0
 POLL_S = 0.5
 """Time between two looks at the files of the process [s]."""
-STATUS_FILE = "status.txt"
-"""File in which the process lists its steps: for the progress, and for the message if it is stopped."""
+STATUS_FILE, ANSWER_FILE = "status.txt", "answer.pickle"
+"""Files in which the process lists its steps, for the progress and for the message if it is stopped, and its answer."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +49,10 @@ class BrepMeasurements:
 
     volume_mm3: float
     genus: int
+
+
+Measured = tuple[dict[str, BrepMeasurements], dict[str, float]]
+"""Measurements of the parts, and volumes of the other solids [mm3], by name."""
 
 
 @dataclass(frozen=True)
@@ -130,14 +132,11 @@ class StepProcess:
             message = f"the B-rep kernel was still {status} after {time_limit_s:g} s; use --formats stl,3mf."
             raise GeometryError(Issue("STEP", message))
         folder = self._folder.path
-        answer_file = folder / "answer.json"
-        if not answer_file.exists():
+        if not (folder / ANSWER_FILE).exists():
             last = stderr.decode(errors="replace").strip().splitlines()[-1:] or ["no message"]
             message = f"the B-rep kernel crashed ({last[0]}); use --formats stl,3mf."
             raise GeometryError(Issue("STEP", message))
-        answer = json.loads(answer_file.read_text(encoding="utf-8"))
-        if "error" in answer:
-            raise getattr(errors, answer["error"])([Issue(*issue) for issue in answer["issues"]])
-        contents = {path.name: path.read_bytes() for path in sorted(folder.glob("*.step"))}
-        measurements = {name: BrepMeasurements(**measured) for name, measured in answer["measurements"].items()}
-        return StepFiles(contents, measurements, answer["volumes_mm3"])
+        answer: Measured | FingertipError = pickle.loads((folder / ANSWER_FILE).read_bytes())
+        if isinstance(answer, FingertipError):
+            raise answer
+        return StepFiles({path.name: path.read_bytes() for path in sorted(folder.glob("*.step"))}, *answer)

@@ -7,32 +7,19 @@ calling process makes the meshes.
 
 from __future__ import annotations
 
-import json
 import multiprocessing
 import os
 import pickle
 import sys
-from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from fingertip.cad.files.step_process import STATUS_FILE, BrepMeasurements, StepJob
+from fingertip.cad.files.step_process import ANSWER_FILE, STATUS_FILE, BrepMeasurements, Measured, StepJob
 from fingertip.foundation.errors import FingertipError, GeometryError, Issue
 from fingertip.foundation.processes import end_with_parent
 
 
-@dataclass(frozen=True)
-class JobMeasurements:
-    """Measurements of the parts, and volumes of the other solids [mm3], by name."""
-
-    measurements: dict[str, BrepMeasurements]
-    volumes_mm3: dict[str, float]
-
-    def __or__(self, other: JobMeasurements) -> JobMeasurements:
-        return JobMeasurements(self.measurements | other.measurements, self.volumes_mm3 | other.volumes_mm3)
-
-
-def run_job(job: StepJob, folder: Path) -> JobMeasurements:
+def run_job(job: StepJob, folder: Path) -> Measured:
     """Write `<part>.step` for each part and `assembly.step`, and measure parts and solids.
 
     On Linux half of the parts are made in a forked process: the halves share little, and most machines have two cores.
@@ -58,8 +45,9 @@ def run_job(job: StepJob, folder: Path) -> JobMeasurements:
         from fingertip.cad.files import step_writer  # noqa: PLC0415
 
         step_writer.write_assembly(folder / "assembly.step", f"fingertip_{job.title}", all_solids + bought)
-        measured, others = _measure(own_job, evaluator, solids, folder), forked.receive()
-        return measured | others if isinstance(others, JobMeasurements) else measured
+        parts, volumes = _measure(own_job, evaluator, solids, folder)
+        other_parts, other_volumes = forked.receive() or ({}, {})
+        return parts | other_parts, volumes | other_volumes
 
 
 def _split_job(job: StepJob) -> tuple[StepJob, StepJob]:
@@ -82,15 +70,14 @@ def _make_solids(job: StepJob, folder: Path) -> tuple[Any, list[Any]]:
     return evaluator, solids
 
 
-def _measure(job: StepJob, evaluator: Any, solids: list[Any], folder: Path) -> JobMeasurements:
+def _measure(job: StepJob, evaluator: Any, solids: list[Any], folder: Path) -> Measured:
     from fingertip.cad.kernel import brep  # noqa: PLC0415
 
     volumes = {}
     for name, solid in job.measured_solids:
         write_status(folder, f"measuring {name}")
         volumes[name] = brep.volume(evaluator.shape(solid))
-    measurements = {name: BrepMeasurements(brep.volume(solid), brep.genus(solid)) for name, solid, _ in solids}
-    return JobMeasurements(measurements, volumes)
+    return {name: BrepMeasurements(brep.volume(solid), brep.genus(solid)) for name, solid, _ in solids}, volumes
 
 
 def _write_parts(solids: list[Any], folder: Path) -> None:
@@ -130,7 +117,7 @@ class _ForkedJob:
         if not error and self._process.exitcode:
             raise self._crash_error()
 
-    def receive(self) -> object:
+    def receive(self) -> Any:
         """Wait for the next answer of the process; without a process there is none."""
         if not self._process:
             return None
@@ -171,15 +158,15 @@ def write_status(folder: Path, status: str) -> None:
 
 
 def main() -> None:
-    """Run the job on stdin and write measurements or issues to `answer.json` in the folder."""
+    """Run the job on stdin and write the measurements, or the error, to a file in the folder."""
     end_with_parent()
     folder = Path(sys.argv[1])
     job: StepJob = pickle.load(sys.stdin.buffer)
     try:
-        answer: dict[str, object] = asdict(run_job(job, folder))
+        answer: Measured | FingertipError = run_job(job, folder)
     except FingertipError as error:
-        answer = {"error": type(error).__name__, "issues": [[issue.field, issue.message] for issue in error.issues]}
-    (folder / "answer.json").write_text(json.dumps(answer), encoding="utf-8")
+        answer = error
+    (folder / ANSWER_FILE).write_bytes(pickle.dumps(answer))
 
 
 if __name__ == "__main__":

@@ -23,8 +23,6 @@ _COARSE_MM = 0.1
 
 @dataclass(frozen=True)
 class Orientation:
-    """Orientation of a part on the build plate."""
-
     rotate_x_deg: float
     """Rotation about the x axis of the part's file [degrees]."""
     face_on_plate: str
@@ -139,7 +137,6 @@ def _bone(design: Design) -> Supports:
 
 
 def _lid(design: Design, lies: Orientation) -> Supports:
-    """Supports of the lid of a folded tail."""
     none_on = "the dorsal side, on which the skin lies"
     if not lies.needs_supports:
         return Supports((), "nowhere", f"{none_on}; the space for tabs and film")

@@ -14,15 +14,9 @@ from typing import TYPE_CHECKING
 
 from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes import mold
-from fingertip.cad.shapes.bridged_ceiling import (
-    ceiling_steps_volume_mm3,
-    disc_slot_area_mm2,
-    half_slot,
-    hexagon_slot_area_mm2,
-)
+from fingertip.cad.shapes import insert, mold
+from fingertip.cad.shapes.bridged_ceiling import ceiling_steps_volume_mm3, disc_slot_area_mm2, hexagon_slot_area_mm2
 from fingertip.cad.shapes.engraving import signed_area
-from fingertip.cad.shapes.insert import boss, cavity, cavity_outline, contact_y, filled_bone, head_y, mold_insert
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.check import (
     VOLUME_TOLERANCE_MM3,
@@ -34,17 +28,7 @@ from fingertip.cad.verification.check import (
 )
 from fingertip.design import Design
 from fingertip.design.geometry.features import Joint
-from fingertip.design.geometry.solids import (
-    Box,
-    Cone,
-    Solid,
-    SuperconicSolid,
-    cylinder,
-    difference,
-    intersection,
-    scaled,
-    union,
-)
+from fingertip.design.geometry.solids import Box, Cone, Solid, cylinder, difference, intersection, scaled, union
 from fingertip.design.interfaces.clevis_solids import eye_profile, knuckle, pin_bore, space
 from fingertip.filling.vents import place_vents
 
@@ -73,7 +57,7 @@ def check_assembly(design: Design, evaluator: MeshEvaluator, parts: Mapping[str,
     if "skin" in inside and design.mold.method == "overmold":
         # Before it shrinks, the silicone fills the cavity, which is not larger everywhere: a crown has a hollow base.
         cast = scaled(inside["skin"], design.dimensions.shrinkage)
-        filled["skin"] = difference(cast, mold_insert(design), *boss(design))
+        filled["skin"] = difference(cast, insert.mold_insert(design), *insert.boss(design))
     halves = {name: solid for name, solid in parts.items() if name in HALVES}
     yield from _check_overlaps(evaluator, inside, filled, halves)
     if inside:
@@ -91,11 +75,11 @@ def brep_balance_solids(design: Design, parts: Collection[str]) -> tuple[tuple[s
     """List the solids, besides the parts, whose volumes `check_brep_assembly` needs, by name."""
     solids: list[tuple[str, Solid]] = []
     if "skin" in parts:
-        solids += [("cavity", cavity(design)), ("core_in_cavity", intersection(cavity(design), mold_insert(design)))]
+        cavity = insert.cavity(design)
+        solids += [("cavity", cavity), ("core_in_cavity", intersection(cavity, insert.mold_insert(design)))]
         if design.mold.method == "overmold":
-            outer = SuperconicSolid(design.dimensions.outer)
-            for name, outline in (("skin", outer), ("cavity", cavity_outline(design))):
-                solids += [(f"boss_in_{name}", intersection(outline, solid)) for solid in boss(design)]
+            for name, outline in (("skin", insert.skin_outline(design)), ("cavity", insert.cavity_outline(design))):
+                solids += [(f"boss_in_{name}", intersection(outline, solid)) for solid in insert.boss(design)]
     if set(HALVES) <= set(parts):
         solids.append(("hollow", intersection(mold.hollow(design), mold.block(design))))
     return tuple(solids)
@@ -156,15 +140,15 @@ def _cavity_imbalance(design: Design, evaluator: MeshEvaluator, skin: Solid) -> 
     enlarged outline of the skin and of what does not shrink within it.
     """
     growth, silicone = design.dimensions.shrinkage**3, evaluator.manifold(skin).volume()
-    room = evaluator.manifold(cavity(design)).volume()
+    room = evaluator.manifold(insert.cavity(design)).volume()
     if design.mold.method == "sleeve":
-        core = evaluator.manifold(intersection(cavity(design), mold_insert(design))).volume()
+        core = evaluator.manifold(intersection(insert.cavity(design), insert.mold_insert(design))).volume()
         return abs(float(room - core - growth * silicone))
-    bosses = boss(design)
+    bosses = insert.boss(design)
     if bosses:
-        room += evaluator.manifold(intersection(cavity_outline(design), union(*bosses))).volume()
-    finished = evaluator.manifold(SuperconicSolid(design.dimensions.outer))
-    rigid = (finished ^ evaluator.manifold(union(mold_insert(design), *bosses))).volume()
+        room += evaluator.manifold(intersection(insert.cavity_outline(design), union(*bosses))).volume()
+    finished = evaluator.manifold(insert.skin_outline(design))
+    rigid = (finished ^ evaluator.manifold(union(insert.mold_insert(design), *bosses))).volume()
     return abs(float(room - growth * (silicone + rigid)))
 
 
@@ -184,7 +168,7 @@ def _cutout_volume_mm3(design: Design) -> float:
     """Compute bolt holes, traps, slots and letters [mm3] in closed form: exact, and forty B-rep booleans less."""
     d, m = design.mold, design.mold_layout
     radius = d.bolt_diameter_mm / 2
-    bolt, slot = math.pi * radius**2, hexagon_slot_area_mm2(d.nut_width_mm, half_slot(radius))
+    bolt, slot = math.pi * radius**2, hexagon_slot_area_mm2(d.nut_width_mm, radius)
     fastener = (
         bolt * (m.palmar_height + m.dorsal_height) + (math.sqrt(0.75) * d.nut_width_mm**2 - bolt) * d.nut_depth_mm
     ) + ceiling_steps_volume_mm3(slot, radius)
@@ -212,9 +196,9 @@ def _screw_hole_volume_mm3(design: Design) -> float:
     chaplet = design.dimensions.chaplet
     if chaplet is None:
         return 0.0
-    head, top = head_y(design), design.mold_layout.dorsal_height
-    hole, counterbore, radius = head - contact_y(design), top - head, chaplet.hole_radius
-    steps = ceiling_steps_volume_mm3(disc_slot_area_mm2(chaplet.head_radius, half_slot(radius)), radius)
+    head, top = insert.head_y(design), design.mold_layout.dorsal_height
+    hole, counterbore, radius = head - insert.contact_y(design), top - head, chaplet.hole_radius
+    steps = ceiling_steps_volume_mm3(disc_slot_area_mm2(chaplet.head_radius, radius), radius)
     return math.pi * (radius**2 * hole + chaplet.head_radius**2 * counterbore) + steps
 
 
@@ -241,7 +225,7 @@ def check_joint(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     yield from _check_eyes(design, joint, evaluator, wall)
     if anchor:
         length = max(wall, design.printer.min_wall_mm / 2)  # a coarse mesh leaves nothing of the wall
-        inner, outside = anchor.inner_half_width, complement(evaluator, filled_bone(design))
+        inner, outside = anchor.inner_half_width, complement(evaluator, insert.filled_bone(design))
         hole = evaluator.manifold(cylinder("x", (anchor.y, anchor.z), inner, inner + length, anchor.radius))
         yield check_min_distance("bone.wall.anchor_to_outside", hole, outside, wall)
         # The tendon leaves its anchor straight along the finger.
@@ -269,7 +253,7 @@ def _check_eyes(design: Design, joint: Joint, evaluator: MeshEvaluator, wall: fl
     if joint.is_fork:
         gap = evaluator.manifold(intersection(space(design, joint), beside))
         gap = gap.trim_by_plane((1.0, 0.0, 0.0), -joint.half_width).trim_by_plane((-1.0, 0.0, 0.0), -joint.half_width)
-        outside = complement(evaluator, filled_bone(design)) ^ evaluator.manifold(beside)
+        outside = complement(evaluator, insert.filled_bone(design)) ^ evaluator.manifold(beside)
         yield check_min_distance("bone.wall.cheek", gap, outside, wall)
     else:
         box = (evaluator.manifold(PARTS["bone"].solid(design)) ^ evaluator.manifold(beside)).bounding_box()

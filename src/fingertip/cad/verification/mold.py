@@ -19,7 +19,6 @@ from fingertip.cad.shapes.insert import cavity, filled_bone, mold_insert, screw_
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.verification.check import (
     PLANE_OFFSET_MM,
-    VOLUME_TOLERANCE_MM3,
     Check,
     check_min_distance,
     check_zero_volume,
@@ -284,7 +283,7 @@ _DEEPER_MM = 0.1
 
 def check_seals(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     if design.mold.method == "overmold":
-        yield Check("mold.open_paths", flooded_mm3(design, evaluator), VOLUME_TOLERANCE_MM3, "mm3")
+        yield check_zero_volume("mold.open_paths", flooded_mm3(design, evaluator))
     yield Check("mold.leak_length", leak_mm(design), _MAX_LEAK_SHARE * design.mold.recess_length_mm, "mm")
 
 

@@ -19,13 +19,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.shapes.insert import filled_bone, skin_interior
+from fingertip.cad.shapes.insert import filled_bone, skin_interior, skin_outline
 from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, above_z, complement, search_distance
 from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody
 from fingertip.design.geometry.profile import Span
 from fingertip.design.geometry.seat import Loss, Motion, worst
-from fingertip.design.geometry.solids import SuperconicSolid
 from fingertip.design.rules.mold import MIN_RETAINED, MIN_RETAINED_OVER_SENSOR
 from fingertip.foundation.numerics import Array
 
@@ -187,7 +186,7 @@ def _interior(design: Design, evaluator: MeshEvaluator) -> Manifold:
 
 def _outside(design: Design, evaluator: MeshEvaluator) -> Manifold:
     """Everything around the skin, but not beyond its flat end, where the skin is open."""
-    return above_z(complement(evaluator, SuperconicSolid(design.dimensions.outer)), PLANE_OFFSET_MM)
+    return above_z(complement(evaluator, skin_outline(design)), PLANE_OFFSET_MM)
 
 
 def _thickness(interior: Manifold, outside: Manifold) -> float:

@@ -43,10 +43,8 @@ class Mouth:
     """Share of the mouth's area that each sample stands for, with the sum 1."""
 
     def shares(self, count: int) -> Array:
-        shares: Array = np.bincount(self.nodes.ravel(), (self.weights * self.areas[:, None]).ravel(), count).astype(
-            float
-        )
-        return shares
+        weights = (self.weights * self.areas[:, None]).ravel()
+        return np.asarray(np.bincount(self.nodes.ravel(), weights, count), dtype=float)
 
     def maximum(self, values: Array) -> float:
         """Return the largest of the values within the mouth, interpolated from the nodes."""

@@ -7,10 +7,12 @@ calling process makes the meshes.
 
 from __future__ import annotations
 
+import contextlib
 import multiprocessing
 import os
 import pickle
 import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -31,12 +33,12 @@ def run_job(job: StepJob, folder: Path) -> Measured:
     from fingertip.cad.kernel import brep  # raises MissingLibraryError if OCP cannot be loaded  # noqa: PLC0415
 
     own_job, forked_job = _split_job(job) if sys.platform == "linux" else (job, StepJob(job.title, ()))
-    with _ForkedJob(forked_job, folder) as forked:
+    with _fork(forked_job, folder) as receive:
         evaluator, solids = _make_solids(own_job, folder)
         _write_parts(solids, folder)
         write_status(folder, "making the hardware")
         bought = [(name, evaluator.solid(solid), colour) for name, solid, colour in job.hardware]
-        forked.receive()
+        receive()
         all_solids = solids + [
             (name, brep.load(folder / f"{name}.brep"), colour) for name, _, colour in forked_job.parts
         ]
@@ -46,7 +48,7 @@ def run_job(job: StepJob, folder: Path) -> Measured:
 
         step_writer.write_assembly(folder / "assembly.step", f"fingertip_{job.title}", all_solids + bought)
         parts, volumes = _measure(own_job, evaluator, solids, folder)
-        other_parts, other_volumes = forked.receive() or ({}, {})
+        other_parts, other_volumes = receive() or ({}, {})
         return parts | other_parts, volumes | other_volumes
 
 
@@ -88,50 +90,42 @@ def _write_parts(solids: list[Any], folder: Path) -> None:
         step_writer.write_part(folder / f"{part[0]}.step", part)
 
 
-class _ForkedJob:
-    """Job that runs in a forked process; without parts, no process is started.
+@contextlib.contextmanager
+def _fork(job: StepJob, folder: Path) -> Iterator[Callable[[], Any]]:
+    """Do a job in a forked process; what is provided waits for its next answer. Without parts there are none.
 
     The process saves its solids as `<part>.brep`. While this process writes the assembly from them, it measures them
     and writes their STEP files.
     """
+    if not job.parts:
+        yield lambda: None
+        return
+    names = ", ".join(name for name, _, _ in job.parts)
+    crash = GeometryError(Issue("STEP", f"the B-rep kernel crashed while it made {names}; use --formats stl,3mf."))
+    fork = multiprocessing.get_context("fork")
+    answers, sender = fork.Pipe(duplex=False)
+    process = fork.Process(target=_run_forked_job, args=(job, folder, sender), daemon=True)
+    process.start()
+    sender.close()  # so that reading raises EOFError if the process ends
 
-    def __init__(self, job: StepJob, folder: Path) -> None:
-        self._names = ", ".join(name for name, _, _ in job.parts)
-        self._process: Any = None
-        if job.parts:
-            fork = multiprocessing.get_context("fork")
-            self._answer, answer = fork.Pipe(duplex=False)
-            self._process = fork.Process(target=_run_forked_job, args=(job, folder, answer), daemon=True)
-            self._process.start()
-            answer.close()  # so that reading raises EOFError if the process ends
-
-    def __enter__(self) -> _ForkedJob:
-        return self
-
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        if not self._process:
-            return
-        if error:
-            self._process.kill()
-        self._process.join()
-        if not error and self._process.exitcode:
-            raise self._crash_error()
-
-    def receive(self) -> Any:
-        """Wait for the next answer of the process; without a process there is none."""
-        if not self._process:
-            return None
+    def receive() -> Any:
         try:
-            answer = self._answer.recv()
+            answer = answers.recv()
         except EOFError:
-            raise self._crash_error() from None
+            raise crash from None
         if isinstance(answer, FingertipError):
             raise answer
         return answer
 
-    def _crash_error(self) -> GeometryError:
-        message = f"the B-rep kernel crashed while it made {self._names}; use --formats stl,3mf."
-        return GeometryError(Issue("STEP", message))
+    try:
+        yield receive
+    except BaseException:
+        process.kill()
+        process.join()
+        raise
+    process.join()
+    if process.exitcode:
+        raise crash
 
 
 def _run_forked_job(job: StepJob, folder: Path, answer: Any) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -64,13 +63,10 @@ def _orient_lid(design: Design) -> Orientation:
 
 def build_volume_excess(design: Design, mesh: Mesh, rotate_x_deg: float = 0.0) -> float:
     """Measure how far a part, turned on the bed or not, exceeds the build volume [mm]; negative if it fits."""
-    rotation, printer = math.radians(rotate_x_deg), design.printer
-    x, y, z = mesh.vertices.T
-    depth, height = (math.cos(rotation) * y - math.sin(rotation) * z, math.sin(rotation) * y + math.cos(rotation) * z)
-    footprint = sorted(float(along.max() - along.min()) for along in (x, depth))
+    printer, (x, y, height) = design.printer, bed_pose(mesh, rotate_x_deg).size(mesh)
     bed = sorted((printer.bed_x_mm, printer.bed_y_mm))
-    excess = [size - limit for size, limit in zip(footprint, bed, strict=True)]
-    return max(*excess, float(height.max() - height.min()) - printer.bed_z_mm)
+    excess = [size - limit for size, limit in zip(sorted((x, y)), bed, strict=True)]
+    return max(*excess, height - printer.bed_z_mm)
 
 
 _PAST_END_MM = 0.1

@@ -180,33 +180,43 @@ def place_of(course: Course, node: int) -> Point3:
 def predict_filling(
     course: Course, vents: Sequence[Opening], ducts: Sequence[Duct], *, viscosity_pa_s: float, pressure_pa: float
 ) -> FillingPrediction:
-    grid, filling = course.grid, course.filling
-    before = fill_in_series(ducts)
-    clock = _Clock.of(filling, course.mouth_resistance, before, viscosity_pa_s / pressure_pa)
+    grid, filling, mouth = course.grid, course.filling, course.mouth_resistance
+    before, seconds = fill_in_series(ducts), viscosity_pa_s / pressure_pa
     volume, arrival = filling.network.total_mm3, filling.arrival_mm3
     points, pockets = find_last_points(course, vents)
-    arrival_s, trapped_s = clock.time_s(arrival), clock.time_s(np.array([air.injected_mm3 for air in pockets]))
+    # Resistance of the cavity at each front and its integral. The mouth's may be negative, their sums may not.
+    injected = np.array([front.injected_mm3 for front in filling.fronts])
+    resistance = np.array([filling.gate @ front.pressure_per_mm3 for front in filling.fronts]) + mouth
+    integral = np.array([filling.gate @ front.potential for front in filling.fronts]) + mouth * injected
+    resistance, integral = np.maximum(resistance, 0.0), np.maximum(integral, 0.0)
+
+    def time_s(volume_mm3: Array) -> Array:
+        """Compute the times at which volumes have been injected; the slope of the integral is the resistance."""
+        in_cavity = _interpolate(volume_mm3, injected, integral, resistance)
+        return seconds * (before.resistance_integral + before.resistance * volume_mm3 + in_cavity)
+
+    arrival_s, trapped_s = time_s(arrival), time_s(np.array([air.injected_mm3 for air in pockets]))
     # At the last front the pressure has no finite limit, because the front has shrunk to a point.
     moving = slice(0, -1)
     pressures = np.stack([front.pressure_per_mm3 for front in filling.fronts[moving]])
-    pressures *= (pressure_pa * 1e-6 / (before.resistance + clock.resistance[moving]))[:, None]  # [N/mm2]
+    pressures *= (pressure_pa * 1e-6 / (before.resistance + resistance[moving]))[:, None]  # [N/mm2]
     on_insert = -pressures @ grid.insert_area_mm2
     across = np.hypot(on_insert[:, 0], on_insert[:, 1])
     worst = int(np.argmax(across))
     direction = on_insert[worst, :2] / max(float(across[worst]), 1e-300)
-    in_cavity = float(np.max(clock.resistance[moving]))
+    largest = float(np.max(resistance[moving]))
     static_n = pressure_pa * 1e-6
     return FillingPrediction(
         volume_mm3=volume,
         ducts_mm3=before.volume_mm3,
         viscosity_pa_s=viscosity_pa_s,
         pressure_pa=pressure_pa,
-        ducts_s=before.resistance_integral * clock.seconds,
-        fill_s=float(clock.time_s(np.array([volume]))[0]),
+        ducts_s=before.resistance_integral * seconds,
+        fill_s=float(time_s(np.array([volume]))[0]),
         ducts_resistance=before.resistance,
-        cavity_integral=float(clock.integral[-1]),
-        total_integral=before.resistance_integral + before.resistance * volume + float(clock.integral[-1]),
-        gate_pressure_pa=pressure_pa * (in_cavity / (before.resistance + in_cavity)),
+        cavity_integral=float(integral[-1]),
+        total_integral=before.resistance_integral + before.resistance * volume + float(integral[-1]),
+        gate_pressure_pa=pressure_pa * (largest / (before.resistance + largest)),
         side_force_n=float(across[worst]),
         side_force_direction=(float(direction[0]), float(direction[1])),
         axial_force_n=float(np.max(-on_insert[:, 2])),
@@ -236,40 +246,14 @@ def _close(mouth: Mouth, arrival_mm3: Array) -> Iterable[tuple[int, float]]:
     return zip(heaviest.tolist(), covered.tolist(), strict=True)
 
 
-@dataclass(frozen=True, eq=False)
-class _Clock:
-    """Resistance of ducts and cavity over the injected volume, and the time that follows from it."""
-
-    ducts: Duct
-    injected_mm3: Array
-    resistance: Array
-    """Resistance of the cavity at each front [1/mm3]."""
-    integral: Array
-    """Integral of that resistance up to each front [1]."""
-    seconds: float
-    """mu / dp [s]."""
-
-    @classmethod
-    def of(cls, filling: Filling, mouth_resistance: float, ducts: Duct, seconds: float) -> _Clock:
-        """Collect the resistances of a filling; the mouth's may be negative, their sum at a front may not."""
-        gate = filling.gate
-        injected = np.array([front.injected_mm3 for front in filling.fronts])
-        resistance = np.array([gate @ front.pressure_per_mm3 for front in filling.fronts]) + mouth_resistance
-        integral = np.array([gate @ front.potential for front in filling.fronts]) + mouth_resistance * injected
-        return cls(ducts, injected, np.maximum(resistance, 0.0), np.maximum(integral, 0.0), seconds)
-
-    def time_s(self, volume_mm3: Array) -> Array:
-        """Compute the times of injected volumes: between fronts the integral is cubic, with the resistance as slope."""
-        v = np.concatenate(([0.0], self.injected_mm3))
-        integral = np.concatenate(([0.0], self.integral))
-        slope = np.concatenate(([0.0], self.resistance))
-        k = np.clip(np.searchsorted(v, volume_mm3) - 1, 0, len(v) - 2)
-        step = v[k + 1] - v[k]
-        x = (volume_mm3 - v[k]) / step
-        cavity = (
-            integral[k] * (1 + 2 * x) * (1 - x) ** 2
-            + integral[k + 1] * x * x * (3 - 2 * x)
-            + step * x * (1 - x) * (slope[k] * (1 - x) - slope[k + 1] * x)
-        )
-        times: Array = self.seconds * (self.ducts.resistance_integral + self.ducts.resistance * volume_mm3 + cavity)
-        return times
+def _interpolate(at: Array, points: Array, values: Array, slopes: Array) -> Array:
+    """Interpolate a function that begins at 0 as a constant, by cubics between points with known value and slope."""
+    v, value, slope = (np.concatenate(([0.0], known)) for known in (points, values, slopes))
+    k = np.clip(np.searchsorted(v, at) - 1, 0, len(v) - 2)
+    step = v[k + 1] - v[k]
+    x = (at - v[k]) / step
+    return np.asarray(
+        value[k] * (1 + 2 * x) * (1 - x) ** 2
+        + value[k + 1] * x * x * (3 - 2 * x)
+        + step * x * (1 - x) * (slope[k] * (1 - x) - slope[k + 1] * x)
+    )

@@ -23,7 +23,6 @@ from fingertip.pad.touch import X
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fingertip.design.geometry.features import SensorInsert
     from fingertip.pad.form import PadForm
 
 RIM_MM = 0.6
@@ -108,23 +107,19 @@ def mesh_skin(form: PadForm, size: MeshSize, is_half: bool) -> tuple[WedgeMesh, 
     bottom[t[:, 3:]] = 0.5 * (bottom[t[:, :3]] + bottom[t[:, [1, 2, 0]]])
     faces = bottom + np.linspace(0.0, 1.0, size.layers + 1)[:, None] * (surface - bottom)
     if form.insert:
-        faces = _faces_of_insert(form, form.insert, np.hypot(x, z - form.sensor_z_mm), bottom, surface)
+        # The faces of the layers are an insert's within its radius, and beside it the same part of the skin.
+        beside = np.hypot(x, z - form.sensor_z_mm) > form.insert.radius * (1.0 + 1e-9)
+        levels = [
+            np.where(beside, bottom + top / form.over_sensor_mm * (surface - bottom), form.platform_mm + top)
+            for _, top in form.insert.parts
+        ]
+        faces = np.stack([bottom, *levels, surface])
     return extrude(points, t, faces), np.asarray(np.isfinite(bone[t]).all(axis=1))
 
 
 def _circles(form: PadForm) -> list[float]:
     """Radii around the sensor on which edges lie: that of the active area, and those of an insert."""
     return sorted({form.active_radius_mm, *(radius for radius, _ in (form.insert.parts if form.insert else ()))})
-
-
-def _faces_of_insert(form: PadForm, insert: SensorInsert, arm: Array, bottom: Array, surface: Array) -> Array:
-    """Heights of the faces of the layers: an insert's within its radius, and the same part of the skin beside it."""
-    widest = insert.radius * (1.0 + 1e-9)
-    levels = [
-        np.where(arm <= widest, form.platform_mm + top, bottom + top / form.over_sensor_mm * (surface - bottom))
-        for _, top in insert.parts
-    ]
-    return np.stack([bottom, *levels, surface])
 
 
 def _outline(form: PadForm) -> Array:

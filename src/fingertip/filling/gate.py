@@ -70,7 +70,6 @@ def build_grid(design: Design) -> SkinGrid:
 
     def is_closed(points: Array) -> NDArray[np.bool_]:
         distance = np.hypot(points[..., 0], points[..., 2] - scale * chaplet.z)
-        closed: NDArray[np.bool_] = (points[..., 1] > 0.0) & (distance < scale * chaplet.radius)
-        return closed
+        return np.asarray((points[..., 1] > 0.0) & (distance < scale * chaplet.radius))
 
     return build_skin_grid(design, is_closed=is_closed)

@@ -94,8 +94,7 @@ def _guess(network: FlowNetwork, front: Front, injected_mm3: float) -> Mask:
     """
     u, removed_mm3 = front.potential, front.injected_mm3 - injected_mm3
     if front.injected_mm3 < network.total_mm3:
-        wet: Mask = (u > 0.0) & (2.0 * u > removed_mm3 * front.pressure_per_mm3)
-        return wet
+        return np.asarray((u > 0.0) & (2.0 * u > removed_mm3 * front.pressure_per_mm3))
     wet = network.is_open.copy()
     order = np.argsort(np.where(wet, u, np.inf))
     wet[order[np.cumsum(network.volume_mm3[order]) <= removed_mm3]] = False

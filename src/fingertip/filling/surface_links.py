@@ -159,19 +159,17 @@ def hexahedron_volumes(inner: Array, outer: Array) -> Array:
 
 
 def _determinant(a: Array, b: Array, c: Array) -> Array:
-    result: Array = (
+    return np.asarray(
         a[..., 0] * (b[..., 1] * c[..., 2] - b[..., 2] * c[..., 1])
         + a[..., 1] * (b[..., 2] * c[..., 0] - b[..., 0] * c[..., 2])
         + a[..., 2] * (b[..., 0] * c[..., 1] - b[..., 1] * c[..., 0])
     )
-    return result
 
 
 def vector_areas(surface: Array) -> Array:
     """Compute the vector areas of the quads of a surface, rows x columns."""
     first, second = surface[1:, 1:] - surface[:-1, :-1], surface[:-1, 1:] - surface[1:, :-1]
-    areas: Array = 0.5 * np.cross(second, first)
-    return areas
+    return np.asarray(0.5 * np.cross(second, first))
 
 
 def _sum_of_four(small: Array) -> Array:
@@ -183,8 +181,7 @@ def _cotangent(corner: Array, a: Array, b: Array) -> Array:
     u, v = a - corner, b - corner
     sine = np.linalg.norm(np.cross(u, v), axis=-1)
     cosine = np.einsum("...k,...k->...", u, v)
-    cotangent: Array = np.divide(cosine, sine, out=np.zeros_like(cosine), where=sine > 1e-12)
-    return cotangent
+    return np.asarray(np.divide(cosine, sine, out=np.zeros_like(cosine), where=sine > 1e-12))
 
 
 ROWS, COLUMNS = 40, 48

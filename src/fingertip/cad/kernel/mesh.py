@@ -157,8 +157,7 @@ def _find_flaps(triangles: Triangles) -> NDArray[np.bool_]:
 def _number_triples(triangles: Triangles) -> NDArray[np.int64]:
     """Number triples of indices, such that numbers are in the order of the triples."""
     size = int(triangles.max(initial=0)) + 1
-    numbers: NDArray[np.int64] = (triangles[:, 0] * size + triangles[:, 1]) * size + triangles[:, 2]
-    return numbers
+    return np.asarray((triangles[:, 0] * size + triangles[:, 1]) * size + triangles[:, 2])
 
 
 def find_degenerate_triangles(vertices: Array, triangles: Triangles) -> Triangles:

@@ -132,8 +132,7 @@ def _neighbours(triangles: Triangles, numbers: NDArray[np.int64]) -> NDArray[np.
     order = np.argsort(keys)
     wanted = triangles[numbers]
     opposite = np.roll(wanted, -1, axis=1) * size + wanted
-    beside: NDArray[np.int64] = order[np.searchsorted(keys[order], opposite)] // 3
-    return beside
+    return np.asarray(order[np.searchsorted(keys[order], opposite)] // 3)
 
 
 def _connected(numbers: NDArray[np.int64], beside: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -88,8 +88,7 @@ class Patch:
         """Select points by a mask: those within the height and side of the patch, extended by `reach_mm`."""
         low, high = self._z
         y, z = points[:, 1] * np.sign(self.b), points[:, 2]
-        within: NDArray[np.bool_] = (y >= -reach_mm) & (z >= low - reach_mm) & (z <= high + reach_mm)
-        return within
+        return np.asarray((y >= -reach_mm) & (z >= low - reach_mm) & (z <= high + reach_mm))
 
     def distance(self, points: Array, steps: int) -> Array:
         if not len(points):

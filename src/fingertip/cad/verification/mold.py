@@ -16,6 +16,7 @@ import numpy as np
 from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays
 from fingertip.cad.shapes import bone, mold
 from fingertip.cad.shapes.insert import cavity, filled_bone, mold_insert, screw_hole
+from fingertip.cad.shapes.mold import runners
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.verification.check import (
     PLANE_OFFSET_MM,
@@ -62,7 +63,7 @@ def check_mold(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
         yield _check_cable_channel(design, evaluator)
     if design.mold.filling == "gravity":
         # Air would be trapped in the cavity above the highest vent.
-        body, vented = evaluator.manifold(cavity(design)), evaluator.manifold(union(*mold.runners(design)))
+        body, vented = evaluator.manifold(cavity(design)), evaluator.manifold(union(*runners(design)))
         trapped = body.bounding_box()[5] - (body ^ vented).bounding_box()[5]
         yield Check("mold.air_trap_height", trapped, 2 * evaluator.tolerance_mm, "mm")
     yield from _check_cavity_walls(design, evaluator)
@@ -167,9 +168,9 @@ def _check_cavity_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Ch
 def _check_runner_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     """Check the walls between inlet and vents and everything else that is cut into the block, and its outside."""
     wall, block = design.printer.min_wall_mm - evaluator.tolerance_mm, mold.block(design)
-    runners = evaluator.manifold(intersection(mold.openings(design), block))
+    cut = evaluator.manifold(intersection(mold.openings(design), block))
     sockets = evaluator.manifold(union(*mold.key_sockets(design)))
-    yield check_min_distance("mold.wall.runners_to_keys", runners, sockets, wall)
+    yield check_min_distance("mold.wall.runners_to_keys", cut, sockets, wall)
     inlet = design.mold_layout.inlet
     if inlet:
         led = evaluator.manifold(union(mold.sprue(design, inlet), mold.runner(inlet)))

@@ -68,7 +68,7 @@ def _place_part(plates: list[list[Placed]], part: Placed, bed: tuple[float, floa
     for plate in plates:
         # At the left or the front edge of the bed, or right of or behind another part.
         spots = (
-            replace(part, x=x, y=y)
+            Placed(part.name, part.is_turned, x, y, part.width, part.depth)
             for x in (0.0, *(other.x + other.width + gap for other in plate))
             for y in (0.0, *(other.y + other.depth + gap for other in plate))
         )

@@ -155,7 +155,7 @@ class CrashingSolid:
 
 def make_step_files(*solids: Solid) -> dict[str, bytes]:
     job = StepJob("test", tuple((f"part{i}", solid, GREY) for i, solid in enumerate(solids)))
-    with StepProcess(job) as process:
+    with StepProcess.start(job) as process:
         return process.result().contents
 
 
@@ -187,8 +187,8 @@ def test_fault_of_either_process_is_reported(
 
 def test_no_process_outlives_the_context_manager() -> None:
     job = StepJob("test", (("a", BOX, GREY), ("b", BOX, GREY)))
-    with StepProcess(job) as process:
-        group = process._process.pid
+    with StepProcess.start(job) as process:
+        group = process.process.pid
         time.sleep(0.5)
     deadline = time.monotonic() + 5.0
     while (running := list_processes(group)) and time.monotonic() < deadline:

@@ -18,7 +18,6 @@ from fingertip.cad.shapes.bridged_ceiling import (
     bridge_ceiling,
     ceiling_steps_volume_mm3,
     disc_slot_area_mm2,
-    half_slot,
     hexagon_slot_area_mm2,
 )
 from fingertip.cad.shapes.parts import PARTS, print_scale
@@ -119,12 +118,11 @@ def test_ceiling_of_a_nut_trap_is_bridged_for_every_thread(thread: Thread, clear
 
 def test_steps_of_a_ceiling_have_their_volume_in_closed_form() -> None:
     evaluator, hole, width = MeshEvaluator(FINE), 1.7, 5.8
-    half = half_slot(hole)
     for pocket, plain, slot in (
         (hexagon(3.0, -2.0, width, 0.0, 2.0 + CEILING_STEPS_MM), hexagon(3.0, -2.0, width, 0.0, 2.0),
-         hexagon_slot_area_mm2(width, half)),
+         hexagon_slot_area_mm2(width, hole)),
         (cylinder("y", (3.0, -2.0), 0.0, 2.0 + CEILING_STEPS_MM, 3.0), cylinder("y", (3.0, -2.0), 0.0, 2.0, 3.0),
-         disc_slot_area_mm2(3.0, half)),
+         disc_slot_area_mm2(3.0, hole)),
     ):  # fmt: skip
         steps = evaluator.manifold(bridge_ceiling(pocket, (3.0, -2.0), 2.0, 1.0, hole, reach=width)).volume()
         added = steps - evaluator.manifold(plain).volume()

@@ -138,8 +138,8 @@ def test_nominal_stress_of_the_post_is_that_of_the_beam():
     sections = dict(assess._cut(design, MeshEvaluator(0.005)))
     bone = design.bone
     z = max(z for z in sections if z < -bone.base_length_mm - bone.foot_radius_mm)
-    apex = next(point for point in assess.list_load_points(design) if point.name == "apex")
-    weakness = assess._find_stress(design, apex, z, sections[z], assess._find_concentration(design, z))
+    apex, cut = assess.list_load_points(design)["apex"], (z, sections[z], assess._find_concentration(design, z))
+    (weakness,) = assess._find_weakest_section(design, apex, [cut])
     share = (z + bone.base_length_mm + bone.post_length_mm) / (bone.post_length_mm - bone.foot_radius_mm)
     nominal = (34.0 - z) * share * 32 / (math.pi * 7.0**3)
     assert weakness.stress_per_n / weakness.concentration == pytest.approx(nominal, rel=0.02)

@@ -112,14 +112,6 @@ def test_files_of_another_design_are_removed(tmp_path: Path) -> None:
     assert {word.strip(",") for word in message.split()} >= set(before) - set(left)
 
 
-@pytest.mark.full
-def test_all_files_of_a_build_are_listed(built: object) -> None:
-    from fingertip.cad.report import ALL_FILES, Build
-
-    assert isinstance(built, Build)
-    assert set(built.contents) <= set(ALL_FILES)
-
-
 def test_string_instead_of_a_list_is_rejected() -> None:
     from fingertip import Design, build
     from fingertip.foundation.errors import DesignError

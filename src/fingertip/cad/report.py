@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.printing.print_files import PrintFiles
-from fingertip.cad.shapes.parts import PARTS, Part, hardware
+from fingertip.cad.shapes.parts import Part, hardware
 from fingertip.cad.verification.check import Check, count_checks, list_warnings
 from fingertip.cad.verification.strength import BoneStrength, strength_data
-from fingertip.catalogues.output_files import ASSEMBLY, DESIGN, PRINT_FOLDER, REPORT, SCRIPT_SUFFIX, SHEET
+from fingertip.catalogues.output_files import ASSEMBLY, PRINT_FOLDER, SCRIPT_SUFFIX
 from fingertip.design import Design
 from fingertip.foundation.display import Picture, html_table, to_dataframe
 from fingertip.foundation.files import round_for_output
@@ -33,9 +32,6 @@ DESIGN_HEADING = "Design from which these files were built. `fingertip build` ac
 
 def part_file(part: str, file_format: str) -> str:
     return f"{part}{SCRIPT_SUFFIX if file_format == 'cq' else f'.{file_format}'}"
-
-
-ALL_FILES = (*(part_file(*one) for one in itertools.product(PARTS, ALL_FORMATS)), ASSEMBLY, SHEET, REPORT, DESIGN)
 
 
 @dataclass(frozen=True)

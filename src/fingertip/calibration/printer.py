@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -109,58 +109,45 @@ def fit_printer(measured: Sequence[Measured]) -> PrinterFit:
         n, s = length.nominal_mm, _SIGN[length.kind]
         return (count * n * n - 2.0 * ns * n * s + nn) / determinant
 
-    return PrinterFit(
-        scale,
-        math.sqrt(variance * count / determinant),
-        offset,
-        math.sqrt(variance * nn / determinant),
-        math.sqrt(variance * len(rows) / count),
-        degrees,
-        count,
-        tuple(_find_outliers(used, predict, find_leverage)),
-        tuple(_compare_lengths(used, predict, find_leverage)),
+    readings = [(each.length, number, mm) for each in used for number, mm in enumerate(each.readings_mm, 1)]
+    deviations = [mm - predict(length) for length, _, mm in readings]
+    stands_out = _find_extremes([d * d for d in deviations], [1.0 - find_leverage(length) for length, _, _ in readings])
+    means = [(each, predict(each.length), len(each.readings_mm)) for each in used]
+    is_doubtful = _find_extremes(
+        [weight * (each.mean_mm - predicted) ** 2 for each, predicted, weight in means],
+        [1.0 - weight * find_leverage(each.length) for each, _, weight in means],
     )
+    return PrinterFit(
+        scale, math.sqrt(variance * count / determinant), offset, math.sqrt(variance * nn / determinant),
+        math.sqrt(variance * len(rows) / count), degrees, count,
+        tuple(
+            Outlier(length.name, number, mm, deviation)
+            for (length, number, mm), deviation, out in zip(readings, deviations, stands_out, strict=True)
+            if out and abs(deviation) > 1e-9
+        ),
+        tuple(
+            Residual(
+                each.length.name, each.length.nominal_mm, each.mean_mm, predicted,
+                doubtful and abs(each.mean_mm - predicted) > _LEAST_DOUBT_MM,
+            )
+            for (each, predicted, _), doubtful in zip(means, is_doubtful, strict=True)
+        ),
+    )  # fmt: skip
 
 
-def _compare_lengths(
-    used: Sequence[Measured], predict: Callable[[Length], float], find_leverage: Callable[[Length], float]
-) -> Iterator[Residual]:
-    """Compare the mean of each length with the fit, by its externally studentised residual (Bonferroni's bound)."""
-    rows = []
-    for each in used:
-        predicted, weight = predict(each.length), len(each.readings_mm)
-        kept = 1.0 - weight * find_leverage(each.length)
-        rows.append((each, predicted, weight * (each.mean_mm - predicted) ** 2, kept))
-    total, degrees = math.fsum(square for _, _, square, _ in rows), len(rows) - 3
-    limit = t_quantile(1.0 - _OUTLIER_RISK / len(rows), degrees) if degrees > 0 else math.inf
-    for each, predicted, square, kept in rows:
-        doubtful = degrees > 0 and kept > 0.0 and abs(each.mean_mm - predicted) > _LEAST_DOUBT_MM
-        if doubtful:
-            others = max(total - square / kept, 0.0) / degrees
-            doubtful = square > limit * limit * others * kept
-        yield Residual(each.length.name, each.length.nominal_mm, each.mean_mm, predicted, doubtful)
+def _find_extremes(squares: Sequence[float], kept: Sequence[float]) -> list[bool]:
+    """Tell which residuals are too large by chance, from their squares and the parts of them that the fit leaves.
 
-
-def _find_outliers(
-    used: Sequence[Measured], predict: Callable[[Length], float], find_leverage: Callable[[Length], float]
-) -> Iterator[Outlier]:
-    """Find readings whose externally studentised residual is too large (Bonferroni's bound over all readings).
-
-    Reference: Draper and Smith, sections 8.1 and 8.4.
+    They are studentised externally, and judged by Bonferroni's bound over all (Draper and Smith, sections 8.1 and 8.4).
     """
-    residuals = [
-        (each.length, number, reading, reading - predict(each.length))
-        for each in used
-        for number, reading in enumerate(each.readings_mm, 1)
+    total, degrees = math.fsum(squares), len(squares) - 3
+    if degrees <= 0:
+        return [False] * len(squares)
+    limit = t_quantile(1.0 - _OUTLIER_RISK / len(squares), degrees)
+    return [
+        left > 0.0 and square > limit * limit * (max(total - square / left, 0.0) / degrees) * left
+        for square, left in zip(squares, kept, strict=True)
     ]
-    degrees = len(residuals) - 3
-    total = math.fsum(r * r for _, _, _, r in residuals)
-    limit = t_quantile(1.0 - _OUTLIER_RISK / len(residuals), degrees)
-    for length, number, reading, residual in residuals:
-        kept = 1.0 - find_leverage(length)
-        others = max(total - residual * residual / kept, 0.0) / degrees
-        if residual * residual > limit * limit * others * kept and abs(residual) > 1e-9:
-            yield Outlier(length.name, number, reading, residual)
 
 
 CLEARANCES = {

@@ -6,10 +6,7 @@ import math
 from dataclasses import dataclass
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes import insert as skin
-from fingertip.cad.shapes import mold
-from fingertip.cad.shapes.insert import mold_insert
-from fingertip.cad.shapes.mold import runners
+from fingertip.cad.shapes import insert, mold
 from fingertip.catalogues.silicones import Silicone
 from fingertip.design import Design
 from fingertip.design.geometry.solids import intersection, union
@@ -62,12 +59,12 @@ class Batch:
 
 def measure_volumes(design: Design, evaluator: MeshEvaluator) -> SiliconeVolumes:
     """Measure the silicone volumes of a design's mold, on meshes of the evaluator's tolerance. Raises GeometryError."""
-    block, cavity = evaluator.manifold(mold.block(design)), evaluator.manifold(skin.cavity(design))
-    insert = evaluator.manifold(mold_insert(design))
-    openings = evaluator.manifold(union(*runners(design)))
+    block, cavity = evaluator.manifold(mold.block(design)), evaluator.manifold(insert.cavity(design))
+    held = evaluator.manifold(insert.mold_insert(design))
+    openings = evaluator.manifold(union(*mold.runners(design)))
     hollow = evaluator.manifold(intersection(mold.cast_hollow(design), mold.block(design)))
-    hollow_mm3 = hollow.volume() - (hollow ^ insert).volume()
-    skin_mm3 = cavity.volume() - (cavity ^ insert).volume()
+    hollow_mm3 = hollow.volume() - (hollow ^ held).volume()
+    skin_mm3 = cavity.volume() - (cavity ^ held).volume()
     openings_mm3 = ((openings ^ block) - cavity).volume()
     gap_mm3 = max(0.0, hollow_mm3 - skin_mm3 - openings_mm3)
     return SiliconeVolumes(skin_mm3 / 1000.0, openings_mm3 / 1000.0, gap_mm3 / 1000.0)
@@ -153,14 +150,14 @@ def skin_pull_off_n(design: Design, silicone: Silicone) -> float:
     section, bone, skin = design.dimensions.bone_outline.section, design.bone, design.skin
     radius = (section.half_width + (section.dorsal + design.dimensions.flat_depth) / 2) / 2
     thickness = min(skin.thickness_side_mm, skin.thickness_dorsal_mm)
-    modulus = silicone.modulus_mpa.low
-    held = 0.0
-    if bone.groove_depth_mm:
-        pressure = modulus * (bone.groove_depth_mm / radius) * thickness / radius
-        held += pressure * math.tau * radius * bone.groove_width_mm
+
+    def press(stretched_mm: float, width_mm: float) -> float:
+        pressure = silicone.modulus_mpa.low * (stretched_mm / radius) * thickness / radius
+        return pressure * math.tau * radius * width_mm
+
+    held = press(bone.groove_depth_mm, bone.groove_width_mm)
     if design.mold.method == "sleeve":
-        pressure = modulus * (design.mold.sleeve_interference_mm / radius) * thickness / radius
-        held += FRICTION * pressure * math.tau * radius * design.dimensions.taper_end_z
+        held += FRICTION * press(design.mold.sleeve_interference_mm, design.dimensions.taper_end_z)
     return held
 
 

@@ -43,10 +43,8 @@ class Mouth:
     """Share of the mouth's area that each sample stands for, with the sum 1."""
 
     def shares(self, count: int) -> Array:
-        shares: Array = np.bincount(self.nodes.ravel(), (self.weights * self.areas[:, None]).ravel(), count).astype(
-            float
-        )
-        return shares
+        weights = (self.weights * self.areas[:, None]).ravel()
+        return np.asarray(np.bincount(self.nodes.ravel(), weights, count), dtype=float)
 
     def maximum(self, values: Array) -> float:
         """Return the largest of the values within the mouth, interpolated from the nodes."""
@@ -170,11 +168,11 @@ def rectangular_duct(width_mm: float, height_mm: float, length_mm: float) -> Duc
     return Duct(volume, resistance, 0.5 * resistance * volume)
 
 
-def fill_in_series(ducts: Iterable[Duct]) -> tuple[float, float, float]:
-    """Fill ducts in turn: their resistance [1/mm3], volume [mm3], and the integral of the growing resistance [1]."""
+def fill_in_series(ducts: Iterable[Duct]) -> Duct:
+    """Join ducts that fill in turn to one."""
     resistance = volume = integral = 0.0
     for duct in ducts:
         integral += resistance * duct.volume_mm3 + duct.resistance_integral
         resistance += duct.resistance
         volume += duct.volume_mm3
-    return resistance, volume, integral
+    return Duct(volume, resistance, integral)

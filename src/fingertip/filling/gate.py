@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from fingertip.catalogues.hardware import LUER_DEPTH_MM, LUER_MOUTH_MM, LUER_TAPER, NOZZLE_DEPTH_MM, NOZZLE_LENGTH_MM
 from fingertip.catalogues.silicones import Silicone
 from fingertip.design import Design
-from fingertip.design.geometry.mold_layout import Inlet
 from fingertip.filling.ducts_and_mouths import Duct, conical_duct, rectangular_duct, round_duct
 from fingertip.filling.predict import Course, Opening, follow_front, head_pressure_pa, syringe_pressure_pa
 from fingertip.filling.surface_links import SkinGrid, build_skin_grid
@@ -42,18 +41,14 @@ def list_ducts(design: Design) -> tuple[Duct, ...]:
         funnel = conical_duct(mouth, throat, mold.funnel_depth_mm) if mouth > throat else None
         gate = round_duct(throat, max(above, throat))
         return (funnel, gate) if funnel else (gate,)
-    return (round_duct(mold.nozzle_bore_mm, NOZZLE_LENGTH_MM), *_inlet_ducts(design, inlet))
-
-
-def _inlet_ducts(design: Design, inlet: Inlet) -> tuple[Duct, ...]:
-    """List the ducts in the mold: what the nozzle leaves of its cone, the sprue, and both legs of the runner."""
+    # The nozzle, what it leaves of its cone, the sprue, and both legs of the runner.
     at_nozzle = LUER_MOUTH_MM - LUER_TAPER * NOZZLE_DEPTH_MM
     at_end = LUER_MOUTH_MM - LUER_TAPER * LUER_DEPTH_MM
-    sprue = design.mold_layout.dorsal_height - LUER_DEPTH_MM
     side = gate_opening(design).point_mm[0]
     return (
+        round_duct(mold.nozzle_bore_mm, NOZZLE_LENGTH_MM),
         conical_duct(at_nozzle, at_end, LUER_DEPTH_MM - NOZZLE_DEPTH_MM),
-        round_duct(at_end, sprue),
+        round_duct(at_end, layout.dorsal_height - LUER_DEPTH_MM),
         rectangular_duct(inlet.width, inlet.depth, inlet.z - inlet.gate_z + inlet.x - side),
     )
 
@@ -75,7 +70,6 @@ def build_grid(design: Design) -> SkinGrid:
 
     def is_closed(points: Array) -> NDArray[np.bool_]:
         distance = np.hypot(points[..., 0], points[..., 2] - scale * chaplet.z)
-        closed: NDArray[np.bool_] = (points[..., 1] > 0.0) & (distance < scale * chaplet.radius)
-        return closed
+        return np.asarray((points[..., 1] > 0.0) & (distance < scale * chaplet.radius))
 
     return build_skin_grid(design, is_closed=is_closed)

@@ -25,6 +25,7 @@ Ito and K. Kunisch, SIAM J. Optim. 13 (2002) 865 (the active set).
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -52,7 +53,6 @@ class Front:
     """p / (mu Q) [1/mm3]."""
     filled: Array
     """Filled fraction f."""
-    iterations: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,8 +94,7 @@ def _guess(network: FlowNetwork, front: Front, injected_mm3: float) -> Mask:
     """
     u, removed_mm3 = front.potential, front.injected_mm3 - injected_mm3
     if front.injected_mm3 < network.total_mm3:
-        wet: Mask = (u > 0.0) & (2.0 * u > removed_mm3 * front.pressure_per_mm3)
-        return wet
+        return np.asarray((u > 0.0) & (2.0 * u > removed_mm3 * front.pressure_per_mm3))
     wet = network.is_open.copy()
     order = np.argsort(np.where(wet, u, np.inf))
     wet[order[np.cumsum(network.volume_mm3[order]) <= removed_mm3]] = False
@@ -117,24 +116,23 @@ def _full_front(network: FlowNetwork, solver: RowElimination) -> Front:
         last = int(np.argmin(potential))
     potential -= potential[last]
     potential[~network.is_open] = 0.0
-    return Front(total, potential, solved[:, 0], network.is_open.astype(float), 2)
+    return Front(total, potential, solved[:, 0], network.is_open.astype(float))
 
 
 def _solve_front(network: FlowNetwork, solver: RowElimination, gate: Array, injected_mm3: float, guess: Mask) -> Front:
     """Solve one injected volume with the active set, from a guess of the wet region."""
     volume, wet = network.volume_mm3, guess
     per_volume = np.divide(1.0, volume, out=np.zeros_like(volume), where=network.is_open)
-    iterations, is_settled = 0, False
-    while not is_settled and iterations < _MAX_ITERATIONS:
-        iterations += 1
+    for _ in range(_MAX_ITERATIONS):
         solved = solver.solve(wet)
         potential = injected_mm3 * solved[:, 0] - solved[:, 1]
         filled = (network.inflow(potential) + injected_mm3 * gate) * per_volume
         stays = potential > -_ROUNDING * potential.max()
         next_wet = np.where(wet, stays, filled > 1.0 + _ROUNDING)
-        is_settled = np.array_equal(next_wet, wet)
+        if np.array_equal(next_wet, wet):
+            break
         wet = next_wet
-    return Front(injected_mm3, np.maximum(potential, 0.0), solved[:, 0], filled, iterations)
+    return Front(injected_mm3, np.maximum(potential, 0.0), solved[:, 0], filled)
 
 
 def _arrival(network: FlowNetwork, fronts: list[Front]) -> Array:
@@ -200,24 +198,6 @@ SMALLEST_POCKET_MM3 = 0.5
 
 
 @dataclass(frozen=True)
-class ClosingVent:
-    """Vent, and the injected volume at which the front has covered it."""
-
-    node: int
-    covered_mm3: float
-
-
-@dataclass(frozen=True)
-class LastPoint:
-    """Local maximum of the arrival volume."""
-
-    node: int
-    arrival_mm3: float
-    split_mm3: float
-    """Injected volume at which its part of the unfilled region split off; 0 if it never did."""
-
-
-@dataclass(frozen=True)
 class TrappedAir:
     """Part of the unfilled region that no vent can empty any more."""
 
@@ -260,14 +240,17 @@ class _Field:
 
 
 def find_air(
-    network: FlowNetwork, arrival_mm3: Array, vents: tuple[ClosingVent, ...]
-) -> tuple[tuple[LastPoint, ...], tuple[TrappedAir, ...]]:
+    network: FlowNetwork, arrival_mm3: Array, vents: Mapping[int, float]
+) -> tuple[list[int], tuple[TrappedAir, ...]]:
+    """Find the nodes that fill last, the last one first, and the trapped air, the largest first.
+
+    `vents` holds the nodes of vents, with the injected volume at which the front has covered each [mm3].
+    """
     arrival = np.where(network.is_open, arrival_mm3, -np.inf)
     a, b, _ = network.links
-    basin = _climb(arrival, a, b)
-    field = _Field(arrival, network.volume_mm3, basin)
+    field = _Field(arrival, network.volume_mm3, _climb(arrival, a, b))
     root = _build_tree(field, a, b)
-    points = tuple(sorted(_leaves(root, 0.0, arrival), key=lambda point: -point.arrival_mm3))
+    points = sorted(_leaves(root), key=lambda node: -arrival[node])
     pockets = tuple(sorted(_trap(field, root, 0.0, vents), key=lambda air: -air.volume_mm3))
     return points, tuple(air for air in pockets if air.volume_mm3 >= SMALLEST_POCKET_MM3)
 
@@ -313,16 +296,15 @@ def _build_tree(field: _Field, a: NDArray[np.intp], b: NDArray[np.intp]) -> _Par
     return _Part(frozenset().union(*(part.basins for part in parts)), highest.peak, tuple(parts), 0.0)
 
 
-def _leaves(part: _Part, split_mm3: float, arrival: Array) -> list[LastPoint]:
-    if not part.children:
-        return [LastPoint(part.peak, float(arrival[part.peak]), split_mm3)]
-    return [point for child in part.children for point in _leaves(child, part.splits_mm3, arrival)]
+def _leaves(part: _Part) -> list[int]:
+    """List the maxima of the parts that do not split again."""
+    return [peak for child in part.children for peak in _leaves(child)] or [part.peak]
 
 
-def _trap(field: _Field, part: _Part, since_mm3: float, vents: tuple[ClosingVent, ...]) -> list[TrappedAir]:
+def _trap(field: _Field, part: _Part, since_mm3: float, vents: Mapping[int, float]) -> list[TrappedAir]:
     """Find the air trapped in a part that split off at an injected volume."""
-    own = tuple(v for v in vents if v.covered_mm3 > since_mm3 and int(field.basin[v.node]) in part.basins)
-    closed_mm3 = max((v.covered_mm3 for v in own), default=since_mm3)
+    own = {node: mm3 for node, mm3 in vents.items() if mm3 > since_mm3 and int(field.basin[node]) in part.basins}
+    closed_mm3 = max(own.values(), default=since_mm3)
     if closed_mm3 < part.splits_mm3:
         if closed_mm3 >= field.arrival[part.peak]:
             return []

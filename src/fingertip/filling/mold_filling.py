@@ -17,10 +17,9 @@ MAX_AIR_MM3 = 1.0
 def predict_mold_filling(design: Design) -> FillingPrediction:
     """Predict the filling of a design's mold, with its vents; air at the collar's edge counts as vented."""
     silicone, (vents, gaps) = design.silicone.material, vent_cavity(design)
-    viscosity, pressure = silicone.viscosity_pa_s.high, pressure_pa(design, silicone)
     prediction = predict_filling(
         follow_design_front(design), [*list_openings(vents), *gaps], list_ducts(design),
-        viscosity_pa_s=viscosity, pressure_pa=pressure,
+        viscosity_pa_s=silicone.viscosity_pa_s.high, pressure_pa=pressure_pa(design, silicone),
     )  # fmt: skip
     trapped = tuple(pocket for pocket in prediction.air_pockets if not is_at_collar(pocket.point_mm))
     return replace(prediction, air_pockets=trapped)

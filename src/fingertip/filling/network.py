@@ -72,8 +72,7 @@ class FlowNetwork:
         a, b, k = self.links
         flow = k * (potential[a] - potential[b])
         count = len(potential)
-        inflow: Array = np.bincount(b, flow, count).astype(float) - np.bincount(a, flow, count)
-        return inflow
+        return np.asarray(np.bincount(b, flow, count).astype(float) - np.bincount(a, flow, count))
 
     def reach(self, start: Mask) -> Mask:
         """Return the nodes linked to the start, directly or through others."""

@@ -8,14 +8,13 @@ silicone: state the viscosity of the end of the filling for a safe time.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from fingertip.filling.ducts_and_mouths import Duct, Mouth, fill_in_series, mouth_resistance, open_mouth
-from fingertip.filling.hele_shaw import ClosingVent, Filling, TrappedAir, fill, find_air
-from fingertip.filling.hele_shaw import LastPoint as Last
+from fingertip.filling.hele_shaw import Filling, TrappedAir, fill, find_air
 from fingertip.filling.surface_links import Layer, SkinGrid
 from fingertip.foundation.numerics import Array
 
@@ -31,21 +30,14 @@ def refine_peak(layer: Layer, values: Array, node: int) -> tuple[float, float, f
             (i * columns + (j - 1) % columns, i * columns + (j + 1) % columns),
             (node - columns if i else -1, node + columns if i + 1 < rows else -1),
         ):
-            if low >= 0 and high >= 0:
-                point += _offset(values, low, node, high, points)
+            if low < 0 or high < 0:
+                continue
+            # Move to the vertex of the parabola through the values of the three nodes.
+            curvature = values[low] - 2.0 * values[node] + values[high]
+            if np.isfinite(curvature) and curvature < 0.0:
+                shift = float(np.clip(0.5 * (values[low] - values[high]) / curvature, -0.5, 0.5))
+                point += abs(shift) * (points[high if shift > 0.0 else low] - points[node])
     return float(point[0]), float(point[1]), float(point[2])
-
-
-def _offset(values: Array, low: int, middle: int, high: int, points: Array) -> Array:
-    """Move from the middle one of three nodes to the vertex of the parabola through their values."""
-    curvature = values[low] - 2.0 * values[middle] + values[high]
-    nothing: Array = np.zeros(3)
-    if not np.isfinite(curvature) or curvature >= 0.0:
-        return nothing
-    shift = float(np.clip(0.5 * (values[low] - values[high]) / curvature, -0.5, 0.5))
-    neighbour = points[high] if shift > 0.0 else points[low]
-    moved: Array = abs(shift) * (neighbour - points[middle])
-    return moved
 
 
 _WITHIN = 0.5
@@ -163,12 +155,13 @@ def follow_front(grid: SkinGrid, gate: Opening) -> Course:
     return Course(grid, fill(network, source), mouth_resistance(layer, mouth, gate.diameter_mm))
 
 
-def find_last_points(course: Course, vents: Sequence[Opening]) -> tuple[tuple[Last, ...], tuple[TrappedAir, ...]]:
-    """Find the last points, the last first, and the air that the vents do not let out, the largest first."""
+def find_last_points(course: Course, vents: Sequence[Opening]) -> tuple[list[int], tuple[TrappedAir, ...]]:
+    """Find the nodes that fill last, the last first, and the air that the vents do not let out, the largest first."""
     layer, arrival = course.grid.layer, course.filling.arrival_mm3
-    closing = tuple(
-        sample for vent in vents for sample in _close(open_mouth(layer, vent.point_mm, vent.diameter_mm), arrival)
-    )
+    closing: dict[int, float] = {}
+    for vent in vents:
+        for node, volume in _close(open_mouth(layer, vent.point_mm, vent.diameter_mm), arrival):
+            closing[node] = max(volume, closing.get(node, 0.0))
     points, pockets = find_air(course.filling.network, arrival, closing)
     # What closed quads cut off from the gate is one more pocket.
     network = course.grid.layer.network
@@ -176,7 +169,7 @@ def find_last_points(course: Course, vents: Sequence[Opening]) -> tuple[tuple[La
     if cut_off.any():
         volume = float(network.volume_mm3[cut_off].sum())
         pockets = (*pockets, TrappedAir(int(np.flatnonzero(cut_off)[0]), 0.0, volume))
-    return tuple(points), pockets
+    return points, pockets
 
 
 def place_of(course: Course, node: int) -> Point3:
@@ -187,32 +180,43 @@ def place_of(course: Course, node: int) -> Point3:
 def predict_filling(
     course: Course, vents: Sequence[Opening], ducts: Sequence[Duct], *, viscosity_pa_s: float, pressure_pa: float
 ) -> FillingPrediction:
-    grid, filling = course.grid, course.filling
-    clock = _Clock.of(filling, course.mouth_resistance, ducts, viscosity_pa_s / pressure_pa)
+    grid, filling, mouth = course.grid, course.filling, course.mouth_resistance
+    before, seconds = fill_in_series(ducts), viscosity_pa_s / pressure_pa
     volume, arrival = filling.network.total_mm3, filling.arrival_mm3
     points, pockets = find_last_points(course, vents)
+    # Resistance of the cavity at each front and its integral. The mouth's may be negative, their sums may not.
+    injected = np.array([front.injected_mm3 for front in filling.fronts])
+    resistance = np.array([filling.gate @ front.pressure_per_mm3 for front in filling.fronts]) + mouth
+    integral = np.array([filling.gate @ front.potential for front in filling.fronts]) + mouth * injected
+    resistance, integral = np.maximum(resistance, 0.0), np.maximum(integral, 0.0)
+
+    def time_s(volume_mm3: Array) -> Array:
+        """Compute the times at which volumes have been injected; the slope of the integral is the resistance."""
+        in_cavity = _interpolate(volume_mm3, injected, integral, resistance)
+        return seconds * (before.resistance_integral + before.resistance * volume_mm3 + in_cavity)
+
+    arrival_s, trapped_s = time_s(arrival), time_s(np.array([air.injected_mm3 for air in pockets]))
     # At the last front the pressure has no finite limit, because the front has shrunk to a point.
     moving = slice(0, -1)
     pressures = np.stack([front.pressure_per_mm3 for front in filling.fronts[moving]])
-    pressures *= (pressure_pa * 1e-6 / (clock.ducts_resistance + clock.resistance[moving]))[:, None]  # [N/mm2]
+    pressures *= (pressure_pa * 1e-6 / (before.resistance + resistance[moving]))[:, None]  # [N/mm2]
     on_insert = -pressures @ grid.insert_area_mm2
     across = np.hypot(on_insert[:, 0], on_insert[:, 1])
     worst = int(np.argmax(across))
     direction = on_insert[worst, :2] / max(float(across[worst]), 1e-300)
-    in_cavity = float(np.max(clock.resistance[moving]))
-    gate_fraction = in_cavity / (clock.ducts_resistance + in_cavity)
+    largest = float(np.max(resistance[moving]))
     static_n = pressure_pa * 1e-6
     return FillingPrediction(
         volume_mm3=volume,
-        ducts_mm3=clock.ducts_mm3,
+        ducts_mm3=before.volume_mm3,
         viscosity_pa_s=viscosity_pa_s,
         pressure_pa=pressure_pa,
-        ducts_s=clock.ducts_integral * clock.seconds,
-        fill_s=float(clock.time_s(np.array([volume]))[0]),
-        ducts_resistance=clock.ducts_resistance,
-        cavity_integral=float(clock.integral[-1]),
-        total_integral=clock.ducts_integral + clock.ducts_resistance * volume + float(clock.integral[-1]),
-        gate_pressure_pa=pressure_pa * gate_fraction,
+        ducts_s=before.resistance_integral * seconds,
+        fill_s=float(time_s(np.array([volume]))[0]),
+        ducts_resistance=before.resistance,
+        cavity_integral=float(integral[-1]),
+        total_integral=before.resistance_integral + before.resistance * volume + float(integral[-1]),
+        gate_pressure_pa=pressure_pa * (largest / (before.resistance + largest)),
         side_force_n=float(across[worst]),
         side_force_direction=(float(direction[0]), float(direction[1])),
         axial_force_n=float(np.max(-on_insert[:, 2])),
@@ -220,74 +224,36 @@ def predict_filling(
         static_axial_force_n=static_n * float(grid.insert_area_mm2[:, 2].sum()),
         static_opening_force_n=static_n * float(grid.parting_area_mm2.sum()),
         arrival_mm3=arrival,
-        arrival_s=clock.time_s(arrival),
+        arrival_s=arrival_s,
         last_points=tuple(
-            LastPoint(
-                place_of(course, point.node), point.arrival_mm3,
-                float(clock.time_s(np.array([point.arrival_mm3]))[0]),
-            )
-            for point in points
+            LastPoint(place_of(course, node), float(arrival[node]), float(arrival_s[node])) for node in points
         ),
         air_pockets=tuple(
-            AirPocket(
-                place_of(course, air.node), air.volume_mm3, air.injected_mm3,
-                float(clock.time_s(np.array([air.injected_mm3]))[0]),
-            )
-            for air in pockets
+            AirPocket(place_of(course, air.node), air.volume_mm3, air.injected_mm3, time)
+            for air, time in zip(pockets, trapped_s.tolist(), strict=True)
         ),
-    )  # fmt: skip
+    )
 
 
-def _close(mouth: Mouth, arrival_mm3: Array) -> list[ClosingVent]:
-    """Find when the front covers each sample of a vent's mouth, which can lie in several parts of the cavity."""
+def _close(mouth: Mouth, arrival_mm3: Array) -> Iterable[tuple[int, float]]:
+    """List the node of each sample of a vent's mouth, and when the front covers it, in any part of the cavity."""
     reached = np.where(np.isfinite(arrival_mm3), arrival_mm3, 0.0)
     samples, corner = np.arange(len(mouth.nodes)), np.argmax(mouth.weights, axis=1)
     heaviest = mouth.nodes[samples, corner]
     covered = np.einsum("sk,sk->s", mouth.weights, reached[mouth.nodes])
     # A node is the smallest volume that is resolved: one within the mouth is vented as long as it is not full.
     covered = np.where(mouth.weights[samples, corner] > _WITHIN, reached[heaviest], covered)
-    latest: dict[int, float] = {}
-    for node, volume in zip(heaviest.tolist(), covered.tolist(), strict=True):
-        latest[node] = max(volume, latest.get(node, 0.0))
-    return [ClosingVent(node, volume) for node, volume in latest.items()]
+    return zip(heaviest.tolist(), covered.tolist(), strict=True)
 
 
-@dataclass(frozen=True, eq=False)
-class _Clock:
-    """Resistance of ducts and cavity over the injected volume, and the time that follows from it."""
-
-    ducts_resistance: float
-    ducts_mm3: float
-    ducts_integral: float
-    injected_mm3: Array
-    resistance: Array
-    """Resistance of the cavity at each front [1/mm3]."""
-    integral: Array
-    """Integral of that resistance up to each front [1]."""
-    seconds: float
-    """mu / dp [s]."""
-
-    @classmethod
-    def of(cls, filling: Filling, mouth_resistance: float, ducts: Sequence[Duct], seconds: float) -> _Clock:
-        """Collect the resistances of a filling; the mouth's may be negative, their sum at a front may not."""
-        gate = filling.gate
-        injected = np.array([front.injected_mm3 for front in filling.fronts])
-        resistance = np.array([gate @ front.pressure_per_mm3 for front in filling.fronts]) + mouth_resistance
-        integral = np.array([gate @ front.potential for front in filling.fronts]) + mouth_resistance * injected
-        return cls(*fill_in_series(ducts), injected, np.maximum(resistance, 0.0), np.maximum(integral, 0.0), seconds)
-
-    def time_s(self, volume_mm3: Array) -> Array:
-        """Compute the times of injected volumes: between fronts the integral is cubic, with the resistance as slope."""
-        v = np.concatenate(([0.0], self.injected_mm3))
-        integral = np.concatenate(([0.0], self.integral))
-        slope = np.concatenate(([0.0], self.resistance))
-        k = np.clip(np.searchsorted(v, volume_mm3) - 1, 0, len(v) - 2)
-        step = v[k + 1] - v[k]
-        x = (volume_mm3 - v[k]) / step
-        cavity = (
-            integral[k] * (1 + 2 * x) * (1 - x) ** 2
-            + integral[k + 1] * x * x * (3 - 2 * x)
-            + step * x * (1 - x) * (slope[k] * (1 - x) - slope[k + 1] * x)
-        )
-        times: Array = self.seconds * (self.ducts_integral + self.ducts_resistance * volume_mm3 + cavity)
-        return times
+def _interpolate(at: Array, points: Array, values: Array, slopes: Array) -> Array:
+    """Interpolate a function that begins at 0 as a constant, by cubics between points with known value and slope."""
+    v, value, slope = (np.concatenate(([0.0], known)) for known in (points, values, slopes))
+    k = np.clip(np.searchsorted(v, at) - 1, 0, len(v) - 2)
+    step = v[k + 1] - v[k]
+    x = (at - v[k]) / step
+    return np.asarray(
+        value[k] * (1 + 2 * x) * (1 - x) ** 2
+        + value[k + 1] * x * x * (3 - 2 * x)
+        + step * x * (1 - x) * (slope[k] * (1 - x) - slope[k + 1] * x)
+    )

@@ -69,14 +69,14 @@ def link_layer(
     if is_closed is not None:
         closed |= is_closed(middle_wrapped[1::2, 1::2])
     thickness = np.where(closed, 0.0, thickness)
-    small_volume = np.where(np.repeat(np.repeat(closed, 2, axis=0), 2, axis=1), 0.0, small_volume)
+    small_closed = np.repeat(np.repeat(closed, 2, axis=0), 2, axis=1)
+    small_volume, small_area = (np.where(small_closed, 0.0, small) for small in (small_volume, small_area))
 
     node_volume = _sum_at_nodes(small_volume, is_periodic, has_pole)
     nodes = middle[::2, ::2]
     rest = (nodes[:-1].reshape(-1, 3), nodes[-1, :1]) if has_pole else (nodes.reshape(-1, 3), np.full((1, 3), np.nan))
     points = np.concatenate(rest)
-    open_area = np.where(np.repeat(np.repeat(closed, 2, axis=0), 2, axis=1), 0.0, small_area)
-    node_area = _sum_at_nodes(open_area, is_periodic, has_pole)
+    node_area = _sum_at_nodes(small_area, is_periodic, has_pole)
     node_thickness = np.divide(node_volume, node_area, out=np.zeros_like(node_volume), where=node_area > 0.0)
     network = _link(middle_wrapped[::2, ::2], thickness**3 / 12.0, node_volume, has_pole, is_periodic)
     return Layer(network, points, node_thickness)
@@ -159,19 +159,17 @@ def hexahedron_volumes(inner: Array, outer: Array) -> Array:
 
 
 def _determinant(a: Array, b: Array, c: Array) -> Array:
-    result: Array = (
+    return np.asarray(
         a[..., 0] * (b[..., 1] * c[..., 2] - b[..., 2] * c[..., 1])
         + a[..., 1] * (b[..., 2] * c[..., 0] - b[..., 0] * c[..., 2])
         + a[..., 2] * (b[..., 0] * c[..., 1] - b[..., 1] * c[..., 0])
     )
-    return result
 
 
 def vector_areas(surface: Array) -> Array:
     """Compute the vector areas of the quads of a surface, rows x columns."""
     first, second = surface[1:, 1:] - surface[:-1, :-1], surface[:-1, 1:] - surface[1:, :-1]
-    areas: Array = 0.5 * np.cross(second, first)
-    return areas
+    return np.asarray(0.5 * np.cross(second, first))
 
 
 def _sum_of_four(small: Array) -> Array:
@@ -183,8 +181,7 @@ def _cotangent(corner: Array, a: Array, b: Array) -> Array:
     u, v = a - corner, b - corner
     sine = np.linalg.norm(np.cross(u, v), axis=-1)
     cosine = np.einsum("...k,...k->...", u, v)
-    cotangent: Array = np.divide(cosine, sine, out=np.zeros_like(cosine), where=sine > 1e-12)
-    return cotangent
+    return np.asarray(np.divide(cosine, sine, out=np.zeros_like(cosine), where=sine > 1e-12))
 
 
 ROWS, COLUMNS = 40, 48

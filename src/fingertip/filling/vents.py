@@ -115,30 +115,30 @@ def _spacing_mm(design: Design) -> float:
 
 def _clear_of_vents(design: Design, point: Point3, vents: Iterable[Vent]) -> Point3:
     """Move a point of a hole from above as far from such holes before it as keeps a wall between them."""
-    x, y, z = point
-    needed = _spacing_mm(design)
     for vent in vents:
-        other_x, _, other_z = vent.point_mm
-        distance = math.hypot(x - other_x, z - other_z)
-        if vent.kind == "dorsal" and 0.0 < distance < needed:
-            away = needed / distance
-            x, z = other_x + (x - other_x) * away, other_z + (z - other_z) * away
-    return x, y, z
+        if vent.kind == "dorsal":
+            point = _push_away(point, vent.point_mm[0], vent.point_mm[2], _spacing_mm(design))
+    return point
 
 
 def _clear_of_chaplet(design: Design, point: Point3) -> Point3:
     """Move a point as far from the chaplet as a vent needs: it may cut the side of the boss, but not its screw."""
     chaplet = design.dimensions.chaplet
-    x, y, z = point
-    if chaplet is None or y < 0.0:
+    if chaplet is None or point[1] < 0.0:
         return point
     scale = design.dimensions.shrinkage if design.mold.method == "sleeve" else 1.0
-    distance = math.hypot(x, z - scale * chaplet.z)
     needed = chaplet.head_radius + design.mold.vent_diameter_mm / 2 + design.printer.min_wall_mm + _BESIDE_HEAD_MM
-    if distance >= needed or distance == 0.0:
+    return _push_away(point, 0.0, scale * chaplet.z, needed)
+
+
+def _push_away(point: Point3, from_x: float, from_z: float, needed_mm: float) -> Point3:
+    """Move a point away from an axis along y, to the distance that it needs at least; on the axis it stays."""
+    x, y, z = point
+    distance = math.hypot(x - from_x, z - from_z)
+    if distance == 0.0 or distance >= needed_mm:
         return point
-    away = needed / distance
-    return (x * away, y, scale * chaplet.z + (z - scale * chaplet.z) * away)
+    away = needed_mm / distance
+    return from_x + (x - from_x) * away, y, from_z + (z - from_z) * away
 
 
 def is_at_collar(point: Point3) -> bool:

@@ -16,7 +16,6 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.polynomial.legendre import legval2d, legvander2d
@@ -117,9 +116,6 @@ class _Table:
     dz_mm: Array
     shares: Array
 
-    def to_dict(self) -> dict[str, Any]:
-        return {name: values.tolist() for name, values in vars(self).items()}
-
 
 def _scale(tilt_deg: Array, force_n: Array) -> tuple[Array, Array]:
     """Map tilt and logarithm of the force to the range -1 to 1 of the polynomials."""
@@ -136,7 +132,7 @@ def _read_table(form: PadForm) -> _Table:
         return _Table(**{name: np.array(values) for name, values in json.loads(path.read_text("utf-8")).items()})
     table = _compute_table(form)
     with suppress(OutputError):  # a folder that cannot be written costs the time again
-        write_file(path, json.dumps(table.to_dict()).encode())
+        write_file(path, json.dumps({name: values.tolist() for name, values in vars(table).items()}).encode())
     return table
 
 

@@ -17,13 +17,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fingertip.foundation.errors import GeometryError, Issue
-from fingertip.foundation.numerics import Array
+from fingertip.foundation.numerics import Array, bisect_arrays
 from fingertip.pad.touch import X
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fingertip.design.geometry.features import SensorInsert
     from fingertip.pad.form import PadForm
 
 RIM_MM = 0.6
@@ -108,7 +107,13 @@ def mesh_skin(form: PadForm, size: MeshSize, is_half: bool) -> tuple[WedgeMesh, 
     bottom[t[:, 3:]] = 0.5 * (bottom[t[:, :3]] + bottom[t[:, [1, 2, 0]]])
     faces = bottom + np.linspace(0.0, 1.0, size.layers + 1)[:, None] * (surface - bottom)
     if form.insert:
-        faces = _faces_of_insert(form, form.insert, np.hypot(x, z - form.sensor_z_mm), bottom, surface)
+        # The faces of the layers are an insert's within its radius, and beside it the same part of the skin.
+        beside = np.hypot(x, z - form.sensor_z_mm) > form.insert.radius * (1.0 + 1e-9)
+        levels = [
+            np.where(beside, bottom + top / form.over_sensor_mm * (surface - bottom), form.platform_mm + top)
+            for _, top in form.insert.parts
+        ]
+        faces = np.stack([bottom, *levels, surface])
     return extrude(points, t, faces), np.asarray(np.isfinite(bone[t]).all(axis=1))
 
 
@@ -117,27 +122,16 @@ def _circles(form: PadForm) -> list[float]:
     return sorted({form.active_radius_mm, *(radius for radius, _ in (form.insert.parts if form.insert else ()))})
 
 
-def _faces_of_insert(form: PadForm, insert: SensorInsert, arm: Array, bottom: Array, surface: Array) -> Array:
-    """Heights of the faces of the layers: an insert's within its radius, and the same part of the skin beside it."""
-    widest = insert.radius * (1.0 + 1e-9)
-    levels = [
-        np.where(arm <= widest, form.platform_mm + top, bottom + top / form.over_sensor_mm * (surface - bottom))
-        for _, top in insert.parts
-    ]
-    return np.stack([bottom, *levels, surface])
-
-
 def _outline(form: PadForm) -> Array:
     """Return a fine polyline along the half outline at which the mesh ends, from the base to the tip."""
 
     def reach(start: Array, x: float, z: float) -> Array:
         """Distance from points on the axis, in a direction, at which the surface falls to the rim."""
-        low, high = np.zeros(len(start)), np.full(len(start), _WIDEST_MM)
-        for _ in range(50):
-            middle = 0.5 * (low + high)
-            is_inside = form.skin_mm(x * middle, start + z * middle) >= RIM_MM
-            low, high = np.where(is_inside, middle, low), np.where(is_inside, high, middle)
-        return low
+
+        def is_inside(distance: Array) -> NDArray[np.bool_]:
+            return np.asarray(form.skin_mm(x * distance, start + z * distance) >= RIM_MM)
+
+        return bisect_arrays(is_inside, np.zeros(len(start)), np.full(len(start), _WIDEST_MM), halvings=50)[0]
 
     length = form.sensor_z_mm + float(reach(np.array([form.sensor_z_mm]), 0.0, 1.0)[0])
     z = length * np.sin(np.linspace(0.0, 0.5 * math.pi, 400))  # closer towards the tip

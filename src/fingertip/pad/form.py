@@ -86,8 +86,7 @@ class PadForm:
             on_neck = (np.abs(x) <= self.neck_half_width_mm) & (z <= self.sensor_z_mm)
             on_disc = np.hypot(x, z - self.sensor_z_mm) <= self.platform_radius_mm
             cut = np.where(on_disc, self.platform_mm, np.where(on_neck, rising, cut))
-        height: Array = np.minimum(_height(self.bone, x, z), cut)
-        return height
+        return np.asarray(np.minimum(_height(self.bone, x, z), cut))
 
 
 def _height(body: ConicBody, x: Array, z: Array) -> Array:
@@ -95,8 +94,7 @@ def _height(body: ConicBody, x: Array, z: Array) -> Array:
     rows, at = np.unique(z, return_inverse=True)
 
     def along(scale_at: Callable[[float], float]) -> Array:
-        values: Array = np.array([scale_at(float(row)) for row in rows])[at.reshape(np.shape(z))]
-        return values
+        return np.asarray(np.array([scale_at(float(row)) for row in rows])[at.reshape(np.shape(z))])
 
     scale, section, w = along(body.scale_at), body.section, body.section.palmar_weight
     palmar = along(body.palmar_scale_at) if body.crown else scale
@@ -104,5 +102,4 @@ def _height(body: ConicBody, x: Array, z: Array) -> Array:
     y = np.where(inside, np.abs(x) / np.where(scale > 0.0, section.half_width * scale, 1.0), 0.0)
     b = 2.0 * y + 4.0 * w * w * (1.0 - y)
     arc = 1.0 - 2.0 * y * y / (b + np.sqrt(np.maximum(b * b - 4.0 * y * y, 0.0)))
-    height: Array = np.where(inside, palmar * section.palmar * arc, -math.inf)
-    return height
+    return np.asarray(np.where(inside, palmar * section.palmar * arc, -math.inf))

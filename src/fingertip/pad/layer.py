@@ -184,8 +184,7 @@ def _unwrap(start: float, size: int, used: int) -> Array:
 def _cover(x: Array, dz: Array, radius: float) -> Array:
     inner = GRID_MM * ((np.arange(_SUPERSAMPLED) + 0.5) / _SUPERSAMPLED - 0.5)
     squares = ((x[:, None] + inner) ** 2)[:, None, :, None] + ((dz[:, None] + inner) ** 2)[None, :, None, :]
-    share: Array = (squares <= radius * radius).mean(axis=(2, 3))
-    return share
+    return np.asarray((squares <= radius * radius).mean(axis=(2, 3)))
 
 
 def _kernels(sizes: list[int], h: float, young: float, nu: float) -> tuple[Array, Array, NDArray[np.complex128]]:

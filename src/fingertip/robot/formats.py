@@ -84,13 +84,8 @@ def _add_to_mjcf(placed: Placed, world: Element, sensor: Element) -> None:
     }  # fmt: skip
     colours = {part.name: {**seen, "rgba": _text((*part.colour, 1.0))} for part in finger.bodies}
     for mesh in finger.meshes:
-        shape = {
-            "name": f"{name}_{mesh}",
-            "type": "mesh",
-            "mesh": f"{finger.name}_{mesh}",
-            "pos": _text(finger.offset_m),
-        }
-        SubElement(body, "geom", {**shape, "mass": "0", **colours.get(mesh, touched)})
+        shape = {"name": f"{name}_{mesh}", "type": "mesh", "mesh": f"{finger.name}_{mesh}"}
+        SubElement(body, "geom", {**shape, "pos": _text(finger.offset_m), "mass": "0", **colours.get(mesh, touched)})
     to_palm, (x, y, z), through_m = f"{_text([math.pi / 2])} 0 0", finger.sensor_m, finger.over_sensor_m
     # Points of contact lie near the skin's surface: the site reaches from the active area as far beyond it.
     middle, over, reach = (x, y - through_m, z), (finger.active_radius_m, through_m), [2 * finger.tip_m[2]]

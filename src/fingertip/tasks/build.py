@@ -143,7 +143,7 @@ def build(
             bought = tuple((item.name, item.solid, item.colour) for item in hardware(design, names))
             tools = tuple(name for name in names if PARTS[name].is_tool)
             job = StepJob(design.name, solids, brep_balance_solids(design, names), bought, tools)
-            process = stack.enter_context(StepProcess(job))
+            process = stack.enter_context(StepProcess.start(job))
         if presses:
             work.begin("pad by finite elements")
             survey_pad(design)

@@ -97,7 +97,7 @@ def make_coupon(
         process = None
         if "step" in formats:
             parts = tuple((name, solid, COUPON_PARTS[name].colour) for name, solid in solids.items())
-            process = stack.enter_context(StepProcess(StepJob(f"{design.name}_coupon", parts)))
+            process = stack.enter_context(StepProcess.start(StepJob(f"{design.name}_coupon", parts)))
         meshes = {}
         work = Work("", dict.fromkeys((*solids, "STEP files", "plan view"), 1.0), progress)
         for name, solid in solids.items():

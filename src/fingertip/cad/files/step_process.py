@@ -6,28 +6,26 @@ The process runs `cad.files.step_worker`. It works while this process makes the 
 from __future__ import annotations
 
 import contextlib
-import json
 import os
 import pickle
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from types import TracebackType
+from pathlib import Path
 
 from fingertip.design.geometry.solids import Solid
-from fingertip.foundation import errors
-from fingertip.foundation.errors import GeometryError, Issue
+from fingertip.foundation.errors import FingertipError, GeometryError, Issue
 from fingertip.foundation.files import TemporaryFolder
 from fingertip.foundation.processes import python_command, python_environment
 
 TIME_LIMIT_S = 180.0
 POLL_S = 0.5
 """Time between two looks at the files of the process [s]."""
-STATUS_FILE = "status.txt"
-"""File in which the process lists its steps: for the progress, and for the message if it is stopped."""
+STATUS_FILE, ANSWER_FILE = "status.txt", "answer.pickle"
+"""Files in which the process lists its steps, for the progress and for the message if it is stopped, and its answer."""
 
 
 @dataclass(frozen=True)
@@ -53,6 +51,10 @@ class BrepMeasurements:
     genus: int
 
 
+Measured = tuple[dict[str, BrepMeasurements], dict[str, float]]
+"""Measurements of the parts, and volumes of the other solids [mm3], by name."""
+
+
 @dataclass(frozen=True)
 class StepFiles:
     contents: dict[str, bytes]
@@ -61,58 +63,40 @@ class StepFiles:
     volumes_mm3: dict[str, float]
 
 
+@dataclass(frozen=True)
 class StepProcess:
-    """Running STEP job; a context manager, so that the process ends with the block."""
+    """Running STEP job, in a folder of its own."""
 
-    def __init__(self, job: StepJob) -> None:
-        self._job = job
+    job: StepJob
+    folder: Path
+    process: subprocess.Popen[bytes]
 
-    def __enter__(self) -> StepProcess:
-        self._folder = TemporaryFolder()
-        try:
-            self._process = self._start()
-        except BaseException:
-            self._folder.remove()
-            raise
-        return self
-
-    def _start(self) -> subprocess.Popen[bytes]:
-        process = subprocess.Popen(
-            python_command("fingertip.cad.files.step_worker", str(self._folder.path)),
-            stdin=subprocess.PIPE,
-            stdout=subprocess.DEVNULL,  # Open CASCADE prints there
-            stderr=subprocess.PIPE,
-            cwd=self._folder.path,  # ezdxf and Open CASCADE read settings of the current folder
-            env=python_environment(),
-            start_new_session=True,  # the process group lets `_kill` end its child process too
-        )
-        try:
-            assert process.stdin is not None
-            process.stdin.write(pickle.dumps(self._job))
-            process.stdin.flush()
-        except BaseException:
-            process.kill()
-            process.communicate()
-            raise
-        return process
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._kill()
-        self._process.communicate()
-        self._folder.remove()
+    @classmethod
+    @contextlib.contextmanager
+    def start(cls, job: StepJob) -> Iterator[StepProcess]:
+        """Start a job in a process that ends with the block."""
+        with TemporaryFolder() as folder:
+            process = subprocess.Popen(
+                python_command("fingertip.cad.files.step_worker", str(folder)),
+                stdin=subprocess.PIPE,
+                stdout=subprocess.DEVNULL,  # Open CASCADE prints there
+                stderr=subprocess.PIPE,
+                cwd=folder,  # ezdxf and Open CASCADE read settings of the current folder
+                env=python_environment(),
+                start_new_session=True,  # the process group lets `_kill` end its child process too
+            )
+            try:
+                assert process.stdin is not None
+                process.stdin.write(pickle.dumps(job))
+                process.stdin.flush()
+                yield cls(job, folder, process)
+            finally:
+                _kill(process)
+                process.communicate()
 
     def _steps(self) -> list[str]:
-        status_file = self._folder.path / STATUS_FILE
+        status_file = self.folder / STATUS_FILE
         return ["starting", *(status_file.read_text(encoding="utf-8").splitlines() if status_file.exists() else ())]
-
-    def _kill(self) -> None:
-        if sys.platform == "win32":
-            self._process.kill()
-            return
-        with contextlib.suppress(ProcessLookupError, PermissionError):  # both have ended
-            os.killpg(self._process.pid, signal.SIGKILL)
 
     def result(
         self, time_limit_s: float = TIME_LIMIT_S, *, advance: Callable[[float], None] = lambda _: None
@@ -121,23 +105,27 @@ class StepProcess:
         begun, stderr = time.monotonic(), None
         while stderr is None and (left_s := time_limit_s - (time.monotonic() - begun)) > 0:
             with contextlib.suppress(subprocess.TimeoutExpired):
-                _, stderr = self._process.communicate(timeout=min(POLL_S, left_s))
+                _, stderr = self.process.communicate(timeout=min(POLL_S, left_s))
             steps = len(("starting", "loading", "hardware", "assembly"))
-            steps += 2 * len(self._job.parts) + len(self._job.measured_solids)
+            steps += 2 * len(self.job.parts) + len(self.job.measured_solids)
             advance((len(self._steps()) - 1) / steps)
         if stderr is None:
             status = self._steps()[-1]
             message = f"the B-rep kernel was still {status} after {time_limit_s:g} s; use --formats stl,3mf."
             raise GeometryError(Issue("STEP", message))
-        folder = self._folder.path
-        answer_file = folder / "answer.json"
-        if not answer_file.exists():
+        if not (self.folder / ANSWER_FILE).exists():
             last = stderr.decode(errors="replace").strip().splitlines()[-1:] or ["no message"]
             message = f"the B-rep kernel crashed ({last[0]}); use --formats stl,3mf."
             raise GeometryError(Issue("STEP", message))
-        answer = json.loads(answer_file.read_text(encoding="utf-8"))
-        if "error" in answer:
-            raise getattr(errors, answer["error"])([Issue(*issue) for issue in answer["issues"]])
-        contents = {path.name: path.read_bytes() for path in sorted(folder.glob("*.step"))}
-        measurements = {name: BrepMeasurements(**measured) for name, measured in answer["measurements"].items()}
-        return StepFiles(contents, measurements, answer["volumes_mm3"])
+        answer: Measured | FingertipError = pickle.loads((self.folder / ANSWER_FILE).read_bytes())
+        if isinstance(answer, FingertipError):
+            raise answer
+        return StepFiles({path.name: path.read_bytes() for path in sorted(self.folder.glob("*.step"))}, *answer)
+
+
+def _kill(process: subprocess.Popen[bytes]) -> None:
+    if sys.platform == "win32":
+        process.kill()
+        return
+    with contextlib.suppress(ProcessLookupError, PermissionError):  # both have ended
+        os.killpg(process.pid, signal.SIGKILL)

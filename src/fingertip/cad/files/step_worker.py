@@ -7,32 +7,21 @@ calling process makes the meshes.
 
 from __future__ import annotations
 
-import json
+import contextlib
 import multiprocessing
 import os
 import pickle
 import sys
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from fingertip.cad.files.step_process import STATUS_FILE, BrepMeasurements, StepJob
+from fingertip.cad.files.step_process import ANSWER_FILE, STATUS_FILE, BrepMeasurements, Measured, StepJob
 from fingertip.foundation.errors import FingertipError, GeometryError, Issue
 from fingertip.foundation.processes import end_with_parent
 
 
-@dataclass(frozen=True)
-class JobMeasurements:
-    """Measurements of the parts, and volumes of the other solids [mm3], by name."""
-
-    measurements: dict[str, BrepMeasurements]
-    volumes_mm3: dict[str, float]
-
-    def __or__(self, other: JobMeasurements) -> JobMeasurements:
-        return JobMeasurements(self.measurements | other.measurements, self.volumes_mm3 | other.volumes_mm3)
-
-
-def run_job(job: StepJob, folder: Path) -> JobMeasurements:
+def run_job(job: StepJob, folder: Path) -> Measured:
     """Write `<part>.step` for each part and `assembly.step`, and measure parts and solids.
 
     On Linux half of the parts are made in a forked process: the halves share little, and most machines have two cores.
@@ -44,12 +33,12 @@ def run_job(job: StepJob, folder: Path) -> JobMeasurements:
     from fingertip.cad.kernel import brep  # raises MissingLibraryError if OCP cannot be loaded  # noqa: PLC0415
 
     own_job, forked_job = _split_job(job) if sys.platform == "linux" else (job, StepJob(job.title, ()))
-    with _ForkedJob(forked_job, folder) as forked:
+    with _fork(forked_job, folder) as receive:
         evaluator, solids = _make_solids(own_job, folder)
         _write_parts(solids, folder)
         write_status(folder, "making the hardware")
         bought = [(name, evaluator.solid(solid), colour) for name, solid, colour in job.hardware]
-        forked.wait_for_solids()
+        receive()
         all_solids = solids + [
             (name, brep.load(folder / f"{name}.brep"), colour) for name, _, colour in forked_job.parts
         ]
@@ -58,7 +47,9 @@ def run_job(job: StepJob, folder: Path) -> JobMeasurements:
         from fingertip.cad.files import step_writer  # noqa: PLC0415
 
         step_writer.write_assembly(folder / "assembly.step", f"fingertip_{job.title}", all_solids + bought)
-        return _measure(own_job, evaluator, solids, folder) | forked.wait_for_measurements()
+        parts, volumes = _measure(own_job, evaluator, solids, folder)
+        other_parts, other_volumes = receive() or ({}, {})
+        return parts | other_parts, volumes | other_volumes
 
 
 def _split_job(job: StepJob) -> tuple[StepJob, StepJob]:
@@ -81,15 +72,14 @@ def _make_solids(job: StepJob, folder: Path) -> tuple[Any, list[Any]]:
     return evaluator, solids
 
 
-def _measure(job: StepJob, evaluator: Any, solids: list[Any], folder: Path) -> JobMeasurements:
+def _measure(job: StepJob, evaluator: Any, solids: list[Any], folder: Path) -> Measured:
     from fingertip.cad.kernel import brep  # noqa: PLC0415
 
     volumes = {}
     for name, solid in job.measured_solids:
         write_status(folder, f"measuring {name}")
         volumes[name] = brep.volume(evaluator.shape(solid))
-    measurements = {name: BrepMeasurements(brep.volume(solid), brep.genus(solid)) for name, solid, _ in solids}
-    return JobMeasurements(measurements, volumes)
+    return {name: BrepMeasurements(brep.volume(solid), brep.genus(solid)) for name, solid, _ in solids}, volumes
 
 
 def _write_parts(solids: list[Any], folder: Path) -> None:
@@ -100,53 +90,42 @@ def _write_parts(solids: list[Any], folder: Path) -> None:
         step_writer.write_part(folder / f"{part[0]}.step", part)
 
 
-class _ForkedJob:
-    """Job that runs in a forked process; without parts, no process is started.
+@contextlib.contextmanager
+def _fork(job: StepJob, folder: Path) -> Iterator[Callable[[], Any]]:
+    """Do a job in a forked process; what is provided waits for its next answer. Without parts there are none.
 
     The process saves its solids as `<part>.brep`. While this process writes the assembly from them, it measures them
     and writes their STEP files.
     """
+    if not job.parts:
+        yield lambda: None
+        return
+    names = ", ".join(name for name, _, _ in job.parts)
+    crash = GeometryError(Issue("STEP", f"the B-rep kernel crashed while it made {names}; use --formats stl,3mf."))
+    fork = multiprocessing.get_context("fork")
+    answers, sender = fork.Pipe(duplex=False)
+    process = fork.Process(target=_run_forked_job, args=(job, folder, sender), daemon=True)
+    process.start()
+    sender.close()  # so that reading raises EOFError if the process ends
 
-    def __init__(self, job: StepJob, folder: Path) -> None:
-        self._names = ", ".join(name for name, _, _ in job.parts)
-        self._process: Any = None
-        if job.parts:
-            fork = multiprocessing.get_context("fork")
-            self._answer, answer = fork.Pipe(duplex=False)
-            self._process = fork.Process(target=_run_forked_job, args=(job, folder, answer), daemon=True)
-            self._process.start()
-            answer.close()  # so that reading raises EOFError if the process ends
-
-    def __enter__(self) -> _ForkedJob:
-        return self
-
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        if not self._process:
-            return
-        if error:
-            self._process.kill()
-        self._process.join()
-        if not error and self._process.exitcode:
-            raise self._crash_error()
-
-    def wait_for_solids(self) -> None:
-        if self._process and isinstance(error := self._receive(), FingertipError):
-            raise error
-
-    def wait_for_measurements(self) -> JobMeasurements:
-        answer = self._receive() if self._process else JobMeasurements({}, {})
-        assert isinstance(answer, JobMeasurements)
+    def receive() -> Any:
+        try:
+            answer = answers.recv()
+        except EOFError:
+            raise crash from None
+        if isinstance(answer, FingertipError):
+            raise answer
         return answer
 
-    def _receive(self) -> object:
-        try:
-            return self._answer.recv()
-        except EOFError:
-            raise self._crash_error() from None
-
-    def _crash_error(self) -> GeometryError:
-        message = f"the B-rep kernel crashed while it made {self._names}; use --formats stl,3mf."
-        return GeometryError(Issue("STEP", message))
+    try:
+        yield receive
+    except BaseException:
+        process.kill()
+        process.join()
+        raise
+    process.join()
+    if process.exitcode:
+        raise crash
 
 
 def _run_forked_job(job: StepJob, folder: Path, answer: Any) -> None:
@@ -173,15 +152,15 @@ def write_status(folder: Path, status: str) -> None:
 
 
 def main() -> None:
-    """Run the job on stdin and write measurements or issues to `answer.json` in the folder."""
+    """Run the job on stdin and write the measurements, or the error, to a file in the folder."""
     end_with_parent()
     folder = Path(sys.argv[1])
     job: StepJob = pickle.load(sys.stdin.buffer)
     try:
-        answer: dict[str, object] = asdict(run_job(job, folder))
+        answer: Measured | FingertipError = run_job(job, folder)
     except FingertipError as error:
-        answer = {"error": type(error).__name__, "issues": [[issue.field, issue.message] for issue in error.issues]}
-    (folder / "answer.json").write_text(json.dumps(answer), encoding="utf-8")
+        answer = error
+    (folder / ANSWER_FILE).write_bytes(pickle.dumps(answer))
 
 
 if __name__ == "__main__":

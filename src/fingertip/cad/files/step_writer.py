@@ -77,13 +77,9 @@ def _write(document: TDocStd_Document, path: Path, name: str) -> None:
     writer = STEPCAFControl_Writer()
     if not writer.Transfer(document) or writer.Write(str(path)) != IFSelect_RetDone:
         raise GeometryError(Issue("STEP", f"the B-rep kernel could not write {name}; use --formats stl,3mf."))
-    _make_reproducible(path)
-
-
-def _make_reproducible(path: Path) -> None:
-    """Remove what differs from run to run from a written file: the date, and the order of the colour blocks."""
-    text = path.read_text(encoding="utf-8")
-    path.write_text(_sort_colour_blocks(_TIMESTAMP.sub(_FIXED_TIMESTAMP, text, count=1)), encoding="utf-8")
+    # The date, and the order of the colour blocks, differ from run to run.
+    text = _TIMESTAMP.sub(_FIXED_TIMESTAMP, path.read_text(encoding="utf-8"), count=1)
+    path.write_text(_sort_colour_blocks(text), encoding="utf-8")
 
 
 def _sort_colour_blocks(text: str) -> str:

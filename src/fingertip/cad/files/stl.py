@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fingertip.cad.kernel.mesh import Mesh
+from fingertip.cad.kernel.mesh import Mesh, join_equal
 from fingertip.foundation.errors import GeometryError, Issue
 
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -29,9 +29,5 @@ def from_bytes(data: bytes) -> Mesh:
     if len(data) != 84 + count * _RECORD.itemsize:
         raise GeometryError(Issue("STL", f"file of {len(data)} bytes does not match its triangle count of {count}."))
     corners = np.frombuffer(data, _RECORD, offset=84)["corners"].astype(np.float64).reshape(-1, 3)
-    order = np.lexsort(corners.T[::-1])  # np.unique of rows takes four times as long
-    ordered = corners[order]
-    first = np.concatenate(([True], (ordered[1:] != ordered[:-1]).any(axis=1)))[: len(corners)]
-    index = np.empty(len(corners), dtype=np.int64)
-    index[order] = np.cumsum(first) - 1
-    return Mesh(ordered[first], index.reshape(-1, 3))
+    vertices, index = join_equal(corners)
+    return Mesh(vertices, index.reshape(-1, 3))

@@ -128,20 +128,25 @@ def to_canonical_mesh(manifold: Manifold) -> Mesh:
     vertices, corners = to_arrays(simplified)
     vertices = np.round(vertices / GRID_MM) * GRID_MM + 0.0
     _join_slivers(vertices, corners)
-    # Sort the vertices and give equal ones the same index.
-    order = np.lexsort(vertices.T[::-1])
-    vertices = vertices[order]
-    distinct = np.ones(len(order), dtype=bool)
-    distinct[1:] = (vertices[1:] != vertices[:-1]).any(axis=1)
-    rank = np.empty(len(order), dtype=np.int64)
-    rank[order] = np.cumsum(distinct) - 1
+    vertices, rank = join_equal(vertices)
     # Renumber the triangles, drop those that have become degenerate, and bring them into canonical order.
     triangles = rank[corners]
     triangles = triangles[(triangles != np.roll(triangles, 1, axis=1)).all(axis=1)]
     smallest = triangles.argmin(axis=1)
     triangles = np.take_along_axis(triangles, (smallest[:, None] + np.arange(3)) % 3, axis=1)
     triangles = triangles[~_find_flaps(triangles)]
-    return Mesh(vertices[distinct], triangles[np.argsort(_number_triples(triangles))])
+    return Mesh(vertices, triangles[np.argsort(_number_triples(triangles))])
+
+
+def join_equal(points: Array) -> tuple[Array, NDArray[np.int64]]:
+    """Sort points and join equal ones; return them, and the number of each point among them."""
+    order = np.lexsort(points.T[::-1])  # np.unique of rows takes four times as long
+    ordered = points[order]
+    is_first = np.ones(len(order), dtype=bool)
+    is_first[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    number = np.empty(len(order), dtype=np.int64)
+    number[order] = np.cumsum(is_first) - 1
+    return ordered[is_first], number
 
 
 def _find_flaps(triangles: Triangles) -> NDArray[np.bool_]:
@@ -152,8 +157,7 @@ def _find_flaps(triangles: Triangles) -> NDArray[np.bool_]:
 def _number_triples(triangles: Triangles) -> NDArray[np.int64]:
     """Number triples of indices, such that numbers are in the order of the triples."""
     size = int(triangles.max(initial=0)) + 1
-    numbers: NDArray[np.int64] = (triangles[:, 0] * size + triangles[:, 1]) * size + triangles[:, 2]
-    return numbers
+    return np.asarray((triangles[:, 0] * size + triangles[:, 1]) * size + triangles[:, 2])
 
 
 def find_degenerate_triangles(vertices: Array, triangles: Triangles) -> Triangles:

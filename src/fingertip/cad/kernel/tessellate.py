@@ -16,44 +16,33 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from fingertip.design.geometry import solids
 from fingertip.design.geometry.conic import ELLIPSE, ConicBody, CrossSection, arc_point
 from fingertip.design.geometry.profile import Control, Span, conic_point
-from fingertip.design.geometry.solids import (
-    Box,
-    Cone,
-    DraftedExtrusion,
-    ElbowTube,
-    Point3,
-    Primitive,
-    Prism,
-    SuperconicSolid,
-    axis_point,
-)
 from fingertip.foundation.numerics import Array
 
 Triangles: TypeAlias = NDArray[np.int64]
 Point2: TypeAlias = tuple[float, float]
 
 
-def tessellate(solid: Primitive, tolerance_mm: float) -> tuple[Array, Triangles]:
+def tessellate(solid: solids.Primitive, tolerance_mm: float) -> tuple[Array, Triangles]:
     """Tessellate a primitive: points (n, 3) [mm], and indices (m, 3) of triangles counter-clockwise from outside."""
     match solid:
-        case Box(low, high):
+        case solids.Box(low, high):
             ring = [(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])]
             return _connect_rings([[(x, y, z) for x, y in ring] for z in (low[2], high[2])])
-        case Cone():
+        case solids.Cone():
             return _cone(solid, tolerance_mm)
-        case Prism():
+        case solids.Prism():
             return _prism(solid)
-        case ElbowTube():
+        case solids.ElbowTube():
             return _elbow(solid, tolerance_mm)
-        case SuperconicSolid(body):
+        case solids.SuperconicSolid(body):
             return _superconic(body, tolerance_mm)
-        case DraftedExtrusion():
+        case solids.DraftedExtrusion():
             return _drafted_extrusion(solid, tolerance_mm)
 
 
-@lru_cache(maxsize=1024)
 def arc_segments(a: float, b: float, weight: float, tolerance: float) -> int:
     """Count the chords needed on a conic arc so that none deviates from it by more than `tolerance`.
 
@@ -76,18 +65,13 @@ def _count_chords(first: Control, second: Control, weight: float, tolerance: flo
 
 def _chord_deviation(first: Control, second: Control, weight: float, n: int) -> float:
     """Measure the largest distance [mm] between the arc and any of its `n` chords."""
-
-    def point(t: float) -> Point2:
-        x, y = conic_point(t, weight, first, second)
-        return x, y
-
-    worst, start = 0.0, point(0.0)
+    worst, start = 0.0, conic_point(0.0, weight, first, second)
     for i in range(1, n + 1):
-        end = point(i / n)
+        end = conic_point(i / n, weight, first, second)
         dx, dy = end[0] - start[0], end[1] - start[1]
         length = math.hypot(dx, dy)
         for fraction in (0.35, 0.5, 0.65):  # a short conic arc is farthest from its chord near the middle
-            mx, my = point((i - 1 + fraction) / n)
+            mx, my = conic_point((i - 1 + fraction) / n, weight, first, second)
             worst = max(worst, abs((mx - start[0]) * dy - (my - start[1]) * dx) / length)
         start = end
     return worst
@@ -104,14 +88,14 @@ def _circle(radius: float, tolerance: float) -> list[Point2]:
     ]
 
 
-def _cone(c: Cone, tolerance: float) -> tuple[Array, Triangles]:
+def _cone(c: solids.Cone, tolerance: float) -> tuple[Array, Triangles]:
     unit = _circle(1.0, tolerance / max(c.low_radius, c.high_radius, c.around_radius))
     u0, v0 = c.centre
     ends = ((c.low, c.low_radius), (c.high, c.high_radius))
-    return _connect_rings([[axis_point(c.axis, u0 + r * u, v0 + r * v, w) for u, v in unit] for w, r in ends])
+    return _connect_rings([[solids.axis_point(c.axis, u0 + r * u, v0 + r * v, w) for u, v in unit] for w, r in ends])
 
 
-def _prism(p: Prism) -> tuple[Array, Triangles]:
+def _prism(p: solids.Prism) -> tuple[Array, Triangles]:
     """Tessellate a prism: manifold3d triangulates the end polygons without adding vertices, every edge gets a wall."""
     from manifold3d import triangulate  # noqa: PLC0415
 
@@ -124,11 +108,11 @@ def _prism(p: Prism) -> tuple[Array, Triangles]:
         j = start + (np.arange(len(ring)) + 1) % len(ring)
         faces += [np.column_stack((i, j, j + n)), np.column_stack((i, j + n, i + n))]
         start += len(ring)
-    points = [axis_point(p.axis, u, v, w) for w in (p.low, p.high) for ring in rings for u, v in ring]
+    points = [solids.axis_point(p.axis, u, v, w) for w in (p.low, p.high) for ring in rings for u, v in ring]
     return np.array(points, dtype=np.float64), np.concatenate(faces)
 
 
-def _elbow(e: ElbowTube, tolerance: float) -> tuple[Array, Triangles]:
+def _elbow(e: solids.ElbowTube, tolerance: float) -> tuple[Array, Triangles]:
     # The deviations along the ring and along the bend add up: each may use half the tolerance.
     ring = _circle(e.radius, tolerance / 2)
     outer = e.bend_radius + e.radius
@@ -176,7 +160,7 @@ def _count_rows(section: CrossSection, span: Span, tolerance: float) -> int:
     return max(_count_chords((r * s[0], r * s[1], r * s[2]), span.z, span.weight, tolerance) for r, s in profiles)
 
 
-def _drafted_extrusion(extrusion: DraftedExtrusion, tolerance: float) -> tuple[Array, Triangles]:
+def _drafted_extrusion(extrusion: solids.DraftedExtrusion, tolerance: float) -> tuple[Array, Triangles]:
     section, half_width = extrusion.section.section, extrusion.section.half_width
     dorsal, palmar = (
         _arc_from(section.half_width, height, weight, start, tolerance)
@@ -199,7 +183,9 @@ def _arc_from(a: float, b: float, weight: float, start: float, tolerance: float)
     return [(a * x, b * y) for x, y in points]
 
 
-def _connect_rings(rings: Sequence[Sequence[Point3]], apex: Point3 | None = None) -> tuple[Array, Triangles]:
+def _connect_rings(
+    rings: Sequence[Sequence[solids.Point3]], apex: solids.Point3 | None = None
+) -> tuple[Array, Triangles]:
     """Connect rings of equal length by triangles and close both ends with fans of triangles.
 
     The first fan meets in the centre of the first ring, the last one in `apex` or in the centre of the last ring. The
@@ -221,7 +207,7 @@ def _connect_rings(rings: Sequence[Sequence[Point3]], apex: Point3 | None = None
     return vertices, faces.reshape(-1, 3)
 
 
-def _bounding_box_centre(ring: Sequence[Point3]) -> Point3:
+def _bounding_box_centre(ring: Sequence[solids.Point3]) -> solids.Point3:
     """Compute the centre of a ring's bounding box; it must lie inside the ring."""
     x, y, z = ((min(along) + max(along)) / 2 for along in zip(*ring, strict=True))
     return x, y, z

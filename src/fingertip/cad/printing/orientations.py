@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -23,8 +22,6 @@ _COARSE_MM = 0.1
 
 @dataclass(frozen=True)
 class Orientation:
-    """Orientation of a part on the build plate."""
-
     rotate_x_deg: float
     """Rotation about the x axis of the part's file [degrees]."""
     face_on_plate: str
@@ -66,13 +63,10 @@ def _orient_lid(design: Design) -> Orientation:
 
 def build_volume_excess(design: Design, mesh: Mesh, rotate_x_deg: float = 0.0) -> float:
     """Measure how far a part, turned on the bed or not, exceeds the build volume [mm]; negative if it fits."""
-    rotation, printer = math.radians(rotate_x_deg), design.printer
-    x, y, z = mesh.vertices.T
-    depth, height = (math.cos(rotation) * y - math.sin(rotation) * z, math.sin(rotation) * y + math.cos(rotation) * z)
-    footprint = sorted(float(along.max() - along.min()) for along in (x, depth))
+    printer, (x, y, height) = design.printer, bed_pose(mesh, rotate_x_deg).size(mesh)
     bed = sorted((printer.bed_x_mm, printer.bed_y_mm))
-    excess = [size - limit for size, limit in zip(footprint, bed, strict=True)]
-    return max(*excess, float(height.max() - height.min()) - printer.bed_z_mm)
+    excess = [size - limit for size, limit in zip(sorted((x, y)), bed, strict=True)]
+    return max(*excess, height - printer.bed_z_mm)
 
 
 _PAST_END_MM = 0.1
@@ -139,7 +133,6 @@ def _bone(design: Design) -> Supports:
 
 
 def _lid(design: Design, lies: Orientation) -> Supports:
-    """Supports of the lid of a folded tail."""
     none_on = "the dorsal side, on which the skin lies"
     if not lies.needs_supports:
         return Supports((), "nowhere", f"{none_on}; the space for tabs and film")

@@ -107,21 +107,16 @@ def find_ceilings(mesh: Mesh) -> list[Ceiling]:
     beside = _neighbours(mesh.triangles, numbers)
     group = _connected(numbers, beside)
     row, side = np.nonzero(~steep[beside])
-    edges, is_held = _boundary(corners, normal, numbers[row], side, beside[row, side])
+    facet, other = numbers[row], beside[row, side]
+    edges = np.stack([corners[facet, side], corners[facet, (side + 1) % 3]], axis=1)
+    # Of the facet beside, only the corner off the common edge leaves the plane of the ceiling's facet.
+    away = (corners[other] - edges[:, :1]) @ normal[facet, :, None]
+    is_held = away[:, :, 0].sum(axis=1) > 0.0
     members, sides = _split(group), _split(group[row])
     return [
         Ceiling(numbers[facets], edges[found][:, :, :2], is_held[found])
         for facets, found in zip(members, sides, strict=True)
     ]
-
-
-def _boundary(
-    corners: Array, normal: Array, facet: NDArray[np.int64], side: NDArray[np.int64], beside: NDArray[np.int64]
-) -> tuple[Array, NDArray[np.bool_]]:
-    edges = np.stack([corners[facet, side], corners[facet, (side + 1) % 3]], axis=1)
-    # Of the facet beside, only the corner off the common edge leaves the plane of the ceiling's facet.
-    away = (corners[beside] - edges[:, :1]) @ normal[facet, :, None]
-    return edges, away[:, :, 0].sum(axis=1) > 0.0
 
 
 def _split(group: NDArray[np.int64]) -> list[NDArray[np.int64]]:
@@ -137,8 +132,7 @@ def _neighbours(triangles: Triangles, numbers: NDArray[np.int64]) -> NDArray[np.
     order = np.argsort(keys)
     wanted = triangles[numbers]
     opposite = np.roll(wanted, -1, axis=1) * size + wanted
-    beside: NDArray[np.int64] = order[np.searchsorted(keys[order], opposite)] // 3
-    return beside
+    return np.asarray(order[np.searchsorted(keys[order], opposite)] // 3)
 
 
 def _connected(numbers: NDArray[np.int64], beside: NDArray[np.int64]) -> NDArray[np.int64]:

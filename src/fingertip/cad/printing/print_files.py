@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice, product
 
 from fingertip.cad.files import stl
@@ -89,9 +89,7 @@ def _centred(plate: Sequence[Placed], bed: tuple[float, float]) -> Plate:
     """Move the parts of a plate together to the middle of the bed."""
     right, back = max(part.x + part.width for part in plate), max(part.y + part.depth for part in plate)
     dx, dy = (round((size - used) / 2, _SHIFT_DIGITS) for size, used in zip(bed, (right, back), strict=True))
-    return tuple(
-        Placed(part.name, part.is_turned, part.x + dx, part.y + dy, part.width, part.depth) for part in plate
-    )  # fmt: skip
+    return tuple(replace(part, x=part.x + dx, y=part.y + dy) for part in plate)
 
 
 PRINT_FOLDER = "print"

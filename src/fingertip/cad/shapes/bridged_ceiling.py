@@ -26,7 +26,7 @@ def bridge_ceiling(
 ) -> Solid:
     """Fill the ceiling's steps into a pocket along y [mm], which reaches past its ceiling by `CEILING_STEPS_MM`."""
     z, x = centre
-    half = half_slot(hole_radius)
+    half = _half_slot(hole_radius)
     first, second, third = (ceiling + upwards * step * BRIDGE_STEP_MM for step in range(_STEPS))
     end = ceiling + upwards * (CEILING_STEPS_MM + reach)
 
@@ -50,24 +50,25 @@ def bridge_ceiling(
     )  # fmt: skip
 
 
-def half_slot(hole_radius: float) -> float:
+def _half_slot(hole_radius: float) -> float:
     """Half the width of slot, square and octagon [mm]: a little more than the hole's radius."""
     return hole_radius + TANGENT_STEP_MM
 
 
 def ceiling_steps_volume_mm3(slot_area_mm2: float, hole_radius: float) -> float:
     """Compute the volume [mm3] that the steps add to a pocket and its hole [mm], in closed form."""
-    half = half_slot(hole_radius)
+    half = _half_slot(hole_radius)
     square, octagon = 4.0 * half**2, 8.0 * (math.sqrt(2.0) - 1.0) * half**2
     return BRIDGE_STEP_MM * (slot_area_mm2 + square + octagon - _STEPS * math.pi * hole_radius**2)
 
 
-def hexagon_slot_area_mm2(width: float, half: float) -> float:
-    """Compute the area [mm2] of a hexagon, `width` across flats, in a slot of half width `half` through two corners."""
-    radius = width / math.sqrt(3.0)
+def hexagon_slot_area_mm2(width: float, hole_radius: float) -> float:
+    """Compute the area [mm2] of a hexagon, `width` across flats, in the slot of a hole, through two corners."""
+    half, radius = _half_slot(hole_radius), width / math.sqrt(3.0)
     return 4.0 * half * radius - 2.0 * half**2 / math.sqrt(3.0)
 
 
-def disc_slot_area_mm2(radius: float, half: float) -> float:
-    """Compute the area [mm2] of a disc within a slot of half width `half` through its centre."""
+def disc_slot_area_mm2(radius: float, hole_radius: float) -> float:
+    """Compute the area [mm2] of a disc within the slot of a hole in its centre."""
+    half = _half_slot(hole_radius)
     return 2.0 * (half * math.sqrt(radius**2 - half**2) + radius**2 * math.asin(half / radius))

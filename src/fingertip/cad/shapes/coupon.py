@@ -12,19 +12,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from fingertip.cad.shapes import coupon_layout
 from fingertip.cad.shapes.bone import sensor_recess
-from fingertip.cad.shapes.coupon_layout import (
-    AROUND_MM,
-    GAP_MM,
-    INTO_RIB_MM,
-    LETTERS,
-    RIB_MM,
-    Layout,
-    has_key,
-    lay_out,
-    tail_mm,
-    text_unit_mm,
-)
 from fingertip.cad.shapes.engraving import STROKE_WIDTH, letter_outlines
 from fingertip.cad.shapes.mold import base_recess, bolt_holes, key_sockets, keys, luer_cone, nut_traps
 from fingertip.cad.shapes.parts import Part
@@ -64,11 +53,11 @@ _UP_FROM_DORSAL: Literal[1] = 1
 
 def frame_with_fits(design: Design) -> Solid:
     """Build the frame with pocket, recess, trap, socket, cone, letters, slot and thin walls."""
-    layout = lay_out(design)
+    layout = coupon_layout.lay_out(design)
     walls, tile = layout.walls, layout.tile_mm
     carrier = Box(
-        (RIB_MM - INTO_RIB_MM, walls[0].low[1] - GAP_MM / 2, 0.0),
-        (walls[-1].high[0] + GAP_MM / 2, walls[0].high[1] + INTO_RIB_MM, tile),
+        (coupon_layout.RIB_MM - coupon_layout.INTO_RIB_MM, walls[0].low[1] - coupon_layout.GAP_MM / 2, 0.0),
+        (walls[-1].high[0] + coupon_layout.GAP_MM / 2, walls[0].high[1] + coupon_layout.INTO_RIB_MM, tile),
     )
     features: list[Solid] = [
         carrier, *(wall.box(tile / 2, _WALL_TOP_MM) for wall in walls),
@@ -95,7 +84,7 @@ def frame_with_fits(design: Design) -> Solid:
     return difference(union(_frame(layout), *features), *hollows)
 
 
-def _frame(layout: Layout) -> Solid:
+def _frame(layout: coupon_layout.Layout) -> Solid:
     """Build the ribs: the outline with the slot, around three windows."""
     (width, depth), slot = layout.size, layout.slot
     (left, _), (right, back) = slot.low, slot.high
@@ -115,7 +104,7 @@ def loose_slice(design: Design) -> Solid:
     low = _slice_z()
     cut = Box((-reach, -reach, low), (reach, reach, low + SLICE_MM))
     piece = Placed(intersection(exact, cut), 0, (0.0, 0.0, -low))
-    if not has_key(design):
+    if not coupon_layout.has_key(design):
         return piece
     x, z, _ = design.mold_layout.keys[0]
     key = intersection(keys(design)[0], Box((x - reach, -reach, z - reach), (x + reach, SLICE_MM / 2, z + reach)))
@@ -135,10 +124,10 @@ class Height:
 
 def list_heights(design: Design) -> tuple[Height, ...]:
     """List the heights of the coupon. Layers make them, so the calibration does not use them."""
-    layout, inside = lay_out(design), AROUND_MM / 2
+    layout, inside = coupon_layout.lay_out(design), coupon_layout.AROUND_MM / 2
     ring, tongue, wall = layout.ring, layout.tongue, layout.walls[-1]
     heights = [
-        Height("ribs of the frame", _RIB_TOP_MM, (RIB_MM / 2, layout.windows[0].centre[1])),
+        Height("ribs of the frame", _RIB_TOP_MM, (coupon_layout.RIB_MM / 2, layout.windows[0].centre[1])),
         Height("block around the recess", RING_MM, (ring.low[0] + inside, ring.centre[1])),
         Height("block with the trap", _tongue_top_mm(design), (tongue.low[0] + inside, tongue.low[1] + 2 * inside)),
     ]
@@ -154,10 +143,10 @@ def list_heights(design: Design) -> tuple[Height, ...]:
     return (*heights, Height("loose piece, beside its key", SLICE_MM, side, "coupon_slice"))
 
 
-def _pocket(design: Design, layout: Layout) -> Solid:
+def _pocket(design: Design, layout: coupon_layout.Layout) -> Solid:
     dims, spot = design.dimensions, layout.sensor
     head = dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm
-    low, high = dims.sensor_z - head - tail_mm(design), dims.sensor_z + head + _PAST_MM
+    low, high = dims.sensor_z - head - coupon_layout.tail_mm(design), dims.sensor_z + head + _PAST_MM
     side, flat = spot.size[0] / 2, -dims.platform_depth
     near = Box((-side, flat - _PAST_MM, low), (side, flat + dims.pocket_depth + _PAST_MM, high))
     recess = sensor_recess(design)
@@ -166,23 +155,23 @@ def _pocket(design: Design, layout: Layout) -> Solid:
         tail = dims.tail_half_width
         slot = Box((-tail, flat - 2 * _PAST_MM, low - _PAST_MM), (tail, flat + dims.pocket_depth, dims.sensor_z))
         recess = union(cylinder("y", (dims.sensor_z, 0.0), flat - 2 * _PAST_MM, flat + dims.pocket_depth, head), slot)
-    at = (spot.centre[0], spot.high[1] - AROUND_MM - head, layout.tile_mm)
+    at = (spot.centre[0], spot.high[1] - coupon_layout.AROUND_MM - head, layout.tile_mm)
     # The tail points to the lower rib: y of the coupon is z of the bone.
     return _place(intersection(recess, near), _UP_FROM_PALMAR, (0.0, flat, dims.sensor_z), at)
 
 
-def _sensor_hole(design: Design, layout: Layout) -> tuple[Solid, ...]:
+def _sensor_hole(design: Design, layout: coupon_layout.Layout) -> tuple[Solid, ...]:
     """Build the hole under the sensor's head, through which it is pushed out; none under a small head."""
     head, spot = design.dimensions.sensor.head_diameter_mm / 2, layout.sensor
     if head < 2 * _LEDGE_MM:
         return ()
-    at = (spot.centre[0], spot.high[1] - AROUND_MM - head - design.sensor.clearance_mm)
+    at = (spot.centre[0], spot.high[1] - coupon_layout.AROUND_MM - head - design.sensor.clearance_mm)
     return (cylinder("z", at, -_PAST_MM, layout.tile_mm + _PAST_MM, head - _LEDGE_MM),)
 
 
-def _recess(design: Design, layout: Layout) -> Solid:
+def _recess(design: Design, layout: coupon_layout.Layout) -> Solid:
     flat = design.dimensions.base_flat_depth + design.mold.fit_clearance_mm
-    at = (layout.ring.centre[0], layout.ring.low[1] + AROUND_MM, 0.0)
+    at = (layout.ring.centre[0], layout.ring.low[1] + coupon_layout.AROUND_MM, 0.0)
     recess = base_recess(design)[0]
     low = _slice_z()
     reach = 2 * max(layout.ring.size)
@@ -190,14 +179,14 @@ def _recess(design: Design, layout: Layout) -> Solid:
     return Placed(intersection(recess, near), 0, (at[0], at[1] + flat, -low))
 
 
-def _letters(design: Design, layout: Layout) -> list[Solid]:
+def _letters(design: Design, layout: coupon_layout.Layout) -> list[Solid]:
     """Build the letters in the smallest stroke of the mold's text, as deep as there."""
     assert layout.text
-    unit, top = text_unit_mm(design), layout.tile_mm
+    unit, top = coupon_layout.text_unit_mm(design), layout.tile_mm
     # The letters stand in the middle of their tile, whose rim is as wide as a stroke.
     x, y = (low + unit * STROKE_WIDTH * 1.5 for low in layout.text.low)
     prisms: list[Solid] = []
-    for letter in letter_outlines(LETTERS, STROKE_WIDTH):
+    for letter in letter_outlines(coupon_layout.LETTERS, STROKE_WIDTH):
         outline, *holes = (tuple((x + unit * u, y + unit * v) for u, v in ring) for ring in letter)
         floor = top - design.mold.engraving_depth_mm
         prisms.append(Prism("z", outline, floor, top + _PAST_MM, tuple(holes)))
@@ -225,7 +214,7 @@ def _socket_top_mm(design: Design) -> float:
 
 def _hole_count(design: Design) -> int:
     """Count the through holes of the frame: its windows, recess, pocket, the bolt's hole and the Luer cone."""
-    layout = lay_out(design)
+    layout = coupon_layout.lay_out(design)
     return len(layout.windows) + 2 + len(_sensor_hole(design, layout)) + (layout.luer is not None)
 
 

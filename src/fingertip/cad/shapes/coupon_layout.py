@@ -100,7 +100,10 @@ def lay_out(design: Design) -> Layout:
     around = 2 * (mold.fit_clearance_mm + AROUND_MM)
     sensor = 2 * (max(head, dims.tail_half_width) + AROUND_MM), 2 * (head + AROUND_MM) + tail_mm(design)
     ring = 2 * (_recess_half_width(design) + AROUND_MM), slice_height(design) + around
-    first = _stand({"sensor": sensor, "ring": ring}, 2 * RIB_MM + _WINDOW_MM)
+    lower = 2 * RIB_MM + _WINDOW_MM  # upper side of the lower rib across
+    first = _stand({"sensor": sensor, "ring": ring}, lower)
+    middle_top = _top(first) + GAP_MM
+    upper = middle_top + RIB_MM
     second = _stand(
         {
             "tongue": (tongue, mold.nut_width_mm + 2 * AROUND_MM),
@@ -110,18 +113,13 @@ def lay_out(design: Design) -> Layout:
             if unit
             else None,
         },
-        _top(first) + GAP_MM + RIB_MM,
+        upper,
     )
-    middle_top = _top(first) + GAP_MM
-    walls_y = _top(second) + GAP_MM
     end_of_walls = RIB_MM + _WALL_GAP_MM + sum(WALLS_MM) + _WALL_GAP_MM * len(WALLS_MM)
-    ends = max(_end(first) + _WINDOW_MM, _end(second) + _WINDOW_MM, end_of_walls + _WINDOW_MM)
-    width = max(MIN_SIZE_MM, ends + RIB_MM)
-    depth = max(MIN_SIZE_MM, walls_y + _WALL_LENGTH_MM + RIB_MM)
+    width = max(MIN_SIZE_MM, max(_end(first), _end(second), end_of_walls) + _WINDOW_MM + RIB_MM)
+    depth = max(MIN_SIZE_MM, _top(second) + GAP_MM + _WALL_LENGTH_MM + RIB_MM)
     inner = width - 2 * RIB_MM
     slot_x = width - RIB_MM - tongue
-    heights = ((RIB_MM, _WINDOW_MM), (2 * RIB_MM + _WINDOW_MM, middle_top - 2 * RIB_MM - _WINDOW_MM))
-    upper = middle_top + RIB_MM
     x, walls = RIB_MM + _WALL_GAP_MM, []
     for thickness in WALLS_MM:
         walls.append(Spot((x, depth - RIB_MM - _WALL_LENGTH_MM), (thickness, _WALL_LENGTH_MM)))
@@ -131,8 +129,8 @@ def lay_out(design: Design) -> Layout:
         max(_TILE_MM, dims.pocket_depth + _TILE_FLOOR_MM, mold.engraving_depth_mm + _TILE_FLOOR_MM),
         first["sensor"], first["ring"], second["tongue"], second.get("socket"), second.get("luer"), second.get("text"),
         (
-            Spot((RIB_MM, heights[0][0]), (slot_x - 2 * RIB_MM, heights[0][1])),
-            Spot((RIB_MM, heights[1][0]), (inner, heights[1][1])),
+            Spot((RIB_MM, RIB_MM), (slot_x - 2 * RIB_MM, _WINDOW_MM)),
+            Spot((RIB_MM, lower), (inner, middle_top - 2 * RIB_MM - _WINDOW_MM)),
             Spot((RIB_MM, upper), (inner, depth - RIB_MM - upper)),
         ),
         Spot((slot_x, 0.0), (tongue, RIB_MM + _WINDOW_MM)),

@@ -7,7 +7,7 @@ needed. Lower-case letters are engraved as capitals. A line for which there is n
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
@@ -104,7 +104,7 @@ def letter_outlines(text: str, stroke_width: float) -> tuple[Rings, ...]:
                 [(round(x, 9) + ADVANCE * position, round(y, 9)) for x, y in np.asarray(ring).tolist()]
                 for ring in piece.to_polygons()
             ]
-            outlines.append(tuple(_rotate_to_minimum(ring) for ring in sorted(rings, key=_area, reverse=True)))
+            outlines.append(tuple(_rotate_to_minimum(ring) for ring in sorted(rings, key=signed_area, reverse=True)))
     return tuple(outlines)
 
 
@@ -134,7 +134,7 @@ def _rotate_to_minimum(ring: list[Point]) -> tuple[Point, ...]:
     return (*ring[first:], *ring[:first])
 
 
-def _area(ring: list[Point]) -> float:
+def signed_area(ring: Sequence[Point]) -> float:
     """Compute the signed area of a ring by the shoelace formula; positive if it runs counter-clockwise."""
     return sum(a[0] * b[1] - b[0] * a[1] for a, b in pairwise([*ring, ring[0]])) / 2
 

@@ -55,16 +55,17 @@ def pilot_hole(design: Design) -> tuple[Solid, ...]:
 def boss(design: Design) -> tuple[Solid, ...]:
     """Build the boss in the cavity, widened by its draft; a core's is enlarged by the shrinkage. None without one."""
     chaplet = design.dimensions.chaplet
-    if chaplet is None:
-        return ()
-    if design.mold.method == "sleeve":
-        return (scaled(_boss(design, chaplet, design.mold.sleeve_interference_mm), design.dimensions.shrinkage),)
-    return (_boss(design, chaplet),)
+    return (scaled(_boss(design, chaplet), _core_scale(design)),) if chaplet else ()
 
 
-def _boss(design: Design, chaplet: Chaplet, inset_mm: float = 0.0) -> Solid:
-    """Build the boss from the facet to far outside the skin."""
-    low, high = chaplet.facet_y - inset_mm, 4 * design.dimensions.outer.section.dorsal
+def _core_scale(design: Design) -> float:
+    """Enlargement of what lies in the cavity: a core shrinks with its sleeve, the bone does not."""
+    return design.dimensions.shrinkage if design.mold.method == "sleeve" else 1.0
+
+
+def _boss(design: Design, chaplet: Chaplet) -> Solid:
+    """Build the boss from the facet of bone or core to far outside the skin."""
+    low, high = chaplet.facet_y - sleeve_inset_mm(design), 4 * design.dimensions.outer.section.dorsal
     return Cone(
         "y", (chaplet.z, 0.0), low, high, chaplet.radius, chaplet.radius + design.dimensions.draft_slope * (high - low)
     )
@@ -74,9 +75,7 @@ def contact_y(design: Design) -> float:
     """Height of the plane in the closed mold in which boss and facet meet [mm]."""
     chaplet = design.dimensions.chaplet
     assert chaplet
-    if design.mold.method == "sleeve":
-        return (chaplet.facet_y - design.mold.sleeve_interference_mm) * design.dimensions.shrinkage
-    return chaplet.facet_y
+    return (chaplet.facet_y - sleeve_inset_mm(design)) * _core_scale(design)
 
 
 def screw_hole(design: Design) -> tuple[Solid, ...]:
@@ -96,7 +95,7 @@ def axis_z(design: Design) -> float:
     """Axis of the chaplet in the mold, along the finger [mm]."""
     chaplet = design.dimensions.chaplet
     assert chaplet
-    return chaplet.z * (design.dimensions.shrinkage if design.mold.method == "sleeve" else 1.0)
+    return chaplet.z * _core_scale(design)
 
 
 def head_y(design: Design) -> float:
@@ -261,7 +260,7 @@ def skin_interior(design: Design) -> Solid:
 def skin(design: Design) -> Solid:
     """Build the cured skin at its design size, unstretched, with the hole that the chaplet leaves."""
     chaplet = design.dimensions.chaplet
-    hole = (_boss(design, chaplet, sleeve_inset_mm(design)),) if chaplet else ()
+    hole = (_boss(design, chaplet),) if chaplet else ()
     return difference(skin_outline(design), skin_interior(design), *hole)
 
 

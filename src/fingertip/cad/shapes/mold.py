@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from fingertip.cad.shapes.bridged_ceiling import CEILING_STEPS_MM, bridge_ceiling
-from fingertip.cad.shapes.engraving import STROKE_WIDTH, engraved_lines, letter_outlines, text_width
+from fingertip.cad.shapes.engraving import STROKE_WIDTH, engraved_lines, letter_outlines, signed_area, text_width
 from fingertip.cad.shapes.insert import above_collar_foot, axis_z, cavity, contact_y, screw_hole
 from fingertip.catalogues.hardware import LUER_DEPTH_MM, LUER_MOUTH_MM, LUER_TAPER
 from fingertip.design import Design
@@ -95,8 +95,7 @@ def groove(course: Sequence[tuple[float, float]], width: float, depth: float) ->
         left.append((z + shift_z, x + shift_x))
         right.append((z - shift_z, x - shift_x))
     corners = (*left, *reversed(right))
-    area = sum(a[0] * b[1] - b[0] * a[1] for a, b in pairwise((*corners, corners[0])))
-    return Prism("y", corners if area > 0.0 else corners[::-1], 0.0, depth)
+    return Prism("y", corners if signed_area(corners) > 0.0 else corners[::-1], 0.0, depth)
 
 
 def _sign(value: float) -> float:
@@ -286,7 +285,7 @@ def pry_slots(design: Design) -> tuple[Solid, ...]:
     return Box((inner, below, z0), (outer, above, z1)), Box((-outer, below, z0), (-inner, above, z1))
 
 
-def engraved_text(design: Design, half: str) -> tuple[Solid, ...]:
+def engraved_text(design: Design, half: str) -> tuple[Prism, ...]:
     """Build the letters cut into the outer face of a half: the names of design and half, readable from outside."""
     mold, m = design.mold, design.mold_layout
     dorsal = half == "dorsal"

@@ -9,7 +9,6 @@ from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
 from fingertip.cad.shapes import bone, insert, mold
-from fingertip.cad.shapes import insert as skin
 from fingertip.cad.shapes.bone import sensor_body
 from fingertip.cad.shapes.insert import axis_z, head_y
 from fingertip.catalogues.hardware import Thread
@@ -59,7 +58,7 @@ PARTS: dict[str, Part] = {
             exists_in=lambda design: design.dimensions.fold is not None, is_in_finger=True,
         ),
         Part(
-            "skin", skin.skin, lambda design: int(design.dimensions.chaplet is not None), (0.87, 0.62, 0.52), False,
+            "skin", insert.skin, lambda design: int(design.dimensions.chaplet is not None), (0.87, 0.62, 0.52), False,
             is_in_finger=True,
         ),
         Part("mold_palmar", mold.mold_palmar, lambda design: len(design.mold_layout.bolts), (0.45, 0.58, 0.70), True),

@@ -9,19 +9,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from itertools import combinations, pairwise
+from itertools import combinations
 from typing import TYPE_CHECKING
 
 from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes import mold
-from fingertip.cad.shapes.bridged_ceiling import (
-    ceiling_steps_volume_mm3,
-    disc_slot_area_mm2,
-    half_slot,
-    hexagon_slot_area_mm2,
-)
-from fingertip.cad.shapes.insert import boss, cavity, cavity_outline, contact_y, filled_bone, head_y, mold_insert
+from fingertip.cad.shapes import insert, mold
+from fingertip.cad.shapes.bridged_ceiling import ceiling_steps_volume_mm3, disc_slot_area_mm2, hexagon_slot_area_mm2
+from fingertip.cad.shapes.engraving import signed_area
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.check import (
     VOLUME_TOLERANCE_MM3,
@@ -32,19 +27,8 @@ from fingertip.cad.verification.check import (
     search_distance,
 )
 from fingertip.design import Design
-from fingertip.design.geometry.features import Joint, TendonAnchor
-from fingertip.design.geometry.solids import (
-    Box,
-    Cone,
-    Prism,
-    Solid,
-    SuperconicSolid,
-    cylinder,
-    difference,
-    intersection,
-    scaled,
-    union,
-)
+from fingertip.design.geometry.features import Joint
+from fingertip.design.geometry.solids import Box, Cone, Solid, cylinder, difference, intersection, scaled, union
 from fingertip.design.interfaces.clevis_solids import eye_profile, knuckle, pin_bore, space
 from fingertip.filling.vents import place_vents
 
@@ -73,7 +57,7 @@ def check_assembly(design: Design, evaluator: MeshEvaluator, parts: Mapping[str,
     if "skin" in inside and design.mold.method == "overmold":
         # Before it shrinks, the silicone fills the cavity, which is not larger everywhere: a crown has a hollow base.
         cast = scaled(inside["skin"], design.dimensions.shrinkage)
-        filled["skin"] = difference(cast, mold_insert(design), *boss(design))
+        filled["skin"] = difference(cast, insert.mold_insert(design), *insert.boss(design))
     halves = {name: solid for name, solid in parts.items() if name in HALVES}
     yield from _check_overlaps(evaluator, inside, filled, halves)
     if inside:
@@ -91,11 +75,11 @@ def brep_balance_solids(design: Design, parts: Collection[str]) -> tuple[tuple[s
     """List the solids, besides the parts, whose volumes `check_brep_assembly` needs, by name."""
     solids: list[tuple[str, Solid]] = []
     if "skin" in parts:
-        solids += [("cavity", cavity(design)), ("core_in_cavity", intersection(cavity(design), mold_insert(design)))]
+        cavity = insert.cavity(design)
+        solids += [("cavity", cavity), ("core_in_cavity", intersection(cavity, insert.mold_insert(design)))]
         if design.mold.method == "overmold":
-            outer = SuperconicSolid(design.dimensions.outer)
-            for name, outline in (("skin", outer), ("cavity", cavity_outline(design))):
-                solids += [(f"boss_in_{name}", intersection(outline, solid)) for solid in boss(design)]
+            for name, outline in (("skin", insert.skin_outline(design)), ("cavity", insert.cavity_outline(design))):
+                solids += [(f"boss_in_{name}", intersection(outline, solid)) for solid in insert.boss(design)]
     if set(HALVES) <= set(parts):
         solids.append(("hollow", intersection(mold.hollow(design), mold.block(design))))
     return tuple(solids)
@@ -156,15 +140,15 @@ def _cavity_imbalance(design: Design, evaluator: MeshEvaluator, skin: Solid) -> 
     enlarged outline of the skin and of what does not shrink within it.
     """
     growth, silicone = design.dimensions.shrinkage**3, evaluator.manifold(skin).volume()
-    room = evaluator.manifold(cavity(design)).volume()
+    room = evaluator.manifold(insert.cavity(design)).volume()
     if design.mold.method == "sleeve":
-        core = evaluator.manifold(intersection(cavity(design), mold_insert(design))).volume()
+        core = evaluator.manifold(intersection(insert.cavity(design), insert.mold_insert(design))).volume()
         return abs(float(room - core - growth * silicone))
-    bosses = boss(design)
+    bosses = insert.boss(design)
     if bosses:
-        room += evaluator.manifold(intersection(cavity_outline(design), union(*bosses))).volume()
-    finished = evaluator.manifold(SuperconicSolid(design.dimensions.outer))
-    rigid = (finished ^ evaluator.manifold(union(mold_insert(design), *bosses))).volume()
+        room += evaluator.manifold(intersection(insert.cavity_outline(design), union(*bosses))).volume()
+    finished = evaluator.manifold(insert.skin_outline(design))
+    rigid = (finished ^ evaluator.manifold(union(insert.mold_insert(design), *bosses))).volume()
     return abs(float(room - growth * (silicone + rigid)))
 
 
@@ -184,13 +168,14 @@ def _cutout_volume_mm3(design: Design) -> float:
     """Compute bolt holes, traps, slots and letters [mm3] in closed form: exact, and forty B-rep booleans less."""
     d, m = design.mold, design.mold_layout
     radius = d.bolt_diameter_mm / 2
-    bolt, slot = math.pi * radius**2, hexagon_slot_area_mm2(d.nut_width_mm, half_slot(radius))
+    bolt, slot = math.pi * radius**2, hexagon_slot_area_mm2(d.nut_width_mm, radius)
     fastener = (
         bolt * (m.palmar_height + m.dorsal_height) + (math.sqrt(0.75) * d.nut_width_mm**2 - bolt) * d.nut_depth_mm
     ) + ceiling_steps_volume_mm3(slot, radius)
     pry_slot = d.pry_width_mm * d.pry_depth_mm * 2.0 * d.pry_height_mm
     letters = (prism for half in ("palmar", "dorsal") for prism in mold.engraved_text(design, half))
-    engraved = d.engraving_depth_mm * sum(map(_prism_area_mm2, letters))
+    rings = (ring for letter in letters for ring in (letter.corners, *letter.holes))
+    engraved = d.engraving_depth_mm * sum(map(signed_area, rings))  # holes run clockwise, and count as negative
     pried = 2.0 * pry_slot - _vents_in_pry_slots_mm3(design)
     return len(m.bolts) * fastener + pried + engraved + _screw_hole_volume_mm3(design)
 
@@ -211,17 +196,10 @@ def _screw_hole_volume_mm3(design: Design) -> float:
     chaplet = design.dimensions.chaplet
     if chaplet is None:
         return 0.0
-    head, top = head_y(design), design.mold_layout.dorsal_height
-    hole, counterbore, radius = head - contact_y(design), top - head, chaplet.hole_radius
-    steps = ceiling_steps_volume_mm3(disc_slot_area_mm2(chaplet.head_radius, half_slot(radius)), radius)
+    head, top = insert.head_y(design), design.mold_layout.dorsal_height
+    hole, counterbore, radius = head - insert.contact_y(design), top - head, chaplet.hole_radius
+    steps = ceiling_steps_volume_mm3(disc_slot_area_mm2(chaplet.head_radius, radius), radius)
     return math.pi * (radius**2 * hole + chaplet.head_radius**2 * counterbore) + steps
-
-
-def _prism_area_mm2(prism: Solid) -> float:
-    """Compute the area [mm2] of a prism's end by the shoelace formula; holes run clockwise and count as negative."""
-    assert isinstance(prism, Prism)
-    edges = (pair for ring in (prism.corners, *prism.holes) for pair in pairwise([*ring, ring[0]]))
-    return sum(a[0] * b[1] - b[0] * a[1] for a, b in edges) / 2.0
 
 
 def _volume_below_parting_plane_mm3(key: Solid) -> float:
@@ -246,8 +224,15 @@ def check_joint(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     wall = design.printer.min_wall_mm - evaluator.tolerance_mm
     yield from _check_eyes(design, joint, evaluator, wall)
     if anchor:
-        yield _check_anchor(design, anchor, evaluator, wall)
-        yield _check_tendon(design, joint, anchor, evaluator)
+        length = max(wall, design.printer.min_wall_mm / 2)  # a coarse mesh leaves nothing of the wall
+        inner, outside = anchor.inner_half_width, complement(evaluator, insert.filled_bone(design))
+        hole = evaluator.manifold(cylinder("x", (anchor.y, anchor.z), inner, inner + length, anchor.radius))
+        yield check_min_distance("bone.wall.anchor_to_outside", hole, outside, wall)
+        # The tendon leaves its anchor straight along the finger.
+        radius = min(design.hand.tendon_diameter_mm / 2, anchor.radius)
+        tendon = evaluator.manifold(cylinder("z", (0.0, anchor.y), joint.low_z - joint.radius, anchor.z, radius))
+        bone = evaluator.manifold(PARTS["bone"].solid(design))
+        yield check_zero_volume("joint.tendon_overlap", (tendon ^ bone).volume())
     yield from _check_travel(design, joint, evaluator)
 
 
@@ -265,31 +250,14 @@ def _check_eyes(design: Design, joint: Joint, evaluator: MeshEvaluator, wall: fl
     beside = Box(
         (-reach, joint.axis_y - edge, joint.axis_z), (reach, joint.axis_y + edge, joint.shoulder_z - joint.clearance)
     )
-    solid = evaluator.manifold(PARTS["bone"].solid(design)) ^ evaluator.manifold(beside)
     if joint.is_fork:
         gap = evaluator.manifold(intersection(space(design, joint), beside))
         gap = gap.trim_by_plane((1.0, 0.0, 0.0), -joint.half_width).trim_by_plane((-1.0, 0.0, 0.0), -joint.half_width)
-        outside = complement(evaluator, filled_bone(design)) ^ evaluator.manifold(beside)
+        outside = complement(evaluator, insert.filled_bone(design)) ^ evaluator.manifold(beside)
         yield check_min_distance("bone.wall.cheek", gap, outside, wall)
     else:
-        box = solid.bounding_box()
+        box = (evaluator.manifold(PARTS["bone"].solid(design)) ^ evaluator.manifold(beside)).bounding_box()
         yield Check("bone.wall.tongue", box[3] - box[0], wall, "mm", "at least")
-
-
-def _check_anchor(design: Design, anchor: TendonAnchor, evaluator: MeshEvaluator, wall: float) -> Check:
-    inner = anchor.inner_half_width
-    length = max(wall, design.printer.min_wall_mm / 2)  # a coarse mesh leaves nothing of the wall
-    hole = cylinder("x", (anchor.y, anchor.z), inner, inner + length, anchor.radius)
-    outside = complement(evaluator, filled_bone(design))
-    return check_min_distance("bone.wall.anchor_to_outside", evaluator.manifold(hole), outside, wall)
-
-
-def _check_tendon(design: Design, joint: Joint, anchor: TendonAnchor, evaluator: MeshEvaluator) -> Check:
-    """Check that nothing lies in the way of the tendon, which leaves its anchor straight along the finger."""
-    radius = min(design.hand.tendon_diameter_mm / 2, anchor.radius)
-    tendon = evaluator.manifold(cylinder("z", (0.0, anchor.y), joint.low_z - joint.radius, anchor.z, radius))
-    bone = evaluator.manifold(PARTS["bone"].solid(design))
-    return check_zero_volume("joint.tendon_overlap", (tendon ^ bone).volume())
 
 
 def _check_travel(design: Design, joint: Joint, evaluator: MeshEvaluator) -> Iterator[Check]:

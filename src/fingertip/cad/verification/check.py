@@ -74,16 +74,9 @@ _CAUSES: tuple[tuple[str, tuple[str, ...]], ...] = (
         "bone.safety_factor.*",
         ("sensor.model", "bone.base_length_mm", "skin.length_mm", "skin.width_mm", "strength.print_material"),
     ),
-    ("*.step.volume_difference*", _BUG),
-    ("*.stl.*", _BUG),
-    ("*.3mf.*", _BUG),
-    ("*.step.*", _BUG),
-    ("step.*", _BUG),
-    ("volume_balance.*", _BUG),
-    ("overlap.*", _BUG),
     ("demolding_overlap.*", ("mold.draft_deg",)),
-    ("skin.surface_deviation", _BUG),
-    ("mold*", _BUG),
+    *((pattern, _BUG) for pattern in ("*.stl.*", "*.3mf.*", "*.step.*", "step.*", "volume_balance.*", "overlap.*")),
+    *((pattern, _BUG) for pattern in ("skin.surface_deviation", "mold*")),
 )
 """Pattern of names, and parameters; the first pattern that matches counts."""
 

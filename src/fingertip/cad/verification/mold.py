@@ -7,7 +7,7 @@ follows from its pressure and the time until it sets.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -15,13 +15,11 @@ import numpy as np
 
 from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays
 from fingertip.cad.shapes import bone, mold
-from fingertip.cad.shapes.bone import seals
 from fingertip.cad.shapes.insert import cavity, filled_bone, mold_insert, screw_hole
-from fingertip.cad.shapes.mold import base_recess, openings, runner, runners, runners_with_axes, side_vents, sprue
+from fingertip.cad.shapes.mold import runners
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.verification.check import (
     PLANE_OFFSET_MM,
-    VOLUME_TOLERANCE_MM3,
     Check,
     check_min_distance,
     check_zero_volume,
@@ -60,16 +58,7 @@ when they are pressed together."""
 
 def check_mold(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     yield from _check_openings(design, evaluator)
-    base = _insert_base(design, evaluator)
-    clearances = {
-        half: search_distance(partial(base.min_gap, evaluator.manifold(solid(design))), design.mold.fit_clearance_mm)
-        for half, solid in (("mold_palmar", mold.mold_palmar), ("mold_dorsal", mold.mold_dorsal))
-    }
-    minimum = _FIT_RATIO * design.mold.fit_clearance_mm - evaluator.tolerance_mm
-    if minimum > 0.0:  # else the mesh is too coarse to measure the clearance; the overlap checks still apply
-        for half, clearance in clearances.items():
-            yield Check(f"{half}.recess_clearance", clearance, minimum, "mm", "at least")
-    yield from _check_draft(design, evaluator, clearances)
+    yield from _check_recess(design, evaluator)
     if design.mold.method == "overmold" and not design.dimensions.window_opens_into_gap:
         yield _check_cable_channel(design, evaluator)
     if design.mold.filling == "gravity":
@@ -93,7 +82,7 @@ def _check_openings(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]
     others = 1 + sum(vent.kind != "side" for vent in vents)
     yield Check("mold.inlet_and_vent_openings", len(distal) + len(dorsal), others, "openings", "exactly")
     # Two grooves may meet on their way, so each is followed by itself.
-    open_grooves = sum(_is_open(design, groove, evaluator) for groove in side_vents(design))
+    open_grooves = sum(_is_open(design, groove, evaluator) for groove in mold.side_vents(design))
     at_side = sum(vent.kind == "side" for vent in vents)
     yield Check("mold.side_vent_openings", open_grooves, at_side, "openings", "exactly")
     cast = evaluator.manifold(intersection(mold.cast_hollow(design), mold.block(design)))
@@ -119,30 +108,32 @@ def _undercut_area_mm2(hollow: Manifold, direction: float) -> float:
     return float(area[faces_back].sum())
 
 
-def _insert_base(design: Design, evaluator: MeshEvaluator) -> Manifold:
-    """Evaluate the part of bone or core that lies in the recess, below the plane where the skin ends."""
-    return evaluator.manifold(mold_insert(design)).trim_by_plane((0.0, 0.0, -1.0), PLANE_OFFSET_MM)
-
-
-def _check_draft(design: Design, evaluator: MeshEvaluator, clearances: Mapping[str, float]) -> Iterator[Check]:
-    """Check that the distance to every rigid surface grows as soon as a half is pulled off.
+def _check_recess(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
+    """Check the clearance in the recess, and that every distance to rigid surfaces grows as a half is pulled off.
 
     A wall with the draft angle d gains sin(d) times the distance pulled; a wall without draft gains nothing and rubs
     all along. The cavity is exempt: its round outline has no draft at the parting plane, but silicone yields there.
     """
+    fit, tolerance = design.mold.fit_clearance_mm, evaluator.tolerance_mm
+    palmar, dorsal = (evaluator.manifold(half(design)) for half in (mold.mold_palmar, mold.mold_dorsal))
+    # The part of bone or core that lies in the recess, below the plane where the skin ends.
+    base = evaluator.manifold(mold_insert(design)).trim_by_plane((0.0, 0.0, -1.0), PLANE_OFFSET_MM)
+    at_palmar, at_dorsal = (search_distance(partial(base.min_gap, half), fit) for half in (palmar, dorsal))
+    minimum = _FIT_RATIO * fit - tolerance
+    if minimum > 0.0:  # else the mesh is too coarse to measure the clearance; the overlap checks still apply
+        yield Check("mold_palmar.recess_clearance", at_palmar, minimum, "mm", "at least")
+        yield Check("mold_dorsal.recess_clearance", at_dorsal, minimum, "mm", "at least")
     pull = _PULL_RATIO * design.mold.key_height_mm
     gain = math.sin(math.radians(design.mold.draft_deg)) * pull
-    palmar, dorsal = (evaluator.manifold(half(design)) for half in (mold.mold_palmar, mold.mold_dorsal))
-    base = _insert_base(design, evaluator)
     keys = dorsal.trim_by_plane((0.0, -1.0, 0.0), PLANE_OFFSET_MM)
-    search = design.mold.fit_clearance_mm + design.mold.key_clearance_mm + 2 * gain
+    search = fit + design.mold.key_clearance_mm + 2 * gain
     for name, half, other, closed, distance in (
-        ("mold_palmar.draft_clearance_gain.bone", palmar, base, clearances["mold_palmar"], -pull),
-        ("mold_dorsal.draft_clearance_gain.bone", dorsal, base, clearances["mold_dorsal"], pull),
+        ("mold_palmar.draft_clearance_gain.bone", palmar, base, at_palmar, -pull),
+        ("mold_dorsal.draft_clearance_gain.bone", dorsal, base, at_dorsal, pull),
         ("mold_palmar.draft_clearance_gain.keys", palmar, keys, palmar.min_gap(keys, search), -pull),
     ):
         gained = half.translate((0.0, distance, 0.0)).min_gap(other, search) - min(closed, search)
-        yield Check(name, gained, gain - evaluator.tolerance_mm, "mm", "at least")
+        yield Check(name, gained, gain - tolerance, "mm", "at least")
 
 
 def _check_cable_channel(design: Design, evaluator: MeshEvaluator) -> Check:
@@ -176,33 +167,29 @@ def _check_cavity_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Ch
 
 def _check_runner_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     """Check the walls between inlet and vents and everything else that is cut into the block, and its outside."""
-    wall = design.printer.min_wall_mm - evaluator.tolerance_mm
-    runners_ = evaluator.manifold(intersection(openings(design), mold.block(design)))
+    wall, block = design.printer.min_wall_mm - evaluator.tolerance_mm, mold.block(design)
+    cut = evaluator.manifold(intersection(mold.openings(design), block))
     sockets = evaluator.manifold(union(*mold.key_sockets(design)))
-    yield check_min_distance("mold.wall.runners_to_keys", runners_, sockets, wall)
+    yield check_min_distance("mold.wall.runners_to_keys", cut, sockets, wall)
     inlet = design.mold_layout.inlet
     if inlet:
-        led = evaluator.manifold(union(sprue(design, inlet), runner(inlet)))
+        led = evaluator.manifold(union(mold.sprue(design, inlet), mold.runner(inlet)))
         bolts = evaluator.manifold(union(*mold.bolt_holes(design)))
         land = design.mold.land_mm - 2 * design.mold.key_clearance_mm
         yield check_min_distance("mold.land.bolts_to_runner", led, bolts, land)
     # A groove in the parting plane ends in a pry slot where the mold's side has no room for both.
-    grooves = side_vents(design)
-    above = difference(openings(design), *grooves)
+    grooves = mold.side_vents(design)
     cutouts = evaluator.manifold(mold.outer_cutouts_and_screw(design))
-    clear = evaluator.manifold(intersection(above, mold.block(design)))
+    clear = evaluator.manifold(intersection(difference(mold.openings(design), *grooves), block))
     yield check_min_distance("mold.wall.runners_to_cutouts", clear, cutouts, wall)
     if grooves:
         bolts = evaluator.manifold(union(*mold.bolt_holes(design), *screw_hole(design)))
-        beside = evaluator.manifold(intersection(union(*grooves), mold.block(design)))
+        beside = evaluator.manifold(intersection(union(*grooves), block))
         yield check_min_distance("mold.wall.side_vents_to_bolts", beside, bolts, wall)
-    low, high = (evaluator.manifold(mold.block(design)).bounding_box()[i : i + 3] for i in (0, 3))
-    distances = []
-    for solid, axis in runners_with_axes(design):
-        box = evaluator.manifold(intersection(solid, mold.block(design))).bounding_box()
-        # Along its own axis a hole opens to the outside.
-        distances += [min(box[i] - low[i], high[i] - box[i + 3]) for i in range(3) if i != axis]
-    yield Check("mold.wall.runners_to_outside", min(distances), wall, "mm", "at least")
+    # Along its own axis a hole opens to the outside.
+    within = ((evaluator.manifold(intersection(solid, block)), axis) for solid, axis in mold.runners_with_axes(design))
+    nearest = min(_distance_to_faces(solid, evaluator.manifold(block), {0, 1, 2} - {axis}) for solid, axis in within)
+    yield Check("mold.wall.runners_to_outside", nearest, wall, "mm", "at least")
 
 
 def _check_fasteners(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
@@ -211,7 +198,7 @@ def _check_fasteners(design: Design, evaluator: MeshEvaluator) -> Iterator[Check
     block = evaluator.manifold(mold.block(design))
     bolt_holes = evaluator.manifold(union(*mold.bolt_holes(design), *mold.nut_traps(design)))
     sockets = evaluator.manifold(union(*mold.key_sockets(design)))
-    yield Check("mold.wall.bolts_to_outside", _distance_to_sides(bolt_holes, block), wall, "mm", "at least")
+    yield Check("mold.wall.bolts_to_outside", _distance_to_faces(bolt_holes, block, (0, 2)), wall, "mm", "at least")
     yield Check("mold.wall.keys_to_outside", _distance_to_faces(sockets, block), wall, "mm", "at least")
     yield check_min_distance("mold.wall.keys_to_bolts", sockets, bolt_holes, wall)
 
@@ -225,16 +212,10 @@ def _check_fasteners(design: Design, evaluator: MeshEvaluator) -> Iterator[Check
     yield Check("mold.reversed_assembly_overlap", blocking, _MIN_BLOCKING_VOLUME_MM3, "mm3", "at least")
 
 
-def _distance_to_faces(inner: Manifold, block: Manifold) -> float:
-    """Compute the smallest distance [mm] of a solid from the block's six faces; 0 if it reaches through one."""
+def _distance_to_faces(inner: Manifold, block: Manifold, axes: Iterable[int] = range(3)) -> float:
+    """Compute the smallest distance [mm] of a solid from the block's faces across some axes; 0 beyond them."""
     i, b = inner.bounding_box(), block.bounding_box()
-    return float(max(0.0, min(min(i[axis] - b[axis], b[axis + 3] - i[axis + 3]) for axis in range(3))))
-
-
-def _distance_to_sides(inner: Manifold, block: Manifold) -> float:
-    """Compute the smallest distance [mm] from solids that pass through the block along y to its four sides."""
-    i, b = inner.bounding_box(), block.bounding_box()
-    return float(min(i[0] - b[0], i[2] - b[2], b[3] - i[3], b[5] - i[5]))
+    return float(max(0.0, min(min(i[axis] - b[axis], b[axis + 3] - i[axis + 3]) for axis in axes)))
 
 
 PUSH_S = 60.0
@@ -303,7 +284,7 @@ _DEEPER_MM = 0.1
 
 def check_seals(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     if design.mold.method == "overmold":
-        yield Check("mold.open_paths", flooded_mm3(design, evaluator), VOLUME_TOLERANCE_MM3, "mm3")
+        yield check_zero_volume("mold.open_paths", flooded_mm3(design, evaluator))
     yield Check("mold.leak_length", leak_mm(design), _MAX_LEAK_SHARE * design.mold.recess_length_mm, "mm")
 
 
@@ -311,9 +292,9 @@ def flooded_mm3(design: Design, evaluator: MeshEvaluator) -> float:
     """Compute the volume that silicone in the cavity can reach outside it and in hollows of the bone [mm3]."""
     if evaluator.tolerance_mm < _FLOOD_TOLERANCE_MM:
         evaluator = MeshEvaluator(_FLOOD_TOLERANCE_MM)
-    present, recess = parts_by_name(design), base_recess(design, 0.0)
+    present, recess = parts_by_name(design), mold.base_recess(design, 0.0)
     inside = [present[name].solid(design) for name in _IN_THE_MOLD if name in present]
-    solid = union(*inside, bone.sensor_body(design), *seals(design))
+    solid = union(*inside, bone.sensor_body(design), *bone.seals(design))
     room = evaluator.manifold(difference(union(cavity(design), *recess), solid))
     flooded = max(room.decompose(), key=lambda body: float(body.volume()))  # the skin, or what it leaks into
     # Above the recess all of the room lies in the cavity. Below, the two share few of the surfaces that take time.

@@ -111,8 +111,7 @@ def _is_inside(points: Array, vertices: Array, triangles: Triangles) -> NDArray[
     is_met = ((u > 0.0) == (v > 0.0)) & ((v > 0.0) == (w > 0.0))
     height = u * away[:, 0, 2] + v * away[:, 1, 2] + w * away[:, 2, 2]
     passed = np.bincount(point[is_met & (height * total > 0.0)], minlength=len(points))
-    inside: NDArray[np.bool_] = passed % 2 == 1
-    return inside
+    return np.asarray(passed % 2 == 1)
 
 
 def check_print_files(

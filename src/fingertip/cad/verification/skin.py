@@ -12,19 +12,19 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.shapes.insert import filled_bone, skin_interior
+from fingertip.cad.shapes.insert import filled_bone, skin_interior, skin_outline
 from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, above_z, complement, search_distance
 from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody
 from fingertip.design.geometry.profile import Span
 from fingertip.design.geometry.seat import Loss, Motion, worst
-from fingertip.design.geometry.solids import SuperconicSolid
 from fingertip.design.rules.mold import MIN_RETAINED, MIN_RETAINED_OVER_SENSOR
 from fingertip.foundation.numerics import Array
 
@@ -88,8 +88,7 @@ class Patch:
         """Select points by a mask: those within the height and side of the patch, extended by `reach_mm`."""
         low, high = self._z
         y, z = points[:, 1] * np.sign(self.b), points[:, 2]
-        within: NDArray[np.bool_] = (y >= -reach_mm) & (z >= low - reach_mm) & (z <= high + reach_mm)
-        return within
+        return np.asarray((y >= -reach_mm) & (z >= low - reach_mm) & (z <= high + reach_mm))
 
     def distance(self, points: Array, steps: int) -> Array:
         if not len(points):
@@ -186,7 +185,7 @@ def _interior(design: Design, evaluator: MeshEvaluator) -> Manifold:
 
 def _outside(design: Design, evaluator: MeshEvaluator) -> Manifold:
     """Everything around the skin, but not beyond its flat end, where the skin is open."""
-    return above_z(complement(evaluator, SuperconicSolid(design.dimensions.outer)), PLANE_OFFSET_MM)
+    return above_z(complement(evaluator, skin_outline(design)), PLANE_OFFSET_MM)
 
 
 def _thickness(interior: Manifold, outside: Manifold) -> float:
@@ -226,7 +225,5 @@ def _move(solid: Manifold, motion: Motion) -> Manifold:
 
 def _perimeter(solid: Manifold, z: float) -> float:
     """Compute the perimeter [mm] of a solid's section at height `z` [mm]."""
-    total = 0.0
-    for outline in solid.slice(z).to_polygons():
-        total += sum(math.dist(a, b) for a, b in zip(outline, [*outline[1:], outline[0]], strict=True))
-    return total
+    outlines = solid.slice(z).to_polygons()
+    return sum(math.dist(a, b) for outline in outlines for a, b in pairwise([*outline, outline[0]]))

@@ -27,8 +27,9 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.catalogues.print_materials import PRINT_MATERIALS, PrintMaterial
 from fingertip.design import Design
-from fingertip.design.formulas.stress import StressFactors
+from fingertip.design.formulas.stress import LocalStress, StressFactors
 from fingertip.design.geometry.features import CHEEK_FOOT_MM
+from fingertip.design.geometry.solids import Point3
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.clevis import tendon_force_per_n
 from fingertip.foundation.files import round_for_output
@@ -92,32 +93,17 @@ def measure_section(polygons: Sequence[Array]) -> Section | None:
 
 
 @dataclass(frozen=True)
-class LoadPoint:
-    name: str
-    position_mm: tuple[float, float, float]
+class Weakness(LocalStress):
+    """Largest tensile stress of a load in the worst direction, in a cross-section or at a place of the interface."""
 
-
-@dataclass(frozen=True)
-class Weakness:
-    load: str
-    z_mm: float
-    """Height of the cross-section."""
-    place: str
-    """Name of what breaks there."""
-    stress_per_n: float
-    """Largest tensile stress per newton of load in the worst direction, with stress concentration [MPa/N]."""
-    concentration: float
-    """Stress concentration factor that it contains."""
-    direction: tuple[float, float, float]
-    at_shock: bool = True
-    """False for what a shock does not load."""
+    load: str = ""
+    """Name of the point on which the load acts."""
 
 
 @dataclass(frozen=True)
 class BoneStrength:
     material: PrintMaterial
     weakest: Weakness
-    by_load: tuple[Weakness, ...]
     at_shock: Weakness
     """Weakest place of those that a shock loads."""
     grip_safety_factor: float
@@ -128,40 +114,30 @@ class BoneStrength:
     """Force of the tendon at the grip force on the apex; 0 without a tendon."""
 
 
-def list_load_points(design: Design) -> tuple[LoadPoint, ...]:
-    """Pad centre over the sensor, apex, and side of the finger at the sensor's height."""
+def list_load_points(design: Design) -> dict[str, Point3]:
+    """Pad centre over the sensor, apex, and side of the finger at the sensor's height [mm]."""
     dims, skin = design.dimensions, design.skin
-    scale = dims.outer.scale_at(dims.sensor_z)
-    return (
-        LoadPoint("pad centre", (0.0, -dims.outer.palmar_height_at(0.0, dims.sensor_z), dims.sensor_z)),
-        LoadPoint("apex", (0.0, 0.0, skin.length_mm)),
-        LoadPoint("side", (skin.width_mm / 2 * scale, 0.0, dims.sensor_z)),
-    )
+    return {
+        "pad centre": (0.0, -dims.outer.palmar_height_at(0.0, dims.sensor_z), dims.sensor_z),
+        "apex": (0.0, 0.0, skin.length_mm),
+        "side": (skin.width_mm / 2 * dims.outer.scale_at(dims.sensor_z), 0.0, dims.sensor_z),
+    }
 
 
 def assess_strength(design: Design, evaluator: MeshEvaluator) -> BoneStrength:
     """Find the weakest place of the bone, and its safety factors. Raises GeometryError."""
     material = PRINT_MATERIALS[design.strength.print_material]
-    sections = [(z, section, _find_concentration(design, z)) for z, section in _cut(design, evaluator)]
-    places = [
-        [
-            *_find_weakest_section(design, point, [cut for cut in sections if cut[0] < point.position_mm[2]]),
-            *(
-                Weakness(point.name, found.z_mm, found.place, found.stress_per_n, found.concentration, found.direction,
-                         found.at_shock)
-                for found in interface_of(design).local_stresses(design, point.position_mm[2])
-            ),
-        ]
-        for point in list_load_points(design)
-    ]  # fmt: skip
-    by_load = tuple(_find_weakest(found) for found in places)
-    weakest = _find_weakest(by_load)
-    at_shock = _find_weakest(place for found in places for place in found if place.at_shock)
+    cuts = [(z, section, _find_concentration(design, z)) for z, section in _cut(design, evaluator)]
+    places: list[Weakness] = []
+    for load, at in list_load_points(design).items():
+        in_sections = _find_weakest_section(design, at, [cut for cut in cuts if cut[0] < at[2]])
+        at_interface = interface_of(design).local_stresses(design, at[2])
+        places += (Weakness(**vars(found), load=load) for found in (*in_sections, *at_interface))
+    weakest, at_shock = _find_weakest(places), _find_weakest(place for place in places if place.at_shock)
     strength = material.strength_along_finger(design.strength.print_direction)
     grip, shock = design.strength.grip_force_n, design.strength.shock_force_n
     return BoneStrength(
-        material, weakest, by_load, at_shock,
-        strength / weakest.stress_per_n / grip, strength / at_shock.stress_per_n / shock,
+        material, weakest, at_shock, strength / weakest.stress_per_n / grip, strength / at_shock.stress_per_n / shock,
         grip * tendon_force_per_n(design, design.skin.length_mm),
     )  # fmt: skip
 
@@ -182,32 +158,28 @@ def _cut(design: Design, evaluator: MeshEvaluator) -> Iterator[tuple[float, Sect
             yield z, section
 
 
-def _find_weakest_section(design: Design, point: LoadPoint, cuts: Sequence[_CutPlane]) -> Iterator[Weakness]:
-    """Find the section with the largest stress that a load at a point gives; none without sections."""
+def _find_weakest_section(design: Design, point: Point3, cuts: Sequence[_CutPlane]) -> Iterator[LocalStress]:
+    """Find the largest stress that a load at a point gives in a section, over all directions of the load."""
 
     def largest(cut: _CutPlane) -> float:
         return math.sqrt((_raise_gradients(design, point, *cut)[1] ** 2).sum(axis=1).max())
 
-    if cuts:
-        yield _find_stress(design, point, *max(cuts, key=largest))
-
-
-def _find_stress(design: Design, point: LoadPoint, z: float, section: Section, factors: StressFactors) -> Weakness:
-    """Find the largest stress that a load at a point gives in a section, over all directions of the load."""
-    plain, gradients = _raise_gradients(design, point, z, section, factors)
+    if not cuts:
+        return
+    weakest = max(cuts, key=largest)
+    plain, gradients = _raise_gradients(design, point, *weakest)
     sizes = np.linalg.norm(gradients, axis=1)
     worst = int(sizes.argmax())
-    direction = gradients[worst] / sizes[worst]
-    x, y, along = (round(float(value), 6) + 0.0 for value in direction)
+    x, y, along = (round(float(value), 6) + 0.0 for value in gradients[worst] / sizes[worst])
     factor = float(sizes[worst] / np.linalg.norm(plain[worst]))
-    return Weakness(point.name, z, "cross-section", float(sizes[worst]), factor, (x, y, along))
+    yield LocalStress("cross-section", weakest[0], float(sizes[worst]), factor, direction=(x, y, along))
 
 
 def _raise_gradients(
-    design: Design, point: LoadPoint, z: float, section: Section, factors: StressFactors
+    design: Design, point: Point3, z: float, section: Section, factors: StressFactors
 ) -> tuple[Array, Array]:
     """Stress at each corner of a section per newton in x, y and z, without and with stress concentration [MPa/N]."""
-    plain = stress_gradients(section, np.array(point.position_mm), z, interface_of(design).moment_share(design, z))
+    plain = stress_gradients(section, np.array(point), z, interface_of(design).moment_share(design, z))
     # A load in x bends the section in its width, one in y in its height. One in z bends it in both.
     return plain, plain * [factors.width, factors.height, max(factors.width, factors.height)]
 

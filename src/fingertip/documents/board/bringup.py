@@ -62,7 +62,6 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
     """Render the bring-up sheet of a design's board as Markdown, with the file of its wiring diagram."""
     circuit, setup = plan.board.circuit, plan.board.bench
     placement = find_placement(values.variant, design.board.channels)
-    low_hz, middle_hz, high_hz = setup.tones_hz
     parts = {part.reference: part for part in circuit.components}
     small = [name for name, part in parts.items() if "SOT-23" in part.footprint]
     is_protected, has_slip = "Q1" in parts, nets.SLIP in circuit.net_by_pin.values()
@@ -79,7 +78,6 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
         fingers=NAMES[: design.board.channels],
         wiring=wiring,
         idle_v=values.tactile_response.open_v,
-        middle_v=values.voltage_limits.signal_ground_v,
         is_protected=is_protected,
         has_suppressor="D6" in parts,
         # Three times what the board should draw, in tens.
@@ -105,9 +103,6 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
         output_points=", ".join(f"{pin.letter}: {POINTS[pin.source]}" for pin in bench.list_output_pins(circuit)),
         drop_v=bench.largest_drop_v(circuit, {name: limits.expected_v for name, limits in plan.levels.items()}),
         outputs=list(_list_outputs(plan)),
-        low_hz=low_hz,
-        middle_hz=middle_hz,
-        high_hz=high_hz,
         tones=list(_list_tones(plan, placement)),
         output_tones=[
             (name.split("_")[1].upper(), 100.0 * ratio) for name, ratio in bench.attenuate_tones(circuit).items()

@@ -11,12 +11,12 @@ from fingertip.board.analysis.interference import DEAD_ZONE_V, describe_sensor
 from fingertip.board.analysis.limits import describe_adc_range
 from fingertip.board.analysis.loads import signal_band_hz
 from fingertip.board.analysis.noise import noise_warning
-from fingertip.board.bringup.wiring import NEEDED_PINS, OTHER_PINS
+from fingertip.board.bringup import wiring
 from fingertip.board.circuits.board_circuit import CABLE_OHM, board_circuit
 from fingertip.board.circuits.channels import PLACES, list_sockets
 from fingertip.board.circuits.network import MAX_SWITCH_OHM
+from fingertip.board.components import values as ratings
 from fingertip.board.components.bridge import MAX_FORCE_N, POWER_UP_S, Bridge, sensor_conductance_s
-from fingertip.board.components.values import CLAMP_A, MAX_CLAMP_A, MAX_LOW_LEAKAGE_A, PULL_UP_OHM, SUPPLIES
 from fingertip.board.fabrication import bom
 from fingertip.board.kicad import project
 from fingertip.board.kicad.project import StoredProject
@@ -45,12 +45,10 @@ def folder_readme(circuit: Circuit, stored: StoredProject, values: BoardValues, 
     return render(
         "board/readme.md",
         **collect_board(values, design),
-        supply_name=SUPPLIES[values.variant].description,
         response=values.achieved_response,
         channels=channels,
         places=PLACES,
         fingers=[f"{k} {name}" for k, name in enumerate(NAMES[:channels], start=1)],
-        cable_m=design.board.cable_m,
         size_mm=f"{placement.width:g} x {placement.height:g}",
         unlabelled=[name for name, part in placement.parts.items() if name[0] in "RC" and not part.is_labelled],
         all_unlabelled=not any(part.is_labelled for name, part in placement.parts.items() if name[0] in "RC"),
@@ -72,19 +70,15 @@ def folder_readme(circuit: Circuit, stored: StoredProject, values: BoardValues, 
             for load in values.amplifier_loads
         ),
         pin_ohm=max(limits.tactile_pin_ohm, limits.output_pin_ohm),
-        clamp_a=CLAMP_A,
-        max_clamp_a=MAX_CLAMP_A,
-        max_low_leakage_a=MAX_LOW_LEAKAGE_A,
+        ratings=ratings,
         cable_ohm=CABLE_OHM,
         idle_v=values.tactile_response.open_v,
         pressed_v=values.tactile_response.tactile_v(sensor_conductance_s(MAX_FORCE_N)),
-        needed_pins=NEEDED_PINS,
-        other_pins=OTHER_PINS,
+        wiring=wiring,
         ripple_sensor=describe_sensor(values.supply_ripple),
         supply_range_v=CONTROLLER_RANGE_V,
         switch_ohm=MAX_SWITCH_OHM,
         power_up_s=POWER_UP_S,
-        pull_up_ohm=PULL_UP_OHM,
         noise_warning=noise_warning(values.noise, design.detector.threshold_v),
         dead_zone_v=DEAD_ZONE_V,
         **_collect_order(circuit, stored),
@@ -100,13 +94,12 @@ def folder_readme(circuit: Circuit, stored: StoredProject, values: BoardValues, 
 
 def collect_board(values: BoardValues, design: Design) -> dict[str, Any]:
     """Data that every document of a board refers to, and the figures of `trimming.md`."""
-    supply = SUPPLIES[values.variant]
     return {
         "values": values,
         "board": design.board,
         "changes": f" --set board.channels={design.board.channels}" if design.board.channels > 1 else "",
         "detector": design.detector,
-        "supply": supply,
+        "supply": ratings.SUPPLIES[values.variant],
         "is_for_controller": design.board.is_for_controller,
         "has_envelope": design.board.has_envelope,
         "has_slip": values.comparator_levels is not None,

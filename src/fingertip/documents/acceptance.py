@@ -9,7 +9,7 @@ from typing import Any
 from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
 from fingertip.casting.hardware import OPEN_OHM, PRESSED_OHM, WEIGHTS_G, describe_plug_wires, size_wires
 from fingertip.design import Design
-from fingertip.documents.template import lay_out_page, render
+from fingertip.documents.template import render_page
 from fingertip.sim.signal.bridge import Bridge
 from fingertip.slip.detection import Detection
 from fingertip.slip.report import DETECTED, INTERVAL
@@ -168,4 +168,4 @@ def render_acceptance(data: dict[str, Any]) -> str:
     masses = [f"{weight['mass_g']:g} g" for weight in data["weights"]]
     # What `fingertip detect` prints.
     slip_line = f"{DETECTED} {INTERVAL.format(onset='...', end='...')}"
-    return lay_out_page(render("acceptance.md", **data, masses=masses, slip_line=slip_line))
+    return render_page("acceptance.md", **data, masses=masses, slip_line=slip_line)

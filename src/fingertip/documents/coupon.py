@@ -11,7 +11,7 @@ from fingertip.calibration.readings import MIN_LENGTHS, MIN_READINGS, list_lengt
 from fingertip.catalogues.hardware import select_thread
 from fingertip.catalogues.output_files import PLAN
 from fingertip.design import Design
-from fingertip.documents.template import lay_out_page, render
+from fingertip.documents.template import render_page
 
 COUPON_LAYER_MM = 0.2
 """Height of the layers for which the coupon is made [mm]."""
@@ -22,32 +22,32 @@ COUPON_MINUTES = 20
 def render_instructions(design: Design, readings_file: str) -> str:
     layout, lengths = lay_out(design), list_lengths(design)
     width_mm, depth_mm = layout.size
-    data = {
-        "design": design.name,
-        "width_mm": width_mm,
-        "depth_mm": depth_mm,
-        "has_key": has_key(design),
-        "has_luer": bool(layout.luer),
-        "has_text": bool(layout.text),
-        "layer_mm": LAYER_MM,
-        "resin_layer_mm": RESIN_LAYER_MM,
-        "coupon_layer_mm": COUPON_LAYER_MM,
-        "minutes": COUPON_MINUTES,
-        "scale_percent": design.printer.scale_percent,
-        "inserts": [part for part in print_orientations(design) if not part.startswith("mold_")],
-        "readings_file": readings_file,
-        "min_readings": MIN_READINGS,
-        "min_lengths": MIN_LENGTHS,
-        "walls_mm": WALLS_MM,
-        "plan": PLAN,
-        "lengths": lengths,
-        "count": {kind: sum(length.kind == kind for length in lengths) for kind in ("outer", "inner", "wall")},
-        "heights": list_heights(design),
-        "crimp_mm": design.sensor.crimp_height_mm if design.dimensions.tail_passes_collar else None,
-        "is_folded": design.dimensions.fold is not None,
-        "sensor_gap_mm": design.sensor.clearance_mm - design.printer.offset_mm / 2,
-        "thread": select_thread(design.mold.bolt_diameter_mm).label,
-        "letters": LETTERS,
-        "stroke_mm": STROKE_WIDTH * text_unit_mm(design),
-    }
-    return lay_out_page(render("coupon.md", **data))
+    return render_page(
+        "coupon.md",
+        design=design.name,
+        width_mm=width_mm,
+        depth_mm=depth_mm,
+        has_key=has_key(design),
+        has_luer=bool(layout.luer),
+        has_text=bool(layout.text),
+        layer_mm=LAYER_MM,
+        resin_layer_mm=RESIN_LAYER_MM,
+        coupon_layer_mm=COUPON_LAYER_MM,
+        minutes=COUPON_MINUTES,
+        scale_percent=design.printer.scale_percent,
+        inserts=[part for part in print_orientations(design) if not part.startswith("mold_")],
+        readings_file=readings_file,
+        min_readings=MIN_READINGS,
+        min_lengths=MIN_LENGTHS,
+        walls_mm=WALLS_MM,
+        plan=PLAN,
+        lengths=lengths,
+        count={kind: sum(length.kind == kind for length in lengths) for kind in ("outer", "inner", "wall")},
+        heights=list_heights(design),
+        crimp_mm=design.sensor.crimp_height_mm if design.dimensions.tail_passes_collar else None,
+        is_folded=design.dimensions.fold is not None,
+        sensor_gap_mm=design.sensor.clearance_mm - design.printer.offset_mm / 2,
+        thread=select_thread(design.mold.bolt_diameter_mm).label,
+        letters=LETTERS,
+        stroke_mm=STROKE_WIDTH * text_unit_mm(design),
+    )

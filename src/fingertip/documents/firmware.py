@@ -14,16 +14,9 @@ from fingertip.catalogues.bundled import list_bundled_files
 from fingertip.catalogues.controllers import NAMES, load_controllers
 from fingertip.catalogues.file_kinds import DESIGN
 from fingertip.design import Design
-from fingertip.documents.template import WIDTH, lay_out_page, render
-from fingertip.firmware.fingers import (
-    BUFFER_SAMPLES,
-    CYCLES_PER_INSTRUCTION,
-    Fingers,
-    count_fingers,
-    find_load,
-    list_limits,
-    list_places,
-)
+from fingertip.documents.template import WIDTH, render_page
+from fingertip.firmware import fingers as capacity
+from fingertip.firmware.fingers import Fingers, list_places
 from fingertip.firmware.packaging import NAME, cost_table, find_warnings, read_costs
 from fingertip.slip.detectors.fast import TICK_S, FilteredSignal
 from fingertip.slip.detectors.fast_coefficients import load_model
@@ -35,30 +28,28 @@ def render_readme(design: Design, fingers: Fingers) -> str:
     signals = name_signals(circuit, design.board.supply_v)
     streamed = (*fingers.designs, design)[0]
     is_bundled = streamed.name in list_bundled_files(DESIGN)
-    data = {
-        "design": design.name,
-        "name": NAME,
-        "is_bundled": is_bundled,
-        "file": streamed.name if is_bundled else f"{streamed.name}.toml",
-        "warnings": list(find_warnings(design, fingers.controller)),
-        "rate_hz": detector.sample_rate_hz,
-        "adc_bits": detector.adc_bits,
-        "adc_range": detector.adc_range_text,
-        "reads_filtered": FilteredSignal.from_design(design) is not None,
-        "is_for_controller": design.board.is_for_controller,
-        "power_up_s": POWER_UP_S,
-        "buffer_samples": BUFFER_SAMPLES,
-        "boards": load_controllers(),
-        "find_load": find_load,
-        "list_limits": list_limits,
-        "count_fingers": count_fingers,
-        "most_fingers": len(NAMES),
-        "fingers": fingers,
-        "forces": _describe_forces(design, fingers),
-        "peak_fingers": math.ceil(fingers.count / max(1, round(TICK_S * detector.sample_rate_hz))),
-        "cycles_per_instruction": CYCLES_PER_INSTRUCTION,
-        "connector": HOST_CONNECTOR,
-        "pins": [
+    return render_page(
+        "firmware.md",
+        WIDTH,
+        design=design.name,
+        name=NAME,
+        is_bundled=is_bundled,
+        file=streamed.name if is_bundled else f"{streamed.name}.toml",
+        warnings=list(find_warnings(design, fingers.controller)),
+        rate_hz=detector.sample_rate_hz,
+        adc_bits=detector.adc_bits,
+        adc_range=detector.adc_range_text,
+        reads_filtered=FilteredSignal.from_design(design) is not None,
+        is_for_controller=design.board.is_for_controller,
+        power_up_s=POWER_UP_S,
+        boards=load_controllers(),
+        capacity=capacity,
+        most_fingers=len(NAMES),
+        fingers=fingers,
+        forces=_describe_forces(design, fingers),
+        peak_fingers=math.ceil(fingers.count / max(1, round(TICK_S * detector.sample_rate_hz))),
+        connector=HOST_CONNECTOR,
+        pins=[
             {
                 "number": number,
                 "print": signals[net].print,
@@ -68,15 +59,14 @@ def render_readme(design: Design, fingers: Fingers) -> str:
             }
             for number, net in pins
         ],
-        "wiring_notes": list(list_notes(circuit, design.board.supply_v)),
-        "is_one_board": design.board.channels > 1,
-        "has_vmid_pin": VMID_OUT in {net for _, net in pins},
-        "cost_table": cost_table(),
-        "costs": read_costs(),
-        "tick_ms": 1e3 * TICK_S,
-        "trees": load_model().trees,
-    }
-    return lay_out_page(render("firmware.md", **data), WIDTH)
+        wiring_notes=list(list_notes(circuit, design.board.supply_v)),
+        is_one_board=design.board.channels > 1,
+        has_vmid_pin=VMID_OUT in {net for _, net in pins},
+        cost_table=cost_table(),
+        costs=read_costs(),
+        tick_ms=1e3 * TICK_S,
+        trees=load_model().trees,
+    )
 
 
 def _describe_forces(design: Design, fingers: Fingers) -> dict[str, list[str]]:

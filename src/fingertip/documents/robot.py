@@ -7,7 +7,7 @@ from typing import Any
 
 from fingertip.catalogues.output_files import README, ROBOT_FILES
 from fingertip.design.finger_set import FingerSet
-from fingertip.documents.template import WIDTH, lay_out_page, render
+from fingertip.documents.template import WIDTH, render_page
 from fingertip.robot.contact import FORCES_N, REFERENCE_N
 from fingertip.robot.formats import MAX_SPEED_RAD_S, TIMESTEP_S
 from fingertip.robot.model import TOLERANCE_MM, FingerModel
@@ -43,19 +43,16 @@ def describe_model(finger: FingerModel, file_format: str) -> dict[str, Any]:
 
 def render_robot_readme(figures: Mapping[str, Any], fingers: Sequence[str]) -> str:
     """Render the README of a finger's model, or of the fingers of one form in the model of a set."""
-    constants = {
-        "tolerance_mm": TOLERANCE_MM, "reference_n": REFERENCE_N, "timestep_s": TIMESTEP_S, "pad_n": FORCES_N,
-        "spacing_mm": SPACING_MM, "facet_mm": FACET_MM,
-    }  # fmt: skip
-    speed, file = MAX_SPEED_RAD_S, ROBOT_FILES[figures["format"]]
-    page = render("robot.md", **figures, **constants, fingers=fingers, speed_rad_s=speed, file=file)
-    return lay_out_page(page, WIDTH)
+    return render_page(
+        "robot.md", WIDTH, **figures, fingers=fingers, file=ROBOT_FILES[figures["format"]], tolerance_mm=TOLERANCE_MM,
+        reference_n=REFERENCE_N, timestep_s=TIMESTEP_S, pad_n=FORCES_N, spacing_mm=SPACING_MM, facet_mm=FACET_MM,
+        speed_rad_s=MAX_SPEED_RAD_S,
+    )  # fmt: skip
 
 
 def render_set_readme(fingers: FingerSet, file: str, places_m: Mapping[str, float]) -> str:
     rows = [(name, form.design.name, places_m[name]) for name, form in fingers.fingers]
-    page = render("robot_set.md", name=fingers.name, side=fingers.side, file=file, rows=rows, readme=README)
-    return lay_out_page(page, WIDTH)
+    return render_page("robot_set.md", WIDTH, name=fingers.name, side=fingers.side, file=file, rows=rows, readme=README)
 
 
 def _round(value: Any) -> Any:

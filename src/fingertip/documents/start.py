@@ -17,7 +17,7 @@ from fingertip.cad.shapes.parts import PARTS
 from fingertip.catalogues.output_files import PRINT_FOLDER
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.design import Design
-from fingertip.documents.template import lay_out_page, render
+from fingertip.documents.template import render_page
 
 _HARDER = {"bone.safety_factor.shock": "Keep harder knocks off.", "bone.safety_factor.grip": "Do not grip that hard."}
 """Check that warns of a force -> what a user must know besides."""
@@ -38,7 +38,7 @@ def render_start(
     finger, mold = ([name for name in printed if PARTS[name].is_in_finger == kept] for kept in (True, False))
     plates = {path: found["parts"] for path, found in report.get(PRINT_FOLDER, {}).items() if path.endswith(".3mf")}
     casting = report.get("casting")
-    page = render(
+    return render_page(
         "start.md",
         skin=design.skin,
         size_mm=[f"{size:.0f}" for size in size_mm],
@@ -56,25 +56,20 @@ def render_start(
         verdict=verdict,
         **_board_data(design),
     )
-    return lay_out_page(page)
 
 
 def render_set_start(data: Mapping[str, Any], board_design: Design | None) -> str:
     """Render the first screen of a set, with the board of all its fingers if there is one."""
     board = _board_data(board_design) if board_design else {"cost_usd": None, "components": 0}
-    page = render("finger_set/start.md", **data, waits=_count_waits(data["calendar"]), **board)
-    return lay_out_page(page)
+    return render_page("finger_set/start.md", **data, waits=_count_waits(data["calendar"]), **board)
 
 
 def render_basis_table(design: Design) -> str:
     """Render where each kind of figure of a page comes from, as a table."""
     printer, curve = design.printer, design.force_curve
     is_calibrated = printer.offset_mm != 0.0 or printer.scale_percent != 100.0
-    page = render(
-        "basis.md", printer=printer, is_calibrated=is_calibrated, is_weighed=curve.curve == "calibrated",
-        sensor=curve.describe(),
-    )  # fmt: skip
-    return lay_out_page(page)
+    is_weighed, sensor = curve.curve == "calibrated", curve.describe()
+    return render_page("basis.md", printer=printer, is_calibrated=is_calibrated, is_weighed=is_weighed, sensor=sensor)
 
 
 def _board_data(design: Design) -> dict[str, Any]:

@@ -147,25 +147,23 @@ def _mark_weakest(design: Design, evaluator: MeshEvaluator, exploded: list[Place
 def _explode(parts: Mapping[str, Mesh]) -> list[PlacedMesh]:
     """Move the parts apart: mold halves above and below, and between them the bone with its sensor and the skin."""
     size = {name: np.ptp(mesh.vertices, axis=0) for name, mesh in parts.items()}
-    gap = 6.0
+    gap, behind = 6.0, -0.55 * size["skin"][2]
     # So far that no half hides the bone, from above or from the palm
     spread = 1.25 * (size["bone"][1] + size["mold_palmar"][1] / 2) + 2 * gap
     shift = {
         "mold_dorsal": (0.0, spread, 0.0),
-        "skin": (0.0, 0.0, size["skin"][2] * 0.55 + gap),
-        "bone": (0.0, 2.0, -size["skin"][2] * 0.55),
-        "sensor": (0.0, 2.0 - gap, -size["skin"][2] * 0.55),
+        "skin": (0.0, 0.0, gap - behind),
+        "bone": (0.0, 2.0, behind),
+        "sensor": (0.0, 2.0 - gap, behind),
         "mold_palmar": (0.0, -spread, 0.0),
+        "lid": (0.0, 2.0 + gap, behind),
+        "sensor_insert": (0.0, 2.0 - 2 * gap, behind),
+        "core": (0.0, 2.0, behind - size["bone"][2] - 2 * gap),
     }
-    if "lid" in parts:
-        shift["lid"] = (0.0, 2.0 + gap, -size["skin"][2] * 0.55)
-    if "sensor_insert" in parts:
-        shift["sensor_insert"] = (0.0, 2.0 - 2 * gap, shift["sensor"][2])
-    if "core" in parts:
-        shift["core"] = (0.0, 2.0, shift["bone"][2] - size["bone"][2] - 2 * gap)
     return [
         PlacedMesh(name, Mesh(parts[name].vertices + np.array(offset), parts[name].triangles), _COLOURS[name], offset)
         for name, offset in shift.items()
+        if name in parts
     ]
 
 

@@ -131,8 +131,8 @@ def draw_section(section: Section, evaluator: MeshEvaluator, width_px: int) -> N
         for ring in rings:
             _dash(pen, [to_pixel(corner) for corner in (*ring, ring[0])])
     for names, line_y, way in ((above, top - _LINE_PX, -1), (below, top + size[1] + _LINE_PX, 1)):
-        for placed in names:
-            _draw_name(pen, font, placed, to_pixel(placed.feature.at), line_y, way)
+        for feature, x, row in names:
+            _draw_name(pen, font, feature.name, (x, line_y + way * (_ROW_PX * row + 2)), to_pixel(feature.at), way)
     pen.text((16 * _FINE, 10 * _FINE), section.title, fill=_INK, font=font)
     picture = picture.resize((width_px, height_px), Image.Resampling.BOX)
     draw_scale_bar(ImageDraw.Draw(picture), (16.0, height_px - 16.0), scale)
@@ -251,12 +251,8 @@ def _list_bone_features(design: Design) -> Iterable[Feature]:
         yield Feature(name, at)
 
 
-@dataclass(frozen=True)
-class _PlacedName:
-    feature: Feature
-    x: float
-    row: int
-    """Row counted from the parts."""
+_PlacedName = tuple[Feature, float, int]
+"""Feature, the middle of its name [pixels], and the row of the name, counted from the parts."""
 
 
 def _place_names(
@@ -272,7 +268,7 @@ def _place_names(
         chosen = list(itertools.islice(zip(ordered, widths, strict=True), row, None, rows))
         wanted = [left + (feature.at[0] - low_z) * scale for feature, _ in chosen]
         middles = spread([width for _, width in chosen], wanted, width_px)
-        placed += [_PlacedName(feature, x, row) for (feature, _), x in zip(chosen, middles, strict=True)]
+        placed += [(feature, x, row) for (feature, _), x in zip(chosen, middles, strict=True)]
     return placed
 
 
@@ -300,19 +296,19 @@ def spread(widths: Sequence[float], wanted: Sequence[float], total: float) -> li
 
 
 def _count_rows(names: Sequence[_PlacedName]) -> int:
-    return 1 + max((placed.row for placed in names), default=-1)
+    return 1 + max((row for _, _, row in names), default=-1)
 
 
-def _draw_name(pen: Pen, font: Font, placed: _PlacedName, target: Point, line_y: float, way: int) -> None:
-    x, y = placed.x * _FINE, (line_y + way * (_ROW_PX * placed.row + 2)) * _FINE
+def _draw_name(pen: Pen, font: Font, name: str, at: Point, target: Point, way: int) -> None:
+    x, y = at[0] * _FINE, at[1] * _FINE
     pen.line([(x, y), target], fill=_NAME_INK, width=_FINE)
     radius = 3.5 * _FINE
     u, v = target
     pen.ellipse([u - radius, v - radius, u + radius, v + radius], fill="white", outline=_NAME_INK, width=2 * _FINE)
     base = y - 5 * _FINE if way < 0 else y + 15 * _FINE
-    left, top, right, bottom = pen.textbbox((x, base), placed.feature.name, font=font, anchor="ms")
+    left, top, right, bottom = pen.textbbox((x, base), name, font=font, anchor="ms")
     pen.rectangle([left - 4 * _FINE, top - _FINE, right + 4 * _FINE, bottom + _FINE], fill="white")
-    pen.text((x, base), placed.feature.name, fill=_NAME_INK, font=font, anchor="ms")
+    pen.text((x, base), name, fill=_NAME_INK, font=font, anchor="ms")
 
 
 def _fill(picture: Any, rings: Sequence[Sequence[Point]], colour: tuple[int, int, int]) -> None:

@@ -123,16 +123,8 @@ def compute_noise(context: PointContext) -> OutputValues:
 def compute_detection(context: PointContext) -> OutputValues:
     """Compute delays and alarms of the detector on simulated trials of the scene, each with its own seed."""
     from fingertip.foundation.jit import compiled
+    from fingertip.lab.campaign import run
     from fingertip.lab.campaign.plan import Case
-    from fingertip.lab.campaign.run import (
-        DetectorResult,
-        evaluate,
-        find_onset_s,
-        measure_out_of_contact_share,
-        measure_vibration_n,
-        median_of_known,
-        simulate_trace,
-    )
 
     assert context.scene is not None
     detector, design = context.file.detector, context.design
@@ -140,15 +132,15 @@ def compute_detection(context: PointContext) -> OutputValues:
     with compiled():
         for seed in range(context.file.first_seed, context.file.first_seed + context.file.trials):
             case = Case("slip", context.scene, seed)
-            trace, force_n = context.load_trial(seed, partial(simulate_trace, design, case, [detector]))
-            results += evaluate(case, trace, force_n, detector, design, [1.0])
+            trace, force_n = context.load_trial(seed, partial(run.simulate_trace, design, case, [detector]))
+            results += run.evaluate(case, trace, force_n, detector, design, [1.0])
             if "slip_onset_ms" in context.file.outputs:
-                onsets_s.append(find_onset_s(design, case, trace))
+                onsets_s.append(run.find_onset_s(design, case, trace))
             if "slip_vibration_n" in context.file.outputs:
-                vibrations_n.append(measure_vibration_n(trace))
+                vibrations_n.append(run.measure_vibration_n(trace))
             if "out_of_contact_share" in context.file.outputs:
-                shares.append(measure_out_of_contact_share(trace))
-    pooled = DetectorResult(1.0, tuple(results))
+                shares.append(run.measure_out_of_contact_share(trace))
+    pooled = run.DetectorResult(1.0, tuple(results))
     minutes = sum(result.duration_s for result in results) / 60.0
     return {
         "delay_ms": 1e3 * pooled.delay_s(0.5),
@@ -158,9 +150,9 @@ def compute_detection(context: PointContext) -> OutputValues:
         "found_share": pooled.found_share,
         "false_alarms_per_min": sum(pooled.alarms().values()) / minutes,
         "slips": pooled.slips,
-        "slip_onset_ms": 1e3 * median_of_known(onsets_s),
-        "slip_vibration_n": median_of_known(vibrations_n),
-        "out_of_contact_share": median_of_known(shares),
+        "slip_onset_ms": 1e3 * run.median_of_known(onsets_s),
+        "slip_vibration_n": run.median_of_known(vibrations_n),
+        "out_of_contact_share": run.median_of_known(shares),
     }
 
 

@@ -20,15 +20,9 @@ from typing import IO, TYPE_CHECKING, Any, TypeAlias
 from fingertip.design.model import Design
 from fingertip.foundation.errors import FingertipError, Issue, gather
 from fingertip.foundation.files import round_for_output
+from fingertip.sweep import designs
 from fingertip.sweep.axes import Value
 from fingertip.sweep.compute import GROUP_FUNCTIONS, ISSUE, OutputValues, PointContext, RecordedTrial
-from fingertip.sweep.designs import (
-    CachedEvaluator,
-    DesignBuilder,
-    LruCache,
-    apply_changes,
-    restrict_kernel_to_one_thread,
-)
 from fingertip.sweep.engines import NO_POINT, set_current_point
 from fingertip.sweep.outputs import TRACES, OutputGroup
 from fingertip.sweep.plan import SweepPlan
@@ -82,12 +76,12 @@ class PointEvaluator:
         self.plan = plan
         quick = all(group.cost <= QUICK_COST for group in plan.groups)
         self.points_per_limit = QUICK_POINTS_PER_LIMIT if quick else 1
-        self._designs = DesignBuilder(plan)
+        self._designs = designs.DesignBuilder(plan)
         self._scene = plan.scene.model_dump() if plan.scene else None
         self._groups = [(group, _find_cache_axes(group, plan)) for group in plan.groups]
         self._trace_axes = _find_cache_axes(TRACES, plan)
-        self._group_results: LruCache[Any, OutputValues] = LruCache(MAX_GROUP_RESULTS)
-        self._trials: LruCache[Any, RecordedTrial] = LruCache(MAX_TRACE_BYTES)
+        self._group_results: designs.LruCache[Any, OutputValues] = designs.LruCache(MAX_GROUP_RESULTS)
+        self._trials: designs.LruCache[Any, RecordedTrial] = designs.LruCache(MAX_TRACE_BYTES)
         self._no_outputs = (math.nan,) * len(plan.outputs)
 
     def evaluate(self, point: int, changes: Mapping[str, Value]) -> PointResult:
@@ -118,9 +112,9 @@ class PointEvaluator:
         return point, "ok", issue.field, issue.message, outputs
 
     @cached_property
-    def mesh_evaluator(self) -> CachedEvaluator:
-        restrict_kernel_to_one_thread()
-        return CachedEvaluator(self.plan.file.tolerance_mm)
+    def mesh_evaluator(self) -> designs.CachedEvaluator:
+        designs.restrict_kernel_to_one_thread()
+        return designs.CachedEvaluator(self.plan.file.tolerance_mm)
 
     def _build_inputs(self, changes: Mapping[str, Value]) -> tuple[Design, SceneFile | None]:
         issues: list[Issue] = []
@@ -132,7 +126,7 @@ class PointEvaluator:
 
             scene_changes = {n.removeprefix("scene."): v for n, v in changes.items() if n.startswith("scene.")}
             with gather(issues, "scene."):
-                scene = SceneFile(**apply_changes(self._scene, scene_changes))
+                scene = SceneFile(**designs.apply_changes(self._scene, scene_changes))
         if issues or design is None:
             raise FingertipError(issues)
         return design, scene

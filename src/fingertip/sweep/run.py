@@ -264,12 +264,11 @@ class _Run:
             self._handle_failed_chunk(chunk, error)
             return
         else:
-            crashed = self.engine.find_crashed_points() if isinstance(error, BrokenExecutor) else None
             elapsed_s = time.perf_counter() - start
-            if crashed is not None:
-                elapsed_s = crashed.get(chunk.points[0], 0.0)
             if isinstance(error, BrokenExecutor):
                 self._executor = None
+                if (crashed := self.engine.find_crashed_points()) is not None:
+                    elapsed_s = crashed.get(chunk.points[0], 0.0)
             result = ChunkResult([self._describe_failure(chunk.points[0], elapsed_s)], 0.0)
         self._add_rows(chunk, result)
         self.write_rows()

@@ -161,8 +161,7 @@ def _load_base(folder: Path, name: str, entry: Any, changes: list[str], is_typed
 def _merge(into: dict[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
     for key, value in new.items():
         old = into.get(key)
-        both = isinstance(old, Mapping) and isinstance(value, Mapping)
-        into[key] = _merge(dict(old), value) if both and isinstance(old, Mapping) else value
+        into[key] = _merge(dict(old), value) if isinstance(old, Mapping) and isinstance(value, Mapping) else value
     return into
 
 

@@ -4,59 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import partial
 
 from fingertip.board.analysis.board_values import BoardValues
-from fingertip.board.bringup.bench import (
-    COUPLING_FARAD,
-    HOST,
-    METER_OHM,
-    TONE_V,
-    TOP_HZ,
-    attenuate_tones,
-    has_tone,
-    largest_drop_v,
-    list_output_pins,
-)
+from fingertip.board.bringup import bench
+from fingertip.board.bringup import plan as readings
 from fingertip.board.bringup.diagnosis import list_hidden_faults, list_unsimulated
-from fingertip.board.bringup.plan import (
-    BOARDS,
-    METER_AC,
-    METER_DC,
-    NEGATIVE_OHM,
-    QUIET,
-    SENSOR_OHM,
-    SLIP_TONE,
-    SUPPLY_MA,
-    SUPPLY_OHM,
-    SUPPLY_PERCENT,
-    BringUp,
-    Limits,
-)
+from fingertip.board.bringup.plan import BringUp, Limits
 from fingertip.board.bringup.prediction import POINTS, list_levels, name_ripple, name_tone, name_voltage
 from fingertip.board.bringup.wiring import list_pins
 from fingertip.board.kicad.placement import Pad, Placement, view_channel
 from fingertip.board.kicad.project import load_project
-from fingertip.board.parts.circuit import (
-    ADC_ENVELOPE,
-    ADC_FILTERED,
-    ADC_TACTILE,
-    ENVELOPE,
-    FILTERED,
-    GND,
-    RECT_OUT,
-    REFERENCE,
-    SENSOR,
-    SLIP,
-    STAGE1_OUT,
-    STAGE2_MID,
-    TACTILE,
-    THRESHOLD,
-    VCC,
-    VMID,
-    VMID_OUT,
-    Circuit,
-    format_component_value,
-)
+from fingertip.board.parts import circuit as nets
+from fingertip.board.parts.circuit import Circuit, format_component_value
 from fingertip.board.parts.symbols import LOCKING_CONNECTORS
 from fingertip.catalogues.controllers import NAMES
 from fingertip.design import Design
@@ -67,116 +27,85 @@ from fingertip.foundation.errors import BoardError, join_words
 Row = tuple[str, ...]
 
 _PROBES = {
-    TACTILE: "TP1, tactile voltage",
-    STAGE1_OUT: "TP2, first stage",
-    FILTERED: "TP3, filtered signal",
-    ENVELOPE: "TP4, envelope",
-    VMID: "TP5, signal ground; black probe at supply ground",
-    SENSOR: "J1 pin 1, sensor",
-    RECT_OUT: "U3 pin 1, rectifier",
+    nets.TACTILE: "TP1, tactile voltage",
+    nets.STAGE1_OUT: "TP2, first stage",
+    nets.FILTERED: "TP3, filtered signal",
+    nets.ENVELOPE: "TP4, envelope",
+    nets.VMID: "TP5, signal ground; black probe at supply ground",
+    nets.SENSOR: "J1 pin 1, sensor",
+    nets.RECT_OUT: "U3 pin 1, rectifier",
 }
 """Place of the red probe for each net that has a test point or a pin of its own."""
-_ENDS = {REFERENCE: ("R13", "reference"), STAGE2_MID: ("R2", "second stage")}
+_ENDS = {nets.REFERENCE: ("R13", "reference"), nets.STAGE2_MID: ("R2", "second stage")}
 """Part whose end is the place of the red probe for the other nets, and their name."""
 _MEANINGS = {
-    STAGE1_OUT: "U1, R4, R5",
-    FILTERED: "U1, R2, R3",
-    ENVELOPE: "rectifier and envelope",
-    VMID: "R22, R23, U2",
-    REFERENCE: "R12, R13",
+    nets.STAGE1_OUT: "U1, R4, R5",
+    nets.FILTERED: "U1, R2, R3",
+    nets.ENVELOPE: "rectifier and envelope",
+    nets.VMID: "R22, R23, U2",
+    nets.REFERENCE: "R12, R13",
 }
 """Parts that a constant voltage depends on."""
-_BRIDGE_PARTS = {TACTILE: "bridge R10 to R13, its amplifier U2 with R14", SENSOR: "R10, R11, C7"}
-_STAGE_PARTS = {TACTILE: "R28 to R33, C26 to C29, U2", SENSOR: "R28 to R33, D6, U2"}
+_BRIDGE_PARTS = {nets.TACTILE: "bridge R10 to R13, its amplifier U2 with R14", nets.SENSOR: "R10, R11, C7"}
+_STAGE_PARTS = {nets.TACTILE: "R28 to R33, C26 to C29, U2", nets.SENSOR: "R28 to R33, D6, U2"}
 """Parts of the front end: of a bridge, or of a transimpedance stage."""
 _OUTPUT_PARTS = {
-    ADC_TACTILE: "R8, R9, D3; C9 and C19 bridged",
-    ADC_FILTERED: "R27, D5; C25 bridged",
-    ADC_ENVELOPE: "R7, D2; C8 bridged",
-    VMID_OUT: "R24",
+    nets.ADC_TACTILE: "R8, R9, D3; C9 and C19 bridged",
+    nets.ADC_FILTERED: "R27, D5; C25 bridged",
+    nets.ADC_ENVELOPE: "R7, D2; C8 bridged",
+    nets.VMID_OUT: "R24",
 }
 """Parts between a test point and its pin of J3."""
 
 
 def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str) -> str:
     """Render the bring-up sheet of a design's board as Markdown, with the file of its wiring diagram."""
-    circuit, bench, placement = (
-        plan.board.circuit,
-        plan.board.bench,
-        find_placement(values.variant, design.board.channels),
-    )
-    low_hz, middle_hz, high_hz = bench.tones_hz
+    circuit, setup = plan.board.circuit, plan.board.bench
+    placement = find_placement(values.variant, design.board.channels)
     parts = {part.reference: part for part in circuit.components}
     small = [name for name, part in parts.items() if "SOT-23" in part.footprint]
-    is_protected, has_slip = "Q1" in parts, SLIP in circuit.net_by_pin.values()
-    meanings = _MEANINGS | (_BRIDGE_PARTS if REFERENCE in circuit.net_by_pin.values() else _STAGE_PARTS)
+    is_protected, has_slip = "Q1" in parts, nets.SLIP in circuit.net_by_pin.values()
+    meanings = _MEANINGS | (_BRIDGE_PARTS if nets.REFERENCE in circuit.net_by_pin.values() else _STAGE_PARTS)
     return render(
         "board/bringup.md",
         **collect_board(values, design),
+        readings=readings,
+        row=partial(_row, plan),
+        bench=bench,
+        setup=setup,
         name=design.name,
         orientation="J1 and J2" if design.board.channels == 1 else "the sensors' sockets",
         fingers=NAMES[: design.board.channels],
         wiring=wiring,
         idle_v=values.tactile_response.open_v,
-        middle_v=values.voltage_limits.signal_ground_v,
-        bench=bench,
-        boards=BOARDS,
-        supply_percent=SUPPLY_PERCENT,
-        meter_dc=METER_DC,
-        meter_ac=METER_AC,
-        meter_ohm=METER_OHM,
         is_protected=is_protected,
         has_suppressor="D6" in parts,
         # Three times what the board should draw, in tens.
-        limit_ma=10.0 * math.ceil(0.3 * plan.current[SUPPLY_MA].expected_v),
-        coupling_capacitor=format_component_value(COUPLING_FARAD),
+        limit_ma=10.0 * math.ceil(0.3 * plan.current[readings.SUPPLY_MA].expected_v),
+        coupling_capacitor=format_component_value(bench.COUPLING_FARAD),
         fiducials=placement.fiducials,
-        ground_end=find_widest(circuit, placement, GND),
-        slip_end=find_end(placement, "R21", SLIP) if has_slip else "",
-        threshold_end=find_end(placement, "R20", THRESHOLD) if has_slip else "",
+        ground_end=find_widest(circuit, placement, nets.GND),
+        slip_end=find_end(placement, "R21", nets.SLIP) if has_slip else "",
+        threshold_end=find_end(placement, "R20", nets.THRESHOLD) if has_slip else "",
         dotted=_join([name for name in parts if name.startswith("U") and name not in small]),
         diodes=_join([name for name, part in parts.items() if part.symbol.name == "1N4148W"]),
         small=_join(small),
         is_locking=parts["J1"].footprint in LOCKING_CONNECTORS,
         resistances=list(_list_resistances(plan, placement, is_protected)),
-        currents=[
-            _row(
-                plan, SUPPLY_MA, "mA, into the positive supply", "more: switch off, an amplifier is rotated or bridged"
-            )
-        ],
         voltages=[
-            *(
-                _row(plan, name_voltage(net), _find_probe(plan, placement, net), meanings[net])
-                for net in plan.board.nets
-            ),
-            *(
-                _row(plan, name_voltage(TACTILE, ohm), f"TP1, with {format_ohm(ohm)} at J1", "the same")
-                for ohm in bench.dummy_ohm
-            ),
+            _row(plan, name_voltage(net), _find_probe(plan, placement, net), meanings[net]) for net in plan.board.nets
         ],
-        pin_1_end=find_pin_1_end(placement, HOST),
-        output_points=", ".join(f"{pin.letter}: {POINTS[pin.source]}" for pin in list_output_pins(circuit)),
-        drop_v=largest_drop_v(circuit, {name: limits.expected_v for name, limits in plan.levels.items()}),
+        dummy_voltages=[
+            _row(plan, name_voltage(nets.TACTILE, ohm), f"TP1, with {format_ohm(ohm)} at J1", "the same")
+            for ohm in setup.dummy_ohm
+        ],
+        pin_1_end=find_pin_1_end(placement, bench.HOST),
+        output_points=", ".join(f"{pin.letter}: {POINTS[pin.source]}" for pin in bench.list_output_pins(circuit)),
+        drop_v=bench.largest_drop_v(circuit, {name: limits.expected_v for name, limits in plan.levels.items()}),
         outputs=list(_list_outputs(plan)),
-        tone_v=TONE_V,
-        low_hz=low_hz,
-        middle_hz=middle_hz,
-        high_hz=high_hz,
-        top_hz=TOP_HZ,
         tones=list(_list_tones(plan, placement)),
-        output_tones=[(name.split("_")[1].upper(), 100.0 * ratio) for name, ratio in attenuate_tones(circuit).items()],
-        quiet=[
-            _row(
-                plan,
-                QUIET,
-                "TP3, alternating",
-                "hum or oscillation: shorten and twist the wires, or try a battery behind a regulator",
-            )
-        ],
-        slip_tones=[
-            _row(plan, name, f"tone of {high_hz:g} Hz, at the generator", "trim as below; else R19 to R21, U4")
-            for name in plan.others
-            if name == SLIP_TONE
+        output_tones=[
+            (name.split("_")[1].upper(), 100.0 * ratio) for name, ratio in bench.attenuate_tones(circuit).items()
         ],
         hidden=[(what.capitalize(), _join(names)) for what, names in list_hidden_faults(plan).items()],
         clamps=_join(list_unsimulated(plan)),
@@ -193,21 +122,21 @@ def _list_resistances(plan: BringUp, placement: Placement, is_protected: bool) -
     where = "J2: red probe at plus, black at ground"
     # Behind the MOSFET that blocks a reversed supply, because without power it blocks the meter too.
     if is_protected:
-        plus = find_end(placement, "C10", VCC)
+        plus = find_end(placement, "C10", nets.VCC)
         where = f"C10: red probe at its {plus.removesuffix(' of C10')}, black at the other"
-    yield _row(plan, SUPPLY_OHM, where, "a short: do not apply power")
-    if NEGATIVE_OHM in plan.before_power:
-        yield _row(plan, NEGATIVE_OHM, "J2: ground to minus", "a short: do not apply power")
-    if REFERENCE in plan.board.circuit.net_by_pin.values():
-        yield _row(plan, SENSOR_OHM, "J1: between its pins", "R10 to R13, C7")
+    yield _row(plan, readings.SUPPLY_OHM, where, "a short: do not apply power")
+    if readings.NEGATIVE_OHM in plan.before_power:
+        yield _row(plan, readings.NEGATIVE_OHM, "J2: ground to minus", "a short: do not apply power")
+    if nets.REFERENCE in plan.board.circuit.net_by_pin.values():
+        yield _row(plan, readings.SENSOR_OHM, "J1: between its pins", "R10 to R13, C7")
     else:
-        yield _row(plan, SENSOR_OHM, "J1 pin 1 to TP1", "R28 to R30, D6")
+        yield _row(plan, readings.SENSOR_OHM, "J1 pin 1 to TP1", "R28 to R30, D6")
 
 
 def _list_outputs(plan: BringUp) -> Iterator[Row]:
     circuit = plan.board.circuit
-    pins = {pin.net: pin for pin in list_output_pins(circuit)}
-    for number, net in list_pins(circuit, circuit.component(HOST)):
+    pins = {pin.net: pin for pin in bench.list_output_pins(circuit)}
+    for number, net in list_pins(circuit, circuit.component(bench.HOST)):
         if net in pins:
             yield _row(plan, pins[net].constant_name, f"{pins[net].letter}, pin {number}", _OUTPUT_PARTS[net])
 
@@ -216,19 +145,20 @@ def _list_tones(plan: BringUp, placement: Placement) -> Iterator[Row]:
     high_hz = plan.board.bench.tones_hz[-1]
     found = [*list_levels(plan.board.bench)]
     if plan.board.has_envelope:
-        found.append((ENVELOPE, high_hz))
-    if name_tone(RECT_OUT, high_hz) in plan.levels:
-        found.append((RECT_OUT, high_hz))
+        found.append((nets.ENVELOPE, high_hz))
+    if name_tone(nets.RECT_OUT, high_hz) in plan.levels:
+        found.append((nets.RECT_OUT, high_hz))
     for net, hz in found:
-        where = _find_probe(plan, placement, net) + (", direct voltage" if net in (ENVELOPE, RECT_OUT) else "")
+        direct = ", direct voltage" if net in (nets.ENVELOPE, nets.RECT_OUT) else ""
+        where = _find_probe(plan, placement, net) + direct
         name = name_tone(net, hz)
         yield f"`{name}`", f"{hz:g} Hz", where, *_figures(plan.all[name], "V")
-        if net == ENVELOPE:
+        if net == nets.ENVELOPE:
             ripple = name_ripple(hz)
             yield f"`{ripple}`", f"{hz:g} Hz", f"{_PROBES[net]}, alternating", *_figures(plan.all[ripple], "V")
-    for pin in filter(has_tone, list_output_pins(plan.board.circuit)):
-        where = f"{pin.letter} at {HOST}, alternating"
-        yield f"`{pin.tone_name}`", f"{TOP_HZ:g} Hz", where, *_figures(plan.all[pin.tone_name], "V")
+    for pin in filter(bench.has_tone, bench.list_output_pins(plan.board.circuit)):
+        where = f"{pin.letter} at {bench.HOST}, alternating"
+        yield f"`{pin.tone_name}`", f"{bench.TOP_HZ:g} Hz", where, *_figures(plan.all[pin.tone_name], "V")
 
 
 def _row(plan: BringUp, name: str, where: str, last: str) -> Row:

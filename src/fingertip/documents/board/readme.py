@@ -11,34 +11,19 @@ from fingertip.board.analysis.interference import DEAD_ZONE_V, describe_sensor
 from fingertip.board.analysis.limits import describe_adc_range
 from fingertip.board.analysis.loads import signal_band_hz
 from fingertip.board.analysis.noise import noise_warning
-from fingertip.board.bringup.wiring import NEEDED_PINS, OTHER_PINS
+from fingertip.board.bringup import wiring
 from fingertip.board.circuits.board_circuit import CABLE_OHM, board_circuit
 from fingertip.board.circuits.channels import PLACES, list_sockets
 from fingertip.board.circuits.network import MAX_SWITCH_OHM
+from fingertip.board.components import values as ratings
 from fingertip.board.components.bridge import MAX_FORCE_N, POWER_UP_S, Bridge, sensor_conductance_s
-from fingertip.board.components.values import CLAMP_A, MAX_CLAMP_A, MAX_LOW_LEAKAGE_A, PULL_UP_OHM, SUPPLIES
-from fingertip.board.fabrication.bom import (
-    estimate_cost,
-    find_rotation,
-    is_assembled,
-    list_extended,
-    load_rotations,
-    missing_numbers_note,
-    purchased_components,
-)
+from fingertip.board.fabrication import bom
 from fingertip.board.kicad import project
 from fingertip.board.kicad.project import StoredProject
+from fingertip.board.parts import table
 from fingertip.board.parts.circuit import SENSOR_CONNECTOR, Circuit, Component
 from fingertip.board.parts.select_part import NO_LCSC
 from fingertip.board.parts.symbols import CAPACITOR, RESISTOR
-from fingertip.board.parts.table import (
-    UNCONFIRMED,
-    count_wires,
-    group_plug_wires,
-    list_connectors,
-    list_mating_parts,
-    load_sources,
-)
 from fingertip.casting.hardware import describe_bought_wires
 from fingertip.catalogues.amplifiers import CATALOGUE
 from fingertip.catalogues.controllers import NAMES
@@ -60,26 +45,19 @@ def folder_readme(circuit: Circuit, stored: StoredProject, values: BoardValues, 
     return render(
         "board/readme.md",
         **collect_board(values, design),
-        supply_name=SUPPLIES[values.variant].description,
         response=values.achieved_response,
         channels=channels,
         places=PLACES,
         fingers=[f"{k} {name}" for k, name in enumerate(NAMES[:channels], start=1)],
-        cable_m=design.board.cable_m,
         size_mm=f"{placement.width:g} x {placement.height:g}",
         unlabelled=[name for name, part in placement.parts.items() if name[0] in "RC" and not part.is_labelled],
         all_unlabelled=not any(part.is_labelled for name, part in placement.parts.items() if name[0] in "RC"),
         name=circuit.name,
         project=project,
-        ignored_checks=[
-            (rules, *check)
-            for rules, checks in (("ERC", project.IGNORED_IN_SCHEMATIC), ("DRC", project.IGNORED_ON_BOARD))
-            for check in checks.items()
-        ],
         cables=list(_list_cables(circuit, "or_lead" in describe_bought_wires(design))),
         plug_wires=[
-            (join_words(references), wire, load_sources()[wire.source].title)
-            for wire, references in group_plug_wires(circuit).items()
+            (join_words(references), wire, table.load_sources()[wire.source].title)
+            for wire, references in table.group_plug_wires(circuit).items()
         ],
         limits=limits,
         adc_range=adc_range[:1].upper() + adc_range[1:],
@@ -92,41 +70,36 @@ def folder_readme(circuit: Circuit, stored: StoredProject, values: BoardValues, 
             for load in values.amplifier_loads
         ),
         pin_ohm=max(limits.tactile_pin_ohm, limits.output_pin_ohm),
-        clamp_a=CLAMP_A,
-        max_clamp_a=MAX_CLAMP_A,
-        max_low_leakage_a=MAX_LOW_LEAKAGE_A,
+        ratings=ratings,
         cable_ohm=CABLE_OHM,
         idle_v=values.tactile_response.open_v,
         pressed_v=values.tactile_response.tactile_v(sensor_conductance_s(MAX_FORCE_N)),
-        needed_pins=NEEDED_PINS,
-        other_pins=OTHER_PINS,
+        wiring=wiring,
         ripple_sensor=describe_sensor(values.supply_ripple),
         supply_range_v=CONTROLLER_RANGE_V,
         switch_ohm=MAX_SWITCH_OHM,
         power_up_s=POWER_UP_S,
-        pull_up_ohm=PULL_UP_OHM,
         noise_warning=noise_warning(values.noise, design.detector.threshold_v),
         dead_zone_v=DEAD_ZONE_V,
         **_collect_order(circuit, stored),
-        functions=purchased_components(circuit if channels == 1 else board_circuit(values)),
+        functions=bom.purchased_components(circuit if channels == 1 else board_circuit(values)),
         bridge_shift_v=_find_bridge_shift_v(values.bridge, design.board.supply_v) if values.bridge else 0.0,
-        missing_numbers=missing_numbers_note(circuit),
-        unconfirmed=UNCONFIRMED,
-        cost_usd=estimate_cost(circuit),
-        extended=list_extended(circuit),
-        rotations=load_sources()[load_rotations()[0].source],
+        missing_numbers=bom.missing_numbers_note(circuit),
+        unconfirmed=table.UNCONFIRMED,
+        cost_usd=bom.estimate_cost(circuit),
+        extended=bom.list_extended(circuit),
+        rotations=table.load_sources()[bom.load_rotations()[0].source],
     ).encode()
 
 
 def collect_board(values: BoardValues, design: Design) -> dict[str, Any]:
     """Data that every document of a board refers to, and the figures of `trimming.md`."""
-    supply = SUPPLIES[values.variant]
     return {
         "values": values,
         "board": design.board,
         "changes": f" --set board.channels={design.board.channels}" if design.board.channels > 1 else "",
         "detector": design.detector,
-        "supply": supply,
+        "supply": ratings.SUPPLIES[values.variant],
         "is_for_controller": design.board.is_for_controller,
         "has_envelope": design.board.has_envelope,
         "has_slip": values.comparator_levels is not None,
@@ -141,24 +114,24 @@ def _list_cables(circuit: Circuit, fingers_take_leads: bool) -> Iterator[tuple[s
     sensors = {SENSOR_CONNECTOR, *list_sockets()}
     # The sockets of the sensors take the same plugs, and are one line.
     groups: dict[str, list[Component]] = {}
-    for connector in list_connectors(circuit):
+    for connector in table.list_connectors(circuit):
         groups.setdefault(connector.footprint, []).append(connector)
     for alike in groups.values():
         names = join_words([connector.reference for connector in alike])
-        for mating in list_mating_parts(alike[0]):
+        for mating in table.list_mating_parts(alike[0]):
             if alike[0].reference in sensors and mating.item.startswith("or leads") and not fingers_take_leads:
                 continue
             numbers = ("", "", mating.reason)
             if part := mating.part:
                 source = part.source_text if part.lcsc else f"{part.source_text}; {NO_LCSC}"
                 numbers = (f"{part.manufacturer} {part.number}", part.lcsc, source)
-            yield names, str(mating.count(count_wires(alike[0])) * len(alike)), mating.item, *numbers
+            yield names, str(mating.count(table.count_wires(alike[0])) * len(alike)), mating.item, *numbers
 
 
 def _collect_order(circuit: Circuit, stored: StoredProject) -> dict[str, Any]:
     """Figures that board house and assembly house ask for, and the parts that need care."""
-    components = purchased_components(circuit)
-    assembled = [c for c in components if is_assembled(c)]
+    components = bom.purchased_components(circuit)
+    assembled = [c for c in components if bom.is_assembled(c)]
     placement = stored.placement
     pads = {reference: part.pads for reference, part in placement.parts.items()}
     through_hole = [c for c in components if any(pad.drill and pad.is_plated for pad in pads[c.reference])]
@@ -173,7 +146,7 @@ def _collect_order(circuit: Circuit, stored: StoredProject) -> dict[str, Any]:
         "by_house": [c.reference for c in through_hole if c in assembled],
         "by_hand": [c.reference for c in through_hole if c not in assembled],
         "unknown_rotations": [
-            c.reference for c in assembled if c.symbol not in _NO_DIRECTION and find_rotation(c.footprint) is None
+            c.reference for c in assembled if c.symbol not in _NO_DIRECTION and bom.find_rotation(c.footprint) is None
         ],
     }
 

@@ -17,29 +17,8 @@ from fingertip.cad.printing.settings import FDM, LAYER_MM, print_settings
 from fingertip.cad.printing.slicer import HOW_TO_INSTALL, PrintEstimate
 from fingertip.cad.shapes.engraving import MIN_STROKE_MM, omitted_lines
 from fingertip.cad.verification.mold import PUSH_S
-from fingertip.casting.consumables import (
-    cover_tape_data,
-    seat_tape_data,
-    sensor_insert_data,
-    uses_adhesive,
-    uses_primer,
-)
+from fingertip.casting import consumables, quantities
 from fingertip.casting.hardware import OPEN_OHM, PRESSED_OHM, WEIGHTS_G, bill_of_materials
-from fingertip.casting.quantities import (
-    MIN_COMPONENT_G,
-    SCALE_G,
-    WASTE_FRACTION,
-    SiliconeVolumes,
-    compute_batch,
-    is_ratio_assumed,
-    load_cm3,
-    mass_g,
-    name_retention,
-    parts_by_weight,
-    pose_tolerance_deg,
-    skin_pull_off_n,
-    volumes_data,
-)
 from fingertip.catalogues.hardware import NOZZLE_DEPTH_MM, find_needle
 from fingertip.catalogues.output_files import PRINT_FOLDER
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
@@ -51,7 +30,7 @@ from fingertip.design.geometry.seat import min_skin_thickness, sleeve_inset_mm, 
 from fingertip.design.interfaces import INTERFACES, interface_of
 from fingertip.design.interfaces.clevis import tendon_force_per_n
 from fingertip.design.interfaces.clevis_solids import stop_height_mm
-from fingertip.documents.template import lay_out_page, render, render_rows
+from fingertip.documents.template import render, render_page, render_rows
 from fingertip.filling.mold_filling import MAX_AIR_MM3, injected_cm3, predict_mold_filling
 from fingertip.filling.vents import find_pose, place_vents
 
@@ -71,7 +50,7 @@ _SMALL_SHARE = 0.25
 
 def casting_sheet_data(
     design: Design,
-    volumes: SiliconeVolumes,
+    volumes: quantities.SiliconeVolumes,
     silicone: Silicone,
     prints: Mapping[str, PrintEstimate] | None = None,
     warnings: Sequence[str] = (),
@@ -95,7 +74,7 @@ def casting_sheet_data(
         "sensor_tail": design.sensor.tail,
         "wires_between_cheeks": design.dimensions.window_opens_into_gap,
         "silicone": _silicone_data(silicone),
-        "volumes_cm3": volumes_data(volumes),
+        "volumes_cm3": quantities.volumes_data(volumes),
         "batch": _batch_data(design, silicone, volumes),
         "mold": {
             "made_for_shrinkage_percent": compensated_percent,
@@ -116,8 +95,8 @@ def casting_sheet_data(
         "chaplet": _chaplet_data(design),
         "peel": _PEEL,
         "fit": _fit_data(design),
-        "skin_pull_off_n": round(skin_pull_off_n(design, silicone), 1),
-        "skin_held_by": name_retention(design),
+        "skin_pull_off_n": round(quantities.skin_pull_off_n(design, silicone), 1),
+        "skin_held_by": quantities.name_retention(design),
         "sensor_limits": {"open_mohm": OPEN_OHM / 1e6, "pressed_kohm": PRESSED_OHM / 1e3},
         "joint": joint if design.dimensions.joint else None,
         "grip_force_n": design.strength.grip_force_n,
@@ -145,7 +124,7 @@ def _filling_data(design: Design, silicone: Silicone) -> dict[str, Any]:
     viscosity = silicone.viscosity_pa_s.high
     syringe = inlet.syringe if inlet else None
     up = find_pose(design) if inlet else (0.0, 0.0, 1.0)
-    tolerance_deg = pose_tolerance_deg(design) if inlet else None
+    tolerance_deg = quantities.pose_tolerance_deg(design) if inlet else None
     return {
         "viscosity_pa_s": viscosity,
         "fill_s": round(prediction.fill_s * viscosity / prediction.viscosity_pa_s),
@@ -167,7 +146,7 @@ def _filling_data(design: Design, silicone: Silicone) -> dict[str, Any]:
             round(prediction.force_for_time_n(PUSH_S, syringe.bore_mm) * viscosity / prediction.viscosity_pa_s, 1)
             if syringe else None
         ),
-        "load_cm3": round(load_cm3(design), 1) if syringe else None,
+        "load_cm3": round(quantities.load_cm3(design), 1) if syringe else None,
         "syringe": (
             {
                 "volume_ml": syringe.volume_ml, "nozzle_bore_mm": design.mold.nozzle_bore_mm,
@@ -202,9 +181,9 @@ def _fit_data(design: Design) -> dict[str, Any]:
     room = design.dimensions.relief_half_length - _TAB_ROOM_MM
     losses = design.losses
     return {
-        "cover_tape": cover_tape_data(design),
-        "sensor_insert": sensor_insert_data(design),
-        "seat_tape": seat_tape_data(design),
+        "cover_tape": consumables.cover_tape_data(design),
+        "sensor_insert": consumables.sensor_insert_data(design),
+        "seat_tape": consumables.seat_tape_data(design),
         "slot_mm": round(2 * design.dimensions.tail_half_width - design.printer.offset_mm, 2),
         "paper_mm": _PAPER_MM,
         "sensor_clearance_mm": round(design.sensor.clearance_mm - design.printer.offset_mm / 2, 3),
@@ -240,8 +219,8 @@ def _silicone_data(silicone: Silicone) -> dict[str, Any]:
             "stated_by": silicone.ratio_by,
             "parts": [silicone.parts_a.low, silicone.parts_b.low],
             "verified": silicone.parts_a.verified and silicone.parts_b.verified,
-            "parts_by_weight": [round(parts, 3) for parts in parts_by_weight(silicone)],
-            "assumed_by_weight": is_ratio_assumed(silicone),
+            "parts_by_weight": [round(parts, 3) for parts in quantities.parts_by_weight(silicone)],
+            "assumed_by_weight": quantities.is_ratio_assumed(silicone),
         },
         "properties": properties,
     }
@@ -252,26 +231,26 @@ def round_component_g(component_g: float, total_g: float) -> float:
     return round(component_g, 2 if component_g < _SMALL_SHARE * total_g else 1)
 
 
-def _batch_data(design: Design, silicone: Silicone, volumes: SiliconeVolumes) -> dict[str, Any]:
+def _batch_data(design: Design, silicone: Silicone, volumes: quantities.SiliconeVolumes) -> dict[str, Any]:
     """Quantities of one mixture, and the number of mixtures: for the test of the cure, the skin and the patch."""
-    batch = compute_batch(silicone, volumes.total_cm3, load_cm3(design))
+    batch = quantities.compute_batch(silicone, volumes.total_cm3, quantities.load_cm3(design))
     a_g, b_g = (round_component_g(part_g, batch.total_g) for part_g in (batch.a_g, batch.b_g))
     mixtures = 3 if design.dimensions.chaplet else 2
     # The component of which least is weighed.
     lighter = silicone.components[batch.b_g < batch.a_g]
     return {
         "in_mold_g": round(batch.in_mold_g, 2),
-        "load_g": round(mass_g(silicone, load_cm3(design)), 1),
+        "load_g": round(quantities.mass_g(silicone, quantities.load_cm3(design)), 1),
         "mixtures": mixtures,
         "buy_g": math.ceil(mixtures * (a_g + b_g)),
         "with_waste_g": round(batch.with_waste_g, 1),
         "a_g": a_g,
         "b_g": b_g,
         "total_g": round(a_g + b_g, 2),
-        "waste_percent": round(100.0 * WASTE_FRACTION, 1),
-        "min_component_g": MIN_COMPONENT_G,
-        "scale_g": SCALE_G,
-        "step_percent": round(100.0 * SCALE_G / MIN_COMPONENT_G, 1),
+        "waste_percent": round(100.0 * quantities.WASTE_FRACTION, 1),
+        "min_component_g": quantities.MIN_COMPONENT_G,
+        "scale_g": quantities.SCALE_G,
+        "step_percent": round(100.0 * quantities.SCALE_G / quantities.MIN_COMPONENT_G, 1),
         "is_raised": batch.total_g > batch.with_waste_g,
         "lighter": "each component" if math.isclose(batch.a_g, batch.b_g) else lighter,
     }
@@ -316,8 +295,7 @@ class Step:
 
 def render_sheet(data: Data, pictures: Sequence[str] = ()) -> str:
     """Render the data of a sheet as a Markdown page, with a picture for each step if there are any."""
-    page = render("casting/sheet.md", **data, steps=steps(data), pictures=pictures, how_to_install=HOW_TO_INSTALL)
-    return lay_out_page(page)
+    return render_page("casting/sheet.md", **data, steps=steps(data), pictures=pictures, how_to_install=HOW_TO_INSTALL)
 
 
 def steps(data: Data) -> list[Step]:
@@ -327,4 +305,4 @@ def steps(data: Data) -> list[Step]:
 
 
 def _add_uses(data: Data) -> Data:
-    return {**data, "uses_primer": uses_primer(data), "uses_adhesive": uses_adhesive(data)}
+    return {**data, "uses_primer": consumables.uses_primer(data), "uses_adhesive": consumables.uses_adhesive(data)}

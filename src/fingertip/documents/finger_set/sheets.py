@@ -5,6 +5,7 @@ Every figure is that of the forms' own sheets, multiplied or added up.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -20,7 +21,7 @@ from fingertip.catalogues.output_files import BOARD_DESIGN, BOARD_FOLDER
 from fingertip.catalogues.silicones import Silicone
 from fingertip.design.finger_set import FingerSet, Form
 from fingertip.documents.casting.sheet import round_component_g
-from fingertip.documents.template import lay_out_page, render, render_rows
+from fingertip.documents.template import render_page, render_rows
 from fingertip.firmware.fingers import DEFAULT_CONTROLLER, find_board
 from fingertip.foundation.files import format_csv
 
@@ -80,6 +81,9 @@ def set_data(
     for finger, own in ((finger, own) for each in sheets for finger, own in each.calibrated.items()):
         acceptance[f"sensor of {finger}"] = dict(own)
     counts = {(each.form.design.name, part): each.count_part(part) for each in sheets for part in each.volumes_cm3}
+    silicones_g: dict[str, float] = defaultdict(float)
+    for silicone, batch in plan.mixtures:
+        silicones_g[silicone.label] += batch.total_g
     printer, controller = sheets[0].form.design.printer, find_board(DEFAULT_CONTROLLER)
     return {
         "name": fingers.name,
@@ -98,7 +102,13 @@ def set_data(
             {"design": design, "part": part, "count": count} for (design, part), count in counts.items() if count
         ],
         "plates": {file: list(parts) for file, parts in plates.items()},
-        "plan": _plan_data(plan),
+        "plan": {
+            "rounds": [[_cup_data(cup) for cup in cups] for cups in plan.rounds],
+            "change_min": CHANGE_S / 60.0,
+            "tests": [_batch_data(*mixture) for mixture in plan.tests],
+            "patches": [_batch_data(silicone, batch) | {"fingers": list(names)}
+                        for silicone, batch, names in plan.patches],
+        },
         "calendar": list(_plan_days(sheets, plan)),
         "parts": _list_parts(sheets, plan),
         "acceptance": acceptance,
@@ -107,7 +117,7 @@ def set_data(
             "molds": len(sheets),
             "castings": sum(len(cup.castings) for cup in plan.cups),
             "mixtures": len(plan.mixtures),
-            "silicone_g": {name: round(mass_g, 1) for name, mass_g in _sum_silicones(plan).items()},
+            "silicone_g": {name: round(mass_g, 1) for name, mass_g in silicones_g.items()},
             "examples": {each.casting["silicone"]["label"]: each.casting["silicone"]["example"] for each in sheets},
             "cast_cm3": round(sum(each.form.count * each.casting["volumes_cm3"]["total"] for each in sheets), 2),
             "fingers_cm3": _sum_printed(sheets, in_finger=True),
@@ -115,15 +125,6 @@ def set_data(
             "cure_h": plan.cure_h,
         },
     }  # fmt: skip
-
-
-def _plan_data(plan: CastingPlan) -> dict[str, Any]:
-    return {
-        "rounds": [[_cup_data(cup) for cup in cups] for cups in plan.rounds],
-        "change_min": CHANGE_S / 60.0,
-        "tests": [_batch_data(*mixture) for mixture in plan.tests],
-        "patches": [_batch_data(silicone, batch) | {"fingers": list(names)} for silicone, batch, names in plan.patches],
-    }
 
 
 def _plan_days(sheets: Sequence[FormSheets], plan: CastingPlan) -> Iterator[dict[str, Any]]:
@@ -150,13 +151,6 @@ def _sum_printed(sheets: Sequence[FormSheets], in_finger: bool) -> float:
         if PARTS[part].is_in_finger is in_finger
     )
     return round(sum(volumes), 2)
-
-
-def _sum_silicones(plan: CastingPlan) -> dict[str, float]:
-    sums: dict[str, float] = {}
-    for silicone, batch in plan.mixtures:
-        sums[silicone.label] = sums.get(silicone.label, 0.0) + batch.total_g
-    return sums
 
 
 def _batch_data(silicone: Silicone, batch: Batch) -> dict[str, Any]:
@@ -209,7 +203,7 @@ def _list_parts(sheets: Sequence[FormSheets], plan: CastingPlan) -> list[dict[st
 
 def render_sheet(name: str, data: Mapping[str, Any]) -> str:
     """Render overview, casting_plan, parts_list or acceptance of a set as Markdown."""
-    return lay_out_page(render(f"finger_set/{name}.md", **data))
+    return render_page(f"finger_set/{name}.md", **data)
 
 
 def write_parts_csv(data: Mapping[str, Any]) -> bytes:

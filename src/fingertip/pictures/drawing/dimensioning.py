@@ -18,6 +18,7 @@ from fingertip.foundation.numerics import Array
 from fingertip.pictures.drawing.primitives import (
     Arc,
     Arrow,
+    Box,
     Hatch,
     Point,
     Polyline,
@@ -30,8 +31,6 @@ from fingertip.pictures.drawing.primitives import (
 
 # Raster of a sheet that tells what is drawn where, so that no text covers anything else.
 
-
-Box = tuple[float, float, float, float]
 _CELL_MM = 0.25
 
 
@@ -169,8 +168,8 @@ def place_lengths(lengths: Sequence[PlacedLength], occupancy: Occupancy) -> Iter
 def _place_length(placed: PlacedLength, occupancy: Occupancy, reserved: Sequence[float]) -> tuple[Primitive, ...]:
     """Place one length; `reserved` are the coordinates of extension lines to come."""
     best: tuple[float, tuple[Primitive, ...]] | None = None
-    index, side = (0, placed.size.side) if placed.is_level else (1, placed.size.side)
-    out = 1.0 if side in ("above", "right") else -1.0
+    index = 0 if placed.is_level else 1
+    out = 1.0 if placed.size.side in ("above", "right") else -1.0
     low, high = sorted((placed.start[index], placed.end[index]))
     width = _group_width(placed.size.text(), placed.balloon)
 
@@ -186,7 +185,7 @@ def _place_length(placed: PlacedLength, occupancy: Occupancy, reserved: Sequence
             if any(begin - _MARGIN_MM < u < end + _MARGIN_MM for u in reserved):
                 continue
             text = _text_group(placed.size.text(), placed.balloon, at(begin, v), turned=not placed.is_level)
-            if not all(occupancy.is_free(box, _MARGIN_MM) for box in _boxes(text)):
+            if not all(occupancy.is_free(part.box(), _MARGIN_MM) for part in text):
                 continue
             narrow = high - low < 2 * _ARROW_MM + 1.5
             outside = _ARROW_MM + 1.5 if narrow else 0.0
@@ -245,7 +244,7 @@ def place_circle(
             landing = (knee[0] + way * (width + 1.0), knee[1])
             begin = min(knee[0], landing[0]) + 0.5
             text = _text_group(size.text(), balloon, (begin, knee[1]), turned=False)
-            if not all(occupancy.is_free(box, _MARGIN_MM) for box in _boxes(text)):
+            if not all(occupancy.is_free(part.box(), _MARGIN_MM) for part in text):
                 continue
             path = (tip, knee, landing)
             if occupancy.crosses_text(path):
@@ -282,12 +281,3 @@ def _text_group(text: str, balloon: int, start: Point, *, turned: bool) -> tuple
         Text(str(balloon), to_paper(r, above), TEXT_MM, "middle", turned),
         Text(text, to_paper(2 * r + _BALLOON_GAP_MM, above), TEXT_MM, turned=turned),
     )
-
-
-def _boxes(group: Sequence[Arc | Text]) -> Iterator[Box]:
-    for item in group:
-        if isinstance(item, Text):
-            yield item.box()
-        else:
-            (x, y), r = item.centre, item.radius
-            yield x - r, y - r, x + r, y + r

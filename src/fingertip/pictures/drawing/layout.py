@@ -13,25 +13,16 @@ from typing import TypeAlias
 from fingertip.design.geometry.sizes import Circle, Length, PartDrawing, Side, ViewName
 from fingertip.design.geometry.solids import Point3
 from fingertip.foundation.errors import GeometryError, Issue
-from fingertip.pictures.drawing.dimensioning import (
-    FIRST_LANE_MM,
-    LANE_MM,
-    Box,
-    NoRoomError,
-    Occupancy,
-    PlacedLength,
-    place_circle,
-    place_lengths,
-)
+from fingertip.pictures.drawing import dimensioning
 from fingertip.pictures.drawing.primitives import (
     PROJECTIONS,
     Arrow,
+    Box,
     Hatch,
     Point,
     Polyline,
     Primitive,
     ProjectedView,
-    Projection,
     Sheet,
     Styles,
     Text,
@@ -67,7 +58,6 @@ class PlacedView:
 
     name: ViewName
     view: ProjectedView
-    projection: Projection
     scale: float
     origin: Point
 
@@ -75,9 +65,9 @@ class PlacedView:
         return self.origin[0] + self.scale * point[0], self.origin[1] + self.scale * point[1]
 
     def place(self, point: Point3) -> Point:
-        return self.on_paper(self.projection.flatten(point))
+        return self.on_paper(PROJECTIONS[self.name].flatten(point))
 
-    def bounds(self) -> tuple[float, float, float, float]:
+    def bounds(self) -> Box:
         left, bottom, right, top = self.view.bounds()
         return *self.on_paper((left, bottom)), *self.on_paper((right, top))
 
@@ -99,7 +89,7 @@ def lay_out(part: PartDrawing, views: Mapping[ViewName, ProjectedView], heading:
         for arrangement in _arrangements(part.plan):
             try:
                 primitives = _draw(part, views, replace(heading, scale=name), paper, scale, arrangement)
-            except NoRoomError as error:
+            except dimensioning.NoRoomError as error:
                 missing = str(error)
                 continue
             title = f"{heading.design}: {part.title}, sheet {heading.sheet} of {heading.sheets}"
@@ -118,7 +108,7 @@ def _draw(
 ) -> tuple[Primitive, ...]:
     frame, free_above = draw_frame(paper, part, heading)
     placed = _place_views(part, views, scale, (paper.left, free_above, paper.right, paper.top), arrangement)
-    occupancy = Occupancy(paper.width, paper.height)
+    occupancy = dimensioning.Occupancy(paper.width, paper.height)
     for box in (
         (0.0, 0.0, paper.left, paper.height), (paper.right, 0.0, paper.width, paper.height),
         (0.0, 0.0, paper.width, free_above), (0.0, paper.top, paper.width, paper.height),
@@ -134,17 +124,17 @@ def _draw(
     for view in placed.values():
         for side in _SIDES:
             lengths = [
-                PlacedLength(size, view.place(size.start), view.place(size.end), view.edge(side),
+                dimensioning.PlacedLength(size, view.place(size.start), view.place(size.end), view.edge(side),
                              balloons.get(size.name, 0))
                 for size in part.sizes
                 if isinstance(size, Length) and size.view == view.name and size.side == side
             ]  # fmt: skip
-            dimensions += place_lengths(lengths, occupancy)
+            dimensions += dimensioning.place_lengths(lengths, occupancy)
     for view in placed.values():
         for size in part.sizes:
             if isinstance(size, Circle) and size.view == view.name:
-                centre = view.place(size.centre)
-                dimensions += place_circle(size, centre, size.radius * scale, balloons.get(size.name, 0), occupancy)
+                centre, balloon = view.place(size.centre), balloons.get(size.name, 0)
+                dimensions += dimensioning.place_circle(size, centre, size.radius * scale, balloon, occupancy)
     return (*edges, *centres, *marks, *dimensions, *frame)
 
 
@@ -160,7 +150,8 @@ def _place_views(
         lengths = [size for size in part.sizes if isinstance(size, Length) and size.view == name and size.side == side]
         beside = _beside_section_line(name) if side in ("left", "right") else 0.0
         named = _NAME_ABOVE_MM + _LETTER_MM if (name, side) == ("section", "above") else 0.0
-        return max(named, beside) + (FIRST_LANE_MM + LANE_MM * (len(lengths) - 1) + 4.0 if lengths else _MIN_GAP_MM / 2)
+        room = dimensioning.FIRST_LANE_MM + dimensioning.LANE_MM * (len(lengths) - 1) + 4.0
+        return max(named, beside) + (room if lengths else _MIN_GAP_MM / 2)
 
     def extent(names: Sequence[ViewName], k: int, low: Side, high: Side) -> tuple[float, float, float, float]:
         """Return the lower and upper bound of views along an axis, and the widths of their lanes."""
@@ -174,7 +165,7 @@ def _place_views(
     spare_x = free[2] - free[0] - sum(high - low + before + after for low, high, before, after in across)
     spare_y = free[3] - free[1] - sum(high - low + before + after for low, high, before, after in upwards)
     if spare_x < 0.0 or spare_y < 0.0:
-        raise NoRoomError("views")
+        raise dimensioning.NoRoomError("views")
     xs, ys = [], []
     x, y = free[0], free[3]
     for low, high, before, after in across:
@@ -186,7 +177,7 @@ def _place_views(
         ys.append(y - high)
         y -= high - low + before
     return {
-        name: PlacedView(name, views[name], PROJECTIONS[name], scale, (xs[k], ys[i]))
+        name: PlacedView(name, views[name], scale, (xs[k], ys[i]))
         for i, row in enumerate(arrangement)
         for k, name in enumerate(row)
         if name
@@ -240,7 +231,7 @@ def _section_marks(plan: PlacedView, section: PlacedView) -> Iterator[Primitive]
     """Draw the section line A-A in the plan, with arrows in the direction of view, and the name over the section."""
     left, _, right, _ = plan.bounds()
     y = plan.origin[1]
-    towards = 1.0 if plan.projection.up[0] > 0.0 else -1.0  # the section looks along +x
+    towards = 1.0 if PROJECTIONS[plan.name].up[0] > 0.0 else -1.0  # the section looks along +x
     for edge, out in ((left, -1.0), (right, 1.0)):
         near, far = (edge + out * distance for distance in _CUT_MM)
         yield line((near, y), (far, y), Styles.EDGE)

@@ -17,6 +17,8 @@ from fingertip.design.geometry.sizes import ViewName
 from fingertip.design.geometry.solids import Point3
 
 Point: TypeAlias = tuple[float, float]
+Box: TypeAlias = tuple[float, float, float, float]
+"""Left, bottom, right and top."""
 Anchor = Literal["start", "middle", "end"]
 
 WIDE_MM, NARROW_MM = 0.5, 0.25
@@ -68,6 +70,11 @@ class Arc:
             (self.centre[0] + self.radius * math.cos(a), self.centre[1] + self.radius * math.sin(a)) for a in angles
         )
 
+    def box(self) -> Box:
+        """Return the box of the whole circle."""
+        (x, y), r = self.centre, self.radius
+        return x - r, y - r, x + r, y + r
+
 
 @dataclass(frozen=True)
 class Arrow:
@@ -111,8 +118,8 @@ class Text:
         shift = {"start": 0.0, "middle": 0.5, "end": 1.0}[self.anchor] * self.width
         return (self.at[0], self.at[1] - shift) if self.turned else (self.at[0] - shift, self.at[1])
 
-    def box(self) -> tuple[float, float, float, float]:
-        """Return left, bottom, right and top of the line, with its descenders."""
+    def box(self) -> Box:
+        """Return the box of the line, with its descenders."""
         x, y = self.start
         down = _DESCENDER * self.size if any(c in _BELOW_BASELINE for c in self.text) else 0.0
         if self.turned:
@@ -229,6 +236,6 @@ class ProjectedView:
     cut: tuple[Line2, ...] = ()
     """Closed outlines of the cut faces."""
 
-    def bounds(self) -> tuple[float, float, float, float]:
+    def bounds(self) -> Box:
         xs, ys = zip(*(point for edge in self.visible for point in edge), strict=True)
         return min(xs), min(ys), max(xs), max(ys)

@@ -8,7 +8,7 @@ from fingertip.catalogues.hardware import LUER_MOUTH_MM, NOZZLE_DEPTH_MM, NOZZLE
 from fingertip.design.geometry.solids import Box, cylinder, difference
 from fingertip.filling.vents import place_vents
 from fingertip.pictures.raster import Camera
-from fingertip.pictures.steps.objects import Bench
+from fingertip.pictures.steps.objects import CUP_RADIUS_MM, Bench
 from fingertip.pictures.steps.scene import Arrow, Data, Label, Paint, Scene, Shown, Slope, View, given
 
 _LIFT_MM = 12.0
@@ -178,7 +178,6 @@ def pour(bench: Bench, data: Data) -> Scene:
 # Scenes at the scale: weigh, degas, and load the syringe.
 
 _FRONT = Camera.looking_from((0.15, -1.0, 0.22), (0.0, 0.0, 1.0))
-_CUP_RADIUS_MM, _CUP_HEIGHT_MM = 22.0, 45.0
 _LEFT_OVER = 0.3
 """Share of the mixture that the picture shows left over. Assumption."""
 
@@ -186,7 +185,7 @@ _LEFT_OVER = 0.3
 def _find_level_mm(data: Data) -> float:
     """Level of the mixture in the cup [mm]."""
     density = 0.5 * sum(data["silicone"]["properties"]["density_g_cm3"][end] for end in ("low", "high"))
-    return float(1000.0 * data["batch"]["total_g"] / density / (math.pi * _CUP_RADIUS_MM**2))
+    return float(1000.0 * data["batch"]["total_g"] / density / (math.pi * CUP_RADIUS_MM**2))
 
 
 def weigh(bench: Bench, data: Data) -> Scene:
@@ -196,10 +195,10 @@ def weigh(bench: Bench, data: Data) -> Scene:
     share = batch["a_g"] / batch["total_g"]
     scale = Box((-40.0, -35.0, -10.0), (40.0, 35.0, 0.0))
     return Scene(
-        (*bench.cup(0.0, _CUP_RADIUS_MM, _CUP_HEIGHT_MM, level), bench.solid(scale, Paint.STEEL)),
+        (*bench.cup(level), bench.solid(scale, Paint.STEEL)),
         _FRONT,
-        Label(f"then {batch['b_g']:g} g of {second}:\n{batch['total_g']:g} g in all", (_CUP_RADIUS_MM, 0.0, level)),
-        Label(f"first {batch['a_g']:g} g of {first}", (-_CUP_RADIUS_MM, 0.0, share * level)),
+        Label(f"then {batch['b_g']:g} g of {second}:\n{batch['total_g']:g} g in all", (CUP_RADIUS_MM, 0.0, level)),
+        Label(f"first {batch['a_g']:g} g of {first}", (-CUP_RADIUS_MM, 0.0, share * level)),
         Label("scale, set to zero\nwith the empty cup", (40.0, -35.0, -5.0)),
     )
 
@@ -211,11 +210,11 @@ def degas(bench: Bench, data: Data) -> Scene:
         Box((-60.0, -60.0, 0.0), (60.0, 0.0, 90.0)),
     )  # fmt: skip
     return Scene(
-        (*bench.cup(0.0, _CUP_RADIUS_MM, _CUP_HEIGHT_MM, 4 * level), bench.solid(bell, Paint.GLASS)),
+        (*bench.cup(4 * level), bench.solid(bell, Paint.GLASS)),
         _FRONT,
-        Label("foam rises some\nfour times as high,\nthen falls", (_CUP_RADIUS_MM, 0.0, 4 * level)),
+        Label("foam rises some\nfour times as high,\nthen falls", (CUP_RADIUS_MM, 0.0, 4 * level)),
         Label("vacuum chamber", (-43.0, 0.0, 60.0)),
-        Label(f"silicone before:\n{level:.0f} mm high in this cup", (-_CUP_RADIUS_MM, 0.0, level)),
+        Label(f"silicone before:\n{level:.0f} mm high in this cup", (-CUP_RADIUS_MM, 0.0, level)),
     )
 
 
@@ -223,8 +222,8 @@ def cure(bench: Bench, data: Data) -> Scene:
     """Show the silicone left over in its cup, which tells when the mold may be opened."""
     hours, level = data["silicone"]["properties"]["cure_h"]["high"], _LEFT_OVER * _find_level_mm(data)
     return Scene(
-        bench.cup(0.0, _CUP_RADIUS_MM, _CUP_HEIGHT_MM, level), _FRONT,
-        Label(f"silicone left over: after {hours:g} h\na fingernail leaves no mark", (_CUP_RADIUS_MM, 0.0, level)),
+        bench.cup(level), _FRONT,
+        Label(f"silicone left over: after {hours:g} h\na fingernail leaves no mark", (CUP_RADIUS_MM, 0.0, level)),
     )  # fmt: skip
 
 

@@ -34,6 +34,7 @@ _TAPE_SHOWN_MM = 0.2
 """Thickness with which a tape is drawn: its own would not be seen [mm]."""
 _WALL_MM = 0.8
 """Wall of drawn barrels and cups [mm]."""
+CUP_RADIUS_MM, _CUP_HEIGHT_MM = 22.0, 45.0
 
 
 class Bench:
@@ -154,10 +155,11 @@ class Bench:
         ]
         return [*shown, self.solid(silicone, Paint.SILICONE)] if fill_share else shown
 
-    def cup(self, x: float, radius: float, height: float, level: float) -> list[Shown]:
+    def cup(self, level: float) -> list[Shown]:
         """Show a cup that stands on z = 0, cut open, filled to a level [mm]."""
-        outside = cylinder("z", (x, 0.0), 0.0, height, radius + _WALL_MM)
-        inside = cylinder("z", (x, 0.0), _WALL_MM, height + 1.0, radius)
-        front = Box((x - 2 * radius, -2 * radius, _WALL_MM), (x + 2 * radius, 0.0, height + 1.0))
-        content = cylinder("z", (x, 0.0), _WALL_MM, _WALL_MM + level, 0.99 * radius)
+        middle, reach = (0.0, 0.0), 2 * CUP_RADIUS_MM
+        outside = cylinder("z", middle, 0.0, _CUP_HEIGHT_MM, CUP_RADIUS_MM + _WALL_MM)
+        inside = cylinder("z", middle, _WALL_MM, _CUP_HEIGHT_MM + 1.0, CUP_RADIUS_MM)
+        front = Box((-reach, -reach, _WALL_MM), (reach, 0.0, _CUP_HEIGHT_MM + 1.0))
+        content = cylinder("z", middle, _WALL_MM, _WALL_MM + level, 0.99 * CUP_RADIUS_MM)
         return [self.solid(difference(outside, inside, front), Paint.GLASS), self.solid(content, Paint.SILICONE)]

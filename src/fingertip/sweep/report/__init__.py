@@ -17,15 +17,8 @@ from fingertip.foundation.output_set import SetWriter, hash_parameters
 from fingertip.foundation.progress import Work
 from fingertip.sweep.database import SweepDatabase, SweepRow
 from fingertip.sweep.plan import SweepPlan
+from fingertip.sweep.report import summary
 from fingertip.sweep.report.plots import select_plots
-from fingertip.sweep.report.summary import (
-    SweepSummary,
-    describe_best,
-    format_best_design,
-    format_text,
-    summarise,
-    to_json_data,
-)
 
 
 def write_report(
@@ -46,32 +39,32 @@ def write_report(
     work.begin("reading the rows")
     if plan is not None:
         database.check_same_sweep(plan)
-    summary = summarise(plan or database.plan, database.table())
+    found = summary.summarise(plan or database.plan, database.table())
     files: dict[str, bytes] = {}
-    if summary.selection.best is not None:
-        files["best.toml"] = format_best_design(summary.plan, summary.table, summary.selection).encode()
-        files["pareto_front.csv"] = _format_front(summary)
-    if len(summary.table.point):
-        plots = dict(select_plots(summary))
+    if found.selection.best is not None:
+        files["best.toml"] = summary.format_best_design(found).encode()
+        files["pareto_front.csv"] = _format_front(found)
+    if len(found.table.point):
+        plots = dict(select_plots(found))
         if extras.is_installed("matplotlib"):
             work.begin("drawing")
             files |= {name: draw() for name, draw in plots.items()}
         elif plots:
             progress(f"left out {', '.join(plots)}: plots need {extras.describe_missing('matplotlib')}")
     names = sorted([*files, "summary.json"])
-    data = to_json_data(summary) | {"best_summary": describe_best(summary), "files": names}
+    data = summary.to_json_data(found) | {"best_summary": summary.describe_best(found), "files": names}
     files["summary.json"] = (json.dumps(data, indent=2, allow_nan=False) + "\n").encode()
     # The database in the folder is open, so the folder must stay where it is.
-    parameters = hash_parameters(summary.plan.to_toml())
-    SetWriter(folder, "sweep report", summary.plan.file.name, parameters, force=True, in_place=True).write(files)
-    return data | {"text": f"{format_text(summary)}\n\nwrote {', '.join(names)} to {folder}"}
+    parameters = hash_parameters(found.plan.to_toml())
+    SetWriter(folder, "sweep report", found.plan.file.name, parameters, force=True, in_place=True).write(files)
+    return data | {"text": f"{summary.format_text(found)}\n\nwrote {', '.join(names)} to {folder}"}
 
 
-def _format_front(summary: SweepSummary) -> bytes:
-    table = summary.table
+def _format_front(found: summary.SweepSummary) -> bytes:
+    table = found.table
     columns = [table.point, *table.axes.values(), *table.outputs.values()]
-    found = ([c[row].item() if c.dtype != object else c[row] for c in columns] for row in summary.selection.front)
-    rows = (["" if value != value else value for value in values] for values in found)  # only NaN differs from itself
+    front = ([c[row].item() if c.dtype != object else c[row] for c in columns] for row in found.selection.front)
+    rows = (["" if value != value else value for value in values] for values in front)  # only NaN differs from itself
     return format_csv(["point", *table.axes, *table.outputs], rows)
 
 

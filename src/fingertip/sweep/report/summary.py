@@ -273,8 +273,9 @@ def select_best(table: SweepTable, objectives: tuple[Objective, ...]) -> Selecti
     return Selection(objectives, candidates, len(rows) - len(candidates), candidates[front], best)
 
 
-def format_best_design(plan: SweepPlan, table: SweepTable, selection: Selection) -> str:
+def format_best_design(summary: SweepSummary) -> str:
     """Write the best design as a design file; its heading names the sweep, the point and the outputs."""
+    plan, table, selection = summary.plan, summary.table, summary.selection
     row = selection.best
     assert row is not None
     point = int(table.point[row])

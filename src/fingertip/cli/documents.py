@@ -32,10 +32,9 @@ class _File:
 
     def __init__(self, design: Design, named: Path | None, name: str, force: bool) -> None:
         from fingertip.catalogues.output_files import PART_FILES
-        from fingertip.tasks.build import parts_writer
 
         self.path = named or PART_FILES.folder(design) / name
-        self._writer = None if named else parts_writer(design, self.path.parent, force)
+        self._writer = None if named else PART_FILES.writer(design, self.path.parent, force)
         if self._writer:
             self._writer.check_addition((name,))
 

@@ -40,7 +40,6 @@ from fingertip.catalogues.output_files import (
     PROJECT,
     PROVENANCE,
     README,
-    SCHEMATIC,
     VALUES,
     WIRING,
 )
@@ -56,7 +55,6 @@ from fingertip.pictures.drawing.render import render_pdf, render_svg
 from fingertip.tasks.edited_board import EditedFiles, find_edited, refuse_other_circuit, revise_edited
 from fingertip.tasks.verification import compare_with_design
 
-BOARD_FILES = (NETLIST, VALUES, DECK, BOM, SCHEMATIC, LAYOUT, PROJECT, README, ASSEMBLY_DRAWING)
 BRING_UP_FILES = (BRING_UP, BRING_UP_READINGS, WIRING)
 """Names of the files for bringing a board up, which are written where they are asked for."""
 _MAX_DIFF_LENGTH = 300

@@ -42,10 +42,8 @@ from fingertip.design.files import to_toml
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet
 from fingertip.foundation import extras
-from fingertip.foundation.errors import DesignError, InputFileError, Issue
-from fingertip.foundation.input_files import PARSED_LIMIT, is_safe_name, read_input
+from fingertip.foundation.errors import DesignError, Issue
 from fingertip.foundation.output_set import SetWriter, read_manifest
-from fingertip.foundation.output_set.writer import has_hash
 from fingertip.foundation.processes import in_background
 from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.pad.survey import survey_pad
@@ -122,7 +120,7 @@ def build(
         extras.require("sensor.insert", "scipy", alternative="set sensor.insert=none")
     validate_tolerance(tolerance_mm)
     design, evaluator = design.with_silicone(material), MeshEvaluator(tolerance_mm)
-    writer = parts_writer(design, folder, force)
+    writer = PART_FILES.writer(design, folder, force)
     writer.check(_file_names(names, file_formats, len(names) == len(known)))
     print_writer = PRINTS.writer(design, folder / PRINT_FOLDER, force, folder)
     print_writer.check(_print_names(names, file_formats, len(names) == len(known)))
@@ -191,12 +189,6 @@ def build(
     return replace(result, removed=removed)
 
 
-def parts_writer(design: Design, folder: Path, force: bool = False) -> SetWriter:
-    """Writer of the files that describe a design's parts, in a folder."""
-    adopted = () if read_manifest(folder) else _files_of_version_one(folder)
-    return PART_FILES.writer(design, folder, force, adopted=adopted)
-
-
 def _replace_subset(writer: SetWriter, contents: Mapping[str, bytes], obsolete: str | None) -> tuple[str, ...]:
     """Write a set below the parts, without older files ending with `obsolete`; return what was removed."""
     old = read_manifest(writer.folder, writer.top)
@@ -225,22 +217,6 @@ def _print_names(parts: Iterable[str], formats: Iterable[str], is_whole: bool) -
     names = [f"{part}.stl" for part in parts if PARTS[part].is_printed] if "stl" in formats else []
     plates = [name for kind in PLATE_KINDS for name in kind.file_names(1)]
     return [*names, *(plates if "3mf" in formats and is_whole else [])]
-
-
-def _files_of_version_one(folder: Path) -> list[str]:
-    """List the files of a folder without manifest that match the hashes in its report, and what stands beside them."""
-    try:
-        report = json.loads(read_input(folder / REPORT, PARSED_LIMIT, below=folder))
-        hashes = {
-            entry["files"][file_format]: digest
-            for entry in report["parts"].values()
-            for file_format, digest in entry["sha256"].items()
-        }
-    except (InputFileError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        return []
-    own = [name for name, digest in hashes.items() if is_safe_name(name) and has_hash(folder / name, digest)]
-    beside = (folder / name for name in (ASSEMBLY, SHEET, REPORT, DESIGN))
-    return [*own, *(path.name for path in beside if path.is_file() and not path.is_symlink())]
 
 
 def default_formats(progress: Callable[[str], None] = lambda message: None) -> tuple[str, ...]:

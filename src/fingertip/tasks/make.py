@@ -36,7 +36,7 @@ from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.pictures.drawing.draw import draw_files, file_names
 from fingertip.sim.trace_file import encode_trace
 from fingertip.tasks.board import BRING_UP_FILES, plan_board
-from fingertip.tasks.build import build, default_formats, parts_writer
+from fingertip.tasks.build import build, default_formats
 
 if TYPE_CHECKING:
     from fingertip.detection.files import FileDetection
@@ -92,7 +92,7 @@ def make(
     """
     folder = PART_FILES.folder(design, out)
     board_folder, signal = folder / BOARD_FOLDER, SIGNAL.writer(design, folder / SIGNAL_FOLDER, force, folder)
-    sheets = parts_writer(design, folder, force)
+    sheets = PART_FILES.writer(design, folder, force)
     named = None if formats is None else tuple(formats)
     formats = default_formats() if named is None else named
     draws = "step" in formats and extras.is_installed("reportlab")

@@ -30,6 +30,7 @@ from fingertip.catalogues.output_files import (
     CASTING_PLAN,
     OVERVIEW,
     PAGE,
+    PART_FILES,
     PARTS_CSV,
     PARTS_LIST,
     PRINT_FOLDER,
@@ -53,7 +54,6 @@ from fingertip.foundation.progress import Work
 from fingertip.page.set_page import render_set_page
 from fingertip.pictures.steps.pictures import draw_finger
 from fingertip.tasks.board import BRING_UP_FILES, plan_board
-from fingertip.tasks.build import parts_writer
 from fingertip.tasks.make import Made, make
 
 _FILES = (SET_REPORT, OVERVIEW, CASTING_PLAN, PARTS_LIST, PARTS_CSV, BOARD_DESIGN, ACCEPTANCE, PAGE)
@@ -124,7 +124,7 @@ def make_set(
     if issues:
         raise OutputError(issues)
     for form in fingers.forms:
-        parts_writer(form.design, places[form.design.name], force).check((PAGE, ACCEPTANCE))
+        PART_FILES.writer(form.design, places[form.design.name], force).check((PAGE, ACCEPTANCE))
     board_design = fingers.board_design
     if board_design:
         BOARD.writer(board_design, folder / BOARD_FOLDER, force, folder).check(BRING_UP_FILES)

@@ -175,13 +175,8 @@ def _render_presets() -> Markup:
         element("button", element("img", alt="", hidden=True), name, type="button", data_design=name)
         for name in list_bundled_files(DESIGN)
     )
-    return element(
-        "details",
-        element("summary", "Start from a bundled design"),
-        element("div", *buttons),
-        class_="presets",
-        open=True,
-    )
+    summary = element("summary", "Start from a bundled design")
+    return element("details", summary, element("div", *buttons), class_="presets", open=True)
 
 
 def _encode_presets() -> Markup:

@@ -83,8 +83,7 @@ def measure_finger(items: tuple[Item, ...]) -> list[float]:
 
 def label_item(name: str) -> str:
     """Return the name of an item for people: numbered items in the plural, without their number."""
-    words = re.sub(r"_\d+$", "s", name)
-    return words.replace("_", " ")
+    return re.sub(r"_\d+$", "s", name).replace("_", " ")
 
 
 _STAY: tuple[Offset, Offset] = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))

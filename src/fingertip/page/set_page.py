@@ -23,22 +23,10 @@ def render_set_page(
     files: Collection[str],
     failed: Collection[str] = (),
 ) -> bytes:
-    """Render the page of a set. The same files give the same bytes.
+    """Render the page of a set, with links to files and with the forms whose checks failed.
 
-    Parameters
-    ----------
-    data
-        Data of the set, from `set_data`.
-    pictures
-        Folder of each form -> picture of its finger (PNG).
-    start
-        First screen, as Markdown.
-    sheets
-        Overview, casting plan, parts list and acceptance sheet, as Markdown.
-    files
-        Paths of the set's files, to which its page links.
-    failed
-        Forms of which a check failed.
+    `data` are those of `set_data`, `pictures` the PNG of each form by its folder. First screen and sheets (overview,
+    casting plan, parts list, acceptance) are Markdown. The same files give the same bytes.
     """
     links = {path: quote(path) for path in files}
     drawn = [

@@ -26,17 +26,7 @@ from fingertip.cad.verification.pad import check_pad
 from fingertip.cad.verification.printing import check_brep_solid
 from fingertip.cad.verification.verify import validate_tolerance, verify
 from fingertip.casting.quantities import measure_volumes
-from fingertip.catalogues.output_files import (
-    ASSEMBLY,
-    DESIGN,
-    PART_FILES,
-    PRINT_FOLDER,
-    PRINTS,
-    REPORT,
-    SHEET,
-    STEPS,
-    STEPS_FOLDER,
-)
+from fingertip.catalogues import output_files
 from fingertip.design import Design
 from fingertip.design.files import to_toml
 from fingertip.design.parameters.declaration import suggest_name
@@ -109,7 +99,7 @@ def build(
         If the folder cannot be written, or holds a file of these names that is somebody's own. No file has been
         written then.
     """
-    folder = PART_FILES.folder(design, out)
+    folder = output_files.PART_FILES.folder(design, out)
     known = tuple(parts_by_name(design))
     names = select_names("--parts", known if parts is None else parts, known)
     file_formats = select_names("--formats", default_formats(progress) if formats is None else formats, ALL_FORMATS)
@@ -120,11 +110,11 @@ def build(
         extras.require("sensor.insert", "scipy", alternative="set sensor.insert=none")
     validate_tolerance(tolerance_mm)
     design, evaluator = design.with_silicone(material), MeshEvaluator(tolerance_mm)
-    writer = PART_FILES.writer(design, folder, force)
+    writer = output_files.PART_FILES.writer(design, folder, force)
     writer.check(_file_names(names, file_formats, len(names) == len(known)))
-    print_writer = PRINTS.writer(design, folder / PRINT_FOLDER, force, folder)
+    print_writer = output_files.PRINTS.writer(design, folder / output_files.PRINT_FOLDER, force, folder)
     print_writer.check(_print_names(names, file_formats, len(names) == len(known)))
-    picture_writer = STEPS.writer(design, folder / STEPS_FOLDER, force, folder)
+    picture_writer = output_files.STEPS.writer(design, folder / output_files.STEPS_FOLDER, force, folder)
     picture_writer.check(())
 
     stages = {
@@ -174,11 +164,12 @@ def build(
     files = {name: {file_format: part_file(name, file_format) for file_format in file_formats} for name in names}
     built = tuple(BuiltPart(PARTS[n], meshes[n], files[n], step.measurements.get(n)) for n in names)
     if casting:
-        contents[SHEET] = render_sheet(casting, [f"{STEPS_FOLDER}/{name}" for name in steps_drawn]).encode()
+        pictures_of_steps = [f"{output_files.STEPS_FOLDER}/{name}" for name in steps_drawn]
+        contents[output_files.SHEET] = render_sheet(casting, pictures_of_steps).encode()
     prints = verified.prints
     result = Build(design, folder, tolerance_mm, built, contents, prints, tuple(checks), strength, casting)
-    contents[REPORT] = (json.dumps(result.report(), indent=2) + "\n").encode()
-    contents[DESIGN] = to_toml(design, DESIGN_HEADING).encode()
+    contents[output_files.REPORT] = (json.dumps(result.report(), indent=2) + "\n").encode()
+    contents[output_files.DESIGN] = to_toml(design, DESIGN_HEADING).encode()
     print_writer.check(prints.contents)
     picture_writer.check(steps_drawn)
     removed = writer.write(contents)
@@ -208,8 +199,8 @@ def _draw_steps(design: Design, casting: dict[str, Any]) -> dict[str, bytes]:
 
 def _file_names(parts: Iterable[str], formats: Iterable[str], is_whole: bool) -> list[str]:
     names = [part_file(part, file_format) for part in parts for file_format in formats]
-    names += [ASSEMBLY] if "step" in formats else []
-    return [*names, *([SHEET] if is_whole else []), REPORT, DESIGN]
+    names += [output_files.ASSEMBLY] if "step" in formats else []
+    return [*names, *([output_files.SHEET] if is_whole else []), output_files.REPORT, output_files.DESIGN]
 
 
 def _print_names(parts: Iterable[str], formats: Iterable[str], is_whole: bool) -> list[str]:

@@ -131,9 +131,8 @@ def plan_fingers(
         issues.append(Issue("--fingers", f"{len(names)} are more than the {channels} of the design's board; {remedy}."))
     elif 1 < channels < (last := max(list_places(names), default=0)):
         problem = f"{NAMES[last - 1]} has place {last}, and the design's board {channels}"
-        issues.append(
-            Issue("--fingers", f"{problem}; give --set board.channels={last}, or leave {NAMES[last - 1]} out.")
-        )
+        remedy = f"give --set board.channels={last}, or leave {NAMES[last - 1]} out"
+        issues.append(Issue("--fingers", f"{problem}; {remedy}."))
     board = None
     if controller is not None or inputs is not None or names != Fingers.names:
         board = find_board(controller or DEFAULT_CONTROLLER)

@@ -145,12 +145,11 @@ def _warn_of_strength(strength: Mapping[str, Any]) -> Markup:
     grip, shock = strength["grip_safety_factor"], strength["shock_safety_factor"]
     if grip >= WANTED_AT_GRIP and shock >= WANTED_AT_SHOCK:
         return Markup("")
-    text = (
+    return note(
         f"The bone is weaker than wanted: its safety factor is {grip:.2f} at the grip force and {shock:.2f} at the "
         f"shock, where {WANTED_AT_GRIP:g} and {WANTED_AT_SHOCK:g} are wanted. It breaks first at the "
         f"{strength['weakest']['place']} at z = {strength['weakest']['z_mm']:.1f} mm."
     )
-    return note(text)
 
 
 def _find_closest(checks: Sequence[Check]) -> list[Check]:

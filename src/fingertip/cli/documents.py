@@ -215,7 +215,6 @@ def page(
 
 
 DEFAULT_PORT = 8350
-"""Port at which the page is served unless another one is named."""
 
 
 @command

@@ -224,7 +224,6 @@ def _render_fingers(fingers: Fingers) -> str:
 
 
 def _render_grip(settings: GripSettings) -> str:
-    """Render the constants of the grip law."""
     times = {"WINDOW": settings.growth_window_s, "SUPPRESSION": settings.suppression_s}
     times |= {"REFRACTORY": settings.refractory_s, "WATCHDOG": settings.watchdog_s, "LONGEST_STEP": LONGEST_STEP_S}
     values = {"MIN_PRESENT_N": MIN_PRESENT_N} | {

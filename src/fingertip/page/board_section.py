@@ -33,7 +33,7 @@ from fingertip.catalogues.output_files import (
 )
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
-from fingertip.page.html import Markup, element, embed, figure, fold, join, note, quantity, scrolling, table
+from fingertip.page.html import Markup, element, embed, figure, fold, join, list_links, note, quantity, scrolling, table
 from fingertip.page.layout_svg import render_back, render_copper, render_placement
 from fingertip.page.markdown import render, split_sections
 from fingertip.page.schematic_svg import render_schematic
@@ -67,8 +67,7 @@ def render_board(sources: Sources) -> Markup:
     )
     links, sections = sources.links, split_sections(readme or "")
     named = [path for path in (f"{BOARD_FOLDER}/{name}" for name in _FILES) if path in links]
-    listed = (element("li", element("a", path, href=links[path])) for path in named)
-    parts = [element("p", "Files of the board:"), element("ul", *listed, class_="files")] if named else []
+    parts = [element("p", "Files of the board:"), list_links(named, links, "files")] if named else []
     folded = list[tuple[str, Markup]]()
     buy = fold("What to buy for the board", render_bom(bom), state="roomy") if bom else Markup("")
     if layout:

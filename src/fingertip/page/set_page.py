@@ -8,7 +8,7 @@ from urllib.parse import quote
 
 from fingertip.catalogues.output_files import PAGE
 from fingertip.page.casting_section import render_list
-from fingertip.page.html import Markup, element, fold, join
+from fingertip.page.html import Markup, element, fold, join, list_links
 from fingertip.page.markdown import render, split_sections
 from fingertip.page.tabs import Tab, render_finger, render_first_screen, render_tabs
 
@@ -37,7 +37,7 @@ def render_set_page(
         for row in data["fingers"]
     ]
     overview, plan, parts, acceptance = (split_sections(text) for text in sheets)
-    hand, shopping, tests, castings = (_without_title(each.pop("")) for each in (overview, parts, acceptance, plan))
+    hand, shopping, tests, castings = (each.pop("").partition("\n")[2] for each in (overview, parts, acceptance, plan))
     tabs = [
         Tab("start", "Start", (
             render_first_screen(start, element("div", *drawn, class_="fingers"), links),
@@ -65,9 +65,4 @@ def render_set_page(
 
 def _list_board(links: Mapping[str, str]) -> Markup:
     shown = [path for path in links if path.startswith("board/")] or [path for path in links if "/board/" in path]
-    listed = [element("li", element("a", path, href=links[path])) for path in shown]
-    return element("ul", *listed, class_="files") if listed else Markup("")
-
-
-def _without_title(text: str) -> str:
-    return text.partition("\n")[2]
+    return list_links(shown, links, "files") if shown else Markup("")

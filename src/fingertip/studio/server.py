@@ -74,7 +74,11 @@ class StudioServer(ThreadingHTTPServer):
         try:
             super().__init__((ADDRESS, port), _Handler)
         except OSError as error:
-            raise StudioError(Issue("--port", _describe_bind_error(port, error))) from error
+            problem = f"cannot be listened on ({error.strerror or error})"
+            if error.errno == errno.EADDRINUSE:
+                problem = "is in use, perhaps by another studio"
+            message = f"{port} {problem}; choose another with --port, or --port 0 for any free one."
+            raise StudioError(Issue("--port", message)) from error
         self.worker, self.finder = NewestWinsWorker(), BandFinder(design)
         # The page is made now, which also loads and warms up everything that a change of a slider needs.
         self.page = render_studio(design, self.token)
@@ -277,10 +281,3 @@ class _Handler(BaseHTTPRequestHandler):
 
 def _make_json(content: Mapping[str, Any], status: HTTPStatus = HTTPStatus.OK) -> _Reply:
     return _Reply(status, "application/json", json.dumps(content, separators=(",", ":")).encode())
-
-
-def _describe_bind_error(port: int, error: OSError) -> str:
-    remedy = "choose another with --port, or --port 0 for any free one."
-    if error.errno == errno.EADDRINUSE:
-        return f"{port} is in use, perhaps by another studio; {remedy}"
-    return f"{port} cannot be listened on ({error.strerror or error}); {remedy}"

@@ -266,11 +266,15 @@ def _first_difference(existing: bytes, data: bytes) -> list[str]:
 def bring_up_files(design: Design) -> dict[str, bytes]:
     """Content of the bring-up sheet, of its wiring diagram and of the file of readings, by name."""
     values = board_values(design)
-    plan, circuit = _plan(design, values), board_circuit(values, design.board.channels)
+    plan, channels = _plan(design, values), design.board.channels
+    if channels > 1:
+        template = write_template(plan, NAMES[:channels], design.name)
+    else:
+        template = readings_template(plan, design.name)
     return {
         output_files.BRING_UP: render_sheet(plan, values, design, output_files.WIRING).encode(),
-        output_files.WIRING: wiring_diagram(circuit, design.board.supply_v, design.name),
-        output_files.BRING_UP_READINGS: _write_template(plan, design).encode(),
+        output_files.WIRING: wiring_diagram(board_circuit(values, channels), design.board.supply_v, design.name),
+        output_files.BRING_UP_READINGS: template.encode(),
     }
 
 
@@ -290,9 +294,3 @@ def _plan(design: Design, values: BoardValues, *tone_v: float) -> BringUp:
     if channels > 1:  # the first finger, with the connector that all share
         circuit = extract_channel(board_circuit(values, channels), 1)
     return plan_bring_up(Board.of_design(design, circuit), values, *tone_v)
-
-
-def _write_template(plan: BringUp, design: Design) -> str:
-    if design.board.channels == 1:
-        return readings_template(plan, design.name)
-    return write_template(plan, NAMES[: design.board.channels], design.name)

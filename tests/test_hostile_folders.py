@@ -29,7 +29,7 @@ import typer
 
 from fingertip.board.fabrication.fabrication_files import provenance_record
 from fingertip.cad.shapes.parts import parts_by_name
-from fingertip.catalogues.output_files import FAB_FOLDER, PRINTS, PROVENANCE, REPORT, SHEET, SIGNAL, STEPS
+from fingertip.catalogues.output_files import FAB_FOLDER, PART_FILES, PRINTS, PROVENANCE, REPORT, SHEET, SIGNAL, STEPS
 from fingertip.cli import app
 from fingertip.cli.options import read_design
 from fingertip.design import Design
@@ -41,7 +41,6 @@ from fingertip.foundation.output_set.swap import recover
 from fingertip.slip.traces.truth import Origin, read_origin
 from fingertip.tasks import verification
 from fingertip.tasks.board import board_files, plan_board, write_board
-from fingertip.tasks.build import parts_writer
 from fingertip.tasks.firmware import firmware_files, write_firmware
 from fingertip.tasks.verification import verify_sets
 from tests.conftest import run_fingertip, run_python
@@ -242,7 +241,7 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> World:
     base, design = tmp_path_factory.mktemp("hostile"), Design()
     top = base / "master" / "fsr400"
     parts = {f"{name}.stl": name.encode() for name in parts_by_name(design)} | {REPORT: b"{}", SHEET: b"# Casting\n"}
-    parts_writer(design, top).write(parts)
+    PART_FILES.writer(design, top).write(parts)
     PRINTS.writer(design, top / "print", top=top).write({"bone.stl": b"bone"})
     STEPS.writer(design, top / "steps", top=top).write({"1.png": b"picture"})
     SIGNAL.writer(design, top / "signal").write({"trace.csv": TRACE.encode(), "detection.json": b'{"motion_s": 0.3}'})
@@ -465,20 +464,6 @@ def test_names_that_a_set_may_not_have_are_refused_before_they_are_written(tmp_p
     assert verify_sets(tmp_path) == (1, [])
 
 
-def test_hashes_that_a_report_of_version_one_states_adopt_files_of_its_folder_only(tmp_path: Path) -> None:
-    victim, folder = tmp_path / "t.stl", tmp_path / "dl"
-    victim.write_bytes(b"t")
-    folder.mkdir()
-    (folder / "design.toml").symlink_to(victim)
-    files = {"0": str(victim), "1": "../t.stl"}
-    entry = {"files": files, "sha256": dict.fromkeys(files, hashlib.sha256(b"t").hexdigest())}
-    (folder / REPORT).write_text(json.dumps({"parts": {"bone": entry}}))
-    writer = parts_writer(Design(), folder)
-    assert list(writer.adopted) == [REPORT]
-    assert writer.write({"bone.stl": b"new"}) == (REPORT,)
-    assert victim.read_bytes() == b"t"
-
-
 def test_provenance_names_files_of_its_folder_only(world: World) -> None:
     world.renew()
     record = world.path / BOARD / FAB_FOLDER / PROVENANCE
@@ -642,7 +627,7 @@ def test_page_of_files_that_state_nonsense_or_too_much_is_a_sentence(
 ) -> None:
     parts = {f"{name}.stl": bytes(84) for name in parts_by_name(Design())}  # without triangles
     half = len(report) // 2 if len(report) > 1_000_000 else 0  # each file is below the limit, both together are not
-    parts_writer(Design(), tmp_path).write({**parts, REPORT: report[half:], SHEET: report[:half]})
+    PART_FILES.writer(Design(), tmp_path).write({**parts, REPORT: report[half:], SHEET: report[:half]})
     monkeypatch.setenv("FINGERTIP_MAX_OUTPUT_MB", "1")
     done = run_fingertip("page", "fsr400", "--out", tmp_path)
     assert done.returncode == 2

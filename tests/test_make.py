@@ -8,14 +8,14 @@ from pathlib import Path
 import pytest
 
 from fingertip import Design, board_values, make
-from fingertip.catalogues.output_files import ACCEPTANCE
+from fingertip.catalogues.output_files import ACCEPTANCE, PART_FILES
 from fingertip.documents.acceptance import acceptance_data, render_acceptance
 from fingertip.foundation import extras
 from fingertip.foundation.errors import OutputError
 from fingertip.pictures.drawing.draw import PDF
 from fingertip.tasks import make as make_files
 from fingertip.tasks.board import write_board
-from fingertip.tasks.build import build, parts_writer
+from fingertip.tasks.build import build
 from fingertip.tasks.make import simulate_and_detect
 from fingertip.tasks.verification import verify_sets
 from tests.conftest import run_fingertip
@@ -48,7 +48,7 @@ def test_each_set_is_the_one_of_its_own_command(made: Path, tmp_path: Path) -> N
     build(design, tmp_path / "single", formats=["stl"], pictures=True)
     write_board(design, tmp_path / "single" / "board", bring_up=True)
     page = render_acceptance(acceptance_data(design, simulate_and_detect(design, lambda message: None)[1].detection))
-    parts_writer(design, tmp_path / "single").add({ACCEPTANCE: page.encode()})
+    PART_FILES.writer(design, tmp_path / "single").add({ACCEPTANCE: page.encode()})
     trace = tmp_path / "trace.csv"
     assert run_fingertip("simulate", "fsr400", "--out", trace).returncode == 0
     found = files_below(made)

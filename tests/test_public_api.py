@@ -145,10 +145,10 @@ LIGHT_WORK = {
         {"manifold3d"},
     ),
     "studio": (
-        "from fingertip import Design\nfrom fingertip.studio.server import StudioServer, _ANSWERS\n"
-        "from fingertip.studio.answers import DOWNLOADS\n"
+        "from fingertip import Design\nfrom fingertip.studio.server import StudioServer\n"
+        "from fingertip.studio.answers import ANSWERS, DOWNLOADS\n"
         "design = Design()\nStudioServer(design, 0).server_close()\n"
-        "for make in (*_ANSWERS.values(), *(make for _, make in DOWNLOADS.values())): make(design, lambda: None)",
+        "for make in (*ANSWERS.values(), *(make for _, make in DOWNLOADS.values())): make(design, lambda: None)",
         set(),
     ),
 }

@@ -10,11 +10,11 @@ from typing import Any
 import pytest
 import typer
 
+from fingertip.catalogues.output_files import PART_FILES
 from fingertip.cli import app, main
 from fingertip.cli.help_page import metavar
 from fingertip.cli.options import find_file_issues
 from fingertip.design import Design
-from fingertip.tasks.build import parts_writer
 from tests.conftest import run_fingertip
 
 FILES = (
@@ -111,7 +111,7 @@ def test_a_file_beside_the_parts_of_another_design_is_refused_before_work(
     words: str, option: str, suffix: str, work: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(work, fail)
-    parts_writer(Design(), tmp_path / "out" / "fsr400").write({"bone.stl": b""})
+    PART_FILES.writer(Design(), tmp_path / "out" / "fsr400").write({"bone.stl": b""})
     done = run_fingertip(*words.split(), "--set", "skin.width_mm=18", PWD=str(tmp_path))
     assert done.returncode == 2
     assert "out/fsr400: holds the parts of another design, or of other parameters" in done.stderr

@@ -14,10 +14,9 @@ from fingertip import Design, make
 from fingertip.cad.files import stl
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.shapes.parts import parts_by_name
-from fingertip.catalogues.output_files import PAGE
+from fingertip.catalogues.output_files import PAGE, PART_FILES
 from fingertip.page.render import render_page
 from fingertip.page.sources import Sources
-from fingertip.tasks.build import parts_writer
 from fingertip.tasks.page import write_page
 from tests.conftest import design_file
 from tests.slip.recordings import burst
@@ -151,7 +150,7 @@ def folder(design: Design, tmp_path_factory: pytest.TempPathFactory) -> Path:
     place = tmp_path_factory.mktemp("page") / "finger"
     made = make(design, place, formats=["stl", "3mf"])
     assert made.page == place / PAGE
-    parts_writer(design, place).add({"drawing_bone.svg": DRAWING})
+    PART_FILES.writer(design, place).add({"drawing_bone.svg": DRAWING})
     write_page(design, place)
     return place
 

@@ -21,6 +21,7 @@ from urllib.parse import urlsplit
 import pytest
 
 from fingertip import Design
+from fingertip.studio import answers
 from fingertip.studio import server as server_module
 from fingertip.studio.server import TOKEN_HEADER, StudioServer
 from fingertip.studio.worker import NewestWinsWorker, StillWanted, SupersededError
@@ -174,7 +175,7 @@ def test_checks_that_nobody_waits_for_are_given_up(server: StudioServer, monkeyp
             time.sleep(0.01)
         return {}
 
-    monkeypatch.setitem(server_module._ANSWERS, "checks", work)  # type: ignore[call-overload]
+    monkeypatch.setitem(answers.ANSWERS, "checks", work)  # type: ignore[call-overload]
     asked = [socket.create_connection(("127.0.0.1", server.server_port)) for _ in range(20)]
     for number, connection in enumerate(asked):
         request = post(server, TABLES.replace('"a"', f'"{number}"') % "{}")

@@ -6,7 +6,6 @@ stand with these.
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -38,12 +37,10 @@ class OutputSet:
             raise DesignError(Issue("--out", message))
         return Path("out", design.name, self.place) if out is None else Path(out)
 
-    def writer(
-        self, design: _Named, folder: Path, force: bool = False, top: Path | None = None, adopted: Collection[str] = ()
-    ) -> SetWriter:
+    def writer(self, design: _Named, folder: Path, force: bool = False, top: Path | None = None) -> SetWriter:
         """Writer of the set of a design in a folder; the others as for `SetWriter`."""
         parameters = hash_parameters(design.model_dump(mode="json"))
-        return SetWriter(folder, self.kind, design.name, parameters, adopted, force, top=top)
+        return SetWriter(folder, self.kind, design.name, parameters, force, top=top)
 
 
 PART_FILES = OutputSet("parts")

@@ -8,19 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from fingertip.cli import options
 from fingertip.cli.board_tables import channel_lines, gate_lines, load_lines, table_lines
 from fingertip.cli.console import Console
-from fingertip.cli.options import (
-    ForceOption,
-    OptionalDesignArgument,
-    SetOption,
-    VerboseOption,
-    command,
-    find_file_issues,
-    find_idle_issues,
-    load_design,
-    refuse,
-)
+from fingertip.cli.options import command, find_file_issues, find_idle_issues, load_design, refuse
 from fingertip.foundation import extras
 from fingertip.foundation.progress import ShareText
 
@@ -32,7 +23,7 @@ if TYPE_CHECKING:
 @command
 def board(
     console: Console,
-    design: OptionalDesignArgument = None,
+    design: options.OptionalDesignArgument = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -80,9 +71,9 @@ def board(
     article: Annotated[
         bool, typer.Option("--article", help="Also print what the article states about its own board, and what is so.")
     ] = False,
-    verbose: VerboseOption = False,
-    force: ForceOption = False,
-    changes: SetOption = None,
+    verbose: options.VerboseOption = False,
+    force: options.ForceOption = False,
+    changes: options.SetOption = None,
 ) -> None:
     """Compute the board's component values; write schematic, layout, netlist, SPICE deck and bill of materials."""
     writing = {"--bode": bode, "--plot": plot, "--bringup": bring_up}

@@ -8,17 +8,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from fingertip.cli import options
 from fingertip.cli.check import format_failures
 from fingertip.cli.console import BAD_INPUT, Console
 from fingertip.cli.help_page import HelpCommand, HelpGroup
-from fingertip.cli.options import (
-    CalibratedDesignOption,
-    ForceCalibratedOption,
-    SetOption,
-    command,
-    find_file_issues,
-    load_design,
-)
+from fingertip.cli.options import command, find_file_issues, load_design
 from fingertip.foundation.errors import DesignError, FingertipError, Issue, gather
 
 if TYPE_CHECKING:
@@ -40,12 +34,12 @@ def printer(
     readings: Annotated[
         Path, typer.Argument(help="File of caliper readings, filled in from the one that `fingertip coupon` wrote.")
     ],
-    out: CalibratedDesignOption = None,
-    force: ForceCalibratedOption = False,
+    out: options.CalibratedDesignOption = None,
+    force: options.ForceCalibratedOption = False,
     keep: Annotated[
         list[str] | None, typer.Option(metavar="TABLE.KEY", help="Leave a parameter as it is; repeatable.")
     ] = None,
-    changes: SetOption = None,
+    changes: options.SetOption = None,
 ) -> None:
     """Calibrate a design for a printer, from caliper readings of its fit coupon, and check the result.
 
@@ -68,11 +62,10 @@ def printer(
     known = list(fit.list_calibrated())
     unknown = (name for name in kept if name not in known)
     issues += (Issue("--keep", f"{name!r} is not calibrated; {suggest_name(name, known)}") for name in unknown)
-    calibration = loaded = None
     with gather(issues):
         loaded = load_design(design, changes, console)
         calibration = fit.calibrate_printer(loaded, read_readings(readings, loaded), kept)
-    if issues or loaded is None or calibration is None:
+    if issues:
         raise FingertipError(issues)
     data, lines = _data(calibration), _format(calibration)
     try:
@@ -193,10 +186,10 @@ def sensor(
     design: Annotated[
         Path | None, typer.Argument(help="Design of the board that took the readings; the default design if left out.")
     ] = None,
-    out: CalibratedDesignOption = None,
-    force: ForceCalibratedOption = False,
+    out: options.CalibratedDesignOption = None,
+    force: options.ForceCalibratedOption = False,
     scale: Annotated[float | None, typer.Option(help="Volts per count, if the readings are counts.")] = None,
-    changes: SetOption = None,
+    changes: options.SetOption = None,
 ) -> None:
     """Calibrate the force curve of a sensor, from readings under known weights.
 
@@ -214,12 +207,11 @@ def sensor(
 
     remedy = "" if force else "overwrite it with --force"
     issues = list(find_file_issues("--out", out, ".toml", inputs=(readings, design), kept=remedy))
-    loaded = weighings = None
     with gather(issues):
         loaded = load_design(design, changes, console)
     with gather(issues):
         weighings = read_weighings(readings)
-    if issues or loaded is None or weighings is None:
+    if issues:
         raise FingertipError(issues)
     calibration = calibrate_sensor(loaded, weighings, scale)
     calibrated = apply_calibration(loaded, calibration.changes)

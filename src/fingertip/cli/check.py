@@ -55,7 +55,8 @@ def check(
     data: dict[str, Any] = {"passed": True}
     texts: list[str] = []
     if files:
-        data, texts = _check_designs(files, tolerance_mm, junit, changes or (), console, verbose)
+        loaded = _load(files, changes or (), console)
+        data, texts = _check_designs(loaded, tolerance_mm, junit, console, verbose)
     if folders:
         data["folders"], folder_texts = _check_folders(folders)
         texts += folder_texts
@@ -78,21 +79,15 @@ def _check_folders(folders: Sequence[Path]) -> tuple[list[dict[str, Any]], list[
 
 
 def _check_designs(
-    files: Sequence[Path],
-    tolerance_mm: float,
-    junit: Path | None,
-    changes: Sequence[str],
-    console: Console,
-    verbose: bool,
+    designs: Mapping[str, Design], tolerance_mm: float, junit: Path | None, console: Console, verbose: bool
 ) -> tuple[dict[str, Any], list[str]]:
     from fingertip.cad.verification.check import list_warnings
     from fingertip.cad.verification.verify import check, validate_tolerance
 
-    loaded = _load(files, changes, console)
     validate_tolerance(tolerance_mm)
     checks_by_design: dict[str, tuple[Check, ...]] = {}
-    work = Work("checking", dict.fromkeys(loaded, 1.0), console.progress)
-    for label, design in loaded.items():
+    work = Work("checking", dict.fromkeys(designs, 1.0), console.progress)
+    for label, design in designs.items():
         work.begin(label)
         checks_by_design[label] = check(design, tolerance_mm=tolerance_mm).checks
     if junit is not None:

@@ -9,26 +9,18 @@ from typing import Annotated, Any
 
 import typer
 
+from fingertip.cli import options
 from fingertip.cli.completion import SHELLS, read_script
 from fingertip.cli.console import Console
-from fingertip.cli.options import (
-    OptionalDesignArgument,
-    QuietOption,
-    SetOption,
-    command,
-    find_file_issues,
-    find_idle_issues,
-    load_design,
-    refuse,
-)
+from fingertip.cli.options import command, find_file_issues, find_idle_issues, load_design, refuse
 from fingertip.foundation.errors import DesignError, Issue
 
 
 @command
 def params(
     console: Console,
-    design: OptionalDesignArgument = None,
-    changes: SetOption = None,
+    design: options.OptionalDesignArgument = None,
+    changes: options.SetOption = None,
     toml: Annotated[bool, typer.Option("--toml", help="Print a complete design file with comments.")] = False,
     schema: Annotated[
         bool, typer.Option("--schema", help="Print the JSON schema of design files, for editors.")
@@ -83,7 +75,7 @@ KINDS = tuple(_MODELS)
 
 @command
 def schema(
-    kind: Annotated[str, typer.Argument(help=f"Kind of file: {', '.join(KINDS)}.")], quiet: QuietOption = False
+    kind: Annotated[str, typer.Argument(help=f"Kind of file: {', '.join(KINDS)}.")], quiet: options.QuietOption = False
 ) -> None:
     """Print the JSON schema of a kind of TOML file, for editors. Bundled files name theirs in their first line."""
     Console(False, quiet).write(json.dumps(make_schema(kind), indent=2))
@@ -119,7 +111,7 @@ def _normalise(value: Any) -> Any:
 
 @command
 def completion(
-    shell: Annotated[str, typer.Argument(help="Shell: bash, zsh or fish.")], quiet: QuietOption = False
+    shell: Annotated[str, typer.Argument(help="Shell: bash, zsh or fish.")], quiet: options.QuietOption = False
 ) -> None:
     """Print a completion script for a shell: commands, options, bundled names and parameters after --set.
 

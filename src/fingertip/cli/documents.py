@@ -7,19 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fingertip.cli import options
 from fingertip.cli.console import Console
-from fingertip.cli.options import (
-    DesignArgument,
-    ForceOption,
-    MaterialOption,
-    OptionalDesignArgument,
-    SetOption,
-    command,
-    find_file_issues,
-    find_range_issues,
-    load_design,
-    refuse,
-)
+from fingertip.cli.options import command, find_file_issues, find_range_issues, load_design, refuse
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.progress import Work
 
@@ -32,10 +22,9 @@ class _File:
 
     def __init__(self, design: Design, named: Path | None, name: str, force: bool) -> None:
         from fingertip.catalogues.output_files import PART_FILES
-        from fingertip.tasks.build import parts_writer
 
         self.path = named or PART_FILES.folder(design) / name
-        self._writer = None if named else parts_writer(design, self.path.parent, force)
+        self._writer = None if named else PART_FILES.writer(design, self.path.parent, force)
         if self._writer:
             self._writer.check_addition((name,))
 
@@ -51,10 +40,10 @@ class _File:
 @command
 def acceptance(
     console: Console,
-    design: DesignArgument,
+    design: options.DesignArgument,
     out: Annotated[Path | None, typer.Option(help="Markdown file to write; out/NAME/acceptance.md by default.")] = None,
-    force: ForceOption = False,
-    changes: SetOption = None,
+    force: options.ForceOption = False,
+    changes: options.SetOption = None,
 ) -> None:
     """Write the acceptance sheet: tests of the sensor and of the finished finger, with limits and causes of failure."""
     from fingertip.catalogues.output_files import ACCEPTANCE
@@ -77,17 +66,17 @@ _SLICED_MESH_TOLERANCE_MM = 0.02
 @command
 def sheet(
     console: Console,
-    design: DesignArgument,
+    design: options.DesignArgument,
     out: Annotated[Path | None, typer.Option(help="Markdown file to write; out/NAME/casting.md by default.")] = None,
-    material: MaterialOption = None,
+    material: options.MaterialOption = None,
     slicer: Annotated[
         bool, typer.Option("--slicer", help="Estimate print time and volume on a filament printer with PrusaSlicer.")
     ] = False,
     pictures: Annotated[
         bool, typer.Option("--pictures", help="Draw a picture of each step, into a folder beside the page.")
     ] = False,
-    force: ForceOption = False,
-    changes: SetOption = None,
+    force: options.ForceOption = False,
+    changes: options.SetOption = None,
 ) -> None:
     """Write the casting sheet: silicone quantities, warnings, procedure, print orientations and bill of materials."""
     from fingertip.cad.kernel.mesh import MeshEvaluator
@@ -145,10 +134,10 @@ def sheet(
 @command
 def drawing(
     console: Console,
-    design: DesignArgument,
+    design: options.DesignArgument,
     out: Annotated[Path | None, typer.Option(metavar="PATH", help="Output folder; out/NAME by default.")] = None,
-    force: ForceOption = False,
-    changes: SetOption = None,
+    force: options.ForceOption = False,
+    changes: options.SetOption = None,
 ) -> None:
     """Draw each printed part to scale with its dimensions, tolerances and sizes to check, as SVG and as one PDF."""
     from fingertip.tasks.drawing import write_drawing
@@ -165,7 +154,7 @@ MAX_WIDTH_PX = 6000
 @command
 def picture(
     console: Console,
-    design: DesignArgument,
+    design: options.DesignArgument,
     out: Annotated[
         Path | None,
         typer.Option(help="Output PNG, SVG with --pad; out/NAME/exploded.png, filling.png or pad.svg by default."),
@@ -177,8 +166,8 @@ def picture(
         bool, typer.Option("--pad", help="Draw what part of a force reaches the sensor, by place and by tilt.")
     ] = False,
     width_px: Annotated[int, typer.Option(help="Width of the picture, in pixels: 400 to 6000.")] = 1600,
-    force: ForceOption = False,
-    changes: SetOption = None,
+    force: options.ForceOption = False,
+    changes: options.SetOption = None,
 ) -> None:
     """Draw an exploded view and a section through the closed mold, how the mold fills, or what the sensor feels."""
     from fingertip.catalogues.output_files import EXPLODED_VIEW, FILLING_VIEW, PAD_VIEW
@@ -205,12 +194,12 @@ def picture(
 @command
 def page(
     console: Console,
-    design: DesignArgument,
+    design: options.DesignArgument,
     out: Annotated[
         Path | None, typer.Option(metavar="PATH", help="Folder of the design's files; out/NAME by default.")
     ] = None,
-    force: ForceOption = False,
-    changes: SetOption = None,
+    force: options.ForceOption = False,
+    changes: options.SetOption = None,
 ) -> None:
     """Write index.html beside a design's files: 3D view, checks, casting guide, board and trial in one offline page."""
     from fingertip.tasks.page import write_page
@@ -226,18 +215,17 @@ def page(
 
 
 DEFAULT_PORT = 8350
-"""Port at which the page is served unless another one is named."""
 
 
 @command
 def studio(
     console: Console,
-    design: OptionalDesignArgument = None,
+    design: options.OptionalDesignArgument = None,
     port: Annotated[
         int | None, typer.Option(metavar="N", help=f"Port to listen on; {DEFAULT_PORT} by default, 0 for any free one.")
     ] = None,
     no_browser: Annotated[bool, typer.Option("--no-browser", help="Print the address and open no browser.")] = False,
-    changes: SetOption = None,
+    changes: options.SetOption = None,
 ) -> None:
     """Serve a page on this machine where sliders change a design: its parts and checks follow, files are downloaded."""
     import contextlib

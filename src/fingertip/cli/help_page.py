@@ -41,21 +41,18 @@ class HelpCommand(TyperCommand):
     """Command whose help page this module writes."""
 
     def format_help(self, ctx: Any, formatter: Any) -> None:
-        arguments: list[tuple[str, str]] = []
-        groups: dict[str, list[tuple[str, str]]] = {"Arguments": arguments, "Options": []}
-        common: list[tuple[str, str]] = []
+        groups: dict[str, list[tuple[str, str]]] = {"Arguments": [], "Options": [], COMMON: []}
         usage = []
         parameter: Any
         for parameter in self.get_params(ctx):
             row = (_term(parameter), _describe(parameter))
             if parameter.param_type_name == "argument":
-                arguments.append(row)
+                groups["Arguments"].append(row)
                 usage.append(row[0] if parameter.required else f"[{row[0]}]")
-            elif getattr(parameter, "rich_help_panel", None) == COMMON or parameter.name == "help":
-                common.append(row)
             else:
-                groups["Options"].append(row)
-        _write_page(self, ctx, formatter, " ".join([*usage, "[OPTIONS]"]), {**groups, COMMON: common})
+                is_common = getattr(parameter, "rich_help_panel", None) == COMMON or parameter.name == "help"
+                groups[COMMON if is_common else "Options"].append(row)
+        _write_page(self, ctx, formatter, " ".join([*usage, "[OPTIONS]"]), groups)
 
 
 class HelpGroup(TyperGroup):
@@ -145,11 +142,8 @@ def _term(parameter: Any) -> str:
 
 
 def _describe(parameter: Any) -> str:
-    text = parameter.help or ""
-    default = parameter.default
-    shown = isinstance(default, int | float | str) and not isinstance(default, bool)
-    if type(default).__name__ == "PosixPath" or type(default).__name__ == "WindowsPath":
-        default, shown = default.as_posix(), True
-    if shown and default != "":
-        text = f"{text} Default: {default}."
-    return text
+    text, default = parameter.help or "", parameter.default
+    if isinstance(default, Path):
+        default = default.as_posix()
+    is_shown = isinstance(default, int | float | str) and not isinstance(default, bool) and default != ""
+    return f"{text} Default: {default}." if is_shown else text

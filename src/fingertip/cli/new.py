@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import math
 import shlex
 from collections.abc import Callable, Iterable, Sequence
@@ -82,6 +83,7 @@ def new(
     from fingertip.design.new_design import find_lost_travel, write_new_design
     from fingertip.foundation.files import write_file
 
+    given = changes or ()
     issues = list(find_file_issues("--out", out, ".toml", kept="give another name"))
     for kind in (DESIGN, SET):
         if name in list_bundled_files(kind):
@@ -89,12 +91,19 @@ def new(
             issues.append(Issue("NAME", f"{taken}; choose another, such as my_{name}."))
     path = out or Path(f"{name}.toml")
     if finger:
-        _write_set(console, name, finger, sensor, preset, hand, changes or (), allow_shorter_travel, path, issues)
+        from fingertip.design.new_set import start_set
+
+        start = functools.partial(start_set, name, finger, sensor, preset, hand, given)
+        _write_set(console, name, start, allow_shorter_travel, path, issues)
         return
+
+    def begin(more: Sequence[str] = ()) -> NewDesign:
+        return write_new_design(name, sensor, preset, hand, [*given, *more], console.progress)
+
     made = None
     found: list[Issue] = []
     with gather(found):
-        made = write_new_design(name, sensor, preset, hand, changes or (), console.progress)
+        made = begin()
         if not allow_shorter_travel:
             found += find_lost_travel(made)
     issues += _name_options(found)
@@ -107,10 +116,7 @@ def new(
     if preset or hand:
 
         def find_remedy(design: Design, failed: Sequence[Check]) -> str:
-            return _find_passing(
-                lambda more: write_new_design(name, sensor, preset, hand, [*(changes or ()), *more], console.progress),
-                design, failed, changes or (), allow_shorter_travel, console.progress,
-            )  # fmt: skip
+            return _find_passing(begin, design, failed, given, allow_shorter_travel, console.progress)
 
         lines += _check(made.design, find_remedy, data, console.progress)
     write_file(path, made.text.encode())
@@ -118,27 +124,18 @@ def new(
 
 
 def _write_set(
-    console: Console,
-    name: str,
-    sizes: Sequence[str],
-    sensor: str | None,
-    preset: str | None,
-    hand: str | None,
-    changes: Sequence[str],
-    may_change_joint: bool,
-    path: Path,
-    issues: list[Issue],
+    console: Console, name: str, start: Callable[[], Starts], may_change_joint: bool, path: Path, issues: list[Issue]
 ) -> None:
     """Write a set, and beside it the designs that it names."""
-    from fingertip.design.new_set import fit_set, start_set, write_set_file
+    from fingertip.design.new_set import fit_set, write_set_file
     from fingertip.foundation.files import write_file
 
     found: list[Issue] = []
     starts: Starts = {}
     with gather(found):
-        starts = start_set(name, sizes, sensor, preset, hand, changes)
+        starts = start()
     issues += _name_options(found)
-    for file in (path, *(path.with_name(f"{start.tables.name}.toml") for start in starts.values())):
+    for file in (path, *(path.with_name(f"{one.tables.name}.toml") for one in starts.values())):
         issues += find_file_issues("--out", file, ".toml", kept="give another name")
     if issues:
         raise FingertipError(dict.fromkeys(issues))

@@ -85,7 +85,7 @@ def sweep(
     if parquet is not None:
         load_pyarrow()  # a missing package is reported before the sweep, not after it
     if show:
-        _show_report(console, _load_shown_plan(file, out, changes or ()), out, csv, parquet)
+        _show_report(console, *_find_shown(file, out, changes or ()), csv, parquet)
         return
     if file is None:
         raise SweepError(Issue("SWEEP.toml", "is missing; give a sweep file, or a bundled sweep, such as board."))
@@ -103,17 +103,18 @@ def sweep(
         raise typer.Exit(code)
 
 
-def _load_shown_plan(file: Path | None, out: Path | None, changes: Sequence[str]) -> SweepPlan | None:
-    """Load the sweep to report on; None if only its folder is given."""
+def _find_shown(file: Path | None, out: Path | None, changes: Sequence[str]) -> tuple[Path, SweepPlan | None]:
+    """Find the folder to report on, and its sweep; None if only the folder is given."""
     from fingertip.sweep.plan import SweepPlan
 
     if file is not None:
-        return SweepPlan.load(file, changes)
+        plan = SweepPlan.load(file, changes)
+        return out or _default_folder(plan), plan
     if out is None:
         raise SweepError(Issue("--show", "needs a sweep; give its file, or its folder with --out."))
     if changes:
         raise SweepError(Issue("--set", "changes a sweep file, but none is given; give the file together with --show."))
-    return None
+    return out, None
 
 
 def _default_folder(plan: SweepPlan) -> Path:
@@ -163,18 +164,15 @@ def _run(console: Console, database: SweepDatabase, engine: Engine) -> int:
 
 
 def _show_report(
-    console: Console, plan: SweepPlan | None, out: Path | None, csv: Path | None, parquet: Path | None
+    console: Console, folder: Path, plan: SweepPlan | None, csv: Path | None, parquet: Path | None
 ) -> None:
     from fingertip.sweep.database import SweepDatabase
     from fingertip.sweep.report import write_report
 
-    folder = out if out is not None or plan is None else _default_folder(plan)
-    assert folder is not None
     with SweepDatabase.open(folder) as database:
         data = write_report(database, folder, console.progress, plan)
         _export(database, csv, parquet)
-    text = data.pop("text")
-    console.result(data, text)
+    console.result(data, data.pop("text"))
 
 
 def _export(database: SweepDatabase, csv: Path | None, parquet: Path | None) -> None:

@@ -131,9 +131,8 @@ def plan_fingers(
         issues.append(Issue("--fingers", f"{len(names)} are more than the {channels} of the design's board; {remedy}."))
     elif 1 < channels < (last := max(list_places(names), default=0)):
         problem = f"{NAMES[last - 1]} has place {last}, and the design's board {channels}"
-        issues.append(
-            Issue("--fingers", f"{problem}; give --set board.channels={last}, or leave {NAMES[last - 1]} out.")
-        )
+        remedy = f"give --set board.channels={last}, or leave {NAMES[last - 1]} out"
+        issues.append(Issue("--fingers", f"{problem}; {remedy}."))
     board = None
     if controller is not None or inputs is not None or names != Fingers.names:
         board = find_board(controller or DEFAULT_CONTROLLER)
@@ -175,29 +174,23 @@ def plan_set(fingers: FingerSet, controller: str | None = None, inputs: str | No
 
 def _read_names(fingers: str, issues: list[Issue]) -> tuple[str, ...]:
     words = [word.strip() for word in fingers.split(",")]
-    most = len(NAMES)
+    most, problems = len(NAMES), list[str]()
     if len(words) == 1 and re.fullmatch(r"[+-]?\d{1,9}", words[0]):
         if 1 <= int(words[0]) <= most:
             return NAMES[: int(words[0])] if int(words[0]) > 1 else Fingers.names
-        issues.append(
-            Issue("--fingers", f"{int(words[0])} is not between 1 and {most}; give at least 1 and at most {most}.")
-        )
+        problems.append(f"{int(words[0])} is not between 1 and {most}; give at least 1 and at most {most}.")
     elif len(words) > most:
-        issues.append(Issue("--fingers", f"{len(words)} names are more than {most}; give --fingers {','.join(NAMES)}."))
+        problems.append(f"{len(words)} names are more than {most}; give --fingers {','.join(NAMES)}.")
     else:
-        for word in words:
-            if not _NAME.fullmatch(word):
-                rule = "a letter, then up to 15 letters, digits, - or _"
-                issues.append(Issue("--fingers", f"{quote_value(word)} is no name: {rule}; give --fingers {NAMES[0]}."))
+        rule = f"a letter, then up to 15 letters, digits, - or _; give --fingers {NAMES[0]}."
+        problems += (f"{quote_value(word)} is no name: {rule}" for word in words if not _NAME.fullmatch(word))
         if len(set(words)) < len(words):
-            issues.append(
-                Issue("--fingers", f"two fingers have one name; give --fingers {','.join(NAMES[: len(words)])}.")
-            )
+            problems.append(f"two fingers have one name; give --fingers {','.join(NAMES[: len(words)])}.")
+    issues += (Issue("--fingers", problem) for problem in problems)
     return tuple(words)
 
 
 def _find_limit_issues(design: Design, board: ControllerBoard, fingers: int) -> Iterator[Issue]:
-    """Report each limit of a controller that the fingers exceed."""
     rate_hz = design.detector.sample_rate_hz
     for limit, most in list_limits(board, rate_hz).items():
         if fingers > most:
@@ -217,15 +210,13 @@ def _read_inputs(
         return known[: 2 * len(names)] if board else ["A0", "A1"]
     pins = [word.strip() for word in inputs.split(",")]
     signals = [f"{signal} of {name}" for name in names for signal in ("T", "S")]
-    usual = ",".join((known or ["A0", "A1"])[: len(signals)])
-    if len(pins) != len(signals):
-        issues.append(Issue("--inputs", f"{len(pins)} inputs are not two a finger; give --inputs {usual}."))
+    problems = [] if len(pins) == len(signals) else [f"{len(pins)} inputs are not two a finger"]
     for pin in sorted(set(pins)):
         owners = [signal for signal, own in zip(signals, pins, strict=False) if own == pin]
         if len(owners) > 1:
-            text = f"{quote_value(pin)} is the input of {join_words(owners)}"
-            issues.append(Issue("--inputs", f"{text}; give --inputs {usual}."))
+            problems.append(f"{quote_value(pin)} is the input of {join_words(owners)}")
         if pin not in known if board else not re.fullmatch(r"[A-Z]{1,4}_?\d{1,2}", pin):
-            text = f"{quote_value(pin)} is no free analog input" + (f" of {board.name}" if board else "")
-            issues.append(Issue("--inputs", f"{text}; give --inputs {usual}."))
+            problems.append(f"{quote_value(pin)} is no free analog input" + (f" of {board.name}" if board else ""))
+    usual = ",".join((known or ["A0", "A1"])[: len(signals)])
+    issues += (Issue("--inputs", f"{problem}; give --inputs {usual}.") for problem in problems)
     return pins

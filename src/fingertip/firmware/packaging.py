@@ -64,12 +64,6 @@ def _semantic_version() -> str:
 
 TABLE = "measured_costs.json"
 """Name of the costs of the library on a controller, which `tools/firmware/measure.py` measures, beside this module."""
-MAX_FLASH_BYTES = 32 * 1024
-"""Largest flash for code and tables [byte]."""
-MAX_STATE_BYTES, MAX_STACK_BYTES = 512, 512
-"""Largest state and stack [byte]."""
-MAX_INSTRUCTIONS = 1000
-"""Largest mean number of instructions per sample on a Cortex-M4F."""
 _COLUMNS = (
     "processor", "flash", "state", "stack", "constant force", "campaign", "slip that lasts", "longest step",
 )  # fmt: skip

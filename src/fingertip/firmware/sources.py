@@ -16,7 +16,7 @@ from fingertip.firmware.fingers import Fingers
 from fingertip.sim.runs.grip import HISTORY, LONGEST_STEP_S, MIN_PRESENT_N, ForceCurve, GripSettings
 from fingertip.slip.detectors import fast_loop
 from fingertip.slip.detectors.fast import FastDetector, FastSettings
-from fingertip.slip.detectors.fast_coefficients import DEPTH, NODES, FastModel, load_model
+from fingertip.slip.detectors.fast_coefficients import NODES, FastModel, load_model
 
 _GROUPS = (
     ("Board's high-pass filter for a gain of 1: its section of first order,", "BOARD_1_B BOARD_1_A1"),
@@ -80,6 +80,10 @@ _GROUPS = (
     ("Converter of the design: bits, lower end of its range [V], step [V].", "ADC_BITS ADC_LOW_V ADC_STEP_V"),
 )
 """Comments, and the names of the constants that stand below each."""
+_COUNTS = (
+    "limited_samples still_samples trusted_samples gap_samples fault_samples restart_ticks tick_samples slot_ticks"
+)
+"""Coefficients that count samples or ticks: constants without decimals."""
 
 
 def real(value: float) -> str:
@@ -99,22 +103,14 @@ def _render_constants(design: Design) -> str:
         "BOARD_1_B": c.board_1.b0,  # its numerator is b (1 - 1/z)
         "FILTERED_GAIN": both.coefficients.filtered_gain,
         "FILTERED_LIMIT": both.coefficients.filtered_limit,
-        "LIMITED_SAMPLES": f"{c.limited_samples:.0f}",
-        "STILL_SAMPLES": f"{c.still_samples:.0f}",
-        **{
-            name.upper(): f"{getattr(c, name):.0f}"
-            for name in ("trusted_samples", "gap_samples", "fault_samples", "restart_ticks")
-        },
-        "LOWEST_CODE": str(math.ceil((c.middle_input - c.half_range - converter.adc_low_v) / converter.adc_step_v)),
-        "HIGHEST_CODE": str(math.floor((c.middle_input + c.half_range - converter.adc_low_v) / converter.adc_step_v)),
+        **{name.upper(): round(getattr(c, name)) for name in _COUNTS.split()},
+        "LOWEST_CODE": math.ceil((c.middle_input - c.half_range - converter.adc_low_v) / converter.adc_step_v),
+        "HIGHEST_CODE": math.floor((c.middle_input + c.half_range - converter.adc_low_v) / converter.adc_step_v),
         "SHORT": c.short_smoothing,
         "LONG": c.long_smoothing,
-        "TICK_SAMPLES": f"{c.tick_samples:.0f}",
-        "SLOT_TICKS": f"{c.slot_ticks:.0f}",
-        "RING": str(fast_loop.RING),
-        "SETTLING_TICKS": f"{state[fast_loop.SETTLING]:.0f}",
+        "SETTLING_TICKS": round(state[fast_loop.SETTLING]),
         "SETTLE_TICKS": -state[fast_loop.FLOOR_TICKS],
-        "LOW_TICKS": f"{fast_loop.LOW_TICKS:.0f}",
+        "LOW_TICKS": round(fast_loop.LOW_TICKS),
         "STATED_WIDE": state[fast_loop.FLOOR],
         "STATED_UPPER": state[fast_loop.UPPER_FLOOR],
         "STATED_INPUT": state[fast_loop.INPUT_FLOOR],
@@ -128,19 +124,17 @@ def _render_constants(design: Design) -> str:
         "LOUD_20": fast_loop.UPPER_LOUD_20,
         "ON_SCORE": c.threshold,
         "STAY_SCORE": c.stay_threshold,
-        "COUNT": str(fast_loop.COUNT),
-        "TREES": str(load_model().trees),
-        "DEPTH": str(DEPTH),
+        "TREES": load_model().trees,
         "SAMPLE_RATE_HZ": converter.sample_rate_hz,
         "SAMPLE_RATE_MILLIHZ": f"{1000 * converter.sample_rate_hz:.0f}u",
-        "ADC_BITS": str(converter.adc_bits),
+        "ADC_BITS": converter.adc_bits,
         "ADC_LOW_V": converter.adc_low_v,
         "ADC_STEP_V": converter.adc_step_v,
     }
     blocks = []
     for comment, names in _GROUPS:
         texts = ((name, values[name]) for name in names.split())
-        lines = [f"#define SLIP_{name} {value if isinstance(value, str) else real(value)}" for name, value in texts]
+        lines = [f"#define SLIP_{name} {real(value) if isinstance(value, float) else value}" for name, value in texts]
         blocks.append("\n".join([f"/* {comment} */", *lines]))
     return "\n\n".join(blocks)
 
@@ -230,7 +224,6 @@ def _render_fingers(fingers: Fingers) -> str:
 
 
 def _render_grip(settings: GripSettings) -> str:
-    """Render the constants of the grip law."""
     times = {"WINDOW": settings.growth_window_s, "SUPPRESSION": settings.suppression_s}
     times |= {"REFRACTORY": settings.refractory_s, "WATCHDOG": settings.watchdog_s, "LONGEST_STEP": LONGEST_STEP_S}
     values = {"MIN_PRESENT_N": MIN_PRESENT_N} | {

@@ -11,15 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from fingertip.board.analysis import tolerance
 from fingertip.board.analysis.board_values import board_values
 from fingertip.board.analysis.response import model_filter
-from fingertip.board.analysis.tolerance import (
-    BAND_QUANTILES,
-    TolerancedFilter,
-    component_tolerances,
-    draw_deviations,
-    monte_carlo,
-)
 from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import build_network
 from fingertip.board.fabrication.bom import PRICE
@@ -39,7 +33,7 @@ from fingertip.catalogues.output_files import (
 )
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
-from fingertip.page.html import Markup, element, embed, figure, fold, join, note, quantity, scrolling, table
+from fingertip.page.html import Markup, element, embed, figure, fold, join, list_links, note, quantity, scrolling, table
 from fingertip.page.layout_svg import render_back, render_copper, render_placement
 from fingertip.page.markdown import render, split_sections
 from fingertip.page.schematic_svg import render_schematic
@@ -73,8 +67,7 @@ def render_board(sources: Sources) -> Markup:
     )
     links, sections = sources.links, split_sections(readme or "")
     named = [path for path in (f"{BOARD_FOLDER}/{name}" for name in _FILES) if path in links]
-    listed = (element("li", element("a", path, href=links[path])) for path in named)
-    parts = [element("p", "Files of the board:"), element("ul", *listed, class_="files")] if named else []
+    parts = [element("p", "Files of the board:"), list_links(named, links, "files")] if named else []
     folded = list[tuple[str, Markup]]()
     buy = fold("What to buy for the board", render_bom(bom), state="roomy") if bom else Markup("")
     if layout:
@@ -164,16 +157,16 @@ def draw_response(design: Design) -> Markup:
     """Draw the gain from the tactile voltage to the rectifier, as a figure with a caption."""
     circuit = board_circuit(board_values(design))
     network = build_network(circuit, find_gain_bandwidth_hz(design.board))
-    board = TolerancedFilter(model_filter(circuit), network.values)
-    tolerances = component_tolerances(circuit)
-    spread = monte_carlo(board, tolerances, BOARDS, _SEED)
-    drawn_values = board.deviate(draw_deviations(board, tolerances, BOARDS, _SEED))
+    board = tolerance.TolerancedFilter(model_filter(circuit), network.values)
+    limits = tolerance.component_tolerances(circuit)
+    spread = tolerance.monte_carlo(board, limits, BOARDS, _SEED)
+    drawn_values = board.deviate(tolerance.draw_deviations(board, limits, BOARDS, _SEED))
     exact, drawn = (board.model.transfer(values).power_gain() for values in (board.values, drawn_values))
     steps = round(_PER_DECADE * math.log10(_HIGH_HZ / _LOW_HZ))
     f_hz = [_LOW_HZ * 10.0 ** (i / _PER_DECADE) for i in range(steps + 1)]
     gains_db = []  # nominal, and the ends of the interval with 95 % of the boards
     for hz in f_hz:
-        powers = (exact(math.tau * hz), *np.quantile(np.asarray(drawn(math.tau * hz)), BAND_QUANTILES))
+        powers = (exact(math.tau * hz), *np.quantile(np.asarray(drawn(math.tau * hz)), tolerance.BAND_QUANTILES))
         gains_db.append([10.0 * math.log10(float(power)) for power in powers])
     nominal, low, high = zip(*gains_db, strict=True)
     bottom = 10.0 * math.floor(min(low) / 10.0)

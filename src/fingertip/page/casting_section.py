@@ -18,7 +18,7 @@ from fingertip.catalogues.output_files import (
 from fingertip.design import Design
 from fingertip.design.files import list_parameters
 from fingertip.documents.start import render_basis_table
-from fingertip.page.html import Markup, element, fold, join, note, table
+from fingertip.page.html import Markup, element, fold, join, list_links, note, table
 from fingertip.page.markdown import list_steps, render, split_sections
 from fingertip.page.parameters_and_checks import link_parameters
 from fingertip.page.sources import COMMANDS, Sources
@@ -103,8 +103,7 @@ def render_drawing(sources: Sources) -> Markup:
     """Render links to the dimensioned sheets, whose data would be a sixth of the page, or say how to make them."""
     sheets = sorted(name for name in sources.links if name.startswith("drawing"))
     if sheets:
-        listed = (element("li", element("a", name, href=sources.links[name])) for name in sheets)
-        return element("ul", *listed)
+        return list_links(sheets, sources.links)
     return note(
         "There is no drawing of these parts yet: in the folder of this page, ", element("code", COMMANDS["drawing"]),
         " makes a sheet with all dimensions and tolerances for each printed part, and ",

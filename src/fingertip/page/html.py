@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape, unescape
 from importlib.resources import files
 
@@ -80,6 +80,17 @@ def fold(title: str, *content: str, name: str = "", state: str = "", level: int 
 def scrolling(inner: Markup, label: str) -> Markup:
     """Build what scrolls by itself where its content is wider than the page."""
     return element("div", inner, class_="scroll", role="group", tabindex="0", aria_label=label)
+
+
+def button(*children: str, **attributes: str | bool | None) -> Markup:
+    """Build a button for a script: it sends no form."""
+    return element("button", *children, type="button", **attributes)
+
+
+def list_links(paths: Iterable[str], links: Mapping[str, str], class_: str | None = None) -> Markup:
+    """Build a list of links to files, by the address of each path."""
+    items = (element("li", element("a", path, href=links[path])) for path in paths)
+    return element("ul", *items, class_=class_)
 
 
 def note(*children: str) -> Markup:

@@ -16,9 +16,9 @@ _PARSER = MarkdownIt("zero").enable(
 )
 
 
-def split_sections(text: str, level: int = 2) -> dict[str, str]:
-    """Split a page at the headings of a level: heading -> text below it. The part before the first has the key ""."""
-    mark, found, heading = "#" * level + " ", {"": ""}, ""
+def split_sections(text: str) -> dict[str, str]:
+    """Split a page at its second-level headings: heading -> text below it. The part before the first has the key ""."""
+    mark, found, heading = "## ", {"": ""}, ""
     for line in text.splitlines():
         if line.startswith(mark):
             heading = line.removeprefix(mark).strip()

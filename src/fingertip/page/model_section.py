@@ -20,7 +20,7 @@ from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name, print_scale
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Solid
-from fingertip.page.html import Markup, element, join
+from fingertip.page.html import Markup, button, element, join
 
 Offset = tuple[float, float, float]
 
@@ -83,8 +83,7 @@ def measure_finger(items: tuple[Item, ...]) -> list[float]:
 
 def label_item(name: str) -> str:
     """Return the name of an item for people: numbered items in the plural, without their number."""
-    words = re.sub(r"_\d+$", "s", name)
-    return words.replace("_", " ")
+    return re.sub(r"_\d+$", "s", name).replace("_", " ")
 
 
 _STAY: tuple[Offset, Offset] = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
@@ -207,18 +206,10 @@ def render_boxes(items: Sequence[Item]) -> Markup:
 
 def _rows(items: Sequence[Item], preset: str, *, saves_files: bool) -> list[Markup]:
     presets = [
-        element("button", label, type="button", data_preset=name, aria_pressed="true" if name == preset else "false")
-        for name, label in _PRESETS
+        button(label, data_preset=name, aria_pressed="true" if name == preset else "false") for name, label in _PRESETS
     ]
-    views = [
-        element("button", label, type="button", data_from=name, aria_label=f"seen from: {label}")
-        for name, label in _VIEWS
-    ]
-    stl = [
-        element("button", f"{item.name}.stl", type="button", data_stl=item.name)
-        for item in items
-        if saves_files and not item.is_bought
-    ]
+    views = [button(label, data_from=name, aria_label=f"seen from: {label}") for name, label in _VIEWS]
+    stl = [button(f"{item.name}.stl", data_stl=item.name) for item in items if saves_files and not item.is_bought]
     return [
         element("div", *presets, class_="row controls", role="group", aria_label="what is shown"),
         element(
@@ -245,8 +236,8 @@ def _rows(items: Sequence[Item], preset: str, *, saves_files: bool) -> list[Mark
             class_="row",
         ),
         element(
-            "div", element("span", "save"), element("button", "picture", type="button", id="save-picture"), *stl,
-            class_="row", role="group", aria_label="save",
+            "div", element("span", "save"), button("picture", id="save-picture"), *stl, class_="row", role="group",
+            aria_label="save",
         ),
     ]  # fmt: skip
 

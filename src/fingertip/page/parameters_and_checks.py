@@ -13,7 +13,7 @@ from fingertip.cad.verification.check import list_causes
 from fingertip.cad.verification.strength import WANTED_AT_GRIP, WANTED_AT_SHOCK
 from fingertip.design import Design
 from fingertip.design.files import Parameter, format_value, list_parameters
-from fingertip.page.html import Markup, code, element, fold, join, note, quantity, table
+from fingertip.page.html import Markup, button, code, element, fold, join, note, quantity, table
 from fingertip.page.model_section import label_item
 
 _EFFECTS = {
@@ -65,10 +65,7 @@ def _render_row(design: Design, parameter: Parameter, moved: Mapping[str, tuple[
     path, value = parameter.path, design.value(parameter.path)
     items = moved.get(path, ())
     if items:
-        name = element(
-            "button", code(path), type="button", class_="code", data_moves=" ".join(items), aria_pressed="false",
-            id=f"p-{path}",
-        )  # fmt: skip
+        name = button(code(path), class_="code", data_moves=" ".join(items), aria_pressed="false", id=f"p-{path}")
     else:
         name = element("span", code(path), class_="code", id=f"p-{path}", tabindex="-1")
     shown = element("span", f"{format_value(value)} {parameter.unit}".rstrip(), class_="num")
@@ -145,12 +142,11 @@ def _warn_of_strength(strength: Mapping[str, Any]) -> Markup:
     grip, shock = strength["grip_safety_factor"], strength["shock_safety_factor"]
     if grip >= WANTED_AT_GRIP and shock >= WANTED_AT_SHOCK:
         return Markup("")
-    text = (
+    return note(
         f"The bone is weaker than wanted: its safety factor is {grip:.2f} at the grip force and {shock:.2f} at the "
         f"shock, where {WANTED_AT_GRIP:g} and {WANTED_AT_SHOCK:g} are wanted. It breaks first at the "
         f"{strength['weakest']['place']} at z = {strength['weakest']['z_mm']:.1f} mm."
     )
-    return note(text)
 
 
 def _find_closest(checks: Sequence[Check]) -> list[Check]:

@@ -3,15 +3,8 @@
 from __future__ import annotations
 
 from fingertip.documents.start import render_start
+from fingertip.page import casting_section
 from fingertip.page.board_section import draw_response, render_board
-from fingertip.page.casting_section import (
-    render_basis,
-    render_casting,
-    render_drawing,
-    render_printing,
-    render_shopping,
-    render_tests,
-)
 from fingertip.page.html import Markup, element, fold, read_asset, read_viewer_library
 from fingertip.page.model_section import list_items, measure_finger, render_model, render_no_view, scene_json
 from fingertip.page.pad_section import render_pad
@@ -27,7 +20,7 @@ ARTICLE_DOI = "10.1109/TMRB.2021.3060032"
 def render_page(sources: Sources) -> bytes:
     """Render the page of a design. The same files give the same bytes."""
     design, items = sources.design, list_items(sources.design, sources.files)
-    cast = render_casting(sources)
+    cast = casting_section.render_casting(sources)
     verdict, kind = tell_verdict(sources.report)
     steps = cast.count("data-tick=")
     start = render_start(design, sources.report, measure_finger(items), sources.links, steps, verdict)
@@ -38,17 +31,17 @@ def render_page(sources: Sources) -> bytes:
             element("h2", "In three dimensions", id="model"), render_no_view(), render_model(items),
         )),
         Tab("print", "Print", (
-            _title("Print the parts"), render_printing(sources), _title("Dimensioned drawing", "drawing"),
-            render_drawing(sources),
+            _title("Print the parts"), casting_section.render_printing(sources),
+            _title("Dimensioned drawing", "drawing"), casting_section.render_drawing(sources),
         )),
-        Tab("buy", "Buy", (_title("What to buy"), render_shopping(sources))),
+        Tab("buy", "Buy", (_title("What to buy"), casting_section.render_shopping(sources))),
         Tab("cast", "Cast", (_title("Cast the skin", "casting"), cast)),
         Tab("board", "Board", (_title("The board"), render_board(sources))),
-        Tab("test", "Test", (_title("Test the sensor and the finished finger"), render_tests(sources))),
+        Tab("test", "Test", (_title("Test the sensor and the finished finger"), casting_section.render_tests(sources))),
         Tab("more", "More", tuple(
             fold(title, content, name=name, state="roomy" if name in ("checks", "basis") else "", level=2)
             for name, title, content in (
-                ("basis", "What is simulated and what is measured", render_basis(design)),
+                ("basis", "What is simulated and what is measured", casting_section.render_basis(design)),
                 ("checks", "Checks", render_checks(sources.report)),
                 ("parameters", "Parameters", render_parameters(design)),
                 ("pad", "What the sensor feels", render_pad(design)),

@@ -8,7 +8,7 @@ from urllib.parse import quote
 
 from fingertip.catalogues.output_files import PAGE
 from fingertip.page.casting_section import render_list
-from fingertip.page.html import Markup, element, fold, join
+from fingertip.page.html import Markup, element, fold, join, list_links
 from fingertip.page.markdown import render, split_sections
 from fingertip.page.tabs import Tab, render_finger, render_first_screen, render_tabs
 
@@ -23,22 +23,10 @@ def render_set_page(
     files: Collection[str],
     failed: Collection[str] = (),
 ) -> bytes:
-    """Render the page of a set. The same files give the same bytes.
+    """Render the page of a set, with links to files and with the forms whose checks failed.
 
-    Parameters
-    ----------
-    data
-        Data of the set, from `set_data`.
-    pictures
-        Folder of each form -> picture of its finger (PNG).
-    start
-        First screen, as Markdown.
-    sheets
-        Overview, casting plan, parts list and acceptance sheet, as Markdown.
-    files
-        Paths of the set's files, to which its page links.
-    failed
-        Forms of which a check failed.
+    `data` are those of `set_data`, `pictures` the PNG of each form by its folder. First screen and sheets (overview,
+    casting plan, parts list, acceptance) are Markdown. The same files give the same bytes.
     """
     links = {path: quote(path) for path in files}
     drawn = [
@@ -49,7 +37,7 @@ def render_set_page(
         for row in data["fingers"]
     ]
     overview, plan, parts, acceptance = (split_sections(text) for text in sheets)
-    hand, shopping, tests, castings = (_without_title(each.pop("")) for each in (overview, parts, acceptance, plan))
+    hand, shopping, tests, castings = (each.pop("").partition("\n")[2] for each in (overview, parts, acceptance, plan))
     tabs = [
         Tab("start", "Start", (
             render_first_screen(start, element("div", *drawn, class_="fingers"), links),
@@ -77,9 +65,4 @@ def render_set_page(
 
 def _list_board(links: Mapping[str, str]) -> Markup:
     shown = [path for path in links if path.startswith("board/")] or [path for path in links if "/board/" in path]
-    listed = [element("li", element("a", path, href=links[path])) for path in shown]
-    return element("ul", *listed, class_="files") if listed else Markup("")
-
-
-def _without_title(text: str) -> str:
-    return text.partition("\n")[2]
+    return list_links(shown, links, "files") if shown else Markup("")

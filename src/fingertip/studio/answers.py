@@ -171,6 +171,15 @@ def _make_mesh(solid: Solid) -> Mesh:
     return MeshEvaluator(VIEW_TOLERANCE_MM).mesh(solid)
 
 
+ANSWERS: Mapping[str, Callable[[Design, StillWanted], dict[str, Any]]] = {
+    "parts": answer_parts,
+    "figures": answer_figures,
+    "checks": answer_checks,
+    "pad": answer_pad,
+    "all-checks": answer_all_checks,
+}
+"""Name in the address -> function that answers, after the answers before it."""
+
 _FIRST_DATE = (1980, 1, 1, 0, 0, 0)
 """Earliest date of a ZIP file: the files have none, so that the same design gives the same bytes."""
 

@@ -15,7 +15,7 @@ from fingertip.design.bands import describe_bands
 from fingertip.design.files import Parameter
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds, list_choices
-from fingertip.page.html import Markup, code, element, read_asset, read_viewer_library, render_document
+from fingertip.page.html import Markup, button, code, element, read_asset, read_viewer_library, render_document
 from fingertip.page.model_section import render_model, render_no_view, scene_json
 from fingertip.page.parameters_and_checks import describe_table, group_parameters
 from fingertip.studio.answers import DOWNLOADS, FILE_TOLERANCE_MM, VIEW_TOLERANCE_MM, make_items
@@ -72,11 +72,11 @@ def _render_field(field: Field, design: Design, items: tuple[str, ...], is_main:
         number = repr(value).removesuffix(".0")
         controls.append(element("input", type="number", id=name, value=number, step="any", aria_describedby=described))
         controls.append(element("span", field.parameter.unit, class_="unit"))
-    shapes = element(
-        "button", "show", type="button", data_moves=" ".join(items), aria_pressed="false", hidden=not items,
+    shapes = button(
+        "show", data_moves=" ".join(items), aria_pressed="false", hidden=not items,
         aria_label=f"{path}: show what it shapes", data_named=path,
     )  # fmt: skip
-    reset = element("button", "undo", type="button", class_="reset", hidden=True, aria_label=f"undo {path}")
+    reset = button("undo", class_="reset", hidden=True, aria_label=f"undo {path}")
     bounds = f" [{field.bounds}]" if field.bounds else ""
     label = element("label", code(path if is_main else path.rpartition(".")[2]), for_=name, class_="code")
     return element(
@@ -157,9 +157,7 @@ def render_way_in(url: str) -> str:
 
 
 def _render_bar() -> Markup:
-    buttons = (
-        element("button", label, type="button", data_download=name) for name, (label, _) in DOWNLOADS.items() if label
-    )
+    buttons = (button(label, data_download=name) for name, (label, _) in DOWNLOADS.items() if label)
     return element(
         "section",
         element("div", element("p", "checking", class_="verdict"), id="verdict", role="status"),
@@ -172,16 +170,10 @@ def _render_bar() -> Markup:
 def _render_presets() -> Markup:
     """Render a button for each bundled design; the script asks for its picture, which takes half a second."""
     buttons = (
-        element("button", element("img", alt="", hidden=True), name, type="button", data_design=name)
-        for name in list_bundled_files(DESIGN)
+        button(element("img", alt="", hidden=True), name, data_design=name) for name in list_bundled_files(DESIGN)
     )
-    return element(
-        "details",
-        element("summary", "Start from a bundled design"),
-        element("div", *buttons),
-        class_="presets",
-        open=True,
-    )
+    summary = element("summary", "Start from a bundled design")
+    return element("details", summary, element("div", *buttons), class_="presets", open=True)
 
 
 def _encode_presets() -> Markup:
@@ -195,7 +187,7 @@ def _render_checks() -> Markup:
         "section",
         element("h2", "Checks", id="checks-title"),
         element(
-            "div", element("button", "make the files and check all", type="button", id="check-all"),
+            "div", button("make the files and check all", id="check-all"),
             element("span", "as fingertip check does, in some seconds", class_="hint"), class_="row",
         ),
         element("div", "", id="checks"), aria_labelledby="checks-title",

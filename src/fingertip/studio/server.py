@@ -26,19 +26,10 @@ from urllib.parse import SplitResult, parse_qs, urlsplit
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue, StudioError
 from fingertip.foundation.toml_files import UnusableTomlError, check_values
-from fingertip.studio.answers import (
-    DOWNLOADS,
-    answer_all_checks,
-    answer_checks,
-    answer_figures,
-    answer_pad,
-    answer_parts,
-    describe_issues,
-    read_design,
-)
+from fingertip.studio.answers import ANSWERS, DOWNLOADS, Download, describe_issues, read_design
 from fingertip.studio.page import render_locked, render_studio, render_way_in
 from fingertip.studio.rules import BandFinder, answer_bands, answer_rules
-from fingertip.studio.worker import NewestWinsWorker, StillWanted, SupersededError
+from fingertip.studio.worker import NewestWinsWorker, SupersededError
 
 ADDRESS = "127.0.0.1"
 """Address that the studio listens on."""
@@ -48,14 +39,6 @@ MAX_PORT = 65535
 _MAX_BODY_BYTES = 1_000_000
 _TIMEOUT_S = 60.0
 """Time after which a connection that sends nothing is closed [s]."""
-_ANSWERS: Mapping[str, Callable[[Design, StillWanted], dict[str, Any]]] = {
-    "parts": answer_parts,
-    "figures": answer_figures,
-    "checks": answer_checks,
-    "pad": answer_pad,
-    "all-checks": answer_all_checks,
-}
-"""Name in the address -> function that answers, after the answers before it."""
 _ANSWERS_AT_ONCE = {"rules": answer_rules, "bands": answer_bands}
 """Name in the address -> function that answers a question on the parameter in hand, whatever the worker does."""
 _HTML = "text/html; charset=utf-8"
@@ -91,7 +74,11 @@ class StudioServer(ThreadingHTTPServer):
         try:
             super().__init__((ADDRESS, port), _Handler)
         except OSError as error:
-            raise StudioError(Issue("--port", _describe_bind_error(port, error))) from error
+            problem = f"cannot be listened on ({error.strerror or error})"
+            if error.errno == errno.EADDRINUSE:
+                problem = "is in use, perhaps by another studio"
+            message = f"{port} {problem}; choose another with --port, or --port 0 for any free one."
+            raise StudioError(Issue("--port", message)) from error
         self.worker, self.finder = NewestWinsWorker(), BandFinder(design)
         # The page is made now, which also loads and warms up everything that a change of a slider needs.
         self.page = render_studio(design, self.token)
@@ -199,21 +186,19 @@ class _Handler(BaseHTTPRequestHandler):
             raise _RefusedRequestError(HTTPStatus.FORBIDDEN, "The request carries not the token of this studio.")
         tables, client, field = self._read_content()
         _, api, name, *rest = [*self._split_address().path.split("/"), "", ""]
-        at_once, answer = _ANSWERS_AT_ONCE.get(name), _ANSWERS.get(name)
-        download = DOWNLOADS.get(rest[0]) if name == "download" else None
-        if api != "api" or not (at_once or answer or download):
-            raise _RefusedRequestError(HTTPStatus.NOT_FOUND, "There is nothing at this address.")
-        if at_once:
+        at_once, before = _ANSWERS_AT_ONCE.get(name), self.server.design
+        _, answer = DOWNLOADS.get(rest[0], ("", None)) if name == "download" else ("", ANSWERS.get(name))
+        if api == "api" and at_once:
             return _make_json(at_once(self.server.finder, tables, field, self._raise_if_gone))
-        run, before = self.server.worker.run, self.server.design
-        if answer:
-            job = answer
-            return _make_json(run(client, lambda wanted: job(read_design(tables, before), wanted), self._has_gone))
-        assert download
-        make_file = download[1]
-        # A download is never superseded: it is a client of its own.
-        client = f"{client} {secrets.token_hex(8)}"
-        made = run(client, lambda wanted: make_file(read_design(tables, before), wanted), self._has_gone)
+        if api != "api" or not answer:
+            raise _RefusedRequestError(HTTPStatus.NOT_FOUND, "There is nothing at this address.")
+        if name == "download":  # it is never superseded: it is a client of its own
+            client = f"{client} {secrets.token_hex(8)}"
+        made = self.server.worker.run(
+            client, lambda wanted: answer(read_design(tables, before), wanted), self._has_gone
+        )
+        if not isinstance(made, Download):
+            return _make_json(made)
         shown = {"Content-Disposition": f'attachment; filename="{made.name}"'}
         return _Reply(HTTPStatus.OK, made.content_type, made.data, shown)
 
@@ -296,10 +281,3 @@ class _Handler(BaseHTTPRequestHandler):
 
 def _make_json(content: Mapping[str, Any], status: HTTPStatus = HTTPStatus.OK) -> _Reply:
     return _Reply(status, "application/json", json.dumps(content, separators=(",", ":")).encode())
-
-
-def _describe_bind_error(port: int, error: OSError) -> str:
-    remedy = "choose another with --port, or --port 0 for any free one."
-    if error.errno == errno.EADDRINUSE:
-        return f"{port} is in use, perhaps by another studio; {remedy}"
-    return f"{port} cannot be listened on ({error.strerror or error}); {remedy}"

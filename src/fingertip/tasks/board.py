@@ -24,26 +24,8 @@ from fingertip.board.fabrication.bom import bill_of_materials
 from fingertip.board.fabrication.fabrication_files import find_outdated_files, provenance_record
 from fingertip.board.kicad.netlist import kicad_netlist_file
 from fingertip.board.kicad.project import MODEL_FOLDER, load_project, model_files
+from fingertip.catalogues import output_files
 from fingertip.catalogues.controllers import NAMES
-from fingertip.catalogues.output_files import (
-    ASSEMBLY_DRAWING,
-    ASSEMBLY_PDF,
-    BOARD,
-    BOM,
-    BRING_UP,
-    BRING_UP_READINGS,
-    DECK,
-    FAB_FOLDER,
-    FABRICATION,
-    LAYOUT,
-    NETLIST,
-    PROJECT,
-    PROVENANCE,
-    README,
-    SCHEMATIC,
-    VALUES,
-    WIRING,
-)
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.documents.board.bringup import render_sheet
@@ -56,8 +38,7 @@ from fingertip.pictures.drawing.render import render_pdf, render_svg
 from fingertip.tasks.edited_board import EditedFiles, find_edited, refuse_other_circuit, revise_edited
 from fingertip.tasks.verification import compare_with_design
 
-BOARD_FILES = (NETLIST, VALUES, DECK, BOM, SCHEMATIC, LAYOUT, PROJECT, README, ASSEMBLY_DRAWING)
-BRING_UP_FILES = (BRING_UP, BRING_UP_READINGS, WIRING)
+BRING_UP_FILES = (output_files.BRING_UP, output_files.BRING_UP_READINGS, output_files.WIRING)
 """Names of the files for bringing a board up, which are written where they are asked for."""
 _MAX_DIFF_LENGTH = 300
 _TAB = "\t"
@@ -73,13 +54,13 @@ def board_files(design: Design) -> dict[str, bytes]:
     bandwidth_hz, supply_v = find_gain_bandwidth_hz(design.board), design.board.supply_v
     simulated = circuit if channels == 1 else connect_cables(leave_out_empty(circuit), design.board)
     return {
-        NETLIST: kicad_netlist_file(circuit),
+        output_files.NETLIST: kicad_netlist_file(circuit),
         **project.enter(circuit),
-        ASSEMBLY_DRAWING: render_svg(draw_assembly(circuit, project.placement, _title(design))),
-        DECK: spice_deck(simulated, bandwidth_hz, supply_v),
-        BOM: bill_of_materials(circuit),
-        VALUES: text.encode(),
-        README: folder_readme(circuit, project, values, design),
+        output_files.ASSEMBLY_DRAWING: render_svg(draw_assembly(circuit, project.placement, _title(design))),
+        output_files.DECK: spice_deck(simulated, bandwidth_hz, supply_v),
+        output_files.BOM: bill_of_materials(circuit),
+        output_files.VALUES: text.encode(),
+        output_files.README: folder_readme(circuit, project, values, design),
     }
 
 
@@ -102,7 +83,7 @@ def model_sets(folder: Path, force: bool = False, top: Path | None = None) -> li
 
 def refuse_other_board(design: Design) -> None:
     """Refuse to replace a board of another circuit in the default folder of a design's board. Raises OutputError."""
-    folder, channels = BOARD.folder(design), design.board.channels
+    folder, channels = output_files.BOARD.folder(design), design.board.channels
     name = design.board.variant if channels == 1 else f"{channels}_fingers"
     finish_interrupted(folder)
     netlist = kicad_netlist_file(board_circuit(board_values(design), channels))
@@ -147,9 +128,9 @@ def plan_board(
         circuit = board_circuit(values, design.board.channels)
         for reference, value in component_values.items():
             circuit = circuit.replace(reference, value)
-        return load_project(values.variant, design.board.channels).enter(circuit)[LAYOUT]
+        return load_project(values.variant, design.board.channels).enter(circuit)[output_files.LAYOUT]
 
-    writer, models = BOARD.writer(design, folder, force, top), model_sets(folder, force, top)
+    writer, models = output_files.BOARD.writer(design, folder, force, top), model_sets(folder, force, top)
     writer.check(())
     edited = EditedFiles({}, ()) if force else revise_edited(folder, files, make_layout)
     if bring_up:
@@ -187,7 +168,7 @@ def write_board(
     """
     if out is None and not force:
         refuse_other_board(design)
-    plan = plan_board(design, BOARD.folder(design, out), force=force, bring_up=bring_up)
+    plan = plan_board(design, output_files.BOARD.folder(design, out), force=force, bring_up=bring_up)
     return plan.write(progress)
 
 
@@ -206,7 +187,7 @@ def write_fabrication(
     """
     from fingertip.board.fabrication.fabrication_files import fabrication_files  # noqa: PLC0415
 
-    folder = BOARD.folder(design, out)
+    folder = output_files.BOARD.folder(design, out)
     writer = check_fabrication(design, folder, force=force)
     values = board_values(design)
     circuit, sources = board_circuit(values, design.board.channels), board_files(design)
@@ -215,10 +196,10 @@ def write_fabrication(
     files = fabrication_files(sources | models, circuit, placement, progress)
     if extras.is_installed("reportlab"):
         sheet = draw_assembly(circuit, placement, _title(design))
-        files[ASSEMBLY_PDF] = render_pdf([sheet], sheet.name)
+        files[output_files.ASSEMBLY_PDF] = render_pdf([sheet], sheet.name)
     else:
-        progress(f"{ASSEMBLY_PDF} is left out: it needs {extras.describe_missing('reportlab')}")
-    files[PROVENANCE] = provenance_record(sources, files)
+        progress(f"{output_files.ASSEMBLY_PDF} is left out: it needs {extras.describe_missing('reportlab')}")
+    files[output_files.PROVENANCE] = provenance_record(sources, files)
     writer.write(files)
     return tuple(writer.folder / name for name in files)
 
@@ -235,8 +216,8 @@ def check_fabrication(design: Design, folder: Path, *, force: bool = False) -> S
 
     if not force:
         _refuse_edited(folder)
-    writer = FABRICATION.writer(design, folder / FAB_FOLDER, force, folder)
-    writer.check((PROVENANCE,))
+    writer = output_files.FABRICATION.writer(design, folder / output_files.FAB_FOLDER, force, folder)
+    writer.check((output_files.PROVENANCE,))
     find_kicad()
     return writer
 
@@ -247,14 +228,14 @@ def _refuse_edited(folder: Path) -> None:
         "was edited, and --fab would export the board without your edits; export it from KiCad (File, Fabrication "
         "Outputs) and leave --fab out, or add --force to overwrite your edits."
     )
-    if issues := [Issue(str(folder / name), message) for name in find_edited(folder) if name != PROJECT]:
+    if issues := [Issue(str(folder / name), message) for name in find_edited(folder) if name != output_files.PROJECT]:
         raise OutputError(issues)
 
 
 def board_differences(design: Design, folder: str | Path) -> list[str]:
     """Describe how a folder's files differ from those of a design, with the first differing lines; empty if equal."""
     expected = board_files(design)
-    if (Path(folder) / BRING_UP).exists():
+    if (Path(folder) / output_files.BRING_UP).exists():
         expected |= bring_up_files(design)
     expected |= {f"{MODEL_FOLDER}/{path}": data for path, data in model_files().items()}
     return compare_with_design(Path(folder), expected, _first_difference)
@@ -262,10 +243,10 @@ def board_differences(design: Design, folder: str | Path) -> list[str]:
 
 def fabrication_differences(design: Design, folder: str | Path, expected: bool = False) -> list[str]:
     """Describe how a board's fabrication files differ from a design's; none there count only if `expected`."""
-    fab = Path(folder) / FAB_FOLDER
-    if not expected and not (fab / PROVENANCE).is_file() and not any(fab.glob("slip_filter_*")):
+    fab = Path(folder) / output_files.FAB_FOLDER
+    if not expected and not (fab / output_files.PROVENANCE).is_file() and not any(fab.glob("slip_filter_*")):
         return []
-    return find_outdated_files(fab, PROVENANCE, board_files(design))
+    return find_outdated_files(fab, output_files.PROVENANCE, board_files(design))
 
 
 def _first_difference(existing: bytes, data: bytes) -> list[str]:
@@ -285,11 +266,15 @@ def _first_difference(existing: bytes, data: bytes) -> list[str]:
 def bring_up_files(design: Design) -> dict[str, bytes]:
     """Content of the bring-up sheet, of its wiring diagram and of the file of readings, by name."""
     values = board_values(design)
-    plan = _plan(design, values)
+    plan, channels = _plan(design, values), design.board.channels
+    if channels > 1:
+        template = write_template(plan, NAMES[:channels], design.name)
+    else:
+        template = readings_template(plan, design.name)
     return {
-        BRING_UP: render_sheet(plan, values, design, WIRING).encode(),
-        WIRING: wiring_diagram(board_circuit(values, design.board.channels), design.board.supply_v, design.name),
-        BRING_UP_READINGS: _write_template(plan, design).encode(),
+        output_files.BRING_UP: render_sheet(plan, values, design, output_files.WIRING).encode(),
+        output_files.WIRING: wiring_diagram(board_circuit(values, channels), design.board.supply_v, design.name),
+        output_files.BRING_UP_READINGS: template.encode(),
     }
 
 
@@ -309,9 +294,3 @@ def _plan(design: Design, values: BoardValues, *tone_v: float) -> BringUp:
     if channels > 1:  # the first finger, with the connector that all share
         circuit = extract_channel(board_circuit(values, channels), 1)
     return plan_bring_up(Board.of_design(design, circuit), values, *tone_v)
-
-
-def _write_template(plan: BringUp, design: Design) -> str:
-    if design.board.channels == 1:
-        return readings_template(plan, design.name)
-    return write_template(plan, NAMES[: design.board.channels], design.name)

@@ -26,26 +26,14 @@ from fingertip.cad.verification.pad import check_pad
 from fingertip.cad.verification.printing import check_brep_solid
 from fingertip.cad.verification.verify import validate_tolerance, verify
 from fingertip.casting.quantities import measure_volumes
-from fingertip.catalogues.output_files import (
-    ASSEMBLY,
-    DESIGN,
-    PART_FILES,
-    PRINT_FOLDER,
-    PRINTS,
-    REPORT,
-    SHEET,
-    STEPS,
-    STEPS_FOLDER,
-)
+from fingertip.catalogues import output_files
 from fingertip.design import Design
 from fingertip.design.files import to_toml
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet
 from fingertip.foundation import extras
-from fingertip.foundation.errors import DesignError, InputFileError, Issue
-from fingertip.foundation.input_files import PARSED_LIMIT, is_safe_name, read_input
+from fingertip.foundation.errors import DesignError, Issue
 from fingertip.foundation.output_set import SetWriter, read_manifest
-from fingertip.foundation.output_set.writer import has_hash
 from fingertip.foundation.processes import in_background
 from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.pad.survey import survey_pad
@@ -111,7 +99,7 @@ def build(
         If the folder cannot be written, or holds a file of these names that is somebody's own. No file has been
         written then.
     """
-    folder = PART_FILES.folder(design, out)
+    folder = output_files.PART_FILES.folder(design, out)
     known = tuple(parts_by_name(design))
     names = select_names("--parts", known if parts is None else parts, known)
     file_formats = select_names("--formats", default_formats(progress) if formats is None else formats, ALL_FORMATS)
@@ -122,11 +110,11 @@ def build(
         extras.require("sensor.insert", "scipy", alternative="set sensor.insert=none")
     validate_tolerance(tolerance_mm)
     design, evaluator = design.with_silicone(material), MeshEvaluator(tolerance_mm)
-    writer = parts_writer(design, folder, force)
+    writer = output_files.PART_FILES.writer(design, folder, force)
     writer.check(_file_names(names, file_formats, len(names) == len(known)))
-    print_writer = PRINTS.writer(design, folder / PRINT_FOLDER, force, folder)
+    print_writer = output_files.PRINTS.writer(design, folder / output_files.PRINT_FOLDER, force, folder)
     print_writer.check(_print_names(names, file_formats, len(names) == len(known)))
-    picture_writer = STEPS.writer(design, folder / STEPS_FOLDER, force, folder)
+    picture_writer = output_files.STEPS.writer(design, folder / output_files.STEPS_FOLDER, force, folder)
     picture_writer.check(())
 
     stages = {
@@ -176,11 +164,12 @@ def build(
     files = {name: {file_format: part_file(name, file_format) for file_format in file_formats} for name in names}
     built = tuple(BuiltPart(PARTS[n], meshes[n], files[n], step.measurements.get(n)) for n in names)
     if casting:
-        contents[SHEET] = render_sheet(casting, [f"{STEPS_FOLDER}/{name}" for name in steps_drawn]).encode()
+        pictures_of_steps = [f"{output_files.STEPS_FOLDER}/{name}" for name in steps_drawn]
+        contents[output_files.SHEET] = render_sheet(casting, pictures_of_steps).encode()
     prints = verified.prints
     result = Build(design, folder, tolerance_mm, built, contents, prints, tuple(checks), strength, casting)
-    contents[REPORT] = (json.dumps(result.report(), indent=2) + "\n").encode()
-    contents[DESIGN] = to_toml(design, DESIGN_HEADING).encode()
+    contents[output_files.REPORT] = (json.dumps(result.report(), indent=2) + "\n").encode()
+    contents[output_files.DESIGN] = to_toml(design, DESIGN_HEADING).encode()
     print_writer.check(prints.contents)
     picture_writer.check(steps_drawn)
     removed = writer.write(contents)
@@ -189,12 +178,6 @@ def build(
     if removed:
         progress(f"removed files of another design from {folder}: {', '.join(removed)}")
     return replace(result, removed=removed)
-
-
-def parts_writer(design: Design, folder: Path, force: bool = False) -> SetWriter:
-    """Writer of the files that describe a design's parts, in a folder."""
-    adopted = () if read_manifest(folder) else _files_of_version_one(folder)
-    return PART_FILES.writer(design, folder, force, adopted=adopted)
 
 
 def _replace_subset(writer: SetWriter, contents: Mapping[str, bytes], obsolete: str | None) -> tuple[str, ...]:
@@ -216,8 +199,8 @@ def _draw_steps(design: Design, casting: dict[str, Any]) -> dict[str, bytes]:
 
 def _file_names(parts: Iterable[str], formats: Iterable[str], is_whole: bool) -> list[str]:
     names = [part_file(part, file_format) for part in parts for file_format in formats]
-    names += [ASSEMBLY] if "step" in formats else []
-    return [*names, *([SHEET] if is_whole else []), REPORT, DESIGN]
+    names += [output_files.ASSEMBLY] if "step" in formats else []
+    return [*names, *([output_files.SHEET] if is_whole else []), output_files.REPORT, output_files.DESIGN]
 
 
 def _print_names(parts: Iterable[str], formats: Iterable[str], is_whole: bool) -> list[str]:
@@ -225,22 +208,6 @@ def _print_names(parts: Iterable[str], formats: Iterable[str], is_whole: bool) -
     names = [f"{part}.stl" for part in parts if PARTS[part].is_printed] if "stl" in formats else []
     plates = [name for kind in PLATE_KINDS for name in kind.file_names(1)]
     return [*names, *(plates if "3mf" in formats and is_whole else [])]
-
-
-def _files_of_version_one(folder: Path) -> list[str]:
-    """List the files of a folder without manifest that match the hashes in its report, and what stands beside them."""
-    try:
-        report = json.loads(read_input(folder / REPORT, PARSED_LIMIT, below=folder))
-        hashes = {
-            entry["files"][file_format]: digest
-            for entry in report["parts"].values()
-            for file_format, digest in entry["sha256"].items()
-        }
-    except (InputFileError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        return []
-    own = [name for name, digest in hashes.items() if is_safe_name(name) and has_hash(folder / name, digest)]
-    beside = (folder / name for name in (ASSEMBLY, SHEET, REPORT, DESIGN))
-    return [*own, *(path.name for path in beside if path.is_file() and not path.is_symlink())]
 
 
 def default_formats(progress: Callable[[str], None] = lambda message: None) -> tuple[str, ...]:

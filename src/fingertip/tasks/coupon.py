@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -27,8 +27,6 @@ from fingertip.foundation.files import round_for_output
 from fingertip.foundation.progress import Work
 from fingertip.pictures.coupon_plan import draw_plan
 from fingertip.tasks.build import select_names
-
-DEFAULT_FORMATS = ("stl", "3mf")
 
 
 @dataclass(frozen=True)
@@ -63,7 +61,7 @@ def write_coupon(
     design: Design,
     out: str | Path | None = None,
     *,
-    formats: Iterable[str] = DEFAULT_FORMATS,
+    formats: Iterable[str] = ("stl", "3mf"),
     tolerance_mm: float = 0.01,
     force: bool = False,
     progress: Callable[[str], None] = lambda message: None,
@@ -83,14 +81,9 @@ def write_coupon(
 
 
 def make_coupon(
-    design: Design,
-    folder: Path,
-    formats: Iterable[str],
-    tolerance_mm: float,
-    progress: Callable[[str], None] = lambda message: None,
+    design: Design, folder: Path, formats: Sequence[str], tolerance_mm: float, progress: Callable[[str], None]
 ) -> Coupon:
     """Make all files of the coupon in memory, read the meshes back and check them."""
-    formats = list(formats)
     solids = {name: part.solid(design) for name, part in COUPON_PARTS.items()}
     evaluator, contents, checks = MeshEvaluator(tolerance_mm), {}, []
     with contextlib.ExitStack() as stack:

@@ -8,7 +8,6 @@ from pathlib import Path
 from fingertip.catalogues.output_files import PART_FILES
 from fingertip.design import Design
 from fingertip.pictures.drawing.draw import draw_files, file_names, require_packages
-from fingertip.tasks.build import parts_writer
 
 
 def write_drawing(
@@ -24,7 +23,7 @@ def write_drawing(
     """
     require_packages("drawing")
     folder = PART_FILES.folder(design, out)
-    writer = parts_writer(design, folder, force)
+    writer = PART_FILES.writer(design, folder, force)
     writer.check_addition(file_names(design))
     files = draw_files(design, progress)
     writer.add(files)

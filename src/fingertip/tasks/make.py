@@ -15,18 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fingertip.cad.report import Build
-from fingertip.catalogues.output_files import (
-    ACCEPTANCE,
-    BOARD,
-    BOARD_FOLDER,
-    DETECTION,
-    PAGE,
-    PART_FILES,
-    PLOT,
-    SIGNAL,
-    SIGNAL_FOLDER,
-    TRACE,
-)
+from fingertip.catalogues import output_files
 from fingertip.design import Design
 from fingertip.documents.acceptance import acceptance_data, render_acceptance
 from fingertip.foundation import extras
@@ -36,7 +25,7 @@ from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.pictures.drawing.draw import draw_files, file_names
 from fingertip.sim.trace_file import encode_trace
 from fingertip.tasks.board import BRING_UP_FILES, plan_board
-from fingertip.tasks.build import build, default_formats, parts_writer
+from fingertip.tasks.build import build, default_formats
 
 if TYPE_CHECKING:
     from fingertip.detection.files import FileDetection
@@ -90,15 +79,16 @@ def make(
     FingertipError
         As `build`, `write_board`, `simulate` and `detect_file` do. Nothing has been written then.
     """
-    folder = PART_FILES.folder(design, out)
-    board_folder, signal = folder / BOARD_FOLDER, SIGNAL.writer(design, folder / SIGNAL_FOLDER, force, folder)
-    sheets = parts_writer(design, folder, force)
+    folder = output_files.PART_FILES.folder(design, out)
+    board_folder = folder / output_files.BOARD_FOLDER
+    signal = output_files.SIGNAL.writer(design, folder / output_files.SIGNAL_FOLDER, force, folder)
+    sheets = output_files.PART_FILES.writer(design, folder, force)
     named = None if formats is None else tuple(formats)
     formats = default_formats() if named is None else named
     draws = "step" in formats and extras.is_installed("reportlab")
-    sheets.check((ACCEPTANCE, PAGE, *(file_names(design) if draws else ())))
-    BOARD.writer(design, board_folder, force, folder).check(BRING_UP_FILES)
-    signal.check((TRACE, PLOT, DETECTION))
+    sheets.check((output_files.ACCEPTANCE, output_files.PAGE, *(file_names(design) if draws else ())))
+    output_files.BOARD.writer(design, board_folder, force, folder).check(BRING_UP_FILES)
+    signal.check((output_files.TRACE, output_files.PLOT, output_files.DETECTION))
     work = Work(design.name, {"parts": 6.0, "page": 2.0}, progress)
     rest: list[tuple[dict[str, bytes], FileDetection, dict[str, bytes]]] = []
 
@@ -108,7 +98,7 @@ def make(
         signal_files, found = trial()
         drawings = draw_files(design, stages.within("drawings")) if draws else {}
         sheet = render_acceptance(acceptance_data(design, found.detection)).encode()
-        rest.append((signal_files, found, {ACCEPTANCE: sheet, **drawings}))
+        rest.append((signal_files, found, {output_files.ACCEPTANCE: sheet, **drawings}))
 
     report = work.within("parts")
     with in_background(simulate_and_detect, design) as trial:
@@ -121,7 +111,7 @@ def make(
     signal.write(signal_files)
     sheets.write(sheet_files)
     signal_paths = tuple(signal.folder / name for name in signal_files)
-    drawn = tuple(parts.folder / name for name in sheet_files if name != ACCEPTANCE)
+    drawn = tuple(parts.folder / name for name in sheet_files if name != output_files.ACCEPTANCE)
     page = None
     if "stl" in formats:
         from fingertip.tasks.page import write_page  # noqa: PLC0415
@@ -129,9 +119,9 @@ def make(
         work.begin("page")
         page, _, _ = write_page(design, parts.folder, force=force)
     else:
-        progress(f"{PAGE} is left out: it shows the STL files; add stl to the formats")
+        progress(f"{output_files.PAGE} is left out: it shows the STL files; add stl to the formats")
     wanted = {"OCP": "STEP files", "reportlab": "drawings"} if named is None or "step" in named else {}
-    extras.say_left_out({**wanted, "matplotlib": PLOT}, progress)
+    extras.say_left_out({**wanted, "matplotlib": output_files.PLOT}, progress)
     return Made(parts, drawn, board_paths, signal_paths, found, page)
 
 
@@ -151,16 +141,16 @@ def simulate_and_detect(
     if second := find_second_column(design, DETECTOR):
         scene = scene.model_copy(update={"outputs": [*scene.outputs, f"sampled_{second}"]})
     result = run_scene(design, scene)
-    contents = {TRACE: encode_trace(result.time_s, result.columns, Path(TRACE))}
+    contents = {output_files.TRACE: encode_trace(result.time_s, result.columns, Path(output_files.TRACE))}
     work.begin("detection of slip in it")
     with TemporaryFolder() as temporary:
-        path = temporary / TRACE
-        path.write_bytes(contents[TRACE])
+        path = temporary / output_files.TRACE
+        path.write_bytes(contents[output_files.TRACE])
         found = detect_file(path, design, DETECTOR, origin=result.trace.origin)
     data = as_data(found.detection, found.noise)
-    contents[DETECTION] = (json.dumps(data, indent=2, allow_nan=False) + "\n").encode()
+    contents[output_files.DETECTION] = (json.dumps(data, indent=2, allow_nan=False) + "\n").encode()
     if extras.is_installed("matplotlib"):
         from fingertip.slip.report import draw  # noqa: PLC0415
 
-        contents[PLOT] = draw(found.trace, found.detection, f"{design.name}: simulated trial")
+        contents[output_files.PLOT] = draw(found.trace, found.detection, f"{design.name}: simulated trial")
     return contents, found

@@ -30,6 +30,7 @@ from fingertip.catalogues.output_files import (
     CASTING_PLAN,
     OVERVIEW,
     PAGE,
+    PART_FILES,
     PARTS_CSV,
     PARTS_LIST,
     PRINT_FOLDER,
@@ -53,7 +54,6 @@ from fingertip.foundation.progress import Work
 from fingertip.page.set_page import render_set_page
 from fingertip.pictures.steps.pictures import draw_finger
 from fingertip.tasks.board import BRING_UP_FILES, plan_board
-from fingertip.tasks.build import parts_writer
 from fingertip.tasks.make import Made, make
 
 _FILES = (SET_REPORT, OVERVIEW, CASTING_PLAN, PARTS_LIST, PARTS_CSV, BOARD_DESIGN, ACCEPTANCE, PAGE)
@@ -86,18 +86,7 @@ def make_set(
 ) -> MadeSet:
     """Make every form of a set in a folder of its own, and the prints, plan and sheets of the set.
 
-    Parameters
-    ----------
-    fingers
-        The set.
-    out
-        Output folder; `out/<set name>` if None.
-    formats
-        File formats of the parts, as for `make`. The plates of the set need "3mf".
-    force
-        Whether files may be overwritten that this function did not write, or that were changed since.
-    progress
-        Called with a message at each step.
+    Options are those of `make`. The folder is `out/<set name>` by default. The plates of the set need "3mf".
 
     Raises
     ------
@@ -107,24 +96,20 @@ def make_set(
     """
     folder = SET_FILES.folder(fingers, out)
     formats = None if formats is None else tuple(formats)
-    writer, print_writer = (
-        SET_FILES.writer(fingers, folder, force),
-        SET_PRINTS.writer(fingers, folder / PRINT_FOLDER, force, folder),
-    )
+    writer = SET_FILES.writer(fingers, folder, force)
+    print_writer = SET_PRINTS.writer(fingers, folder / PRINT_FOLDER, force, folder)
     writer.check(_FILES)
     print_writer.check(())
     places = {form.design.name: folder / form.design.name for form in fingers.forms}
     # A folder may come from a stranger, and links may lead anywhere.
     links = (link for place in places.values() if (link := find_link(folder, place)))
     issues = [Issue(str(link), "is a link; remove it.") for link in links]
-    for name in places.keys() & {BOARD_FOLDER, PRINT_FOLDER}:
-        issues.append(
-            Issue("name", f"{name} is a folder of every set, and the name of a design in this one; rename it.")
-        )
+    taken = "is a folder of every set, and the name of a design in this one; rename it."
+    issues += (Issue("name", f"{name} {taken}") for name in places.keys() & {BOARD_FOLDER, PRINT_FOLDER})
     if issues:
         raise OutputError(issues)
     for form in fingers.forms:
-        parts_writer(form.design, places[form.design.name], force).check((PAGE, ACCEPTANCE))
+        PART_FILES.writer(form.design, places[form.design.name], force).check((PAGE, ACCEPTANCE))
     board_design = fingers.board_design
     if board_design:
         BOARD.writer(board_design, folder / BOARD_FOLDER, force, folder).check(BRING_UP_FILES)
@@ -169,7 +154,7 @@ def _render_sheets(
     data: Mapping[str, Any],
     board_design: Design | None,
     files: Sequence[str],
-    failed: Sequence[str] = (),
+    failed: Sequence[str],
 ) -> dict[str, bytes]:
     names = {OVERVIEW: "overview", CASTING_PLAN: "casting_plan", PARTS_LIST: "parts_list", ACCEPTANCE: "acceptance"}
     pages = {file: render_sheet(name, data) for file, name in names.items()}
@@ -206,11 +191,9 @@ def _refuse_early(fingers: FingerSet) -> None:
 def _name_larger_bed(design: Design, part: str, mesh: Mesh) -> str:
     size = bed_pose(mesh, print_orientations(design)[part].rotate_x_deg).size(mesh)
     short, long = sorted(size[:2])
-    beds = sorted(
-        (("bed_x_mm", design.printer.bed_x_mm), ("bed_y_mm", design.printer.bed_y_mm)), key=lambda bed: bed[1]
-    )
-    needed = [(*beds[0], short), (*beds[1], long), ("bed_z_mm", design.printer.bed_z_mm, size[2])]
-    changes = [f"--set printer.{name}={math.ceil(least + 0.1)}" for name, has, least in needed if least > has]
+    beds = sorted(("printer.bed_x_mm", "printer.bed_y_mm"), key=design.value)
+    needed = zip((*beds, "printer.bed_z_mm"), (short, long, size[2]), strict=True)
+    changes = [f"--set {path}={math.ceil(least + 0.1)}" for path, least in needed if least > design.value(path)]
     return f"it fits with {' '.join(changes)}"
 
 

@@ -9,7 +9,6 @@ from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue, OutputError
 from fingertip.page.render import render_page
 from fingertip.page.sources import read_sources
-from fingertip.tasks.build import parts_writer
 
 
 def write_page(
@@ -17,7 +16,7 @@ def write_page(
 ) -> tuple[Path, int, tuple[str, ...]]:
     """Write the page of a design beside its files; returns its size [byte]. Raises OutputError."""
     folder = PART_FILES.folder(design, out)
-    writer = parts_writer(design, folder, force)
+    writer = PART_FILES.writer(design, folder, force)
     writer.check((PAGE,))
     try:
         sources = read_sources(design, folder)

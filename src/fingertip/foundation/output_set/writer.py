@@ -80,8 +80,6 @@ class SetWriter:
     kind: str
     design: str
     parameters: str
-    adopted: Collection[str] = ()
-    """Files of an earlier version without manifest that count as this program's own."""
     force: bool = False
     """True if files that are somebody's own may be overwritten."""
     in_place: bool = False
@@ -210,7 +208,7 @@ class SetWriter:
         revisions: Mapping[str, Revision],
     ) -> tuple[str, ...]:
         old = read_manifest(folder)
-        known = dict(old.files) if old else dict.fromkeys(self.adopted, "")
+        known = dict(old.files) if old else {}
         same = old is not None and (old.kind, old.parameters) == (self.kind, self.parameters)
         others = [name for name in known if name not in contents and (folder / name).is_file()]
         unwanted = set(others) & set(obsolete) if same else set(others)
@@ -232,12 +230,8 @@ class SetWriter:
             if not os.path.lexists(path) or is_folder(path):
                 continue
             equal = hash_content(names[name]) if isinstance(names, Mapping) else None
-            if name == MANIFEST:
-                is_own = manifest is not None
-            elif manifest:
-                is_own = has_hash(path, equal, manifest.files.get(name))
-            else:
-                is_own = name in self.adopted or has_hash(path, equal)
+            written = manifest.files.get(name) if manifest else None
+            is_own = manifest is not None if name == MANIFEST else has_hash(path, equal, written)
             if not is_own:
                 foreign.add(name)
         return foreign

@@ -21,7 +21,7 @@ from fingertip.board.circuits.channels import PLACES, extract_channel, name_part
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.fabrication.bom import list_bom, purchased_components
 from fingertip.board.kicad.project import load_project
-from fingertip.board.parts.circuit import ADC_FILTERED, ADC_TACTILE, GND
+from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE, GND
 from fingertip.catalogues.controllers import NAMES
 from fingertip.catalogues.output_files import BRING_UP_READINGS, CHANNEL_SHEET, LAYOUT, NETLIST, SCHEMATIC
 from fingertip.design import Design

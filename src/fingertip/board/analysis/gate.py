@@ -28,7 +28,8 @@ from fingertip.board.circuits.network import build_network, list_amplifiers
 from fingertip.board.components.bridge import AMPLIFIERS, MAX_FORCE_N, sensor_conductance_s
 from fingertip.board.components.values import CLAMP as CLAMP_DIODES
 from fingertip.board.components.values import LOW_LEAKAGE_CLAMP, SUPPLIES
-from fingertip.board.parts.circuit import FILTERED, STAGE1_OUT, VMID, Circuit, parse_component_value
+from fingertip.board.parts.circuit import Circuit, parse_component_value
+from fingertip.board.parts.nets import FILTERED, STAGE1_OUT, VMID
 from fingertip.catalogues.amplifiers import LOW_OFFSET_AMPLIFIER, Amplifier
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import (

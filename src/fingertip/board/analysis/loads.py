@@ -20,12 +20,14 @@ from fingertip.board.circuits.network import (
     INVERSE_GAIN,
     Network,
     Spectrum,
+    Value,
     build_network,
     list_amplifiers,
 )
 from fingertip.board.components.bridge import AMPLIFIERS
 from fingertip.board.components.values import select_components
-from fingertip.board.parts.circuit import FILTERED, SUM, TACTILE, VMID, Circuit
+from fingertip.board.parts.circuit import Circuit
+from fingertip.board.parts.nets import FILTERED, SUM, TACTILE, VMID
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import BAND_CUTOFFS, find_gain_bandwidth_hz
 from fingertip.design.formulas.filter import find_preferred_neighbours
@@ -206,23 +208,18 @@ def _find_margin_deg(loop: Spectrum) -> float:
 def compute_two_pole_gain(circuit: Circuit, network: Network, f_hz: Array) -> Spectrum:
     """Compute the filter's gain from the tactile voltage with two-pole amplifiers.
 
-    The equations hold 1 / A = 1 / A0 + s / (2 pi GBW). The second pole multiplies it by 1 + s / (2 pi f2).
+    The equations hold 1 / A = 1 / A0 + s / (2 pi GBW). The second pole multiplies it by 1 + s / (2 pi f2), and the
+    product's term in s^2 is a real one that falls with the frequency.
     """
     part = network.drive(TACTILE).restrict(FILTERED)
-    n, s = len(part.nets), 2j * math.pi * f_hz
-    G, C = part.matrices
-    matrices = G[:, :n] + s[:, None, None] * C[:, :n]
-    for component in circuit.components:
-        data = AMPLIFIERS.get(component.symbol.name)
-        for unit, (_, _, out) in data.units.items() if data else ():
-            name, net = f"{component.reference}{unit}", circuit.net_by_pin[component.reference, out]
-            if data and net in part.nets:
-                inverse = part.values[f"{name} {INVERSE_GAIN}"] + s * part.values[f"{name} {INVERSE_BANDWIDTH}"]
-                row = part.nets.index(net)
-                matrices[:, row, row] -= inverse * s / (2.0 * math.pi * data.second_pole_hz)
-    given = np.array([1.0 if name == TACTILE else 0.0 for name in part.inputs])
-    right = -(G[:, n:] @ given + s[:, None] * (C[:, n:] @ given))
-    return np.asarray(np.linalg.solve(matrices, right[:, :, None])[:, part.nets.index(FILTERED), 0])
+    values: dict[str, Value] = {}
+    for name, reference, _ in list_amplifiers(circuit):
+        if data := AMPLIFIERS.get(circuit.component(reference).symbol.name):
+            gain, bandwidth = (f"{name} {quantity}" for quantity in (INVERSE_GAIN, INVERSE_BANDWIDTH))
+            second_s = 1.0 / (math.tau * data.second_pole_hz)
+            values[gain] = part.values[gain] - part.values[bandwidth] * second_s * (math.tau * f_hz) ** 2
+            values[bandwidth] = part.values[bandwidth] + part.values[gain] * second_s
+    return part.with_values(values).response(f_hz, {TACTILE: 1.0}, FILTERED)[:, 0]
 
 
 def compute_peaking_db(circuit: Circuit, network: Network, passband_gain: float) -> float:

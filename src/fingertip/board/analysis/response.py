@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Literal
 
 from fingertip.board.circuits.network import Value, build_network
 from fingertip.board.circuits.transfer_function import Rational, Stage, find_stages, multiply
-from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_FILTERED, ENVELOPE, FILTERED, RECT_OUT, TACTILE, Circuit
+from fingertip.board.parts.circuit import Circuit
+from fingertip.board.parts.nets import ADC_ENVELOPE, ADC_FILTERED, ENVELOPE, FILTERED, RECT_OUT, TACTILE
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.design.formulas.filter import SECTION_QUALITY
 from fingertip.design.parameters import Board

@@ -11,7 +11,8 @@ from fingertip.board.circuits.network import Network, Value, build_network, list
 from fingertip.board.circuits.transfer_function import find_stages
 from fingertip.board.components.bridge import AMPLIFIERS
 from fingertip.board.components.values import MAX_CLAMP_A
-from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_TACTILE, ENVELOPE, MEAN, SLIP, THRESHOLD, Circuit
+from fingertip.board.parts.circuit import Circuit
+from fingertip.board.parts.nets import ADC_ENVELOPE, ADC_TACTILE, ENVELOPE, MEAN, SLIP, THRESHOLD
 from fingertip.catalogues.amplifiers import CATALOGUE, LOW_OFFSET_AMPLIFIER
 from fingertip.design.formulas.filter import (
     BIAS_A,

@@ -19,11 +19,11 @@ from fingertip.board.bringup.follow_up import (
     name_resistance,
     predict_resistance,
 )
-from fingertip.board.bringup.plan import METER_AC, BringUp, Limits, resistance_limits
+from fingertip.board.bringup.plan import METER_AC, BringUp, Limits, find_failed, resistance_limits
 from fingertip.board.bringup.prediction import POINTS, Board, is_tone, name_voltage, predict
 from fingertip.board.circuits.network import build_network
 from fingertip.board.components.bridge import AMPLIFIERS
-from fingertip.board.parts.circuit import ENVELOPE, RECT_OUT, STAGE1_OUT, VMID
+from fingertip.board.parts.nets import ENVELOPE, RECT_OUT, STAGE1_OUT, VMID
 from fingertip.foundation.errors import join_words
 
 # Mistakes of the person with the meter: readings that were taken between other points than the sheet says.
@@ -156,7 +156,7 @@ def diagnose(
 
     Units: `readings` and `limits` [V], or [ohm] for resistances across parts in place.
     """
-    failed = tuple(name for name, v in readings.items() if not limits[name].low_v <= v <= limits[name].high_v)
+    failed = tuple(find_failed(limits, readings))
     if not failed or len(readings) < MIN_READINGS:
         return Diagnosis(failed, ())
     singles, exchanges = list_faults(board.circuit, board.ends_v), list_exchanges(board.circuit)
@@ -204,15 +204,14 @@ def find_alone(
     """Find the faults that explain any failing reading, and all readings better than no fault does."""
     expected = {name: limits[name].expected_v for name in readings}
     no_fault = _misfit(expected, readings, limits)
-    failing = {name: v for name, v in readings.items() if not limits[name].low_v <= v <= limits[name].high_v}
+    # The largest difference that a fault which explains a failing reading may leave of it.
+    largest = {
+        name: _CLOSER * abs(_difference(name, expected[name], readings[name], limits))
+        for name in find_failed(limits, readings)
+    }
 
     def explains_one(values: Mapping[str, float]) -> bool:
-        """Return whether a fault brings any failing reading much closer to what was measured than no fault does."""
-        return any(
-            abs(_difference(name, values[name], v, limits))
-            <= _CLOSER * abs(_difference(name, expected[name], v, limits))
-            for name, v in failing.items()
-        )
+        return any(abs(_difference(n, values[n], readings[n], limits)) <= most for n, most in largest.items())
 
     # A fault that explains none of the failing readings, or all of them worse than no fault, is no explanation.
     return [
@@ -314,11 +313,10 @@ def list_hidden_faults(plan: BringUp) -> dict[str, list[str]]:
     for fault, found in zip(faults, predict(board, faults), strict=True):
         # An offset that the fault lets through shows, unless it happens to be nearly none.
         values = fit_offset(board, fault, found, beyond)
-        is_within = all(limits.low_v <= values[name] <= limits.high_v for name, limits in plan.levels.items())
-        resistances = resistance_limits(replace(board, circuit=fault.circuit)) if is_within else {}
-        if is_within and all(
-            limits.low_v <= resistances[name].expected_v <= limits.high_v for name, limits in plan.before_power.items()
-        ):
+        if not all(limits.allow(values[name]) for name, limits in plan.levels.items()):
+            continue
+        resistances = resistance_limits(replace(board, circuit=fault.circuit))
+        if all(limits.allow(resistances[name].expected_v) for name, limits in plan.before_power.items()):
             what = fault.description.removeprefix("is ").partition(":")[0]
             hidden.setdefault(what, []).append(fault.reference)
     return hidden

@@ -36,18 +36,8 @@ from fingertip.board.bringup.prediction import (
 from fingertip.board.bringup.wiring import list_pins
 from fingertip.board.circuits.network import Network, Value, build_network, list_amplifiers
 from fingertip.board.components.bridge import AD623_OFFSET_V, AMPLIFIERS, GAIN_CONSTANT_OHM, GAIN_RESISTOR
-from fingertip.board.parts.circuit import (
-    ENVELOPE,
-    FILTERED,
-    GND,
-    RECT_OUT,
-    SENSOR,
-    TACTILE,
-    VCC,
-    VEE,
-    Circuit,
-    parse_component_value,
-)
+from fingertip.board.parts.circuit import Circuit, parse_component_value
+from fingertip.board.parts.nets import ENVELOPE, FILTERED, GND, RECT_OUT, SENSOR, TACTILE, VCC, VEE
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.output_set import hash_parameters
 
@@ -71,6 +61,14 @@ class Limits:
     expected_v: float
     low_v: float
     high_v: float
+
+    def allow(self, reading: float) -> bool:
+        return self.low_v <= reading <= self.high_v
+
+
+def find_failed(limits: Mapping[str, Limits], readings: Mapping[str, float]) -> list[str]:
+    """Find the readings that lie beyond their limits, by name."""
+    return [name for name, reading in readings.items() if not limits[name].allow(reading)]
 
 
 def compute_limits(board: Board, values: BoardValues, tone_v: float = TONE_V) -> dict[str, Limits]:
@@ -100,7 +98,7 @@ def compute_limits(board: Board, values: BoardValues, tone_v: float = TONE_V) ->
     # The envelope follows the filtered tone: between the weakest and the strongest of the boards. Behind a bare diode
     # it also follows C4, which holds it between the peaks.
     filtered = levels[name_tone(FILTERED, board.bench.tones_hz[-1])]
-    middle = tone_v * float(batch_level(path, board.bench.tones_hz[-1], FILTERED))
+    middle = tone_v * float(batch_level(path, board.bench.tones_hz[-1], FILTERED)[0])
     tones_v = [tone_v * float(level) / middle for level in (middle, filtered.min(), filtered.max())]
     c4_f, ratio = parse_component_value(board.circuit.component("C4").value), _find_tolerance("C4", board)
     circuits = (board.circuit.replace("C4", f"{c4_f * factor:.10g}") for factor in (1.0 - ratio, 1.0 + ratio))

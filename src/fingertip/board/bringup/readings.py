@@ -11,9 +11,9 @@ from typing import Any
 from fingertip.board.bringup.bench import TONE_V, Fault
 from fingertip.board.bringup.diagnosis import MIN_READINGS, Diagnosis, diagnose
 from fingertip.board.bringup.follow_up import TOP_OHM, limit_resistances, name_resistance
-from fingertip.board.bringup.plan import QUIET, SENSOR_OHM, SUPPLY_MA, SUPPLY_PERCENT, BringUp, Limits
+from fingertip.board.bringup.plan import QUIET, SENSOR_OHM, SUPPLY_MA, SUPPLY_PERCENT, BringUp, Limits, find_failed
 from fingertip.board.bringup.prediction import Board, is_tone, name_tone
-from fingertip.board.parts.circuit import RECT_OUT, VCC
+from fingertip.board.parts.nets import RECT_OUT, VCC
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import BoardError, Issue, join_words
 from fingertip.foundation.files import format_figure
@@ -143,7 +143,7 @@ def find_sources(board: Board, limits: Mapping[str, Limits], readings: Mapping[s
     `tone_v` is the tone's RMS for which the limits hold [V]. A tone is named only if nothing else is wrong: a fault may
     weaken all readings with it too.
     """
-    failed = [name for name, volts in readings.items() if not limits[name].low_v <= volts <= limits[name].high_v]
+    failed = find_failed(limits, readings)
     supply = _describe_supply(board, limits, readings)
     tone = _describe_tone(board, limits, readings, tone_v)
     explained = {name for name in failed if (tone if is_tone(name) else supply)}
@@ -192,8 +192,7 @@ def _find_ratio(names: Iterable[str], limits: Mapping[str, Limits], readings: Ma
     # A reading counts the more, the narrower its limits are.
     weights = {n: (limits[n].expected_v / (limits[n].high_v - limits[n].low_v)) ** 2 for n in large}
     ratio = sum(weights[n] * readings[n] / limits[n].expected_v for n in large) / sum(weights.values())
-    failed = any(not limits[n].low_v <= readings[n] <= limits[n].high_v for n in names)
-    if not failed or not 0.0 <= ratio <= _MOST:
+    if all(limits[n].allow(readings[n]) for n in names) or not 0.0 <= ratio <= _MOST:
         return None
     for n in names:
         # The ratio moves the limits of a reading, which keep the meter's constant error.
@@ -234,7 +233,7 @@ def assess_readings(
             # Beyond a lower limit alone, what a good board reads depends on the amplifiers and on the meter.
             "expected": _round(limits[name].expected_v) if math.isfinite(limits[name].high_v) else None,
             "limits": [_round(limits[name].low_v), _round(limits[name].high_v)],
-            "passed": limits[name].low_v <= value <= limits[name].high_v,
+            "passed": limits[name].allow(value),
         }
         for name, value in readings.values.items()
     ]

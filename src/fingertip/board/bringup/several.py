@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from fingertip.board.bringup.bench import HOST, Fault
-from fingertip.board.bringup.plan import SUPPLY_MA, SUPPLY_OHM, BringUp
+from fingertip.board.bringup.plan import SUPPLY_MA, SUPPLY_OHM, BringUp, find_failed
 from fingertip.board.bringup.readings import (
     IDENTITY,
     TONE,
@@ -80,10 +80,7 @@ def assess_fingers(plan: BringUp, readings: Mapping[str, Readings], fingers: Seq
         finger: {name: v for name, v in taken.values.items() if name in plan.levels}
         for finger, taken in readings.items()
     }
-    failed_at = {
-        finger: {name for name, v in taken.items() if not plan.levels[name].low_v <= v <= plan.levels[name].high_v}
-        for finger, taken in levels.items()
-    }
+    failed_at = {finger: set(find_failed(plan.levels, taken)) for finger, taken in levels.items()}
     failing = [finger for finger, names in failed_at.items() if names]
     # A finger clears the shared parts of what fails elsewhere if it passes in the same readings.
     cleared = {

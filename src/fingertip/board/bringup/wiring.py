@@ -10,21 +10,8 @@ from dataclasses import dataclass, replace
 from xml.sax.saxutils import escape
 
 from fingertip.board.circuits.channels import split_net
-from fingertip.board.parts.circuit import (
-    ADC_ENVELOPE,
-    ADC_FILTERED,
-    ADC_TACTILE,
-    GND,
-    HOST_CONNECTOR,
-    POWER_IN,
-    SLIP,
-    SUPPLY_CONNECTOR,
-    VCC,
-    VEE,
-    VMID_OUT,
-    Circuit,
-    Component,
-)
+from fingertip.board.parts.circuit import HOST_CONNECTOR, SUPPLY_CONNECTOR, Circuit, Component
+from fingertip.board.parts.nets import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE, GND, POWER_IN, SLIP, VCC, VEE, VMID_OUT
 from fingertip.board.parts.symbols import AO3401A, JST_SH_4, JST_SH_15, LOCKING_CONNECTORS
 from fingertip.board.parts.table import group_plug_wires
 from fingertip.catalogues.controllers import NAMES

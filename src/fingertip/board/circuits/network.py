@@ -26,7 +26,8 @@ from numpy.typing import NDArray
 
 from fingertip.board.components.bridge import AD623_BANDWIDTH_HZ, AMPLIFIERS, GAIN_CONSTANT_OHM, GAIN_RESISTOR
 from fingertip.board.components.transimpedance import SUPPRESSOR_F
-from fingertip.board.parts.circuit import RAILS, VCC, Circuit, parse_component_value
+from fingertip.board.parts.circuit import Circuit, parse_component_value
+from fingertip.board.parts.nets import RAILS, VCC
 from fingertip.catalogues.amplifiers import OPEN_LOOP_GAIN, Amplifier
 from fingertip.foundation.numerics import Array
 
@@ -135,12 +136,15 @@ class Network:
         return G, C
 
     def response(self, f_hz: Array, inputs: Mapping[str, float], *nets: str) -> Spectrum:
-        """Voltages of nets at frequencies [Hz] for voltages of the inputs, (frequencies, nets); other inputs are 0."""
+        """Voltages of nets at frequencies [Hz] for voltages of the inputs, (frequencies, nets); other inputs are 0.
+
+        Values may be arrays: of many boards at one frequency, or of quantities that vary with the frequency.
+        """
         n, s = len(self.nets), 2j * math.pi * f_hz[:, None, None]
         G, C = self.matrices
         given = np.array([inputs.get(name, 0.0) for name in self.inputs])
-        right = -(G[:, n:] @ given + s[:, :, 0] * (C[:, n:] @ given))
-        solution = np.linalg.solve(G[:, :n] + s * C[:, :n], right[:, :, None])[:, :, 0]
+        right = -(G[..., n:] @ given + s[:, :, 0] * (C[..., n:] @ given))
+        solution = np.linalg.solve(G[..., :n] + s * C[..., :n], right[:, :, None])[:, :, 0]
         return np.asarray(solution[:, [self.nets.index(net) for net in nets]], dtype=np.complex128)
 
     def transfers(self, f_hz: Array, net: str) -> Spectrum:

@@ -18,7 +18,7 @@ from fingertip.board.components.selection import (
     pole_hz,
     select_filter,
 )
-from fingertip.board.parts.circuit import GND, VEE, VMID
+from fingertip.board.parts.nets import GND, VEE, VMID
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import choose_amplifier
 from fingertip.design.formulas.filter import (

@@ -36,7 +36,8 @@ from fingertip.board.bringup.prediction import POINTS, list_levels, name_ripple,
 from fingertip.board.bringup.wiring import list_pins
 from fingertip.board.kicad.placement import Pad, Placement, view_channel
 from fingertip.board.kicad.project import load_project
-from fingertip.board.parts.circuit import (
+from fingertip.board.parts.circuit import Circuit, format_component_value
+from fingertip.board.parts.nets import (
     ADC_ENVELOPE,
     ADC_FILTERED,
     ADC_TACTILE,
@@ -54,8 +55,6 @@ from fingertip.board.parts.circuit import (
     VCC,
     VMID,
     VMID_OUT,
-    Circuit,
-    format_component_value,
 )
 from fingertip.board.parts.symbols import LOCKING_CONNECTORS
 from fingertip.catalogues.controllers import NAMES

@@ -24,10 +24,10 @@ from fingertip.board.circuits.network import (
     build_network,
     list_amplifiers,
 )
-from fingertip.board.components.bridge import AMPLIFIERS
 from fingertip.board.components.values import select_components
 from fingertip.board.parts.circuit import Circuit
 from fingertip.board.parts.nets import FILTERED, SUM, TACTILE, VMID
+from fingertip.catalogues.amplifiers import Amplifier
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import BAND_CUTOFFS, find_gain_bandwidth_hz
 from fingertip.design.formulas.filter import find_preferred_neighbours
@@ -85,9 +85,10 @@ class OutputCurrent:
 
     amplifier: str
     """Reference, with the letter of its unit."""
-    reference: str
     net: str
     """Net that the output drives."""
+    data: Amplifier | None
+    """Its figures in the catalogue; None for an AD623."""
     gain: Spectrum
     """Voltage of the output [V/V]."""
     filter_s: Spectrum
@@ -110,7 +111,7 @@ def compute_output_currents(circuit: Circuit, gain_bandwidth_hz: float, cutoff_h
         if c.symbol.name in "RC" or c.reference == RECTIFYING_DIODE
     ]
     currents = []
-    for amplifier, component, output in sorted(list_amplifiers(circuit)):
+    for amplifier, _, output, _, data in sorted(list_amplifiers(circuit)):
         filter_s, diode_s = np.zeros((2, len(f)), dtype=np.complex128)
         for reference, first, second in branches:
             if output not in (first, second):
@@ -119,7 +120,7 @@ def compute_output_currents(circuit: Circuit, gain_bandwidth_hz: float, cutoff_h
             # What is not among the equations, such as a rail, carries no signal.
             difference = volts[output] - volts.get(second if output == first else first, 0.0)
             (diode_s if reference == RECTIFYING_DIODE else filter_s)[:] += admittance * difference
-        currents.append(OutputCurrent(amplifier, component, output, volts[output], filter_s, diode_s))
+        currents.append(OutputCurrent(amplifier, output, data, volts[output], filter_s, diode_s))
     return tuple(currents)
 
 
@@ -167,15 +168,11 @@ def compute_phase_margins_deg(circuit: Circuit, network: Network) -> dict[str, f
     """Compute the phase margin of each operational amplifier of the catalogue [degree], by reference and unit."""
     f = np.geomspace(*LOOP_HZ, _LOOP_POINTS)
     margins = {}
-    for component in circuit.components:
-        data = AMPLIFIERS.get(component.symbol.name)
-        if data is None:
-            continue
-        for unit, (plus, minus, out) in data.units.items():
-            nets = [circuit.net_by_pin[component.reference, pin] for pin in (plus, minus, out)]
-            fed_back = _voltage(network, f, nets[1], nets[2]) - _voltage(network, f, nets[0], nets[2])
+    for amplifier, _, output, (plus, minus), data in list_amplifiers(circuit):
+        if data:
+            fed_back = _voltage(network, f, minus, output) - _voltage(network, f, plus, output)
             open_loop = np.array([data.open_loop_gain(hz) for hz in f.tolist()])
-            margins[f"{component.reference}{unit}"] = _find_margin_deg(open_loop * fed_back)
+            margins[amplifier] = _find_margin_deg(open_loop * fed_back)
     return margins
 
 
@@ -213,9 +210,9 @@ def compute_two_pole_gain(circuit: Circuit, network: Network, f_hz: Array) -> Sp
     """
     part = network.drive(TACTILE).restrict(FILTERED)
     values: dict[str, Value] = {}
-    for name, reference, _ in list_amplifiers(circuit):
-        if data := AMPLIFIERS.get(circuit.component(reference).symbol.name):
-            gain, bandwidth = (f"{name} {quantity}" for quantity in (INVERSE_GAIN, INVERSE_BANDWIDTH))
+    for amplifier in list_amplifiers(circuit):
+        if data := amplifier.data:
+            gain, bandwidth = (f"{amplifier.amplifier} {quantity}" for quantity in (INVERSE_GAIN, INVERSE_BANDWIDTH))
             second_s = 1.0 / (math.tau * data.second_pole_hz)
             values[gain] = part.values[gain] - part.values[bandwidth] * second_s * (math.tau * f_hz) ** 2
             values[bandwidth] = part.values[bandwidth] + part.values[gain] * second_s

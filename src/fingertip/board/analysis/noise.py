@@ -17,7 +17,7 @@ import numpy as np
 
 from fingertip.board.circuits.network import Network, build_network, list_amplifiers
 from fingertip.board.components import bridge
-from fingertip.board.components.bridge import AMPLIFIERS, BOLTZMANN_J_PER_K, TEMPERATURE_K, sensor_conductance_s
+from fingertip.board.components.bridge import BOLTZMANN_J_PER_K, TEMPERATURE_K, sensor_conductance_s
 from fingertip.board.components.selection import nearest_value
 from fingertip.board.parts import symbols
 from fingertip.board.parts.circuit import Circuit, Component, format_component_value, parse_component_value
@@ -124,13 +124,10 @@ def _sources(circuit: Circuit, network: Network) -> Iterator[Source]:
             own = [t.equation for t in network.terms if t.quantity == reference and t.equation == t.net]
             entries = dict(zip(own, (1.0, -1.0), strict=False))  # a current from one net to the other
             yield Source(reference, entries, _thermal_noise(float(network.values[reference])), 0.0)
-        elif symbol in AMPLIFIERS:
-            data = AMPLIFIERS[symbol]
-            for name, owner, out in amplifiers:
-                if owner == reference:
-                    yield Source(name, {out: -1.0}, data.noise_v, data.offset_v)
-        elif symbol == "AD623ARMZ":
-            (out,) = (output.net for output in amplifiers if output.reference == reference)
+        for name, _, out, _, data in (output for output in amplifiers if output.reference == reference):
+            if data:
+                yield Source(name, {out: -1.0}, data.noise_v, data.offset_v)
+                continue
             resistor_ohm = parse_component_value(circuit.component(bridge.GAIN_RESISTOR).value)
             gain = 1.0 + bridge.GAIN_CONSTANT_OHM / resistor_ohm
             noise_v = math.hypot(bridge.AD623_NOISE_V, bridge.AD623_OUTPUT_NOISE_V / gain)

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from fingertip.board.circuits.network import build_network, list_amplifiers
+from fingertip.board.circuits.network import Network, build_network, list_amplifiers
 from fingertip.board.components.bridge import ARTICLE_POINTS, sensor_conductance_s
 from fingertip.board.components.selection import nearest_value
 from fingertip.board.parts import nets
@@ -50,20 +50,21 @@ def set_up_bench(circuit: Circuit, gain_bandwidth_hz: float, cutoff_hz: float, s
     low, middle, high = (float(round(ratio * cutoff_hz)) or cutoff_hz for ratio in _TONE_RATIOS)
     # The current into the bridge is the tone over this resistor, which is far larger than the bridge.
     trial = Bench((light_ohm, firm_ohm), 1e6, (low, middle, high))
-    network = build_network(connect_tone(circuit, trial), gain_bandwidth_hz, sensor_s=1.0 / light_ohm)
-    gain = abs(network.drive(TONE).restrict(nets.FILTERED).response(np.array([high]), {TONE: 1.0}, nets.FILTERED)[0, 0])
+    path = feed_tone(circuit, trial, gain_bandwidth_hz).restrict(nets.FILTERED)
+    gain = abs(path.response(np.array([high]), {TONE: 1.0}, nets.FILTERED)[0, 0])
     wanted = _SWING_SHARE * swing_v / (math.sqrt(2.0) * TONE_V)
     return replace(trial, coupling_ohm=nearest_value(trial.coupling_ohm * gain / wanted, "E24"))
 
 
-def connect_tone(circuit: Circuit, bench: Bench) -> Circuit:
-    """Connect the generator to the sensor's pin, through the coupling parts."""
+def feed_tone(circuit: Circuit, bench: Bench, gain_bandwidth_hz: float) -> Network:
+    """Feed a tone to the sensor's pin through the coupling parts, with the lighter resistor in place of the sensor."""
     resistor = Component(
         COUPLING_OHM, f"{bench.coupling_ohm:.10g}", RESISTOR, R_0603, "test: from the generator to the sensor"
     )
     capacitor = Component(COUPLING_F, f"{COUPLING_FARAD:.10g}", CAPACITOR, C_0603, "test: blocks direct current")
     middle = "TONE_MIDDLE"
-    return circuit.connect(resistor, {"1": middle, "2": nets.SENSOR}).connect(capacitor, {"1": TONE, "2": middle})
+    toned = circuit.connect(resistor, {"1": middle, "2": nets.SENSOR}).connect(capacitor, {"1": TONE, "2": middle})
+    return build_network(toned, gain_bandwidth_hz, sensor_s=1.0 / bench.dummy_ohm[0]).drive(TONE)
 
 
 # Faults of single parts: what goes wrong when a board is soldered, each as a changed circuit.

@@ -23,7 +23,7 @@ from fingertip.board.bringup.bench import (
     Bench,
     Fault,
     attenuate_tones,
-    connect_tone,
+    feed_tone,
     list_output_pins,
     predict_constants,
     set_up_bench,
@@ -180,15 +180,13 @@ def list_levels(bench: Bench) -> tuple[tuple[str, float], ...]:
 def _predict_linear(board: Board, fault: Fault, tone_v: float) -> tuple[dict[str, float], tuple[Drive, Drive]]:
     """Readings up to the filter's output, and what drives the rectifier: nothing but a level, and the tone."""
     measured = tuple(net for net in board.nets if net != nets.ENVELOPE)
-    light, firm = board.bench.dummy_ohm
     volts, _ = solve_constant(board, fault, 0.0, measured)
     ground = board.signal_ground
     values = {name_voltage(net): volts[net] - (volts[ground] if net != ground else 0.0) for net in measured}
-    for ohm in (firm, light):
+    for ohm in reversed(board.bench.dummy_ohm):
         volts, held = solve_constant(board, fault, 1.0 / ohm, measured)
         values[name_voltage(nets.TACTILE, ohm)] = volts[nets.TACTILE] - volts[ground]
-    network = build_network(connect_tone(fault.circuit, board.bench), board.gain_bandwidth_hz, sensor_s=1.0 / light)
-    network = network.drive(TONE)
+    network = feed_tone(fault.circuit, board.bench, board.gain_bandwidth_hz)
     path = network.ground(*held).restrict(*(net for net, _ in list_levels(board.bench) if net not in held))
 
     def peak_v(net: str, hz: float) -> float:

@@ -187,7 +187,7 @@ def _find_ratio(names: Iterable[str], limits: Mapping[str, Limits], readings: Ma
     """Find the ratio that these readings have to those expected, if they have one, and if any is beyond its limits."""
     names = list(names)
     large = [n for n in names if abs(limits[n].expected_v) >= _LEAST_V]
-    if len(large) < _MIN_READINGS:
+    if len(large) < MIN_READINGS:
         return None
     # A reading counts the more, the narrower its limits are.
     weights = {n: (limits[n].expected_v / (limits[n].high_v - limits[n].low_v)) ** 2 for n in large}

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from fingertip.board.components.bridge import AD623_BANDWIDTH_HZ, AMPLIFIERS, GAIN_CONSTANT_OHM, GAIN_RESISTOR
 from fingertip.board.components.transimpedance import SUPPRESSOR_F
 from fingertip.board.parts.circuit import Circuit, parse_component_value
-from fingertip.board.parts.nets import RAILS, VCC
+from fingertip.board.parts.nets import GND, RAILS, VCC
 from fingertip.catalogues.amplifiers import OPEN_LOOP_GAIN, Amplifier
 from fingertip.foundation.numerics import Array
 
@@ -54,6 +54,10 @@ class AmplifierOutput(NamedTuple):
     """Reference of its component, with the letter of its unit: "U1a", or "U2" for an AD623."""
     reference: str
     net: str
+    inputs: tuple[str, str]
+    """Nets of its inputs, the inverting one last."""
+    data: Amplifier | None
+    """Its figures in the catalogue; None for an AD623."""
 
 
 class Term(NamedTuple):
@@ -165,9 +169,12 @@ class Network:
         volts = self.response(np.zeros(1), inputs, *self.nets)[0].real.tolist()
         return dict(zip(self.nets, volts, strict=True)) | dict(inputs)
 
-    def constant_transfers(self, net: str) -> dict[str, float]:
-        """Voltage at a net for a constant 1 on the right-hand side of each equation."""
-        return dict(zip(self.nets, self.transfers(np.zeros(1), net)[0].real.tolist(), strict=True))
+    def constant_transfers(self, net: str, ground: str = GND) -> dict[str, float]:
+        """Voltage of a net above another one for a constant 1 on the right-hand side of each equation."""
+        volts = self.transfers(np.zeros(1), net)[0].real
+        if ground in self.nets:
+            volts = volts - self.transfers(np.zeros(1), ground)[0].real
+        return dict(zip(self.nets, volts.tolist(), strict=True))
 
     def steady_state(self) -> Array:
         """States for constant voltages of the inputs, (..., states, inputs)."""
@@ -294,9 +301,8 @@ def filter_quantities(components: Mapping[str, float], amplifier: Amplifier) -> 
 def list_amplifiers(circuit: Circuit) -> Iterator[AmplifierOutput]:
     """Yield each amplifier of a circuit with the net that it drives, in the order of the components."""
     for component in circuit.components:
-        reference, symbol = component.reference, component.symbol.name
-        if symbol == "AD623ARMZ":
-            yield AmplifierOutput(reference, reference, circuit.net_by_pin[reference, "6"])
-        elif symbol in AMPLIFIERS:
-            for unit, (_, _, out) in AMPLIFIERS[symbol].units.items():
-                yield AmplifierOutput(f"{reference}{unit}", reference, circuit.net_by_pin[reference, out])
+        reference, data = component.reference, AMPLIFIERS.get(component.symbol.name)
+        units = data.units if data else {"": ("3", "2", "6")} if component.symbol.name == "AD623ARMZ" else {}
+        for unit, pins in units.items():
+            plus, minus, out = (circuit.net_by_pin[reference, pin] for pin in pins)
+            yield AmplifierOutput(f"{reference}{unit}", reference, out, (plus, minus), data)

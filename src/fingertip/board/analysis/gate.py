@@ -177,23 +177,23 @@ def _check_currents(
     if board.variant == "article":
         # The largest peak of the current through the rectifying diode over the band of the vibrations.
         ohm, farad = (parse_component_value(circuit.component(name).value) for name in ("R6", "C4"))
-        gain = next(np.abs(current.gain) for current in currents if current.amplifier == "U1b")
+        gain = next(np.abs(current.gain) for current in currents if current.output.amplifier == "U1b")
         frequencies = np.geomspace(*loads.signal_band_hz(board.cutoff_hz), len(gain)).tolist()
         peaks_v = (vibration_v * gain).tolist()
         pairs = zip(peaks_v, frequencies, strict=True)
         peak_a = max(compute_charging_current_a(peak_v, f_hz, ohm, farad) for peak_v, f_hz in pairs)
     for current in currents:
-        if current.data is None:
+        if (data := current.output.data) is None:
             continue
-        linear_a, limit_a = vibration_v * float(np.abs(current.filter_s).max()), current.data.output_current_a
+        linear_a, limit_a = vibration_v * float(np.abs(current.filter_s).max()), data.output_current_a
         if board.variant != "article":
             linear_a = vibration_v * float(np.abs(current.filter_s + current.diode_s).max())
         elif current.diode_s.any():
             linear_a += peak_a
-        if current.net == VMID:
+        if current.output.net == VMID:
             linear_a += _constant_current_a(circuit, supply.signal_ground, rails)
             limit_a *= MID_RAIL_RATIO
-        yield at_most(CURRENT, current.amplifier, linear_a, limit_a, "A")
+        yield at_most(CURRENT, current.output.amplifier, linear_a, limit_a, "A")
 
 
 def _constant_current_a(circuit: Circuit, buffered: str, rails: Mapping[str, float]) -> float:

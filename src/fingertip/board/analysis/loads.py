@@ -18,6 +18,7 @@ from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import (
     INVERSE_BANDWIDTH,
     INVERSE_GAIN,
+    AmplifierOutput,
     Network,
     Spectrum,
     Value,
@@ -27,7 +28,6 @@ from fingertip.board.circuits.network import (
 from fingertip.board.components.values import select_components
 from fingertip.board.parts.circuit import Circuit
 from fingertip.board.parts.nets import FILTERED, SUM, TACTILE, VMID
-from fingertip.catalogues.amplifiers import Amplifier
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import BAND_CUTOFFS, find_gain_bandwidth_hz
 from fingertip.design.formulas.filter import find_preferred_neighbours
@@ -65,12 +65,12 @@ def compute_amplifier_loads(
     """Compute the load of each amplifier between the sensor and the envelope, in the order of their references."""
     loads = []
     for current in compute_output_currents(circuit, gain_bandwidth_hz, cutoff_hz):
-        if current.net == VMID:  # the buffer of the signal ground has no load to signal ground
+        if current.output.net == VMID:  # the buffer of the signal ground has no load to signal ground
             continue
         total_a, filter_a = np.abs(current.filter_s + current.diode_s), current.filter_s
         loads.append(
             AmplifierLoad(
-                current.amplifier,
+                current.output.amplifier,
                 min_ohm=float((np.abs(current.gain) / total_a).min()),
                 min_filter_ohm=float(np.abs(current.gain / filter_a).min()) if filter_a.any() else None,
                 max_current_a=vibration_v * float(total_a.max()),
@@ -83,12 +83,7 @@ def compute_amplifier_loads(
 class OutputCurrent:
     """Current of one amplifier's output over the band of the vibrations, for 1 V of the tactile voltage."""
 
-    amplifier: str
-    """Reference, with the letter of its unit."""
-    net: str
-    """Net that the output drives."""
-    data: Amplifier | None
-    """Its figures in the catalogue; None for an AD623."""
+    output: AmplifierOutput
     gain: Spectrum
     """Voltage of the output [V/V]."""
     filter_s: Spectrum
@@ -111,16 +106,16 @@ def compute_output_currents(circuit: Circuit, gain_bandwidth_hz: float, cutoff_h
         if c.symbol.name in "RC" or c.reference == RECTIFYING_DIODE
     ]
     currents = []
-    for amplifier, _, output, _, data in sorted(list_amplifiers(circuit)):
+    for output in sorted(list_amplifiers(circuit)):
         filter_s, diode_s = np.zeros((2, len(f)), dtype=np.complex128)
         for reference, first, second in branches:
-            if output not in (first, second):
+            if output.net not in (first, second):
                 continue
             admittance = network.values[reference] * (2j * np.pi * f if reference.startswith("C") else 1.0)
             # What is not among the equations, such as a rail, carries no signal.
-            difference = volts[output] - volts.get(second if output == first else first, 0.0)
+            difference = volts[output.net] - volts.get(second if output.net == first else first, 0.0)
             (diode_s if reference == RECTIFYING_DIODE else filter_s)[:] += admittance * difference
-        currents.append(OutputCurrent(amplifier, output, data, volts[output], filter_s, diode_s))
+        currents.append(OutputCurrent(output, volts[output.net], filter_s, diode_s))
     return tuple(currents)
 
 

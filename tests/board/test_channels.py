@@ -216,6 +216,9 @@ def test_readings_of_several_fingers_are_refused_with_all_faults(tmp_path: Path)
     with pytest.raises(FingertipError) as error:
         assess_board(load(2), path)
     assert [issue.field for issue in error.value.issues] == ["[indx]", "thumb.tp1_open_v", "thumb.tp9"]
+    path.write_text(text.replace("tp1_open_v = nan", 'tp1_open_v = "2.5"', 1), encoding="utf-8")
+    with pytest.raises(FingertipError, match=r"'2\.5' is no number"):
+        assess_board(load(2), path)
     path.write_text(text, encoding="utf-8")
     with pytest.raises(FingertipError, match="holds no reading"):
         assess_board(load(2), path)

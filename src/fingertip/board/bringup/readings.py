@@ -74,10 +74,13 @@ def read_readings(path: Path, plan: BringUp) -> Readings:
 
 
 def select_readings(tables: Mapping[str, Any], plan: BringUp) -> Readings:
-    """Select what was measured."""
+    return Readings(float(tables.get(TONE, TONE_V)), take_values(tables, plan))
+
+
+def take_values(tables: Mapping[str, Any], plan: BringUp) -> dict[str, float]:
+    """Take what was measured, by the reading's name; what is no number is an issue of its own."""
     known = plan.all.keys() | limit_resistances(plan.board.circuit).keys()
-    taken = {n: float(v) for n, v in tables.items() if n in known and not math.isnan(v)}
-    return Readings(float(tables.get(TONE, TONE_V)), taken)
+    return {n: float(v) for n, v in tables.items() if n in known and isinstance(v, int | float) and not math.isnan(v)}
 
 
 def find_reading_issues(
@@ -108,9 +111,7 @@ def find_reading_issues(
             )
         elif math.isinf(value) and not name.endswith("_ohm"):
             yield Issue(name, f"{value} {unit_of(name)} is no reading; write a number, or nan.")
-    if needs_reading and not any(
-        n in names and isinstance(v, int | float) and not math.isnan(v) for n, v in tables.items()
-    ):
+    if needs_reading and not take_values(tables, plan):
         yield Issue(str(path), "holds no reading; write at least one in place of nan.")
 
 

@@ -28,15 +28,7 @@ from fingertip.board.parts.circuit import Circuit, parse_component_value
 from fingertip.board.parts.nets import FILTERED, STAGE1_OUT, VMID
 from fingertip.catalogues.amplifiers import LOW_OFFSET_AMPLIFIER, Amplifier
 from fingertip.design import Design
-from fingertip.design.formulas.amplifiers import (
-    GOOD_PHASE_MARGIN_DEG,
-    MID_RAIL_RATIO,
-    choose_amplifier,
-    compute_charging_current_a,
-    input_swing_v,
-    loaded_swing_v,
-    total_supply_v,
-)
+from fingertip.design.formulas import amplifiers
 from fingertip.design.formulas.filter import find_preferred_neighbours
 from fingertip.design.rules.amplifiers import BANDWIDTH_MARGIN, MAX_OFFSET_RATIO, MAX_PEAKING_DB, MIN_PHASE_MARGIN_DEG
 from fingertip.foundation.comparison import Comparison, Relation
@@ -104,9 +96,9 @@ def check_gate(
     spread: ThresholdSpread | None,
 ) -> tuple[GateCondition, ...]:
     """Check all conditions of a board. `rises`: the tactile voltage rises with the force. Units: `rails` [V]."""
-    board, amplifier = design.board, choose_amplifier(design.board)
+    board, amplifier = design.board, amplifiers.choose_amplifier(design.board)
     needed_hz = BANDWIDTH_MARGIN * board.passband_gain * board.cutoff_hz
-    supply_v = total_supply_v(board)
+    supply_v = amplifiers.total_supply_v(board)
     farads = (parse_component_value(c.value) for c in circuit.components if c.symbol.name == "C")
     odd_capacitors = sum(below != above for below, above in map(find_preferred_neighbours, farads))
     trim = []
@@ -169,9 +161,9 @@ def _check_currents(
 ) -> Iterator[GateCondition]:
     """Compare the peak output current of each amplifier of the catalogue with what its data sheet gives."""
     board, supply = design.board, SUPPLIES[design.board.variant]
-    amplifier = choose_amplifier(board)
+    amplifier = amplifiers.choose_amplifier(board)
     # The largest vibration is that which reaches the swing, no nearer to a rail than the current is stated for.
-    scale = loaded_swing_v(board, amplifier) / input_swing_v(board, amplifier)
+    scale = amplifiers.loaded_swing_v(board, amplifier) / amplifiers.input_swing_v(board, amplifier)
     vibration_v, peak_a = scale * limits.vibration_peak_v, 0.0
     currents = loads.compute_output_currents(circuit, amplifier.bandwidth_hz, board.cutoff_hz)
     if board.variant == "article":
@@ -181,7 +173,7 @@ def _check_currents(
         frequencies = np.geomspace(*loads.signal_band_hz(board.cutoff_hz), len(gain)).tolist()
         peaks_v = (vibration_v * gain).tolist()
         pairs = zip(peaks_v, frequencies, strict=True)
-        peak_a = max(compute_charging_current_a(peak_v, f_hz, ohm, farad) for peak_v, f_hz in pairs)
+        peak_a = max(amplifiers.compute_charging_current_a(peak_v, f_hz, ohm, farad) for peak_v, f_hz in pairs)
     for current in currents:
         if (data := current.output.data) is None:
             continue
@@ -192,7 +184,7 @@ def _check_currents(
             linear_a += peak_a
         if current.output.net == VMID:
             linear_a += _constant_current_a(circuit, supply.signal_ground, rails)
-            limit_a *= MID_RAIL_RATIO
+            limit_a *= amplifiers.MID_RAIL_RATIO
         yield at_most(CURRENT, current.output.amplifier, linear_a, limit_a, "A")
 
 
@@ -217,7 +209,7 @@ def _check_offsets(circuit: Circuit, design: Design, amplifier: Amplifier) -> It
     """Compare the offset of each filter output with its swing: the part of the swing that the signal loses."""
     ground = SUPPLIES[design.board.variant].signal_ground
     network = build_network(circuit, amplifier.bandwidth_hz)
-    swing_v = input_swing_v(design.board, amplifier)
+    swing_v = amplifiers.input_swing_v(design.board, amplifier)
     for net in (STAGE1_OUT, FILTERED):
         transfers, offset_v = network.restrict(net, ground).constant_transfers(net, ground), 0.0
         for output in list_amplifiers(circuit):
@@ -245,7 +237,7 @@ def _check_stability(circuit: Circuit, amplifier: Amplifier, passband_gain: floa
             continue
         yield at_least(MARGIN, name, margin_deg, MIN_PHASE_MARGIN_DEG, "degree")
         yield at_least(
-            MARGIN, name, margin_deg, GOOD_PHASE_MARGIN_DEG - 1e-6, "degree", "advised",
+            MARGIN, name, margin_deg, amplifiers.GOOD_PHASE_MARGIN_DEG - 1e-6, "degree", "advised",
             "lower board.r5_ohm, or choose another board.amplifier",
         )  # fmt: skip
     peaking_db = loads.compute_peaking_db(circuit, networks[0], passband_gain)

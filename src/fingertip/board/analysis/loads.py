@@ -16,12 +16,10 @@ import numpy as np
 from fingertip.board.analysis.response import RECTIFYING_DIODE
 from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import (
-    INVERSE_BANDWIDTH,
-    INVERSE_GAIN,
     AmplifierOutput,
     Network,
     Spectrum,
-    Value,
+    add_second_poles,
     build_network,
     list_amplifiers,
 )
@@ -198,20 +196,9 @@ def _find_margin_deg(loop: Spectrum) -> float:
 
 
 def compute_two_pole_gain(circuit: Circuit, network: Network, f_hz: Array) -> Spectrum:
-    """Compute the filter's gain from the tactile voltage with two-pole amplifiers.
-
-    The equations hold 1 / A = 1 / A0 + s / (2 pi GBW). The second pole multiplies it by 1 + s / (2 pi f2), and the
-    product's term in s^2 is a real one that falls with the frequency.
-    """
-    part = network.drive(TACTILE).restrict(FILTERED)
-    values: dict[str, Value] = {}
-    for amplifier in list_amplifiers(circuit):
-        if data := amplifier.data:
-            gain, bandwidth = (f"{amplifier.amplifier} {quantity}" for quantity in (INVERSE_GAIN, INVERSE_BANDWIDTH))
-            second_s = 1.0 / (math.tau * data.second_pole_hz)
-            values[gain] = part.values[gain] - part.values[bandwidth] * second_s * (math.tau * f_hz) ** 2
-            values[bandwidth] = part.values[bandwidth] + part.values[gain] * second_s
-    return part.with_values(values).response(f_hz, {TACTILE: 1.0}, FILTERED)[:, 0]
+    """Compute the filter's gain from the tactile voltage with two-pole amplifiers."""
+    part = add_second_poles(network.drive(TACTILE).restrict(FILTERED), circuit, f_hz)
+    return part.response(f_hz, {TACTILE: 1.0}, FILTERED)[:, 0]
 
 
 def compute_peaking_db(circuit: Circuit, network: Network, passband_gain: float) -> float:

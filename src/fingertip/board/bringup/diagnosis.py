@@ -181,13 +181,11 @@ def fit_offset(board: Board, fault: Fault, values: dict[str, float], readings: M
     name = name_voltage(STAGE1_OUT)
     if fault.rarity != 1 or not fault.reference.startswith("C") or name not in readings:
         return values
-    transfers = (
-        build_network(fault.circuit, board.gain_bandwidth_hz).restrict(STAGE1_OUT).constant_transfers(STAGE1_OUT)
-    )
-    symbol = board.circuit.component("U1").symbol.name
-    span_v = abs(transfers[STAGE1_OUT]) * AMPLIFIERS[symbol].max_offset_v
-    if abs(transfers[STAGE1_OUT]) < _AMPLIFIED:
+    network = build_network(fault.circuit, board.gain_bandwidth_hz).restrict(STAGE1_OUT)
+    gain = abs(network.constant_transfers(STAGE1_OUT)[STAGE1_OUT])
+    if gain < _AMPLIFIED:
         return values
+    span_v = gain * AMPLIFIERS[board.circuit.component("U1").symbol.name].max_offset_v
     low_v, high_v = values[name] - span_v, values[name] + span_v
     return {**values, name: min(max(readings[name], low_v), high_v)}
 
@@ -239,10 +237,8 @@ def explain(
             closest = [each for each in found if each.fault.reference]
         margin = _FAR if closest[0].fault.reference else _ALIKE
         best = min(each.misfit for each in closest)
-        if (
-            best <= _EXPLAINED
-            and (min((each.misfit for each in likely), default=no_fault) - best) * len(readings) >= margin
-        ):
+        nearer = min((each.misfit for each in likely), default=no_fault) - best
+        if best <= _EXPLAINED and nearer * len(readings) >= margin:
             likely = _select_closest(closest, len(readings))
     return likely
 

@@ -30,7 +30,6 @@ from fingertip.board.bringup.bench import (
 )
 from fingertip.board.bringup.rectifier import Drive, measure_voltages
 from fingertip.board.circuits.network import Network, build_network, list_amplifiers
-from fingertip.board.components.bridge import AMPLIFIERS
 from fingertip.board.components.values import SUPPLIES
 from fingertip.board.parts import nets
 from fingertip.board.parts.circuit import Circuit
@@ -84,9 +83,7 @@ class Board:
     def of_design(cls, design: Design, circuit: Circuit) -> Board:
         supply, supply_v = SUPPLIES[design.board.variant], design.board.supply_v
         rails = {nets.GND: 0.0, nets.VCC: supply_v, nets.VEE: -supply_v}
-        margin_v = max(
-            AMPLIFIERS[c.symbol.name].output_from_rail_v for c in circuit.components if c.symbol.name in AMPLIFIERS
-        )
+        margin_v = max(output.data.output_from_rail_v for output in list_amplifiers(circuit) if output.data)
         low, high = rails[supply.negative_rail] + margin_v, supply_v - margin_v
         ground_v = supply.signal_ground_v(supply_v)
         bandwidth = find_gain_bandwidth_hz(design.board)

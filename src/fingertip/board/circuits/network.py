@@ -298,6 +298,22 @@ def filter_quantities(components: Mapping[str, float], amplifier: Amplifier) -> 
     return values
 
 
+def add_second_poles(network: Network, circuit: Circuit, f_hz: Array) -> Network:
+    """Add the second pole of each amplifier at these frequencies [Hz].
+
+    The equations hold 1 / A = 1 / A0 + s / (2 pi GBW). The second pole multiplies it by 1 + s / (2 pi f2), and the
+    product's term in s^2 is a real one that falls with the frequency.
+    """
+    values: dict[str, Value] = {}
+    for output in list_amplifiers(circuit):
+        if output.data:
+            gain, bandwidth = (f"{output.amplifier} {name}" for name in (INVERSE_GAIN, INVERSE_BANDWIDTH))
+            second_s = 1.0 / (math.tau * output.data.second_pole_hz)
+            values[gain] = network.values[gain] - network.values[bandwidth] * second_s * (math.tau * f_hz) ** 2
+            values[bandwidth] = network.values[bandwidth] + network.values[gain] * second_s
+    return network.with_values(values)
+
+
 def list_amplifiers(circuit: Circuit) -> Iterator[AmplifierOutput]:
     """Yield each amplifier of a circuit with the net that it drives, in the order of the components."""
     for component in circuit.components:

@@ -49,17 +49,8 @@ _ELEMENTS = {
     "Conn_01x03": "V{0}a {1} {2} {supply_v:.10g}\nV{0}b {2} {3} {supply_v:.10g}",
     # The channel conducts, as it does with a supply that is not reversed.
     "AO3401A": f"R{{0}} {{3}} {{2}} {MAX_SWITCH_OHM:g}",
-    **dict.fromkeys(
-        (
-            "Conn_01x04_MountingPin",
-            "Conn_01x10_MountingPin",
-            "Conn_01x15_MountingPin",
-            "Conn_01x04",
-            "TestPoint",
-            "MountingHole",
-        ),
-        "",
-    ),
+    **{f"Conn_01x{pins}": "" for pins in ("04", "04_MountingPin", "10_MountingPin", "15_MountingPin")},
+    **dict.fromkeys(("TestPoint", "MountingHole"), ""),
 }
 """SPICE elements of a component by the name of its symbol: {0} is its reference, {1} the node of its pin 1."""
 

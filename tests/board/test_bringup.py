@@ -31,7 +31,8 @@ from fingertip.board.bringup.prediction import (
 from fingertip.board.bringup.readings import Readings, assess_readings, find_sources, read_readings, readings_template
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.components.values import VARIANT_CHANGES
-from fingertip.board.parts.circuit import (
+from fingertip.board.parts.circuit import Circuit, parse_component_value
+from fingertip.board.parts.nets import (
     ENVELOPE,
     FILTERED,
     GND,
@@ -42,8 +43,6 @@ from fingertip.board.parts.circuit import (
     STAGE2_MID,
     TACTILE,
     THRESHOLD,
-    Circuit,
-    parse_component_value,
 )
 from fingertip.design import Design
 from fingertip.foundation.errors import BoardError

@@ -21,7 +21,7 @@ from fingertip.board.circuits.channels import PLACES, extract_channel, name_part
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.fabrication.bom import list_bom, purchased_components
 from fingertip.board.kicad.project import load_project
-from fingertip.board.parts.circuit import ADC_FILTERED, ADC_TACTILE, GND
+from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE, GND
 from fingertip.catalogues.controllers import NAMES
 from fingertip.catalogues.output_files import BRING_UP_READINGS, CHANNEL_SHEET, LAYOUT, NETLIST, SCHEMATIC
 from fingertip.design import Design
@@ -216,6 +216,9 @@ def test_readings_of_several_fingers_are_refused_with_all_faults(tmp_path: Path)
     with pytest.raises(FingertipError) as error:
         assess_board(load(2), path)
     assert [issue.field for issue in error.value.issues] == ["[indx]", "thumb.tp1_open_v", "thumb.tp9"]
+    path.write_text(text.replace("tp1_open_v = nan", 'tp1_open_v = "2.5"', 1), encoding="utf-8")
+    with pytest.raises(FingertipError, match=r"'2\.5' is no number"):
+        assess_board(load(2), path)
     path.write_text(text, encoding="utf-8")
     with pytest.raises(FingertipError, match="holds no reading"):
         assess_board(load(2), path)

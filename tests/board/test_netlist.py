@@ -21,9 +21,9 @@ from fingertip.board.parts.circuit import (
     build_circuit,
     find_issues,
     format_component_value,
-    kicad_net_name,
     parse_component_value,
 )
+from fingertip.board.parts.nets import kicad_net_name
 from fingertip.catalogues.output_files import NETLIST
 from fingertip.design import Design
 from fingertip.foundation.errors import BoardError

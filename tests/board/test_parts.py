@@ -28,19 +28,20 @@ from fingertip.board.fabrication.bom import (
 from fingertip.board.kicad.project import load_project
 from fingertip.board.parts.circuit import CapacitorRequirement, Component, ResistorRequirement, parse_component_value
 from fingertip.board.parts.select_part import (
+    OrderingCode,
     find_package,
     list_capacitances,
-    load_ordering_codes,
     resistance_code,
     select_part,
 )
 from fingertip.board.parts.table import (
     PRICES,
+    ChipCapacitor,
+    ChipResistor,
+    NamedPart,
     Part,
-    load_capacitors,
-    load_named_parts,
-    load_resistors,
     load_sources,
+    load_table,
     read_rows,
 )
 from fingertip.design import Design
@@ -59,13 +60,13 @@ LINKS = re.compile(r"https?://\S+")
 
 def listed_parts() -> list[Part]:
     """Every part of the table."""
-    chips = [item.part for item in (*load_resistors(), *load_capacitors())]
-    return chips + [item.part for item in load_named_parts() if item.part]
+    chips = (*load_table(ChipResistor, "resistors.csv"), *load_table(ChipCapacitor, "capacitors.csv"))
+    return [item.part for item in chips] + [item.part for item in load_table(NamedPart, "named_parts.csv") if item.part]
 
 
 def test_every_number_has_a_source_and_every_source_is_used() -> None:
     sources = load_sources()
-    codes = {code.source for code in load_ordering_codes()}
+    codes = {code.source for code in load_table(OrderingCode, "ordering_codes.csv")}
     rotations = {row["source"] for row in read_rows("rotations.csv")}
     wires = {row["source"] for row in read_rows("plug_wires.csv")}
     plugs = {key for row in read_rows("mating_parts.csv") for key in row["sources"].split()}
@@ -87,7 +88,7 @@ def test_numbers_are_unique_and_have_their_form() -> None:
         assert part.number == part.number.strip() != ""
         assert part.price in PRICES
         assert len(set(part.sources)) == len(part.sources) > 0
-    for item in load_named_parts():
+    for item in load_table(NamedPart, "named_parts.csv"):
         assert bool(item.part) != bool(item.reason), f"{item.value}: either a part or the reason why there is none"
 
 
@@ -102,7 +103,7 @@ def decode_resistor(number: str) -> tuple[float, float]:
 
 
 def test_numbers_of_resistors_state_their_value_and_tolerance() -> None:
-    for resistor in load_resistors():
+    for resistor in load_table(ChipResistor, "resistors.csv"):
         ohm, percent = decode_resistor(resistor.part.number)
         assert (ohm, percent) == (pytest.approx(resistor.ohm, rel=1e-12), resistor.tolerance_percent)
 
@@ -124,7 +125,7 @@ def decode_capacitor(number: str) -> tuple[float, str, float]:
 
 def test_numbers_of_capacitors_state_their_value() -> None:
     wrong = []
-    for capacitor in load_capacitors():
+    for capacitor in load_table(ChipCapacitor, "capacitors.csv"):
         stated = (pytest.approx(capacitor.farad, rel=1e-9), capacitor.dielectric, capacitor.tolerance_percent)
         if decode_capacitor(capacitor.part.number) != stated:
             wrong.append((capacitor.part.number, stated))
@@ -139,8 +140,8 @@ def test_ordering_code_has_the_data_sheets_examples() -> None:
 
 def test_ordering_code_gives_the_numbers_that_were_found() -> None:
     """Numbers of the series in the table were copied, so the composed ones must equal them."""
-    codes = {code.prefix: code for code in load_ordering_codes()}
-    copied = [r for r in load_resistors() if r.part.manufacturer == "Yageo"]
+    codes = {code.prefix: code for code in load_table(OrderingCode, "ordering_codes.csv")}
+    copied = [r for r in load_table(ChipResistor, "resistors.csv") if r.part.manufacturer == "Yageo"]
     assert len(copied) >= 8
     for resistor in copied:
         assert codes["RT0603BRD07"].is_made(resistor.ohm)
@@ -156,7 +157,7 @@ def meets(component: Component, part: Part) -> bool:
         return math.isclose(ohm, value, rel_tol=1e-9) and percent <= requirement.tolerance_percent
     assert isinstance(requirement, CapacitorRequirement)
     farad, dielectric, percent = decode_capacitor(part.number)
-    listed = next(c for c in load_capacitors() if c.part == part)
+    listed = next(c for c in load_table(ChipCapacitor, "capacitors.csv") if c.part == part)
     return (
         math.isclose(farad, value, rel_tol=1e-9)
         and dielectric in requirement.dielectrics

@@ -19,7 +19,7 @@ from fingertip.board import board_circuit, board_values
 from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.kicad.netlist import component_uuid
 from fingertip.board.kicad.project import IGNORED_IN_SCHEMATIC, IGNORED_ON_BOARD, load_project
-from fingertip.board.parts.circuit import kicad_net_name
+from fingertip.board.parts.nets import kicad_net_name
 from fingertip.board.parts.symbols import DUAL_AMPLIFIERS
 from fingertip.catalogues.output_files import BOM, LAYOUT, NETLIST, PROJECT, README, SCHEMATIC
 from fingertip.tasks.board import write_board

@@ -13,7 +13,7 @@ import pytest
 from benchmarks.peers.spice import Spice, sampled_source
 from fingertip.board import board_circuit, board_values
 from fingertip.board.circuits.spice import spice_deck
-from fingertip.board.parts.circuit import FILTERED
+from fingertip.board.parts.nets import FILTERED
 from fingertip.design.formulas.amplifiers import choose_amplifier, find_gain_bandwidth_hz
 from fingertip.foundation.errors import TraceError
 from fingertip.foundation.jit import compiled

@@ -10,7 +10,7 @@ import pytest
 from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.noise import add_noise
 from fingertip.board.components.values import VARIANT_CHANGES
-from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE
+from fingertip.board.parts.nets import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.sim import SceneFile, run_scene

@@ -9,7 +9,8 @@ from fingertip.board.bringup.wiring import SKETCH_PINS, list_notes, list_pins, n
 from fingertip.board.circuits.channels import split_net
 from fingertip.board.components.bridge import POWER_UP_S
 from fingertip.board.components.values import select_components
-from fingertip.board.parts.circuit import GND, HOST_CONNECTOR, VMID_OUT
+from fingertip.board.parts.circuit import HOST_CONNECTOR
+from fingertip.board.parts.nets import GND, VMID_OUT
 from fingertip.catalogues.bundled import list_bundled_files
 from fingertip.catalogues.controllers import NAMES, load_controllers
 from fingertip.catalogues.file_kinds import DESIGN

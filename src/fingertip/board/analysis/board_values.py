@@ -9,46 +9,17 @@ from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
+from fingertip.board.analysis import interference, limits, response, thresholds
 from fingertip.board.analysis.gate import GateCondition, check_gate, check_yields
-from fingertip.board.analysis.interference import (
-    AliasAttenuation,
-    SupplyRipple,
-    compute_alias_attenuation,
-    compute_supply_ripple,
-)
-from fingertip.board.analysis.limits import (
-    TactileResponse,
-    VoltageLimits,
-    compute_tactile_response,
-    compute_voltage_limits,
-)
 from fingertip.board.analysis.loads import AmplifierLoad, compute_amplifier_loads, find_filter_load_ohm
 from fingertip.board.analysis.noise import NoiseLevels, compute_noise_levels
-from fingertip.board.analysis.response import (
-    FilterModel,
-    FrequencyResponse,
-    Rectifier,
-    compute_response,
-    find_envelope_gain,
-    find_rectifier,
-    model_filter,
-    target_response,
-)
 from fingertip.board.analysis.shared import SharedFigures, compute_shared_figures
-from fingertip.board.analysis.thresholds import (
-    ComparatorLevels,
-    OutputOffset,
-    ThresholdSpread,
-    compute_comparator_levels,
-    compute_output_offset,
-    compute_threshold_spread,
-)
 from fingertip.board.analysis.tolerance import compute_yields
 from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import Value, build_network, filter_quantities
 from fingertip.board.components.selection import FilterSelection, select_filter
 from fingertip.board.components.values import SUPPLIES, ComponentValues, select_components
-from fingertip.board.parts.circuit import GND, VCC, VEE
+from fingertip.board.parts.nets import GND, VCC, VEE
 from fingertip.catalogues.amplifiers import ARTICLE_AMPLIFIER, CATALOGUE
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import choose_amplifier, find_gain_bandwidth_hz
@@ -59,22 +30,22 @@ from fingertip.design.parameters import Board
 class BoardValues(ComponentValues):
     """Component values of one design's board, and the resulting response, noise and limits."""
 
-    tactile_response: TactileResponse
-    target_response: FrequencyResponse
-    achieved_response: FrequencyResponse
+    tactile_response: limits.TactileResponse
+    target_response: response.FrequencyResponse
+    achieved_response: response.FrequencyResponse
     """Response of the circuit with preferred values and amplifiers as built."""
-    output_offset: OutputOffset | None
+    output_offset: thresholds.OutputOffset | None
     """Envelope offset due to the amplifiers' offsets; None on boards without a precision rectifier."""
-    supply_ripple: SupplyRipple
+    supply_ripple: interference.SupplyRipple
     noise: NoiseLevels
-    comparator_levels: ComparatorLevels | None
+    comparator_levels: thresholds.ComparatorLevels | None
     """Thresholds of the comparator; None in variants without one."""
-    aliasing: AliasAttenuation
-    voltage_limits: VoltageLimits
+    aliasing: interference.AliasAttenuation
+    voltage_limits: limits.VoltageLimits
     amplifier_loads: tuple[AmplifierLoad, ...]
     filter_load_ohm: float
     """Smallest impedance that an amplifier of the filter (U1) drives in that band, without the rectifying diode."""
-    threshold_spread: ThresholdSpread | None
+    threshold_spread: thresholds.ThresholdSpread | None
     """Mean and worst case of the comparator's threshold; None in variants without one."""
     gate: tuple[GateCondition, ...]
     errata: tuple[Erratum, ...]
@@ -96,21 +67,21 @@ def _round_to_ten_digits(data: Any) -> Any:
     return float(f"{data:.10g}") if isinstance(data, float) else data
 
 
-def compute_filter(board: Board) -> tuple[FilterSelection, FrequencyResponse]:
+def compute_filter(board: Board) -> tuple[FilterSelection, response.FrequencyResponse]:
     """Compute the filter alone: its components and the response they achieve. A sweep computes thousands of them."""
     selection, amplifier = select_filter(board), choose_amplifier(board)
     model, values = _model_variant(board.variant)
     values = {**values, **filter_quantities(selection.by_reference(), amplifier)}
-    return selection, compute_response(model, values, amplifier.bandwidth_hz, board.envelope_cutoff_hz)
+    return selection, response.compute_response(model, values, amplifier.bandwidth_hz, board.envelope_cutoff_hz)
 
 
 @functools.cache
-def _model_variant(variant: str) -> tuple[FilterModel, Mapping[str, Value]]:
+def _model_variant(variant: str) -> tuple[response.FilterModel, Mapping[str, Value]]:
     """Model a filter once for all designs with a variant: they differ in values only."""
     design = Design(board={"variant": variant, "supply_v": SUPPLIES[variant].nominal_v})
     circuit = board_circuit(select_components(design))
     network = build_network(circuit, find_gain_bandwidth_hz(design.board))
-    return model_filter(circuit), network.values
+    return response.model_filter(circuit), network.values
 
 
 @functools.lru_cache(maxsize=16)
@@ -126,40 +97,46 @@ def board_values(design: Design) -> BoardValues:
     amplifier = CATALOGUE[components.amplifier]
     bandwidth_hz = amplifier.bandwidth_hz
     circuit, supply = board_circuit(components), SUPPLIES[board.variant]
-    rectifier, model, network = find_rectifier(circuit), model_filter(circuit), build_network(circuit, bandwidth_hz)
-    achieved = compute_response(model, network.values, bandwidth_hz, board.envelope_cutoff_hz)
-    envelope_gain = find_envelope_gain(model, circuit, network.values)
-    limits = compute_voltage_limits(circuit, supply, board.supply_v, amplifier, achieved.passband_gain, detector)
+    rectifier, model = response.find_rectifier(circuit), response.model_filter(circuit)
+    network = build_network(circuit, bandwidth_hz)
+    achieved = response.compute_response(model, network.values, bandwidth_hz, board.envelope_cutoff_hz)
+    envelope_gain = response.find_envelope_gain(model, circuit, network.values)
+    voltage_limits = limits.compute_voltage_limits(
+        circuit, supply, board.supply_v, amplifier, achieved.passband_gain, detector
+    )
     offset = None
     if rectifier == "precision":
-        offset = compute_output_offset(circuit, bandwidth_hz, supply.signal_ground)
-    rails, levels = {GND: 0.0, VCC: board.supply_v, VEE: -board.supply_v}, None
+        offset = thresholds.compute_output_offset(circuit, bandwidth_hz, supply.signal_ground)
+    rails = {GND: 0.0, VCC: board.supply_v, VEE: -board.supply_v}
+    levels = spread = None
     if components.comparator_stage:
-        levels = compute_comparator_levels(circuit, rails, supply.signal_ground)
-    ripple = compute_supply_ripple(
+        levels = thresholds.compute_comparator_levels(circuit, rails, supply.signal_ground)
+        spread = thresholds.compute_threshold_spread(
+            circuit, bandwidth_hz, levels, rails, board.resistor_tolerance_percent
+        )
+    ripple = interference.compute_supply_ripple(
         circuit, bandwidth_hz, board.cutoff_hz, supply.signal_ground, detector.threshold_v, envelope_gain
     )
-    loads = compute_amplifier_loads(circuit, bandwidth_hz, board.cutoff_hz, limits.vibration_peak_v)
-    spread = None
-    if levels:
-        spread = compute_threshold_spread(circuit, bandwidth_hz, levels, rails, board.resistor_tolerance_percent)
-    response = compute_tactile_response(circuit, rails, supply.signal_ground)
+    loads = compute_amplifier_loads(circuit, bandwidth_hz, board.cutoff_hz, voltage_limits.vibration_peak_v)
+    tactile_response = limits.compute_tactile_response(circuit, rails, supply.signal_ground)
     return BoardValues(
         **{field.name: getattr(components, field.name) for field in fields(components)},
-        tactile_response=response,
-        target_response=target_response(board),
+        tactile_response=tactile_response,
+        target_response=response.target_response(board),
         achieved_response=achieved,
         output_offset=offset,
         supply_ripple=ripple,
         noise=compute_noise_levels(circuit, bandwidth_hz, envelope_gain),
         comparator_levels=levels,
-        aliasing=compute_alias_attenuation(circuit, design, limits.filter_peak_v),
-        voltage_limits=limits,
+        aliasing=interference.compute_alias_attenuation(circuit, design, voltage_limits.filter_peak_v),
+        voltage_limits=voltage_limits,
         amplifier_loads=loads,
         filter_load_ohm=find_filter_load_ohm(loads),
         threshold_spread=spread,
         gate=(
-            *check_gate(circuit, design, limits, response.rises, achieved.passband_gain, rails, offset, spread),
+            *check_gate(
+                circuit, design, voltage_limits, tactile_response.rises, achieved.passband_gain, rails, offset, spread
+            ),
             *check_yields(compute_yields(model, network.values, circuit, board)),
         ),
         errata=board_errata(components.amplifier, rectifier),
@@ -228,7 +205,7 @@ def load_errata() -> tuple[Erratum, ...]:
     )
 
 
-def board_errata(amplifier: str, rectifier: Rectifier) -> tuple[Erratum, ...]:
+def board_errata(amplifier: str, rectifier: response.Rectifier) -> tuple[Erratum, ...]:
     notes = {}
     if amplifier != ARTICLE_AMPLIFIER:
         notes["input range of the amplifiers"] = f"it has a {CATALOGUE[amplifier].order_name} with rail-to-rail inputs"

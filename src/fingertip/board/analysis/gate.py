@@ -7,6 +7,7 @@ board, so that only its board is refused. An advised condition that fails is a w
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -14,35 +15,23 @@ from typing import Any, Literal
 
 import numpy as np
 
+from fingertip.board.analysis import loads
 from fingertip.board.analysis.limits import VoltageLimits
-from fingertip.board.analysis.loads import (
-    compute_output_currents,
-    compute_peaking_db,
-    compute_phase_margins_deg,
-    signal_band_hz,
-)
 from fingertip.board.analysis.response import RECTIFYING_DIODE
 from fingertip.board.analysis.thresholds import BLOCKING_DIODE, OutputOffset, ThresholdSpread
 from fingertip.board.analysis.tolerance import LEAST_YIELD
 from fingertip.board.circuits.network import build_network, list_amplifiers
-from fingertip.board.components.bridge import AMPLIFIERS, MAX_FORCE_N, sensor_conductance_s
+from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
 from fingertip.board.components.values import CLAMP as CLAMP_DIODES
 from fingertip.board.components.values import LOW_LEAKAGE_CLAMP, SUPPLIES
-from fingertip.board.parts.circuit import FILTERED, STAGE1_OUT, VMID, Circuit, parse_component_value
+from fingertip.board.parts.circuit import Circuit, parse_component_value
+from fingertip.board.parts.nets import FILTERED, STAGE1_OUT, VMID
 from fingertip.catalogues.amplifiers import LOW_OFFSET_AMPLIFIER, Amplifier
 from fingertip.design import Design
-from fingertip.design.formulas.amplifiers import (
-    GOOD_PHASE_MARGIN_DEG,
-    MID_RAIL_RATIO,
-    choose_amplifier,
-    compute_charging_current_a,
-    input_swing_v,
-    loaded_swing_v,
-    total_supply_v,
-)
+from fingertip.design.formulas import amplifiers
 from fingertip.design.formulas.filter import find_preferred_neighbours
 from fingertip.design.rules.amplifiers import BANDWIDTH_MARGIN, MAX_OFFSET_RATIO, MAX_PEAKING_DB, MIN_PHASE_MARGIN_DEG
-from fingertip.foundation.comparison import Comparison
+from fingertip.foundation.comparison import Comparison, Relation
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.files import format_figure
 from fingertip.foundation.validation import round_up
@@ -77,16 +66,14 @@ class GateCondition(Comparison):
         return math.inf if self.passed else 0.0
 
 
-def at_most(
-    name: str, subject: str, value: float, limit: float, unit: str, level: Level = "required", remedy: str = ""
-) -> GateCondition:
-    return GateCondition(name, value, limit, unit, "at most", subject, level, remedy)
+def _compare(
+    relation: Relation, name: str, subject: str, value: float, limit: float, unit: str, level: Level = "required",
+    remedy: str = "",
+) -> GateCondition:  # fmt: skip
+    return GateCondition(name, value, limit, unit, relation, subject, level, remedy)
 
 
-def at_least(
-    name: str, subject: str, value: float, limit: float, unit: str, level: Level = "required", remedy: str = ""
-) -> GateCondition:
-    return GateCondition(name, value, limit, unit, "at least", subject, level, remedy)
+at_most, at_least = functools.partial(_compare, "at most"), functools.partial(_compare, "at least")
 
 
 CURRENT, OFFSET, BANDWIDTH, MARGIN, PEAKING = (
@@ -109,9 +96,9 @@ def check_gate(
     spread: ThresholdSpread | None,
 ) -> tuple[GateCondition, ...]:
     """Check all conditions of a board. `rises`: the tactile voltage rises with the force. Units: `rails` [V]."""
-    board, amplifier = design.board, choose_amplifier(design.board)
+    board, amplifier = design.board, amplifiers.choose_amplifier(design.board)
     needed_hz = BANDWIDTH_MARGIN * board.passband_gain * board.cutoff_hz
-    supply_v = total_supply_v(board)
+    supply_v = amplifiers.total_supply_v(board)
     farads = (parse_component_value(c.value) for c in circuit.components if c.symbol.name == "C")
     odd_capacitors = sum(below != above for below, above in map(find_preferred_neighbours, farads))
     trim = []
@@ -174,32 +161,31 @@ def _check_currents(
 ) -> Iterator[GateCondition]:
     """Compare the peak output current of each amplifier of the catalogue with what its data sheet gives."""
     board, supply = design.board, SUPPLIES[design.board.variant]
-    amplifier = choose_amplifier(board)
+    amplifier = amplifiers.choose_amplifier(board)
     # The largest vibration is that which reaches the swing, no nearer to a rail than the current is stated for.
-    scale = loaded_swing_v(board, amplifier) / input_swing_v(board, amplifier)
+    scale = amplifiers.loaded_swing_v(board, amplifier) / amplifiers.input_swing_v(board, amplifier)
     vibration_v, peak_a = scale * limits.vibration_peak_v, 0.0
-    currents = compute_output_currents(circuit, amplifier.bandwidth_hz, board.cutoff_hz)
+    currents = loads.compute_output_currents(circuit, amplifier.bandwidth_hz, board.cutoff_hz)
     if board.variant == "article":
         # The largest peak of the current through the rectifying diode over the band of the vibrations.
         ohm, farad = (parse_component_value(circuit.component(name).value) for name in ("R6", "C4"))
-        gain = next(np.abs(current.gain) for current in currents if current.amplifier == "U1b")
-        frequencies = np.geomspace(*signal_band_hz(board.cutoff_hz), len(gain)).tolist()
+        gain = next(np.abs(current.gain) for current in currents if current.output.amplifier == "U1b")
+        frequencies = np.geomspace(*loads.signal_band_hz(board.cutoff_hz), len(gain)).tolist()
         peaks_v = (vibration_v * gain).tolist()
         pairs = zip(peaks_v, frequencies, strict=True)
-        peak_a = max(compute_charging_current_a(peak_v, f_hz, ohm, farad) for peak_v, f_hz in pairs)
+        peak_a = max(amplifiers.compute_charging_current_a(peak_v, f_hz, ohm, farad) for peak_v, f_hz in pairs)
     for current in currents:
-        data = AMPLIFIERS.get(circuit.component(current.reference).symbol.name)
-        if data is None:
+        if (data := current.output.data) is None:
             continue
         linear_a, limit_a = vibration_v * float(np.abs(current.filter_s).max()), data.output_current_a
         if board.variant != "article":
             linear_a = vibration_v * float(np.abs(current.filter_s + current.diode_s).max())
         elif current.diode_s.any():
             linear_a += peak_a
-        if current.net == VMID:
+        if current.output.net == VMID:
             linear_a += _constant_current_a(circuit, supply.signal_ground, rails)
-            limit_a *= MID_RAIL_RATIO
-        yield at_most(CURRENT, current.amplifier, linear_a, limit_a, "A")
+            limit_a *= amplifiers.MID_RAIL_RATIO
+        yield at_most(CURRENT, current.output.amplifier, linear_a, limit_a, "A")
 
 
 def _constant_current_a(circuit: Circuit, buffered: str, rails: Mapping[str, float]) -> float:
@@ -223,15 +209,12 @@ def _check_offsets(circuit: Circuit, design: Design, amplifier: Amplifier) -> It
     """Compare the offset of each filter output with its swing: the part of the swing that the signal loses."""
     ground = SUPPLIES[design.board.variant].signal_ground
     network = build_network(circuit, amplifier.bandwidth_hz)
-    swing_v = input_swing_v(design.board, amplifier)
+    swing_v = amplifiers.input_swing_v(design.board, amplifier)
     for net in (STAGE1_OUT, FILTERED):
-        transfers = network.restrict(net).constant_transfers(net)
-        grounds = network.restrict(ground).constant_transfers(ground) if ground == VMID else {}
-        offset_v = 0.0
-        for _, reference, out in list_amplifiers(circuit):
-            data = AMPLIFIERS.get(circuit.component(reference).symbol.name)
-            if data:
-                offset_v += abs(transfers.get(out, 0.0) - grounds.get(out, 0.0)) * data.max_offset_v
+        transfers, offset_v = network.restrict(net, ground).constant_transfers(net, ground), 0.0
+        for output in list_amplifiers(circuit):
+            if output.data:
+                offset_v += abs(transfers.get(output.net, 0.0)) * output.data.max_offset_v
         yield at_most(OFFSET, net, offset_v / swing_v, MAX_OFFSET_RATIO, "")
         yield at_most(
             OFFSET, net, offset_v / swing_v, GOOD_OFFSET_RATIO, "", "advised",
@@ -247,17 +230,17 @@ def _check_stability(circuit: Circuit, amplifier: Amplifier, passband_gain: floa
     )
     networks = [build_network(circuit, amplifier.bandwidth_hz, conducting=[diode]) for diode in diodes or [""]]
     for network in networks:
-        for name, margin_deg in compute_phase_margins_deg(circuit, network).items():
+        for name, margin_deg in loads.compute_phase_margins_deg(circuit, network).items():
             margins[name] = min(margin_deg, margins.get(name, math.inf))
     for name, margin_deg in margins.items():
         if margin_deg == math.inf:  # a loop whose gain never reaches 1 cannot oscillate, and has no phase margin
             continue
         yield at_least(MARGIN, name, margin_deg, MIN_PHASE_MARGIN_DEG, "degree")
         yield at_least(
-            MARGIN, name, margin_deg, GOOD_PHASE_MARGIN_DEG - 1e-6, "degree", "advised",
+            MARGIN, name, margin_deg, amplifiers.GOOD_PHASE_MARGIN_DEG - 1e-6, "degree", "advised",
             "lower board.r5_ohm, or choose another board.amplifier",
         )  # fmt: skip
-    peaking_db = compute_peaking_db(circuit, networks[0], passband_gain)
+    peaking_db = loads.compute_peaking_db(circuit, networks[0], passband_gain)
     yield at_most(PEAKING, "FILTERED", peaking_db, MAX_PEAKING_DB, "dB")
 
 

@@ -15,7 +15,8 @@ import numpy as np
 from fingertip.board.analysis.response import RECTIFYING_DIODE, decibel, find_envelope_pin, find_rectifier
 from fingertip.board.circuits.network import build_network
 from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
-from fingertip.board.parts.circuit import ADC_FILTERED, ADC_TACTILE, ENVELOPE, FILTERED, TACTILE, VCC, VMID, Circuit
+from fingertip.board.parts.circuit import Circuit
+from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE, ENVELOPE, FILTERED, TACTILE, VCC, VMID
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import BAND_CUTOFFS
 

@@ -9,19 +9,8 @@ from fingertip.board.analysis.response import RECTIFYING_DIODE, find_envelope_pi
 from fingertip.board.circuits.network import build_network
 from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
 from fingertip.board.components.values import Supply
-from fingertip.board.parts.circuit import (
-    ADC_TACTILE,
-    BIAS,
-    GND,
-    REFERENCE,
-    SENSOR,
-    SENSOR_CONNECTOR,
-    TACTILE,
-    VCC,
-    VEE,
-    VMID,
-    Circuit,
-)
+from fingertip.board.parts.circuit import SENSOR_CONNECTOR, Circuit
+from fingertip.board.parts.nets import ADC_TACTILE, BIAS, GND, REFERENCE, SENSOR, TACTILE, VCC, VEE, VMID
 from fingertip.catalogues.amplifiers import Amplifier
 from fingertip.design.formulas.amplifiers import DIODE_V
 from fingertip.design.parameters import Detector

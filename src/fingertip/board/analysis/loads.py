@@ -16,16 +16,16 @@ import numpy as np
 from fingertip.board.analysis.response import RECTIFYING_DIODE
 from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import (
-    INVERSE_BANDWIDTH,
-    INVERSE_GAIN,
+    AmplifierOutput,
     Network,
     Spectrum,
+    add_second_poles,
     build_network,
     list_amplifiers,
 )
-from fingertip.board.components.bridge import AMPLIFIERS
 from fingertip.board.components.values import select_components
-from fingertip.board.parts.circuit import FILTERED, SUM, TACTILE, VMID, Circuit
+from fingertip.board.parts.circuit import Circuit
+from fingertip.board.parts.nets import FILTERED, SUM, TACTILE, VMID
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import BAND_CUTOFFS, find_gain_bandwidth_hz
 from fingertip.design.formulas.filter import find_preferred_neighbours
@@ -63,12 +63,12 @@ def compute_amplifier_loads(
     """Compute the load of each amplifier between the sensor and the envelope, in the order of their references."""
     loads = []
     for current in compute_output_currents(circuit, gain_bandwidth_hz, cutoff_hz):
-        if current.net == VMID:  # the buffer of the signal ground has no load to signal ground
+        if current.output.net == VMID:  # the buffer of the signal ground has no load to signal ground
             continue
         total_a, filter_a = np.abs(current.filter_s + current.diode_s), current.filter_s
         loads.append(
             AmplifierLoad(
-                current.amplifier,
+                current.output.amplifier,
                 min_ohm=float((np.abs(current.gain) / total_a).min()),
                 min_filter_ohm=float(np.abs(current.gain / filter_a).min()) if filter_a.any() else None,
                 max_current_a=vibration_v * float(total_a.max()),
@@ -81,11 +81,7 @@ def compute_amplifier_loads(
 class OutputCurrent:
     """Current of one amplifier's output over the band of the vibrations, for 1 V of the tactile voltage."""
 
-    amplifier: str
-    """Reference, with the letter of its unit."""
-    reference: str
-    net: str
-    """Net that the output drives."""
+    output: AmplifierOutput
     gain: Spectrum
     """Voltage of the output [V/V]."""
     filter_s: Spectrum
@@ -108,16 +104,16 @@ def compute_output_currents(circuit: Circuit, gain_bandwidth_hz: float, cutoff_h
         if c.symbol.name in "RC" or c.reference == RECTIFYING_DIODE
     ]
     currents = []
-    for amplifier, component, output in sorted(list_amplifiers(circuit)):
+    for output in sorted(list_amplifiers(circuit)):
         filter_s, diode_s = np.zeros((2, len(f)), dtype=np.complex128)
         for reference, first, second in branches:
-            if output not in (first, second):
+            if output.net not in (first, second):
                 continue
             admittance = network.values[reference] * (2j * np.pi * f if reference.startswith("C") else 1.0)
             # What is not among the equations, such as a rail, carries no signal.
-            difference = volts[output] - volts.get(second if output == first else first, 0.0)
+            difference = volts[output.net] - volts.get(second if output.net == first else first, 0.0)
             (diode_s if reference == RECTIFYING_DIODE else filter_s)[:] += admittance * difference
-        currents.append(OutputCurrent(amplifier, component, output, volts[output], filter_s, diode_s))
+        currents.append(OutputCurrent(output, volts[output.net], filter_s, diode_s))
     return tuple(currents)
 
 
@@ -165,15 +161,11 @@ def compute_phase_margins_deg(circuit: Circuit, network: Network) -> dict[str, f
     """Compute the phase margin of each operational amplifier of the catalogue [degree], by reference and unit."""
     f = np.geomspace(*LOOP_HZ, _LOOP_POINTS)
     margins = {}
-    for component in circuit.components:
-        data = AMPLIFIERS.get(component.symbol.name)
-        if data is None:
-            continue
-        for unit, (plus, minus, out) in data.units.items():
-            nets = [circuit.net_by_pin[component.reference, pin] for pin in (plus, minus, out)]
-            fed_back = _voltage(network, f, nets[1], nets[2]) - _voltage(network, f, nets[0], nets[2])
+    for amplifier, _, output, (plus, minus), data in list_amplifiers(circuit):
+        if data:
+            fed_back = _voltage(network, f, minus, output) - _voltage(network, f, plus, output)
             open_loop = np.array([data.open_loop_gain(hz) for hz in f.tolist()])
-            margins[f"{component.reference}{unit}"] = _find_margin_deg(open_loop * fed_back)
+            margins[amplifier] = _find_margin_deg(open_loop * fed_back)
     return margins
 
 
@@ -204,25 +196,9 @@ def _find_margin_deg(loop: Spectrum) -> float:
 
 
 def compute_two_pole_gain(circuit: Circuit, network: Network, f_hz: Array) -> Spectrum:
-    """Compute the filter's gain from the tactile voltage with two-pole amplifiers.
-
-    The equations hold 1 / A = 1 / A0 + s / (2 pi GBW). The second pole multiplies it by 1 + s / (2 pi f2).
-    """
-    part = network.drive(TACTILE).restrict(FILTERED)
-    n, s = len(part.nets), 2j * math.pi * f_hz
-    G, C = part.matrices
-    matrices = G[:, :n] + s[:, None, None] * C[:, :n]
-    for component in circuit.components:
-        data = AMPLIFIERS.get(component.symbol.name)
-        for unit, (_, _, out) in data.units.items() if data else ():
-            name, net = f"{component.reference}{unit}", circuit.net_by_pin[component.reference, out]
-            if data and net in part.nets:
-                inverse = part.values[f"{name} {INVERSE_GAIN}"] + s * part.values[f"{name} {INVERSE_BANDWIDTH}"]
-                row = part.nets.index(net)
-                matrices[:, row, row] -= inverse * s / (2.0 * math.pi * data.second_pole_hz)
-    given = np.array([1.0 if name == TACTILE else 0.0 for name in part.inputs])
-    right = -(G[:, n:] @ given + s[:, None] * (C[:, n:] @ given))
-    return np.asarray(np.linalg.solve(matrices, right[:, :, None])[:, part.nets.index(FILTERED), 0])
+    """Compute the filter's gain from the tactile voltage with two-pole amplifiers."""
+    part = add_second_poles(network.drive(TACTILE).restrict(FILTERED), circuit, f_hz)
+    return part.response(f_hz, {TACTILE: 1.0}, FILTERED)[:, 0]
 
 
 def compute_peaking_db(circuit: Circuit, network: Network, passband_gain: float) -> float:

@@ -16,32 +16,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.board.circuits.network import Network, build_network, list_amplifiers
-from fingertip.board.components.bridge import (
-    AD623_NOISE_V,
-    AD623_OFFSET_V,
-    AD623_OUTPUT_NOISE_V,
-    AMPLIFIERS,
-    BOLTZMANN_J_PER_K,
-    GAIN_CONSTANT_OHM,
-    GAIN_RESISTOR,
-    LOW_NOISE_NAME,
-    LOW_NOISE_V,
-    TEMPERATURE_K,
-    sensor_conductance_s,
-)
+from fingertip.board.components import bridge
+from fingertip.board.components.bridge import BOLTZMANN_J_PER_K, TEMPERATURE_K, sensor_conductance_s
 from fingertip.board.components.selection import nearest_value
 from fingertip.board.parts import symbols
-from fingertip.board.parts.circuit import (
-    ADC_TACTILE,
-    FEEDBACK,
-    FILTERED,
-    STAGE1_OUT,
-    TACTILE,
-    Circuit,
-    Component,
-    format_component_value,
-    parse_component_value,
-)
+from fingertip.board.parts.circuit import Circuit, Component, format_component_value, parse_component_value
+from fingertip.board.parts.nets import ADC_TACTILE, FEEDBACK, FILTERED, STAGE1_OUT, TACTILE
 from fingertip.design.formulas.filter import compute_limiting_capacitor_f
 from fingertip.foundation.numerics import Array
 
@@ -140,23 +120,20 @@ def _sources(circuit: Circuit, network: Network) -> Iterator[Source]:
     amplifiers = tuple(list_amplifiers(circuit))
     for component in circuit.components:
         symbol, reference = component.symbol.name, component.reference
-        if component.value == "FSR" or (symbol == "R" and reference != GAIN_RESISTOR):
+        if component.value == "FSR" or (symbol == "R" and reference != bridge.GAIN_RESISTOR):
             own = [t.equation for t in network.terms if t.quantity == reference and t.equation == t.net]
             entries = dict(zip(own, (1.0, -1.0), strict=False))  # a current from one net to the other
             yield Source(reference, entries, _thermal_noise(float(network.values[reference])), 0.0)
-        elif symbol in AMPLIFIERS:
-            data = AMPLIFIERS[symbol]
-            for name, owner, out in amplifiers:
-                if owner == reference:
-                    yield Source(name, {out: -1.0}, data.noise_v, data.offset_v)
-        elif symbol == "AD623ARMZ":
-            (out,) = (output.net for output in amplifiers if output.reference == reference)
-            resistor_ohm = parse_component_value(circuit.component(GAIN_RESISTOR).value)
-            gain = 1.0 + GAIN_CONSTANT_OHM / resistor_ohm
-            noise_v = math.hypot(AD623_NOISE_V, AD623_OUTPUT_NOISE_V / gain)
-            yield Source(reference, {out: -gain}, noise_v, AD623_OFFSET_V)
+        for name, _, out, _, data in (output for output in amplifiers if output.reference == reference):
+            if data:
+                yield Source(name, {out: -1.0}, data.noise_v, data.offset_v)
+                continue
+            resistor_ohm = parse_component_value(circuit.component(bridge.GAIN_RESISTOR).value)
+            gain = 1.0 + bridge.GAIN_CONSTANT_OHM / resistor_ohm
+            noise_v = math.hypot(bridge.AD623_NOISE_V, bridge.AD623_OUTPUT_NOISE_V / gain)
+            yield Source(reference, {out: -gain}, noise_v, bridge.AD623_OFFSET_V)
             # The gain resistor carries the input voltage, so its noise is amplified as noise at the input is.
-            yield Source(GAIN_RESISTOR, {out: 1.0 - gain}, _thermal_noise(resistor_ohm), 0.0)
+            yield Source(bridge.GAIN_RESISTOR, {out: 1.0 - gain}, _thermal_noise(resistor_ohm), 0.0)
 
 
 def _thermal_noise(value: float) -> float:
@@ -221,8 +198,9 @@ def compare_noise_alternatives(
         squares = board.squares(FILTERED)
         cases = {"": np.ones(len(squares))}
         if has_bridge:
-            low_noise = np.array([LOW_NOISE_V / AD623_NOISE_V if s.name == "U2" else 1.0 for s in board.sources])
-            cases[f", {LOW_NOISE_NAME} for U2"] = low_noise**2
+            ratio = bridge.LOW_NOISE_V / bridge.AD623_NOISE_V
+            low_noise = np.array([ratio if source.name == "U2" else 1.0 for source in board.sources])
+            cases[f", {bridge.LOW_NOISE_NAME} for U2"] = low_noise**2
         for suffix, factors in cases.items():
             total_v = math.sqrt(float(squares @ factors))
             alternatives.append(

@@ -35,7 +35,8 @@ from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import Network, Value, build_network
 from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
 from fingertip.board.components.values import Tolerance, select_components
-from fingertip.board.parts.circuit import ADC_TACTILE, FILTERED, STAGE1_OUT, TACTILE, VCC, VEE, Circuit
+from fingertip.board.parts.circuit import Circuit
+from fingertip.board.parts.nets import ADC_TACTILE, FILTERED, STAGE1_OUT, TACTILE, VCC, VEE
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 

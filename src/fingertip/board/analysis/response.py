@@ -10,18 +10,18 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
+
+import numpy as np
 
 from fingertip.board.circuits.network import Value, build_network
 from fingertip.board.circuits.transfer_function import Rational, Stage, find_stages, multiply
-from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_FILTERED, ENVELOPE, FILTERED, RECT_OUT, TACTILE, Circuit
+from fingertip.board.parts.circuit import Circuit
+from fingertip.board.parts.nets import ADC_ENVELOPE, ADC_FILTERED, ENVELOPE, FILTERED, RECT_OUT, TACTILE
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.design.formulas.filter import SECTION_QUALITY
 from fingertip.design.parameters import Board
-from fingertip.foundation.numerics import bisect_arrays, find_maximum, find_maximum_arrays, find_root
-
-if TYPE_CHECKING:
-    from fingertip.foundation.numerics import Array
+from fingertip.foundation.numerics import Array, bisect_arrays, find_maximum, find_maximum_arrays, find_root
 
 RECTIFYING_DIODE = "D1"
 """Diode that conducts while the filtered signal is positive, on every board that has a rectifier."""
@@ -207,8 +207,6 @@ def find_passband(transfer: Rational, band_hz: tuple[float, float]) -> Passband:
 
 def find_passbands(transfer: Rational, nominal: Passband) -> tuple[Array, Array]:
     """Find maximum gain and lower cutoff frequency [Hz] of many boards at once, as `find_passband` does for one."""
-    import numpy as np  # noqa: PLC0415
-
     power_gain = transfer.power_gain()
 
     def power(x: Array) -> Array:

@@ -19,19 +19,8 @@ from fingertip.board.circuits.channels import leave_out_empty, name_net
 from fingertip.board.circuits.network import build_network
 from fingertip.board.circuits.spice import HOST_GROUND, HOST_SUPPLY
 from fingertip.board.components.bridge import AD623_SUPPLY_A, AMPLIFIERS, COMPARATOR_SUPPLY_A, sensor_conductance_s
-from fingertip.board.parts.circuit import (
-    ADC_FILTERED,
-    ADC_TACTILE,
-    GND,
-    POWER_IN,
-    SENSOR,
-    VCC,
-    VEE,
-    Circuit,
-    Component,
-    Net,
-    parse_component_value,
-)
+from fingertip.board.parts.circuit import Circuit, Component, Net, parse_component_value
+from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE, GND, POWER_IN, SENSOR, VCC, VEE
 from fingertip.board.parts.symbols import C_0603, CAPACITOR, R_0603, RESISTOR
 from fingertip.design.parameters import Board
 

@@ -11,7 +11,8 @@ from fingertip.board.circuits.network import Network, Value, build_network, list
 from fingertip.board.circuits.transfer_function import find_stages
 from fingertip.board.components.bridge import AMPLIFIERS
 from fingertip.board.components.values import MAX_CLAMP_A
-from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_TACTILE, ENVELOPE, MEAN, SLIP, THRESHOLD, Circuit
+from fingertip.board.parts.circuit import Circuit
+from fingertip.board.parts.nets import ADC_ENVELOPE, ADC_TACTILE, ENVELOPE, MEAN, SLIP, THRESHOLD
 from fingertip.catalogues.amplifiers import CATALOGUE, LOW_OFFSET_AMPLIFIER
 from fingertip.design.formulas.filter import (
     BIAS_A,
@@ -117,10 +118,9 @@ def compute_output_offset(circuit: Circuit, gain_bandwidth_hz: float, signal_gro
 def _offset_gains(circuit: Circuit, gain_bandwidth_hz: float, signal_ground: str, diode: str) -> list[float]:
     """Constant gains from the offset voltage of each amplifier to the envelope above the signal ground."""
     network = build_network(circuit, gain_bandwidth_hz, conducting=[diode]).restrict(ENVELOPE, signal_ground)
-    envelope = network.constant_transfers(ENVELOPE)
-    ground = {} if signal_ground in network.inputs else network.constant_transfers(signal_ground)
+    transfers = network.constant_transfers(ENVELOPE, signal_ground)
     outputs = (output.net for output in list_amplifiers(circuit) if output.reference in _FILTER_AND_RECTIFIER)
-    return [envelope.get(net, 0.0) - ground.get(net, 0.0) for net in outputs]
+    return [transfers.get(net, 0.0) for net in outputs]
 
 
 # Mean and worst case of the comparator's threshold: offsets, currents and tolerances from 0 to 50 degrees Celsius.
@@ -171,13 +171,10 @@ def compute_threshold_spread(
 ) -> ThresholdSpread:
     """Compute mean and worst case of a board's threshold. Units: `rails` [V]."""
     network = build_network(circuit, gain_bandwidth_hz, conducting=[RECTIFYING_DIODE])
-    mean, threshold = (network.constant_transfers(net) for net in (MEAN, THRESHOLD))
-    transfers = {net: mean[net] - threshold[net] for net in network.nets}
-    offset_v = 0.0
-    for _, reference, net in list_amplifiers(circuit):
-        data = AMPLIFIERS.get(circuit.component(reference).symbol.name)
-        if data:
-            offset_v += abs(transfers[net]) * (data.max_offset_v + data.drift_v_per_k * _WARMING_K)
+    transfers, offset_v = network.constant_transfers(MEAN, THRESHOLD), 0.0
+    for output in list_amplifiers(circuit):
+        if data := output.data:
+            offset_v += abs(transfers[output.net]) * (data.max_offset_v + data.drift_v_per_k * _WARMING_K)
     leakage_a = MAX_CLAMP_A * 2.0 ** ((MAX_TEMPERATURE_C - DATA_SHEET_C) / _LEAKAGE_DOUBLES_K)
     input_ohm = abs(transfers[MEAN]), abs(transfers[THRESHOLD])
     mean_v = levels.on_v - BIAS_A * (input_ohm[0] - input_ohm[1])

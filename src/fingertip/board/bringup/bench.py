@@ -13,26 +13,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from fingertip.board.circuits.network import build_network, list_amplifiers
+from fingertip.board.circuits.network import Network, build_network, list_amplifiers
 from fingertip.board.components.bridge import ARTICLE_POINTS, sensor_conductance_s
 from fingertip.board.components.selection import nearest_value
-from fingertip.board.parts.circuit import (
-    ADC_ENVELOPE,
-    ADC_FILTERED,
-    ADC_TACTILE,
-    ENVELOPE,
-    FILTERED,
-    GND,
-    HOST_CONNECTOR,
-    SENSOR,
-    TACTILE,
-    VMID,
-    VMID_OUT,
-    Circuit,
-    Component,
-    Net,
-    parse_component_value,
-)
+from fingertip.board.parts import nets
+from fingertip.board.parts.circuit import HOST_CONNECTOR, Circuit, Component, Net, parse_component_value
 from fingertip.board.parts.symbols import C_0603, CAPACITOR, R_0603, RESISTOR
 
 TONE = "TONE"
@@ -65,20 +50,21 @@ def set_up_bench(circuit: Circuit, gain_bandwidth_hz: float, cutoff_hz: float, s
     low, middle, high = (float(round(ratio * cutoff_hz)) or cutoff_hz for ratio in _TONE_RATIOS)
     # The current into the bridge is the tone over this resistor, which is far larger than the bridge.
     trial = Bench((light_ohm, firm_ohm), 1e6, (low, middle, high))
-    network = build_network(connect_tone(circuit, trial), gain_bandwidth_hz, sensor_s=1.0 / light_ohm)
-    gain = abs(network.drive(TONE).restrict(FILTERED).response(np.array([high]), {TONE: 1.0}, FILTERED)[0, 0])
+    path = feed_tone(circuit, trial, gain_bandwidth_hz).restrict(nets.FILTERED)
+    gain = abs(path.response(np.array([high]), {TONE: 1.0}, nets.FILTERED)[0, 0])
     wanted = _SWING_SHARE * swing_v / (math.sqrt(2.0) * TONE_V)
     return replace(trial, coupling_ohm=nearest_value(trial.coupling_ohm * gain / wanted, "E24"))
 
 
-def connect_tone(circuit: Circuit, bench: Bench) -> Circuit:
-    """Connect the generator to the sensor's pin, through the coupling parts."""
+def feed_tone(circuit: Circuit, bench: Bench, gain_bandwidth_hz: float) -> Network:
+    """Feed a tone to the sensor's pin through the coupling parts, with the lighter resistor in place of the sensor."""
     resistor = Component(
         COUPLING_OHM, f"{bench.coupling_ohm:.10g}", RESISTOR, R_0603, "test: from the generator to the sensor"
     )
     capacitor = Component(COUPLING_F, f"{COUPLING_FARAD:.10g}", CAPACITOR, C_0603, "test: blocks direct current")
     middle = "TONE_MIDDLE"
-    return circuit.connect(resistor, {"1": middle, "2": SENSOR}).connect(capacitor, {"1": TONE, "2": middle})
+    toned = circuit.connect(resistor, {"1": middle, "2": nets.SENSOR}).connect(capacitor, {"1": TONE, "2": middle})
+    return build_network(toned, gain_bandwidth_hz, sensor_s=1.0 / bench.dummy_ohm[0]).drive(TONE)
 
 
 # Faults of single parts: what goes wrong when a board is soldered, each as a changed circuit.
@@ -111,7 +97,7 @@ def _leak(circuit: Circuit) -> Circuit:
     """Give large capacitors to ground their leakage, which decides on a net that an open resistor leaves floating."""
     for part in circuit.components:
         ends = [circuit.net_by_pin.get((part.reference, pin), "") for pin in "12"]
-        if part.symbol.name == "C" and GND in ends and parse_component_value(part.value) >= _LEAKING_FARAD:
+        if part.symbol.name == "C" and nets.GND in ends and parse_component_value(part.value) >= _LEAKING_FARAD:
             leak = Component(f"R8{part.reference[1:]}", _LEAKAGE_OHM, RESISTOR, R_0603, "leakage of a capacitor")
             circuit = circuit.connect(leak, dict(zip("12", ends, strict=True)))
     return circuit
@@ -132,8 +118,8 @@ def list_faults(circuit: Circuit, ends_v: Mapping[str, tuple[float, float]]) -> 
                 yield Fault(name, f"has {description}", circuit.replace(name, value), 2)
         elif kind == "1N4148W":
             swapped = {(name, "1"): (name, "2"), (name, "2"): (name, "1")}
-            nets = tuple(Net(net.name, tuple(swapped.get(node, node) for node in net.nodes)) for net in circuit.nets)
-            yield Fault(name, "is reversed", replace(circuit, nets=nets))
+            turned = tuple(Net(net.name, tuple(swapped.get(n, n) for n in net.nodes)) for net in circuit.nets)
+            yield Fault(name, "is reversed", replace(circuit, nets=turned))
             yield Fault(name, "is open: not soldered", circuit.without(name))
             yield bridged
     for output in list_amplifiers(circuit):
@@ -185,28 +171,28 @@ class OutputPin:
 
 
 _PINS = (
-    OutputPin("T", ADC_TACTILE, TACTILE, "R91"),
-    OutputPin("S", ADC_FILTERED, FILTERED, "R92"),
-    OutputPin("E", ADC_ENVELOPE, ENVELOPE, "R93"),
-    OutputPin("M", VMID_OUT, VMID, "R94"),
+    OutputPin("T", nets.ADC_TACTILE, nets.TACTILE, "R91"),
+    OutputPin("S", nets.ADC_FILTERED, nets.FILTERED, "R92"),
+    OutputPin("E", nets.ADC_ENVELOPE, nets.ENVELOPE, "R93"),
+    OutputPin("M", nets.VMID_OUT, nets.VMID, "R94"),
 )
 
 
 def list_output_pins(circuit: Circuit) -> tuple[OutputPin, ...]:
-    nets = {net.name for net in circuit.nets if any(reference == HOST for reference, _ in net.nodes)}
-    return tuple(pin for pin in _PINS if pin.net in nets)
+    at_host = {net.name for net in circuit.nets if any(reference == HOST for reference, _ in net.nodes)}
+    return tuple(pin for pin in _PINS if pin.net in at_host)
 
 
 def has_tone(pin: OutputPin) -> bool:
     """Return whether a pin's tone is large enough for a meter: that of the filtered signal."""
-    return pin.source == FILTERED
+    return pin.source == nets.FILTERED
 
 
 def connect_meter(circuit: Circuit) -> Circuit:
     """Connect a meter between each measured pin and supply ground."""
     for pin in list_output_pins(circuit):
         meter = Component(pin.meter, f"{METER_OHM:.10g}", RESISTOR, R_0603, "test: input of the meter")
-        circuit = circuit.connect(meter, {"1": pin.net, "2": GND})
+        circuit = circuit.connect(meter, {"1": pin.net, "2": nets.GND})
     return circuit
 
 

@@ -11,19 +11,13 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
+from fingertip.board.bringup import follow_up
 from fingertip.board.bringup.bench import HOST, Fault, list_exchanges, list_faults
-from fingertip.board.bringup.follow_up import (
-    METER_CONSTANT_OHM,
-    choose_follow_up,
-    list_measurable,
-    name_resistance,
-    predict_resistance,
-)
-from fingertip.board.bringup.plan import METER_AC, BringUp, Limits, resistance_limits
+from fingertip.board.bringup.plan import METER_AC, BringUp, Limits, find_failed, resistance_limits
 from fingertip.board.bringup.prediction import POINTS, Board, is_tone, name_voltage, predict
 from fingertip.board.circuits.network import build_network
 from fingertip.board.components.bridge import AMPLIFIERS
-from fingertip.board.parts.circuit import ENVELOPE, RECT_OUT, STAGE1_OUT, VMID
+from fingertip.board.parts.nets import ENVELOPE, RECT_OUT, STAGE1_OUT, VMID
 from fingertip.foundation.errors import join_words
 
 # Mistakes of the person with the meter: readings that were taken between other points than the sheet says.
@@ -156,26 +150,26 @@ def diagnose(
 
     Units: `readings` and `limits` [V], or [ohm] for resistances across parts in place.
     """
-    failed = tuple(name for name, v in readings.items() if not limits[name].low_v <= v <= limits[name].high_v)
+    failed = tuple(find_failed(limits, readings))
     if not failed or len(readings) < MIN_READINGS:
         return Diagnosis(failed, ())
     singles, exchanges = list_faults(board.circuit, board.ends_v), list_exchanges(board.circuit)
     faults = [Fault("", "", board.circuit), *filter(is_possible, singles), *filter(is_possible, exchanges)]
     predicted = []
-    across = [name for name in list_measurable(board.circuit) if name_resistance(name) in readings]
+    across = [name for name in follow_up.list_measurable(board.circuit) if follow_up.name_resistance(name) in readings]
     for fault, values in zip(faults, predict(board, faults, tone_v), strict=True):
-        ohms = {name_resistance(name): predict_resistance(fault.circuit, name) for name in across}
+        ohms = {follow_up.name_resistance(name): follow_up.predict_resistance(fault.circuit, name) for name in across}
         predicted.append((fault, fit_offset(board, fault, values, readings) | ohms))
     likely = explain(predicted, limits, readings, list_mistakes(board))
     named = likely[0].fault.reference.split(" and ") if likely else []
-    is_measured = {name_resistance(name) for name in named} <= readings.keys()
+    is_measured = {follow_up.name_resistance(name) for name in named} <= readings.keys()
     if not likely or likely[0].mistake or (len(likely) == 1 and is_measured):
         return Diagnosis(failed, likely)
     # Where the best explanation is poor, errors of the prediction are larger.
     margin = max(_CLOSE / len(readings), likely[0].misfit)
     alone = find_alone(predicted, limits, readings)
     near = [each.fault.circuit for each in alone if each.misfit - likely[0].misfit < margin]
-    return Diagnosis(failed, likely, choose_follow_up(board.circuit, near, readings, named))
+    return Diagnosis(failed, likely, follow_up.choose_follow_up(board.circuit, near, readings, named))
 
 
 def fit_offset(board: Board, fault: Fault, values: dict[str, float], readings: Mapping[str, float]) -> dict[str, float]:
@@ -187,13 +181,11 @@ def fit_offset(board: Board, fault: Fault, values: dict[str, float], readings: M
     name = name_voltage(STAGE1_OUT)
     if fault.rarity != 1 or not fault.reference.startswith("C") or name not in readings:
         return values
-    transfers = (
-        build_network(fault.circuit, board.gain_bandwidth_hz).restrict(STAGE1_OUT).constant_transfers(STAGE1_OUT)
-    )
-    symbol = board.circuit.component("U1").symbol.name
-    span_v = abs(transfers[STAGE1_OUT]) * AMPLIFIERS[symbol].max_offset_v
-    if abs(transfers[STAGE1_OUT]) < _AMPLIFIED:
+    network = build_network(fault.circuit, board.gain_bandwidth_hz).restrict(STAGE1_OUT)
+    gain = abs(network.constant_transfers(STAGE1_OUT)[STAGE1_OUT])
+    if gain < _AMPLIFIED:
         return values
+    span_v = gain * AMPLIFIERS[board.circuit.component("U1").symbol.name].max_offset_v
     low_v, high_v = values[name] - span_v, values[name] + span_v
     return {**values, name: min(max(readings[name], low_v), high_v)}
 
@@ -204,15 +196,14 @@ def find_alone(
     """Find the faults that explain any failing reading, and all readings better than no fault does."""
     expected = {name: limits[name].expected_v for name in readings}
     no_fault = _misfit(expected, readings, limits)
-    failing = {name: v for name, v in readings.items() if not limits[name].low_v <= v <= limits[name].high_v}
+    # The largest difference that a fault which explains a failing reading may leave of it.
+    largest = {
+        name: _CLOSER * abs(_difference(name, expected[name], readings[name], limits))
+        for name in find_failed(limits, readings)
+    }
 
     def explains_one(values: Mapping[str, float]) -> bool:
-        """Return whether a fault brings any failing reading much closer to what was measured than no fault does."""
-        return any(
-            abs(_difference(name, values[name], v, limits))
-            <= _CLOSER * abs(_difference(name, expected[name], v, limits))
-            for name, v in failing.items()
-        )
+        return any(abs(_difference(n, values[n], readings[n], limits)) <= most for n, most in largest.items())
 
     # A fault that explains none of the failing readings, or all of them worse than no fault, is no explanation.
     return [
@@ -246,10 +237,8 @@ def explain(
             closest = [each for each in found if each.fault.reference]
         margin = _FAR if closest[0].fault.reference else _ALIKE
         best = min(each.misfit for each in closest)
-        if (
-            best <= _EXPLAINED
-            and (min((each.misfit for each in likely), default=no_fault) - best) * len(readings) >= margin
-        ):
+        nearer = min((each.misfit for each in likely), default=no_fault) - best
+        if best <= _EXPLAINED and nearer * len(readings) >= margin:
             likely = _select_closest(closest, len(readings))
     return likely
 
@@ -286,7 +275,7 @@ def _misfit(predicted: Mapping[str, float], readings: Mapping[str, float], limit
 def _difference(name: str, predicted_v: float, measured_v: float, limits: Mapping[str, Limits]) -> float:
     spread = (limits[name].high_v - limits[name].low_v) / 4.0
     if name.endswith("_ohm"):
-        spread = METER_CONSTANT_OHM + spread * predicted_v / limits[name].expected_v
+        spread = follow_up.METER_CONSTANT_OHM + spread * predicted_v / limits[name].expected_v
     if is_tone(name) and limits[name].low_v > 0.0:
         # What is left of a tone has the same relative spread, and the meter's own error.
         expected_v = limits[name].expected_v
@@ -314,11 +303,10 @@ def list_hidden_faults(plan: BringUp) -> dict[str, list[str]]:
     for fault, found in zip(faults, predict(board, faults), strict=True):
         # An offset that the fault lets through shows, unless it happens to be nearly none.
         values = fit_offset(board, fault, found, beyond)
-        is_within = all(limits.low_v <= values[name] <= limits.high_v for name, limits in plan.levels.items())
-        resistances = resistance_limits(replace(board, circuit=fault.circuit)) if is_within else {}
-        if is_within and all(
-            limits.low_v <= resistances[name].expected_v <= limits.high_v for name, limits in plan.before_power.items()
-        ):
+        if not all(limits.allow(values[name]) for name, limits in plan.levels.items()):
+            continue
+        resistances = resistance_limits(replace(board, circuit=fault.circuit))
+        if all(limits.allow(resistances[name].expected_v) for name, limits in plan.before_power.items()):
             what = fault.description.removeprefix("is ").partition(":")[0]
             hidden.setdefault(what, []).append(fault.reference)
     return hidden

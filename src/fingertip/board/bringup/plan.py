@@ -10,19 +10,7 @@ import numpy as np
 
 from fingertip.board.analysis.board_values import BoardValues
 from fingertip.board.analysis.shared import compute_supply_current_a
-from fingertip.board.bringup.bench import (
-    COUPLING_F,
-    COUPLING_OHM,
-    HOST,
-    TONE,
-    TONE_V,
-    TOP_HZ,
-    Fault,
-    connect_meter,
-    connect_tone,
-    has_tone,
-    list_output_pins,
-)
+from fingertip.board.bringup import bench
 from fingertip.board.bringup.prediction import (
     Board,
     batch_constant,
@@ -35,19 +23,9 @@ from fingertip.board.bringup.prediction import (
 )
 from fingertip.board.bringup.wiring import list_pins
 from fingertip.board.circuits.network import Network, Value, build_network, list_amplifiers
-from fingertip.board.components.bridge import AD623_OFFSET_V, AMPLIFIERS, GAIN_CONSTANT_OHM, GAIN_RESISTOR
-from fingertip.board.parts.circuit import (
-    ENVELOPE,
-    FILTERED,
-    GND,
-    RECT_OUT,
-    SENSOR,
-    TACTILE,
-    VCC,
-    VEE,
-    Circuit,
-    parse_component_value,
-)
+from fingertip.board.components.bridge import AD623_OFFSET_V, GAIN_CONSTANT_OHM, GAIN_RESISTOR
+from fingertip.board.parts.circuit import Circuit, parse_component_value
+from fingertip.board.parts.nets import ENVELOPE, FILTERED, GND, RECT_OUT, SENSOR, TACTILE, VCC, VEE
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.output_set import hash_parameters
 
@@ -57,7 +35,7 @@ BOARDS, SEED = 400, 1
 METER_DC, METER_AC = (0.005, 0.003), (0.02, 0.005)
 """Error of a simple multimeter: ratio of the reading, and a constant [V]; direct voltage, and alternating voltage from
 40 to 400 Hz. An assumption; a better meter has less."""
-_TEST_PART_RATIO = {COUPLING_OHM: 0.01, COUPLING_F: 0.1}
+_TEST_PART_RATIO = {bench.COUPLING_OHM: 0.01, bench.COUPLING_F: 0.1}
 """Tolerances of the parts that connect the generator. Measure the resistor to know it better."""
 _DUMMY_RATIO = 0.01
 SUPPLY_PERCENT = 2.0
@@ -72,8 +50,16 @@ class Limits:
     low_v: float
     high_v: float
 
+    def allow(self, reading: float) -> bool:
+        return self.low_v <= reading <= self.high_v
 
-def compute_limits(board: Board, values: BoardValues, tone_v: float = TONE_V) -> dict[str, Limits]:
+
+def find_failed(limits: Mapping[str, Limits], readings: Mapping[str, float]) -> list[str]:
+    """Find the readings that lie beyond their limits, by name."""
+    return [name for name, reading in readings.items() if not limits[name].allow(reading)]
+
+
+def compute_limits(board: Board, values: BoardValues, tone_v: float = bench.TONE_V) -> dict[str, Limits]:
     """Compute the limits of all readings, by the reading's name.
 
     Resistors and capacitors are drawn within their tolerances, offsets within their maximum, both uniformly. `tone_v`
@@ -81,48 +67,40 @@ def compute_limits(board: Board, values: BoardValues, tone_v: float = TONE_V) ->
     """
     random = np.random.default_rng(SEED)
     drawn: dict[str, Array] = {}
-    light, firm = board.bench.dummy_ohm
+    high_hz = board.bench.tones_hz[-1]
 
     for net in board.nets:
         if net != ENVELOPE:
             drawn[name_voltage(net)] = _draw_constant(board, net, board.signal_ground, random)
-    for ohm in (light, firm):
+    for ohm in board.bench.dummy_ohm:
         drawn[name_voltage(TACTILE, ohm)] = _draw_constant(board, TACTILE, board.signal_ground, random, ohm)
-    toned = build_network(connect_tone(board.circuit, board.bench), board.gain_bandwidth_hz, sensor_s=1.0 / light)
-    path = toned.drive(TONE).restrict(FILTERED)
+    path = bench.feed_tone(board.circuit, board.bench, board.gain_bandwidth_hz).restrict(FILTERED)
     parts = path.with_values(_draw(path, board, random))
     levels = {name_tone(net, hz): tone_v * batch_level(parts, hz, net) for net, hz in list_levels(board.bench)}
 
-    if not board.has_envelope:
-        (nominal,) = predict(board, [Fault("", "", board.circuit)], tone_v)
-        limits = _widen_drawn(nominal, drawn, levels)
-        return limits | _limit_pins(board, limits, nominal, tone_v, random)
-    # The envelope follows the filtered tone: between the weakest and the strongest of the boards. Behind a bare diode
-    # it also follows C4, which holds it between the peaks.
-    filtered = levels[name_tone(FILTERED, board.bench.tones_hz[-1])]
-    middle = tone_v * float(batch_level(path, board.bench.tones_hz[-1], FILTERED))
-    tones_v = [tone_v * float(level) / middle for level in (middle, filtered.min(), filtered.max())]
-    c4_f, ratio = parse_component_value(board.circuit.component("C4").value), _find_tolerance("C4", board)
-    circuits = (board.circuit.replace("C4", f"{c4_f * factor:.10g}") for factor in (1.0 - ratio, 1.0 + ratio))
-    nominal, *ends = predict(board, [Fault("", "", circuit) for circuit in (board.circuit, *circuits)], *tones_v)
-    limits = _widen_drawn(nominal, drawn, levels)
-    limits |= _limit_envelope(board, values, nominal, ends)
-    ripple, tolerance = name_ripple(board.bench.tones_hz[-1]), ratio + 2.0 * _find_tolerance("R6", board)
-    spread = np.array([tones_v[1] * (1.0 - tolerance), tones_v[2] / (1.0 - tolerance)]) / tones_v[0]
-    limits[ripple] = _widen(nominal[ripple], spread * nominal[ripple], METER_AC)
+    circuits, tones_v, ratio = [board.circuit], [tone_v], _find_tolerance("C4", board)
+    if board.has_envelope:
+        # The envelope follows the filtered tone: between the weakest and the strongest of the boards. Behind a bare
+        # diode it also follows C4, which holds it between the peaks.
+        filtered = levels[name_tone(FILTERED, high_hz)]
+        middle = tone_v * float(batch_level(path, high_hz, FILTERED)[0])
+        tones_v += [tone_v * float(level) / middle for level in (filtered.min(), filtered.max())]
+        c4_f = parse_component_value(board.circuit.component("C4").value)
+        circuits += [board.circuit.replace("C4", f"{c4_f * factor:.10g}") for factor in (1.0 - ratio, 1.0 + ratio)]
+    nominal, *ends = predict(board, [bench.Fault("", "", circuit) for circuit in circuits], *tones_v)
+    limits = {name: _widen(nominal[name], volts, METER_DC) for name, volts in drawn.items()}
+    limits |= {name: _widen(nominal[name], volts, METER_AC) for name, volts in levels.items()}
+    if board.has_envelope:
+        limits |= _limit_envelope(board, values, nominal, ends)
+        ripple, tolerance = name_ripple(high_hz), ratio + 2.0 * _find_tolerance("R6", board)
+        spread = np.array([tones_v[1] * (1.0 - tolerance), tones_v[2] / (1.0 - tolerance)]) / tone_v
+        limits[ripple] = _widen(nominal[ripple], spread * nominal[ripple], METER_AC)
     return limits | _limit_pins(board, limits, nominal, tone_v, random)
-
-
-def _widen_drawn(
-    nominal: Mapping[str, float], constant: Mapping[str, Array], tones: Mapping[str, Array]
-) -> dict[str, Limits]:
-    limits = {name: _widen(nominal[name], volts, METER_DC) for name, volts in constant.items()}
-    return limits | {name: _widen(nominal[name], volts, METER_AC) for name, volts in tones.items()}
 
 
 def _draw_constant(board: Board, net: str, ground: str, random: np.random.Generator, ohm: float | None = None) -> Array:
     """Draw the constant voltage of a net above a ground [V], with the sensor open or a resistor in its place."""
-    circuit = connect_meter(board.circuit) if ground != board.signal_ground else board.circuit
+    circuit = bench.connect_meter(board.circuit) if ground != board.signal_ground else board.circuit
     network = build_network(circuit, board.gain_bandwidth_hz, sensor_s=1.0 / ohm if ohm else 0.0)
     path = network.restrict(net, *({ground} - {GND}))
     sensor = {"J1": 1.0 / ohm / (1.0 + _DUMMY_RATIO * random.uniform(-1, 1, BOARDS))} if ohm else {}
@@ -136,7 +114,7 @@ def _limit_pins(
     board: Board, limits: Mapping[str, Limits], nominal: Mapping[str, float], tone_v: float, random: np.random.Generator
 ) -> dict[str, Limits]:
     found = {}
-    for pin in list_output_pins(board.circuit):
+    for pin in bench.list_output_pins(board.circuit):
         if pin.source == ENVELOPE:
             # The rectifier is not linear: its own limits, above every level that the signal ground may have.
             has_middle = board.signal_ground != GND
@@ -148,11 +126,10 @@ def _limit_pins(
         else:
             volts = _draw_constant(board, pin.net, GND, random)
             found[pin.constant_name] = _widen(nominal[pin.constant_name], volts, METER_DC)
-        if has_tone(pin):
-            light = board.bench.dummy_ohm[0]
-            circuit = connect_tone(connect_meter(board.circuit), board.bench)
-            path = build_network(circuit, board.gain_bandwidth_hz, sensor_s=1.0 / light).drive(TONE).restrict(pin.net)
-            level = tone_v * batch_level(path.with_values(_draw(path, board, random)), TOP_HZ, pin.net)
+        if bench.has_tone(pin):
+            circuit = bench.connect_meter(board.circuit)
+            path = bench.feed_tone(circuit, board.bench, board.gain_bandwidth_hz).restrict(pin.net)
+            level = tone_v * batch_level(path.with_values(_draw(path, board, random)), bench.TOP_HZ, pin.net)
             found[pin.tone_name] = _widen(nominal[pin.tone_name], level, METER_AC)
     return found
 
@@ -205,15 +182,11 @@ def _find_tolerance(reference: str, board: Board) -> float:
 
 def _draw_offset(path: Network, board: Board, net: str, ground: str, random: np.random.Generator) -> Array:
     """Draw the offsets of the amplifiers before a net, as they appear between it and a ground [V]."""
-    transfers, total = path.constant_transfers(net), np.zeros(BOARDS)
-    if ground not in (net, GND):
-        of_ground = path.constant_transfers(ground)
-        transfers = {name: transfer - of_ground[name] for name, transfer in transfers.items()}
+    transfers, total = path.constant_transfers(net, ground if ground != net else GND), np.zeros(BOARDS)
     for output in list_amplifiers(board.circuit):
         if output.net in transfers:
-            symbol = board.circuit.component(output.reference).symbol.name
-            if symbol in AMPLIFIERS:
-                limit_v = AMPLIFIERS[symbol].max_offset_v
+            if output.data:
+                limit_v = output.data.max_offset_v
             else:
                 gain_ohm = parse_component_value(board.circuit.component(GAIN_RESISTOR).value)
                 limit_v = AD623_OFFSET_V * (1.0 + GAIN_CONSTANT_OHM / gain_ohm)
@@ -288,8 +261,8 @@ class BringUp:
 
 def _list_levels_in_order(board: Board) -> list[str]:
     """List the voltages in the order of the sheet: without the tone, at the output connector, with the tone."""
-    pins = {pin.net: pin for pin in list_output_pins(board.circuit)}
-    at_host = [pins[net] for _, net in list_pins(board.circuit, board.circuit.component(HOST)) if net in pins]
+    pins = {pin.net: pin for pin in bench.list_output_pins(board.circuit)}
+    at_host = [pins[net] for _, net in list_pins(board.circuit, board.circuit.component(bench.HOST)) if net in pins]
     high = board.bench.tones_hz[-1]
     return [
         *(name_voltage(net) for net in board.nets),
@@ -298,11 +271,11 @@ def _list_levels_in_order(board: Board) -> list[str]:
         *(name_tone(net, hz) for net, hz in (*list_levels(board.bench), (ENVELOPE, high))),
         name_ripple(high),
         name_tone(RECT_OUT, high),
-        *(pin.tone_name for pin in pins.values() if has_tone(pin)),
+        *(pin.tone_name for pin in pins.values() if bench.has_tone(pin)),
     ]
 
 
-def plan_bring_up(board: Board, values: BoardValues, tone_v: float = TONE_V) -> BringUp:
+def plan_bring_up(board: Board, values: BoardValues, tone_v: float = bench.TONE_V) -> BringUp:
     """Plan the bring-up of a board with a tone of this RMS [V]."""
     levels = compute_limits(board, values, tone_v)
     alone_a = compute_supply_current_a(board.circuit, board.rails_v[VCC])

@@ -23,47 +23,33 @@ from fingertip.board.bringup.bench import (
     Bench,
     Fault,
     attenuate_tones,
-    connect_tone,
+    feed_tone,
     list_output_pins,
     predict_constants,
     set_up_bench,
 )
 from fingertip.board.bringup.rectifier import Drive, measure_voltages
 from fingertip.board.circuits.network import Network, build_network, list_amplifiers
-from fingertip.board.components.bridge import AMPLIFIERS
 from fingertip.board.components.values import SUPPLIES
-from fingertip.board.parts.circuit import (
-    ENVELOPE,
-    FILTERED,
-    GND,
-    RECT_OUT,
-    REFERENCE,
-    SENSOR,
-    STAGE1_OUT,
-    STAGE2_MID,
-    TACTILE,
-    VCC,
-    VEE,
-    VMID,
-    Circuit,
-)
+from fingertip.board.parts import nets
+from fingertip.board.parts.circuit import Circuit
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.foundation.numerics import Array
 
 _MAX_SATURATED = 8
 _TONE_END = "hz_v"
-_PATH = (VMID, TACTILE, STAGE1_OUT, FILTERED)
+_PATH = (nets.VMID, nets.TACTILE, nets.STAGE1_OUT, nets.FILTERED)
 POINTS = {
-    TACTILE: "TP1",
-    STAGE1_OUT: "TP2",
-    FILTERED: "TP3",
-    ENVELOPE: "TP4",
-    VMID: "TP5",
-    SENSOR: "J1",
-    REFERENCE: "R13",
-    STAGE2_MID: "R2",
-    RECT_OUT: "U3",
+    nets.TACTILE: "TP1",
+    nets.STAGE1_OUT: "TP2",
+    nets.FILTERED: "TP3",
+    nets.ENVELOPE: "TP4",
+    nets.VMID: "TP5",
+    nets.SENSOR: "J1",
+    nets.REFERENCE: "R13",
+    nets.STAGE2_MID: "R2",
+    nets.RECT_OUT: "U3",
 }
 """Place where each net is measured: a test point, or a part's end (`sheet` says which). A test compares them with the
 circuits."""
@@ -86,20 +72,18 @@ class Board:
     @property
     def nets(self) -> tuple[str, ...]:
         """Nets whose constant voltage is measured."""
-        nets = {net.name for net in self.circuit.nets}
-        return tuple(n for n in POINTS if n in nets and n not in (STAGE2_MID, RECT_OUT))
+        known = {net.name for net in self.circuit.nets}
+        return tuple(n for n in POINTS if n in known and n not in (nets.STAGE2_MID, nets.RECT_OUT))
 
     @property
     def has_envelope(self) -> bool:
-        return ENVELOPE in self.nets
+        return nets.ENVELOPE in self.nets
 
     @classmethod
     def of_design(cls, design: Design, circuit: Circuit) -> Board:
         supply, supply_v = SUPPLIES[design.board.variant], design.board.supply_v
-        rails = {GND: 0.0, VCC: supply_v, VEE: -supply_v}
-        margin_v = max(
-            AMPLIFIERS[c.symbol.name].output_from_rail_v for c in circuit.components if c.symbol.name in AMPLIFIERS
-        )
+        rails = {nets.GND: 0.0, nets.VCC: supply_v, nets.VEE: -supply_v}
+        margin_v = max(output.data.output_from_rail_v for output in list_amplifiers(circuit) if output.data)
         low, high = rails[supply.negative_rail] + margin_v, supply_v - margin_v
         ground_v = supply.signal_ground_v(supply_v)
         bandwidth = find_gain_bandwidth_hz(design.board)
@@ -112,14 +96,14 @@ class Board:
         return {
             a.net: self.swing_of(a.amplifier)
             for a in list_amplifiers(self.circuit)
-            if a.net in POINTS and a.net != RECT_OUT
+            if a.net in POINTS and a.net != nets.RECT_OUT
         }
 
     def swing_of(self, amplifier: str) -> tuple[float, float]:
         """Ends of the swing of one amplifier's output above ground [V]."""
         if amplifier != "U2":  # the AD623; units of a dual amplifier have a letter
             return self.swing_v
-        return self.rails_v[VEE] + OUTPUT_LOWER_MARGIN_V, self.rails_v[VCC] - OUTPUT_UPPER_MARGIN_V
+        return self.rails_v[nets.VEE] + OUTPUT_LOWER_MARGIN_V, self.rails_v[nets.VCC] - OUTPUT_UPPER_MARGIN_V
 
 
 def predict(board: Board, faults: Sequence[Fault], *tones_v: float) -> list[dict[str, float]]:
@@ -135,9 +119,9 @@ def predict(board: Board, faults: Sequence[Fault], *tones_v: float) -> list[dict
         _add_envelope(board, faults, readings, drives)
     for i, values in enumerate(readings):
         # The pins of J3 are above supply ground, the other readings above signal ground.
-        middle_v = values[name_voltage(VMID)] if board.signal_ground == VMID else 0.0
+        middle_v = values[name_voltage(nets.VMID)] if board.signal_ground == nets.VMID else 0.0
         sources_v = {
-            pin.source: values[name_voltage(pin.source)] + (0.0 if pin.source == VMID else middle_v)
+            pin.source: values[name_voltage(pin.source)] + (0.0 if pin.source == nets.VMID else middle_v)
             for pin in list_output_pins(faults[i].circuit)
         }
         values |= predict_constants(faults[i].circuit, {**board.rails_v, **sources_v})
@@ -153,13 +137,13 @@ def _add_envelope(
     means = measured.means
     for i, values in enumerate(readings):
         ground_v = drives[2 * i].given_v[board.signal_ground]
-        stuck = faults[i].stuck_v.get(ENVELOPE)
-        quiet, loud = means[ENVELOPE][2 * i : 2 * i + 2] if stuck is None else (stuck, stuck)
-        values[name_voltage(ENVELOPE)] = float(quiet) - ground_v
-        values[name_tone(ENVELOPE, hz)] = float(loud) - ground_v
+        stuck = faults[i].stuck_v.get(nets.ENVELOPE)
+        quiet, loud = means[nets.ENVELOPE][2 * i : 2 * i + 2] if stuck is None else (stuck, stuck)
+        values[name_voltage(nets.ENVELOPE)] = float(quiet) - ground_v
+        values[name_tone(nets.ENVELOPE, hz)] = float(loud) - ground_v
         values[name_ripple(hz)] = float(measured.ripple[2 * i + 1]) if stuck is None else 0.0
-        if RECT_OUT in means:
-            values[name_tone(RECT_OUT, hz)] = float(means[RECT_OUT][2 * i + 1]) - ground_v
+        if nets.RECT_OUT in means:
+            values[name_tone(nets.RECT_OUT, hz)] = float(means[nets.RECT_OUT][2 * i + 1]) - ground_v
 
 
 def name_voltage(net: str, ohm: float | None = None) -> str:
@@ -174,7 +158,7 @@ def name_tone(net: str, hz: float) -> str:
 
 def name_ripple(hz: float) -> str:
     """Name of the reading of the envelope's alternating part while the tone sounds."""
-    return f"{POINTS[ENVELOPE].lower()}ac_{hz:.0f}{_TONE_END}"
+    return f"{POINTS[nets.ENVELOPE].lower()}ac_{hz:.0f}{_TONE_END}"
 
 
 def is_tone(name: str) -> bool:
@@ -185,51 +169,50 @@ def list_levels(bench: Bench) -> tuple[tuple[str, float], ...]:
     """Nets and frequencies [Hz] at which the tone is measured."""
     low, middle, high = bench.tones_hz
     return (
-        (FILTERED, low), (FILTERED, middle), (FILTERED, high), (STAGE1_OUT, middle),
-        (STAGE2_MID, low), (STAGE2_MID, middle), (STAGE2_MID, high),
+        (nets.FILTERED, low), (nets.FILTERED, middle), (nets.FILTERED, high), (nets.STAGE1_OUT, middle),
+        (nets.STAGE2_MID, low), (nets.STAGE2_MID, middle), (nets.STAGE2_MID, high),
     )  # fmt: skip
 
 
 def _predict_linear(board: Board, fault: Fault, tone_v: float) -> tuple[dict[str, float], tuple[Drive, Drive]]:
     """Readings up to the filter's output, and what drives the rectifier: nothing but a level, and the tone."""
-    nets = tuple(net for net in board.nets if net != ENVELOPE)
-    light, firm = board.bench.dummy_ohm
-    volts, _ = solve_constant(board, fault, 0.0, nets)
+    measured = tuple(net for net in board.nets if net != nets.ENVELOPE)
+    volts, _ = solve_constant(board, fault, 0.0, measured)
     ground = board.signal_ground
-    values = {name_voltage(net): volts[net] - (volts[ground] if net != ground else 0.0) for net in nets}
-    for ohm in (firm, light):
-        volts, held = solve_constant(board, fault, 1.0 / ohm, nets)
-        values[name_voltage(TACTILE, ohm)] = volts[TACTILE] - volts[ground]
-    network = build_network(connect_tone(fault.circuit, board.bench), board.gain_bandwidth_hz, sensor_s=1.0 / light)
-    network = network.drive(TONE)
+    values = {name_voltage(net): volts[net] - (volts[ground] if net != ground else 0.0) for net in measured}
+    for ohm in reversed(board.bench.dummy_ohm):
+        volts, held = solve_constant(board, fault, 1.0 / ohm, measured)
+        values[name_voltage(nets.TACTILE, ohm)] = volts[nets.TACTILE] - volts[ground]
+    network = feed_tone(fault.circuit, board.bench, board.gain_bandwidth_hz)
     path = network.ground(*held).restrict(*(net for net, _ in list_levels(board.bench) if net not in held))
-    peaks: dict[tuple[str, float], float] = {}
-    for net, hz in list_levels(board.bench):
-        gain = abs(path.response(np.array([hz]), {TONE: 1.0}, net)[0, 0]) if net in path.nets else 0.0
-        peaks[net, hz] = math.sqrt(2.0) * tone_v * float(gain)
-        values[name_tone(net, hz)] = _clipped_rms(volts.get(net, 0.0), peaks[net, hz], board.swing_v)
+
+    def peak_v(net: str, hz: float) -> float:
+        return math.sqrt(2.0) * tone_v * float(batch_level(path, hz, net)[0]) if net in path.nets else 0.0
+
+    peaks_v = {(net, hz): peak_v(net, hz) for net, hz in list_levels(board.bench)}
+    for (net, hz), peak in peaks_v.items():
+        values[name_tone(net, hz)] = _clipped_rms(volts.get(net, 0.0), peak, board.swing_v)
     if ratios := attenuate_tones(fault.circuit):
-        gain = abs(path.response(np.array([TOP_HZ]), {TONE: 1.0}, FILTERED)[0, 0]) if FILTERED in path.nets else 0.0
-        rms = _clipped_rms(volts[FILTERED], math.sqrt(2.0) * tone_v * float(gain), board.swing_v)
+        rms = _clipped_rms(volts[nets.FILTERED], peak_v(nets.FILTERED, TOP_HZ), board.swing_v)
         values |= {name: ratio * rms for name, ratio in ratios.items()}
-    level = volts[FILTERED]
-    given = {name: v for name, v in board.rails_v.items() if name != VEE or board.signal_ground == GND}
-    if board.signal_ground == VMID:
-        given[VMID] = volts[VMID]
+    level = volts[nets.FILTERED]
+    given = {name: v for name, v in board.rails_v.items() if name != nets.VEE or board.signal_ground == nets.GND}
+    if board.signal_ground == nets.VMID:
+        given[nets.VMID] = volts[nets.VMID]
     low, high = board.swing_v
-    peak = min(peaks[FILTERED, board.bench.tones_hz[-1]], high - low)
+    peak = min(peaks_v[nets.FILTERED, board.bench.tones_hz[-1]], high - low)
     return values, (Drive(fault.circuit, level, 0.0, given), Drive(fault.circuit, level, peak, given))
 
 
 def solve_constant(
-    board: Board, fault: Fault, sensor_s: float, nets: Sequence[str]
+    board: Board, fault: Fault, sensor_s: float, measured: Sequence[str]
 ) -> tuple[dict[str, float], Mapping[str, float]]:
     """Constant voltages [V], and the outputs among them that are held at an end of their swing."""
     network = build_network(fault.circuit, board.gain_bandwidth_hz, sensor_s=sensor_s)
     outputs = tuple(list_amplifiers(fault.circuit))
     held = dict(fault.stuck_v)
     while True:
-        wanted = [net for net in nets if net not in held]
+        wanted = [net for net in measured if net not in held]
         path = network.drive(*(net for net in held if net not in network.inputs)).restrict(*wanted)
         volts = path.operating_point({**board.rails_v, **held}) | held
         beyond: dict[str, float] = {}
@@ -251,19 +234,12 @@ def _clipped_rms(level: float, peak: float, swing_v: tuple[float, float]) -> flo
 
 def batch_constant(network: Network, rails_v: Mapping[str, float], net: str, ground: str) -> Array:
     """Constant voltage of a net above the signal ground, or of that above ground, for many boards at once [V]."""
-    volts = _solve(network, 0.0, rails_v, net)
-    return volts if ground in (net, GND) else volts - _solve(network, 0.0, rails_v, ground)
+    volts = network.response(np.zeros(1), rails_v, net)[:, 0].real
+    if ground not in (net, nets.GND):
+        volts = volts - network.response(np.zeros(1), rails_v, ground)[:, 0].real
+    return volts
 
 
 def batch_level(network: Network, hz: float, net: str) -> Array:
-    """Magnitude of a net's voltage for 1 V of the tone, for many boards at once."""
-    return np.abs(_solve(network, 2.0 * math.pi * hz, {TONE: 1.0}, net))
-
-
-def _solve(network: Network, omega: float, given: Mapping[str, float], net: str) -> Array:
-    n = len(network.nets)
-    G, C = network.matrices
-    equations = G + 1j * omega * C if omega else G
-    right = -equations[..., n:] @ np.array([given.get(name, 0.0) for name in network.inputs])
-    solution: Array = np.linalg.solve(equations[..., :n], right[..., None])[..., 0]
-    return solution[..., network.nets.index(net)]
+    """Magnitude of a net's voltage for 1 V of the tone, for one or many boards at once."""
+    return np.abs(network.response(np.array([hz]), {TONE: 1.0}, net)[:, 0])

@@ -11,9 +11,9 @@ from typing import Any
 from fingertip.board.bringup.bench import TONE_V, Fault
 from fingertip.board.bringup.diagnosis import MIN_READINGS, Diagnosis, diagnose
 from fingertip.board.bringup.follow_up import TOP_OHM, limit_resistances, name_resistance
-from fingertip.board.bringup.plan import QUIET, SENSOR_OHM, SUPPLY_MA, SUPPLY_PERCENT, BringUp, Limits
+from fingertip.board.bringup.plan import QUIET, SENSOR_OHM, SUPPLY_MA, SUPPLY_PERCENT, BringUp, Limits, find_failed
 from fingertip.board.bringup.prediction import Board, is_tone, name_tone
-from fingertip.board.parts.circuit import RECT_OUT, VCC
+from fingertip.board.parts.nets import RECT_OUT, VCC
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import BoardError, Issue, join_words
 from fingertip.foundation.files import format_figure
@@ -74,10 +74,13 @@ def read_readings(path: Path, plan: BringUp) -> Readings:
 
 
 def select_readings(tables: Mapping[str, Any], plan: BringUp) -> Readings:
-    """Select what was measured."""
+    return Readings(float(tables.get(TONE, TONE_V)), take_values(tables, plan))
+
+
+def take_values(tables: Mapping[str, Any], plan: BringUp) -> dict[str, float]:
+    """Take what was measured, by the reading's name; what is no number is an issue of its own."""
     known = plan.all.keys() | limit_resistances(plan.board.circuit).keys()
-    taken = {n: float(v) for n, v in tables.items() if n in known and not math.isnan(v)}
-    return Readings(float(tables.get(TONE, TONE_V)), taken)
+    return {n: float(v) for n, v in tables.items() if n in known and isinstance(v, int | float) and not math.isnan(v)}
 
 
 def find_reading_issues(
@@ -108,9 +111,7 @@ def find_reading_issues(
             )
         elif math.isinf(value) and not name.endswith("_ohm"):
             yield Issue(name, f"{value} {unit_of(name)} is no reading; write a number, or nan.")
-    if needs_reading and not any(
-        n in names and isinstance(v, int | float) and not math.isnan(v) for n, v in tables.items()
-    ):
+    if needs_reading and not take_values(tables, plan):
         yield Issue(str(path), "holds no reading; write at least one in place of nan.")
 
 
@@ -143,7 +144,7 @@ def find_sources(board: Board, limits: Mapping[str, Limits], readings: Mapping[s
     `tone_v` is the tone's RMS for which the limits hold [V]. A tone is named only if nothing else is wrong: a fault may
     weaken all readings with it too.
     """
-    failed = [name for name, volts in readings.items() if not limits[name].low_v <= volts <= limits[name].high_v]
+    failed = find_failed(limits, readings)
     supply = _describe_supply(board, limits, readings)
     tone = _describe_tone(board, limits, readings, tone_v)
     explained = {name for name in failed if (tone if is_tone(name) else supply)}
@@ -187,13 +188,12 @@ def _find_ratio(names: Iterable[str], limits: Mapping[str, Limits], readings: Ma
     """Find the ratio that these readings have to those expected, if they have one, and if any is beyond its limits."""
     names = list(names)
     large = [n for n in names if abs(limits[n].expected_v) >= _LEAST_V]
-    if len(large) < _MIN_READINGS:
+    if len(large) < MIN_READINGS:
         return None
     # A reading counts the more, the narrower its limits are.
     weights = {n: (limits[n].expected_v / (limits[n].high_v - limits[n].low_v)) ** 2 for n in large}
     ratio = sum(weights[n] * readings[n] / limits[n].expected_v for n in large) / sum(weights.values())
-    failed = any(not limits[n].low_v <= readings[n] <= limits[n].high_v for n in names)
-    if not failed or not 0.0 <= ratio <= _MOST:
+    if all(limits[n].allow(readings[n]) for n in names) or not 0.0 <= ratio <= _MOST:
         return None
     for n in names:
         # The ratio moves the limits of a reading, which keep the meter's constant error.
@@ -234,7 +234,7 @@ def assess_readings(
             # Beyond a lower limit alone, what a good board reads depends on the amplifiers and on the meter.
             "expected": _round(limits[name].expected_v) if math.isfinite(limits[name].high_v) else None,
             "limits": [_round(limits[name].low_v), _round(limits[name].high_v)],
-            "passed": limits[name].low_v <= value <= limits[name].high_v,
+            "passed": limits[name].allow(value),
         }
         for name, value in readings.values.items()
     ]

@@ -11,19 +11,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from fingertip.board.bringup import readings
 from fingertip.board.bringup.bench import HOST, Fault
-from fingertip.board.bringup.plan import SUPPLY_MA, SUPPLY_OHM, BringUp
-from fingertip.board.bringup.readings import (
-    IDENTITY,
-    TONE,
-    Readings,
-    assess_readings,
-    find_reading_issues,
-    format_assessment,
-    format_entry,
-    list_head,
-    select_readings,
-)
+from fingertip.board.bringup.plan import SUPPLY_MA, SUPPLY_OHM, BringUp, find_failed
 from fingertip.board.circuits.channels import SHARED_PARTS, name_part
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import BoardError, Issue
@@ -37,23 +27,23 @@ _PART = re.compile(r"\b(?:RV|TP|[CDJQRU])\d{1,2}(?=[ab]?\b)")
 
 def write_template(plan: BringUp, fingers: Sequence[str], name: str) -> str:
     """Write the file of readings, each still without a value: a table for each finger."""
-    own = [format_entry(key, limits) for key, limits in plan.all.items() if key not in COMMON_READINGS]
-    lines = [*list_head(plan, name), *(format_entry(key, plan.all[key]) for key in COMMON_READINGS)]
+    own = [readings.format_entry(key, limits) for key, limits in plan.all.items() if key not in COMMON_READINGS]
+    lines = [*readings.list_head(plan, name), *(readings.format_entry(key, plan.all[key]) for key in COMMON_READINGS)]
     for channel, finger in enumerate(fingers, start=1):
         lines += ["", f"[{finger}]  # finger {channel}: TP1 is TP{channel}01", *own]
     return "\n".join(lines) + "\n"
 
 
-def read_fingers(path: Path, plan: BringUp, fingers: Sequence[str]) -> dict[str, Readings]:
+def read_fingers(path: Path, plan: BringUp, fingers: Sequence[str]) -> dict[str, readings.Readings]:
     """Read a file of readings by finger; one that was not measured is left out. Raises TomlFileError or BoardError."""
     content = read_toml(path)
     tables = {name: value for name, value in content.items() if isinstance(value, dict)}
     common = {name: value for name, value in content.items() if name not in tables}
     if issues := list(_find_issues(common, tables, plan, fingers, path)):
         raise BoardError(issues)
-    tone = {TONE: common[TONE]} if TONE in common else {}
-    found = {WHOLE_BOARD: select_readings(common, plan)}
-    found |= {finger: select_readings({**tone, **tables.get(finger, {})}, plan) for finger in fingers}
+    tone = {readings.TONE: common[readings.TONE]} if readings.TONE in common else {}
+    found = {WHOLE_BOARD: readings.select_readings(common, plan)}
+    found |= {finger: readings.select_readings({**tone, **tables.get(finger, {})}, plan) for finger in fingers}
     return {finger: taken for finger, taken in found.items() if taken.values}
 
 
@@ -62,28 +52,26 @@ def _find_issues(
 ) -> Iterator[Issue]:
     for name in (name for name in tables if name not in fingers):
         yield Issue(f"[{name}]", f"is no finger of this board; {suggest_name(name, list(fingers))}")
-    for name in (name for name in common if name not in (IDENTITY, TONE, *COMMON_READINGS)):
+    expected = (readings.IDENTITY, readings.TONE, *COMMON_READINGS)
+    stated = {name: value for name, value in common.items() if name in expected}
+    for name in (name for name in common if name not in stated):
         yield Issue(name, f"stands ahead of the tables; write it below one of [{'], ['.join(fingers)}].")
-    stated = {name: value for name, value in common.items() if name in (IDENTITY, TONE, *COMMON_READINGS)}
-    yield from find_reading_issues(stated, plan, path, needs_reading=False)
+    yield from readings.find_reading_issues(stated, plan, path, needs_reading=False)
     for finger in fingers:
-        own = {IDENTITY: plan.identity, **tables.get(finger, {})}
-        for issue in find_reading_issues(own, plan, path, needs_reading=False):
+        own = {readings.IDENTITY: plan.identity, **tables.get(finger, {})}
+        for issue in readings.find_reading_issues(own, plan, path, needs_reading=False):
             yield Issue(f"{finger}.{issue.field}", issue.message)
-    if not any(select_readings(table, plan).values for table in (common, *tables.values())):
+    if not any(readings.take_values(table, plan) for table in (common, *tables.values())):
         yield Issue(str(path), "holds no reading; write at least one in place of nan.")
 
 
-def assess_fingers(plan: BringUp, readings: Mapping[str, Readings], fingers: Sequence[str]) -> dict[str, Any]:
+def assess_fingers(plan: BringUp, measured: Mapping[str, readings.Readings], fingers: Sequence[str]) -> dict[str, Any]:
     """Compare the readings of all fingers with their limits and name the likely faults, as plain data."""
     levels = {
         finger: {name: v for name, v in taken.values.items() if name in plan.levels}
-        for finger, taken in readings.items()
+        for finger, taken in measured.items()
     }
-    failed_at = {
-        finger: {name for name, v in taken.items() if not plan.levels[name].low_v <= v <= plan.levels[name].high_v}
-        for finger, taken in levels.items()
-    }
+    failed_at = {finger: set(find_failed(plan.levels, taken)) for finger, taken in levels.items()}
     failing = [finger for finger, names in failed_at.items() if names]
     # A finger clears the shared parts of what fails elsewhere if it passes in the same readings.
     cleared = {
@@ -91,9 +79,11 @@ def assess_fingers(plan: BringUp, readings: Mapping[str, Readings], fingers: Seq
         for finger in failing
         if any(failed_at[finger] <= levels[other].keys() and not failed_at[other] for other in levels)
     }
-    found = {finger: assess_readings(plan, taken, _choose(finger in cleared)) for finger, taken in readings.items()}
+    found = {
+        finger: readings.assess_readings(plan, taken, _choose(finger in cleared)) for finger, taken in measured.items()
+    }
     if not cleared and len(failing) > 1 and all(_names_shared(found[finger]["likely"]) for finger in failing):
-        found |= {finger: assess_readings(plan, readings[finger], _is_shared) for finger in failing}
+        found |= {finger: readings.assess_readings(plan, measured[finger], _is_shared) for finger in failing}
     named = {WHOLE_BOARD: found[WHOLE_BOARD]} if WHOLE_BOARD in found else {}
     named |= {finger: _rename(found[finger], k) for k, finger in enumerate(fingers, start=1) if finger in found}
     for finger, each in named.items():
@@ -107,7 +97,7 @@ def assess_fingers(plan: BringUp, readings: Mapping[str, Readings], fingers: Seq
 
 def format_fingers(data: Mapping[str, Any]) -> str:
     """Format an assessment as text, the verdict first."""
-    parts = [f"{finger}: {format_assessment(each)}" for finger, each in data["fingers"].items()]
+    parts = [f"{finger}: {readings.format_assessment(each)}" for finger, each in data["fingers"].items()]
     return "\n\n".join((data["verdict"], *parts))
 
 

@@ -10,21 +10,8 @@ from dataclasses import dataclass, replace
 from xml.sax.saxutils import escape
 
 from fingertip.board.circuits.channels import split_net
-from fingertip.board.parts.circuit import (
-    ADC_ENVELOPE,
-    ADC_FILTERED,
-    ADC_TACTILE,
-    GND,
-    HOST_CONNECTOR,
-    POWER_IN,
-    SLIP,
-    SUPPLY_CONNECTOR,
-    VCC,
-    VEE,
-    VMID_OUT,
-    Circuit,
-    Component,
-)
+from fingertip.board.parts.circuit import HOST_CONNECTOR, SUPPLY_CONNECTOR, Circuit, Component
+from fingertip.board.parts.nets import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE, GND, POWER_IN, SLIP, VCC, VEE, VMID_OUT
 from fingertip.board.parts.symbols import AO3401A, JST_SH_4, JST_SH_15, LOCKING_CONNECTORS
 from fingertip.board.parts.table import group_plug_wires
 from fingertip.catalogues.controllers import NAMES
@@ -98,29 +85,26 @@ def wiring_diagram(circuit: Circuit, supply_v: float, name: str) -> bytes:
     supply_signals = signals if VEE in nets else signals | {GND: replace(signals[GND], print="-")}
     controller = "controller" if ADC_FILTERED in nets else "ADC or controller"
     top = 2 * _MARGIN + _SIZE
-    left_heights = [_height(circuit, part) for part in (*sensors, supply)]
+    devices = ["sensor"] if len(sensors) == 1 else [f"sensor: {finger}" for finger in NAMES[: len(sensors)]]
+    unmarked: dict[str, Signal] = {}
+    left = [(sensor, unmarked, device) for sensor, device in zip(sensors, devices, strict=True)]
+    left.append((supply, supply_signals, "supply"))
+    left_height = sum(_height(circuit, part) + _GAP for part, _, _ in left) - _GAP
     host_height = _height(circuit, host)
-    left_height = sum(left_heights) + _GAP * len(sensors)
     inner = max(left_height, host_height)
-    board_height = inner + 2 * _GAP + _HEAD
-    connectors_top = top + _HEAD + _GAP
-    left_top = connectors_top + (inner - left_height) / 2
-    host_top = connectors_top + (inner - host_height) / 2
-    left_tops = [left_top + sum(left_heights[:i]) + _GAP * i for i in range(len(left_heights))]
-    devices = ["sensor"] if len(sensors) == 1 else [f"sensor: {NAMES[k]}" for k in range(len(sensors))]
+    board_height, middle = inner + 2 * _GAP + _HEAD, top + _HEAD + _GAP + inner / 2
+    connectors, at = list[str](), middle - left_height / 2
+    for part, marks, device in left:
+        connectors += _connector(circuit, part, marks, at, device, is_left=True)
+        at += _height(circuit, part) + _GAP
+    connectors += _connector(circuit, host, signals, middle - host_height / 2, controller, is_left=False)
     notes = list(list_notes(circuit, supply_v))
     height = top + board_height + _GAP + _LINE * len(notes) + _MARGIN
     body = [
         _text(_MARGIN, _MARGIN + _SIZE, f"Wiring of the board of {name}", weight="bold"),
         _box(_BOARD_LEFT, top, _BOARD_RIGHT - _BOARD_LEFT, board_height, "#eef4ee", _GREEN),
         _text((_BOARD_LEFT + _BOARD_RIGHT) / 2, top + 26, "slip-filter board", anchor="middle", weight="bold"),
-        *(
-            line
-            for sensor, at, device in zip(sensors, left_tops, devices, strict=False)
-            for line in _connector(circuit, sensor, {}, at, device, is_left=True)
-        ),
-        *_connector(circuit, supply, supply_signals, left_tops[-1], "supply", is_left=True),
-        *_connector(circuit, host, signals, host_top, controller, is_left=False),
+        *connectors,
         *(
             _text(_MARGIN, top + board_height + _GAP + _LINE * i + _SIZE, note, colour=_GREY)
             for i, note in enumerate(notes)

@@ -34,9 +34,9 @@ from fingertip.board.components.bridge import DIVIDER_F, SENSOR_FILTER_F
 from fingertip.board.components.values import CLAMP, LOW_LEAKAGE_CLAMP, MAX_LOW_LEAKAGE_A, SUPPLIES, ComponentValues
 from fingertip.board.parts import symbols
 from fingertip.board.parts.circuit import (
-    CapacitorRequirement,
     Circuit,
     Component,
+    Requirement,
     ResistorRequirement,
     build_circuit,
     format_component_value,
@@ -155,8 +155,6 @@ def _find_value(row: dict[str, str], values: ComponentValues) -> float:
     return found
 
 
-def _make_passive(
-    reference: str, value: float, role: str, footprint: str, requirement: ResistorRequirement | CapacitorRequirement
-) -> Component:
+def _make_passive(reference: str, value: float, role: str, footprint: str, requirement: Requirement) -> Component:
     symbol = symbols.RESISTOR if reference.startswith("R") else symbols.CAPACITOR
     return Component(reference, format_component_value(value), symbol, footprint, role, requirement.rating, requirement)

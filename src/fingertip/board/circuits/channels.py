@@ -10,20 +10,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from fingertip.board.parts import symbols
-from fingertip.board.parts.circuit import (
-    ADC_FILTERED,
-    ADC_TACTILE,
-    BIAS,
-    GND,
-    HOST_CONNECTOR,
-    POWER_IN,
-    RAILS,
-    SENSOR_CONNECTOR,
-    Circuit,
-    Component,
-    Net,
-    build_circuit,
-)
+from fingertip.board.parts.circuit import HOST_CONNECTOR, SENSOR_CONNECTOR, Circuit, Component, Net, build_circuit
+from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE, BIAS, GND, POWER_IN, RAILS
 from fingertip.catalogues.controllers import NAMES
 
 PLACES = len(NAMES)

@@ -26,7 +26,8 @@ from numpy.typing import NDArray
 
 from fingertip.board.components.bridge import AD623_BANDWIDTH_HZ, AMPLIFIERS, GAIN_CONSTANT_OHM, GAIN_RESISTOR
 from fingertip.board.components.transimpedance import SUPPRESSOR_F
-from fingertip.board.parts.circuit import RAILS, VCC, Circuit, parse_component_value
+from fingertip.board.parts.circuit import Circuit, parse_component_value
+from fingertip.board.parts.nets import GND, RAILS, VCC
 from fingertip.catalogues.amplifiers import OPEN_LOOP_GAIN, Amplifier
 from fingertip.foundation.numerics import Array
 
@@ -53,6 +54,10 @@ class AmplifierOutput(NamedTuple):
     """Reference of its component, with the letter of its unit: "U1a", or "U2" for an AD623."""
     reference: str
     net: str
+    inputs: tuple[str, str]
+    """Nets of its inputs, the inverting one last."""
+    data: Amplifier | None
+    """Its figures in the catalogue; None for an AD623."""
 
 
 class Term(NamedTuple):
@@ -135,12 +140,15 @@ class Network:
         return G, C
 
     def response(self, f_hz: Array, inputs: Mapping[str, float], *nets: str) -> Spectrum:
-        """Voltages of nets at frequencies [Hz] for voltages of the inputs, (frequencies, nets); other inputs are 0."""
+        """Voltages of nets at frequencies [Hz] for voltages of the inputs, (frequencies, nets); other inputs are 0.
+
+        Values may be arrays: of many boards at one frequency, or of quantities that vary with the frequency.
+        """
         n, s = len(self.nets), 2j * math.pi * f_hz[:, None, None]
         G, C = self.matrices
         given = np.array([inputs.get(name, 0.0) for name in self.inputs])
-        right = -(G[:, n:] @ given + s[:, :, 0] * (C[:, n:] @ given))
-        solution = np.linalg.solve(G[:, :n] + s * C[:, :n], right[:, :, None])[:, :, 0]
+        right = -(G[..., n:] @ given + s[:, :, 0] * (C[..., n:] @ given))
+        solution = np.linalg.solve(G[..., :n] + s * C[..., :n], right[:, :, None])[:, :, 0]
         return np.asarray(solution[:, [self.nets.index(net) for net in nets]], dtype=np.complex128)
 
     def transfers(self, f_hz: Array, net: str) -> Spectrum:
@@ -161,9 +169,12 @@ class Network:
         volts = self.response(np.zeros(1), inputs, *self.nets)[0].real.tolist()
         return dict(zip(self.nets, volts, strict=True)) | dict(inputs)
 
-    def constant_transfers(self, net: str) -> dict[str, float]:
-        """Voltage at a net for a constant 1 on the right-hand side of each equation."""
-        return dict(zip(self.nets, self.transfers(np.zeros(1), net)[0].real.tolist(), strict=True))
+    def constant_transfers(self, net: str, ground: str = GND) -> dict[str, float]:
+        """Voltage of a net above another one for a constant 1 on the right-hand side of each equation."""
+        volts = self.transfers(np.zeros(1), net)[0].real
+        if ground in self.nets:
+            volts = volts - self.transfers(np.zeros(1), ground)[0].real
+        return dict(zip(self.nets, volts.tolist(), strict=True))
 
     def steady_state(self) -> Array:
         """States for constant voltages of the inputs, (..., states, inputs)."""
@@ -287,12 +298,27 @@ def filter_quantities(components: Mapping[str, float], amplifier: Amplifier) -> 
     return values
 
 
+def add_second_poles(network: Network, circuit: Circuit, f_hz: Array) -> Network:
+    """Add the second pole of each amplifier at these frequencies [Hz].
+
+    The equations hold 1 / A = 1 / A0 + s / (2 pi GBW). The second pole multiplies it by 1 + s / (2 pi f2), and the
+    product's term in s^2 is a real one that falls with the frequency.
+    """
+    values: dict[str, Value] = {}
+    for output in list_amplifiers(circuit):
+        if output.data:
+            gain, bandwidth = (f"{output.amplifier} {name}" for name in (INVERSE_GAIN, INVERSE_BANDWIDTH))
+            second_s = 1.0 / (math.tau * output.data.second_pole_hz)
+            values[gain] = network.values[gain] - network.values[bandwidth] * second_s * (math.tau * f_hz) ** 2
+            values[bandwidth] = network.values[bandwidth] + network.values[gain] * second_s
+    return network.with_values(values)
+
+
 def list_amplifiers(circuit: Circuit) -> Iterator[AmplifierOutput]:
     """Yield each amplifier of a circuit with the net that it drives, in the order of the components."""
     for component in circuit.components:
-        reference, symbol = component.reference, component.symbol.name
-        if symbol == "AD623ARMZ":
-            yield AmplifierOutput(reference, reference, circuit.net_by_pin[reference, "6"])
-        elif symbol in AMPLIFIERS:
-            for unit, (_, _, out) in AMPLIFIERS[symbol].units.items():
-                yield AmplifierOutput(f"{reference}{unit}", reference, circuit.net_by_pin[reference, out])
+        reference, data = component.reference, AMPLIFIERS.get(component.symbol.name)
+        units = data.units if data else {"": ("3", "2", "6")} if component.symbol.name == "AD623ARMZ" else {}
+        for unit, pins in units.items():
+            plus, minus, out = (circuit.net_by_pin[reference, pin] for pin in pins)
+            yield AmplifierOutput(f"{reference}{unit}", reference, out, (plus, minus), data)

@@ -14,22 +14,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from fingertip.board.circuits.network import MAX_SWITCH_OHM
-from fingertip.board.components.bridge import (
-    AD623_BANDWIDTH_HZ,
-    AD623_NOISE_V,
-    AD623_OUTPUT_NOISE_V,
-    AMPLIFIERS,
-    BOLTZMANN_J_PER_K,
-    EMISSION,
-    GAIN_CONSTANT_OHM,
-    GAIN_RESISTOR,
-    SATURATION_A,
-    SERIES_OHM,
-    TEMPERATURE_K,
-    sensor_conductance_s,
-)
+from fingertip.board.components import bridge
+from fingertip.board.components.bridge import AMPLIFIERS, BOLTZMANN_J_PER_K, TEMPERATURE_K, sensor_conductance_s
 from fingertip.board.components.values import CLAMP, CLAMP_A, LOW_LEAKAGE_A, LOW_LEAKAGE_CLAMP
-from fingertip.board.parts.circuit import ADC_FILTERED, Circuit, parse_component_value
+from fingertip.board.parts.circuit import Circuit, parse_component_value
+from fingertip.board.parts.nets import ADC_FILTERED
 from fingertip.catalogues.amplifiers import OPEN_LOOP_GAIN
 
 HOST_SUPPLY, HOST_GROUND = "HOST_SUPPLY", "HOST_GROUND"
@@ -60,17 +49,8 @@ _ELEMENTS = {
     "Conn_01x03": "V{0}a {1} {2} {supply_v:.10g}\nV{0}b {2} {3} {supply_v:.10g}",
     # The channel conducts, as it does with a supply that is not reversed.
     "AO3401A": f"R{{0}} {{3}} {{2}} {MAX_SWITCH_OHM:g}",
-    **dict.fromkeys(
-        (
-            "Conn_01x04_MountingPin",
-            "Conn_01x10_MountingPin",
-            "Conn_01x15_MountingPin",
-            "Conn_01x04",
-            "TestPoint",
-            "MountingHole",
-        ),
-        "",
-    ),
+    **{f"Conn_01x{pins}": "" for pins in ("04", "04_MountingPin", "10_MountingPin", "15_MountingPin")},
+    **dict.fromkeys(("TestPoint", "MountingHole"), ""),
 }
 """SPICE elements of a component by the name of its symbol: {0} is its reference, {1} the node of its pin 1."""
 
@@ -138,13 +118,13 @@ def _models(circuit: Circuit, gain_bandwidth_hz: float, worst_case: bool) -> Ite
         )
     names = {component.symbol.name for component in circuit.components}
     if "AD623ARMZ" in names:
-        gain_ohm = parse_component_value(circuit.component(GAIN_RESISTOR).value)
+        gain_ohm = parse_component_value(circuit.component(bridge.GAIN_RESISTOR).value)
         yield _model(
             "instrumentation",
-            gain_constant_ohm=GAIN_CONSTANT_OHM,
-            input_ohm=_equivalent_noise_ohm(AD623_NOISE_V),
-            output_ohm=_equivalent_noise_ohm(AD623_OUTPUT_NOISE_V),
-            pole_farad=(1.0 + GAIN_CONSTANT_OHM / gain_ohm) / (math.tau * AD623_BANDWIDTH_HZ),
+            gain_constant_ohm=bridge.GAIN_CONSTANT_OHM,
+            input_ohm=_equivalent_noise_ohm(bridge.AD623_NOISE_V),
+            output_ohm=_equivalent_noise_ohm(bridge.AD623_OUTPUT_NOISE_V),
+            pole_farad=(1.0 + bridge.GAIN_CONSTANT_OHM / gain_ohm) / (math.tau * bridge.AD623_BANDWIDTH_HZ),
         )
     if "D_TVS" in names:
         yield _model("suppressor")
@@ -153,9 +133,9 @@ def _models(circuit: Circuit, gain_bandwidth_hz: float, worst_case: bool) -> Ite
         if value in values:
             yield _model(
                 value,
-                saturation_na=1e9 * SATURATION_A,
-                series_ohm=SERIES_OHM,
-                emission=EMISSION,
+                saturation_na=1e9 * bridge.SATURATION_A,
+                series_ohm=bridge.SERIES_OHM,
+                emission=bridge.EMISSION,
                 clamp_a=CLAMP_A,
                 low_leakage_a=LOW_LEAKAGE_A,
             )

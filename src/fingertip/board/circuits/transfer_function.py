@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -110,36 +111,26 @@ def _reachable(start: str, contents: Mapping[str, set[str]]) -> set[str]:
 
 def _determinant(terms: Sequence[Term], rows: Sequence[str], columns: Sequence[str]) -> Polynomial:
     """Expand a determinant along its rows; minors that occur again are expanded once."""
-    entries: dict[tuple[str, str], Polynomial] = {}
+    entries: defaultdict[tuple[str, str], Polynomial] = defaultdict(lambda: defaultdict(float))
     for term in terms:
-        symbols = (term.quantity,) if term.quantity else ()
-        _add_to(entries.setdefault((term.equation, term.net), {}), (term.order, symbols), term.factor)
+        entries[term.equation, term.net][term.order, (term.quantity,) if term.quantity else ()] += term.factor
 
     @functools.cache
     def minor(row: int, left: tuple[int, ...]) -> Polynomial:
         if row == len(rows):
             return {(0, ()): 1.0}
-        total: Polynomial = {}
+        total: Polynomial = defaultdict(float)
         for position, column in enumerate(left):
-            entry = entries.get((rows[row], columns[column]))
-            if entry:
+            if entry := entries.get((rows[row], columns[column])):
                 rest = minor(row + 1, left[:position] + left[position + 1 :])
                 sign = -1.0 if position % 2 else 1.0
                 for (order, symbols), factor in entry.items():
                     for (other_order, other), other_factor in rest.items():
                         key = (order + other_order, tuple(sorted(symbols + other)))
-                        _add_to(total, key, sign * factor * other_factor)
-        return total
+                        total[key] += sign * factor * other_factor
+        return {key: factor for key, factor in total.items() if factor}  # products of opposite signs cancel exactly
 
     return minor(0, tuple(range(len(columns))))
-
-
-def _add_to(polynomial: Polynomial, key: tuple[int, tuple[str, ...]], factor: float) -> None:
-    total = polynomial.get(key, 0.0) + factor
-    if total:
-        polynomial[key] = total
-    else:
-        polynomial.pop(key, None)  # products with opposite signs cancel exactly
 
 
 def _by_power(polynomial: Polynomial, sign: float) -> SymbolicPolynomial:

@@ -7,18 +7,9 @@ import itertools
 import math
 from dataclasses import dataclass
 
-from fingertip.board.components import transimpedance
+from fingertip.board.components import selection, transimpedance
 from fingertip.board.components.bridge import Bridge, size_bridge
-from fingertip.board.components.selection import (
-    FilterSelection,
-    FirstStageCapacitors,
-    nearest_capacitance,
-    nearest_value,
-    neighbouring_values,
-    pole_hz,
-    select_filter,
-)
-from fingertip.board.parts.circuit import GND, VEE, VMID
+from fingertip.board.parts.nets import GND, VEE, VMID
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import choose_amplifier
 from fingertip.design.formulas.filter import (
@@ -133,7 +124,7 @@ class ComponentValues:
     """Values by the formulas (article, eqs. 2, 5, 6, 7, 11)."""
     preferred: FilterComponents
     """Values that are fitted: resistors of the design's series; capacitors as in the design, or of their own series."""
-    first_stage_capacitors: FirstStageCapacitors | None
+    first_stage_capacitors: selection.FirstStageCapacitors | None
     """Capacitors of the first stage that variant article does not have; None there."""
     rectifier_ohm: float | None
     """Both resistors of the precision rectifier; None on boards without one."""
@@ -147,7 +138,7 @@ class ComponentValues:
     @functools.cached_property
     def by_reference(self) -> dict[str, float]:
         """Value of each component [ohm, F] by its reference designator, with some that this board does not have."""
-        values = FilterSelection(
+        values = selection.FilterSelection(
             self.ideal, self.preferred, self.first_stage_capacitors, self.rectifier_ohm
         ).by_reference()
         values |= self.bridge.by_reference() if self.bridge else transimpedance.VALUES
@@ -158,17 +149,17 @@ class ComponentValues:
 def select_components(design: Design) -> ComponentValues:
     """Select the values of a board's components. Raises BoardError."""
     board, detector, supply = design.board, design.detector, SUPPLIES[design.board.variant]
-    selection, comparator_stage = select_filter(board), None
+    chosen, comparator_stage = selection.select_filter(board), None
     if board.variant == "comparator":
         window_s = detector.window_samples / detector.sample_rate_hz
         comparator_stage = size_comparator(detector.threshold_v, window_s, board, supply.signal_ground_ratio)
     return ComponentValues(
         variant=board.variant,
         amplifier=choose_amplifier(board).name,
-        ideal=selection.ideal,
-        preferred=selection.preferred,
-        first_stage_capacitors=selection.capacitors,
-        rectifier_ohm=selection.rectifier_ohm,
+        ideal=chosen.ideal,
+        preferred=chosen.preferred,
+        first_stage_capacitors=chosen.capacitors,
+        rectifier_ohm=chosen.rectifier_ohm,
         tolerance=Tolerance(board.resistor_tolerance_percent, board.capacitor_tolerance_percent),
         bridge=None
         if board.is_for_controller
@@ -210,14 +201,14 @@ def size_comparator(
         pull = 1.0 / (TRIMMER_OHM / 2.0 + trimmer_top_ohm) + 1.0 / (hysteresis_ohm + PULL_UP_OHM)
         return round(abs(math.log(upper_v * pull / (pull + 1.0 / low_ohm) / threshold_v)), 12)
 
-    tops = neighbouring_values(1.0 / (pull - 1.0 / (1.0 / feedback + PULL_UP_OHM)) - low_ohm, board.series)
-    feedbacks = neighbouring_values(1.0 / feedback, board.series)
+    tops = selection.neighbouring_values(1.0 / (pull - 1.0 / (1.0 / feedback + PULL_UP_OHM)) - low_ohm, board.series)
+    feedbacks = selection.neighbouring_values(1.0 / feedback, board.series)
     trimmer_top_ohm, hysteresis_ohm = min(itertools.product(tops, feedbacks), key=error)
     tau_s = window_s / 2.0
-    nearest_f = nearest_capacitance(tau_s / AVERAGING_OHM, board.capacitor_series)
+    nearest_f = selection.nearest_capacitance(tau_s / AVERAGING_OHM, board.capacitor_series)
     averaging_f = min(max(nearest_f, _MIN_AVERAGING_F), MAX_AVERAGING_F)
     return ComparatorStage(
-        nearest_value(tau_s / averaging_f, board.series), averaging_f, trimmer_top_ohm, hysteresis_ohm
+        selection.nearest_value(tau_s / averaging_f, board.series), averaging_f, trimmer_top_ohm, hysteresis_ohm
     )
 
 
@@ -248,7 +239,8 @@ def size_adc_interface(sample_rate_hz: float, series: str, capacitor_series: str
     target_hz = POLE_PER_SAMPLE_RATE * sample_rate_hz
 
     def size_section(approximate_ohm: float) -> tuple[float, float]:
-        c_f = nearest_capacitance(pole_hz(approximate_ohm, target_hz), capacitor_series)  # 1 / (2 pi R f) is C
-        return nearest_value(pole_hz(target_hz, c_f), series), c_f
+        ideal_f = selection.pole_hz(approximate_ohm, target_hz)  # 1 / (2 pi R f) is C
+        c_f = selection.nearest_capacitance(ideal_f, capacitor_series)
+        return selection.nearest_value(selection.pole_hz(target_hz, c_f), series), c_f
 
     return AdcInterface(*size_section(FIRST_OHM), *size_section(SECOND_OHM), *size_section(SECOND_OHM))

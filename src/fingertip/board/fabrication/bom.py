@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import re
 from dataclasses import dataclass
 
@@ -170,7 +169,6 @@ def placement_file(circuit: Circuit, placement: Placement, *, for_house: bool) -
     return format_csv(PLACEMENT_COLUMNS, rows)
 
 
-@functools.cache
 def load_rotations() -> tuple[RotationOffset, ...]:
     """Load the rotation offsets. The first whose pattern matches holds."""
     return load_table(RotationOffset, "rotations.csv")

@@ -75,7 +75,7 @@ def list_back_texts(circuit: Circuit, placement: Placement) -> list[PrintedText]
     column = max(map(_text_width, entries)) + _COLUMN_GAP_MM
     # Pins at the edge may cut the first column off, so the columns begin where all values have room.
     for start in (placement.width - _EDGE_MM - _STEP_MM * i for i in range(int(placement.width / _STEP_MM))):
-        slots = ((x, y) for x in _columns(start, column) for y in rows)
+        slots = ((start - column * i, y) for i in range(int(start / column) + 1) for y in rows)
         texts = []
         for entry in entries:
             place = _first_free((PrintedText(entry, x, y) for x, y in slots), taken, placement)
@@ -105,10 +105,6 @@ def find_text_box(item: PrintedText) -> Box:
 
 def _text_width(text: str) -> float:
     return len(text) * _TEXT_HEIGHT_MM * _ADVANCE_RATIO
-
-
-def _columns(start: float, width: float) -> list[float]:
-    return [start - width * i for i in range(int(start / width) + 1)]
 
 
 def _list_obstacles(placement: Placement) -> Iterator[Box]:

@@ -52,43 +52,7 @@ def _format_tolerance(percent: float) -> str:
     return f"{percent:g} % or better" if percent else "tightest available"
 
 
-# Names of the nets that several blocks of the board share.
-
-GND = "GND"
-VCC = "VCC"
-VEE = "VEE"
-VMID = "VMID"
-"""Buffered mid-supply of a single supply: the signal ground of a board without a negative rail."""
-
 SENSOR_CONNECTOR, SUPPLY_CONNECTOR, HOST_CONNECTOR = "J1", "J2", "J3"
-SENSOR = "SENSOR"
-BIAS = "BIAS"
-"""Voltage at which a transimpedance stage holds the sensor."""
-SUM = "SUM"
-"""Input of a transimpedance stage, a virtual ground."""
-REFERENCE = "REFERENCE"
-GAIN_A = "GAIN_A"
-GAIN_B = "GAIN_B"
-TACTILE = "TACTILE"
-STAGE1_IN = "STAGE1_IN"
-FEEDBACK = "FEEDBACK"
-STAGE1_OUT = "STAGE1_OUT"
-STAGE2_MID = "STAGE2_MID"
-STAGE2_IN = "STAGE2_IN"
-FILTERED = "FILTERED"
-ENVELOPE = "ENVELOPE"
-RECT_OUT = "RECT_OUT"
-MEAN = "MEAN"
-THRESHOLD = "THRESHOLD"
-SLIP = "SLIP"
-ADC_TACTILE = "ADC_TACTILE"
-ADC_ENVELOPE = "ADC_ENVELOPE"
-POWER_IN = "POWER_IN"
-"""Supply at its connector, ahead of the protection against reversed polarity."""
-ADC_FILTERED = "ADC_FILTERED"
-VMID_OUT = "M_OUT"
-"""`VMID` behind R24, at the output connector."""
-
 
 _REFERENCE = re.compile(r"[A-Za-z]+[1-9][0-9]*")
 
@@ -130,19 +94,6 @@ class Component:
     """The same as data, of a resistor or a capacitor; None for what is bought by its name."""
     is_fitted: bool = True
     """False for a place that stays empty: that of a finger which the hand does not have."""
-
-
-RAILS = ("GND", "VCC", "VEE")
-"""Nets that power symbols name in a schematic."""
-
-
-GLOBAL_NETS = (*RAILS, "VMID")
-"""Nets that are the same on all sheets: the rails, and the nets that global labels name."""
-
-
-def kicad_net_name(net: str) -> str:
-    """Name of a net in KiCad: a label's net carries the path of its sheet, here "/"; a power symbol's net does not."""
-    return net if net in GLOBAL_NETS else f"/{net}"
 
 
 Node = tuple[str, str]

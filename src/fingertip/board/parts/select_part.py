@@ -15,16 +15,7 @@ from fingertip.board.parts.circuit import (
     format_component_value,
     parse_component_value,
 )
-from fingertip.board.parts.table import (
-    UNCONFIRMED,
-    ChipCapacitor,
-    ChipResistor,
-    Part,
-    load_capacitors,
-    load_named_parts,
-    load_resistors,
-    load_table,
-)
+from fingertip.board.parts.table import UNCONFIRMED, ChipCapacitor, ChipResistor, NamedPart, Part, load_table
 from fingertip.design.formulas.filter import MAX_1206_F, find_preferred_neighbours
 
 # Part numbers of chip resistors by their makers' published ordering codes.
@@ -61,12 +52,6 @@ class OrderingCode:
         number = f"{self.prefix}{resistance_code(ohm)}{self.suffix}"
         part = Part(self.manufacturer, number, "", self.price, (self.source,))
         return ChipResistor(ohm, self.tolerance_percent, self.drift_ppm_per_k, self.power_w, self.package, part)
-
-
-@functools.cache
-def load_ordering_codes() -> tuple[OrderingCode, ...]:
-    """Load the ordering codes. Of several that fit, the first is to be preferred."""
-    return load_table(OrderingCode, "ordering_codes.csv")
 
 
 def resistance_code(ohm: float) -> str:
@@ -124,7 +109,7 @@ def select_part(component: Component) -> Selection:
         case None:
             named = [
                 item
-                for item in load_named_parts()
+                for item in load_table(NamedPart, "named_parts.csv")
                 if (item.value, item.footprint) == (component.value, component.footprint.split(":")[1])
             ]
             found = [item.part for item in named if item.part]
@@ -145,8 +130,8 @@ def find_resistors(ohm: float, requirement: ResistorRequirement) -> Iterator[Chi
 
     The table's resistor is also found by its ordering code; it is yielded once.
     """
-    listed = [item for item in load_resistors() if abs(item.ohm / ohm - 1.0) < _ROUNDING]
-    composed = [code.compose(ohm) for code in load_ordering_codes() if code.is_made(ohm)]
+    listed = [item for item in load_table(ChipResistor, "resistors.csv") if abs(item.ohm / ohm - 1.0) < _ROUNDING]
+    composed = [code.compose(ohm) for code in load_table(OrderingCode, "ordering_codes.csv") if code.is_made(ohm)]
     numbers: set[str] = set()
     for item in (*listed, *composed):
         is_precise = item.tolerance_percent <= requirement.tolerance_percent * (1.0 + _ROUNDING)
@@ -158,7 +143,7 @@ def find_resistors(ohm: float, requirement: ResistorRequirement) -> Iterator[Chi
 
 def find_capacitors(farad: float, package: str, requirement: CapacitorRequirement) -> Iterator[ChipCapacitor]:
     """Find the chip capacitors of the table that meet a requirement, in a package by its inch code."""
-    for item in load_capacitors():
+    for item in load_table(ChipCapacitor, "capacitors.csv"):
         if (
             abs(item.farad / farad - 1.0) < _ROUNDING
             and item.package == package
@@ -225,5 +210,5 @@ def find_sold_percent(farad: float, package: str, kind: CapacitorRequirement) ->
 @functools.cache
 def list_capacitances(package: str) -> tuple[float, ...]:
     """List the capacitances [F] of the signal path that the table has in a package, in ascending order."""
-    farads = {item.farad for item in load_capacitors() if item.package == package}
+    farads = {item.farad for item in load_table(ChipCapacitor, "capacitors.csv") if item.package == package}
     return tuple(sorted(f for f in farads if any(find_capacitors(f, package, require_capacitor(f, package)))))

@@ -102,31 +102,19 @@ def load_sources() -> dict[str, Source]:
     return {source.key: source for source in load_table(Source, "sources.csv")}
 
 
-@functools.cache
-def load_resistors() -> tuple[ChipResistor, ...]:
-    """Load the chip resistors. Of several that fit, the first is to be preferred."""
-    return load_table(ChipResistor, "resistors.csv")
-
-
-@functools.cache
-def load_capacitors() -> tuple[ChipCapacitor, ...]:
-    """Load the chip capacitors. Of several that fit, the first is to be preferred."""
-    return load_table(ChipCapacitor, "capacitors.csv")
-
-
-@functools.cache
-def load_named_parts() -> tuple[NamedPart, ...]:
-    """Load the parts that are bought by name. Of several that fit, the first is to be preferred."""
-    return load_table(NamedPart, "named_parts.csv")
-
-
 def read_rows(name: str) -> Iterator[dict[str, str]]:
     """Read the rows of one of the table's files, each by column."""
     return tables.read_rows(FOLDER / name)
 
 
 def load_table(kind: type[Row], name: str) -> tuple[Row, ...]:
-    """Load the rows of one of the table's files, whose columns are the fields; five of them make the field `part`."""
+    """Load the rows of one of the table's files once. Of several that fit, the first is to be preferred."""
+    return _load_table(kind, name)  # type: ignore[arg-type]  # mypy takes no class for hashable
+
+
+@functools.cache
+def _load_table(kind: type[Any], name: str) -> tuple[Any, ...]:
+    """Load rows whose columns are the fields; five of them make the field `part`."""
 
     def join(row: dict[str, Any]) -> dict[str, Any]:
         if "number" in row:

@@ -15,7 +15,7 @@ from fingertip.board.bringup.prediction import POINTS, list_levels, name_ripple,
 from fingertip.board.bringup.wiring import list_pins
 from fingertip.board.kicad.placement import Pad, Placement, view_channel
 from fingertip.board.kicad.project import load_project
-from fingertip.board.parts import circuit as nets
+from fingertip.board.parts import nets
 from fingertip.board.parts.circuit import Circuit, format_component_value
 from fingertip.board.parts.symbols import LOCKING_CONNECTORS
 from fingertip.catalogues.controllers import NAMES

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from fingertip.board.circuits.channels import list_pins, list_sockets
-from fingertip.board.parts.circuit import ADC_FILTERED, ADC_TACTILE
+from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.casting.hardware import list_hardware
 from fingertip.casting.quantities import Batch

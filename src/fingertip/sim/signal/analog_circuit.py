@@ -24,7 +24,7 @@ from fingertip.board.analysis.response import EnvelopeModel, find_rectifier, mod
 from fingertip.board.circuits.network import Network, Value, build_network
 from fingertip.board.components.bridge import EMISSION, SATURATION_A, SERIES_OHM, THERMAL_V
 from fingertip.board.components.values import select_components
-from fingertip.board.parts.circuit import FILTERED, STAGE1_OUT, TACTILE, VMID
+from fingertip.board.parts.nets import FILTERED, STAGE1_OUT, TACTILE, VMID
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.foundation.errors import Issue

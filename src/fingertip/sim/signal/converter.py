@@ -20,7 +20,7 @@ from fingertip.board import board_circuit
 from fingertip.board.analysis.noise import add_noise
 from fingertip.board.circuits.network import build_network
 from fingertip.board.components.values import SUPPLIES, select_components
-from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE, ENVELOPE, FILTERED, TACTILE
+from fingertip.board.parts.nets import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE, ENVELOPE, FILTERED, TACTILE
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.foundation.jit import CompiledLoop, as_samples

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.board.parts.circuit import ADC_FILTERED, ADC_TACTILE
+from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.pad.response import Pad

@@ -1,0 +1,41 @@
+"""Names of the nets that several blocks of the board share."""
+
+GND = "GND"
+VCC = "VCC"
+VEE = "VEE"
+VMID = "VMID"
+"""Buffered mid-supply of a single supply: the signal ground of a board without a negative rail."""
+
+SENSOR = "SENSOR"
+BIAS = "BIAS"
+"""Voltage at which a transimpedance stage holds the sensor."""
+SUM = "SUM"
+"""Input of a transimpedance stage, a virtual ground."""
+REFERENCE = "REFERENCE"
+TACTILE = "TACTILE"
+FEEDBACK = "FEEDBACK"
+STAGE1_OUT = "STAGE1_OUT"
+STAGE2_MID = "STAGE2_MID"
+FILTERED = "FILTERED"
+ENVELOPE = "ENVELOPE"
+RECT_OUT = "RECT_OUT"
+MEAN = "MEAN"
+THRESHOLD = "THRESHOLD"
+SLIP = "SLIP"
+ADC_TACTILE = "ADC_TACTILE"
+ADC_ENVELOPE = "ADC_ENVELOPE"
+POWER_IN = "POWER_IN"
+"""Supply at its connector, ahead of the protection against reversed polarity."""
+ADC_FILTERED = "ADC_FILTERED"
+VMID_OUT = "M_OUT"
+"""`VMID` behind R24, at the output connector."""
+
+RAILS = (GND, VCC, VEE)
+"""Nets that power symbols name in a schematic."""
+GLOBAL_NETS = (*RAILS, VMID)
+"""Nets that are the same on all sheets: the rails, and the nets that global labels name."""
+
+
+def kicad_net_name(net: str) -> str:
+    """Name of a net in KiCad: a label's net carries the path of its sheet, here "/"; a power symbol's net does not."""
+    return net if net in GLOBAL_NETS else f"/{net}"

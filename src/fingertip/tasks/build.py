@@ -44,8 +44,7 @@ from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet
 from fingertip.foundation import extras
 from fingertip.foundation.errors import DesignError, InputFileError, Issue
 from fingertip.foundation.input_files import PARSED_LIMIT, is_safe_name, read_input
-from fingertip.foundation.output_set import SetWriter, read_manifest
-from fingertip.foundation.output_set.writer import has_hash
+from fingertip.foundation.output_set import SetWriter, has_hash, read_manifest
 from fingertip.foundation.processes import in_background
 from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.pad.survey import survey_pad

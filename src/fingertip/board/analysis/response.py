@@ -17,7 +17,7 @@ from fingertip.board.circuits.transfer_function import Rational, Stage, find_sta
 from fingertip.board.parts.circuit import ADC_ENVELOPE, ADC_FILTERED, ENVELOPE, FILTERED, RECT_OUT, TACTILE, Circuit
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.design.formulas.filter import SECTION_QUALITY
-from fingertip.design.parameters import Board
+from fingertip.design.parameters.electronics import Board
 from fingertip.foundation.numerics import bisect_arrays, find_maximum, find_maximum_arrays, find_root
 
 if TYPE_CHECKING:

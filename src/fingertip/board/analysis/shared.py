@@ -33,7 +33,7 @@ from fingertip.board.parts.circuit import (
     parse_component_value,
 )
 from fingertip.board.parts.symbols import C_0603, CAPACITOR, R_0603, RESISTOR
-from fingertip.design.parameters import Board
+from fingertip.design.parameters.electronics import Board
 
 MAX_CROSSTALK_DB = -60.0
 """Crosstalk above which a board warns: a firm slip at one finger then shows as the noise of the others."""

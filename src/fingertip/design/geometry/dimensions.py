@@ -184,9 +184,10 @@ class Dimensions(SkinDimensions):
 
     @cached_property
     def fold(self) -> features.TailFold | None:
-        sensor, body = self._design.sensor, self.sensor
+        sensor = self._design.sensor
         if sensor.tail == "straight":
             return None
+        body = self.sensor
         return features.fold_tail(
             sensor, body.length_mm - body.head_diameter_mm / 2 - self.ramp_excess, body.thickness_mm,
             body.tab_pitch_mm + TAB_WIDTH_MM, self.pocket_depth - self.flat_depth, self.sensor_z,

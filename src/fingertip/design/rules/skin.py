@@ -10,9 +10,10 @@ from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_
 RULES = Ruleset()
 
 
-@RULES.at_most("custom_sensor.active_diameter_mm", when=lambda design: design.sensor.model == "custom")
-def active_area_within_head(design: DesignTables) -> Limit:
-    return Limit(design.custom_sensor.head_diameter_mm, "is wider than the sensor's head")
+@RULES.at_most("custom_sensor.active_diameter_mm")
+def active_area_within_head(design: DesignTables) -> Limit | None:
+    head = design.custom_sensor.head_diameter_mm
+    return Limit(head, "is wider than the sensor's head") if design.sensor.model == "custom" else None
 
 
 @RULES.at_least("custom_sensor.tail_width_mm", when=lambda design: design.sensor.model == "custom")

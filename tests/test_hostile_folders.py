@@ -36,8 +36,8 @@ from fingertip.design import Design
 from fingertip.foundation import files as output_files
 from fingertip.foundation.errors import OutputError
 from fingertip.foundation.files import write_file
+from fingertip.foundation.folder_swap import recover
 from fingertip.foundation.output_set import MANIFEST, SetWriter, hash_parameters
-from fingertip.foundation.output_set.swap import recover
 from fingertip.slip.traces.truth import Origin, read_origin
 from fingertip.tasks import verification
 from fingertip.tasks.board import board_files, plan_board, write_board

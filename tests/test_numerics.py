@@ -72,13 +72,12 @@ class Counted:
 
 @pytest.mark.parametrize("boundary", [0.0, 0.3, 0.5, 1.0])
 def test_bisect_evaluates_every_middle_once(boundary: float) -> None:
-    for tolerance, count in ((0.25, 2), (0.24, 3), (0.0, 1100)):
+    for halvings in (2, 3, None):
         is_below = Counted(lambda x: x < boundary, 1100)
-        low, high = bisect(is_below, 0.0, 1.0, tolerance=tolerance)  # type: ignore[arg-type]
-        assert len(is_below.points) <= count
-        assert tolerance == 0.0 or len(is_below.points) == count
+        low, high = bisect(is_below, 0.0, 1.0, halvings=halvings)  # type: ignore[arg-type]
+        assert halvings is None or len(is_below.points) == halvings
         assert low <= boundary <= high
-        assert high - low <= tolerance or math.nextafter(low, 2.0) == high
+        assert high - low == 0.5**halvings if halvings else math.nextafter(low, 2.0) == high
 
 
 def test_find_root_takes_the_steps_of_the_illinois_method() -> None:

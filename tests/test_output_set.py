@@ -17,11 +17,11 @@ import pytest
 import typer
 
 from fingertip.cli import app
+from fingertip.foundation import folder_swap
 from fingertip.foundation.errors import OutputError
 from fingertip.foundation.files import open_atomic, write_file
+from fingertip.foundation.folder_swap import recover
 from fingertip.foundation.output_set import MANIFEST, Revision, SetWriter, add_to_set, read_manifest
-from fingertip.foundation.output_set import swap as folder_swap
-from fingertip.foundation.output_set.swap import recover
 from fingertip.tasks import verification
 from fingertip.tasks.verification import verify_sets
 

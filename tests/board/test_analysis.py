@@ -48,7 +48,7 @@ from fingertip.catalogues.amplifiers import CATALOGUE
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.design.formulas.filter import FilterComponents, ideal_components
-from fingertip.design.parameters import Board
+from fingertip.design.parameters.electronics import Board
 from fingertip.documents.board.analysis import analysis_text
 from fingertip.foundation.numerics import Array
 from tests.conftest import run_fingertip

@@ -39,7 +39,7 @@ from fingertip.board.components.selection import (
 from fingertip.catalogues.amplifiers import AmplifierName
 from fingertip.design import Design
 from fingertip.design.formulas.filter import FilterComponents, find_preferred_neighbours, ideal_components
-from fingertip.design.parameters import Board
+from fingertip.design.parameters.electronics import Board
 from fingertip.documents.template import format_ohm
 from fingertip.foundation.errors import BoardError, DesignError
 from fingertip.foundation.files import format_figure

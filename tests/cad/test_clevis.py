@@ -14,9 +14,10 @@ from fingertip.cad.verification import assembly as joint_checks
 from fingertip.cad.verification.strength import assess_strength
 from fingertip.design import Design
 from fingertip.design.formulas.stress import pin_peak
-from fingertip.design.geometry.features import SLIDING_MM, Joint, SensorTail, fold_tail
+from fingertip.design.geometry.features import SLIDING_MM, Joint, fold_tail
 from fingertip.design.interfaces import clevis, interface_of
 from fingertip.design.new_design import PRESETS
+from fingertip.design.parameters.finger import Sensor
 from fingertip.tasks.build import build
 from tests.cad.part_checks import run_all_checks
 from tests.conftest import design_file
@@ -131,7 +132,8 @@ def read_cylinders(step: str) -> list[tuple[float, tuple[float, ...], tuple[floa
 @pytest.mark.parametrize("radius", [2.5, 3.0])
 def test_course_has_the_length_of_the_film(radius: float) -> None:
     """Straight to the nose, half round it at the middle of the film's thickness, straight to the end."""
-    fold = fold_tail(-2.2, 15.0, 2.0, radius, SensorTail(34.19, 0.3, 4.3, 3.54, 0.6, 0.5))
+    sensor = Sensor(fold_radius_mm=radius, tab_length_mm=4.3, crimp_height_mm=0.6, wire_diameter_mm=0.5)
+    fold = fold_tail(sensor, 34.19, 0.3, 3.54, pocket_floor_y=-2.2, sensor_z=15.0, seal_length_mm=2.0)
     length = (15.0 - fold.nose_z) + math.pi * (radius + 0.15) + (fold.film_end_z - fold.nose_z)
     assert length == pytest.approx(34.19)
     assert fold.tabs_end_z == pytest.approx(fold.film_end_z + 4.3)

@@ -162,3 +162,14 @@ def test_a_bound_refuses_values_beyond_it_in_the_unit_of_its_field() -> None:
     assert most.check(TABLES.with_values({"mold.draft_deg": 2.0 + SLACK})) is None
     assert least.check(TABLES) == Violation("1 mm is thin", at_least(1.0 + 1e-9))
     assert absent.check(TABLES) is None
+
+
+def test_a_rule_passes_where_it_does_not_apply_and_reads_what_that_depends_on() -> None:
+    ruleset = Ruleset()
+    bound = ruleset.at_least("mold.draft_deg", when=lambda design: design.mold.filling == "gravity")
+    rule = bound(lambda design: Limit(90.0, "are flat"))
+    assert rule.check(TABLES) is None
+    poured = TABLES.with_values({"mold.filling": "gravity"})
+    (found,) = find_violations(ruleset, poured)
+    assert found.violation.problem == "3 degrees are flat"
+    assert found.own_reads == {"mold.filling", "mold.draft_deg"}

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
+from fingertip.foundation import folder_swap
 from fingertip.foundation.errors import OutputError
 from fingertip.foundation.jit import CompiledLoop, compiled
 from fingertip.foundation.output_set import SetWriter
-from fingertip.foundation.output_set import swap as folder_swap
 from tests.conftest import run_python
 
 resource = pytest.importorskip("resource", reason="the system bounds no process, NOT TESTED HERE")

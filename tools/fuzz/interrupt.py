@@ -26,7 +26,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from fingertip.foundation.output_set.writer import MANIFEST
+from fingertip.foundation.output_set import MANIFEST
 from tools.fuzz.commands import COMMANDS, Command, write_inputs
 from tools.fuzz.interruptible import SIGNALS, Interruption, Place, Run, load_modules
 

@@ -81,8 +81,13 @@ KINDS = (SWEEP, SET, SURFACE, MANIPULATION, SCENE, DESIGN)
 
 
 def read_file(path: Path, kind: FileKind, below: Path | None = None) -> dict[str, Any]:
+    """Read a file, unless none of its names belongs to the expected kind alone, but some name to another kind."""
     tables = read_toml(path, kind.describe(), below)
-    _require_kind(path, tables, kind)
+    found = _find_kinds(tables)
+    if found and kind not in found and not kind.names.issuperset(tables):
+        other = next(iter(found))
+        message = f"is {other.describe()}, not {kind.describe()}; give one such as {kind.example} ({other.use})."
+        raise TomlFileError(Issue(str(path), message))
     return tables
 
 
@@ -117,18 +122,6 @@ def split_changes(changes: Iterable[str], kinds: Collection[FileKind]) -> tuple[
         similar = [name] if name in known else difflib.get_close_matches(name, known, n=1, cutoff=0.65)
         (own if own_names.intersection(similar) else others).append(change)
     return own, others
-
-
-def _require_kind(path: Path, tables: Mapping[str, Any], expected: FileKind) -> None:
-    """Refuse a file of which no name belongs to the expected kind alone, but some name to another kind."""
-    found = _find_kinds(tables)
-    if not found or expected in found:
-        return
-    kind = next(iter(found))
-    if expected.names.issuperset(tables):
-        return  # All names are shared with the expected kind.
-    message = f"is {kind.describe()}, not {expected.describe()}; give one such as {expected.example} ({kind.use})."
-    raise TomlFileError(Issue(str(path), message))
 
 
 def _find_kinds(tables: Mapping[str, Any]) -> dict[FileKind, set[str]]:

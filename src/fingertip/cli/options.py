@@ -163,7 +163,7 @@ def find_file_issues(
     option: str, path: Path | None, *suffixes: str, inputs: Iterable[Path | None] = (), kept: str = ""
 ) -> Iterator[Issue]:
     """Find why a file is not written: it is a folder, ends in another suffix, is needed, or its place takes no file."""
-    from fingertip.foundation.output_set.writer import find_place_issues
+    from fingertip.foundation.output_set import find_place_issues
 
     if path is None:
         return

@@ -17,7 +17,7 @@ from fingertip.catalogues.bundled import find_file
 from fingertip.catalogues.file_kinds import DESIGN, FileKind, read_file
 from fingertip.design.parameters import PARAMETERS, ParameterTable, Tables
 from fingertip.design.parameters.declaration import find_bounds, find_unit, list_choices
-from fingertip.foundation.errors import MAX_VALUE_LENGTH, DesignError, FingertipError, Issue, shorten
+from fingertip.foundation.errors import MAX_VALUE_LENGTH, DesignError, Issue, gather, shorten
 from fingertip.foundation.toml_files import MAX_DEPTH, UnusableTomlError, parse_toml
 
 
@@ -55,21 +55,17 @@ def load_tables(
     parsed: list[dict[str, Any]] = []
     issues: list[Issue] = []
     for file in files:
-        try:
+        with gather(issues):
             _merge(before, read_file(find_file(file, kind), kind, below))
-        except FingertipError as error:
-            issues.extend(error.issues)
     for change in list_changes(changes):
-        try:
+        with gather(issues):
             parsed.append(parse_change(change))
-        except DesignError as error:
-            issues.extend(error.issues)
     if issues:
         raise DesignError(issues)
     tables = copy.deepcopy(before)
     for nested in parsed:
         _merge(tables, nested)
-    return LoadedTables(tables, before, tuple(name for nested in parsed for name in _flatten(nested)))
+    return LoadedTables(tables, before, tuple(name for nested in parsed for name, _ in flatten(nested)))
 
 
 def parse_change(change: str) -> dict[str, Any]:
@@ -108,12 +104,13 @@ def _merge(into: dict[str, Any], new: Mapping[str, Any]) -> None:
             into[key] = value
 
 
-def _flatten(tables: Mapping[str, Any]) -> Iterator[str]:
+def flatten(tables: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Yield the values of nested tables, each with its dotted name."""
     for name, value in tables.items():
         if isinstance(value, Mapping):
-            yield from (f"{name}.{inner}" for inner in _flatten(value))
+            yield from ((f"{name}.{inner}", leaf) for inner, leaf in flatten(value))
         else:
-            yield name
+            yield name, value
 
 
 _MAX_COLUMN_WIDTH = 60

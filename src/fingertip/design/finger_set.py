@@ -12,16 +12,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field
 
 from fingertip.catalogues.bundled import find_file
 from fingertip.catalogues.controllers import NAMES
 from fingertip.catalogues.file_kinds import DESIGN, SET, identify_kind, read_file
-from fingertip.design.files import list_changes, load_tables
+from fingertip.design.files import flatten, list_changes, load_tables
 from fingertip.design.model import Design
 from fingertip.design.new_design import find_hand
-from fingertip.design.parameters import ForceCurve
-from fingertip.design.parameters.declaration import issues_from_pydantic
+from fingertip.design.parameters.declaration import parse_tables
+from fingertip.design.parameters.finger import ForceCurve
 from fingertip.foundation.errors import DesignError, Issue, gather, join_words, quote_value
 from fingertip.foundation.input_files import is_safe_name
 
@@ -102,10 +102,7 @@ def is_set(given: str | Path) -> bool:
 def load_set(file: str | Path, changes: Sequence[str] = ()) -> FingerSet:
     """Load a set. Changes such as "board.cutoff_hz=80" are made in all fingers. Raises DesignError, with all faults."""
     path = find_file(file, SET)
-    try:
-        contents = SetFile(**read_file(path, SET))
-    except ValidationError as error:
-        raise DesignError(issues_from_pydantic(error, SetFile)) from None
+    contents = parse_tables(SetFile, read_file(path, SET))
     load_tables((), changes)  # what is wrong with them is said once, not for each finger
     issues: list[Issue] = []
     if not contents.fingers:
@@ -158,18 +155,10 @@ def _load_finger(path: Path, table: Mapping[str, Any], hand: Mapping[str, Any], 
         raise DesignError(Issue("design", "is missing; name a design, such as design = 'adult_finger'."))
     beside = _find_beside(path, "design", base)
     own = {name: value for name, value in table.items() if name != "design"}
-    values = (*_list_values(hand), *_list_values(own))  # a finger may differ from the hand in one value
+    values = (*flatten(hand), *flatten(own))  # a finger may differ from the hand in one value
     typed = [*list_changes(dict(values)), *changes]
     loaded = load_tables([beside or base], typed, below=path.parent if beside else None)
     return Design.from_tables(loaded.tables, loaded.before, loaded.changed)
-
-
-def _list_values(tables: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    for name, value in tables.items():
-        if isinstance(value, Mapping):
-            yield from ((f"{name}.{inner}", leaf) for inner, leaf in _list_values(value))
-        else:
-            yield name, value
 
 
 def _find_differences(designs: Mapping[str, Design]) -> Iterator[Issue]:
@@ -180,16 +169,11 @@ def _find_differences(designs: Mapping[str, Design]) -> Iterator[Issue]:
         ("hand", "joint of the hand", lambda design: design.hand if design.dimensions.joint else None),
     )
     for field, what, read in shared:
-        groups: list[tuple[object, list[str]]] = []
+        groups: dict[object, list[str]] = {}
         for finger in (finger for finger in designs if field != "hand" or finger != "thumb"):
-            value = read(designs[finger])
-            fingers = next((fingers for known, fingers in groups if known == value), None)
-            if fingers is None:
-                groups.append((value, [finger]))
-            else:
-                fingers.append(finger)
+            groups.setdefault(read(designs[finger]), []).append(finger)
         if len(groups) > 1:
-            told = " / ".join(join_words(fingers) for _, fingers in groups)
+            told = " / ".join(map(join_words, groups.values()))
             remedy = f"give {field} the same value in all of them, or make a set of each"
             yield Issue(field, f"is not the same {what} for {told}; {remedy}.")
 

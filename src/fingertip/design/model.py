@@ -12,7 +12,7 @@ from fingertip.design.all_rules import RULES
 from fingertip.design.files import Changes, list_parameters, load_tables
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS
-from fingertip.design.parameters.declaration import issues_from_pydantic
+from fingertip.design.parameters.declaration import parse_tables
 from fingertip.design.remedies import describe_violations, explain_invalid, explain_violations
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.foundation.display import Picture, html_table, plot, to_dataframe
@@ -58,19 +58,8 @@ class Design(DesignTables):
     ) -> Self:
         """Make a design of tables that were changed. If it is refused, the cause is sought among the changes.
 
-        Parameters
-        ----------
-        tables
-            Contents of a design file, with the changes.
-        before
-            Contents without the changes; the defaults if None.
-        changed
-            Names of the changed parameters, such as "skin.width_mm".
-
-        Raises
-        ------
-        DesignError
-            If the design is refused.
+        `before` holds the contents without the changes, the defaults if None, and `changed` names such as
+        "skin.width_mm". Raises DesignError.
         """
         design = cls.__new__(cls)
         design._validate(tables, before, changed)
@@ -80,17 +69,9 @@ class Design(DesignTables):
     def without_remedies(cls, /, **tables: Any) -> Design:
         """Make a design as the constructor does, but refuse it faster: the messages contain no remedies.
 
-        A sweep refuses thousands of designs, and needs to know only why.
-
-        Raises
-        ------
-        DesignError
-            If the design is refused.
+        A sweep refuses thousands of designs, and needs to know only why. Raises DesignError.
         """
-        try:
-            valid = DesignTables(**tables)
-        except ValidationError as error:
-            raise DesignError(issues_from_pydantic(error, cls)) from None
+        valid = parse_tables(DesignTables, tables)
         if issues := list(describe_violations(valid)):
             raise DesignError(issues)
         return cls.model_construct(None, **{name: getattr(valid, name) for name in cls.model_fields})

@@ -11,8 +11,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from pydantic import ValidationError
-
 from fingertip.catalogues.bundled import PARAMS, list_bundled_files
 from fingertip.catalogues.file_kinds import DESIGN
 from fingertip.catalogues.sensors import CATALOGUE
@@ -20,9 +18,9 @@ from fingertip.design.files import Parameter, list_parameters, load_tables
 from fingertip.design.fit import fit_design
 from fingertip.design.geometry import DesignTables
 from fingertip.design.model import Design
-from fingertip.design.parameters import Hand
-from fingertip.design.parameters.declaration import issues_from_pydantic, suggest_name
-from fingertip.foundation.errors import DesignError, Issue, TomlFileError
+from fingertip.design.parameters.bone import Hand
+from fingertip.design.parameters.declaration import parse_tables, suggest_name
+from fingertip.foundation.errors import DesignError, Issue, TomlFileError, gather
 from fingertip.foundation.progress import ShareText
 from fingertip.foundation.toml_files import read_toml
 
@@ -122,10 +120,8 @@ def write_new_design(
 def refuse_words(name: str, sensor: str | None, preset: str | None) -> None:
     """Refuse a name that no design may have, and an unknown sensor or preset. Raises DesignError."""
     issues: list[Issue] = []
-    try:
-        DesignTables(name=name)
-    except ValidationError as error:
-        issues += issues_from_pydantic(error, Design)
+    with gather(issues):
+        parse_tables(DesignTables, {"name": name})
     if sensor is not None and sensor not in _SENSORS:
         issues.append(Issue("sensor", f"{sensor!r} is not known; {suggest_name(sensor, _SENSORS)}"))
     if preset is not None and preset not in PRESETS:
@@ -153,10 +149,7 @@ def start_design(
     base = preset or "adult_finger"
     files: list[str | Path] = [list_bundled_files(DESIGN)[base], *([find_hand(hand)] if hand is not None else [])]
     loaded = load_tables(files, [*([f"sensor.model={sensor}"] if sensor else []), *changes])
-    try:
-        begun = DesignTables(**loaded.tables | {"name": name})
-    except ValidationError as error:
-        raise DesignError(issues_from_pydantic(error, Design)) from None
+    begun = parse_tables(DesignTables, loaded.tables | {"name": name})
     before = DesignTables(**load_tables(files[:1], []).tables)
     return Start(begun, base, before, loaded.changed, _JOINT_PARAMETERS if hand is not None else ())
 

@@ -7,29 +7,19 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from pydantic import ValidationError
-
 from fingertip.catalogues.controllers import NAMES
+from fingertip.design import new_design
 from fingertip.design.files import load_tables
 from fingertip.design.fit import FREE
 from fingertip.design.geometry import DesignTables
 from fingertip.design.model import Design
-from fingertip.design.new_design import (
-    PRESETS,
-    NewDesign,
-    Start,
-    find_lost_travel,
-    fit_start,
-    refuse_words,
-    start_design,
-)
-from fingertip.design.parameters.declaration import issues_from_pydantic, suggest_name
+from fingertip.design.parameters.declaration import parse_tables, suggest_name
 from fingertip.foundation.errors import DesignError, Issue, gather, join_words, quote_value
 from fingertip.foundation.progress import Work
 
 Size = tuple[float, float]
 """Width and length of the skin [mm]."""
-Starts = Mapping[tuple[str, ...], Start]
+Starts = Mapping[tuple[str, ...], new_design.Start]
 """Fingers of one size -> their design before its fit."""
 _SIZE = ("skin.width_mm", "skin.length_mm")
 _JOINT = tuple(name for name in FREE if name.startswith("hand."))
@@ -42,7 +32,7 @@ class NewForm:
     """Fingers of one size."""
 
     fingers: tuple[str, ...]
-    design: NewDesign
+    design: new_design.NewDesign
 
     @property
     def file(self) -> str:
@@ -71,17 +61,11 @@ def read_sizes(given: Sequence[str]) -> dict[str, Size]:
             continue
         width_mm, length_mm = (float(found[1]), float(found[2]))
         sizes[name] = (width_mm, length_mm)
-        try:
-            DesignTables.model_validate({"skin": {"width_mm": width_mm, "length_mm": length_mm}})
-        except ValidationError as error:
-            issues += (
-                Issue(f"{field}: {issue.field}", issue.message) for issue in issues_from_pydantic(error, DesignTables)
-            )
-        else:
+        with gather(issues, f"{field}: "):
+            parse_tables(DesignTables, {"skin": {"width_mm": width_mm, "length_mm": length_mm}})
             if width_mm > length_mm:
-                issues.append(
-                    Issue(field, f"is wider than long; the width comes first: --finger {name}={found[2]}x{found[1]}.")
-                )
+                remedy = f"the width comes first: --finger {name}={found[2]}x{found[1]}"
+                issues.append(Issue(field, f"is wider than long; {remedy}."))
     if issues:
         raise DesignError(issues)
     return {name: sizes[name] for name in NAMES if name in sizes}
@@ -99,7 +83,7 @@ def start_set(
     issues: list[Issue] = []
     sizes: dict[str, Size] = {}
     with gather(issues):
-        refuse_words(name, sensor, preset)
+        new_design.refuse_words(name, sensor, preset)
     with gather(issues):
         sizes = read_sizes(given)
     for change in changes:
@@ -110,11 +94,11 @@ def start_set(
     groups: dict[tuple[str, Size], list[str]] = {}
     for finger, size in sizes.items():
         groups.setdefault((_choose_preset(finger, sizes, preset), size), []).append(finger)
-    starts: dict[tuple[str, ...], Start] = {}
+    starts: dict[tuple[str, ...], new_design.Start] = {}
     for (base, size), fingers in groups.items():
         own = [*changes, *(f"{field}={value!r}" for field, value in zip(_SIZE, size, strict=True))]
         with gather(issues):
-            starts[tuple(fingers)] = start_design(f"{name}_{fingers[0]}", sensor, base, hand, own)
+            starts[tuple(fingers)] = new_design.start_design(f"{name}_{fingers[0]}", sensor, base, hand, own)
     if issues:
         raise DesignError(dict.fromkeys(issues))  # what is wrong in several is said once
     return starts
@@ -136,11 +120,11 @@ def fit_set(starts: Starts, may_change_joint: bool, progress: Callable[[str], No
         tables = start.tables.with_values(joints.get(shares, {}))
         held = replace(start, tables=tables, given=(*start.given, *_JOINT))
         with gather(found):
-            made = fit_start(held if shares in joints else start, report)
-            lost = [] if shares in joints or may_change_joint else find_lost_travel(made)
+            made = new_design.fit_start(held if shares in joints else start, report)
+            lost = [] if shares in joints or may_change_joint else new_design.find_lost_travel(made)
         if lost:  # a fit that holds the joint may find other lengths; one that cannot takes long
             try:
-                made = fit_start(held, report)
+                made = new_design.fit_start(held, report)
             except DesignError:
                 found = lost
         issues += (Issue(f"{label}: {issue.field}", issue.message) for issue in found)
@@ -154,12 +138,13 @@ def fit_set(starts: Starts, may_change_joint: bool, progress: Callable[[str], No
 
 def _choose_preset(finger: str, sizes: Mapping[str, Size], preset: str | None) -> str:
     """Choose the preset of a finger, of the age that is given, or of that whose widths are nearest to all fingers."""
-    widths = {base: float(DesignTables(**load_tables([base], []).tables).skin.width_mm) for base in PRESETS}
+    widths = {base: float(DesignTables(**load_tables([base], []).tables).skin.width_mm) for base in new_design.PRESETS}
 
     def differ(age: str) -> float:
         return sum(abs(width_mm - widths[_name_preset(age, other)]) for other, (width_mm, _) in sizes.items())
 
-    age = preset.partition("_")[0] if preset else min((base.partition("_")[0] for base in PRESETS), key=differ)
+    ages = (base.partition("_")[0] for base in new_design.PRESETS)
+    age = preset.partition("_")[0] if preset else min(ages, key=differ)
     return _name_preset(age, finger)
 
 

@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
-from fingertip.design.parameters import Detector as DetectorParameters
+from fingertip.design.parameters.electronics import Detector as DetectorParameters
 from fingertip.detection.warnings import StepWatch
 from fingertip.foundation.errors import Issue, TraceError, shorten
 from fingertip.slip.detectors.registry import Detector

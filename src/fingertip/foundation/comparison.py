@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -25,12 +26,5 @@ class Comparison:
 
     @property
     def passed(self) -> bool:
-        match self.relation:
-            case "at most":
-                return self.value <= self.limit
-            case "below":
-                return self.value < self.limit
-            case "at least":
-                return self.value >= self.limit
-            case "exactly":
-                return self.value == self.limit
+        compare = {"at most": operator.le, "below": operator.lt, "at least": operator.ge, "exactly": operator.eq}
+        return bool(compare[self.relation](self.value, self.limit))

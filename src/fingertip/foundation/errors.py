@@ -110,7 +110,7 @@ def gather(issues: list[Issue], prefix: str = "") -> Iterator[None]:
     try:
         yield
     except FingertipError as error:
-        issues += (Issue(f"{prefix}{issue.field}", issue.message) for issue in error.issues)
+        issues += (Issue(f"{prefix}{issue.field}", issue.message) if prefix else issue for issue in error.issues)
 
 
 class InputFileError(FingertipError):

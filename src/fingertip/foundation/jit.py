@@ -128,13 +128,16 @@ class CompiledLoop:
 
     def _run_first(self, arrays: list[Any]) -> None:
         """Load the loop, and run it; if its cache is damaged or the disk full, it is compiled for this process."""
-        loop = _compile_cached(self.plain, *self._helpers)
+        try:
+            loop = _compile(self.plain, *self._helpers, cache=True)
+        except RuntimeError:  # no folder can be written
+            loop = _compile(self.plain)
         try:
             loop(*arrays)
         except Exception:  # what a damaged file raises depends on the damage
             with contextlib.suppress(Exception):
                 loop._cache.flush()  # type: ignore[attr-defined]  # the next process writes it anew
-            loop = importlib.import_module("numba").njit(error_model="numpy")(self.plain)
+            loop = _compile(self.plain)
             loop(*arrays)
         self._compiled = loop
 
@@ -150,16 +153,11 @@ def _as_compiled(argument: Any, copy: bool) -> Any:
     return argument
 
 
-def _compile_cached(function: Function, *helpers: Function) -> Function:
-    """Compile a function, cached where a folder can be written; a division by 0 gives infinity or NaN, as in arrays."""
+def _compile(function: Function, *helpers: Function, cache: bool = False) -> Function:
+    """Compile a function, and its helpers with it; a division by 0 gives infinity or NaN, as in arrays."""
     for helper in helpers:  # numba's cache notices changes in the function's own file only
         importlib.import_module("numba.extending").register_jitable(helper)
-    njit = importlib.import_module("numba").njit
-    result: Function
-    try:
-        result = njit(cache=True, error_model="numpy")(function)
-    except RuntimeError:  # no folder can be written
-        result = njit(error_model="numpy")(function)
+    result: Function = importlib.import_module("numba").njit(cache=cache, error_model="numpy")(function)
     return result
 
 
@@ -170,7 +168,4 @@ def compile_for_process(function: Function, *loops: CompiledLoop) -> Function:
     """
     if not available():
         return function
-    for part in (part for loop in loops for part in (loop.plain, *loop._helpers)):
-        importlib.import_module("numba.extending").register_jitable(part)
-    result: Function = importlib.import_module("numba").njit(error_model="numpy")(function)
-    return result
+    return _compile(function, *(part for loop in loops for part in (loop.plain, *loop._helpers)))

@@ -11,6 +11,7 @@ false position.
 
 from __future__ import annotations
 
+import itertools
 import math
 import operator
 from collections.abc import Callable, Sequence
@@ -36,16 +37,14 @@ _MAX_STEPS = 60
 
 
 def bisect(
-    is_below: Callable[[float], bool], low: float, high: float, *, halvings: int | None = None, tolerance: float = 0.0
+    is_below: Callable[[float], bool], low: float, high: float, *, halvings: int | None = None
 ) -> tuple[float, float]:
     """Narrow the bracket of a boundary by bisection, and return both its ends: callers need the end on one side."""
-    count = 0
-    while (halvings is None or count < halvings) and high - low > tolerance:
+    for _ in itertools.count() if halvings is None else range(halvings):
         middle = 0.5 * (low + high)
         if not low < middle < high:  # the ends are neighbouring floats
             break
         low, high = (middle, high) if is_below(middle) else (low, middle)
-        count += 1
     return low, high
 
 
@@ -218,50 +217,33 @@ _LARGEST = 1e4
 
 def t_quantile(two_sided: float, degrees: int) -> float:
     """Return the t that |t| exceeds with probability 1 - `two_sided`, for some degrees of freedom."""
-    return _invert(lambda t: t_probability(t, degrees) < two_sided)
+    return bisect(lambda t: t_probability(t, degrees) < two_sided, 0.0, _LARGEST)[0]
 
 
 def chi_square_quantile(below: float, degrees: int) -> float:
     """Return the chi-square below which the probability is `below`, for some degrees of freedom."""
-    return _invert(lambda x: chi_square_probability(x, degrees) < below)
+    return bisect(lambda x: chi_square_probability(x, degrees) < below, 0.0, _LARGEST)[0]
 
 
 def t_probability(t: float, degrees: int) -> float:
     """Return the probability that |T| <= t."""
-    angle = math.atan2(t, math.sqrt(degrees))
-    cos2 = math.cos(angle) ** 2
-    if degrees % 2:
-        term, total = math.cos(angle), 0.0
-        for i in range(1, (degrees - 1) // 2 + 1):
-            total += term
-            term *= 2 * i / (2 * i + 1) * cos2
-        return 2.0 / math.pi * (angle + math.sin(angle) * total)
-    term, total = 1.0, 0.0
+    angle, odd = math.atan2(t, math.sqrt(degrees)), degrees % 2
+    cos2, term, total = math.cos(angle) ** 2, math.cos(angle) if odd else 1.0, 0.0
     for i in range(1, degrees // 2 + 1):
         total += term
-        term *= (2 * i - 1) / (2 * i) * cos2
-    return math.sin(angle) * total
+        term *= (2 * i - 1 + odd) / (2 * i + odd) * cos2
+    return 2.0 / math.pi * (angle + math.sin(angle) * total) if odd else math.sin(angle) * total
 
 
 def chi_square_probability(x: float, degrees: int) -> float:
     """Return the probability that chi-square <= x."""
-    half = x / 2
-    if degrees % 2:
-        term = math.sqrt(2.0 * x / math.pi) * math.exp(-half)
-        above = math.erfc(math.sqrt(half))
-        for i in range(1, (degrees - 1) // 2 + 1):
-            above += term
-            term *= x / (2 * i + 1)
-        return 1.0 - above
-    term, above = math.exp(-half), 0.0
+    odd, term, above = degrees % 2, math.exp(-x / 2), 0.0
+    if odd:
+        term, above = math.sqrt(2.0 * x / math.pi) * term, math.erfc(math.sqrt(x / 2))
     for i in range(1, degrees // 2 + 1):
         above += term
-        term *= half / i
+        term *= x / (2 * i + odd)
     return 1.0 - above
-
-
-def _invert(is_below: Callable[[float], bool]) -> float:
-    return bisect(is_below, 0.0, _LARGEST)[0]
 
 
 # Confidence interval of a rate, from a count of independent events.

@@ -17,9 +17,9 @@ from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.catalogues.output_files import BOARD_FOLDER, PRINT_FOLDER, REPORT, SHEET, SIGNAL_FOLDER, STEPS_FOLDER
 from fingertip.design import Design
 from fingertip.foundation.errors import Issue, OutputError
+from fingertip.foundation.folder_swap import hash_content
 from fingertip.foundation.input_files import OUTPUT_LIMIT, read_input
 from fingertip.foundation.output_set import Manifest, hash_parameters, read_manifest
-from fingertip.foundation.output_set.swap import hash_content
 from fingertip.page.html import embed
 
 _MAKE = "fingertip make DESIGN"

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from fingertip.catalogues.output_files import DETECTION, PLOT, SIGNAL, TRACE
 from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TraceError
-from fingertip.foundation.output_set.swap import hash_content
-from fingertip.foundation.output_set.writer import has_hash
+from fingertip.foundation.folder_swap import hash_content
+from fingertip.foundation.output_set import has_hash
 
 SUFFIXES = (".csv", ".npz")
 _ROWS = 2**16

@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from fingertip.foundation.errors import OutputError, SweepError
 from fingertip.foundation.input_files import TOML_LIMIT
-from fingertip.foundation.output_set.writer import find_place_issues
+from fingertip.foundation.output_set import find_place_issues
 from fingertip.sweep import sweep_file
 from fingertip.sweep.axes import Value
 from fingertip.sweep.database_file import (

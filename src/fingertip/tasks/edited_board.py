@@ -27,8 +27,7 @@ from fingertip.catalogues.output_files import (
 )
 from fingertip.foundation.errors import Issue, OutputError
 from fingertip.foundation.input_files import PARSED_LIMIT, read_input
-from fingertip.foundation.output_set import Revision, read_manifest
-from fingertip.foundation.output_set.writer import has_hash
+from fingertip.foundation.output_set import Revision, has_hash, read_manifest
 
 _REMEDY = "write this design to another folder with --out, or add --force to overwrite your edits."
 

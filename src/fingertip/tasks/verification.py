@@ -9,9 +9,9 @@ from pathlib import Path
 
 from fingertip.catalogues.output_files import PART_FILES, SET_FILES, SET_PRINTS
 from fingertip.foundation.errors import InputFileError, Issue, OutputError
+from fingertip.foundation.folder_swap import find_output_folder, is_folder, lock, read_plan, staging_folder
 from fingertip.foundation.input_files import OUTPUT_LIMIT, read_input
-from fingertip.foundation.output_set.swap import find_output_folder, is_folder, lock, read_plan, staging_folder
-from fingertip.foundation.output_set.writer import MANIFEST, Manifest, hash_file, read_manifest
+from fingertip.foundation.output_set import MANIFEST, Manifest, hash_file, read_manifest
 
 _OF_ONE_DESIGN = ("parts", "print", "steps", "board", "fabrication", "signal", "firmware", "robot")
 """Kinds of sets in the folder of a design, which belong together if they were made from the same parameters."""

@@ -23,7 +23,7 @@ from fingertip.board.parts.nets import GND, VCC, VEE
 from fingertip.catalogues.amplifiers import ARTICLE_AMPLIFIER, CATALOGUE
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import choose_amplifier, find_gain_bandwidth_hz
-from fingertip.design.parameters import Board
+from fingertip.design.parameters.electronics import Board
 
 
 @dataclass(frozen=True)

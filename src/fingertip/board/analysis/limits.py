@@ -13,7 +13,7 @@ from fingertip.board.parts.circuit import SENSOR_CONNECTOR, Circuit
 from fingertip.board.parts.nets import ADC_TACTILE, BIAS, GND, REFERENCE, SENSOR, TACTILE, VCC, VEE, VMID
 from fingertip.catalogues.amplifiers import Amplifier
 from fingertip.design.formulas.amplifiers import DIODE_V
-from fingertip.design.parameters import Detector
+from fingertip.design.parameters.electronics import Detector
 
 # Internal limits of the AD623 (its data sheet, "input and output voltage range"): its input followers shift their
 # inputs up by the drop of a diode and must stay clear of both rails, as must the output.

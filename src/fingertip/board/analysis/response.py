@@ -20,7 +20,7 @@ from fingertip.board.parts.circuit import Circuit
 from fingertip.board.parts.nets import ADC_ENVELOPE, ADC_FILTERED, ENVELOPE, FILTERED, RECT_OUT, TACTILE
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.design.formulas.filter import SECTION_QUALITY
-from fingertip.design.parameters import Board
+from fingertip.design.parameters.electronics import Board
 from fingertip.foundation.numerics import Array, bisect_arrays, find_maximum, find_maximum_arrays, find_root
 
 RECTIFYING_DIODE = "D1"

@@ -22,7 +22,7 @@ from fingertip.board.components.bridge import AD623_SUPPLY_A, AMPLIFIERS, COMPAR
 from fingertip.board.parts.circuit import Circuit, Component, Net, parse_component_value
 from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE, GND, POWER_IN, SENSOR, VCC, VEE
 from fingertip.board.parts.symbols import C_0603, CAPACITOR, R_0603, RESISTOR
-from fingertip.design.parameters import Board
+from fingertip.design.parameters.electronics import Board
 
 MAX_CROSSTALK_DB = -60.0
 """Crosstalk above which a board warns: a firm slip at one finger then shows as the noise of the others."""

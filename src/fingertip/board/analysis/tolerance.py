@@ -20,7 +20,7 @@ from fingertip.board.components.values import select_components
 from fingertip.board.parts.circuit import Circuit
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
-from fingertip.design.parameters import Board
+from fingertip.design.parameters.electronics import Board
 from fingertip.foundation.files import format_figure
 from fingertip.foundation.numerics import Array, bisect_arrays
 from fingertip.foundation.plot_style import BLUE, ORANGE, RED, TEXT_COLOUR, new_figure, style_axes, to_png, to_svg

@@ -31,7 +31,7 @@ from fingertip.design.formulas.filter import (
     r_lp_ohm,
     to_farads,
 )
-from fingertip.design.parameters import Board
+from fingertip.design.parameters.electronics import Board
 from fingertip.foundation.errors import BoardError, Issue
 from fingertip.foundation.numerics import Array
 

@@ -19,7 +19,7 @@ from fingertip.design.formulas.filter import (
     VMID_TOP_OHM,
     FilterComponents,
 )
-from fingertip.design.parameters import Board
+from fingertip.design.parameters.electronics import Board
 
 # Supplies of a board: signal ground, negative rail of the amplifiers, and headroom of each.
 #

@@ -21,8 +21,8 @@ from fingertip.board.kicad.placement import Placement
 from fingertip.board.parts.circuit import Circuit
 from fingertip.foundation.errors import BoardError, InputFileError, MissingLibraryError
 from fingertip.foundation.files import TemporaryFolder
+from fingertip.foundation.folder_swap import hash_content
 from fingertip.foundation.input_files import OUTPUT_LIMIT, PARSED_LIMIT, read_input
-from fingertip.foundation.output_set.swap import hash_content
 from fingertip.foundation.progress import Work
 
 _LAYERS = "F.Cu,B.Cu,F.Paste,F.SilkS,B.SilkS,F.Mask,B.Mask,Edge.Cuts"

@@ -10,18 +10,10 @@ import functools
 import math
 from collections.abc import Callable
 
-from fingertip.catalogues.amplifiers import (
-    ARTICLE_AMPLIFIER,
-    AUTO,
-    CATALOGUE,
-    LOW_OFFSET_AMPLIFIER,
-    LOW_POWER_AMPLIFIER,
-    RAIL_TO_RAIL_AMPLIFIER,
-    Amplifier,
-)
+from fingertip.catalogues import amplifiers
+from fingertip.catalogues.amplifiers import Amplifier
 from fingertip.design.formulas import filter as filter_components
-from fingertip.design.formulas.filter import smaller_headroom_v, to_farads
-from fingertip.design.parameters import Board
+from fingertip.design.parameters.electronics import Board
 from fingertip.foundation.numerics import bisect
 
 
@@ -40,15 +32,15 @@ def choose_amplifier(board: Board) -> Amplifier:
     hardware, and five offsets add up in its envelope, so it has an amplifier of low offset. A board of several fingers
     has twenty amplifiers, so it has those of low supply current.
     """
-    return CATALOGUE[choose_automatically(board) if board.amplifier == AUTO else board.amplifier]
+    return amplifiers.CATALOGUE[choose_automatically(board) if board.amplifier == amplifiers.AUTO else board.amplifier]
 
 
 def choose_automatically(board: Board) -> str:
     if board.variant == "article":
-        return ARTICLE_AMPLIFIER
+        return amplifiers.ARTICLE_AMPLIFIER
     if board.variant == "comparator":
-        return LOW_OFFSET_AMPLIFIER
-    return LOW_POWER_AMPLIFIER if board.channels > 1 else RAIL_TO_RAIL_AMPLIFIER
+        return amplifiers.LOW_OFFSET_AMPLIFIER
+    return amplifiers.LOW_POWER_AMPLIFIER if board.channels > 1 else amplifiers.RAIL_TO_RAIL_AMPLIFIER
 
 
 def find_gain_bandwidth_hz(board: Board) -> float:
@@ -134,13 +126,13 @@ def compute_peaking_db(amplifier: Amplifier, feedback: Feedback, passband_gain: 
 
 def input_swing_v(board: Board, amplifier: Amplifier) -> float:
     """Smaller swing of a follower around the signal ground [V], typical: of its output or its input."""
-    headroom_v = smaller_headroom_v(board)
+    headroom_v = filter_components.smaller_headroom_v(board)
     return headroom_v - max(amplifier.output_from_rail_v, amplifier.input_from_lower_v[0])
 
 
 def loaded_swing_v(board: Board, amplifier: Amplifier) -> float:
     """Amplitude for which output currents are compared [V]: no nearer to a rail than data sheets state them."""
-    return min(input_swing_v(board, amplifier), smaller_headroom_v(board) - RAIL_DISTANCE_V)
+    return min(input_swing_v(board, amplifier), filter_components.smaller_headroom_v(board) - RAIL_DISTANCE_V)
 
 
 @functools.cache
@@ -166,7 +158,7 @@ def compute_filter_current_a(board: Board) -> float:
     """Compute the larger output current of both filter amplifiers [A] for the largest signal, without the rectifier."""
     amplitude_v = loaded_swing_v(board, choose_amplifier(board))
     first, second, _ = section_currents()
-    scale = math.tau * board.cutoff_hz * to_farads(board.capacitor_uf) * amplitude_v
+    scale = math.tau * board.cutoff_hz * filter_components.to_farads(board.capacitor_uf) * amplitude_v
     return max(first * scale + amplitude_v / board.r5_ohm, second * scale)
 
 

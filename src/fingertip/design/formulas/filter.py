@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from fingertip.design.parameters import Board
+from fingertip.design.parameters.electronics import Board
 
 # Third-order Butterworth polynomial (s + 1)(s^2 + s + 1), from the article's reference 30.
 A1 = 1.0

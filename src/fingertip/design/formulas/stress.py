@@ -72,16 +72,14 @@ arc would. Finite elements of posts found 1.07 to 1.12."""
 def at_foot(
     large_mm: tuple[float, float], small_mm: tuple[float, float], fillet_mm: float, from_root_mm: float
 ) -> StressFactors:
-    """Find the factors at a distance from the root of a drawn fillet, in its thin part."""
+    """Find the factors at a distance from the root of a drawn fillet, in its thin part.
+
+    Each is that of a shoulder with the sizes in the direction in which the shaft bends.
+    """
     if not 0.0 <= from_root_mm <= FOOT_REACH * fillet_mm:
         return StressFactors()
-    found = at_shoulder(large_mm, small_mm, fillet_mm)
-    return StressFactors(*(OF_CHORDS * factor if factor > 1.0 else 1.0 for factor in (found.width, found.height)))
-
-
-def at_shoulder(large_mm: tuple[float, float], small_mm: tuple[float, float], fillet_mm: float) -> StressFactors:
-    """Find the factors of a shoulder, each with the sizes in the direction in which the shaft bends."""
-    return StressFactors(*(shoulder_in_bending(*sizes, fillet_mm) for sizes in zip(large_mm, small_mm, strict=True)))
+    found = (shoulder_in_bending(*sizes, fillet_mm) for sizes in zip(large_mm, small_mm, strict=True))
+    return StressFactors(*(OF_CHORDS * factor if factor > 1.0 else 1.0 for factor in found))
 
 
 @dataclass(frozen=True)

@@ -10,18 +10,8 @@ import math
 from dataclasses import replace
 from functools import cached_property
 
+from fingertip.design.geometry import features
 from fingertip.design.geometry.conic import ConicBody, CrossSection, Tip, add_groove, inset_body, weight_of_fullness
-from fingertip.design.geometry.features import (
-    NOTCH_WIDTH_MM,
-    SLIDING_MM,
-    Chaplet,
-    Joint,
-    SensorTail,
-    TailFold,
-    TendonAnchor,
-    fold_tail,
-    place_chaplet,
-)
 from fingertip.design.geometry.skin_dimensions import RAMP_SLOPE, SkinDimensions
 from fingertip.foundation.numerics import bisect
 
@@ -62,12 +52,12 @@ class Dimensions(SkinDimensions):
     """
 
     @cached_property
-    def joint(self) -> Joint | None:
+    def joint(self) -> features.Joint | None:
         bone, hand = self._design.bone, self._design.hand
         if bone.interface != "clevis":
             return None
         is_fork = hand.knuckle == "tongue"
-        return Joint(
+        return features.Joint(
             hand.axis_height_mm - self.base_palmar_height, -bone.base_length_mm,
             hand.pin_diameter_mm / 2, hand.clearance_radius_mm, bone.joint_clearance_mm, is_fork,
             hand.width_mm / 2 + (bone.joint_clearance_mm if is_fork else -bone.joint_clearance_mm), hand.travel_deg,
@@ -110,17 +100,17 @@ class Dimensions(SkinDimensions):
         return -self.joint.shoulder_z if self.joint else self._design.bone.base_length_mm
 
     @cached_property
-    def anchor(self) -> TendonAnchor | None:
+    def anchor(self) -> features.TendonAnchor | None:
         """Anchor of the tendon, through the collar a wall above its foot; None without a tendon."""
         bone, hand, joint = self._design.bone, self._design.hand, self.joint
         if joint is None or hand.tendon_distance_mm == 0.0:
             return None
         y, radius = joint.axis_y - hand.tendon_distance_mm, bone.anchor_diameter_mm / 2
         foot = self.draft_slope * abs(y) - bone.collar_length_mm
-        inner = self.tail_half_width if self.fold else NOTCH_WIDTH_MM / 2
+        inner = self.tail_half_width if self.fold else features.NOTCH_WIDTH_MM / 2
         wall = self._design.printer.min_wall_mm
         open_from = max(self.collar.section.half_width_at(y - radius - wall), inner + wall)
-        return TendonAnchor(y, foot + bone.wall_mm + radius, radius, hand.tendon_distance_mm, inner, open_from)
+        return features.TendonAnchor(y, foot + bone.wall_mm + radius, radius, hand.tendon_distance_mm, inner, open_from)
 
     @cached_property
     def window_opens_into_gap(self) -> bool:
@@ -188,23 +178,20 @@ class Dimensions(SkinDimensions):
     @cached_property
     def passage_height(self) -> float:
         """Height of the tail's passage through the collar, which film, crimps and wires are threaded through."""
-        crimped = self.sensor.thickness_mm + self._design.sensor.crimp_height_mm + SLIDING_MM
+        crimped = self.sensor.thickness_mm + self._design.sensor.crimp_height_mm + features.SLIDING_MM
         threaded = self.fold.tabs_space_mm if self.fold else crimped if self.tail_passes_collar else 0.0
         return max(MIN_PASSAGE_HEIGHT_MM, self.pocket_depth + self._design.sensor.clearance_mm, threaded)
 
     @cached_property
-    def fold(self) -> TailFold | None:
+    def fold(self) -> features.TailFold | None:
         sensor = self._design.sensor
         if sensor.tail == "straight":
             return None
         body = self.sensor
-        return fold_tail(
-            self.pocket_depth - self.flat_depth, self.sensor_z, min(self._design.bone.collar_length_mm, _SEAL_MM),
-            sensor.fold_radius_mm,
-            SensorTail(
-                body.length_mm - body.head_diameter_mm / 2 - self.ramp_excess, body.thickness_mm, sensor.tab_length_mm,
-                body.tab_pitch_mm + TAB_WIDTH_MM, sensor.crimp_height_mm, sensor.wire_diameter_mm,
-            ),
+        return features.fold_tail(
+            sensor, body.length_mm - body.head_diameter_mm / 2 - self.ramp_excess, body.thickness_mm,
+            body.tab_pitch_mm + TAB_WIDTH_MM, self.pocket_depth - self.flat_depth, self.sensor_z,
+            min(self._design.bone.collar_length_mm, _SEAL_MM),
         )  # fmt: skip
 
     @cached_property
@@ -321,17 +308,17 @@ class Dimensions(SkinDimensions):
         return body, self.flat_depth - inset, self.shrinkage
 
     @cached_property
-    def chaplet(self) -> Chaplet | None:
+    def chaplet(self) -> features.Chaplet | None:
         mold = self._design.mold
         if mold.chaplet_diameter_mm == 0.0:
             return None
         z = self._design.skin.length_mm - mold.chaplet_from_tip_mm
         return self.place_chaplet(z)
 
-    def place_chaplet(self, z: float) -> Chaplet:
+    def place_chaplet(self, z: float) -> features.Chaplet:
         """Place the chaplet at a height of the finger."""
         mold, screw_mm = self._design.mold, float(self._design.mold.chaplet_screw[1:])
-        return place_chaplet(self.bone_outline, z, mold.chaplet_diameter_mm, screw_mm, self.facet_begin_z)
+        return features.place_chaplet(self.bone_outline, z, mold.chaplet_diameter_mm, screw_mm, self.facet_begin_z)
 
     @cached_property
     def facet_begin_z(self) -> float:

@@ -27,6 +27,7 @@ from fingertip.design.geometry.conic import TANGENT_STEP_MM
 
 if TYPE_CHECKING:
     from fingertip.design.geometry.conic import ConicBody
+    from fingertip.design.parameters.finger import Sensor
 
 
 _BESIDE_BOSS_MM = 0.5
@@ -219,23 +220,6 @@ _BELOW_SEAL_MM = 0.5
 
 
 @dataclass(frozen=True)
-class SensorTail:
-    """Tail of a sensor as it is folded [mm]."""
-
-    film_mm: float
-    """Length of the film from the centre of the head to its end."""
-    thickness_mm: float
-    tab_length_mm: float
-    """Length of the tabs beyond the film."""
-    tabs_width_mm: float
-    """Width over both tabs."""
-    crimp_height_mm: float
-    """Height of crimps and solder above the film."""
-    wire_diameter_mm: float
-    """Diameter of the wires, which lie on the crimps."""
-
-
-@dataclass(frozen=True)
 class TailFold:
     """Course of a folded tail [mm]."""
 
@@ -264,16 +248,18 @@ class TailFold:
 
 
 def fold_tail(
-    pocket_floor_y: float, sensor_z: float, seal_length_mm: float, radius_mm: float, tail: SensorTail
-) -> TailFold:
-    """Lay the tail around its nose. Units: `pocket_floor_y` [mm], `sensor_z` [mm]."""
+    sensor: Sensor, film_mm: float, thickness_mm: float, tabs_width_mm: float, pocket_floor_y: float, sensor_z: float,
+    seal_length_mm: float,
+) -> TailFold:  # fmt: skip
+    """Lay the tail around its nose. Its film is `film_mm` long from the centre of the head at `sensor_z` [mm]."""
+    radius_mm = sensor.fold_radius_mm
     nose_y = pocket_floor_y + TANGENT_STEP_MM + radius_mm
     nose_z = -(seal_length_mm + _BELOW_SEAL_MM)
     # The neutral line of the film runs half its thickness outside the nose.
-    left = tail.film_mm - (sensor_z - nose_z) - math.pi * (radius_mm + tail.thickness_mm / 2)
+    left = film_mm - (sensor_z - nose_z) - math.pi * (radius_mm + thickness_mm / 2)
     film_end_z = nose_z + left
-    tabs_space = tail.thickness_mm + tail.crimp_height_mm + tail.wire_diameter_mm + SLIDING_MM
-    bend_to_foot = tail.thickness_mm + SLIDING_MM / 2 + CHEEK_FOOT_MM  # the fillets begin proximal to the film
+    tabs_space = thickness_mm + sensor.crimp_height_mm + sensor.wire_diameter_mm + SLIDING_MM
+    bend_to_foot = thickness_mm + SLIDING_MM / 2 + CHEEK_FOOT_MM  # the fillets begin proximal to the film
     return TailFold(
         nose_y,
         nose_z,
@@ -281,8 +267,8 @@ def fold_tail(
         nose_z - radius_mm - max(tabs_space, bend_to_foot),
         nose_y + radius_mm + TANGENT_STEP_MM,
         film_end_z,
-        film_end_z + tail.tab_length_mm,
-        tail.thickness_mm + SLIDING_MM,
+        film_end_z + sensor.tab_length_mm,
+        thickness_mm + SLIDING_MM,
         tabs_space,
-        tail.tabs_width_mm / 2 + SLIDING_MM,
+        tabs_width_mm / 2 + SLIDING_MM,
     )

@@ -170,7 +170,7 @@ def creep_mm(integral: float, gap_mm: float, tape_mm: float, span_mm: tuple[floa
 
 
 Vector: TypeAlias = tuple[float, float, float]
-Motion: TypeAlias = tuple[float, float, float, float, float, float]
+Motion: TypeAlias = tuple[float, ...]
 """Shift in x, y, z [mm] and rotation about x, y, z [rad]."""
 
 _CHORDS = 5
@@ -307,10 +307,7 @@ def find_losses(
     gaps = [contact.gap_mm for contact in contacts]
     points = list_skin_points(design, dims) if points is None else points
     solutions = maximise_linear([_moment(point.point_mm, point.normal) for point in points], rows, gaps, _LIMIT)
-    return tuple(
-        Loss(point, value, (m[0], m[1], m[2], m[3], m[4], m[5]))
-        for point, (value, m) in zip(points, solutions, strict=True)
-    )
+    return tuple(Loss(point, value, tuple(m)) for point, (value, m) in zip(points, solutions, strict=True))
 
 
 def worst(losses: Sequence[Loss], over_sensor: bool) -> Loss:

@@ -22,12 +22,10 @@ def interface_of(design: DesignTables) -> JointInterface:
 LENGTH_RULES = Ruleset()
 
 
-@LENGTH_RULES.rule("bone.base_length_mm")
+@LENGTH_RULES.rule("bone.base_length_mm", when=lambda design: not design.dimensions.window_opens_into_gap)
 def base_holds_everything(design: DesignTables) -> Violation | None:
     """The base is long enough for the posterior hole, the lashing of the wires and a socket."""
     dims, bone = design.dimensions, design.bone
-    if dims.window_opens_into_gap:
-        return None
     within = interface_of(design).depth(design)
     minimum = -dims.wires_end_z + LASHING_MM + within
     if bone.base_length_mm >= minimum - SLACK:

@@ -12,16 +12,8 @@ from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.foot import conic_foot, flat_foot, foot_line
 from fingertip.design.geometry.sizes import BEFORE_FACE, INNER, OUTER, STEP, Circle, Length, Size
 from fingertip.design.geometry.solids import Box, cylinder, intersection
-from fingertip.design.interfaces.interface import (
-    MATING_PLAY_MM,
-    MIN_SHOULDER_MM,
-    JointInterface,
-    Shapes,
-    base_length_size,
-    base_size,
-    bolt_clearance,
-    middle_y,
-)
+from fingertip.design.interfaces import interface
+from fingertip.design.interfaces.interface import JointInterface, Shapes
 from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_least
 
 RULES = Ruleset()
@@ -41,7 +33,7 @@ class Flange(JointInterface):
         return design.bone.flange_thickness_mm + design.bone.foot_radius_mm
 
     def shapes(self, design: DesignTables) -> Shapes:
-        bone, y = design.bone, middle_y(design.dimensions)
+        bone, y = design.bone, interface.middle_y(design.dimensions)
         end, x, half = -bone.base_length_mm, bone.flange_width_mm / 2, bone.flange_height_mm / 2
         top, radius = end + bone.flange_thickness_mm, bone.flange_hole_diameter_mm / 2
         hole_x, rows = bone.flange_spacing_x_mm / 2, bone.flange_spacing_y_mm / 2
@@ -61,19 +53,19 @@ class Flange(JointInterface):
         return 4 if design.bone.flange_spacing_y_mm else 2
 
     def sizes(self, design: DesignTables) -> list[Size]:
-        bone, y, end = design.bone, middle_y(design.dimensions), -design.bone.base_length_mm
+        bone, y, end = design.bone, interface.middle_y(design.dimensions), -design.bone.base_length_mm
         x, half, rows = bone.flange_width_mm / 2, bone.flange_height_mm / 2, bone.flange_spacing_y_mm / 2
         hole_x, top, radius = bone.flange_spacing_x_mm / 2, end + bone.flange_thickness_mm, bone.foot_radius_mm
         corner = (0.0, -design.dimensions.base_flat_depth - radius, top + radius)
         sizes: list[Size] = [
-            base_length_size(design),
+            interface.base_length_size(design),
             Length("width of the flange", OUTER, "end", "below", "x", (x, y - half, end), (-x, y - half, end)),
             Length("height of the flange", OUTER, "end", "left", "y", (x, y - half, end), (x, y + half, end)),
             Length("thickness of the flange", OUTER, "front", "above", "z", (0.0, y + half, end), (0.0, y + half, top)),
             Length("spacing of the bolt holes", STEP, "end", "above", "x", (hole_x, y + rows, end),
                    (-hole_x, y + rows, end)),
             Circle("bolt holes of the flange", INNER, "end", "z", (hole_x, y + rows, end),
-                   bone.flange_hole_diameter_mm / 2, bolt_clearance(design, bone.flange_hole_diameter_mm),
+                   bone.flange_hole_diameter_mm / 2, interface.bolt_clearance(design, bone.flange_hole_diameter_mm),
                    count=self.genus(design)),
             Circle("fillet at the root of the base", BEFORE_FACE, "front", "x", corner, radius, is_radius=True,
                    hidden_deg=((178.0, 452.0),)),
@@ -87,7 +79,7 @@ class Flange(JointInterface):
         return low_z + design.bone.flange_thickness_mm
 
     def stress_factors(self, design: DesignTables, z: float) -> StressFactors:
-        bone, base = design.bone, base_size(design.dimensions)
+        bone, base = design.bone, interface.base_size(design.dimensions)
         root = -bone.base_length_mm + bone.flange_thickness_mm
         return at_foot((bone.flange_width_mm, bone.flange_height_mm), base, bone.foot_radius_mm, z - root)
 
@@ -97,7 +89,7 @@ class Flange(JointInterface):
         A load from the side or from above is held by a couple: bolts on one side, and bolts or the flange's edge on the
         other. The plate is a cantilever between the couple's line and the base.
         """
-        bone, (base_width, base_height) = design.bone, base_size(design.dimensions)
+        bone, (base_width, base_height) = design.bone, interface.base_size(design.dimensions)
         arm = load_z + bone.base_length_mm
         modulus = bone.flange_thickness_mm**2 / 6
         per_n = []
@@ -128,13 +120,13 @@ class Flange(JointInterface):
             "The flange lies flat on the mating part: file the lip of the first layers off its face. Its bolts pass "
             f"{design.bone.flange_thickness_mm:g} mm of it and enter threads or nuts in the mating part."
         )
-        return {"fit": fit, "bolt": None, "play_mm": MATING_PLAY_MM}
+        return {"fit": fit, "bolt": None, "play_mm": interface.MATING_PLAY_MM}
 
 
 @RULES.at_least("bone.flange_spacing_x_mm")
 def flange_bolts_clear_of_base(design: DesignTables) -> Limit | None:
     """The heads of the flange's bolts lie beside the base and its fillet, or above and below it."""
-    bone, (width, height) = design.bone, base_size(design.dimensions)
+    bone, (width, height) = design.bone, interface.base_size(design.dimensions)
     # The heads of machine screws are as wide as the nuts across flats (ISO 4762).
     head = select_thread(bone.flange_hole_diameter_mm).nut_flats_mm / 2 + max(_HEAD_CLEARANCE, bone.foot_radius_mm)
     if bone.interface != "flange" or bone.flange_spacing_y_mm >= height + 2 * head:
@@ -142,26 +134,22 @@ def flange_bolts_clear_of_base(design: DesignTables) -> Limit | None:
     return Limit(2 * (width / 2 + head), "leaves no room for bolt heads beside the base")
 
 
-@RULES.at_least("bone.flange_width_mm")
-def flange_wide_enough(design: DesignTables) -> Limit | None:
+@RULES.at_least("bone.flange_width_mm", when=lambda design: design.bone.interface == "flange")
+def flange_wide_enough(design: DesignTables) -> Limit:
     """The flange keeps a wall beside its bolt holes, and covers the base."""
     bone = design.bone
-    if bone.interface != "flange":
-        return None
     minimum = bone.flange_spacing_x_mm + bone.flange_hole_diameter_mm + 2 * bone.wall_mm
-    base = 2 * (design.dimensions.bone_outline.section.half_width + MIN_SHOULDER_MM)
+    base = 2 * (design.dimensions.bone_outline.section.half_width + interface.MIN_SHOULDER_MM)
     holes = f"leaves less than {bone.wall_mm:g} mm beside the bolt holes"
     return Limit(max(minimum, base), holes if minimum > base else "is less than the base's")
 
 
-@RULES.at_least("bone.flange_height_mm")
-def flange_high_enough(design: DesignTables) -> Limit | None:
+@RULES.at_least("bone.flange_height_mm", when=lambda design: design.bone.interface == "flange")
+def flange_high_enough(design: DesignTables) -> Limit:
     """The flange keeps a wall above and below its bolt holes, and covers the base."""
     bone = design.bone
-    if bone.interface != "flange":
-        return None
     minimum = bone.flange_spacing_y_mm + bone.flange_hole_diameter_mm + 2 * bone.wall_mm
-    base = base_size(design.dimensions)[1] + 2 * MIN_SHOULDER_MM
+    base = interface.base_size(design.dimensions)[1] + 2 * interface.MIN_SHOULDER_MM
     what = "leaves too little above and below the bolt holes" if minimum > base else "is less than the base's height"
     return Limit(max(minimum, base), what)
 
@@ -178,6 +166,6 @@ def flange_rows_keep_a_wall(design: DesignTables) -> Violation | None:
     )
 
 
-@RULES.at_least("bone.flange_thickness_mm")
-def flange_prints(design: DesignTables) -> Limit | None:
-    return Limit(design.bone.wall_mm, "is thinner than a wall") if design.bone.interface == "flange" else None
+@RULES.at_least("bone.flange_thickness_mm", when=lambda design: design.bone.interface == "flange")
+def flange_prints(design: DesignTables) -> Limit:
+    return Limit(design.bone.wall_mm, "is thinner than a wall")

@@ -12,16 +12,8 @@ from fingertip.design.geometry.conic import TANGENT_STEP_MM, ConicBody, offset_s
 from fingertip.design.geometry.foot import flat_foot, foot_line, round_foot
 from fingertip.design.geometry.sizes import ARROW_DEG, BEFORE_FACE, INNER, OUTER, STEP, Circle, Length, Size
 from fingertip.design.geometry.solids import Box, Solid, SuperconicSolid, cylinder, difference, intersection
-from fingertip.design.interfaces.interface import (
-    MATING_PLAY_MM,
-    MIN_SHOULDER_MM,
-    CrossBolted,
-    Shapes,
-    base_holds_circle,
-    base_length_size,
-    base_size,
-    middle_y,
-)
+from fingertip.design.interfaces import interface
+from fingertip.design.interfaces.interface import CrossBolted, Shapes
 from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_most
 from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally
 from fingertip.foundation.numerics import bisect
@@ -49,7 +41,7 @@ class Post(CrossBolted):
 
     def shapes(self, design: DesignTables) -> Shapes:
         """Build a round post with a dorsal and a palmar flat, or without them if it is as high as wide."""
-        y, low, high = middle_y(design.dimensions), self.low_z(design), design.bone.wall_mm / 2
+        y, low, high = interface.middle_y(design.dimensions), self.low_z(design), design.bone.wall_mm / 2
         high -= design.bone.base_length_mm
         radius, half = design.bone.post_width_mm / 2, design.bone.post_height_mm / 2
         post: Solid = cylinder("z", (0.0, y), low, high, radius)
@@ -63,7 +55,7 @@ class Post(CrossBolted):
     def _foot(self, design: DesignTables) -> Solid:
         """Build the fillet at the post's root, within the outline of the base."""
         dims, bone, end = design.dimensions, design.bone, -design.bone.base_length_mm
-        y, top, half = middle_y(dims), end + bone.wall_mm / 2, bone.post_height_mm / 2
+        y, top, half = interface.middle_y(dims), end + bone.wall_mm / 2, bone.post_height_mm / 2
         margin = dims.bone_outline.section.half_width
         low, line = end - bone.foot_radius_mm - margin, foot_line(bone.foot_radius_mm, end, 1.0)
         # A step inside the outline, because both run along z and would share a face.
@@ -82,7 +74,7 @@ class Post(CrossBolted):
         return 1
 
     def sizes(self, design: DesignTables) -> list[Size]:
-        bone, y, foot = design.bone, middle_y(design.dimensions), self.low_z(design)
+        bone, y, foot = design.bone, interface.middle_y(design.dimensions), self.low_z(design)
         half, radius = min(bone.post_height_mm, bone.post_width_mm) / 2, bone.foot_radius_mm
         corner = (design.dimensions.bone_outline.section.half_width, y - half - radius, -bone.base_length_mm - radius)
         flats: tuple[tuple[float, float], ...] = ()
@@ -90,7 +82,7 @@ class Post(CrossBolted):
             begin = math.degrees(math.asin(bone.post_height_mm / bone.post_width_mm)) - ARROW_DEG
             flats = ((begin, 180.0 - begin), (180.0 + begin, 360.0 - begin))
         return [
-            base_length_size(design),
+            interface.base_length_size(design),
             Circle("post", OUTER, "end", "z", (0.0, y, foot), bone.post_width_mm / 2, hidden_deg=flats),
             Length("height of the post over its flats", OUTER, "end", "left", "y", (0.0, y - half, foot),
                    (0.0, y + half, foot)),
@@ -100,7 +92,7 @@ class Post(CrossBolted):
         ]  # fmt: skip
 
     def features(self, design: DesignTables) -> Iterator[tuple[str, tuple[float, float]]]:
-        yield "cross bolt", (self.cross_bolt_z(design), middle_y(design.dimensions))
+        yield "cross bolt", (self.cross_bolt_z(design), interface.middle_y(design.dimensions))
 
     def moment_share(self, design: DesignTables, z: float) -> float:
         """The moment falls from the foot, in proportion to the distance, to nothing at the end."""
@@ -111,14 +103,14 @@ class Post(CrossBolted):
         bone, end = design.bone, -design.bone.base_length_mm
         across = min(bone.post_height_mm, bone.post_width_mm)
         size = (bone.post_width_mm, across)
-        factors = at_foot(base_size(design.dimensions), size, bone.foot_radius_mm, end - z)
+        factors = at_foot(interface.base_size(design.dimensions), size, bone.foot_radius_mm, end - z)
         return factors.combined_with(self.hole_factors(design, z, across))
 
     def bolts(self, design: DesignTables) -> list[dict[str, Any]]:
         return self.list_bolt(design, design.bone.post_width_mm)
 
     def mounting(self, design: DesignTables) -> dict[str, Any]:
-        bone, play = design.bone, MATING_PLAY_MM
+        bone, play = design.bone, interface.MATING_PLAY_MM
         flats = f" with two flats, {bone.post_height_mm + play:g} mm apart"
         fit = (
             f"The post goes into a bore of {round(bone.post_width_mm + play, 2):g} mm"
@@ -131,12 +123,10 @@ class Post(CrossBolted):
         return self.mount(design, fit, round(bone.post_width_mm + play, 2), 2, from_mm, "the shoulder of the post")
 
 
-@RULES.at_most("bone.foot_radius_mm")
-def foot_clear_of_bolt(design: DesignTables) -> Limit | None:
+@RULES.at_most("bone.foot_radius_mm", when=lambda design: design.bone.interface == "post")
+def foot_clear_of_bolt(design: DesignTables) -> Limit:
     """The fillet at the root of a post ends before the hole of its cross bolt."""
     bone = design.bone
-    if bone.interface != "post":
-        return None
     hole_end = Post().cross_bolt_z(design) + bone.cross_bolt_diameter_mm / 2
     return Limit(-bone.base_length_mm - hole_end, "reaches the hole of the cross bolt")
 
@@ -144,7 +134,7 @@ def foot_clear_of_bolt(design: DesignTables) -> Limit | None:
 @RULES.rule("bone.post_height_mm", bone_left_at_sides, bone_left_dorsally)
 def post_not_higher_than_base(design: DesignTables) -> Violation | None:
     height = min(design.bone.post_height_mm, design.bone.post_width_mm)
-    maximum = base_size(design.dimensions)[1] - 2 * MIN_SHOULDER_MM
+    maximum = interface.base_size(design.dimensions)[1] - 2 * interface.MIN_SHOULDER_MM
     if design.bone.interface != "post" or height <= maximum + SLACK:
         return None
     return Violation(f"{height:g} mm is higher than the base with its shoulder", at_most(maximum))
@@ -155,7 +145,7 @@ def post_within_base(design: DesignTables) -> Violation | None:
     height = design.bone.post_height_mm
 
     def holds(width: float) -> bool:
-        return base_holds_circle(design, (width - SLACK) / 2, height / 2)
+        return interface.base_holds_circle(design, (width - SLACK) / 2, height / 2)
 
     if design.bone.interface != "post" or holds(design.bone.post_width_mm):
         return None
@@ -183,7 +173,7 @@ class Socket(CrossBolted):
 
     def shapes(self, design: DesignTables) -> Shapes:
         radius, end = design.bone.socket_diameter_mm / 2, -design.bone.base_length_mm
-        centre = (0.0, middle_y(design.dimensions))
+        centre = (0.0, interface.middle_y(design.dimensions))
         bore = cylinder("z", centre, end - radius, end + design.bone.socket_depth_mm, radius)
         return (), (bore, self.bolt_hole(design))
 
@@ -192,9 +182,9 @@ class Socket(CrossBolted):
         return 2
 
     def sizes(self, design: DesignTables) -> list[Size]:
-        bone, y, end = design.bone, middle_y(design.dimensions), -design.bone.base_length_mm
+        bone, y, end = design.bone, interface.middle_y(design.dimensions), -design.bone.base_length_mm
         return [
-            base_length_size(design),
+            interface.base_length_size(design),
             Circle("socket", INNER, "end", "z", (0.0, y, end), bone.socket_diameter_mm / 2),
             Length("depth of the socket", STEP, "section", "below", "z", (0.0, y, end),
                    (0.0, y, end + bone.socket_depth_mm)),
@@ -213,7 +203,7 @@ class Socket(CrossBolted):
         return self.list_bolt(design, design.dimensions.bone_outline.section.half_width * 2)
 
     def mounting(self, design: DesignTables) -> dict[str, Any]:
-        bone, play = design.bone, MATING_PLAY_MM
+        bone, play = design.bone, interface.MATING_PLAY_MM
         fit = (
             f"The socket takes a post of {round(bone.socket_diameter_mm - play, 2):g} mm, at most "
             f"{bone.socket_depth_mm:g} mm long: {play:g} mm of play, recommended for prints. Ream the socket, or sand "
@@ -227,10 +217,10 @@ class Socket(CrossBolted):
 @RULES.rule("bone.socket_diameter_mm", bone_left_at_sides, bone_left_dorsally)
 def socket_within_base(design: DesignTables) -> Violation | None:
     wall, diameter = design.bone.wall_mm, design.bone.socket_diameter_mm
-    if design.bone.interface != "socket" or base_holds_circle(design, (diameter - SLACK) / 2 + wall):
+    if design.bone.interface != "socket" or interface.base_holds_circle(design, (diameter - SLACK) / 2 + wall):
         return None
-    highest = base_size(design.dimensions)[1] / 2
-    room = 2 * bisect(lambda radius: base_holds_circle(design, radius), 0.0, highest, halvings=30)[0]
+    highest = interface.base_size(design.dimensions)[1] / 2
+    room = 2 * bisect(lambda radius: interface.base_holds_circle(design, radius), 0.0, highest, halvings=30)[0]
     return Violation(f"{diameter:g} mm leaves less than {wall:g} mm of base around it", at_most(room - 2 * wall))
 
 

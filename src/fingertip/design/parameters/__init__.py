@@ -20,28 +20,7 @@ from fingertip.design.parameters.finger import OWN, ChosenSilicone, CustomSensor
 from fingertip.design.parameters.mold import Mold, Printer
 from fingertip.foundation.errors import DesignError, Issue
 
-__all__ = [
-    "ELECTRONIC_TABLES",
-    "PARAMETERS",
-    "Above",
-    "Board",
-    "Bone",
-    "ChosenSilicone",
-    "CustomSensor",
-    "Detector",
-    "ForceCurve",
-    "Hand",
-    "Mold",
-    "ParameterTable",
-    "Printer",
-    "Sensor",
-    "Skin",
-    "Strength",
-    "Tables",
-    "choice",
-    "quantity",
-    "text",
-]
+__all__ = ["ELECTRONIC_TABLES", "PARAMETERS", "Above", "ParameterTable", "Tables", "choice", "quantity", "text"]
 
 ELECTRONIC_TABLES = frozenset({"force_curve", "board", "detector"})
 """Tables of the electronics, on which no part's shape depends."""

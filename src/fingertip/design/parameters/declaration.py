@@ -6,15 +6,17 @@ import difflib
 import itertools
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple, get_args, get_origin
+from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
 
 from fingertip.catalogues.amplifiers import AUTO, list_dual_amplifiers
-from fingertip.foundation.errors import MAX_VALUE_LENGTH, Issue, quote_value, shorten
+from fingertip.foundation.errors import MAX_VALUE_LENGTH, DesignError, Issue, quote_value, shorten
+
+Model = TypeVar("Model", bound=BaseModel)
 
 
 class ParameterTable(BaseModel):
@@ -127,6 +129,14 @@ def issues_from_pydantic(error: ValidationError, model: type[BaseModel]) -> list
         *(_describe(details, model) for details in found[:_MAX_DESCRIBED]),
         *(Issue(field, "is not valid either; correct what is listed above first.") for field in rest),
     ]
+
+
+def parse_tables(model: type[Model], tables: Mapping[str, Any]) -> Model:
+    """Make a model of the tables of a file. Raises DesignError."""
+    try:
+        return model(**tables)
+    except ValidationError as error:
+        raise DesignError(issues_from_pydantic(error, model)) from None
 
 
 def suggest_name(word: str, known: Sequence[str]) -> str:

@@ -6,29 +6,11 @@ import math
 from collections.abc import Callable
 
 from fingertip.catalogues.amplifiers import Amplifier, list_dual_amplifiers
-from fingertip.design.formulas.amplifiers import (
-    BAND_CUTOFFS,
-    choose_amplifier,
-    compute_envelope_current_a,
-    compute_filter_current_a,
-    compute_peaking_db,
-    compute_phase_margin_deg,
-    first_stage_feedback,
-    input_swing_v,
-    total_supply_v,
-    works_on_supply,
-)
-from fingertip.design.formulas.filter import (
-    MAX_AVERAGING_F,
-    MAX_BIAS_A,
-    MIN_COMPARATOR_V,
-    max_window_s,
-    to_farads,
-    upper_headroom_v,
-)
+from fingertip.design.formulas import amplifiers as formulas
+from fingertip.design.formulas import filter as filter_components
 from fingertip.design.geometry import DesignTables
-from fingertip.design.parameters import Board
 from fingertip.design.parameters.declaration import find_bounds
+from fingertip.design.parameters.electronics import Board
 from fingertip.design.rules.board import PREFERRED_SHARE, at_most_preferred
 from fingertip.design.rules.ruleset import Interval, Limit, Ruleset, Violation, at_most
 from fingertip.foundation.numerics import bisect
@@ -66,8 +48,8 @@ def voltage_fits_the_supply(design: DesignTables) -> Violation | None:
 
 @RULES.rule("board.amplifier", voltage_fits_the_supply)
 def amplifier_withstands_the_supply(design: DesignTables) -> Violation | None:
-    amplifier, supply_v = choose_amplifier(design.board), total_supply_v(design.board)
-    if works_on_supply(amplifier, design.board):
+    amplifier, supply_v = formulas.choose_amplifier(design.board), formulas.total_supply_v(design.board)
+    if formulas.works_on_supply(amplifier, design.board):
         return None
     return Violation(
         f"{amplifier.name} works on {amplifier.min_supply_v:g} to {amplifier.max_supply_v:g} V, and this supply puts "
@@ -77,7 +59,7 @@ def amplifier_withstands_the_supply(design: DesignTables) -> Violation | None:
 
 @RULES.rule("board.passband_gain", amplifier_withstands_the_supply)
 def amplifier_fast_enough(design: DesignTables) -> Violation | None:
-    amplifier, G, f_c = choose_amplifier(design.board), design.board.passband_gain, design.board.cutoff_hz
+    amplifier, G, f_c = formulas.choose_amplifier(design.board), design.board.passband_gain, design.board.cutoff_hz
     GBW = amplifier.bandwidth_hz
     if BANDWIDTH_MARGIN * G * f_c <= GBW:
         return None
@@ -94,15 +76,15 @@ def offset_leaves_room(design: DesignTables) -> Violation | None:
     """The amplified offset of the first stage leaves room for the signal. Other variants do not amplify it."""
     if design.board.variant != "article":
         return None
-    amplifier, G = choose_amplifier(design.board), design.board.passband_gain
+    amplifier, G = formulas.choose_amplifier(design.board), design.board.passband_gain
     ratio = MAX_OFFSET_RATIO * (1.0 - PREFERRED_SHARE)
-    maximum_v = ratio * input_swing_v(design.board, amplifier)
+    maximum_v = ratio * formulas.input_swing_v(design.board, amplifier)
     if G * amplifier.max_offset_v <= maximum_v:
         return None
     return Violation(
         f"{G:.6g} times the {1e3 * amplifier.max_offset_v:g} mV of offset that a {amplifier.order_name} may have are "
         f"{G * amplifier.max_offset_v:.3g} V, more than {ratio:g} of the swing of "
-        f"{input_swing_v(design.board, amplifier):.3g} V",
+        f"{formulas.input_swing_v(design.board, amplifier):.3g} V",
         at_most(maximum_v / amplifier.max_offset_v),
     )
 
@@ -110,16 +92,16 @@ def offset_leaves_room(design: DesignTables) -> Violation | None:
 @RULES.rule("board.r5_ohm", amplifier_withstands_the_supply)
 def first_stage_is_stable(design: DesignTables) -> Violation | None:
     """The input's capacitance with R4 and R5 leaves the first stage stable, and the filter without a resonance."""
-    board, amplifier = design.board, choose_amplifier(design.board)
+    board, amplifier = design.board, formulas.choose_amplifier(design.board)
     gain, min_margin_deg = board.passband_gain, MIN_PHASE_MARGIN_DEG * (1.0 + PREFERRED_SHARE)
     max_peaking_db = MAX_PEAKING_DB * (1.0 - PREFERRED_SHARE)
 
     def problem(r5_ohm: float) -> str:
-        feedback = first_stage_feedback(board, amplifier, r5_ohm)
-        margin_deg = compute_phase_margin_deg(amplifier, feedback)
+        feedback = formulas.first_stage_feedback(board, amplifier, r5_ohm)
+        margin_deg = formulas.compute_phase_margin_deg(amplifier, feedback)
         if margin_deg < min_margin_deg:
             return f"leaves {margin_deg:.0f} degrees of phase margin, less than {min_margin_deg:g}"
-        peaking_db = compute_peaking_db(amplifier, feedback, gain)
+        peaking_db = formulas.compute_peaking_db(amplifier, feedback, gain)
         if peaking_db > max_peaking_db:
             return f"makes the filter's gain peak {peaking_db:.1f} dB beyond its band, more than {max_peaking_db:g} dB"
         return ""
@@ -143,7 +125,7 @@ def amplifier_drives_the_filter(design: DesignTables) -> Violation | None:
     board = design.board
     if board.capacitor_series != "given":
         return None
-    amplifier, current_a = choose_amplifier(board), compute_filter_current_a(board)
+    amplifier, current_a = formulas.choose_amplifier(board), formulas.compute_filter_current_a(board)
     limit_a = CURRENT_MARGIN * amplifier.output_current_a
     if current_a <= limit_a:
         return None
@@ -161,14 +143,14 @@ def amplifier_charges_the_envelope(design: DesignTables) -> Violation | None:
     board = design.board
     if board.variant != "article" or board.capacitor_series != "given":
         return None
-    amplifier, c_lp_f = choose_amplifier(board), to_farads(board.envelope_capacitor_uf)
-    charging_a, filter_a = compute_envelope_current_a(board, c_lp_f), compute_filter_current_a(board)
+    amplifier, c_lp_f = formulas.choose_amplifier(board), filter_components.to_farads(board.envelope_capacitor_uf)
+    charging_a, filter_a = formulas.compute_envelope_current_a(board, c_lp_f), formulas.compute_filter_current_a(board)
     limit_a = ENVELOPE_CURRENT_MARGIN * amplifier.output_current_a
     if charging_a + filter_a <= limit_a:
         return None
     return Violation(
         f"{board.envelope_capacitor_uf:g} uF asks peaks of {1e3 * (charging_a + filter_a):.3g} mA of a "
-        f"{amplifier.name} at {BAND_CUTOFFS:g} cutoffs of {board.cutoff_hz:g} Hz, more than "
+        f"{amplifier.name} at {formulas.BAND_CUTOFFS:g} cutoffs of {board.cutoff_hz:g} Hz, more than "
         f"{ENVELOPE_CURRENT_MARGIN:g} of its {1e3 * amplifier.output_current_a:g} mA",
         # R_LP is inverse to the capacitor, so that the current is proportional to it.
         at_most_preferred(board.envelope_capacitor_uf * (limit_a - filter_a) / charging_a),
@@ -176,17 +158,15 @@ def amplifier_charges_the_envelope(design: DesignTables) -> Violation | None:
     )
 
 
-@RULES.rule("detector.threshold_v")
+@RULES.rule("detector.threshold_v", when=lambda design: design.board.variant == "comparator")
 def threshold_can_be_trimmed(design: DesignTables) -> Violation | None:
     """The threshold lies within the range of the comparator's trimmer."""
-    if design.board.variant != "comparator":
-        return None
-    maximum = upper_headroom_v(design.board) / 4.0
-    if MIN_COMPARATOR_V <= design.detector.threshold_v <= maximum:
+    maximum = filter_components.upper_headroom_v(design.board) / 4.0
+    if filter_components.MIN_COMPARATOR_V <= design.detector.threshold_v <= maximum:
         return None
     return Violation(
         f"{design.detector.threshold_v:g} V lies outside the range of variant comparator's trimmer",
-        ((MIN_COMPARATOR_V, maximum),),
+        ((filter_components.MIN_COMPARATOR_V, maximum),),
         "with this supply",
     )
 
@@ -194,20 +174,20 @@ def threshold_can_be_trimmed(design: DesignTables) -> Violation | None:
 @RULES.at_most("detector.window_samples", slack=0.0)
 def mean_tolerates_the_bias_current(design: DesignTables) -> Limit | None:
     """The comparator's bias current shifts the averaged signal by at most half of the threshold."""
-    if design.board.variant != "comparator" or design.detector.threshold_v < MIN_COMPARATOR_V:
+    if design.board.variant != "comparator" or design.detector.threshold_v < filter_components.MIN_COMPARATOR_V:
         return None
     n, rate, threshold = design.detector.window_samples, design.detector.sample_rate_hz, design.detector.threshold_v
-    averaging_ohm = n / rate / 2.0 / MAX_AVERAGING_F
+    averaging_ohm, bias_a = n / rate / 2.0 / filter_components.MAX_AVERAGING_F, filter_components.MAX_BIAS_A
     return Limit(
-        math.floor(max_window_s(threshold) * rate),
+        math.floor(filter_components.max_window_s(threshold) * rate),
         f"at {rate:g} Hz require an averaging resistor of {averaging_ohm:.4g} ohm, in which the input "
-        f"current of variant comparator's LMV331 (at most {1e9 * MAX_BIAS_A:g} nA) drops "
-        f"{1e3 * averaging_ohm * MAX_BIAS_A:.3g} mV, more than half of the threshold of {1e3 * threshold:g} mV",
+        f"current of variant comparator's LMV331 (at most {1e9 * bias_a:g} nA) drops "
+        f"{1e3 * averaging_ohm * bias_a:.3g} mV, more than half of the threshold of {1e3 * threshold:g} mV",
     )
 
 
 def _other_amplifier(design: DesignTables, passes: Callable[[Amplifier], bool]) -> dict[str, str]:
     """Return the first amplifier of the catalogue that passes a condition and the supply, as an alternative."""
-    names = (a.name for a in list_dual_amplifiers() if works_on_supply(a, design.board) and passes(a))
+    names = (a.name for a in list_dual_amplifiers() if formulas.works_on_supply(a, design.board) and passes(a))
     name = next(names, None)
     return {"board.amplifier": name} if name else {}

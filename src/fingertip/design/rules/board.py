@@ -17,7 +17,6 @@ from fingertip.design.formulas.filter import (
     upper_headroom_v,
 )
 from fingertip.design.geometry import DesignTables
-from fingertip.design.parameters import Board
 from fingertip.design.rules.ruleset import Interval, Limit, Ruleset, Violation, at_least, at_most
 
 RULES = Ruleset()
@@ -38,44 +37,40 @@ def several_channels_have_a_board(design: DesignTables) -> Violation | None:
     )
 
 
-@RULES.rule("board.capacitor_uf")
+@RULES.rule("board.capacitor_uf", when=lambda design: design.board.capacitor_series == "given")
 def filter_capacitor_fits_its_footprint(design: DesignTables) -> Violation | None:
     return _check_footprint("capacitor_uf", "C1 to C3", design)
 
 
-@RULES.rule("board.envelope_capacitor_uf")
+@RULES.rule("board.envelope_capacitor_uf", when=lambda design: design.board.capacitor_series == "given")
 def envelope_capacitor_fits_its_footprint(design: DesignTables) -> Violation | None:
     return _check_footprint("envelope_capacitor_uf", "C4", design)
 
 
-@RULES.rule("board.capacitor_uf")
+@RULES.rule("board.capacitor_uf", when=lambda design: design.board.capacitor_series == "given")
 def filter_resistors_in_range(design: DesignTables) -> Violation | None:
-    if design.board.capacitor_series != "given":
-        return None
     c_f, f_c = to_farads(design.board.capacitor_uf), design.board.cutoff_hz
     # R2 is the smallest of the three and R3 the largest.
     smallest, largest = filter_components.r2_ohm(f_c, c_f), filter_components.r3_ohm(f_c, c_f)
     return _check_resistors("capacitor_uf", "cutoff_hz", ("R2", smallest), ("R3", largest), design)
 
 
-@RULES.rule("board.envelope_capacitor_uf")
+@RULES.rule("board.envelope_capacitor_uf", when=lambda design: design.board.capacitor_series == "given")
 def envelope_resistor_in_range(design: DesignTables) -> Violation | None:
-    if design.board.capacitor_series != "given":
-        return None
     c_f, f_lp = to_farads(design.board.envelope_capacitor_uf), design.board.envelope_cutoff_hz
     r_lp = ("R_LP", filter_components.r_lp_ohm(f_lp, c_f))
     return _check_resistors("envelope_capacitor_uf", "envelope_cutoff_hz", r_lp, r_lp, design)
 
 
-@RULES.at_least("board.cutoff_hz", slack=0.0)
-def selected_capacitor_exists(design: DesignTables) -> Limit | None:
+@RULES.at_least("board.cutoff_hz", slack=0.0, when=lambda design: design.board.capacitor_series != "given")
+def selected_capacitor_exists(design: DesignTables) -> Limit:
     # R3 = 2 / (C omega) is the largest of the three.
-    return _limit_selected_capacitor("R3", 2.0, design.board)
+    return _limit_selected_capacitor("R3", 2.0)
 
 
-@RULES.at_least("board.envelope_cutoff_hz", slack=0.0)
-def selected_envelope_capacitor_exists(design: DesignTables) -> Limit | None:
-    return _limit_selected_capacitor("R_LP", 1.0, design.board)
+@RULES.at_least("board.envelope_cutoff_hz", slack=0.0, when=lambda design: design.board.capacitor_series != "given")
+def selected_envelope_capacitor_exists(design: DesignTables) -> Limit:
+    return _limit_selected_capacitor("R_LP", 1.0)
 
 
 @RULES.rule("board.passband_gain")
@@ -91,20 +86,18 @@ def gain_resistor_in_range(design: DesignTables) -> Violation | None:
     )
 
 
-@RULES.rule("board.capacitor_uf")
+@RULES.rule("board.capacitor_uf", when=lambda design: design.board.capacitor_series == "given")
 def filter_capacitor_is_preferred(design: DesignTables) -> Violation | None:
     return _check_preferred("capacitor_uf", "C1 to C3", design)
 
 
-@RULES.rule("board.envelope_capacitor_uf")
+@RULES.rule("board.envelope_capacitor_uf", when=lambda design: design.board.capacitor_series == "given")
 def envelope_capacitor_is_preferred(design: DesignTables) -> Violation | None:
     return _check_preferred("envelope_capacitor_uf", "C4", design)
 
 
-@RULES.rule("board.r5_ohm")
+@RULES.rule("board.r5_ohm", when=lambda design: design.board.variant != "article")
 def series_capacitor_exists(design: DesignTables) -> Violation | None:
-    if design.board.variant == "article":
-        return None
     R5, G, f_c = design.board.r5_ohm, design.board.passband_gain, design.board.cutoff_hz
     R4 = filter_components.r4_ohm(G, R5)
     max_uf = filter_components.SERIES_CAPACITORS_UF[-1]
@@ -120,20 +113,16 @@ def series_capacitor_exists(design: DesignTables) -> Violation | None:
     )
 
 
-@RULES.at_least("board.band_limit_hz", slack=0.0)
-def band_limit_above_the_band(design: DesignTables) -> Limit | None:
-    if design.board.variant == "article":
-        return None
+@RULES.at_least("board.band_limit_hz", slack=0.0, when=lambda design: design.board.variant != "article")
+def band_limit_above_the_band(design: DesignTables) -> Limit:
     f_c = design.board.cutoff_hz
     problem = f"cuts into the vibrations, which reach {BAND_CUTOFFS:g} cutoffs of {f_c:g} Hz"
     return Limit(BAND_CUTOFFS * f_c, problem)
 
 
-@RULES.rule("board.band_limit_hz")
+@RULES.rule("board.band_limit_hz", when=lambda design: design.board.variant != "article")
 def band_limit_capacitor_exists(design: DesignTables) -> Violation | None:
     """The capacitor across R5 that sets the band limit can be bought."""
-    if design.board.variant == "article":
-        return None
     R5, f = design.board.r5_ohm, design.board.band_limit_hz
     c_f = filter_components.compute_limiting_capacitor_f(R5, f)
     minimum, maximum = filter_components.MIN_LIMITING_CAPACITOR_F, filter_components.MAX_LIMITING_CAPACITOR_F
@@ -148,10 +137,8 @@ def band_limit_capacitor_exists(design: DesignTables) -> Violation | None:
     )
 
 
-def _limit_selected_capacitor(name: str, factor: float, board: Board) -> Limit | None:
+def _limit_selected_capacitor(name: str, factor: float) -> Limit:
     """Return the least cutoff for which a capacitor can be selected, its resistor being factor / (C omega)."""
-    if board.capacitor_series == "given":
-        return None
     return Limit(
         factor / math.tau / filter_components.MAX_SELECTABLE_F / MAX_OHM,
         f"requires {name} above {MAX_OHM / 1e6:g} Mohm with the largest capacitor that is selected, "
@@ -161,8 +148,6 @@ def _limit_selected_capacitor(name: str, factor: float, board: Board) -> Limit |
 
 
 def _check_footprint(capacitor: str, names: str, design: DesignTables) -> Violation | None:
-    if design.board.capacitor_series != "given":
-        return None
     value, max_uf = getattr(design.board, capacitor), 1e6 * MAX_1206_F
     if value <= max_uf:
         return None
@@ -196,8 +181,6 @@ def _check_resistors(
 
 def _check_preferred(capacitor: str, names: str, design: DesignTables) -> Violation | None:
     """Refuse a capacitor that nobody makes, and name its neighbours."""
-    if design.board.capacitor_series != "given":
-        return None
     value = getattr(design.board, capacitor)
     below, above = find_preferred_neighbours(value)
     if below == above:

@@ -31,20 +31,16 @@ def walls_print(design: DesignTables) -> Limit | None:
     return Limit(minimum, f"is thinner than the {minimum:g} mm of printer.min_wall_mm")
 
 
-@RULES.at_most("bone.relief_length_mm")
-def relief_clear_of_pocket(design: DesignTables) -> Limit | None:
+@RULES.at_most("bone.relief_length_mm", when=lambda design: not design.dimensions.fold)
+def relief_clear_of_pocket(design: DesignTables) -> Limit:
     dims = design.dimensions
-    if dims.fold:
-        return None
     pocket = dims.sensor_z - dims.sensor.head_diameter_mm / 2 - design.sensor.clearance_mm
     return Limit(2 * (pocket - dims.tail_end_z), "reaches under the sensor's head")
 
 
-@RULES.rule("sensor.distance_from_tip_mm")
+@RULES.rule("sensor.distance_from_tip_mm", when=lambda design: not design.dimensions.fold)
 def relief_clear_of_collar(design: DesignTables) -> Violation | None:
     dims, distance = design.dimensions, design.sensor.distance_from_tip_mm
-    if dims.fold:
-        return None
     low, high = dims.relief_proximal_z, dims.tail_end_z + dims.relief_half_length
     if high <= -design.bone.collar_length_mm + SLACK or low >= -SLACK:
         return None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 from fingertip.catalogues.hardware import MAX_TRAP_RATIO, NUT_TRAP_CLEARANCE_MM, select_thread
 from fingertip.design.geometry import DesignTables
@@ -11,7 +10,7 @@ from fingertip.design.geometry.conic import add_draft
 from fingertip.design.geometry.features import Chaplet
 from fingertip.design.geometry.seat import Loss, find_losses, list_insert_points, worst
 from fingertip.design.rules.bone import collar_carries_skin, groove_clear_of_sensor
-from fingertip.design.rules.ruleset import SLACK, Interval, Limit, Ruleset, Violation, at_most
+from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_most
 from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally, skin_is_thick_enough, tip_within_skin
 from fingertip.foundation.numerics import bisect
 
@@ -43,11 +42,9 @@ def fit_stays_within_skin(design: DesignTables) -> Limit | None:
     return Limit(maximum, "makes the collar's recess wider than the skin", "(limited by bone.collar_inset_mm)")
 
 
-@RULES.at_least("mold.fit_clearance_mm")
-def fit_stays_open(design: DesignTables) -> Limit | None:
+@RULES.at_least("mold.fit_clearance_mm", when=lambda design: design.printer.offset_mm > 0.0)
+def fit_stays_open(design: DesignTables) -> Limit:
     offset = design.printer.offset_mm
-    if offset <= 0.0:
-        return None
     return Limit(offset + _MIN_PRINTED_FIT, f"closes in the print, which adds {offset:g} mm (printer.offset_mm)")
 
 
@@ -103,10 +100,9 @@ def engraving_keeps_a_wall(design: DesignTables) -> Limit | None:
     return Limit(design.mold.wall_mm - _BEHIND_ENGRAVING, f"leaves less than {_BEHIND_ENGRAVING:g} mm of mold.wall_mm")
 
 
-@RULES.at_most("mold.gate_diameter_mm", slack=0.0)
-def gate_within_funnel(design: DesignTables) -> Limit | None:
-    mold = design.mold
-    return Limit(mold.funnel_diameter_mm, "is wider than its funnel") if mold.filling == "gravity" else None
+@RULES.at_most("mold.gate_diameter_mm", slack=0.0, when=lambda design: design.mold.filling == "gravity")
+def gate_within_funnel(design: DesignTables) -> Limit:
+    return Limit(design.mold.funnel_diameter_mm, "is wider than its funnel")
 
 
 @RULES.rule("mold.funnel_diameter_mm")
@@ -123,10 +119,8 @@ def gate_within_cavity(design: DesignTables) -> Violation | None:
     )
 
 
-@RULES.at_most("mold.funnel_diameter_mm")
-def funnel_within_block(design: DesignTables) -> Limit | None:
-    if design.mold.filling != "gravity":
-        return None
+@RULES.at_most("mold.funnel_diameter_mm", when=lambda design: design.mold.filling == "gravity")
+def funnel_within_block(design: DesignTables) -> Limit:
     layout = design.mold_layout
     maximum = 2 * (min(layout.palmar_height, layout.dorsal_height) - design.printer.min_wall_mm)
     return Limit(maximum, "goes through the outside of the mold")
@@ -143,11 +137,9 @@ def gate_within_straight_skin(design: DesignTables) -> Violation | None:
     return Violation(f"{width:g} mm makes the gate end on the rounded tip", at_most(width - excess))
 
 
-@RULES.at_most("mold.runner_depth_mm")
-def gate_meets_cavity(design: DesignTables) -> Limit | None:
+@RULES.at_most("mold.runner_depth_mm", when=lambda design: design.mold.filling == "syringe")
+def gate_meets_cavity(design: DesignTables) -> Limit:
     """The runner is less deep than the cavity is high, so that it enters at the side."""
-    if design.mold.filling == "gravity":
-        return None
     maximum = _MAX_RUNNER_DEPTH * design.skin.semi_axis_dorsal_mm * design.skin.taper_ratio
     return Limit(maximum, "ends above the side of the cavity")
 
@@ -215,9 +207,11 @@ def chaplet_stands_on_bone(design: DesignTables) -> Violation | None:
     distance = design.mold.chaplet_from_tip_mm
     if design.dimensions.chaplet is None or (missing := _find_missing_mm(design, distance)) <= SLACK:
         return None
+    steps = (_STEP_MM * i for i in range(4, int(design.skin.length_mm / _STEP_MM)))
+    passing = [value for value in steps if _find_missing_mm(design, value) <= SLACK]
     return Violation(
         f"{distance:g} mm leaves no room for the chaplet's facet and the hole of its screw",
-        _find_passing(design, lambda value: _find_missing_mm(design, value) <= SLACK),
+        ((passing[0], passing[-1]),) if passing else (),
         alternatives={"mold.chaplet_diameter_mm": 5.0},
         shortfall=missing,
     )
@@ -295,10 +289,3 @@ def _least_facet_y(design: DesignTables, chaplet: Chaplet) -> float:
     if not dims.tail_passes_collar and chaplet.z < ends:
         hollow = dims.channel_depth + design.bone.channel_diameter_mm / 2
     return -dims.flat_depth + hollow + design.bone.wall_mm + chaplet.pilot_depth
-
-
-def _find_passing(design: DesignTables, passes: Callable[[float], bool]) -> tuple[Interval, ...]:
-    """Find the distances from the tip that pass, as one interval on the grid of steps."""
-    count = int(design.skin.length_mm / _STEP_MM)
-    passing = [_STEP_MM * i for i in range(4, count) if passes(_STEP_MM * i)]
-    return ((passing[0], passing[-1]),) if passing else ()

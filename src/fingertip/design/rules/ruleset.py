@@ -54,6 +54,8 @@ class Violation:
 
 RuleFunction = Callable[[DesignTables], Violation | None]
 """Checks a design, and returns None if it passes."""
+Condition = Callable[[DesignTables], object]
+"""Tells whether a rule applies to a design; one that does not apply passes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,25 +87,36 @@ LimitFunction = Callable[[DesignTables], Limit | None]
 class Ruleset(list[Rule]):
     """Rules of one subject, in the order in which they are written."""
 
-    def rule(self, field: str, *prerequisites: Rule, takes_long: bool = False) -> Callable[[RuleFunction], Rule]:
+    def rule(
+        self, field: str, *prerequisites: Rule, when: Condition | None = None, takes_long: bool = False
+    ) -> Callable[[RuleFunction], Rule]:
         """Add the decorated function as a rule that blames `field` and is checked only if its prerequisites pass."""
 
         def add(check: RuleFunction) -> Rule:
-            self.append(Rule(field, check, prerequisites, takes_long))
+            @functools.wraps(check)
+            def check_if_it_applies(design: DesignTables) -> Violation | None:
+                return check(design) if when is None or when(design) else None
+
+            self.append(Rule(field, check_if_it_applies if when else check, prerequisites, takes_long))
             return self[-1]
 
         return add
 
-    def at_most(self, field: str, *prerequisites: Rule, slack: float = SLACK) -> Callable[[LimitFunction], Rule]:
-        return self._bound(field, prerequisites, lambda value, limit: value <= limit + slack, at_most)
+    def at_most(
+        self, field: str, *prerequisites: Rule, when: Condition | None = None, slack: float = SLACK
+    ) -> Callable[[LimitFunction], Rule]:
+        return self._bound(field, prerequisites, when, lambda value, limit: value <= limit + slack, at_most)
 
-    def at_least(self, field: str, *prerequisites: Rule, slack: float = SLACK) -> Callable[[LimitFunction], Rule]:
-        return self._bound(field, prerequisites, lambda value, limit: value >= limit - slack, at_least)
+    def at_least(
+        self, field: str, *prerequisites: Rule, when: Condition | None = None, slack: float = SLACK
+    ) -> Callable[[LimitFunction], Rule]:
+        return self._bound(field, prerequisites, when, lambda value, limit: value >= limit - slack, at_least)
 
     def _bound(
         self,
         field: str,
         prerequisites: tuple[Rule, ...],
+        when: Condition | None,
         passes: Callable[[float, float], bool],
         passing: Callable[[float], tuple[Interval, ...]],
     ) -> Callable[[LimitFunction], Rule]:
@@ -118,7 +131,7 @@ class Ruleset(list[Rule]):
                 text = f"{value:g}{unit} {limit.problem}"
                 return Violation(text, passing(limit.value), limit.note, limit.alternatives)
 
-            return self.rule(field, *prerequisites)(check)
+            return self.rule(field, *prerequisites, when=when)(check)
 
         return add
 

@@ -16,10 +16,8 @@ def active_area_within_head(design: DesignTables) -> Limit | None:
     return Limit(head, "is wider than the sensor's head") if design.sensor.model == "custom" else None
 
 
-@RULES.at_least("custom_sensor.tail_width_mm")
-def tail_holds_its_tabs(design: DesignTables) -> Limit | None:
-    if design.sensor.model != "custom":
-        return None
+@RULES.at_least("custom_sensor.tail_width_mm", when=lambda design: design.sensor.model == "custom")
+def tail_holds_its_tabs(design: DesignTables) -> Limit:
     pitch = design.dimensions.sensor.tab_pitch_mm
     return Limit(pitch + TAB_WIDTH_MM, f"does not hold two solder tabs of {TAB_WIDTH_MM:g} mm, {pitch:g} mm apart")
 
@@ -94,18 +92,14 @@ def insert_has_its_place(design: DesignTables) -> Violation | None:
     return Violation(f"{design.sensor.insert} needs {lacking}")
 
 
-@RULES.at_most("sensor.insert_diameter_mm")
-def insert_within_active_area(design: DesignTables) -> Limit | None:
+@RULES.at_most("sensor.insert_diameter_mm", when=lambda design: design.sensor.insert != "none")
+def insert_within_active_area(design: DesignTables) -> Limit:
     """The insert stands on the active area only, as Interlink advises for its sensors."""
-    if design.sensor.insert == "none":
-        return None
     return Limit(design.dimensions.sensor.active_diameter_mm, "is wider than the sensor's active area")
 
 
-@RULES.at_least("sensor.insert_cap_diameter_mm")
-def cap_covers_stem(design: DesignTables) -> Limit | None:
-    if design.sensor.insert != "mushroom":
-        return None
+@RULES.at_least("sensor.insert_cap_diameter_mm", when=lambda design: design.sensor.insert == "mushroom")
+def cap_covers_stem(design: DesignTables) -> Limit:
     return Limit(design.sensor.insert_diameter_mm, "is narrower than its stem")
 
 
@@ -120,19 +114,15 @@ def crown_on_taper(design: DesignTables) -> Violation | None:
     return Violation(f"{offset:g} mm puts the apex of the crown {where}", ((low, high),))
 
 
-@RULES.at_most("skin.crown_drop_mm", crown_on_taper)
-def crown_within_pad(design: DesignTables) -> Limit | None:
+@RULES.at_most("skin.crown_drop_mm", crown_on_taper, when=lambda design: design.skin.crown_radius_mm)
+def crown_within_pad(design: DesignTables) -> Limit:
     """Both arcs of a crown fit between its apex and the skin's proximal end, and leave a base."""
-    if design.skin.crown_radius_mm == 0.0:
-        return None
     return Limit(design.dimensions.max_crown_drop, "is more than fits proximal to the crown's apex")
 
 
-@RULES.at_most("skin.crown_radius_mm", crown_on_taper)
-def crown_ends_before_tip(design: DesignTables) -> Limit | None:
+@RULES.at_most("skin.crown_radius_mm", crown_on_taper, when=lambda design: design.skin.crown_radius_mm)
+def crown_ends_before_tip(design: DesignTables) -> Limit:
     """The arc of a crown ends before the apex of the tip."""
-    if design.skin.crown_radius_mm == 0.0:
-        return None
     return Limit(design.dimensions.max_crown_radius, "runs past the tip")
 
 
@@ -189,7 +179,13 @@ def sensor_fits_flat(design: DesignTables) -> Violation | None:
 
 @RULES.rule("bone.palmar_fullness", sensor_fits_flat, flat_within_bone)
 def flat_edges_within_skin(design: DesignTables) -> Violation | None:
-    thickness = _edge_thickness(design)
+    dims = design.dimensions
+    end = dims.bone_outline.tip.z if dims.bone_outline.tip else 0.0
+    heights = (end * i / _EDGE_SECTIONS for i in range(_EDGE_SECTIONS + 1))
+    thickness = min(
+        dims.outer.half_width_at(-dims.flat_depth, z) - dims.bone_outline.half_width_at(-dims.flat_depth, z)
+        for z in heights
+    )
     if thickness >= _EDGE_THICKNESS:
         return None
     return Violation(
@@ -218,17 +214,6 @@ def skin_is_thick_enough(design: DesignTables) -> Limit | None:
         *(point.thickness_mm for point in list_skin_points(design, design.dimensions)),
     )  # fmt: skip
     return Limit(thinnest, f"is more than the {thinnest:.2f} mm at the skin's thinnest place")
-
-
-def _edge_thickness(design: DesignTables) -> float:
-    """Compute the minimum silicone [mm] beside the flat's edges, along x, over the length of the bone in the skin."""
-    dims = design.dimensions
-    end = dims.bone_outline.tip.z if dims.bone_outline.tip else 0.0
-    heights = (end * i / _EDGE_SECTIONS for i in range(_EDGE_SECTIONS + 1))
-    return min(
-        dims.outer.half_width_at(-dims.flat_depth, z) - dims.bone_outline.half_width_at(-dims.flat_depth, z)
-        for z in heights
-    )
 
 
 @RULES.rule("bone.wall_mm", sensor_fits_flat)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.design.parameters import Detector as DetectorParameters
+from fingertip.design.parameters.electronics import Detector as DetectorParameters
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.numerics import Array
 

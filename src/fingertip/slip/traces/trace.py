@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.design.parameters import Detector as DetectorParameters
+from fingertip.design.parameters.electronics import Detector as DetectorParameters
 from fingertip.foundation.display import Picture, html_table, plot, to_dataframe
 from fingertip.foundation.errors import InputFileError, Issue, TraceError
 from fingertip.foundation.input_files import RECORDING_LIMIT, SAMPLES_LIMIT, check_regular

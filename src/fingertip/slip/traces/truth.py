@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from fingertip.catalogues.output_files import DETECTION, SIGNAL, TRACE
 from fingertip.foundation.input_files import PARSED_LIMIT, read_input
 from fingertip.foundation.numerics import Array
-from fingertip.foundation.output_set import read_manifest
-from fingertip.foundation.output_set.writer import has_hash
+from fingertip.foundation.output_set import has_hash, read_manifest
 
 STICK_S = 0.05
 """Gap up to which two true slips count as one [s]: no hand can respond between them, with any detector."""

@@ -1,4 +1,10 @@
-"""Writer of sets of files, which leaves alone what is somebody's own, and the manifest of a set."""
+"""Sets of output files: written whole or not at all, and protected from being overwritten.
+
+A set is what one command writes to a folder. Its manifest, `manifest.json`, lists the files with their hashes.
+
+A file that the manifest does not name, or that was changed since, is somebody's own. It is never overwritten or
+removed unless that is asked for.
+"""
 
 from __future__ import annotations
 
@@ -11,28 +17,10 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from fingertip.foundation import folder_swap, input_files
 from fingertip.foundation.errors import InputFileError, Issue, OutputError
 from fingertip.foundation.files import write_file
-from fingertip.foundation.input_files import (
-    PARSED_LIMIT,
-    RECORDING_LIMIT,
-    find_link,
-    find_unsafe_names,
-    open_input,
-    read_input,
-)
-from fingertip.foundation.output_set.swap import (
-    Content,
-    describe_obstacle,
-    find_unfinished,
-    hash_content,
-    is_folder,
-    lock,
-    output_errors,
-    recover,
-    replace_files,
-    try_to_write,
-)
+from fingertip.foundation.folder_swap import Content, hash_content, is_folder, lock, output_errors, recover
 from fingertip.foundation.version import __version__
 
 # Trial of a place: whether a file can be written there is found out by writing one, before any work starts.
@@ -50,11 +38,11 @@ def find_place_issues(folder: Path, remedy: str, name: str = _NAME) -> Iterator[
         place = _find_existing(target)
         # Another command may be about to swap this folder, and would take what is made here for somebody's files.
         with lock(place.parent):
-            try_to_write(place, target.relative_to(place) / name)
+            folder_swap.try_to_write(place, target.relative_to(place) / name)
     except PermissionError:
         yield Issue(str(_find_existing(folder)), f"may not be written; change its mode, or {remedy}.")
     except FileExistsError as error:
-        yield describe_obstacle(error, folder)
+        yield folder_swap.describe_obstacle(error, folder)
     except OSError as error:
         path = folder if name == _NAME else folder / name
         yield Issue(str(path), f"cannot be written ({error.strerror or error}); {remedy}.")
@@ -111,7 +99,7 @@ class SetWriter:
                 raise OutputError(issues)
 
     def _find_link(self) -> Path | None:
-        return find_link(self.top or self.folder, self.folder)
+        return input_files.find_link(self.top or self.folder, self.folder)
 
     def _read_manifest(self) -> Manifest | None:
         return read_manifest(self.folder, self.top)
@@ -137,7 +125,7 @@ class SetWriter:
         known = manifest.files if manifest else {}
         yield from (
             Issue(str(self.folder / str(name)), "has a name that not every system can store there; choose another one.")
-            for name in find_unsafe_names(dict.fromkeys([*known, *names]))
+            for name in input_files.find_unsafe_names(dict.fromkeys([*known, *names]))
         )
         foreign = [] if self.force else sorted(self._foreign(names) - set(revisions))
         for name, revision in revisions.items():
@@ -220,7 +208,7 @@ class SetWriter:
         # A file that keeps its content stays as it is, with its date.
         files = {name: data for name, data in files.items() if name not in revisions or data != revisions[name].before}
         files[MANIFEST] = manifest.to_bytes()
-        replace_files(folder, files, removed, in_place=self.in_place)
+        folder_swap.replace_files(folder, files, removed, in_place=self.in_place)
         return removed
 
     def _foreign(self, names: Collection[str]) -> set[str]:
@@ -247,7 +235,7 @@ def finish_interrupted(folder: Path) -> None:
     """Complete or undo what a killed command has left in or beside an output folder. Raises OutputError."""
     folder = Path(os.path.realpath(folder))
     with output_errors(folder):
-        if any(find_unfinished(folder)):
+        if any(folder_swap.find_unfinished(folder)):
             with lock(folder.parent):
                 recover(folder)
 
@@ -292,10 +280,10 @@ def read_manifest(folder: Path, below: Path | None = None) -> Manifest | None:
     folder that the user has named, if that is another one above.
     """
     try:
-        data = json.loads(read_input(folder / MANIFEST, PARSED_LIMIT, below=below or folder))
+        data = json.loads(input_files.read_input(folder / MANIFEST, input_files.PARSED_LIMIT, below=below or folder))
         manifest = Manifest(**{name: data[name] for name in ("fingertip", "kind", "design", "parameters", "files")})
         texts = (manifest.fingertip, manifest.kind, manifest.design, manifest.parameters)
-        is_own = all(isinstance(text, str) for text in texts) and not find_unsafe_names(manifest.files)
+        is_own = all(isinstance(text, str) for text in texts) and not input_files.find_unsafe_names(manifest.files)
         is_own &= all(_SHA256.fullmatch(digest) for digest in manifest.files.values())
     except (InputFileError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None
@@ -308,7 +296,7 @@ def hash_parameters(data: object) -> str:
 
 
 def hash_file(path: Path) -> str:
-    with open_input(path, RECORDING_LIMIT, below=path.parent) as file:
+    with input_files.open_input(path, input_files.RECORDING_LIMIT, below=path.parent) as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 

@@ -46,7 +46,7 @@ def render_pad(design: Design, still_wanted: Callable[[], None] = lambda: None) 
 def draw_pad(design: Design, still_wanted: Callable[[], None] = lambda: None) -> Markup:
     """Draw the share of a force over its place on the pad and over tilt, and the force over the indentation."""
     form, by_tilt, rolled = PadForm.of_design(design), dict[float, list[Contact]](), dict[float, list[Contact]]()
-    for tilt in range(int(TILTS_DEG[0]), int(TILTS_DEG[-1]) + 1):
+    for tilt in sorted({*range(int(TILTS_DEG[0]), int(TILTS_DEG[-1]) + 1, 2), *_MARKED_DEG}):
         still_wanted()
         by_tilt[tilt] = try_contacts(form, Pose(tilt), *_COLOURS)
         rolled[tilt] = try_contacts(form, Pose(tilt, ROLL_DEG), FORCE_N)

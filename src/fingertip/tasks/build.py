@@ -11,7 +11,6 @@ import json
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from fingertip.cad.files.cadquery_script import write_script
 from fingertip.cad.files.step_process import StepFiles, StepJob, StepProcess
@@ -123,8 +122,9 @@ def build(
     }  # fmt: skip
     work = Work("", stages, progress)
 
+    all_built = names == [*known]
     with contextlib.ExitStack() as stack:
-        # The B-rep kernel works in a process of its own while this process makes and checks the meshes.
+        # The B-rep kernel and the pictures have processes of their own while this process makes and checks the meshes.
         process = None
         if "step" in file_formats:
             solids = tuple((name, PARTS[name].solid(design), PARTS[name].colour) for name in names)
@@ -132,19 +132,20 @@ def build(
             tools = tuple(name for name in names if PARTS[name].is_tool)
             job = StepJob(design.name, solids, brep_balance_solids(design, names), bought, tools)
             process = stack.enter_context(StepProcess.start(job))
+        drawing: Callable[[], dict[str, bytes]] = dict
+        if pictures and all_built:
+            drawing = stack.enter_context(in_background(_draw_steps, design, tolerance_mm))
         if presses:
             work.begin("pad by finite elements")
             survey_pad(design)
         verified = verify(design, names, file_formats, evaluator, work.within("parts"))
         meshes, checks, strength = verified.meshes, list(verified.checks), verified.strength
-        all_built = names == [*known]
         casting = None
         if all_built:
             told = (*(check_strength(design, strength) if strength else ()), *check_pad(design))
             warnings = list_warnings(told, with_advice=True)
             volumes = measure_volumes(design, evaluator)
             casting = casting_sheet_data(design, volumes, design.silicone.material, None, warnings)
-        drawing = stack.enter_context(in_background(_draw_steps, design, casting)) if pictures and casting else dict
         if meanwhile:
             meanwhile(work.within("rest"))
         work.begin("pictures")
@@ -190,10 +191,12 @@ def _replace_subset(writer: SetWriter, contents: Mapping[str, bytes], obsolete: 
     return tuple(f"{writer.folder.name}/{name}" for name in removed)
 
 
-def _draw_steps(design: Design, casting: dict[str, Any]) -> dict[str, bytes]:
+def _draw_steps(design: Design, tolerance_mm: float) -> dict[str, bytes]:
+    """Draw the steps of a sheet: without its warnings, which no picture shows, its data needs no checks."""
     from fingertip.documents.casting.sheet import steps  # noqa: PLC0415
     from fingertip.pictures.steps.pictures import draw_steps  # noqa: PLC0415
 
+    casting = casting_sheet_data(design, measure_volumes(design, MeshEvaluator(tolerance_mm)), design.silicone.material)
     return draw_steps(design, casting, [step.picture for step in steps(casting)])
 
 

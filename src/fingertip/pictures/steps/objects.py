@@ -43,6 +43,7 @@ class Bench:
     def __init__(self, design: Design) -> None:
         self.design, self.dims, self.layout = design, design.dimensions, design.mold_layout
         self.evaluator = MeshEvaluator(_TOLERANCE_MM)
+        self._meshes: dict[tuple[Solid, bool], Mesh] = {}
         self.insert = "core" if design.mold.method == "sleeve" else "bone"
         """Name of the part that lies in the mold while the skin is cast."""
 
@@ -58,10 +59,11 @@ class Bench:
 
     def solid(self, solid: Solid, colour: Colour, shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False) -> Shown:
         """Show a solid, shifted, and cut open along x = 0 if asked for."""
-        manifold = self.evaluator.manifold(solid)
-        if cut:
-            manifold = manifold.trim_by_plane((1.0, 0.0, 0.0), 0.0)
-        mesh = to_canonical_mesh(manifold)
+        mesh = self._meshes.get((solid, cut))
+        if mesh is None:
+            manifold = self.evaluator.manifold(solid)
+            mesh = to_canonical_mesh(manifold.trim_by_plane((1.0, 0.0, 0.0), 0.0) if cut else manifold)
+            self._meshes[solid, cut] = mesh
         return Shown(Mesh(mesh.vertices + np.array(shift), mesh.triangles), colour)
 
     def part_solid(self, name: str) -> tuple[Solid, Colour]:

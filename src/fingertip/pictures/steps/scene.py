@@ -122,7 +122,7 @@ def draw_scene(scene: Scene) -> bytes:
             end = x - side * (max(font.getlength(line) for line in text.split("\n")) + 6)
             pen.line([(end, y), tip], fill=_LEADER, width=1)
             pen.ellipse([tip[0] - 3, tip[1] - 3, tip[0] + 3, tip[1] + 3], fill=_INK)
-    return to_png(picture.quantize(128, dither=Image.Dither.NONE))
+    return to_png(picture.quantize(128, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE))
 
 
 def _labels_on(scene: Scene, side: int, centre: Array) -> list[Label]:

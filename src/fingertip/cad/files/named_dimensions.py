@@ -26,6 +26,8 @@ _MAX_LENGTH = 90
 """Longest expression that says more than its value [characters]."""
 _NEARBY = 1e-6
 """Relative difference of the parameters by which definitions are confirmed."""
+_CHANGED = 1e-4
+"""The same of one parameter, by which those are found that carry everything with them."""
 _SUM, _PRODUCT, _ATOM = range(3)
 """Ranks of expressions: the higher one binds more tightly."""
 
@@ -62,6 +64,10 @@ class Named(float):
 
     text: str
     rank: int
+
+    def __repr__(self) -> str:
+        return self.text
+
     __add__, __radd__ = _operators("+", _SUM, operator.add)
     __sub__, __rsub__ = _operators("-", _SUM, operator.sub)
     __mul__, __rmul__ = _operators("*", _PRODUCT, operator.mul)
@@ -91,6 +97,11 @@ class Definition:
     value: float
     text: str
     description: str
+
+    def holds_in(self, names: Names, name: str) -> bool:
+        other = names.definitions.get(name)
+        is_number = self.text == literal(self.value)
+        return other is not None and (self.value == other.value if is_number else self.text == other.text)
 
 
 class Names:
@@ -122,6 +133,19 @@ class Names:
             else replace(defined, text=literal(defined.value))
             for name, defined in self.definitions.items()
         }  # fmt: skip
+
+    def list_carried(
+        self, design: Design, build: Callable[[Design], Solid], definitions: dict[str, Definition]
+    ) -> list[str]:
+        """List the parameters among definitions from which nothing of a part is computed but by these."""
+        solid, carried = repr(build(self.design)), list[str]()
+        for path, value in ((path, design.value(path)) for path in PARAMETERS):
+            if (name := path.replace(".", "_")) in definitions and isinstance(value, float):
+                other = Names(design.with_values({path: value * (1.0 + _CHANGED)}))
+                same = repr(build(other.design)) == solid
+                if same and all(each.holds_in(other, key) for key, each in definitions.items() if key != name):
+                    carried.append(name)
+        return carried
 
     def _name(self, name: str, value: Any, description: str = "") -> Any:
         """Name a number, or those of a data class, unless it is another number under its own name."""

@@ -62,8 +62,12 @@ def write_script(design: Design, part: str) -> bytes:
     statements = _Statements(solids, {part, *_WORD.findall(imports + functions), *definitions}).write(part, solid)
     dimensions = "\n".join(_define(definitions, statements))
     written = {name: definitions[name] for name in re.findall(r"(?m)^(\w+) = ", dimensions)}
+
+    def write(changed: Design) -> str:
+        return _Statements({}, set()).write(part, PARTS[part].solid(changed))
+
     # A simulation places the vents of a mold, from each of its dimensions.
-    carried = [] if part.startswith("mold") else names.list_carried(design, PARTS[part].solid, written)
+    carried = [] if part.startswith("mold") else names.list_carried(design, write, written)
     text = _SCRIPT.format(
         title=part.replace("_", " ").capitalize(), design=design.name, part=part, imports=imports, functions=functions,
         dimensions=dimensions, statements=statements,

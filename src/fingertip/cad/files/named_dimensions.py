@@ -64,10 +64,6 @@ class Named(float):
 
     text: str
     rank: int
-
-    def __repr__(self) -> str:
-        return self.text
-
     __add__, __radd__ = _operators("+", _SUM, operator.add)
     __sub__, __rsub__ = _operators("-", _SUM, operator.sub)
     __mul__, __rmul__ = _operators("*", _PRODUCT, operator.mul)
@@ -135,14 +131,14 @@ class Names:
         }  # fmt: skip
 
     def list_carried(
-        self, design: Design, build: Callable[[Design], Solid], definitions: dict[str, Definition]
+        self, design: Design, write: Callable[[Design], str], definitions: dict[str, Definition]
     ) -> list[str]:
         """List the parameters among definitions from which nothing of a part is computed but by these."""
-        solid, carried = repr(build(self.design)), list[str]()
+        text, carried = write(self.design), list[str]()
         for path, value in ((path, design.value(path)) for path in PARAMETERS):
             if (name := path.replace(".", "_")) in definitions and isinstance(value, float):
                 other = Names(design.with_values({path: value * (1.0 + _CHANGED)}))
-                same = repr(build(other.design)) == solid
+                same = write(other.design) == text
                 if same and all(each.holds_in(other, key) for key, each in definitions.items() if key != name):
                     carried.append(name)
         return carried

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import inspect
+import pickle
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -60,6 +62,15 @@ def stated() -> Design:
         (lambda folder: fingertip.validate(Design(), first_seed=7), "seed: 7 is refused"),
         (lambda folder: fingertip.calibrate_sensor(Design(), fingertip.read_weighings(folder / "t.csv")), "t.csv"),
         (lambda folder: fingertip.read_readings(folder / "t.csv", Design()), "t.csv"),
+        (lambda folder: fingertip.part_mesh(Design(), "bone", tolerance_mm=-1), "tolerance_mm: -1 mm is out of bounds"),
+        (lambda folder: fingertip.picture(Design(), 0), "width_px: 0 is out of range; choose 400 to 6000"),
+        (lambda folder: fingertip.calibrate_printer(Design(), []), "measured: holds 0 readable lengths"),
+        (lambda folder: Design.load(changes={"skin.width_mm": None}), "changes skin.width_mm: None is no value"),
+        (lambda folder: Design.load(changes="a.b=c"), 'changes: \'a.b=c\' is a single text; use changes={"a.b": "c"}'),
+        (lambda folder: Design.load("adult_finger", changes={"skin": {"width_mm": 17}}), "skin.width_mm=17.1"),
+        (lambda folder: Trace(np.zeros(9), np.zeros(8)), "voltage_v: has shape (8,), but time_s has shape (9,)"),
+        (lambda folder: Trace(np.zeros((3, 2)), [0.0]), "time_s: has shape (3, 2); give one value per sample"),
+        (lambda folder: Trace(["a"], [0.0]), "time_s: is no array of numbers"),
     ],
 )  # fmt: skip
 def test_functions_name_their_arguments(call: Callable[[Path], Any], said: str, tmp_path: Path) -> None:
@@ -67,3 +78,51 @@ def test_functions_name_their_arguments(call: Callable[[Path], Any], said: str, 
     with pytest.raises(FingertipError, match=re.escape(said)) as refused:
         call(tmp_path)
     assert not re.search(r"(?m)(?:^|\s)--[a-z]", str(refused.value))
+
+
+@pytest.mark.parametrize("name", [name for name in fingertip.__all__ if name.islower() and name != "__version__"])
+def test_public_functions_refuse_other_types_of_each_argument(name: str) -> None:
+    function = getattr(fingertip, name)
+    unchecked = {"recording", "controller", "origin"}  # anything that numpy reads, a protocol, and what is known
+    for argument, parameter in inspect.signature(function).parameters.items():
+        if argument not in unchecked:
+            others = {
+                each: None
+                for each, needed in inspect.signature(function).parameters.items()
+                if needed.default is needed.empty and each != argument
+            }
+            wrong: dict[str, Any] = {argument: object(), **others}
+            ordered = {each: wrong[each] for each in inspect.signature(function).parameters if each in wrong}
+            with pytest.raises((TypeError, FingertipError), match=r"of type \w+; give ") as refused:
+                function(**ordered)
+            assert isinstance(refused.value, FingertipError), parameter
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: Design.load(None), "files[0]: is None, of type NoneType; give a path or a text"),  # type: ignore[arg-type]
+        (lambda: Design.load(changes=[5]), "changes[0]: is 5, of type int; give a text"),  # type: ignore[list-item]
+        (lambda: fingertip.Trial(seed=1.5), "seed: is 1.5, of type float; give a whole number"),  # type: ignore[arg-type]
+        (lambda: fingertip.CampaignPlan("12", 4.0), "trials: is '12', of type str"),  # type: ignore[arg-type]
+        (lambda: fingertip.Readout(Design(), -1), "pads: is -1, of type int; give a list"),  # type: ignore[arg-type]
+        (lambda: fingertip.SlipChain(Design()), "settings: is Design("),  # type: ignore[arg-type]
+        (lambda: fingertip.build(Design(), 5), "out: is 5, of type int; give None, a path or a text"),
+        (lambda: fingertip.frames("fsr400"), 'of type str; give a Design, such as Design.load("fsr400")'),
+    ],
+)  # fmt: skip
+def test_other_types_are_refused_by_name(call: Callable[[], Any], said: str) -> None:
+    with pytest.raises(FingertipError, match=re.escape(said)) as refused:
+        call()
+    assert isinstance(refused.value, TypeError)
+
+
+def test_lists_nested_tables_and_numbers_of_numpy_work() -> None:
+    for number in (np.float32(19.0), np.int64(19), np.array(19.0)):
+        assert Design.load(changes={"skin.width_mm": number}).skin.width_mm == 19.0
+    assert Design.load(changes={"skin": {"width_mm": 19}}).skin.width_mm == 19.0
+    assert type(fingertip.Trial(seed=np.int64(3)).seed) is int  # type: ignore[arg-type]
+    trace = fingertip.simulate(Design(), fingertip.Trial(seed=3))
+    found = fingertip.detect(Trace(trace.time_s.tolist(), trace.voltage_v.tolist()), Design(), "fast")
+    assert found.intervals == fingertip.detect(trace, Design(), "fast").intervals
+    assert pickle.loads(pickle.dumps(fingertip.simulate)) is fingertip.simulate

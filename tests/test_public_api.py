@@ -65,6 +65,8 @@ def test_faces_of_a_part_are_tagged_and_frames_are_places_of_cadquery(name: str)
     assert tags == {
         "bone": {"pocket", "post"}, "skin": {"pad"}, "mold_palmar": {"pad", "parting"}, "mold_dorsal": {"parting"},
     }  # fmt: skip
+    rows = re.findall(r"(?m)^\| `(\w+)` \| (`.*) \|$", (ROOT / "docs/python.md").read_text(encoding="utf-8"))
+    assert {part: set(re.findall(r"`(\w+)`", said)) for part, said in rows if part in tags} == tags
     places, dims = fingertip.frames(design), design.dimensions
     assert set(places) == {"interface", "tip", "sensor"}
     # The floor lies behind the sensor's front by sensor and film, and the pad in front of it by that of the skin.

@@ -9,7 +9,8 @@ The public names follow the commands of the command line::
     write_board(design)  # -> out/fsr400/board
     detect(simulate(design), design).intervals
 
-Importing this package loads none of its modules. Each name is imported when it is first used.
+Importing this package loads none of its modules. Each name is imported when it is first used, a
+function with a check of the types of its arguments.
 """
 
 from importlib import import_module
@@ -95,7 +96,14 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     if name not in _MODULES:
         raise AttributeError(f"module 'fingertip' has no attribute {name!r}")
-    return getattr(import_module(_MODULES[name]), name)
+    value = getattr(import_module(_MODULES[name]), name)
+    if callable(value) and not isinstance(value, type):
+        from fingertip.foundation.validation import checked  # noqa: PLC0415
+
+        value = checked(value)
+        value.__module__ = __name__  # where pickle finds it
+    globals()[name] = value
+    return value
 
 
 def __dir__() -> list[str]:

@@ -42,8 +42,29 @@ def test_scripts_name_what_they_make(scripts: Path) -> None:
     ):
         assert f"\n{line}" in text
     assert max(map(len, text.splitlines())) <= 120
+    head, _, dimensions = text.partition("# Primitives")[0].partition("# Dimensions")
+    assert "..." not in dimensions, "comments are whole"
+    assert "joint axis of a clevis" in dimensions
+    assert "fingertip build design.toml --formats cq" in " ".join(head.split())
     assert "import fingertip" not in text
     assert write_script(Design(), "bone") == text.encode()
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("part", ["bone", "skin"])
+def test_dimensions_that_carry_a_part_are_those_named_at_the_top(part: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    design = Design()
+    before = write_script(design, part).decode()
+    carried = " ".join(before.split()).partition("with them: ")[2].partition(". ")[0].split(", ")
+    assert carried
+    monkeypatch.setattr(Names, "list_carried", lambda *_: carried)
+    for path in PARAMETERS:
+        name = path.replace(".", "_")
+        if re.search(rf"(?m)^{name} = \d", before):
+            after = write_script(design.with_values({path: 1.01 * design.value(path)}), part).decode()
+            lines = [set(re.sub(r" *# .*", "", each).splitlines()) for each in (after, before)]
+            changed = lines[0] - lines[1]
+            assert (len(changed) == 1) == (name in carried), (name, changed)
 
 
 @pytest.mark.parametrize("name", ["fsr400", "adult_finger", "fsr402"])

@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 
 from fingertip.cad.files import stl
-from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.kernel.mesh import MIN_TOLERANCE_MM, MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.verification import check as causes
 from fingertip.cad.verification.check import Check
-from fingertip.cad.verification.verify import MIN_TOLERANCE_MM, validate_tolerance, verify
+from fingertip.cad.verification.verify import verify
 from fingertip.design import Design
 from fingertip.design.geometry.solids import SuperconicSolid
 from fingertip.design.parameters import PARAMETERS
@@ -48,7 +48,7 @@ def test_writer_that_loses_a_triangle_or_inverts_the_mesh_fails(
 @pytest.mark.parametrize("tolerance", [0.0, MIN_TOLERANCE_MM / 2, 1.1, float("nan"), -0.01])
 def test_tolerance_out_of_bounds_is_rejected(tolerance: float) -> None:
     with pytest.raises(DesignError, match=r"tolerance_mm: .* out of bounds; choose 0\.0005 to 1 mm"):
-        validate_tolerance(tolerance)
+        MeshEvaluator(tolerance)
 
 
 def test_report_names_what_to_change() -> None:

@@ -120,5 +120,5 @@ def test_string_instead_of_a_list_is_rejected() -> None:
         DesignError, match=r"formats: 'stl,3mf' is a single text; give a list, such as \['stl', '3mf'\]"
     ):
         build(Design(), formats="stl,3mf")
-    with pytest.raises(DesignError, match=r"changes: 'skin.width_mm=18' is a single text; give a list"):
+    with pytest.raises(DesignError, match=r"changes: 'skin.width_mm=18' is a single text; use changes="):
         Design.load(changes="skin.width_mm=18")

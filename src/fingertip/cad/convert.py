@@ -50,7 +50,8 @@ def part_workplane(design: Design, name: str) -> cadquery.Workplane:
     """Build a part as a `cadquery.Workplane` with tagged faces, such as `bone.faces(tag="post").workplane()`.
 
     The tag "pad" is on the skin over the sensor, or on what shapes it; "pocket" on the floor that the sensor lies on;
-    "post" on the proximal end of the bone; "parting" on the parting plane of a mold half. Raises as `part_solid`.
+    "post" on the proximal end of the bone, in several faces on a clevis; "parting" on the parting plane of a mold half.
+    Raises as `part_solid`.
     """
     solid, cadquery = part_solid(design, name), _load_cadquery("part_workplane")
     workplane, form, dims = cadquery.Workplane(solid), PadForm.of_design(design), design.dimensions

@@ -11,7 +11,7 @@ from typing import Any
 from fingertip.cad.shapes.coupon_layout import WALLS_MM
 from fingertip.calibration.readings import Length, Measured
 from fingertip.design import Design
-from fingertip.foundation.errors import DesignError
+from fingertip.foundation.errors import DesignError, Issue
 from fingertip.foundation.numerics import chi_square_quantile, t_quantile
 
 # Least squares of the readings. A reading y of a length with the nominal value N, printed between two surfaces, is
@@ -97,6 +97,9 @@ def fit_printer(measured: Sequence[Measured]) -> PrinterFit:
     ny = math.fsum(w * n * y for w, n, _, y in rows)
     sy = math.fsum(w * s * y for w, _, s, y in rows)
     determinant = nn * count - ns * ns
+    if not determinant or len(rows) < 3:
+        message = f"holds {len(rows)} readable lengths; give three or more, outer and inner, as read_readings does."
+        raise DesignError(Issue("measured", message))
     scale, offset = (count * ny - ns * sy) / determinant, (nn * sy - ns * ny) / determinant
     degrees = len(rows) - 2
     variance = math.fsum(w * (y - scale * n - offset * s) ** 2 for w, n, s, y in rows) / degrees

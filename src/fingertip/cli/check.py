@@ -82,9 +82,8 @@ def _check_designs(
     designs: Mapping[str, Design], tolerance_mm: float, junit: Path | None, console: Console, verbose: bool
 ) -> tuple[dict[str, Any], list[str]]:
     from fingertip.cad.verification.check import list_warnings
-    from fingertip.cad.verification.verify import check, validate_tolerance
+    from fingertip.cad.verification.verify import check
 
-    validate_tolerance(tolerance_mm)
     checks_by_design: dict[str, tuple[Check, ...]] = {}
     work = Work("checking", dict.fromkeys(designs, 1.0), console.progress)
     for label, design in designs.items():

@@ -9,7 +9,7 @@ import typer
 
 from fingertip.cli import options
 from fingertip.cli.console import Console
-from fingertip.cli.options import command, find_file_issues, find_range_issues, load_design, refuse
+from fingertip.cli.options import command, find_file_issues, load_design, refuse
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.progress import Work
 
@@ -147,10 +147,6 @@ def drawing(
     console.result(data, f"{len(paths) - 1} sheets drawn to {paths[-1]}, and each to an SVG file")
 
 
-MIN_WIDTH_PX = 400
-MAX_WIDTH_PX = 6000
-
-
 @command
 def picture(
     console: Console,
@@ -174,12 +170,9 @@ def picture(
     from fingertip.page.pad_section import draw_pad
     from fingertip.page.svg import write_svg
     from fingertip.pictures.filling import draw_mold_filling
-    from fingertip.pictures.picture import draw
+    from fingertip.pictures.picture import draw, find_width_issues
 
-    refuse(
-        find_file_issues("--out", out, ".svg" if pad else ".png"),
-        find_range_issues("--width-px", width_px, MIN_WIDTH_PX, MAX_WIDTH_PX),
-    )
+    refuse(find_file_issues("--out", out, ".svg" if pad else ".png"), find_width_issues(width_px))
     if filling and pad:
         refuse([Issue("--pad", "draws another picture than --filling; give one of the two.")])
     loaded = load_design(design, changes, console)

@@ -17,7 +17,7 @@ from fingertip.catalogues.bundled import find_file
 from fingertip.catalogues.file_kinds import DESIGN, FileKind, read_file
 from fingertip.design.parameters import PARAMETERS, ParameterTable, Tables
 from fingertip.design.parameters.declaration import find_bounds, find_unit, list_choices
-from fingertip.foundation.errors import MAX_VALUE_LENGTH, DesignError, Issue, gather, shorten
+from fingertip.foundation.errors import MAX_VALUE_LENGTH, DesignError, Issue, gather, quote_value, shorten
 from fingertip.foundation.toml_files import MAX_DEPTH, UnusableTomlError, parse_toml
 
 
@@ -30,17 +30,24 @@ class LoadedTables:
 
 
 Changes = Iterable[str] | Mapping[str, Any]
-"""Changes of parameters: texts such as "mold.draft_deg=2", or {"mold.draft_deg": 2}."""
+"""Changes of parameters: texts such as "mold.draft_deg=2", or {"mold.draft_deg": 2}, or nested tables."""
 
 
 def list_changes(changes: Changes) -> Sequence[str]:
     """List changes as texts. Raises DesignError if they are one."""
     if isinstance(changes, str):
-        raise DesignError(Issue("changes", f"{changes!r} is a single text; give a list, such as {[changes]!r}."))
+        raise DesignError(Issue("changes", f"{changes!r} is a single text; use --set {changes}."))
     if isinstance(changes, Mapping):
         import tomlkit  # noqa: PLC0415
 
-        return [f"{name}={tomlkit.item(value).as_string()}" for name, value in changes.items()]
+        texts = list[str]()
+        for name, value in flatten(changes):
+            try:
+                texts.append(f"{name}={tomlkit.item(getattr(value, 'tolist', lambda v=value: v)()).as_string()}")
+            except ValueError:
+                message = f"{quote_value(value)} is no value; give a number, a text, True, False or a list."
+                raise DesignError(Issue(f"changes {name}", message)) from None
+        return texts
     return list(changes)
 
 

@@ -17,6 +17,7 @@ from fingertip.design.remedies import describe_violations, explain_invalid, expl
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.foundation.display import Picture, html_table, plot, to_dataframe
 from fingertip.foundation.errors import DesignError
+from fingertip.foundation.validation import checked
 
 if TYPE_CHECKING:
     import pandas
@@ -39,6 +40,7 @@ class Design(DesignTables):
         self._validate(tables)
 
     @classmethod
+    @checked
     def load(cls, *files: str | Path, changes: Changes = ()) -> Self:
         """Read a design: the defaults, then each file, then changes; later values win.
 

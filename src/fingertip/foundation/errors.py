@@ -113,6 +113,10 @@ def gather(issues: list[Issue], prefix: str = "") -> Iterator[None]:
         issues += (Issue(f"{prefix}{issue.field}", issue.message) if prefix else issue for issue in error.issues)
 
 
+class ArgumentError(FingertipError, TypeError):
+    """An argument of a function is of a type that the function does not take."""
+
+
 class InputFileError(FingertipError):
     """A file cannot be read: it is missing, no regular file, or too large."""
 

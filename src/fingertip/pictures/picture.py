@@ -5,7 +5,7 @@ An arrow points at the place where the bone breaks first.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,8 +24,10 @@ from fingertip.design.geometry.features import Joint
 from fingertip.design.geometry.solids import Point3, Solid
 from fingertip.design.interfaces.clevis_solids import knuckle
 from fingertip.foundation.display import Picture
+from fingertip.foundation.errors import Issue
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.progress import Work
+from fingertip.foundation.validation import checked, raise_issues
 from fingertip.pictures.raster import Camera, Canvas, Colour, Pen, bounds, to_png
 from fingertip.pictures.section import SENSOR_COLOUR, draw_scale_bar, draw_section, list_sections
 
@@ -84,8 +86,15 @@ class PlacedMesh:
     """Distance by which the mesh was moved from where the part lies."""
 
 
+def find_width_issues(width_px: int) -> Iterator[Issue]:
+    if not 400 <= width_px <= 6000:
+        yield Issue("--width-px", f"{width_px} is out of range; choose 400 to 6000.")
+
+
+@checked
 def draw(design: Design, width_px: int = 1600, progress: Callable[[str], None] = lambda message: None) -> bytes:
     """Draw two exploded views of a design above a section through the closed mold."""
+    raise_issues(find_width_issues(width_px))
     evaluator = MeshEvaluator(_TOLERANCE_MM)
     parts = {name: evaluator.mesh(part.solid(design)) for name, part in parts_by_name(design).items()}
     parts["sensor"] = evaluator.mesh(sensor_body(design))

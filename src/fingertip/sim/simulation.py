@@ -22,7 +22,7 @@ from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, identif
 from fingertip.design import Design
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import FingertipError, Issue, TraceError, gather
-from fingertip.foundation.validation import raise_issues
+from fingertip.foundation.validation import checked, raise_issues
 from fingertip.sim.contact.materials import ARTICLE_SURFACES, SURFACES, SurfaceFile, find_profile_warnings
 from fingertip.sim.runs.files import ManipulationFile, SceneFile
 from fingertip.sim.runs.manipulation import ManipulationResult, run_manipulation
@@ -179,6 +179,7 @@ its wall, 0.3 mm of polyester on a radius of 33 mm, yields by 1 mm under 3 N; no
 REPEATS_PER_MANIPULATION = 3
 
 
+@checked
 @dataclass(frozen=True)
 class Trial:
     """One sliding-finger trial; its seed draws everything random. Raises TraceError with all invalid values."""

@@ -23,7 +23,7 @@ from fingertip.cad.verification.bone import check_strength
 from fingertip.cad.verification.check import list_warnings
 from fingertip.cad.verification.pad import check_pad
 from fingertip.cad.verification.printing import check_brep_solid
-from fingertip.cad.verification.verify import validate_tolerance, verify
+from fingertip.cad.verification.verify import verify
 from fingertip.casting.quantities import measure_volumes
 from fingertip.catalogues import output_files
 from fingertip.design import Design
@@ -107,7 +107,6 @@ def build(
     presses = design.dimensions.insert is not None and "skin" in names
     if presses:
         extras.require("sensor.insert", "scipy", alternative="set sensor.insert=none")
-    validate_tolerance(tolerance_mm)
     design, evaluator = design.with_silicone(material), MeshEvaluator(tolerance_mm)
     writer = output_files.PART_FILES.writer(design, folder, force)
     writer.check(_file_names(names, file_formats, len(names) == len(known)))

@@ -16,7 +16,7 @@ from fingertip.cad.shapes.coupon import COUPON_PARTS
 from fingertip.cad.shapes.parts import print_scale
 from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.printing import check_brep_solid, check_mesh_file
-from fingertip.cad.verification.verify import MESH_FORMATS, validate_tolerance
+from fingertip.cad.verification.verify import MESH_FORMATS
 from fingertip.calibration.readings import identify_coupon, list_lengths, write_template
 from fingertip.catalogues.output_files import COUPON, COUPON_READINGS, COUPON_SHEET, PLAN
 from fingertip.design import Design
@@ -71,7 +71,6 @@ def write_coupon(
     file_formats = select_names("--formats", formats, FORMATS)
     if "step" in file_formats:
         extras.require("--formats", "OCP", subject="step", alternative="leave step out with --formats stl,3mf")
-    validate_tolerance(tolerance_mm)
     writer = COUPON.writer(design, folder, force)
     names = [f"{part}.{file_format}" for part in COUPON_PARTS for file_format in file_formats]
     writer.check([*names, COUPON_READINGS, COUPON_SHEET, PLAN])

@@ -22,8 +22,9 @@ _RATIO = re.compile(r"weight|scale|slope|shrinkage|ratio|fullness|drop|flank")
 _SCRIPT = '''"""{title} of the fingertip {design}, in CadQuery: run it with Python, or open it in CQ-editor.
 
 Lengths are in mm; x is the width, y points to the back, z to the tip. A number that is changed below changes this part
-where its name stands, and is checked by nothing. What was computed by more than arithmetic stands as a number. To
-change a parameter with all that follows from it: fingertip build design.toml --set TABLE.KEY=VALUE
+where its name stands, and is checked by nothing.
+
+{carried}
 """
 
 {imports}# Dimensions
@@ -44,6 +45,11 @@ else:
     size = {part}.BoundingBox()
     print(f"{part}: {{size.xlen:.3f}} x {{size.ylen:.3f}} x {{size.zlen:.3f}} mm, {{volume({part}.wrapped):.3f}} mm3")
 '''
+_CARRIED = (
+    "Dimensions that carry all of this part with them: {names}. From the others the program computed further numbers, "
+    "which stand below without a name and do not follow: make a new script for those, with "
+    "fingertip build design.toml --formats cq --set TABLE.KEY=VALUE"
+)
 
 
 def write_script(design: Design, part: str) -> bytes:
@@ -54,9 +60,18 @@ def write_script(design: Design, part: str) -> bytes:
     definitions = names.confirmed(design)
     imports, functions = _read_sources()
     statements = _Statements(solids, {part, *_WORD.findall(imports + functions), *definitions}).write(part, solid)
+    dimensions = "\n".join(_define(definitions, statements))
+    written = {name: definitions[name] for name in re.findall(r"(?m)^(\w+) = ", dimensions)}
+
+    def write(changed: Design) -> str:
+        return _Statements({}, set()).write(part, PARTS[part].solid(changed))
+
+    # A simulation places the vents of a mold, from each of its dimensions.
+    carried = [] if part.startswith("mold") else names.list_carried(design, write, written)
     text = _SCRIPT.format(
         title=part.replace("_", " ").capitalize(), design=design.name, part=part, imports=imports, functions=functions,
-        dimensions="\n".join(_define(definitions, statements)), statements=statements,
+        dimensions=dimensions, statements=statements,
+        carried=textwrap.fill(_CARRIED.format(names=", ".join(carried) or "none"), 120, break_on_hyphens=False),
     )  # fmt: skip
     return text.encode()
 
@@ -87,9 +102,7 @@ class _Statements:
 
     def _add(self, statement: str) -> None:
         """Add a statement, broken after commas where it is too long."""
-        kept = statement.replace(" ", "\xa0").replace(",\xa0", ", ")
-        lines = textwrap.wrap(kept, _WIDTH, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)
-        self._lines += (line.replace("\xa0", " ") for line in lines)
+        self._lines += _wrap(statement.replace(" ", "\xa0").replace(",\xa0", ", "), "    ")
 
     def _refer(self, solid: Solid) -> str:
         """Write a solid as a name, after a statement that makes it, or without a name as it is made."""
@@ -125,6 +138,11 @@ class _Statements:
         return ", ".join([self._refer(solid) for solid in solids])
 
 
+def _wrap(text: str, indent: str) -> list[str]:
+    lines = textwrap.wrap(text, _WIDTH, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
+    return [line.replace("\xa0", " ") for line in lines]
+
+
 def _define(definitions: dict[str, Definition], text: str) -> Iterator[str]:
     """Define the numbers that a text needs, each before those that are computed from it."""
     used, lines = set(_WORD.findall(text)), list[str]()
@@ -134,6 +152,5 @@ def _define(definitions: dict[str, Definition], text: str) -> Iterator[str]:
             unit = "" if name.endswith(("_mm", "_percent", "_deg")) else "1" if _RATIO.search(name) else "mm"
             said = defined.description.replace("[mm]", "").partition(". ")[0].strip().rstrip(".")
             line, notes = f"{name} = {defined.text}", ": ".join(filter(None, (unit, " ".join(said.split()))))
-            room = max(0, _WIDTH - len(line))
-            lines.append(f"{line}  # {textwrap.shorten(notes, room, placeholder=' ...')}" if notes else line)
+            lines += reversed(_wrap(line.replace(" ", "\xa0") + f"\xa0\xa0#\xa0{notes}" * bool(notes), "    # "))
     return reversed(lines)

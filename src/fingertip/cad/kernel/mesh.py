@@ -16,13 +16,14 @@ from numpy.typing import NDArray
 
 from fingertip.cad.kernel.tessellate import Triangles, tessellate
 from fingertip.design.geometry.solids import Difference, Intersection, Placed, Scaled, Solid, Union
-from fingertip.foundation.errors import GeometryError, Issue
+from fingertip.foundation.errors import DesignError, GeometryError, Issue
 from fingertip.foundation.interruption import hold_interruptions
 from fingertip.foundation.numerics import Array
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
+MIN_TOLERANCE_MM, MAX_TOLERANCE_MM = 0.0005, 1.0
 GRID_MM = 2.0**-17
 """Spacing of the grid to which vertices are rounded [mm]. Binary32 numbers, as in STL, hold multiples of it exactly up
 to 128 mm. An STL file therefore holds the mesh itself, and rounding errors of floating-point arithmetic do not reach
@@ -55,6 +56,11 @@ class MeshEvaluator:
     """Evaluates solids as meshes at one tolerance; equal solids are evaluated once."""
 
     def __init__(self, tolerance_mm: float) -> None:
+        """Raise a `DesignError` unless meshes can be made at this tolerance [mm]."""
+        if not MIN_TOLERANCE_MM <= tolerance_mm <= MAX_TOLERANCE_MM:
+            bounds = f"choose {MIN_TOLERANCE_MM:g} to {MAX_TOLERANCE_MM:g} mm"
+            message = f"{tolerance_mm:g} mm is out of bounds; {bounds}; 0.01 is finer than the resolution of a printer."
+            raise DesignError(Issue("--tolerance-mm", message))
         self.tolerance_mm = tolerance_mm
         self._evaluated: dict[Solid, Manifold] = {}
 

@@ -24,11 +24,9 @@ from fingertip.cad.verification.strength import BoneStrength, assess_strength
 from fingertip.cad.verification.walls import check_walls
 from fingertip.design import Design
 from fingertip.design.geometry.solids import scaled
-from fingertip.foundation.errors import DesignError, Issue
 from fingertip.foundation.progress import Work
 
 MESH_FORMATS = {"stl": stl, "3mf": threemf}
-MIN_TOLERANCE_MM, MAX_TOLERANCE_MM = 0.0005, 1.0
 
 
 @dataclass(frozen=True)
@@ -46,7 +44,6 @@ def check(
     design: Design, *, tolerance_mm: float = 0.01, progress: Callable[[str], None] = lambda message: None
 ) -> VerifiedParts:
     """Check all parts of a design on meshes, as the command does. Raises DesignError or GeometryError."""
-    validate_tolerance(tolerance_mm)
     return verify(design, parts_by_name(design), ("stl",), MeshEvaluator(tolerance_mm), progress)
 
 
@@ -111,11 +108,3 @@ def check_parts(
         yield from check_seals(design, evaluator)
     if "core" in meshes:
         yield check_sleeve_stretch(design, evaluator)
-
-
-def validate_tolerance(tolerance_mm: float) -> None:
-    """Raise a `DesignError` unless meshes can be made at this tolerance [mm]."""
-    if not MIN_TOLERANCE_MM <= tolerance_mm <= MAX_TOLERANCE_MM:
-        bounds = f"choose {MIN_TOLERANCE_MM:g} to {MAX_TOLERANCE_MM:g} mm"
-        message = f"{tolerance_mm:g} mm is out of bounds; {bounds}; 0.01 is finer than the resolution of a printer."
-        raise DesignError(Issue("--tolerance-mm", message))

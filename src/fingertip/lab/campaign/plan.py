@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from fingertip.catalogues.bundled import PARAMS
 from fingertip.foundation.errors import Issue, TraceError
-from fingertip.foundation.validation import raise_issues
+from fingertip.foundation.validation import checked, raise_issues
 from fingertip.sim import SceneFile
 from fingertip.sim.simulation import article_trials
 
@@ -56,6 +56,7 @@ class Case:
     seed: int
 
 
+@checked
 @dataclass(frozen=True)
 class CampaignPlan:
     """Size of a campaign. Raises TraceError."""

@@ -26,7 +26,7 @@ from fingertip.design import Design
 from fingertip.design.parameters.declaration import find_bounds, suggest_name
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
-from fingertip.foundation.validation import check_type, raise_issues, round_down, round_up
+from fingertip.foundation.validation import checked, raise_issues, round_down, round_up
 from fingertip.pad.response import Pad
 from fingertip.sim.runs.files import GraspedObject, Hand, ManipulationFile
 from fingertip.sim.runs.motion import Controller, MotionPlan, Observation, delay_commands, plan_motion, thumb_force_n
@@ -125,6 +125,7 @@ class ManipulationResult:
         )  # fmt: skip
 
 
+@checked
 def run_manipulation(
     design: Design,
     scene: ManipulationFile,
@@ -156,8 +157,6 @@ def run_manipulation(
         If the seed is negative, the plan needs more force than a finger can press with, the board of this design has no
         such output, or a command of the controller is not valid.
     """
-    check_type("design", design, Design, 'Design.load("fsr400")')
-    check_type("scene", scene, ManipulationFile, 'ManipulationFile.load("real_manipulation")')
     if controller is not None and not hasattr(controller, "step"):
         message = f"is {controller!r:.60}, which has no method step; see fingertip.sim.Controller, or leave it out."
         raise TraceError(Issue("controller", message))

@@ -22,7 +22,7 @@ from fingertip.foundation import jit
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.progress import ReportProgress
-from fingertip.foundation.validation import check_type, raise_issues
+from fingertip.foundation.validation import checked, raise_issues
 from fingertip.pad.pose import Pose
 from fingertip.pad.response import Pad
 from fingertip.sim.contact.friction import ELASTO_PLASTIC, Friction
@@ -109,6 +109,7 @@ def select_columns(signals: FingerSignals, scene: SceneFile) -> dict[str, NDArra
     return {name: getattr(signals, name) for name in scene.outputs}
 
 
+@checked
 @dataclass
 class SceneRun:
     """Scene in progress: iterate over `chunks` once. Raises TraceError."""
@@ -120,10 +121,6 @@ class SceneRun:
     meter: CostMeter = field(default_factory=CostMeter)
 
     def __post_init__(self) -> None:
-        check_type("design", self.design, Design, 'Design.load("fsr400")')
-        check_type("scene", self.scene, SceneFile, 'SceneFile.load("sliding_finger")')
-        if self.grid is not None:
-            check_type("grid", self.grid, Grid, "Grid(16)")
         raise_issues(self.scene.find_design_issues(self.design, self.seed))
         if self.grid is None and self.scene.slide.distance_m:
             plain = replace(self.friction, elastic=0.0)

@@ -19,6 +19,7 @@ from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.jit import compile_for_process
 from fingertip.foundation.numerics import Array
+from fingertip.foundation.validation import checked
 from fingertip.pad.response import FORCES_N, Pad
 from fingertip.sim.signal import bridge, envelope_loop
 from fingertip.sim.signal.analog_circuit import AnalogBoard
@@ -51,6 +52,7 @@ class ReadoutSample(NamedTuple):
     output_code: Array
 
 
+@checked
 class Readout:
     """Readout of several fingers with the board of one design. Raises TraceError.
 

@@ -29,6 +29,7 @@ from fingertip.design.formulas.filter import SECTION_QUALITY as Q
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.jit import CompiledLoop, as_samples
 from fingertip.foundation.numerics import Array
+from fingertip.foundation.validation import checked
 from fingertip.slip.detectors.noise import DEVIATIONS, NoiseLevel, input_noise_v
 from fingertip.slip.detectors.registry import Detector, DetectorOutput
 
@@ -76,6 +77,7 @@ class SecondOrder(NamedTuple):
     a2: float
 
 
+@checked
 class SlipChain(Detector):
     """The article's chain with its state. It starts as if the input had always had the value of the first sample."""
 
@@ -91,6 +93,7 @@ class SlipChain(Detector):
         self._threshold_v, self.memory_s = settings.threshold_v, self._average.memory_s
 
     @classmethod
+    @checked
     def for_design(cls, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0) -> SlipChain:
         """Create the chain for a design; a noise [V] gives the noise-derived threshold, rounded up as the default."""
         settings = ChainSettings.from_design(design)

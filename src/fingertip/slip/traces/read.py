@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, identify_kind
 from fingertip.design import Design
 from fingertip.design.parameters.declaration import suggest_name
-from fingertip.foundation.errors import Issue, TomlFileError, TraceError
+from fingertip.foundation.errors import Issue, TomlFileError, TraceError, gather
 from fingertip.foundation.input_files import check_archive
 from fingertip.foundation.validation import raise_issues
 from fingertip.slip.traces.array_files import LOADERS, RATE
@@ -235,7 +235,10 @@ def _from_arrays(name: str, arrays: Mapping[str, Any], columns: ColumnMap) -> Ra
             is_line = array.ndim == 2 and 1 in array.shape
             values[column] = (array.ravel() if is_line else array).astype(np.float64)
     raise_issues(issues)
-    return RawTrace(name, columns.make_trace(values), in_volts=columns.in_volts, notes=tuple(notes))
+    with gather(issues, f"{name}, "):
+        trace = columns.make_trace(values)
+    raise_issues(issues)
+    return RawTrace(name, trace, in_volts=columns.in_volts, notes=tuple(notes))
 
 
 def _read_dates(array: NDArray[Any]) -> tuple[NDArray[Any], str]:

@@ -32,7 +32,7 @@ _FORCE = re.compile(r".*(_n|[\[(]N[\])]|force)$|force", re.IGNORECASE)
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """Columns of equal length."""
+    """Columns of equal length, arrays or lists. Raises TraceError."""
 
     time_s: Array
     voltage_v: Array
@@ -44,6 +44,19 @@ class Trace:
     filtered_v: Array | None = None
     """Filtered signal of a board for a controller, ahead of its rectifier [V]; the detector `fast` takes it too."""
     origin: Origin = UNKNOWN
+
+    def __post_init__(self) -> None:
+        for name in COLUMNS:
+            if (values := getattr(self, name)) is None and name not in COLUMNS[:2]:
+                continue
+            try:
+                array = np.asarray(values, dtype=bool if name == "slip" else float)
+            except (TypeError, ValueError) as error:
+                raise TraceError(Issue(name, f"is no array of numbers ({error}); give one per sample.")) from None
+            object.__setattr__(self, name, array)
+            if array.ndim != 1 or len(array) != len(self.time_s):
+                times = "" if name == "time_s" else f", but time_s has shape {self.time_s.shape}"
+                raise TraceError(Issue(name, f"has shape {array.shape}{times}; give one value per sample."))
 
     def __repr__(self) -> str:
         count = len(self.time_s)
@@ -187,7 +200,7 @@ class RawTrace:
     @property
     def _times_are_valid(self) -> bool:
         time_s = self.trace.time_s
-        return self.has_all_times and time_s.ndim == 1 and len(time_s) > 1 and bool(np.isfinite(time_s).all())
+        return self.has_all_times and len(time_s) > 1 and bool(np.isfinite(time_s).all())
 
 
 def _value_issues(
@@ -201,17 +214,14 @@ def _value_issues(
         if values is None:
             continue
         column_field = f"{name}, {column}"
-        if values.shape != trace.time_s.shape or values.ndim != 1:
-            shapes = f"has shape {values.shape}, but time_s has shape {trace.time_s.shape}"
-            yield Issue(column_field, f"{shapes}; give one value per sample.")
-        elif (wrong := np.flatnonzero(~np.isfinite(values))).size:
+        if (wrong := np.flatnonzero(~np.isfinite(values))).size:
             first = int(wrong[0])
             others = f" (and {wrong.size - 1} more)" if wrong.size > 1 else ""
             location = sample_location(first, lines)
             message = f"{values[first]} {location} is not a finite number{others}; record again or remove it."
             yield Issue(column_field, message)
     volts = trace.voltage_v
-    if not in_volts or volts.ndim != 1:
+    if not in_volts:
         return
     outside = np.flatnonzero(np.isfinite(volts) & ((volts > detector.adc_range_v) | (volts < detector.adc_low_v)))
     if outside.size:

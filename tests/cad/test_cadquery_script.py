@@ -50,23 +50,6 @@ def test_scripts_name_what_they_make(scripts: Path) -> None:
     assert write_script(Design(), "bone") == text.encode()
 
 
-@pytest.mark.full
-@pytest.mark.parametrize("part", ["bone", "skin"])
-def test_dimensions_that_carry_a_part_are_those_named_at_the_top(part: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    design = Design()
-    before = write_script(design, part).decode()
-    carried = " ".join(before.split()).partition("with them: ")[2].partition(". ")[0].split(", ")
-    assert carried
-    monkeypatch.setattr(Names, "list_carried", lambda *_: carried)
-    for path in PARAMETERS:
-        name = path.replace(".", "_")
-        if re.search(rf"(?m)^{name} = \d", before):
-            after = write_script(design.with_values({path: 1.01 * design.value(path)}), part).decode()
-            lines = [set(re.sub(r" *# .*", "", each).splitlines()) for each in (after, before)]
-            changed = lines[0] - lines[1]
-            assert (len(changed) == 1) == (name in carried), (name, changed)
-
-
 @pytest.mark.parametrize("name", ["fsr400", "adult_finger", "fsr402"])
 def test_definitions_hold_for_other_parameters(name: str) -> None:
     """A definition that a function of the math module or a choice has a part in would be true by chance."""

@@ -22,9 +22,9 @@ _RATIO = re.compile(r"weight|scale|slope|shrinkage|ratio|fullness|drop|flank")
 _SCRIPT = '''"""{title} of the fingertip {design}, in CadQuery: run it with Python, or open it in CQ-editor.
 
 Lengths are in mm; x is the width, y points to the back, z to the tip. A number that is changed below changes this part
-where its name stands, and is checked by nothing.
-
-{carried}
+where its name stands, and is checked by nothing. What was computed by more than arithmetic stands as a number without a
+name, and does not follow. To change a parameter with all that follows from it, make a new script:
+fingertip build design.toml --formats cq --set TABLE.KEY=VALUE
 """
 
 {imports}# Dimensions
@@ -45,11 +45,6 @@ else:
     size = {part}.BoundingBox()
     print(f"{part}: {{size.xlen:.3f}} x {{size.ylen:.3f}} x {{size.zlen:.3f}} mm, {{volume({part}.wrapped):.3f}} mm3")
 '''
-_CARRIED = (
-    "Dimensions that carry all of this part with them: {names}. From the others the program computed further numbers, "
-    "which stand below without a name and do not follow: make a new script for those, with "
-    "fingertip build design.toml --formats cq --set TABLE.KEY=VALUE"
-)
 
 
 def write_script(design: Design, part: str) -> bytes:
@@ -60,18 +55,9 @@ def write_script(design: Design, part: str) -> bytes:
     definitions = names.confirmed(design)
     imports, functions = _read_sources()
     statements = _Statements(solids, {part, *_WORD.findall(imports + functions), *definitions}).write(part, solid)
-    dimensions = "\n".join(_define(definitions, statements))
-    written = {name: definitions[name] for name in re.findall(r"(?m)^(\w+) = ", dimensions)}
-
-    def write(changed: Design) -> str:
-        return _Statements({}, set()).write(part, PARTS[part].solid(changed))
-
-    # A simulation places the vents of a mold, from each of its dimensions.
-    carried = [] if part.startswith("mold") else names.list_carried(design, write, written)
     text = _SCRIPT.format(
         title=part.replace("_", " ").capitalize(), design=design.name, part=part, imports=imports, functions=functions,
-        dimensions=dimensions, statements=statements,
-        carried=textwrap.fill(_CARRIED.format(names=", ".join(carried) or "none"), 120, break_on_hyphens=False),
+        dimensions="\n".join(_define(definitions, statements)), statements=statements,
     )  # fmt: skip
     return text.encode()
 

@@ -26,8 +26,6 @@ _MAX_LENGTH = 90
 """Longest expression that says more than its value [characters]."""
 _NEARBY = 1e-6
 """Relative difference of the parameters by which definitions are confirmed."""
-_CHANGED = 1e-4
-"""The same of one parameter, by which those are found that carry everything with them."""
 _SUM, _PRODUCT, _ATOM = range(3)
 """Ranks of expressions: the higher one binds more tightly."""
 
@@ -94,11 +92,6 @@ class Definition:
     text: str
     description: str
 
-    def holds_in(self, names: Names, name: str) -> bool:
-        other = names.definitions.get(name)
-        is_number = self.text == literal(self.value)
-        return other is not None and (self.value == other.value if is_number else self.text == other.text)
-
 
 class Names:
     """Names of a design's numbers, in an order in which each is defined before it is used.
@@ -129,19 +122,6 @@ class Names:
             else replace(defined, text=literal(defined.value))
             for name, defined in self.definitions.items()
         }  # fmt: skip
-
-    def list_carried(
-        self, design: Design, write: Callable[[Design], str], definitions: dict[str, Definition]
-    ) -> list[str]:
-        """List the parameters among definitions from which nothing of a part is computed but by these."""
-        text, carried = write(self.design), list[str]()
-        for path, value in ((path, design.value(path)) for path in PARAMETERS):
-            if (name := path.replace(".", "_")) in definitions and isinstance(value, float):
-                other = Names(design.with_values({path: value * (1.0 + _CHANGED)}))
-                same = write(other.design) == text
-                if same and all(each.holds_in(other, key) for key, each in definitions.items() if key != name):
-                    carried.append(name)
-        return carried
 
     def _name(self, name: str, value: Any, description: str = "") -> Any:
         """Name a number, or those of a data class, unless it is another number under its own name."""

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import functools
 import math
+import re
+import statistics
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import combinations
@@ -25,10 +27,12 @@ from fingertip.board.bringup.diagnosis import diagnose
 from fingertip.board.bringup.plan import SUPPLY_MA, BringUp
 from fingertip.board.bringup.prediction import is_tone, predict
 from fingertip.board.bringup.readings import Readings, assess_readings, format_assessment
-from fingertip.board.bringup.wiring import wiring_diagram
+from fingertip.board.bringup.wiring import MOUNTING_PIN, wiring_diagram
 from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.fabrication.bom import assembly_bom_file, placement_file
+from fingertip.board.kicad.placement import list_pads, name_part
 from fingertip.board.kicad.project import load_project
+from fingertip.board.kicad.sexpr import read_expression
 from fingertip.design import Design
 from fingertip.documents.board.analysis import analysis_text
 from fingertip.tasks.board import board_files, bring_up_files, write_board
@@ -240,3 +244,26 @@ def test_texts_of_the_wiring_diagram_are_apart_and_inside_it(path: Path) -> None
     assert all(box[0] >= 0 and box[1] >= 0 and box[2] <= width and box[3] <= height for box in boxes)
     for a, b in combinations(boxes, 2):
         assert min(a[2], b[2]) <= max(a[0], b[0]) or min(a[3], b[3]) <= max(a[1], b[1]), (a[4], b[4])
+
+
+@pytest.mark.parametrize("changes", [(), ("board.channels=5",), ("board.variant=comparator",)])
+def test_the_wiring_diagram_has_connectors_and_pins_where_the_board_has_them(changes: tuple[str, ...]) -> None:
+    design = Design.load("adult_finger", changes=changes)
+    circuit = board_circuit(board_values(design), design.board.channels)
+    layout = read_expression(board_files(design)["slip_filter.kicad_pcb"].decode())
+    pads = [
+        (*pad.centre, f"{reference}.{pad.name}")
+        for footprint in layout.children("footprint")
+        if re.fullmatch(r"J\d+", reference := name_part(footprint))
+        for pad in list_pads(footprint)
+        if pad.name != MOUNTING_PIN
+    ]
+    middle = statistics.mean(x for x, _, _ in pads)
+    drawing = ElementTree.fromstring(wiring_diagram(circuit, design.board.supply_v, design.name))
+    for plug_x, pin_x, is_left in (("418", "382", True), ("542", "578", False)):
+        drawn, connector = [], ""
+        for text in drawing.iter("{http://www.w3.org/2000/svg}text"):
+            connector = text.text or "" if text.attrib["x"] == plug_x else connector
+            drawn += [(float(text.attrib["y"]), f"{connector}.{text.text}")] if text.attrib["x"] == pin_x else []
+        placed = [(y, pin) for x, y, pin in pads if (x < middle) is is_left]
+        assert [pin for _, pin in sorted(drawn)] == [pin for _, pin in sorted(placed)]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -21,9 +22,10 @@ from fingertip.cad.verification.strength import (
     stress_gradients,
 )
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
+from fingertip.cli.check import describe_cause
 from fingertip.design import Design
 from fingertip.design.formulas.stress import hole_in_tension, shoulder_in_bending
-from tests.conftest import design_file, run_fingertip
+from tests.conftest import ROOT, design_file, run_fingertip
 
 DESIGN = Design()
 
@@ -130,6 +132,24 @@ def test_factors_above_the_limit_of_the_design_but_below_1_warn() -> None:
     weak = checks_of(strength={"grip_force_n": 40.0, "min_grip_factor": 0.5})["bone.safety_factor.grip"]
     assert weak.state == "warning"
     assert "strength.grip_force_n = 40 N" in weak.warning
+
+
+def test_the_tutorial_states_the_factors_and_a_load_that_petg_holds() -> None:
+    page = " ".join((ROOT / "docs/tutorial.md").read_text().split())
+    finger = Design.load("adult_finger")
+    found = assess_strength(finger, MeshEvaluator(0.01))
+    grip, shock = finger.strength.grip_force_n, finger.strength.shock_force_n
+    told = f"a grip of {grip:g} N leaves a safety factor of {found.grip_safety_factor:.2f}, and a knock of {shock:g} N "
+    assert f"{told}one of {found.shock_safety_factor:.2f}. " in page
+    design = Design.load("adult_finger", changes=["strength.print_material=petg"])
+    checks = check_strength(design, assess_strength(design, MeshEvaluator(0.01)))[:2]
+    broken, _ = re.findall(r"break at (\d+) N", " ".join(check.warning for check in checks))
+    assert f"Of PETG it would break at {broken} N." in page
+    remedies = [check.remedy for check in checks]
+    assert " --set ".join(["check adult_finger", "strength.print_material=petg", *remedies]) in page
+    lighter = Design.load("adult_finger", changes=["strength.print_material=petg", *remedies])
+    assert all(check.passed for check in check_strength(lighter, assess_strength(lighter, MeshEvaluator(0.01))))
+    assert all(check.remedy in describe_cause(check) for check in checks)
 
 
 def test_nominal_stress_of_the_post_is_that_of_the_beam():

@@ -15,7 +15,8 @@ from manifold3d import Manifold
 from fingertip.cad.files import stl
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import parts_by_name
-from fingertip.cad.verification.walls import MEASURED, find_thin_walls, measure_walls
+from fingertip.cad.verification import walls
+from fingertip.cad.verification.walls import MEASURED, check_walls, find_thin_walls, measure_walls
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from tests.cad.test_random_designs import generate_accepted
@@ -125,3 +126,13 @@ def test_silicone_between_lid_and_chaplet_can_be_thin() -> None:
     found = find_thin_walls(design, MeshEvaluator(0.05), "skin")
     assert found.area_mm2 > 10.0
     assert found.patches().triangles.shape == (2 * len(found.points), 3)
+    (skin,) = check_walls(design, MeshEvaluator(0.05), ["skin"])
+    assert "beside the chaplet's hole, until the patch fills it" in skin.warning
+    assert "the patch closes what tears there" in skin.advice
+
+
+def test_a_thin_wall_elsewhere_is_named_by_its_axes_and_unit(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = walls.ThinWalls(np.array([[-0.04, 7.0, 12.7]]), np.zeros((1, 3)), np.array([0.6]), 1.0, 500.0)
+    monkeypatch.setattr(walls, "find_thin_walls", lambda *_: found)
+    (lid,) = check_walls(Design.load(design_file("adult_finger")), MeshEvaluator(0.05), ["lid"])
+    assert lid.warning.endswith("down to 0.6 mm at x = 0.0, y = 7.0, z = 12.7 mm.")

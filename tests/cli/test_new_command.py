@@ -14,8 +14,8 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.design.files import list_parameters
-from fingertip.design.new_design import write_new_design
-from tests.conftest import run_fingertip, some_of
+from fingertip.design.new_design import PRESETS, write_new_design
+from tests.conftest import ROOT, run_fingertip, some_of
 
 SENSORS = ("fsr400", "fsr400_short", "fsr402", "fsr402_short", "custom")
 
@@ -74,6 +74,17 @@ def test_the_next_command_runs(sensor: str, folder: Path) -> None:
     assert (folder / "out/mine/bone.stl").exists()
 
 
+def test_pages_state_the_sizes_of_the_presets_and_what_to_measure() -> None:
+    designs, sets = (" ".join((ROOT / page).read_text().split()) for page in ("docs/designs.md", "docs/sets.md"))
+    for name in PRESETS:
+        design = Design.load(name)
+        to_axis_mm = design.skin.length_mm + design.bone.base_length_mm
+        assert re.search(rf"`{name}` \({design.skin.width_mm:g} mm( wide)?, {to_axis_mm:.0f} mm[ )]", designs), name
+    adult = Design.load("adult_finger")
+    assert f"`bone.base_length_mm` behind it, {adult.bone.base_length_mm:g} mm in `adult_finger`" in sets
+    assert -adult.dimensions.joint.axis_z == adult.bone.base_length_mm
+
+
 @pytest.mark.full
 def test_preset_and_hand_give_a_design_that_passes(folder: Path) -> None:
     """The command names each length that it fitted, and the file holds the hand's own sizes."""
@@ -95,6 +106,8 @@ def test_preset_and_hand_give_a_design_that_passes(folder: Path) -> None:
     assert design.bone.interface == "clevis"
     assert (design.hand.width_mm, design.hand.pin_diameter_mm) == (4.4, 5.0)
     assert f"-> {design.bone.base_length_mm:g}" in fitted[0]
+    to_axis_mm = design.skin.length_mm + design.bone.base_length_mm
+    assert f"\n{to_axis_mm:.1f} mm from the tip to the axis of the joint\n" in f"\n{done.stdout}"
     lines = Path("mine.toml").read_text().splitlines()
     top = lines[: lines.index("")] + lines[: next(i for i, line in enumerate(lines) if line.startswith("# Other"))]
     assert any(line.startswith("hand.width_mm = 4.4") for line in top)

@@ -5,6 +5,9 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
+import shlex
+import shutil
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -259,7 +262,7 @@ def make_sheets(design: Design, fingers: tuple[str, ...], delay_s: float | None 
     volumes = {name: evaluator.mesh(PARTS[name].solid(design)).volume() / 1000 for name in parts}
     score = SimpleNamespace(delays_s=(delay_s,))
     detection: Any = SimpleNamespace(detector="fast", memory_s=0.1, score=score)
-    warnings = ("pad: the sensor turns on late",) if delay_s is None else ()
+    warnings = ("pad: the sensor turns on late; harder silicone helps.",) if delay_s is None else ()
     return FormSheets(
         Form(design, fingers), casting, acceptance_data(design, detection), volumes, "all checks passed", warnings
     )
@@ -475,6 +478,13 @@ def test_a_set_is_made_whole_and_again_with_the_same_bytes(folder: Path) -> None
     assert board.returncode == 0, board.stdout + board.stderr
     assert "| ring, pin 10 |" in (out / "acceptance.md").read_text()
     assert run_fingertip("check", "out/pair").returncode == 0
+    commands = re.findall(r"`fingertip ([^`]+ --out [^`]+)`", (out / "set.md").read_text())
+    assert [command.split()[0] for command in commands] == ["board", "coupon", "drawing"]
+    for command in commands[:1] * bool(shutil.which("kicad-cli")) + commands[1:]:
+        done = run_fingertip(*shlex.split(command), PWD=str(out))
+        assert done.returncode == 0, done.stderr
+    assert (out / "coupon/coupon.3mf").exists()
+    assert not (out / "out").exists(), "nothing is written beside the set"
     before = {path: path.read_bytes() for path in out.rglob("*") if path.is_file()}
     assert run_fingertip("make", "mine.toml", "--formats", "stl,3mf", "--quiet").returncode == 0
     assert {path: path.read_bytes() for path in out.rglob("*") if path.is_file()} == before

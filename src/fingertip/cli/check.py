@@ -149,7 +149,7 @@ def _format_table(label: str, checks: Sequence[Check], verbose: bool) -> str:
     ]
     lines.insert(0, verdict)
     lines += (f"warning: {text}" for text in list_warnings(checks))
-    return "\n".join([*lines, *(describe_cause(c.name) for c in shown if not c.passed)])
+    return "\n".join([*lines, *(describe_cause(c) for c in shown if not c.passed)])
 
 
 def format_failures(checks: Iterable[Check]) -> list[str]:
@@ -158,16 +158,17 @@ def format_failures(checks: Iterable[Check]) -> list[str]:
     for check in checks:
         if not check.passed:
             lines.append(f"FAILED {check.name}: {check.value:g} {check.unit}, must be {check.relation} {check.limit:g}")
-            lines.append(describe_cause(check.name))
+            lines.append(describe_cause(check))
     return lines
 
 
-def describe_cause(check: str) -> str:
-    """Describe what to change if a check of this name fails, as a line of text."""
+def describe_cause(check: Check) -> str:
+    """Describe what to change if a check fails, as a line of text."""
     from fingertip.cad.verification.check import list_causes
 
-    causes = list_causes(check)
-    return f"  {check}: change {', '.join(causes)}" if causes else f"  {check}: this is a bug in fingertip"
+    remedy = f"it passes with --set {check.remedy}; or " if check.remedy else ""
+    causes = ", ".join(list_causes(check.name))
+    return f"  {check.name}: {remedy}change {causes}" if causes else f"  {check.name}: this is a bug in fingertip"
 
 
 _INVALID_IN_XML = re.compile(r"[^\t\n\r\x20-\uD7FF\uE000-\uFFFD\U00010000-\U0010FFFF]")

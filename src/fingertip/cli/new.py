@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import functools
-import math
 import shlex
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
@@ -25,7 +24,6 @@ if TYPE_CHECKING:
     from fingertip.design.new_design import NewDesign
     from fingertip.design.new_set import Starts
 
-_LOADS = ("grip", "shock")
 _LARGER_MM = (1.0, 2.0, 3.0, 4.0)
 """Widths by which a finger that fails is made larger, and its height by half of them, until one passes [mm]."""
 
@@ -56,8 +54,8 @@ def new(
         list[str] | None,
         typer.Option(
             metavar="NAME=WIDTHxLENGTH",
-            help="Finger of a hand (thumb, index, middle, ring, little) with width and length of its skin in mm, such "
-            "as index=18x25; repeatable. Writes a set and a design for each size.",
+            help="Finger of a hand (thumb, index, middle, ring, little) with its skin's width at the edge and length "
+            "from tip to edge, in mm, such as index=18x25; repeatable. Writes a set and a design for each size.",
         ),
     ] = None,
     out: Annotated[
@@ -115,8 +113,8 @@ def new(
     data, lines = _describe(path, made)
     if preset or hand:
 
-        def find_remedy(design: Design, failed: Sequence[Check]) -> str:
-            return _find_passing(begin, design, failed, given, allow_shorter_travel, console.progress)
+        def find_remedy(failed: Sequence[Check]) -> str:
+            return _find_passing(begin, made.design, failed, given, allow_shorter_travel, console.progress)
 
         lines += _check(made.design, find_remedy, data, console.progress)
     write_file(path, made.text.encode())
@@ -175,16 +173,15 @@ def _describe(path: Path, made: NewDesign) -> tuple[dict[str, Any], list[str]]:
         "design": path.as_posix(), "name": made.design.name, "sensor": made.design.sensor.model, "base": made.base,
         "fitted": {name: list(values) for name, values in made.fitted.items()}, "reasons": dict(made.reasons),
     }  # fmt: skip
-    lines = [f"fitted: {name} {before:g} -> {after:g}" for name, (before, after) in made.fitted.items()]
+    to_axis_mm = made.design.skin.length_mm + made.design.bone.base_length_mm
+    lines = [f"{to_axis_mm:.1f} mm from the tip to the axis of the joint"] if made.design.dimensions.joint else []
+    lines += (f"fitted: {name} {before:g} -> {after:g}" for name, (before, after) in made.fitted.items())
     lines += [f"note: {reason}: a measured value was changed" for reason in made.reasons.values()]
     return data, lines
 
 
 def _check(
-    design: Design,
-    find_remedy: Callable[[Design, Sequence[Check]], str],
-    data: dict[str, Any],
-    progress: Callable[[str], None],
+    design: Design, find_remedy: Callable[[Sequence[Check]], str], data: dict[str, Any], progress: Callable[[str], None]
 ) -> list[str]:
     """Check a design as a build does, add its strength to the data, and describe it. Raises FingertipError."""
     from fingertip.cad.verification.check import list_causes, list_warnings
@@ -193,7 +190,7 @@ def _check(
 
     verified = check_design(design, progress=progress)
     if failed := [check for check in verified.checks if not check.passed]:
-        remedy = find_remedy(design, failed)
+        remedy = find_remedy(failed)
         raise FingertipError(
             Issue(check.name, f"{check.value:.3g} {check.unit} must be {check.relation} {check.limit:g}, or `make` "
                   f"fails; {remedy or 'change ' + ' or '.join(list_causes(check.name)) + ' with --set'}")
@@ -232,17 +229,10 @@ def _find_passing(
             factors = [check for check in failed if check.name.startswith("bone.safety_factor.")]
             if any(one.value + steps * (found[one.name].value - one.value) < one.limit for one in factors):
                 break
-    return _find_lighter_loads(design, failed)
+    return _find_lighter_loads(failed)
 
 
-def _find_lighter_loads(design: Design, failed: Sequence[Check]) -> str:
+def _find_lighter_loads(failed: Sequence[Check]) -> str:
     """Find loads that a bone holds which is too weak for its own, as options to be typed; nothing if more fails."""
-    settings = [
-        f"strength.{load}_force_n={math.floor(design.value(f'strength.{load}_force_n') * check.value / check.limit):g}"
-        for check in failed
-        for load in _LOADS
-        if check.name == f"bone.safety_factor.{load}"
-    ]
-    if len(settings) < len(failed):
-        return ""
-    return "it holds lighter loads: " + " ".join(f"--set {setting}" for setting in settings)
+    settings = [check.remedy for check in failed]
+    return "it holds lighter loads: " + " ".join(f"--set {setting}" for setting in settings) if all(settings) else ""

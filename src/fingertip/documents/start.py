@@ -50,7 +50,9 @@ def render_start(
         plates={path: parts for path, parts in plates.items() if path in files},
         casting=casting,
         waits=_count_waits(casting["plan"]) if casting else {},
-        warnings=_tell_warnings(report),
+        warnings=_tell_warnings(
+            [f"{one['name']}: {one['warning']}" for one in report["checks"] if one["passed"] and one.get("warning")]
+        ),
         files=files,
         steps=steps,
         verdict=verdict,
@@ -61,7 +63,8 @@ def render_start(
 def render_set_start(data: Mapping[str, Any], board_design: Design | None) -> str:
     """Render the first screen of a set, with the board of all its fingers if there is one."""
     board = _board_data(board_design) if board_design else {"cost_usd": None, "components": 0}
-    return render_page("finger_set/start.md", **data, waits=_count_waits(data["calendar"]), **board)
+    warnings = [(form["design"], told) for form in data["forms"] for told in _tell_warnings(form["warnings"])]
+    return render_page("finger_set/start.md", **data, waits=_count_waits(data["calendar"]), warnings=warnings, **board)
 
 
 def render_basis_table(design: Design) -> str:
@@ -82,11 +85,7 @@ def _count_waits(plan: Sequence[Mapping[str, Any]]) -> dict[str, int]:
     return dict(Counter(stage["wait"] for stage in plan if stage["wait"]).most_common())
 
 
-def _tell_warnings(report: Mapping[str, Any]) -> list[str]:
-    """Tell what the checks warn of, without names of parameters and places on the bone."""
-    told = []
-    for check in report["checks"]:
-        if check["passed"] and (warning := check.get("warning")):
-            said = warning.partition(", below strength.")[0].partition("; ")[0].rstrip(".")
-            told.append(f"{said[0].upper()}{said[1:]}. {_HARDER.get(check['name'], '')}".rstrip())
-    return told
+def _tell_warnings(warnings: Sequence[str]) -> list[str]:
+    """Tell what checks warn of and what helps, without names of checks and loads, and places on the bone."""
+    found = [warning.partition(", below strength.")[0].rstrip(".").partition(": ") for warning in warnings]
+    return [f"{said[0].upper()}{said[1:]}. {_HARDER.get(name, '')}".rstrip() for name, _, said in found]

@@ -41,7 +41,8 @@ def render_set_page(
     tabs = [
         Tab("start", "Start", (
             render_first_screen(start, element("div", *drawn, class_="fingers"), links),
-            fold("Every step in words", render(overview["What to do"], links)),
+            fold("Checks and joint", render(overview["Checks and joint"], links), state="roomy"),
+            fold("Every step in words", render(overview["What to do"], links), name="steps"),
         )),
         Tab("print", "Print", (element("h2", "Print the parts"), render(overview["To print"], links))),
         Tab("buy", "Buy", (

@@ -1,4 +1,4 @@
-"""Wiring diagram (SVG): sensor and supply on the left, the board, and the controller on the right.
+"""Wiring diagram (SVG): what stands at each edge of the board, seen from the side of its parts.
 
 Pins and nets are those of the circuit's connectors. Each pin has one row, and each row one wire.
 """
@@ -88,16 +88,18 @@ def wiring_diagram(circuit: Circuit, supply_v: float, name: str) -> bytes:
     devices = ["sensor"] if len(sensors) == 1 else [f"sensor: {finger}" for finger in NAMES[: len(sensors)]]
     unmarked: dict[str, Signal] = {}
     left = [(sensor, unmarked, device) for sensor, device in zip(sensors, devices, strict=True)]
-    left.append((supply, supply_signals, "supply"))
-    left_height = sum(_height(circuit, part) + _GAP for part, _, _ in left) - _GAP
-    host_height = _height(circuit, host)
-    inner = max(left_height, host_height)
-    board_height, middle = inner + 2 * _GAP + _HEAD, top + _HEAD + _GAP + inner / 2
-    connectors, at = list[str](), middle - left_height / 2
-    for part, marks, device in left:
-        connectors += _connector(circuit, part, marks, at, device, is_left=True)
-        at += _height(circuit, part) + _GAP
-    connectors += _connector(circuit, host, signals, middle - host_height / 2, controller, is_left=False)
+    right = [(host, signals, controller)]
+    (left if len(sensors) == 1 else right).append((supply, supply_signals, "supply"))
+    if len(sensors) > 1:
+        left.reverse()
+    heights = [sum(_height(circuit, part) + _GAP for part, _, _ in column) - _GAP for column in (left, right)]
+    board_height, middle = max(heights) + 2 * _GAP + _HEAD, top + _HEAD + _GAP + max(heights) / 2
+    connectors = list[str]()
+    for column, column_height in zip((left, right), heights, strict=True):
+        at = middle - column_height / 2
+        for part, marks, device in column:
+            connectors += _connector(circuit, part, marks, at, device, is_left=column is left)
+            at += _height(circuit, part) + _GAP
     notes = list(list_notes(circuit, supply_v))
     height = top + board_height + _GAP + _LINE * len(notes) + _MARGIN
     body = [
@@ -188,6 +190,8 @@ def _connector(
 ) -> Iterator[str]:
     """Yield a connector at an edge of the board, what it leads to, and the wires between them."""
     pins, height = list_pins(circuit, connector), _height(circuit, connector)
+    if connector.footprint in LOCKING_CONNECTORS and not is_left:
+        pins.reverse()  # a plug is turned by half a turn at the other edge
     plug_left = _BOARD_LEFT if is_left else _BOARD_RIGHT - _PLUG
     device_left, device_width = (_MARGIN, _DEVICE) if is_left else (_HOST_LEFT, _WIDTH - _MARGIN - _HOST_LEFT)
     ends = (device_left + device_width, plug_left) if is_left else (plug_left + _PLUG, device_left)

@@ -173,35 +173,34 @@ _BREAKS_BELOW = 1.0
 
 
 def check_strength(design: Design, strength: BoneStrength) -> tuple[Check, ...]:
-    limits = design.strength
     checks = [
-        Check(
-            "bone.safety_factor.grip", strength.grip_safety_factor, limits.min_grip_factor, "", "at least",
-            *_warn_of_load(strength, strength.weakest, "grip", limits.grip_force_n, strength.grip_safety_factor),
-        ),
-        Check(
-            "bone.safety_factor.shock", strength.shock_safety_factor, limits.min_shock_factor, "", "at least",
-            *_warn_of_load(strength, strength.at_shock, "shock", limits.shock_force_n, strength.shock_safety_factor),
-        ),
-    ]  # fmt: skip
+        _check_load(design, strength, strength.weakest, "grip", strength.grip_safety_factor),
+        _check_load(design, strength, strength.at_shock, "shock", strength.shock_safety_factor),
+    ]
     if design.dimensions.anchor:
         bending = anchor_pin_stress_mpa(design, strength.tendon_force_n)
         checks.append(Check("joint.anchor_pin_stress", bending, ANCHOR_PIN_MPA, "MPa"))
     return tuple(checks)
 
 
-def _warn_of_load(strength: BoneStrength, place: Weakness, load: str, force_n: float, factor: float) -> tuple[str, str]:
-    """Warn of a load at which the bone is expected to break, and advise; nothing to say from a factor of 1 on."""
-    if factor >= _BREAKS_BELOW:
-        return "", ""
-    held = _round_down(force_n * factor)
-    return (
-        f"the bone is expected to break at {held:g} N, below strength.{load}_force_n = {force_n:g} N, at the "
-        f"{place.place} at z = {place.z_mm:.1f} mm.",
-        f"In {strength.material.label} (strength.print_material) its safety factor is {factor:.2f} under a load at the "
-        f"{place.load}. Keep harder loads off, and set strength.{load}_force_n={held:g} if there are none; "
-        f"strength.min_{load}_factor=1 makes the check fail.",
-    )
+def _check_load(design: Design, strength: BoneStrength, place: Weakness, load: str, factor: float) -> Check:
+    """Check a load: it warns if the bone is expected to break at it, and if it fails, a lighter load is the remedy."""
+    force_n, limit = (design.value(f"strength.{name}") for name in (f"{load}_force_n", f"min_{load}_factor"))
+    warning = advice = remedy = ""
+    if limit <= force_n * factor < force_n * limit:  # the least load that a design may have is 1 N
+        remedy = f"strength.{load}_force_n={_round_down(force_n * factor / limit):g}"
+    if factor < _BREAKS_BELOW:
+        held = _round_down(force_n * factor)
+        warning = (
+            f"the bone is expected to break at {held:g} N, below strength.{load}_force_n = {force_n:g} N, at the "
+            f"{place.place} at z = {place.z_mm:.1f} mm."
+        )
+        advice = (
+            f"In {strength.material.label} (strength.print_material) its safety factor is {factor:.2f} under a load at "
+            f"the {place.load}. Keep harder loads off, and set strength.{load}_force_n={held:g} if there are none; "
+            f"strength.min_{load}_factor=1 makes the check fail."
+        )
+    return Check(f"bone.safety_factor.{load}", factor, limit, "", "at least", warning, advice, remedy)
 
 
 def _round_down(force_n: float) -> float:

@@ -113,6 +113,8 @@ class Check(Comparison):
     """Sentence on what is expected to go wrong although the value satisfies the limit; empty if nothing is."""
     advice: str = ""
     """Sentences that add to the warning in reports. A terminal shows the warning alone."""
+    remedy: str = ""
+    """Setting with which the check passes if it fails; empty if none is known."""
 
     @property
     def state(self) -> State:

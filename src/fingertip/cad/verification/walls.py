@@ -110,10 +110,16 @@ def check_walls(design: Design, evaluator: MeshEvaluator, parts: Iterable[str]) 
         if found.matters:
             least = int(np.argmin(found.thickness_mm))
             field = "skin.min_thickness_mm" if part == "skin" else "printer.min_wall_mm"
-            x, y, z = found.points[least]
+            x, y, z = (round(size, 1) + 0.0 for size in found.points[least].tolist())
+            where, follows = f"at x = {x}, y = {y}, z = {z} mm", "What does not print there is missing."
+            chaplet, (across, up, along) = design.dimensions.chaplet, found.points.T
+            reach_mm = 2 * design.skin.min_thickness_mm + (chaplet.radius if chaplet else 0.0)
+            if part == "skin" and chaplet and ((np.hypot(across, along - chaplet.z) < reach_mm) & (up > 0.0)).all():
+                where = "beside the chaplet's hole, until the patch fills it"
+                follows = "Open the mold with care: the patch closes what tears there."
             warning = (
                 f"{found.area_mm2:.0f} mm2 of the {part} are thinner than {field}={design.value(field):g}, down to "
-                f"{found.thickness_mm[least]:.1f} mm at ({x:.1f}, {y:.1f}, {z:.1f})."
+                f"{found.thickness_mm[least]:.1f} mm {where}."
             )
-            advice = "`fingertip picture` marks the places in red. What does not print there is missing."
+            advice = f"`fingertip picture` marks the places in red. {follows}"
         yield Check(f"{part}.thin_walls", found.area_mm2, found.surface_mm2, "mm2", "at most", warning, advice)

@@ -91,6 +91,7 @@ def set_data(
         "board": {"folder": BOARD_FOLDER, "design_file": BOARD_DESIGN} if has_board else None,
         "controller": controller.name if controller else "",
         "bed_mm": [printer.bed_x_mm, printer.bed_y_mm, printer.bed_z_mm],
+        "printing": {"settings": sheets[0].casting["printing"]["settings"]},
         "fingers": rows,
         "forms": [
             {"design": each.form.design.name, "fingers": list(each.form.fingers), "verdict": each.verdict,

@@ -6,7 +6,8 @@ import contextlib
 import functools
 import math
 import shlex
-from collections.abc import Callable, Iterable, Sequence
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from fingertip.design.new_design import NewDesign
     from fingertip.design.new_set import Starts
 
-_LOADS = ("grip", "shock")
+_LOADS = ("strength.grip_force_n", "strength.shock_force_n")
 _LARGER_MM = (1.0, 2.0, 3.0, 4.0)
 """Widths by which a finger that fails is made larger, and its height by half of them, until one passes [mm]."""
 
@@ -114,11 +115,11 @@ def new(
     following = f"fingertip make {shlex.quote(path.as_posix())}"
     data, lines = _describe(path, made)
     if preset or hand:
-
-        def find_remedy(design: Design, failed: Sequence[Check]) -> str:
-            return _find_passing(begin, design, failed, given, allow_shorter_travel, console.progress)
-
-        lines += _check(made.design, find_remedy, data, console.progress)
+        failed, strength = _check(made.design, data, console.progress)
+        if failed:
+            remedy = _find_passing(begin, made.design, failed, given, allow_shorter_travel, console.progress)
+            raise FingertipError(_refuse(failed, remedy))
+        lines += strength
     write_file(path, made.text.encode())
     console.result(data | {"next": following}, "\n".join([*lines, f"wrote {path}; edit it, then run: {following}"]))
 
@@ -140,18 +141,23 @@ def _write_set(
     if issues:
         raise FingertipError(dict.fromkeys(issues))
     work = Work("", {"fit": 2.0 * len(starts), "checks": len(starts)}, console.progress)
-    forms = fit_set(starts, may_change_joint, work.within("fit"))
+    forms = fit_set(starts, may_change_joint, work.within("fit"), issues)
     checking = Work("checking", dict.fromkeys((join_words(form.fingers) for form in forms), 1.0), work.within("checks"))
     told: list[dict[str, Any]] = []
     lines: list[str] = []
+    weak: dict[str, list[Check]] = {}
     for form in forms:
         label = join_words(form.fingers)
         data, said = _describe(path.with_name(form.file), form.design)
-        report = checking.within(label)
-        with gather(issues, f"{label}: "):
-            said += _check(form.design.design, _find_lighter_loads, data, report) if form.is_own else []
+        if form.is_own:
+            weak[label], strength = _check(form.design.design, data, checking.within(label))
+            said += strength
         told.append(data | {"design": form.file, "fingers": list(form.fingers)})
         lines += [f"{label}: {form.file}, begun from {form.design.base}", *(f"  {line}" for line in said)]
+    designs = {join_words(form.fingers): form.design.design for form in forms}
+    loads = _find_lighter_loads([(designs[label], failed) for label, failed in weak.items()], "all fingers hold")
+    for label, failed in weak.items():
+        issues += (Issue(f"{label}: {issue.field}", issue.message) for issue in _refuse(failed, loads))
     if issues:
         raise FingertipError(issues)
     for form in forms:
@@ -180,28 +186,27 @@ def _describe(path: Path, made: NewDesign) -> tuple[dict[str, Any], list[str]]:
     return data, lines
 
 
-def _check(
-    design: Design,
-    find_remedy: Callable[[Design, Sequence[Check]], str],
-    data: dict[str, Any],
-    progress: Callable[[str], None],
-) -> list[str]:
-    """Check a design as a build does, add its strength to the data, and describe it. Raises FingertipError."""
-    from fingertip.cad.verification.check import list_causes, list_warnings
+def _check(design: Design, data: dict[str, Any], progress: Callable[[str], None]) -> tuple[list[Check], list[str]]:
+    """Check a design as a build does, and add its strength to the data. Return what failed, and its strength."""
+    from fingertip.cad.verification.check import list_warnings
     from fingertip.cad.verification.strength import describe_strength, strength_data
     from fingertip.cad.verification.verify import check as check_design
 
     verified = check_design(design, progress=progress)
-    if failed := [check for check in verified.checks if not check.passed]:
-        remedy = find_remedy(design, failed)
-        raise FingertipError(
-            Issue(check.name, f"{check.value:.3g} {check.unit} must be {check.relation} {check.limit:g}, or `make` "
-                  f"fails; {remedy or 'change ' + ' or '.join(list_causes(check.name)) + ' with --set'}")
-            for check in failed
-        )  # fmt: skip
     assert verified.strength
     data["strength"] = strength_data(verified.strength)
-    return [*describe_strength(verified.strength), *(f"warning: {text}" for text in list_warnings(verified.checks))]
+    warnings = (f"warning: {text}" for text in list_warnings(verified.checks))
+    failed = [check for check in verified.checks if not check.passed]
+    return failed, [*describe_strength(verified.strength), *warnings]
+
+
+def _refuse(failed: Iterable[Check], remedy: str) -> Iterator[Issue]:
+    from fingertip.cad.verification.check import list_causes
+
+    for check in failed:
+        problem = f"{check.value:.3g} {check.unit} must be {check.relation} {check.limit:g}, or `make` fails"
+        change = f"change {' or '.join(list_causes(check.name))} with --set"
+        yield Issue(check.name, f"{problem}; {remedy or change}")
 
 
 def _find_passing(
@@ -232,17 +237,16 @@ def _find_passing(
             factors = [check for check in failed if check.name.startswith("bone.safety_factor.")]
             if any(one.value + steps * (found[one.name].value - one.value) < one.limit for one in factors):
                 break
-    return _find_lighter_loads(design, failed)
+    return _find_lighter_loads([(design, failed)], "it holds")
 
 
-def _find_lighter_loads(design: Design, failed: Sequence[Check]) -> str:
-    """Find loads that a bone holds which is too weak for its own, as options to be typed; nothing if more fails."""
-    settings = [
-        f"strength.{load}_force_n={math.floor(design.value(f'strength.{load}_force_n') * check.value / check.limit):g}"
-        for check in failed
-        for load in _LOADS
-        if check.name == f"bone.safety_factor.{load}"
-    ]
-    if len(settings) < len(failed):
-        return ""
-    return "it holds lighter loads: " + " ".join(f"--set {setting}" for setting in settings)
+def _find_lighter_loads(weak: Iterable[tuple[Design, Sequence[Check]]], who: str) -> str:
+    """Find loads that all bones hold which are too weak for theirs, as options to be typed; nothing if more fails."""
+    held: dict[str, int] = {}
+    for design, failed in weak:
+        for check in failed:
+            name = f"strength.{check.name.removeprefix('bone.safety_factor.')}_force_n"
+            if name not in _LOADS:
+                return ""
+            held[name] = min(math.floor(design.value(name) * check.value / check.limit), held.get(name, sys.maxsize))
+    return f"{who} lighter loads: " + " ".join(f"--set {name}={load}" for name, load in held.items())

@@ -18,7 +18,7 @@ _MAX_STRAIN = 1.0
 WANTED_TURN_ON_N, WANTED_STRAIN = 1.0, 0.3
 """Force on the pad at which the sensor should be on, and largest strain for which small strain is a fair model."""
 _STEPS = {"bone.collar_inset_mm": 0.05, "sensor.distance_from_tip_mm": 0.5}
-"""Lengths that bring the skin, not the collar, to a plate that is tilted tip up -> step of which eight are tried [mm]."""
+"""Lengths that let skin, not collar, meet a plate that is tilted tip up -> step of which eight are tried [mm]."""
 
 
 def check_pad(design: Design) -> Iterator[Check]:

@@ -106,8 +106,13 @@ def test_a_failed_check_is_named_and_no_design_is_written(folder: Path) -> None:
     done = run_fingertip(*words)
     assert done.returncode == 1
     assert "FAILED bone.safety_factor.grip" in done.stdout
-    assert "mine.toml is not written" in done.stdout
+    assert "mine.toml is not written; change the design" in done.stdout
     assert not (folder / "mine.toml").exists()
+    finger = ("adult_finger", readings("adult_finger"), "--keep", "printer.min_wall_mm")
+    words = ("calibrate", "printer", *finger, "--out", "mine.toml")
+    kept = re.search(r"mine.toml is not written; (--keep \S+) passes", run_fingertip(*words).stdout)
+    assert kept
+    assert run_fingertip(*words, *kept[1].split()).returncode == 0
 
 
 def test_all_faults_are_reported_at_once(folder: Path) -> None:

@@ -62,6 +62,14 @@ def test_a_straight_pad_is_deaf_at_some_tilts_and_the_checks_say_so():
     assert not any(check.warning for check in check_pad(crowned()))
 
 
+def test_a_deaf_pad_is_told_a_value_that_was_tried_and_passes():
+    (warning,) = (check.warning for check in check_pad(Design.load("adult_thumb")) if check.warning)
+    change = warning.partition("it turns on with ")[2].rstrip(".")
+    assert not any(check.warning for check in check_pad(Design.load("adult_thumb", changes=[change])))
+    long = Design.load("adult_thumb", changes=["skin.width_mm=21", "skin.length_mm=30"])
+    assert any("that was tried helps" in check.warning for check in check_pad(long))
+
+
 def test_a_soft_silicone_is_warned_of():
     soft = Design.load("article", changes=["silicone.product=own", "silicone.modulus_mpa=0.05"])
     assert any(check.name == "pad.strain" and check.warning for check in check_pad(soft))
@@ -73,6 +81,7 @@ def test_command_page_and_picture_show_the_survey(tmp_path):
     assert {"design": "article", **survey.to_dict()}.items() <= answer.items()
     text = run_fingertip("pad", "article").stdout
     assert "never" in text
+    assert " >20 " in run_fingertip("check", "article").stdout
     assert f"{survey.shares[2]:.2f}" in text
     said = render_pad(Design.load("article"))
     assert f"Rolled by 10 degrees it gets {survey.rolled_share:.0%}" in said

@@ -430,11 +430,14 @@ def test_a_folder_that_leads_elsewhere_or_has_two_uses_is_refused(folder: Path) 
     assert "name: board is a folder of every set" in done.stderr
 
 
-def test_other_commands_name_those_that_take_a_set() -> None:
+def test_other_commands_name_those_that_take_a_set(tmp_path: Path) -> None:
     done = run_fingertip("build", "adult_hand")
     assert done.returncode == 2
     assert "adult_hand: is a set file, not a design file" in done.stderr
     assert "`fingertip make` and `fingertip check` take a set file" in done.stderr
+    path = tmp_path / "mine.toml"
+    path.write_text('[fingers.index]\ndesign = "adult_finger"\n')
+    assert "give that of one finger: the set takes its values with --set" in run_fingertip("coupon", path).stderr
 
 
 def test_a_set_is_compared_with_its_own_and_each_form_with_its_own(folder: Path) -> None:

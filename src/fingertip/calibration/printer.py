@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -239,13 +239,13 @@ def list_calibrated() -> tuple[str, ...]:
     return (_SCALE, _OFFSET, *CLEARANCES, _SURFACE_ERROR, _MIN_WALL)
 
 
-def find_kept(design: Design, calibration: Calibration, candidates: Iterable[str]) -> str | None:
-    """Find the parameter with which, if it is kept, no rule refuses the calibrated design; None if there is none."""
-    for path in candidates:
+def find_kept(design: Design, calibration: Calibration, passes: Callable[[Design], bool]) -> str | None:
+    """Find the parameter with which, if it is kept, the calibrated design passes all rules and `passes`."""
+    for path in CLEARANCES:
         fewer = replace(calibration, values=tuple(value for value in calibration.values if value.path != path))
         with contextlib.suppress(DesignError):
-            Design.without_remedies(**design.with_values(fewer.changes).model_dump())
-            return path
+            if passes(Design.without_remedies(**design.with_values(fewer.changes).model_dump())):
+                return path
     return None
 
 

@@ -87,6 +87,8 @@ def read_file(path: Path, kind: FileKind, below: Path | None = None) -> dict[str
     if found and kind not in found and not kind.names.issuperset(tables):
         other = next(iter(found))
         message = f"is {other.describe()}, not {kind.describe()}; give one such as {kind.example} ({other.use})."
+        if (other, kind) == (SET, DESIGN):
+            message = f"{message.partition(';')[0]}; give that of one finger: the set takes its values with --set."
         raise TomlFileError(Issue(str(path), message))
     return tables
 

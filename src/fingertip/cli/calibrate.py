@@ -68,14 +68,16 @@ def printer(
     if issues:
         raise FingertipError(issues)
     data, lines = _data(calibration), _format(calibration)
+
+    def advise() -> str:
+        found = fit.find_kept(loaded, calibration, lambda made: all(one.passed for one in check_design(made).checks))
+        kept = f"--keep {found} passes, at a printed gap smaller than the design's"
+        return kept if found else "change the design as the other messages say, and print its coupon"
+
     try:
         calibrated = fit.apply_calibration(loaded, calibration.changes, out.stem if out else None)
     except DesignError as error:
-        found = fit.find_kept(loaded, calibration, fit.CLEARANCES)
-        remedy = "change the design as the other messages say, and print its coupon."
-        if found:
-            remedy = f"--keep {found} passes, at a printed gap smaller than the design's."
-        refused = DesignError([*error.issues, Issue("calibration", f"the calibrated design is refused; {remedy}")])
+        refused = DesignError([*error.issues, Issue("calibration", f"the calibrated design is refused; {advise()}.")])
         if not console.as_json:
             console.write("\n".join(lines))
         console.print_issues(refused, data)
@@ -94,8 +96,8 @@ def printer(
         data["file"] = out.as_posix()
         again = f"fingertip coupon {shlex.quote(out.as_posix())}"
         lines.append(f"wrote {out}; next: {again}, to see that the fits are right")
-    elif out is not None:
-        lines.append(f"{out} is not written; change the design as stated, or keep a parameter with --keep")
+    elif not data["passed"]:
+        lines.append(f"{f'{out} is not written' if out else 'the calibrated design fails'}; {advise()}")
     console.result(data, "\n".join(lines), data["passed"])
 
 

@@ -139,14 +139,13 @@ def _format_table(label: str, checks: Sequence[Check], verbose: bool) -> str:
         return verdict
     words = {"passed": "ok", "warning": "WARNING", "failed": "FAILED"}
     rows = [("check", "value", "", "limit", "unit", "")]
-    rows += [
-        (c.name, f"{round_for_output(c.value):.5g}", c.sign, f"{c.limit:.5g}", c.unit, words[c.state]) for c in shown
-    ]
-    name, value, sign, limit, unit, _ = (max(len(row[i]) for row in rows) for i in range(6))
-    lines = [
-        f"{row[0]:{name}} {row[1]:>{value}} {row[2]:{sign}} {row[3]:>{limit}} {row[4]:{unit}} {row[5]}".rstrip()
-        for row in rows
-    ]
+    for c in shown:  # a search that warns at its limit has found no value up to it
+        value, limit = f"{round_for_output(c.value):.5g}", f"{c.limit:.5g}"
+        ended = c.state == "warning" and c.value == c.limit
+        rows.append((c.name, *((f">{value}", "", "") if ended else (value, c.sign, limit)), c.unit, words[c.state]))
+    widths = [max(len(row[i]) for row in rows) for i in range(6)]
+    aligned = ((f"{text:{'>' if i in (1, 3) else ''}{widths[i]}}" for i, text in enumerate(row)) for row in rows)
+    lines = [" ".join(row).rstrip() for row in aligned]
     lines.insert(0, verdict)
     lines += (f"warning: {text}" for text in list_warnings(checks))
     return "\n".join([*lines, *(describe_cause(c) for c in shown if not c.passed)])

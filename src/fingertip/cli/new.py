@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import itertools
+import math
 import shlex
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -112,11 +114,11 @@ def new(
     following = f"fingertip make {shlex.quote(path.as_posix())}"
     data, lines = _describe(path, made)
     if preset or hand:
-
-        def find_remedy(failed: Sequence[Check]) -> str:
-            return _find_passing(begin, made.design, failed, given, allow_shorter_travel, console.progress)
-
-        lines += _check(made.design, find_remedy, data, console.progress)
+        failed, strength = _check(made.design, data, console.progress)
+        if failed:
+            remedy = _find_passing(begin, made.design, failed, given, allow_shorter_travel, console.progress)
+            raise FingertipError(_refuse(failed, remedy))
+        lines += strength
     write_file(path, made.text.encode())
     console.result(data | {"next": following}, "\n".join([*lines, f"wrote {path}; edit it, then run: {following}"]))
 
@@ -138,18 +140,22 @@ def _write_set(
     if issues:
         raise FingertipError(dict.fromkeys(issues))
     work = Work("", {"fit": 2.0 * len(starts), "checks": len(starts)}, console.progress)
-    forms = fit_set(starts, may_change_joint, work.within("fit"))
+    forms = fit_set(starts, may_change_joint, work.within("fit"), issues)
     checking = Work("checking", dict.fromkeys((join_words(form.fingers) for form in forms), 1.0), work.within("checks"))
     told: list[dict[str, Any]] = []
     lines: list[str] = []
+    weak: dict[str, list[Check]] = {}
     for form in forms:
         label = join_words(form.fingers)
         data, said = _describe(path.with_name(form.file), form.design)
-        report = checking.within(label)
-        with gather(issues, f"{label}: "):
-            said += _check(form.design.design, _find_lighter_loads, data, report) if form.is_own else []
+        if form.is_own:
+            weak[label], strength = _check(form.design.design, data, checking.within(label))
+            said += strength
         told.append(data | {"design": form.file, "fingers": list(form.fingers)})
         lines += [f"{label}: {form.file}, begun from {form.design.base}", *(f"  {line}" for line in said)]
+    loads = _find_lighter_loads(weak.values(), "all fingers hold")
+    for label, failed in weak.items():
+        issues += (Issue(f"{label}: {issue.field}", issue.message) for issue in _refuse(failed, loads))
     if issues:
         raise FingertipError(issues)
     for form in forms:
@@ -180,25 +186,27 @@ def _describe(path: Path, made: NewDesign) -> tuple[dict[str, Any], list[str]]:
     return data, lines
 
 
-def _check(
-    design: Design, find_remedy: Callable[[Sequence[Check]], str], data: dict[str, Any], progress: Callable[[str], None]
-) -> list[str]:
-    """Check a design as a build does, add its strength to the data, and describe it. Raises FingertipError."""
-    from fingertip.cad.verification.check import list_causes, list_warnings
+def _check(design: Design, data: dict[str, Any], progress: Callable[[str], None]) -> tuple[list[Check], list[str]]:
+    """Check a design as a build does, and add its strength to the data. Return what failed, and its strength."""
+    from fingertip.cad.verification.check import list_warnings
     from fingertip.cad.verification.strength import describe_strength, strength_data
     from fingertip.cad.verification.verify import check as check_design
 
     verified = check_design(design, progress=progress)
-    if failed := [check for check in verified.checks if not check.passed]:
-        remedy = find_remedy(failed)
-        raise FingertipError(
-            Issue(check.name, f"{check.value:.3g} {check.unit} must be {check.relation} {check.limit:g}, or `make` "
-                  f"fails; {remedy or 'change ' + ' or '.join(list_causes(check.name)) + ' with --set'}")
-            for check in failed
-        )  # fmt: skip
     assert verified.strength
     data["strength"] = strength_data(verified.strength)
-    return [*describe_strength(verified.strength), *(f"warning: {text}" for text in list_warnings(verified.checks))]
+    warnings = (f"warning: {text}" for text in list_warnings(verified.checks))
+    failed = [check for check in verified.checks if not check.passed]
+    return failed, [*describe_strength(verified.strength), *warnings]
+
+
+def _refuse(failed: Iterable[Check], remedy: str) -> Iterator[Issue]:
+    from fingertip.cad.verification.check import list_causes
+
+    for check in failed:
+        problem = f"{check.value:.3g} {check.unit} must be {check.relation} {check.limit:g}, or `make` fails"
+        change = f"change {' or '.join(list_causes(check.name))} with --set"
+        yield Issue(check.name, f"{problem}; {remedy or change}")
 
 
 def _find_passing(
@@ -229,10 +237,15 @@ def _find_passing(
             factors = [check for check in failed if check.name.startswith("bone.safety_factor.")]
             if any(one.value + steps * (found[one.name].value - one.value) < one.limit for one in factors):
                 break
-    return _find_lighter_loads(failed)
+    return _find_lighter_loads([failed], "it holds")
 
 
-def _find_lighter_loads(failed: Sequence[Check]) -> str:
-    """Find loads that a bone holds which is too weak for its own, as options to be typed; nothing if more fails."""
-    settings = [check.remedy for check in failed]
-    return "it holds lighter loads: " + " ".join(f"--set {setting}" for setting in settings) if all(settings) else ""
+def _find_lighter_loads(weak: Iterable[Sequence[Check]], who: str) -> str:
+    """Find loads that all bones hold which are too weak for theirs, as options to be typed; nothing if more fails."""
+    held: dict[str, float] = {}
+    for check in itertools.chain(*weak):
+        name, _, load = check.remedy.partition("=")
+        if not load:
+            return ""
+        held[name] = min(float(load), held.get(name, math.inf))
+    return f"{who} lighter loads: " + " ".join(f"--set {name}={load:g}" for name, load in held.items())

@@ -6,6 +6,7 @@ moved, or its # removed, without regard to tables.
 
 from __future__ import annotations
 
+import contextlib
 import inspect
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,7 +16,7 @@ from fingertip.catalogues.bundled import PARAMS, list_bundled_files
 from fingertip.catalogues.file_kinds import DESIGN
 from fingertip.catalogues.sensors import CATALOGUE
 from fingertip.design.files import Parameter, list_parameters, load_tables
-from fingertip.design.fit import fit_design
+from fingertip.design.fit import Fit, fit_design
 from fingertip.design.geometry import DesignTables
 from fingertip.design.model import Design
 from fingertip.design.parameters.bone import Hand
@@ -73,6 +74,7 @@ _MAIN_PARAMETERS = (
 )
 """Parameters that a user changes first. They stand at the top."""
 
+_PLACE = "sensor.distance_from_tip_mm"
 _JOINT_PARAMETERS = tuple(f"hand.{name}" for name in Hand.model_fields)
 """Parameters that stand at the top of a design with a clevis: what is measured on the hand."""
 PRESETS = ("adult_finger", "adult_thumb", "youth_finger", "youth_thumb", "child_finger", "child_thumb")
@@ -151,17 +153,30 @@ def start_design(
     loaded = load_tables(files, [*([f"sensor.model={sensor}"] if sensor else []), *changes])
     begun = parse_tables(DesignTables, loaded.tables | {"name": name})
     before = DesignTables(**load_tables(files[:1], []).tables)
+    longer_mm = begun.skin.length_mm - before.skin.length_mm
+    if longer_mm > 0.0 and _PLACE not in loaded.changed:  # or the collar would touch a plate before the pad
+        begun = begun.with_values({_PLACE: round(before.sensor.distance_from_tip_mm + longer_mm, 2)})
     return Start(begun, base, before, loaded.changed, _JOINT_PARAMETERS if hand is not None else ())
 
 
 def fit_start(start: Start, progress: Callable[[str], None]) -> NewDesign:
-    """Fit the lengths that nobody measures. Raises DesignError."""
-    fit = fit_design(
-        start.tables, start.given, lambda share: progress(ShareText("fitting lengths", share)), start.before,
-        start.measured,
-    )  # fmt: skip
+    """Fit the lengths that nobody measures, if it can without a move of the sensor. Raises DesignError."""
+    was, fit, tables = start.before.value(_PLACE), None, start.tables
+
+    def fit_lengths(*given: str) -> Fit:
+        return fit_design(
+            tables, (*start.given, *given), lambda share: progress(ShareText("fitting lengths", share)), start.before,
+            start.measured,
+        )  # fmt: skip
+
+    with contextlib.suppress(DesignError):
+        fit = fit_lengths(_PLACE) if _PLACE not in start.given and tables.value(_PLACE) != was else None
+    fit = fit or fit_lengths()
     design = Design(**fit.tables.model_dump())
-    return NewDesign("\n".join([*_list_lines(design, start.base), ""]), start.base, fit.changes, fit.reasons, design)
+    place, fitted = design.value(_PLACE), dict(fit.changes)
+    if _PLACE not in start.given and place != was:
+        fitted[_PLACE] = was, place
+    return NewDesign("\n".join([*_list_lines(design, start.base), ""]), start.base, fitted, fit.reasons, design)
 
 
 def find_lost_travel(made: NewDesign) -> list[Issue]:

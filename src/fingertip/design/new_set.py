@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -24,6 +25,7 @@ Starts = Mapping[tuple[str, ...], new_design.Start]
 _SIZE = ("skin.width_mm", "skin.length_mm")
 _JOINT = tuple(name for name in FREE if name.startswith("hand."))
 """Sizes of the joint that a fit of a single finger may change."""
+_SIZE_REMEDY = re.compile(r"(skin\.(?:width|length)_mm)(?:=|: .*; at (?:least|most) )(\d+(?:\.\d+)?)")
 _EXAMPLE = "--finger index=18x25"
 
 
@@ -104,13 +106,14 @@ def start_set(
     return starts
 
 
-def fit_set(starts: Starts, may_change_joint: bool, progress: Callable[[str], None]) -> tuple[NewForm, ...]:
-    """Fit the designs of a set to one joint.
+def fit_set(
+    starts: Starts, may_change_joint: bool, progress: Callable[[str], None], issues: list[Issue]
+) -> tuple[NewForm, ...]:
+    """Fit the designs of a set to one joint, and add what is wrong in all fingers to the issues.
 
     The fit of the narrowest finger decides on the joint, which loses travel or tendon distance only if it may. A thumb
-    has a joint of its own if no hand is given. Raises DesignError, with what is wrong in all fingers.
+    has a joint of its own if no hand is given. A finger whose size is refused goes on with that of its remedy.
     """
-    issues: list[Issue] = []
     forms, joints = dict[tuple[str, ...], NewForm](), dict[str, dict[str, float]]()
     work = Work("fitting", {join_words(fingers): 1.0 for fingers in starts}, progress)
     for fingers, start in sorted(starts.items(), key=lambda one: one[1].tables.skin.width_mm):
@@ -127,13 +130,18 @@ def fit_set(starts: Starts, may_change_joint: bool, progress: Callable[[str], No
                 made = new_design.fit_start(held, report)
             except DesignError:
                 found = lost
+        if not made and (size := dict(_SIZE_REMEDY.findall("\n".join(issue.typed for issue in found)))):
+            sized = held.tables.with_values({field: float(value) for field, value in size.items()})
+            typed = "x".join(f"{sized.value(field):g}" for field in _SIZE)
+            with contextlib.suppress(DesignError):
+                made = new_design.fit_start(replace(held, tables=sized), report)
+                remedy = " ".join(f"--finger {finger}={typed}" for finger in fingers)
+                found = [Issue(found[0].field, f"{found[0].message.partition('; ')[0]}; it passes with {remedy}.")]
         issues += (Issue(f"{label}: {issue.field}", issue.message) for issue in found)
         if made:
             forms[fingers] = NewForm(fingers, made)
             joints.setdefault(shares, {field: made.design.value(field) for field in _JOINT})
-    if issues:
-        raise DesignError(issues)
-    return tuple(forms[fingers] for fingers in starts)
+    return tuple(forms[fingers] for fingers in starts if fingers in forms)
 
 
 def _choose_preset(finger: str, sizes: Mapping[str, Size], preset: str | None) -> str:

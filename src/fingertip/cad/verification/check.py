@@ -33,6 +33,7 @@ _CAUSES: tuple[tuple[str, tuple[str, ...]], ...] = (
     ),
     ("skin.min_thickness_misaligned", ("mold.fit_clearance_mm", "mold.chaplet_from_tip_mm", "skin.min_thickness_mm")),
     ("pad.strain", ("silicone.product", "skin.thickness_palmar_mm")),
+    ("pad.turn_on_force", ("sensor.distance_from_tip_mm", "bone.collar_inset_mm", "skin.crown_radius_mm")),
     ("pad.*", ("skin.crown_radius_mm", "skin.crown_offset_mm", "sensor.insert", "silicone.product")),
     ("skin.fitting_stretch", ("mold.max_stretch_percent", "bone.groove_depth_mm", "mold.sleeve_interference_mm")),
     ("bone.wall.channel*", ("bone.channel_diameter_mm", "bone.wall_mm")),

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from contextlib import suppress
 
 from fingertip.cad.verification.check import Check
 from fingertip.design import Design
+from fingertip.foundation.errors import DesignError
 from fingertip.pad.survey import FIRM_N, FORCE_N, GRASP_DEG, MAX_TURN_ON_N, TILTS_DEG, WIDE_DEG, survey_pad
 
 WANTED_SHARE, WANTED_EVENNESS = 0.4, 0.6
@@ -15,6 +17,8 @@ _MAX_STRAIN = 1.0
 """Indentation by the whole thickness, which no finger survives."""
 WANTED_TURN_ON_N, WANTED_STRAIN = 1.0, 0.3
 """Force on the pad at which the sensor should be on, and largest strain for which small strain is a fair model."""
+_STEPS = {"bone.collar_inset_mm": 0.05, "sensor.distance_from_tip_mm": 0.5}
+"""Lengths that let skin, not collar, meet a plate that is tilted tip up -> step of which eight are tried [mm]."""
 
 
 def check_pad(design: Design) -> Iterator[Check]:
@@ -38,15 +42,28 @@ def check_pad(design: Design) -> Iterator[Check]:
     feels = f"turns on at {turn_on:.2g} N, not below {WANTED_TURN_ON_N:g} N"
     if never:
         feels = f"feels no force up to {MAX_TURN_ON_N:g} N"
+    mend = _find_mend(design) if turn_on > WANTED_TURN_ON_N and design.skin.crown_radius_mm else remedy
     yield _warn(
         "pad.turn_on_force", MAX_TURN_ON_N if never else turn_on, MAX_TURN_ON_N, "N", turn_on > WANTED_TURN_ON_N,
-        f"on a plate tilted by {', '.join(deaf)} degrees (below 0: tip up) the sensor {feels}; {remedy}.",
+        f"on a plate tilted by {', '.join(deaf)} degrees (below 0: tip up) the sensor {feels}; {mend}.",
     )  # fmt: skip
     yield _warn(
         "pad.strain", survey.strain, _MAX_STRAIN, "", survey.strain > WANTED_STRAIN,
         f"{FIRM_N:g} N presses the pad by {survey.strain:.0%} of its thickness, above {WANTED_STRAIN:.0%}, where these "
         "figures err; use a harder or thicker silicone.",
     )  # fmt: skip
+
+
+def _find_mend(design: Design) -> str:
+    """Try values with which the sensor turns on in time."""
+    for name, value in (
+        (name, round(design.value(name) + i * _STEPS[name], 2)) for name in _STEPS for i in range(1, 9)
+    ):
+        with suppress(DesignError):
+            tried = Design.without_remedies(**design.with_values({name: value}).model_dump())
+            if survey_pad(tried).worst_turn_on_n <= WANTED_TURN_ON_N:
+                return f"it turns on with {name}={value:g}"
+    return f"no larger {' or '.join(_STEPS)} that was tried helps"
 
 
 def _warn(name: str, value: float, limit: float, unit: str, is_wanting: bool, warning: str) -> Check:

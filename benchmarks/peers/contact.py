@@ -192,7 +192,7 @@ def _peer_jobs(
     diagram.leave_out(native.missing)
     for name, solver in native.found.items():
         diagram.solvers[name] = f"{solver.description}, equations in C, {settings}"
-        for e in np.arange(-4.0, -10.1, -0.5):
+        for e in np.arange(-5.0, -12.1, -0.5):
             yield Job(name, f"rtol {10.0**e:.1e}", partial(problem.run_native, solver, 10.0**e))
 
 

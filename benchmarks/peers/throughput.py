@@ -156,7 +156,7 @@ def measure_start_up(peers: tuple[str, ...], native: NativeSolvers) -> dict[str,
     for name, cpu_s in native.compilation_s.items():
         found[f"{name}: compilation of both problems"] = cpu_s
     if "ngspice" in peers and (program := spice.find_program()):
-        board = AnalogBoard.from_design(Design())
+        board = AnalogBoard.from_design(Design.load("article"))
         problem = BoardProblem(board, 1.0)
         source = spice.sampled_source(STEP_S, problem.voltage_v)
         simulator = Spice(program, board, source, STEP_S, problem.seconds)

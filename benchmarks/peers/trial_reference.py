@@ -18,7 +18,7 @@ from fingertip.foundation.jit import compile_for_process
 from fingertip.foundation.numerics import Array
 from fingertip.sim.contact.friction import LOAD_SCALE_N
 from fingertip.sim.runs.scene import SceneRun
-from fingertip.sim.runs.timeline import TrapezoidalMove, mount_pad
+from fingertip.sim.runs.timeline import mount_pad
 from fingertip.sim.signal.analog_circuit import AnalogBoard, compute_state_space
 from fingertip.sim.signal.bridge import HYSTERESIS, TURN_ON_WIDTH_N, Bridge
 
@@ -54,8 +54,7 @@ def solve_with_scipy(design: Design, run: SceneRun, earlier_n: Array, tolerance:
 def _solve_contact(run: SceneRun, time_s: Array, tolerance: float) -> tuple[Array, Array]:
     """Shear of the pad [m] and contact force [N]."""
     f, load, pad = run.friction, run.force_n, run.pad
-    mount, slide = mount_pad(pad, load), run.timeline.slide
-    assert isinstance(slide, TrapezoidalMove)
+    mount, (slide,) = mount_pad(pad, load), run.timeline.moves
     m, k, c = mount.mass_kg, mount.stiffness_n_per_m, mount.damping_n_s_per_m
     mu_c, drop, vs, s0, s1, s2 = f.mu_c, f.mu_s - f.mu_c, f.stribeck_m_s, f.sigma0, f.sigma1, f.sigma2
     begin, peak, a = slide.start_s, slide.peak_m_s, slide.acceleration_m_s2

@@ -125,7 +125,7 @@ def test_command_writes_diagrams_and_times(tmp_path):
     pytest.importorskip("numba")
     done = run_fingertip(
         "bench", "solvers", "--out", tmp_path, "--seconds", 1, "--boards", 20,
-        "--solvers", "LSODA, odeint,CVODE,RADAU5,Rodas5P", "--no-first-run", "--json",
+        "--solvers", "LSODA, odeint,CVODE,RADAU5,Rodas5P,ngspice", "--no-first-run", "--json",
     )  # fmt: skip
     data = json.loads(done.stdout)
     missed = any(data[name]["cpu_s"] > data[name]["target_s"] for name in ("trials", "manipulations", "boards"))

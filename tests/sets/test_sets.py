@@ -481,6 +481,9 @@ def test_a_set_is_made_whole_and_again_with_the_same_bytes(folder: Path) -> None
     assert board.returncode == 0, board.stdout + board.stderr
     assert "| ring, pin 10 |" in (out / "acceptance.md").read_text()
     assert run_fingertip("check", "out/pair").returncode == 0
+    before = {path: path.read_bytes() for path in out.rglob("*") if path.is_file()}
+    assert run_fingertip("make", "mine.toml", "--formats", "stl,3mf", "--quiet").returncode == 0
+    assert {path: path.read_bytes() for path in out.rglob("*") if path.is_file()} == before
     commands = re.findall(r"`fingertip ([^`]+ --out [^`]+)`", (out / "set.md").read_text())
     assert [command.split()[0] for command in commands] == ["board", "coupon", "drawing"]
     for command in commands[:1] * bool(shutil.which("kicad-cli")) + commands[1:]:
@@ -488,9 +491,6 @@ def test_a_set_is_made_whole_and_again_with_the_same_bytes(folder: Path) -> None
         assert done.returncode == 0, done.stderr
     assert (out / "coupon/coupon.3mf").exists()
     assert not (out / "out").exists(), "nothing is written beside the set"
-    before = {path: path.read_bytes() for path in out.rglob("*") if path.is_file()}
-    assert run_fingertip("make", "mine.toml", "--formats", "stl,3mf", "--quiet").returncode == 0
-    assert {path: path.read_bytes() for path in out.rglob("*") if path.is_file()} == before
     (out / "casting_plan.md").write_text("mine\n")
     done = run_fingertip("make", "mine.toml", "--formats", "stl,3mf", "--quiet")
     assert done.returncode == 2

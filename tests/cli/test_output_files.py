@@ -43,7 +43,7 @@ FOLDERS = (
     ("firmware fsr400", "fingertip.foundation.output_set.SetWriter._write"),
     ("robot fsr400", "fingertip.tasks.robot.build_finger"),
     ("coupon fsr400", "fingertip.tasks.coupon.make_coupon"),
-    ("validate", "fingertip.lab.validate"),
+    ("validate", "fingertip.lab.validation.validate"),
     ("drawing fsr400", "fingertip.pictures.drawing.draw.draw_files"),
     ("page fsr400", "fingertip.tasks.page.read_sources"),
     ("bench solvers", "benchmarks.peers.options.require_libraries"),

@@ -15,9 +15,9 @@ from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import parse_tables
 from fingertip.design.remedies import describe_violations, explain_invalid, explain_violations
 from fingertip.design.rules.ruleset import find_violations
+from fingertip.foundation.argument_types import checked
 from fingertip.foundation.display import Picture, html_table, plot, to_dataframe
 from fingertip.foundation.errors import DesignError
-from fingertip.foundation.validation import checked
 
 if TYPE_CHECKING:
     import pandas

@@ -23,11 +23,12 @@ from fingertip.design import Design
 from fingertip.design.geometry.features import Joint
 from fingertip.design.geometry.solids import Point3, Solid
 from fingertip.design.interfaces.clevis_solids import knuckle
+from fingertip.foundation.argument_types import checked
 from fingertip.foundation.display import Picture
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.progress import Work
-from fingertip.foundation.validation import checked, raise_issues
+from fingertip.foundation.validation import raise_issues
 from fingertip.pictures.raster import Camera, Canvas, Colour, Pen, bounds, to_png
 from fingertip.pictures.section import SENSOR_COLOUR, draw_scale_bar, draw_section, list_sections
 

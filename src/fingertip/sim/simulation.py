@@ -21,8 +21,9 @@ from fingertip.catalogues.bundled import find_file
 from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, identify_kind, split_changes
 from fingertip.design import Design
 from fingertip.design.parameters.declaration import suggest_name
+from fingertip.foundation.argument_types import checked
 from fingertip.foundation.errors import FingertipError, Issue, TraceError, gather
-from fingertip.foundation.validation import checked, raise_issues
+from fingertip.foundation.validation import raise_issues
 from fingertip.sim.contact.materials import ARTICLE_SURFACES, SURFACES, SurfaceFile, find_profile_warnings
 from fingertip.sim.runs.files import ManipulationFile, SceneFile
 from fingertip.sim.runs.manipulation import ManipulationResult, run_manipulation

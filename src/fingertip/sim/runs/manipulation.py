@@ -24,9 +24,10 @@ from numpy.typing import NDArray
 
 from fingertip.design import Design
 from fingertip.design.parameters.declaration import find_bounds, suggest_name
+from fingertip.foundation.argument_types import checked
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
-from fingertip.foundation.validation import checked, raise_issues, round_down, round_up
+from fingertip.foundation.validation import raise_issues, round_down, round_up
 from fingertip.pad.response import Pad
 from fingertip.sim.runs.files import GraspedObject, Hand, ManipulationFile
 from fingertip.sim.runs.motion import Controller, MotionPlan, Observation, delay_commands, plan_motion, thumb_force_n

@@ -19,10 +19,11 @@ from numpy.typing import NDArray
 
 from fingertip.design import Design
 from fingertip.foundation import jit
+from fingertip.foundation.argument_types import checked
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.progress import ReportProgress
-from fingertip.foundation.validation import checked, raise_issues
+from fingertip.foundation.validation import raise_issues
 from fingertip.pad.pose import Pose
 from fingertip.pad.response import Pad
 from fingertip.sim.contact.friction import ELASTO_PLASTIC, Friction

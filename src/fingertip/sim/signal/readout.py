@@ -16,10 +16,10 @@ import numpy as np
 
 from fingertip.board.parts.nets import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE
 from fingertip.design import Design
+from fingertip.foundation.argument_types import checked
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.jit import compile_for_process
 from fingertip.foundation.numerics import Array
-from fingertip.foundation.validation import checked
 from fingertip.pad.response import FORCES_N, Pad
 from fingertip.sim.signal import bridge, envelope_loop
 from fingertip.sim.signal.analog_circuit import AnalogBoard

@@ -57,7 +57,7 @@ class AmplifierOutput(NamedTuple):
     inputs: tuple[str, str]
     """Nets of its inputs, the inverting one last."""
     data: Amplifier | None
-    """Its figures in the catalogue; None for an AD623."""
+    """Figures in the catalogue; None for an AD623."""
 
 
 class Term(NamedTuple):

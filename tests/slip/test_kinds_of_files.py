@@ -296,7 +296,7 @@ DAMAGED: dict[str, tuple[Callable[[], bytes], str]] = {
     ),
     "header.npy": (lambda: b"\x93NUMPY\x01\x00\x10\x00{[(((((((((((((", "is not a NumPy file that can be read"),
     "0-d.npz": (lambda: npz(time_s=np.array(0.0), voltage_v=np.array(2.3)), "voltage_v: is a single number; give one"),
-    "no dates.npz": (lambda: npz(time_s=np.zeros(0, "M8[s]"), voltage_v=V), "but time_s has shape (0,)"),
+    "no dates.npz": (lambda: npz(time_s=np.zeros(0, "M8[s]"), voltage_v=V), "has 0 samples"),
     "not a time.npz": (lambda: npz(time_s=np.full(2000, "NaT", "M8[s]"), voltage_v=V), "nan at sample 0"),
     "damaged.mat": (
         lambda: b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM\x0f\0\0\0\xff\xff\xff\x7f" + bytes(50),

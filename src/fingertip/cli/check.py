@@ -139,10 +139,10 @@ def _format_table(label: str, checks: Sequence[Check], verbose: bool) -> str:
         return verdict
     words = {"passed": "ok", "warning": "WARNING", "failed": "FAILED"}
     rows = [("check", "value", "", "limit", "unit", "")]
-    for c in shown:  # a search that warns at its limit has found no value up to it
+    for c in shown:
         value, limit = f"{round_for_output(c.value):.5g}", f"{c.limit:.5g}"
-        ended = c.state == "warning" and c.value == c.limit
-        rows.append((c.name, *((f">{value}", "", "") if ended else (value, c.sign, limit)), c.unit, words[c.state]))
+        compared = (f">{value}", "", "") if c.is_beyond else (value, c.sign, limit)
+        rows.append((c.name, *compared, c.unit, words[c.state]))
     widths = [max(len(row[i]) for row in rows) for i in range(6)]
     aligned = ((f"{text:{'>' if i in (1, 3) else ''}{widths[i]}}" for i, text in enumerate(row)) for row in rows)
     lines = [" ".join(row).rstrip() for row in aligned]

@@ -42,8 +42,9 @@ def list_changes(changes: Changes) -> Sequence[str]:
 
         texts = list[str]()
         for name, value in flatten(changes):
+            plain = value.tolist() if hasattr(value, "tolist") else value  # of numpy
             try:
-                texts.append(f"{name}={tomlkit.item(getattr(value, 'tolist', lambda v=value: v)()).as_string()}")
+                texts.append(f"{name}={tomlkit.item(plain).as_string()}")
             except ValueError:
                 message = f"{quote_value(value)} is no value; give a number, a text, True, False or a list."
                 raise DesignError(Issue(f"changes {name}", message)) from None

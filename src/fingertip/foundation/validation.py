@@ -1,4 +1,4 @@
-"""Checks of input: types of arguments, and for every integrator values within bounds that are finite."""
+"""Checks that every integrator makes before it starts: values within bounds, and input that is finite."""
 
 from __future__ import annotations
 

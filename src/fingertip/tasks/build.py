@@ -21,7 +21,6 @@ from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name, print_sca
 from fingertip.cad.verification.assembly import brep_balance_solids, check_brep_assembly
 from fingertip.cad.verification.bone import check_strength
 from fingertip.cad.verification.check import list_warnings
-from fingertip.cad.verification.pad import check_pad
 from fingertip.cad.verification.printing import check_brep_solid
 from fingertip.cad.verification.verify import verify
 from fingertip.casting.quantities import measure_volumes
@@ -141,7 +140,8 @@ def build(
         meshes, checks, strength = verified.meshes, list(verified.checks), verified.strength
         casting = None
         if all_built:
-            told = (*(check_strength(design, strength) if strength else ()), *check_pad(design))
+            pad = (check for check in checks if check.name.startswith("pad."))
+            told = (*(check_strength(design, strength) if strength else ()), *pad)
             warnings = list_warnings(told, with_advice=True)
             volumes = measure_volumes(design, evaluator)
             casting = casting_sheet_data(design, volumes, design.silicone.material, None, warnings)

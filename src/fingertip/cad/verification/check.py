@@ -116,6 +116,8 @@ class Check(Comparison):
     """Sentences that add to the warning in reports. A terminal shows the warning alone."""
     remedy: str = ""
     """Setting with which the check passes if it fails; empty if none is known."""
+    is_beyond: bool = False
+    """True if the value was looked for up to the limit only, and is larger."""
 
     @property
     def state(self) -> State:

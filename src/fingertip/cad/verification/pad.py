@@ -8,6 +8,7 @@ from contextlib import suppress
 
 from fingertip.cad.verification.check import Check
 from fingertip.design import Design
+from fingertip.foundation.comparison import Relation
 from fingertip.foundation.errors import DesignError
 from fingertip.pad.survey import FIRM_N, FORCE_N, GRASP_DEG, MAX_TURN_ON_N, TILTS_DEG, WIDE_DEG, survey_pad
 
@@ -45,7 +46,7 @@ def check_pad(design: Design) -> Iterator[Check]:
     mend = _find_mend(design) if turn_on > WANTED_TURN_ON_N and design.skin.crown_radius_mm else remedy
     yield _warn(
         "pad.turn_on_force", MAX_TURN_ON_N if never else turn_on, MAX_TURN_ON_N, "N", turn_on > WANTED_TURN_ON_N,
-        f"on a plate tilted by {', '.join(deaf)} degrees (below 0: tip up) the sensor {feels}; {mend}.",
+        f"on a plate tilted by {', '.join(deaf)} degrees (below 0: tip up) the sensor {feels}; {mend}.", never,
     )  # fmt: skip
     yield _warn(
         "pad.strain", survey.strain, _MAX_STRAIN, "", survey.strain > WANTED_STRAIN,
@@ -66,5 +67,8 @@ def _find_mend(design: Design) -> str:
     return f"no larger {' or '.join(_STEPS)} that was tried helps"
 
 
-def _warn(name: str, value: float, limit: float, unit: str, is_wanting: bool, warning: str) -> Check:
-    return Check(name, value, limit, unit, "at most" if limit else "at least", warning if is_wanting else "")
+def _warn(
+    name: str, value: float, limit: float, unit: str, is_wanting: bool, warning: str, is_beyond: bool = False
+) -> Check:
+    relation: Relation = "at most" if limit else "at least"
+    return Check(name, value, limit, unit, relation, warning if is_wanting else "", is_beyond=is_beyond)

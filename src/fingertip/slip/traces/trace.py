@@ -54,6 +54,8 @@ class Trace:
             except (TypeError, ValueError) as error:
                 raise TraceError(Issue(name, f"is no array of numbers ({error}); give one per sample.")) from None
             object.__setattr__(self, name, array)
+            if len(self.time_s) == 0 < array.size:
+                raise TraceError(Issue("time_s", "has 0 samples; give the time of each."))
             if array.ndim != 1 or len(array) != len(self.time_s):
                 times = "" if name == "time_s" else f", but time_s has shape {self.time_s.shape}"
                 raise TraceError(Issue(name, f"has shape {array.shape}{times}; give one value per sample."))

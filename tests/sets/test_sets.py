@@ -23,7 +23,7 @@ from fingertip.cad.files import threemf
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import build_volume_excess, print_orientations
 from fingertip.cad.printing.print_files import list_pieces, make_plates
-from fingertip.cad.shapes.parts import PARTS, parts_by_name
+from fingertip.cad.shapes.parts import PARTS
 from fingertip.casting.hardware import bill_of_materials
 from fingertip.casting.quantities import compute_batch, measure_volumes
 from fingertip.casting.set_plan import CHANGE_S, PATCH_CM3, Mold, plan_castings
@@ -33,7 +33,7 @@ from fingertip.design.files import to_toml
 from fingertip.design.finger_set import FingerSet, Form, load_set
 from fingertip.documents.acceptance import acceptance_data
 from fingertip.documents.casting.sheet import casting_sheet_data
-from fingertip.documents.finger_set.sheets import FormSheets, render_sheet, set_data, write_parts_csv
+from fingertip.documents.finger_set.sheets import FormSheets, measure_form, render_sheet, set_data, write_parts_csv
 from fingertip.documents.start import render_set_start
 from fingertip.firmware.fingers import plan_set
 from fingertip.firmware.sources import GRIP_SOURCE, library_sources
@@ -256,23 +256,19 @@ def test_silicones_do_not_share_a_cup_and_one_that_thickens_too_soon_is_refused(
 
 def make_sheets(design: Design, fingers: tuple[str, ...], delay_s: float | None = 0.01) -> FormSheets:
     """Sheets of a form, from coarse meshes."""
-    evaluator = MeshEvaluator(0.2)
-    casting = casting_sheet_data(design, measure_volumes(design, evaluator), design.silicone.material)
-    parts = [name for name, part in parts_by_name(design).items() if part.is_printed or name == "skin"]
-    volumes = {name: evaluator.mesh(PARTS[name].solid(design)).volume() / 1000 for name in parts}
+    measured = measure_form(Form(design, fingers), MeshEvaluator(0.2))
     score = SimpleNamespace(delays_s=(delay_s,))
     detection: Any = SimpleNamespace(detector="fast", memory_s=0.1, score=score)
     warnings = ("pad: the sensor turns on late; harder silicone helps.",) if delay_s is None else ()
-    return FormSheets(
-        Form(design, fingers), casting, acceptance_data(design, detection), volumes, "all checks passed", warnings
-    )
+    accepted = acceptance_data(design, detection)
+    return replace(measured, acceptance=accepted, verdict="all checks passed", warnings=warnings)
 
 
 def collect_data(
     name: str, sheets: list[FormSheets], has_board: bool, calibrated: Mapping[str, Design] = MappingProxyType({})
 ) -> dict[str, Any]:
     fingers = FingerSet(name, "right", tuple(each.form for each in sheets), calibrated)
-    plan = plan_castings([Mold.of_sheet(each.form.design, each.form.fingers, each.casting) for each in sheets])
+    plan = plan_castings([each.mold for each in sheets])
     return set_data(fingers, sheets, plan, {"plate_sla.3mf": ("bone thumb",)}, has_board)
 
 

@@ -83,7 +83,7 @@ def test_bundled_sweep_is_valid_and_survives_a_round_trip(name: str) -> None:
 def test_changes_apply_to_sweep_file_design_and_scene() -> None:
     changes = ["tolerance_mm=0.05", "skin.length_mm=35", "scene.slide.distance_m=0.03", "axes.board.cutoff_hz=[50, 60]"]
     plan = SweepPlan.load(ROOT / "params" / "sweeps" / "delay.toml", changes)
-    assert (plan.file.tolerance_mm, plan.design.skin.length_mm) == (0.05, 35.0)
+    assert (plan.file.tolerance_mm, plan.designs[""].skin.length_mm) == (0.05, 35.0)
     assert plan.scene is not None
     assert plan.scene.slide.distance_m == 0.03
     assert plan.axes[0].values == (50.0, 60.0)

@@ -155,7 +155,7 @@ ELECTRONIC_AXES: dict[str, Any] = {
 @pytest.mark.full
 def test_fast_path_for_electronics_gives_the_same_designs_and_messages() -> None:
     plan = make_plan(sampling="latin_hypercube", points=150, seed=3, axes=ELECTRONIC_AXES, outputs=["q"])
-    fast, complete = DesignBuilder(plan), DesignBuilder(plan)
+    fast, complete = (DesignBuilder(plan, plan.designs[""]) for _ in range(2))
     assert fast._only_electronics_vary
     complete._only_electronics_vary = False
     refused = 0

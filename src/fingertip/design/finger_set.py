@@ -10,20 +10,22 @@ import dataclasses
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from fingertip.catalogues.bundled import find_file
 from fingertip.catalogues.controllers import NAMES
 from fingertip.catalogues.file_kinds import DESIGN, SET, identify_kind, read_file
-from fingertip.design.files import flatten, list_changes, load_tables
+from fingertip.design.files import LoadedTables, flatten, list_changes, load_tables
 from fingertip.design.model import Design
 from fingertip.design.new_design import find_hand
 from fingertip.design.parameters.declaration import parse_tables
 from fingertip.design.parameters.finger import ForceCurve
 from fingertip.foundation.errors import DesignError, Issue, gather, join_words, quote_value
 from fingertip.foundation.input_files import is_safe_name
+
+T = TypeVar("T")
 
 
 class SetFile(BaseModel):
@@ -101,8 +103,20 @@ def is_set(given: str | Path) -> bool:
 
 def load_set(file: str | Path, changes: Sequence[str] = ()) -> FingerSet:
     """Load a set. Changes such as "board.cutoff_hz=80" are made in all fingers. Raises DesignError, with all faults."""
+    return build_set(
+        *read_set(file, changes, lambda loaded: Design.from_tables(loaded.tables, loaded.before, loaded.changed))
+    )
+
+
+def read_set(
+    file: str | Path, changes: Sequence[str], read: Callable[[LoadedTables], T], below: Path | None = None
+) -> tuple[str, str, dict[str, T]]:
+    """Read name and side of a set, and of each finger what `read` makes of its tables. Raises DesignError.
+
+    Changes are made in all fingers. A set that another file names is read `below` its folder (see `read_input`).
+    """
     path = find_file(file, SET)
-    contents = parse_tables(SetFile, read_file(path, SET))
+    contents = parse_tables(SetFile, read_file(path, SET, below))
     load_tables((), changes)  # what is wrong with them is said once, not for each finger
     issues: list[Issue] = []
     if not contents.fingers:
@@ -113,24 +127,43 @@ def load_set(file: str | Path, changes: Sequence[str] = ()) -> FingerSet:
     hand: dict[str, Any] = {}
     with gather(issues):
         hand = _load_hand(path, contents.hand)
-    designs: dict[str, Design] = {}
+    fingers: dict[str, T] = {}
     found: dict[Issue, list[str]] = {}
     for name in (name for name in NAMES if name in contents.fingers):
         of_finger: list[Issue] = []
         with gather(of_finger):
-            designs[name] = _load_finger(path, contents.fingers[name], hand, changes)
+            fingers[name] = read(_load_finger(path, contents.fingers[name], hand, changes))
         for issue in of_finger:
             found.setdefault(issue, []).append(name)
     for issue, names in found.items():  # what is wrong in several fingers is said once
         issues.append(Issue(f"fingers.{', '.join(names)}: {issue.field}", issue.message))
-    if not issues:
-        issues += _find_differences(designs)
     if issues:
+        raise DesignError(issues)
+    return contents.name, contents.side, fingers
+
+
+def build_set(name: str, side: str, designs: Mapping[str, Design]) -> FingerSet:
+    """Build a set of the designs of its fingers. Raises DesignError if they do not share a hand's joint."""
+    if issues := list(_find_differences(designs)):
         raise DesignError(issues)
     forms = tuple(_name_forms(designs))
     bases = {finger: form.design for form in forms for finger in form.fingers}
-    calibrated = {name: each for name, each in designs.items() if each.force_curve != bases[name].force_curve}
-    return FingerSet(contents.name, contents.side, forms, calibrated)
+    calibrated = {finger: each for finger, each in designs.items() if each.force_curve != bases[finger].force_curve}
+    return FingerSet(name, side, forms, calibrated)
+
+
+def set_to_toml(fingers: FingerSet, heading: str) -> str:
+    """Write a set as a file that needs no other: each finger as the default design with what differs from it."""
+    lines = [f"# {line}" for line in heading.splitlines()]
+    lines += _list_values({"name": fingers.name, "side": fingers.side})
+    for finger, design in fingers.designs.items():
+        own = {"design": DESIGN.example, "name": design.name} | design.changes()
+        lines += ["", f"[fingers.{finger}]", *_list_values(own)]
+    return "\n".join(lines) + "\n"
+
+
+def _list_values(values: Mapping[str, Any]) -> Iterator[str]:
+    return (change.replace("=", " = ", 1) for change in list_changes(values))
 
 
 def _load_hand(path: Path, given: str) -> dict[str, Any]:
@@ -149,7 +182,7 @@ def _find_beside(path: Path, field: str, given: str) -> Path | None:
     return path.parent / given if (path.parent / given).is_file() else None
 
 
-def _load_finger(path: Path, table: Mapping[str, Any], hand: Mapping[str, Any], changes: Sequence[str]) -> Design:
+def _load_finger(path: Path, table: Mapping[str, Any], hand: Mapping[str, Any], changes: Sequence[str]) -> LoadedTables:
     base = table.get("design")
     if not isinstance(base, str):
         raise DesignError(Issue("design", "is missing; name a design, such as design = 'adult_finger'."))
@@ -157,8 +190,7 @@ def _load_finger(path: Path, table: Mapping[str, Any], hand: Mapping[str, Any], 
     own = {name: value for name, value in table.items() if name != "design"}
     values = (*flatten(hand), *flatten(own))  # a finger may differ from the hand in one value
     typed = [*list_changes(dict(values)), *changes]
-    loaded = load_tables([beside or base], typed, below=path.parent if beside else None)
-    return Design.from_tables(loaded.tables, loaded.before, loaded.changed)
+    return load_tables([beside or base], typed, below=path.parent if beside else None)
 
 
 def _find_differences(designs: Mapping[str, Design]) -> Iterator[Issue]:

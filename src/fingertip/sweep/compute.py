@@ -7,7 +7,7 @@ kernel.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -19,6 +19,7 @@ from fingertip.sweep.sweep_file import SweepFile
 
 if TYPE_CHECKING:
     from fingertip.cad.kernel.mesh import Mesh
+    from fingertip.design.finger_set import FingerSet
     from fingertip.sim.runs.files import SceneFile
     from fingertip.slip.traces.trace import Trace
     from fingertip.sweep.designs import CachedEvaluator
@@ -41,6 +42,8 @@ class PointContext:
     """Function that gives the mesh kernel. The kernel is loaded at its first call."""
     load_trial: Callable[[int, Callable[[], RecordedTrial]], RecordedTrial] = lambda seed, record: record()
     """Function of a seed and of what records its trial. It returns a cached trial where points share it."""
+    fingers: FingerSet | None = None
+    """Set of a sweep of sets; `design` is that of its first finger."""
 
 
 def compute_lengths(context: PointContext) -> OutputValues:
@@ -309,14 +312,46 @@ def compute_controller(context: PointContext) -> OutputValues:
 
 
 def compute_checks(context: PointContext) -> OutputValues:
+    return _run_checks(context, [context.design], "")
+
+
+def compute_set_checks(context: PointContext) -> OutputValues:
+    assert context.fingers is not None
+    return _run_checks(context, [form.design for form in context.fingers.forms], "set_")
+
+
+def compute_set(context: PointContext) -> OutputValues:
+    """Compute what a whole set takes, as `fingertip make` states it."""
+    from fingertip.casting.set_plan import plan_castings
+    from fingertip.documents.finger_set.sheets import measure_form, plan_days, set_totals
+
+    assert context.fingers is not None
+    sheets = [measure_form(form, context.evaluator()) for form in context.fingers.forms]
+    plan = plan_castings([each.mold for each in sheets])
+    totals = set_totals(sheets, plan)
+    return {
+        "set_forms": len(sheets),
+        "set_cups": len(plan.cups),
+        "set_mixtures": totals["mixtures"],
+        "set_silicone_g": sum(totals["silicone_g"].values()),
+        "set_fingers_g": totals["fingers_cm3"] * context.file.print_density_g_cm3,
+        "set_molds_g": totals["molds_cm3"] * context.file.print_density_g_cm3,
+        "set_cure_h": totals["cure_h"],
+        "set_days": max(stage["day"] for stage in plan_days(sheets, plan)),
+    }
+
+
+def _run_checks(context: PointContext, designs: Iterable[Design], prefix: str) -> OutputValues:
     """Run every check of `fingertip check`, at the sweep's tolerance."""
     from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.cad.verification.verify import verify
 
-    checks = verify(context.design, parts_by_name(context.design), ("stl",), context.evaluator()).checks
+    verified = (verify(design, parts_by_name(design), ("stl",), context.evaluator()) for design in designs)
+    checks = [check for each in verified for check in each.checks]
     failed = [check for check in checks if not check.passed]
     warned = sum(check.state == "warning" for check in checks)
-    values: OutputValues = {"checks_failed": len(failed), "checks_warned": warned, "checks_run": len(checks)}
+    counts = {"checks_failed": len(failed), "checks_warned": warned, "checks_run": len(checks)}
+    values: OutputValues = {prefix + name: count for name, count in counts.items()}
     if failed:
         first, *others = failed
         more = f" (and {len(others)} more: {', '.join(check.name for check in others)})" if others else ""

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, load_manifold, to_canonical_mesh
 from fingertip.design.all_rules import ELECTRONIC_RULES
+from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.solids import Solid
 from fingertip.design.model import Design
 from fingertip.design.parameters import ELECTRONIC_TABLES
@@ -29,11 +30,11 @@ if TYPE_CHECKING:
 
 
 class DesignBuilder:
-    def __init__(self, plan: SweepPlan) -> None:
+    def __init__(self, plan: SweepPlan, base: DesignTables) -> None:
         self._names = [axis.name for axis in plan.axes if not axis.name.startswith("scene.")]
         self._only_electronics_vary = all(name.partition(".")[0] in ELECTRONIC_TABLES for name in self._names)
-        self._tables = plan.design.model_dump()
-        self._base = Design.model_construct(**dict(plan.design))
+        self._tables = base.model_dump()
+        self._base = Design.model_construct(**dict(base))
 
     def build(self, changes: Mapping[str, Value]) -> Design:
         """Build the design of a point. Raises DesignError."""

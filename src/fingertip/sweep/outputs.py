@@ -67,9 +67,13 @@ GROUPS = {
         OutputGroup("thickness", CLOSED_MOLD, 4),
         OutputGroup("casting", MOLD | {"name", "silicone"}, 5),
         OutputGroup("checks", PARTS, 6),
+        OutputGroup("set", PARTS, 6),
+        OutputGroup("set_checks", PARTS, 7),
     )
 }
 """Group name -> group, from the cheapest to the most expensive."""
+SET_GROUPS = ("set", "set_checks")
+"""Groups of outputs of a whole set; the others are of one finger."""
 
 TRACES = OutputGroup(
     "traces", SIMULATION | {"scene"}, 3, frozenset({"detector.window_samples", "detector.threshold_v"})

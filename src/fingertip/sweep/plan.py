@@ -26,7 +26,14 @@ from fingertip.foundation.errors import Issue, SweepError, gather
 from fingertip.slip.detectors.registry import find_detector_type
 from fingertip.sweep import sweep_file
 from fingertip.sweep.axes import Axis, Value, find_repeats, flatten_axes, read_axis
-from fingertip.sweep.outputs import OutputGroup, check_output_names, find_groups, find_shareable
+from fingertip.sweep.outputs import (
+    SET_GROUPS,
+    OutputGroup,
+    check_output_names,
+    find_groups,
+    find_shareable,
+    load_outputs,
+)
 from fingertip.sweep.sweep_file import MAX_POINTS, MAX_SAMPLED_VALUES, SweepFile
 
 if TYPE_CHECKING:
@@ -41,8 +48,9 @@ class SweepPlan:
 
     file: SweepFile
     axes: tuple[Axis, ...]
-    design: DesignTables
-    """Base design. Its parameters are within their bounds; the rules between them are checked at each point."""
+    designs: Mapping[str, DesignTables]
+    """Base design under "", or finger -> design of the base set. Their parameters are within their bounds; the rules
+    between them are checked at each point."""
     scene: SceneFile | None
 
     @classmethod
@@ -70,7 +78,7 @@ class SweepPlan:
         sampled = tables.get("sampling") in ("latin_hypercube", "sobol")
         axes, axis_issues = _read_axes(entries or {}, sampled)
         issues += axis_issues if entries is not None else ()
-        design, design_issues = sweep_file.parse_base_design(design_tables or {})
+        designs, design_issues = sweep_file.parse_base_designs(design_tables or {})
         issues += design_issues
         scene = None
         if scene_tables is not None:
@@ -86,8 +94,8 @@ class SweepPlan:
             issues += _check_point_count(file, axes)
             with gather(issues):
                 find_detector_type(file.detector, "detector")
-        if file and design and not issues:
-            plan = cls(file, tuple(axes), design, scene)
+        if file and not issues:
+            plan = cls(file, tuple(axes), designs, scene)
             issues += _check_consistency(plan)
             if not issues:
                 return plan
@@ -97,10 +105,15 @@ class SweepPlan:
         """Write the whole sweep, base design and scene included, as canonical text: equal sweeps give equal text."""
         tables: dict[str, Any] = self.file.model_dump(exclude={"axes", "design", "scene"})
         tables["axes"] = {axis.name: _to_entry(axis) for axis in self.axes}
-        tables["design"] = self.design.model_dump()
+        dumped = {finger: design.model_dump() for finger, design in self.designs.items()}
+        tables["design"] = self.file.design | {"fingers": dumped} if self.is_set else dumped[""]
         if self.scene:
             tables["scene"] = self.scene.model_dump()
         return sweep_file.to_canonical_text(tables)
+
+    @property
+    def is_set(self) -> bool:
+        return "" not in self.designs
 
     @property
     def outputs(self) -> tuple[str, ...]:
@@ -218,16 +231,24 @@ def _check_consistency(plan: SweepPlan) -> list[Issue]:
             Issue(f"axes.{name}", "changes none of the outputs; add one that it changes, such as delay_ms.")
             for name in scene_axes
         ]
-    # A broken rule of the base design is an issue only if no axis can repair it.
+    if misplaced := [name for name in plan.outputs if (load_outputs()[name].group in SET_GROUPS) != plan.is_set]:
+        subject, given, remedy = ("one finger", "a set", 'a design, such as design = "adult_finger"')
+        if not plan.is_set:
+            subject, given, remedy = ("a set", "one finger", 'a set, such as design = "adult_hand"')
+        text = f"{', '.join(misplaced)} can be computed for {subject}, but design is {given}"
+        issues.append(Issue("outputs", f"{text}; leave out what cannot be computed, or name {remedy}."))
+    # A broken rule of a base design is an issue only if no axis can repair it.
     swept = {axis.name for axis in plan.axes}
-    broken = list(find_violations(RULES, plan.design))
-    lasting = [one for one in broken if not one.reads & swept]
-    if lasting:
+    for finger, design in plan.designs.items():
+        broken = list(find_violations(RULES, design))
+        lasting = [one for one in broken if not one.reads & swept]
+        if not lasting:
+            continue
         repairable = {one.rule for one in broken} - {one.rule for one in lasting}
         rules = [rule for rule in RULES if rule not in repairable]
         issues += [
-            Issue(f"design.{issue.field}", f"no axis changes this: {issue.message}")
-            for issue in find_remedies(plan.design, lasting, rules=rules)
+            Issue(f"design.{f'fingers.{finger}.' * plan.is_set}{issue.field}", f"no axis changes this: {issue.message}")
+            for issue in find_remedies(design, lasting, rules=rules)
         ]
     return issues
 

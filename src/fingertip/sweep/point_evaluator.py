@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
 from typing import IO, TYPE_CHECKING, Any, TypeAlias
 
+from fingertip.design.finger_set import FingerSet, build_set
 from fingertip.design.model import Design
 from fingertip.foundation.errors import FingertipError, Issue, gather
 from fingertip.foundation.files import round_for_output
@@ -76,7 +77,7 @@ class PointEvaluator:
         self.plan = plan
         quick = all(group.cost <= QUICK_COST for group in plan.groups)
         self.points_per_limit = QUICK_POINTS_PER_LIMIT if quick else 1
-        self._designs = designs.DesignBuilder(plan)
+        self._builders = {finger: designs.DesignBuilder(plan, base) for finger, base in plan.designs.items()}
         self._scene = plan.scene.model_dump() if plan.scene else None
         self._groups = [(group, _find_cache_axes(group, plan)) for group in plan.groups]
         self._trace_axes = _find_cache_axes(TRACES, plan)
@@ -87,14 +88,14 @@ class PointEvaluator:
     def evaluate(self, point: int, changes: Mapping[str, Value]) -> PointResult:
         """Evaluate a point. Every point gets a result: an exception becomes its status and reason."""
         try:
-            design, scene = self._build_inputs(changes)
+            built, fingers, scene = self._build_inputs(changes)
         except FingertipError as error:
             first, *others = error.issues
             fields = ", ".join(dict.fromkeys(issue.field for issue in others))
             more = f" (and {len(others)} more: {fields})" if others else ""
             return point, "refused", first.field, first.message + more, self._no_outputs
         load_trial = partial(self._load_trial, changes)
-        context = PointContext(design, scene, self.plan.file, lambda: self.mesh_evaluator, load_trial)
+        context = PointContext(built, scene, self.plan.file, lambda: self.mesh_evaluator, load_trial, fingers)
         try:
             values: OutputValues = {}
             for group, cache_axes in self._groups:
@@ -116,20 +117,25 @@ class PointEvaluator:
         designs.restrict_kernel_to_one_thread()
         return designs.CachedEvaluator(self.plan.file.tolerance_mm)
 
-    def _build_inputs(self, changes: Mapping[str, Value]) -> tuple[Design, SceneFile | None]:
+    def _build_inputs(self, changes: Mapping[str, Value]) -> tuple[Design, FingerSet | None, SceneFile | None]:
+        """Build design, set and scene of a point; of a set, the design is that of its first finger."""
         issues: list[Issue] = []
-        design, scene = None, None
-        with gather(issues):
-            design = self._designs.build(changes)
+        built, fingers, scene = dict[str, Design](), None, None
+        for finger, builder in self._builders.items():
+            with gather(issues, f"fingers.{finger}: " if finger else ""):
+                built[finger] = builder.build(changes)
+        if self.plan.is_set and not issues:
+            with gather(issues):
+                fingers = build_set(self.plan.file.design["name"], self.plan.file.design["side"], built)
         if self._scene is not None:
             from fingertip.sim.runs.files import SceneFile  # noqa: PLC0415
 
             scene_changes = {n.removeprefix("scene."): v for n, v in changes.items() if n.startswith("scene.")}
             with gather(issues, "scene."):
                 scene = SceneFile(**designs.apply_changes(self._scene, scene_changes))
-        if issues or design is None:
+        if issues:
             raise FingertipError(issues)
-        return design, scene
+        return next(iter(built.values())), fingers, scene
 
     def _compute_group(
         self,

@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from fingertip.catalogues.bundled import find_file
-from fingertip.catalogues.file_kinds import DESIGN, SCENE, SWEEP
+from fingertip.catalogues.file_kinds import DESIGN, SCENE, SET, SWEEP, identify_kind
 from fingertip.design.files import load_tables
+from fingertip.design.finger_set import read_set
 from fingertip.design.geometry import DesignTables
-from fingertip.design.model import Design
 from fingertip.design.parameters import quantity
-from fingertip.design.parameters.declaration import issues_from_pydantic, suggest_name
+from fingertip.design.parameters.declaration import issues_from_pydantic, parse_tables, suggest_name
 from fingertip.foundation.errors import FingertipError, Issue, SweepError, gather, quote_value
 from fingertip.foundation.input_files import is_safe_name
 
@@ -57,7 +57,8 @@ class SweepFile(BaseModel):
         description="Dotted parameter: a list of values, or low and high, on a grid with steps."
     )
     design: dict[str, Any] = Field(
-        {}, description="Base design: a file beside this one, a bundled name, or its tables."
+        {},
+        description="Base design or set of fingers: a file beside this one, a bundled name, or the tables of a design.",
     )
     scene: dict[str, Any] | None = Field(
         None, description="Base scene: a file beside this one, a bundled name, or its tables."
@@ -92,12 +93,16 @@ def parse_sweep_file(tables: Mapping[str, Any]) -> tuple[SweepFile | None, list[
         return None, [_explain(issue) for issue in issues_from_pydantic(error, SweepFile)]
 
 
-def parse_base_design(tables: Mapping[str, Any]) -> tuple[DesignTables | None, list[Issue]]:
-    """Validate the parameters of the base design; the rules between them are checked at each point."""
-    try:
-        return DesignTables(**tables), []
-    except ValidationError as error:
-        return None, [Issue(f"design.{i.field}", i.message) for i in issues_from_pydantic(error, Design)]
+def parse_base_designs(tables: Mapping[str, Any]) -> tuple[dict[str, DesignTables], list[Issue]]:
+    """Validate the parameters of the base design, or of each finger of a set; points check the rules between them.
+
+    Returns finger -> design, "" for a design that is not part of a set.
+    """
+    designs, issues = dict[str, DesignTables](), list[Issue]()
+    for finger, own in tables.get("fingers", {"": tables}).items():
+        with gather(issues, f"design.fingers.{finger}." if finger else "design."):
+            designs[finger] = parse_tables(DesignTables, own)
+    return designs, issues
 
 
 def check_objectives(file: SweepFile) -> Iterator[Issue]:
@@ -144,9 +149,12 @@ def _load_base(folder: Path, name: str, entry: Any, changes: list[str], is_typed
         if not (is_typed or is_safe_name(entry)):
             problem = f"{quote_value(entry)} is no name of a file beside the sweep file, or of a bundled {kind.name}"
             raise SweepError(Issue(name, f"{problem}; put the file there, or add --set {name}=PATH."))
-        path = find_file(entry, kind, folder=folder)
-        is_beside = not is_typed and path == folder / entry
-        return load_tables([path], changes, kind, below=folder if is_beside else None).tables
+        path = find_file(entry, *((DESIGN, SET) if kind is DESIGN else (kind,)), folder=folder)
+        below = folder if not is_typed and path == folder / entry else None
+        if kind is DESIGN and identify_kind(path) is SET:
+            set_name, side, fingers = read_set(path, changes, lambda loaded: loaded.tables, below)
+            return {"name": set_name, "side": side, "fingers": fingers}
+        return load_tables([path], changes, kind, below).tables
     if entry is None and changes:
         message = "changes a base scene, but the sweep file names none; add --set scene=FILE.toml."
         raise SweepError(Issue(f"--set scene.{changes[0]}", message))

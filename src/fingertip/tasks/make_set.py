@@ -126,7 +126,7 @@ def make_set(
     is_printed = formats is None or "3mf" in formats
     prints = _arrange_prints(fingers, forms) if is_printed else PrintFiles({}, {})
     sheets = [_collect(fingers, form, made) for form, made in zip(fingers.forms, forms, strict=True)]
-    plan = plan_castings([Mold.of_sheet(each.form.design, each.form.fingers, each.casting) for each in sheets])
+    plan = plan_castings([each.mold for each in sheets])
     board: tuple[Path, ...] = ()
     if board_design:
         planned = plan_board(board_design, folder / BOARD_FOLDER, force=force, bring_up=True, top=folder)

@@ -12,15 +12,16 @@ from typing import Any
 
 from fingertip.board.circuits.channels import list_pins, list_sockets
 from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE
-from fingertip.cad.shapes.parts import PARTS
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.casting.hardware import list_hardware
-from fingertip.casting.quantities import Batch
-from fingertip.casting.set_plan import CHANGE_S, CastingPlan, Cup
+from fingertip.casting.quantities import Batch, measure_volumes
+from fingertip.casting.set_plan import CHANGE_S, CastingPlan, Cup, Mold
 from fingertip.catalogues.controllers import NAMES
 from fingertip.catalogues.output_files import BOARD_DESIGN, BOARD_FOLDER
 from fingertip.catalogues.silicones import Silicone
 from fingertip.design.finger_set import FingerSet, Form
-from fingertip.documents.casting.sheet import round_component_g
+from fingertip.documents.casting.sheet import casting_sheet_data, round_component_g
 from fingertip.documents.template import render_page, render_rows
 from fingertip.firmware.fingers import DEFAULT_CONTROLLER, find_board
 from fingertip.foundation.files import format_csv
@@ -44,11 +45,24 @@ class FormSheets:
     calibrated: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     """Acceptance of each finger whose sensor has a force curve of its own."""
 
+    @property
+    def mold(self) -> Mold:
+        return Mold.of_sheet(self.form.design, self.form.fingers, self.casting)
+
     def count_part(self, part: str) -> int:
         """Count how often a part of this form is printed for the set: molds and other tools once."""
         if not PARTS[part].is_printed:
             return 0
         return self.form.count if PARTS[part].is_in_finger else 1
+
+
+def measure_form(form: Form, evaluator: MeshEvaluator) -> FormSheets:
+    """Measure printed parts and castings of a form, without its checks and its acceptance."""
+    design = form.design
+    casting = casting_sheet_data(design, measure_volumes(design, evaluator), design.silicone.material)
+    printed = {name: part for name, part in parts_by_name(design).items() if part.is_printed}
+    volumes = {name: evaluator.mesh(part.solid(design)).volume() / 1000.0 for name, part in printed.items()}
+    return FormSheets(form, casting, {}, volumes)
 
 
 def set_data(
@@ -81,9 +95,6 @@ def set_data(
     for finger, own in ((finger, own) for each in sheets for finger, own in each.calibrated.items()):
         acceptance[f"sensor of {finger}"] = dict(own)
     counts = {(each.form.design.name, part): each.count_part(part) for each in sheets for part in each.volumes_cm3}
-    silicones_g: dict[str, float] = defaultdict(float)
-    for silicone, batch in plan.mixtures:
-        silicones_g[silicone.label] += batch.total_g
     printer, controller = sheets[0].form.design.printer, find_board(DEFAULT_CONTROLLER)
     return {
         "name": fingers.name,
@@ -110,25 +121,33 @@ def set_data(
             "patches": [_batch_data(silicone, batch) | {"fingers": list(names)}
                         for silicone, batch, names in plan.patches],
         },
-        "calendar": list(_plan_days(sheets, plan)),
+        "calendar": list(plan_days(sheets, plan)),
         "parts": _list_parts(sheets, plan),
         "acceptance": acceptance,
-        "totals": {
-            "fingers": len(rows),
-            "molds": len(sheets),
-            "castings": sum(len(cup.castings) for cup in plan.cups),
-            "mixtures": len(plan.mixtures),
-            "silicone_g": {name: round(mass_g, 1) for name, mass_g in silicones_g.items()},
-            "examples": {each.casting["silicone"]["label"]: each.casting["silicone"]["example"] for each in sheets},
-            "cast_cm3": round(sum(each.form.count * each.casting["volumes_cm3"]["total"] for each in sheets), 2),
-            "fingers_cm3": _sum_printed(sheets, in_finger=True),
-            "molds_cm3": _sum_printed(sheets, in_finger=False),
-            "cure_h": plan.cure_h,
-        },
+        "totals": set_totals(sheets, plan),
     }  # fmt: skip
 
 
-def _plan_days(sheets: Sequence[FormSheets], plan: CastingPlan) -> Iterator[dict[str, Any]]:
+def set_totals(sheets: Sequence[FormSheets], plan: CastingPlan) -> dict[str, Any]:
+    """Add up what the forms and the castings of a set take."""
+    silicones_g: dict[str, float] = defaultdict(float)
+    for silicone, batch in plan.mixtures:
+        silicones_g[silicone.label] += batch.total_g
+    return {
+        "fingers": sum(each.form.count for each in sheets),
+        "molds": len(sheets),
+        "castings": sum(len(cup.castings) for cup in plan.cups),
+        "mixtures": len(plan.mixtures),
+        "silicone_g": {name: round(mass_g, 1) for name, mass_g in silicones_g.items()},
+        "examples": {each.casting["silicone"]["label"]: each.casting["silicone"]["example"] for each in sheets},
+        "cast_cm3": round(sum(each.form.count * each.casting["volumes_cm3"]["total"] for each in sheets), 2),
+        "fingers_cm3": _sum_printed(sheets, in_finger=True),
+        "molds_cm3": _sum_printed(sheets, in_finger=False),
+        "cure_h": plan.cure_h,
+    }
+
+
+def plan_days(sheets: Sequence[FormSheets], plan: CastingPlan) -> Iterator[dict[str, Any]]:
     """Plan the days of the set: those of the longest casting sheet, with its filling once for each round."""
     stages = max((each.casting["plan"] for each in sheets), key=len)
     assert sum(_FILLED in stage["work"] for stage in stages) == 1, "casting/plan.md names the stage that is repeated"

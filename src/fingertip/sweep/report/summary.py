@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design.files import to_toml
+from fingertip.design.finger_set import build_set, set_to_toml
 from fingertip.design.model import Design
 from fingertip.foundation.errors import DesignError, escape_control
 from fingertip.sweep.database import STATUSES, SweepTable
@@ -119,20 +120,22 @@ def describe_best(summary: SweepSummary) -> str:
 def _explain_first_point(summary: SweepSummary, rule: statistics.LimitingRule) -> str:
     """Explain why the first point of a rule is refused, with a remedy, which the rows of a sweep leave out."""
     row = int(np.argmax(summary.classes.indices == summary.classes.names.index(rule.rule)))
-    base, changes = _split_parameters(summary.plan, summary.plan.point(int(summary.table.point[row])))
-    try:
-        Design.from_tables(apply_changes(base, changes), base, list(changes))
-    except DesignError as error:
-        for issue in error.issues:
-            if issue.field == rule.rule and issue.message.startswith(rule.example.partition(" (and ")[0].rstrip(".")):
-                return issue.message
+    changes = _select_changes(summary.plan.point(int(summary.table.point[row])))
+    for finger, design in summary.plan.designs.items():
+        base = design.model_dump()
+        try:
+            Design.from_tables(apply_changes(base, changes), base, list(changes))
+        except DesignError as error:
+            for issue in error.issues:
+                field = f"fingers.{finger}: {issue.field}" if finger else issue.field
+                if field == rule.rule and issue.message.startswith(rule.example.partition(" (and ")[0].rstrip(".")):
+                    return issue.message
     return rule.example
 
 
-def _split_parameters(plan: SweepPlan, parameters: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Tables of the base design, and the parameters of a point that change it; those of the scene are left out."""
-    changes = {name: value for name, value in parameters.items() if not name.startswith("scene.")}
-    return plan.design.model_dump(), changes
+def _select_changes(parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """Select the parameters of a point that change a design; those of the scene are left out."""
+    return {name: value for name, value in parameters.items() if not name.startswith("scene.")}
 
 
 def _describe_point(summary: SweepSummary, row: int) -> dict[str, Any]:
@@ -274,7 +277,7 @@ def select_best(table: SweepTable, objectives: tuple[Objective, ...]) -> Selecti
 
 
 def format_best_design(summary: SweepSummary) -> str:
-    """Write the best design as a design file; its heading names the sweep, the point and the outputs."""
+    """Write the best design or set as a file; its heading names the sweep, the point and the outputs."""
     plan, table, selection = summary.plan, summary.table, summary.selection
     row = selection.best
     assert row is not None
@@ -288,4 +291,8 @@ def format_best_design(summary: SweepSummary) -> str:
     lines = [f"Point {point} of the sweep {plan.file.name}. {method}"]
     lines += [f"  {name} = {value}" for name, value in parameters.items()]
     lines += [f"  {name}: {column[row]:.6g}" for name, column in table.outputs.items()]
-    return to_toml(Design(**apply_changes(*_split_parameters(plan, parameters))), "\n".join(lines))
+    changes, heading = _select_changes(parameters), "\n".join(lines)
+    built = {finger: Design(**apply_changes(base.model_dump(), changes)) for finger, base in plan.designs.items()}
+    if not plan.is_set:
+        return to_toml(built[""], heading)
+    return set_to_toml(build_set(plan.file.design["name"], plan.file.design["side"], built), heading)

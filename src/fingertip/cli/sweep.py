@@ -29,7 +29,7 @@ def sweep(
     console: Console,
     file: Annotated[
         Path | None,
-        typer.Argument(metavar="SWEEP", help="Sweep file, or a bundled sweep: board, delay, geometry, hand, map or pad."),
+        typer.Argument(metavar="SWEEP", help="Sweep file, or a bundled one: board, delay, geometry, hand, map or pad."),
     ] = None,
     out: Annotated[
         Path | None, typer.Option("--out", "-o", help="Folder for the rows. Default: out/sweeps/NAME.")

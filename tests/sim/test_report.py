@@ -14,12 +14,16 @@ import numpy as np
 import pytest
 
 from fingertip.board.components.values import VARIANT_CHANGES
+from fingertip.catalogues.bundled import list_bundled_files
+from fingertip.catalogues.file_kinds import MANIPULATION, SCENE
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.pad.pose import Pose
-from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
+from fingertip.sim import ManipulationFile, SceneFile, load_simulation, run_manipulation, run_scene
+from fingertip.sim.plan import plan_simulation
 from fingertip.sim.report import as_data, as_text, draw
 from fingertip.sim.runs.scene import SceneRecord
+from fingertip.sim.signal.grid import STAGES
 from fingertip.sim.trace_file import encode_trace
 from fingertip.slip.traces.truth import SlipCollector, intervals
 from tests.approved import check_figures, check_text
@@ -122,6 +126,25 @@ def test_only_the_stages_that_an_output_needs_run_and_it_does_not_depend_on_othe
             assert np.array_equal(alone.columns[name], full.columns[name]), name
             told.append(f"{name}: {', '.join(f'{stage.name} {stage.states}' for stage in alone.stages)}")
     check_text(Path(__file__).with_name("approved") / f"stages_{kind}.txt", "\n".join(told) + "\n")
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=() if name in ("contact", "tri_digital") else pytest.mark.full)
+        for name in sorted(list_bundled_files(SCENE, MANIPULATION))
+    ],
+)
+def test_plan_names_the_stages_and_evaluations_of_the_simulation(name: str) -> None:
+    simulation = load_simulation(name)
+    plan = plan_simulation(simulation)
+    planned, run = ({stage.name: stage for stage in stages} for stages in (plan.stages, simulation.run().stages))
+    assert list(planned) == list(run)
+    for stage in run.values():
+        assert planned[stage.name].evaluations == pytest.approx(stage.evaluations, rel=0.02)
+        assert planned[stage.name].states == stage.states
+    assert {*planned, *plan.left_out} == {*STAGES}
+    assert all(f"{stage.name} " in text for stage, text in zip(plan.stages, plan.as_text()[1:], strict=False))
 
 
 def test_rows_are_written_some_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -57,6 +57,9 @@ def simulate(
     parameters: Annotated[
         bool, typer.Option("--parameters", help="Print the scene's parameters with unit, bounds and meaning.")
     ] = False,
+    plan: Annotated[
+        bool, typer.Option("--plan", help="Print the stages that would run for the scene's outputs, and their cost.")
+    ] = False,
     force: ForceOption = False,
 ) -> None:
     """Simulate one trial of a design, or a scene with --design, and write its trace."""
@@ -67,8 +70,8 @@ def simulate(
     from fingertip.sim import report as summary
 
     issues = [*find_file_issues("--out", out, *trace_file.SUFFIXES), *find_file_issues("--plot", plot, ".png")]
-    if parameters:
-        issues += find_idle_issues("--parameters", {"--out": out, "--plot": plot})
+    for option in ("--parameters",) * parameters + ("--plan",) * plan:
+        issues += find_idle_issues(option, {"--out": out, "--plot": plot})
     simulation: Simulation | None = None
     with gather(issues):
         simulation = load_simulation(
@@ -84,6 +87,13 @@ def simulate(
     if parameters:
         scene = simulation.scene.complete()
         console.result({"parameters": list(scene.list_parameters())}, "\n".join(scene.format_parameters()))
+        return
+
+    if plan:
+        from fingertip.sim.plan import plan_simulation
+
+        found = plan_simulation(simulation)
+        console.result(found.as_data(), "\n".join(found.as_text()))
         return
 
     if plot is not None:

@@ -15,7 +15,7 @@ does not act back on friction. Stiffness and resonance of a pad stay those at it
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -161,25 +161,19 @@ def run_manipulation(
     if controller is not None and not hasattr(controller, "step"):
         message = f"is {controller!r:.60}, which has no method step; see fingertip.sim.Controller, or leave it out."
         raise TraceError(Issue("controller", message))
-    pad = Pad.from_design(design)
-    raise_issues(_find_issues(design, scene, seed))
-    plan = plan_motion(design, scene, pad, seed)
-    done = report_share(scene.name, plan.duration_s, progress)
     outputs = frozenset(scene.outputs) | ({"voltage_v"} if controller else set())
     if controller and "envelope_v" in outputs:
         outputs |= {"sampled_envelope_v"}
-    stepper = ManipulationStepper(design, scene, plan, pad, seed, outputs, grid or Grid())
-    rate_hz = stepper.grid.rate_hz
-    count = stepper.grid.count_points(plan.duration_s, design.detector.sample_rate_hz) - 1
-    period, delay = scene.hand.count_points(rate_hz)
-    starts = range(0, count, period)
-    commands = plan.planned_m(np.array(starts) / rate_hz)
+    plan, stepper = start_manipulation(design, scene, seed, outputs, grid)
+    done = report_share(scene.name, plan.duration_s, progress)
+    rate_hz, count = stepper.grid.rate_hz, count_points(design, plan, stepper)
     if controller is None:
-        # No controller needs intermediate values, so a chunk may be long.
-        for start in range(0, count, CHUNK):
-            stepper.advance(delay_commands(commands, start, min(start + CHUNK, count), period, delay))
-            done(start / rate_hz)
+        for end in advance_as_planned(design, scene, plan, stepper):
+            done(end / rate_hz)
     else:
+        period, delay = scene.hand.count_points(rate_hz)
+        starts = range(0, count, period)
+        commands = plan.planned_m(np.array(starts) / rate_hz)
         # A command acts after its delay. What happens until then is known, and is computed in one chunk.
         planned, given, known = commands.copy(), 0, 0
         while given < len(starts):
@@ -196,6 +190,32 @@ def run_manipulation(
     beyond = np.flatnonzero(signals.object_m >= scene.object.length_m)
     lost_s = float(signals.time_s[beyond[0]]) if stepper.is_lost and len(beyond) else None
     return ManipulationResult(scene, seed, plan, signals, lost_s, stepper.meter.costs)
+
+
+def start_manipulation(
+    design: Design, scene: ManipulationFile, seed: int, outputs: frozenset[str], grid: Grid | None = None
+) -> tuple[MotionPlan, ManipulationStepper]:
+    raise_issues(_find_issues(design, scene, seed))
+    pad = Pad.from_design(design)
+    plan = plan_motion(design, scene, pad, seed)
+    return plan, ManipulationStepper(design, scene, plan, pad, seed, outputs, grid or Grid())
+
+
+def count_points(design: Design, plan: MotionPlan, stepper: ManipulationStepper) -> int:
+    return stepper.grid.count_points(plan.duration_s, design.detector.sample_rate_hz) - 1
+
+
+def advance_as_planned(
+    design: Design, scene: ManipulationFile, plan: MotionPlan, stepper: ManipulationStepper, chunk: int = CHUNK
+) -> Iterator[int]:
+    """Advance without a controller, which would need intermediate values; yield the points that are computed."""
+    count = count_points(design, plan, stepper)
+    period, delay = scene.hand.count_points(stepper.grid.rate_hz)
+    commands = plan.planned_m(np.arange(0, count, period) / stepper.grid.rate_hz)
+    for start in range(0, count, chunk):
+        end = min(start + chunk, count)
+        stepper.advance(delay_commands(commands, start, end, period, delay))
+        yield end
 
 
 def _observe(stepper: ManipulationStepper, point: int, period: int, planned_m: Array) -> Observation:

@@ -1,0 +1,88 @@
+"""Plan of a simulation: the stages that its outputs need, and what they will cost, from a trial of its first part."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from fingertip.foundation import jit
+from fingertip.sim.runs.files import ManipulationFile
+from fingertip.sim.runs.manipulation import advance_as_planned, count_points, start_manipulation
+from fingertip.sim.runs.scene import COMPILE_FROM_S, SceneRun
+from fingertip.sim.signal.grid import STAGES, CostMeter, StageCost
+from fingertip.sim.simulation import Simulation
+
+TRIED_POINTS = 4096
+"""Points of the grid in each of the two chunks that are tried: some 0.4 s."""
+
+
+@dataclass(frozen=True)
+class SimulationPlan:
+    simulation: Simulation
+    duration_s: float
+    is_compiled: bool
+    stages: tuple[StageCost, ...]
+    """Stages that run, with the evaluations and the CPU time that the whole simulation will take."""
+
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """Stages that no output needs."""
+        return tuple(name for name in STAGES if name not in {stage.name for stage in self.stages})
+
+    def as_data(self) -> dict[str, Any]:
+        return {
+            "outputs": list(self.simulation.scene.outputs),
+            "duration_s": round(self.duration_s, 7),
+            "compiled": self.is_compiled,
+            "stages": [
+                {"name": s.name, "states": s.states, "evaluations": s.evaluations, "cpu_ms": round(1e3 * s.cpu_s, 1)}
+                for s in self.stages
+            ],
+            "left_out": list(self.left_out),
+        }
+
+    def as_text(self) -> list[str]:
+        name, total_s = self.simulation.name, sum(stage.cpu_s for stage in self.stages)
+        lines = [f"{'stage':27} {'states':>6} {'evaluations':>12} {'CPU ms':>9}"]
+        lines += [f"{s.name:27} {s.states:6} {s.evaluations:12} {1e3 * s.cpu_s:9.1f}" for s in self.stages]
+        loops = ", with compiled loops" * self.is_compiled
+        lines.append(f"{self.duration_s:.2f} s of {name}: some {total_s:.2g} s of computing{loops}")
+        lines.append(f"left out, as no output needs it: {', '.join(self.left_out)}")
+        return lines
+
+
+def plan_simulation(simulation: Simulation) -> SimulationPlan:
+    """Find what a simulation will run and cost, by two chunks of it: the first one warms up. Raises TraceError."""
+    design, scene, seed = simulation.design, simulation.scene, simulation.seed
+    chunks: Iterator[object]
+    if isinstance(scene, ManipulationFile):
+        motion, stepper = start_manipulation(design, scene, seed, frozenset(scene.outputs))
+        meter, points, duration_s = stepper.meter, count_points(design, motion, stepper), motion.duration_s
+        chunks = advance_as_planned(design, scene, motion, stepper, TRIED_POINTS)
+        is_compiled = False
+    else:
+        run = SceneRun(design, scene, seed)
+        assert run.grid
+        meter, duration_s = run.meter, run.timeline.duration_s
+        points = run.grid.count_points(duration_s, design.detector.sample_rate_hz)
+        chunks = run.chunks(TRIED_POINTS)
+        is_compiled = run.predict_plain_s() > COMPILE_FROM_S and jit.available()
+    with jit.compiled() if is_compiled else contextlib.nullcontext():
+        next(chunks)
+        before = {stage.name: stage for stage in meter.costs}
+        next(chunks, None)
+    return SimulationPlan(simulation, duration_s, is_compiled, tuple(_extrapolate(meter, before, points)))
+
+
+def _extrapolate(meter: CostMeter, before: dict[str, StageCost], points: int) -> Iterator[StageCost]:
+    tried = min(points, 2 * TRIED_POINTS)
+    for stage in meter.costs:
+        first = before[stage.name]
+        evaluations = round(stage.evaluations * points / tried)
+        # A scene of one chunk has no second one, whose time would be without that of warming up.
+        spent_s, chunk = (
+            (stage.cpu_s - first.cpu_s, tried - TRIED_POINTS) if points > TRIED_POINTS else (stage.cpu_s, points)
+        )
+        yield StageCost(stage.name, stage.states, evaluations, spent_s * points / chunk)

@@ -48,7 +48,8 @@ def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name, text in recordings().items():
         (folder / name).write_text(text)
     (folder / "my_weighings.csv").write_text(WEIGHINGS)
-    (folder / "my_readings.toml").write_text(to_toml(simulate(Design(), 0)))
+    for name, design in {"my": Design(), "finger": Design.load("adult_finger")}.items():
+        (folder / f"{name}_readings.toml").write_text(to_toml(simulate(design, 0)))
     return folder
 
 

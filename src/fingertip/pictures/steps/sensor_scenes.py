@@ -174,14 +174,15 @@ def stick_lid(bench: Bench, data: Data) -> Scene:
 
 def cover_sensor(bench: Bench, data: Data) -> Scene:
     (_, y, z), flat, cut = bench.head, -bench.dims.flat_depth, data["fit"]["cover_tape"]
-    least, most = cut["width_mm"]
+    least, most = (f"{width_mm:g}" for width_mm in cut["width_mm"])
+    width = least if least == most else f"{least} to {most}"
     turned_up = f",\n{cut['turned_up_mm']:g} mm turned up" if cut["turned_up_mm"] else ""
     neck = f",\nneck {cut['neck_mm']:g} mm wide" if cut["neck_mm"] else ""
     return Scene(
         (*bench.assembled_bone(), bench.solid(tape(bench.design), Paint.TAPE)),
         View.PALMAR,
         Label(f"one strip of\npolyimide tape{neck},\nedges pressed down", (0.0, flat, z / 2)),
-        Label(f"over the head,\n{least:g} to {most:g} mm wide", (0.0, y, z + 1.0)),
+        Label(f"over the head,\n{width} mm wide", (0.0, y, z + 1.0)),
         Label(f"from the collar on{turned_up}", (0.0, flat, 0.3)),
     )
 

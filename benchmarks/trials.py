@@ -25,7 +25,9 @@ from fingertip.lab.campaign.run import SCALES, run_cases
 from fingertip.lab.studies.boards import with_article_board
 from fingertip.lab.studies.sensitivity import VARIATIONS
 from fingertip.lab.validation import SEED_RANGES, STUDY_TRIALS
-from fingertip.sim import SceneResult, run_scene
+from fingertip.sim.runs.scene import SceneRun
+from fingertip.sim.signal.finger import FingerSignals
+from fingertip.sim.signal.grid import CostMeter, StageCost
 from fingertip.slip.detectors.registry import DETECTORS
 
 OUTPUTS = {
@@ -59,16 +61,18 @@ def measure_trials(design: Design, cases: Sequence[Case]) -> None:
         for case in (cases[0], *cases):
             changed = {"outputs": outputs, "noise": case.scene.noise.model_copy(update=noise)}
             start = time.process_time()
-            results.append(run_scene(design, case.scene.model_copy(update=changed), case.seed))
+            run = SceneRun(design, case.scene.model_copy(update=changed), case.seed, meter=CostMeter(time.process_time))
+            FingerSignals.join(list(run.chunks()))
             seconds.append(time.process_time() - start)
+            results.append(run.meter.costs)
         median, p90, worst = (1e3 * float(np.quantile(seconds[1:], q, method="higher")) for q in (0.5, 0.9, 1.0))
         print(f"trial to {name}: median {median:.1f} ms, 90th percentile {p90:.1f} ms, worst {worst:.1f} ms")
         print("   " + ", ".join(describe_stages(results[1:])))
 
 
-def describe_stages(results: Sequence[SceneResult]) -> list[str]:
-    names = [stage.name for stage in results[0].stages]
-    costs = {name: [s.cpu_s for result in results for s in result.stages if s.name == name] for name in names}
+def describe_stages(results: Sequence[Sequence[StageCost]]) -> list[str]:
+    names = [stage.name for stage in results[0]]
+    costs = {name: [s.cpu_s for stages in results for s in stages if s.name == name] for name in names}
     return [f"{name} {1e3 * statistics.median(found):.2f}" for name, found in costs.items()]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -56,16 +57,17 @@ class SimulationPlan:
 def plan_simulation(simulation: Simulation) -> SimulationPlan:
     """Find what a simulation will run and cost, by two chunks of it: the first one warms up. Raises TraceError."""
     design, scene, seed = simulation.design, simulation.scene, simulation.seed
+    meter = CostMeter(time.process_time)
     chunks: Iterator[object]
     if isinstance(scene, ManipulationFile):
-        motion, stepper = start_manipulation(design, scene, seed, frozenset(scene.outputs))
-        meter, points, duration_s = stepper.meter, count_points(design, motion, stepper), motion.duration_s
+        motion, stepper = start_manipulation(design, scene, seed, frozenset(scene.outputs), meter=meter)
+        points, duration_s = count_points(design, motion, stepper), motion.duration_s
         chunks = advance_as_planned(design, scene, motion, stepper, TRIED_POINTS)
         is_compiled = False
     else:
-        run = SceneRun(design, scene, seed)
+        run = SceneRun(design, scene, seed, meter=meter)
         assert run.grid
-        meter, duration_s = run.meter, run.timeline.duration_s
+        duration_s = run.timeline.duration_s
         points = run.grid.count_points(duration_s, design.detector.sample_rate_hz)
         chunks = run.chunks(TRIED_POINTS)
         is_compiled = run.predict_plain_s() > COMPILE_FROM_S and jit.available()

@@ -32,7 +32,7 @@ from fingertip.pad.response import Pad
 from fingertip.sim.runs.files import GraspedObject, Hand, ManipulationFile
 from fingertip.sim.runs.motion import Controller, MotionPlan, Observation, delay_commands, plan_motion, thumb_force_n
 from fingertip.sim.runs.stepper import HandSignals, ManipulationStepper
-from fingertip.sim.signal.grid import Grid, StageCost, report_share
+from fingertip.sim.signal.grid import CostMeter, Grid, StageCost, report_share
 from fingertip.slip.traces.trace import Trace
 from fingertip.slip.traces.truth import Interval, Origin, intervals
 
@@ -193,12 +193,17 @@ def run_manipulation(
 
 
 def start_manipulation(
-    design: Design, scene: ManipulationFile, seed: int, outputs: frozenset[str], grid: Grid | None = None
+    design: Design,
+    scene: ManipulationFile,
+    seed: int,
+    outputs: frozenset[str],
+    grid: Grid | None = None,
+    meter: CostMeter | None = None,
 ) -> tuple[MotionPlan, ManipulationStepper]:
     raise_issues(_find_issues(design, scene, seed))
     pad = Pad.from_design(design)
     plan = plan_motion(design, scene, pad, seed)
-    return plan, ManipulationStepper(design, scene, plan, pad, seed, outputs, grid or Grid())
+    return plan, ManipulationStepper(design, scene, plan, pad, seed, outputs, grid or Grid(), meter or CostMeter())
 
 
 def count_points(design: Design, plan: MotionPlan, stepper: ManipulationStepper) -> int:

@@ -11,7 +11,7 @@ from fingertip.catalogues.sensors import CATALOGUE, SensorName
 from fingertip.design import Design
 from fingertip.design.files import list_parameters, to_toml
 from fingertip.foundation.errors import DesignError
-from tests.conftest import DESIGNS, design_file
+from tests.conftest import DESIGNS, ROOT, design_file
 
 
 def load_issues(*files: Path, changes: tuple[str, ...] = ()) -> dict[str, str]:
@@ -80,6 +80,16 @@ def test_all_issues_are_reported_at_once() -> None:
     assert "folds a channel of 9 mm" in found["bone.channel_bend_radius_mm"]
     # A rule that reads an invalid parameter is skipped.
     assert "skin.width_mm" not in found
+
+
+def test_rules_on_a_table_whose_heading_was_lost_are_not_checked(tmp_path: Path) -> None:
+    """Its values stand below another heading, so the defaults in their place would break rules that the file keeps."""
+    text = (ROOT / "params" / "youth_finger.toml").read_text()
+    (tmp_path / "lost.toml").write_text(text.replace("[mold]", ""))
+    found = load_issues(tmp_path / "lost.toml")
+    assert found["silicone.draft_deg"] == "there is no such parameter; did you mean mold.draft_deg?"
+    assert len(found) > 20
+    assert all(name.startswith("silicone.") for name in found)
 
 
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:

@@ -25,6 +25,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from fingertip.design.all_rules import RULES
+from fingertip.design.files import flatten
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS, ParameterTable
 from fingertip.design.parameters.declaration import find_bounds, find_unit, format_unit, issues_from_pydantic
@@ -262,11 +263,19 @@ def explain_invalid(tables: Mapping[str, Any], error: ValidationError, changed: 
     """Describe what is wrong with tables of which some parameters are not valid; rules check the others at once."""
     issues = issues_from_pydantic(error, DesignTables)
     invalid = frozenset(issue.field for issue in issues)
+    invalid |= frozenset(_find_misplaced(tables, invalid))
     valid = _keep_valid(tables, invalid)
     broken = list(find_violations(RULES, valid, invalid))
     issues = [_extend_bound(issue, tables, valid, invalid) for issue in issues]
     known = [name for name in changed if name in PARAMETERS]  # an unknown name is one of the issues
     return issues + (find_remedies(valid, broken, None, known, invalid) if broken else [])
+
+
+def _find_misplaced(tables: Mapping[str, Any], unknown: frozenset[str]) -> Iterator[str]:
+    """Find parameters that stand in another table, as below a heading that was lost: their values are not known."""
+    given = {name for name, _ in flatten(tables)}
+    keys = {name.rpartition(".")[2] for name in unknown - set(PARAMETERS)}
+    return (name for name in PARAMETERS if name.rpartition(".")[2] in keys and name not in given)
 
 
 def _keep_valid(tables: Mapping[str, Any], invalid: frozenset[str]) -> DesignTables:

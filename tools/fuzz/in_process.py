@@ -15,6 +15,9 @@ from types import FrameType
 from tools.fuzz.cases import Case
 from tools.fuzz.outcome import WAIT_LIMIT_S, Outcome, read_delay_s
 
+LOADED_BYTES = 150 * 2**20
+"""Resident memory of a new process that has imported what commands need. An assumption, measured once."""
+
 
 class TimeIsUpError(BaseException):
     """The time limit of a case was reached. No command catches it, as it is no Exception."""
@@ -51,10 +54,11 @@ def _forget_peak() -> None:
         Path("/proc/self/clear_refs").write_text("5")
 
 
-def _read_peak() -> int:
+def _read_memory(field: str) -> int:
+    """Read the resident memory (VmRSS) or its peak (VmHWM) [bytes]; 0 where the system does not tell."""
     with contextlib.suppress(OSError):
         for line in Path("/proc/self/status").read_text().splitlines():
-            if line.startswith("VmHWM:"):
+            if line.startswith(f"{field}:"):
                 return 1024 * int(line.split()[1])
     return 0
 
@@ -70,6 +74,7 @@ def run(case: Case, folder: Path) -> Outcome:
         sys.stdout, sys.stderr, sys.stdin = streams[0], streams[1], nothing
         os.chdir(folder)
         _forget_peak()
+        before_bytes = _read_memory("VmRSS")
         start_s = time.process_time()
         try:
             with _time_limit(case.limit_s):
@@ -90,4 +95,6 @@ def run(case: Case, folder: Path) -> Outcome:
     for stream in streams:
         stream.flush()
         texts.append(stream.buffer.getvalue().decode("utf-8", "backslashreplace"))
-    return Outcome(code, texts[0], texts[1], _read_peak(), seconds)
+    # What earlier cases left in this process is not this one's, but for what a new process would have to load too.
+    peak_bytes = _read_memory("VmHWM") - max(0, before_bytes - LOADED_BYTES)
+    return Outcome(code, texts[0], texts[1], peak_bytes, seconds)

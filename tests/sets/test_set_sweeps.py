@@ -69,6 +69,27 @@ def test_outputs_of_a_set_and_of_one_finger_are_told_apart() -> None:
         assert load_plan(f"design={name}", f'outputs=["{output}"]', "minimise=[]").outputs == (output,)
 
 
+def test_an_axis_or_a_change_of_one_finger_leaves_the_others_alone() -> None:
+    axes = ("axes.silicone.product=[ecoflex_00_30]", "axes.mold.wall_mm=[4]", "axes.fingers.thumb.mold.wall_mm=[5]")
+    evaluator = PointEvaluator(load_plan(*axes, "fingers.ring.mold.land_mm=6.5"))
+    _, fingers, _ = evaluator._build_inputs(evaluator.plan.point(0))
+    assert fingers
+    assert {name: design.mold.wall_mm for name, design in fingers.designs.items()} == {
+        "thumb": 5.0, "index": 4.0, "middle": 4.0, "ring": 4.0, "little": 4.0,
+    }  # fmt: skip
+    assert [form.fingers for form in fingers.forms] == [("thumb",), ("index", "middle", "little"), ("ring",)]
+    with pytest.raises(SweepError, match=r"axes\.fingers\.tumb\..*did you mean thumb\?"):
+        load_plan("axes.fingers.tumb.mold.wall_mm=[4]")
+    with pytest.raises(SweepError, match="has no finger tumb; did you mean thumb"):
+        load_plan("fingers.tumb.mold.wall_mm=4")
+    with pytest.raises(SweepError, match="fsr400 is no set of fingers"):
+        SweepPlan.load(ROOT / "params" / "sweeps" / "geometry.toml", ["fingers.thumb.mold.wall_mm=4"])
+    with pytest.raises(SweepError, match="of thumb, which design has not; name a set"):
+        SweepPlan.load(ROOT / "params" / "sweeps" / "geometry.toml", ["axes.fingers.thumb.mold.wall_mm=[4]"])
+    with pytest.raises(SweepError, match="is a table of a set"):
+        SweepPlan.load(ROOT / "params" / "sweeps" / "pad.toml", ["design={fingers={thumb={name='x'}}}"])
+
+
 @pytest.mark.full
 def test_rule_that_one_finger_breaks_names_it() -> None:
     axes = "axes={mold.wall_mm=[4, 5]}"
@@ -117,9 +138,11 @@ def test_best_set_is_a_file_that_makes_its_row_again(tmp_path: Path) -> None:
     with SweepDatabase.create(tmp_path / "sweep", plan) as database:
         for number in range(plan.size):
             point = plan.point(number)
-            outputs = [float(number if name == "set_molds_g" else 0) for name in plan.outputs]
+            outputs = [point["mold.wall_mm"] if name == "set_molds_g" else 0.0 for name in plan.outputs]
             database.add([(number, "ok", "", "", *point.values(), *outputs)])
-        write_report(database, tmp_path)
+        told = write_report(database, tmp_path)["best_summary"]
+    # Silicones change no mass: the two others tie with the first.
+    assert told.endswith("2 other points have the same value of every objective; add one to choose among them.")
     best = load_set(tmp_path / "best.toml")
     changes = [f"{name}={value}" for name, value in plan.point(0).items()]
     assert best == load_set("adult_hand", changes)

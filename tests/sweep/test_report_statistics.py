@@ -122,6 +122,14 @@ def test_first_order_indices_of_a_linear_function_are_its_squared_coefficients()
     assert select_strongest_axes(None, list(axes), 2) == ["a", "b"]
 
 
+@pytest.mark.parametrize("count", [3, 6])
+def test_an_output_of_one_axis_of_a_small_grid_is_explained_by_it_whole(count: int) -> None:
+    x, other = (column.ravel() for column in np.meshgrid(np.arange(float(count)), np.arange(24.0 / count)))
+    sensitivity = compute_sensitivity("y", 70.8 + 8.5 * x, {"x": x, "other": other})
+    assert sensitivity is not None
+    assert get_indices(sensitivity) == pytest.approx({"x": 1.0, "other": 0.0})
+
+
 @pytest.mark.parametrize("column", [np.ones(100), np.full(100, np.nan), np.arange(19.0)])
 def test_constant_or_too_few_values_have_no_sensitivity(column) -> None:
     assert compute_sensitivity("y", column, {"x": np.random.default_rng(0).random(len(column))}) is None

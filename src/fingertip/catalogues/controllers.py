@@ -12,6 +12,12 @@ NAMES = ("thumb", "index", "middle", "ring", "little")
 """Names of the fingers that one controller reads, in the order of its inputs and of a board's channels."""
 
 
+def split_finger(name: str) -> tuple[str, str]:
+    """Split the parameter of one finger, such as fingers.thumb.skin.width_mm, into both; "" stands for all fingers."""
+    words = name.split(".", 2)
+    return (words[1], words[2]) if words[0] == "fingers" and len(words) == 3 else ("", name)
+
+
 @dataclass(frozen=True)
 class ControllerBoard:
     """Controller's board that can be bought, with its Arduino core where the examples need one."""

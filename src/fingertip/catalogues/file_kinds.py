@@ -88,7 +88,8 @@ def read_file(path: Path, kind: FileKind, below: Path | None = None) -> dict[str
         other = next(iter(found))
         message = f"is {other.describe()}, not {kind.describe()}; give one such as {kind.example} ({other.use})."
         if (other, kind) == (SET, DESIGN):
-            message = f"{message.partition(';')[0]}; give that of one finger: the set takes its values with --set."
+            remedy = "give that of one finger, or the set to `fingertip make` or `check`, which take its --set"
+            message = f"{message.partition(';')[0]}; {remedy}."
         raise TomlFileError(Issue(str(path), message))
     return tables
 

@@ -71,7 +71,7 @@ def simulate(
 
     issues = [*find_file_issues("--out", out, *trace_file.SUFFIXES), *find_file_issues("--plot", plot, ".png")]
     for option in ("--parameters",) * parameters + ("--plan",) * plan:
-        issues += find_idle_issues(option, {"--out": out, "--plot": plot})
+        issues += find_idle_issues(option, {"--out": out, "--plot": plot, "--grip": grip})
     simulation: Simulation | None = None
     with gather(issues):
         simulation = load_simulation(

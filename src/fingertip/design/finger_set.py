@@ -15,12 +15,12 @@ from typing import Any, Literal, TypeVar
 from pydantic import BaseModel, ConfigDict, Field
 
 from fingertip.catalogues.bundled import find_file
-from fingertip.catalogues.controllers import NAMES
+from fingertip.catalogues.controllers import NAMES, split_finger
 from fingertip.catalogues.file_kinds import DESIGN, SET, identify_kind, read_file
 from fingertip.design.files import LoadedTables, flatten, list_changes, load_tables
 from fingertip.design.model import Design
 from fingertip.design.new_design import find_hand
-from fingertip.design.parameters.declaration import parse_tables
+from fingertip.design.parameters.declaration import parse_tables, suggest_name
 from fingertip.design.parameters.finger import ForceCurve
 from fingertip.foundation.errors import DesignError, Issue, gather, join_words, quote_value
 from fingertip.foundation.input_files import is_safe_name
@@ -102,7 +102,10 @@ def is_set(given: str | Path) -> bool:
 
 
 def load_set(file: str | Path, changes: Sequence[str] = ()) -> FingerSet:
-    """Load a set. Changes such as "board.cutoff_hz=80" are made in all fingers. Raises DesignError, with all faults."""
+    """Load a set. Raises DesignError, with all faults.
+
+    Changes such as "board.cutoff_hz=80" are made in all fingers, "fingers.thumb.skin.width_mm=22" in one.
+    """
     return build_set(
         *read_set(file, changes, lambda loaded: Design.from_tables(loaded.tables, loaded.before, loaded.changed))
     )
@@ -113,12 +116,19 @@ def read_set(
 ) -> tuple[str, str, dict[str, T]]:
     """Read name and side of a set, and of each finger what `read` makes of its tables. Raises DesignError.
 
-    Changes are made in all fingers. A set that another file names is read `below` its folder (see `read_input`).
+    A set that another file names is read `below` its folder (see `read_input`).
     """
     path = find_file(file, SET)
     contents = parse_tables(SetFile, read_file(path, SET, below))
     load_tables((), changes)  # what is wrong with them is said once, not for each finger
     issues: list[Issue] = []
+    for change in changes:
+        if (finger := split_finger(change)[0]) and finger not in contents.fingers:
+            issues.append(
+                Issue(
+                    f"--set {change}", f"the set has no finger {finger}; {suggest_name(finger, list(contents.fingers))}"
+                )
+            )
     if not contents.fingers:
         issues.append(Issue("fingers", "is empty; give a table such as [fingers.index] with design = 'adult_finger'."))
     for name in contents.fingers:
@@ -132,7 +142,8 @@ def read_set(
     for name in (name for name in NAMES if name in contents.fingers):
         of_finger: list[Issue] = []
         with gather(of_finger):
-            fingers[name] = read(_load_finger(path, contents.fingers[name], hand, changes))
+            own = [change for finger, change in map(split_finger, changes) if finger in ("", name)]
+            fingers[name] = read(_load_finger(path, contents.fingers[name], hand, own))
         for issue in of_finger:
             found.setdefault(issue, []).append(name)
     for issue, names in found.items():  # what is wrong in several fingers is said once

@@ -29,11 +29,13 @@ class SimulationPlan:
 
     @property
     def left_out(self) -> tuple[str, ...]:
-        """Stages that no output needs."""
+        """Stages that neither the scene nor its outputs need."""
         return tuple(name for name in STAGES if name not in {stage.name for stage in self.stages})
 
     def as_data(self) -> dict[str, Any]:
         return {
+            "scene": self.simulation.name,
+            "design": self.simulation.design.name,
             "outputs": list(self.simulation.scene.outputs),
             "duration_s": round(self.duration_s, 7),
             "compiled": self.is_compiled,
@@ -46,11 +48,14 @@ class SimulationPlan:
 
     def as_text(self) -> list[str]:
         name, total_s = self.simulation.name, sum(stage.cpu_s for stage in self.stages)
-        lines = [f"{'stage':27} {'states':>6} {'evaluations':>12} {'CPU ms':>9}"]
+        lines = [f"{name} with {self.simulation.design.name}: outputs {', '.join(self.simulation.scene.outputs)}"]
+        lines += [f"{'stage':27} {'states':>6} {'evaluations':>12} {'CPU ms':>9}"]
         lines += [f"{s.name:27} {s.states:6} {s.evaluations:12} {1e3 * s.cpu_s:9.1f}" for s in self.stages]
         loops = ", with compiled loops" * self.is_compiled
-        lines.append(f"{self.duration_s:.2f} s of {name}: some {total_s:.2g} s of computing{loops}")
-        lines.append(f"left out, as no output needs it: {', '.join(self.left_out)}")
+        lines.append(
+            f"{self.duration_s:.2f} s of {name}: some {total_s:.2g} s of computing{loops}, start-up and writing apart"
+        )
+        lines.append(f"left out, as neither scene nor outputs need it: {', '.join(self.left_out)}")
         return lines
 
 

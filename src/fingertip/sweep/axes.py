@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 
+from fingertip.catalogues.controllers import split_finger
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import ParameterTable
 from fingertip.design.parameters.declaration import find_similar_name, issues_from_pydantic, suggest_name
@@ -108,6 +109,12 @@ def flatten_axes(tables: Mapping[str, Any], path: str = "") -> Iterator[tuple[st
             yield name, inner
 
 
+def select_changes(parameters: Mapping[str, Value], finger: str = "") -> dict[str, Value]:
+    """Select what a point changes in a design, or in a finger of a set, whose own parameters come last."""
+    found = [(*split_finger(name), value) for name, value in parameters.items() if not name.startswith("scene.")]
+    return {path: value for owner in dict.fromkeys(("", finger)) for of, path, value in found if of == owner}
+
+
 def list_parameter_names(model: type[BaseModel], prefix: str = "") -> list[str]:
     """List the dotted names of all parameters of a design or a scene."""
     names = []
@@ -123,7 +130,7 @@ def read_axis(name: str, entry: Any, sampled: bool) -> tuple[Axis, list[Issue]]:
     """Read an axis of a sweep file, and the issues of values beyond their bounds. Raises SweepError."""
     field = f"axes.{name}"
     model: type[BaseModel] = DesignTables
-    path = name
+    path = split_finger(name)[1]
     if name.startswith("scene."):
         model, path = _load_scene_models()[0], name.removeprefix("scene.")
     if path not in list_parameter_names(model):

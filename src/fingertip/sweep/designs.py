@@ -16,13 +16,12 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, load_manifold, to_canonical_mesh
 from fingertip.design.all_rules import ELECTRONIC_RULES
-from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.solids import Solid
 from fingertip.design.model import Design
 from fingertip.design.parameters import ELECTRONIC_TABLES
 from fingertip.design.remedies import describe_violations
 from fingertip.foundation.errors import DesignError
-from fingertip.sweep.axes import Value
+from fingertip.sweep.axes import Value, select_changes
 from fingertip.sweep.plan import SweepPlan
 
 if TYPE_CHECKING:
@@ -30,15 +29,16 @@ if TYPE_CHECKING:
 
 
 class DesignBuilder:
-    def __init__(self, plan: SweepPlan, base: DesignTables) -> None:
-        self._names = [axis.name for axis in plan.axes if not axis.name.startswith("scene.")]
-        self._only_electronics_vary = all(name.partition(".")[0] in ELECTRONIC_TABLES for name in self._names)
+    def __init__(self, plan: SweepPlan, finger: str = "") -> None:
+        self._finger, base = finger, plan.designs[finger]
+        varied = select_changes(dict.fromkeys((axis.name for axis in plan.axes), 0), finger)
+        self._only_electronics_vary = all(name.partition(".")[0] in ELECTRONIC_TABLES for name in varied)
         self._tables = base.model_dump()
         self._base = Design.model_construct(**dict(base))
 
     def build(self, changes: Mapping[str, Value]) -> Design:
         """Build the design of a point. Raises DesignError."""
-        own_changes = {name: changes[name] for name in self._names}
+        own_changes = select_changes(changes, self._finger)
         if not self._only_electronics_vary:
             return Design.without_remedies(**apply_changes(self._tables, own_changes))
         design = self._base.with_values(own_changes)

@@ -12,6 +12,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
+from fingertip.catalogues.controllers import split_finger
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.tables import load_table, read_rows
@@ -41,7 +42,8 @@ class OutputGroup:
 
     def depends_on(self, parameter: str) -> bool:
         """Return whether the outputs can change with a parameter, dotted."""
-        return parameter.partition(".")[0] in self.reads and parameter not in self.ignores
+        path = split_finger(parameter)[1]
+        return path.partition(".")[0] in self.reads and path not in self.ignores
 
 
 GROUPS = {

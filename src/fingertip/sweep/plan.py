@@ -17,15 +17,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fingertip.catalogues.controllers import split_finger
 from fingertip.design.all_rules import RULES
 from fingertip.design.geometry import DesignTables
+from fingertip.design.parameters.declaration import suggest_name
 from fingertip.design.remedies import find_remedies
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.foundation import extras
 from fingertip.foundation.errors import Issue, SweepError, gather
 from fingertip.slip.detectors.registry import find_detector_type
 from fingertip.sweep import sweep_file
-from fingertip.sweep.axes import Axis, Value, find_repeats, flatten_axes, read_axis
+from fingertip.sweep.axes import Axis, Value, find_repeats, flatten_axes, read_axis, select_changes
 from fingertip.sweep.outputs import (
     SET_GROUPS,
     OutputGroup,
@@ -87,10 +89,15 @@ class SweepPlan:
             with gather(issues, "scene."):
                 scene = SceneFile(**scene_tables)
         outputs = tables.get("outputs")
+        unknown: list[Issue] = []
         if isinstance(outputs, list) and all(isinstance(name, str) for name in outputs):
-            issues += check_output_names(outputs)
-        if file:
+            unknown = check_output_names(outputs) or _find_misplaced_outputs(
+                outputs, "fingers" in (design_tables or {})
+            )
+            issues += unknown
+        if file and not unknown:  # else an objective may be right, and an output misspelt
             issues += sweep_file.check_objectives(file)
+        if file:
             issues += _check_point_count(file, axes)
             with gather(issues):
                 find_detector_type(file.detector, "detector")
@@ -164,7 +171,7 @@ class SweepPlan:
         """Cost of what has to be computed again when an axis takes its next value."""
         costs = [group.cost for group in find_shareable(self.outputs) if group.depends_on(axis.name)]
         # Every part is made from the finger's shape. The mold, the printer and the name do not change it.
-        table = axis.name.partition(".")[0]
+        table = split_finger(axis.name)[1].partition(".")[0]
         return max(costs, default=-1) + {"mold": -0.25, "printer": -0.5, "name": -0.5}.get(table, 0.0)
 
     @cached_property
@@ -217,12 +224,22 @@ def _check_point_count(file: SweepFile, axes: list[Axis]) -> list[Issue]:
     return []
 
 
+def _find_misplaced_outputs(outputs: Iterable[str], is_set: bool) -> list[Issue]:
+    misplaced = [name for name in outputs if (load_outputs()[name].group in SET_GROUPS) != is_set]
+    subject, given, remedy = ("one finger", "a set", 'a design, such as design = "adult_finger"')
+    if not is_set:
+        subject, given, remedy = ("a set", "one finger", 'a set, such as design = "adult_hand"')
+    text = f"{', '.join(misplaced)} can be computed for {subject}, but design is {given}"
+    issue = Issue("outputs", f"{text}; leave out what cannot be computed, or name {remedy}.")
+    return [issue] if misplaced else []
+
+
 def _check_consistency(plan: SweepPlan) -> list[Issue]:
     """Check what only several sections of a plan together can get wrong."""
     tables_read = frozenset().union(*(group.reads for group in plan.groups))
     scene_axes = [axis.name for axis in plan.axes if axis.name.startswith("scene.")]
     issues = []
-    if "scene" in tables_read and plan.scene is None:
+    if "scene" in tables_read and plan.scene is None and not plan.is_set:
         outputs = ", ".join(n for n in plan.outputs if "scene" in find_groups([n])[0].reads)
         remedy = 'write scene = "sliding_finger".'
         issues.append(Issue("scene", f"is missing, but outputs need one ({outputs}); {remedy}"))
@@ -231,15 +248,13 @@ def _check_consistency(plan: SweepPlan) -> list[Issue]:
             Issue(f"axes.{name}", "changes none of the outputs; add one that it changes, such as delay_ms.")
             for name in scene_axes
         ]
-    if misplaced := [name for name in plan.outputs if (load_outputs()[name].group in SET_GROUPS) != plan.is_set]:
-        subject, given, remedy = ("one finger", "a set", 'a design, such as design = "adult_finger"')
-        if not plan.is_set:
-            subject, given, remedy = ("a set", "one finger", 'a set, such as design = "adult_hand"')
-        text = f"{', '.join(misplaced)} can be computed for {subject}, but design is {given}"
-        issues.append(Issue("outputs", f"{text}; leave out what cannot be computed, or name {remedy}."))
     # A broken rule of a base design is an issue only if no axis can repair it.
-    swept = {axis.name for axis in plan.axes}
+    for axis in plan.axes:
+        if (finger := split_finger(axis.name)[0]) and finger not in plan.designs:
+            remedy = suggest_name(finger, list(plan.designs)) if plan.is_set else "name a set with design = NAME."
+            issues.append(Issue(f"axes.{axis.name}", f"is of {finger}, which design has not; {remedy}"))
     for finger, design in plan.designs.items():
+        swept = select_changes(dict.fromkeys((axis.name for axis in plan.axes), 0), finger).keys()
         broken = list(find_violations(RULES, design))
         lasting = [one for one in broken if not one.reads & swept]
         if not lasting:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from fingertip.catalogues.bundled import find_file
+from fingertip.catalogues.controllers import split_finger
 from fingertip.catalogues.file_kinds import DESIGN, SCENE, SET, SWEEP, identify_kind
 from fingertip.design.files import load_tables
 from fingertip.design.finger_set import read_set
@@ -81,6 +82,10 @@ def read_sweep_file(file: str | Path, changes: Iterable[str] = ()) -> dict[str, 
         folder = Path() if is_bundled and is_typed else path.parent
         with gather(issues):
             tables[name] = _load_base(folder, name, entry, base_changes, is_typed)
+            if name == "design" and "fingers" in tables[name] and not isinstance(entry, str):
+                raise SweepError(
+                    Issue("design.fingers", "is a table of a set; write it in a file of its own, and name that.")
+                )
     if issues:
         raise SweepError(issues)
     return {name: table for name, table in tables.items() if table is not None}
@@ -154,6 +159,8 @@ def _load_base(folder: Path, name: str, entry: Any, changes: list[str], is_typed
         if kind is DESIGN and identify_kind(path) is SET:
             set_name, side, fingers = read_set(path, changes, lambda loaded: loaded.tables, below)
             return {"name": set_name, "side": side, "fingers": fingers}
+        if finger := next((change for change in changes if split_finger(change)[0]), None):
+            raise SweepError(Issue(f"--set {finger}", f"{entry} is no set of fingers; name one, or leave it out."))
         return load_tables([path], changes, kind, below).tables
     if entry is None and changes:
         message = "changes a base scene, but the sweep file names none; add --set scene=FILE.toml."
@@ -193,7 +200,7 @@ def _sort_changes(changes: Iterable[str]) -> tuple[list[str], list[str], list[st
         first, dot, _ = name.partition(".")
         if first in ("design", "scene") and dot:
             (design if first == "design" else scene).append(change.strip().partition(".")[2])
-        elif first in SweepFile.model_fields or first not in DesignTables.model_fields:
+        elif first != "fingers" and (first in SweepFile.model_fields or first not in DesignTables.model_fields):
             sweep.append(change)
         else:
             design.append(change)

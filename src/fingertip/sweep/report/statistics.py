@@ -360,7 +360,9 @@ def compute_sensitivity(output: str, column: Column, axes: dict[str, Column]) ->
     sensitivities, max_deviation = [], 0.0
     for name, axis in axes.items():
         x = axis[finite]
-        bins = bin_by_count(x, max_bins)
+        # Each of some listed values is a bin of its own where four points share it.
+        distinct = len(set(x.tolist()))
+        bins = bin_by_count(x, distinct if max_bins < distinct <= len(y) // 4 else max_bins)
         if bins.count < 2 or len(y) <= bins.count:
             continue
         deviation = compute_null_deviation(bins.count, len(y))

@@ -6,7 +6,7 @@ The best design is the feasible one that the sweep's objectives prefer, of those
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -17,6 +17,7 @@ from fingertip.design.files import to_toml
 from fingertip.design.finger_set import build_set, set_to_toml
 from fingertip.design.model import Design
 from fingertip.foundation.errors import DesignError, escape_control
+from fingertip.sweep.axes import select_changes
 from fingertip.sweep.database import STATUSES, SweepTable
 from fingertip.sweep.designs import apply_changes
 from fingertip.sweep.plan import SweepPlan
@@ -111,18 +112,21 @@ def describe_best(summary: SweepSummary) -> str:
     candidates = f"{len(selection.candidates)} feasible points{' with finite objectives' if selection.excluded else ''}"
     point = int(table.point[selection.best])
     if len(selection.objectives) == 1:
-        return f"Point {point} is the best of {candidates} to {goals}."
+        return f"Point {point} is the best of {candidates} to {goals}.{selection.describe_equals()}"
     number = len(selection.front)
     front = f"{number} Pareto-optimal point{'s' if number != 1 else ''}"
-    return f"Point {point} is the best compromise to {goals}: of {front} among {candidates}, the nearest to the ideal."
+    chosen = (
+        f"Point {point} is the best compromise to {goals}: of {front} among {candidates}, the nearest to the ideal."
+    )
+    return chosen + selection.describe_equals()
 
 
 def _explain_first_point(summary: SweepSummary, rule: statistics.LimitingRule) -> str:
     """Explain why the first point of a rule is refused, with a remedy, which the rows of a sweep leave out."""
     row = int(np.argmax(summary.classes.indices == summary.classes.names.index(rule.rule)))
-    changes = _select_changes(summary.plan.point(int(summary.table.point[row])))
+    point = summary.plan.point(int(summary.table.point[row]))
     for finger, design in summary.plan.designs.items():
-        base = design.model_dump()
+        base, changes = design.model_dump(), select_changes(point, finger)
         try:
             Design.from_tables(apply_changes(base, changes), base, list(changes))
         except DesignError as error:
@@ -131,11 +135,6 @@ def _explain_first_point(summary: SweepSummary, rule: statistics.LimitingRule) -
                 if field == rule.rule and issue.message.startswith(rule.example.partition(" (and ")[0].rstrip(".")):
                     return issue.message
     return rule.example
-
-
-def _select_changes(parameters: Mapping[str, Any]) -> dict[str, Any]:
-    """Select the parameters of a point that change a design; those of the scene are left out."""
-    return {name: value for name, value in parameters.items() if not name.startswith("scene.")}
 
 
 def _describe_point(summary: SweepSummary, row: int) -> dict[str, Any]:
@@ -259,6 +258,12 @@ class Selection:
     """Rows of the Pareto front: no candidate dominates them. Ascending."""
     best: int | None
     """Row of the front nearest to the ideal point; None without a candidate or an objective."""
+    equals: int = 0
+    """Number of other rows with the values of the best one in every objective."""
+
+    def describe_equals(self) -> str:
+        many = f"{self.equals} other point{'s have' if self.equals > 1 else ' has'} the same value of every objective"
+        return f" {many}; add one to choose among them." if self.equals else ""
 
 
 def select_best(table: SweepTable, objectives: tuple[Objective, ...]) -> Selection:
@@ -272,8 +277,10 @@ def select_best(table: SweepTable, objectives: tuple[Objective, ...]) -> Selecti
     if not len(candidates):
         return Selection(objectives, candidates, len(rows), candidates, None)
     front = statistics.find_pareto_front(costs)
-    best = int(candidates[statistics.find_nearest_to_ideal(costs, front)])
-    return Selection(objectives, candidates, len(rows) - len(candidates), candidates[front], best)
+    nearest = statistics.find_nearest_to_ideal(costs, front)
+    equals = int((costs == costs[nearest]).all(axis=1).sum()) - 1
+    best, excluded = int(candidates[nearest]), len(rows) - len(candidates)
+    return Selection(objectives, candidates, excluded, candidates[front], best, equals)
 
 
 def format_best_design(summary: SweepSummary) -> str:
@@ -288,11 +295,13 @@ def format_best_design(summary: SweepSummary) -> str:
     if len(selection.objectives) > 1:
         method = f"Best compromise among {len(selection.candidates)} feasible designs to {goals}: of the Pareto front, "
         method += "the design nearest to the ideal point."
-    lines = [f"Point {point} of the sweep {plan.file.name}. {method}"]
+    lines = [f"Point {point} of the sweep {plan.file.name}. {method}{selection.describe_equals()}"]
+    lines += [f"Meshes and checks are those of tolerance_mm = {plan.file.tolerance_mm:g}."]
     lines += [f"  {name} = {value}" for name, value in parameters.items()]
     lines += [f"  {name}: {column[row]:.6g}" for name, column in table.outputs.items()]
-    changes, heading = _select_changes(parameters), "\n".join(lines)
-    built = {finger: Design(**apply_changes(base.model_dump(), changes)) for finger, base in plan.designs.items()}
+    heading, built = "\n".join(lines), dict[str, Design]()
+    for finger, base in plan.designs.items():
+        built[finger] = Design(**apply_changes(base.model_dump(), select_changes(parameters, finger)))
     if not plan.is_set:
         return to_toml(built[""], heading)
     return set_to_toml(build_set(plan.file.design["name"], plan.file.design["side"], built), heading)

@@ -433,7 +433,7 @@ def test_other_commands_name_those_that_take_a_set(tmp_path: Path) -> None:
     assert "`fingertip make` and `fingertip check` take a set file" in done.stderr
     path = tmp_path / "mine.toml"
     path.write_text('[fingers.index]\ndesign = "adult_finger"\n')
-    assert "give that of one finger: the set takes its values with --set" in run_fingertip("coupon", path).stderr
+    assert "give that of one finger, or the set to `fingertip make` or `check`" in run_fingertip("coupon", path).stderr
 
 
 def test_a_set_is_compared_with_its_own_and_each_form_with_its_own(folder: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +13,7 @@ import pytest
 from benchmarks import slip_robustness
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
-from fingertip.lab.campaign import mix_signals
+from fingertip.lab.campaign import mix, mix_signals
 from fingertip.lab.campaign.mix import MixSize, assess
 from fingertip.lab.campaign.mix_signals import LabelledSignal, Slide, filter_as_board
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, check_first_seed
@@ -35,6 +36,20 @@ def flags(*parts: tuple[float, float], seconds: float = 4.0) -> np.ndarray:
 
 def known(**fields: object) -> LabelledSignal:
     return replace(LabelledSignal("test", 1000.0, np.zeros(4000), (Slide(0.99, 1.0, 2.0),)), **fields)
+
+
+def test_the_mix_has_each_noise_with_slides_and_with_a_still_contact(monkeypatch: pytest.MonkeyPatch) -> None:
+    size, told = MixSize(events=1, noisy=6), list[tuple[str, str]]()
+    monkeypatch.setattr(
+        mix_signals, "in_condition", lambda design, scene, seed, name, _: told.append((name, scene.name))
+    )
+    monkeypatch.setattr(mix_signals, "simulate_scene", lambda *_: None)
+    trials = [scene for scene, _ in article_trials()]
+    list(mix._noisy(DESIGN, size, trials, itertools.count()))
+    for name in (*mix_signals.NOISES, "10 bits"):
+        of_noise = [scene for noise, scene in told if noise == name]
+        slides = len(of_noise) - of_noise.count("drift")
+        assert (slides, len(of_noise) > slides) == (2 if name == "10 bits" else 6, True)
 
 
 def test_a_slip_is_found_from_5_ms_before_its_onset_to_its_end():

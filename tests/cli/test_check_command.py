@@ -69,6 +69,7 @@ def test_failed_checks_exit_1_and_appear_in_every_report(tmp_path: Path, monkeyp
     failed = {line.split()[0] for line in done.stdout.splitlines() if line.endswith("FAILED")}
     assert "demolding_overlap.mold_dorsal" in failed
     assert "bone.stl.genus" not in failed
+    assert done.stdout.endswith("try --tolerance-mm 0.01 first.\n")
     root = ElementTree.parse(report).getroot()
     assert {case.get("name") for case in root.iter("testcase") if case.find("failure") is not None} == failed
     assert root.get("failures") == str(len(failed))

@@ -134,15 +134,19 @@ def test_figures_of_a_set_are_the_sums_of_its_parts(row: dict[str, Any]) -> None
 
 @pytest.mark.full
 def test_best_set_is_a_file_that_makes_its_row_again(tmp_path: Path) -> None:
-    plan = load_plan("axes.mold.wall_mm=[4, 5]")
+    plan = load_plan("axes.mold.wall_mm=[3, 4, 5]")
     with SweepDatabase.create(tmp_path / "sweep", plan) as database:
         for number in range(plan.size):
             point = plan.point(number)
-            outputs = [point["mold.wall_mm"] if name == "set_molds_g" else 0.0 for name in plan.outputs]
-            database.add([(number, "ok", "", "", *point.values(), *outputs)])
-        told = write_report(database, tmp_path)["best_summary"]
+            wall_mm = point["mold.wall_mm"]
+            known = {"set_molds_g": wall_mm, "set_checks_failed": float(wall_mm == 3.0)}
+            database.add([(number, "ok", "", "", *point.values(), *(known.get(name, 0.0) for name in plan.outputs))])
+        report = write_report(database, tmp_path)
+    assert report["feasible"] == 6, "a set that fails checks cannot be made"
     # Silicones change no mass: the two others tie with the first.
-    assert told.endswith("2 other points have the same value of every objective; add one to choose among them.")
+    told = "2 other points have the same value of every objective; add one to choose among them."
+    assert report["best_summary"].endswith(told)
+    assert "try a tolerance_mm below 0.3." in report["text"]
     best = load_set(tmp_path / "best.toml")
-    changes = [f"{name}={value}" for name, value in plan.point(0).items()]
+    changes = [f"{name}={value}" for name, value in plan.point(1).items()]
     assert best == load_set("adult_hand", changes)

@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     from fingertip.design import Design
 
 
+FINE_MM = 0.01
+"""Tolerance of meshes with which the bundled designs pass all checks [mm]."""
+
+
 @command
 def check(
     console: Console,
@@ -33,7 +37,7 @@ def check(
     ],
     tolerance_mm: Annotated[
         float, typer.Option(help="Largest distance of a facet from the exact surface, in mm.")
-    ] = 0.01,
+    ] = FINE_MM,
     junit: Annotated[Path | None, typer.Option(metavar="FILE.xml", help="JUnit report, for CI servers.")] = None,
     verbose: VerboseOption = False,
     changes: SetOption = None,
@@ -100,7 +104,10 @@ def _check_designs(
             {"design": label, "passed": passed, "warnings": list_warnings(checks, with_advice=True), "checks": dicts}
         )
     data = {"passed": all(one["passed"] for one in found), "tolerance_mm": tolerance_mm, "designs": found}
-    return data, [_format_table(label, checks, verbose) for label, checks in checks_by_design.items()]
+    texts = [_format_table(label, checks, verbose) for label, checks in checks_by_design.items()]
+    if not data["passed"] and tolerance_mm > FINE_MM:
+        texts.append(f"The meshes are coarse, which alone may fail a check: try --tolerance-mm {FINE_MM:g} first.")
+    return data, texts
 
 
 def _load(files: Sequence[Path], changes: Sequence[str], console: Console) -> dict[str, Design]:

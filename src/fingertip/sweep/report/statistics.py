@@ -199,6 +199,7 @@ def _find_front_of_many(rows: Costs) -> NDArray[np.bool_]:
 
 FEASIBLE = "feasible"
 CHECKS_FAILED = "checks_failed"
+_COUNTS_OF_FAILED = (CHECKS_FAILED, "set_checks_failed")
 """Output that counts failed checks; a design with a failed check is not feasible."""
 _BINS = 12
 
@@ -246,8 +247,15 @@ class LimitingRule:
 
 def find_feasible(table: SweepTable) -> NDArray[np.bool_]:
     """Find the feasible points: those that were computed and failed no check (if any were run), shape (points,)."""
-    ok = np.asarray(table.status == "ok")
-    return ok & ~(table.outputs[CHECKS_FAILED] > 0) if CHECKS_FAILED in table.outputs else ok
+    feasible = np.asarray(table.status == "ok")
+    for column in list_failed(table):
+        feasible = feasible & ~(column > 0)
+    return feasible
+
+
+def list_failed(table: SweepTable) -> list[Column]:
+    """List the outputs that count failed checks, of a design or of a set."""
+    return [table.outputs[name] for name in _COUNTS_OF_FAILED if name in table.outputs]
 
 
 def classify_points(table: SweepTable) -> PointClasses:

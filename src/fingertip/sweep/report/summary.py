@@ -22,6 +22,7 @@ from fingertip.sweep.database import STATUSES, SweepTable
 from fingertip.sweep.designs import apply_changes
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.report import statistics
+from fingertip.sweep.sweep_file import SweepFile
 
 _MAX_RULES = 12
 _MIN_CORRELATION = 0.1
@@ -84,6 +85,10 @@ def format_text(summary: SweepSummary) -> str:
         data = _describe_point(summary, summary.selection.best)
         lines += [f"  {name} = {_format_value(value)}" for name, value in data["parameters"].items()]
         lines += [f"  {name}: {_format_value(value)}" for name, value in data["outputs"].items()]
+    tolerance_mm = summary.plan.file.tolerance_mm
+    is_coarse = tolerance_mm > SweepFile.model_fields["tolerance_mm"].default
+    if is_coarse and any((column > 0).any() for column in statistics.list_failed(summary.table)):
+        lines.append(f"The meshes are coarse, which alone may fail a check: try a tolerance_mm below {tolerance_mm:g}.")
     return "\n".join(map(escape_control, lines))  # a reason may hold any text
 
 

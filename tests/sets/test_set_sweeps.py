@@ -15,7 +15,7 @@ from fingertip.design import Design
 from fingertip.design.finger_set import load_set
 from fingertip.foundation.errors import SweepError
 from fingertip.sweep.database import SweepDatabase
-from fingertip.sweep.outputs import SET_GROUPS, load_outputs
+from fingertip.sweep.outputs import GROUPS, SET_GROUPS, load_outputs
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.point_evaluator import PointEvaluator
 from fingertip.sweep.report import write_report
@@ -78,6 +78,12 @@ def test_an_axis_or_a_change_of_one_finger_leaves_the_others_alone() -> None:
         "thumb": 5.0, "index": 4.0, "middle": 4.0, "ring": 4.0, "little": 4.0,
     }  # fmt: skip
     assert [form.fingers for form in fingers.forms] == [("thumb",), ("index", "middle", "little"), ("ring",)]
+    # A board of its own parts a finger from its form, though no part depends on the board.
+    assert GROUPS["set"].depends_on("fingers.ring.board.cutoff_hz")
+    assert not GROUPS["set"].depends_on("board.cutoff_hz")
+    for broken in ({"fingers": 5}, {"name": "x", "fingers": {"thumb": 5}}, {"side": "up", "fingers": {}}):
+        with pytest.raises(SweepError, match=r"(?m)^design\."):
+            SweepPlan.from_tables({"outputs": ["set_forms"], "axes": {"mold.wall_mm": [4.0]}, "design": broken})
     with pytest.raises(SweepError, match=r"axes\.fingers\.tumb\..*did you mean thumb\?"):
         load_plan("axes.fingers.tumb.mold.wall_mm=[4]")
     with pytest.raises(SweepError, match="has no finger tumb; did you mean thumb"):

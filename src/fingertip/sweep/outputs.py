@@ -42,8 +42,9 @@ class OutputGroup:
 
     def depends_on(self, parameter: str) -> bool:
         """Return whether the outputs can change with a parameter, dotted."""
-        path = split_finger(parameter)[1]
-        return path.partition(".")[0] in self.reads and path not in self.ignores
+        finger, path = split_finger(parameter)
+        # Any parameter of one finger may part it from its form, which then takes a mold of its own.
+        return bool(finger) or (path.partition(".")[0] in self.reads and path not in self.ignores)
 
 
 GROUPS = {

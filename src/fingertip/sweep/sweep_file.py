@@ -16,7 +16,7 @@ from fingertip.catalogues.bundled import find_file
 from fingertip.catalogues.controllers import split_finger
 from fingertip.catalogues.file_kinds import DESIGN, SCENE, SET, SWEEP, identify_kind
 from fingertip.design.files import load_tables
-from fingertip.design.finger_set import read_set
+from fingertip.design.finger_set import SetFile, read_set
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import quantity
 from fingertip.design.parameters.declaration import issues_from_pydantic, parse_tables, suggest_name
@@ -104,6 +104,11 @@ def parse_base_designs(tables: Mapping[str, Any]) -> tuple[dict[str, DesignTable
     Returns finger -> design, "" for a design that is not part of a set.
     """
     designs, issues = dict[str, DesignTables](), list[Issue]()
+    if "fingers" in tables:
+        with gather(issues, "design."):
+            parse_tables(SetFile, tables)
+        if issues:
+            return {}, issues
     for finger, own in tables.get("fingers", {"": tables}).items():
         with gather(issues, f"design.fingers.{finger}." if finger else "design."):
             designs[finger] = parse_tables(DesignTables, own)

@@ -86,9 +86,11 @@ def test_many_remarks_are_cut_and_counted(tmp_path: Path) -> None:
     assert re.fullmatch(r"and \d+ more, in report.json", lines[-2])
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="there is no pseudo-terminal")
 def test_a_terminal_shows_one_line_that_is_drawn_again() -> None:
-    reader, writer = os.openpty()
+    try:
+        reader, writer = os.openpty()
+    except (AttributeError, OSError) as error:  # as on Windows, and where no file system of terminals is mounted
+        pytest.skip(f"NO PSEUDO-TERMINAL, THIS IS NOT TESTED: {error}")
     command = [sys.executable, "-m", "fingertip", "check", "fsr400", "fsr402", "--tolerance-mm", "0.05"]
     done = subprocess.run(
         command, stdout=subprocess.PIPE, stderr=writer, env=os.environ | {"TERM": "xterm"}, text=True, check=False

@@ -232,6 +232,7 @@ def test_a_scan_that_the_converter_did_not_finish_is_lost_and_the_next_one_is_no
 
 @pytest.mark.parametrize("macro", BOARDS)
 def test_the_example_of_a_hand_compiles_for_each_family_of_boards(macro: str, tmp_path: Path) -> None:
+    require_tool("g++", INSTALL)
     write_firmware(Design(), tmp_path, fingers=plan_fingers(Design(), "3", "teensy40"))
     for example in ("slip_hand", "slip_stream"):
         compile_sketch(tmp_path, example, macro, "-fsyntax-only")

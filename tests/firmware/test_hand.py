@@ -295,6 +295,7 @@ def test_the_grip_law_is_that_of_python_for_any_input_and_time(tmp_path: Path) -
 
     Sensors and pads of the fingers differ; two have the same.
     """
+    require_gcc()
     weak, strong = load_calibrated("fsr400", 50.0), load_calibrated("adult_thumb", 900.0)
     designs = (Design.load("adult_thumb"), DESIGN, weak, DESIGN, strong)
     curves = [ForceCurve.from_design(design) for design in designs]

@@ -6,7 +6,7 @@ import importlib
 import os
 import shutil
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import pytest
 
@@ -21,7 +21,11 @@ def require_tool(name: str, how_to_install: str) -> Path:
     found = shutil.which(name) if not os.path.isabs(name) else name if os.path.exists(name) else None
     if found:
         return Path(found)
-    message = f"{name} IS MISSING, THIS IS NOT TESTED: {how_to_install}"
+    leave_out(f"{name} IS MISSING, THIS IS NOT TESTED: {how_to_install}")
+
+
+def leave_out(message: str) -> NoReturn:
+    """Skip a test loudly, or fail it where everything must be tested."""
     if os.environ.get("FINGERTIP_REQUIRE_TOOLS") == "1":
         pytest.fail(message, pytrace=False)
     pytest.skip(message)
@@ -34,7 +38,4 @@ def require_module(name: str, how_to_install: str = "") -> Any:
     except ImportError:
         package = name.partition(".")[0]
         how_to_install = how_to_install or (install_command(package) if package in EXTRAS else "sh install.sh test")
-        message = f"{name} IS MISSING, THIS IS NOT TESTED: {how_to_install}"
-    if os.environ.get("FINGERTIP_REQUIRE_TOOLS") == "1":
-        pytest.fail(message, pytrace=False)
-    pytest.skip(message)
+    leave_out(f"{name} IS MISSING, THIS IS NOT TESTED: {how_to_install}")

@@ -15,6 +15,7 @@ from fingertip.foundation import processes
 from fingertip.tasks import build as build_task
 from fingertip.tasks import page
 from tests.conftest import DESIGNS, ROOT, run_fingertip
+from tests.tools import leave_out
 
 BUNDLED = sorted(path.stem for folder in ("params", "params/sets") for path in (ROOT / folder).glob("*.toml"))
 IN_FIRST_SET = ("article",)
@@ -90,7 +91,7 @@ def test_a_terminal_shows_one_line_that_is_drawn_again() -> None:
     try:
         reader, writer = os.openpty()
     except (AttributeError, OSError) as error:  # as on Windows, and where no file system of terminals is mounted
-        pytest.skip(f"NO PSEUDO-TERMINAL, THIS IS NOT TESTED: {error}")
+        leave_out(f"NO PSEUDO-TERMINAL, THIS IS NOT TESTED: {error}")
     command = [sys.executable, "-m", "fingertip", "check", "fsr400", "fsr402", "--tolerance-mm", "0.05"]
     done = subprocess.run(
         command, stdout=subprocess.PIPE, stderr=writer, env=os.environ | {"TERM": "xterm"}, text=True, check=False

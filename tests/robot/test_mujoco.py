@@ -153,7 +153,7 @@ def test_a_set_is_one_model_whose_fingers_stand_side_by_side_and_feel_by_themsel
             assert not data.sensor(f"{name}_{sensor}").data.any()
     assert all((tmp_path / f"{form.design.name}_README.md").exists() for form in loaded_set.forms)
     if side != loaded_set.side:
-        return  # one URDF is enough: its places are the same
+        return  # what follows reads the URDF of the right hand
     write_robot(loaded_set, tmp_path, file_format="urdf", force=True)
     spec = mujoco.MjSpec.from_file(str(tmp_path / "finger.urdf"))
     spec.compiler.fusestatic = False

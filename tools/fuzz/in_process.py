@@ -16,7 +16,7 @@ from tools.fuzz.cases import Case
 from tools.fuzz.outcome import WAIT_LIMIT_S, Outcome, read_delay_s
 
 LOADED_BYTES = 150 * 2**20
-"""Resident memory of a new process that has imported what commands need. An assumption, measured once."""
+"""Resident memory of a new process that has imported what the commands need, as measured once."""
 
 
 class TimeIsUpError(BaseException):

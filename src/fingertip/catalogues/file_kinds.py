@@ -88,7 +88,7 @@ def read_file(path: Path, kind: FileKind, below: Path | None = None) -> dict[str
         other = next(iter(found))
         message = f"is {other.describe()}, not {kind.describe()}; give one such as {kind.example} ({other.use})."
         if (other, kind) == (SET, DESIGN):
-            remedy = "give that of one finger, or the set to `fingertip make` or `check`, which take its --set"
+            remedy = "give that of one finger, or the set to `fingertip make` or `check`"
             message = f"{message.partition(';')[0]}; {remedy}."
         raise TomlFileError(Issue(str(path), message))
     return tables

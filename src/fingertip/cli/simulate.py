@@ -70,8 +70,9 @@ def simulate(
     from fingertip.sim import report as summary
 
     issues = [*find_file_issues("--out", out, *trace_file.SUFFIXES), *find_file_issues("--plot", plot, ".png")]
-    for option in ("--parameters",) * parameters + ("--plan",) * plan:
-        issues += find_idle_issues(option, {"--out": out, "--plot": plot, "--grip": grip})
+    for option, is_given in {"--parameters": parameters, "--plan": plan}.items():
+        if is_given:
+            issues += find_idle_issues(option, {"--out": out, "--plot": plot, "--grip": grip})
     simulation: Simulation | None = None
     with gather(issues):
         simulation = load_simulation(

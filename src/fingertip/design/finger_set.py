@@ -124,11 +124,8 @@ def read_set(
     issues: list[Issue] = []
     for change in changes:
         if (finger := split_finger(change)[0]) and finger not in contents.fingers:
-            issues.append(
-                Issue(
-                    f"--set {change}", f"the set has no finger {finger}; {suggest_name(finger, list(contents.fingers))}"
-                )
-            )
+            remedy = suggest_name(finger, list(contents.fingers))
+            issues.append(Issue(f"--set {change}", f"the set has no finger {finger}; {remedy}"))
     if not contents.fingers:
         issues.append(Issue("fingers", "is empty; give a table such as [fingers.index] with design = 'adult_finger'."))
     for name in contents.fingers:

@@ -10,7 +10,7 @@ from typing import Any
 
 from fingertip.foundation import jit
 from fingertip.sim.runs.files import ManipulationFile
-from fingertip.sim.runs.manipulation import advance_as_planned, count_points, start_manipulation
+from fingertip.sim.runs.manipulation import advance_as_planned, start_manipulation
 from fingertip.sim.runs.scene import COMPILE_FROM_S, SceneRun
 from fingertip.sim.signal.grid import STAGES, CostMeter, StageCost
 from fingertip.sim.simulation import Simulation
@@ -23,7 +23,6 @@ TRIED_POINTS = 4096
 class SimulationPlan:
     simulation: Simulation
     duration_s: float
-    is_compiled: bool
     stages: tuple[StageCost, ...]
     """Stages that run, with the evaluations and the CPU time that the whole simulation will take."""
 
@@ -38,7 +37,6 @@ class SimulationPlan:
             "design": self.simulation.design.name,
             "outputs": list(self.simulation.scene.outputs),
             "duration_s": round(self.duration_s, 7),
-            "compiled": self.is_compiled,
             "stages": [
                 {"name": s.name, "states": s.states, "evaluations": s.evaluations, "cpu_ms": round(1e3 * s.cpu_s, 1)}
                 for s in self.stages
@@ -51,10 +49,8 @@ class SimulationPlan:
         lines = [f"{name} with {self.simulation.design.name}: outputs {', '.join(self.simulation.scene.outputs)}"]
         lines += [f"{'stage':27} {'states':>6} {'evaluations':>12} {'CPU ms':>9}"]
         lines += [f"{s.name:27} {s.states:6} {s.evaluations:12} {1e3 * s.cpu_s:9.1f}" for s in self.stages]
-        loops = ", with compiled loops" * self.is_compiled
-        lines.append(
-            f"{self.duration_s:.2f} s of {name}: some {total_s:.2g} s of computing{loops}, start-up and writing apart"
-        )
+        cost = f"about {total_s:.2g} s of CPU time, without start-up and writing"
+        lines.append(f"{self.duration_s:.2f} s of {name}: {cost}")
         lines.append(f"left out, as neither scene nor outputs need it: {', '.join(self.left_out)}")
         return lines
 
@@ -65,10 +61,9 @@ def plan_simulation(simulation: Simulation) -> SimulationPlan:
     meter = CostMeter(time.process_time)
     chunks: Iterator[object]
     if isinstance(scene, ManipulationFile):
-        motion, stepper = start_manipulation(design, scene, seed, frozenset(scene.outputs), meter=meter)
-        points, duration_s = count_points(design, motion, stepper), motion.duration_s
-        chunks = advance_as_planned(design, scene, motion, stepper, TRIED_POINTS)
-        is_compiled = False
+        stepper = start_manipulation(design, scene, seed, frozenset(scene.outputs), meter=meter)
+        points, duration_s = stepper.point_count, stepper.plan.duration_s
+        chunks, is_compiled = advance_as_planned(stepper, TRIED_POINTS), False
     else:
         run = SceneRun(design, scene, seed, meter=meter)
         assert run.grid
@@ -80,16 +75,13 @@ def plan_simulation(simulation: Simulation) -> SimulationPlan:
         next(chunks)
         before = {stage.name: stage for stage in meter.costs}
         next(chunks, None)
-    return SimulationPlan(simulation, duration_s, is_compiled, tuple(_extrapolate(meter, before, points)))
+    return SimulationPlan(simulation, duration_s, tuple(_extrapolate(meter, before, points)))
 
 
 def _extrapolate(meter: CostMeter, before: dict[str, StageCost], points: int) -> Iterator[StageCost]:
     tried = min(points, 2 * TRIED_POINTS)
     for stage in meter.costs:
-        first = before[stage.name]
-        evaluations = round(stage.evaluations * points / tried)
-        # A scene of one chunk has no second one, whose time would be without that of warming up.
-        spent_s, chunk = (
-            (stage.cpu_s - first.cpu_s, tried - TRIED_POINTS) if points > TRIED_POINTS else (stage.cpu_s, points)
-        )
-        yield StageCost(stage.name, stage.states, evaluations, spent_s * points / chunk)
+        cpu_s, timed = stage.cpu_s, tried
+        if points > TRIED_POINTS:  # time the second chunk alone; a shorter scene has none
+            cpu_s, timed = cpu_s - before[stage.name].cpu_s, tried - TRIED_POINTS
+        yield StageCost(stage.name, stage.states, round(stage.evaluations * points / tried), cpu_s * points / timed)

@@ -252,7 +252,7 @@ def _check_consistency(plan: SweepPlan) -> list[Issue]:
     for axis in plan.axes:
         if (finger := split_finger(axis.name)[0]) and finger not in plan.designs:
             remedy = suggest_name(finger, list(plan.designs)) if plan.is_set else "name a set with design = NAME."
-            issues.append(Issue(f"axes.{axis.name}", f"is of {finger}, which design has not; {remedy}"))
+            issues.append(Issue(f"axes.{axis.name}", f"names a finger that design does not have; {remedy}"))
     for finger, design in plan.designs.items():
         swept = select_changes(dict.fromkeys((axis.name for axis in plan.axes), 0), finger).keys()
         broken = list(find_violations(RULES, design))

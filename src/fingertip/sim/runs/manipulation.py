@@ -164,11 +164,11 @@ def run_manipulation(
     outputs = frozenset(scene.outputs) | ({"voltage_v"} if controller else set())
     if controller and "envelope_v" in outputs:
         outputs |= {"sampled_envelope_v"}
-    plan, stepper = start_manipulation(design, scene, seed, outputs, grid)
+    stepper = start_manipulation(design, scene, seed, outputs, grid)
+    plan, rate_hz, count = stepper.plan, stepper.grid.rate_hz, stepper.point_count
     done = report_share(scene.name, plan.duration_s, progress)
-    rate_hz, count = stepper.grid.rate_hz, count_points(design, plan, stepper)
     if controller is None:
-        for end in advance_as_planned(design, scene, plan, stepper):
+        for end in advance_as_planned(stepper):
             done(end / rate_hz)
     else:
         period, delay = scene.hand.count_points(rate_hz)
@@ -199,24 +199,19 @@ def start_manipulation(
     outputs: frozenset[str],
     grid: Grid | None = None,
     meter: CostMeter | None = None,
-) -> tuple[MotionPlan, ManipulationStepper]:
+) -> ManipulationStepper:
     raise_issues(_find_issues(design, scene, seed))
     pad = Pad.from_design(design)
     plan = plan_motion(design, scene, pad, seed)
-    return plan, ManipulationStepper(design, scene, plan, pad, seed, outputs, grid or Grid(), meter or CostMeter())
+    return ManipulationStepper(design, scene, plan, pad, seed, outputs, grid or Grid(), meter or CostMeter())
 
 
-def count_points(design: Design, plan: MotionPlan, stepper: ManipulationStepper) -> int:
-    return stepper.grid.count_points(plan.duration_s, design.detector.sample_rate_hz) - 1
-
-
-def advance_as_planned(
-    design: Design, scene: ManipulationFile, plan: MotionPlan, stepper: ManipulationStepper, chunk: int = CHUNK
-) -> Iterator[int]:
-    """Advance without a controller, which would need intermediate values; yield the points that are computed."""
-    count = count_points(design, plan, stepper)
-    period, delay = scene.hand.count_points(stepper.grid.rate_hz)
-    commands = plan.planned_m(np.arange(0, count, period) / stepper.grid.rate_hz)
+def advance_as_planned(stepper: ManipulationStepper, chunk: int = CHUNK) -> Iterator[int]:
+    """Advance with the planned grip, chunk by chunk; yield the number of points computed so far."""
+    count, rate_hz = stepper.point_count, stepper.grid.rate_hz
+    period, delay = stepper.scene.hand.count_points(rate_hz)
+    commands = stepper.plan.planned_m(np.arange(0, count, period) / rate_hz)
+    # No controller needs intermediate values, so a chunk may be long.
     for start in range(0, count, chunk):
         end = min(start + chunk, count)
         stepper.advance(delay_commands(commands, start, end, period, delay))

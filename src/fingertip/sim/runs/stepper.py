@@ -101,6 +101,11 @@ class ManipulationStepper:
         self._record(still, still, _describe_drives(still, still, still, still, still, still, none), none, none)
 
     @property
+    def point_count(self) -> int:
+        """Number of points from the first one after the open hand to the end of the plan."""
+        return self.grid.count_points(self.plan.duration_s, self.design.detector.sample_rate_hz) - 1
+
+    @property
     def is_lost(self) -> bool:
         return bool(self._state[grasp_loop.PAD_STATES * len(self.scene.fingers) + grasp_loop.HAS_LEFT] > 0.0)
 

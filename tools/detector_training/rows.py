@@ -122,7 +122,7 @@ def collect(
     known: list[Array] = []
     with compiled():
         for number, item in enumerate(signals):
-            signal, settings = item.signal, FastSettings.from_design(item.design)
+            signal, settings = item.signal, replace(FastSettings.from_design(item.design), suspects_jumps=False)
             if settings.filtered:
                 cutoff_hz = settings.cutoff_hz * (1 + rng.uniform(-CUTOFF_ERROR, CUTOFF_ERROR))
                 gain = settings.filtered.gain * (1 + rng.uniform(-GAIN_ERROR, GAIN_ERROR))

@@ -133,6 +133,8 @@ class FastSettings:
     """Tactile voltages that forces give; others are reported [V]."""
     phase: int = 0
     """Samples by which its ticks come sooner: the detectors of a hand's fingers tick one sample apart."""
+    suspects_jumps: bool = True
+    """Whether a jump waits for the next sample to confirm it. Not in the fit: all jumps of its signals are real."""
 
     @classmethod
     def from_design(cls, design: Design, noise_v: float | None = None) -> FastSettings:
@@ -337,6 +339,7 @@ def _compute_coefficients(settings: FastSettings, model: FastModel, with_filtere
         filtered_limit = LIMIT_SHARE * settings.filtered.range_v * filtered_gain
     lowest, highest = settings.possible_v
     threshold = LOWEST_SCORE + settings.threshold_scale * (model.threshold - LOWEST_SCORE)
+    jump_ratios = (JUMP_RATIO, FILTERED_JUMP_RATIO) if settings.suspects_jumps else (NUMBER_RATIO, NUMBER_RATIO)
     return FastCoefficients(
         *board,
         *restore,
@@ -372,8 +375,8 @@ def _compute_coefficients(settings: FastSettings, model: FastModel, with_filtere
         score_smoothing=1 / (1 + SCORE_S * ticks_per_s),
         statistic_gain=STATISTIC_RATIO,
         number_limit=NUMBER_RATIO * settings.noise_v,
-        jump_limit=JUMP_RATIO * settings.noise_v,
-        filtered_jump_limit=FILTERED_JUMP_RATIO * settings.noise_v,
+        jump_limit=jump_ratios[0] * settings.noise_v,
+        filtered_jump_limit=jump_ratios[1] * settings.noise_v,
         middle_input=(lowest + highest) / 2,
         half_range=(highest - lowest) / 2,
         trusted_samples=float(round(TRUSTED_S * rate)),

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
+from fingertip.design import Design
 from fingertip.documents.start import render_start
 from fingertip.page import casting_section
 from fingertip.page.board_section import draw_response, render_board
@@ -17,14 +20,30 @@ from fingertip.pictures.steps.pictures import draw_finger
 ARTICLE_DOI = "10.1109/TMRB.2021.3060032"
 
 
-def render_page(sources: Sources) -> bytes:
+@dataclass(frozen=True)
+class Prepared:
+    """What a page shows of its design alone, which no file changes: `make` prepares it while others work."""
+
+    finger: bytes
+    """Picture of the finished finger."""
+    parameters: Markup
+    pad: Markup
+    response: Markup
+
+
+def prepare_page(design: Design) -> Prepared:
+    return Prepared(draw_finger(design), render_parameters(design), render_pad(design), draw_response(design))
+
+
+def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:
     """Render the page of a design. The same files give the same bytes."""
     design, items = sources.design, list_items(sources.design, sources.files)
+    prepared = prepared or prepare_page(design)
     cast = casting_section.render_casting(sources)
     verdict, kind = tell_verdict(sources.report)
     steps = cast.count("data-tick=")
     start = render_start(design, sources.report, measure_finger(items), sources.links, steps, verdict)
-    picture = render_finger(draw_finger(design), "The finished finger, computed: from the back, and from the palm.")
+    picture = render_finger(prepared.finger, "The finished finger, computed: from the back, and from the palm.")
     tabs = (
         Tab("start", "Start", (
             render_first_screen(start, picture, sources.links),
@@ -43,9 +62,9 @@ def render_page(sources: Sources) -> bytes:
             for name, title, content in (
                 ("basis", "What is simulated and what is measured", casting_section.render_basis(design)),
                 ("checks", "Checks", render_checks(sources.report)),
-                ("parameters", "Parameters", render_parameters(design)),
-                ("pad", "What the sensor feels", render_pad(design)),
-                ("response", "Response of the board", draw_response(design)),
+                ("parameters", "Parameters", prepared.parameters),
+                ("pad", "What the sensor feels", prepared.pad),
+                ("response", "Response of the board", prepared.response),
                 ("trial", "Trial and detection", render_trial(sources)),
             )
         )),

@@ -201,7 +201,7 @@ def find_depth_changes(old: Array, new: Array, least: float) -> tuple[NDArray[np
 def _paint(canvas: Canvas, nearer: NDArray[np.bool_], farther: NDArray[np.bool_]) -> bytes:
     """Paint what changed, with a ring around it where it is small, and write the picture as PNG with few colours."""
     for mask, colour in ((nearer, _NEARER), (farther, _FARTHER)):
-        canvas.tint(mask, _GREY, colour)
+        canvas.tint(mask, colour)
     picture = Image.fromarray(canvas.image())
     if ring := find_ring(nearer | farther, picture.height):
         ImageDraw.Draw(picture).ellipse(ring, outline=_RING, width=2)

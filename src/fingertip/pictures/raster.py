@@ -27,6 +27,8 @@ _DECIMALS = 6
 """Decimals of projected points [mm or pixels] and shades. The last digits of a product of matrices depend on the
 processor, and pictures must not."""
 _PIXELS_AT_ONCE = 100_000
+_ROUNDING_PX = 1e-6
+"""Distance beyond its edges up to which a triangle is drawn: two with a common edge leave no pixel of it out."""
 _FROM_BELOW = -0.2
 """Dorsal component of the direction to the viewer below which the view is one from below."""
 
@@ -62,7 +64,9 @@ class Canvas:
         self._k = oversample
         self._camera, self._scale = camera, pixels_per_mm * oversample
         shape = (height * oversample, width * oversample)
-        self._colour = np.ones((*shape, 3))
+        # Brightness and colour of each pixel apart: a third of the memory of their product.
+        self._light, self._paint = np.ones(shape), np.zeros(shape, dtype=np.uint8)
+        self._colours: list[Colour] = [(1.0, 1.0, 1.0)]
         self._depth = np.full(shape, -np.inf)
         self._first, self._last = np.array(shape), np.zeros(2, dtype=int)
 
@@ -85,55 +89,72 @@ class Canvas:
         # Some triangles at a time, so that the pixels of their boxes fit into the memory that is near the processor.
         part = np.cumsum((high - low + 1)[shown].prod(axis=1)) // _PIXELS_AT_ONCE
         for some in np.split(shown, np.flatnonzero(np.diff(part)) + 1):
-            self._fill_triangles(corners[some], shade[some], low[some], high[some], np.array(colour))
+            self._fill_triangles(corners[some], shade[some], low[some], high[some], self._find_paint(colour))
 
-    def _fill_triangles(self, p: Array, shade: Array, low: Whole, high: Whole, base: Array) -> None:
-        """Fill triangles where they are nearer to the viewer than what has been drawn, by barycentric coordinates.
+    def _find_paint(self, colour: Colour) -> int:
+        if colour not in self._colours:
+            self._colours.append(colour)
+        return self._colours.index(colour)
+
+    def _fill_triangles(self, p: Array, shade: Array, low: Whole, high: Whole, paint: int) -> None:
+        """Fill triangles where they are nearer to the viewer than what has been drawn, row by row of pixels.
 
         `low` and `high` are the corners of their boxes [fine pixels]. Of triangles at one depth the first is drawn.
         """
         each, y = _expand(low[:, 1], high[:, 1])
-        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = np.moveaxis(p, 0, 2)
-        det = ((bx - ax) * (cy - ay) - (cx - ax) * (by - ay))[each]
+        (ax, ay), (bx, by), (cx, cy) = np.moveaxis(p[:, :, :2], 0, 2)
+        det = (bx - ax) * (cy - ay) - (cx - ax) * (by - ay)
+        # Barycentric coordinates v and w of corners b and c, linear in the distance to the right of corner a.
+        v_slope, w_slope = ((cy - ay) / det)[each], ((ay - by) / det)[each]
         left, down = ax[each], y - ay[each]
-        v_right, v_down = (cy - ay)[each], (cx - ax)[each] * down
-        w_right, w_down = (by - ay)[each], (bx - ax)[each] * down
-        # In a row, each coordinate is 0 at an end of the triangle; to round outwards makes up for the last digits.
+        v_left, w_left = down * ((ax - cx) / det)[each], down * ((bx - ax) / det)[each]
+        # In a row, each of u, v and w is 0 at an end of the triangle.
         ends = [low[each, 0]], [high[each, 0]]
-        for slope, offset in ((v_right, -v_down), (-w_right, w_down), (w_right - v_right, v_down - w_down + det)):
+        for slope, value in ((v_slope, v_left), (w_slope, w_left), (-v_slope - w_slope, 1.0 - v_left - w_left)):
             with np.errstate(divide="ignore", invalid="ignore"):
-                zero = np.clip(left - offset / slope, -1.0, self._depth.shape[1])
-            ends[0].append(np.where(slope * det > 0.0, np.floor(zero), -np.inf))
-            ends[1].append(np.where(slope * det < 0.0, np.ceil(zero), np.inf))
-        row, x = _expand(np.max(ends[0], axis=0).astype(int), np.min(ends[1], axis=0).astype(int))
-        right = x - left[row]
-        v = (right * v_right[row] - v_down[row]) / det[row]
-        w = (w_down[row] - right * w_right[row]) / det[row]
-        u = 1.0 - v - w
-        inside = np.flatnonzero((u >= -1e-9) & (v >= -1e-9) & (w >= -1e-9))
-        row, u, v, w = row[inside], u[inside], v[inside], w[inside]
-        each, pixel = each[row], y[row] * self._depth.shape[1] + x[inside]
-        depth = u * az[each] + v * bz[each] + w * cz[each]
+                zero = np.clip(left - value / slope, -1.0, self._depth.shape[1])
+            ends[0].append(np.where(slope > 0.0, np.ceil(zero - _ROUNDING_PX), -np.inf))
+            ends[1].append(np.where(slope < 0.0, np.floor(zero + _ROUNDING_PX), np.inf))
+        first = np.max(ends[0], axis=0).astype(int)
+        count = np.maximum(np.min(ends[1], axis=0).astype(int) - first + 1, 0)
+        # A sliver's depth changes by all of its length within its width: its first pixel must not lie outside.
+        v = np.clip(v_left + v_slope * (first - left), 0.0, 1.0)
+        w = np.clip(w_left + w_slope * (first - left), 0.0, 1.0 - v)
+
+        def at_start(corners: Array) -> tuple[Array, Array]:
+            """Value at the first pixel of each row, and its change from one pixel to the next."""
+            a, to_b, to_c = (corners.T - [[0.0], [1.0], [1.0]] * corners[:, 0])[:, each]
+            return a + v * to_b + w * to_c, v_slope * to_b + w_slope * to_c
+
+        start = np.cumsum(count) - count
+        number = np.arange(int(count.sum()))
+        across = number - np.repeat(start, count)
+        pixel = number + np.repeat(y * self._depth.shape[1] + first - start, count)
+        depth, change = (np.repeat(values, count) for values in at_start(p[:, :, 2]))
+        depth += across * change
         drawn = self._depth.reshape(-1)
         nearer = np.flatnonzero(depth > drawn[pixel])
-        np.maximum.at(drawn, pixel[nearer], depth[nearer])
-        seen = nearer[depth[nearer] == drawn[pixel[nearer]]][::-1]  # the last that is assigned to a pixel counts
-        lights = shade[each[seen]]
-        light = u[seen] * lights[:, 0] + v[seen] * lights[:, 1] + w[seen] * lights[:, 2]
-        self._colour.reshape(-1, 3)[pixel[seen]] = light[:, None] * base
+        pixel, depth = pixel[nearer], depth[nearer]
+        np.maximum.at(drawn, pixel, depth)
+        seen = np.flatnonzero(depth == drawn[pixel])[::-1]  # the last that is assigned to a pixel counts
+        row, pixel = np.repeat(np.arange(len(count)), count)[nearer[seen]], pixel[seen]
+        light, change = at_start(shade)
+        self._light.reshape(-1)[pixel] = light[row] + across[nearer[seen]] * change[row]
+        self._paint.reshape(-1)[pixel] = paint
 
     @property
     def depth_mm(self) -> Array:
         """Depth of each fine pixel towards the viewer [mm]; minus infinity where nothing was drawn."""
         return self._depth / self._scale
 
-    def tint(self, mask: NDArray[np.bool_], drawn: Colour, colour: Colour) -> None:
-        """Give fine pixels that were drawn in one colour another one, even in the shade; empty ones become pale."""
+    def tint(self, mask: NDArray[np.bool_], colour: Colour) -> None:
+        """Give fine pixels another colour, even in the shade; empty ones become pale."""
         self._first, self._last = np.zeros(2, dtype=int), np.array(self._depth.shape)
-        is_empty = ~np.isfinite(self._depth) & mask
-        shade = self._colour[mask] / np.array(drawn)
-        self._colour[mask] = (_LEAST_TINT + (1.0 - _LEAST_TINT) * shade) * np.array(colour)
-        self._colour[is_empty] = 1.0 - 0.35 * (1.0 - np.array(colour))
+        red, green, blue = (1.0 - 0.35 * (1.0 - part) for part in colour)
+        is_empty = mask & np.isinf(self._depth)
+        self._light[mask] = np.where(is_empty[mask], 1.0, _LEAST_TINT + (1.0 - _LEAST_TINT) * self._light[mask])
+        self._paint[mask] = self._find_paint(colour)
+        self._paint[is_empty] = self._find_paint((red, green, blue))
 
     def cover(self) -> NDArray[np.uint8]:
         """Return how far each pixel of the picture is covered by what was drawn, from 0 to 255."""
@@ -150,8 +171,10 @@ class Canvas:
         # What was drawn, with room for its outline: the rest stays white.
         (top, left), (bottom, right) = np.maximum(self._first // k - 1, 0), self._last // k + 2
         window = np.s_[top * k : bottom * k, left * k : right * k]
-        colour = self._colour[window].copy()
-        colour[_outline(self._depth[window], self._scale)] *= 0.45
+        light = self._light[window].astype(np.float32)
+        light[_outline(self._depth[window], self._scale)] *= 0.45
+        colour = np.array(self._colours, dtype=np.float32)[self._paint[window]]
+        colour *= light[:, :, None]
         small = sum(colour[row::k, column::k] for row in range(k) for column in range(k)) / (k * k)
         picture[top:bottom, left:right] = (np.clip(small, 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
         return picture
@@ -167,11 +190,11 @@ def _expand(first: Whole, last: Whole) -> tuple[Whole, Whole]:
 def _outline(depth: Array, scale: float) -> NDArray[np.bool_]:
     """Find the pixels at which the depth drops by more than 1 mm to a neighbour, or the background begins."""
     step = np.zeros(depth.shape, dtype=bool)
-    near = np.where(np.isfinite(depth), depth, -1e9)
-    for away, steps in ((near, step), (near.T, step.T)):
-        jump = away[1:] - away[:-1]
-        steps[1:] |= jump > scale
-        steps[:-1] |= jump < -scale
+    for one, other in ((np.s_[1:], np.s_[:-1]), (np.s_[:, 1:], np.s_[:, :-1])):
+        with np.errstate(invalid="ignore"):  # of two pixels in the background, none is a step
+            jump = depth[one] - depth[other]
+        step[one] |= jump > scale
+        step[other] |= jump < -scale
     return step
 
 

@@ -2,8 +2,8 @@
 
 The parts stand at the top of the folder, as `build` writes them, with pictures of the casting steps in `steps/`, and
 the drawings and the acceptance sheet beside them. The board is in `board/`, the trial in `signal/`. Each is a set of
-its own. STEP files, trial and pictures are made in processes beside, while this process makes the others. The page
-that shows them all is made last, from what was written.
+its own. STEP files, trial and pictures are made in processes beside, while this process makes the others, and prepares
+what the page shows of the design alone. The page is made last, from what was written.
 """
 
 from __future__ import annotations
@@ -22,10 +22,12 @@ from fingertip.foundation import extras
 from fingertip.foundation.files import TemporaryFolder
 from fingertip.foundation.processes import in_background
 from fingertip.foundation.progress import ReportProgress, Work
+from fingertip.page.render import Prepared, prepare_page
 from fingertip.pictures.drawing.draw import draw_files, file_names
 from fingertip.sim.trace_file import encode_trace
 from fingertip.tasks.board import BRING_UP_FILES, plan_board
 from fingertip.tasks.build import build, default_formats
+from fingertip.tasks.page import write_page
 
 if TYPE_CHECKING:
     from fingertip.detection.files import FileDetection
@@ -89,16 +91,18 @@ def make(
     sheets.check((output_files.ACCEPTANCE, output_files.PAGE, *(file_names(design) if draws else ())))
     output_files.BOARD.writer(design, board_folder, force, folder).check(BRING_UP_FILES)
     signal.check((output_files.TRACE, output_files.PLOT, output_files.DETECTION))
-    work = Work(design.name, {"parts": 6.0, "page": 2.0}, progress)
-    rest: list[tuple[dict[str, bytes], FileDetection, dict[str, bytes]]] = []
+    work = Work(design.name, {"parts": 6.0, "page": 0.5}, progress)
+    rest: list[tuple[dict[str, bytes], FileDetection, dict[str, bytes], Prepared | None]] = []
 
     def make_the_rest(report: ReportProgress) -> None:
-        stages = Work("", {"trial": 2.0} | ({"drawings": 12.0} if draws else {}), report)
+        stages = Work("", {"page": 1.0, "trial": 1.0} | ({"drawings": 12.0} if draws else {}), report)
+        stages.begin("page")
+        prepared = prepare_page(design) if "stl" in formats else None
         stages.begin("trial")
         signal_files, found = trial()
         drawings = draw_files(design, stages.within("drawings")) if draws else {}
         sheet = render_acceptance(acceptance_data(design, found.detection)).encode()
-        rest.append((signal_files, found, {output_files.ACCEPTANCE: sheet, **drawings}))
+        rest.append((signal_files, found, {output_files.ACCEPTANCE: sheet, **drawings}, prepared))
 
     report = work.within("parts")
     with in_background(simulate_and_detect, design) as trial:
@@ -106,18 +110,16 @@ def make(
         parts = build(
             design, folder, formats=formats, pictures=True, force=force, progress=report, meanwhile=make_the_rest
         )
-    ((signal_files, found, sheet_files),) = rest
+    ((signal_files, found, sheet_files, prepared),) = rest
     board_paths = board.write(progress)
     signal.write(signal_files)
     sheets.write(sheet_files)
     signal_paths = tuple(signal.folder / name for name in signal_files)
     drawn = tuple(parts.folder / name for name in sheet_files if name != output_files.ACCEPTANCE)
     page = None
-    if "stl" in formats:
-        from fingertip.tasks.page import write_page  # noqa: PLC0415
-
+    if prepared:
         work.begin("page")
-        page, _, _ = write_page(design, parts.folder, force=force)
+        page, _, _ = write_page(design, parts.folder, force=force, prepared=prepared)
     else:
         progress(f"{output_files.PAGE} is left out: it shows the STL files; add stl to the formats")
     wanted = {"OCP": "STEP files", "reportlab": "drawings"} if named is None or "step" in named else {}

@@ -7,12 +7,12 @@ from pathlib import Path
 from fingertip.catalogues.output_files import PAGE, PART_FILES
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue, OutputError
-from fingertip.page.render import render_page
+from fingertip.page.render import Prepared, render_page
 from fingertip.page.sources import read_sources
 
 
 def write_page(
-    design: Design, out: str | Path | None = None, *, force: bool = False
+    design: Design, out: str | Path | None = None, *, force: bool = False, prepared: Prepared | None = None
 ) -> tuple[Path, int, tuple[str, ...]]:
     """Write the page of a design beside its files; returns its size [byte]. Raises OutputError."""
     folder = PART_FILES.folder(design, out)
@@ -20,7 +20,7 @@ def write_page(
     writer.check((PAGE,))
     try:
         sources = read_sources(design, folder)
-        data = render_page(sources)
+        data = render_page(sources, prepared)
     except (FingertipError, OSError, MemoryError):
         raise
     except Exception as error:  # what the manifest lists may be any file all the same

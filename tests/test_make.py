@@ -16,7 +16,7 @@ from fingertip.pictures.drawing.draw import PDF
 from fingertip.tasks import make as make_files
 from fingertip.tasks.board import write_board
 from fingertip.tasks.build import build
-from fingertip.tasks.make import simulate_and_detect
+from fingertip.tasks.trial import simulate_and_detect
 from fingertip.tasks.verification import verify_sets
 from tests.conftest import run_fingertip
 

@@ -20,7 +20,7 @@ from fingertip.documents.acceptance import (
 from fingertip.sim.signal.bridge import ConductanceCurve
 from fingertip.slip.detection import Detection
 from fingertip.slip.report import as_text
-from fingertip.tasks.make import simulate_and_detect
+from fingertip.tasks.trial import simulate_and_detect
 from tests.conftest import ROOT, design_file, run_fingertip
 
 NAMES = ("fsr400", "fsr402", "fsr400_compact", *PRESETS)

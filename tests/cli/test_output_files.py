@@ -26,7 +26,7 @@ FILES = (
     ("params", "--html", ".html", "fingertip.page.atlas.draw_atlas"),
     ("picture fsr400", "--out", ".png", "fingertip.pictures.picture.draw"),
     ("sheet fsr400", "--out", ".md", "fingertip.casting.quantities.measure_volumes"),
-    ("acceptance fsr400", "--out", ".md", "fingertip.tasks.make.simulate_and_detect"),
+    ("acceptance fsr400", "--out", ".md", "fingertip.tasks.trial.simulate_and_detect"),
     ("check fsr400", "--junit", ".xml", "fingertip.cad.verification.verify.verify"),
     ("simulate", "--out", ".csv", "fingertip.sim.Simulation.write"),
     ("simulate", "--plot", ".png", "fingertip.sim.Simulation.run"),

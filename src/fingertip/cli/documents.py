@@ -48,7 +48,7 @@ def acceptance(
     """Write the acceptance sheet: tests of the sensor and of the finished finger, with limits and causes of failure."""
     from fingertip.catalogues.output_files import ACCEPTANCE
     from fingertip.documents.acceptance import acceptance_data, render_acceptance
-    from fingertip.tasks.make import simulate_and_detect
+    from fingertip.tasks.trial import simulate_and_detect
 
     refuse(find_file_issues("--out", out, ".md"))
     loaded = load_design(design, changes, console)

@@ -8,7 +8,6 @@ what the page shows of the design alone. The page is made last, from what was wr
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,22 +18,17 @@ from fingertip.catalogues import output_files
 from fingertip.design import Design
 from fingertip.documents.acceptance import acceptance_data, render_acceptance
 from fingertip.foundation import extras
-from fingertip.foundation.files import TemporaryFolder
 from fingertip.foundation.processes import in_background
 from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.page.render import Prepared, prepare_page
 from fingertip.pictures.drawing.draw import draw_files, file_names
-from fingertip.sim.trace_file import encode_trace
 from fingertip.tasks.board import BRING_UP_FILES, plan_board
 from fingertip.tasks.build import build, default_formats
 from fingertip.tasks.page import write_page
+from fingertip.tasks.trial import simulate_and_detect
 
 if TYPE_CHECKING:
     from fingertip.detection.files import FileDetection
-
-
-DETECTOR = "fast"
-"""Detector of the trial: the best there is."""
 
 
 @dataclass(frozen=True)
@@ -125,34 +119,3 @@ def make(
     wanted = {"OCP": "STEP files", "reportlab": "drawings"} if named is None or "step" in named else {}
     extras.say_left_out({**wanted, "matplotlib": output_files.PLOT}, progress)
     return Made(parts, drawn, board_paths, signal_paths, found, page)
-
-
-def simulate_and_detect(
-    design: Design, progress: ReportProgress = lambda message: None
-) -> tuple[dict[str, bytes], FileDetection]:
-    """Simulate a trial, and detect slip in its trace as it is read back from a file."""
-    from fingertip.detection.files import detect_file  # noqa: PLC0415
-    from fingertip.sim import SceneFile, load_simulation, run_scene  # noqa: PLC0415
-    from fingertip.slip.detectors.registry import find_second_column  # noqa: PLC0415
-    from fingertip.slip.report import as_data  # noqa: PLC0415
-
-    work = Work("", {"simulated trial": 3.0, "detection of slip in it": 2.0}, progress)
-    work.begin("simulated trial")
-    scene = load_simulation().scene
-    assert isinstance(scene, SceneFile)
-    if second := find_second_column(design, DETECTOR):
-        scene = scene.model_copy(update={"outputs": [*scene.outputs, f"sampled_{second}"]})
-    result = run_scene(design, scene)
-    contents = {output_files.TRACE: encode_trace(result.time_s, result.columns, Path(output_files.TRACE))}
-    work.begin("detection of slip in it")
-    with TemporaryFolder() as temporary:
-        path = temporary / output_files.TRACE
-        path.write_bytes(contents[output_files.TRACE])
-        found = detect_file(path, design, DETECTOR, origin=result.trace.origin)
-    data = as_data(found.detection, found.noise)
-    contents[output_files.DETECTION] = (json.dumps(data, indent=2, allow_nan=False) + "\n").encode()
-    if extras.is_installed("matplotlib"):
-        from fingertip.slip.report import draw  # noqa: PLC0415
-
-        contents[output_files.PLOT] = draw(found.trace, found.detection, f"{design.name}: simulated trial")
-    return contents, found

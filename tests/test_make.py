@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from fingertip import Design, board_values, make
+from fingertip.cad.report import Build
 from fingertip.catalogues.output_files import ACCEPTANCE, PART_FILES
 from fingertip.documents.acceptance import acceptance_data, render_acceptance
 from fingertip.foundation import extras
 from fingertip.foundation.errors import OutputError
-from fingertip.pictures.drawing.draw import PDF
+from fingertip.pictures.drawing.draw import file_names
 from fingertip.tasks import make as make_files
 from fingertip.tasks.board import write_board
 from fingertip.tasks.build import build
@@ -87,16 +89,19 @@ def test_own_file_in_any_set_is_found_before_anything_is_written(tmp_path: Path)
 @pytest.mark.full
 def test_drawings_come_with_step_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Both need the B-rep kernel, whose minutes this test leaves to the README's first block."""
-    design, messages = Design.load("fsr400"), list[str]()
-    monkeypatch.setattr(make_files, "draw_files", lambda *_: {PDF: b"drawn"})
-    monkeypatch.setattr(make_files, "build", lambda *given, **options: build(*given, **options | {"formats": ["stl"]}))
+    design, messages, asked = Design.load("fsr400"), list[str](), list[bool]()
+
+    def build_meshes(*given: Any, **options: Any) -> Build:
+        asked.append(options["drawings"])
+        return build(*given, **options | {"formats": ["stl"], "drawings": False})
+
+    monkeypatch.setattr(make_files, "build", build_meshes)
     made = make(design, tmp_path / "a", formats=["stl", "step"], progress=messages.append)
-    assert made.drawings == (tmp_path / "a" / PDF,)
-    assert made.drawings[0].read_bytes() == b"drawn"
+    assert made.drawings == tuple(tmp_path / "a" / name for name in file_names(design))
     assert verify_sets(tmp_path / "a")[1] == []
     monkeypatch.setattr(extras, "is_installed", lambda module: module != "reportlab")
     made = make(design, tmp_path / "b", formats=["stl", "step"], progress=messages.append)
-    assert made.drawings == ()
+    assert (made.drawings, asked) == ((), [True, False])
     assert [message for message in messages if "left out" in message] == [
         f"left out: drawings; {extras.install_command('reportlab')} adds them"
     ]

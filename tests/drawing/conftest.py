@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 
 from fingertip.design import Design
-from fingertip.pictures.drawing.draw import draw_sheets
+from fingertip.pictures.drawing.draw import sheet_jobs
 from fingertip.pictures.drawing.primitives import Sheet
+from fingertip.pictures.drawing.projection import run_apart
 from tests.conftest import ROOT, design_file, some_of
 
 FILES = sorted(path.stem for path in (ROOT / "params").glob("*.toml"))
@@ -32,4 +33,4 @@ def load_variant(variant: tuple[str, tuple[str, ...]]) -> Design:
 def drawn(request: pytest.FixtureRequest) -> tuple[Design, dict[str, Sheet]]:
     """Design and its sheets by part."""
     design = load_variant(request.param)
-    return design, draw_sheets(design)
+    return design, run_apart(sheet_jobs(design))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterator
+from functools import partial
 from itertools import combinations, pairwise
 
 import pytest
@@ -101,22 +102,23 @@ def test_every_size_stands_on_its_sheet_once_and_checks_have_a_row(drawn: Drawn)
 def test_errors_of_the_process_are_raised_here() -> None:
     from fingertip.design.geometry.solids import Box, difference
     from fingertip.foundation.errors import GeometryError
-    from fingertip.pictures.drawing.projection import project_parts
+    from fingertip.pictures.drawing.projection import project_part, run_apart
 
     box = Box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
+    nothing = difference(box, Box((-1.0, -1.0, -1.0), (2.0, 2.0, 2.0)))
     with pytest.raises(GeometryError, match="one valid solid was expected"):
-        project_parts((("nothing", difference(box, Box((-1.0, -1.0, -1.0), (2.0, 2.0, 2.0))), ("front",)),))
+        run_apart((("nothing", partial(project_part, nothing, ("front",))),))
     with pytest.raises(GeometryError, match=r"still projecting after 0\.01 s"):
-        project_parts((("box", box, ("front",)),), time_limit_s=0.01)
+        run_apart((("box", partial(project_part, box, ("front",))),), time_limit_s=0.01)
 
 
 @pytest.mark.full
 def test_box_is_projected_exactly_with_its_hidden_bore() -> None:
     from fingertip.design.geometry.solids import Box, cylinder, difference
-    from fingertip.pictures.drawing.projection import project_parts
+    from fingertip.pictures.drawing.projection import project_part, run_apart
 
     box = difference(Box((-2.0, -1.0, 0.0), (2.0, 3.0, 9.0)), cylinder("y", (4.0, 0.0), -2.0, 4.0, 0.5))
-    views = project_parts((("box", box, ("front", "dorsal", "section")),))["box"]
+    views = run_apart((("box", partial(project_part, box, ("front", "dorsal", "section"))),))["box"]
     assert views["front"].bounds() == (0.0, -1.0, 9.0, 3.0)
     hidden = {edge for edge in views["front"].hidden if len(edge) == 2 and edge[0][0] == edge[1][0]}
     assert hidden == {((3.5, -1.0), (3.5, 3.0)), ((4.5, -1.0), (4.5, 3.0))}

@@ -35,6 +35,7 @@ from fingertip.foundation.output_set import SetWriter, read_manifest
 from fingertip.foundation.processes import in_background
 from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.pad.survey import survey_pad
+from fingertip.pictures.drawing.draw import file_names, render_sheets, sheet_jobs
 
 
 def build(
@@ -46,6 +47,7 @@ def build(
     tolerance_mm: float = 0.01,
     material: str | None = None,
     pictures: bool = False,
+    drawings: bool = False,
     force: bool = False,
     progress: Callable[[str], None] = lambda message: None,
     meanwhile: Callable[[ReportProgress], None] | None = None,
@@ -77,6 +79,8 @@ def build(
         silicone.product if None. The sheet is written if all parts are built.
     pictures
         Whether a picture of each casting step is drawn, for the casting sheet.
+    drawings
+        Whether the drawings are made too, beside the STEP files of all parts.
     force
         Whether files may be overwritten that no build wrote, or that were changed since.
     progress
@@ -108,7 +112,9 @@ def build(
         extras.require("sensor.insert", "scipy", alternative="set sensor.insert=none")
     design, evaluator = design.with_silicone(material), MeshEvaluator(tolerance_mm)
     writer = output_files.PART_FILES.writer(design, folder, force)
-    writer.check(_file_names(names, file_formats, len(names) == len(known)))
+    writer.check(
+        (*_file_names(names, file_formats, len(names) == len(known)), *(file_names(design) if drawings else ()))
+    )
     print_writer = output_files.PRINTS.writer(design, folder / output_files.PRINT_FOLDER, force, folder)
     print_writer.check(_print_names(names, file_formats, len(names) == len(known)))
     picture_writer = output_files.STEPS.writer(design, folder / output_files.STEPS_FOLDER, force, folder)
@@ -116,7 +122,7 @@ def build(
 
     stages = {
         "parts": 2.0, "pad by finite elements": 30.0 * presses, "rest": 3.0 * (meanwhile is not None),
-        "pictures": 1.0 * pictures, "STEP files": 4.0 * ("step" in file_formats),
+        "pictures": 1.0 * pictures, "STEP files": (4.0 + 6.0 * drawings) * ("step" in file_formats),
     }  # fmt: skip
     work = Work("", stages, progress)
 
@@ -128,7 +134,8 @@ def build(
             solids = tuple((name, PARTS[name].solid(design), PARTS[name].colour) for name in names)
             bought = tuple((item.name, item.solid, item.colour) for item in hardware(design, names))
             tools = tuple(name for name in names if PARTS[name].is_tool)
-            job = StepJob(design.name, solids, brep_balance_solids(design, names), bought, tools)
+            balance, sheets = brep_balance_solids(design, names), sheet_jobs(design) if drawings else ()
+            job = StepJob(design.name, solids, balance, bought, tools, sheets)
             process = stack.enter_context(StepProcess.start(job))
         drawing: Callable[[], dict[str, bytes]] = dict
         if pictures and all_built:
@@ -149,7 +156,7 @@ def build(
             meanwhile(work.within("rest"))
         work.begin("pictures")
         steps_drawn = drawing()
-        step = StepFiles({}, {}, {})
+        step = StepFiles({}, {}, {}, {})
         if process:
             work.begin("STEP files")
             step = process.result(advance=work.advance)
@@ -158,6 +165,8 @@ def build(
                 checks += check_brep_solid(design, PARTS[name], meshes[name], measured, scale, tolerance_mm)
             checks += check_brep_assembly(design, step.measurements, step.volumes_mm3)
         contents = dict(verified.contents) | step.contents
+        if drawings:
+            contents |= render_sheets(design, step.also)
     if "cq" in file_formats:
         contents |= {part_file(name, "cq"): write_script(design, name) for name in names}
 

@@ -101,7 +101,7 @@ def make_coupon(
                 contents[f"{name}.{file_format}"] = data
                 read = MESH_FORMATS[file_format].from_bytes(data)
                 checks += check_mesh_file(design, COUPON_PARTS[name], read, file_format)
-        step = StepFiles({}, {}, {})
+        step = StepFiles({}, {}, {}, {})
         if process:
             work.begin("STEP files")
             step = process.result(advance=work.advance)

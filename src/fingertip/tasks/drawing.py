@@ -25,6 +25,7 @@ def write_drawing(
     folder = PART_FILES.folder(design, out)
     writer = PART_FILES.writer(design, folder, force)
     writer.check_addition(file_names(design))
-    files = draw_files(design, progress)
+    progress(f"{design.name}: projecting the parts and placing their sizes")
+    files = draw_files(design)
     writer.add(files)
     return tuple(folder / name for name in files)

@@ -21,7 +21,7 @@ from fingertip.foundation import extras
 from fingertip.foundation.processes import in_background
 from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.page.render import Prepared, prepare_page
-from fingertip.pictures.drawing.draw import draw_files, file_names
+from fingertip.pictures.drawing.draw import file_names
 from fingertip.tasks.board import BRING_UP_FILES, plan_board
 from fingertip.tasks.build import build, default_formats
 from fingertip.tasks.page import write_page
@@ -82,34 +82,34 @@ def make(
     named = None if formats is None else tuple(formats)
     formats = default_formats() if named is None else named
     draws = "step" in formats and extras.is_installed("reportlab")
-    sheets.check((output_files.ACCEPTANCE, output_files.PAGE, *(file_names(design) if draws else ())))
+    sheets.check((output_files.ACCEPTANCE, output_files.PAGE))
     output_files.BOARD.writer(design, board_folder, force, folder).check(BRING_UP_FILES)
     signal.check((output_files.TRACE, output_files.PLOT, output_files.DETECTION))
     work = Work(design.name, {"parts": 6.0, "page": 0.5}, progress)
-    rest: list[tuple[dict[str, bytes], FileDetection, dict[str, bytes], Prepared | None]] = []
+    rest: list[tuple[dict[str, bytes], FileDetection, bytes, Prepared | None]] = []
 
     def make_the_rest(report: ReportProgress) -> None:
-        stages = Work("", {"page": 1.0, "trial": 1.0} | ({"drawings": 12.0} if draws else {}), report)
+        stages = Work("", {"page": 1.0, "trial": 1.0}, report)
         stages.begin("page")
         prepared = prepare_page(design) if "stl" in formats else None
         stages.begin("trial")
         signal_files, found = trial()
-        drawings = draw_files(design, stages.within("drawings")) if draws else {}
         sheet = render_acceptance(acceptance_data(design, found.detection)).encode()
-        rest.append((signal_files, found, {output_files.ACCEPTANCE: sheet, **drawings}, prepared))
+        rest.append((signal_files, found, sheet, prepared))
 
     report = work.within("parts")
     with in_background(simulate_and_detect, design) as trial:
         board = plan_board(design, board_folder, force=force, bring_up=True, top=folder)
         parts = build(
-            design, folder, formats=formats, pictures=True, force=force, progress=report, meanwhile=make_the_rest
-        )
-    ((signal_files, found, sheet_files, prepared),) = rest
+            design, folder, formats=formats, pictures=True, drawings=draws, force=force, progress=report,
+            meanwhile=make_the_rest,
+        )  # fmt: skip
+    ((signal_files, found, sheet, prepared),) = rest
     board_paths = board.write(progress)
     signal.write(signal_files)
-    sheets.write(sheet_files)
+    sheets.write({output_files.ACCEPTANCE: sheet})
     signal_paths = tuple(signal.folder / name for name in signal_files)
-    drawn = tuple(parts.folder / name for name in sheet_files if name != output_files.ACCEPTANCE)
+    drawn = tuple(parts.folder / name for name in file_names(design)) if draws else ()
     page = None
     if prepared:
         work.begin("page")

@@ -15,6 +15,7 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from fingertip.design.geometry.solids import Solid
 from fingertip.foundation.errors import FingertipError, GeometryError, Issue
@@ -41,6 +42,8 @@ class StepJob:
     """Name, solid and colour of what only the assembly holds."""
     tools: tuple[str, ...] = ()
     """Names of parts that the assembly leaves out."""
+    also: tuple[tuple[str, Callable[[Any], Any]], ...] = ()
+    """What else is computed by the process that makes a part: its name, and a function of the evaluator."""
 
 
 @dataclass(frozen=True)
@@ -51,8 +54,8 @@ class BrepMeasurements:
     genus: int
 
 
-Measured = tuple[dict[str, BrepMeasurements], dict[str, float]]
-"""Measurements of the parts, and volumes of the other solids [mm3], by name."""
+Measured = tuple[dict[str, BrepMeasurements], dict[str, float], dict[str, Any]]
+"""Measurements of the parts, volumes of the other solids [mm3], and what else was computed, by name."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +64,7 @@ class StepFiles:
     """File name -> bytes."""
     measurements: dict[str, BrepMeasurements]
     volumes_mm3: dict[str, float]
+    also: dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -107,7 +111,7 @@ class StepProcess:
             with contextlib.suppress(subprocess.TimeoutExpired):
                 _, stderr = self.process.communicate(timeout=min(POLL_S, left_s))
             steps = len(("starting", "loading", "hardware", "assembly"))
-            steps += 2 * len(self.job.parts) + len(self.job.measured_solids)
+            steps += 2 * len(self.job.parts) + len(self.job.measured_solids) + len(self.job.also)
             advance((len(self._steps()) - 1) / steps)
         if stderr is None:
             status = self._steps()[-1]

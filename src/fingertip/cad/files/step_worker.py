@@ -47,18 +47,20 @@ def run_job(job: StepJob, folder: Path) -> Measured:
         from fingertip.cad.files import step_writer  # noqa: PLC0415
 
         step_writer.write_assembly(folder / "assembly.step", f"fingertip_{job.title}", all_solids + bought)
-        parts, volumes = _measure(own_job, evaluator, solids, folder)
-        other_parts, other_volumes = receive() or ({}, {})
-        return parts | other_parts, volumes | other_volumes
+        measured = _measure(own_job, evaluator, solids, folder)
+        parts, volumes, also = receive() or ({}, {}, {})
+        return measured[0] | parts, measured[1] | volumes, measured[2] | also
 
 
 def _split_job(job: StepJob) -> tuple[StepJob, StepJob]:
     """Split a job into two halves; neighbouring parts stay together, because they share solids."""
     parts, measured = len(job.parts) // 2, (len(job.measured_solids) + 1) // 2
-    return (
-        StepJob(job.title, job.parts[:parts], job.measured_solids[:measured]),
-        StepJob(job.title, job.parts[parts:], job.measured_solids[measured:]),
+    halves = (job.parts[:parts], job.measured_solids[:measured]), (job.parts[parts:], job.measured_solids[measured:])
+    own, forked = (
+        StepJob(job.title, *half, also=tuple(one for one in job.also if one[0] in {name for name, _, _ in half[0]}))
+        for half in halves
     )
+    return own, forked
 
 
 def _make_solids(job: StepJob, folder: Path) -> tuple[Any, list[Any]]:
@@ -79,7 +81,12 @@ def _measure(job: StepJob, evaluator: Any, solids: list[Any], folder: Path) -> M
     for name, solid in job.measured_solids:
         write_status(folder, f"measuring {name}")
         volumes[name] = brep.volume(evaluator.shape(solid))
-    return {name: BrepMeasurements(brep.volume(solid), brep.genus(solid)) for name, solid, _ in solids}, volumes
+    parts = {name: BrepMeasurements(brep.volume(solid), brep.genus(solid)) for name, solid, _ in solids}
+    also = {}
+    for name, compute in job.also:
+        write_status(folder, f"drawing {name}")
+        also[name] = compute(evaluator)
+    return parts, volumes, also
 
 
 def _write_parts(solids: list[Any], folder: Path) -> None:
@@ -94,8 +101,8 @@ def _write_parts(solids: list[Any], folder: Path) -> None:
 def _fork(job: StepJob, folder: Path) -> Iterator[Callable[[], Any]]:
     """Do a job in a forked process; what is provided waits for its next answer. Without parts there are none.
 
-    The process saves its solids as `<part>.brep`. While this process writes the assembly from them, it measures them
-    and writes their STEP files.
+    The process saves its solids as `<part>.brep`. While this process writes the assembly from them, it writes their
+    STEP files, measures them and draws them.
     """
     if not job.parts:
         yield lambda: None
@@ -135,14 +142,13 @@ def _run_forked_job(job: StepJob, folder: Path, answer: Any) -> None:
 
     try:
         evaluator, solids = _make_solids(job, folder)
+        for name, solid, _ in solids:
+            brep.save(solid, folder / f"{name}.brep")
+        answer.send("made")
+        _write_parts(solids, folder)
+        answer.send(_measure(job, evaluator, solids, folder))
     except FingertipError as error:
         answer.send(error)
-        return
-    for name, solid, _ in solids:
-        brep.save(solid, folder / f"{name}.brep")
-    answer.send("made")
-    answer.send(_measure(job, evaluator, solids, folder))
-    _write_parts(solids, folder)
 
 
 def write_status(folder: Path, status: str) -> None:

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
+from typing import Any
 
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.design import Design
 from fingertip.design.geometry.sizes import Length, PartDrawing
+from fingertip.design.geometry.solids import Solid
 from fingertip.foundation import extras
-from fingertip.foundation.progress import Work
 from fingertip.pictures.drawing import mold_sizes, part_sizes
 from fingertip.pictures.drawing.layout import lay_out
 from fingertip.pictures.drawing.primitives import Sheet
-from fingertip.pictures.drawing.projection import project_parts
+from fingertip.pictures.drawing.projection import Job, project_part, run_apart
 from fingertip.pictures.drawing.render import render_pdf, render_svg
 from fingertip.pictures.drawing.title_block import Heading
 
@@ -74,24 +76,30 @@ def require_packages(field: str) -> None:
     extras.require(field, "OCP", "reportlab", alternative="draw a picture with fingertip picture")
 
 
-def draw_sheets(design: Design, progress: Callable[[str], None] = lambda message: None) -> dict[str, Sheet]:
-    """Draw a sheet for each printed part, by name. Raises MissingLibraryError or GeometryError."""
+def sheet_jobs(design: Design) -> Job[Sheet]:
+    """List what draws the sheet of each printed part."""
     drawings = part_drawings(design)
     # The engraved letters would hide the rest under some hundred edges. A note names them.
     plain = design.with_values({"mold.engraving_depth_mm": 0.0})
-    work = Work("", {"projecting the parts": 20.0, **{f"drawing of {d.part}": 1.0 for d in drawings}}, progress)
-    work.begin("projecting the parts")
-    views = project_parts(tuple((d.part, PARTS[d.part].solid(plain), d.views) for d in drawings))
-    sheets = {}
-    for number, drawing in enumerate(drawings, 1):
-        work.begin(f"drawing of {drawing.part}")
-        sheets[drawing.part] = lay_out(drawing, views[drawing.part], Heading(design.name, "", number, len(drawings)))
-    return sheets
+    headings = (Heading(design.name, "", number, len(drawings)) for number in range(1, len(drawings) + 1))
+    return tuple(
+        (drawing.part, partial(_draw_sheet, drawing, PARTS[drawing.part].solid(plain), heading))
+        for drawing, heading in zip(drawings, headings, strict=True)
+    )
 
 
-def draw_files(design: Design, progress: Callable[[str], None] = lambda message: None) -> dict[str, bytes]:
+def _draw_sheet(drawing: PartDrawing, solid: Solid, heading: Heading, evaluator: Any) -> Sheet:
+    return lay_out(drawing, project_part(solid, drawing.views, evaluator), heading)
+
+
+def render_sheets(design: Design, sheets: Mapping[str, Sheet]) -> dict[str, bytes]:
+    """Render sheets in the order of the parts: file name -> content."""
+    ordered = {drawing.part: sheets[drawing.part] for drawing in part_drawings(design)}
+    files = {svg_name(part): render_svg(sheet) for part, sheet in ordered.items()}
+    return files | {PDF: render_pdf(tuple(ordered.values()), f"fingertip {design.name}")}
+
+
+def draw_files(design: Design) -> dict[str, bytes]:
     """Draw a design: file name -> content. Raises MissingLibraryError or GeometryError."""
     require_packages("drawing")
-    sheets = draw_sheets(design, progress)
-    files = {svg_name(part): render_svg(sheet) for part, sheet in sheets.items()}
-    return files | {PDF: render_pdf(tuple(sheets.values()), f"fingertip {design.name}")}
+    return render_sheets(design, run_apart(sheet_jobs(design)))

@@ -1,9 +1,13 @@
-"""Separate process that projects parts, because the B-rep kernel can hang or crash, as in `cad.files.step_process`."""
+"""Projection of parts, and the separate process that it runs in: the B-rep kernel can hang or crash, as in
+`cad.files.step_process`, whose processes project the parts that they have made anyway.
+"""
 
 from __future__ import annotations
 
 import pickle
 import subprocess
+from collections.abc import Callable, Collection
+from typing import Any, TypeVar
 
 from fingertip.design.geometry.sizes import ViewName
 from fingertip.design.geometry.solids import Solid
@@ -12,28 +16,32 @@ from fingertip.foundation.files import TemporaryFolder
 from fingertip.foundation.processes import python_command, python_environment
 from fingertip.pictures.drawing.primitives import PROJECTIONS, ProjectedView
 
-Job = tuple[tuple[str, Solid, tuple[ViewName, ...]], ...]
-"""Name, solid and views of each part."""
-PartViews = dict[str, dict[ViewName, ProjectedView]]
+T = TypeVar("T")
+Job = tuple[tuple[str, Callable[[Any], T]], ...]
+"""What is computed, by name: functions of the B-rep evaluator."""
 
 
-def run_job(job: Job) -> PartViews:
-    """Project every part in its views. Raises MissingLibraryError or GeometryError."""
-    from fingertip.cad.kernel import brep  # raises MissingLibraryError if OCP cannot be loaded  # noqa: PLC0415
+def project_part(solid: Solid, wanted: Collection[ViewName], evaluator: Any) -> dict[ViewName, ProjectedView]:
+    """Project a part in its views. Raises GeometryError."""
     from fingertip.pictures.drawing.hidden_lines import project  # noqa: PLC0415
 
+    shape = evaluator.solid(solid)
+    return {view: project(shape, view) for view in PROJECTIONS if view in wanted}
+
+
+def run_job(job: Job[T]) -> dict[str, T]:
+    """Compute everything with one evaluator. Raises MissingLibraryError or GeometryError."""
+    from fingertip.cad.kernel import brep  # raises MissingLibraryError if OCP cannot be loaded  # noqa: PLC0415
+
     evaluator = brep.BrepEvaluator()
-    views: PartViews = {}
-    for name, solid, wanted in job:
-        shape = evaluator.solid(solid)
-        views[name] = {view: project(shape, view) for view in PROJECTIONS if view in wanted}
-    return views
+    return {name: compute(evaluator) for name, compute in job}
 
 
 TIME_LIMIT_S = 180.0
 
 
-def project_parts(job: Job, time_limit_s: float = TIME_LIMIT_S) -> PartViews:
+def run_apart(job: Job[T], time_limit_s: float = TIME_LIMIT_S) -> dict[str, T]:
+    """Run a job in a process of its own. Raises MissingLibraryError or GeometryError."""
     with TemporaryFolder() as folder:  # ezdxf reads settings of the current folder
         try:
             done = subprocess.run(
@@ -49,9 +57,9 @@ def project_parts(job: Job, time_limit_s: float = TIME_LIMIT_S) -> PartViews:
             message = f"the B-rep kernel was still projecting after {time_limit_s:g} s; check the design with build."
             raise GeometryError(Issue("drawing", message)) from None
     last = done.stderr.decode(errors="replace").strip().splitlines()[-1:] or ["no message"]
-    views, error = ({}, last[0]) if done.returncode else pickle.loads(done.stdout)
+    found, error = ({}, last[0]) if done.returncode else pickle.loads(done.stdout)
     if isinstance(error, FingertipError):
         raise error
     if error is not None:
         raise GeometryError(Issue("drawing", f"the B-rep kernel crashed ({error}); check the design with build."))
-    return views  # type: ignore[no-any-return]
+    return found  # type: ignore[no-any-return]

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from fingertip.cad.verification.check import Check
+from fingertip.foundation.plot_style import new_figure
 from fingertip.sweep.database import SweepTable
 from fingertip.sweep.point_evaluator import PointEvaluator
 from fingertip.sweep.report.feasibility_plot import histogram_edges, make_scale
@@ -345,3 +346,14 @@ def test_continuous_values_have_bins_of_equal_width() -> None:
     assert len(edges) == 25
     assert np.diff(edges) == pytest.approx(np.diff(edges)[0])
     assert np.histogram(values, edges)[0].sum() == len(values)
+
+
+@pytest.mark.parametrize(
+    ("words", "degrees"), [(("smooth", "wood"), 0.0), (tuple(f"variant_{i:02}" for i in range(8)), 30.0)]
+)
+def test_words_below_a_plot_that_would_lie_on_each_other_are_turned(words: tuple[str, ...], degrees: float) -> None:
+    pytest.importorskip("matplotlib")
+    axes = new_figure(4, 3).subplots()
+    make_scale("surface", np.array(words), 24).apply(axes, "x")
+    assert [label.get_text() for label in axes.get_xticklabels()] == sorted(words)
+    assert {label.get_rotation() for label in axes.get_xticklabels()} == {degrees}

@@ -26,6 +26,10 @@ _VALUES_PER_BIN = 10
 """Number of distinct values in a bin above which no comb can be seen."""
 
 
+_SIDE_BY_SIDE = 45
+"""Letters of all words below a plot from which on they are turned: they would lie on each other."""
+
+
 @dataclass(frozen=True)
 class PlotScale:
     name: str
@@ -46,7 +50,9 @@ class PlotScale:
     ) -> None:
         getattr(axes, f"set_{side}label")(wrap_name(self.name, max_label), fontsize=size)
         if self.categories:
-            getattr(axes, f"set_{side}ticks")(range(len(self.categories)), self.categories)
+            is_long = side == "x" and sum(map(len, self.categories)) > _SIDE_BY_SIDE
+            turned = {"rotation": 30, "ha": "right", "rotation_mode": "anchor"} if is_long else {}
+            getattr(axes, f"set_{side}ticks")(range(len(self.categories)), self.categories, **turned)
         elif self.log:
             from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter  # noqa: PLC0415
 

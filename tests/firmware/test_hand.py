@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import subprocess
 from dataclasses import replace
 from pathlib import Path
@@ -136,23 +137,25 @@ def test_what_is_no_voltage_changes_little_and_is_reported(
 
 
 def test_glitches_of_any_size_change_little_output(trials: list[tuple[Recording, FastOutput]]) -> None:
-    """A code of any value in one sample. Few change anything, and the worst may exceed 50 ms: see the manual."""
+    """One sample off by 20 mV to 3 V in S, 1 mV to 3 V in T, or both, anywhere and around onsets and ends."""
     random = np.random.default_rng(3)
-    changed, reported = [], []
+    changed, seen = [], []
     for (recording, expected), which in itertools.product(trials, ("T", "S", "TS")):
-        for _ in range(6):
-            at = int(random.integers(600, len(expected.on) - 600))
-            code = random.integers(0, TOP + 1)
-            rest_v = 1.65 if which == "S" else 0.0
-            value = float(code * DESIGN.detector.adc_step_v - rest_v)
-            found = run_one(spoil(recording, which, at, value))
+        edges = np.flatnonzero(np.diff(expected.on.astype(int)))
+        around = (edges[:, None] + random.integers(-60, 60, (len(edges), 16))).ravel()
+        for at in (*random.integers(600, len(expected.on) - 600, 4), *around):
+            spoiled = Recording(recording.tactile_v.copy(), recording.filtered_v.copy())
+            for name, volts, least_v in (("T", spoiled.tactile_v, 1e-3), ("S", spoiled.filtered_v, 0.02)):
+                if name in which:
+                    volts[at] += random.choice([-1.0, 1.0]) * math.exp(random.uniform(math.log(least_v), math.log(3.0)))
+            found = run_one(spoiled)
             changed.append(np.count_nonzero(found.on != expected.on) / RATE_HZ)
-            jump = abs(value - recording.tactile_v[at]) if "T" in which else 0.0
-            reported.append(found.is_replaced[at + 1] or jump < 0.03)
-    changed_s = np.array(changed)
+            seen.append(found.is_replaced[at + 1])
+    changed_s, is_seen = np.array(changed), np.array(seen)
     print(f"{np.mean(changed_s > 0):.3f} change something, worst {1e3 * changed_s.max():.0f} ms, of {len(changed_s)}")
-    assert np.mean(changed_s > FAULT_S) <= 0.005
-    assert np.mean(reported) > 0.7  # a glitch of S is seen from 0.2 V on
+    assert changed_s.max() <= FAULT_S
+    assert np.mean(changed_s > FAULT_S / 2) <= 0.003
+    assert is_seen.mean() > 0.7
 
 
 def test_a_recording_may_begin_with_a_glitch(trials: list[tuple[Recording, FastOutput]]) -> None:

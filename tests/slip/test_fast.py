@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from fingertip.lab.campaign.mix_signals import LabelledSignal, Slide
-from fingertip.slip.detectors import fast_loop
+from fingertip.slip.detectors import fast, fast_loop
 from fingertip.slip.detectors.fast import (
     STAY_SCORE,
     TICK_S,
@@ -393,6 +393,18 @@ def test_floors_stand_while_the_score_is_near_slip(score: float) -> None:
     before = detector.state[fast_loop.FLOOR]
     assert not detector.process(volts[1000:]).incipient.any()
     assert (detector.state[fast_loop.FLOOR] == before) == (score > STAY_SCORE)
+
+
+def test_of_a_jump_that_the_next_sample_confirms_nothing_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A jump of 0.3 V decays in the filtered signal: soon the bands hold what they hold where no jump is suspected."""
+    volts = np.full(800, 4.0)
+    filtered = np.where(np.arange(800) < 500, 0.0, 0.3 * np.exp(-(np.arange(800) - 500) / 5)) + white_noise(800)
+    settings = FastSettings(RATE_HZ, NOISE_V, filtered=FilteredSignal(64.0, 4.0))
+    suspected = FastDetector(settings).process(volts, filtered).filtered_v
+    monkeypatch.setattr(fast, "FILTERED_JUMP_RATIO", math.inf)
+    expected = FastDetector(settings).process(volts, filtered).filtered_v
+    assert np.abs(suspected - expected)[500:505].max() > 0.05 * np.abs(expected).max()
+    assert np.abs(suspected - expected)[510:].max() < 0.02 * np.abs(expected).max()
 
 
 def test_slip_stays_on_while_the_trees_say_so_though_its_vibration_has_ended() -> None:

@@ -74,8 +74,10 @@ def find_load(board: ControllerBoard, sample_rate_hz: float, fingers: int = 1) -
     target = read_costs()["targets"]["Cortex-M4F" if board.has_floats else "Cortex-M0+"]
     counts, short, longest = target["instructions"], target["short_instructions"], target["max_instructions"]
     tick_samples, measured = (max(1, round(TICK_S * rate)) for rate in (sample_rate_hz, read_costs()["sample_rate_hz"]))
-    with_trees = math.ceil(fingers / tick_samples)
-    worst = with_trees * longest + (fingers - with_trees) * short
+    with_trees, of_five = math.ceil(fingers / tick_samples), math.ceil(5 / measured)
+    # Where slip begins at all fingers at once, all check their samples in the longest one of five.
+    without = max(short, (target["five_fingers"]["max"] - of_five * longest) / (5 - of_five))
+    worst = with_trees * longest + (fingers - with_trees) * without
 
     def cycles(count: float) -> int:
         return math.ceil(CYCLES_PER_INSTRUCTION * count / 100) * 100

@@ -35,9 +35,10 @@ _GROUPS = (
         "FILTERED_GAIN FILTERED_LIMIT LIMITED_SAMPLES STILL_SAMPLES",
     ),
     (
-        "Checks of samples: size of what is no voltage, jumps that the next sample must confirm [V]; samples of trust, "
-        "of a gap, and of a report; ticks of OFF after a gap.",
-        "NUMBER_LIMIT JUMP_LIMIT FILTERED_JUMP_LIMIT TRUSTED_SAMPLES GAP_SAMPLES FAULT_SAMPLES RESTART_TICKS",
+        "Checks of samples: size of what is no voltage, jumps that the next one must confirm [V] and in mean moves; "
+        "samples of trust, of a gap, and of a report; ticks of OFF after a gap.",
+        "NUMBER_LIMIT JUMP_LIMIT FILTERED_JUMP_LIMIT JUMP_MOVES TRUSTED_SAMPLES GAP_SAMPLES FAULT_SAMPLES "
+        "RESTART_TICKS",
     ),
     (
         "Tactile voltages that forces give, as their middle and half their range [V], and their codes.",

@@ -61,6 +61,14 @@ enum { LEAVES = 1 << SLIP_DEPTH };
 
 #include "slip_trees.h"
 
+static slip_real greater(slip_real one, slip_real other) {
+    return one > other ? one : other;
+}
+
+static slip_real lesser(slip_real one, slip_real other) {
+    return one < other ? one : other;
+}
+
 /* Sum the leaves of all trees. Nodes count from 1: node k has the branches 2 k and 2 k + 1, and entry 0 is not used. */
 static slip_real evaluate_trees(const slip_real *row) {
     slip_key keys[SLIP_COUNT];
@@ -90,26 +98,19 @@ static slip_real evaluate_trees(const slip_real *row) {
 
 /* Move a floor by a share towards an energy, which counts as no more than some times the floor. */
 static slip_real adapt_floor(slip_real level, slip_real energy, slip_real share) {
-    slip_real clipped = SLIP_CLIP_RATIO * level;
-    return level + share * ((energy < clipped ? energy : clipped) - level);
+    return level + share * (lesser(energy, SLIP_CLIP_RATIO * level) - level);
 }
 
 /* Decide at a tick: features, trees, ON or OFF, floors. `slope` is the squared slope of this sample [V^2]. */
 static void tick(slip_state *state, slip_real slope) {
     slip_real row[SLIP_COUNT];
     slip_real wide_floor, upper_floor, slow_floor, greatest, peak, low, change, half_change, score, share, excess;
-    slip_real input_excess, on_score, input_noise, step_noise, lowest;
+    slip_real on_score, input_noise, step_noise;
     unsigned middle, i;
     bool is_strong, is_moving, is_held;
 
-    greatest = state->slopes[0] > state->slopes[1] ? state->slopes[0] : state->slopes[1];
-    if (state->slopes[2] > greatest) {
-        greatest = state->slopes[2];
-    }
-    peak = state->peaks[0] > state->peaks[1] ? state->peaks[0] : state->peaks[1];
-    if (state->peaks[2] > peak) {
-        peak = state->peaks[2];
-    }
+    greatest = greater(state->slopes[2], greater(state->slopes[0], state->slopes[1]));
+    peak = greater(state->peaks[2], greater(state->peaks[0], state->peaks[1]));
     state->slot++;
     if (state->slot >= SLIP_SLOT_TICKS) {
         state->slot = 0;
@@ -127,13 +128,9 @@ static void tick(slip_state *state, slip_real slope) {
         state->lows[2] = state->lows[1];
         state->lows[1] = state->lows[0];
         state->lows[0] = state->wide_short;
-    } else if (state->wide_short < state->lows[0]) {
-        state->lows[0] = state->wide_short;
     }
-    low = state->lows[0] < state->lows[1] ? state->lows[0] : state->lows[1];
-    if (state->lows[2] < low) {
-        low = state->lows[2];
-    }
+    state->lows[0] = lesser(state->wide_short, state->lows[0]);
+    low = lesser(state->lows[2], lesser(state->lows[0], state->lows[1]));
     state->ring_phase++;
     if (state->ring_phase >= 2) {
         state->ring_phase = 0;
@@ -156,11 +153,9 @@ static void tick(slip_state *state, slip_real slope) {
     input_noise = R(0.25) * state->step * state->step;
     step_noise = state->has_filtered && state->still < SLIP_STILL_SAMPLES
         ? R(0.25) * state->filtered_step * state->filtered_step : input_noise;
-    lowest = step_noise * SLIP_WIDE_SHARE;
-    wide_floor = state->floor > lowest ? state->floor : lowest;
-    lowest = step_noise * SLIP_UPPER_SHARE;
-    upper_floor = state->upper_floor > lowest ? state->upper_floor : lowest;
-    slow_floor = SLIP_WIDE_SHARE * (state->input_floor > input_noise ? state->input_floor : input_noise);
+    wide_floor = greater(state->floor, step_noise * SLIP_WIDE_SHARE);
+    upper_floor = greater(state->upper_floor, step_noise * SLIP_UPPER_SHARE);
+    slow_floor = SLIP_WIDE_SHARE * greater(state->input_floor, input_noise);
     greatest *= SLIP_SLOPE_GAIN;
     slope *= SLIP_SLOPE_GAIN;
     row[0] = state->upper_short / upper_floor;
@@ -173,7 +168,7 @@ static void tick(slip_state *state, slip_real slope) {
     if (row[0] > SLIP_LOUD || row[2] > SLIP_LOUD || row[1] > SLIP_LOUD_20 || row[3] > SLIP_LOUD_20) {
         row[4] = greatest / slow_floor;
         row[5] = change * change / slow_floor;
-        row[6] = half_change * (half_change > R(0.0) ? half_change : -half_change) / slow_floor;
+        row[6] = half_change * MAGNITUDE(half_change) / slow_floor;
         row[7] = state->net_short * state->net_short / (state->total_short * state->total_short + SLIP_TINY);
         row[8] = state->upper_short / (peak + SLIP_TINY);
         row[9] = state->wide_long / (greatest + SLIP_TINY);
@@ -191,17 +186,10 @@ static void tick(slip_state *state, slip_real slope) {
     }
 
     /* In more noise or coarser steps than stated, more must speak for slip. */
-    excess = wide_floor / (SLIP_NOISY_RATIO * state->min_floor) - R(1.0);
-    input_excess = slow_floor / (SLIP_NOISY_RATIO * SLIP_WIDE_SHARE * SLIP_MIN_INPUT_FLOOR) - R(1.0);
-    if (input_excess > excess) {
-        excess = input_excess;
-    }
-    excess = excess < R(0.0) ? R(0.0) : (excess > R(1.0) ? R(1.0) : excess);
-    on_score = SLIP_ON_SCORE + SLIP_NOISE_RISE * excess;
-    state->confidence = (score - SLIP_LOWEST_SCORE) / (on_score - SLIP_LOWEST_SCORE);
-    if (state->confidence < R(0.0)) {
-        state->confidence = R(0.0);
-    }
+    excess = greater(wide_floor / (SLIP_NOISY_RATIO * state->min_floor) - R(1.0),
+                     slow_floor / (SLIP_NOISY_RATIO * SLIP_WIDE_SHARE * SLIP_MIN_INPUT_FLOOR) - R(1.0));
+    on_score = SLIP_ON_SCORE + SLIP_NOISE_RISE * greater(R(0.0), lesser(excess, R(1.0)));
+    state->confidence = greater(R(0.0), (score - SLIP_LOWEST_SCORE) / (on_score - SLIP_LOWEST_SCORE));
 
     /* Decision: OFF until the floors are learned; slip that has begun stays while its energy does. */
     if (state->settling > 0) {
@@ -223,7 +211,7 @@ static void tick(slip_state *state, slip_real slope) {
     if (state->incipient) {
         /* A tone's energy is constant and that of slip is not: floors follow a tone. */
         state->on_ticks += R(1.0);
-        share = R(1.0) / (state->on_ticks < SLIP_TONE_TICKS ? state->on_ticks : SLIP_TONE_TICKS);
+        share = R(1.0) / lesser(state->on_ticks, SLIP_TONE_TICKS);
         state->mean += share * (state->wide_long - state->mean);
         state->mean_square += share * (state->wide_long * state->wide_long - state->mean_square);
         if (state->on_ticks > SLIP_TONE_TICKS
@@ -250,20 +238,14 @@ static void tick(slip_state *state, slip_real slope) {
         state->input_floor = state->input_long;
     } else {
         state->floor_ticks += R(1.0);
-        share = R(1.0) / (state->floor_ticks < SLIP_MAX_FLOOR_TICKS ? state->floor_ticks : SLIP_MAX_FLOOR_TICKS);
+        share = R(1.0) / lesser(state->floor_ticks, SLIP_MAX_FLOOR_TICKS);
         state->floor = adapt_floor(state->floor, state->wide_long, share);
         state->upper_floor = adapt_floor(state->upper_floor, state->upper_long, share);
         state->input_floor = adapt_floor(state->input_floor, state->input_long, share);
     }
-    if (state->floor < state->min_floor) {
-        state->floor = state->min_floor;
-    }
-    if (state->upper_floor < state->min_upper_floor) {
-        state->upper_floor = state->min_upper_floor;
-    }
-    if (state->input_floor < SLIP_MIN_INPUT_FLOOR) {
-        state->input_floor = SLIP_MIN_INPUT_FLOOR;
-    }
+    state->floor = greater(state->floor, state->min_floor);
+    state->upper_floor = greater(state->upper_floor, state->min_upper_floor);
+    state->input_floor = greater(state->input_floor, SLIP_MIN_INPUT_FLOOR);
 }
 
 enum check { USED, REPLACED_SAMPLE, CONFIRMED, GLITCH, BEGUN };
@@ -341,12 +323,12 @@ static NOT_INLINED bool use_tactile(slip_state *state, slip_real tactile_v, slip
     return found != REPLACED_SAMPLE;
 }
 
-/* Judge a sample of the filtered signal, as a voltage at the filter's input [V]. Return it, or the last one in its place;
- * where its rest is to be set anew, that is its place. */
-static NOT_INLINED slip_real use_filtered(slip_state *state, slip_real filtered, slip_real jump) {
-    /* Both were taken at the same time. */
-    const enum check found = state->tactile_check.is_suspected
-        ? REPLACED_SAMPLE : check_sample(&state->filtered_check, filtered, jump, SLIP_FILTERED_JUMP_LIMIT);
+/* Judge a sample of the filtered signal, as a voltage at the filter's input [V], by its distance from the last one that
+ * was used. Return it, or the last one in its place; where its rest is to be set anew, that is its place. `late` becomes
+ * what was held back of the sample before it. */
+static NOT_INLINED slip_real use_filtered(slip_state *state, slip_real filtered, slip_real limit, slip_real *late) {
+    const slip_real move = filtered - state->last_filtered;
+    const enum check found = check_sample(&state->filtered_check, filtered, move, limit);
     if (found == GLITCH || state->filtered_check.wrong > 0) {
         state->replaced = SLIP_FAULT_SAMPLES;
     }
@@ -357,12 +339,17 @@ static NOT_INLINED slip_real use_filtered(slip_state *state, slip_real filtered,
     }
     note_busy(state);
     if (found == REPLACED_SAMPLE) {
+        state->held = move;
         return state->last_filtered;
     }
     if (found == CONFIRMED && state->settling > 0) {
         state->begins = true;
         state->last_filtered = R(0.0);
         return R(0.0);
+    }
+    /* The restoring filter adds its input up for 10 ms: it gets what was held back, unless that was a glitch. */
+    if (found == CONFIRMED && move * state->held > R(0.5) * state->held * state->held) {
+        *late = state->held;
     }
     return filtered;
 }
@@ -378,10 +365,10 @@ static void note_outside(slip_state *state, bool is_outside) {
 
 /* Process one sample: the change of the tactile voltage [V], and the filtered signal's deviation from its rest [V]. */
 static void step(slip_state *state, slip_real change, slip_real deviation) {
-    slip_real move, jump, board, filtered, restored, edge, upper, wide, slope;
+    slip_real move, limit, late, board, filtered, restored, edge, upper, wide, slope;
 
     /* Smallest step of the converter: the smallest difference between two samples. */
-    move = change < R(0.0) ? -change : change;
+    move = MAGNITUDE(change);
     if (R(0.0) < move && move < state->step) {
         state->step = move;
     }
@@ -396,19 +383,17 @@ static void step(slip_state *state, slip_real change, slip_real deviation) {
      * limit. */
     if (state->has_filtered) {
         filtered = SLIP_FILTERED_GAIN * deviation;
-        /* What jumps in the filtered signal jumps in the tactile voltage too. */
         move = filtered - state->last_filtered;
-        jump = is_within(move, SLIP_FILTERED_JUMP_LIMIT) && !state->filtered_check.is_suspected
-            ? R(0.0) : move - (board - state->last_board);
-        state->last_board = board;
-        if (state->is_busy || !is_within(jump, SLIP_FILTERED_JUMP_LIMIT)) {
-            filtered = use_filtered(state, filtered, jump);
+        late = R(0.0);
+        /* A jump is one where the signal stood nearly still: in slip, what is far beyond its movement until then. */
+        limit = greater(SLIP_JUMP_MOVES * state->mean_move, SLIP_FILTERED_JUMP_LIMIT);
+        if (state->is_busy || !is_within(move, limit)) {
+            filtered = use_filtered(state, filtered, limit, &late);
             move = filtered - state->last_filtered;
         }
         state->last_filtered = filtered;
-        if (move < R(0.0)) {
-            move = -move;
-        }
+        move = MAGNITUDE(move);
+        state->mean_move += SLIP_SHORT * (move - state->mean_move);
         if (R(0.0) < move && move < state->filtered_step) {
             state->filtered_step = move;
         }
@@ -417,14 +402,13 @@ static void step(slip_state *state, slip_real change, slip_real deviation) {
         } else if (state->still < SLIP_STILL_SAMPLES) {
             state->still++;
         }
-        if (state->board_stage > SLIP_FILTERED_LIMIT || -state->board_stage > SLIP_FILTERED_LIMIT
-            || filtered > SLIP_FILTERED_LIMIT || -filtered > SLIP_FILTERED_LIMIT) {
+        if (!is_within(state->board_stage, SLIP_FILTERED_LIMIT) || !is_within(filtered, SLIP_FILTERED_LIMIT)) {
             state->limited = SLIP_LIMITED_SAMPLES;
         }
         if (state->limited > 0) {
             state->limited--;
         } else if (state->still < SLIP_STILL_SAMPLES) {
-            board = filtered;
+            board = filtered + late;
         }
     }
 
@@ -462,20 +446,14 @@ static void step(slip_state *state, slip_real change, slip_real deviation) {
     state->last_edge = edge;
     state->net_short += SLIP_SHORT * (move - state->net_short);
     state->net_long += SLIP_LONG * (move - state->net_long);
-    if (move < R(0.0)) {
-        move = -move;
-    }
+    move = MAGNITUDE(move);
     state->total_short += SLIP_SHORT * (move - state->total_short);
     state->total_long += SLIP_LONG * (move - state->total_long);
 
     /* Squared slope and upper energy, the greatest of each slot. */
     slope *= slope;
-    if (slope > state->slopes[0]) {
-        state->slopes[0] = slope;
-    }
-    if (state->upper_short > state->peaks[0]) {
-        state->peaks[0] = state->upper_short;
-    }
+    state->slopes[0] = greater(slope, state->slopes[0]);
+    state->peaks[0] = greater(state->upper_short, state->peaks[0]);
 
     state->phase++;
     if (state->phase >= SLIP_TICK_SAMPLES) {

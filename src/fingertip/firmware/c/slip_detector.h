@@ -54,7 +54,7 @@ typedef struct slip_state {
     slip_real slow, rough;                                   /* sums of slopes since the ring's revolution, of the rest */
     slip_real last_edge, last_filtered;                      /* below the upper edge, and filtered signal [V] */
     slip_real last_tactile_v, rest_v;                        /* last sample, and filtered signal at rest [V] */
-    slip_real last_board;                                    /* board's filter, driven by the tactile voltage [V] */
+    slip_real mean_move, held;                               /* of the filtered signal: mean of 6 ms, of a jump [V] */
     slip_real net_short, total_short, net_long, total_long;  /* net and total movement of 6 and 20 ms [V] */
     slip_real slopes[3], peaks[3];                           /* greatest squared slope and upper energy of each slot */
     slip_real lows[3];                                       /* smallest wide energy of each slot [V^2] */

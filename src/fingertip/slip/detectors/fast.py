@@ -88,8 +88,9 @@ NUMBER_RATIO = 1e6
 JUMP_RATIO = 36.0
 """Ratio to the stated noise of a jump between two samples that the next one must confirm: 20 mV on the default board,
 where a glitch of 10 mV changes no more than 25 ms of output, and touching an object moves 16 mV at most, mostly."""
-FILTERED_JUMP_RATIO = 6.0
-"""The same for a jump of the filtered signal that the tactile voltage does not explain."""
+FILTERED_JUMP_RATIO = 1.0
+"""The same for the smallest jump of the filtered signal: 37 mV on the default board, 70 times its noise there. In slip
+it is greater (`fast_loop.JUMP_MOVES`)."""
 TRUSTED_S = 0.01
 """Time after a confirmed jump in which no jump is suspected [s]: a fast movement goes on."""
 GAP_S = 0.02

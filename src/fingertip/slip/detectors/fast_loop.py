@@ -45,6 +45,9 @@ UNLEARNED_RATIO = 0.03
 DECAY_RATIO = 0.02
 """Ratio of the wide energies of 6 and 20 ms below which the vibration has ended. After an abrupt end the ratio falls to
 it within 34 ms, however strong the vibration was."""
+JUMP_MOVES = 8.0
+"""Ratio of a jump of the filtered signal to its mean movement between two samples, over 6 ms, that the next sample must
+confirm. A jump of less adds some hundredths to the energies of slip, and noise does not reach it."""
 TINY = 1e-30
 IS_INCIPIENT, IS_ON, IS_REPLACED, IS_OUTSIDE = 1.0, 2.0, 4.0, 8.0
 """Flags, which are summed in the loop's last output: decisions, and faults of the input."""
@@ -60,8 +63,8 @@ SLOPE, SLOPE_1, SLOPE_2, PEAK, PEAK_1, PEAK_2, SLOT = range(27, 34)
 STEP, FILTERED_STEP, REST, LIMITED, FLOOR, UPPER_FLOOR, INPUT_FLOOR, FLOOR_TICKS, SETTLING = range(34, 43)
 ON, ON_TICKS, MEAN, MEAN_SQUARE, SMOOTH_SCORE, PHASE, RING_PHASE, RING_AT, CONFIDENCE = range(43, 52)
 INCIPIENT, LOW, LOW_1, LOW_2, LOW_PHASE, ROUGH, STILL, LASTING_TICKS = range(52, 60)
-REPLACED, OUTSIDE, BOARD, INPUT_CHECK, FILTERED_CHECK = 60, 61, 62, 63, 66
-RING_START = 69
+REPLACED, OUTSIDE, MEAN_MOVE, INPUT_CHECK, FILTERED_CHECK, HELD = 60, 61, 62, 63, 66, 69
+RING_START = 70
 STATES = RING_START + RING
 
 
@@ -174,7 +177,7 @@ def _fast_loop(
     incipient, lasting_ticks = state[INCIPIENT], state[LASTING_TICKS]
     low_0, low_1, low_2, low_phase = state[LOW], state[LOW_1], state[LOW_2], state[LOW_PHASE]
     phase, ring_phase, ring_at = state[PHASE], state[RING_PHASE], int(state[RING_AT])
-    replaced, outside, last_board = state[REPLACED], state[OUTSIDE], state[BOARD]
+    replaced, outside, mean_move, held = state[REPLACED], state[OUTSIDE], state[MEAN_MOVE], state[HELD]
     slope_gain = SLOPE_S * SLOPE_S * rate * rate
     move_gain = MOVE_S * MOVE_S * rate * rate
     at = 0
@@ -213,23 +216,19 @@ def _fast_loop(
         if filtered_gain > 0.0:
             y = filtered_gain * (filtered_samples[i] - rest)
             move = y - last_filtered
-            # What jumps in the filtered signal jumps in the tactile voltage too, unless it is a glitch.
-            jump = move - (h - last_board)
-            last_board = h
-            if -filtered_jump_limit <= move <= filtered_jump_limit and state[FILTERED_CHECK + 1] == 0.0:
-                jump = 0.0
-            if state[INPUT_CHECK + 1] > 0.0:
-                found = REPLACED_SAMPLE  # both were taken at the same time
-            else:
-                found = check_sample(
-                    y, jump, number_limit, filtered_jump_limit, trusted_samples, gap_samples, state, FILTERED_CHECK
-                )
+            # A jump is one where the signal stood nearly still: in slip, what is far beyond its movement until then.
+            limit = JUMP_MOVES * mean_move
+            if limit < filtered_jump_limit:
+                limit = filtered_jump_limit
+            found = check_sample(y, move, number_limit, limit, trusted_samples, gap_samples, state, FILTERED_CHECK)
+            late = 0.0
             if found == REPLACED_SAMPLE:
-                y = last_filtered
-                move = 0.0
+                held, y, move = move, last_filtered, 0.0
             elif found == CONFIRMED and settling > 0.0:
                 rest = filtered_samples[i]
                 y = move = 0.0
+            elif found == CONFIRMED and move * held > 0.5 * held * held:
+                late = held  # r adds its input up for 10 ms: it gets what was held back, unless that was a glitch
             last_filtered = y
             if found == GLITCH or state[FILTERED_CHECK] > 0.0:
                 replaced = fault_samples
@@ -238,6 +237,7 @@ def _fast_loop(
                 settling = restart_ticks if settling < restart_ticks else settling
             if move < 0.0:
                 move = -move
+            mean_move += short * (move - mean_move)
             if 0.0 < move < filtered_step:
                 filtered_step = move
             still = 0.0 if move > 0.0 else still + 1.0
@@ -246,7 +246,7 @@ def _fast_loop(
             if limited > 0.0:
                 limited -= 1.0
             elif still < still_samples:
-                h = y
+                h = y + late
 
         # r has the cutoff of the bands, e lies below their upper edge; u upper band, w wide band; slope is the
         # difference of the slow voltage.
@@ -465,7 +465,7 @@ def _fast_loop(
     state[SMOOTH_SCORE], state[CONFIDENCE] = smooth_score, confidence
     state[INCIPIENT], state[LASTING_TICKS] = incipient, lasting_ticks
     state[LOW], state[LOW_1], state[LOW_2], state[LOW_PHASE] = low_0, low_1, low_2, low_phase
-    state[REPLACED], state[OUTSIDE], state[BOARD] = replaced, outside, last_board
+    state[REPLACED], state[OUTSIDE], state[MEAN_MOVE], state[HELD] = replaced, outside, mean_move, held
     state[PHASE], state[RING_PHASE], state[RING_AT] = phase, ring_phase, float(ring_at)
 
 

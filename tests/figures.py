@@ -61,7 +61,8 @@ def describe_figure(figure: Any) -> Iterator[str]:
             ticks = [tick.get_text() for at, tick in seen if min(limits) <= at <= max(limits)]
             yield f"  {name} {axis.get_label_text()!r} {axis.get_scale()} {sum_up(limits)} ticks {' | '.join(ticks)}"
         for line in axes.lines:
-            look = f"{to_hex(line.get_color())} {line.get_linestyle()} {line.get_marker()} {line.get_linewidth():g}"
+            look = f"{to_hex(line.get_color())} {line.get_linestyle()} {line.get_linewidth():g} {_describe_layer(line)}"
+            look += f" {line.get_marker()} {line.get_markersize():g}"
             yield f"  line {_label(line)} {look} x {sum_up(line.get_xdata())} y {sum_up(line.get_ydata())}"
         for mark in axes.collections:
             colours = sorted({to_hex(colour, True) for colour in (*mark.get_facecolor(), *mark.get_edgecolor())})
@@ -75,11 +76,16 @@ def describe_figure(figure: Any) -> Iterator[str]:
             )
             values = f" values {sum_up(array.filled(np.nan))} in {scale}" if array.size else ""
             clip = "" if mark.get_clip_on() else "beyond the axes "
+            sizes = sum_up([*(mark.get_sizes()[:1] if hasattr(mark, "get_sizes") else ()), *mark.get_linewidths()[:2]])
+            clip += f"{sizes} {_describe_layer(mark)} "
             yield f"  area {clip}{_label(mark)} {' '.join(colours[:9])} at {sum_up(mark.get_offsets())} {shape}{values}"
         for patch in axes.patches:
             corners = patch.get_path().transformed(patch.get_patch_transform()).vertices
             ends = (*corners.min(axis=0), *corners.max(axis=0))
-            yield f"  patch {_label(patch)} {to_hex(patch.get_facecolor(), True)} {sum_up(ends)}"
+            look = (
+                f"{to_hex(patch.get_facecolor(), True)} {to_hex(patch.get_edgecolor(), True)} {_describe_layer(patch)}"
+            )
+            yield f"  patch {_label(patch)} {look} {patch.get_linewidth():g} {sum_up(ends)}"
         for image in axes.images:
             yield f"  image {sum_up(image.get_array())} in {image.get_cmap().name} from {sum_up(image.get_clim())}"
         yield from (f"  {_describe_text(text)}" for text in axes.texts)
@@ -98,13 +104,19 @@ def _label(item: Any) -> str:
     return "" if label.startswith("_") else repr(label)
 
 
+def _describe_layer(item: Any) -> str:
+    """Opacity, and the place among what lies above it."""
+    return f"{1.0 if item.get_alpha() is None else item.get_alpha():g} over {item.get_zorder():g}"
+
+
 def _describe_text(text: Any) -> str:
     beside = sum_up(text.xyann) if hasattr(text, "xyann") and text.xyann else ""
     look = f"{text.get_ha()} {text.get_va()} {text.get_fontsize():g} {to_hex(text.get_color())}"
+    look += f" {text.get_rotation():g} {text.get_weight()}"
     return f"text {text.get_text()!r} {sum_up(text.get_position())} {beside} {look}"
 
 
 def _describe_legend(legend: Any) -> Iterator[str]:
     texts = [f"{text.get_text()} {text.get_fontsize():g}" for text in legend.get_texts()]
     frame = "framed" if legend.get_frame_on() else "plain"
-    yield f"  {frame} legend of {legend._ncols} columns: {' | '.join(texts)}"
+    yield f"  {frame} legend at {legend._loc} of {legend._ncols} columns: {' | '.join(texts)}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 import runpy
 import sys
@@ -16,12 +17,22 @@ import fingertip
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.verification.verify import verify
+from tests.approved import check_text
 from tests.conftest import ROOT, run_python
 
 
-def test_every_public_name_exists_and_is_documented() -> None:
-    values = {name: getattr(fingertip, name, None) for name in fingertip.__all__ if name != "__version__"}
-    assert [name for name, value in values.items() if value is None or not value.__doc__] == []
+def describe_argument(argument: inspect.Parameter) -> str:
+    default = argument.default
+    given = default.__name__ if inspect.isfunction(default) else repr(default)
+    return argument.name + ("" if default is argument.empty else f"={given}")
+
+
+def test_every_public_name_is_documented_and_has_the_approved_defaults() -> None:
+    values = {name: fingertip.__getattr__(name) for name in fingertip.__all__ if name != "__version__"}
+    assert [name for name, value in values.items() if not value.__doc__] == []
+    arguments = [(name, one) for name, value in values.items() for one in inspect.signature(value).parameters.values()]
+    lines = [f"{name} {describe_argument(one)}\n" for name, one in arguments]
+    check_text(ROOT / "tests/approved/arguments.txt", "".join(lines))
     assert set(fingertip.__all__) <= set(dir(fingertip))
     assert fingertip.__version__
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from PIL.ImageDraw import ImageDraw
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.shapes.coupon import COUPON_PARTS, list_heights
@@ -28,10 +27,11 @@ from fingertip.design import Design
 from fingertip.foundation.errors import DesignError, TomlFileError
 from fingertip.pictures import coupon_plan
 from fingertip.pictures.coupon_plan import draw_plan
-from fingertip.pictures.raster import Canvas
+from tests.approved import check_figures
 from tests.calibration.simulated import simulate, to_toml
 from tests.conftest import ROOT, design_file, some_of
 from tests.drawing.test_printed_sizes import calibrated
+from tests.view.describe import PenRecord, describe_pixels
 
 DESIGN = Design()
 
@@ -179,24 +179,18 @@ def test_lengths_and_heights_are_where_the_plan_draws_them(name: str) -> None:
         assert not is_at_its_place(meshes, moved), each.name
 
 
-def test_plan_of_a_calibrated_printer_states_the_heights_of_its_files(monkeypatch: pytest.MonkeyPatch) -> None:
-    said: list[str] = []
-    original = ImageDraw.text
-
-    def record(self: ImageDraw, xy: Any, text: str, **kwargs: Any) -> None:
-        said.append(text)
-        original(self, xy, text, **kwargs)
-
-    monkeypatch.setattr(ImageDraw, "text", record)
-    monkeypatch.setattr(Canvas, "draw", lambda *args: None)  # the text alone
-    monkeypatch.setattr(coupon_plan, "_WIDTH_PX", 200)
+def test_plan_of_a_calibrated_printer_is_the_approved_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It states the heights of the files."""
+    pen = PenRecord(monkeypatch)
+    monkeypatch.setattr(coupon_plan, "_WIDTH_PX", 400)
     design = calibrated("fsr400")
     meshes = {
         name: Mesh(1.004 * mesh.vertices, mesh.triangles)
         for name, part in COUPON_PARTS.items()
         for mesh in [MeshEvaluator(0.2).mesh(part.solid(design))]
     }
-    draw_plan(design, meshes)
-    heights = [float(found[1]) for found in (re.fullmatch(r"Z\d+: ([\d.]+)", text) for text in said) if found]
+    picture = draw_plan(design, meshes)
+    heights = [float(height) for line in pen.lines for height in re.findall(r"'Z\d+: ([\d.]+)'", line)]
     tallest = max(mesh.vertices[:, 2].max() for mesh in meshes.values())
     assert max(heights) == pytest.approx(tallest, abs=0.006)
+    check_figures(Path(__file__).parent / "approved" / "plan.txt", [*pen.lines, *describe_pixels(picture)], abs_=0.6)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import shlex
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import click
@@ -13,8 +14,10 @@ import typer.main
 from fingertip.cli import app
 from fingertip.cli.console import fit_width
 from fingertip.cli.help_page import MAX_WIDTH, load_examples
+from tests.approved import check_text
 from tests.conftest import run_fingertip
 
+APPROVED = Path(__file__).parents[1] / "approved"
 ROOT_COMMAND: Any = typer.main.get_command(app)
 
 
@@ -28,19 +31,30 @@ def commands(group: Any = ROOT_COMMAND, prefix: str = "") -> Iterator[tuple[str,
 COMMANDS = dict(commands())
 
 
+def describe_option(option: Any) -> str:
+    default = option.default.as_posix() if isinstance(option.default, Path) else option.default
+    kind = getattr(option, "type", option)  # of typer before 0.29, which has the bounds
+    low, high = (getattr(kind, name, None) for name in ("min", "max"))
+    return f"{option.opts[0]}={default!r}" + (f" from {low} to {high}" if (low, high) != (None, None) else "")
+
+
 def test_help_pages_fit_and_show_every_option_and_examples() -> None:
+    """What is there if an option is left out is the approved value."""
     assert set(load_examples()) == {"", *COMMANDS}
-    wrong = []
+    wrong, defaults = [], []
     for name, command in {"": ROOT_COMMAND, **COMMANDS}.items():
         done = run_fingertip(*name.split(), "--help")
         page = done.stdout
-        options = [one for each in command.params if each.param_type_name == "option" for one in each.opts]
+        listed = [each for each in command.params if each.param_type_name == "option"]
+        defaults += [f"{name} {describe_option(each)}\n" for each in listed if each.name != "help"]
+        options = [one for each in listed for one in each.opts]
         wrong += [(name, one) for one in options if not re.search(rf"(^|[ ,]){one}([ ,]|$)", page, re.MULTILINE)]
         wrong += [(name, line) for line in page.splitlines() if len(line) > MAX_WIDTH]
         wrong += [(name, python_type) for python_type in re.findall(r"<\w+>", page)]
         if done.returncode or "Examples:\n  $ fingertip " not in page:
             wrong.append((name, done.stderr))
     assert wrong == []
+    check_text(APPROVED / "options.txt", "".join(defaults))
 
 
 def test_examples_are_understood() -> None:

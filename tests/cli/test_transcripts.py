@@ -29,6 +29,8 @@ from tests.conftest import run_fingertip
 from tests.sweep.examples import InlineEngine
 
 TRANSCRIPTS = {path.stem: path for path in sorted((Path(__file__).parent / "transcripts").glob("*.txt"))}
+SLOW = ("designs", "signals", "sweeps")
+"""Transcripts that take seconds, or whose commands others of the first set run too."""
 WITHOUT_EXTRAS = ("without_extras", "sweeps")
 """Transcripts of a core installation; a sweep's report has plots otherwise, which take seconds."""
 COMMAND: Any = typer.main.get_command(app)
@@ -76,7 +78,10 @@ def replay(transcript: str) -> str:
     return "".join(done)
 
 
-@pytest.mark.parametrize("name", TRANSCRIPTS)
+@pytest.mark.every_case
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.full if name in SLOW else ()) for name in TRANSCRIPTS]
+)
 def test_commands_do_what_the_transcript_shows(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
 ) -> None:

@@ -6,8 +6,10 @@ from __future__ import annotations
 import contextlib
 import itertools
 import math
+import random
 from collections.abc import Iterator, Mapping
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -19,8 +21,9 @@ from fingertip.design.files import load_tables
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
-from fingertip.design.rules.ruleset import BrokenRule, Rule, Violation, find_violations
+from fingertip.design.rules.ruleset import BrokenRule, RecordingTables, Rule, Violation, find_violations
 from fingertip.foundation.errors import DesignError, Issue
+from tests.approved import check_figures
 from tests.conftest import design_file
 from tests.design.edges import DEFAULTS, NUMERIC, find_edge, find_ends, list_levels, make_covering_array
 from tests.design.test_rules import CASES
@@ -47,6 +50,15 @@ WITHOUT_BOUND = {"taper_reaches_tip", "flat_edges_within_skin", "sensor_fits_fla
 """Rules whose edge has no closed form; their remedies are searched for."""
 MAX_EDGES = 3
 """Parameters in which the edge of one rule is sought."""
+BASES = {
+    "": "fsr400",
+    "bone.interface=socket bone.base_length_mm=32 mold.filling=gravity sensor.insert=mushroom": "fsr402",
+    "bone.interface=flange mold.method=sleeve sensor.insert=disc": "fsr400",
+    "hand.tendon_diameter_mm=0.5": "adult_finger",
+    "board.channels=3 detector.window_samples=100": "article",
+    "mold.method=sleeve mold.filling=gravity board.variant=comparator": "child_thumb",
+}
+"""Changes -> bundled design; between them, most rules apply to one."""
 
 
 def check_rules(tables: DesignTables) -> list[BrokenRule]:
@@ -90,6 +102,37 @@ def list_edges(broken: BrokenRule) -> Iterator[tuple[str, float, float]]:
                 break
         if count == MAX_EDGES:
             return
+
+
+def list_broken(rule: Rule) -> Iterator[Violation]:
+    """Yield how designs break a rule, in which all that it reads is another, and its field the lowest or highest."""
+    rng = random.Random(rule.check.__name__)
+    ends = find_ends(rule.field) if rule.field in NUMERIC else ()
+    for words, name in BASES.items():
+        base = DesignTables(**load_tables([design_file(name)], words.split()).tables)
+        recorder = RecordingTables(base)
+        rule.check(recorder.as_tables())
+        for _ in range(1 if rule.takes_long else 3):
+            changes: dict[str, float] = {}
+            for path in sorted(recorder.reads & set(NUMERIC)):
+                value = base.value(path)
+                other = round(value * rng.uniform(0.5, 2.0), 0 if isinstance(value, int) else 3)
+                if find_bounds(PARAMETERS[path]).contain(other):
+                    changes[path] = type(value)(other)
+            every = (base.with_values(changes | ({} if end is None else {rule.field: end})) for end in (None, *ends))
+            yield from itertools.islice(filter(None, map(rule.check, every)), 1)
+
+
+def test_bounds_of_rules_are_the_approved_ones() -> None:
+    """The first problem of each rule, and the bounds that all of them state."""
+    lines = []
+    for rule in RULES:
+        found = list(list_broken(rule))
+        bounds = {end for one in found for interval in one.passing for end in interval if math.isfinite(end)}
+        others = [f"{path}={value}" for one in found[:1] for path, value in one.alternatives.items()]
+        said = "; ".join(text for one in found[:1] for text in (one.problem, one.note, *others))
+        lines.append(f"{rule.check.__name__}: {said} {' '.join(f'{end:.5g}' for end in sorted(bounds))}")
+    check_figures(Path(__file__).parent / "approved" / "bounds.txt", lines, abs_=1e-6)
 
 
 @pytest.mark.full

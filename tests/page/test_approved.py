@@ -82,7 +82,6 @@ def test_page_is_the_approved_one(page: Page, monkeypatch: pytest.MonkeyPatch) -
     check_figures(APPROVED / "scene.txt", (describe_item(item) for scene in scenes for item in scene), abs_=0.05)
 
 
-@pytest.mark.full
 def test_effects_of_parameters_are_the_approved_ones() -> None:
     """Values, changes and what each parameter moves; a description stands where the parameter is declared."""
     design = Design.load(design_file("adult_finger"))

@@ -28,6 +28,7 @@ from fingertip.pictures.parameter_changes import (
 from tests.approved import check_figures
 from tests.figures import sum_up
 from tests.page.conftest import Page
+from tests.view.describe import describe_pixels
 
 
 def open_picture(png: bytes) -> Any:
@@ -61,11 +62,10 @@ def describe_picture(drawn: AtlasPicture) -> str:
     return ", ".join(said)
 
 
-@pytest.mark.full
 def test_the_change_is_coloured_as_approved(design: Design, picture: AtlasPicture) -> None:
     """A part that becomes longer, and a hole that becomes wider."""
     hole = draw_parameter(design, "bone.cross_bolt_diameter_mm", ("bone",), "another design")
-    lines = [describe_picture(one) for one in (picture, hole) if one]
+    lines = [line for one in (picture, hole) if one for line in (describe_picture(one), *describe_pixels(one.png))]
     check_figures(Path(__file__).parent / "approved" / "atlas.txt", lines, rel=0.04, abs_=2.0)
 
 

@@ -133,7 +133,7 @@ def test_snippets_of_the_readme_attach_the_finger_and_correct_its_contact(
     assert (loaded.opt.timestep, loaded.opt.impratio) == (0.0005, 10000)
 
 
-@pytest.mark.parametrize("side", ["left", "right"])
+@pytest.mark.parametrize("side", [pytest.param("left", marks=pytest.mark.full), "right"])
 def test_a_set_is_one_model_whose_fingers_stand_side_by_side_and_feel_by_themselves(tmp_path: Path, side: str) -> None:
     mujoco = require_module("mujoco", INSTALL)
     loaded_set = load_set("adult_hand")

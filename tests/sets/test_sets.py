@@ -40,7 +40,7 @@ from fingertip.firmware.sources import GRIP_SOURCE, library_sources
 from fingertip.foundation.errors import DesignError, FingertipError
 from fingertip.foundation.output_set import SetWriter
 from fingertip.tasks.verification import verify_sets
-from tests.approved import check_text
+from tests.approved import check_figures, check_text
 from tests.conftest import ROOT, design_file, run_fingertip
 from tests.documents.test_approved import APPROVED, DESIGNS
 
@@ -292,6 +292,7 @@ def test_the_sheets_of_a_set_are_the_approved_ones(data: dict[str, Any]) -> None
              "pair": collect_data("pair", pair, has_board=False)}  # fmt: skip
     for name, found in every.items():
         assert json.loads(json.dumps(found)) == found
+        check_figures(APPROVED / f"set_{name}.json", json.dumps(found, indent=1).splitlines(), abs_=1e-3)
         pages = {"overview": "overview", "plan": "casting_plan", "parts": "parts_list", "acceptance": "acceptance"}
         for page, sheet in pages.items():
             check_text(APPROVED / f"set_{name}_{page}.md", render_sheet(sheet, found))

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from fingertip import Design, Trace, detect
+from fingertip.detection.warnings import calibration_warnings, noise_warnings
 from fingertip.slip.detectors.analog_and_digital import ChainSettings, SlipChain
 from fingertip.slip.report import as_data, as_text, draw_trace
 from fingertip.slip.traces.truth import Interval, Origin
@@ -88,3 +89,16 @@ def test_incipient_slip_that_never_becomes_on_is_listed() -> None:
     assert text.count("never ON") == 10
     assert re.search(r"^incipient +0\.3000 s to +0\.3100 s, never ON$", text, re.MULTILINE)
     assert "and 1 more\n" in text
+
+
+@pytest.mark.parametrize(("beside", "noise", "stated"), [(-1e-6, "14 mV", "0.64 mV"), (1e-6, "15 mV", "0.65 mV")])
+def test_figures_of_warnings_of_noise_are_rounded_at_their_edges(beside: float, noise: str, stated: str) -> None:
+    """A factor of 999 or 1001 would show."""
+    design = Design.load(changes={"detector.noise_v": 0.645e-3 * (1 + beside)})
+    noise_v, before = 14.5e-3 * (1 + beside), detect(record(SLIP), design, "fast")
+    for warnings in (
+        calibration_warnings(noise_v, before, slice(9), design, "it"),
+        noise_warnings(noise_v, design, None),
+    ):
+        (said,) = warnings
+        assert re.findall(r"[\d.]+ mV", said) == [noise, stated]

@@ -210,8 +210,9 @@ POURED = ("mold.filling=gravity", "silicone.product=sylgard_184", "board.variant
           "bone.base_length_mm=32", "mold.method=sleeve", "mold.key_diameter_mm=8", "mold.land_mm=6")  # fmt: skip
 
 
-@pytest.mark.full
-@pytest.mark.parametrize(("name", "changes"), [("outputs_fsr400", ()), ("outputs_poured", POURED)])
+@pytest.mark.parametrize(
+    ("name", "changes"), [("outputs_fsr400", ()), pytest.param("outputs_poured", POURED, marks=pytest.mark.full)]
+)
 def test_outputs_of_a_design_are_the_approved_ones(name: str, changes: tuple[str, ...]) -> None:
     """Every output but those of trials and checks, to four digits."""
     evaluator = CachedEvaluator(COARSE_MM)

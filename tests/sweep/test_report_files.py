@@ -105,7 +105,9 @@ def test_reports_are_the_approved_ones(name: str, tmp_path: Path, monkeypatch: p
     if name not in ("complete", "grid", "one_row"):
         monkeypatch.setattr(report, "select_plots", lambda _: iter(()))
     with make_database(tmp_path / "sweep", **CASES[name]) as database, keep_figures() as figures:
-        data = write_report(database, tmp_path / "out")
+        told: list[Any] = []
+        data = write_report(database, tmp_path / "out", told.append)
+    shares = [f"{one.label} {one.share:.3f}" for one in told]
     written = sorted(path.name for path in (tmp_path / "out").iterdir() if path.name != "manifest.json")
     assert written == data["files"]
     summary = json.loads((tmp_path / "out/summary.json").read_text())
@@ -113,7 +115,7 @@ def test_reports_are_the_approved_ones(name: str, tmp_path: Path, monkeypatch: p
     drawn = ("\n".join(describe_figure(figure)) for figure in figures)
     text, _, told = data["text"].rpartition("\n\n")
     assert told == f"wrote {', '.join(name for name in data['files'])} to {tmp_path / 'out'}"
-    found = "\n\n".join([text, json.dumps(summary["limiting_rules"][:1], indent=1), *written, *drawn])
+    found = "\n\n".join([text, json.dumps(summary["limiting_rules"][:1], indent=1), *written, *shares, *drawn])
     check_figures(Path(__file__).parent / f"approved/{name}.txt", found.splitlines(), 1e-3, 1e-9)
 
 

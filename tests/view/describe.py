@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
 import pytest
-from PIL import ImageDraw
+from PIL import Image, ImageDraw
 
 from tests.figures import sum_up
 
@@ -36,6 +37,13 @@ def _sum_up_points(points: Any) -> str:
         return sum_up(flat)
     length = np.linalg.norm(np.diff(flat, axis=0), axis=1).sum()
     return f"from {sum_up(flat.min(axis=0))} to {sum_up(flat.max(axis=0))}, long {length:.4g}"
+
+
+def describe_pixels(picture: bytes, columns: int = 8, rows: int = 12) -> Iterator[str]:
+    """Mean colours of the cells of a picture: where it shows what, how bright, and from which side."""
+    pixels = np.asarray(Image.open(io.BytesIO(picture)).convert("RGB"), dtype=float)
+    for row in np.array_split(pixels, rows):
+        yield "cells " + " | ".join(sum_up(cell.mean(axis=(0, 1))) for cell in np.array_split(row, columns, axis=1))
 
 
 def describe_scene(scene: Any) -> Iterator[str]:

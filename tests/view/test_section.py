@@ -23,7 +23,7 @@ from fingertip.pictures.section import Section, draw_section, list_sections, sli
 from fingertip.pictures.steps.scene import View
 from tests.approved import check_figures
 from tests.figures import sum_up
-from tests.view.describe import PenRecord
+from tests.view.describe import PenRecord, describe_pixels
 
 APPROVED = Path(__file__).parent / "approved"
 DESIGNS = {
@@ -65,15 +65,16 @@ def test_section_is_the_approved_one(name: str) -> None:
     check_figures(APPROVED / f"section_{name}.txt", (line for each in sections for line in describe_section(each)))
 
 
-@pytest.mark.full
-@pytest.mark.parametrize("name", ["sleeve", "folded", "fork"])
+@pytest.mark.parametrize("name", ["sleeve", pytest.param("folded", marks=pytest.mark.full), "fork"])
 def test_picture_is_drawn_as_approved(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Names, marks and outlines of all panels. The parts are coarse, and cover what names must keep off."""
+    """Names, marks and outlines of all panels, and the pixels without them. The parts are coarse."""
     pen = PenRecord(monkeypatch)
     monkeypatch.setattr(picture, "_TOLERANCE_MM", 0.3)
     monkeypatch.setattr(section, "_dash", lambda pen, line: pen.polygon(line, outline="dashed"))
-    size = Image.open(io.BytesIO(draw(load(name)[0], 400))).size
-    check_figures(APPROVED / f"picture_{name}.txt", [f"picture of {size}", *pen.lines], rel=5e-3, abs_=1.1)
+    drawn = draw(load(name)[0], 400, lambda message: pen.lines.append(f"{message.label} {message.share:.3f}"))
+    size = Image.open(io.BytesIO(drawn)).size
+    lines = [f"picture of {size}", *pen.lines, *describe_pixels(drawn)]
+    check_figures(APPROVED / f"picture_{name}.txt", lines, rel=5e-3, abs_=1.1)
 
 
 def test_dashes_are_7_pixels_long_and_4_apart_around_corners(monkeypatch: pytest.MonkeyPatch) -> None:

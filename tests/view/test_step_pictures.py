@@ -53,7 +53,6 @@ def scenes(name: str, *changes: str) -> dict[str, Scene]:
     return {step.picture: SCENES[step.picture](bench, data) for step in steps(data)}
 
 
-@pytest.mark.full
 @pytest.mark.every_case
 @pytest.mark.parametrize("name", DESIGNS)
 def test_scenes_are_the_approved_ones(name: str) -> None:

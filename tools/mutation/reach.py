@@ -1,13 +1,15 @@
 """Command `python -m tools.mutation.reach`: record which blocks of src each test enters, and its CPU time.
 
 Every other argument goes to pytest. A block is the body of a function, of a loop or of a branch. What a fixture of a
-module or session enters counts for every test that asks for it. The result is out/mutation/reach.pickle. Exit code 1:
+module or session enters counts for every test that asks for it, and what a function enters whose results are kept
+(`functools.cache`) for every test that calls it. The result is out/mutation/reach.pickle. Exit code 1:
 a test failed, or less than `MIN_PERCENT` of the blocks of a package were entered.
 """
 
 from __future__ import annotations
 
 import ast
+import functools
 import json
 import os
 import pickle
@@ -79,6 +81,7 @@ class Recorder:
         self._file = folder / f"sub-{os.getpid()}"
         self._folder = folder
         self._records: dict[str, Record] = {}
+        self._recording: frozenset[str] = frozenset(json.loads((folder / "first.json").read_text("utf-8")))
         os.environ |= {"FINGERTIP_REACH_FILE": str(self._file), "FINGERTIP_REACH_HOME": str(os.getpid())}
 
     def _take(self) -> set[int]:
@@ -92,7 +95,12 @@ class Recorder:
 
     @pytest.hookimpl(hookwrapper=True)
     def pytest_runtest_protocol(self, item: Any) -> Iterator[None]:
-        """Record a test."""
+        """Record a test. It finds no result of a function that another one left: it would miss what that enters."""
+        for name, module in list(sys.modules.items()):
+            if name in self._recording or name.startswith("tests."):
+                for value in list(vars(module).values()):
+                    if isinstance(value, functools._lru_cache_wrapper):
+                        value.cache_clear()
         self._take()
         self._shared, self._shared_s, begun_s = set[int](), 0.0, cpu_now_s()
         yield

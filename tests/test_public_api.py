@@ -30,6 +30,12 @@ def describe_argument(argument: inspect.Parameter) -> str:
 def test_every_public_name_is_documented_and_has_the_approved_defaults() -> None:
     values = {name: fingertip.__getattr__(name) for name in fingertip.__all__ if name != "__version__"}
     assert [name for name, value in values.items() if not value.__doc__] == []
+    values |= {
+        f"{name}.{key}": method
+        for name, value in values.items() if inspect.isclass(value)
+        for key, method in inspect.getmembers(value, inspect.isroutine)
+        if not key.startswith("_") and str(getattr(method, "__module__", "")).startswith("fingertip")
+    }  # fmt: skip
     arguments = [(name, one) for name, value in values.items() for one in inspect.signature(value).parameters.values()]
     lines = [f"{name} {describe_argument(one)}\n" for name, one in arguments]
     check_text(ROOT / "tests/approved/arguments.txt", "".join(lines))

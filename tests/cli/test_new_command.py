@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import os
 import random
@@ -9,9 +10,13 @@ import re
 import shlex
 import tomllib
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
+from fingertip.cad.verification import verify
+from fingertip.cad.verification.check import Check
 from fingertip.design import Design
 from fingertip.design.files import list_parameters
 from fingertip.design.new_design import PRESETS, write_new_design
@@ -155,6 +160,40 @@ def test_a_design_that_make_refuses_is_not_written_and_one_that_passes_is_offere
     given = run_fingertip(*command, "--set", "skin.width_mm=18", "--set", "skin.semi_axis_dorsal_mm=8.9")
     assert given.returncode == 2
     assert "it passes with" not in given.stderr, "what is given stays"
+
+
+LOADS = "it holds lighter loads: --set strength.grip_force_n=12"
+
+
+@pytest.mark.parametrize(
+    ("gain", "given", "told", "tried"),
+    [
+        (1.0, (), "it passes with --set skin.width_mm=19 --set skin.semi_axis_dorsal_mm=9.4", 1),
+        (0.5, (), "it passes with --set skin.width_mm=20 --set skin.semi_axis_dorsal_mm=9.9", 2),
+        (0.3, ("skin.semi_axis_dorsal_mm=8.9",), "it passes with --set skin.width_mm=22", 4),
+        (0.25, (), "it passes with --set skin.width_mm=22 --set skin.semi_axis_dorsal_mm=10.9", 4),
+        (0.24, (), LOADS, 1),
+        (1.0, ("skin.width_mm=18", "skin.semi_axis_dorsal_mm=8.9"), LOADS, 0),
+    ],
+)  # fmt: skip
+@pytest.mark.every_case
+def test_the_first_larger_finger_that_passes_is_offered_or_lighter_loads(
+    gain: float, given: tuple[str, ...], told: str, tried: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A safety factor that is 1 at a width of 18 mm must be 2: steps of 1 mm to 4 mm, as long as they may reach it."""
+
+    def check(width_mm: float, **_: Any) -> Any:
+        factor = 1.0 + gain * (width_mm - 18.0)
+        loads = {"relation": "at least", "remedy": "strength.grip_force_n=12"}
+        return SimpleNamespace(checks=[Check("bone.safety_factor.grip", factor, 2.0, "", **loads)])
+
+    def make(settings: list[str]) -> Any:
+        return SimpleNamespace(design=float(settings[0].removeprefix("skin.width_mm=")), reasons={})
+
+    monkeypatch.setattr(verify, "check", check)
+    find, messages = importlib.import_module("fingertip.cli.new")._find_passing, list[str]()
+    assert find(make, Design.load("adult_finger"), check(18.0).checks, given, False, messages.append) == told
+    assert [message[:25] for message in messages] == tried * ["trying a larger finger: s"]
 
 
 @pytest.mark.full

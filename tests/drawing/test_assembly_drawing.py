@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import combinations
+from pathlib import Path
 
 import pytest
 
@@ -12,6 +13,8 @@ from fingertip.board.fabrication.bom import purchased_components
 from fingertip.board.kicad.project import load_project
 from fingertip.pictures.assembly_drawing import SCALE, draw_assembly
 from fingertip.pictures.drawing.primitives import Arc, Polyline, Sheet, Text
+from fingertip.pictures.drawing.render import render_svg
+from tests.approved import check_figures
 from tests.designs import load_article
 
 
@@ -26,6 +29,8 @@ def draw(variant: str) -> tuple[Sheet, dict[str, str]]:
 @pytest.mark.parametrize("variant", VARIANT_CHANGES)
 def test_every_part_is_drawn_once_with_its_value_and_no_text_covers_another(variant: str) -> None:
     sheet, values = draw(variant)
+    approved = Path(__file__).parent / "approved" / f"assembly_{variant}.svg"
+    check_figures(approved, render_svg(sheet).decode().splitlines())
     placement = load_project(variant).placement
     frame = next(p for p in sheet.primitives if isinstance(p, Polyline) and p.style.name == "board")
     (left, bottom), (right, top) = frame.points[0], frame.points[2]

@@ -112,7 +112,6 @@ def test_errors_of_the_process_are_raised_here() -> None:
         run_apart((("box", partial(project_part, box, ("front",))),), time_limit_s=0.01)
 
 
-@pytest.mark.full
 def test_box_is_projected_exactly_with_its_hidden_bore() -> None:
     from fingertip.design.geometry.solids import Box, cylinder, difference
     from fingertip.pictures.drawing.projection import project_part, run_apart

@@ -46,7 +46,7 @@ def find_tinted(png: bytes, colour: tuple[float, float, float]) -> Any:
 
 @pytest.fixture(scope="module")
 def picture(design: Design) -> AtlasPicture:
-    drawn = draw_parameter(design, "bone.collar_length_mm", ("bone",))
+    drawn = draw_parameter(design, "bone.collar_length_mm", ("mold_palmar", "bone"))
     assert drawn
     return drawn
 

@@ -47,13 +47,15 @@ def describe_pixels(picture: bytes, columns: int = 8, rows: int = 12) -> Iterato
 
 
 def describe_scene(scene: Any) -> Iterator[str]:
-    """Camera, colours and sizes of the bodies, labels and arrows of a scene [mm]."""
+    """Camera, colours and sizes of the bodies, labels, slopes and arrows of a scene [mm]."""
     yield f"  seen from {sum_up(scene.camera.axes[2])}, right {sum_up(scene.camera.axes[0])}"
     for item in scene.shown:
         corners = item.mesh.vertices if len(item.mesh.vertices) else np.zeros((1, 3))  # cut away as a whole
         ends = f"from {sum_up(corners.min(axis=0))} to {sum_up(corners.max(axis=0))}"
         yield f"  body {sum_up(item.colour)} {ends}, {item.mesh.volume():.4g} mm3"
     yield from (f"  label {label.text!r} {sum_up(label.point_mm)}" for label in scene.labels)
+    slopes = ((slope.corner_mm, slope.edge_mm, slope.up) for slope in scene.slopes)
+    yield from (f"  slope from {sum_up(corner)} by {sum_up(edge)}, up {sum_up(up)}" for corner, edge, up in slopes)
     yield from (f"  arrow {sum_up(arrow.start_mm)} to {sum_up(arrow.end_mm)}" for arrow in scene.arrows)
 
 

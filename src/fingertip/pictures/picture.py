@@ -93,7 +93,7 @@ def find_width_issues(width_px: int) -> Iterator[Issue]:
 
 
 @checked
-def draw(design: Design, width_px: int = 1600, progress: Callable[[str], None] = lambda message: None) -> bytes:
+def draw(design: Design, width_px: int, progress: Callable[[str], None] = lambda message: None) -> bytes:
     """Draw two exploded views of a design above a section through the closed mold."""
     raise_issues(find_width_issues(width_px))
     evaluator = MeshEvaluator(_TOLERANCE_MM)

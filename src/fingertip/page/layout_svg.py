@@ -230,5 +230,5 @@ def _draw_pins(footprint: Node) -> list[Markup]:
             stroke=_PAD, stroke_width="0.3",
         )
         for pad in list_pads(footprint)
-        if pad.kind in ("thru_hole", "np_thru_hole") and pad.drill
+        if pad.drill
     ]  # fmt: skip

@@ -489,6 +489,7 @@ void slip_init(slip_state *state) {
     state->min_upper_floor = SLIP_MIN_UPPER_FLOOR;
     state->step = state->filtered_step = R(INFINITY);
     state->still = SLIP_STILL_SAMPLES;
+    state->mean_move = SLIP_FILTERED_JUMP_LIMIT;
     state->settling = SLIP_SETTLING_TICKS;
     state->floor_ticks = -SLIP_SETTLE_TICKS;
 }

@@ -282,6 +282,7 @@ class FastDetector(Detector):
         state[fast_loop.STEP] = state[fast_loop.FILTERED_STEP] = math.inf
         state[fast_loop.REST] = filtered_v if filtered_v is not None and abs(filtered_v) <= c.number_limit else 0.0
         state[fast_loop.STILL] = c.still_samples  # until it changes for the first time
+        state[fast_loop.MEAN_MOVE] = c.filtered_jump_limit  # noise that may be as great as stated
         # Energies and floors start at those of the stated noise.
         band_noise_v = _band_noise_v(settings, with_filtered)
         wide, upper = c.wide_share * band_noise_v**2, c.upper_share * band_noise_v**2

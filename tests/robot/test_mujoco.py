@@ -146,6 +146,7 @@ def test_a_set_is_one_model_whose_fingers_stand_side_by_side_and_feel_by_themsel
     places = [float(data.body(name).xpos[0]) for name in names]
     assert places == sorted(places, reverse=side == "right")  # seen from the palm, the right thumb is on the right
     assert list(figures["places_m"].values()) == pytest.approx(places)
+    assert sum(places) == pytest.approx(0.0, abs=1e-6)
     assert data.ncon == 0
     for name, form in loaded_set.fingers:
         assert loaded.body(name).mass[0] == pytest.approx(figures["forms"][form.design.name]["mass_kg"], rel=1e-5)

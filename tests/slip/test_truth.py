@@ -96,6 +96,7 @@ def test_a_trace_in_memory_is_validated() -> None:
     assert "rate_hz=1000" in str(caught.value)
 
 
+@pytest.mark.full
 def test_files_of_a_set_are_simulated_unless_they_were_changed(tmp_path: Path) -> None:
     told: list[Any] = []
     contents, made = simulate_and_detect(Design(), told.append)

@@ -404,14 +404,19 @@ def test_boards_that_differ_or_cannot_be_shared_stay_apart() -> None:
 # Commands
 
 
-def test_a_bed_that_is_too_small_is_refused_before_work_with_a_remedy_that_holds(folder: Path) -> None:
-    done = run_fingertip("make", "adult_hand", "--set", "printer.bed_x_mm=30", "--quiet")
+@pytest.mark.parametrize(
+    ("small", "parts"), [("printer.bed_x_mm=30", ("mold_palmar", "mold_dorsal")), ("printer.bed_z_mm=20", ("bone",))]
+)
+def test_a_bed_that_is_too_small_is_refused_before_work_with_a_remedy_that_holds(
+    small: str, parts: tuple[str, ...], folder: Path
+) -> None:
+    done = run_fingertip("make", "adult_hand", "--set", small, "--quiet")
     assert done.returncode == 2
     assert not (folder / "out").exists()
     remedy = done.stderr.splitlines()[0].rpartition("it fits with --set ")[2]
-    assert "mold_palmar of adult_thumb exceeds the build volume by" in done.stderr
+    assert f"{parts[0]} of adult_thumb exceeds the build volume by" in done.stderr
     thumb = Design.load("adult_thumb", changes=[remedy])
-    for name in ("mold_palmar", "mold_dorsal"):
+    for name in parts:
         mesh, lies = MeshEvaluator(0.05).mesh(PARTS[name].solid(thumb)), print_orientations(thumb)[name]
         assert -1.2 < build_volume_excess(thumb, mesh, lies.rotate_x_deg) <= 0.0
 
@@ -477,6 +482,7 @@ def test_a_set_is_made_whole_and_again_with_the_same_bytes(folder: Path) -> None
     board = run_fingertip("board", out / "board_design.toml", "--check", "--out", out / "board")
     assert board.returncode == 0, board.stdout + board.stderr
     assert "| ring, pin 10 |" in (out / "acceptance.md").read_text()
+    assert "do not print these parts" not in (out / "index.html").read_text()
     assert run_fingertip("check", "out/pair").returncode == 0
     before = {path: path.read_bytes() for path in out.rglob("*") if path.is_file()}
     assert run_fingertip("make", "mine.toml", "--formats", "stl,3mf", "--quiet").returncode == 0

@@ -192,7 +192,7 @@ def test_codes_are_volts_without_rounding(either: Library) -> None:
     assert on.any()
     assert np.array_equal(on, python_detector(design).process(*recording.quantised(design).inputs).on)
     assert np.array_equal(on, either.detector("double").process_codes(*codes))
-    moved = [None if each is None else each + 12_345_678 for each in codes]
+    moved = [None if each is None else each + by for each, by in zip(codes, (12_345_678, 123), strict=True)]
     assert np.array_equal(on, either.detector("float").process_codes(*moved))
 
 

@@ -189,7 +189,6 @@ def test_the_example_of_a_hand_tells_which_finger_slips_and_which_has_a_fault(ma
     volts = np.full((count, 10), 1.0) + random.normal(0.0, 4e-4, (count, 10))
     volts[:, 1::2] += 0.65
     volts[:, 2], volts[:, 3] = slip_recording(design, 2.5).inputs
-    volts[:, 3] += 1.65
     volts[3000:, 6] = 0.0
     volts[:, 9] = 1.65
     codes = np.round(volts / step).astype(int)
@@ -218,7 +217,6 @@ def test_a_scan_that_the_converter_did_not_finish_is_lost_and_the_next_one_is_no
     volts = np.full((count, 4), 1.0) + np.random.default_rng(1).normal(0.0, 4e-4, (count, 4))
     volts[:, 1] += 0.65
     volts[:, 2], volts[:, 3] = slip_recording(design, 2.5).inputs
-    volts[:, 3] += 1.65
     codes = np.round(volts / design.detector.adc_step_v).astype(int)
     given = "\n".join(" ".join(map(str, row)) for row in codes.tolist())
     command = [str(program), "0", "0", "2000"]

@@ -176,6 +176,22 @@ def test_voltages_that_no_force_gives_are_reported_while_they_last() -> None:
         assert not found[4010:].any()
 
 
+def test_an_open_wire_of_s_is_told_and_slip_is_found_by_t(folder: Path) -> None:
+    """Its code is 0, and now and then 1: open from the start at finger 1, from 2 s on at finger 2."""
+    pair = slip_recording(DESIGN, 6.0).code_pairs(DESIGN)
+    is_open = np.arange(len(pair))[:, None] >= [len(pair), 0, 4000, len(pair), len(pair)]
+    codes = np.stack([pair] * len(NAMES), axis=1)
+    codes[:, :, 1] = np.where(is_open, (np.arange(len(pair)) % 100 == 0)[:, None], codes[:, :, 1])
+    on, faults = HostHand(folder / "slip_float.so", "float", 5).process(codes, np.zeros(len(codes), np.uint32))
+    is_still = faults & 4 > 0
+    assert not is_still[:, [0, 3, 4]].any()
+    assert is_still[400:, 1].all()
+    assert not is_still[:4000, 2].any()
+    assert is_still[4500:, 2].all()
+    slips = np.array([(on[4600:] >> finger & 1).mean() for finger in range(3)])
+    assert (slips > 0.9).all()
+
+
 def test_after_a_long_gap_a_still_finger_is_found_still_and_a_slipping_one_slipping() -> None:
     recording = slip_recording(DESIGN, 6.0)
     tactile = recording.tactile_v.copy()

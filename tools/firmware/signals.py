@@ -67,7 +67,8 @@ def campaign_recordings(design: Design, stride: int = 1) -> Iterator[Recording]:
     for number, case in enumerate(generate_cases(CampaignPlan(), HELD_OUT_FROM)):
         if number % stride == 0:
             trace, _ = simulate_trace(design, case, ("fast",))
-            yield Recording(trace.voltage_v, trace.filtered_v)
+            rest_v = signal_ground_ratio(design.board) * design.board.supply_v
+            yield Recording(trace.voltage_v, None if trace.filtered_v is None else trace.filtered_v + rest_v)
 
 
 def quiet_recording(design: Design, seconds: float, seed: int = 1) -> Recording:

@@ -12,10 +12,11 @@ from typing import Any
 from fingertip.board import board_values
 from fingertip.catalogues.output_files import BUFFER, HAND, SCAN, TIMER
 from fingertip.design import Design
+from fingertip.design.formulas.filter import filtered_range_v, signal_ground_ratio
 from fingertip.firmware.fingers import Fingers
 from fingertip.sim.runs.grip import HISTORY, LONGEST_STEP_S, MIN_PRESENT_N, ForceCurve, GripSettings
 from fingertip.slip.detectors import fast_loop
-from fingertip.slip.detectors.fast import FastDetector, FastSettings
+from fingertip.slip.detectors.fast import STILL_S, FastDetector, FastSettings
 from fingertip.slip.detectors.fast_coefficients import NODES, FastModel, load_model
 
 _GROUPS = (
@@ -33,6 +34,10 @@ _GROUPS = (
     (
         "Filtered signal: factor to a voltage at the filter's input, limit [V]; samples of recovery, and of no change.",
         "FILTERED_GAIN FILTERED_LIMIT LIMITED_SAMPLES STILL_SAMPLES",
+    ),
+    (
+        "Its code at rest, codes by which its mean may be off, and share of the mean.",
+        "REST_CODE REST_CODES LEVEL_SHARE",
     ),
     (
         "Checks of samples: size of what is no voltage, jumps that the next one must confirm [V] and in mean moves; "
@@ -96,6 +101,7 @@ def _render_constants(design: Design) -> str:
     """Render the constants of a design as lines of C: settings and coefficients of its detector, and its converter."""
     converter, detector, both = design.detector, _start(design, None), _start(design, 0.0)
     c, state, rate = detector.coefficients, detector.state, detector.coefficients.sample_rate_hz
+    step_v = converter.adc_step_v
     sections: dict[str, Any] = {name: value for name, value in c._asdict().items() if isinstance(value, tuple)}
     values: dict[str, Any] = {
         **vars(fast_loop),
@@ -107,6 +113,9 @@ def _render_constants(design: Design) -> str:
         **{name.upper(): round(getattr(c, name)) for name in _COUNTS.split()},
         "LOWEST_CODE": math.ceil((c.middle_input - c.half_range - converter.adc_low_v) / converter.adc_step_v),
         "HIGHEST_CODE": math.floor((c.middle_input + c.half_range - converter.adc_low_v) / converter.adc_step_v),
+        "REST_CODE": (signal_ground_ratio(design.board) * design.board.supply_v - converter.adc_low_v) / step_v,
+        "REST_CODES": REST_SHARE * (filtered_range_v(design.board, converter.adc_range_v) or math.inf) / step_v,
+        "LEVEL_SHARE": 1 / (STILL_S * rate),
         "SHORT": c.short_smoothing,
         "LONG": c.long_smoothing,
         "SETTLING_TICKS": round(state[fast_loop.SETTLING]),
@@ -140,6 +149,8 @@ def _render_constants(design: Design) -> str:
     return "\n\n".join(blocks)
 
 
+REST_SHARE = 0.5
+"""Share of the range of the filtered signal by which its mean of 0.2 s may differ from its rest."""
 OPEN_SHARE = 0.5
 """Share of the way from an open sensor's voltage to the end of the range that a good board may be off."""
 SHORTED_SHARE = 0.02

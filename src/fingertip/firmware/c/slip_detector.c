@@ -402,6 +402,9 @@ static void step(slip_state *state, slip_real change, slip_real deviation) {
         } else if (state->still < SLIP_STILL_SAMPLES) {
             state->still++;
         }
+        if (state->is_off_level) {
+            state->still = SLIP_STILL_SAMPLES;
+        }
         if (!is_within(state->board_stage, SLIP_FILTERED_LIMIT) || !is_within(filtered, SLIP_FILTERED_LIMIT)) {
             state->limited = SLIP_LIMITED_SAMPLES;
         }
@@ -523,6 +526,16 @@ bool slip_step_tactile(slip_state *state, slip_real tactile_v) {
     return step_volts(state, tactile_v, R(0.0), false);
 }
 
+/* Note whether S rests far from the middle of the supply, as where its wire is open: then T alone is judged, and what
+ * the change of signals leaves is not. */
+static void note_level(slip_state *state, int32_t filtered_code) {
+    state->level += SLIP_LEVEL_SHARE * ((slip_real)filtered_code - state->level);
+    state->is_off_level = !is_within(state->level - SLIP_REST_CODE, SLIP_REST_CODES);
+    if (state->is_off_level && state->still < SLIP_STILL_SAMPLES && state->settling < SLIP_RESTART_TICKS) {
+        state->settling = SLIP_RESTART_TICKS;
+    }
+}
+
 /* Process codes in the same way. */
 static bool step_codes(slip_state *state, int32_t tactile_code, int32_t filtered_code, bool has_filtered) {
     slip_real change;
@@ -530,6 +543,10 @@ static bool step_codes(slip_state *state, int32_t tactile_code, int32_t filtered
         start(state, has_filtered);
         state->last_tactile_code = tactile_code;
         state->rest_code = filtered_code;
+        state->level = (slip_real)filtered_code;
+    }
+    if (state->has_filtered) {
+        note_level(state, filtered_code);
     }
     change = SLIP_ADC_STEP_V * (slip_real)(tactile_code - state->last_tactile_code);
     /* Every code is a voltage. */

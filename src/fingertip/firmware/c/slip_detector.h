@@ -54,6 +54,7 @@ typedef struct slip_state {
     slip_real slow, rough;                                   /* sums of slopes since the ring's revolution, of the rest */
     slip_real last_edge, last_filtered;                      /* below the upper edge, and filtered signal [V] */
     slip_real last_tactile_v, rest_v;                        /* last sample, and filtered signal at rest [V] */
+    slip_real level;                                         /* mean code of the filtered signal, over 0.2 s */
     slip_real mean_move, held;                               /* of the filtered signal: mean of 6 ms, of a jump [V] */
     slip_real net_short, total_short, net_long, total_long;  /* net and total movement of 6 and 20 ms [V] */
     slip_real slopes[3], peaks[3];                           /* greatest squared slope and upper energy of each slot */
@@ -76,6 +77,7 @@ typedef struct slip_state {
     uint8_t ring_phase, ring_at, low_phase;
     bool on, incipient, has_filtered, is_started;
     bool is_busy;                                            /* a check or `replaced` is not 0 */
+    bool is_off_level;                                       /* `level` is far from the middle of the supply */
     bool begins;                                             /* the filtered signal's rest is to be set anew */
 } slip_state;
 
@@ -111,15 +113,17 @@ static inline slip_real slip_volts(int32_t code) {
     return SLIP_ADC_LOW_V + SLIP_ADC_STEP_V * (slip_real)code;
 }
 
-/* Return whether S is not used because it does not change: its wire may be broken. T alone is judged then. */
+/* Return whether S is not used because it does not change or its codes rest far from the middle of the supply: its wire
+ * may be broken. T alone is judged then. */
 static inline bool slip_filtered_is_still(const slip_state *state) {
-    return state->has_filtered && state->still >= SLIP_STILL_SAMPLES;
+    return state->has_filtered && state->still >= SLIP_STILL_SAMPLES && state->settling == 0;
 }
 
 /* Faults of the inputs. They end by themselves. */
 #define SLIP_IS_REPLACED 1u /* in the last 50 ms a sample was lost, no voltage or a glitch: the last one was used */
-#define SLIP_IS_OUTSIDE 2u  /* for 50 ms T has been a voltage that no force gives: open wire, shorted sensor, no supply */
-#define SLIP_IS_STILL 4u    /* S has not changed for 0.2 s: its wire may be broken, and T alone is judged */
+#define SLIP_IS_OUTSIDE 2u  /* for 50 ms T has been a voltage that no force gives: no supply, or a shorted sensor */
+#define SLIP_IS_STILL 4u    /* S has not changed for 0.2 s, or its codes rest far from the middle of the supply: its wire
+                             * may be broken, and T alone is judged */
 
 /* Return the faults of the inputs as a sum of the numbers above: 0 if there is none. */
 static inline unsigned slip_faults(const slip_state *state) {

@@ -128,7 +128,7 @@ class Finger:
     def __init__(
         self, setup: FingerSetup, grid: Grid, outputs: frozenset[str], meter: CostMeter, contact_is_given: bool = False
     ) -> None:
-        self._setup, self._outputs, self._meter = setup, outputs, meter
+        self._outputs, self._meter = outputs, meter
         self._clock = SampleClock(grid, setup.design.detector.sample_rate_hz)
         self._motion = _MotionSampler(setup.friction, outputs)
         self._contact: _Contact | None = None

@@ -90,8 +90,6 @@ class DetectorType:
     marker: str
     second_column: str | None = None
     """Column that the detector takes beside it, where a recording has it."""
-    is_baseline: bool = False
-    """True if it only serves for comparison, and no hand relies on it."""
 
     @property
     def takes_envelope(self) -> bool:
@@ -120,7 +118,6 @@ DETECTORS: dict[str, DetectorType] = {
     ),
     "fft": DetectorType(
         "spectrum of 64 ms", "the article's baseline", "voltage_v", "statistic of fft", "fft:FftDetector", ORANGE, "^",
-        is_baseline=True,
     ),
     "incipient": DetectorType(
         "detector fast at its early operating point", "fast at its early point", "voltage_v", "statistic of fast",

@@ -194,18 +194,6 @@ def test_rails_limit_the_output_and_do_not_change_small_signals():
     assert np.abs(free.envelope_v - limited.envelope_v).max() < 1e-12
 
 
-@pytest.mark.parametrize("board", [BOARD, PRECISION, replace(BOARD, rail_v=3.5)], ids=["diode", "none", "rails"])
-def test_output_is_the_same_where_no_envelope_is_followed(board):
-    voltage = 50 * (burst() - 4.0)[None, :400]
-    found = [AnalogStream(board, STEP_S, follows=follows) for follows in (True, False)]
-    (with_it, envelope), (without, kept) = (stream.process(voltage) for stream in found)
-    assert without == pytest.approx(with_it, abs=1e-9)
-    assert np.ptp(kept) == 0.0 < np.ptp(envelope)
-    assert found[1].steps <= found[0].steps
-    if not board.rail_v:
-        assert found[1].steps == voltage.shape[1] - 1, "one step for each interval"
-
-
 @pytest.mark.full
 @pytest.mark.parametrize("variant", ["article", "precision"])
 def test_rails_agree_with_small_explicit_steps(variant):

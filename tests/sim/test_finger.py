@@ -23,7 +23,6 @@ from fingertip.sim import SceneFile, Trial, run_scene
 from fingertip.sim.contact.materials import SURFACES
 from fingertip.sim.contact.surfaces import average_over_patch, generate_profile
 from fingertip.sim.runs.scene import SceneRun, stream_scene
-from fingertip.sim.signal import finger
 from fingertip.sim.signal.finger import FingerSignals
 from fingertip.sim.signal.grid import BASE_HZ, Grid, open_stream
 from fingertip.sim.signal.interference import (
@@ -66,18 +65,6 @@ def test_chunks_change_no_bit_at_any_rate_with_all_interference(rate, refinement
             parts = FingerSignals.join([*SceneRun(design, scene, 2, grid).chunks(1303)])
         for name in ("time_s", *SCENE_OUTPUTS):
             assert np.array_equal(getattr(parts, name), getattr(whole, name)), (name, contact)
-
-
-def test_envelope_is_followed_only_where_an_output_needs_it(monkeypatch):
-    asked, prepare = [], finger._prepare_board
-    monkeypatch.setattr(finger, "_prepare_board", lambda *given: asked.append(given[-1]) or prepare(*given))
-    short = {"hold": {"wait_s": 0.01}, "slide": {"distance_m": 0.002}}
-    for design, output in (
-        (Design(), "sampled_filtered_v"), (Design(), "sampled_envelope_v"), (DESIGN, "filtered_v"),
-        (Design(), "envelope_v"), (DESIGN, "sampled_envelope_v"), (DESIGN, "slip_pin_v"),
-    ):  # fmt: skip
-        next(SceneRun(design, SceneFile(**short, outputs=[output]), 0, Grid()).chunks(100))
-    assert asked == [False, False, False, True, True, True]
 
 
 @pytest.mark.full

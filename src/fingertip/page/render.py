@@ -22,7 +22,7 @@ ARTICLE_DOI = "10.1109/TMRB.2021.3060032"
 
 @dataclass(frozen=True)
 class Prepared:
-    """What a page shows of its design alone, which no file changes: `make` prepares it while others work."""
+    """Sections that depend on the design alone, and on no file: `make` prepares them while others work."""
 
     finger: bytes
     """Picture of the finished finger."""

@@ -43,7 +43,7 @@ class StepJob:
     tools: tuple[str, ...] = ()
     """Names of parts that the assembly leaves out."""
     also: tuple[tuple[str, Callable[[Any], Any]], ...] = ()
-    """What else is computed by the process that makes a part: its name, and a function of the evaluator."""
+    """Name of a part, and a function of the evaluator: what else is computed by the process that makes the part."""
 
 
 @dataclass(frozen=True)

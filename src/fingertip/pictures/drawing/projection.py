@@ -18,7 +18,7 @@ from fingertip.pictures.drawing.primitives import PROJECTIONS, ProjectedView
 
 T = TypeVar("T")
 Job = tuple[tuple[str, Callable[[Any], T]], ...]
-"""What is computed, by name: functions of the B-rep evaluator."""
+"""Functions of the B-rep evaluator by the names of their results."""
 
 
 def project_part(solid: Solid, wanted: Collection[ViewName], evaluator: Any) -> dict[ViewName, ProjectedView]:

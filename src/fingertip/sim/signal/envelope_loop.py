@@ -105,7 +105,6 @@ def _envelope_loop(
     rows: int,
     levels: int,
     rail: float,
-    follows: bool,
     precision: bool,
     diode: tuple[float, float, float],
     load: tuple[float, float],
@@ -125,9 +124,9 @@ def _envelope_loop(
 ) -> None:
     """Follow the envelope over a chunk: exact steps of the circuit, and an implicit method where the diode conducts."""
     # Parameters: tolerance of a step [V], sampling interval H, number of states, length of a column, number of levels,
-    # voltage of the rails (0: none), whether the envelope is wanted, whether the rectifier is `precision`, and the
-    # values of diode and load. The input is given right before and right after each sample. step_columns, output_rows
-    # and amplifier1_row are those of `fingertip.sim.signal.analog_circuit.compute_step_matrices`.
+    # voltage of the rails (0: none), whether the rectifier is `precision`, and the values of diode and load. The input
+    # is given right before and right after each sample. step_columns, output_rows and amplifier1_row are those of
+    # `fingertip.sim.signal.analog_circuit.compute_step_matrices`.
     saturation, nvt, series = diode
     R, C = load
     width = states + 3
@@ -197,10 +196,7 @@ def _envelope_loop(
                 min_envelope = v
             max_exponent = (max_output - min_envelope) / nvt
 
-            if not follows:
-                # The filter's output is exact at any step: without rails, one step takes a whole interval.
-                v_next, error = v, 0.0
-            elif precision:
+            if precision:
                 # Amplifiers compensate the diode's drop: R and C follow the positive half waves.
                 if max_output <= 0.0:
                     v_next = v * decay

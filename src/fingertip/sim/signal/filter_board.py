@@ -94,14 +94,9 @@ def simulate_boards(
 
 
 class AnalogStream:
-    """Several equal boards; voltages in any chunks give the bits of `simulate_board`. Raises TraceError.
+    """Several equal boards; voltages in any chunks give the bits of `simulate_board`. Raises TraceError."""
 
-    If `follows` is false, the envelope stays at its first value. The filtered voltage then differs by rounding errors.
-    """
-
-    def __init__(
-        self, board: AnalogBoard, step_s: float, count: int = 1, tolerance_v: float = 1e-4, follows: bool = True
-    ) -> None:
+    def __init__(self, board: AnalogBoard, step_s: float, count: int = 1, tolerance_v: float = 1e-4) -> None:
         raise_issues(
             [
                 *find_not_positive("step_s", step_s, "s", "0.0005"),
@@ -109,7 +104,7 @@ class AnalogStream:
             ]
         )
         fixed = np.array([[float(value) for value in _values(board)[:_FIXED]]])
-        self.integrator, self._count = Integrator(board, step_s, tolerance_v, fixed, follows), count
+        self.integrator, self._count = Integrator(board, step_s, tolerance_v, fixed), count
         self._states: list[tuple[Array, Array]] = []
         self._last = np.zeros((2, count, 0))
         self.steps = 0
@@ -147,9 +142,8 @@ def find_voltage_issues(field: str, voltage_v: Array) -> Iterator[Issue]:
 class Integrator:
     """Boards with their step matrices, and one run of the loop for each."""
 
-    def __init__(self, board: AnalogBoard, step_s: float, tolerance_v: float, fixed: Array, follows: bool = True):
-        self._follows, self._fixed = follows, fixed.tolist()
-        self._board, self._step_s, self._tolerance_v = board, step_s, tolerance_v
+    def __init__(self, board: AnalogBoard, step_s: float, tolerance_v: float, fixed: Array) -> None:
+        self._board, self._step_s, self._tolerance_v, self._fixed = board, step_s, tolerance_v, fixed.tolist()
         self._state_count, self._rows, *matrices = compute_step_matrices(board, step_s)
         self._steady_state = board.network.steady_state().reshape(-1, self._state_count)
         self._step_columns, self._output_rows, self._amplifier1_row = matrices
@@ -179,8 +173,8 @@ class Integrator:
         """Return what the loop takes ahead of the voltages of board i."""
         saturation, nvt, series, r, c, _ = self._fixed[i]
         rail_v, is_precise = self._board.rail_v or 0.0, self._board.rectifier == "precision"
-        rest = self._follows, is_precise, (saturation, nvt, series), (r, c)
-        return self._tolerance_v, self._step_s, self._state_count, self._rows, LEVELS, rail_v, *rest
+        sizes = self._state_count, self._rows, LEVELS
+        return self._tolerance_v, self._step_s, *sizes, rail_v, is_precise, (saturation, nvt, series), (r, c)
 
     def matrices(self, i: int) -> tuple[Array, Array, Array]:
         """Return what it takes behind them."""

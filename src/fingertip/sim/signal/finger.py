@@ -274,16 +274,13 @@ class _BoardSignals:
         self._converters: dict[str, Converter] = {}
         self._sources: dict[str, str] = {}
         self._envelope = EnvelopeSource(setup.design)
-        of_envelope = "filtered" if self._envelope.pin == ADC_FILTERED else "envelope"
         if outputs & OF_BOARD:
-            analog = {"envelope_v", "slip_pin_v"} | ({"sampled_envelope_v"} if of_envelope == "envelope" else set())
             with meter.stage("filter board", 4):
-                self._board = copy.copy(
-                    _prepare_board(setup.design, setup.path.sensing.amplifiers, grid, not analog.isdisjoint(outputs))
-                )
+                self._board = copy.copy(_prepare_board(setup.design, setup.path.sensing.amplifiers, grid))
         if "slip_pin_v" in outputs:
             with meter.stage("comparator", 1):
                 self._pin = SlipPin(setup.design, grid.step_s)
+        of_envelope = "filtered" if self._envelope.pin == ADC_FILTERED else "envelope"
         for name, source, pin in (
             ("sampled_envelope_v", of_envelope, self._envelope.pin), ("sampled_filtered_v", "filtered", ADC_FILTERED),
         ):  # fmt: skip
@@ -326,11 +323,10 @@ class _BoardSignals:
 
 
 @functools.lru_cache(maxsize=64)
-def _prepare_board(design: Design, amplifiers: str, grid: Grid, follows: bool) -> AnalogStream:
+def _prepare_board(design: Design, amplifiers: str, grid: Grid) -> AnalogStream:
     # The board's own error falls with the step as that of its input does.
     tolerance_v = BOARD_TOLERANCE_V / grid.refinement**2
-    board = board_with_amplifiers(design, amplifiers)
-    return AnalogStream(board, grid.step_s, tolerance_v=tolerance_v, follows=follows)
+    return AnalogStream(board_with_amplifiers(design, amplifiers), grid.step_s, tolerance_v=tolerance_v)
 
 
 def _build_converter(

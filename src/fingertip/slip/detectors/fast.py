@@ -135,7 +135,7 @@ class FastSettings:
     phase: int = 0
     """Samples by which its ticks come sooner: the detectors of a hand's fingers tick one sample apart."""
     suspects_jumps: bool = True
-    """Whether a jump waits for the next sample to confirm it. Not in the fit: all jumps of its signals are real."""
+    """True if a jump waits for the next sample to confirm it. Not in the fit: all jumps of its signals are real."""
 
     @classmethod
     def from_design(cls, design: Design, noise_v: float | None = None) -> FastSettings:

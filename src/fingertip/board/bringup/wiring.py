@@ -166,7 +166,7 @@ def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
         else:
             yield f"{NEEDED_PINS}{f' {OTHER_PINS}' if VMID_OUT in outputs else ''}".replace("`", "")
         yield f"Take +{supply_v:g} V and the ground of J2 from the controller's own {supply_v:g} V pin and GND."
-        yield "Take a supply of the bench off before: two would feed each other."
+        yield "Disconnect a bench supply first: two supplies would feed each other."
         tactile, filtered = SKETCH_PINS[ADC_TACTILE], SKETCH_PINS[ADC_FILTERED]
         if is_several:
             yield "The README of fingertip firmware names the input of each T and S."

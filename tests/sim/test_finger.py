@@ -31,6 +31,7 @@ from fingertip.sim.signal.interference import (
     PinkNoise,
     compute_cable_v,
     compute_hum_v,
+    design_pink,
 )
 from fingertip.sim.signal.parameters import Cable, Drift, Noise
 from fingertip.sim.trace_file import encode_trace, open_trace
@@ -141,6 +142,18 @@ def power_density(values: np.ndarray, rate_hz: float, length: int = 8192) -> tup
     parts = np.lib.stride_tricks.sliding_window_view(values, length)[:: length // 2]
     power = (np.abs(np.fft.rfft(parts * window, axis=1)) ** 2).mean(axis=0) * 2 / (rate_hz * np.sum(window**2))
     return np.fft.rfftfreq(length, 1 / rate_hz), power
+
+
+def test_processes_of_pink_noise_have_the_spectrum_and_the_steady_state_of_independent_ones():
+    decays, gains, steady = design_pink()
+    z = np.exp(-2j * math.pi * np.logspace(-7, math.log10(0.5), 200))[:, None]
+    independent = ((1 - np.square(decays)) / np.abs(1 - decays * z) ** 2).sum(axis=1)
+    assert np.abs((gains / (1 - decays * z)).sum(axis=1)) ** 2 == pytest.approx(independent, rel=1e-10)
+    matrix = np.array([row + [0.0] * (len(steady) - len(row)) for row in steady])
+    after = np.outer(decays, decays) * (matrix @ matrix.T) + np.outer(gains, gains)  # covariance, one step later
+    assert matrix @ matrix.T == pytest.approx(after, rel=1e-10)
+    first = [PinkNoise(Grid(), 1.0, open_stream(seed, "test")).process(1)[0] for seed in range(1000)]
+    assert np.std(first) == pytest.approx(math.sqrt(len(decays) * math.log10(2.0)), rel=0.1)
 
 
 @pytest.mark.full

@@ -126,7 +126,7 @@ FAMILIES: dict[str, list[Callable[[], object]]] = {
     "contacts": [
         *(lambda values=values: Friction(**({"mu_s": 0.6, "mu_c": 0.48} | values)) for values in (
             {"sigma0": -1.0}, {"sigma0": math.nan}, {"mu_c": 0.7}, {"stribeck_m_s": 0.0}, {"sigma1": 300.0},
-            {"elastic": 1.0},
+            {"elastic": 1.0}, {"mu_s": 101.0},
         )),
         *(lambda mass_kg=mass_kg: Mount(mass_kg, 1.0, 0.0) for mass_kg in (0.0, math.nan, math.inf)),
         lambda: NormalContact(0.0, 0.15),

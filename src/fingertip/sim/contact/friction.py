@@ -46,6 +46,8 @@ RELAX_PER_S = 1 / RELAXATION_S
 """Rate R of this relaxation [1/s]."""
 STICK_SLIP_STRIBECK_M_S = 0.06
 """Stribeck velocity of `Friction.with_stick_slip` [m/s]: friction still falls at the article's speeds. Assumption."""
+MAX_MU = 100.0
+"""Largest static friction: no surface holds a hundred times its load, and steps for stuck pads are too long beyond."""
 GROSS_SLIP_M_S = 1e-3
 """Sliding speed above which slip is gross [m/s]. Assumption: 1/40 of the article's slowest slide."""
 
@@ -77,6 +79,8 @@ class Friction:
         ]
         if not 0.0 <= self.elastic <= 0.99:
             issues.append(Issue("friction.elastic", f"{self.elastic:g} is refused; choose 0 (plain) to 0.99."))
+        if not issues and self.mu_s > MAX_MU:
+            issues.append(Issue("friction.mu_s", f"{self.mu_s:g} is refused; at most {MAX_MU:g}."))
         if not issues and self.mu_s < self.mu_c:
             issues.append(Issue("friction.mu_s", f"{self.mu_s:g} is below mu_c; at least {self.mu_c:g}."))
         if not issues and not self.is_passive:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, MutableSequence, Sequence
+from itertools import pairwise
+from operator import mul
 
 import numpy as np
 
 from fingertip.foundation.jit import CompiledLoop
-from fingertip.foundation.numerics import Array
+from fingertip.foundation.numerics import Array, bisect
 from fingertip.sim.signal.grid import BASE_HZ, Grid, OpenStream, Stream
 from fingertip.sim.signal.parameters import Cable, Drift, Noise
 
@@ -102,24 +105,57 @@ class RefinedNoise:
 class PinkNoise(RefinedNoise):
     """Noise whose power per decade is the same in every decade, chunk by chunk.
 
-    It is a sum of first-order processes with corner frequencies one octave apart, which is within 0.3 dB of 1/f from
-    0.1 Hz to 1 kHz (A. van der Ziel, Physica 16, 1950, 359). Units: `volts_per_decade` [V].
+    Its spectrum is that of a sum of independent first-order processes with corner frequencies one octave apart, which
+    is within 0.3 dB of 1/f from 0.1 Hz to 1 kHz (A. van der Ziel, Physica 16, 1950, 359). One white noise drives all of
+    them, with gains that give the same spectrum: one random number per point in place of one per process.
+    Units: `volts_per_decade` [V].
     """
 
     def __init__(self, grid: Grid, volts_per_decade: float, stream: Stream) -> None:
-        corners = [BASE_HZ / 2 / 2.0**i for i in range(1, _PINK_OCTAVES + 1)]
-        decays = [math.exp(-2 * math.pi * corner / BASE_HZ) for corner in corners]
+        decays, gains, steady = design_pink()
         # An octave holds log10(2) of a decade's power, and so does each process.
         deviation = volts_per_decade * math.sqrt(math.log10(2.0))
-        self._matrix = (np.array(decays), np.array([deviation * math.sqrt(1 - a * a) for a in decays]))
-        self._state = deviation * stream.standard_normal(_PINK_OCTAVES)
+        white = (deviation * stream.standard_normal(_PINK_OCTAVES)).tolist()
+        self._state = np.array([math.fsum(map(mul, row, white)) for row in steady])
+        self._matrix = np.array(decays), np.array([deviation * gain for gain in gains])
         self._stream = stream
         super().__init__(grid, self._draw_base)
 
     def _draw_base(self, count: int) -> Array:
         out = np.zeros(count)
-        _pink(*self._matrix, self._stream.standard_normal(count * _PINK_OCTAVES), self._state, out)
+        _pink(*self._matrix, self._stream.standard_normal(count), self._state, out)
         return out
+
+
+@functools.cache
+def design_pink() -> tuple[list[float], list[float], list[list[float]]]:
+    """Design processes that one white noise drives and whose sum has the spectrum of independent ones of deviation 1.
+
+    Return their decays per step, their gains, and a triangular matrix that makes independent numbers their states.
+
+    With u = 1 - cos(w), an independent process has the power c / (u + p). The sum of all has one zero -q between each
+    two neighbouring -p, and so is the square of a filter with the zeros b, whose partial fractions have these gains.
+    """
+    decays = [math.exp(-math.pi / 2.0**octave) for octave in range(1, _PINK_OCTAVES + 1)]
+    power = [(1 - a * a) / (2 * a) for a in decays]
+    p = [(1 - a) ** 2 / (2 * a) for a in decays]
+    zeros, gain = [], math.sqrt(math.fsum(power) * math.prod(2 * a for a in decays))
+    for low, high in pairwise(sorted(p)):
+        q, _ = bisect(lambda u: math.fsum(c / (x - u) for c, x in zip(power, p, strict=True)) < 0.0, low, high)
+        zeros.append(1 + q - math.sqrt(q * q + 2 * q))
+        gain /= math.sqrt(2 * zeros[-1])
+    gains = [
+        gain * math.prod(1 - b / a for b in zeros) / math.prod(1 - other / a for other in decays if other != a)
+        for a in decays
+    ]
+    # In the steady state, processes i and k have the covariance gain_i gain_k / (1 - a_i a_k). It is the product of two
+    # triangular matrices: the processes in the orthonormal basis of Takenaka and Malmquist.
+    steady = [
+        [r * math.sqrt(1 - b * b) / (1 - a * b) * math.prod((a - c) / (1 - a * c) for c in decays[:k])
+         for k, b in enumerate(decays[: i + 1])]
+        for i, (a, r) in enumerate(zip(decays, gains, strict=True))
+    ]  # fmt: skip
+    return decays, gains, steady
 
 
 class HandVibration(RefinedNoise):
@@ -199,7 +235,7 @@ def _pink_loop(
     for i in range(len(out)):
         total = 0.0
         for j in range(count):
-            state[j] = decays[j] * state[j] + gains[j] * white[i * count + j]
+            state[j] = decays[j] * state[j] + gains[j] * white[i]
             total += state[j]
         out[i] = total
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import json
 import re
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +19,7 @@ from fingertip.board.analysis.shared import compute_supply_current_a
 from fingertip.board.bringup.bench import HOST, Fault, list_faults
 from fingertip.board.bringup.plan import BringUp, plan_bring_up
 from fingertip.board.bringup.prediction import Board, predict
-from fingertip.board.circuits.channels import PLACES, extract_channel, name_part, split_name
+from fingertip.board.circuits.channels import PLACES, extract_channel, list_sockets, name_part, split_name
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.fabrication.bom import list_bom, purchased_components
 from fingertip.board.kicad.project import load_project
@@ -76,6 +78,16 @@ def test_ground_separates_the_fingers_at_the_connector() -> None:
     assert all(f"F{k + 1}/" in net for k in range(PLACES) for net in nets[3 * k : 3 * k + 2])
 
 
+def test_a_plug_connects_its_sensor_in_the_socket_of_its_finger_alone() -> None:
+    circuit = board_circuit(board_values(load(PLACES)), PLACES)
+    sockets = [circuit.component(name) for name in list_sockets()]
+    assert sorted(Counter(socket.footprint for socket in sockets).values()) == [1, 1, 3]
+    for own, other in itertools.permutations(sockets, 2):
+        if own.footprint == other.footprint:
+            plug, wired = (dict(circuit.list_wires(socket)) for socket in (own, other))
+            assert len(plug.keys() & wired.keys()) < 2, (own.reference, other.reference)
+
+
 def test_board_of_five_fingers_keeps_its_limits() -> None:
     values, placement = board_values(load(PLACES)), load_project("precision", PLACES).placement
     circuit = board_circuit(values, PLACES)
@@ -97,7 +109,7 @@ def test_empty_places_are_neither_bought_nor_counted(channels: int) -> None:
     bought = [split_name(part.reference) for part in purchased_components(circuit)]
     assert {channel for channel, _ in bought} == {*range(channels + 1)}
     files = board_files(load(channels))
-    assert files[SCHEMATIC].count(b"(dnp yes)") == PLACES - channels
+    assert files[SCHEMATIC].count(b"(dnp yes)") == 2 * (PLACES - channels)  # a sheet and its socket
     empty = [part for part in circuit.components if not part.is_fitted]
     assert files[LAYOUT].count(b" dnp)") == len(empty)
     single = board_circuit(values)
@@ -119,7 +131,7 @@ def test_kicad_agrees_on_empty_places(tmp_path: Path) -> None:
     assert run_erc(tmp_path) == []
     assert run_drc(tmp_path) == NO_VIOLATIONS
     assert export_netlist(tmp_path) == read_netlist(tmp_path / NETLIST)
-    assert (tmp_path / SCHEMATIC).read_text("utf-8").count("(dnp yes)") == 2
+    assert (tmp_path / SCHEMATIC).read_text("utf-8").count("(dnp yes)") == 4  # two sheets, two sockets
 
 
 @pytest.mark.parametrize(

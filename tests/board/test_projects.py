@@ -10,7 +10,7 @@ import pytest
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.components.values import VARIANT_CHANGES
-from fingertip.board.kicad.netlist import REVISION
+from fingertip.board.kicad.netlist import REVISION, SEVERAL_REVISION
 from fingertip.board.kicad.project import (
     IGNORED_IN_SCHEMATIC,
     IGNORED_ON_BOARD,
@@ -88,7 +88,7 @@ def test_project_states_revision_title_rules_and_models(name: str) -> None:
     project = make_project(name, read_archive(name))
     for text in (project.layout, *project.schematics.values()):
         (block,) = children(parse(text), "title_block")
-        assert next(children(block, "rev"))[1] == REVISION
+        assert next(children(block, "rev"))[1] == (SEVERAL_REVISION if name == SEVERAL else REVISION)
         assert 10 < len(next(children(block, "title"))[1]) <= 45
     data = json.loads(project.project)
     ignored = (data["erc"]["rule_severities"], data["board"]["design_settings"]["rule_severities"])

@@ -27,12 +27,13 @@ from fingertip.board.bringup.diagnosis import diagnose
 from fingertip.board.bringup.plan import SUPPLY_MA, BringUp
 from fingertip.board.bringup.prediction import is_tone, predict
 from fingertip.board.bringup.readings import Readings, assess_readings, format_assessment
-from fingertip.board.bringup.wiring import MOUNTING_PIN, wiring_diagram
+from fingertip.board.bringup.wiring import wiring_diagram
 from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.fabrication.bom import assembly_bom_file, placement_file
 from fingertip.board.kicad.placement import list_pads, name_part
 from fingertip.board.kicad.project import load_project
 from fingertip.board.kicad.sexpr import read_expression
+from fingertip.board.parts.nets import UNCONNECTED
 from fingertip.design import Design
 from fingertip.documents.board.analysis import analysis_text
 from fingertip.tasks.board import board_files, bring_up_files, write_board
@@ -256,7 +257,7 @@ def test_the_wiring_diagram_has_connectors_and_pins_where_the_board_has_them(cha
         for footprint in layout.children("footprint")
         if re.fullmatch(r"J\d+", reference := name_part(footprint))
         for pad in list_pads(footprint)
-        if pad.name != MOUNTING_PIN
+        if pad.name.isdigit() and not pad.net.startswith(UNCONNECTED)
     ]
     middle = statistics.mean(x for x, _, _ in pads)
     drawing = ElementTree.fromstring(wiring_diagram(circuit, design.board.supply_v, design.name))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from fingertip.board import board_circuit
-from fingertip.board.bringup.wiring import SKETCH_PINS, list_notes, list_pins, name_signals
+from fingertip.board.bringup.wiring import SKETCH_PINS, list_notes, name_signals
 from fingertip.board.circuits.channels import split_net
 from fingertip.board.components.bridge import POWER_UP_S
 from fingertip.board.components.values import select_components
@@ -25,7 +25,7 @@ from fingertip.slip.detectors.fast_coefficients import load_model
 
 def render_readme(design: Design, fingers: Fingers) -> str:
     circuit, detector = board_circuit(select_components(design), design.board.channels), design.detector
-    pins = list_pins(circuit, circuit.component(HOST_CONNECTOR))
+    pins = circuit.list_wires(circuit.component(HOST_CONNECTOR))
     signals = name_signals(circuit, design.board.supply_v)
     streamed = (*fingers.designs, design)[0]
     is_bundled = streamed.name in list_bundled_files(DESIGN)

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from fingertip.board.circuits.channels import split_name
+from fingertip.board.circuits.channels import find_symbol
 from fingertip.board.kicad.netlist import CircuitRecord, describe_structure_changes, join_names, read_netlist
 from fingertip.board.kicad.sexpr import Node, Span, find_word, read_expression, replace_words
 from fingertip.catalogues.output_files import (
@@ -139,7 +139,7 @@ def select_drawn(circuit: CircuitRecord, file: str) -> CircuitRecord:
     parts = {
         name: replace(part, identifier=part.identifier.rpartition("/")[2])
         for name, part in circuit.parts.items()
-        if split_name(name)[0] == channel
+        if find_symbol(name)[0] == channel
     }
     return replace(circuit, parts=parts)
 

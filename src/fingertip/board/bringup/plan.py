@@ -21,7 +21,6 @@ from fingertip.board.bringup.prediction import (
     name_voltage,
     predict,
 )
-from fingertip.board.bringup.wiring import list_pins
 from fingertip.board.circuits.network import Network, Value, build_network, list_amplifiers
 from fingertip.board.components.bridge import AD623_OFFSET_V, GAIN_CONSTANT_OHM, GAIN_RESISTOR
 from fingertip.board.parts.circuit import Circuit, parse_component_value
@@ -262,7 +261,7 @@ class BringUp:
 def _list_levels_in_order(board: Board) -> list[str]:
     """List the voltages in the order of the sheet: without the tone, at the output connector, with the tone."""
     pins = {pin.net: pin for pin in bench.list_output_pins(board.circuit)}
-    at_host = [pins[net] for _, net in list_pins(board.circuit, board.circuit.component(bench.HOST)) if net in pins]
+    at_host = [pins[net] for _, net in board.circuit.list_wires(board.circuit.component(bench.HOST)) if net in pins]
     high = board.bench.tones_hz[-1]
     return [
         *(name_voltage(net) for net in board.nets),

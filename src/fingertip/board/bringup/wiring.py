@@ -20,7 +20,6 @@ from fingertip.foundation.errors import join_words
 NEEDED_PINS = "Firmware and detector `fast` need T and S (2 analog inputs)."
 OTHER_PINS = "A threshold on the envelope needs E and M."
 """Outputs that a controller samples, by what it runs."""
-MOUNTING_PIN = "MP"
 SKETCH_PINS = {ADC_TACTILE: "A0", ADC_FILTERED: "A1"}
 """Inputs of a controller at which the sketches of `fingertip firmware` read the board."""
 
@@ -123,20 +122,15 @@ def wiring_diagram(circuit: Circuit, supply_v: float, name: str) -> bytes:
     return ("\n".join(lines) + "\n").encode()
 
 
-def list_pins(circuit: Circuit, connector: Component) -> list[tuple[str, str]]:
-    """List number and net of each pin that a wire leads to, in order."""
-    pins = [pin.number for pin in connector.symbol.pins if pin.number != MOUNTING_PIN]
-    return [(number, circuit.net_by_pin[connector.reference, number]) for number in pins]
-
-
 def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
     """Yield what to observe when the cables are made."""
     locking = circuit.component(HOST_CONNECTOR).footprint in LOCKING_CONNECTORS
-    outputs = {split_net(net)[1] for _, net in list_pins(circuit, circuit.component(HOST_CONNECTOR))}
+    outputs = {split_net(net)[1] for _, net in circuit.list_wires(circuit.component(HOST_CONNECTOR))}
     is_several = circuit.component(HOST_CONNECTOR).footprint == JST_SH_15
     if is_several:
         yield "Parts are named as on the board of one finger: J1 is J101 at finger 1 and J501 at finger 5."
-        yield "Number and name beside it tell a sensor's socket from the others, which are alike: mark the cables."
+        yield "A sensor's plug fits sockets of its own size. In another one of them it leaves a wire at an open pin:"
+        yield "T then stays where it is when the finger is pressed."
         yield "On the board J2 and J3 are at the right edge, and finger 1 is at the bottom."
     if locking:
         yield "Pin 1 of J1 and J3 has a dot beside it; + is printed beside pin 1 of J2."
@@ -146,7 +140,8 @@ def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
         yield "Pin 1 is the square one."
     yield "The sensor's wires may be exchanged."
     if any(component.symbol.name == "D_TVS" for component in circuit.components):
-        yield "Pin 2 of J1 is ground. TP6, ground too, takes the shield of a long cable."
+        ground = "Of a sensor's two pins the one of the higher number" if is_several else "Pin 2 of J1"
+        yield f"{ground} is ground. TP6, ground too, takes the shield of a long cable."
         yield "D6 and R28 take a static discharge into the sensor's cable (8 kV contact, IEC 61000-4-2; simulated)."
     if any(component.symbol == AO3401A for component in circuit.components):
         yield "With J3 unplugged a reversed supply does no harm: Q1 blocks it."
@@ -183,14 +178,14 @@ def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
 
 
 def _height(circuit: Circuit, connector: Component) -> int:
-    return _HEAD + _ROW * len(list_pins(circuit, connector)) + _FOOT
+    return _HEAD + _ROW * len(circuit.list_wires(connector)) + _FOOT
 
 
 def _connector(
     circuit: Circuit, connector: Component, signals: dict[str, Signal], top: float, device: str, *, is_left: bool
 ) -> Iterator[str]:
     """Yield a connector at an edge of the board, what it leads to, and the wires between them."""
-    pins, height = list_pins(circuit, connector), _height(circuit, connector)
+    pins, height = circuit.list_wires(connector), _height(circuit, connector)
     if connector.footprint in LOCKING_CONNECTORS and not is_left:
         pins.reverse()  # a plug is turned by half a turn at the other edge
     plug_left = _BOARD_LEFT if is_left else _BOARD_RIGHT - _PLUG

@@ -11,11 +11,17 @@ from dataclasses import replace
 
 from fingertip.board.parts import symbols
 from fingertip.board.parts.circuit import HOST_CONNECTOR, SENSOR_CONNECTOR, Circuit, Component, Net, build_circuit
-from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE, BIAS, GND, POWER_IN, RAILS
+from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE, BIAS, GND, POWER_IN, RAILS, name_open_net
 from fingertip.catalogues.controllers import NAMES
 
 PLACES = len(NAMES)
 """Channels that the board for several fingers has places for."""
+SOCKETS = ((3, "2", "3"), (3, "1", "3"), (4, "2", "3"), (2, "1", "2"), (3, "1", "2"))
+"""Number of pins of each finger's socket, and those of its sensor and of ground; the others are open.
+
+A plug fits sockets of its own size alone, and in another one of these it leaves one wire at an open pin.
+"""
+_FOOTPRINTS = {2: symbols.JST_SH_2, 3: symbols.JST_SH_3, 4: symbols.JST_SH_4}
 SHARED_PARTS = frozenset(
     ("J2", "Q1", "C10", "R22", "R23", "C21", "R31", "R32", "C28", "R33", "C29", "H1", "H2", "H3", "H4")
 )
@@ -36,6 +42,12 @@ def split_name(reference: str) -> tuple[int, str]:
     letters = reference.rstrip("0123456789")
     channel, number = divmod(int(reference[len(letters) :]), _FIRST_PARTS)
     return channel, f"{letters}{number}"
+
+
+def find_symbol(reference: str) -> tuple[int, str]:
+    """Find the channel on whose sheet a part is drawn, and its name there; the sockets are on the root sheet, 0."""
+    channel, own = split_name(reference)
+    return (0, reference) if own == SENSOR_CONNECTOR else (channel, own)
 
 
 def name_net(net: str, channel: int) -> str:
@@ -59,9 +71,20 @@ def host_pins() -> dict[str, str]:
     return {str(number): net for number, net in enumerate(nets, start=1)} | {"MP": GND}
 
 
+def describe_sockets() -> tuple[str, ...]:
+    """Describe at which pins of its socket the wires of each finger's sensor are, that of ground last."""
+    pins = (" and ".join(find_sensor_pins(channel)) for channel in range(1, PLACES + 1))
+    return tuple(f"{socket}, pins {own}" for socket, own in zip(list_sockets(), pins, strict=True))
+
+
 def list_sockets() -> tuple[str, ...]:
     """List the sensor's connector of each channel."""
     return tuple(name_part(SENSOR_CONNECTOR, channel) for channel in range(1, PLACES + 1))
+
+
+def find_sensor_pins(channel: int) -> tuple[str, str]:
+    """Find the pins of the socket of a channel at which the sensor's wires are, that of ground last."""
+    return SOCKETS[channel - 1][1:]
 
 
 def list_pins(net: str) -> tuple[str, ...]:
@@ -87,8 +110,21 @@ def repeat_channel(single: Circuit, fitted: int) -> Circuit:
         for component, nets in pins.items():
             if component.reference not in (*SHARED_PARTS, HOST_CONNECTOR):
                 own = replace(component, reference=name_part(component.reference, channel), is_fitted=channel <= fitted)
-                wiring[own] = {number: name_net(net, channel) for number, net in nets.items()}
+                named = {number: name_net(net, channel) for number, net in nets.items()}
+                if component.reference == SENSOR_CONNECTOR:
+                    own, named = _place_socket(own, named, channel)
+                wiring[own] = named
     return build_circuit(single.name, wiring)
+
+
+def _place_socket(part: Component, nets: dict[str, str], channel: int) -> tuple[Component, dict[str, str]]:
+    """Give the sensor's connector of one finger the size and the pins of its channel."""
+    size, sensor, ground = SOCKETS[channel - 1]
+    symbol = symbols.SYMBOLS[f"Conn_01x{size:02}_MountingPin"]
+    wired = {sensor: nets["1"], ground: nets["2"], "MP": nets["MP"]}
+    placed = replace(part, symbol=symbol, footprint=_FOOTPRINTS[size])
+    pins = ((pin.number, name_open_net(part.reference, pin.name, pin.number)) for pin in symbol.pins)
+    return placed, {number: wired.get(number, unused) for number, unused in pins}
 
 
 def leave_out_empty(circuit: Circuit) -> Circuit:
@@ -97,20 +133,31 @@ def leave_out_empty(circuit: Circuit) -> Circuit:
 
 
 def extract_channel(circuit: Circuit, channel: int) -> Circuit:
-    """Extract one channel with what it shares, named as on the board of one finger."""
+    """Extract one channel with what it shares, with parts, nets and socket of the board of one finger."""
     names = {
         part.reference: own
         for part in circuit.components
         for number, own in [split_name(part.reference)]
         if number in (0, channel)
     }
-    components = (
+    components = [
         replace(part, reference=names[part.reference]) for part in circuit.components if part.reference in names
-    )
+    ]
+    symbol, footprint = symbols.SYMBOLS["Conn_01x02_MountingPin"], symbols.JST_SH_2
+    components = [
+        replace(part, symbol=symbol, footprint=footprint) if part.reference == SENSOR_CONNECTOR else part
+        for part in components
+    ]
+    socket = name_part(SENSOR_CONNECTOR, channel)
+    numbers = dict(zip((*find_sensor_pins(channel), "MP"), ("1", "2", "MP"), strict=True))
     nets = []
     for net in circuit.nets:
         number, own = split_net(net.name)
-        nodes = tuple((names[reference], pin) for reference, pin in net.nodes if reference in names)
+        nodes = tuple(
+            (names[reference], numbers[pin] if reference == socket else pin)
+            for reference, pin in net.nodes
+            if reference in names and (reference != socket or pin in numbers)
+        )
         if nodes:
             nets.append(Net(own if number == channel else net.name, nodes))
     return Circuit(circuit.name, tuple(components), tuple(nets))

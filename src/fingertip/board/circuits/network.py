@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from fingertip.board.components.bridge import AD623_BANDWIDTH_HZ, AMPLIFIERS, GAIN_CONSTANT_OHM, GAIN_RESISTOR
 from fingertip.board.components.transimpedance import SUPPRESSOR_F
 from fingertip.board.parts.circuit import Circuit, parse_component_value
-from fingertip.board.parts.nets import GND, RAILS, VCC
+from fingertip.board.parts.nets import GND, RAILS, UNCONNECTED, VCC
 from fingertip.catalogues.amplifiers import OPEN_LOOP_GAIN, Amplifier
 from fingertip.foundation.numerics import Array
 
@@ -227,7 +227,11 @@ def build_network(
     driven = {output.net for output in list_amplifiers(circuit)}
     gain_nets = {nets[c.reference, pin] for c in circuit.components for pin in "18" if c.symbol.name == "AD623ARMZ"}
     rails = tuple(rail for rail in RAILS if rail != VCC or not is_supply_resistive)
-    law = {net: net for net in nets.values() if net not in (*rails, *driven, *gain_nets)}
+    law = {
+        net: net
+        for net in nets.values()
+        if net not in (*rails, *driven, *gain_nets) and not net.startswith(UNCONNECTED)
+    }
     law |= dict.fromkeys(driven if is_supply_resistive else (), VCC)
     terms: list[Term] = []
     values: dict[str, Value] = {}
@@ -255,7 +259,8 @@ def build_network(
             for name, pin, ratio in (("a", "1", 1.0 - trimmer_ratio), ("b", "3", trimmer_ratio)):
                 add(f"{reference}{name}", 1.0 / max(ohm * ratio, _TRIMMER_END_OHM), pins[pin], pins["2"])
         elif component.value == "FSR":
-            add(reference, sensor_s, pins["1"], pins["2"])
+            (_, sensor), (_, ground) = circuit.list_wires(component)
+            add(reference, sensor_s, sensor, ground)
         elif symbol == "AO3401A" and is_supply_resistive:
             add(reference, 1.0 / MAX_SWITCH_OHM, pins["3"], pins["2"])
         elif symbol == "D_TVS":

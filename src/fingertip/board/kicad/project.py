@@ -16,7 +16,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from fingertip.board.circuits.channels import PLACES, name_part, name_sheet, split_name
+from fingertip.board.circuits.channels import PLACES, find_symbol, name_part, name_sheet
 from fingertip.board.kicad.back_print import print_values
 from fingertip.board.kicad.netlist import CircuitRecord, Part, describe_structure_changes
 from fingertip.board.kicad.placement import Placement, read_placement
@@ -111,7 +111,7 @@ class StoredProject:
         symbols = dict[str, str]()
         for piece in (piece for text in self.schematics.values() for piece in _SYMBOL.split(text)[1:]):
             if not (reference := _find(_REFERENCE, piece)).startswith("#"):
-                symbol, (channel, own) = _find(_LIBRARY_ID, piece), split_name(reference)
+                symbol, (channel, own) = _find(_LIBRARY_ID, piece), find_symbol(reference)
                 names = [name_part(own, k + 1) for k in range(PLACES)] if channel else [own]
                 symbols |= dict.fromkeys(names, symbol)
         return symbols
@@ -222,13 +222,14 @@ def _enter_part(piece: str, component: Component) -> str:
         raise BoardError(f"{component.reference} has no field {', '.join(sorted(missing))} in its KiCad project.")
     if not component.is_fitted:
         entered = _ATTRIBUTES.sub(lambda match: f"(attr {match[1]} dnp)", entered, count=1)
+        entered = entered.replace("(dnp no)", "(dnp yes)", 1)
     entered = _ROLE.sub(lambda match: f"(descr {quote(component.role)})", entered, count=1)
     return _LIBRARY_ID.sub(lambda match: f"(lib_id {quote(_library_id(component.symbol))})", entered, count=1)
 
 
 def _leave_out(schematic: str, circuit: Circuit) -> str:
     """Mark the sheets of the channels that are not fitted."""
-    empty = {name_sheet(split_name(part.reference)[0]) for part in circuit.components if not part.is_fitted}
+    empty = {name_sheet(find_symbol(part.reference)[0]) for part in circuit.components if not part.is_fitted}
     head, *sheets = _SHEET.split(schematic)
     for i, sheet in enumerate(sheets):
         if _find(_SHEET_NAME, sheet) in empty:

@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
+from fingertip.board.parts.nets import UNCONNECTED
 from fingertip.foundation.errors import BoardError, Issue
 
 # Requirement for purchase of a resistor or a capacitor, apart from its value and package.
@@ -125,6 +126,11 @@ class Circuit:
                 return component
         raise KeyError(reference)
 
+    def list_wires(self, component: Component) -> list[tuple[str, str]]:
+        """List number and net of each pin in order, without those that only hold the component or are open."""
+        nets = ((pin.number, self.net_by_pin[component.reference, pin.number]) for pin in component.symbol.pins)
+        return [(number, net) for number, net in nets if number.isdigit() and not net.startswith(UNCONNECTED)]
+
     def without(self, *references: str) -> Circuit:
         nets = (Net(n.name, tuple(node for node in n.nodes if node[0] not in references)) for n in self.nets)
         return Circuit(self.name, tuple(c for c in self.components if c.reference not in references), tuple(nets))
@@ -176,7 +182,7 @@ def find_issues(circuit: Circuit) -> Iterator[Issue]:
     known = {(component.reference, pin.number) for component in circuit.components for pin in component.symbol.pins}
     uses = Counter(node for net in circuit.nets for node in net.nodes)
     for net in circuit.nets:
-        if len(set(net.nodes)) < 2:
+        if len(set(net.nodes)) < 2 and not net.name.startswith(UNCONNECTED):
             yield Issue(net.name, f"connects {len(set(net.nodes))} pin; a net needs at least two.")
     for (reference, number), count in uses.items():
         if (reference, number) not in known:

@@ -36,6 +36,15 @@ GLOBAL_NETS = (*RAILS, VMID)
 """Nets that are the same on all sheets: the rails, and the nets that global labels name."""
 
 
+UNCONNECTED = "unconnected-("
+"""Beginning of the name that KiCad gives the net of a pin that is left open on purpose."""
+
+
+def name_open_net(reference: str, pin: str, number: str) -> str:
+    """Name the net of such a pin as KiCad does."""
+    return f"{UNCONNECTED}{reference}-{pin}-Pad{number})"
+
+
 def kicad_net_name(net: str) -> str:
     """Name of a net in KiCad: a label's net carries the path of its sheet, here "/"; a power symbol's net does not."""
-    return net if net in GLOBAL_NETS else f"/{net}"
+    return net if net in GLOBAL_NETS or net.startswith(UNCONNECTED) else f"/{net}"

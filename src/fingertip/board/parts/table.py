@@ -188,11 +188,6 @@ def find_plug_wire(component: Component) -> PlugWire | None:
     return next((wire for wire in load_table(PlugWire, "plug_wires.csv") if name.startswith(f"{wire.series} ")), None)
 
 
-def count_wires(component: Component) -> int:
-    """Count the pins that a wire leads to: all but those that only hold the connector."""
-    return sum(pin.number.isdigit() for pin in component.symbol.pins)
-
-
 def list_connectors(circuit: Circuit) -> Iterator[Component]:
     """Yield the connectors of a board in order."""
     fitted = (c for c in circuit.components if c.reference.startswith("J") and c.is_fitted)

@@ -12,7 +12,7 @@ from fingertip.board.bringup import plan as readings
 from fingertip.board.bringup.diagnosis import list_hidden_faults, list_unsimulated
 from fingertip.board.bringup.plan import BringUp, Limits
 from fingertip.board.bringup.prediction import POINTS, list_levels, name_ripple, name_tone, name_voltage
-from fingertip.board.bringup.wiring import list_pins
+from fingertip.board.circuits.channels import describe_sockets
 from fingertip.board.kicad.placement import Pad, Placement, view_channel
 from fingertip.board.kicad.project import load_project
 from fingertip.board.parts import nets
@@ -76,6 +76,7 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
         name=design.name,
         orientation="J1 and J2" if design.board.channels == 1 else "the sensors' sockets",
         fingers=NAMES[: design.board.channels],
+        sockets="; ".join(describe_sockets()[: design.board.channels]),
         wiring=wiring,
         idle_v=values.tactile_response.open_v,
         is_protected=is_protected,
@@ -136,7 +137,7 @@ def _list_resistances(plan: BringUp, placement: Placement, is_protected: bool) -
 def _list_outputs(plan: BringUp) -> Iterator[Row]:
     circuit = plan.board.circuit
     pins = {pin.net: pin for pin in bench.list_output_pins(circuit)}
-    for number, net in list_pins(circuit, circuit.component(bench.HOST)):
+    for number, net in circuit.list_wires(circuit.component(bench.HOST)):
         if net in pins:
             yield _row(plan, pins[net].constant_name, f"{pins[net].letter}, pin {number}", _OUTPUT_PARTS[net])
 

@@ -13,7 +13,7 @@ from fingertip.board.analysis.loads import signal_band_hz
 from fingertip.board.analysis.noise import noise_warning
 from fingertip.board.bringup import wiring
 from fingertip.board.circuits.board_circuit import CABLE_OHM, board_circuit
-from fingertip.board.circuits.channels import PLACES, list_sockets
+from fingertip.board.circuits.channels import PLACES, describe_sockets, list_sockets
 from fingertip.board.circuits.network import MAX_SWITCH_OHM
 from fingertip.board.components import values as ratings
 from fingertip.board.components.bridge import MAX_FORCE_N, POWER_UP_S, Bridge, sensor_conductance_s
@@ -49,6 +49,7 @@ def folder_readme(circuit: Circuit, stored: StoredProject, values: BoardValues, 
         channels=channels,
         places=PLACES,
         fingers=[f"{k} {name}" for k, name in enumerate(NAMES[:channels], start=1)],
+        sockets="; ".join(describe_sockets()[:channels]),
         size_mm=f"{placement.width:g} x {placement.height:g}",
         unlabelled=[name for name, part in placement.parts.items() if name[0] in "RC" and not part.is_labelled],
         all_unlabelled=not any(part.is_labelled for name, part in placement.parts.items() if name[0] in "RC"),
@@ -112,20 +113,23 @@ def collect_board(values: BoardValues, design: Design) -> dict[str, Any]:
 def _list_cables(circuit: Circuit, fingers_take_leads: bool) -> Iterator[tuple[str, ...]]:
     """Yield what to buy for each connector's cable, with the source of its numbers or the reason why there are none."""
     sensors = {SENSOR_CONNECTOR, *list_sockets()}
-    # The sockets of the sensors take the same plugs, and are one line.
+    # Sockets of one size take the same plugs, and are one line.
     groups: dict[str, list[Component]] = {}
     for connector in table.list_connectors(circuit):
         groups.setdefault(connector.footprint, []).append(connector)
     for alike in groups.values():
         names = join_words([connector.reference for connector in alike])
         for mating in table.list_mating_parts(alike[0]):
-            if alike[0].reference in sensors and mating.item.startswith("or leads") and not fingers_take_leads:
+            # The cable of a sensor is its own wires.
+            is_lead, is_cable = (mating.item.startswith(word) for word in ("or leads", "either"))
+            if (is_sensor := alike[0].reference in sensors) and (is_cable or (is_lead and not fingers_take_leads)):
                 continue
             numbers = ("", "", mating.reason)
             if part := mating.part:
                 source = part.source_text if part.lcsc else f"{part.source_text}; {NO_LCSC}"
                 numbers = (f"{part.manufacturer} {part.number}", part.lcsc, source)
-            yield names, str(mating.count(table.count_wires(alike[0])) * len(alike)), mating.item, *numbers
+            count, item = mating.count(len(circuit.list_wires(alike[0]))), mating.item
+            yield names, str(count * len(alike)), item.removeprefix("or: ") if is_sensor else item, *numbers
 
 
 def _collect_order(circuit: Circuit, stored: StoredProject) -> dict[str, Any]:

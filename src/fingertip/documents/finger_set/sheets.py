@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from fingertip.board.circuits.channels import list_pins, list_sockets
+from fingertip.board.circuits.channels import describe_sockets, list_pins
 from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
@@ -75,7 +75,7 @@ def set_data(
     """Collect the data of all sheets of a set, which has one board for all its fingers or none."""
     sockets, pins, slip_pins = (
         dict(zip(NAMES, each if has_board else [""] * len(NAMES), strict=True))
-        for each in (list_sockets(), list_pins(ADC_TACTILE), list_pins(ADC_FILTERED))
+        for each in (describe_sockets(), list_pins(ADC_TACTILE), list_pins(ADC_FILTERED))
     )
     rows = [
         {

@@ -162,10 +162,14 @@ HAND_BOARDS = {"TEENSYDUINO": "teensy40", "STM32F4xx": "black_pill_f411"}
 """Macro of a family of boards -> a controller of it that carries five fingers."""
 
 
-def make_hand_sketch(folder: Path, macro: str, fingers: Fingers, example: str = "slip_hand") -> Path:
+def make_hand_sketch(
+    folder: Path, macro: str, fingers: Fingers, example: str = "slip_hand", change: tuple[str, str] = ("", "")
+) -> Path:
     """Compile an example of a hand for the stand-in of a family of boards; its addresses fit the DMA's registers."""
     require_tool("g++", INSTALL)
     write_firmware(Design(), folder, fingers=fingers)
+    sketch = folder / "examples" / example / f"{example}.ino"
+    sketch.write_text(sketch.read_text().replace(*change))
     objects = []
     for source in ("slip_detector", "slip_grip"):
         objects.append(str(folder / f"{source}.o"))
@@ -207,6 +211,15 @@ def test_the_example_of_a_hand_tells_which_finger_slips_and_which_has_a_fault(ma
     assert "grip tightened" in done.stdout
     changes = [(int(a), int(b)) for a, b in re.findall(r"^(\d+) (\d)$", done.stderr, re.MULTILINE)]
     assert [level for _, level in changes[:2]] == [0, 1]
+
+
+def test_the_example_of_a_hand_shows_the_codes_of_all_fingers_twice_a_second(tmp_path: Path) -> None:
+    fingers = plan_fingers(Design(), "thumb,little", "teensy40")
+    program = make_hand_sketch(tmp_path, "TEENSYDUINO", fingers, change=("SHOW_CODES = false", "SHOW_CODES = true"))
+    given = "174 2040 300 2060\n" * 2100
+    done = subprocess.run([str(program)], input=given, capture_output=True, text=True, check=True)
+    shown = [line for line in done.stdout.splitlines() if ": T " in line]
+    assert shown == ["thumb: T 174, S 2040", "little: T 300, S 2060"] * 2
 
 
 def test_a_scan_that_the_converter_did_not_finish_is_lost_and_the_next_one_is_not(tmp_path: Path) -> None:

@@ -412,7 +412,7 @@ def test_a_controller_of_another_range_is_warned_of_with_what_helps(tmp_path: Pa
     assert "0 to 5 V, not 0 to 3.3 V" in done.stderr
     assert not run_fingertip(*options, "--set", "detector.adc_range_v=5", "--force").stderr.count("warning")
     header = (tmp_path / "out/src/slip_detector.h").read_text()
-    assert '#define SLIP_INPUTS {{A0, A1}}\n#define SLIP_NAMES {"wrist"}' in header
+    assert '#define SLIP_INPUTS {{A0, A1}}\n#endif\n#define SLIP_NAMES {"wrist"}' in header
 
 
 def test_the_watchdog_latches_and_a_release_is_as_slow_as_a_command(folder: Path, tmp_path: Path) -> None:

@@ -231,7 +231,12 @@ def _render_fingers(fingers: Fingers) -> str:
     if fingers.is_hand:
         inputs = ", ".join(f"{{{tactile}, {filtered}}}" for tactile, filtered in fingers.inputs)
         names = ", ".join(f'"{name}"' for name in fingers.names)
-        lines += [f"#define SLIP_INPUTS {{{inputs}}}", f"#define SLIP_NAMES {{{names}}}"]
+        lines += [
+            "#ifndef SLIP_INPUTS",
+            f"#define SLIP_INPUTS {{{inputs}}}",
+            "#endif",
+            f"#define SLIP_NAMES {{{names}}}",
+        ]
     return "\n".join(("/* Fingers that one controller reads; of several, inputs of T and S, and names. */", *lines))
 
 

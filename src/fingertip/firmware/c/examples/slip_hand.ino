@@ -25,6 +25,7 @@ static void command_further_m(unsigned finger, slip_real further_m) {
 
 static const uint32_t INPUTS[SLIP_FINGERS][2] = SLIP_INPUTS;  // T and S of each finger
 static const char *const NAMES[SLIP_FINGERS] = SLIP_NAMES;
+static const bool SHOW_CODES = false;  // true: write T and S of each finger twice a second, to see which one you press
 static const int SLIP_PIN = LED_BUILTIN;
 static const unsigned long SETTLE_MS = 2000;  // voltages of the boards, after power on
 static const uint32_t PERIOD = SLIP_SAMPLE_RATE_MILLIHZ / 100000u;  // samples of a control period
@@ -61,6 +62,15 @@ static void tell(uint32_t time_ms, unsigned fingers, const char *what) {
                                   (unsigned long)(time_ms % 1000), NAMES[i], what);
       Serial.write(line, length < (int)sizeof line ? length : (int)sizeof line - 1);
     }
+  }
+}
+
+// Write a line such as "index: T 174, S 2048" for each finger.
+static void show(const slip_codes codes[SLIP_FINGERS]) {
+  for (unsigned i = 0; i < SLIP_FINGERS; i++) {
+    char line[64];
+    const int length = snprintf(line, sizeof line, "%.30s: T %u, S %u\n", NAMES[i], codes[i].tactile, codes[i].filtered);
+    Serial.write(line, length);
   }
 }
 
@@ -108,6 +118,9 @@ void loop() {
   }
   if (++count == PERIOD) {
     control(sample.number + 1, on, sums);
+    if (SHOW_CODES && (sample.number + 1) / PERIOD % 50 == 0) {
+      show(sample.codes);
+    }
     for (unsigned i = 0; i < SLIP_FINGERS; i++) {
       sums[i] = 0;
     }

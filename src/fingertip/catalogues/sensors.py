@@ -1,4 +1,4 @@
-"""Catalogue of force-sensing resistors (FSR), with the source of every dimension.
+"""Catalogue of force-sensing resistors (FSR), read from `sensors.csv` with the source of every dimension.
 
 The catalogue is separate from the geometry, so that a value can be corrected without changing a solid.
 
@@ -10,7 +10,10 @@ before you print.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
+
+from fingertip.foundation.tables import load_table, read_rows
 
 SensorName = Literal["fsr400", "fsr400_short", "fsr402", "fsr402_short"]
 """Names of the catalogue, for the parameter sensor.model. A test holds them and `CATALOGUE` together."""
@@ -45,22 +48,6 @@ class ForceSensor:
     """Changes of that design which the sensor needs."""
 
 
-CATALOGUE: dict[str, ForceSensor] = {
-    sensor.model: sensor
-    for sensor in (
-        ForceSensor("fsr400", "FSR 400", 5.08, 7.62, 0.30, 38.0, 6.4, 2.54, "[D] FSR 400", ("tail_width_mm",)),
-        ForceSensor(
-            "fsr400_short", "FSR 400 short tail", 5.08, 7.62, 0.30, 20.0, 6.4, 2.54, "[D] FSR 400 Short",
-            ("tail_width_mm",), changes=("bone.base_length_mm=13",),  # a longer one would only weaken the bone
-        ),
-        ForceSensor(
-            "fsr402", "FSR 402", 12.7, 18.28, 0.46, 56.0, 7.6, 2.54, "[D] FSR 402",
-            ("tail_width_mm", "active_diameter_mm"),  # a newer data sheet states 14.68 mm for the active diameter
-            "fsr402", ("bone.base_length_mm=37",),  # its tail of 56 mm runs on through a longer base
-        ),
-        ForceSensor(
-            "fsr402_short", "FSR 402 short tail", 12.7, 18.28, 0.46, 25.0, 7.6, 2.54, "[D] FSR 402 Short",
-            ("tail_width_mm", "active_diameter_mm"), "fsr402",
-        ),
-    )
-}  # fmt: skip
+CATALOGUE = {
+    sensor.model: sensor for sensor in load_table(ForceSensor, read_rows(Path(__file__).with_name("sensors.csv")))
+}

@@ -26,13 +26,14 @@ from fingertip.foundation.input_files import OUTPUT_LIMIT, PARSED_LIMIT, read_in
 from fingertip.foundation.progress import Work
 
 _LAYERS = "F.Cu,B.Cu,F.Paste,F.SilkS,B.SilkS,F.Mask,B.Mask,Edge.Cuts"
+_PICTURE = "--width 1600 --height 1100"
 _DATE = re.compile(rb"^(%TF\.CreationDate.*|G04 Created by KiCad.*|; DRILL file.*|; #@! TF\.CreationDate.*)\r?\n", re.M)
 _ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 """Date of all files in a zip: the earliest that the format allows."""
 
 Progress = Callable[[str], None]
-RunKicad = Callable[..., None]
-"""Runs kicad-cli: name of the step, for progress and errors, and the arguments."""
+RunKicad = Callable[[str, str], None]
+"""Runs a step of the export, for a circuit of this name."""
 
 
 def find_kicad() -> str:
@@ -46,15 +47,19 @@ def find_kicad() -> str:
 
 
 STEPS = {
-    "electrical rules check": 2.0,
-    "design rules check": 3.0,
-    "gerber export": 2.0,
-    "drill file export": 1.5,
-    "rendering of the front": 15.0,
-    "rendering of the back": 15.0,
-    "schematic as PDF": 2.0,
-}
-"""Steps of the export with their durations relative to each other."""
+    "electrical rules check": (2.0, "sch erc {0}.kicad_sch --severity-error --exit-code-violations -o erc.rpt"),
+    "design rules check": (
+        3.0, "pcb drc {0}.kicad_pcb --schematic-parity --severity-error --exit-code-violations -o drc.rpt"
+    ),
+    "gerber export": (2.0, f"pcb export gerbers {{0}}.kicad_pcb -l {_LAYERS} --use-drill-file-origin -o gerbers/"),
+    "drill file export": (
+        1.5, "pcb export drill {0}.kicad_pcb --drill-origin plot --excellon-separate-th -o gerbers/"
+    ),
+    "rendering of the front": (15.0, f"pcb render {{0}}.kicad_pcb --side top {_PICTURE} -o {{0}}_front.png"),
+    "rendering of the back": (15.0, f"pcb render {{0}}.kicad_pcb --side bottom {_PICTURE} -o {{0}}_back.png"),
+    "schematic as PDF": (2.0, "sch export pdf {0}.kicad_sch -o {0}_schematic.pdf"),
+}  # fmt: skip
+"""Steps of the export: duration relative to the others, and arguments of kicad-cli, {0} the name of the circuit."""
 
 
 def fabrication_files(
@@ -62,25 +67,13 @@ def fabrication_files(
 ) -> dict[str, bytes]:
     """Export the fabrication files of a board. Raises MissingLibraryError or BoardError."""
     name = circuit.name
-    board, schematic = f"{name}.kicad_pcb", f"{name}.kicad_sch"
-    work = Work("KiCad", STEPS, progress)
+    work = Work("KiCad", {step: duration for step, (duration, _) in STEPS.items()}, progress)
     with kicad_session(board_files, work.begin) as (folder, run):
-        run(
-            "electrical rules check",
-            "sch", "erc", schematic, "--severity-error", "--exit-code-violations", "-o", "erc.rpt",
-        )  # fmt: skip
-        run(
-            "design rules check",
-            "pcb", "drc", board, "--schematic-parity", "--severity-error", "--exit-code-violations", "-o", "drc.rpt",
-        )  # fmt: skip
+        for check in ("electrical rules check", "design rules check"):
+            run(check, name)
         gerbers = export_gerbers(folder, run, name)
-        for side, suffix in (("top", "front"), ("bottom", "back")):
-            run(
-                f"rendering of the {suffix}",
-                "pcb", "render", board, "--side", side, "--width", "1600", "--height", "1100",
-                "-o", f"{name}_{suffix}.png",
-            )  # fmt: skip
-        run("schematic as PDF", "sch", "export", "pdf", schematic, "-o", f"{name}_schematic.pdf")
+        for step in ("rendering of the front", "rendering of the back", "schematic as PDF"):
+            run(step, name)
         exported = (f"{name}_front.png", f"{name}_back.png", f"{name}_schematic.pdf")
         return {
             f"{name}_gerbers.zip": gerbers,
@@ -100,9 +93,10 @@ def kicad_session(board_files: dict[str, bytes], progress: Progress) -> Iterator
             (folder / file).parent.mkdir(parents=True, exist_ok=True)
             (folder / file).write_bytes(data)
 
-        def run(step: str, *arguments: str) -> None:
+        def run(step: str, name: str) -> None:
             progress(step)
-            process = subprocess.run([kicad, *arguments], cwd=folder, capture_output=True, text=True, check=False)
+            command = [kicad, *STEPS[step][1].format(name).split()]
+            process = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
             if process.returncode:
                 output = " ".join((process.stdout + process.stderr).split())[-400:]
                 raise BoardError(f"KiCad's {step} failed ({output}); the files of the board itself are unchanged.")
@@ -115,12 +109,8 @@ def export_gerbers(folder: Path, run: RunKicad, name: str) -> bytes:
 
     Plated and unplated holes have drill files of their own: a board house plates all holes of one file.
     """
-    board = f"{name}.kicad_pcb"
-    run("gerber export", "pcb", "export", "gerbers", board, "-l", _LAYERS, "--use-drill-file-origin", "-o", "gerbers/")
-    run(
-        "drill file export",
-        "pcb", "export", "drill", board, "--drill-origin", "plot", "--excellon-separate-th", "-o", "gerbers/",
-    )  # fmt: skip
+    run("gerber export", name)
+    run("drill file export", name)
     # The job file is left out: board houses do not need it, and it contains the date.
     exported = sorted(path for path in (folder / "gerbers").iterdir() if path.suffix != ".gbrjob")
     buffer = io.BytesIO()

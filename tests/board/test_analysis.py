@@ -18,15 +18,7 @@ from hypothesis import strategies as st
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.report import analyse, bode_table
-from fingertip.board.analysis.response import (
-    RECTIFYING_DIODE,
-    FilterModel,
-    decibel,
-    find_passband,
-    model_filter,
-    search_band_hz,
-    target_response,
-)
+from fingertip.board.analysis.response import RECTIFYING_DIODE, FilterModel, decibel, model_filter, target_response
 from fingertip.board.analysis.tolerance import (
     BAND_QUANTILES,
     COMPONENTS,
@@ -241,7 +233,7 @@ def test_upper_cutoffs_are_those_of_single_boards(design: Design) -> None:
     found = []
     for board in deviations:
         values = toleranced.deviate(board)
-        found.append(find_passband(toleranced.model.transfer(values), search_band_hz(toleranced.model, values)).high_hz)
+        found.append(toleranced.model.passband(values).high_hz)
     assert band.upper_ends_hz == pytest.approx(tuple(np.quantile(found, BAND_QUANTILES)), rel=1e-6)
 
 
@@ -389,7 +381,7 @@ def test_passband_is_found_on_the_closed_form(name: str) -> None:
     values = board_values(design)
     gbw = find_gain_bandwidth_hz(design.board)
     model, network = model_filter(circuit), build_network(circuit, gbw)
-    passband = find_passband(model.transfer(network.values), search_band_hz(model, network.values))
+    passband = model.passband(network.values)
 
     def gain(f_hz: float) -> float:
         input_f = CATALOGUE[values.amplifier].input_f

@@ -29,7 +29,6 @@ from fingertip.board.components.bridge import (
 from fingertip.board.components.selection import (
     DEVIATION_BAND,
     choose_jointly,
-    compute_deviation_db,
     filter_error,
     mantissas,
     nearest_value,
@@ -336,7 +335,6 @@ def test_no_combination_of_a_wide_search_is_better(series: str, ratio: float, cu
     chosen, found = choose_jointly(ideal, series)
     assert found == pytest.approx(best, abs=1e-6)
     assert deviation_db(chosen, ideal) == pytest.approx(found, abs=1e-6)
-    assert compute_deviation_db(chosen, ideal) == pytest.approx(found, abs=1e-6)
 
 
 @pytest.mark.parametrize("cutoff", [33.0, 80.0, 140.0])

@@ -87,9 +87,9 @@ class NoisyNetwork:
     network: Network
     sources: tuple[Source, ...]
 
-    def squares(self, net: str, band_hz: tuple[float, float] = NOISE_BAND_HZ) -> Array:
-        """Mean square of each source's noise at a net over a band [V^2]."""
-        low, high = band_hz
+    def squares(self, net: str) -> Array:
+        """Mean square of each source's noise at a net over `NOISE_BAND_HZ` [V^2]."""
+        low, high = NOISE_BAND_HZ
         f = np.geomspace(low, high, round(_POINTS_PER_DECADE * math.log10(high / low)) + 1)
         density = np.array([source.noise for source in self.sources])
         return np.asarray(np.trapezoid(np.abs(self._transfers(f, net) * density) ** 2, f, axis=0))

@@ -128,6 +128,11 @@ class FilterModel:
         constant, linear, square = self.ideal[-1].evaluate(values).denominator
         return (constant / square) ** 0.5 / math.tau, (constant * square) ** 0.5 / linear
 
+    def passband(self, values: Mapping[str, Value]) -> Passband:
+        """Passband of one board, searched from well below to well above the poles of its high-pass filter."""
+        poles = float(self.first_pole_hz(values)), float(self.section(values)[0])
+        return find_passband(self.transfer(values), (min(poles) / _START_RATIO, max(poles) * _END_RATIO))
+
 
 def model_filter(circuit: Circuit) -> FilterModel:
     ideal, as_built = (
@@ -172,10 +177,7 @@ def model_software_envelope(cutoff_hz: float) -> EnvelopeModel:
 
 
 def find_passband(transfer: Rational, band_hz: tuple[float, float]) -> Passband:
-    """Find the passband of a transfer function.
-
-    `find_passbands` is its counterpart for arrays.
-    """
+    """Find the passband of a transfer function; `find_passbands` is its counterpart for arrays."""
     power_gain = transfer.power_gain()
 
     def log_power(x: float) -> float:
@@ -230,12 +232,6 @@ def decibel(ratio: complex) -> float:
     return 20.0 * math.log10(abs(ratio)) if ratio else -math.inf
 
 
-def search_band_hz(model: FilterModel, values: Mapping[str, Value]) -> tuple[float, float]:
-    """Frequencies [Hz] well below and well above the poles of a board's high-pass filter."""
-    poles = float(model.first_pole_hz(values)), float(model.section(values)[0])
-    return min(poles) / _START_RATIO, max(poles) * _END_RATIO
-
-
 def _grid(band_hz: tuple[float, float]) -> tuple[float, float, int]:
     first, last = (math.log(math.tau * f_hz) for f_hz in band_hz)
     count = math.ceil((last - first) / math.log(10.0) * _STEPS_PER_DECADE)
@@ -247,7 +243,7 @@ def compute_response(
 ) -> FrequencyResponse:
     """Compute the response of a board. `envelope_cutoff_hz` is the pole in software of one without an envelope."""
     section_hz, quality = model.section(values)
-    passband = find_passband(model.transfer(values), search_band_hz(model, values))
+    passband = model.passband(values)
     envelope = model.envelope or model_software_envelope(envelope_cutoff_hz)
     decay_s = float(envelope.decay_s(values))
     return FrequencyResponse(

@@ -13,7 +13,7 @@ from itertools import product
 
 import numpy as np
 
-from fingertip.board.analysis.response import FilterModel, find_passband, find_passbands, model_filter, search_band_hz
+from fingertip.board.analysis.response import FilterModel, find_passbands, model_filter
 from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import Value, build_network
 from fingertip.board.components.values import select_components
@@ -57,16 +57,10 @@ class TolerancedFilter:
     def quantities(self, deviations: Array) -> dict[str, Array]:
         """Compute `QUANTITIES` for relative deviations of the components, (..., components)."""
         values = self.deviate(deviations)
-        nominal = find_passband(self.model.transfer(self.values), search_band_hz(self.model, self.values))
-        gain, cutoff_hz = find_passbands(self.model.transfer(values), nominal)
+        gain, cutoff_hz = find_passbands(self.model.transfer(values), self.model.passband(self.values))
         section_hz, quality = self.model.section(values)
-        return {
-            "cutoff_hz": cutoff_hz,
-            "section_quality": np.asarray(quality),
-            "passband_gain": gain,
-            "first_pole_hz": np.asarray(self.model.first_pole_hz(values)),
-            "section_hz": np.asarray(section_hz),
-        }
+        found = (cutoff_hz, quality, gain, self.model.first_pole_hz(values), section_hz)
+        return dict(zip(QUANTITIES, map(np.asarray, found), strict=True))
 
 
 @dataclass(frozen=True)
@@ -97,18 +91,10 @@ def monte_carlo(
     corners = board.quantities(limits * np.array(list(product((-1.0, 1.0), repeat=count))))
     exact = board.quantities(np.zeros(count))
     result = {}
-    for name in QUANTITIES:
-        values = drawn[name]
-        low, high = np.quantile(values, (0.025, 0.975))
-        result[name] = Spread(
-            nominal=float(exact[name]),
-            mean=float(values.mean()),
-            deviation=float(values.std(ddof=1)),
-            low_95=float(low),
-            high_95=float(high),
-            worst_low=float(corners[name].min()),
-            worst_high=float(corners[name].max()),
-        )
+    for name, values in drawn.items():
+        ends, worst = _find_ends(values), corners[name]
+        middle = float(exact[name]), float(values.mean()), float(values.std(ddof=1))
+        result[name] = Spread(*middle, *ends, float(worst.min()), float(worst.max()))
     return result
 
 
@@ -205,7 +191,7 @@ def compute_response_band(design: Design, boards: int = 10_000, seed: int = 1) -
     deviations = draw_deviations(toleranced, percent, boards, seed)
 
     exact = toleranced.model.transfer(network.values)
-    passband = find_passband(exact, search_band_hz(toleranced.model, network.values))
+    passband = toleranced.model.passband(network.values)
     first, last = math.log10(settings.cutoff_hz / _BELOW), math.log10(passband.high_hz * _ABOVE)
     f_hz = np.logspace(first, last, math.ceil((last - first) * _PER_DECADE) + 1)
 

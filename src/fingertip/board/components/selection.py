@@ -10,7 +10,6 @@ import math
 from bisect import bisect_left
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 
@@ -99,7 +98,7 @@ def _within(low: float, high: float, values: Iterable[float]) -> tuple[float, ..
     return tuple(v for v in values if low * (1 - 1e-9) <= v <= high * (1 + 1e-9))
 
 
-@lru_cache(maxsize=256)
+@functools.lru_cache(maxsize=256)
 def _values_of_decade(series: str, exponent: int) -> tuple[float, ...]:
     """List the preferred values of a decade in ascending order, with one more below it and two above.
 
@@ -315,12 +314,6 @@ def choose_jointly(ideal_ohm: tuple[float, float, float], series: str) -> tuple[
     deviations = np.round(_deviations_db(first[i], second[j], third[k]), _DIGITS)
     best = int(deviations.argmin())  # the first of equal ones has the smallest resistors
     return (candidates[0][i[best]], candidates[1][j[best]], candidates[2][k[best]]), float(deviations[best])
-
-
-def compute_deviation_db(ohm: tuple[float, float, float], ideal_ohm: tuple[float, float, float]) -> float:
-    """Compute the largest deviation of R1, R2 and R3 [ohm] from the Butterworth response of the ideal ones [dB]."""
-    ratios = (np.array([value / ideal]) for value, ideal in zip(ohm, ideal_ohm, strict=True))
-    return float(_deviations_db(*ratios)[0])
 
 
 def _deviations_db(first: Array, second: Array, third: Array) -> Array:

@@ -199,18 +199,18 @@ def reference_sort_key(component: Component) -> tuple[str, int]:
     return letters, int(component.reference[len(letters) :])
 
 
-def format_component_value(value: float, unit: str = "") -> str:
+_SCALES = {"M": 1e6, "k": 1e3, "": 1.0, "m": 1e-3, "u": 1e-6, "n": 1e-9, "p": 1e-12}
+
+
+def format_component_value(value: float) -> str:
     """Format a component value with an SI prefix, as in a schematic: 4700 -> "4.7k", 2.2e-6 -> "2.2u".
 
     At most ten digits are printed.
     """
-    for prefix, scale in (("M", 1e6), ("k", 1e3), ("", 1.0), ("m", 1e-3), ("u", 1e-6), ("n", 1e-9)):
-        if value >= scale * (1 - 1e-12):
-            return f"{value / scale:.10g}{prefix}{unit}"
-    return f"{value / 1e-12:.10g}p{unit}"
+    prefix = next((name for name, scale in _SCALES.items() if value >= scale * (1 - 1e-12)), "p")
+    return f"{value / _SCALES[prefix]:.10g}{prefix}"
 
 
 def parse_component_value(text: str) -> float:
     """Parse a component value [ohm or F]: "4.7k" -> 4700, "2.2u" -> 2.2e-6."""
-    scales = {"M": 1e6, "k": 1e3, "m": 1e-3, "u": 1e-6, "n": 1e-9, "p": 1e-12}
-    return float(text[:-1]) * scales[text[-1]] if text[-1] in scales else float(text)
+    return float(text[:-1]) * _SCALES[text[-1]] if text[-1] in _SCALES else float(text)

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from fingertip.foundation.errors import Issue, TomlFileError
+from fingertip.foundation.tables import read_rows
 from fingertip.foundation.toml_files import read_toml
 
 
@@ -31,53 +32,11 @@ class FileKind:
         return f"a {self.name} file"
 
 
-DESIGN = FileKind(
-    "design",
-    frozenset({
-        "name", "sensor", "custom_sensor", "bone", "hand", "skin", "silicone", "mold", "printer", "strength",
-        "force_curve", "board", "detector",
-    }),
-    "fsr400",
-    "`fingertip build` takes a design file, and so does design = in a sweep file",
-)  # fmt: skip
-SCENE = FileKind(
-    "scene",
-    frozenset({
-        "scene", "outputs", "contact", "surface", "pose", "hold", "slide", "load_change", "mount", "tremor", "servo",
-        "tap", "motor", "drift", "cable", "noise", "sensing", "converter",
-    }),
-    "hard_tap",
-    "`fingertip simulate` takes a scene file as its first argument",
-)  # fmt: skip
-MANIPULATION = FileKind(
-    "manipulation",
-    frozenset({
-        "scene", "outputs", "object", "surface", "grasp", "knock", "hand", "drift", "cable", "noise", "sensing",
-        "converter",
-    }),
-    "real_manipulation",
-    "`fingertip simulate` takes a manipulation file as its first argument",
-)  # fmt: skip
-SWEEP = FileKind(
-    "sweep",
-    frozenset({
-        "name", "outputs", "sampling", "points", "seed", "tolerance_mm", "time_limit_s", "trials", "first_seed",
-        "detector", "print_density_g_cm3", "minimise", "maximise", "axes", "design", "scene",
-    }),
-    "board",
-    "`fingertip sweep` takes a sweep file",
-)  # fmt: skip
-SURFACE = FileKind(
-    "surface", frozenset({"surface"}), "wood", "`fingertip simulate` takes a surface file with --surface"
+KINDS = tuple(
+    FileKind(row["name"], frozenset(row["names"].split()), row["example"], row["use"])
+    for row in read_rows(Path(__file__).with_name("file_kinds.csv"))
 )
-SET = FileKind(
-    "set",
-    frozenset({"name", "side", "hand", "fingers"}),
-    "adult_hand",
-    "`fingertip make` and `fingertip check` take a set file",
-)
-KINDS = (SWEEP, SET, SURFACE, MANIPULATION, SCENE, DESIGN)
-"""All kinds. A name that several kinds share counts for the last of them that has it, unless another name decides."""
+SWEEP, SET, SURFACE, MANIPULATION, SCENE, DESIGN = KINDS
 
 
 def read_file(path: Path, kind: FileKind, below: Path | None = None) -> dict[str, Any]:

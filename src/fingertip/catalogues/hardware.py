@@ -9,6 +9,9 @@ Syringes: figures that are not `verified` were not found in a document of the pr
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
+
+from fingertip.foundation.tables import load_table, read_rows
 
 STEEL_G_CM3 = 7.85
 """Density of screws and pins."""
@@ -30,16 +33,7 @@ class Thread:
         return f"M{self.diameter_mm:g}"
 
 
-THREADS = (
-    Thread(1.6, 1.7, 3.2, 1.3),
-    Thread(2.0, 2.2, 4.0, 1.6),
-    Thread(2.5, 2.7, 5.0, 2.0),
-    Thread(3.0, 3.2, 5.5, 2.4),
-    Thread(4.0, 4.3, 7.0, 3.2),
-    Thread(5.0, 5.3, 8.0, 4.7),
-    Thread(6.0, 6.4, 10.0, 5.2),
-    Thread(8.0, 8.4, 13.0, 6.8),
-)
+THREADS = load_table(Thread, read_rows(Path(__file__).with_name("threads.csv")))
 MIN_HOLE_MM = THREADS[0].hole_mm
 """Smallest clearance hole [mm] that a bolt of the table passes."""
 NUT_TRAP_CLEARANCE_MM = 0.2
@@ -70,13 +64,8 @@ class Syringe:
     verified: bool = False
 
 
-SYRINGES: dict[str, Syringe] = {
-    syringe.name: syringe
-    for syringe in (
-        Syringe("3ml", 3.0, 8.66, 10.5, "no document found"),
-        Syringe("5ml", 5.0, 12.06, 14.6, "no document found; measured ones have bores of 12.1 to 12.7 mm"),
-        Syringe("10ml", 10.0, 14.5, 16.2, "no document found; barrels of 14.4 and 16.2 mm in koendv/paste_dispenser"),
-    )
+SYRINGES = {
+    syringe.name: syringe for syringe in load_table(Syringe, read_rows(Path(__file__).with_name("syringes.csv")))
 }
 
 LUER_MOUTH_MM = 4.3

@@ -108,58 +108,42 @@ def bill_of_materials(design: Design) -> list[dict[str, Any]]:
     return [item for _, item in list_hardware(design)]
 
 
-def list_hardware(design: Design) -> list[tuple[Use, dict[str, Any]]]:
+def list_hardware(design: Design) -> Iterator[tuple[Use, dict[str, Any]]]:
     """List the same items with their uses."""
     bolts = size_clamp_bolts(design.mold, design.mold_layout)
     thread = bolts.thread
-    sensor = design.sensor
-    out_mm = round(bolts.stand_out_mm(design.mold_layout), 1)
-    stands_out = {"note": "they stand out of the palmar side"} if out_mm > 0.0 else {}
-    strain_relief = {"item": "thread or lacing cord", "thinner_than_mm": THREAD_MM, "count": 1}
-    of_sensor: list[dict[str, Any]] = [
-        {
-            "item": "force-sensing resistor", "type": design.dimensions.sensor.label, "count": 1,
-            "note": "with solder tabs, not with female contacts; with adhesive on its back, or without it and with the "
-                    "film below",
-        },
-        {"item": "adhesive film for the sensor", "thickness_mm": sensor.adhesive_thickness_mm, "count": 1},
-    ]  # fmt: skip
-    of_mold: list[dict[str, Any]] = [
-        {
-            "item": "mold bolt (machine screw)", "thread_mm": thread.diameter_mm, "length_mm": bolts.length_mm,
-            "count": bolts.count, **stands_out,
-        },
-        {
-            "item": "mold nut (hexagon nut)", "thread_mm": thread.diameter_mm, "across_flats_mm": thread.nut_flats_mm,
-            "count": bolts.count,
-        },
-    ]  # fmt: skip
-    of_wires = [
-        {"item": "stranded wire", **describe_bought_wires(design), "count": 2},
-        # In a fork with a folded tail the wires are glued only.
-        *([] if design.dimensions.window_opens_into_gap else [strain_relief]),
-    ]
-    weights = [{"item": "calibration weight", "mass_g": mass, "count": 1} for mass in WEIGHTS_G]
-    return [
-        *(("finger", item) for item in of_sensor),
-        *(("mold", item) for item in of_mold),
-        *_mold_hardware(design),
-        *(("finger", item) for item in (*interface_of(design).bolts(design), *of_wires)),
-        *(("bench", item) for item in weights),
-    ]
-
-
-def _mold_hardware(design: Design) -> Iterator[tuple[Use, dict[str, Any]]]:
-    """List the screw of the chaplet, the syringe, in which silicone cures, and what is rubbed on the mold."""
+    yield "finger", {
+        "item": "force-sensing resistor", "type": design.dimensions.sensor.label, "count": 1,
+        "note": "with solder tabs, not with female contacts; with adhesive on its back, or without it and with the "
+                "film below",
+    }  # fmt: skip
+    thickness_mm = design.sensor.adhesive_thickness_mm
+    yield "finger", {"item": "adhesive film for the sensor", "thickness_mm": thickness_mm, "count": 1}
+    stands_out = round(bolts.stand_out_mm(design.mold_layout), 1) > 0.0
+    yield "mold", {
+        "item": "mold bolt (machine screw)", "thread_mm": thread.diameter_mm, "length_mm": bolts.length_mm,
+        "count": bolts.count, **({"note": "they stand out of the palmar side"} if stands_out else {}),
+    }  # fmt: skip
+    yield "mold", {
+        "item": "mold nut (hexagon nut)", "thread_mm": thread.diameter_mm, "across_flats_mm": thread.nut_flats_mm,
+        "count": bolts.count,
+    }  # fmt: skip
     if chaplet := design.dimensions.chaplet:
         yield "mold", {
             "item": "chaplet screw (machine screw, pan or cylinder head)", "thread_mm": chaplet.thread.diameter_mm,
             "length_mm": chaplet.screw_length(design.mold_layout.dorsal_height), "count": 1,
         }  # fmt: skip
-    if inlet := design.mold_layout.inlet:
+    if inlet := design.mold_layout.inlet:  # silicone cures in the syringe, so each finger takes one
         yield "finger", {
             "item": "syringe with Luer slip tip, without rubber on its plunger", "volume_ml": inlet.syringe.volume_ml,
             "nozzle_bore_mm": design.mold.nozzle_bore_mm, "count": 1,
         }  # fmt: skip
     release = "for silicone cast in a rigid mold; without silicone oil, which keeps the patch from sticking"
     yield "bench", {"item": "mold release for silicone", "count": 1, "note": release}
+    for bolt in interface_of(design).bolts(design):
+        yield "finger", bolt
+    yield "finger", {"item": "stranded wire", **describe_bought_wires(design), "count": 2}
+    if not design.dimensions.window_opens_into_gap:  # in a fork with a folded tail the wires are glued only
+        yield "finger", {"item": "thread or lacing cord", "thinner_than_mm": THREAD_MM, "count": 1}
+    for mass_g in WEIGHTS_G:
+        yield "bench", {"item": "calibration weight", "mass_g": mass_g, "count": 1}

@@ -143,26 +143,21 @@ def compute_voltage_limits(
 
 
 def describe_filter_swing(limits: VoltageLimits) -> str:
+    swing = f"the filter swings {limits.filter_peak_v:.1f} V up and {limits.filter_trough_v:.1f} V down"
     if not limits.has_phase_reversal:
-        return (
-            f"the filter swings {limits.filter_peak_v:.1f} V up and {limits.filter_trough_v:.1f} V down (typical, into "
-            "10 kohm)"
-        )
+        return f"{swing} (typical, into 10 kohm)"
     return (
-        f"the filter swings {limits.filter_peak_v:.1f} V up and {limits.filter_trough_v:.1f} V down, where the "
-        f"TL082's input common-mode range ends (typical, into 10 kohm; {limits.filter_guaranteed_trough_v:.1f} V down "
-        "guaranteed); below that its output jumps up"
+        f"{swing}, where the TL082's input common-mode range ends (typical, into 10 kohm; "
+        f"{limits.filter_guaranteed_trough_v:.1f} V down guaranteed); below that its output jumps up"
     )
 
 
 def describe_adc_range(limits: VoltageLimits) -> str:
-    if not limits.adc_overrange_v:
-        return f"an ADC with a range of {limits.adc_range_text} covers all signals"
-    return (
-        f"an ADC with a range of {limits.adc_range_text} clips the top {limits.adc_overrange_v:.2f} V: "
-        "divide the signals ahead of it, or set detector.adc_range_v to at least "
-        f"{limits.adc_range_v + limits.adc_overrange_v:.2f}"
-    )
+    adc, over_v = f"an ADC with a range of {limits.adc_range_text}", limits.adc_overrange_v
+    if not over_v:
+        return f"{adc} covers all signals"
+    needed = f"set detector.adc_range_v to at least {limits.adc_range_v + over_v:.2f}"
+    return f"{adc} clips the top {over_v:.2f} V: divide the signals ahead of it, or {needed}"
 
 
 def adc_range_warnings(limits: VoltageLimits) -> Iterator[str]:

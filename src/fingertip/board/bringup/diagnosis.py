@@ -113,11 +113,6 @@ class Explanation:
     """Mean squared difference per reading, in units of the expected spread."""
     mistake: Mistake | None = None
 
-    @property
-    def is_near(self) -> bool:
-        """Return whether it explains all readings."""
-        return self.misfit <= _EXPLAINED
-
 
 @dataclass(frozen=True)
 class Diagnosis:
@@ -131,7 +126,7 @@ class Diagnosis:
     @property
     def is_explained(self) -> bool:
         """Return whether a single fault or mistake explains all readings."""
-        return any(each.is_near for each in self.likely)
+        return any(each.misfit <= _EXPLAINED for each in self.likely)
 
     @property
     def mistake(self) -> Mistake | None:

@@ -119,7 +119,6 @@ def find_reading_issues(
 #
 # Constant voltages are proportional to the supply, and readings with the tone to the tone.
 
-_MIN_READINGS = 3
 _LEAST_V = 0.05
 """Least expected voltage from which a ratio is computed; a smaller one is an offset."""
 _MOST = 4.0

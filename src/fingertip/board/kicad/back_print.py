@@ -16,10 +16,8 @@ from fingertip.board.kicad.sexpr import number, quote
 from fingertip.board.parts.circuit import Circuit, format_component_value, parse_component_value, reference_sort_key
 from fingertip.foundation.errors import BoardError
 
-_LISTED = ("C", "R", "RV")
-"""Letters of the references in the list."""
-_DIGITS = 3
-"""Significant digits of a printed value."""
+_LISTED, _DIGITS = ("C", "R", "RV"), 3
+"""Letters of the references in the list, and significant digits of their values."""
 _EDGE_MM = 0.6
 _STEP_MM = 0.5
 _ROW_MM, _FIRST_ROW_MM = 1.45, 1.7
@@ -89,11 +87,8 @@ def list_values(circuit: Circuit) -> list[str]:
     """List resistors, capacitors and trimmer by reference and value, such as "R4 1.5k"; equal channels once."""
     listed = [c for c in circuit.components if c.reference.rstrip("0123456789") in _LISTED]
     once = (replace(c, reference=own) for c in listed for channel, own in [split_name(c.reference)] if channel < 2)
-    return [f"{c.reference} {_short_value(c.value)}" for c in sorted(once, key=reference_sort_key)]
-
-
-def _short_value(value: str) -> str:
-    return format_component_value(float(f"{parse_component_value(value):.{_DIGITS}g}"))
+    values = {c.reference: parse_component_value(c.value) for c in sorted(once, key=reference_sort_key)}
+    return [f"{name} {format_component_value(float(f'{value:.{_DIGITS}g}'))}" for name, value in values.items()]
 
 
 def find_text_box(item: PrintedText) -> Box:

@@ -117,7 +117,7 @@ def select_part(component: Component) -> Selection:
     if not found:
         return Selection(None, None, reason or f"the parts table has no {component.value} with {component.rating}")
     part, alternate = found[0], found[1] if len(found) > 1 else None
-    return Selection(part, alternate, "" if part.is_confirmed else ONE_SOURCE if part.lcsc else NO_LCSC)
+    return Selection(part, alternate, NO_LCSC if not part.lcsc else ONE_SOURCE if len(part.sources) < 2 else "")
 
 
 def symbol_fields(component: Component) -> dict[str, str]:
@@ -202,8 +202,7 @@ def require_capacitor(farad: float, package: str, stated_percent: float = 0.0) -
 
 def find_sold_percent(farad: float, package: str, kind: CapacitorRequirement) -> float:
     """Find the tolerance [%] with which a capacitor [F] is sold: the table's, or that of its dielectric."""
-    any_tolerance = replace(kind, tolerance_percent=float("inf"))
-    found = next(find_capacitors(farad, package, any_tolerance), None)
+    found = next(find_capacitors(farad, package, replace(kind, tolerance_percent=math.inf)), None)
     return found.tolerance_percent if found else max(SOLD_PERCENT[name] for name in kind.dielectrics)
 
 

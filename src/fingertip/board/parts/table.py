@@ -51,11 +51,6 @@ class Part:
     """Keys of the documents that give these numbers, each by another author."""
 
     @property
-    def is_confirmed(self) -> bool:
-        """Return whether two documents agree on the number of the assembly house."""
-        return bool(self.lcsc) and len(self.sources) > 1
-
-    @property
     def source_text(self) -> str:
         """Titles of the documents with their dates."""
         found = (load_sources()[key] for key in self.sources)

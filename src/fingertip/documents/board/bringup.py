@@ -61,7 +61,8 @@ _OUTPUT_PARTS = {
 def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str) -> str:
     """Render the bring-up sheet of a design's board as Markdown, with the file of its wiring diagram."""
     circuit, setup = plan.board.circuit, plan.board.bench
-    placement = find_placement(values.variant, design.board.channels)
+    # Of a board for several fingers, the first one.
+    placement = view_channel(load_project(values.variant, design.board.channels).placement, 1)
     parts = {part.reference: part for part in circuit.components}
     small = [name for name, part in parts.items() if "SOT-23" in part.footprint]
     is_protected, has_slip = "Q1" in parts, nets.SLIP in circuit.net_by_pin.values()
@@ -111,12 +112,6 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
         hidden=[(what.capitalize(), _join(names)) for what, names in list_hidden_faults(plan).items()],
         clamps=_join(list_unsimulated(plan)),
     )
-
-
-def find_placement(variant: str, channels: int) -> Placement:
-    """Find the placement of a board, of several fingers that of the first."""
-    placement = load_project(variant, channels).placement
-    return placement if channels == 1 else view_channel(placement, 1)
 
 
 def _list_resistances(plan: BringUp, placement: Placement, is_protected: bool) -> Iterator[Row]:

@@ -17,14 +17,14 @@ from fingertip.catalogues.file_kinds import DESIGN
 from fingertip.design import Design
 from fingertip.documents.template import WIDTH, render_page
 from fingertip.firmware import fingers as capacity
+from fingertip.firmware import packaging
 from fingertip.firmware.fingers import Fingers, list_places
-from fingertip.firmware.packaging import NAME, cost_table, find_warnings, read_costs
 from fingertip.slip.detectors.fast import TICK_S, FilteredSignal
 from fingertip.slip.detectors.fast_coefficients import load_model
 
 
 def render_readme(design: Design, fingers: Fingers) -> str:
-    circuit, detector = board_circuit(select_components(design), design.board.channels), design.detector
+    circuit = board_circuit(select_components(design), design.board.channels)
     pins = circuit.list_wires(circuit.component(HOST_CONNECTOR))
     signals = name_signals(circuit, design.board.supply_v)
     streamed = (*fingers.designs, design)[0]
@@ -32,23 +32,18 @@ def render_readme(design: Design, fingers: Fingers) -> str:
     return render_page(
         "firmware.md",
         WIDTH,
-        design=design.name,
-        name=NAME,
+        design=design,
+        packaging=packaging,
         is_bundled=is_bundled,
         file=streamed.name if is_bundled else f"{streamed.name}.toml",
-        warnings=list(find_warnings(design, fingers.controller)),
-        rate_hz=detector.sample_rate_hz,
-        adc_bits=detector.adc_bits,
-        adc_range=detector.adc_range_text,
         reads_filtered=FilteredSignal.from_design(design) is not None,
-        is_for_controller=design.board.is_for_controller,
         power_up_s=POWER_UP_S,
         boards=load_controllers(),
         capacity=capacity,
         most_fingers=len(NAMES),
         fingers=fingers,
         forces=_describe_forces(design, fingers),
-        peak_fingers=math.ceil(fingers.count / max(1, round(TICK_S * detector.sample_rate_hz))),
+        peak_fingers=math.ceil(fingers.count / max(1, round(TICK_S * design.detector.sample_rate_hz))),
         connector=HOST_CONNECTOR,
         pins=[
             {
@@ -61,10 +56,7 @@ def render_readme(design: Design, fingers: Fingers) -> str:
             for number, net in pins
         ],
         wiring_notes=list(list_notes(circuit, design.board.supply_v)),
-        is_one_board=design.board.channels > 1,
         has_vmid_pin=VMID_OUT in {net for _, net in pins},
-        cost_table=cost_table(),
-        costs=read_costs(),
         tick_ms=1e3 * TICK_S,
         trees=load_model().trees,
     )

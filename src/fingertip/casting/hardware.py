@@ -109,7 +109,6 @@ def bill_of_materials(design: Design) -> list[dict[str, Any]]:
 
 
 def list_hardware(design: Design) -> Iterator[tuple[Use, dict[str, Any]]]:
-    """List the same items with their uses."""
     bolts = size_clamp_bolts(design.mold, design.mold_layout)
     thread = bolts.thread
     yield "finger", {

@@ -37,7 +37,6 @@ class Mold:
 
     @classmethod
     def of_sheet(cls, design: Design, fingers: tuple[str, ...], casting: Mapping[str, Any]) -> Mold:
-        """Take the figures from the data of a casting sheet."""
         filling = casting["filling"]
         pushed = filling["push_s"] if filling["syringe"] else 0.0
         fill_s = max(float(filling["fill_s"]), float(pushed))
@@ -90,7 +89,6 @@ class CastingPlan:
 
     @property
     def mixtures(self) -> tuple[tuple[Silicone, Batch], ...]:
-        """All mixtures in their order."""
         cups = ((cup.silicone, cup.batch) for cup in self.cups)
         return (*self.tests, *cups, *((silicone, batch) for silicone, batch, _ in self.patches))
 

@@ -1,8 +1,7 @@
 """Catalogue of operational amplifiers for the board, read from `amplifiers.csv` with the source of every figure.
 
-The catalogue is separate from circuits and rules, so that a figure can be corrected without touching one. Figures
-listed in `unverified` were recalled from the data sheet, assumed, or derived; no document of the maker was read for
-them. Read the data sheet of the part you buy.
+Figures listed in `unverified` were recalled from the data sheet, assumed, or derived; no document of the maker was read
+for them. Read the data sheet of the part you buy.
 
 The article's TL082 has a common-mode input range that ends 3 V above the negative rail (typical; the data sheet
 guarantees 4 V), and below that its output reverses its phase and jumps up. All others have rail-to-rail inputs and

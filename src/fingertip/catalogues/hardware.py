@@ -1,9 +1,7 @@
 """Catalogues of bought parts: metric threads, and the syringes that fill a mold with the cone on which they sit.
 
-Threads: clearance holes are those of the fine series of ISO 273. Widths across flats and maximum heights are those of
+Clearance holes are those of the fine series of ISO 273. Widths across flats and maximum heights are those of
 hexagon nuts, style 1, of ISO 4032.
-
-Syringes: figures that are not `verified` were not found in a document of the product or of its kind.
 """
 
 from __future__ import annotations
@@ -57,7 +55,6 @@ class Syringe:
     name: str
     volume_ml: float
     bore_mm: float
-    """Inner diameter of the barrel."""
     barrel_mm: float
     """Outer diameter of the barrel, which must pass the heads of the mold's bolts."""
     source: str

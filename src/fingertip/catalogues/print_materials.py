@@ -1,8 +1,6 @@
 """Catalogue of materials for printed parts, read from `print_materials.csv` with the source of every figure.
 
-The catalogue is separate from the formulas, so that a figure can be corrected without touching one. Figures that are
-not `verified` were not found in a document of the product or of its kind. Strength falls with temperature, moisture,
-age and a poor post-cure: no figure here includes that.
+Strength falls with temperature, moisture, age and a poor post-cure: no figure here includes that.
 """
 
 from __future__ import annotations

@@ -1,7 +1,5 @@
 """Catalogue of force-sensing resistors (FSR), read from `sensors.csv` with the source of every dimension.
 
-The catalogue is separate from the geometry, so that a value can be corrected without changing a solid.
-
 Sources: [G] Interlink Electronics, FSR Integration Guide; [D] Interlink's one-page data sheet of the model. Dimensions
 listed in `unverified` were not found in an Interlink document, or differ between its editions. Measure your own sensor
 before you print.

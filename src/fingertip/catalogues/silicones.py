@@ -1,8 +1,4 @@
-"""Catalogue of silicones for the skin, read from `silicones.toml` with the source of every figure.
-
-The catalogue is separate from the formulas, so that a figure can be corrected without touching one. A figure that is
-not `verified` was not found in a document of the product or of its kind.
-"""
+"""Catalogue of silicones for the skin, read from `silicones.toml` with the source of every figure."""
 
 from __future__ import annotations
 
@@ -82,9 +78,7 @@ class Silicone:
     """Time at room temperature until the skin can be demolded."""
     elongation_percent: MaterialProperty
     shore_00: MaterialProperty | None = None
-    """Hardness, Shore 00; None if it is stated on another scale."""
     tensile_strength_mpa: MaterialProperty | None = None
-    """Tensile strength; None if it is not known."""
     density_a_g_cm3: MaterialProperty | None = None
     """Density of the first component; needed only for a ratio by volume."""
     density_b_g_cm3: MaterialProperty | None = None

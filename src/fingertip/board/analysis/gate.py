@@ -44,8 +44,6 @@ Level = Literal["required", "advised"]
 
 @dataclass(frozen=True)
 class GateCondition(Comparison):
-    """One condition: a value that stays on one side of its limit."""
-
     subject: str = ""
     level: Level = "required"
     """Need for the condition: without a required one the board cannot work, without an advised one only badly."""

@@ -201,7 +201,6 @@ class TactileResponse:
 
     @property
     def rises(self) -> bool:
-        """True if the tactile voltage rises with the force."""
         return self.transfer_ohm < 0.0
 
     def tactile_v(self, conductance_s: float) -> float:
@@ -211,7 +210,6 @@ class TactileResponse:
 
 
 def compute_tactile_response(circuit: Circuit, rails: Mapping[str, float], signal_ground: str) -> TactileResponse:
-    """Compute the tactile response of a board. Units: `rails` [V]."""
     network = build_network(circuit).restrict(TACTILE, signal_ground)
     volts = network.operating_point(rails)
     return TactileResponse(

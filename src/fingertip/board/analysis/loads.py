@@ -34,7 +34,6 @@ from fingertip.foundation.numerics import Array
 MIN_LOAD_OHM = 2e3
 """Smallest load for which the data sheets of both amplifiers state their output swing."""
 _FREQUENCIES = 30
-"""Number of frequencies at which the loads are evaluated."""
 _FILTER_AMPLIFIERS = ("U1a", "U1b")
 
 

@@ -61,9 +61,8 @@ class FrequencyResponse:
     """f0 of the Sallen-Key section."""
     section_quality: float
     cutoff_hz: float
-    """Lower overall cutoff frequency (-3.0103 dB)."""
     upper_cutoff_hz: float
-    """Upper overall cutoff frequency (-3.0103 dB)."""
+    """Lower and upper overall cutoff frequency (-3.0103 dB)."""
     envelope_pole_hz: float
     envelope_decay_s: float
     """Time constant of the envelope, tau = R_LP C_LP."""
@@ -73,15 +72,12 @@ class FrequencyResponse:
 
 @dataclass(frozen=True)
 class Passband:
-    """Maximum gain and cutoff frequencies from the tactile voltage to the rectifier."""
+    """First maximum of the gain above the poles, from tactile voltage to rectifier, and its -3.0103 dB frequencies."""
 
     gain: float
-    """First maximum of the gain above the poles."""
     peak_hz: float
     low_hz: float
-    """Lower -3.0103 dB frequency."""
     high_hz: float
-    """Upper -3.0103 dB frequency."""
 
 
 @dataclass(frozen=True)

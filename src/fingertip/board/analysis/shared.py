@@ -38,8 +38,6 @@ _FREQUENCIES = 12
 
 @dataclass(frozen=True)
 class SharedFigures:
-    """Figures of a board of several fingers."""
-
     supply_current_a: float
     """Typical current at rest, with open sensors [A]."""
     crosstalk_db: float

@@ -38,16 +38,14 @@ class ComparatorLevels:
     max_on_v: float
     """ON threshold with the trimmer at its end."""
     bias_v: float
-    """Typical increase of the mean by the comparator's input bias current."""
     max_bias_v: float
-    """Maximum increase of the mean by the comparator's input bias current."""
+    """Typical and maximum increase of the mean by the comparator's input bias current."""
     threshold_bias_v: float
     """Typical increase of the ON threshold by the current of the other input, if both inputs draw the same."""
     averaging_tau_s: float
 
 
 def compute_comparator_levels(circuit: Circuit, rails: dict[str, float], signal_ground: str) -> ComparatorLevels:
-    """Compute the levels of a comparator. Units: `rails` [V]."""
 
     def threshold_v(is_on: bool, trimmer_ratio: float = 0.5) -> float:
         network = build_network(circuit, trimmer_ratio=trimmer_ratio)
@@ -90,9 +88,8 @@ class OutputOffset:
     """Envelope offset above signal ground [V] due to the amplifiers' offsets, at 25 degrees Celsius."""
 
     min_v: float
-    """Minimum for the worst offsets of the purchased grade."""
     max_v: float
-    """Maximum for the worst offsets of the purchased grade."""
+    """Ends of its range for the worst offsets of the purchased grade."""
     typical_v: float
     """Root sum of squares for the typical offsets of the data sheets, which are independent."""
     low_offset_amplifier: str
@@ -169,7 +166,6 @@ def compute_threshold_spread(
     rails: Mapping[str, float],
     resistor_percent: float,
 ) -> ThresholdSpread:
-    """Compute mean and worst case of a board's threshold. Units: `rails` [V]."""
     network = build_network(circuit, gain_bandwidth_hz, conducting=[RECTIFYING_DIODE])
     transfers, offset_v = network.constant_transfers(MEAN, THRESHOLD), 0.0
     for output in list_amplifiers(circuit):

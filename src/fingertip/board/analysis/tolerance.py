@@ -35,8 +35,6 @@ QUANTITIES = ("cutoff_hz", "section_quality", "passband_gain", "first_pole_hz", 
 
 @dataclass(frozen=True)
 class TolerancedFilter:
-    """Filter whose components deviate from their nominal values."""
-
     model: FilterModel
     values: Mapping[str, Value]
     """Nominal values of its network."""
@@ -82,10 +80,7 @@ class Spread:
 def monte_carlo(
     board: TolerancedFilter, tolerances: Mapping[str, float], boards: int = 10_000, seed: int = 1
 ) -> dict[str, Spread]:
-    """Compute the spread of each quantity over boards with independent, uniformly distributed component values.
-
-    Units: `tolerances` [%].
-    """
+    """Compute the spread of each quantity over boards with independent, uniform component values; `tolerances` [%]."""
     limits, count = _limits(board, tolerances), len(board.names)
     drawn = board.quantities(draw_deviations(board, tolerances, boards, seed))
     corners = board.quantities(limits * np.array(list(product((-1.0, 1.0), repeat=count))))

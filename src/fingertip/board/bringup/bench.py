@@ -104,7 +104,6 @@ def _leak(circuit: Circuit) -> Circuit:
 
 
 def list_faults(circuit: Circuit, ends_v: Mapping[str, tuple[float, float]]) -> Iterator[Fault]:
-    """Yield the faults of a circuit, one part at a time."""
     leaky = _leak(circuit)
     for part in circuit.components:
         name, kind = part.reference, part.symbol.name
@@ -151,8 +150,6 @@ TOP_HZ = 400.0
 
 @dataclass(frozen=True)
 class OutputPin:
-    """Pin of J3 that carries a signal."""
-
     letter: str
     """Letter that the board prints beside it."""
     net: str

@@ -54,7 +54,6 @@ class Limits:
 
 
 def find_failed(limits: Mapping[str, Limits], readings: Mapping[str, float]) -> list[str]:
-    """Find the readings that lie beyond their limits, by name."""
     return [name for name, reading in readings.items() if not limits[name].allow(reading)]
 
 
@@ -275,7 +274,6 @@ def _list_levels_in_order(board: Board) -> list[str]:
 
 
 def plan_bring_up(board: Board, values: BoardValues, tone_v: float = bench.TONE_V) -> BringUp:
-    """Plan the bring-up of a board with a tone of this RMS [V]."""
     levels = compute_limits(board, values, tone_v)
     alone_a = compute_supply_current_a(board.circuit, board.rails_v[VCC])
     current_a = values.shared.supply_current_a if values.shared else alone_a

@@ -63,7 +63,6 @@ class Board:
     circuit: Circuit
     bench: Bench
     rails_v: Mapping[str, float]
-    """Voltages of the rails against ground [V]."""
     signal_ground: str
     swing_v: tuple[float, float]
     """Ends of the swing of an amplifier's output above ground [V]."""
@@ -100,7 +99,6 @@ class Board:
         }
 
     def swing_of(self, amplifier: str) -> tuple[float, float]:
-        """Ends of the swing of one amplifier's output above ground [V]."""
         if amplifier != "U2":  # the AD623; units of a dual amplifier have a letter
             return self.swing_v
         return self.rails_v[nets.VEE] + OUTPUT_LOWER_MARGIN_V, self.rails_v[nets.VCC] - OUTPUT_UPPER_MARGIN_V

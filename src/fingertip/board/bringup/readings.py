@@ -47,7 +47,6 @@ def readings_template(plan: BringUp, name: str) -> str:
 
 
 def list_head(plan: BringUp, name: str) -> list[str]:
-    """List the lines ahead of the readings."""
     return [
         f"# Readings of a board of {name}, as bringup.md describes them. Save this file under another name.",
         "# Write each reading in place of nan. What you did not measure stays nan.",
@@ -58,7 +57,6 @@ def list_head(plan: BringUp, name: str) -> list[str]:
 
 
 def format_entry(key: str, limits: Limits) -> str:
-    """Format the line of a reading that is still to be taken."""
     expected = f"expected {round(float(f'{limits.expected_v:.4g}'), 4) + 0.0:.4g}"
     if math.isinf(limits.high_v):
         expected = f"above {limits.low_v:.0f}"
@@ -277,7 +275,6 @@ def _explain_reading(row: dict[str, Any]) -> str:
 
 
 def format_assessment(data: dict[str, Any]) -> str:
-    """Format an assessment as text, the verdict first."""
     lines = [data["verdict"], *data["hints"], ""]
     lines.append(f"{'reading':20} {'measured':>10} {'expected':>10}   {'limits':24}")
     for row in data["readings"]:

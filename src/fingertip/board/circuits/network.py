@@ -81,7 +81,6 @@ class StateSpace:
     A: Array
     B: Array
     rows: Mapping[str, Array]
-    """Voltage of each net."""
     charge: Array
     """States as rows over (voltages of the nets, v_in)."""
 

@@ -62,8 +62,6 @@ def sensor_conductance_s(force_n: float) -> float:
 
 @dataclass(frozen=True)
 class Bridge:
-    """Resistances [ohm] of the bridge and its amplifier."""
-
     sensor_top_ohm: float
     sensor_shunt_ohm: float
     reference_top_ohm: float
@@ -71,7 +69,6 @@ class Bridge:
     gain_ohm: float
 
     def by_reference(self) -> dict[str, float]:
-        """Value of each component [ohm, F] by its reference designator."""
         return {
             "R10": self.sensor_top_ohm, "R11": self.sensor_shunt_ohm, "R12": self.reference_top_ohm,
             "R13": self.reference_bottom_ohm, "R14": self.gain_ohm, "C7": SENSOR_FILTER_F,
@@ -82,18 +79,13 @@ class Bridge:
         return 1.0 + GAIN_CONSTANT_OHM / self.gain_ohm
 
     def sensor_v(self, conductance_s: float, supply_v: float) -> float:
-        """Voltage [V] across a sensor of this conductance [S]."""
         return supply_v / (1.0 + self.sensor_top_ohm * (1.0 / self.sensor_shunt_ohm + conductance_s))
 
     def reference_v(self, supply_v: float) -> float:
-        """Reference voltage [V], at the other arm."""
         return supply_v * self.reference_bottom_ohm / (self.reference_top_ohm + self.reference_bottom_ohm)
 
     def tactile_v(self, conductance_s: float, supply_v: float) -> float:
-        """Tactile voltage [V], the amplifier's output, for a sensor of this conductance [S]; 0 is an open sensor.
-
-        The formula does not include the limits of the amplifier's output.
-        """
+        """Tactile voltage [V] for a sensor of this conductance [S], without the limits of the amplifier's output."""
         return self.gain * (self.sensor_v(conductance_s, supply_v) - self.reference_v(supply_v))
 
 
@@ -154,10 +146,8 @@ TEMPERATURE_K = 300.15
 AMPLIFIERS = {amplifier.symbol: amplifier for amplifier in CATALOGUE.values()}
 """Amplifiers of the catalogue by the name of their symbol, by which circuits know them."""
 
-AD623_NOISE_V = 35e-9
-"""Noise density at the input [V/sqrt(Hz)]."""
-AD623_OUTPUT_NOISE_V = 50e-9
-"""Noise density at the output in addition to the input's, for a gain of 1 [V/sqrt(Hz)]."""
+AD623_NOISE_V, AD623_OUTPUT_NOISE_V = 35e-9, 50e-9
+"""Noise density at the input, and at the output in addition to it, for a gain of 1 [V/sqrt(Hz)]."""
 AD623_OFFSET_V = 200e-6
 """Typical input offset voltage [V]."""
 AD623_BANDWIDTH_HZ = 800e3

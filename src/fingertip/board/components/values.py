@@ -69,8 +69,6 @@ VARIANT_CHANGES = {
 
 @dataclass(frozen=True)
 class Tolerance:
-    """Tolerances that the design states for the signal path."""
-
     resistor_percent: float
     capacitor_percent: float
     """Tolerance of the capacitors [%]; 0 is that of the parts sold."""
@@ -179,7 +177,6 @@ def select_components(design: Design) -> ComponentValues:
 TRIMMER_OHM = 10e3
 PULL_UP_OHM = 4.7e3
 HYSTERESIS_RATIO = 0.25
-"""Hysteresis as a ratio of the threshold."""
 _MIN_AVERAGING_F = 1e-9
 
 

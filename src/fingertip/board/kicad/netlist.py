@@ -133,7 +133,6 @@ def _pin_sort_key(number: str) -> tuple[bool, int]:
 # Circuits as netlists and layouts state them, and their differences.
 
 _MAX_NAMES = 6
-"""Largest number of names in a sentence."""
 Fields = Mapping[str, str]
 
 

@@ -78,9 +78,8 @@ class Node:
     items: list[str | Node] = field(default_factory=list)
     """Words without their quotes, and lists."""
     start: int = 0
-    """Index of its opening bracket in the text."""
     end: int = 0
-    """Index after its closing bracket."""
+    """Index of its opening bracket in the text, and that after its closing bracket."""
 
     @property
     def words(self) -> list[str]:
@@ -162,7 +161,6 @@ def numbers(node: Node) -> list[float]:
 
 
 def points(node: Node) -> list[Point]:
-    """Return the points of a polygon or line."""
     return [(x, y) for x, y in (numbers(item)[:2] for item in first(node, "pts").children("xy"))]
 
 

@@ -38,11 +38,9 @@ class CapacitorRequirement:
     voltage_v: float
     """Smallest rated voltage [V]."""
     tolerance_percent: float
-    """Largest tolerance [%]; 0 asks for the tightest that exists."""
 
     @property
     def rating(self) -> str:
-        """Requirement in words, for bills of materials."""
         return f"{' or '.join(self.dielectrics)} {self.voltage_v:g} V, {_format_tolerance(self.tolerance_percent)}"
 
 
@@ -82,7 +80,6 @@ class Component:
     """Component on the board: a purchased part, a test point or a mounting hole."""
 
     reference: str
-    """Reference designator, such as R6."""
     value: str
     symbol: Symbol
     footprint: str

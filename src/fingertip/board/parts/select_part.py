@@ -26,8 +26,6 @@ from fingertip.design.formulas.filter import MAX_1206_F, find_preferred_neighbou
 
 @dataclass(frozen=True)
 class OrderingCode:
-    """Ordering code of a series of resistors."""
-
     manufacturer: str
     prefix: str
     suffix: str
@@ -64,7 +62,6 @@ def resistance_code(ohm: float) -> str:
 
 _PACKAGE = re.compile(r"[RC]_(\d{4})_")
 _ROUNDING = 1e-9
-"""Relative difference of equal values."""
 NO_LCSC = "no document that was read gives an LCSC number"
 ONE_SOURCE = "only one document gives the LCSC number"
 

@@ -38,8 +38,6 @@ class Source:
 
 @dataclass(frozen=True)
 class Part:
-    """Part as it is ordered."""
-
     manufacturer: str
     """Name of the manufacturer; empty where the source names none."""
     number: str
@@ -52,7 +50,6 @@ class Part:
 
     @property
     def source_text(self) -> str:
-        """Titles of the documents with their dates."""
         found = (load_sources()[key] for key in self.sources)
         return "; ".join(f"{source.title} ({source.date})" for source in found)
 
@@ -86,7 +83,6 @@ class NamedPart:
     """Part that is bought by its name: a semiconductor, a connector or a trimmer."""
 
     value: str
-    """Value of the component in the circuit."""
     footprint: str
     part: Part | None
     reason: str
@@ -184,7 +180,6 @@ def find_plug_wire(component: Component) -> PlugWire | None:
 
 
 def list_connectors(circuit: Circuit) -> Iterator[Component]:
-    """Yield the connectors of a board in order."""
     fitted = (c for c in circuit.components if c.reference.startswith("J") and c.is_fitted)
     yield from sorted(fitted, key=reference_sort_key)
 

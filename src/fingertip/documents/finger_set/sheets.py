@@ -33,13 +33,10 @@ _PATCH_SYRINGE = "syringe of 1 ml without rubber on its plunger, with a blunt ne
 
 @dataclass(frozen=True)
 class FormSheets:
-    """Form of a set with what was made for it."""
-
     form: Form
     casting: Mapping[str, Any]
     acceptance: Mapping[str, Any]
     volumes_cm3: Mapping[str, float]
-    """Volume of each part by name."""
     verdict: str = ""
     warnings: tuple[str, ...] = ()
     calibrated: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)

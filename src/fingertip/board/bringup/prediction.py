@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -36,23 +37,14 @@ from fingertip.board.parts.circuit import Circuit
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.foundation.numerics import Array
+from fingertip.foundation.tables import read_rows
 
 _MAX_SATURATED = 8
 _TONE_END = "hz_v"
 _PATH = (nets.VMID, nets.TACTILE, nets.STAGE1_OUT, nets.FILTERED)
-POINTS = {
-    nets.TACTILE: "TP1",
-    nets.STAGE1_OUT: "TP2",
-    nets.FILTERED: "TP3",
-    nets.ENVELOPE: "TP4",
-    nets.VMID: "TP5",
-    nets.SENSOR: "J1",
-    nets.REFERENCE: "R13",
-    nets.STAGE2_MID: "R2",
-    nets.RECT_OUT: "U3",
-}
-"""Place where each net is measured: a test point, or a part's end (`sheet` says which). A test compares them with the
-circuits."""
+PROBES = {row["net"]: row for row in read_rows(Path(__file__).with_name("points.csv"))}
+POINTS = {net: row["point"] for net, row in PROBES.items()}
+"""Test point or part at which each net is measured. A test compares them with the circuits."""
 _SINE = np.sin(2.0 * math.pi * (np.arange(256) + 0.5) / 256)
 
 

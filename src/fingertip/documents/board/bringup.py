@@ -11,7 +11,7 @@ from fingertip.board.bringup import bench
 from fingertip.board.bringup import plan as readings
 from fingertip.board.bringup.diagnosis import list_hidden_faults, list_unsimulated
 from fingertip.board.bringup.plan import BringUp, Limits
-from fingertip.board.bringup.prediction import POINTS, list_levels, name_ripple, name_tone, name_voltage
+from fingertip.board.bringup.prediction import POINTS, PROBES, list_levels, name_ripple, name_tone, name_voltage
 from fingertip.board.circuits.channels import describe_sockets
 from fingertip.board.kicad.placement import Pad, Placement, view_channel
 from fingertip.board.kicad.project import load_project
@@ -26,29 +26,6 @@ from fingertip.foundation.errors import BoardError, join_words
 
 Row = tuple[str, ...]
 
-_PROBES = {
-    nets.TACTILE: "TP1, tactile voltage",
-    nets.STAGE1_OUT: "TP2, first stage",
-    nets.FILTERED: "TP3, filtered signal",
-    nets.ENVELOPE: "TP4, envelope",
-    nets.VMID: "TP5, signal ground; black probe at supply ground",
-    nets.SENSOR: "J1 pin 1, sensor",
-    nets.RECT_OUT: "U3 pin 1, rectifier",
-}
-"""Place of the red probe for each net that has a test point or a pin of its own."""
-_ENDS = {nets.REFERENCE: ("R13", "reference"), nets.STAGE2_MID: ("R2", "second stage")}
-"""Part whose end is the place of the red probe for the other nets, and their name."""
-_MEANINGS = {
-    nets.STAGE1_OUT: "U1, R4, R5",
-    nets.FILTERED: "U1, R2, R3",
-    nets.ENVELOPE: "rectifier and envelope",
-    nets.VMID: "R22, R23, U2",
-    nets.REFERENCE: "R12, R13",
-}
-"""Parts that a constant voltage depends on."""
-_BRIDGE_PARTS = {nets.TACTILE: "bridge R10 to R13, its amplifier U2 with R14", nets.SENSOR: "R10, R11, C7"}
-_STAGE_PARTS = {nets.TACTILE: "R28 to R33, C26 to C29, U2", nets.SENSOR: "R28 to R33, D6, U2"}
-"""Parts of the front end: of a bridge, or of a transimpedance stage."""
 _OUTPUT_PARTS = {
     nets.ADC_TACTILE: "R8, R9, D3; C9 and C19 bridged",
     nets.ADC_FILTERED: "R27, D5; C25 bridged",
@@ -66,7 +43,7 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
     parts = {part.reference: part for part in circuit.components}
     small = [name for name, part in parts.items() if "SOT-23" in part.footprint]
     is_protected, has_slip = "Q1" in parts, nets.SLIP in circuit.net_by_pin.values()
-    meanings = _MEANINGS | (_BRIDGE_PARTS if nets.REFERENCE in circuit.net_by_pin.values() else _STAGE_PARTS)
+    front_end = "bridge" if nets.REFERENCE in circuit.net_by_pin.values() else "stage"
     return render(
         "board/bringup.md",
         **collect_board(values, design),
@@ -95,7 +72,8 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
         is_locking=parts["J1"].footprint in LOCKING_CONNECTORS,
         resistances=list(_list_resistances(plan, placement, is_protected)),
         voltages=[
-            _row(plan, name_voltage(net), _find_probe(plan, placement, net), meanings[net]) for net in plan.board.nets
+            _row(plan, name_voltage(net), _find_probe(placement, net), PROBES[net][front_end])
+            for net in plan.board.nets
         ],
         dummy_voltages=[
             _row(plan, name_voltage(nets.TACTILE, ohm), f"TP1, with {format_ohm(ohm)} at J1", "the same")
@@ -146,12 +124,17 @@ def _list_tones(plan: BringUp, placement: Placement) -> Iterator[Row]:
         found.append((nets.RECT_OUT, high_hz))
     for net, hz in found:
         direct = ", direct voltage" if net in (nets.ENVELOPE, nets.RECT_OUT) else ""
-        where = _find_probe(plan, placement, net) + direct
+        where = _find_probe(placement, net) + direct
         name = name_tone(net, hz)
         yield f"`{name}`", f"{hz:g} Hz", where, *_figures(plan.all[name], "V")
         if net == nets.ENVELOPE:
             ripple = name_ripple(hz)
-            yield f"`{ripple}`", f"{hz:g} Hz", f"{_PROBES[net]}, alternating", *_figures(plan.all[ripple], "V")
+            yield (
+                f"`{ripple}`",
+                f"{hz:g} Hz",
+                f"{_find_probe(placement, net)}, alternating",
+                *_figures(plan.all[ripple], "V"),
+            )
     for pin in filter(bench.has_tone, bench.list_output_pins(plan.board.circuit)):
         where = f"{pin.letter} at {bench.HOST}, alternating"
         yield f"`{pin.tone_name}`", f"{bench.TOP_HZ:g} Hz", where, *_figures(plan.all[pin.tone_name], "V")
@@ -181,11 +164,11 @@ def _join(words: list[str]) -> str:
 # and supply on the left.
 
 
-def _find_probe(plan: BringUp, placement: Placement, net: str) -> str:
-    if net in _PROBES:
-        return _PROBES[net]
-    reference, name = _ENDS[net]
-    return f"{find_end(placement, reference, net)}, {name}"
+def _find_probe(placement: Placement, net: str) -> str:
+    """Name the place of the red probe, and what is there."""
+    point, pin = PROBES[net]["point"], PROBES[net]["pin"]
+    place = find_end(placement, point, net) if pin == "end" else f"{point}{pin}"
+    return f"{place}, {PROBES[net]['name']}"
 
 
 def find_end(placement: Placement, reference: str, net: str) -> str:

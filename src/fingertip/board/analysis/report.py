@@ -40,6 +40,11 @@ from fingertip.board.parts.nets import ADC_TACTILE, FILTERED, STAGE1_OUT, TACTIL
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 
+_OF_BOARD = (
+    "amplifier", "aliasing", "voltage_limits", "output_offset", "supply_ripple", "comparator_levels", "tolerance",
+)  # fmt: skip
+"""Figures of a board that its analysis repeats."""
+
 
 @dataclass(frozen=True)
 class Analysis:
@@ -86,21 +91,15 @@ def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
     article_percent = percent | dict.fromkeys(CUTOFF_CAPACITORS, ARTICLE_CAPACITOR_PERCENT)
     offsets = zip(noisy.sources, zip(*(noisy.offsets_v(net) for net in NETS), strict=True), strict=True)
     return Analysis(
+        **{name: getattr(values, name) for name in _OF_BOARD},
         noise=noise,
         noise_total_v=total,
         noise_alternatives=compare_noise_alternatives(
             circuit, bandwidth_hz, board.band_limit_hz, find_envelope_gain(model, circuit, network.values)
         ),
         threshold_v=design.detector.threshold_v,
-        amplifier=values.amplifier,
-        aliasing=values.aliasing,
-        voltage_limits=values.voltage_limits,
         idle_v=values.tactile_response.open_v,
         pressed_v=values.tactile_response.tactile_v(sensor_conductance_s(MAX_FORCE_N)),
-        output_offset=values.output_offset,
-        supply_ripple=values.supply_ripple,
-        comparator_levels=values.comparator_levels,
-        tolerance=values.tolerance,
         offset=(
             # The rectifier's amplifiers act behind these nets. The envelope offset contains theirs.
             *(Contribution(source.name, volts) for source, volts in offsets if source.offset and any(volts)),

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from fingertip.board.analysis.interference import DEAD_ZONE_V, describe_sensor
-from fingertip.board.analysis.limits import describe_adc_range, describe_filter_swing
-from fingertip.board.analysis.noise import NETS, NOISE_BAND_HZ, NOISE_FORCE_N
+from fingertip.board.analysis import interference, limits, noise
 from fingertip.board.analysis.report import Analysis
 from fingertip.board.analysis.tolerance import ARTICLE_CAPACITOR_PERCENT, CUTOFF_CAPACITORS
 from fingertip.board.components.bridge import LOW_NOISE_NAME
 from fingertip.catalogues.amplifiers import CATALOGUE
-from fingertip.design.formulas.filter import COMPARATOR_OFFSET_V, MAX_COMPARATOR_OFFSET_V
+from fingertip.design.formulas import filter as formulas
 from fingertip.documents.template import render
 
 _LABELS = {
@@ -27,17 +25,12 @@ def analysis_text(analysis: Analysis) -> str:
     text = render(
         "board/analysis.txt",
         analysis=analysis,
-        nets=NETS,
         labels=_LABELS,
-        noise_band_hz=NOISE_BAND_HZ,
-        noise_force_n=NOISE_FORCE_N,
+        noise=noise,
+        interference=interference,
+        limits=limits,
+        formulas=formulas,
         low_noise_name=LOW_NOISE_NAME,
-        dead_zone_v=DEAD_ZONE_V,
-        comparator_offset_v=COMPARATOR_OFFSET_V,
-        max_comparator_offset_v=MAX_COMPARATOR_OFFSET_V,
-        ripple_sensor=describe_sensor(analysis.supply_ripple),
-        filter_swing=describe_filter_swing(analysis.voltage_limits),
-        adc_range=describe_adc_range(analysis.voltage_limits),
         amplifier=CATALOGUE[analysis.amplifier],
         has_bridge=not analysis.voltage_limits.has_filtered_output,
         is_in_software=analysis.voltage_limits.max_envelope_v is None,

@@ -42,10 +42,7 @@ class Wires:
 
 
 def describe_plug_wires(design: Design, wires: Wires) -> str:
-    """Describe which wires fit both the finger and the plug of the board's sensor connector; empty without a plug.
-
-    A board without locking connectors takes the wires of any socket, or none.
-    """
+    """Describe which wires fit both the finger and the plug of the board's sensor connector; empty without a plug."""
     plug = _find_plug(design)
     if plug is None:
         return ""

@@ -33,11 +33,8 @@ class SiliconeVolumes:
     runners_cm3: float
     """Volume of sprue, runner or gate, and vents, filled up to the mold's face or to the nozzle."""
     gap_cm3: float
-    """Volume of the clearance around the base in its recess.
-
-    It fills only if the fit leaks, and then leaves flash. Extra silicone in the cup is cheaper than a void in the
-    skin.
-    """
+    """Volume of the clearance around the base in its recess. It fills only if the fit leaks, and then leaves flash.
+    Extra silicone in the cup is cheaper than a void in the skin."""
 
     @property
     def total_cm3(self) -> float:
@@ -92,11 +89,7 @@ def is_ratio_assumed(silicone: Silicone) -> bool:
 
 
 def parts_by_weight(silicone: Silicone) -> tuple[float, float]:
-    """Return the mix ratio as parts by weight of both components.
-
-    A ratio by volume is converted with the densities of the components. Without them it is taken by weight: see
-    `is_ratio_assumed`.
-    """
+    """Return the mix ratio by weight; one by volume is converted, or taken as it is: see `is_ratio_assumed`."""
     a, b = silicone.parts_a.low, silicone.parts_b.low
     densities = _component_densities(silicone)
     if silicone.ratio_by != "volume" or densities is None:
@@ -118,10 +111,7 @@ def load_cm3(design: Design) -> float:
 
 
 def compute_batch(silicone: Silicone, volume_cm3: float, load_cm3: float = 0.0) -> Batch:
-    """Compute what to mix to fill a volume [cm3]: with waste, and never less than a scale can weigh.
-
-    A syringe is loaded with `load_cm3`, if that is more.
-    """
+    """Compute what to mix for a volume [cm3], or a syringe's load if that is more: with waste, and enough to weigh."""
     in_mold_g = mass_g(silicone, volume_cm3)
     fraction_a, fraction_b = split_by_mix_ratio(silicone, 1.0)
     with_waste_g = max(in_mold_g, mass_g(silicone, load_cm3)) * (1.0 + WASTE_FRACTION)

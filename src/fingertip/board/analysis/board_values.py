@@ -88,10 +88,7 @@ def _model_variant(variant: str) -> tuple[response.FilterModel, Mapping[str, Val
 def board_values(design: Design) -> BoardValues:
     """Compute the board's figures. The last few designs are remembered.
 
-    Raises
-    ------
-    BoardError
-        If a resistor has no preferred value, which does not occur for a validated design.
+    Raises BoardError if a resistor has no preferred value, which does not occur for a validated design.
     """
     board, detector, components = design.board, design.detector, select_components(design)
     amplifier = CATALOGUE[components.amplifier]
@@ -155,10 +152,7 @@ def board_values(design: Design) -> BoardValues:
 
 @dataclass(frozen=True)
 class SimulatedTouch:
-    """Touch of the finger and the lowest filtered voltage that it causes on the default board, by simulation.
-
-    The amplifiers are ideal, so the voltage is that which would be reached if nothing limited it.
-    """
+    """Touch and the lowest filtered voltage that it causes on the default board, simulated with ideal amplifiers."""
 
     force_n: float
     rise_s: float
@@ -200,9 +194,7 @@ class Erratum:
 
 def load_errata() -> tuple[Erratum, ...]:
     rows = json.loads((Path(__file__).parent / "errata.json").read_text("utf-8"))
-    return tuple(
-        Erratum(row["subject"], row["statement"], row["correction"].format(touches=describe_touches())) for row in rows
-    )
+    return tuple(Erratum(**row | {"correction": row["correction"].format(touches=describe_touches())}) for row in rows)
 
 
 def board_errata(amplifier: str, rectifier: response.Rectifier) -> tuple[Erratum, ...]:

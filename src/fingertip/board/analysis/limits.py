@@ -44,10 +44,8 @@ class VoltageLimits:
     filter_peak_v: float
     """Largest peak of the filtered signal above the signal ground."""
     filter_trough_v: float
-    """Largest typical peak of the filtered signal below the signal ground, as a positive number.
-
-    The second stage's output or, on a TL082, its input limits it.
-    """
+    """Largest typical peak of the filtered signal below the signal ground, as a positive number: the second stage's
+    output limits it or, on a TL082, its input."""
     filter_guaranteed_trough_v: float
     """Peak below the signal ground that the amplifier's data sheet guarantees, as a positive number."""
     has_phase_reversal: bool

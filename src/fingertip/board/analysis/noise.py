@@ -166,10 +166,7 @@ def noise_warning(noise: NoiseLevels, threshold_v: float) -> str:
 
 
 def noise_budget(board: NoisyNetwork) -> tuple[tuple[Contribution, ...], tuple[float, ...]]:
-    """Compute the RMS noise over `NOISE_BAND_HZ` of each source at each of `NETS`, and the total.
-
-    The source with the largest noise at FILTERED comes first.
-    """
+    """Compute the RMS noise of each source at each of `NETS`, the largest at FILTERED first, and the total."""
     squares = [board.squares(net) for net in NETS]
     rows = [
         Contribution(source.name, tuple(math.sqrt(float(square[i])) for square in squares))
@@ -182,9 +179,7 @@ def noise_budget(board: NoisyNetwork) -> tuple[tuple[Contribution, ...], tuple[f
 def compare_noise_alternatives(
     circuit: Circuit, gain_bandwidth_hz: float, band_limit_hz: float, envelope_gain: float | None
 ) -> tuple[NoiseAlternative, ...]:
-    """Compute the noise of this variant, with and without the first stage's band limit, and a low-noise amplifier.
-
-    The amplifier is that of a bridge.
+    """Compute the noise of this variant with and without the first stage's band limit, and with a quieter amplifier.
 
     `envelope_gain` is the constant gain of rectifier and envelope; None for variant article, which has no band limit.
     """

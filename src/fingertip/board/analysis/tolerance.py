@@ -124,10 +124,7 @@ def compute_yields(model: FilterModel, values: Mapping[str, Value], circuit: Cir
 
 
 def compute_sensitivities(board: TolerancedFilter) -> dict[str, dict[str, float]]:
-    """Compute the sensitivity of each quantity to each component: d ln quantity / d ln component.
-
-    It is the change of the quantity in percent for a change of the component by one percent.
-    """
+    """Compute d ln quantity / d ln component: the change in percent for a change of the component by one percent."""
     step = 1e-4
     up, down = (board.quantities(sign * step * np.eye(len(board.names))) for sign in (1.0, -1.0))
     width = math.log((1.0 + step) / (1.0 - step))

@@ -141,10 +141,7 @@ def diagnose(
     tone_v: float,
     is_possible: Callable[[Fault], bool] = lambda fault: True,
 ) -> Diagnosis:
-    """Compare readings with their limits and, if any lies beyond them, find the faults that explain them best.
-
-    Units: `readings` and `limits` [V], or [ohm] for resistances across parts in place.
-    """
+    """Compare readings [V, or ohm across parts] with their limits and, if any fails, find faults that explain them."""
     failed = tuple(find_failed(limits, readings))
     if not failed or len(readings) < MIN_READINGS:
         return Diagnosis(failed, ())

@@ -289,10 +289,9 @@ def plan_bring_up(board: Board, values: BoardValues, tone_v: float = bench.TONE_
 
 def resistance_limits(board: Board) -> dict[str, Limits]:
     """Resistances without power. Below the lower limit there is a short; a meter may read infinity."""
-    found = {SUPPLY_OHM: (VCC, GND), NEGATIVE_OHM: (GND, VEE)}
-    if board.signal_ground != GND:
-        del found[NEGATIVE_OHM]
-    limits = {}
+    found, limits = {SUPPLY_OHM: (VCC, GND)}, dict[str, Limits]()
+    if board.signal_ground == GND:
+        found[NEGATIVE_OHM] = GND, VEE
     for name, (first, second) in found.items():
         ohm = resistance_between(board.circuit, first, second)
         limits[name] = Limits(ohm, SHORT_RATIO * min(ohm, 10e3), math.inf)

@@ -44,7 +44,6 @@ from fingertip.board.parts.circuit import (
 from fingertip.board.parts.select_part import BULK_CAPACITOR, SUPPLY_CAPACITOR, find_package, require_capacitor
 from fingertip.catalogues.amplifiers import CATALOGUE
 from fingertip.design.formulas.filter import VMID_BOTTOM_OHM, VMID_TOP_OHM
-from fingertip.foundation.errors import BoardError
 from fingertip.foundation.tables import read_rows
 
 NAME = "slip_filter"
@@ -81,10 +80,7 @@ def load_rows() -> tuple[dict[str, str], ...]:
 
 
 def board_circuit(values: ComponentValues, channels: int = 1) -> Circuit:
-    """Build the checked circuit of a board with these values. Raises BoardError if it is inconsistent.
-
-    Of several channels, each is the circuit of one finger (`fingertip.board.circuits.channels`).
-    """
+    """Build the checked circuit of a board; of several channels, each is that of one finger. Raises BoardError."""
     supply = SUPPLIES[values.variant]
     properties = _PROPERTIES[values.variant]
     nets = {"SGND": supply.signal_ground, "VNEG": supply.negative_rail}
@@ -147,12 +143,8 @@ def _find_value(row: dict[str, str], values: ComponentValues) -> float:
         "C7": SENSOR_FILTER_F, "C10": BULK_F, "C11": BULK_F, "C21": DIVIDER_F,
         "R22": VMID_TOP_OHM, "R23": VMID_BOTTOM_OHM, "R24": CABLE_OHM,
     }  # fmt: skip
-    found = values.by_reference.get(row["reference"], fixed.get(row["reference"]))
-    if found is None and row["kind"] == "supply":
-        found = DECOUPLING_F
-    if found is None:
-        raise BoardError(f"no value is selected for {row['reference']}; this is a fault of the program.")
-    return found
+    found, reference = fixed | values.by_reference, row["reference"]
+    return DECOUPLING_F if row["kind"] == "supply" and reference not in found else found[reference]
 
 
 def _make_passive(reference: str, value: float, role: str, footprint: str, requirement: Requirement) -> Component:

@@ -35,10 +35,6 @@ class Rational:
     def __mul__(self, other: Rational) -> Rational:
         return Rational(_convolve(self.numerator, other.numerator), _convolve(self.denominator, other.denominator))
 
-    def at(self, f_hz: float) -> complex:
-        s = 2j * math.pi * f_hz
-        return complex(_horner(self.numerator[::-1], s) / _horner(self.denominator[::-1], s))
-
     def power_gain(self) -> Callable[[Value], Value]:
         """Function of the angular frequency [rad/s] that gives the squared magnitude.
 
@@ -162,8 +158,7 @@ def _convolve(a: Coefficients, b: Coefficients) -> Coefficients:
 
 
 def _alternate(coefficients: Coefficients) -> Coefficients:
-    signed = [c if i % 2 == 0 else -c for i, c in enumerate(coefficients)]
-    return signed[::-1]
+    return [c if i % 2 == 0 else -c for i, c in enumerate(coefficients)][::-1]
 
 
 def _horner(coefficients: Coefficients, x: Any) -> Any:

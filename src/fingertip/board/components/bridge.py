@@ -46,10 +46,7 @@ GAIN_CONSTANT_OHM = 100e3
 
 
 def sensor_conductance_s(force_n: float) -> float:
-    """Conductance [S] of the sensor at a force [N], by log-log interpolation of Interlink's curve.
-
-    Below the turn-on force of 0.2 N (20 gram) the sensor is open, and the conductance is 0.
-    """
+    """Conductance [S] of the sensor at a force [N]: Interlink's curve, log-log interpolated; 0 below its turn-on."""
     load = force_n / NEWTON_PER_GRAM
     # The article's turn-on of 0.2 N is 20.4 gram, the curve's first point 20.
     if load < INTERLINK_CURVE[0][0]:
@@ -159,10 +156,8 @@ GAIN_RESISTOR = "R14"
 """Resistor between the gain pins of the bridge's amplifier."""
 
 LOW_NOISE_NAME, LOW_NOISE_V = "INA821", 7e-9
-"""Instrumentation amplifier with a lower noise density [V/sqrt(Hz)], for comparison.
-
-It has another footprint and pinout, and another gain equation, so that it requires another R14.
-"""
+"""Instrumentation amplifier with a lower noise density [V/sqrt(Hz)], for comparison: it has another footprint, pinout
+and gain equation, so that it requires another R14."""
 
 
 # Model of the rectifier's diodes. SPICE deck, simulation and bring-up read these figures.

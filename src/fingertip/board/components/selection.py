@@ -43,10 +43,7 @@ FILTER_PACKAGE, SMALL_PACKAGE = "1206", "0603"
 
 
 def mantissas(series: str) -> tuple[int, ...]:
-    """Integer mantissas of one decade: 10 to 68 (E6), 10 to 82 (E12), 10 to 91 (E24), 100 to 976 (E96).
-
-    Raises BoardError.
-    """
+    """Integer mantissas of a decade: 10 to 68 (E6), 82 (E12) or 91 (E24), 100 to 976 (E96). Raises BoardError."""
     if series not in MANTISSAS:
         raise BoardError(Issue("board.series", f"{series!r} is not known; choose {', '.join(MANTISSAS)}."))
     return MANTISSAS[series]
@@ -55,12 +52,7 @@ def mantissas(series: str) -> tuple[int, ...]:
 def neighbouring_values(
     value: float, series: str, minimum: float = MIN_OHM, maximum: float = MAX_OHM
 ) -> tuple[float, ...]:
-    """Find the preferred values next below and next above `value`.
-
-    Only one is returned if `value` is itself preferred or lies beyond the range.
-
-    Raises BoardError.
-    """
+    """Find the preferred values next below and above one; itself if preferred, or an end. Raises BoardError."""
     decade = mantissas(series)
     if not (value > 0 and math.isfinite(value)):
         raise BoardError(f"{value!r} has no preferred value; give a positive finite number.")

@@ -32,10 +32,7 @@ class BomLine:
 
 
 def bill_of_materials(circuit: Circuit) -> bytes:
-    """Content of the CSV file: one line for each value, footprint and rating, in the order of the first reference.
-
-    A number that is missing leaves its field empty, and the note says why.
-    """
+    """Content of the CSV file: a line for each value, footprint and rating, whose note says why a number is missing."""
     rows = []
     for line in list_bom(circuit):
         fields, part, alternate = line.selection.fields, line.selection.part, line.selection.alternate

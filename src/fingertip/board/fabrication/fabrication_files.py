@@ -131,10 +131,7 @@ _PARENT = "../"
 
 
 def provenance_record(board_files: Mapping[str, bytes], fabrication_files: Mapping[str, bytes]) -> bytes:
-    """Content of the record, in the format of `sha256sum --check`.
-
-    It lists the board files that the fabrication files were made from, one folder up, and the fabrication files.
-    """
+    """Content of the record, as for `sha256sum --check`: the board files, one folder up, and the fabrication files."""
     lines = [f"{hash_content(data)}  {_PARENT}{name}" for name, data in board_files.items() if name.endswith(_SOURCES)]
     lines += [f"{hash_content(data)}  {name}" for name, data in fabrication_files.items()]
     return ("\n".join(lines) + "\n").encode()

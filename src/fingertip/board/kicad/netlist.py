@@ -26,6 +26,7 @@ from fingertip.board.parts.circuit import Circuit, Component, Symbol, reference_
 from fingertip.board.parts.nets import kicad_net_name
 from fingertip.board.parts.select_part import symbol_fields
 from fingertip.catalogues.output_files import CHANNEL_SHEET
+from fingertip.foundation.errors import join_words
 
 REVISION, SEVERAL_REVISION = "4", "5"
 """Revisions of the boards of one finger and of several: higher where parts, nets or copper have changed."""
@@ -189,6 +190,5 @@ def describe_structure_changes(old: CircuitRecord, new: CircuitRecord) -> Iterat
 
 def join_names(names: list[str]) -> str:
     """Join names for a sentence; of many, the first."""
-    if len(names) > _MAX_NAMES:
-        return f"{', '.join(names[:_MAX_NAMES])} and {len(names) - _MAX_NAMES} more"
-    return f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else names[0]
+    more = [f"{len(names) - _MAX_NAMES} more"] if len(names) > _MAX_NAMES else []
+    return join_words([*names[:_MAX_NAMES], *more])

@@ -149,12 +149,7 @@ class Circuit:
 
 
 def build_circuit(name: str, wiring: Mapping[Component, Mapping[str, str]]) -> Circuit:
-    """Build and check a circuit from the wiring of each component, pin number -> net name.
-
-    Nets appear in the order in which they are first named.
-
-    Raises BoardError.
-    """
+    """Build and check a circuit from pin number -> net of each component; nets as first named. Raises BoardError."""
     nodes: dict[str, list[Node]] = {}
     for component, pins in wiring.items():
         for number, net in pins.items():
@@ -200,10 +195,7 @@ _SCALES = {"M": 1e6, "k": 1e3, "": 1.0, "m": 1e-3, "u": 1e-6, "n": 1e-9, "p": 1e
 
 
 def format_component_value(value: float) -> str:
-    """Format a component value with an SI prefix, as in a schematic: 4700 -> "4.7k", 2.2e-6 -> "2.2u".
-
-    At most ten digits are printed.
-    """
+    """Format a value with an SI prefix and at most ten digits, as in a schematic: 4700 -> "4.7k", 2.2e-6 -> "2.2u"."""
     prefix = next((name for name, scale in _SCALES.items() if value >= scale * (1 - 1e-12)), "p")
     return f"{value / _SCALES[prefix]:.10g}{prefix}"
 

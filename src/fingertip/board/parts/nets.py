@@ -32,8 +32,6 @@ VMID_OUT = "M_OUT"
 
 RAILS = (GND, VCC, VEE)
 """Nets that power symbols name in a schematic."""
-GLOBAL_NETS = (*RAILS, VMID)
-"""Nets that are the same on all sheets: the rails, and the nets that global labels name."""
 
 
 UNCONNECTED = "unconnected-("
@@ -46,5 +44,5 @@ def name_open_net(reference: str, pin: str, number: str) -> str:
 
 
 def kicad_net_name(net: str) -> str:
-    """Name of a net in KiCad: a label's net carries the path of its sheet, here "/"; a power symbol's net does not."""
-    return net if net in GLOBAL_NETS or net.startswith(UNCONNECTED) else f"/{net}"
+    """Name of a net in KiCad: with the path of its sheet, here "/", unless power symbols or global labels name it."""
+    return net if net in (*RAILS, VMID) or net.startswith(UNCONNECTED) else f"/{net}"

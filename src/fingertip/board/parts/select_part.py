@@ -123,10 +123,7 @@ def symbol_fields(component: Component) -> dict[str, str]:
 
 
 def find_resistors(ohm: float, requirement: ResistorRequirement) -> Iterator[ChipResistor]:
-    """Find the chip resistors that meet a requirement: those of the table first, then those with an ordering code.
-
-    The table's resistor is also found by its ordering code; it is yielded once.
-    """
+    """Find the chip resistors that meet a requirement, each once: the table's, then those with an ordering code."""
     listed = [item for item in load_table(ChipResistor, "resistors.csv") if abs(item.ohm / ohm - 1.0) < _ROUNDING]
     composed = [code.compose(ohm) for code in load_table(OrderingCode, "ordering_codes.csv") if code.is_made(ohm)]
     numbers: set[str] = set()

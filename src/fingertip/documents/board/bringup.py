@@ -22,7 +22,7 @@ from fingertip.catalogues.controllers import NAMES
 from fingertip.design import Design
 from fingertip.documents.board.readme import collect_board
 from fingertip.documents.template import format_ohm, render
-from fingertip.foundation.errors import BoardError, join_words
+from fingertip.foundation.errors import join_words
 
 Row = tuple[str, ...]
 
@@ -172,12 +172,8 @@ def _find_probe(placement: Placement, net: str) -> str:
 
 
 def find_end(placement: Placement, reference: str, net: str) -> str:
-    """Name the end of a two-terminal part that is at a net, such as "right end of C10". Raises BoardError."""
-    pads = placement.parts[reference].pads
-    here = next((pad for pad in pads if pad.net == net), None)
-    other = next((pad for pad in pads if pad.net != net), None)
-    if here is None or other is None:
-        raise BoardError(f"no end of {reference} alone is at {net}; this is a fault of the program.")
+    """Name the end of a two-terminal part that is at a net, such as "right end of C10"."""
+    here, other = sorted(placement.parts[reference].pads, key=lambda pad: pad.net != net)
     return f"{_name_side(here, other)} end of {reference}"
 
 
@@ -197,8 +193,6 @@ def find_widest(circuit: Circuit, placement: Placement, net: str) -> str:
         for reference, pads in by_part.items()
         if sum(pad.net == net for pad in pads) == 1
     }
-    if not at_net:
-        raise BoardError(f"no resistor or capacitor is at {net}; this is a fault of the program.")
     return find_end(placement, max(at_net, key=lambda reference: at_net[reference]), net)
 
 

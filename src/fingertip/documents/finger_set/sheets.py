@@ -89,8 +89,7 @@ def set_data(
         for finger, form in fingers.fingers
     ]
     acceptance = {each.form.design.name: dict(each.acceptance) for each in sheets}
-    for finger, own in ((finger, own) for each in sheets for finger, own in each.calibrated.items()):
-        acceptance[f"sensor of {finger}"] = dict(own)
+    acceptance |= {f"sensor of {finger}": dict(own) for each in sheets for finger, own in each.calibrated.items()}
     counts = {(each.form.design.name, part): each.count_part(part) for each in sheets for part in each.volumes_cm3}
     printer, controller = sheets[0].form.design.printer, find_board(DEFAULT_CONTROLLER)
     return {
@@ -195,10 +194,7 @@ def _cup_data(cup: Cup) -> dict[str, Any]:
 
 
 def _list_parts(sheets: Sequence[FormSheets], plan: CastingPlan) -> list[dict[str, Any]]:
-    """List what to buy, the sizes of one item together.
-
-    Equal items of all forms are added up, and what serves the bench is there once, or as often as the plan asks for.
-    """
+    """List what to buy, sizes of an item together: equal items added up, what serves the bench as often as planned."""
     mixtures, patches = len(plan.mixtures), len(plan.patches) + sum(bool(cup.patched) for cup in plan.cups)
     counted = {"cups": mixtures + len(plan.cups), "stirrers": mixtures, _PATCH_SYRINGE: patches}
     counted["vise or stand"] = max(sum(len(cup.castings) for cup in cups) for cups in plan.rounds)

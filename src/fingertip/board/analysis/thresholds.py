@@ -14,17 +14,7 @@ from fingertip.board.components.values import MAX_CLAMP_A
 from fingertip.board.parts.circuit import Circuit
 from fingertip.board.parts.nets import ADC_ENVELOPE, ADC_TACTILE, ENVELOPE, MEAN, SLIP, THRESHOLD
 from fingertip.catalogues.amplifiers import CATALOGUE, LOW_OFFSET_AMPLIFIER
-from fingertip.design.formulas.filter import (
-    BIAS_A,
-    COMPARATOR_DRIFT_V_PER_K,
-    DATA_SHEET_C,
-    HOT_BIAS_A,
-    MAX_BIAS_A,
-    MAX_COMPARATOR_OFFSET_V,
-    MAX_TEMPERATURE_C,
-    MIN_TEMPERATURE_C,
-    TRIMMER_TOLERANCE,
-)
+from fingertip.design.formulas import filter as formulas
 
 
 @dataclass(frozen=True)
@@ -63,9 +53,9 @@ def compute_comparator_levels(circuit: Circuit, rails: dict[str, float], signal_
         on_v=threshold_v(is_on=False),
         off_v=threshold_v(is_on=True),
         max_on_v=threshold_v(is_on=False, trimmer_ratio=1.0),
-        bias_v=BIAS_A * source_ohm,
-        max_bias_v=MAX_BIAS_A * source_ohm,
-        threshold_bias_v=BIAS_A * threshold_ohm,
+        bias_v=formulas.BIAS_A * source_ohm,
+        max_bias_v=formulas.MAX_BIAS_A * source_ohm,
+        threshold_bias_v=formulas.BIAS_A * threshold_ohm,
         averaging_tau_s=float(slope / constant),
     )
 
@@ -125,7 +115,7 @@ def _offset_gains(circuit: Circuit, gain_bandwidth_hz: float, signal_ground: str
 # The threshold is referred to the envelope: it is the averaged envelope at which the output turns ON. All shifts are
 # transfers of one circuit to the difference of the comparator's inputs.
 
-_WARMING_K = max(MAX_TEMPERATURE_C - DATA_SHEET_C, DATA_SHEET_C - MIN_TEMPERATURE_C)
+_WARMING_K = max(formulas.MAX_TEMPERATURE_C - formulas.DATA_SHEET_C, formulas.DATA_SHEET_C - formulas.MIN_TEMPERATURE_C)
 _LEAKAGE_DOUBLES_K = 10.0
 """Rise in temperature that doubles a diode's reverse current [K]."""
 TOLERANCES = "tolerances of R19 to R21 and RV1"
@@ -171,13 +161,14 @@ def compute_threshold_spread(
     for output in list_amplifiers(circuit):
         if data := output.data:
             offset_v += abs(transfers[output.net]) * (data.max_offset_v + data.drift_v_per_k * _WARMING_K)
-    leakage_a = MAX_CLAMP_A * 2.0 ** ((MAX_TEMPERATURE_C - DATA_SHEET_C) / _LEAKAGE_DOUBLES_K)
+    comparator_v = formulas.MAX_COMPARATOR_OFFSET_V + formulas.COMPARATOR_DRIFT_V_PER_K * _WARMING_K
+    leakage_a = MAX_CLAMP_A * 2.0 ** ((formulas.MAX_TEMPERATURE_C - formulas.DATA_SHEET_C) / _LEAKAGE_DOUBLES_K)
     input_ohm = abs(transfers[MEAN]), abs(transfers[THRESHOLD])
-    mean_v = levels.on_v - BIAS_A * (input_ohm[0] - input_ohm[1])
+    mean_v = levels.on_v - formulas.BIAS_A * (input_ohm[0] - input_ohm[1])
     shifts = (
         ThresholdShift("offsets of the amplifiers", offset_v),
-        ThresholdShift("offset of the comparator", MAX_COMPARATOR_OFFSET_V + COMPARATOR_DRIFT_V_PER_K * _WARMING_K),
-        ThresholdShift("input currents of the comparator", (HOT_BIAS_A - BIAS_A) * max(input_ohm)),
+        ThresholdShift("offset of the comparator", comparator_v),
+        ThresholdShift("input currents of the comparator", (formulas.HOT_BIAS_A - formulas.BIAS_A) * max(input_ohm)),
         ThresholdShift(
             "reverse current of the clamps", leakage_a * (abs(transfers[ADC_ENVELOPE]) + abs(transfers[ADC_TACTILE]))
         ),
@@ -197,7 +188,7 @@ def _tolerance_v(network: Network, rails: Mapping[str, float], tolerance: float)
         return part.with_values(values).operating_point(rails)[THRESHOLD]
 
     nominal_v, total_v = threshold_v({}), 0.0
-    for names, ratio in (*(((name,), tolerance) for name in _RESISTORS), (_TRIMMER, TRIMMER_TOLERANCE)):
+    for names, ratio in (*(((name,), tolerance) for name in _RESISTORS), (_TRIMMER, formulas.TRIMMER_TOLERANCE)):
         changed = {name: part.values[name] / (1.0 + ratio) for name in names}
         total_v += abs(threshold_v(changed) - nominal_v)
     return total_v
@@ -208,7 +199,7 @@ def describe_threshold_spread(spread: ThresholdSpread) -> str:
     return (
         f"with the trimmer at its midpoint the threshold of a board is {1e3 * spread.mean_v:.1f} mV on average and "
         f"between {round(1e3 * spread.min_v, 1) + 0.0:.1f} and {1e3 * spread.max_v:.1f} mV in the worst case from "
-        f"{MIN_TEMPERATURE_C:g} to {MAX_TEMPERATURE_C:g} C (largest part: {largest.cause}, "
+        f"{formulas.MIN_TEMPERATURE_C:g} to {formulas.MAX_TEMPERATURE_C:g} C (largest part: {largest.cause}, "
         f"{1e3 * largest.worst_v:.1f} mV); the trimmer can shift it by {1e3 * spread.trim_v:.1f} mV, and offsets "
         f"and currents need {1e3 * spread.to_trim_v:.1f} mV"
     )

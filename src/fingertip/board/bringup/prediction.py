@@ -17,18 +17,8 @@ from pathlib import Path
 import numpy as np
 
 from fingertip.board.analysis.limits import OUTPUT_LOWER_MARGIN_V, OUTPUT_UPPER_MARGIN_V
-from fingertip.board.bringup.bench import (
-    TONE,
-    TONE_V,
-    TOP_HZ,
-    Bench,
-    Fault,
-    attenuate_tones,
-    feed_tone,
-    list_output_pins,
-    predict_constants,
-    set_up_bench,
-)
+from fingertip.board.bringup import bench
+from fingertip.board.bringup.bench import Bench, Fault
 from fingertip.board.bringup.rectifier import Drive, measure_voltages
 from fingertip.board.circuits.network import Network, build_network, list_amplifiers
 from fingertip.board.components.values import SUPPLIES
@@ -78,8 +68,8 @@ class Board:
         low, high = rails[supply.negative_rail] + margin_v, supply_v - margin_v
         ground_v = supply.signal_ground_v(supply_v)
         bandwidth = find_gain_bandwidth_hz(design.board)
-        bench = set_up_bench(circuit, bandwidth, design.board.cutoff_hz, min(high - ground_v, ground_v - low))
-        return cls(circuit, bench, rails, supply.signal_ground, (low, high), bandwidth)
+        setup = bench.set_up_bench(circuit, bandwidth, design.board.cutoff_hz, min(high - ground_v, ground_v - low))
+        return cls(circuit, setup, rails, supply.signal_ground, (low, high), bandwidth)
 
     @property
     def ends_v(self) -> dict[str, tuple[float, float]]:
@@ -100,7 +90,7 @@ def predict(board: Board, faults: Sequence[Fault], *tones_v: float) -> list[dict
     """Predict the readings of boards that each have one fault, by the reading's name."""
     readings: list[dict[str, float]] = []
     drives: list[Drive] = []
-    tones = tones_v if len(tones_v) > 1 else (tones_v or (TONE_V,)) * len(faults)
+    tones = tones_v if len(tones_v) > 1 else (tones_v or (bench.TONE_V,)) * len(faults)
     for fault, tone_v in zip(faults, tones, strict=True):
         values, levels = _predict_linear(board, fault, tone_v)
         readings.append(values)
@@ -112,9 +102,9 @@ def predict(board: Board, faults: Sequence[Fault], *tones_v: float) -> list[dict
         middle_v = values[name_voltage(nets.VMID)] if board.signal_ground == nets.VMID else 0.0
         sources_v = {
             pin.source: values[name_voltage(pin.source)] + (0.0 if pin.source == nets.VMID else middle_v)
-            for pin in list_output_pins(faults[i].circuit)
+            for pin in bench.list_output_pins(faults[i].circuit)
         }
-        values |= predict_constants(faults[i].circuit, {**board.rails_v, **sources_v})
+        values |= bench.predict_constants(faults[i].circuit, {**board.rails_v, **sources_v})
     return readings
 
 
@@ -155,9 +145,9 @@ def is_tone(name: str) -> bool:
     return name.endswith(_TONE_END)
 
 
-def list_levels(bench: Bench) -> tuple[tuple[str, float], ...]:
+def list_levels(setup: Bench) -> tuple[tuple[str, float], ...]:
     """Nets and frequencies [Hz] at which the tone is measured."""
-    low, middle, high = bench.tones_hz
+    low, middle, high = setup.tones_hz
     return (
         (nets.FILTERED, low), (nets.FILTERED, middle), (nets.FILTERED, high), (nets.STAGE1_OUT, middle),
         (nets.STAGE2_MID, low), (nets.STAGE2_MID, middle), (nets.STAGE2_MID, high),
@@ -173,7 +163,7 @@ def _predict_linear(board: Board, fault: Fault, tone_v: float) -> tuple[dict[str
     for ohm in reversed(board.bench.dummy_ohm):
         volts, held = solve_constant(board, fault, 1.0 / ohm, measured)
         values[name_voltage(nets.TACTILE, ohm)] = volts[nets.TACTILE] - volts[ground]
-    network = feed_tone(fault.circuit, board.bench, board.gain_bandwidth_hz)
+    network = bench.feed_tone(fault.circuit, board.bench, board.gain_bandwidth_hz)
     path = network.ground(*held).restrict(*(net for net, _ in list_levels(board.bench) if net not in held))
 
     def peak_v(net: str, hz: float) -> float:
@@ -182,8 +172,8 @@ def _predict_linear(board: Board, fault: Fault, tone_v: float) -> tuple[dict[str
     peaks_v = {(net, hz): peak_v(net, hz) for net, hz in list_levels(board.bench)}
     for (net, hz), peak in peaks_v.items():
         values[name_tone(net, hz)] = _clipped_rms(volts.get(net, 0.0), peak, board.swing_v)
-    if ratios := attenuate_tones(fault.circuit):
-        rms = _clipped_rms(volts[nets.FILTERED], peak_v(nets.FILTERED, TOP_HZ), board.swing_v)
+    if ratios := bench.attenuate_tones(fault.circuit):
+        rms = _clipped_rms(volts[nets.FILTERED], peak_v(nets.FILTERED, bench.TOP_HZ), board.swing_v)
         values |= {name: ratio * rms for name, ratio in ratios.items()}
     level = volts[nets.FILTERED]
     given = {name: v for name, v in board.rails_v.items() if name != nets.VEE or board.signal_ground == nets.GND}
@@ -232,4 +222,4 @@ def batch_constant(network: Network, rails_v: Mapping[str, float], net: str, gro
 
 def batch_level(network: Network, hz: float, net: str) -> Array:
     """Magnitude of a net's voltage for 1 V of the tone, for one or many boards at once."""
-    return np.abs(network.response(np.array([hz]), {TONE: 1.0}, net)[:, 0])
+    return np.abs(network.response(np.array([hz]), {bench.TONE: 1.0}, net)[:, 0])

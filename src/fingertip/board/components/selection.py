@@ -14,22 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fingertip.board.parts.select_part import list_capacitances
+from fingertip.design.formulas import filter as formulas
 from fingertip.design.formulas.amplifiers import choose_amplifier, select_rectifier_ohm
-from fingertip.design.formulas.filter import (
-    MANTISSAS,
-    MAX_OHM,
-    MAX_SELECTABLE_F,
-    MIN_CUTOFF_RATIO,
-    MIN_OHM,
-    MIN_SELECTABLE_F,
-    SELECTABLE_R1_OHM,
-    SELECTABLE_R_LP_OHM,
-    SERIES_CAPACITORS_UF,
-    FilterComponents,
-    ideal_components,
-    r_lp_ohm,
-    to_farads,
-)
+from fingertip.design.formulas.filter import MANTISSAS, MAX_OHM, MIN_OHM, FilterComponents, r_lp_ohm
 from fingertip.design.parameters.electronics import Board
 from fingertip.foundation.errors import BoardError, Issue
 from fingertip.foundation.numerics import Array
@@ -165,7 +152,7 @@ class FilterSelection:
 
 def select_filter(board: Board) -> FilterSelection:
     """Select the components of filter and envelope. Raises as `neighbouring_values` does."""
-    ideal = ideal_components(select_capacitors(board))
+    ideal = formulas.ideal_components(select_capacitors(board))
     preferred = select_resistors(ideal, board.series, jointly=board.resistor_choice == "joint")
     if board.variant == "article":
         return FilterSelection(ideal, preferred, None, None)
@@ -174,9 +161,9 @@ def select_filter(board: Board) -> FilterSelection:
     # article's 1.5k and 67 Hz this is 16 uF, and 22 uF is the available value. If none is large enough, it is the
     # largest.
     cutoff_hz = pole_hz(preferred.r1_ohm, preferred.c_f)
-    min_uf = 1e6 * MIN_CUTOFF_RATIO / (math.tau * preferred.r4_ohm * cutoff_hz)
-    c14_uf = next((c for c in SERIES_CAPACITORS_UF if c >= min_uf), SERIES_CAPACITORS_UF[-1])
-    capacitors = FirstStageCapacitors(to_farads(c14_uf), c20_f, pole_hz(preferred.r5_ohm, c20_f))
+    min_uf = 1e6 * formulas.MIN_CUTOFF_RATIO / (math.tau * preferred.r4_ohm * cutoff_hz)
+    c14_uf = next((c for c in formulas.SERIES_CAPACITORS_UF if c >= min_uf), formulas.SERIES_CAPACITORS_UF[-1])
+    capacitors = FirstStageCapacitors(formulas.to_farads(c14_uf), c20_f, pole_hz(preferred.r5_ohm, c20_f))
     rectifier_ohm = select_rectifier_ohm(choose_amplifier(board)) if board.has_envelope else None
     return FilterSelection(ideal, preferred, capacitors, rectifier_ohm)
 
@@ -214,7 +201,7 @@ def select_capacitors(board: Board) -> Board:
 def _selectable_range_f(cutoff_hz: float, range_ohm: tuple[float, float]) -> tuple[float, float]:
     """Range of the selectable capacitances [F] for which 1 / (C omega) lies in a range [ohm] at a cutoff [Hz]."""
     values = (1.0 / (math.tau * cutoff_hz * ohm) for ohm in reversed(range_ohm))
-    low_f, high_f = (min(max(c_f, MIN_SELECTABLE_F), MAX_SELECTABLE_F) for c_f in values)
+    low_f, high_f = (min(max(c_f, formulas.MIN_SELECTABLE_F), formulas.MAX_SELECTABLE_F) for c_f in values)
     return low_f, high_f
 
 
@@ -224,7 +211,7 @@ def select_filter_capacitor(board: Board) -> float:
     For each C the resistors are the best that exist. No combination of the two series within that range is therefore
     better. Of equal errors the smaller capacitor is selected.
     """
-    range_f = _selectable_range_f(board.cutoff_hz, SELECTABLE_R1_OHM)
+    range_f = _selectable_range_f(board.cutoff_hz, formulas.SELECTABLE_R1_OHM)
     capacitors = capacitances_in_range(*range_f, board.capacitor_series, FILTER_PACKAGE)
     return min(capacitors, key=lambda c_f: (round(filter_error(c_f, board), 9), c_f))
 
@@ -237,7 +224,7 @@ def filter_error(c_f: float, board: Board) -> float:
     ideal values, ln(f0' / f0) = -(x + y) / 2 and ln(Q' / Q) = (y - x) / 2. The sum of their squares is (x^2 + y^2) / 2,
     so each resistor can be selected alone.
     """
-    ideal = ideal_components(board.model_copy(update={"capacitor_uf": 1e6 * c_f}))
+    ideal = formulas.ideal_components(board.model_copy(update={"capacitor_uf": 1e6 * c_f}))
     ohm = ideal.r1_ohm, ideal.r2_ohm, ideal.r3_ohm
     if board.resistor_choice == "joint":
         return choose_jointly(ohm, board.series)[1]
@@ -252,7 +239,7 @@ def _select_envelope_capacitor(board: Board) -> float:
     def error(c_f: float) -> float:
         return abs(math.log(pole_hz(nearest_value(r_lp_ohm(target_hz, c_f), board.series), c_f) / target_hz))
 
-    range_f = _selectable_range_f(target_hz, SELECTABLE_R_LP_OHM)
+    range_f = _selectable_range_f(target_hz, formulas.SELECTABLE_R_LP_OHM)
     return min(
         capacitances_in_range(*range_f, board.capacitor_series, FILTER_PACKAGE),
         key=lambda c_f: (round(error(c_f), 12), c_f),

@@ -9,28 +9,14 @@ from typing import Any
 
 import numpy as np
 
+from fingertip.board.analysis import noise, tolerance
 from fingertip.board.analysis.board_values import board_values
 from fingertip.board.analysis.interference import AliasAttenuation, SupplyRipple
 from fingertip.board.analysis.limits import VoltageLimits
-from fingertip.board.analysis.noise import (
-    NETS,
-    Contribution,
-    NoiseAlternative,
-    add_noise,
-    compare_noise_alternatives,
-    noise_budget,
-)
+from fingertip.board.analysis.noise import NETS, Contribution, NoiseAlternative
 from fingertip.board.analysis.response import find_envelope_gain, model_filter
 from fingertip.board.analysis.thresholds import ComparatorLevels, OutputOffset
-from fingertip.board.analysis.tolerance import (
-    ARTICLE_CAPACITOR_PERCENT,
-    CUTOFF_CAPACITORS,
-    Spread,
-    TolerancedFilter,
-    component_tolerances,
-    compute_sensitivities,
-    monte_carlo,
-)
+from fingertip.board.analysis.tolerance import Spread
 from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import Network, Value, build_network
 from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
@@ -84,17 +70,17 @@ def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
     circuit = board_circuit(values)
     bandwidth_hz = find_gain_bandwidth_hz(board)
     network = build_network(circuit, bandwidth_hz)
-    model, noisy = model_filter(circuit), add_noise(circuit, bandwidth_hz)
-    toleranced = TolerancedFilter(model, network.values)
-    noise, total = noise_budget(noisy)
-    percent = component_tolerances(circuit)
-    article_percent = percent | dict.fromkeys(CUTOFF_CAPACITORS, ARTICLE_CAPACITOR_PERCENT)
+    model, noisy = model_filter(circuit), noise.add_noise(circuit, bandwidth_hz)
+    toleranced = tolerance.TolerancedFilter(model, network.values)
+    budget, total = noise.noise_budget(noisy)
+    percent = tolerance.component_tolerances(circuit)
+    article_percent = percent | dict.fromkeys(tolerance.CUTOFF_CAPACITORS, tolerance.ARTICLE_CAPACITOR_PERCENT)
     offsets = zip(noisy.sources, zip(*(noisy.offsets_v(net) for net in NETS), strict=True), strict=True)
     return Analysis(
         **{name: getattr(values, name) for name in _OF_BOARD},
-        noise=noise,
+        noise=budget,
         noise_total_v=total,
-        noise_alternatives=compare_noise_alternatives(
+        noise_alternatives=noise.compare_noise_alternatives(
             circuit, bandwidth_hz, board.band_limit_hz, find_envelope_gain(model, circuit, network.values)
         ),
         threshold_v=design.detector.threshold_v,
@@ -107,9 +93,9 @@ def analyse(design: Design, boards: int = 10_000, seed: int = 1) -> Analysis:
         ),
         component_percent=percent,
         boards=boards,
-        spread=monte_carlo(toleranced, percent, boards, seed),
-        article_spread=monte_carlo(toleranced, article_percent, boards, seed),
-        sensitivity=compute_sensitivities(toleranced),
+        spread=tolerance.monte_carlo(toleranced, percent, boards, seed),
+        article_spread=tolerance.monte_carlo(toleranced, article_percent, boards, seed),
+        sensitivity=tolerance.compute_sensitivities(toleranced),
     )  # fmt: skip
 
 

@@ -59,9 +59,8 @@ class VoltageLimits:
     envelope V it goes to V and a drop below the signal ground.
     """
     clamp_low_rail_v: float
-    """Lower rail of the clamps at the ADC pins, which clamp one Schottky drop below it."""
     clamp_high_rail_v: float
-    """Upper rail of the clamps at the ADC pins, which clamp one Schottky drop above it."""
+    """Rails of the clamps at the ADC pins, which clamp one Schottky drop beyond them."""
     tactile_pin_ohm: float
     """Resistance through which the reverse current of the clamp at the tactile pin flows [ohm]."""
     output_pin_ohm: float

@@ -77,9 +77,8 @@ class NoiseAlternative:
 
     change: str
     filtered_v: float
-    """RMS noise ahead of the rectifier [V]."""
     mean_envelope_v: float | None
-    """Mean envelope due to the noise [V]. None in variant article: the noise is below its diode's threshold."""
+    """RMS noise ahead of the rectifier, and mean envelope due to it [V], as in `NoiseLevels`."""
 
 
 @dataclass(frozen=True, eq=False)

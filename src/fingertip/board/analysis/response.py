@@ -41,10 +41,8 @@ _START_RATIO = 4.0
 the frequency at which the search ends to that of the nominal maximum."""
 _END_RATIO = 100.0
 """Ratio of the highest frequency at which the maximum is searched to the higher pole."""
-_PEAK_TOLERANCE = 1e-6
-"""Tolerance of the logarithm of the peak's frequency. The gain is then exact to about 1e-12."""
-_CUTOFF_TOLERANCE = 1e-13
-"""Tolerance of the logarithm of the cutoff frequencies."""
+_PEAK_TOLERANCE, _CUTOFF_TOLERANCE = 1e-6, 1e-13
+"""Tolerances of the logarithm of these frequencies. The gain is then exact to about 1e-12."""
 _GOLDEN_STEPS = 24
 """Golden-section steps around the peak of many boards: its frequency is then exact to 1e-5, its gain to 1e-10."""
 _HALVINGS = 36

@@ -10,17 +10,8 @@ import numpy as np
 
 from fingertip.board.analysis.board_values import BoardValues
 from fingertip.board.analysis.shared import compute_supply_current_a
-from fingertip.board.bringup import bench
-from fingertip.board.bringup.prediction import (
-    Board,
-    batch_constant,
-    batch_level,
-    list_levels,
-    name_ripple,
-    name_tone,
-    name_voltage,
-    predict,
-)
+from fingertip.board.bringup import bench, prediction
+from fingertip.board.bringup.prediction import Board, name_tone, name_voltage
 from fingertip.board.circuits.network import Network, Value, build_network, list_amplifiers
 from fingertip.board.components.bridge import AD623_OFFSET_V, GAIN_CONSTANT_OHM, GAIN_RESISTOR
 from fingertip.board.parts.circuit import Circuit, parse_component_value
@@ -74,23 +65,26 @@ def compute_limits(board: Board, values: BoardValues, tone_v: float = bench.TONE
         drawn[name_voltage(TACTILE, ohm)] = _draw_constant(board, TACTILE, board.signal_ground, random, ohm)
     path = bench.feed_tone(board.circuit, board.bench, board.gain_bandwidth_hz).restrict(FILTERED)
     parts = path.with_values(_draw(path, board, random))
-    levels = {name_tone(net, hz): tone_v * batch_level(parts, hz, net) for net, hz in list_levels(board.bench)}
+    levels = {
+        name_tone(net, hz): tone_v * prediction.batch_level(parts, hz, net)
+        for net, hz in prediction.list_levels(board.bench)
+    }
 
     circuits, tones_v, ratio = [board.circuit], [tone_v], _find_tolerance("C4", board)
     if board.has_envelope:
         # The envelope follows the filtered tone: between the weakest and the strongest of the boards. Behind a bare
         # diode it also follows C4, which holds it between the peaks.
         filtered = levels[name_tone(FILTERED, high_hz)]
-        middle = tone_v * float(batch_level(path, high_hz, FILTERED)[0])
+        middle = tone_v * float(prediction.batch_level(path, high_hz, FILTERED)[0])
         tones_v += [tone_v * float(level) / middle for level in (filtered.min(), filtered.max())]
         c4_f = parse_component_value(board.circuit.component("C4").value)
         circuits += [board.circuit.replace("C4", f"{c4_f * factor:.10g}") for factor in (1.0 - ratio, 1.0 + ratio)]
-    nominal, *ends = predict(board, [bench.Fault("", "", circuit) for circuit in circuits], *tones_v)
+    nominal, *ends = prediction.predict(board, [bench.Fault("", "", circuit) for circuit in circuits], *tones_v)
     limits = {name: _widen(nominal[name], volts, METER_DC) for name, volts in drawn.items()}
     limits |= {name: _widen(nominal[name], volts, METER_AC) for name, volts in levels.items()}
     if board.has_envelope:
         limits |= _limit_envelope(board, values, nominal, ends)
-        ripple, tolerance = name_ripple(high_hz), ratio + 2.0 * _find_tolerance("R6", board)
+        ripple, tolerance = prediction.name_ripple(high_hz), ratio + 2.0 * _find_tolerance("R6", board)
         spread = np.array([tones_v[1] * (1.0 - tolerance), tones_v[2] / (1.0 - tolerance)]) / tone_v
         limits[ripple] = _widen(nominal[ripple], spread * nominal[ripple], METER_AC)
     return limits | _limit_pins(board, limits, nominal, tone_v, random)
@@ -104,7 +98,7 @@ def _draw_constant(board: Board, net: str, ground: str, random: np.random.Genera
     sensor = {"J1": 1.0 / ohm / (1.0 + _DUMMY_RATIO * random.uniform(-1, 1, BOARDS))} if ohm else {}
     parts = _draw(path, board, random) | sensor
     supply = 1.0 + 0.01 * SUPPLY_PERCENT * random.uniform(-1.0, 1.0, BOARDS)
-    volts = batch_constant(path.with_values(parts), board.rails_v, net, ground)
+    volts = prediction.batch_constant(path.with_values(parts), board.rails_v, net, ground)
     return volts * supply + _draw_offset(path, board, net, ground, random)
 
 
@@ -127,7 +121,7 @@ def _limit_pins(
         if bench.has_tone(pin):
             circuit = bench.connect_meter(board.circuit)
             path = bench.feed_tone(circuit, board.bench, board.gain_bandwidth_hz).restrict(pin.net)
-            level = tone_v * batch_level(path.with_values(_draw(path, board, random)), bench.TOP_HZ, pin.net)
+            level = tone_v * prediction.batch_level(path.with_values(_draw(path, board, random)), bench.TOP_HZ, pin.net)
             found[pin.tone_name] = _widen(nominal[pin.tone_name], level, METER_AC)
     return found
 
@@ -266,8 +260,8 @@ def _list_levels_in_order(board: Board) -> list[str]:
         *(name_voltage(net) for net in board.nets),
         *(name_voltage(TACTILE, ohm) for ohm in board.bench.dummy_ohm),
         *(pin.constant_name for pin in at_host),
-        *(name_tone(net, hz) for net, hz in (*list_levels(board.bench), (ENVELOPE, high))),
-        name_ripple(high),
+        *(name_tone(net, hz) for net, hz in (*prediction.list_levels(board.bench), (ENVELOPE, high))),
+        prediction.name_ripple(high),
         name_tone(RECT_OUT, high),
         *(pin.tone_name for pin in pins.values() if bench.has_tone(pin)),
     ]

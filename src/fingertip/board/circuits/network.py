@@ -113,14 +113,24 @@ class Network:
 
         An amplifier isolates its output: what only loads an output does not determine it.
         """
+        found = self.trace(outputs)
+        return replace(self, terms=tuple(term for term in self.terms if term.equation in found))
+
+    def trace(self, names: Iterable[str]) -> set[str]:
+        """Find these names and all nets and inputs that determine their voltages."""
+        found, needed = set[str](), set(names)
+        while needed:
+            found |= needed
+            needed = set().union(*(self.contents.get(name, ()) for name in needed)) - found
+        return found
+
+    @functools.cached_property
+    def contents(self) -> Mapping[str, set[str]]:
+        """Nets and inputs in the equation of each net."""
         contents: dict[str, set[str]] = {name: set() for name in self.nets}
         for term in self.terms:
             contents[term.equation].add(term.net)
-        needed, found = set(outputs) - set(self.inputs), set[str]()
-        while needed:
-            found |= needed
-            needed = set().union(*(contents[name] for name in needed)) - found - set(self.inputs)
-        return replace(self, terms=tuple(term for term in self.terms if term.equation in found))
+        return contents
 
     def with_values(self, values: Mapping[str, Value]) -> Network:
         return replace(self, values={**self.values, **values})

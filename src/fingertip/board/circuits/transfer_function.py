@@ -69,8 +69,8 @@ def find_stages(network: Network, source: str, output: str) -> tuple[Stage, ...]
     """Find the stages between an input and a net, and expand the transfer function of each. Raises ValueError."""
     quiet = [name for name in network.inputs if name != source]
     network = network.ground(*quiet).restrict(output)
-    contents = {name: {t.net for t in network.terms if t.equation == name} for name in network.nets}
-    reach = {name: _reachable(name, contents) for name in network.nets}
+    # Of a loop, each net depends on itself.
+    reach = {name: network.trace(network.contents[name]) for name in network.nets}
     # Nets that the source does not reach, such as the buffered middle of the supply, stay at 0.
     unaffected = [name for name in network.nets if source not in reach[name]]
     network = network.ground(*unaffected)
@@ -92,17 +92,6 @@ def find_stages(network: Network, source: str, output: str) -> tuple[Stage, ...]
 
 def multiply(stages: Iterable[Rational]) -> Rational:
     return functools.reduce(Rational.__mul__, stages)
-
-
-def _reachable(start: str, contents: Mapping[str, set[str]]) -> set[str]:
-    """All that the voltage of a net depends on, with itself where it is part of a loop."""
-    found: set[str] = set()
-    waiting = set(contents[start])
-    while waiting:
-        name = waiting.pop()
-        found.add(name)
-        waiting |= contents.get(name, set()) - found
-    return found
 
 
 def _determinant(terms: Sequence[Term], rows: Sequence[str], columns: Sequence[str]) -> Polynomial:

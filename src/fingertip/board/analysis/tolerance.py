@@ -171,7 +171,6 @@ class ResponseBand:
     upper_hz: float
     upper_ends_hz: Ends
     percent: dict[str, float]
-    boards: int
 
 
 def compute_response_band(design: Design, boards: int = 10_000, seed: int = 1) -> ResponseBand:
@@ -205,7 +204,6 @@ def compute_response_band(design: Design, boards: int = 10_000, seed: int = 1) -
         upper_hz=passband.high_hz,
         upper_ends_hz=_find_ends(np.exp(upper) / math.tau),
         percent=percent,
-        boards=boards,
     )
 
 

@@ -30,7 +30,6 @@ import functools
 from pathlib import Path
 
 from fingertip.board.circuits.channels import repeat_channel
-from fingertip.board.components.bridge import DIVIDER_F, SENSOR_FILTER_F
 from fingertip.board.components.values import CLAMP, LOW_LEAKAGE_CLAMP, MAX_LOW_LEAKAGE_A, SUPPLIES, ComponentValues
 from fingertip.board.parts import symbols
 from fingertip.board.parts.circuit import (
@@ -44,17 +43,9 @@ from fingertip.board.parts.circuit import (
 from fingertip.board.parts.select_part import BULK_CAPACITOR, SUPPLY_CAPACITOR, find_package, require_capacitor
 from fingertip.catalogues.amplifiers import CATALOGUE
 from fingertip.design.formulas.filter import VMID_BOTTOM_OHM, VMID_TOP_OHM
-from fingertip.foundation.tables import read_rows
+from fingertip.foundation.tables import parse_value, read_rows
 
 NAME = "slip_filter"
-
-# Values that do not depend on parameters of the design.
-DECOUPLING_F = 100e-9
-"""Decoupling capacitor at each supply pin [F]."""
-BULK_F = 10e-6
-"""Capacitor where the supply enters [F]."""
-CABLE_OHM = 1e3
-"""Resistor between an amplifier's output and a pin without a filter [ohm]."""
 
 SUPPRESSOR = "PESD5V0S1BA"
 """Part between the sensor's cable and ground."""
@@ -138,13 +129,9 @@ def _make_component(row: dict[str, str], values: ComponentValues) -> Component:
 
 
 def _find_value(row: dict[str, str], values: ComponentValues) -> float:
-    """Find a component's value [ohm, F]: the one that is selected, or one that does not depend on parameters."""
-    fixed = {
-        "C7": SENSOR_FILTER_F, "C10": BULK_F, "C11": BULK_F, "C21": DIVIDER_F,
-        "R22": VMID_TOP_OHM, "R23": VMID_BOTTOM_OHM, "R24": CABLE_OHM,
-    }  # fmt: skip
-    found, reference = fixed | values.by_reference, row["reference"]
-    return DECOUPLING_F if row["kind"] == "supply" and reference not in found else found[reference]
+    """Find a component's value [ohm, F]: the table's, which no parameter changes, or the one that is selected."""
+    selected = {"R22": VMID_TOP_OHM, "R23": VMID_BOTTOM_OHM, **values.by_reference}
+    return parse_value(row["value"]) if row["value"] else selected[row["reference"]]
 
 
 def _make_passive(reference: str, value: float, role: str, footprint: str, requirement: Requirement) -> Component:

@@ -29,8 +29,6 @@ NEWTON_PER_GRAM = 9.80665e-3
 ARTICLE_POINTS = ((TURN_ON_N, 4.3), (0.8, 4.0), (1.3, 3.85))
 """Force [N] and tactile voltage [V]: light contact at the sensor's turn-on, then both figures of the article's IV.A."""
 
-DIVIDER_F = 10e-6
-"""Capacitor across each divider of the supply [F]."""
 POWER_UP_S = 2.0
 """Time after power-up in which the voltages of a board for a controller settle [s]: eight time constants."""
 MAX_FORCE_N = 20.0
@@ -39,8 +37,6 @@ MAX_CURRENT_A_PER_CM2 = 1e-3
 """Maximum current through the sensor per active area (Interlink's integration guide)."""
 SATURATION = 1.0 / 3.0
 """R_thevenin G at the upper end of the force range. Smaller values make V more linear in G and the signal smaller."""
-SENSOR_FILTER_F = 100e-9
-"""Capacitor across the sensor [F]: an RFI filter for the cable, with its pole at 7 kHz with the bridge's 230 ohm."""
 GAIN_CONSTANT_OHM = 100e3
 """Constant of the amplifier's gain, A = 1 + 100 kohm / R_gain (AD623's data sheet)."""
 
@@ -68,7 +64,7 @@ class Bridge:
     def by_reference(self) -> dict[str, float]:
         return {
             "R10": self.sensor_top_ohm, "R11": self.sensor_shunt_ohm, "R12": self.reference_top_ohm,
-            "R13": self.reference_bottom_ohm, "R14": self.gain_ohm, "C7": SENSOR_FILTER_F,
+            "R13": self.reference_bottom_ohm, "R14": self.gain_ohm,
         }  # fmt: skip
 
     @property

@@ -18,19 +18,11 @@ at its input, and ends its band above that of the vibrations. Two poles keep the
 
 from __future__ import annotations
 
-from fingertip.board.components.bridge import DIVIDER_F
-
-PROTECTION_OHM, INPUT_OHM, FEEDBACK_OHM = 100.0, 220.0, 15e3
-"""R28, R29 and R30 [ohm]."""
-CABLE_F, FEEDBACK_F = 100e-12, 1e-9
-"""C26 and C27 [F]."""
 SUPPRESSOR_F = 35e-12
 """Capacitance of D6 [F], that of its kind; not measured."""
-BIAS_TOP_OHM, BIAS_BOTTOM_OHM = 220e3, 10e3
-"""Divider of the bias [ohm]: 143 mV of 3.3 V, above what any amplifier's output keeps from the lower rail."""
-
 VALUES = {
-    "R28": PROTECTION_OHM, "R29": INPUT_OHM, "R30": FEEDBACK_OHM, "C26": CABLE_F, "C27": FEEDBACK_F,
-    "R31": BIAS_TOP_OHM, "R32": BIAS_BOTTOM_OHM, "C28": DIVIDER_F, "R33": BIAS_BOTTOM_OHM, "C29": DIVIDER_F,
+    "R28": 100.0, "R29": 220.0, "R30": 15e3, "C26": 100e-12, "C27": 1e-9,
+    # The bias: 143 mV of 3.3 V, above what any amplifier's output keeps from the lower rail.
+    "R31": 220e3, "R32": 10e3, "C28": 10e-6, "R33": 10e3, "C29": 10e-6,
 }  # fmt: skip
 """Value of each component [ohm, F] by its reference. They do not depend on the design: the sensor's curve is one."""

@@ -12,7 +12,7 @@ from fingertip.board.analysis.limits import describe_adc_range
 from fingertip.board.analysis.loads import signal_band_hz
 from fingertip.board.analysis.noise import noise_warning
 from fingertip.board.bringup import wiring
-from fingertip.board.circuits.board_circuit import CABLE_OHM, board_circuit
+from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.channels import PLACES, describe_sockets, list_sockets
 from fingertip.board.circuits.network import MAX_SWITCH_OHM
 from fingertip.board.components import values as ratings
@@ -72,7 +72,7 @@ def folder_readme(circuit: Circuit, stored: StoredProject, values: BoardValues, 
         ),
         pin_ohm=max(limits.tactile_pin_ohm, limits.output_pin_ohm),
         ratings=ratings,
-        cable_ohm=CABLE_OHM,
+        circuit=circuit,
         idle_v=values.tactile_response.open_v,
         pressed_v=values.tactile_response.tactile_v(sensor_conductance_s(MAX_FORCE_N)),
         wiring=wiring,

@@ -26,14 +26,6 @@ from fingertip.foundation.errors import join_words
 
 Row = tuple[str, ...]
 
-_OUTPUT_PARTS = {
-    nets.ADC_TACTILE: "R8, R9, D3; C9 and C19 bridged",
-    nets.ADC_FILTERED: "R27, D5; C25 bridged",
-    nets.ADC_ENVELOPE: "R7, D2; C8 bridged",
-    nets.VMID_OUT: "R24",
-}
-"""Parts between a test point and its pin of J3."""
-
 
 def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str) -> str:
     """Render the bring-up sheet of a design's board as Markdown, with the file of its wiring diagram."""
@@ -111,33 +103,23 @@ def _list_outputs(plan: BringUp) -> Iterator[Row]:
     circuit = plan.board.circuit
     pins = {pin.net: pin for pin in bench.list_output_pins(circuit)}
     for number, net in circuit.list_wires(circuit.component(bench.HOST)):
-        if net in pins:
-            yield _row(plan, pins[net].constant_name, f"{pins[net].letter}, pin {number}", _OUTPUT_PARTS[net])
+        if pin := pins.get(net):
+            yield _row(plan, pin.constant_name, f"{pin.letter}, pin {number}", PROBES[pin.source]["output"])
 
 
 def _list_tones(plan: BringUp, placement: Placement) -> Iterator[Row]:
     high_hz = plan.board.bench.tones_hz[-1]
-    found = [*list_levels(plan.board.bench)]
+    found = [(name_tone(net, hz), hz, _find_probe(placement, net)) for net, hz in list_levels(plan.board.bench)]
     if plan.board.has_envelope:
-        found.append((nets.ENVELOPE, high_hz))
-    if name_tone(nets.RECT_OUT, high_hz) in plan.levels:
-        found.append((nets.RECT_OUT, high_hz))
-    for net, hz in found:
-        direct = ", direct voltage" if net in (nets.ENVELOPE, nets.RECT_OUT) else ""
-        where = _find_probe(placement, net) + direct
-        name = name_tone(net, hz)
-        yield f"`{name}`", f"{hz:g} Hz", where, *_figures(plan.all[name], "V")
-        if net == nets.ENVELOPE:
-            ripple = name_ripple(hz)
-            yield (
-                f"`{ripple}`",
-                f"{hz:g} Hz",
-                f"{_find_probe(placement, net)}, alternating",
-                *_figures(plan.all[ripple], "V"),
-            )
+        probe = _find_probe(placement, nets.ENVELOPE)
+        found.append((name_tone(nets.ENVELOPE, high_hz), high_hz, f"{probe}, direct voltage"))
+        found.append((name_ripple(high_hz), high_hz, f"{probe}, alternating"))
+    if (name := name_tone(nets.RECT_OUT, high_hz)) in plan.levels:
+        found.append((name, high_hz, f"{_find_probe(placement, nets.RECT_OUT)}, direct voltage"))
     for pin in filter(bench.has_tone, bench.list_output_pins(plan.board.circuit)):
-        where = f"{pin.letter} at {bench.HOST}, alternating"
-        yield f"`{pin.tone_name}`", f"{bench.TOP_HZ:g} Hz", where, *_figures(plan.all[pin.tone_name], "V")
+        found.append((pin.tone_name, bench.TOP_HZ, f"{pin.letter} at {bench.HOST}, alternating"))
+    for name, hz, where in found:
+        yield f"`{name}`", f"{hz:g} Hz", where, *_figures(plan.all[name], "V")
 
 
 def _row(plan: BringUp, name: str, where: str, last: str) -> Row:

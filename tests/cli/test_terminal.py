@@ -63,7 +63,7 @@ def test_a_summary_has_twelve_lines_of_a_hundred_characters(
     assert {*IN_FIRST_SET, *DESIGNS} <= {*BUNDLED}
     monkeypatch.setattr(processes, "count_processors", lambda: 1)  # the others do not know what is replaced here
     monkeypatch.setattr(build_task, "_draw_steps", lambda *_: {})
-    monkeypatch.setattr(page, "write_page", lambda design, folder, force: (folder / "index.html", 0, ()))
+    monkeypatch.setattr(page, "write_page", lambda design, folder, force, prepared: (folder / "index.html", 0, ()))
     done = run_fingertip("make", name, "--formats", "stl,3mf", PWD=str(tmp_path))
     lines = done.stdout.splitlines()
     assert done.returncode == 0, done.stderr

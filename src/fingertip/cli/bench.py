@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
@@ -25,19 +24,19 @@ bench = typer.Typer(
 @command
 def solvers(
     console: Console,
-    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for work_precision.png and .json.")] = Path(
-        "out/bench"
+    out: Path = typer.Option(Path("out/bench"), "--out", "-o", help="Folder for work_precision.png and .json."),
+    seconds: float = typer.Option(
+        5.0, help="Seconds of the contact problem; the board's is a fifth as long, at least 0.5 s."
     ),
-    seconds: Annotated[
-        float, typer.Option(help="Seconds of the contact problem; the board's is a fifth as long, at least 0.5 s.")
-    ] = 5.0,
-    boards: Annotated[int, typer.Option(help="Number of boards to simulate at once.")] = 10_000,
-    peers: Annotated[
-        str, typer.Option("--solvers", help="Solvers to compare with, comma-separated: scipy's, others in C, ngspice.")
-    ] = "LSODA,Radau,BDF,odeint,CVODE,RADAU5,RADAU,Rodas5P,ngspice",
-    first_run: Annotated[
-        bool, typer.Option(help="Also measure a fresh process, with an empty and with a full compiler cache.")
-    ] = True,
+    boards: int = typer.Option(10_000, help="Number of boards to simulate at once."),
+    peers: str = typer.Option(
+        "LSODA,Radau,BDF,odeint,CVODE,RADAU5,RADAU,Rodas5P,ngspice",
+        "--solvers",
+        help="Solvers to compare with, comma-separated: scipy's, others in C, ngspice.",
+    ),
+    first_run: bool = typer.Option(
+        True, help="Also measure a fresh process, with an empty and with a full compiler cache."
+    ),
     verbose: VerboseOption = False,
 ) -> None:
     """Measure error and run time of the simulation beside other solvers."""
@@ -63,33 +62,27 @@ def solvers(
 @command
 def slip(
     console: Console,
-    recordings: Annotated[
-        Path | None,
-        typer.Argument(
-            help="Folder of a public set, or of recordings with a file labels.csv beside them (lines such as "
-            "a.csv,slip,1.2,1.9, with the header file,kind,start_s,end_s); default: the project's own signals."
-        ),
-    ] = None,
-    layout: Annotated[
-        str | None, typer.Option(help="Layout of a public set, as its authors publish it; `--layout list` names them.")
-    ] = None,
-    design: Annotated[
-        Path | None, typer.Option(help="Design file or bundled name; the default design if left out.")
-    ] = None,
-    detectors: Annotated[
-        str | None,
-        typer.Option(
-            help="Detectors to compare, comma-separated: fast, incipient, digital (the article's chain), fft (the "
-            "stronger one), plain_fft (as published), cusum, ratio (of energies), recurrent. All if left out."
-        ),
-    ] = None,
-    own: Annotated[
-        Path | None, typer.Option(help="Python file with a detector of your own: find_statistic and THRESHOLD.")
-    ] = None,
-    share: Annotated[float, typer.Option(help="Share of the project's own signals, 0.05 to 1.")] = 0.25,
-    out: Annotated[
-        Path, typer.Option("--out", "-o", help="Folder for slip_curve.png, slip_bench.json and .txt.")
-    ] = Path("out/bench_slip"),
+    recordings: Path | None = typer.Argument(
+        None,
+        help="Folder of a public set, or of recordings with a file labels.csv beside them (lines such as "
+        "a.csv,slip,1.2,1.9, with the header file,kind,start_s,end_s); default: the project's own signals.",
+    ),
+    layout: str | None = typer.Option(
+        None, help="Layout of a public set, as its authors publish it; `--layout list` names them."
+    ),
+    design: Path | None = typer.Option(None, help="Design file or bundled name; the default design if left out."),
+    detectors: str | None = typer.Option(
+        None,
+        help="Detectors to compare, comma-separated: fast, incipient, digital (the article's chain), fft (the "
+        "stronger one), plain_fft (as published), cusum, ratio (of energies), recurrent. All if left out.",
+    ),
+    own: Path | None = typer.Option(
+        None, help="Python file with a detector of your own: find_statistic and THRESHOLD."
+    ),
+    share: float = typer.Option(0.25, help="Share of the project's own signals, 0.05 to 1."),
+    out: Path = typer.Option(
+        Path("out/bench_slip"), "--out", "-o", help="Folder for slip_curve.png, slip_bench.json and .txt."
+    ),
 ) -> None:
     """Compare slip detectors by delay and false alarms, on labelled recordings or on the project's own signals."""
     from fingertip.foundation.output_set import SetWriter, hash_parameters
@@ -110,12 +103,12 @@ def slip(
 @command
 def extremes(
     console: Console,
-    cases: Annotated[int, typer.Option(help="Number of cases of all families together.", min=1, max=1_000_000)] = 5000,
-    report: Annotated[
-        Path | None, typer.Option(help="Markdown file for the table, or in which it is replaced between its marks.")
-    ] = None,
-    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for extremes.txt and extremes.json.")] = Path(
-        "out/bench_extremes"
+    cases: int = typer.Option(5000, help="Number of cases of all families together.", min=1, max=1_000_000),
+    report: Path | None = typer.Option(
+        None, help="Markdown file for the table, or in which it is replaced between its marks."
+    ),
+    out: Path = typer.Option(
+        Path("out/bench_extremes"), "--out", "-o", help="Folder for extremes.txt and extremes.json."
     ),
 ) -> None:
     """Try extreme and stiff cases of every kernel: held, refused with a reason, or wrong."""

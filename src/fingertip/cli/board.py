@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -24,53 +24,41 @@ if TYPE_CHECKING:
 def board(
     console: Console,
     design: options.OptionalDesignArgument = None,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out",
-            "-o",
-            help="Output folder; out/NAME/board by default, where only --force replaces a board of another circuit.",
-        ),
-    ] = None,
-    check: Annotated[
-        bool,
-        typer.Option(
-            "--check",
-            help="Write nothing; compare the folder (with --fab also OUT/fab) with the design; exit 1 if they differ.",
-        ),
-    ] = False,
-    fab: Annotated[
-        bool,
-        typer.Option(
-            "--fab",
-            help="Also write gerbers, drill files, placement, parts and renderings to OUT/fab; requires KiCad 9.",
-        ),
-    ] = False,
-    analysis: Annotated[
-        bool, typer.Option("--analysis", help="Also analyse noise, offsets, tolerances (10 000 boards), sensitivities.")
-    ] = False,
-    bode: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write the Bode table of each stage as CSV.")
-    ] = None,
-    plot: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Plot the response with the band of 95 % of boards (PNG or SVG)."),
-    ] = None,
-    bring_up: Annotated[
-        bool,
-        typer.Option("--bringup", help="Also write bringup.md, how to test a soldered board, and a file for readings."),
-    ] = False,
-    readings: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE",
-            help="Write nothing; compare the readings of a soldered board with their limits; name the likely fault and "
-            "exit 1 if one fails.",
-        ),
-    ] = None,
-    article: Annotated[
-        bool, typer.Option("--article", help="Also print what the article states about its own board, and what is so.")
-    ] = False,
+    out: Path | None = typer.Option(
+        None,
+        "--out",
+        "-o",
+        help="Output folder; out/NAME/board by default, where only --force replaces a board of another circuit.",
+    ),
+    check: bool = typer.Option(
+        False,
+        "--check",
+        help="Write nothing; compare the folder (with --fab also OUT/fab) with the design; exit 1 if they differ.",
+    ),
+    fab: bool = typer.Option(
+        False,
+        "--fab",
+        help="Also write gerbers, drill files, placement, parts and renderings to OUT/fab; requires KiCad 9.",
+    ),
+    analysis: bool = typer.Option(
+        False, "--analysis", help="Also analyse noise, offsets, tolerances (10 000 boards), sensitivities."
+    ),
+    bode: Path | None = typer.Option(None, metavar="FILE", help="Write the Bode table of each stage as CSV."),
+    plot: Path | None = typer.Option(
+        None, metavar="FILE", help="Plot the response with the band of 95 % of boards (PNG or SVG)."
+    ),
+    bring_up: bool = typer.Option(
+        False, "--bringup", help="Also write bringup.md, how to test a soldered board, and a file for readings."
+    ),
+    readings: Path | None = typer.Option(
+        None,
+        metavar="FILE",
+        help="Write nothing; compare the readings of a soldered board with their limits; name the likely fault and "
+        "exit 1 if one fails.",
+    ),
+    article: bool = typer.Option(
+        False, "--article", help="Also print what the article states about its own board, and what is so."
+    ),
     verbose: options.VerboseOption = False,
     force: options.ForceOption = False,
     changes: options.SetOption = None,

@@ -6,7 +6,7 @@ import json
 import textwrap
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -23,24 +23,18 @@ if TYPE_CHECKING:
 def build(
     console: Console,
     design: DesignArgument,
-    out: Annotated[str | None, typer.Option(metavar="PATH", help="Output folder; out/NAME by default.")] = None,
-    parts: Annotated[
-        str | None, typer.Option(help="Parts (bone, skin, ...), separated by commas; all by default.")
-    ] = None,
-    formats: Annotated[
-        str | None,
-        typer.Option(
-            help="File formats (stl, 3mf, step, cq), separated by commas; cq: CadQuery scripts. By default all others, "
-            "step if it can be made."
-        ),
-    ] = None,
-    tolerance_mm: Annotated[
-        float, typer.Option(help="Largest distance of a facet from the exact surface, in mm.")
-    ] = 0.01,
+    out: str | None = typer.Option(None, metavar="PATH", help="Output folder; out/NAME by default."),
+    parts: str | None = typer.Option(None, help="Parts (bone, skin, ...), separated by commas; all by default."),
+    formats: str | None = typer.Option(
+        None,
+        help="File formats (stl, 3mf, step, cq), separated by commas; cq: CadQuery scripts. By default all others, "
+        "step if it can be made.",
+    ),
+    tolerance_mm: float = typer.Option(0.01, help="Largest distance of a facet from the exact surface, in mm."),
     material: MaterialOption = None,
-    pictures: Annotated[
-        bool, typer.Option("--pictures", help="Draw a picture of each casting step, for the casting sheet.")
-    ] = False,
+    pictures: bool = typer.Option(
+        False, "--pictures", help="Draw a picture of each casting step, for the casting sheet."
+    ),
     force: ForceOption = False,
     changes: SetOption = None,
 ) -> None:
@@ -107,11 +101,10 @@ def split_names(text: str | None) -> list[str] | None:
 def make(
     console: Console,
     design: DesignArgument,
-    out: Annotated[Path | None, typer.Option("--out", "-o", help="Output folder; out/NAME by default.")] = None,
-    formats: Annotated[
-        str | None,
-        typer.Option(help="File formats of the parts (stl, 3mf, step, cq), separated by commas; as for build."),
-    ] = None,
+    out: Path | None = typer.Option(None, "--out", "-o", help="Output folder; out/NAME by default."),
+    formats: str | None = typer.Option(
+        None, help="File formats of the parts (stl, 3mf, step, cq), separated by commas; as for build."
+    ),
     force: ForceOption = False,
     changes: SetOption = None,
 ) -> None:
@@ -189,8 +182,8 @@ def _make_set(
 def coupon(
     console: Console,
     design: DesignArgument,
-    out: Annotated[str | None, typer.Option(metavar="PATH", help="Output folder; out/NAME/coupon by default.")] = None,
-    formats: Annotated[str, typer.Option(help="File formats (stl, 3mf, step), separated by commas.")] = "stl,3mf",
+    out: str | None = typer.Option(None, metavar="PATH", help="Output folder; out/NAME/coupon by default."),
+    formats: str = typer.Option("stl,3mf", help="File formats (stl, 3mf, step), separated by commas."),
     force: ForceOption = False,
     changes: SetOption = None,
 ) -> None:
@@ -215,27 +208,19 @@ def coupon(
 def firmware(
     console: Console,
     design: DesignArgument,
-    out: Annotated[
-        Path | None, typer.Option(metavar="PATH", help="Output folder; out/NAME/firmware by default.")
-    ] = None,
-    fingers: Annotated[
-        str | None,
-        typer.Option(
-            help="Fingers that the controller reads: their number, or names separated by commas; those of the board."
-        ),
-    ] = None,
-    controller: Annotated[
-        str | None, typer.Option(help="The controller, such as teensy40; black_pill_f411 for several fingers.")
-    ] = None,
-    inputs: Annotated[
-        str | None,
-        typer.Option(
-            help="Its analog inputs, T and S of each finger in turn, separated by commas; the first by default."
-        ),
-    ] = None,
-    check: Annotated[
-        bool, typer.Option("--check", help="Write nothing; compare the folder with the design; exit 1 if they differ.")
-    ] = False,
+    out: Path | None = typer.Option(None, metavar="PATH", help="Output folder; out/NAME/firmware by default."),
+    fingers: str | None = typer.Option(
+        None, help="Fingers that the controller reads: their number, or names separated by commas; those of the board."
+    ),
+    controller: str | None = typer.Option(
+        None, help="The controller, such as teensy40; black_pill_f411 for several fingers."
+    ),
+    inputs: str | None = typer.Option(
+        None, help="Its analog inputs, T and S of each finger in turn, separated by commas; the first by default."
+    ),
+    check: bool = typer.Option(
+        False, "--check", help="Write nothing; compare the folder with the design; exit 1 if they differ."
+    ),
     force: ForceOption = False,
     changes: SetOption = None,
 ) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -30,15 +30,13 @@ calibrate = typer.Typer(
 @command
 def printer(
     console: Console,
-    design: Annotated[Path, typer.Argument(help="Design file, or bundled design, of which the coupon was printed.")],
-    readings: Annotated[
-        Path, typer.Argument(help="File of caliper readings, filled in from the one that `fingertip coupon` wrote.")
-    ],
+    design: Path = typer.Argument(help="Design file, or bundled design, of which the coupon was printed."),
+    readings: Path = typer.Argument(
+        help="File of caliper readings, filled in from the one that `fingertip coupon` wrote."
+    ),
     out: options.CalibratedDesignOption = None,
     force: options.ForceCalibratedOption = False,
-    keep: Annotated[
-        list[str] | None, typer.Option(metavar="TABLE.KEY", help="Leave a parameter as it is; repeatable.")
-    ] = None,
+    keep: list[str] | None = typer.Option(None, metavar="TABLE.KEY", help="Leave a parameter as it is; repeatable."),
     changes: options.SetOption = None,
 ) -> None:
     """Calibrate a design for a printer, from caliper readings of its fit coupon, and check the result.
@@ -179,18 +177,15 @@ def _data(calibration: Calibration) -> dict[str, Any]:
 @command
 def sensor(
     console: Console,
-    readings: Annotated[
-        Path,
-        typer.Argument(
-            help="CSV file of weighings: a column weight_g or force_n, and one of voltage_v, counts or resistance_ohm."
-        ),
-    ],
-    design: Annotated[
-        Path | None, typer.Argument(help="Design of the board that took the readings; the default design if left out.")
-    ] = None,
+    readings: Path = typer.Argument(
+        help="CSV file of weighings: a column weight_g or force_n, and one of voltage_v, counts or resistance_ohm."
+    ),
+    design: Path | None = typer.Argument(
+        None, help="Design of the board that took the readings; the default design if left out."
+    ),
     out: options.CalibratedDesignOption = None,
     force: options.ForceCalibratedOption = False,
-    scale: Annotated[float | None, typer.Option(help="Volts per count, if the readings are counts.")] = None,
+    scale: float | None = typer.Option(None, help="Volts per count, if the readings are counts."),
     changes: options.SetOption = None,
 ) -> None:
     """Calibrate the force curve of a sensor, from readings under known weights.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
@@ -28,17 +28,12 @@ FINE_MM = 0.01
 @command
 def check(
     console: Console,
-    designs: Annotated[
-        list[Path],
-        typer.Argument(
-            metavar="DESIGN",
-            help="Files or bundled names of designs and sets; or folders, to compare with their manifests.",
-        ),
-    ],
-    tolerance_mm: Annotated[
-        float, typer.Option(help="Largest distance of a facet from the exact surface, in mm.")
-    ] = FINE_MM,
-    junit: Annotated[Path | None, typer.Option(metavar="FILE.xml", help="JUnit report, for CI servers.")] = None,
+    designs: list[Path] = typer.Argument(
+        metavar="DESIGN",
+        help="Files or bundled names of designs and sets; or folders, to compare with their manifests.",
+    ),
+    tolerance_mm: float = typer.Option(FINE_MM, help="Largest distance of a facet from the exact surface, in mm."),
+    junit: Path | None = typer.Option(None, metavar="FILE.xml", help="JUnit report, for CI servers."),
     verbose: VerboseOption = False,
     changes: SetOption = None,
 ) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from importlib import import_module
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 
@@ -21,16 +21,11 @@ def params(
     console: Console,
     design: options.OptionalDesignArgument = None,
     changes: options.SetOption = None,
-    toml: Annotated[bool, typer.Option("--toml", help="Print a complete design file with comments.")] = False,
-    schema: Annotated[
-        bool, typer.Option("--schema", help="Print the JSON schema of design files, for editors.")
-    ] = False,
-    html: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE.html", help="Write them as a page with a picture of what each changes; takes minutes."
-        ),
-    ] = None,
+    toml: bool = typer.Option(False, "--toml", help="Print a complete design file with comments."),
+    schema: bool = typer.Option(False, "--schema", help="Print the JSON schema of design files, for editors."),
+    html: Path | None = typer.Option(
+        None, metavar="FILE.html", help="Write them as a page with a picture of what each changes; takes minutes."
+    ),
 ) -> None:
     """Print every parameter with its value, unit, bounds and description."""
     from fingertip.design import files as export
@@ -75,7 +70,7 @@ KINDS = tuple(_MODELS)
 
 @command
 def schema(
-    kind: Annotated[str, typer.Argument(help=f"Kind of file: {', '.join(KINDS)}.")], quiet: options.QuietOption = False
+    kind: str = typer.Argument(help=f"Kind of file: {', '.join(KINDS)}."), quiet: options.QuietOption = False
 ) -> None:
     """Print the JSON schema of a kind of TOML file, for editors. Bundled files name theirs in their first line."""
     Console(False, quiet).write(json.dumps(make_schema(kind), indent=2))
@@ -111,7 +106,7 @@ def _normalise(value: Any) -> Any:
 
 @command
 def completion(
-    shell: Annotated[str, typer.Argument(help="Shell: bash, zsh or fish.")], quiet: options.QuietOption = False
+    shell: str = typer.Argument(help="Shell: bash, zsh or fish."), quiet: options.QuietOption = False
 ) -> None:
     """Print a completion script for a shell: commands, options, bundled names and parameters after --set.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -22,44 +22,32 @@ if TYPE_CHECKING:
 @command
 def detect(
     console: Console,
-    trace: Annotated[
-        Path,
-        typer.Argument(
-            help="Trace (CSV, LVM, NPZ, NPY, TDMS, MAT, Parquet, WAV) with the columns time_s, voltage_v and, if the "
-            "filter board was recorded, envelope_v; - reads CSV lines from standard input as they arrive."
-        ),
-    ],
-    design: Annotated[
-        Path | None, typer.Option(help="Design file or bundled name; the default design if left out.")
-    ] = None,
-    detector: Annotated[str, typer.Option(help=describe_detectors())] = DEFAULT,
-    rate_hz: Annotated[
-        float | None, typer.Option(help="Sampling rate of the trace; if the file holds times, they must agree with it.")
-    ] = None,
-    calibrate: Annotated[
-        str | None,
-        typer.Option(
-            metavar="START:END",
-            help="Interval in which nothing happens, in seconds after the first sample, such as 4.0:4.5; thresholds "
-            "follow from the noise there. Best in the held grasp.",
-        ),
-    ] = None,
-    scale: Annotated[float, typer.Option(help="Volts per unit of the file's voltage, such as 0.00030518.")] = 1.0,
-    time_scale: Annotated[
-        str,
-        typer.Option(
-            metavar="SECONDS", help="Seconds per unit of the file's times: 1e-3 or another number, or ms, us, ns."
-        ),
-    ] = "s",
-    columns: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--column",
-            metavar="COLUMN=NAME",
-            help="Name of a column in the file, such as voltage_v=AI0, or its number from 1; repeatable.",
-        ),
-    ] = None,
-    plot: Annotated[Path | None, typer.Option(help="Plot of the detection to write (PNG).")] = None,
+    trace: Path = typer.Argument(
+        help="Trace (CSV, LVM, NPZ, NPY, TDMS, MAT, Parquet, WAV) with the columns time_s, voltage_v and, if the "
+        "filter board was recorded, envelope_v; - reads CSV lines from standard input as they arrive."
+    ),
+    design: Path | None = typer.Option(None, help="Design file or bundled name; the default design if left out."),
+    detector: str = typer.Option(DEFAULT, help=describe_detectors()),
+    rate_hz: float | None = typer.Option(
+        None, help="Sampling rate of the trace; if the file holds times, they must agree with it."
+    ),
+    calibrate: str | None = typer.Option(
+        None,
+        metavar="START:END",
+        help="Interval in which nothing happens, in seconds after the first sample, such as 4.0:4.5; thresholds "
+        "follow from the noise there. Best in the held grasp.",
+    ),
+    scale: float = typer.Option(1.0, help="Volts per unit of the file's voltage, such as 0.00030518."),
+    time_scale: str = typer.Option(
+        "s", metavar="SECONDS", help="Seconds per unit of the file's times: 1e-3 or another number, or ms, us, ns."
+    ),
+    columns: list[str] | None = typer.Option(
+        None,
+        "--column",
+        metavar="COLUMN=NAME",
+        help="Name of a column in the file, such as voltage_v=AI0, or its number from 1; repeatable.",
+    ),
+    plot: Path | None = typer.Option(None, help="Plot of the detection to write (PNG)."),
     changes: SetOption = None,
 ) -> None:
     """Detect slip in a trace with the article's chain or another detector.

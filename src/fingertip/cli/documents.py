@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
@@ -41,7 +41,7 @@ class _File:
 def acceptance(
     console: Console,
     design: options.DesignArgument,
-    out: Annotated[Path | None, typer.Option(help="Markdown file to write; out/NAME/acceptance.md by default.")] = None,
+    out: Path | None = typer.Option(None, help="Markdown file to write; out/NAME/acceptance.md by default."),
     force: options.ForceOption = False,
     changes: options.SetOption = None,
 ) -> None:
@@ -67,14 +67,14 @@ _SLICED_MESH_TOLERANCE_MM = 0.02
 def sheet(
     console: Console,
     design: options.DesignArgument,
-    out: Annotated[Path | None, typer.Option(help="Markdown file to write; out/NAME/casting.md by default.")] = None,
+    out: Path | None = typer.Option(None, help="Markdown file to write; out/NAME/casting.md by default."),
     material: options.MaterialOption = None,
-    slicer: Annotated[
-        bool, typer.Option("--slicer", help="Estimate print time and volume on a filament printer with PrusaSlicer.")
-    ] = False,
-    pictures: Annotated[
-        bool, typer.Option("--pictures", help="Draw a picture of each step, into a folder beside the page.")
-    ] = False,
+    slicer: bool = typer.Option(
+        False, "--slicer", help="Estimate print time and volume on a filament printer with PrusaSlicer."
+    ),
+    pictures: bool = typer.Option(
+        False, "--pictures", help="Draw a picture of each step, into a folder beside the page."
+    ),
     force: options.ForceOption = False,
     changes: options.SetOption = None,
 ) -> None:
@@ -135,7 +135,7 @@ def sheet(
 def drawing(
     console: Console,
     design: options.DesignArgument,
-    out: Annotated[Path | None, typer.Option(metavar="PATH", help="Output folder; out/NAME by default.")] = None,
+    out: Path | None = typer.Option(None, metavar="PATH", help="Output folder; out/NAME by default."),
     force: options.ForceOption = False,
     changes: options.SetOption = None,
 ) -> None:
@@ -151,17 +151,16 @@ def drawing(
 def picture(
     console: Console,
     design: options.DesignArgument,
-    out: Annotated[
-        Path | None,
-        typer.Option(help="Output PNG, SVG with --pad; out/NAME/exploded.png, filling.png or pad.svg by default."),
-    ] = None,
-    filling: Annotated[
-        bool, typer.Option("--filling", help="Draw when the silicone arrives where, with vents and last points.")
-    ] = False,
-    pad: Annotated[
-        bool, typer.Option("--pad", help="Draw what part of a force reaches the sensor, by place and by tilt.")
-    ] = False,
-    width_px: Annotated[int, typer.Option(help="Width of the picture, in pixels: 400 to 6000.")] = 1600,
+    out: Path | None = typer.Option(
+        None, help="Output PNG, SVG with --pad; out/NAME/exploded.png, filling.png or pad.svg by default."
+    ),
+    filling: bool = typer.Option(
+        False, "--filling", help="Draw when the silicone arrives where, with vents and last points."
+    ),
+    pad: bool = typer.Option(
+        False, "--pad", help="Draw what part of a force reaches the sensor, by place and by tilt."
+    ),
+    width_px: int = typer.Option(1600, help="Width of the picture, in pixels: 400 to 6000."),
     force: options.ForceOption = False,
     changes: options.SetOption = None,
 ) -> None:
@@ -188,9 +187,7 @@ def picture(
 def page(
     console: Console,
     design: options.DesignArgument,
-    out: Annotated[
-        Path | None, typer.Option(metavar="PATH", help="Folder of the design's files; out/NAME by default.")
-    ] = None,
+    out: Path | None = typer.Option(None, metavar="PATH", help="Folder of the design's files; out/NAME by default."),
     force: options.ForceOption = False,
     changes: options.SetOption = None,
 ) -> None:
@@ -214,10 +211,10 @@ DEFAULT_PORT = 8350
 def studio(
     console: Console,
     design: options.OptionalDesignArgument = None,
-    port: Annotated[
-        int | None, typer.Option(metavar="N", help=f"Port to listen on; {DEFAULT_PORT} by default, 0 for any free one.")
-    ] = None,
-    no_browser: Annotated[bool, typer.Option("--no-browser", help="Print the address and open no browser.")] = False,
+    port: int | None = typer.Option(
+        None, metavar="N", help=f"Port to listen on; {DEFAULT_PORT} by default, 0 for any free one."
+    ),
+    no_browser: bool = typer.Option(False, "--no-browser", help="Print the address and open no browser."),
     changes: options.SetOption = None,
 ) -> None:
     """Serve a page on this machine where sliders change a design: its parts and checks follow, files are downloaded."""

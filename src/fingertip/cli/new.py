@@ -9,7 +9,7 @@ import math
 import shlex
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -33,40 +33,31 @@ _LARGER_MM = (1.0, 2.0, 3.0, 4.0)
 @command
 def new(
     console: Console,
-    name: Annotated[str, typer.Argument(help="Name of the design: up to 40 letters, digits, - and _.")],
-    sensor: Annotated[
-        str | None, typer.Option(help=f"Sensor: {', '.join(CATALOGUE)} or custom (see the file); fsr400 by default.")
-    ] = None,
-    preset: Annotated[
-        str | None,
-        typer.Option(
-            help="Anatomical size, with a joint: adult_finger, adult_thumb, youth_finger, youth_thumb, child_finger or "
-            "child_thumb."
-        ),
-    ] = None,
-    hand: Annotated[
-        str | None,
-        typer.Option(
-            metavar="FILE",
-            help="File with the sizes of your hand's joint, or a bundled hand: amazing_hand, david_finger, "
-            "flexible_flyer, inmoov or orca_hand.",
-        ),
-    ] = None,
-    finger: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME=WIDTHxLENGTH",
-            help="Finger of a hand (thumb, index, middle, ring, little) with its skin's width at the edge and length "
-            "from tip to edge, in mm, such as index=18x25; repeatable. Writes a set and a design for each size.",
-        ),
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option("--out", "-o", metavar="FILE", help="File to write; NAME.toml by default.")
-    ] = None,
-    allow_shorter_travel: Annotated[
-        bool,
-        typer.Option("--allow-shorter-travel", help="Let the finger bend less, or its tendon lie nearer the joint."),
-    ] = False,
+    name: str = typer.Argument(help="Name of the design: up to 40 letters, digits, - and _."),
+    sensor: str | None = typer.Option(
+        None, help=f"Sensor: {', '.join(CATALOGUE)} or custom (see the file); fsr400 by default."
+    ),
+    preset: str | None = typer.Option(
+        None,
+        help="Anatomical size, with a joint: adult_finger, adult_thumb, youth_finger, youth_thumb, child_finger or "
+        "child_thumb.",
+    ),
+    hand: str | None = typer.Option(
+        None,
+        metavar="FILE",
+        help="File with the sizes of your hand's joint, or a bundled hand: amazing_hand, david_finger, "
+        "flexible_flyer, inmoov or orca_hand.",
+    ),
+    finger: list[str] | None = typer.Option(
+        None,
+        metavar="NAME=WIDTHxLENGTH",
+        help="Finger of a hand (thumb, index, middle, ring, little) with its skin's width at the edge and length "
+        "from tip to edge, in mm, such as index=18x25; repeatable. Writes a set and a design for each size.",
+    ),
+    out: Path | None = typer.Option(None, "--out", "-o", metavar="FILE", help="File to write; NAME.toml by default."),
+    allow_shorter_travel: bool = typer.Option(
+        False, "--allow-shorter-travel", help="Let the finger bend less, or its tendon lie nearer the joint."
+    ),
     changes: SetOption = None,
 ) -> None:
     """Write a design file with comments, to be edited: the main parameters, and all others as comments.

@@ -91,11 +91,11 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
     if "console" in own:
         declared += _OUTPUT_OPTIONS
     for parameter in declared:
-        for option in getattr(parameter.annotation, "__metadata__", ()):
-            name = parameter.name
-            if not option.metavar and isinstance(option, typer.models.ArgumentInfo):
-                option.metavar = name.upper()
-            option.autocompletion = COMPLETIONS.get(f"{function.__name__} {name}") or COMPLETIONS.get(name)
+        (option,) = getattr(parameter.annotation, "__metadata__", (parameter.default,))
+        name = parameter.name
+        if not option.metavar and isinstance(option, typer.models.ArgumentInfo):
+            option.metavar = name.upper()
+        option.autocompletion = COMPLETIONS.get(f"{function.__name__} {name}") or COMPLETIONS.get(name)
 
     @functools.wraps(function)
     def run(**words: Any) -> None:

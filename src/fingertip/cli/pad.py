@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -39,16 +39,14 @@ _REFINED = 0.7
 def pad(
     console: Console,
     design: DesignArgument,
-    fem: Annotated[bool, typer.Option("--fem", help="Compute the same by finite elements, some 5 s.")] = False,
-    refine: Annotated[
-        bool, typer.Option("--refine", help="Repeat them on a mesh with edges 0.7 times as long, some 20 s.")
-    ] = False,
-    large_strain: Annotated[
-        bool, typer.Option("--large-strain", help="Compare them with large strains and friction, some 2 minutes.")
-    ] = False,
-    friction: Annotated[
-        float | None, typer.Option(help="Friction on the plate, for --large-strain.", min=0, max=2)
-    ] = None,
+    fem: bool = typer.Option(False, "--fem", help="Compute the same by finite elements, some 5 s."),
+    refine: bool = typer.Option(
+        False, "--refine", help="Repeat them on a mesh with edges 0.7 times as long, some 20 s."
+    ),
+    large_strain: bool = typer.Option(
+        False, "--large-strain", help="Compare them with large strains and friction, some 2 minutes."
+    ),
+    friction: float | None = typer.Option(None, help="Friction on the plate, for --large-strain.", min=0, max=2),
     changes: SetOption = None,
 ) -> None:
     """State what the sensor feels of a force on the pad: its share over tilt and roll, turn-on, stiffness and strain.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
@@ -15,10 +14,8 @@ from fingertip.cli.options import DesignArgument, ForceOption, SetOption, comman
 def robot(
     console: Console,
     design: DesignArgument,
-    file_format: Annotated[
-        str, typer.Option("--format", help="mjcf (MuJoCo) or urdf (ROS and many simulators).")
-    ] = "mjcf",
-    out: Annotated[Path | None, typer.Option(metavar="PATH", help="Output folder; out/NAME/robot by default.")] = None,
+    file_format: str = typer.Option("mjcf", "--format", help="mjcf (MuJoCo) or urdf (ROS and many simulators)."),
+    out: Path | None = typer.Option(None, metavar="PATH", help="Output folder; out/NAME/robot by default."),
     force: ForceOption = False,
     changes: SetOption = None,
 ) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, BinaryIO
+from typing import TYPE_CHECKING, BinaryIO
 
 import typer
 
@@ -20,46 +20,41 @@ if TYPE_CHECKING:
 @command
 def simulate(
     console: Console,
-    file: Annotated[
-        Path | None,
-        typer.Argument(help="Design, scene or manipulation: file or bundled name; the default design if left out."),
-    ] = None,
-    design: Annotated[
-        Path | None, typer.Option("--design", "-d", help="Design file or bundled name, for a scene or manipulation.")
-    ] = None,
-    out: Annotated[
-        Path | None,
-        typer.Option("--out", "-o", help="Trace to write: .csv or .npz; out/NAME/signal/trace.csv by default."),
-    ] = None,
-    plot: Annotated[Path | None, typer.Option(help="Plot of the outputs to write (PNG).")] = None,
-    seed: Annotated[int, typer.Option(help="Seed of force, surface and noise.")] = 0,
-    speed_m_s: Annotated[
-        float | None, typer.Option(help="Peak sliding speed (article: 0.04, 0.06, 0.08), or speed of the knock (0.08).")
-    ] = None,
-    surface: Annotated[
-        str | None, typer.Option(help="Bundled name, such as wood or ridged_fine, or a surface file (.toml, .csv).")
-    ] = None,
-    force_n: Annotated[
-        float | None,
-        typer.Option(help="Holding force, or that of the thumb; if left out, the seed draws it (trial: 0.2 to 2 N)."),
-    ] = None,
-    grip: Annotated[
-        str | None, typer.Option(help="Let the hand tighten its grip when this detector (fast, ...) reports slip.")
-    ] = None,
-    changes: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="TABLE.KEY=VALUE",
-            help="Change a parameter of the scene or manipulation, or of the design; repeatable.",
-        ),
-    ] = None,
-    parameters: Annotated[
-        bool, typer.Option("--parameters", help="Print the scene's parameters with unit, bounds and meaning.")
-    ] = False,
-    plan: Annotated[
-        bool, typer.Option("--plan", help="Print the stages that would run for the scene's outputs, and their cost.")
-    ] = False,
+    file: Path | None = typer.Argument(
+        None, help="Design, scene or manipulation: file or bundled name; the default design if left out."
+    ),
+    design: Path | None = typer.Option(
+        None, "--design", "-d", help="Design file or bundled name, for a scene or manipulation."
+    ),
+    out: Path | None = typer.Option(
+        None, "--out", "-o", help="Trace to write: .csv or .npz; out/NAME/signal/trace.csv by default."
+    ),
+    plot: Path | None = typer.Option(None, help="Plot of the outputs to write (PNG)."),
+    seed: int = typer.Option(0, help="Seed of force, surface and noise."),
+    speed_m_s: float | None = typer.Option(
+        None, help="Peak sliding speed (article: 0.04, 0.06, 0.08), or speed of the knock (0.08)."
+    ),
+    surface: str | None = typer.Option(
+        None, help="Bundled name, such as wood or ridged_fine, or a surface file (.toml, .csv)."
+    ),
+    force_n: float | None = typer.Option(
+        None, help="Holding force, or that of the thumb; if left out, the seed draws it (trial: 0.2 to 2 N)."
+    ),
+    grip: str | None = typer.Option(
+        None, help="Let the hand tighten its grip when this detector (fast, ...) reports slip."
+    ),
+    changes: list[str] | None = typer.Option(
+        None,
+        "--set",
+        metavar="TABLE.KEY=VALUE",
+        help="Change a parameter of the scene or manipulation, or of the design; repeatable.",
+    ),
+    parameters: bool = typer.Option(
+        False, "--parameters", help="Print the scene's parameters with unit, bounds and meaning."
+    ),
+    plan: bool = typer.Option(
+        False, "--plan", help="Print the stages that would run for the scene's outputs, and their cost."
+    ),
     force: ForceOption = False,
 ) -> None:
     """Simulate one trial of a design, or a scene with --design, and write its trace."""

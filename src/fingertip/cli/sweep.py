@@ -6,7 +6,7 @@ import shlex
 import time
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
@@ -27,41 +27,30 @@ MAX_JOBS = 1024
 @command
 def sweep(
     console: Console,
-    file: Annotated[
-        Path | None,
-        typer.Argument(metavar="SWEEP", help="Sweep file, or a bundled one: board, delay, geometry, hand, map or pad."),
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option("--out", "-o", help="Folder for the rows. Default: out/sweeps/NAME.")
-    ] = None,
-    jobs: Annotated[int | None, typer.Option(help="Number of worker processes. Default: one per processor.")] = None,
-    cluster: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="Address of a Dask scheduler, such as tcp://127.0.0.1:8786.")
-    ] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Continue a sweep that was interrupted.")] = False,
-    show: Annotated[
-        bool,
-        typer.Option(
-            "--show",
-            help="Compute nothing; report on the existing rows: limiting rules, sensitivities, plots, best design.",
-        ),
-    ] = False,
-    csv: Annotated[Path | None, typer.Option(metavar="FILE", help="Also write the rows as CSV.")] = None,
-    parquet: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Also write the rows as Parquet; needs pyarrow.")
-    ] = None,
-    outputs: Annotated[
-        bool, typer.Option("--outputs", help="List the outputs that can be computed, and exit.")
-    ] = False,
-    changes: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="KEY=VALUE",
-            help="Change a value of the sweep file, of its design (skin.width_mm=18) or of its scene "
-            "(scene.tap.force_n=2); repeatable.",
-        ),
-    ] = None,
+    file: Path | None = typer.Argument(
+        None, metavar="SWEEP", help="Sweep file, or a bundled one: board, delay, geometry, hand, map or pad."
+    ),
+    out: Path | None = typer.Option(None, "--out", "-o", help="Folder for the rows. Default: out/sweeps/NAME."),
+    jobs: int | None = typer.Option(None, help="Number of worker processes. Default: one per processor."),
+    cluster: str | None = typer.Option(
+        None, metavar="ADDRESS", help="Address of a Dask scheduler, such as tcp://127.0.0.1:8786."
+    ),
+    resume: bool = typer.Option(False, "--resume", help="Continue a sweep that was interrupted."),
+    show: bool = typer.Option(
+        False,
+        "--show",
+        help="Compute nothing; report on the existing rows: limiting rules, sensitivities, plots, best design.",
+    ),
+    csv: Path | None = typer.Option(None, metavar="FILE", help="Also write the rows as CSV."),
+    parquet: Path | None = typer.Option(None, metavar="FILE", help="Also write the rows as Parquet; needs pyarrow."),
+    outputs: bool = typer.Option(False, "--outputs", help="List the outputs that can be computed, and exit."),
+    changes: list[str] | None = typer.Option(
+        None,
+        "--set",
+        metavar="KEY=VALUE",
+        help="Change a value of the sweep file, of its design (skin.width_mm=18) or of its scene "
+        "(scene.tap.force_n=2); repeatable.",
+    ),
 ) -> None:
     """Compute outputs of many designs, one row per design.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
@@ -15,11 +14,11 @@ from fingertip.cli.options import ForceOption, OptionalDesignArgument, SetOption
 def validate(
     console: Console,
     design: OptionalDesignArgument = None,
-    trials: Annotated[int, typer.Option(help="Number of trials with slip (article: 120).")] = 120,
-    minutes: Annotated[float, typer.Option(help="Minutes of scenes without slip.")] = 40.0,
-    detector: Annotated[str, typer.Option(help="Detector that the requirements apply to; all are compared.")] = "fast",
-    seed: Annotated[int, typer.Option(help="First seed; every one from 5000000 on is held out.")] = 5_000_000,
-    out: Annotated[Path | None, typer.Option("--out", "-o", help="Folder; default: out/NAME/validation.")] = None,
+    trials: int = typer.Option(120, help="Number of trials with slip (article: 120)."),
+    minutes: float = typer.Option(40.0, help="Minutes of scenes without slip."),
+    detector: str = typer.Option("fast", help="Detector that the requirements apply to; all are compared."),
+    seed: int = typer.Option(5_000_000, help="First seed; every one from 5000000 on is held out."),
+    out: Path | None = typer.Option(None, "--out", "-o", help="Folder; default: out/NAME/validation."),
     force: ForceOption = False,
     verbose: VerboseOption = False,
     changes: SetOption = None,

@@ -57,7 +57,6 @@ class Residual:
 
     @property
     def difference_mm(self) -> float:
-        """Mean reading less the prediction."""
         return self.mean_mm - self.predicted_mm
 
 
@@ -66,9 +65,9 @@ class PrinterFit:
     scale: float
     """Printed length over nominal length."""
     scale_uncertainty: float
-    """Standard uncertainty of the scale."""
     offset_mm: float
     offset_uncertainty_mm: float
+    """Standard uncertainty, as that of the scale."""
     length_error_mm: float
     """Standard deviation of the mean of a length about the model."""
     degrees: int

@@ -164,7 +164,6 @@ class PowerLaw:
 
     @property
     def exponent_uncertainty(self) -> float:
-        """Standard uncertainty of the exponent."""
         return self.scatter / math.sqrt(self.squares)
 
     def conductance_at(self, force_n: float) -> float:

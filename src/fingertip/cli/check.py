@@ -154,7 +154,6 @@ def _format_table(label: str, checks: Sequence[Check], verbose: bool) -> str:
 
 
 def format_failures(checks: Iterable[Check]) -> list[str]:
-    """Format the checks that failed, each with what to change."""
     lines = []
     for check in checks:
         if not check.passed:
@@ -164,7 +163,6 @@ def format_failures(checks: Iterable[Check]) -> list[str]:
 
 
 def describe_cause(check: Check) -> str:
-    """Describe what to change if a check fails, as a line of text."""
     from fingertip.cad.verification.check import list_causes
 
     remedy = f"it passes with --set {check.remedy}; or " if check.remedy else ""

@@ -123,7 +123,6 @@ def metavar(parameter: Any) -> str:
 
 
 def _type_name(parameter: Any) -> str:
-    """Name of the type of a parameter's value, in lower case."""
     described = getattr(parameter, "type_descriptor", None)  # typer with its own parser
     if described is not None:
         if described.is_path:

@@ -142,7 +142,6 @@ def read_design(file: Path | None, changes: tuple[str, ...]) -> tuple[Design, bo
 
 
 def refuse(*issues: Iterable[Issue]) -> None:
-    """Raise OutputError if there are issues."""
     if found := [issue for each in issues for issue in each]:
         raise OutputError(found)
 

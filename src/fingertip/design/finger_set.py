@@ -44,8 +44,6 @@ class SetFile(BaseModel):
 
 @dataclass(frozen=True)
 class Form:
-    """Fingers of one design."""
-
     design: Design
     fingers: tuple[str, ...]
 

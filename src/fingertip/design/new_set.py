@@ -31,8 +31,6 @@ _EXAMPLE = "--finger index=18x25"
 
 @dataclass(frozen=True)
 class NewForm:
-    """Fingers of one size."""
-
     fingers: tuple[str, ...]
     design: new_design.NewDesign
 

@@ -257,8 +257,6 @@ _SHA256 = re.compile("[0-9a-f]{64}")
 
 @dataclass(frozen=True)
 class Manifest:
-    """Files of a set, and what they were made from."""
-
     fingertip: str
     """Version that wrote the set."""
     kind: str

@@ -58,7 +58,6 @@ _BACK = (
 
 
 def render_board(sources: Sources) -> Markup:
-    """Render the board, or say how to make it."""
     if BOARD_FOLDER in sources.remarks:
         return note(sources.remarks[BOARD_FOLDER])
     layout, schematic, channel, bom, values, readme, bring_up = (

@@ -50,7 +50,6 @@ def render_printing(sources: Sources) -> Markup:
 
 
 def render_tests(sources: Sources) -> Markup:
-    """Render the acceptance sheet, or say how to make it."""
     lead, *sections = split_sections(sources.text(ACCEPTANCE) or "").items()
     if not sections:
         return note("There is no acceptance sheet: ", element("code", COMMANDS[SIGNAL_FOLDER]), " makes it.")

@@ -143,7 +143,6 @@ def read_viewer_library() -> str:
 
 
 def read_asset(name: str, package: str = "fingertip.page") -> str:
-    """Read a style sheet or script of a package."""
     return (files(package) / "assets" / name).read_text(encoding="utf-8")
 
 

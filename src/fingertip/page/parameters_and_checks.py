@@ -180,6 +180,5 @@ def _find_warnings(checks: Sequence[Check]) -> list[Check]:
 
 
 def link_parameters(paths: Iterable[str]) -> Markup:
-    """Link to parameters in the table of all."""
     links = [element("a", code(path), href=f"#p-{path}", class_="code") for path in paths]
     return join([piece for link in links for piece in (", ", link)][1:])

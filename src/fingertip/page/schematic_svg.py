@@ -81,7 +81,6 @@ def render_schematic(sheet: Node, title: str) -> Markup:
 
 
 def _draw_sheet(ink: _Ink, sheet: Node) -> None:
-    """Draw a sheet within the sheet: its frame, name and pins."""
     (x, y, _), (width, height) = find_place(sheet), numbers(first(sheet, "size"))
     ink.line([(x, y), (x + width, y), (x + width, y + height), (x, y + height), (x, y)], _SYMBOL, 0.25)
     name = next(text for text in sheet.children("property") if text.words[1] == "Sheetname")
@@ -157,7 +156,6 @@ def _draw_body(ink: _Ink, body: Node, place: Place, show_numbers: bool, show_nam
 
 
 def _draw_pin(ink: _Ink, pin: Node, place: Place, show_number: bool, show_name: bool) -> None:
-    """Draw the line of a pin, its number beside it, and its name inside."""
     x0, y0, angle = find_place(pin)
     length = numbers(first(pin, "length"))[0]
     dx, dy = turn(1.0, 0.0, angle)

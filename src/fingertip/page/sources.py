@@ -60,7 +60,6 @@ class Sources:
         return addresses | {path: embed(self.files[path], "image/png") for path in pictures}
 
     def text(self, name: str) -> str | None:
-        """Return a file as text; None if it is not there."""
         data = self.files.get(name)
         return None if data is None else data.decode("utf-8")
 

@@ -151,7 +151,6 @@ def _describe(detection: Detection) -> str:
 
 
 def render_trial(sources: Sources) -> Markup:
-    """Render trial and detection, or say how to make them."""
     if SIGNAL_FOLDER in sources.remarks:
         return note(sources.remarks[SIGNAL_FOLDER])
     trace = sources.files.get(f"{SIGNAL_FOLDER}/{TRACE}")

@@ -23,8 +23,6 @@ _SCALE = "0.001 0.001 0.001"
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """Finger in a model."""
-
     name: str
     finger: FingerModel
     prefix: str = ""

@@ -316,7 +316,6 @@ class Dimensions(SkinDimensions):
         return self.place_chaplet(z)
 
     def place_chaplet(self, z: float) -> features.Chaplet:
-        """Place the chaplet at a height of the finger."""
         mold, screw_mm = self._design.mold, float(self._design.mold.chaplet_screw[1:])
         return features.place_chaplet(self.bone_outline, z, mold.chaplet_diameter_mm, screw_mm, self.facet_begin_z)
 

@@ -140,9 +140,8 @@ class Joint:
     """Joint of a clevis [mm]. All positions are (y, z), in the middle plane of the finger."""
 
     axis_y: float
-    """Axis of the pin, across."""
     axis_z: float
-    """Axis of the pin, along the finger."""
+    """Axis of the pin."""
     pin_radius: float
     radius: float
     """Radius within which the hand's knuckle lies, and distance of its shoulder behind the axis."""
@@ -224,9 +223,8 @@ class TailFold:
     """Course of a folded tail [mm]."""
 
     nose_y: float
-    """Axis of the nose, across."""
     nose_z: float
-    """Axis of the nose, along the finger, which is the distal face of the window."""
+    """Axis of the nose, which lies in the distal face of the window."""
     radius: float
     """Radius of the nose, at which the film bends."""
     window_low_z: float

@@ -37,9 +37,8 @@ class ThicknessSample:
 
     thickness_mm: float
     x: float
-    """First component of the unit vector from the bone to the nearest point of the surface."""
     y: float
-    """Second component of that vector."""
+    """Unit vector from the bone to the nearest point of the surface."""
     support_mm: float
     """Distance of the surface's nearest chord from the middle of the finger, along that vector."""
     bone_x: float
@@ -208,8 +207,6 @@ class SkinPoint:
 
 @dataclass(frozen=True)
 class Loss:
-    """Worst loss of silicone at a point of the skin."""
-
     point: SkinPoint
     loss_mm: float
     motion: Motion

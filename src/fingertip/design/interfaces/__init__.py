@@ -24,7 +24,6 @@ LENGTH_RULES = Ruleset()
 
 @LENGTH_RULES.rule("bone.base_length_mm", when=lambda design: not design.dimensions.window_opens_into_gap)
 def base_holds_everything(design: DesignTables) -> Violation | None:
-    """The base is long enough for the posterior hole, the lashing of the wires and a socket."""
     dims, bone = design.dimensions, design.bone
     within = interface_of(design).depth(design)
     minimum = -dims.wires_end_z + LASHING_MM + within

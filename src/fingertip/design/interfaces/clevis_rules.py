@@ -67,7 +67,6 @@ def eye_holds_pin(design: DesignTables) -> Violation | None:
 
 @RULES.rule("hand.axis_height_mm", *_SOUND_BASE)
 def axis_within_base(design: DesignTables) -> Violation | None:
-    """The pin lies a wall below the dorsal side of the base, and a wall above its palmar flat."""
     dims, height = design.dimensions, design.hand.axis_height_mm
     joint = dims.joint
     if joint is None:
@@ -135,7 +134,6 @@ def anchor_within_collar(design: DesignTables) -> Violation | None:
 
 @RULES.rule("hand.travel_deg")
 def travel_free(design: DesignTables) -> Violation | None:
-    """Base, collar and skin stay clear of the hand's shoulder over the whole travel."""
     joint, travel = design.dimensions.joint, design.hand.travel_deg
     if joint is None or travel == 0.0:
         return None

@@ -136,7 +136,6 @@ def flange_bolts_clear_of_base(design: DesignTables) -> Limit | None:
 
 @RULES.at_least("bone.flange_width_mm", when=lambda design: design.bone.interface == "flange")
 def flange_wide_enough(design: DesignTables) -> Limit:
-    """The flange keeps a wall beside its bolt holes, and covers the base."""
     bone = design.bone
     minimum = bone.flange_spacing_x_mm + bone.flange_hole_diameter_mm + 2 * bone.wall_mm
     base = 2 * (design.dimensions.bone_outline.section.half_width + interface.MIN_SHOULDER_MM)
@@ -146,7 +145,6 @@ def flange_wide_enough(design: DesignTables) -> Limit:
 
 @RULES.at_least("bone.flange_height_mm", when=lambda design: design.bone.interface == "flange")
 def flange_high_enough(design: DesignTables) -> Limit:
-    """The flange keeps a wall above and below its bolt holes, and covers the base."""
     bone = design.bone
     minimum = bone.flange_spacing_y_mm + bone.flange_hole_diameter_mm + 2 * bone.wall_mm
     base = interface.base_size(design.dimensions)[1] + 2 * interface.MIN_SHOULDER_MM

@@ -125,7 +125,6 @@ class Post(CrossBolted):
 
 @RULES.at_most("bone.foot_radius_mm", when=lambda design: design.bone.interface == "post")
 def foot_clear_of_bolt(design: DesignTables) -> Limit:
-    """The fillet at the root of a post ends before the hole of its cross bolt."""
     bone = design.bone
     hole_end = Post().cross_bolt_z(design) + bone.cross_bolt_diameter_mm / 2
     return Limit(-bone.base_length_mm - hole_end, "reaches the hole of the cross bolt")

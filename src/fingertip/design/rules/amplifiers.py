@@ -160,7 +160,6 @@ def amplifier_charges_the_envelope(design: DesignTables) -> Violation | None:
 
 @RULES.rule("detector.threshold_v", when=lambda design: design.board.variant == "comparator")
 def threshold_can_be_trimmed(design: DesignTables) -> Violation | None:
-    """The threshold lies within the range of the comparator's trimmer."""
     maximum = filter_components.upper_headroom_v(design.board) / 4.0
     if filter_components.MIN_COMPARATOR_V <= design.detector.threshold_v <= maximum:
         return None

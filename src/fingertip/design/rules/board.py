@@ -122,7 +122,6 @@ def band_limit_above_the_band(design: DesignTables) -> Limit:
 
 @RULES.rule("board.band_limit_hz", when=lambda design: design.board.variant != "article")
 def band_limit_capacitor_exists(design: DesignTables) -> Violation | None:
-    """The capacitor across R5 that sets the band limit can be bought."""
     R5, f = design.board.r5_ohm, design.board.band_limit_hz
     c_f = filter_components.compute_limiting_capacitor_f(R5, f)
     minimum, maximum = filter_components.MIN_LIMITING_CAPACITOR_F, filter_components.MAX_LIMITING_CAPACITOR_F

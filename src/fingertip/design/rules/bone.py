@@ -116,7 +116,6 @@ def groove_clear_of_sensor(design: DesignTables) -> Violation | None:
 
 @FOLD_RULES.at_least("sensor.fold_radius_mm")
 def film_bends_gently(design: DesignTables) -> Limit | None:
-    """The film of a catalogue sensor bends no tighter than its maker allows."""
     if design.sensor.tail == "straight" or design.sensor.model == "custom":
         return None
     return Limit(MIN_FOLD_RADIUS_MM, "bends the film tighter than its maker allows")
@@ -124,7 +123,6 @@ def film_bends_gently(design: DesignTables) -> Limit | None:
 
 @FOLD_RULES.rule("sensor.distance_from_tip_mm")
 def tail_long_enough_to_fold(design: DesignTables) -> Violation | None:
-    """The tail reaches around its nose into the trough, and is straight behind the head."""
     dims, distance = design.dimensions, design.sensor.distance_from_tip_mm
     fold = dims.fold
     if fold is None:
@@ -155,7 +153,6 @@ def lid_thick_enough_over_film(design: DesignTables) -> Violation | None:
 
 @FOLD_RULES.rule("sensor.crimp_height_mm", lid_thick_enough_over_film)
 def lid_thick_enough_over_tabs(design: DesignTables) -> Violation | None:
-    """The lid keeps a wall above crimps and wires."""
     fold, crimp = design.dimensions.fold, design.sensor.crimp_height_mm
     lacking = _find_lacking_roof(design, fold, fold.tabs_half_width, fold.tabs_space_mm) if fold else 0.0
     if lacking <= SLACK:

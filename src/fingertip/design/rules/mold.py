@@ -57,7 +57,6 @@ def recess_holds_collar(design: DesignTables) -> Limit | None:
 
 @RULES.at_least("bone.collar_length_mm")
 def collar_outlasts_its_draft(design: DesignTables) -> Limit | None:
-    """The collar keeps a minimum length where its draft shortens it most."""
     section, slope = design.dimensions.collar.section, design.dimensions.draft_slope
     return Limit(
         _MIN_COLLAR_LENGTH + slope * max(section.palmar, section.dorsal),
@@ -107,7 +106,6 @@ def gate_within_funnel(design: DesignTables) -> Limit:
 
 @RULES.rule("mold.funnel_diameter_mm")
 def gate_within_cavity(design: DesignTables) -> Violation | None:
-    """The gate, beside the funnel, meets the cavity."""
     reach = -design.mold_layout.gate_x + design.mold.gate_diameter_mm / 2
     room = design.skin.width_mm / 2 * design.skin.taper_ratio - _BESIDE_GATE
     if design.mold.filling != "gravity" or reach <= room + SLACK:
@@ -170,7 +168,6 @@ def nut_trap_keeps_a_floor(design: DesignTables) -> Limit | None:
 
 @RULES.rule("mold.nut_width_mm")
 def trap_fits_its_nut(design: DesignTables) -> Violation | None:
-    """The nut traps take the nut of the bolts' thread and keep it from turning."""
     thread = select_thread(design.mold.bolt_diameter_mm)
     closed = design.printer.offset_mm  # by so much the printed trap is narrower
     minimum, maximum = thread.nut_flats_mm + NUT_TRAP_CLEARANCE_MM, thread.nut_flats_mm * MAX_TRAP_RATIO

@@ -53,7 +53,6 @@ def tip_within_skin(design: DesignTables) -> Limit | None:
 
 @RULES.at_most("skin.thickness_side_mm")
 def bone_left_at_sides(design: DesignTables) -> Limit | None:
-    """The skin's side thickness leaves bone between the sides and above the pad."""
     half = min(design.skin.width_mm / 2 * design.skin.taper_ratio, design.skin.semi_axis_palmar_mm)
     return Limit(half - _MIN_BONE, f"leaves less than {_MIN_BONE:g} mm of bone at the sides")
 
@@ -70,7 +69,6 @@ def bone_reaches_tip(design: DesignTables) -> Limit | None:
 
 @RULES.rule("skin.taper_ratio", tip_within_skin, bone_left_at_sides, bone_reaches_tip)
 def taper_reaches_tip(design: DesignTables) -> Violation | None:
-    """The taper does not close finger or bone before their tips."""
     if min(design.dimensions.outer.tip_control(), design.dimensions.bone_outline.tip_control()) > _MIN_TIP_CONTROL:
         return None
     return Violation(f"{design.skin.taper_ratio:g} closes the finger before its tip")
@@ -105,7 +103,6 @@ def cap_covers_stem(design: DesignTables) -> Limit:
 
 @RULES.rule("skin.crown_offset_mm", tip_within_skin)
 def crown_on_taper(design: DesignTables) -> Violation | None:
-    """The apex of a crown lies on the tapered part of the skin."""
     dims, offset = design.dimensions, design.skin.crown_offset_mm
     low, high = dims.sensor_z - dims.taper_end_z, dims.sensor_z - _MIN_STRAIGHT
     if design.skin.crown_radius_mm == 0.0 or low - SLACK <= offset <= high + SLACK:
@@ -116,19 +113,16 @@ def crown_on_taper(design: DesignTables) -> Violation | None:
 
 @RULES.at_most("skin.crown_drop_mm", crown_on_taper, when=lambda design: design.skin.crown_radius_mm)
 def crown_within_pad(design: DesignTables) -> Limit:
-    """Both arcs of a crown fit between its apex and the skin's proximal end, and leave a base."""
     return Limit(design.dimensions.max_crown_drop, "is more than fits proximal to the crown's apex")
 
 
 @RULES.at_most("skin.crown_radius_mm", crown_on_taper, when=lambda design: design.skin.crown_radius_mm)
 def crown_ends_before_tip(design: DesignTables) -> Limit:
-    """The arc of a crown ends before the apex of the tip."""
     return Limit(design.dimensions.max_crown_radius, "runs past the tip")
 
 
 @RULES.rule("skin.crown_radius_mm", crown_within_pad, crown_ends_before_tip)
 def crown_reaches_tip(design: DesignTables) -> Violation | None:
-    """The crown does not slope down to the parting plane before the tip."""
     dims, radius = design.dimensions, design.skin.crown_radius_mm
     if radius == 0.0 or dims.outer.spans[-1].palmar[1] > _MIN_TIP_CONTROL:
         return None
@@ -243,7 +237,6 @@ def channel_within_base(design: DesignTables) -> Limit | None:
 
 @RULES.at_least("bone.channel_bend_radius_mm")
 def bend_wider_than_channel(design: DesignTables) -> Limit | None:
-    """The cable channel does not fold into itself at its bend."""
     diameter = design.bone.channel_diameter_mm
     return Limit(diameter / 2 + _BEND_MARGIN, f"folds a channel of {diameter:g} mm into itself")
 
@@ -253,11 +246,9 @@ FORCE_CURVE_RULES = Ruleset()
 
 @FORCE_CURVE_RULES.at_most("force_curve.turn_on_n")
 def turn_on_below_calibration(design: DesignTables) -> Limit | None:
-    """The sensor conducts at the smallest force of the calibration."""
     return Limit(design.force_curve.min_force_n, "is above the smallest force of the calibration")
 
 
 @FORCE_CURVE_RULES.at_least("force_curve.max_force_n")
 def calibration_spans_forces(design: DesignTables) -> Limit | None:
-    """The largest force of the calibration is not below the smallest."""
     return Limit(design.force_curve.min_force_n, "is below the smallest force of the calibration")

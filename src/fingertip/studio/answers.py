@@ -6,10 +6,13 @@ The files are byte for byte those that `fingertip build` writes.
 from __future__ import annotations
 
 import io
+import math
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any, NamedTuple
+
+from pydantic import ValidationError
 
 from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
@@ -26,11 +29,16 @@ from fingertip.cad.verification.verify import check_parts, verify
 from fingertip.casting.quantities import measure_volumes
 from fingertip.catalogues.output_files import DESIGN, PRINT_FOLDER
 from fingertip.design import Design
+from fingertip.design.bands import Band, describe_bands, find_bands
 from fingertip.design.files import to_toml
+from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.solids import Solid, scaled
+from fingertip.design.parameters import PARAMETERS
+from fingertip.design.parameters.declaration import find_bounds
+from fingertip.design.refusal import as_typed, is_number
 from fingertip.documents.casting.sheet import casting_sheet_data
 from fingertip.documents.start import render_start
-from fingertip.foundation.errors import FingertipError
+from fingertip.foundation.errors import DesignError, FingertipError, Issue
 from fingertip.pad.contacts import is_quick
 from fingertip.pad.form import PadForm
 from fingertip.page.html import note
@@ -70,7 +78,6 @@ class AskingEvaluator(MeshEvaluator):
 
 
 def read_design(tables: Mapping[str, Any], before: Design) -> Design:
-    """Make the design of the form's values. Raises DesignError."""
     return Design.from_tables(tables, before.model_dump(mode="json"))
 
 
@@ -251,3 +258,75 @@ def _pack(files: Mapping[str, bytes]) -> bytes:
             entry.external_attr = 0o644 << 16
             archive.writestr(entry, data)
     return packed.getvalue()
+
+
+# Rules of the form: whether its design passes, and with which values of the parameter in hand it would. These answers
+# come at once, beside whatever the worker makes.
+
+_BANDS_KEPT = 256
+"""Number of bands that are kept: somebody who slides asks for the same ones again and again."""
+
+
+class BandFinder:
+    """Finder of the bands of a form's parameters, which keeps what it found."""
+
+    def __init__(self, opened: Design) -> None:
+        self.opened = opened
+        self._found: dict[tuple[DesignTables, str], tuple[Band, ...]] = {}
+
+    def find(self, tables: Mapping[str, Any], path: str, still_wanted: StillWanted) -> tuple[Band, ...]:
+        """Find the bands of a parameter; none for one that is no number, or beside others that are not valid."""
+        if path not in PARAMETERS or not is_number(path):
+            return ()
+        table, _, key = path.partition(".")
+        try:
+            present = tables[table][key]
+            others = DesignTables(**{**tables, table: {**tables[table], key: self.opened.value(path)}})
+        except (ValidationError, LookupError, TypeError):
+            return ()
+        if (others, path) not in self._found:
+            is_valid = isinstance(present, int | float) and find_bounds(PARAMETERS[path]).contain(present)
+            tried = [as_typed(path, present)] if is_valid else []
+            bands = find_bands(others, path, tried, still_wanted)
+            if len(self._found) >= _BANDS_KEPT:
+                self._found.clear()
+            self._found[others, path] = bands
+        return self._found[others, path]
+
+
+def answer_bands(finder: BandFinder, tables: Mapping[str, Any], path: str, still_wanted: StillWanted) -> dict[str, Any]:
+    bands = finder.find(tables, path, still_wanted)
+    return {"bands": bands, "said": describe_bands(path, bands) if bands else ""}
+
+
+def answer_rules(finder: BandFinder, tables: Mapping[str, Any], path: str, still_wanted: StillWanted) -> dict[str, Any]:
+    """Say whether the form's design passes, and if not with which value of the parameter in hand it would.
+
+    Raises
+    ------
+    DesignError
+        If no value of that parameter helps: its issues say what does.
+    """
+    try:
+        Design.without_remedies(**tables)
+    except DesignError as error:
+        found = answer_bands(finder, tables, path, still_wanted)
+        if not found["bands"]:
+            read_design(tables, finder.opened)
+        told = " ".join(issue.message if issue.field == path else str(issue) for issue in error.issues)
+        refused = Issue(path, f"{told} With the other parameters as they are, {found['said']} pass.")
+        table, _, key = path.partition(".")
+        passing = _find_nearest(tables[table][key], finder.opened.value(path), found["bands"])
+        return found | {"issues": describe_issues(DesignError(refused)), "passing": passing}
+    return {}
+
+
+def _find_nearest(present: object, opened: float, bands: Sequence[Band]) -> float:
+    """Find the passing value that is nearest to the present one, or to the opened one if that is no number."""
+    wanted = present if isinstance(present, int | float) and math.isfinite(present) else opened
+    ends = [end for band in bands for end in band]
+    return min([*ends, *(opened for low, high in bands if low <= opened <= high)], key=lambda end: abs(end - wanted))
+
+
+AT_ONCE = {"rules": answer_rules, "bands": answer_bands}
+"""Name in the address -> function that answers a question on the parameter in hand, whatever the worker does."""

@@ -216,8 +216,6 @@ class Slider:
 
 @dataclass(frozen=True)
 class Field:
-    """Field of the form: one parameter."""
-
     parameter: Parameter
     kind: str
     """One of "number", "integer", "choice" and "text"."""
@@ -225,7 +223,6 @@ class Field:
     bounds: str
     """Bounds of a number for people, such as "8 to 40 mm"."""
     slider: Slider | None
-    """Slider of a number."""
 
 
 MAIN = "what people change first"

@@ -26,9 +26,8 @@ from urllib.parse import SplitResult, parse_qs, urlsplit
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue, StudioError
 from fingertip.foundation.toml_files import UnusableTomlError, check_values
-from fingertip.studio.answers import ANSWERS, DOWNLOADS, Download, describe_issues, read_design
+from fingertip.studio.answers import ANSWERS, AT_ONCE, DOWNLOADS, BandFinder, Download, describe_issues, read_design
 from fingertip.studio.page import render_locked, render_studio, render_way_in
-from fingertip.studio.rules import BandFinder, answer_bands, answer_rules
 from fingertip.studio.worker import NewestWinsWorker, SupersededError
 
 ADDRESS = "127.0.0.1"
@@ -39,8 +38,6 @@ MAX_PORT = 65535
 _MAX_BODY_BYTES = 1_000_000
 _TIMEOUT_S = 60.0
 """Time after which a connection that sends nothing is closed [s]."""
-_ANSWERS_AT_ONCE = {"rules": answer_rules, "bands": answer_bands}
-"""Name in the address -> function that answers a question on the parameter in hand, whatever the worker does."""
 _HTML = "text/html; charset=utf-8"
 _STATUS_OF_REFUSAL = {
     HTTPStatus.NOT_IMPLEMENTED: HTTPStatus.METHOD_NOT_ALLOWED,
@@ -90,7 +87,6 @@ class StudioServer(ThreadingHTTPServer):
 
     @property
     def url(self) -> str:
-        """Address of the page, with the token."""
         return f"http://{self.hosts[0]}/?token={self.token}"
 
     def handle_error(self, request: Any, client_address: Any) -> None:
@@ -115,7 +111,6 @@ class StudioServer(ThreadingHTTPServer):
             self._way_in.unlink(missing_ok=True)
 
     def server_close(self) -> None:
-        """Close the socket and end the worker."""
         super().server_close()
         if worker := getattr(self, "worker", None):  # none if the port was in use
             worker.close()
@@ -186,7 +181,7 @@ class _Handler(BaseHTTPRequestHandler):
             raise _RefusedRequestError(HTTPStatus.FORBIDDEN, "The request carries not the token of this studio.")
         tables, client, field = self._read_content()
         _, api, name, *rest = [*self._split_address().path.split("/"), "", ""]
-        at_once, before = _ANSWERS_AT_ONCE.get(name), self.server.design
+        at_once, before = AT_ONCE.get(name), self.server.design
         _, answer = DOWNLOADS.get(rest[0], ("", None)) if name == "download" else ("", ANSWERS.get(name))
         if api == "api" and at_once:
             return _make_json(at_once(self.server.finder, tables, field, self._raise_if_gone))

@@ -14,8 +14,7 @@ import pytest
 
 import fingertip
 from fingertip import Design, FingertipError, Trace
-from fingertip.foundation.arguments import as_arguments
-from fingertip.foundation.errors import Issue
+from fingertip.foundation.errors import Issue, as_arguments
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays, to_manifold
 from fingertip.cad.shapes.insert import skin_outline
 from fingertip.pad.form import PadForm
 from fingertip.robot.contact import fit_contact
-from fingertip.robot.pieces import cut_skin
+from fingertip.robot.skin_meshes import cut_skin
 from tests.conftest import ROOT, run_fingertip, some_of
 from tests.robot.conftest import DESIGNS, INSTALL, Model
 from tests.tools import require_module

@@ -11,22 +11,20 @@ import typer
 
 from fingertip.cli.bench import bench
 from fingertip.cli.board import board
-from fingertip.cli.build import build, coupon, firmware, make
+from fingertip.cli.build import build, coupon, firmware, make, robot
 from fingertip.cli.calibrate import calibrate
 from fingertip.cli.check import check
 from fingertip.cli.completion import VARIABLE, answer_shell
 from fingertip.cli.console import Console
 from fingertip.cli.design import completion, params, schema
-from fingertip.cli.detect import detect
+from fingertip.cli.detect import detect, validate
 from fingertip.cli.documents import acceptance, drawing, page, picture, sheet, studio
 from fingertip.cli.help_page import HelpCommand, HelpGroup
 from fingertip.cli.new import new
 from fingertip.cli.options import command
 from fingertip.cli.pad import pad
-from fingertip.cli.robot import robot
 from fingertip.cli.simulate import simulate
 from fingertip.cli.sweep import sweep
-from fingertip.cli.validate import validate
 from fingertip.foundation.errors import FingertipError, Issue
 from fingertip.foundation.version import __version__
 
@@ -82,7 +80,6 @@ def _answer() -> None:
 
 
 def main() -> None:
-    """Entry point of the `fingertip` command."""
     # The linear systems here have some twenty unknowns: threads of the linear algebra library only delay the start.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # The processes that a sweep starts import nothing from the current folder, which may be a stranger's.

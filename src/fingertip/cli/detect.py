@@ -1,4 +1,4 @@
-"""`fingertip detect`: detect slip in a recording or a stream, and score it where the true slip is known."""
+"""Commands `detect`, for a recording or a stream, and `validate`, which tests detectors on simulated trials."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from fingertip.cli import options
 from fingertip.cli.console import BAD_INPUT, Console
 from fingertip.cli.options import SetOption, command, find_file_issues, load_design, refuse
 from fingertip.foundation.errors import FingertipError, Issue, TraceError
@@ -66,14 +67,14 @@ def detect(
         check_set(plot)
         extras.require("--plot", "matplotlib", alternative="leave --plot out")
     loaded = load_design(design, changes)
-    options: dict[str, Any] = {
+    settings: dict[str, Any] = {
         "rate_hz": rate_hz, "scale": scale, "columns": _parse_columns(columns or []),
         "time_scale": _parse_time_scale(time_scale), "progress": console.progress,
         # A window from --set is for this recording's rate, a window from a design file for that file's rate.
         "keep_window": "detector.window_samples" in load_tables([], changes or ()).changed,
     }  # fmt: skip
     if str(trace) == "-":
-        detect_standard_input(console, loaded, detector, options, plot, calibrate)
+        detect_standard_input(console, loaded, detector, settings, plot, calibrate)
         return
     found = detect_file(
         trace,
@@ -81,7 +82,7 @@ def detect(
         detector,
         calibrate_s=None if calibrate is None else _parse_interval(calibrate),
         adapt_to_file=False if design else None,
-        **options,
+        **settings,
     )
     console.warn(found.warnings)
     if plot is not None:
@@ -126,7 +127,7 @@ def detect_standard_input(
     console: Console,
     design: Design,
     detector: str,
-    options: Mapping[str, Any],
+    settings: Mapping[str, Any],
     plot: Path | None,
     calibrate: str | None,
 ) -> None:
@@ -143,7 +144,7 @@ def detect_standard_input(
     data: dict[str, Any] = {"detector": detector, "transitions": transitions}
     any_on = False
     try:
-        found = detect_stream(sys.stdin, design, detector, **options)
+        found = detect_stream(sys.stdin, design, detector, **settings)
         data["signals"] = list(found.signals.columns)
         console.progress(f"detector {detector}, {found.signals.describe()}")
         console.warn(found.warnings)
@@ -164,3 +165,47 @@ def detect_standard_input(
         console.result(data, "" if any_on else "never ON")
         raise typer.Exit(exit_code(error)) from None
     console.result(data, "" if any_on else "never ON")
+
+
+@command
+def validate(
+    console: Console,
+    design: options.OptionalDesignArgument = None,
+    trials: int = typer.Option(120, help="Number of trials with slip (article: 120)."),
+    minutes: float = typer.Option(40.0, help="Minutes of scenes without slip."),
+    detector: str = typer.Option("fast", help="Detector that the requirements apply to; all are compared."),
+    seed: int = typer.Option(5_000_000, help="First seed; every one from 5000000 on is held out."),
+    out: Path | None = typer.Option(None, "--out", "-o", help="Folder; default: out/NAME/validation."),
+    force: options.ForceOption = False,
+    verbose: options.VerboseOption = False,
+    changes: SetOption = None,
+) -> None:
+    """Test a design's detectors on simulated slips and on scenes without slip. Exit code 1: a requirement is missed."""
+    from fingertip.board.analysis.board_values import board_values
+    from fingertip.board.analysis.limits import adc_range_warnings
+    from fingertip.detection.warnings import settings_warnings
+    from fingertip.foundation import extras
+    from fingertip.foundation.output_set import SetWriter, hash_parameters
+    from fingertip.lab import validation as campaign
+    from fingertip.lab.campaign.plan import CampaignPlan, check_first_seed
+    from fingertip.slip.detectors import registry
+
+    loaded = load_design(design, changes)
+    registry.find_detector_type(detector)
+    plan = CampaignPlan(trials, minutes)
+    check_first_seed(seed)
+    with_plots = extras.is_installed("matplotlib")
+    extras.say_left_out({"matplotlib": "plots", "numba": "compiled loops (20 times faster)"}, console.progress)
+    warnings = [*settings_warnings(loaded, detector), *adc_range_warnings(board_values(loaded).voltage_limits)]
+    console.warn(warnings)
+    folder = out or Path("out") / loaded.name / "validation"
+    parameters = hash_parameters(loaded.model_dump(mode="json"))
+    writer = SetWriter(folder, "validation", loaded.name, parameters, force=force)
+    writer.check(campaign.FILES)
+    validation = campaign.validate(loaded, plan, detector, progress=console.progress, first_seed=seed)
+    files = validation.files(with_plots)
+    writer.write(files)
+    text = validation.as_verdict()
+    details = f"details: {folder / 'validation.txt'}, or --verbose"
+    said = f"{text}\n\n{validation.as_text()}" if verbose else f"{text}\n{details}"
+    console.result(validation.as_data(), said, validation.passed)

@@ -19,8 +19,8 @@ from fingertip.design.files import Parameter, list_parameters, load_tables
 from fingertip.design.fit import Fit, fit_design
 from fingertip.design.geometry import DesignTables
 from fingertip.design.model import Design
-from fingertip.design.parameters.bone import Hand
 from fingertip.design.parameters.declaration import parse_tables, suggest_name
+from fingertip.design.parameters.parts import Hand
 from fingertip.foundation.errors import DesignError, Issue, TomlFileError, gather
 from fingertip.foundation.progress import ShareText
 from fingertip.foundation.toml_files import read_toml

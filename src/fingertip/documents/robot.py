@@ -11,8 +11,7 @@ from fingertip.documents.template import WIDTH, render_page
 from fingertip.robot.contact import FORCES_N, REFERENCE_N
 from fingertip.robot.formats import MAX_SPEED_RAD_S, TIMESTEP_S
 from fingertip.robot.model import TOLERANCE_MM, FingerModel
-from fingertip.robot.pieces import FACET_MM
-from fingertip.robot.tactile import SPACING_MM
+from fingertip.robot.skin_meshes import FACET_MM, SPACING_MM
 
 
 def describe_model(finger: FingerModel, file_format: str) -> dict[str, Any]:

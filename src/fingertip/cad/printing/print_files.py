@@ -14,7 +14,7 @@ from fingertip.cad.printing.overhang import Pose, bed_pose
 from fingertip.cad.printing.settings import PLATE_KINDS, SLA, PlateKind, describe_part, slicer_settings
 from fingertip.catalogues.print_materials import PRINT_MATERIALS, PrintMaterial
 from fingertip.design import Design
-from fingertip.design.parameters.mold import Printer
+from fingertip.design.parameters.parts import Printer
 
 _ROUNDING_MM = 1e-6
 """Overlap that counts as none [mm]."""

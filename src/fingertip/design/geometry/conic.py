@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING
 from fingertip.design.geometry.profile import Crown, Parameter, Span, lay_crown, straight_span
 
 if TYPE_CHECKING:
-    from fingertip.design.parameters.bone import Bone
+    from fingertip.design.parameters.parts import Bone
 
 
 ELLIPSE = math.sqrt(0.5)
@@ -251,9 +251,8 @@ class DraftedSection:
     section: CrossSection
     half_width: float
     palmar_start: float
-    """Parameter of the palmar arcs at which they take over from the straight walls."""
     dorsal_start: float
-    """Parameter of the dorsal arcs at which they take over from the straight walls."""
+    """Parameters of the palmar and the dorsal arcs at which they take over from the straight walls."""
 
 
 def add_draft(section: CrossSection, slope: float, flat: float | None = None) -> DraftedSection:

@@ -19,7 +19,7 @@ from fingertip.catalogues.hardware import LUER_DEPTH_MM, LUER_MOUTH_MM, SYRINGES
 if TYPE_CHECKING:
     from fingertip.design.geometry.dimensions import Dimensions
     from fingertip.design.parameters import Tables
-    from fingertip.design.parameters.mold import Mold
+    from fingertip.design.parameters.parts import Mold
 
 
 _GATE_TO_VENT_MM = 1.2
@@ -41,9 +41,8 @@ class Inlet:
 
     syringe: Syringe
     x: float
-    """Axis of cone and sprue, across."""
     z: float
-    """Axis of cone and sprue, along the finger."""
+    """Axis of cone and sprue."""
     gate_x: float
     """End of the runner, inside the cavity."""
     gate_z: float

@@ -13,11 +13,10 @@ from pydantic import BaseModel, ConfigDict, Field
 from pydantic.fields import FieldInfo
 
 from fingertip.catalogues.silicones import load_silicones
-from fingertip.design.parameters.bone import Bone, Hand, Strength
 from fingertip.design.parameters.declaration import Above, ParameterTable, choice, quantity, suggest_name, text
 from fingertip.design.parameters.electronics import Board, Detector
 from fingertip.design.parameters.finger import OWN, ChosenSilicone, CustomSensor, ForceCurve, Sensor, Skin
-from fingertip.design.parameters.mold import Mold, Printer
+from fingertip.design.parameters.parts import Bone, Hand, Mold, Printer, Strength
 from fingertip.foundation.errors import DesignError, Issue
 
 __all__ = ["ELECTRONIC_TABLES", "PARAMETERS", "Above", "ParameterTable", "Tables", "choice", "quantity", "text"]

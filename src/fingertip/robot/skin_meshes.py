@@ -1,12 +1,14 @@
-"""Convex pieces of the skin for collisions: slices along the finger, each its convex hull.
+"""Meshes of the skin for simulators: convex pieces for collisions, and the points of a tactile sensor.
 
-The skin is cut where its hull is farthest from it, until the pieces are near enough. A plate that lies on two of them
-meets two contacts, and so twice the stiffness: pieces are few, and none ends where a plate touches the pad.
+The pieces are slices along the finger, each its convex hull. The skin is cut where its hull is farthest from it, until
+the pieces are near enough. A plate that lies on two of them meets two contacts, and so twice the stiffness: pieces are
+few, and none ends where a plate touches the pad.
 """
 
 from __future__ import annotations
 
 import itertools
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +17,7 @@ from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_arrays, to_canonic
 from fingertip.cad.shapes.insert import skin_outline
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
+from fingertip.pad.form import PadForm
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -81,3 +84,40 @@ def _measure(pieces: list[Mesh], cuts: list[float], points: Array) -> Array:
         for block in np.array_split(near, 1 + len(near) // 2000):
             found[block] = np.abs((points[block] @ normals[sides].T - planes).max(axis=1))
     return found
+
+
+# Mesh on the skin over the sensor, at whose vertices MuJoCo's sensor `tactile` reads depth and speed of slip.
+
+SPACING_MM = 0.5
+"""Distance of the vertices. At 1 mm the deepest point of a light press lies between them."""
+_STEP_MM = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class TactileMesh:
+    points_mm: Array
+    normals: Array
+    """Outward normal of each point, and the two directions along the skin in which slip is read: across, to the tip."""
+    triangles: Array
+
+
+def mesh_active_area(form: PadForm) -> TactileMesh:
+    """Mesh the square around the active area, in the axes of the design."""
+    radius, count = form.active_radius_mm, 2 * round(form.active_radius_mm / SPACING_MM) + 1
+    line = np.linspace(-radius, radius, count)
+    x, z = (part.ravel() for part in np.meshgrid(line, form.sensor_z_mm + line, indexing="ij"))
+    slope_x = (form.skin_mm(x + _STEP_MM, z) - form.skin_mm(x - _STEP_MM, z)) / (2 * _STEP_MM)
+    slope_z = (form.skin_mm(x, z + _STEP_MM) - form.skin_mm(x, z - _STEP_MM)) / (2 * _STEP_MM)
+    out = _unit(np.stack([-slope_x, -np.ones_like(x), -slope_z], axis=1))
+    across = _unit(np.array([1.0, 0.0, 0.0]) - out[:, :1] * out)
+    corner = np.arange(count * count).reshape(count, count)
+    a, b, c, d = (part.ravel() for part in (corner[:-1, :-1], corner[1:, :-1], corner[:-1, 1:], corner[1:, 1:]))
+    triangles = np.concatenate([np.stack([a, b, c], axis=1), np.stack([b, d, c], axis=1)])
+    points = np.stack([x, -form.skin_mm(x, z), z], axis=1)
+    normals: Array = np.concatenate([out, across, np.cross(out, across)], axis=1)
+    return TactileMesh(points.round(6), normals.round(9), triangles)  # processors differ in digits beyond these
+
+
+def _unit(vectors: Array) -> Array:
+    lengths: Array = np.linalg.norm(vectors, axis=1)
+    return vectors / lengths[:, None]

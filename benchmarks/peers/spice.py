@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fingertip.foundation.files import TemporaryFolder
+from fingertip.foundation.files import temporary_folder
 from fingertip.foundation.numerics import Array
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 
@@ -61,19 +61,19 @@ class Spice:
 
     def simulate(self, reltol: float, longest_s: float) -> tuple[Array, Array, Array]:
         """Return time [s], filtered voltage and envelope [V] at ngspice's own time points."""
-        with TemporaryFolder() as folder:
+        with temporary_folder() as folder:
             self._run(folder, self.end_s, reltol, longest_s, _WRITE)
             t, filtered, envelope = read_points(folder)
         return t, filtered, envelope
 
     def measure_cpu_s(self, reltol: float, longest_s: float) -> float:
         """Measure the CPU time of the integration [s]."""
-        with TemporaryFolder() as folder:
+        with temporary_folder() as folder:
             return self._run(folder, self.end_s, reltol, longest_s, "") - self._start_up_s(folder)
 
     def measure_start_up_s(self) -> float:
         """Measure the CPU time of the program's start and of reading the deck [s]."""
-        with TemporaryFolder() as folder:
+        with temporary_folder() as folder:
             return self._start_up_s(folder)
 
     def _start_up_s(self, folder: Path) -> float:

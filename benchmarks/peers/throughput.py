@@ -21,7 +21,7 @@ from benchmarks.peers.native import NATIVE, NativeSolvers
 from benchmarks.peers.spice import Spice
 from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TraceError
-from fingertip.foundation.files import TemporaryFolder
+from fingertip.foundation.files import temporary_folder
 from fingertip.sim.runs.files import SceneFile
 from fingertip.sim.runs.manipulation import run_manipulation
 from fingertip.sim.runs.motion import FixedGrip
@@ -131,7 +131,7 @@ def measure_boards(count: int) -> dict[str, Any]:
 
 def measure_first_run() -> dict[str, Any]:
     """Measure the CPU time of a fresh process that uses the loops [s], with an empty and with a full compiler cache."""
-    with TemporaryFolder() as folder:
+    with temporary_folder() as folder:
         times = []
         for _ in range(2):
             done = subprocess.run(

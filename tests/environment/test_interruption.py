@@ -16,7 +16,7 @@ from fingertip.cli.options import command
 from fingertip.foundation import files as temporary
 from fingertip.foundation import interruption
 from fingertip.foundation.errors import OutputError
-from fingertip.foundation.files import TemporaryFolder
+from fingertip.foundation.files import temporary_folder
 from fingertip.foundation.interruption import Interruption
 from tests.conftest import run_python
 
@@ -160,7 +160,7 @@ def test_a_killed_build_leaves_no_process_and_the_next_one_removes_its_folder(
         time.sleep(0.05)
     assert len(list(place.iterdir())) == 1
     monkeypatch.setattr("tempfile.tempdir", str(place))
-    with TemporaryFolder() as folder:
+    with temporary_folder() as folder:
         assert list(place.iterdir()) == [folder]
     assert list(place.iterdir()) == []
 
@@ -178,7 +178,7 @@ def test_folders_in_use_and_those_of_others_are_left_alone(place: Path, monkeypa
     (place / "fingertip-tmp-file").write_text("mine")
 
     def interrupt() -> None:
-        with TemporaryFolder() as first, TemporaryFolder() as second:
+        with temporary_folder() as first, temporary_folder() as second:
             (second / "a").write_text("b")
             temporary.remove_leftovers(place)
             assert first.is_dir()
@@ -208,7 +208,7 @@ def test_a_new_folder_that_another_process_takes_for_a_leftover_is_made_again(
         return lock(path, wait=wait)
 
     monkeypatch.setattr(temporary, "_lock", lose_the_first)
-    with TemporaryFolder() as folder:
+    with temporary_folder() as folder:
         assert folder.is_dir()
     assert calls > 2
 
@@ -216,11 +216,11 @@ def test_a_new_folder_that_another_process_takes_for_a_leftover_is_made_again(
 def test_no_place_for_temporary_files_is_a_sentence(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "missing"))
     with pytest.raises(OutputError, match=r"missing: cannot be written \(No such file.*set TMPDIR to another folder"):
-        TemporaryFolder()
+        temporary_folder().__enter__()
 
     def refuse() -> str:
         raise FileNotFoundError(2, "No usable temporary directory found in ['/tmp']")
 
     monkeypatch.setattr("tempfile.gettempdir", refuse)
     with pytest.raises(OutputError, match="TMPDIR: no folder for temporary files can be written; set it to one"):
-        TemporaryFolder()
+        temporary_folder().__enter__()

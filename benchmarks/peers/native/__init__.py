@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from fingertip.foundation.files import TemporaryFolder
+from fingertip.foundation.files import temporary_folder
 from fingertip.foundation.numerics import Array
 
 _FLAGS = ("-O3", "-march=native", "-shared", "-fPIC", "-std=c11", "-D_POSIX_C_SOURCE=199309L", "-Wl,--no-undefined")
@@ -125,7 +125,7 @@ def compile_solvers(names: Iterable[str], compiler: str = "cc") -> Iterator[Nati
         return
     version = subprocess.run([program, "--version"], capture_output=True, text=True).stdout.partition("\n")[0]
     found, missing, compilation_s = {}, {}, {}
-    with TemporaryFolder() as folder, as_file(files(__name__)) as sources:
+    with temporary_folder() as folder, as_file(files(__name__)) as sources:
         for name in wanted:
             source, before = _SOURCES[name], _children_cpu_s()
             targets = {problem: folder / f"{problem}_{name}.so" for problem in ("contact", "board")}

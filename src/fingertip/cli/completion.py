@@ -46,10 +46,7 @@ def first_sentence(text: str) -> str:
 
 
 def _words(*words: str) -> Callable[[], Iterable[str]]:
-    def complete() -> Iterable[str]:
-        return words
-
-    return complete
+    return lambda: words
 
 
 def _files(*kinds: str) -> Callable[[str], Iterable[str]]:

@@ -29,6 +29,7 @@ def params(
 ) -> None:
     """Print every parameter with its value, unit, bounds and description."""
     from fingertip.design import files as export
+    from fingertip.design.parameters import Tables
 
     issues = list(find_file_issues("--html", html, ".html"))
     if schema or toml:
@@ -36,7 +37,7 @@ def params(
     refuse(issues)
     loaded = load_design(design, changes, console)
     if schema:  # The schema is JSON with and without --json.
-        console.write(json.dumps(export.json_schema(), indent=2))
+        console.write(json.dumps(Tables.model_json_schema(), indent=2))
     elif toml:
         text = export.to_toml(loaded)
         console.result({"toml": text}, text.removesuffix("\n"))

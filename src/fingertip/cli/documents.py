@@ -221,7 +221,7 @@ def studio(
     import contextlib
     import webbrowser
 
-    from fingertip.foundation.files import TemporaryFolder
+    from fingertip.foundation.files import temporary_folder
     from fingertip.foundation.interruption import INTERRUPTIONS
     from fingertip.studio.server import StudioServer
 
@@ -232,7 +232,7 @@ def studio(
             console.progress("Ctrl-C ends it")
             with contextlib.ExitStack() as stack:
                 if not no_browser:
-                    way_in = server.write_way_in(stack.enter_context(TemporaryFolder()))
+                    way_in = server.write_way_in(stack.enter_context(temporary_folder()))
                     if not webbrowser.open(way_in.as_uri()):
                         console.progress("no browser was found; open the address above in one of this machine")
                 server.serve_forever()

@@ -11,7 +11,7 @@ import typer
 from fingertip.cli.console import Console
 from fingertip.cli.options import ForceOption, command, find_file_issues, find_idle_issues
 from fingertip.foundation.errors import FingertipError, gather
-from fingertip.foundation.files import TemporaryFolder
+from fingertip.foundation.files import temporary_folder
 
 if TYPE_CHECKING:
     from fingertip.sim import ManipulationResult, SceneRecord, Simulation
@@ -98,7 +98,7 @@ def simulate(
     path = out or SIGNAL.folder(simulation.design) / f"{simulation.name}.csv"
     if out is None:  # refused before the work starts
         SIGNAL.writer(simulation.design, path.parent, force).check((path.name,))
-    with TemporaryFolder() as folder:
+    with temporary_folder() as folder:
         finished = folder / path.name
         with open_atomic(out) if out else finished.open("wb") as opened:
             record, grips_s, picture = _simulate(simulation, opened, path, grip, plot is not None, console.progress)

@@ -159,11 +159,6 @@ def format_value(value: Any) -> str:
     return str(value)
 
 
-def json_schema() -> dict[str, Any]:
-    """Return the JSON schema of a design file, which editors of TOML use too."""
-    return Tables.model_json_schema()
-
-
 def to_toml(design: Tables, heading: str = "") -> str:
     """Write a whole design as TOML that reads back as equal, with descriptions and bounds as comments."""
     import tomlkit  # noqa: PLC0415

@@ -88,8 +88,7 @@ class Design(DesignTables):
         more = f", {len(changed) - MAX_SHOWN} more" if len(changed) > MAX_SHOWN else ""
         return f"Design({', '.join([repr(self.name), *changed[:MAX_SHOWN]])}{more})"
 
-    def __str__(self) -> str:
-        return repr(self)
+    __str__ = __repr__
 
     def _repr_html_(self) -> str:
         """Table of the parameters that differ from the default design, for Jupyter."""

@@ -107,23 +107,16 @@ def format_csv(columns: Iterable[str], rows: Iterable[Iterable[object]]) -> byte
 _FOLDER_PREFIX = "fingertip-tmp-"
 
 
-class TemporaryFolder:
-    """Folder for this process and its children; a context manager that gives its path. Raises OutputError."""
-
-    def __init__(self) -> None:
-        self.path, self._lock = _make_locked()
-
-    def __enter__(self) -> Path:
-        return self.path
-
-    def __exit__(self, *_: object) -> None:
-        self.remove()
-
-    def remove(self) -> None:
-        shutil.rmtree(self.path, ignore_errors=True)
-        if self._lock is not None:
-            os.close(self._lock)
-            self._lock = None
+@contextlib.contextmanager
+def temporary_folder() -> Iterator[Path]:
+    """Make a folder for this process and its children. Raises OutputError."""
+    path, lock = _make_locked()
+    try:
+        yield path
+    finally:
+        shutil.rmtree(path, ignore_errors=True)
+        if lock is not None:
+            os.close(lock)
 
 
 def _make_locked() -> tuple[Path, int | None]:

@@ -74,14 +74,10 @@ _DEVICES = frozenset({"CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$"}) | {
 """Names that are devices on Windows, whatever their ending."""
 _MAX_NAME_BYTES = 240
 """Maximum length of a name; file systems take 255 bytes, and a name may get a prefix for a moment."""
-_KINDS = (
-    (stat.S_ISLNK, "is a link"),
-    (stat.S_ISDIR, "is a folder"),
-    (stat.S_ISFIFO, "is a pipe"),
-    (stat.S_ISSOCK, "is a socket"),
-    (stat.S_ISCHR, "is a device"),
-    (stat.S_ISBLK, "is a device"),
-)
+_KINDS = {
+    stat.S_IFLNK: "a link", stat.S_IFDIR: "a folder", stat.S_IFIFO: "a pipe", stat.S_IFSOCK: "a socket",
+    stat.S_IFCHR: "a device", stat.S_IFBLK: "a device",
+}  # fmt: skip
 
 
 def is_safe_name(name: object) -> TypeGuard[str]:
@@ -197,8 +193,8 @@ def _remedy(wanted: str, below: Path | None) -> str:
 
 def _check_status(path: Path, status: os.stat_result, limit: Limit | None, remedy: str) -> int:
     if not stat.S_ISREG(status.st_mode):
-        kind = next((text for is_kind, text in _KINDS if is_kind(status.st_mode)), "is no regular file")
-        raise InputFileError(Issue(str(path), f"{kind}, not a regular file; {remedy}"))
+        kind = _KINDS.get(stat.S_IFMT(status.st_mode), "no regular file")
+        raise InputFileError(Issue(str(path), f"is {kind}, not a regular file; {remedy}"))
     if limit is not None and status.st_size > limit.value:
         raise _too_large(path, status.st_size, limit)
     return status.st_size

@@ -95,18 +95,12 @@ class CompiledLoop:
 
     def __call__(self, *arguments: Any) -> None:
         """Run the loop over one chunk, in the form that the module's policy selects."""
-        if self._select_compiled(len(arguments[self._samples])):
+        work_s = self._plain_s * len(arguments[self._samples])
+        self._asked_s += work_s
+        if work_s >= CALL_S and (_always_compile or (self._asked_s >= LOAD_S and available())):
             self._run_compiled(arguments)
         else:
             self._run_plain(arguments)
-
-    def _select_compiled(self, samples: int) -> bool:
-        """Decide for a call with this many samples, and add its work to the loop's sum."""
-        work_s = self._plain_s * samples
-        self._asked_s += work_s
-        if work_s < CALL_S:
-            return False
-        return _always_compile or (self._asked_s >= LOAD_S and available())
 
     def _run_plain(self, arguments: tuple[Any, ...]) -> None:
         lists = [a.tolist() if isinstance(a, np.ndarray) else a for a in arguments]

@@ -18,19 +18,7 @@ from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import build_network
 from fingertip.board.fabrication.bom import PRICE
 from fingertip.board.kicad.sexpr import read_expression
-from fingertip.catalogues.output_files import (
-    ASSEMBLY_DRAWING,
-    BOARD_FOLDER,
-    BOM,
-    BRING_UP,
-    CHANNEL_SHEET,
-    LAYOUT,
-    PROJECT,
-    README,
-    SCHEMATIC,
-    VALUES,
-    WIRING,
-)
+from fingertip.catalogues import output_files as outputs
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.page.html import Markup, element, embed, figure, fold, join, list_links, note, quantity, scrolling, table
@@ -41,7 +29,7 @@ from fingertip.page.sources import COMMANDS, Sources
 from fingertip.page.svg import Axis, Frame, figure_svg, legend, line
 
 _COLUMNS = ("Quantity", "References", "Value", "Footprint", "Rating", "Manufacturer", "MPN", "LCSC", PRICE, "Note")
-_FILES = (README, BOM, BRING_UP, WIRING, ASSEMBLY_DRAWING, PROJECT)
+_FILES = (outputs.README, outputs.BOM, outputs.BRING_UP, outputs.WIRING, outputs.ASSEMBLY_DRAWING, outputs.PROJECT)
 _BOM_CAPTION = "bill of materials; board/bom.csv names the source of each number; prices are estimates of November 2026"
 _NOTES = ("Before you apply power", "Channels", "Connectors", "Test points", "Before you order", "Order form")
 """Sections of the board's README that a page shows."""
@@ -58,14 +46,14 @@ _BACK = (
 
 
 def render_board(sources: Sources) -> Markup:
-    if BOARD_FOLDER in sources.remarks:
-        return note(sources.remarks[BOARD_FOLDER])
+    if outputs.BOARD_FOLDER in sources.remarks:
+        return note(sources.remarks[outputs.BOARD_FOLDER])
+    read = outputs.LAYOUT, outputs.SCHEMATIC, outputs.CHANNEL_SHEET, outputs.BOM, outputs.VALUES, outputs.README
     layout, schematic, channel, bom, values, readme, bring_up = (
-        sources.text(f"{BOARD_FOLDER}/{name}")
-        for name in (LAYOUT, SCHEMATIC, CHANNEL_SHEET, BOM, VALUES, README, BRING_UP)
+        sources.text(f"{outputs.BOARD_FOLDER}/{name}") for name in (*read, outputs.BRING_UP)
     )
     links, sections = sources.links, split_sections(readme or "")
-    named = [path for path in (f"{BOARD_FOLDER}/{name}" for name in _FILES) if path in links]
+    named = [path for path in (f"{outputs.BOARD_FOLDER}/{name}" for name in _FILES) if path in links]
     parts = [element("p", "Files of the board:"), list_links(named, links, "files")] if named else []
     folded = list[tuple[str, Markup]]()
     buy = fold("What to buy for the board", render_bom(bom), state="roomy") if bom else Markup("")
@@ -91,12 +79,12 @@ def render_board(sources: Sources) -> Markup:
     folded += [(heading, render(sections[heading], links)) for heading in _NOTES if heading in sections]
     if bring_up:
         folded.append(("Bring-up with a multimeter", render(bring_up.partition("\n")[2], links)))
-    if wiring := sources.files.get(f"{BOARD_FOLDER}/{WIRING}"):
+    if wiring := sources.files.get(f"{outputs.BOARD_FOLDER}/{outputs.WIRING}"):
         drawn = element("img", src=embed(wiring, "image/svg+xml"), alt="Wiring of sensor, board and controller")
         folded.append(("How to connect it", figure(drawn, "", "wiring", "paper")))
     parts += [fold(title, content) for title, content in folded]
     if not bring_up:
-        made = element("code", COMMANDS[BOARD_FOLDER])
+        made = element("code", COMMANDS[outputs.BOARD_FOLDER])
         parts.append(note("There is no bring-up sheet: in the folder of this page, ", made, " makes it."))
     return join(parts)
 

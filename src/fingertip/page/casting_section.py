@@ -6,15 +6,7 @@ from collections.abc import Callable, Mapping
 
 from fingertip.cad.printing.print_files import parts_on_plates
 from fingertip.cad.printing.settings import FDM
-from fingertip.catalogues.output_files import (
-    ACCEPTANCE,
-    BOARD_FOLDER,
-    PRINT_FOLDER,
-    README,
-    SHEET,
-    SIGNAL_FOLDER,
-    STEPS_FOLDER,
-)
+from fingertip.catalogues import output_files as outputs
 from fingertip.design import Design
 from fingertip.design.files import list_parameters
 from fingertip.documents.start import render_basis_table
@@ -34,7 +26,7 @@ _PLATE_KINDS = {"fdm": "filament", "sla": "resin"}
 def render_printing(sources: Sources) -> Markup:
     """Render the files for the printer with what each holds, and how to print them."""
     rows, filament = [], parts_on_plates(sources.design, FDM)
-    for path, found in sources.report.get(PRINT_FOLDER, {}).items():
+    for path, found in sources.report.get(outputs.PRINT_FOLDER, {}).items():
         if path in sources.links:
             # A part alone is for any printer, but if its strength or the primer asks for resin.
             alone = "any" if set(found["parts"]) <= set(filament) else "resin"
@@ -44,26 +36,26 @@ def render_printing(sources: Sources) -> Markup:
     files = table(
         ("file", "printer", "holds"), sorted(rows, key=lambda row: row[0].endswith("stl</a>")), "files to print"
     )
-    text = split_sections(sources.files[SHEET].decode()).get(_PRINTING, "")
-    missing = note(element("code", COMMANDS[PRINT_FOLDER]), " makes plates and parts as they lie on the bed.")
+    text = split_sections(sources.files[outputs.SHEET].decode()).get(_PRINTING, "")
+    missing = note(element("code", COMMANDS[outputs.PRINT_FOLDER]), " makes plates and parts as they lie on the bed.")
     return join((files if rows else missing, fold("How to print", render(text, sources.links), state="roomy")))
 
 
 def render_tests(sources: Sources) -> Markup:
-    lead, *sections = split_sections(sources.text(ACCEPTANCE) or "").items()
+    lead, *sections = split_sections(sources.text(outputs.ACCEPTANCE) or "").items()
     if not sections:
-        return note("There is no acceptance sheet: ", element("code", COMMANDS[SIGNAL_FOLDER]), " makes it.")
+        return note("There is no acceptance sheet: ", element("code", COMMANDS[outputs.SIGNAL_FOLDER]), " makes it.")
     folded = (fold(title, render(text, sources.links), state="roomy") for title, text in sections)
     return join((render(lead[1].partition("\n")[2]), *folded))
 
 
 def render_shopping(sources: Sources) -> Markup:
     """Render what to buy with boxes to tick: what goes into finger and mold, then supplies and tools, then plugs."""
-    text = split_sections(sources.files[SHEET].decode()).get(_BUY, "")
+    text = split_sections(sources.files[outputs.SHEET].decode()).get(_BUY, "")
     casting = sources.report.get("casting") or {}
     supplies = {supply["item"] for supply in casting.get("supplies", ())}
     parts = [render_list(text, lambda line: line.split("|")[2].strip() in supplies, sources.links)]
-    plugs = split_sections(sources.text(f"{BOARD_FOLDER}/{README}") or "").get("What else to buy")
+    plugs = split_sections(sources.text(f"{outputs.BOARD_FOLDER}/{outputs.README}") or "").get("What else to buy")
     if plugs:
         parts.append(fold("Plugs and wires of the board", render(plugs, sources.links, **_TICKED)))
     said = ("The parts on the board stand ", element("a", "with its pictures", href="#board"), ".")
@@ -84,13 +76,13 @@ def render_list(text: str, is_bench: Callable[[str], bool], links: Mapping[str, 
 
 def render_casting(sources: Sources) -> Markup:
     """Render the casting sheet without what to print and to buy, its procedure as steps with pictures."""
-    sections = split_sections(sources.files[SHEET].decode())
+    sections = split_sections(sources.files[outputs.SHEET].decode())
     parts = [render(sections.pop("").partition("\n")[2])]
     for heading, text in sections.items():
         if heading == _PROCEDURE:
             parts.append(element("h3", "Step by step"))
-            if STEPS_FOLDER in sources.remarks:
-                parts.append(note(sources.remarks[STEPS_FOLDER]))
+            if outputs.STEPS_FOLDER in sources.remarks:
+                parts.append(note(sources.remarks[outputs.STEPS_FOLDER]))
             parts.append(list_steps(text, sources.links))
         elif heading not in (_BUY, _PRINTING):
             state, name = ("roomy" if heading in _OPEN else ""), ("plan" if heading == _PLAN else "")

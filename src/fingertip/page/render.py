@@ -13,7 +13,7 @@ from fingertip.page.model_section import list_items, measure_finger, render_mode
 from fingertip.page.pad_section import render_pad
 from fingertip.page.parameters_and_checks import render_checks, render_parameters, render_verdict, tell_verdict
 from fingertip.page.sources import Sources
-from fingertip.page.tabs import Tab, render_finger, render_first_screen, render_tabs
+from fingertip.page.tabs import render_finger, render_first_screen, render_tabs
 from fingertip.page.trial_section import render_trial
 from fingertip.pictures.steps.pictures import draw_finger
 
@@ -45,19 +45,19 @@ def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:
     start = render_start(design, sources.report, measure_finger(items), sources.links, steps, verdict)
     picture = render_finger(prepared.finger, "The finished finger, computed: from the back, and from the palm.")
     tabs = (
-        Tab("start", "Start", (
+        ("start", "Start", (
             render_first_screen(start, picture, sources.links),
             element("h2", "In three dimensions", id="model"), render_no_view(), render_model(items),
         )),
-        Tab("print", "Print", (
+        ("print", "Print", (
             _title("Print the parts"), casting_section.render_printing(sources),
             _title("Dimensioned drawing", "drawing"), casting_section.render_drawing(sources),
         )),
-        Tab("buy", "Buy", (_title("What to buy"), casting_section.render_shopping(sources))),
-        Tab("cast", "Cast", (_title("Cast the skin", "casting"), cast)),
-        Tab("board", "Board", (_title("The board"), render_board(sources))),
-        Tab("test", "Test", (_title("Test the sensor and the finished finger"), casting_section.render_tests(sources))),
-        Tab("more", "More", tuple(
+        ("buy", "Buy", (_title("What to buy"), casting_section.render_shopping(sources))),
+        ("cast", "Cast", (_title("Cast the skin", "casting"), cast)),
+        ("board", "Board", (_title("The board"), render_board(sources))),
+        ("test", "Test", (_title("Test the sensor and the finished finger"), casting_section.render_tests(sources))),
+        ("more", "More", tuple(
             fold(title, content, name=name, state="roomy" if name in ("checks", "basis") else "", level=2)
             for name, title, content in (
                 ("basis", "What is simulated and what is measured", casting_section.render_basis(design)),

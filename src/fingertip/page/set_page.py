@@ -38,24 +38,24 @@ def render_set_page(
     ]
     overview, plan, parts, acceptance = (split_sections(text) for text in sheets)
     hand, shopping, tests, castings = (each.pop("").partition("\n")[2] for each in (overview, parts, acceptance, plan))
-    tabs = [
-        Tab("start", "Start", (
+    tabs: list[Tab] = [
+        ("start", "Start", (
             render_first_screen(start, element("div", *drawn, class_="fingers"), links),
             fold("Checks and joint", render(overview["Checks and joint"], links), state="roomy"),
             fold("Every step in words", render(overview["What to do"], links), name="steps"),
         )),
-        Tab("print", "Print", (element("h2", "Print the parts"), render(overview["To print"], links))),
-        Tab("buy", "Buy", (
+        ("print", "Print", (element("h2", "Print the parts"), render(overview["To print"], links))),
+        ("buy", "Buy", (
             element("h2", "What to buy", id="parts-list"),
             render_list(shopping, lambda line: "| bench |" in line, links),
         )),
-        Tab("cast", "Cast", (
+        ("cast", "Cast", (
             element("h2", "Cast the skins", id="casting-plan"), render(castings, links),
             *(fold(title, render(text, links, **_TICKED), state="roomy" if title == "Days" else "")
               for title, text in plan.items()),
         )),
-        Tab("board", "Board", (element("h2", "Fingers and their boards"), render(hand, links), _list_board(links))),
-        Tab("test", "Test", (
+        ("board", "Board", (element("h2", "Fingers and their boards"), render(hand, links), _list_board(links))),
+        ("test", "Test", (
             element("h2", "Test the fingers", id="acceptance"), render(tests, links),
         )),
     ]  # fmt: skip

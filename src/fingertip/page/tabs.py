@@ -5,8 +5,7 @@ Without a script the panels stand one below the other, and the tabs are links to
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
 
 from fingertip.foundation.version import __version__
 from fingertip.page.html import Markup, element, embed, join, read_asset, render_document
@@ -15,27 +14,22 @@ from fingertip.page.markdown import render, split_sections
 _BEFORE = "Before you begin"
 
 
-@dataclass(frozen=True)
-class Tab:
-    name: str
-    """Name of its panel, by which links lead to it."""
-    label: str
-    content: tuple[Markup, ...]
+Tab = tuple[str, str, tuple[Markup, ...]]
+"""Name of a panel, by which links lead to it, its label and its content."""
 
 
 def render_tabs(
     name: str,
     title: str,
-    tabs: Iterable[Tab],
+    tabs: Sequence[Tab],
     scripts: Iterable[str] = (),
     banner: Iterable[Markup] = (),
     end: Iterable[Markup] = (),
 ) -> bytes:
     """Render a page of tabs; `banner` stands above all of them, `end` below."""
-    tabs = tuple(tabs)
-    links = (element("li", element("a", tab.label, href=f"#{tab.name}", id=f"tab-{tab.name}")) for tab in tabs)
+    links = (element("li", element("a", label, href=f"#{to}", id=f"tab-{to}")) for to, label, _ in tabs)
     panels = (
-        element("section", *tab.content, id=tab.name, class_="panel", aria_labelledby=f"tab-{tab.name}") for tab in tabs
+        element("section", *content, id=to, class_="panel", aria_labelledby=f"tab-{to}") for to, _, content in tabs
     )
     body = (
         element("a", "Skip to the content", href="#content", class_="skip"),

@@ -12,7 +12,7 @@ import numpy as np
 
 from fingertip.catalogues.output_files import DETECTION, SIGNAL_FOLDER, TRACE
 from fingertip.detection.files import detect_file
-from fingertip.foundation.files import TemporaryFolder
+from fingertip.foundation.files import temporary_folder
 from fingertip.foundation.numerics import Array
 from fingertip.page.html import Markup, element, figure, join, note
 from fingertip.page.sources import COMMANDS, Sources
@@ -160,7 +160,7 @@ def render_trial(sources: Sources) -> Markup:
     detection = sources.files.get(f"{SIGNAL_FOLDER}/{DETECTION}")
     # Without a detection beside the trace, the best detector there is.
     detector = str(json.loads(detection)["detector"]) if detection else "fast"
-    with TemporaryFolder() as temporary:
+    with temporary_folder() as temporary:
         path = temporary / TRACE
         path.write_bytes(trace)
         found = detect_file(path, sources.design, detector, origin=parse_origin(detection))

@@ -9,7 +9,7 @@ from fingertip.catalogues import output_files
 from fingertip.design import Design
 from fingertip.detection.files import FileDetection, detect_file
 from fingertip.foundation import extras
-from fingertip.foundation.files import TemporaryFolder
+from fingertip.foundation.files import temporary_folder
 from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.sim.runs.files import SceneFile
 from fingertip.sim.runs.scene import run_scene
@@ -36,7 +36,7 @@ def simulate_and_detect(
     result = run_scene(design, scene)
     contents = {output_files.TRACE: encode_trace(result.time_s, result.columns, Path(output_files.TRACE))}
     work.begin("detection of slip in it")
-    with TemporaryFolder() as temporary:
+    with temporary_folder() as temporary:
         path = temporary / output_files.TRACE
         path.write_bytes(contents[output_files.TRACE])
         found = detect_file(path, design, DETECTOR, origin=result.trace.origin)

@@ -20,7 +20,7 @@ from fingertip.board.fabrication.bom import ASSEMBLY_BOM, ASSEMBLY_PLACEMENT, as
 from fingertip.board.kicad.placement import Placement
 from fingertip.board.parts.circuit import Circuit
 from fingertip.foundation.errors import BoardError, InputFileError, MissingLibraryError
-from fingertip.foundation.files import TemporaryFolder
+from fingertip.foundation.files import temporary_folder
 from fingertip.foundation.folder_swap import hash_content
 from fingertip.foundation.input_files import OUTPUT_LIMIT, PARSED_LIMIT, read_input
 from fingertip.foundation.progress import Work
@@ -88,7 +88,7 @@ def fabrication_files(
 def kicad_session(board_files: dict[str, bytes], progress: Progress) -> Iterator[tuple[Path, RunKicad]]:
     """Provide a temporary folder with the board's files, and a function that runs kicad-cli in it."""
     kicad = find_kicad()
-    with TemporaryFolder() as folder:
+    with temporary_folder() as folder:
         for file, data in board_files.items():
             (folder / file).parent.mkdir(parents=True, exist_ok=True)
             (folder / file).write_bytes(data)

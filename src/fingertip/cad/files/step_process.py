@@ -19,7 +19,7 @@ from typing import Any
 
 from fingertip.design.geometry.solids import Solid
 from fingertip.foundation.errors import FingertipError, GeometryError, Issue
-from fingertip.foundation.files import TemporaryFolder
+from fingertip.foundation.files import temporary_folder
 from fingertip.foundation.processes import python_command, python_environment
 
 TIME_LIMIT_S = 180.0
@@ -79,7 +79,7 @@ class StepProcess:
     @contextlib.contextmanager
     def start(cls, job: StepJob) -> Iterator[StepProcess]:
         """Start a job in a process that ends with the block."""
-        with TemporaryFolder() as folder:
+        with temporary_folder() as folder:
             process = subprocess.Popen(
                 python_command("fingertip.cad.files.step_worker", str(folder)),
                 stdin=subprocess.PIPE,

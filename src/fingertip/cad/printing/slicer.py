@@ -15,7 +15,7 @@ from fingertip.cad.printing.overhang import OVERHANG_DEG
 from fingertip.cad.printing.settings import FIRST_LAYER_MM, LAYER_MM
 from fingertip.design import Design
 from fingertip.foundation.errors import GeometryError, Issue
-from fingertip.foundation.files import TemporaryFolder
+from fingertip.foundation.files import temporary_folder
 
 PROGRAM = "prusa-slicer"
 HOW_TO_INSTALL = "on Debian or Ubuntu: apt-get install prusa-slicer"
@@ -53,7 +53,7 @@ def slice_to_gcode(program: Path, name: str, plate: bytes, design: Design, layer
     Raises GeometryError.
     """
     x, y = design.printer.bed_x_mm, design.printer.bed_y_mm
-    with TemporaryFolder() as folder:
+    with temporary_folder() as folder:
         part, gcode = folder / f"{name}.3mf", folder / f"{name}.gcode"
         part.write_bytes(plate)
         command = [str(program), "--export-gcode", "--dont-arrange", "--bed-shape", f"0x0,{x:g}x0,{x:g}x{y:g},0x{y:g}"]

@@ -19,13 +19,7 @@ Point3: TypeAlias = tuple[float, float, float]
 
 def axis_point(axis: Axis, u: float, v: float, w: float) -> Point3:
     """Return (x, y, z) at `w` along an axis and (`u`, `v`) across it, in cyclic order: (y, z), (z, x) or (x, y)."""
-    match axis:
-        case "x":
-            return w, u, v
-        case "y":
-            return v, w, u
-        case "z":
-            return u, v, w
+    return {"x": (w, u, v), "y": (v, w, u), "z": (u, v, w)}[axis]
 
 
 @dataclass(frozen=True)

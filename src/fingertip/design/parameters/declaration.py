@@ -64,15 +64,14 @@ def text(default: str, description: str, *, pattern: str, allowed: str) -> Any:
     return Field(default, pattern=pattern, description=description, json_schema_extra={"allowed": allowed})
 
 
-def find_allowed(field: FieldInfo) -> str:
-    """Return what a text may hold, as a part of a sentence; "" if the parameter is no text declared here."""
+def find_extra(field: FieldInfo, key: str) -> str:
+    """Return what the declaration of a field adds under a key, such as "unit"; "" where it adds nothing."""
     extra = field.json_schema_extra
-    return str(extra.get("allowed", "")) if isinstance(extra, dict) else ""
+    return str(extra.get(key, "")) if isinstance(extra, dict) else ""
 
 
 def find_unit(field: FieldInfo) -> str:
-    extra = field.json_schema_extra
-    return str(extra.get("unit", "")) if isinstance(extra, dict) else ""
+    return find_extra(field, "unit")
 
 
 def find_bounds(field: FieldInfo) -> Bounds:
@@ -212,8 +211,8 @@ def _describe(details: Any, model: type[BaseModel]) -> Issue:
             return Issue(field, f"{shown} is not a table; write [{field}] and its entries below it.")
         case "model_type":
             return Issue(field, f"{shown} is not a table; {_show_parameter(location, model)}.")
-        case "string_pattern_mismatch" if isinstance(info, FieldInfo) and find_allowed(info):
-            return Issue(field, f"{shown} cannot stand here; {find_allowed(info)}.")
+        case "string_pattern_mismatch" if isinstance(info, FieldInfo) and (allowed := find_extra(info, "allowed")):
+            return Issue(field, f"{shown} cannot stand here; {allowed}.")
         case "string_pattern_mismatch":
             return Issue(field, f"{shown} cannot name a folder; use up to 40 letters, digits, - and _.")
     return Issue(field, f"{shown} is not valid: {details['msg']}.")

@@ -4,18 +4,8 @@ from __future__ import annotations
 
 import math
 
-from fingertip.design.formulas import filter as filter_components
+from fingertip.design.formulas import filter as formulas
 from fingertip.design.formulas.amplifiers import BAND_CUTOFFS
-from fingertip.design.formulas.filter import (
-    CAPACITOR_SERIES,
-    MAX_1206_F,
-    MAX_OHM,
-    MIN_CUTOFF_RATIO,
-    MIN_OHM,
-    find_preferred_neighbours,
-    to_farads,
-    upper_headroom_v,
-)
 from fingertip.design.geometry import DesignTables
 from fingertip.design.rules.ruleset import Interval, Limit, Ruleset, Violation, at_least, at_most
 
@@ -49,16 +39,16 @@ def envelope_capacitor_fits_its_footprint(design: DesignTables) -> Violation | N
 
 @RULES.rule("board.capacitor_uf", when=lambda design: design.board.capacitor_series == "given")
 def filter_resistors_in_range(design: DesignTables) -> Violation | None:
-    c_f, f_c = to_farads(design.board.capacitor_uf), design.board.cutoff_hz
+    c_f, f_c = formulas.to_farads(design.board.capacitor_uf), design.board.cutoff_hz
     # R2 is the smallest of the three and R3 the largest.
-    smallest, largest = filter_components.r2_ohm(f_c, c_f), filter_components.r3_ohm(f_c, c_f)
+    smallest, largest = formulas.r2_ohm(f_c, c_f), formulas.r3_ohm(f_c, c_f)
     return _check_resistors("capacitor_uf", "cutoff_hz", ("R2", smallest), ("R3", largest), design)
 
 
 @RULES.rule("board.envelope_capacitor_uf", when=lambda design: design.board.capacitor_series == "given")
 def envelope_resistor_in_range(design: DesignTables) -> Violation | None:
-    c_f, f_lp = to_farads(design.board.envelope_capacitor_uf), design.board.envelope_cutoff_hz
-    r_lp = ("R_LP", filter_components.r_lp_ohm(f_lp, c_f))
+    c_f, f_lp = formulas.to_farads(design.board.envelope_capacitor_uf), design.board.envelope_cutoff_hz
+    r_lp = ("R_LP", formulas.r_lp_ohm(f_lp, c_f))
     return _check_resistors("envelope_capacitor_uf", "envelope_cutoff_hz", r_lp, r_lp, design)
 
 
@@ -76,11 +66,11 @@ def selected_envelope_capacitor_exists(design: DesignTables) -> Limit:
 @RULES.rule("board.passband_gain")
 def gain_resistor_in_range(design: DesignTables) -> Violation | None:
     G, R5 = design.board.passband_gain, design.board.r5_ohm
-    R4 = filter_components.r4_ohm(G, R5)
-    if MIN_OHM <= R4 <= MAX_OHM:
+    R4 = formulas.r4_ohm(G, R5)
+    if formulas.MIN_OHM <= R4 <= formulas.MAX_OHM:
         return None
     # R4 = R5 / (G - 1) at its bound.
-    passing = at_most(1 + R5 / MIN_OHM) if R4 < MIN_OHM else at_least(1 + R5 / MAX_OHM)
+    passing = at_most(1 + R5 / formulas.MIN_OHM) if R4 < formulas.MIN_OHM else at_least(1 + R5 / formulas.MAX_OHM)
     return Violation(
         f"{G:.10g} with R5 of {R5:g} ohm requires R4 of {R4:.4g} ohm, {_out_of_range(R4)}", passing, "with this r5_ohm"
     )
@@ -99,11 +89,11 @@ def envelope_capacitor_is_preferred(design: DesignTables) -> Violation | None:
 @RULES.rule("board.r5_ohm", when=lambda design: design.board.variant != "article")
 def series_capacitor_exists(design: DesignTables) -> Violation | None:
     R5, G, f_c = design.board.r5_ohm, design.board.passband_gain, design.board.cutoff_hz
-    R4 = filter_components.r4_ohm(G, R5)
-    max_uf = filter_components.SERIES_CAPACITORS_UF[-1]
+    R4 = formulas.r4_ohm(G, R5)
+    max_uf = formulas.SERIES_CAPACITORS_UF[-1]
     # A product of C and f that underflows requires an infinite resistor.
-    conductance = math.tau * to_farads(max_uf) * f_c
-    min_r4 = MIN_CUTOFF_RATIO / conductance if conductance else math.inf
+    conductance = math.tau * formulas.to_farads(max_uf) * f_c
+    min_r4 = formulas.MIN_CUTOFF_RATIO / conductance if conductance else math.inf
     if min_r4 <= R4:
         return None
     return Violation(
@@ -123,8 +113,8 @@ def band_limit_above_the_band(design: DesignTables) -> Limit:
 @RULES.rule("board.band_limit_hz", when=lambda design: design.board.variant != "article")
 def band_limit_capacitor_exists(design: DesignTables) -> Violation | None:
     R5, f = design.board.r5_ohm, design.board.band_limit_hz
-    c_f = filter_components.compute_limiting_capacitor_f(R5, f)
-    minimum, maximum = filter_components.MIN_LIMITING_CAPACITOR_F, filter_components.MAX_LIMITING_CAPACITOR_F
+    c_f = formulas.compute_limiting_capacitor_f(R5, f)
+    minimum, maximum = formulas.MIN_LIMITING_CAPACITOR_F, formulas.MAX_LIMITING_CAPACITOR_F
     if minimum <= c_f <= maximum:
         return None
     if c_f < minimum:
@@ -139,15 +129,15 @@ def band_limit_capacitor_exists(design: DesignTables) -> Violation | None:
 def _limit_selected_capacitor(name: str, factor: float) -> Limit:
     """Return the least cutoff for which a capacitor can be selected, its resistor being factor / (C omega)."""
     return Limit(
-        factor / math.tau / filter_components.MAX_SELECTABLE_F / MAX_OHM,
-        f"requires {name} above {MAX_OHM / 1e6:g} Mohm with the largest capacitor that is selected, "
-        f"{filter_components.MAX_SELECTABLE_F * 1e6:g} uF",
+        factor / math.tau / formulas.MAX_SELECTABLE_F / formulas.MAX_OHM,
+        f"requires {name} above {formulas.MAX_OHM / 1e6:g} Mohm with the largest capacitor that is selected, "
+        f"{formulas.MAX_SELECTABLE_F * 1e6:g} uF",
         alternatives={"board.capacitor_series": "given"},
     )
 
 
 def _check_footprint(capacitor: str, names: str, design: DesignTables) -> Violation | None:
-    value, max_uf = getattr(design.board, capacitor), 1e6 * MAX_1206_F
+    value, max_uf = getattr(design.board, capacitor), 1e6 * formulas.MAX_1206_F
     if value <= max_uf:
         return None
     return Violation(
@@ -160,9 +150,9 @@ def _check_footprint(capacitor: str, names: str, design: DesignTables) -> Violat
 def _check_resistors(
     capacitor: str, cutoff: str, smallest: tuple[str, float], largest: tuple[str, float], design: DesignTables
 ) -> Violation | None:
-    too_small = smallest[1] < MIN_OHM
+    too_small = smallest[1] < formulas.MIN_OHM
     name, ohm = smallest if too_small else largest
-    if MIN_OHM <= ohm <= MAX_OHM:
+    if formulas.MIN_OHM <= ohm <= formulas.MAX_OHM:
         return None
     value, f = getattr(design.board, capacitor), getattr(design.board, cutoff)
     passing: tuple[Interval, ...] = ()
@@ -170,9 +160,9 @@ def _check_resistors(
         # R C f is the same for every C and f, so each bound on R is a bound on C at this f.
         rcf = ohm * value * f
         if too_small:
-            passing = at_most_preferred(rcf / f / MIN_OHM)
-        elif (minimum_uf := rcf / f / MAX_OHM) > 0.0:
-            passing = at_least(find_preferred_neighbours(minimum_uf)[1])
+            passing = at_most_preferred(rcf / f / formulas.MIN_OHM)
+        elif (minimum_uf := rcf / f / formulas.MAX_OHM) > 0.0:
+            passing = at_least(formulas.find_preferred_neighbours(minimum_uf)[1])
     return Violation(
         f"{value:g} uF at {f:g} Hz requires {name} of {ohm:.4g} ohm, {_out_of_range(ohm)}", passing, "at this cutoff"
     )
@@ -181,11 +171,11 @@ def _check_resistors(
 def _check_preferred(capacitor: str, names: str, design: DesignTables) -> Violation | None:
     """Refuse a capacitor that nobody makes, and name its neighbours."""
     value = getattr(design.board, capacitor)
-    below, above = find_preferred_neighbours(value)
+    below, above = formulas.find_preferred_neighbours(value)
     if below == above:
         return None
     return Violation(
-        f"{value:.10g} uF for {names} is no value of series {CAPACITOR_SERIES}, in which capacitors are made",
+        f"{value:.10g} uF for {names} is no value of series {formulas.CAPACITOR_SERIES}, in which capacitors are made",
         ((below, below), (above, above)),
         alternatives={"board.capacitor_series": "E6"},
     )
@@ -193,11 +183,11 @@ def _check_preferred(capacitor: str, names: str, design: DesignTables) -> Violat
 
 def at_most_preferred(maximum_uf: float) -> tuple[Interval, ...]:
     """Return the capacitances up to the largest preferred one that does not exceed a maximum [uF]."""
-    return at_most(find_preferred_neighbours(maximum_uf)[0]) if maximum_uf > 0.0 else ()
+    return at_most(formulas.find_preferred_neighbours(maximum_uf)[0]) if maximum_uf > 0.0 else ()
 
 
 def _out_of_range(ohm: float) -> str:
-    return f"below {MIN_OHM:g} ohm" if ohm < MIN_OHM else f"above {MAX_OHM / 1e6:g} Mohm"
+    return f"below {formulas.MIN_OHM:g} ohm" if ohm < formulas.MIN_OHM else f"above {formulas.MAX_OHM / 1e6:g} Mohm"
 
 
 SIGNAL_RULES = Ruleset()
@@ -229,7 +219,7 @@ def window_not_too_long(design: DesignTables) -> Limit | None:
 
 @SIGNAL_RULES.rule("detector.threshold_v")
 def threshold_within_supply(design: DesignTables) -> Violation | None:
-    reach = upper_headroom_v(design.board)
+    reach = formulas.upper_headroom_v(design.board)
     if design.detector.threshold_v < reach:
         return None
     signals = "" if reach == design.board.supply_v else f", whose signals have a quiescent level of {reach:g} V"

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 from fingertip.design.geometry.sizes import ViewName
 from fingertip.design.geometry.solids import Solid
 from fingertip.foundation.errors import FingertipError, GeometryError, Issue
-from fingertip.foundation.files import TemporaryFolder
+from fingertip.foundation.files import temporary_folder
 from fingertip.foundation.processes import python_command, python_environment
 from fingertip.pictures.drawing.primitives import PROJECTIONS, ProjectedView
 
@@ -42,7 +42,7 @@ TIME_LIMIT_S = 180.0
 
 def run_apart(job: Job[T], time_limit_s: float = TIME_LIMIT_S) -> dict[str, T]:
     """Run a job in a process of its own. Raises MissingLibraryError or GeometryError."""
-    with TemporaryFolder() as folder:  # ezdxf reads settings of the current folder
+    with temporary_folder() as folder:  # ezdxf reads settings of the current folder
         try:
             done = subprocess.run(
                 python_command("fingertip.foundation.processes"),

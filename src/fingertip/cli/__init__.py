@@ -21,7 +21,7 @@ from fingertip.cli.detect import detect, validate
 from fingertip.cli.documents import acceptance, drawing, page, picture, sheet, studio
 from fingertip.cli.help_page import HelpCommand, HelpGroup
 from fingertip.cli.new import new
-from fingertip.cli.options import command
+from fingertip.cli.options import command, flag
 from fingertip.cli.pad import pad
 from fingertip.cli.simulate import simulate
 from fingertip.cli.sweep import sweep
@@ -55,7 +55,7 @@ for _subject, _commands in COMMANDS.items():
 
 @app.callback(invoke_without_command=True)
 @command
-def _version(version: bool = typer.Option(False, "--version", help="Print the version and exit.")) -> None:
+def _version(version: bool = flag("Print the version and exit.")) -> None:
     if version:
         Console(False, False).write(__version__)
         raise typer.Exit()

@@ -11,7 +11,7 @@ import typer
 from fingertip.cli import options
 from fingertip.cli.board_tables import channel_lines, gate_lines, load_lines, table_lines
 from fingertip.cli.console import Console
-from fingertip.cli.options import command, find_file_issues, find_idle_issues, load_design, refuse
+from fingertip.cli.options import command, find_file_issues, find_idle_issues, flag, load_design, refuse
 from fingertip.foundation import extras
 from fingertip.foundation.progress import ShareText
 
@@ -30,41 +30,29 @@ def board(
         "-o",
         help="Output folder; out/NAME/board by default, where only --force replaces a board of another circuit.",
     ),
-    check: bool = typer.Option(
-        False,
-        "--check",
-        help="Write nothing; compare the folder (with --fab also OUT/fab) with the design; exit 1 if they differ.",
+    check: bool = flag(
+        "Write nothing; compare the folder (with --fab also OUT/fab) with the design; exit 1 if they differ."
     ),
-    fab: bool = typer.Option(
-        False,
-        "--fab",
-        help="Also write gerbers, drill files, placement, parts and renderings to OUT/fab; requires KiCad 9.",
-    ),
-    analysis: bool = typer.Option(
-        False, "--analysis", help="Also analyse noise, offsets, tolerances (10 000 boards), sensitivities."
-    ),
+    fab: bool = flag("Also write gerbers, drill files, placement, parts and renderings to OUT/fab; requires KiCad 9."),
+    analysis: bool = flag("Also analyse noise, offsets, tolerances (10 000 boards), sensitivities."),
     bode: Path | None = typer.Option(None, metavar="FILE", help="Write the Bode table of each stage as CSV."),
     plot: Path | None = typer.Option(
         None, metavar="FILE", help="Plot the response with the band of 95 % of boards (PNG or SVG)."
     ),
-    bring_up: bool = typer.Option(
-        False, "--bringup", help="Also write bringup.md, how to test a soldered board, and a file for readings."
-    ),
+    bringup: bool = flag("Also write bringup.md, how to test a soldered board, and a file for readings."),
     readings: Path | None = typer.Option(
         None,
         metavar="FILE",
         help="Write nothing; compare the readings of a soldered board with their limits; name the likely fault and "
         "exit 1 if one fails.",
     ),
-    article: bool = typer.Option(
-        False, "--article", help="Also print what the article states about its own board, and what is so."
-    ),
+    article: bool = flag("Also print what the article states about its own board, and what is so."),
     verbose: options.VerboseOption = False,
     force: options.ForceOption = False,
     changes: options.SetOption = None,
 ) -> None:
     """Compute the board's component values; write schematic, layout, netlist, SPICE deck and bill of materials."""
-    writing = {"--bode": bode, "--plot": plot, "--bringup": bring_up}
+    writing = {"--bode": bode, "--plot": plot, "--bringup": bringup}
     idle = find_idle_issues("--check", writing if check else {})
     if readings:
         idle = find_idle_issues("--readings", {"--check": check, "--fab": fab, **writing})
@@ -88,7 +76,7 @@ def board(
     from fingertip.board import board_values
 
     values = board_values(loaded)
-    folder, written = _write(console, loaded, out, force, bring_up, fab)
+    folder, written = _write(console, loaded, out, force, bringup, fab)
     warnings = list(_find_warnings(loaded, values))
     data, verdict = values.as_data(), _format_verdict(values, warnings)
     achieved, target = values.achieved_response, values.target_response

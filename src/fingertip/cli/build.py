@@ -12,7 +12,7 @@ import typer
 
 from fingertip.cli.check import format_failures
 from fingertip.cli.console import Console
-from fingertip.cli.options import DesignArgument, ForceOption, MaterialOption, SetOption, command, load_design
+from fingertip.cli.options import DesignArgument, ForceOption, MaterialOption, SetOption, command, flag, load_design
 from fingertip.foundation.errors import FingertipError, Issue
 
 if TYPE_CHECKING:
@@ -32,9 +32,7 @@ def build(
     ),
     tolerance_mm: float = typer.Option(0.01, help="Largest distance of a facet from the exact surface, in mm."),
     material: MaterialOption = None,
-    pictures: bool = typer.Option(
-        False, "--pictures", help="Draw a picture of each casting step, for the casting sheet."
-    ),
+    pictures: bool = flag("Draw a picture of each casting step, for the casting sheet."),
     force: ForceOption = False,
     changes: SetOption = None,
 ) -> None:
@@ -218,9 +216,7 @@ def firmware(
     inputs: str | None = typer.Option(
         None, help="Its analog inputs, T and S of each finger in turn, separated by commas; the first by default."
     ),
-    check: bool = typer.Option(
-        False, "--check", help="Write nothing; compare the folder with the design; exit 1 if they differ."
-    ),
+    check: bool = flag("Write nothing; compare the folder with the design; exit 1 if they differ."),
     force: ForceOption = False,
     changes: SetOption = None,
 ) -> None:

@@ -12,7 +12,7 @@ import typer
 from fingertip.cli import options
 from fingertip.cli.completion import SHELLS, read_script
 from fingertip.cli.console import Console
-from fingertip.cli.options import command, find_file_issues, find_idle_issues, load_design, refuse
+from fingertip.cli.options import command, find_file_issues, find_idle_issues, flag, load_design, refuse
 from fingertip.foundation.errors import DesignError, Issue
 
 
@@ -21,8 +21,8 @@ def params(
     console: Console,
     design: options.OptionalDesignArgument = None,
     changes: options.SetOption = None,
-    toml: bool = typer.Option(False, "--toml", help="Print a complete design file with comments."),
-    schema: bool = typer.Option(False, "--schema", help="Print the JSON schema of design files, for editors."),
+    toml: bool = flag("Print a complete design file with comments."),
+    schema: bool = flag("Print the JSON schema of design files, for editors."),
     html: Path | None = typer.Option(
         None, metavar="FILE.html", help="Write them as a page with a picture of what each changes; takes minutes."
     ),

@@ -9,7 +9,7 @@ import typer
 
 from fingertip.cli import options
 from fingertip.cli.console import Console
-from fingertip.cli.options import command, find_file_issues, load_design, refuse
+from fingertip.cli.options import command, find_file_issues, flag, load_design, refuse
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.progress import Work
 
@@ -69,12 +69,8 @@ def sheet(
     design: options.DesignArgument,
     out: Path | None = typer.Option(None, help="Markdown file to write; out/NAME/casting.md by default."),
     material: options.MaterialOption = None,
-    slicer: bool = typer.Option(
-        False, "--slicer", help="Estimate print time and volume on a filament printer with PrusaSlicer."
-    ),
-    pictures: bool = typer.Option(
-        False, "--pictures", help="Draw a picture of each step, into a folder beside the page."
-    ),
+    slicer: bool = flag("Estimate print time and volume on a filament printer with PrusaSlicer."),
+    pictures: bool = flag("Draw a picture of each step, into a folder beside the page."),
     force: options.ForceOption = False,
     changes: options.SetOption = None,
 ) -> None:
@@ -154,12 +150,8 @@ def picture(
     out: Path | None = typer.Option(
         None, help="Output PNG, SVG with --pad; out/NAME/exploded.png, filling.png or pad.svg by default."
     ),
-    filling: bool = typer.Option(
-        False, "--filling", help="Draw when the silicone arrives where, with vents and last points."
-    ),
-    pad: bool = typer.Option(
-        False, "--pad", help="Draw what part of a force reaches the sensor, by place and by tilt."
-    ),
+    filling: bool = flag("Draw when the silicone arrives where, with vents and last points."),
+    pad: bool = flag("Draw what part of a force reaches the sensor, by place and by tilt."),
     width_px: int = typer.Option(1600, help="Width of the picture, in pixels: 400 to 6000."),
     force: options.ForceOption = False,
     changes: options.SetOption = None,
@@ -214,7 +206,7 @@ def studio(
     port: int | None = typer.Option(
         None, metavar="N", help=f"Port to listen on; {DEFAULT_PORT} by default, 0 for any free one."
     ),
-    no_browser: bool = typer.Option(False, "--no-browser", help="Print the address and open no browser."),
+    no_browser: bool = flag("Print the address and open no browser."),
     changes: options.SetOption = None,
 ) -> None:
     """Serve a page on this machine where sliders change a design: its parts and checks follow, files are downloaded."""

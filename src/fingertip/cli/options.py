@@ -70,6 +70,12 @@ CalibratedDesignOption = Annotated[
 ]
 ForceCalibratedOption = Annotated[bool, typer.Option("--force", help="Overwrite FILE if it exists.")]
 
+
+def flag(text: str) -> Any:
+    """Declare an option that is off unless it is given, by the name of its parameter."""
+    return typer.Option(False, help=text)
+
+
 _OUTPUT_OPTIONS = [
     inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD, default=False, annotation=option)
     for name, option in (("as_json", JsonOption), ("quiet", QuietOption))
@@ -95,6 +101,8 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
         name = parameter.name
         if not option.metavar and isinstance(option, typer.models.ArgumentInfo):
             option.metavar = name.upper()
+        if option.default is False and not option.param_decls:
+            option.param_decls = (f"--{name.replace('_', '-')}",)
         option.autocompletion = COMPLETIONS.get(f"{function.__name__} {name}") or COMPLETIONS.get(name)
 
     @functools.wraps(function)

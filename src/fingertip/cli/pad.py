@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from fingertip.cli.console import Console
-from fingertip.cli.options import DesignArgument, SetOption, command, load_design, refuse
+from fingertip.cli.options import DesignArgument, SetOption, command, flag, load_design, refuse
 from fingertip.foundation import extras
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.progress import ShareText
@@ -39,13 +39,9 @@ _REFINED = 0.7
 def pad(
     console: Console,
     design: DesignArgument,
-    fem: bool = typer.Option(False, "--fem", help="Compute the same by finite elements, some 5 s."),
-    refine: bool = typer.Option(
-        False, "--refine", help="Repeat them on a mesh with edges 0.7 times as long, some 20 s."
-    ),
-    large_strain: bool = typer.Option(
-        False, "--large-strain", help="Compare them with large strains and friction, some 2 minutes."
-    ),
+    fem: bool = flag("Compute the same by finite elements, some 5 s."),
+    refine: bool = flag("Repeat them on a mesh with edges 0.7 times as long, some 20 s."),
+    large_strain: bool = flag("Compare them with large strains and friction, some 2 minutes."),
     friction: float | None = typer.Option(None, help="Friction on the plate, for --large-strain.", min=0, max=2),
     changes: SetOption = None,
 ) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, BinaryIO
 import typer
 
 from fingertip.cli.console import Console
-from fingertip.cli.options import ForceOption, command, find_file_issues, find_idle_issues
+from fingertip.cli.options import ForceOption, command, find_file_issues, find_idle_issues, flag
 from fingertip.foundation.errors import FingertipError, gather
 from fingertip.foundation.files import temporary_folder
 
@@ -49,12 +49,8 @@ def simulate(
         metavar="TABLE.KEY=VALUE",
         help="Change a parameter of the scene or manipulation, or of the design; repeatable.",
     ),
-    parameters: bool = typer.Option(
-        False, "--parameters", help="Print the scene's parameters with unit, bounds and meaning."
-    ),
-    plan: bool = typer.Option(
-        False, "--plan", help="Print the stages that would run for the scene's outputs, and their cost."
-    ),
+    parameters: bool = flag("Print the scene's parameters with unit, bounds and meaning."),
+    plan: bool = flag("Print the stages that would run for the scene's outputs, and their cost."),
     force: ForceOption = False,
 ) -> None:
     """Simulate one trial of a design, or a scene with --design, and write its trace."""

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from fingertip.cli.console import CHECK_FAILED, Console, format_state
-from fingertip.cli.options import command, find_file_issues, find_idle_issues, find_range_issues, refuse
+from fingertip.cli.options import command, find_file_issues, find_idle_issues, find_range_issues, flag, refuse
 from fingertip.foundation import interruption
 from fingertip.foundation.errors import Issue, SweepError
 from fingertip.foundation.progress import ShareText
@@ -35,15 +35,13 @@ def sweep(
     cluster: str | None = typer.Option(
         None, metavar="ADDRESS", help="Address of a Dask scheduler, such as tcp://127.0.0.1:8786."
     ),
-    resume: bool = typer.Option(False, "--resume", help="Continue a sweep that was interrupted."),
-    show: bool = typer.Option(
-        False,
-        "--show",
-        help="Compute nothing; report on the existing rows: limiting rules, sensitivities, plots, best design.",
+    resume: bool = flag("Continue a sweep that was interrupted."),
+    show: bool = flag(
+        "Compute nothing; report on the existing rows: limiting rules, sensitivities, plots, best design."
     ),
     csv: Path | None = typer.Option(None, metavar="FILE", help="Also write the rows as CSV."),
     parquet: Path | None = typer.Option(None, metavar="FILE", help="Also write the rows as Parquet; needs pyarrow."),
-    outputs: bool = typer.Option(False, "--outputs", help="List the outputs that can be computed, and exit."),
+    outputs: bool = flag("List the outputs that can be computed, and exit."),
     changes: list[str] | None = typer.Option(
         None,
         "--set",

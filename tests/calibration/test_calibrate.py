@@ -12,13 +12,13 @@ from fingertip.cad.shapes.coupon_layout import WALLS_MM
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.verification.verify import verify
 from fingertip.calibration.printer import (
+    CALIBRATED,
     CLEARANCES,
     Calibration,
     apply_calibration,
     calibrate_printer,
     find_kept,
     fit_printer,
-    list_calibrated,
 )
 from fingertip.calibration.readings import check_readings
 from fingertip.catalogues.bundled import list_bundled_files
@@ -42,7 +42,7 @@ def calibration_of(
 def test_values_compensate_scale_and_offset() -> None:
     design = Design().with_values({"printer.surface_error_mm": 0.0})
     values = {value.path: value for value in calibration_of(design).values}
-    assert tuple(values) == list_calibrated()
+    assert tuple(values) == CALIBRATED
     assert any("heights were not measured" in why for why in calibration_of(Design()).kept), "0.05 mm is not lowered"
     truth = {
         "printer.scale_percent": 100 / SCALE,

@@ -167,6 +167,7 @@ are measured from one printed surface to the other.
 _SCALE, _OFFSET, _SURFACE_ERROR, _MIN_WALL = (
     f"printer.{key}" for key in ("scale_percent", "offset_mm", "surface_error_mm", "min_wall_mm")
 )
+CALIBRATED = (_SCALE, _OFFSET, *CLEARANCES, _SURFACE_ERROR, _MIN_WALL)
 MIN_WALL_RATIO = 0.8
 """Least thickness of a printed wall over the nominal one. An assumption."""
 _DECIMALS = {"%": 2, "mm": 3}
@@ -232,10 +233,6 @@ def apply_calibration(design: Design, changes: Mapping[str, Any], name: str | No
     """
     tables = design.with_values(changes).model_dump() | {"name": name or design.name}
     return Design.from_tables(tables, design.model_dump(), tuple(changes))
-
-
-def list_calibrated() -> tuple[str, ...]:
-    return (_SCALE, _OFFSET, *CLEARANCES, _SURFACE_ERROR, _MIN_WALL)
 
 
 def find_kept(design: Design, calibration: Calibration, passes: Callable[[Design], bool]) -> str | None:

@@ -194,7 +194,5 @@ def _format_verdict(values: BoardValues, warnings: Sequence[str]) -> str:
     verdict = f"all {len(values.gate)} conditions of a working board are met"
     if failed:
         verdict = f"{failed} of its {len(values.gate)} conditions FAIL"
-    said = [f"variant {values.variant}: {verdict}"]
-    if warnings:
-        said[0] += ", with a warning:" if len(warnings) == 1 else f", with {len(warnings)} warnings:"
-    return "\n".join([*said, *(f"  warning: {warning}" for warning in warnings)])
+    more = ", with a warning:" if len(warnings) == 1 else f", with {len(warnings)} warnings:" if warnings else ""
+    return "\n".join([f"variant {values.variant}: {verdict}{more}", *(f"  warning: {each}" for each in warnings)])

@@ -57,9 +57,8 @@ def printer(
     kept = keep or []
     remedy = "" if force else "overwrite it with --force"
     issues = list(find_file_issues("--out", out, ".toml", inputs=(design, readings), kept=remedy))
-    known = list(fit.list_calibrated())
-    unknown = (name for name in kept if name not in known)
-    issues += (Issue("--keep", f"{name!r} is not calibrated; {suggest_name(name, known)}") for name in unknown)
+    unknown = (name for name in kept if name not in fit.CALIBRATED)
+    issues += (Issue("--keep", f"{name!r} is not calibrated; {suggest_name(name, fit.CALIBRATED)}") for name in unknown)
     with gather(issues):
         loaded = load_design(design, changes, console)
         calibration = fit.calibrate_printer(loaded, read_readings(readings, loaded), kept)

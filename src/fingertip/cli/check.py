@@ -92,12 +92,11 @@ def _check_designs(
         from fingertip.foundation.files import write_file
 
         write_file(junit, to_bytes(checks_by_design), "--junit")
-    found: list[dict[str, Any]] = []
-    for label, checks in checks_by_design.items():
-        passed, dicts = all(c.passed for c in checks), [c.to_dict() for c in checks]
-        found.append(
-            {"design": label, "passed": passed, "warnings": list_warnings(checks, with_advice=True), "checks": dicts}
-        )
+    found = [
+        {"design": label, "passed": all(c.passed for c in checks),
+         "warnings": list_warnings(checks, with_advice=True), "checks": [c.to_dict() for c in checks]}
+        for label, checks in checks_by_design.items()
+    ]  # fmt: skip
     data = {"passed": all(one["passed"] for one in found), "tolerance_mm": tolerance_mm, "designs": found}
     texts = [_format_table(label, checks, verbose) for label, checks in checks_by_design.items()]
     if not data["passed"] and tolerance_mm > FINE_MM:
@@ -147,8 +146,7 @@ def _format_table(label: str, checks: Sequence[Check], verbose: bool) -> str:
         rows.append((c.name, *compared, c.unit, words[c.state]))
     widths = [max(len(row[i]) for row in rows) for i in range(6)]
     aligned = ((f"{text:{'>' if i in (1, 3) else ''}{widths[i]}}" for i, text in enumerate(row)) for row in rows)
-    lines = [" ".join(row).rstrip() for row in aligned]
-    lines.insert(0, verdict)
+    lines = [verdict, *(" ".join(row).rstrip() for row in aligned)]
     lines += (f"warning: {text}" for text in list_warnings(checks))
     return "\n".join([*lines, *(describe_cause(c) for c in shown if not c.passed)])
 

@@ -154,11 +154,6 @@ def refuse(*issues: Iterable[Issue]) -> None:
         raise OutputError(found)
 
 
-def find_range_issues(option: str, value: float | None, low: float, high: float, remedy: str = "") -> Iterator[Issue]:
-    if value is not None and not low <= value <= high:
-        yield Issue(option, f"{value} is out of range; choose {low} to {high}{remedy}.")
-
-
 def find_idle_issues(mode: str, options: Mapping[str, object]) -> Iterator[Issue]:
     """Find options that are given though an option that only prints something would pass over them."""
     for name, value in options.items():

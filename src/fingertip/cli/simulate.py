@@ -127,7 +127,4 @@ def _simulate(
 
         record, grips_s = run_with_grip(simulation, grip, progress)
     trace_file.write_columns(file, path, record.time_s, record.columns)
-    picture = None
-    if plotted:
-        picture = summary.draw(record, summary.as_text(record, grips_s)[0])
-    return record, grips_s, picture
+    return record, grips_s, summary.draw(record, summary.as_text(record, grips_s)[0]) if plotted else None

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from fingertip.cli.console import CHECK_FAILED, Console, format_state
-from fingertip.cli.options import command, find_file_issues, find_idle_issues, find_range_issues, flag, refuse
+from fingertip.cli.options import command, find_file_issues, find_idle_issues, flag, refuse
 from fingertip.foundation import interruption
 from fingertip.foundation.errors import Issue, SweepError
 from fingertip.foundation.progress import ShareText
@@ -76,7 +76,8 @@ def sweep(
         return
     if file is None:
         raise SweepError(Issue("SWEEP.toml", "is missing; give a sweep file, or a bundled sweep, such as board."))
-    refuse(find_range_issues("--jobs", jobs, 1, MAX_JOBS, ", or leave it out"))
+    if jobs is not None and not 1 <= jobs <= MAX_JOBS:
+        refuse([Issue("--jobs", f"{jobs} is out of range; choose 1 to {MAX_JOBS}, or leave it out.")])
     if jobs is not None and cluster:
         message = "cannot be combined with --cluster, which has its own workers; leave one of them out."
         raise SweepError(Issue("--jobs", message))

@@ -124,10 +124,9 @@ def refuse_words(name: str, sensor: str | None, preset: str | None) -> None:
     issues: list[Issue] = []
     with gather(issues):
         parse_tables(DesignTables, {"name": name})
-    if sensor is not None and sensor not in _SENSORS:
-        issues.append(Issue("sensor", f"{sensor!r} is not known; {suggest_name(sensor, _SENSORS)}"))
-    if preset is not None and preset not in PRESETS:
-        issues.append(Issue("preset", f"{preset!r} is not known; {suggest_name(preset, PRESETS)}"))
+    for field, word, known in (("sensor", sensor, _SENSORS), ("preset", preset, PRESETS)):
+        if word is not None and word not in known:
+            issues.append(Issue(field, f"{word!r} is not known; {suggest_name(word, known)}"))
     if issues:
         raise DesignError(issues)
 

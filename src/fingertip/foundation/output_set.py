@@ -60,6 +60,10 @@ class Revision:
     after: bytes
 
 
+Revisions = Mapping[str, Revision]
+_NONE: Revisions = {}
+
+
 @dataclass(frozen=True)
 class SetWriter:
     """Writer of one set: its place, what it is made from, and how it treats other files there."""
@@ -75,7 +79,7 @@ class SetWriter:
     top: Path | None = None
     """Folder that the user has named, if this one is below it: no link in between is followed."""
 
-    def check(self, names: Collection[str], revisions: Mapping[str, Revision] | None = None) -> None:
+    def check(self, names: Collection[str], revisions: Revisions = _NONE) -> None:
         """Refuse to write these names if the folder cannot take them, before work starts. Raises OutputError."""
         names = {**names, MANIFEST: b""} if isinstance(names, Mapping) else {*names, MANIFEST}
         link = self._find_link()
@@ -93,9 +97,9 @@ class SetWriter:
         if issues := list(find_place_issues(self.folder, "choose another folder with --out")):
             raise OutputError(issues)
 
-    def _refuse(self, names: Collection[str], revisions: Mapping[str, Revision] | None = None) -> None:
+    def _refuse(self, names: Collection[str], revisions: Revisions) -> None:
         with output_errors(self.folder):
-            if issues := list(self._find_issues(names, revisions or {})):
+            if issues := list(self._find_issues(names, revisions)):
                 raise OutputError(issues)
 
     def _find_link(self) -> Path | None:
@@ -104,7 +108,7 @@ class SetWriter:
     def _read_manifest(self) -> Manifest | None:
         return read_manifest(self.folder, self.top)
 
-    def _find_issues(self, names: Collection[str], revisions: Mapping[str, Revision]) -> Iterator[Issue]:
+    def _find_issues(self, names: Collection[str], revisions: Revisions) -> Iterator[Issue]:
         if link := self._find_link():
             yield Issue(str(link), "is a link, which may lead to the files of others; remove it, or name its target.")
             return
@@ -144,10 +148,7 @@ class SetWriter:
                 yield Issue(str(self.folder / name), f"was not written by fingertip, or was changed since; {remedy}")
 
     def write(
-        self,
-        contents: Mapping[str, Content],
-        obsolete: Collection[str] = (),
-        revisions: Mapping[str, Revision] | None = None,
+        self, contents: Mapping[str, Content], obsolete: Collection[str] = (), revisions: Revisions = _NONE
     ) -> tuple[str, ...]:
         """Write the set: the folder holds either the old set or the new one at any moment.
 
@@ -165,7 +166,7 @@ class SetWriter:
                 with lock(folder.parent):
                     recover(folder)
                     self._refuse({**contents, MANIFEST: b""}, revisions)
-                    return self._write(folder, contents, obsolete, revisions or {})
+                    return self._write(folder, contents, obsolete, revisions)
         except BaseException:
             for path in created:
                 with contextlib.suppress(OSError):
@@ -189,11 +190,7 @@ class SetWriter:
             raise OutputError(Issue(str(self.folder), message))
 
     def _write(
-        self,
-        folder: Path,
-        contents: Mapping[str, Content],
-        obsolete: Collection[str],
-        revisions: Mapping[str, Revision],
+        self, folder: Path, contents: Mapping[str, Content], obsolete: Collection[str], revisions: Revisions
     ) -> tuple[str, ...]:
         old = read_manifest(folder)
         known = dict(old.files) if old else {}

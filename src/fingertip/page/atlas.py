@@ -62,16 +62,14 @@ def _render_entry(
         shown.append(element("small", f" default {format_value(one.default)}"))
     if one.bounds:
         shown.append(element("small", f" {one.bounds}"))
-    effect = describe_effect(one.path, moved.get(one.path, ()), linked=False)
+    shows = element("p", describe_effect(one.path, moved.get(one.path, ()), linked=False))
+    if picture:
+        image = element("img", src=embed(picture.png, "image/png"), alt=f"{picture.path}: {picture.caption}")
+        shows = element("figure", image, element("figcaption", picture.caption))
     return element(
         "li",
         element("h3", code(one.path), class_="code", id=f"p-{one.path}"),
         element("p", *shown),
         element("p", one.description),
-        _render_picture(picture) if picture else element("p", effect),
+        shows,
     )
-
-
-def _render_picture(picture: AtlasPicture) -> Markup:
-    image = element("img", src=embed(picture.png, "image/png"), alt=f"{picture.path}: {picture.caption}")
-    return element("figure", image, element("figcaption", picture.caption))

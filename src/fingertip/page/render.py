@@ -8,7 +8,7 @@ from fingertip.design import Design
 from fingertip.documents.start import render_start
 from fingertip.page import casting_section
 from fingertip.page.board_section import draw_response, render_board
-from fingertip.page.html import Markup, element, fold, read_asset, read_viewer_library
+from fingertip.page.html import Markup, element, fold, join, read_asset, read_viewer_library
 from fingertip.page.model_section import list_items, measure_finger, render_model, render_no_view, scene_json
 from fingertip.page.pad_section import render_pad
 from fingertip.page.parameters_and_checks import render_checks, render_parameters, render_verdict, tell_verdict
@@ -70,8 +70,8 @@ def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:
         )),
     )  # fmt: skip
     scripts = (read_viewer_library(), read_asset("viewer.js"), read_asset("board.js"))
-    end = (_render_source(), element("script", scene_json(items), type="application/json", id="scene"))
-    banner = [element("a", render_verdict(sources.report), href="#checks")] if kind == "failed" else ()
+    end = join((_render_source(), element("script", scene_json(items), type="application/json", id="scene")))
+    banner = element("a", render_verdict(sources.report), href="#checks") if kind == "failed" else ""
     return render_tabs(design.name, f"Fingertip {design.name}", tabs, scripts, banner, end)
 
 

@@ -38,6 +38,8 @@ def render_set_page(
     ]
     overview, plan, parts, acceptance = (split_sections(text) for text in sheets)
     hand, shopping, tests, castings = (each.pop("").partition("\n")[2] for each in (overview, parts, acceptance, plan))
+    shown = [path for path in links if path.startswith("board/")] or [path for path in links if "/board/" in path]
+    boards = list_links(shown, links, "files") if shown else Markup("")
     tabs: list[Tab] = [
         ("start", "Start", (
             render_first_screen(start, element("div", *drawn, class_="fingers"), links),
@@ -54,16 +56,11 @@ def render_set_page(
             *(fold(title, render(text, links, **_TICKED), state="roomy" if title == "Days" else "")
               for title, text in plan.items()),
         )),
-        ("board", "Board", (element("h2", "Fingers and their boards"), render(hand, links), _list_board(links))),
+        ("board", "Board", (element("h2", "Fingers and their boards"), render(hand, links), boards)),
         ("test", "Test", (
             element("h2", "Test the fingers", id="acceptance"), render(tests, links),
         )),
     ]  # fmt: skip
     said = f"✗ Checks of {', '.join(failed)} failed: do not print these parts"
-    banner = [element("p", said, class_="verdict failed")] if failed else ()
+    banner = element("p", said, class_="verdict failed") if failed else ""
     return render_tabs(data["name"], f"Fingers of {data['name']}", tabs, banner=banner)
-
-
-def _list_board(links: Mapping[str, str]) -> Markup:
-    shown = [path for path in links if path.startswith("board/")] or [path for path in links if "/board/" in path]
-    return list_links(shown, links, "files") if shown else Markup("")

@@ -19,12 +19,7 @@ Tab = tuple[str, str, tuple[Markup, ...]]
 
 
 def render_tabs(
-    name: str,
-    title: str,
-    tabs: Sequence[Tab],
-    scripts: Iterable[str] = (),
-    banner: Iterable[Markup] = (),
-    end: Iterable[Markup] = (),
+    name: str, title: str, tabs: Sequence[Tab], scripts: Iterable[str] = (), banner: str = "", end: str = ""
 ) -> bytes:
     """Render a page of tabs; `banner` stands above all of them, `end` below."""
     links = (element("li", element("a", label, href=f"#{to}", id=f"tab-{to}")) for to, label, _ in tabs)
@@ -33,10 +28,10 @@ def render_tabs(
     )
     body = (
         element("a", "Skip to the content", href="#content", class_="skip"),
-        element("header", element("h1", title), *banner),
+        element("header", element("h1", title), banner),
         element("nav", element("ul", *links, id="tabs"), aria_label="sections"),
         element("main", *panels, id="content"),
-        element("footer", *end, element("p", f"Made by fingertip {__version__}. This page needs no network.")),
+        element("footer", end, element("p", f"Made by fingertip {__version__}. This page needs no network.")),
     )
     every = (read_asset("page.js"), *scripts)
     return render_document(f"{name}: fingertip", body, read_asset("page.css"), every, data_design=name)

@@ -225,10 +225,6 @@ def download_plates(kind: PlateKind, design: Design, still_wanted: StillWanted) 
     return Download(f"{design.name}_plates_{kind.name}.zip", "application/zip", _pack(plates))
 
 
-def download_picture(design: Design, still_wanted: StillWanted) -> Download:
-    return Download(f"{design.name}.png", "image/png", _draw_finger(design))
-
-
 _draw_finger = lru_cache(maxsize=_MESHES_KEPT)(partial(draw_finger, width_px=_PICTURE_PX))
 
 DOWNLOADS: Mapping[str, tuple[str, Callable[[Design, StillWanted], Download]]] = {
@@ -236,7 +232,7 @@ DOWNLOADS: Mapping[str, tuple[str, Callable[[Design, StillWanted], Download]]] =
     "stl": ("parts.zip (STL)", download_parts),
     "plate_fdm": ("filament plate (3MF)", partial(download_plates, FDM)),
     "plate_sla": ("resin plate (3MF)", partial(download_plates, SLA)),
-    "picture": ("", download_picture),
+    "picture": ("", lambda design, _: Download(f"{design.name}.png", "image/png", _draw_finger(design))),
 }
 """Name in the address -> label of its button, "" if it has none, and function that makes the file."""
 

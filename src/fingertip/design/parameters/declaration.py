@@ -150,17 +150,12 @@ def find_similar_name(word: str, known: Sequence[str]) -> str | None:
     """Find the known name that is most similar to a word, with or without units; None if none is really similar."""
 
     def similarity(name: str) -> float:
-        pairs = itertools.product(_list_forms(word), _list_forms(name))
-        return max(difflib.SequenceMatcher(None, *pair).ratio() for pair in pairs)
+        ours, theirs = ((each, each.rpartition("_")[0] or each) for each in (word, name))  # without a unit, too
+        return max(difflib.SequenceMatcher(None, *pair).ratio() for pair in itertools.product(ours, theirs))
 
     word = word[:_MAX_COMPARED_LENGTH]
     best = max(known, key=similarity, default=None)
     return best if best is not None and similarity(best) >= _MIN_SIMILARITY else None
-
-
-def _list_forms(name: str) -> tuple[str, str]:
-    """Return a name as it is and without its last word, which often is a unit."""
-    return name, name.rpartition("_")[0] or name
 
 
 def _describe(details: Any, model: type[BaseModel]) -> Issue:

@@ -21,7 +21,12 @@ from fingertip.design.rules.ruleset import BrokenRule, RuleChecker
 from fingertip.foundation.errors import DesignError
 from fingertip.foundation.numerics import bisect
 
-FREE: Mapping[str, tuple[float, float]] = {
+Values = Mapping[str, float]
+Ranges = Mapping[str, tuple[float, float]]
+Judge = Callable[[Values, float], tuple[float, list[BrokenRule]]]
+"""Returns the score of a design and what it breaks, as far as the score stays within a limit."""
+
+FREE: Ranges = {
     "sensor.distance_from_tip_mm": (6.5, 15.0),
     "skin.length_mm": (20.0, 40.0),
     "skin.tip_length_mm": (6.0, 14.0),
@@ -74,7 +79,7 @@ class Fit:
     """Design that passes, and what was changed for it."""
 
     tables: DesignTables
-    changes: Mapping[str, tuple[float, float]]
+    changes: Ranges
     reasons: Mapping[str, str]
     """Changed parameter of the hand -> what its measured value would break."""
 
@@ -101,8 +106,7 @@ def fit_design(
 
     scores: dict[tuple[float, ...], float] = {}
 
-    def judge(values: Mapping[str, float], limit: float = math.inf) -> tuple[float, list[BrokenRule]]:
-        """Score a design and list what it breaks, both only as far as the score stays within the limit."""
+    def judge(values: Values, limit: float = math.inf) -> tuple[float, list[BrokenRule]]:
         key, found, score = tuple(values.values()), list[BrokenRule](), 0.0
         if scores.get(key, 0.0) > limit:
             return scores[key], found
@@ -150,13 +154,7 @@ def _blame_given(free: Collection[str], ends: Sequence[Sequence[BrokenRule]]) ->
     return bool(set.intersection(*given))
 
 
-def _search(
-    kind: _Round,
-    seed: int,
-    free: Mapping[str, tuple[float, float]],
-    begin: Mapping[str, float],
-    judge: Callable[[Mapping[str, float], float], tuple[float, list[BrokenRule]]],
-) -> tuple[float, dict[str, float]]:
+def _search(kind: _Round, seed: int, free: Ranges, begin: Values, judge: Judge) -> tuple[float, dict[str, float]]:
     rng, values = random.Random(seed), dict(begin)
     best, found = judge(values, math.inf)
     improved = 0
@@ -172,9 +170,7 @@ def _search(
     return best, values
 
 
-def _measure_change(
-    free: Mapping[str, tuple[float, float]], begin: Mapping[str, float], values: Mapping[str, float]
-) -> float:
+def _measure_change(free: Ranges, begin: Values, values: Values) -> float:
     """Add up the changes of all values, each relative to its range; what was measured on a hand counts much more."""
     return sum(
         (_OF_HAND if name.startswith("hand.") else 1.0) * abs(values[name] - begin[name]) / (high - low)
@@ -182,9 +178,7 @@ def _measure_change(
     )
 
 
-def _change_at_random(
-    rng: random.Random, free: Mapping[str, tuple[float, float]], values: Mapping[str, float]
-) -> dict[str, float]:
+def _change_at_random(rng: random.Random, free: Ranges, values: Values) -> dict[str, float]:
     """Change one to three values at random, mostly a little."""
     changed = {}
     for name in rng.sample(sorted(free), rng.randint(1, 3)):
@@ -194,9 +188,7 @@ def _change_at_random(
     return changed
 
 
-def _list_repairs(
-    found: Sequence[BrokenRule], free: Mapping[str, tuple[float, float]], values: Mapping[str, float]
-) -> list[dict[str, float]]:
+def _list_repairs(found: Sequence[BrokenRule], free: Ranges, values: Values) -> list[dict[str, float]]:
     """List the nearest value of each blamed field with which its rule says it passes, where the field is free."""
     repairs = []
     for rule in found:
@@ -227,9 +219,7 @@ def _find_distance(rule: BrokenRule) -> float:
     return 1.0 if shortfall is None else 0.9 + 0.1 * min(1.0, shortfall)
 
 
-def _move_back(
-    name: str, begin: float, values: Mapping[str, float], passes: Callable[[Mapping[str, float]], bool]
-) -> float:
+def _move_back(name: str, begin: float, values: Values, passes: Callable[[Values], bool]) -> float:
     """Move one value towards where it began, as far as the design passes; rounded to hundredths."""
     here = values[name]
     if here == begin or passes({**values, name: begin}):

@@ -55,9 +55,7 @@ _PLAN, _COMPLETE = "plan.json", "complete.json"
 _STAGING_SUFFIX = ".fingertip"
 
 
-def replace_files(
-    folder: Path, files: Mapping[str, Content], removed: Collection[str] = (), *, in_place: bool = False
-) -> None:
+def replace_files(folder: Path, files: Mapping[str, Content], removed: Collection[str], in_place: bool) -> None:
     """Write some files of a folder and remove others. The caller holds the lock of the folder's parent."""
     if in_place or not _swap_in(folder, files, removed):
         _rename_in(folder, files, removed)

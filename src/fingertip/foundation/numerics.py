@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 Array: TypeAlias = "NDArray[np.float64]"
+Pair: TypeAlias = tuple[float, float]
 
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 """Inverse of the golden ratio: the share of the bracket that each golden-section step keeps."""
@@ -36,9 +37,7 @@ _MAX_STEPS = 60
 """Largest number of steps of `find_root`; the Illinois method needs about ten."""
 
 
-def bisect(
-    is_below: Callable[[float], bool], low: float, high: float, *, halvings: int | None = None
-) -> tuple[float, float]:
+def bisect(is_below: Callable[[float], bool], low: float, high: float, *, halvings: int | None = None) -> Pair:
     """Narrow the bracket of a boundary by bisection, and return both its ends: callers need the end on one side."""
     for _ in itertools.count() if halvings is None else range(halvings):
         middle = 0.5 * (low + high)
@@ -109,12 +108,7 @@ def _find_first_hit(rates: Sequence[float], slacks: Sequence[float], active: Seq
     return entering, nearest
 
 
-def find_root(
-    function: Callable[[float], float],
-    ends: tuple[float, float],
-    tolerance: float,
-    values: tuple[float, float] | None = None,
-) -> float:
+def find_root(function: Callable[[float], float], ends: Pair, tolerance: float, values: Pair | None = None) -> float:
     """Find a root of a continuous function in a bracket, by false position in the Illinois variant."""
     (a, b), (fa, fb) = ends, values or (function(ends[0]), function(ends[1]))
     for _ in range(_MAX_STEPS):
@@ -132,7 +126,7 @@ def find_root(
     return b
 
 
-def find_maximum(function: Callable[[float], float], low: float, high: float, tolerance: float) -> tuple[float, float]:
+def find_maximum(function: Callable[[float], float], low: float, high: float, tolerance: float) -> Pair:
     """Find the maximum of a unimodal function in a bracket by Brent's method: its location and its value.
 
     The method combines golden-section search with parabolic interpolation. Near a smooth maximum the value is exact to

@@ -205,7 +205,7 @@ class SetWriter:
         # A file that keeps its content stays as it is, with its date.
         files = {name: data for name, data in files.items() if name not in revisions or data != revisions[name].before}
         files[MANIFEST] = manifest.to_bytes()
-        folder_swap.replace_files(folder, files, removed, in_place=self.in_place)
+        folder_swap.replace_files(folder, files, removed, self.in_place)
         return removed
 
     def _foreign(self, names: Collection[str]) -> set[str]:

@@ -54,8 +54,8 @@ class Violation:
 
 RuleFunction = Callable[[DesignTables], Violation | None]
 """Checks a design, and returns None if it passes."""
-Condition = Callable[[DesignTables], object]
-"""Tells whether a rule applies to a design; one that does not apply passes."""
+Condition = Callable[[DesignTables], object] | None
+"""Tells whether a rule applies to a design; one that does not apply passes. None: it applies to all."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,14 +82,14 @@ class Limit(NamedTuple):
 
 LimitFunction = Callable[[DesignTables], Limit | None]
 """Computes the limit of a field in a design; None where there is none."""
+AddRule = Callable[[RuleFunction], Rule]
+AddLimit = Callable[[LimitFunction], Rule]
 
 
 class Ruleset(list[Rule]):
     """Rules of one subject, in the order in which they are written."""
 
-    def rule(
-        self, field: str, *prerequisites: Rule, when: Condition | None = None, takes_long: bool = False
-    ) -> Callable[[RuleFunction], Rule]:
+    def rule(self, field: str, *prerequisites: Rule, when: Condition = None, takes_long: bool = False) -> AddRule:
         """Add the decorated function as a rule that blames `field` and is checked only if its prerequisites pass."""
 
         def add(check: RuleFunction) -> Rule:
@@ -102,24 +102,20 @@ class Ruleset(list[Rule]):
 
         return add
 
-    def at_most(
-        self, field: str, *prerequisites: Rule, when: Condition | None = None, slack: float = SLACK
-    ) -> Callable[[LimitFunction], Rule]:
+    def at_most(self, field: str, *prerequisites: Rule, when: Condition = None, slack: float = SLACK) -> AddLimit:
         return self._bound(field, prerequisites, when, lambda value, limit: value <= limit + slack, at_most)
 
-    def at_least(
-        self, field: str, *prerequisites: Rule, when: Condition | None = None, slack: float = SLACK
-    ) -> Callable[[LimitFunction], Rule]:
+    def at_least(self, field: str, *prerequisites: Rule, when: Condition = None, slack: float = SLACK) -> AddLimit:
         return self._bound(field, prerequisites, when, lambda value, limit: value >= limit - slack, at_least)
 
     def _bound(
         self,
         field: str,
         prerequisites: tuple[Rule, ...],
-        when: Condition | None,
+        when: Condition,
         passes: Callable[[float, float], bool],
         passing: Callable[[float], tuple[Interval, ...]],
-    ) -> Callable[[LimitFunction], Rule]:
+    ) -> AddLimit:
         unit = format_unit(find_unit(PARAMETERS[field]))
 
         def add(find_limit: LimitFunction) -> Rule:

@@ -172,8 +172,7 @@ def _make_set(
         room = (_MAX_LINES - len(last)) // len(made.forms) - 1
         lines += [_format_build(form.parts)[0], *(_list_remarks(form.parts, room) if room > 0 else [])]
     lines += last
-    data = {"folder": str(made.folder), "passed": made.passed, **made.data}
-    console.result(data, "\n".join(lines), made.passed)
+    console.result({"folder": str(made.folder), "passed": made.passed, **made.data}, "\n".join(lines), made.passed)
 
 
 @command

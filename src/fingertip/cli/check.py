@@ -54,8 +54,7 @@ def check(
     data: dict[str, Any] = {"passed": True}
     texts: list[str] = []
     if files:
-        loaded = _load(files, changes or (), console)
-        data, texts = _check_designs(loaded, tolerance_mm, junit, console, verbose)
+        data, texts = _check_designs(_load(files, changes or (), console), tolerance_mm, junit, console, verbose)
     if folders:
         data["folders"], folder_texts = _check_folders(folders)
         texts += folder_texts

@@ -144,11 +144,10 @@ def _write_details(error: BaseException) -> str | None:
         import tempfile
         import traceback
 
-        trace = "".join(traceback.format_exception(error))
         lines = [
             f"fingertip {__version__}, Python {platform.python_version()}, {platform.system()} {platform.machine()}",
             f"command: {shorten(repr(sys.argv[1:]), 4000)}",
-            shorten(trace, 100_000),
+            shorten("".join(traceback.format_exception(error)), 100_000),
         ]
         handle, path = tempfile.mkstemp(prefix="fingertip-fault-", suffix=".txt")
         with os.fdopen(handle, "w", encoding="utf-8", errors="backslashreplace") as file:

@@ -199,12 +199,10 @@ def validate(
     warnings = [*settings_warnings(loaded, detector), *adc_range_warnings(board_values(loaded).voltage_limits)]
     console.warn(warnings)
     folder = out or Path("out") / loaded.name / "validation"
-    parameters = hash_parameters(loaded.model_dump(mode="json"))
-    writer = SetWriter(folder, "validation", loaded.name, parameters, force=force)
+    writer = SetWriter(folder, "validation", loaded.name, hash_parameters(loaded.model_dump(mode="json")), force=force)
     writer.check(campaign.FILES)
     validation = campaign.validate(loaded, plan, detector, progress=console.progress, first_seed=seed)
-    files = validation.files(with_plots)
-    writer.write(files)
+    writer.write(validation.files(with_plots))
     text = validation.as_verdict()
     details = f"details: {folder / 'validation.txt'}, or --verbose"
     said = f"{text}\n\n{validation.as_text()}" if verbose else f"{text}\n{details}"

@@ -186,8 +186,7 @@ def page(
     """Write index.html beside a design's files: 3D view, checks, casting guide, board and trial in one offline page."""
     from fingertip.tasks.page import write_page
 
-    loaded = load_design(design, changes, console)
-    path, size, remarks = write_page(loaded, out, force=force)
+    path, size, remarks = write_page(load_design(design, changes, console), out, force=force)
     for remark in remarks:
         console.progress(f"note: {remark}")
     console.result(

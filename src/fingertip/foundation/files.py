@@ -59,8 +59,7 @@ def open_atomic(path: Path, option: str = "--out") -> Iterator[BinaryIO]:
                 folder.rmdir()
         if not isinstance(error, OSError):
             raise
-        reason = error.strerror or str(error)
-        message = f"cannot be written ({reason}); choose another file with {option}."
+        message = f"cannot be written ({error.strerror or str(error)}); choose another file with {option}."
         raise OutputError(Issue(str(path), message)) from error
 
 

@@ -306,8 +306,7 @@ def output_errors(folder: Path) -> Iterator[None]:
     except FileExistsError as error:
         raise OutputError(describe_obstacle(error, folder)) from error
     except OSError as error:
-        reason = error.strerror or str(error)
-        message = f"cannot be written ({reason}); choose another folder with --out."
+        message = f"cannot be written ({error.strerror or str(error)}); choose another folder with --out."
         raise OutputError(Issue(str(folder), message)) from error
 
 

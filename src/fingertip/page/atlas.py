@@ -49,8 +49,7 @@ def render_atlas(design: Design, pictures: Mapping[str, AtlasPicture]) -> bytes:
         element("nav", element("ul", *links), aria_label="tables"),
         element("main", *sections, id="content"),
     )  # fmt: skip
-    style = read_asset("page.css") + read_asset("atlas.css")
-    return render_document(f"{design.name}: parameters", body, style, ())
+    return render_document(f"{design.name}: parameters", body, read_asset("page.css") + read_asset("atlas.css"), ())
 
 
 def _render_entry(

@@ -32,8 +32,7 @@ def element(name: str, /, *children: str, **attributes: str | float | bool | Non
 
 def code(name: str) -> Markup:
     """Build a name of parameters, checks or files, which may break after a dot or an underscore."""
-    pieces = re.split(r"(?<=[._])", name)
-    return Markup("<wbr>".join(escape(piece, quote=False) for piece in pieces))
+    return Markup("<wbr>".join(escape(piece, quote=False) for piece in re.split(r"(?<=[._])", name)))
 
 
 def join(children: Iterable[str]) -> Markup:

@@ -71,8 +71,7 @@ def _render_row(design: Design, parameter: Parameter, moved: Mapping[str, tuple[
     shown = element("span", f"{format_value(value)} {parameter.unit}".rstrip(), class_="num")
     if value != parameter.default:
         shown = join((shown, element("br"), element("small", f"default {format_value(parameter.default)}")))
-    description = element("div", parameter.description)
-    return join((name, description, describe_effect(path, items))), shown, parameter.bounds
+    return join((name, element("div", parameter.description), describe_effect(path, items))), shown, parameter.bounds
 
 
 def describe_effect(path: str, items: tuple[str, ...], *, linked: bool = True) -> Markup:

@@ -150,8 +150,7 @@ _SLOW_PAD = (
 
 def answer_all_checks(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
     """Make the files in memory and run every check of `fingertip build` that needs no STEP file."""
-    evaluator = AskingEvaluator(FILE_TOLERANCE_MM, still_wanted)
-    found = verify(design, parts_by_name(design), ("stl", "3mf"), evaluator)
+    found = verify(design, parts_by_name(design), ("stl", "3mf"), AskingEvaluator(FILE_TOLERANCE_MM, still_wanted))
     strength = None if found.strength is None else strength_data(found.strength)
     checked = _describe_checks(found.checks, strength, "of shape and files passed", EVERY_FILE)
     return checked | {"pad": render_pad(design)}

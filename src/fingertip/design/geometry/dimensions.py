@@ -312,8 +312,7 @@ class Dimensions(SkinDimensions):
         mold = self._design.mold
         if mold.chaplet_diameter_mm == 0.0:
             return None
-        z = self._design.skin.length_mm - mold.chaplet_from_tip_mm
-        return self.place_chaplet(z)
+        return self.place_chaplet(self._design.skin.length_mm - mold.chaplet_from_tip_mm)
 
     def place_chaplet(self, z: float) -> features.Chaplet:
         mold, screw_mm = self._design.mold, float(self._design.mold.chaplet_screw[1:])

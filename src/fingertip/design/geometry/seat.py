@@ -328,8 +328,7 @@ def _around(body: ConicBody, z: float, gap_mm: float, flat: float | None = None)
     section = body.section
     for dorsal in (True, False):
         sign = 1.0 if dorsal else -1.0
-        points = quarter_outline(section, dorsal, _CHORDS)
-        for (x0, y0), (x1, y1) in pairwise(points):
+        for (x0, y0), (x1, y1) in pairwise(quarter_outline(section, dorsal, _CHORDS)):
             x, y = (x0 + x1) / 2, (y0 + y1) / 2
             if not dorsal and flat is not None and y > flat:
                 continue

@@ -214,8 +214,7 @@ def skin_is_thick_enough(design: DesignTables) -> Limit | None:
 def slot_fits_flat(design: DesignTables) -> Violation | None:
     dims = design.dimensions
     half = dims.tail_half_width
-    heights = (0.0, max(0.0, dims.sensor_z))
-    room = min(dims.bone_outline.half_width_at(-dims.flat_depth_at(z), z) for z in heights)
+    room = min(dims.bone_outline.half_width_at(-dims.flat_depth_at(z), z) for z in (0.0, max(0.0, dims.sensor_z)))
     if half + design.bone.wall_mm <= room or room == 0.0:
         return None
     return Violation(

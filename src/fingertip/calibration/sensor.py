@@ -166,10 +166,6 @@ class PowerLaw:
     def exponent_uncertainty(self) -> float:
         return self.scatter / math.sqrt(self.squares)
 
-    def conductance_at(self, force_n: float) -> float:
-        """Conductance of the curve [S] at a force above the turn-on [N]."""
-        return self.conductance_s * math.pow(force_n - self.turn_on_n, self.exponent)
-
     def interval_n(self, conductance_s: float) -> tuple[float, float]:
         """Interval that holds the true force [N] for one reading of a conductance [S] with 95 % probability.
 
@@ -281,7 +277,7 @@ def calibrate_sensor(design: Design, weighings: Weighings, scale: float | None =
         raise TraceError(Issue(weighings.source, message))
     points = []
     for force_n in sorted(set(forces)):
-        conductance_s = law.conductance_at(force_n)
+        conductance_s = law.conductance_s * math.pow(force_n - turn_on, law.exponent)
         voltage_v, (low_n, high_n) = response.tactile_v(conductance_s), law.interval_n(conductance_s)
         points.append(CurvePoint(force_n, conductance_s, voltage_v, low_n, high_n))
     middle = points[len(points) // 2]

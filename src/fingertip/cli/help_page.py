@@ -26,7 +26,7 @@ MAX_WIDTH = 80
 MIN_WIDTH = 40
 MAX_TERM = 26
 """Largest width of the column of options; a longer one has a line of its own."""
-_METAVARS = {"int": "NUMBER", "integer": "NUMBER", "float": "NUMBER", "path": "PATH"}
+_METAVARS = dict.fromkeys(("int", "integer", "float"), "NUMBER") | dict.fromkeys(("path", "file", "directory"), "PATH")
 """Name of a type in typer -> what stands for a value on a help page."""
 
 
@@ -119,17 +119,9 @@ def metavar(parameter: Any) -> str:
         return ""
     if parameter.metavar:
         return str(parameter.metavar)
-    return _METAVARS.get(_type_name(parameter), "TEXT")
-
-
-def _type_name(parameter: Any) -> str:
     described = getattr(parameter, "type_descriptor", None)  # typer with its own parser
-    if described is not None:
-        if described.is_path:
-            return "path"
-        return str(getattr(described.annotation, "__name__", described.annotation)).lower()
-    name = str(getattr(parameter.type, "name", "text")).lower()
-    return "path" if name in ("path", "file", "directory") else name
+    kind = getattr(described.annotation, "__name__", "") if described else getattr(parameter.type, "name", "")
+    return _METAVARS.get(kind.lower(), "TEXT")
 
 
 def _term(parameter: Any) -> str:

@@ -201,23 +201,18 @@ def _list_lines(design: Design, base: str) -> Iterator[str]:
     changed = [p for p in parameters.values() if design.value(p.path) != p.default]
     yield f"# Design of a fingertip, begun from the bundled design {base}."
     yield "# A comment holds the meaning of a parameter and, in brackets, its unit and bounds."
-    yield ""
-    yield from _format_block(design, [name])
-    yield ""
-    yield "# Main parameters."
-    yield from _format_block(design, main)
+    yield from ("", *_format_block(design, [name]))
+    yield from ("", "# Main parameters.", *_format_block(design, main))
     if changed:
-        yield ""
-        yield f"# Other parameters in which the bundled design {base} differs from the defaults."
-        yield from _format_block(design, changed)
+        heading = f"# Other parameters in which the bundled design {base} differs from the defaults."
+        yield from ("", heading, *_format_block(design, changed))
     yield ""
     yield "# All other parameters with their defaults. Remove the # in front of a name, then change the value."
     for table, info in Design.model_fields.items():
         rest = [p for p in parameters.values() if p.path.startswith(f"{table}.") and p not in changed]
         if rest:
-            yield ""
-            yield f"# {' '.join((inspect.getdoc(info.annotation) or '').split())}"
-            yield from _format_block(design, rest, prefix="#")
+            heading = f"# {' '.join((inspect.getdoc(info.annotation) or '').split())}"
+            yield from ("", heading, *_format_block(design, rest, prefix="#"))
 
 
 def _format_block(design: Design, parameters: Iterable[Parameter], prefix: str = "") -> Iterator[str]:

@@ -203,43 +203,23 @@ class RecordingTables:
     are recorded too.
     """
 
-    def __init__(self, design: DesignTables, invalid: frozenset[str] = frozenset()) -> None:
-        self._design = design
-        self._invalid = invalid
-        self.reads: set[str] = set()
+    def __init__(
+        self, design: BaseModel, invalid: frozenset[str] = frozenset(), prefix: str = "", reads: set[str] | None = None
+    ) -> None:
+        self._design, self._invalid, self._prefix = design, invalid, prefix
+        self.reads = set[str]() if reads is None else reads
 
     def as_tables(self) -> DesignTables:
         return cast(DesignTables, self)
 
-    def record(self, name: str) -> None:
-        self.reads.add(name)
-        if name in self._invalid:
-            raise InvalidParameterError(name)
-
     def __getattr__(self, name: str) -> Any:
-        tables = type(self._design)
-        if name not in tables.model_fields:
-            return _derive(self, tables, name)
+        model, path = type(self._design), self._prefix + name
+        if name not in model.model_fields:  # a method or property reads through the stand-in
+            return inspect.getattr_static(model, name).__get__(self, model)
         value = getattr(self._design, name)
-        if isinstance(value, BaseModel):
-            if name in self._invalid:
-                self.record(name)
-            return _RecordingTable(self, name, value)
-        self.record(name)
-        return value
-
-
-class _RecordingTable:
-    def __init__(self, recorder: RecordingTables, name: str, table: BaseModel) -> None:
-        self._recorder, self._name, self._table = recorder, name, table
-
-    def __getattr__(self, key: str) -> Any:
-        if key not in type(self._table).model_fields:
-            return _derive(self, type(self._table), key)
-        self._recorder.record(f"{self._name}.{key}")
-        return getattr(self._table, key)
-
-
-def _derive(stand_in: object, model: type[BaseModel], name: str) -> Any:
-    """Evaluate a method or property of a model on its stand-in, so that what it reads is recorded too."""
-    return inspect.getattr_static(model, name).__get__(stand_in, model)
+        is_table = isinstance(value, BaseModel)
+        if path in self._invalid or not is_table:
+            self.reads.add(path)
+        if path in self._invalid:
+            raise InvalidParameterError(path)
+        return RecordingTables(value, self._invalid, f"{path}.", self.reads) if is_table else value

@@ -23,7 +23,7 @@ FILES = (
     ("board", "--plot", ".png", "fingertip.tasks.board.write_board"),
     ("sweep board", "--csv", ".csv", "fingertip.sweep.run.run_sweep"),
     ("sweep board", "--parquet", ".parquet", "fingertip.sweep.run.run_sweep"),
-    ("params", "--html", ".html", "fingertip.page.atlas.draw_atlas"),
+    ("params", "--html", ".html", "fingertip.page.parameters_and_checks.draw_atlas"),
     ("picture fsr400", "--out", ".png", "fingertip.pictures.picture.draw"),
     ("sheet fsr400", "--out", ".md", "fingertip.casting.quantities.measure_volumes"),
     ("acceptance fsr400", "--out", ".md", "fingertip.tasks.trial.simulate_and_detect"),

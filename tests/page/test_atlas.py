@@ -13,7 +13,7 @@ import pytest
 from fingertip import Design
 from fingertip.design.files import list_parameters
 from fingertip.design.parameters import PARAMETERS
-from fingertip.page.atlas import render_atlas
+from fingertip.page.parameters_and_checks import render_atlas
 from fingertip.pictures.parameter_changes import (
     _FARTHER,
     _NEARER,

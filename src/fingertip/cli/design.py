@@ -42,7 +42,7 @@ def params(
         text = export.to_toml(loaded)
         console.result({"toml": text}, text.removesuffix("\n"))
     elif html:
-        from fingertip.page.atlas import write_atlas
+        from fingertip.page.parameters_and_checks import write_atlas
 
         pictures = write_atlas(loaded, html, console.progress)
         said = f"parameters: {html}, {pictures} pictures; open it in a browser, no network is needed"

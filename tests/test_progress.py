@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from fingertip.cli.console import BAR_WIDTH, CLEAR_LINE, Console, ProgressDisplay, format_bar
+from fingertip.cli.console import BAR_WIDTH, CLEAR_LINE, Console, format_bar
 from fingertip.foundation import progress as progress_module
 from fingertip.foundation.errors import FingertipError, Issue
 from fingertip.foundation.progress import ShareText, Work, describe_share
@@ -89,10 +89,10 @@ class Terminal(io.StringIO):
 def test_a_terminal_shows_one_bar_that_messages_replace(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "stderr", Terminal())
     monkeypatch.setenv("TERM", "xterm")
-    display = ProgressDisplay()
-    display.show(ShareText("half", 0.5))
-    display.show(ShareText("most", 0.9))
-    display.show("a message")
+    console = Console(False, False)
+    console.progress(ShareText("half", 0.5))
+    console.progress(ShareText("most", 0.9))
+    console.progress("a message")
     shown = sys.stderr.getvalue()  # type: ignore[attr-defined]
     assert shown.count("\n") == 1
     assert shown.endswith(f"{CLEAR_LINE}a message\n")

@@ -35,34 +35,6 @@ BAR_WIDTH = 20
 CLEAR_LINE = "\r\x1b[2K"
 
 
-class ProgressDisplay:
-    """Notes on stderr, each said once, and below them on a terminal a bar for the share of the work that is done."""
-
-    has_bar: ClassVar[bool] = False
-    """True while the terminal, of which there is one, shows a bar: whoever prints next removes it."""
-
-    def __init__(self) -> None:
-        self._is_terminal = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
-        self._said: set[str] = set()
-
-    def show(self, message: str) -> None:
-        """Show a note, or a share in the place of the one before it; a log or a pipe gets no shares."""
-        if not isinstance(message, ShareText):
-            if message not in self._said:
-                self.clear()
-                print(message, file=sys.stderr, flush=True)
-            self._said.add(message)
-        elif self._is_terminal:
-            line = format_bar(message, shutil.get_terminal_size().columns)
-            print(f"{CLEAR_LINE}{line}", end="", file=sys.stderr, flush=True)
-            ProgressDisplay.has_bar = True
-
-    def clear(self) -> None:
-        if ProgressDisplay.has_bar:
-            print(CLEAR_LINE, end="", file=sys.stderr, flush=True)
-            ProgressDisplay.has_bar = False
-
-
 def format_bar(message: ShareText, columns: int) -> str:
     """Format a bar with its message, in one line of a terminal."""
     full = round(BAR_WIDTH * message.share)
@@ -163,15 +135,33 @@ _MAX_PRINTED = 200
 
 
 class Console:
+    has_bar: ClassVar[bool] = False
+    """True while the terminal, of which there is one, shows a bar: whoever prints next removes it."""
+
     def __init__(self, as_json: bool, quiet: bool) -> None:
-        self.as_json = as_json
-        self.quiet = quiet
-        self._display = ProgressDisplay()
+        self.as_json, self.quiet = as_json, quiet
+        self._is_terminal = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
+        self._said: set[str] = set()
 
     def progress(self, message: str) -> None:
-        """Print a note to stderr, or show the share of long work on a terminal."""
-        if not self.quiet:
-            self._display.show(message if isinstance(message, ShareText) else escape_message(message))
+        """Print a note to stderr once, or on a terminal draw a bar for the share of long work; a log has no shares."""
+        if self.quiet:
+            return
+        if not isinstance(message, ShareText):
+            message = escape_message(message)
+            if message not in self._said:
+                self.clear()
+                print(message, file=sys.stderr, flush=True)
+            self._said.add(message)
+        elif self._is_terminal:
+            line = format_bar(message, shutil.get_terminal_size().columns)
+            print(f"{CLEAR_LINE}{line}", end="", file=sys.stderr, flush=True)
+            Console.has_bar = True
+
+    def clear(self) -> None:
+        if Console.has_bar:
+            print(CLEAR_LINE, end="", file=sys.stderr, flush=True)
+            Console.has_bar = False
 
     def warn(self, warnings: Iterable[str]) -> None:
         for warning in warnings:
@@ -183,7 +173,7 @@ class Console:
         On a terminal, lines of the text that are too long for it are broken between words. A file or another program
         gets them whole. A result that has not `passed` ends the command with `CHECK_FAILED`.
         """
-        self._display.clear()
+        self.clear()
         if self.as_json:
             self.write(json.dumps(data, indent=2, allow_nan=False))
         elif text:
@@ -204,7 +194,7 @@ class Console:
 
     def print_issues(self, error: FingertipError, partial_result: Mapping[str, Any] | None = None) -> None:
         """Print the issues of an error to stderr; with --json also to stdout, with what was found before."""
-        self._display.clear()
+        self.clear()
         for issue in error.issues[:_MAX_PRINTED]:
             print(f"error: {issue.typed}", file=sys.stderr)
         if len(error.issues) > _MAX_PRINTED:

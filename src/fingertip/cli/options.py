@@ -13,15 +13,7 @@ import typer
 
 from fingertip.catalogues.silicones import SiliconeName
 from fingertip.cli.completion import COMPLETIONS
-from fingertip.cli.console import (
-    BAD_INPUT,
-    FAULT,
-    Console,
-    ProgressDisplay,
-    describe_fault,
-    describe_path_error,
-    discard_stdout,
-)
+from fingertip.cli.console import BAD_INPUT, FAULT, Console, describe_fault, describe_path_error, discard_stdout
 from fingertip.foundation import interruption
 from fingertip.foundation.errors import FingertipError, Issue, OutputError
 
@@ -118,7 +110,7 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
             raise typer.Exit(PIPE_CLOSED) from None
         except (Exception, *interruption.INTERRUPTIONS) as error:
             if interruption.find_signal(error) is not None:
-                ProgressDisplay().clear()
+                console.clear()
                 raise typer.Exit(interruption.report(error)) from None
             refusal = error if isinstance(error, FingertipError) else describe_path_error(error)
             console.print_issues(refusal or describe_fault(error))

@@ -12,7 +12,7 @@ from fingertip.cad.shapes.coupon_layout import WALLS_MM
 from fingertip.calibration.readings import Length, Measured
 from fingertip.design import Design
 from fingertip.foundation.errors import DesignError, Issue
-from fingertip.foundation.numerics import chi_square_quantile, t_quantile
+from fingertip.foundation.numerics import CONFIDENCE, chi_square_quantile, t_quantile
 
 # Least squares of the readings. A reading y of a length with the nominal value N, printed between two surfaces, is
 #
@@ -25,8 +25,6 @@ from fingertip.foundation.numerics import chi_square_quantile, t_quantile
 # degrees of freedom. Under independent errors of equally many readings this is exact, too (analysis of variance; N. R.
 # Draper and H. Smith, Applied Regression Analysis, 3rd ed., sections 1.5 and 2.1).
 
-CONFIDENCE = 0.95
-"""Probability with which an interval holds the true value."""
 _OUTLIER_RISK = 0.01
 """Probability that any reading of a sound file is named an outlier."""
 _LEAST_DOUBT_MM = 0.03

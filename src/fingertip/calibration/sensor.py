@@ -19,7 +19,7 @@ from fingertip.design import Design
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import InputFileError, Issue, TraceError, quote_value
 from fingertip.foundation.input_files import RECORDING_LIMIT, read_input
-from fingertip.foundation.numerics import t_quantile
+from fingertip.foundation.numerics import CONFIDENCE, t_quantile
 from fingertip.foundation.validation import raise_issues
 from fingertip.sim.signal.bridge import TURN_ON_WIDTH_N, fit_conductance_curve
 from fingertip.slip.traces.columns import DELIMITERS, split_cells, unquote
@@ -27,7 +27,6 @@ from fingertip.slip.traces.columns import DELIMITERS, split_cells, unquote
 LOADS = {"weight_g": NEWTON_PER_GRAM, "force_n": 1.0}
 """Columns of loads -> newtons per unit."""
 READINGS = ("voltage_v", "counts", "resistance_ohm")
-"""Columns of readings."""
 MIN_WEIGHINGS = 4
 """Least number of weighings with a load: two figures are fitted, and two more show their scatter."""
 MIN_LOADS = 3
@@ -137,9 +136,6 @@ def parse_weighings(text: str, source: str) -> Weighings:
 # variance: ordinary least squares. The interval of a force inverts the prediction interval of a single reading
 # (inverse regression; N. R. Draper and H. Smith, Applied Regression Analysis, 3rd ed., section 3.2). It is exact for
 # normal errors of the logarithm.
-
-CONFIDENCE = 0.95
-"""Probability with which an interval holds the true force."""
 
 
 @dataclass(frozen=True)

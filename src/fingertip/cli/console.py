@@ -28,15 +28,12 @@ if TYPE_CHECKING:
     from fingertip.sweep.run import RunState
 
 
-# Progress on stderr: one line that is drawn again and again on a terminal, and nothing elsewhere.
-
 MIN_ROWS_FOR_ESTIMATE = 10
 BAR_WIDTH = 20
 CLEAR_LINE = "\r\x1b[2K"
 
 
 def format_bar(message: ShareText, columns: int) -> str:
-    """Format a bar with its message, in one line of a terminal."""
     full = round(BAR_WIDTH * message.share)
     return f"[{'#' * full}{'.' * (BAR_WIDTH - full)}] {escape_control(message)}"[: columns - 1]
 

@@ -58,8 +58,6 @@ def params(
         console.result({"parameters": data}, export.format_parameter_table(rows))
 
 
-# Commands `fingertip schema` and `fingertip completion`, for editors and shells.
-
 _MODELS = {
     "design": "design.parameters:Tables", "set": "design.finger_set:SetFile", "scene": "sim:SceneFile",
     "manipulation": "sim:ManipulationFile", "surface": "sim.contact.materials:SurfaceFile",

@@ -120,9 +120,6 @@ def _parse_time_scale(text: str) -> float:
         raise TraceError(Issue("--time-scale", message)) from None
 
 
-# `fingertip detect -`: detection on lines from standard input; each transition is printed when it occurs.
-
-
 def detect_standard_input(
     console: Console,
     design: Design,

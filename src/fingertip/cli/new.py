@@ -115,7 +115,6 @@ def new(
 def _write_set(
     console: Console, name: str, start: Callable[[], Starts], may_change_joint: bool, path: Path, issues: list[Issue]
 ) -> None:
-    """Write a set, and beside it the designs that it names."""
     from fingertip.design.new_set import fit_set, write_set_file
     from fingertip.foundation.files import write_file
 

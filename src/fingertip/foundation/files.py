@@ -184,11 +184,8 @@ def _is_at(path: Path, handle: int) -> bool:
         return False
 
 
-# Figures for tables and texts: a few significant digits, without an exponent.
-
-
 def format_figure(value: float, digits: int = 4) -> str:
-    """Format a number with this many significant digits; zeros fill the places before the decimal point."""
+    """Format a number with so many significant digits and no exponent; zeros fill places before the decimal point."""
     if not value or not math.isfinite(value):
         return f"{value + 0.0:g}"  # 0 has no sign
     decimals = digits - 1 - math.floor(math.log10(abs(float(f"{value:.{digits - 1}e}"))))

@@ -261,8 +261,6 @@ def _finish_renames(folder: Path) -> None:
     _remove_folder(commit)
 
 
-# Lock of a folder, and errors of the operating system as sentences.
-
 LOCK_S = 60.0
 """Time for which a command waits for another one that writes to the same place."""
 

@@ -240,10 +240,8 @@ def chi_square_probability(x: float, degrees: int) -> float:
     return 1.0 - above
 
 
-# Confidence interval of a rate, from a count of independent events.
-
 CONFIDENCE = 0.95
-"""Probability with which an interval contains the rate."""
+"""Probability with which an interval holds the true value."""
 
 
 def poisson_interval(count: int, confidence: float = CONFIDENCE) -> tuple[float, float]:

@@ -23,8 +23,6 @@ from fingertip.foundation.files import write_file
 from fingertip.foundation.folder_swap import Content, hash_content, is_folder, lock, output_errors, recover
 from fingertip.foundation.version import __version__
 
-# Trial of a place: whether a file can be written there is found out by writing one, before any work starts.
-
 _NAME = "trial"
 
 

@@ -30,7 +30,6 @@ _LINE = 18.0
 
 
 def render_pad(design: Design, still_wanted: Callable[[], None] = lambda: None) -> Markup:
-    """Render the figures of a pad in a sentence, and its picture."""
     survey, form = survey_pad(design), PadForm.of_design(design)
     grasp = f"{GRASP_DEG[0]:g} to {GRASP_DEG[1]:g}"
     turn_on = max(survey.turn_on_n[1:5])

@@ -20,9 +20,6 @@ from fingertip.page.model_section import render_model, render_no_view, scene_jso
 from fingertip.page.parameters_and_checks import describe_table, group_parameters
 from fingertip.studio.answers import DOWNLOADS, FILE_TOLERANCE_MM, VIEW_TOLERANCE_MM, make_items
 
-# Form of the studio as HTML: a slider and a number for each number, a list for each choice, a place for refusals.
-
-
 _LOGARITHMIC_STEP = 0.002
 """Step of a logarithmic slider, half a percent of the value."""
 _MAIN = (
@@ -193,8 +190,6 @@ def _render_checks() -> Markup:
         element("div", "", id="checks"), aria_labelledby="checks-title",
     )  # fmt: skip
 
-
-# Fields of the form, made from the declarations of the parameters.
 
 _STEPS = 200
 """Least number of steps of a slider."""

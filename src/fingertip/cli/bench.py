@@ -9,7 +9,7 @@ import typer
 
 from fingertip.cli.console import Console
 from fingertip.cli.help_page import HelpCommand, HelpGroup
-from fingertip.cli.options import VerboseOption, command, find_file_issues, load_design, refuse
+from fingertip.cli.options import VERBOSE, command, find_file_issues, load_design, refuse
 
 _CHECKOUT = Path(__file__).parents[3]
 """Folder of a clone, whose benchmarks are not in the wheel."""
@@ -37,7 +37,7 @@ def solvers(
     first_run: bool = typer.Option(
         True, help="Also measure a fresh process, with an empty and with a full compiler cache."
     ),
-    verbose: VerboseOption = False,
+    verbose: bool = VERBOSE,
 ) -> None:
     """Measure error and run time of the simulation beside other solvers."""
     from fingertip.foundation.output_set import SetWriter, hash_parameters

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 @command
 def board(
     console: Console,
-    design: options.OptionalDesignArgument = None,
+    design: Path | None = options.OPTIONAL_DESIGN,
     out: Path | None = typer.Option(
         None,
         "--out",
@@ -47,9 +47,9 @@ def board(
         "exit 1 if one fails.",
     ),
     article: bool = flag("Also print what the article states about its own board, and what is so."),
-    verbose: options.VerboseOption = False,
-    force: options.ForceOption = False,
-    changes: options.SetOption = None,
+    verbose: bool = options.VERBOSE,
+    force: bool = options.FORCE,
+    changes: list[str] | None = options.CHANGES,
 ) -> None:
     """Compute the board's component values; write schematic, layout, netlist, SPICE deck and bill of materials."""
     writing = {"--bode": bode, "--plot": plot, "--bringup": bringup}

@@ -12,7 +12,7 @@ import typer
 
 from fingertip.cli.check import format_failures
 from fingertip.cli.console import Console
-from fingertip.cli.options import DesignArgument, ForceOption, MaterialOption, SetOption, command, flag, load_design
+from fingertip.cli.options import CHANGES, DESIGN_FILE, FORCE, MATERIAL, command, flag, load_design
 from fingertip.foundation.errors import FingertipError, Issue
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 @command
 def build(
     console: Console,
-    design: DesignArgument,
+    design: Path = DESIGN_FILE,
     out: str | None = typer.Option(None, metavar="PATH", help="Output folder; out/NAME by default."),
     parts: str | None = typer.Option(None, help="Parts (bone, skin, ...), separated by commas; all by default."),
     formats: str | None = typer.Option(
@@ -31,10 +31,10 @@ def build(
         "step if it can be made.",
     ),
     tolerance_mm: float = typer.Option(0.01, help="Largest distance of a facet from the exact surface, in mm."),
-    material: MaterialOption = None,
+    material: str | None = MATERIAL,
     pictures: bool = flag("Draw a picture of each casting step, for the casting sheet."),
-    force: ForceOption = False,
-    changes: SetOption = None,
+    force: bool = FORCE,
+    changes: list[str] | None = CHANGES,
 ) -> None:
     """Build bone, skin and mold as STL, 3MF and STEP files, check them, and write a report and a casting sheet."""
     from fingertip.catalogues.output_files import REPORT, SHEET
@@ -98,13 +98,13 @@ def split_names(text: str | None) -> list[str] | None:
 @command
 def make(
     console: Console,
-    design: DesignArgument,
+    design: Path = DESIGN_FILE,
     out: Path | None = typer.Option(None, "--out", "-o", help="Output folder; out/NAME by default."),
     formats: str | None = typer.Option(
         None, help="File formats of the parts (stl, 3mf, step, cq), separated by commas; as for build."
     ),
-    force: ForceOption = False,
-    changes: SetOption = None,
+    force: bool = FORCE,
+    changes: list[str] | None = CHANGES,
 ) -> None:
     """Make parts, drawings, board and a simulated trial with its slip. Exit code 1: a check of the parts failed.
 
@@ -178,11 +178,11 @@ def _make_set(
 @command
 def coupon(
     console: Console,
-    design: DesignArgument,
+    design: Path = DESIGN_FILE,
     out: str | None = typer.Option(None, metavar="PATH", help="Output folder; out/NAME/coupon by default."),
     formats: str = typer.Option("stl,3mf", help="File formats (stl, 3mf, step), separated by commas."),
-    force: ForceOption = False,
-    changes: SetOption = None,
+    force: bool = FORCE,
+    changes: list[str] | None = CHANGES,
 ) -> None:
     """Write the fit coupon of a design, a file for caliper readings of it, and a page on both.
 
@@ -204,7 +204,7 @@ def coupon(
 @command
 def firmware(
     console: Console,
-    design: DesignArgument,
+    design: Path = DESIGN_FILE,
     out: Path | None = typer.Option(None, metavar="PATH", help="Output folder; out/NAME/firmware by default."),
     fingers: str | None = typer.Option(
         None, help="Fingers that the controller reads: their number, or names separated by commas; those of the board."
@@ -216,8 +216,8 @@ def firmware(
         None, help="Its analog inputs, T and S of each finger in turn, separated by commas; the first by default."
     ),
     check: bool = flag("Write nothing; compare the folder with the design; exit 1 if they differ."),
-    force: ForceOption = False,
-    changes: SetOption = None,
+    force: bool = FORCE,
+    changes: list[str] | None = CHANGES,
 ) -> None:
     """Write the slip detector of a design as a C99 library for a controller, for Arduino, PlatformIO or plain C.
 
@@ -254,11 +254,11 @@ def firmware(
 @command
 def robot(
     console: Console,
-    design: DesignArgument,
+    design: Path = DESIGN_FILE,
     file_format: str = typer.Option("mjcf", "--format", help="mjcf (MuJoCo) or urdf (ROS and many simulators)."),
     out: Path | None = typer.Option(None, metavar="PATH", help="Output folder; out/NAME/robot by default."),
-    force: ForceOption = False,
-    changes: SetOption = None,
+    force: bool = FORCE,
+    changes: list[str] | None = CHANGES,
 ) -> None:
     """Write a model of a finger, or of a set, for simulators: meshes, inertia, frames, collision pieces and contact.
 

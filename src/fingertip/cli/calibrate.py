@@ -34,10 +34,10 @@ def printer(
     readings: Path = typer.Argument(
         help="File of caliper readings, filled in from the one that `fingertip coupon` wrote."
     ),
-    out: options.CalibratedDesignOption = None,
-    force: options.ForceCalibratedOption = False,
+    out: Path | None = options.CALIBRATED_DESIGN,
+    force: bool = options.FORCE_CALIBRATED,
     keep: list[str] | None = typer.Option(None, metavar="TABLE.KEY", help="Leave a parameter as it is; repeatable."),
-    changes: options.SetOption = None,
+    changes: list[str] | None = options.CHANGES,
 ) -> None:
     """Calibrate a design for a printer, from caliper readings of its fit coupon, and check the result.
 
@@ -182,10 +182,10 @@ def sensor(
     design: Path | None = typer.Argument(
         None, help="Design of the board that took the readings; the default design if left out."
     ),
-    out: options.CalibratedDesignOption = None,
-    force: options.ForceCalibratedOption = False,
+    out: Path | None = options.CALIBRATED_DESIGN,
+    force: bool = options.FORCE_CALIBRATED,
     scale: float | None = typer.Option(None, help="Volts per count, if the readings are counts."),
-    changes: options.SetOption = None,
+    changes: list[str] | None = options.CHANGES,
 ) -> None:
     """Calibrate the force curve of a sensor, from readings under known weights.
 

@@ -12,7 +12,7 @@ from xml.etree.ElementTree import Element, SubElement
 import typer
 
 from fingertip.cli.console import Console
-from fingertip.cli.options import SetOption, VerboseOption, command, find_file_issues, load_design, refuse
+from fingertip.cli.options import CHANGES, VERBOSE, command, find_file_issues, load_design, refuse
 from fingertip.foundation.errors import DesignError, Issue, gather
 from fingertip.foundation.progress import Work
 
@@ -34,8 +34,8 @@ def check(
     ),
     tolerance_mm: float = typer.Option(FINE_MM, help="Largest distance of a facet from the exact surface, in mm."),
     junit: Path | None = typer.Option(None, metavar="FILE.xml", help="JUnit report, for CI servers."),
-    verbose: VerboseOption = False,
-    changes: SetOption = None,
+    verbose: bool = VERBOSE,
+    changes: list[str] | None = CHANGES,
 ) -> None:
     """Check designs and folders. Exit code 0: no check failed, 1: a check failed, 2: a design is not valid.
 

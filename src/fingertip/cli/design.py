@@ -19,8 +19,8 @@ from fingertip.foundation.errors import DesignError, Issue
 @command
 def params(
     console: Console,
-    design: options.OptionalDesignArgument = None,
-    changes: options.SetOption = None,
+    design: Path | None = options.OPTIONAL_DESIGN,
+    changes: list[str] | None = options.CHANGES,
     toml: bool = flag("Print a complete design file with comments."),
     schema: bool = flag("Print the JSON schema of design files, for editors."),
     html: Path | None = typer.Option(
@@ -68,9 +68,7 @@ KINDS = tuple(_MODELS)
 
 
 @command
-def schema(
-    kind: str = typer.Argument(help=f"Kind of file: {', '.join(KINDS)}."), quiet: options.QuietOption = False
-) -> None:
+def schema(kind: str = typer.Argument(help=f"Kind of file: {', '.join(KINDS)}."), quiet: bool = options.QUIET) -> None:
     """Print the JSON schema of a kind of TOML file, for editors. Bundled files name theirs in their first line."""
     Console(False, quiet).write(json.dumps(make_schema(kind), indent=2))
 
@@ -104,9 +102,7 @@ def _normalise(value: Any) -> Any:
 
 
 @command
-def completion(
-    shell: str = typer.Argument(help="Shell: bash, zsh or fish."), quiet: options.QuietOption = False
-) -> None:
+def completion(shell: str = typer.Argument(help="Shell: bash, zsh or fish."), quiet: bool = options.QUIET) -> None:
     """Print a completion script for a shell: commands, options, bundled names and parameters after --set.
 
     For bash, add this line to ~/.bashrc: eval "$(fingertip completion bash)". For zsh, add eval "$(fingertip completion

@@ -11,7 +11,7 @@ import typer
 
 from fingertip.cli import options
 from fingertip.cli.console import BAD_INPUT, Console
-from fingertip.cli.options import SetOption, command, find_file_issues, load_design, refuse
+from fingertip.cli.options import CHANGES, command, find_file_issues, load_design, refuse
 from fingertip.foundation.errors import FingertipError, Issue, TraceError
 from fingertip.foundation.interruption import INTERRUPTIONS, exit_code
 from fingertip.slip.detectors.registry import DEFAULT, describe_detectors
@@ -49,7 +49,7 @@ def detect(
         help="Name of a column in the file, such as voltage_v=AI0, or its number from 1; repeatable.",
     ),
     plot: Path | None = typer.Option(None, help="Plot of the detection to write (PNG)."),
-    changes: SetOption = None,
+    changes: list[str] | None = CHANGES,
 ) -> None:
     """Detect slip in a trace with the article's chain or another detector.
 
@@ -167,15 +167,15 @@ def detect_standard_input(
 @command
 def validate(
     console: Console,
-    design: options.OptionalDesignArgument = None,
+    design: Path | None = options.OPTIONAL_DESIGN,
     trials: int = typer.Option(120, help="Number of trials with slip (article: 120)."),
     minutes: float = typer.Option(40.0, help="Minutes of scenes without slip."),
     detector: str = typer.Option("fast", help="Detector that the requirements apply to; all are compared."),
     seed: int = typer.Option(5_000_000, help="First seed; every one from 5000000 on is held out."),
     out: Path | None = typer.Option(None, "--out", "-o", help="Folder; default: out/NAME/validation."),
-    force: options.ForceOption = False,
-    verbose: options.VerboseOption = False,
-    changes: SetOption = None,
+    force: bool = options.FORCE,
+    verbose: bool = options.VERBOSE,
+    changes: list[str] | None = CHANGES,
 ) -> None:
     """Test a design's detectors on simulated slips and on scenes without slip. Exit code 1: a requirement is missed."""
     from fingertip.board.analysis.board_values import board_values

@@ -40,10 +40,10 @@ class _File:
 @command
 def acceptance(
     console: Console,
-    design: options.DesignArgument,
+    design: Path = options.DESIGN_FILE,
     out: Path | None = typer.Option(None, help="Markdown file to write; out/NAME/acceptance.md by default."),
-    force: options.ForceOption = False,
-    changes: options.SetOption = None,
+    force: bool = options.FORCE,
+    changes: list[str] | None = options.CHANGES,
 ) -> None:
     """Write the acceptance sheet: tests of the sensor and of the finished finger, with limits and causes of failure."""
     from fingertip.catalogues.output_files import ACCEPTANCE
@@ -66,13 +66,13 @@ _SLICED_MESH_TOLERANCE_MM = 0.02
 @command
 def sheet(
     console: Console,
-    design: options.DesignArgument,
+    design: Path = options.DESIGN_FILE,
     out: Path | None = typer.Option(None, help="Markdown file to write; out/NAME/casting.md by default."),
-    material: options.MaterialOption = None,
+    material: str | None = options.MATERIAL,
     slicer: bool = flag("Estimate print time and volume on a filament printer with PrusaSlicer."),
     pictures: bool = flag("Draw a picture of each step, into a folder beside the page."),
-    force: options.ForceOption = False,
-    changes: options.SetOption = None,
+    force: bool = options.FORCE,
+    changes: list[str] | None = options.CHANGES,
 ) -> None:
     """Write the casting sheet: silicone quantities, warnings, procedure, print orientations and bill of materials."""
     from fingertip.cad.kernel.mesh import MeshEvaluator
@@ -130,10 +130,10 @@ def sheet(
 @command
 def drawing(
     console: Console,
-    design: options.DesignArgument,
+    design: Path = options.DESIGN_FILE,
     out: Path | None = typer.Option(None, metavar="PATH", help="Output folder; out/NAME by default."),
-    force: options.ForceOption = False,
-    changes: options.SetOption = None,
+    force: bool = options.FORCE,
+    changes: list[str] | None = options.CHANGES,
 ) -> None:
     """Draw each printed part to scale with its dimensions, tolerances and sizes to check, as SVG and as one PDF."""
     from fingertip.tasks.drawing import write_drawing
@@ -146,15 +146,15 @@ def drawing(
 @command
 def picture(
     console: Console,
-    design: options.DesignArgument,
+    design: Path = options.DESIGN_FILE,
     out: Path | None = typer.Option(
         None, help="Output PNG, SVG with --pad; out/NAME/exploded.png, filling.png or pad.svg by default."
     ),
     filling: bool = flag("Draw when the silicone arrives where, with vents and last points."),
     pad: bool = flag("Draw what part of a force reaches the sensor, by place and by tilt."),
     width_px: int = typer.Option(1600, help="Width of the picture, in pixels: 400 to 6000."),
-    force: options.ForceOption = False,
-    changes: options.SetOption = None,
+    force: bool = options.FORCE,
+    changes: list[str] | None = options.CHANGES,
 ) -> None:
     """Draw an exploded view and a section through the closed mold, how the mold fills, or what the sensor feels."""
     from fingertip.catalogues.output_files import EXPLODED_VIEW, FILLING_VIEW, PAD_VIEW
@@ -178,10 +178,10 @@ def picture(
 @command
 def page(
     console: Console,
-    design: options.DesignArgument,
+    design: Path = options.DESIGN_FILE,
     out: Path | None = typer.Option(None, metavar="PATH", help="Folder of the design's files; out/NAME by default."),
-    force: options.ForceOption = False,
-    changes: options.SetOption = None,
+    force: bool = options.FORCE,
+    changes: list[str] | None = options.CHANGES,
 ) -> None:
     """Write index.html beside a design's files: 3D view, checks, casting guide, board and trial in one offline page."""
     from fingertip.tasks.page import write_page
@@ -201,12 +201,12 @@ DEFAULT_PORT = 8350
 @command
 def studio(
     console: Console,
-    design: options.OptionalDesignArgument = None,
+    design: Path | None = options.OPTIONAL_DESIGN,
     port: int | None = typer.Option(
         None, metavar="N", help=f"Port to listen on; {DEFAULT_PORT} by default, 0 for any free one."
     ),
     no_browser: bool = flag("Print the address and open no browser."),
-    changes: options.SetOption = None,
+    changes: list[str] | None = options.CHANGES,
 ) -> None:
     """Serve a page on this machine where sliders change a design: its parts and checks follow, files are downloaded."""
     import contextlib

@@ -16,7 +16,7 @@ import typer
 from fingertip.catalogues.controllers import NAMES
 from fingertip.catalogues.sensors import CATALOGUE
 from fingertip.cli.console import Console
-from fingertip.cli.options import SetOption, command, find_file_issues, flag
+from fingertip.cli.options import CHANGES, command, find_file_issues, flag
 from fingertip.foundation.errors import DesignError, FingertipError, Issue, gather, join_words
 from fingertip.foundation.progress import Work
 
@@ -56,7 +56,7 @@ def new(
     ),
     out: Path | None = typer.Option(None, "--out", "-o", metavar="FILE", help="File to write; NAME.toml by default."),
     allow_shorter_travel: bool = flag("Let the finger bend less, or its tendon lie nearer the joint."),
-    changes: SetOption = None,
+    changes: list[str] | None = CHANGES,
 ) -> None:
     """Write a design file with comments, to be edited: the main parameters, and all others as comments.
 

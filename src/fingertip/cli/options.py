@@ -7,7 +7,7 @@ import inspect
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 import typer
 
@@ -24,43 +24,23 @@ PIPE_CLOSED = 141
 COMMON = "Options of all commands"
 """Heading of these options on the help pages."""
 
-JsonOption = Annotated[
-    bool, typer.Option("--json", rich_help_panel=COMMON, help="Print one JSON object to stdout and nothing else.")
-]
-QuietOption = Annotated[
-    bool,
-    typer.Option(
-        "--quiet",
-        "-q",
-        rich_help_panel=COMMON,
-        help="Print no progress and no messages on stderr, only errors; the result still goes to stdout.",
-    ),
-]
-VerboseOption = Annotated[bool, typer.Option("--verbose", "-v", help="Print the details too, not only the verdict.")]
-ForceOption = Annotated[
-    bool, typer.Option("--force", help="Overwrite files that fingertip did not write, or that were changed since.")
-]
-SetOption = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="TABLE.KEY=VALUE", help="Change a parameter of the design; repeatable."),
-]
-DesignArgument = Annotated[
-    Path, typer.Argument(help="Design file, or a bundled design such as fsr400 or adult_finger.")
-]
-OptionalDesignArgument = Annotated[
-    Path | None, typer.Argument(help="Design file or bundled name; the default design if left out.")
-]
-MaterialOption = Annotated[
-    str | None,
-    typer.Option(
-        help=f"Silicone: {', '.join(get_args(SiliconeName))} or own; the design's silicone.product if omitted."
-    ),
-]
-CalibratedDesignOption = Annotated[
-    Path | None,
-    typer.Option("--out", "-o", metavar="FILE", help="File for the calibrated design, a complete design file."),
-]
-ForceCalibratedOption = Annotated[bool, typer.Option("--force", help="Overwrite FILE if it exists.")]
+JSON = typer.Option(False, "--json", rich_help_panel=COMMON, help="Print one JSON object to stdout and nothing else.")
+QUIET = typer.Option(
+    False, "--quiet", "-q", rich_help_panel=COMMON,
+    help="Print no progress and no messages on stderr, only errors; the result still goes to stdout.",
+)  # fmt: skip
+VERBOSE = typer.Option(False, "--verbose", "-v", help="Print the details too, not only the verdict.")
+FORCE = typer.Option(False, "--force", help="Overwrite files that fingertip did not write, or that were changed since.")
+CHANGES = typer.Option(None, "--set", metavar="TABLE.KEY=VALUE", help="Change a parameter of the design; repeatable.")
+DESIGN_FILE = typer.Argument(help="Design file, or a bundled design such as fsr400 or adult_finger.")
+OPTIONAL_DESIGN = typer.Argument(None, help="Design file or bundled name; the default design if left out.")
+MATERIAL = typer.Option(
+    None, help=f"Silicone: {', '.join(get_args(SiliconeName))} or own; the design's silicone.product if omitted."
+)
+CALIBRATED_DESIGN = typer.Option(
+    None, "--out", "-o", metavar="FILE", help="File for the calibrated design, a complete design file."
+)
+FORCE_CALIBRATED = typer.Option(False, "--force", help="Overwrite FILE if it exists.")
 
 
 def flag(text: str) -> Any:
@@ -69,8 +49,8 @@ def flag(text: str) -> Any:
 
 
 _OUTPUT_OPTIONS = [
-    inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD, default=False, annotation=option)
-    for name, option in (("as_json", JsonOption), ("quiet", QuietOption))
+    inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD, default=option, annotation=bool)
+    for name, option in (("as_json", JSON), ("quiet", QUIET))
 ]
 
 
@@ -89,8 +69,7 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
     if "console" in own:
         declared += _OUTPUT_OPTIONS
     for parameter in declared:
-        (option,) = getattr(parameter.annotation, "__metadata__", (parameter.default,))
-        name = parameter.name
+        option, name = parameter.default, parameter.name
         if not option.metavar and isinstance(option, typer.models.ArgumentInfo):
             option.metavar = name.upper()
         if option.default is False and not option.param_decls:

@@ -6,12 +6,13 @@ import math
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
 
 from fingertip.cli.console import Console
-from fingertip.cli.options import DesignArgument, SetOption, command, flag, load_design, refuse
+from fingertip.cli.options import CHANGES, DESIGN_FILE, command, flag, load_design, refuse
 from fingertip.foundation import extras
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.progress import ShareText
@@ -38,12 +39,12 @@ _REFINED = 0.7
 @command
 def pad(
     console: Console,
-    design: DesignArgument,
+    design: Path = DESIGN_FILE,
     fem: bool = flag("Compute the same by finite elements, some 5 s."),
     refine: bool = flag("Repeat them on a mesh with edges 0.7 times as long, some 20 s."),
     large_strain: bool = flag("Compare them with large strains and friction, some 2 minutes."),
     friction: float | None = typer.Option(None, help="Friction on the plate, for --large-strain.", min=0, max=2),
-    changes: SetOption = None,
+    changes: list[str] | None = CHANGES,
 ) -> None:
     """State what the sensor feels of a force on the pad: its share over tilt and roll, turn-on, stiffness and strain.
 

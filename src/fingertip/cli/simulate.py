@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, BinaryIO
 import typer
 
 from fingertip.cli.console import Console
-from fingertip.cli.options import ForceOption, command, find_file_issues, find_idle_issues, flag
+from fingertip.cli.options import FORCE, command, find_file_issues, find_idle_issues, flag
 from fingertip.foundation.errors import FingertipError, gather
 from fingertip.foundation.files import temporary_folder
 
@@ -51,7 +51,7 @@ def simulate(
     ),
     parameters: bool = flag("Print the scene's parameters with unit, bounds and meaning."),
     plan: bool = flag("Print the stages that would run for the scene's outputs, and their cost."),
-    force: ForceOption = False,
+    force: bool = FORCE,
 ) -> None:
     """Simulate one trial of a design, or a scene with --design, and write its trace."""
     from fingertip.catalogues.output_files import SIGNAL

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -230,25 +230,22 @@ def _describe_problem(reading: Any, length: Length) -> str | None:
     )
 
 
-def _find_missing(tables: Mapping[str, Any], lengths: Iterable[Length]) -> Iterator[Issue]:
+def _find_missing(tables: Mapping[str, Any], lengths: Collection[Length]) -> Iterator[Issue]:
     """Find lengths with too few readings, and kinds with too few lengths."""
-    kinds: dict[str, list[str]] = {"outer": [], "inner": []}
-    given: dict[str, int] = {"outer": 0, "inner": 0}
     for length in lengths:
         count = len(tables.get(length.name, ()))
         needed = 1 if length.kind == "wall" else MIN_READINGS
         if 0 < count < needed:
             yield Issue(length.name, f"{_count(count, 'reading')} cannot show a slip; at least {needed}, or none.")
-        if length.kind in kinds:
-            given[length.kind] += count > 0
-            if not count:
-                kinds[length.kind].append(length.name)
-    for kind, missing in kinds.items():
-        if given[kind] < MIN_LENGTHS:
+    for kind in ("outer", "inner"):
+        names = [length.name for length in lengths if length.kind == kind]
+        missing = [name for name in names if not tables.get(name)]
+        given = len(names) - len(missing)
+        if given < MIN_LENGTHS:
             yield Issue(
                 "readings",
-                f"{_count(given[kind], f'{kind} length')} with readings are too few to tell scale from offset; at "
-                f"least {MIN_LENGTHS}, such as {join_words(missing[: MIN_LENGTHS - given[kind]])}.",
+                f"{_count(given, f'{kind} length')} with readings are too few to tell scale from offset; at "
+                f"least {MIN_LENGTHS}, such as {join_words(missing[: MIN_LENGTHS - given])}.",
             )
 
 

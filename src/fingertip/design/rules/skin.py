@@ -189,15 +189,9 @@ def flat_edges_within_skin(design: DesignTables) -> Violation | None:
 
 
 _SOUND_SECTIONS = (
-    tip_within_skin,
-    bone_left_at_sides,
-    bone_left_dorsally,
-    bone_reaches_tip,
-    taper_reaches_tip,
-    sensor_fits_flat,
-    flat_within_bone,
-    flat_edges_within_skin,
-)
+    tip_within_skin, bone_left_at_sides, bone_left_dorsally, bone_reaches_tip, taper_reaches_tip, sensor_fits_flat,
+    flat_within_bone, flat_edges_within_skin,
+)  # fmt: skip
 """Prerequisites of every rule that measures the silicone between bone and surface."""
 
 

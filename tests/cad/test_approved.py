@@ -28,9 +28,7 @@ from fingertip.catalogues.hardware import SYRINGES, THREADS, find_needle
 from fingertip.design import Design
 from fingertip.design.geometry.seat import list_contacts, tape_span_mm
 from fingertip.design.interfaces import interface_of
-from fingertip.filling.gate import gate_opening, list_ducts
-from fingertip.filling.mold_filling import predict_mold_filling
-from fingertip.filling.vents import find_pose, vent_cavity
+from fingertip.filling.mold_filling import find_pose, gate_opening, list_ducts, predict_mold_filling, vent_cavity
 from tests.approved import check_figures
 from tests.cad.part_checks import run_all_checks
 from tests.conftest import design_file, some_of

@@ -24,8 +24,7 @@ from fingertip.design import Design
 from fingertip.design.new_design import PRESETS
 from fingertip.documents.acceptance import acceptance_data, render_acceptance
 from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet
-from fingertip.filling.mold_filling import MAX_AIR_MM3
-from fingertip.filling.vents import find_pose, place_vents
+from fingertip.filling.mold_filling import MAX_AIR_MM3, find_pose, place_vents
 from fingertip.foundation.errors import DesignError
 from fingertip.tasks.build import build
 from tests.conftest import DESIGNS, design_file, run_fingertip

@@ -15,9 +15,7 @@ from fingertip.design import Design
 from fingertip.design.geometry.solids import intersection, union
 from fingertip.design.new_design import PRESETS
 from fingertip.filling import mold_filling
-from fingertip.filling.gate import gate_opening
-from fingertip.filling.mold_filling import MAX_AIR_MM3, injected_cm3, list_ducts, predict_mold_filling
-from fingertip.filling.vents import find_pose, place_vents
+from fingertip.filling.mold_filling import MAX_AIR_MM3, injected_cm3, list_ducts, place_vents, predict_mold_filling
 from tests.conftest import design_file
 
 DESIGNS = ("fsr400", "fsr402", "fsr400_compact", *PRESETS)
@@ -56,7 +54,8 @@ def test_ducts_follow_the_inlet() -> None:
     # From the end of the nozzle the cone narrows by 6 % from 4.0 to 3.85 mm; the sprue runs to a face 11.014 mm up.
     assert cone.volume_mm3 == pytest.approx(math.pi / 12 * (4.0**2 + 4.0 * 3.85 + 3.85**2) * 2.5)
     assert sprue.volume_mm3 == pytest.approx(math.pi / 4 * 3.85**2 * (11.014 - 7.5), rel=1e-3)
-    assert gate_opening(design).diameter_mm == pytest.approx(3.09, abs=0.005), "a disc as large as 3.0 x 2.5 mm"
+    disc = mold_filling.gate_opening(design)
+    assert disc.diameter_mm == pytest.approx(3.09, abs=0.005), "a disc as large as 3.0 x 2.5 mm"
     # What is injected fills the cavity, and these ducts too.
     prediction, ducts_mm3 = predict_mold_filling(design), sum(d.volume_mm3 for d in (nozzle, cone, sprue, runner))
     assert 1000 * injected_cm3(prediction) - prediction.volume_mm3 == pytest.approx(ducts_mm3)
@@ -119,7 +118,7 @@ def test_a_cavity_that_fills_last_at_the_collar_has_vents(name: str, changes: tu
     design = Design.load(design_file(name), changes=changes)
     assert len(place_vents(design)) == count
     assert sum(pocket.volume_mm3 for pocket in predict_mold_filling(design).air_pockets) < MAX_AIR_MM3
-    assert math.hypot(*find_pose(design)) == pytest.approx(1.0)
+    assert math.hypot(*mold_filling.find_pose(design)) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize(("width_mm", "gap_mm"), [(8.0, 2.0), (20.0, 2.0), (30.0, 0.0)])

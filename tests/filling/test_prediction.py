@@ -15,6 +15,7 @@ from fingertip.casting.quantities import measure_volumes
 from fingertip.design import Design
 from fingertip.filling.ducts_and_mouths import mouth_resistance, open_mouth, rectangular_duct, round_duct
 from fingertip.filling.hele_shaw import fill
+from fingertip.filling.mold_filling import find_pose, place_vents
 from fingertip.filling.network import Mask
 from fingertip.filling.predict import (
     FillingPrediction,
@@ -26,7 +27,6 @@ from fingertip.filling.predict import (
     syringe_pressure_pa,
 )
 from fingertip.filling.surface_links import SkinGrid, build_skin_grid
-from fingertip.filling.vents import find_pose, place_vents
 from fingertip.foundation.numerics import Array
 from tests.conftest import design_file
 

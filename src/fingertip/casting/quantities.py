@@ -10,8 +10,7 @@ from fingertip.cad.shapes import insert, mold
 from fingertip.catalogues.silicones import Silicone
 from fingertip.design import Design
 from fingertip.design.geometry.solids import intersection, union
-from fingertip.filling.mold_filling import MAX_AIR_MM3, injected_cm3, predict_mold_filling
-from fingertip.filling.vents import place_vents
+from fingertip.filling.mold_filling import MAX_AIR_MM3, injected_cm3, place_vents, predict_mold_filling
 
 WASTE_FRACTION = 0.25
 """Extra silicone as a fraction of what the mold holds. It stays on cup, stirrer and syringe or funnel. A project

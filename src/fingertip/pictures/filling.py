@@ -13,11 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.filling.gate import build_grid, gate_opening
-from fingertip.filling.mold_filling import predict_mold_filling
+from fingertip.filling.mold_filling import build_grid, gate_opening, list_openings, place_vents, predict_mold_filling
 from fingertip.filling.predict import FillingPrediction, Opening, Point3
 from fingertip.filling.surface_links import Layer, SkinGrid
-from fingertip.filling.vents import list_openings, place_vents
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.plot_style import RED, REFERENCE, TEAL, TEXT_COLOUR, YELLOW, new_figure, to_png
 

@@ -24,7 +24,7 @@ from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Solid, intersection, union
 from fingertip.design.interfaces import interface_of
-from fingertip.filling.vents import place_vents
+from fingertip.filling.mold_filling import place_vents
 from fingertip.foundation.numerics import Array
 from fingertip.pictures.raster import Colour, Font, Pen
 

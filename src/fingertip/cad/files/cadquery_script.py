@@ -13,7 +13,7 @@ from fingertip.cad.kernel.primitive_calls import call_of
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Difference, Intersection, Placed, Primitive, Scaled, Solid, Union
-from fingertip.filling.vents import place_vents
+from fingertip.filling.mold_filling import place_vents
 
 _WIDTH = 110
 _WORD = re.compile(r"[a-zA-Z_]\w*")

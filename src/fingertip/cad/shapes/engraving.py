@@ -15,7 +15,7 @@ from itertools import pairwise
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.filling.vents import place_vents
+from fingertip.filling.mold_filling import place_vents
 
 Point = tuple[float, float]
 Rings = tuple[tuple[Point, ...], ...]

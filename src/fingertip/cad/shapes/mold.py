@@ -30,7 +30,7 @@ from fingertip.design.geometry.solids import (
     intersection,
     union,
 )
-from fingertip.filling.vents import Vent, place_vents
+from fingertip.filling.mold_filling import Vent, place_vents
 
 _SPRUE_DRAFT = 0.03
 """Draft of the sprue, which widens towards the parting plane, so that it lifts out: radius per length."""

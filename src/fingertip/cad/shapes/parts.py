@@ -16,7 +16,7 @@ from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import size_clamp_bolts
 from fingertip.design.geometry.solids import Solid, cylinder, difference, hexagon, union
 from fingertip.design.interfaces.clevis_solids import pin_bore
-from fingertip.filling.vents import place_vents
+from fingertip.filling.mold_filling import place_vents
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ from fingertip.design import Design
 from fingertip.design.geometry.features import Joint
 from fingertip.design.geometry.solids import Box, Cone, Solid, cylinder, difference, intersection, scaled, union
 from fingertip.design.interfaces.clevis_solids import eye_profile, knuckle, pin_bore, space
-from fingertip.filling.vents import place_vents
+from fingertip.filling.mold_filling import place_vents
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

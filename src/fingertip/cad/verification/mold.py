@@ -32,9 +32,8 @@ from fingertip.design import Design
 from fingertip.design.geometry.conic import add_draft
 from fingertip.design.geometry.seat import creep_mm, tape_span_mm
 from fingertip.design.geometry.solids import Solid, difference, intersection, union
-from fingertip.filling.mold_filling import MAX_AIR_MM3, injected_cm3, largest_pocket, predict_mold_filling
+from fingertip.filling.mold_filling import MAX_AIR_MM3, injected_cm3, largest_pocket, place_vents, predict_mold_filling
 from fingertip.filling.predict import FillingPrediction, head_pressure_pa
-from fingertip.filling.vents import place_vents
 
 if TYPE_CHECKING:
     from manifold3d import Manifold

@@ -3,8 +3,8 @@
 The mold is held with its proximal face down while it is filled, so that the apex of the tip is the cavity's highest
 point. A syringe fills it from below: it stands on the dorsal face, beside the collar. Sprue and runner lead to the side
 of the cavity. Its vents stand where the silicone arrives last, on the dorsal side near the tip
-(`fingertip.filling.vents`). A mold that is filled by gravity has its gate and vents beside the apex. All of them open
-with the mold, so that the cured sprue lifts out, and none touches the pad.
+(`fingertip.filling.mold_filling`). A mold that is filled by gravity has its gate and vents beside the apex. All of them
+open with the mold, so that the cured sprue lifts out, and none touches the pad.
 """
 
 from __future__ import annotations

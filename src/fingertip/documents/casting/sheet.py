@@ -31,8 +31,7 @@ from fingertip.design.interfaces import INTERFACES, interface_of
 from fingertip.design.interfaces.clevis import tendon_force_per_n
 from fingertip.design.interfaces.clevis_solids import stop_height_mm
 from fingertip.documents.template import render, render_page, render_rows
-from fingertip.filling.mold_filling import MAX_AIR_MM3, injected_cm3, predict_mold_filling
-from fingertip.filling.vents import find_pose, place_vents
+from fingertip.filling.mold_filling import MAX_AIR_MM3, find_pose, injected_cm3, place_vents, predict_mold_filling
 
 Data = Mapping[str, Any]
 

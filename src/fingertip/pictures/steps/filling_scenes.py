@@ -6,7 +6,7 @@ import math
 
 from fingertip.catalogues.hardware import LUER_MOUTH_MM, NOZZLE_DEPTH_MM, NOZZLE_LENGTH_MM
 from fingertip.design.geometry.solids import Box, cylinder, difference
-from fingertip.filling.vents import place_vents
+from fingertip.filling.mold_filling import place_vents
 from fingertip.pictures.raster import Camera
 from fingertip.pictures.steps.objects import CUP_RADIUS_MM, Bench
 from fingertip.pictures.steps.scene import Arrow, Data, Label, Paint, Scene, Shown, Slope, View, given

@@ -11,7 +11,7 @@ from fingertip.cad.shapes.mold import pry_slots_z
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.casting.consumables import uses_adhesive, uses_primer
 from fingertip.design.geometry.solids import Box, Cone, Solid, cylinder, union
-from fingertip.filling.vents import place_vents
+from fingertip.filling.mold_filling import place_vents
 from fingertip.pictures.raster import Camera
 from fingertip.pictures.steps.objects import Bench
 from fingertip.pictures.steps.scene import Arrow, Data, Label, Paint, Scene, Shown, View, given

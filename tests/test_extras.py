@@ -180,7 +180,6 @@ def test_only_the_exact_kernel_needs_an_extra_to_be_imported() -> None:
             "fingertip.cad.kernel.brep: MissingLibraryError",
             "fingertip.cad.kernel.cadquery_primitives: ModuleNotFoundError",
             "fingertip.cad.kernel.occ: ModuleNotFoundError",
-            "fingertip.cad.kernel.occ_primitives: ModuleNotFoundError",
             "fingertip.pictures.drawing.hidden_lines: ModuleNotFoundError",
         ]
     )

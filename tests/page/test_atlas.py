@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from fingertip import Design
+from fingertip.cad.shapes.parts import shapes_of_parameters
 from fingertip.design.files import list_parameters
 from fingertip.design.parameters import PARAMETERS
 from fingertip.page.parameters_and_checks import render_atlas
@@ -19,7 +20,6 @@ from fingertip.pictures.parameter_changes import (
     _NEARER,
     _RING,
     AtlasPicture,
-    _find_parts,
     draw_atlas,
     draw_parameter,
     find_depth_changes,
@@ -110,7 +110,7 @@ def test_page_shows_every_parameter_in_one_file(design: Design, picture: AtlasPi
 def test_every_parameter_that_shapes_a_part_is_drawn(design: Design) -> None:
     """All have a picture, on this design or another, but the one of which no bundled design takes both values."""
     drawn = {picture.path: picture for picture in draw_atlas(design)}
-    shaping = {path for path in _find_parts(design) if path.partition(".")[0] in ("skin", "bone", "mold", "sensor")}
+    shaping = {path for path in shapes_of_parameters(design) if path.startswith(("skin.", "bone.", "mold.", "sensor."))}
     assert shaping - set(drawn) == {"sensor.tail"}
     assert len(drawn) > 75
     for picture in drawn.values():

@@ -15,8 +15,7 @@ from fingertip.board.analysis.report import bode_table
 from fingertip.board.kicad.project import read_archive
 from fingertip.board.kicad.sexpr import read_expression
 from fingertip.cad.kernel.mesh import Mesh
-from fingertip.cad.shapes.parts import parts_by_name
-from fingertip.cad.shapes.reads import shapes_of_parameters
+from fingertip.cad.shapes.parts import parts_by_name, shapes_of_parameters
 from fingertip.catalogues.output_files import SCHEMATIC
 from fingertip.page import markdown
 from fingertip.page.board_section import draw_response

@@ -11,8 +11,7 @@ from importlib import metadata
 from typing import TYPE_CHECKING, Any
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.shapes.frames import find_frames
-from fingertip.cad.shapes.parts import hardware, parts_by_name
+from fingertip.cad.shapes.parts import find_frames, hardware, parts_by_name
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Solid
 from fingertip.design.parameters.declaration import suggest_name

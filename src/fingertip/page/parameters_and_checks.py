@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from fingertip.cad.shapes.reads import shapes_of_parameters
+from fingertip.cad.shapes.parts import shapes_of_parameters
 from fingertip.cad.verification.check import list_causes
 from fingertip.cad.verification.strength import WANTED_AT_GRIP, WANTED_AT_SHOCK
 from fingertip.design import Design

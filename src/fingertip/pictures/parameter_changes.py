@@ -6,7 +6,7 @@ before is coloured. A parameter that a design does not use is shown on another d
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
-from fingertip.cad.shapes.parts import parts_by_name
-from fingertip.cad.shapes.reads import parameters_of_shapes
+from fingertip.cad.shapes.parts import parts_by_name, shapes_of_parameters
 from fingertip.design import Design
 from fingertip.design.files import format_value
 from fingertip.design.geometry.solids import Solid
@@ -82,7 +81,7 @@ def draw_atlas(design: Design, progress: Callable[[str], None] = lambda message:
     for name, changes in _ELSEWHERE:
         with suppress(DesignError):  # a change that a bundled design no longer takes: its parameters have no picture
             bases.append((" with ".join((name, *changes)), Design.load(name, changes=changes)))
-    used = [(label, base, _find_parts(base)) for label, base in bases]
+    used = [(label, base, shapes_of_parameters(base)) for label, base in bases]
     for path in PARAMETERS:
         for label, base, parts in used:
             if path in parts and (picture := draw_parameter(base, path, parts[path], label)):
@@ -122,16 +121,6 @@ def list_changes(design: Design, path: str) -> Iterator[Design]:
         new = {**tables, table: {**tables[table], key: other}} if table else {**tables, key: other}
         with suppress(DesignError):
             yield Design.without_remedies(**new)
-
-
-def _find_parts(design: Design) -> Mapping[str, tuple[str, ...]]:
-    """Find the parts, without bought items, whose shape reads each parameter."""
-    own = parts_by_name(design)
-    found: dict[str, tuple[str, ...]] = {}
-    for item, paths in parameters_of_shapes(design).items():
-        for path in paths if item in own else ():
-            found[path] = (*found.get(path, ()), item)
-    return found
 
 
 def _draw_change(before: Design, after: Design, parts: tuple[str, ...]) -> tuple[str, str, bytes] | None:

@@ -11,8 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.shapes.frames import find_frames
-from fingertip.cad.shapes.parts import hardware, parts_by_name
+from fingertip.cad.shapes.parts import find_frames, hardware, parts_by_name
 from fingertip.catalogues.hardware import STEEL_G_CM3
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.catalogues.sensors import FILM_G_CM3

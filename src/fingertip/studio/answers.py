@@ -19,8 +19,7 @@ from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.printing.print_files import make_print_files
 from fingertip.cad.printing.settings import FDM, SLA, PlateKind
 from fingertip.cad.report import DESIGN_HEADING
-from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale
-from fingertip.cad.shapes.reads import shapes_of_parameters
+from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale, shapes_of_parameters
 from fingertip.cad.verification.assembly import check_assembly
 from fingertip.cad.verification.bone import check_strength
 from fingertip.cad.verification.check import Check

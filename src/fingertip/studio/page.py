@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from fingertip.cad.shapes.reads import shapes_of_parameters
+from fingertip.cad.shapes.parts import shapes_of_parameters
 from fingertip.catalogues.bundled import list_bundled_files
 from fingertip.catalogues.file_kinds import DESIGN
 from fingertip.design import Design

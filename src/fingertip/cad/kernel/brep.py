@@ -5,7 +5,7 @@ hold the same description. Superconic bodies become rational Bezier faces, sewn 
 planes, cylinders, cones and tori. Lofts and fillets are not used, because the kernel sometimes returns wrong solids for
 them without an error.
 
-Only this module, `kernel.occ`, `kernel.occ_primitives`, `cad.files.step_writer` and `drawing.hidden_lines` import Open
+Only this module, `kernel.occ`, `kernel.bezier`, `cad.files.step_writer` and `drawing.hidden_lines` import Open
 CASCADE's bindings (OCP) at the top. Import them only where exact solids are needed, and this module first. cadquery and
 build123d stand on the same bindings: `cadquery.Solid` takes a shape as it is.
 """
@@ -29,7 +29,7 @@ try:
     from OCP.TopoDS import TopoDS, TopoDS_Shape
     from OCP.TopTools import TopTools_IndexedMapOfShape
 
-    from fingertip.cad.kernel import occ, occ_primitives
+    from fingertip.cad.kernel import occ
     from fingertip.cad.kernel.bezier import volume as volume
 except ImportError as error:
     extras.require("STEP", "OCP", alternative="leave STEP out with --formats stl,3mf")
@@ -83,7 +83,7 @@ class BrepEvaluator:
                 return occ.transform(occ.transform(self.shape(inner), turn), move)
             case _:
                 name, arguments = call_of(solid)
-                return getattr(occ_primitives, name)(*arguments)
+                return getattr(occ, name)(*arguments)
 
 
 def genus(solid: TopoDS_Shape) -> int:

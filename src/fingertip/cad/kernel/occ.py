@@ -1,26 +1,45 @@
-"""Operations of Open CASCADE on shapes: booleans, transformations, faces and prisms.
+"""Operations of Open CASCADE on shapes, and the primitives of parts from plain numbers [mm].
 
-The order of what a boolean combines decides the order of the faces in STEP files.
+The order of what a boolean combines decides the order of the faces in STEP files. The primitives are the calls of
+`primitive_calls.call_of`; scripts of `fingertip build --formats cq` make the same calls of cadquery
+(`cadquery_primitives`), and a test compares.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from typing import Any
 
 from OCP.Bnd import Bnd_Box
 from OCP.BRepAlgoAPI import BRepAlgoAPI_Common, BRepAlgoAPI_Cut, BRepAlgoAPI_Fuse
 from OCP.BRepBndLib import BRepBndLib
-from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakeWire, BRepBuilderAPI_Transform
-from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakePrism
-from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt, gp_Trsf, gp_Vec
+from OCP.BRepBuilderAPI import (
+    BRepBuilderAPI_MakeEdge,
+    BRepBuilderAPI_MakeFace,
+    BRepBuilderAPI_MakePolygon,
+    BRepBuilderAPI_MakeWire,
+    BRepBuilderAPI_Transform,
+)
+from OCP.BRepPrimAPI import (
+    BRepPrimAPI_MakeBox,
+    BRepPrimAPI_MakeCone,
+    BRepPrimAPI_MakeCylinder,
+    BRepPrimAPI_MakePrism,
+    BRepPrimAPI_MakeRevol,
+)
+from OCP.gp import gp_Ax1, gp_Ax2, gp_Circ, gp_Dir, gp_Pnt, gp_Trsf, gp_Vec
 from OCP.ShapeFix import ShapeFix_Face, ShapeFix_Shape
 from OCP.TopAbs import TopAbs_COMPOUND
 from OCP.TopExp import TopExp
 from OCP.TopoDS import TopoDS, TopoDS_Face, TopoDS_Iterator, TopoDS_Shape, TopoDS_Wire
 from OCP.TopTools import TopTools_IndexedMapOfShape, TopTools_ListOfShape
 
-from fingertip.design.geometry.solids import Point3
+from fingertip.cad.kernel.bezier import bezier_edge, sew_superconic
+from fingertip.cad.kernel.primitive_calls import ControlPoint
+from fingertip.design.geometry.solids import Axis, Point3, axis_point
+
+Point2 = tuple[float, float]
 
 
 def list_shapes(shape: TopoDS_Shape, kind: Any) -> list[TopoDS_Shape]:
@@ -81,7 +100,7 @@ def transform(shape: TopoDS_Shape, transformation: gp_Trsf) -> TopoDS_Shape:
     return BRepBuilderAPI_Transform(shape, transformation, True).Shape()
 
 
-def make_box(low: Point3, high: Point3) -> TopoDS_Shape:
+def box(low: Point3, high: Point3) -> TopoDS_Shape:
     sides = (b - a for a, b in zip(low, high, strict=True))
     return BRepPrimAPI_MakeBox(axes(low, (0.0, 0.0, 1.0)), *sides).Shape()
 
@@ -111,3 +130,52 @@ def make_face(outline: TopoDS_Wire, holes: Sequence[TopoDS_Wire] = ()) -> TopoDS
 
 def extrude(face: TopoDS_Face, along: Point3) -> TopoDS_Shape:
     return BRepPrimAPI_MakePrism(face, gp_Vec(*along), True).Shape()
+
+
+def cylinder(axis: Axis, centre: Point2, low: float, high: float, radius: float) -> TopoDS_Shape:
+    base = axes(axis_point(axis, *centre, low), axis_point(axis, 0.0, 0.0, 1.0))
+    return BRepPrimAPI_MakeCylinder(base, radius, high - low).Shape()
+
+
+def cone(axis: Axis, centre: Point2, low: float, high: float, low_radius: float, high_radius: float) -> TopoDS_Shape:
+    base = axes(axis_point(axis, *centre, low), axis_point(axis, 0.0, 0.0, 1.0))
+    return BRepPrimAPI_MakeCone(base, low_radius, high_radius, high - low).Shape()
+
+
+def prism(axis: Axis, corners: Sequence[Point2], low: float, high: float, holes: Any = ()) -> TopoDS_Shape:
+    outline, *inner = (_polygon([axis_point(axis, u, v, low) for u, v in ring]) for ring in (corners, *holes))
+    return extrude(make_face(outline, inner), axis_point(axis, 0.0, 0.0, high - low))
+
+
+def _polygon(corners: list[Point3]) -> Any:
+    builder = BRepBuilderAPI_MakePolygon()
+    for corner in corners:
+        builder.Add(gp_Pnt(*corner))
+    builder.Close()
+    return builder.Wire()
+
+
+def elbow_tube(
+    start_y: float, start_z: float, exit_z: float, end_y: float, bend_radius: float, radius: float
+) -> TopoDS_Shape:
+    turn_y, turn_z = start_y + bend_radius, exit_z + bend_radius
+    start = axes((0.0, start_y, start_z), (0.0, 0.0, -1.0))
+    circle = gp_Circ(axes((0.0, start_y, turn_z), (0.0, 0.0, -1.0)), radius)
+    section = make_face(make_wire([BRepBuilderAPI_MakeEdge(circle).Edge()]))
+    axis = gp_Ax1(gp_Pnt(-1.0, turn_y, turn_z), gp_Dir(1.0, 0.0, 0.0))
+    up = axes((0.0, turn_y, exit_z), (0.0, 1.0, 0.0))
+    return fuse(
+        BRepPrimAPI_MakeCylinder(start, radius, start_z - exit_z - bend_radius).Shape(),
+        BRepPrimAPI_MakeRevol(section, axis, math.pi / 2, True).Shape(),
+        BRepPrimAPI_MakeCylinder(up, radius, end_y - turn_y).Shape(),
+    )
+
+
+def superconic(*form: Any) -> TopoDS_Shape:
+    *section, spans = form
+    return sew_superconic(section, spans, lambda edges: make_face(make_wire(edges)))
+
+
+def drafted_extrusion(outline: Sequence[Sequence[ControlPoint]], low: float, high: float) -> TopoDS_Shape:
+    """Extrude the outline of a drafted section: arcs, and straight walls between them."""
+    return extrude(make_face(make_wire([bezier_edge(row, low) for row in outline])), (0.0, 0.0, high - low))

@@ -1,12 +1,13 @@
-"""Registry of the fingertip's parts, and bought hardware as plain solids for the assembly.
+"""Registry of the fingertip's parts, bought hardware as plain solids for the assembly, and what parameters shape them.
 
 Threads of the hardware are cylinders of their nominal diameter. No check of a part reads these solids.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
+from typing import cast
 
 from fingertip.cad.shapes import bone, insert, mold
 from fingertip.cad.shapes.bone import sensor_body
@@ -14,8 +15,10 @@ from fingertip.cad.shapes.insert import axis_z, head_y
 from fingertip.catalogues.hardware import Thread
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import size_clamp_bolts
-from fingertip.design.geometry.solids import Solid, cylinder, difference, hexagon, union
+from fingertip.design.geometry.solids import Point3, Solid, cylinder, difference, hexagon, union
 from fingertip.design.interfaces.clevis_solids import pin_bore
+from fingertip.design.interfaces.interface import middle_y
+from fingertip.design.rules.ruleset import RecordingTables
 from fingertip.filling.mold_filling import place_vents
 
 
@@ -140,3 +143,40 @@ def _mold_bolts(design: Design) -> list[HardwareItem]:
         nut = difference(outline, cylinder("y", (z, x), low, high, thread.diameter_mm / 2))
         items += [HardwareItem(f"mold_bolt_{i}", bolt, _STEEL), HardwareItem(f"mold_nut_{i}", nut, _BRASS)]
     return items
+
+
+def find_frames(design: Design) -> dict[str, Point3]:
+    """Find the origins [mm] of the interface to the hand, the tip of the skin and the middle of the active area."""
+    dims, joint = design.dimensions, design.dimensions.joint
+    y, z = (joint.axis_y, joint.axis_z) if joint else (middle_y(dims), -design.bone.base_length_mm)
+    return {
+        "interface": (0.0, y, z),
+        "tip": (0.0, 0.0, design.skin.length_mm),
+        "sensor": (0.0, -dims.platform_depth, dims.sensor_z),
+    }
+
+
+_HARDWARE_OF = (("bone",), ("mold_dorsal",), ("mold_palmar", "mold_dorsal"))
+"""Parts whose hardware is made apart, so that each item is blamed for little more than it reads itself."""
+
+
+def shapes_of_parameters(design: Design) -> Mapping[str, tuple[str, ...]]:
+    """Find the parts and bought items whose shape reads each parameter, by its name.
+
+    What is read is recorded while a shape is made: a parameter that this design does not use moves nothing, and is left
+    out.
+    """
+    read: dict[str, set[str]] = {}
+    for name, part in parts_by_name(design).items():
+        recorder = RecordingTables(design)
+        part.solid(cast(Design, recorder))
+        read[name] = recorder.reads
+    for parts in _HARDWARE_OF:
+        recorder = RecordingTables(design)
+        for item in hardware(cast(Design, recorder), parts):
+            read.setdefault(item.name, recorder.reads)
+    moved: dict[str, list[str]] = {}
+    for item_name, parameters in read.items():
+        for parameter in sorted(parameters):
+            moved.setdefault(parameter, []).append(item_name)
+    return {parameter: tuple(items) for parameter, items in moved.items()}

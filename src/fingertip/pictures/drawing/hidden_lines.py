@@ -44,7 +44,7 @@ def project(solid: TopoDS_Shape, view: ViewName) -> ProjectedView:
 def _far_half(solid: TopoDS_Shape) -> TopoDS_Shape:
     (x, y, z), (_, far_y, far_z) = occ.bounds(solid)
     margin = 1.0
-    near = occ.make_box((x - margin, y - margin, z - margin), (0.0, far_y + margin, far_z + margin))
+    near = occ.box((x - margin, y - margin, z - margin), (0.0, far_y + margin, far_z + margin))
     return occ.cut(solid, near)
 
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 import pytest
 
 from fingertip.design import Design
-from fingertip.pictures.drawing.draw import sheet_jobs
+from fingertip.pictures.drawing.draw import run_apart, sheet_jobs
 from fingertip.pictures.drawing.primitives import Sheet
-from fingertip.pictures.drawing.projection import run_apart
 from tests.conftest import ROOT, design_file, some_of
 
 FILES = sorted(path.stem for path in (ROOT / "params").glob("*.toml"))

@@ -12,7 +12,7 @@ from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.fabrication.bom import purchased_components
 from fingertip.board.kicad.project import load_project
 from fingertip.pictures.assembly_drawing import SCALE, draw_assembly
-from fingertip.pictures.drawing.primitives import Arc, Polyline, Sheet, Text
+from fingertip.pictures.drawing.primitives import Polyline, Ring, Sheet, Text
 from fingertip.pictures.drawing.render import render_svg
 from tests.approved import check_figures
 from tests.designs import load_article
@@ -46,7 +46,7 @@ def test_every_part_is_drawn_once_with_its_value_and_no_text_covers_another(vari
         assert " ".join(inside) in (f"{reference} {value}", f"{reference} {value}R", "D6"), reference
     for a, b in combinations((t.box() for t in texts), 2):
         assert a[2] <= b[0] or b[2] <= a[0] or a[3] <= b[1] or b[3] <= a[1]
-    for hole in (p for p in sheet.primitives if isinstance(p, Arc) and p.style.name == "pad"):
+    for hole in (p for p in sheet.primitives if isinstance(p, Ring) and p.style.name == "pad"):
         (x, y), r = hole.centre, hole.radius
         covered = [t.text for t in on_board if t.box()[0] < x + r and t.box()[2] > x - r and
                    t.box()[1] < y + r and t.box()[3] > y - r]  # fmt: skip

@@ -10,11 +10,11 @@ from fingertip.design.geometry.sizes import FIT, INNER, OUTER, Circle, Length, T
 from fingertip.pictures.drawing.dimensioning import NoRoomError, Occupancy, PlacedLength, place_circle, place_lengths
 from fingertip.pictures.drawing.primitives import (
     PROJECTIONS,
-    Arc,
     Arrow,
     Hatch,
     Polyline,
     Primitive,
+    Ring,
     Sheet,
     Styles,
     Text,
@@ -26,10 +26,9 @@ from tests.tools import require_module
 SQUARE = ((0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0))
 HOLE = ((3.0, 3.0), (7.0, 3.0), (7.0, 7.0), (3.0, 7.0))
 ALL: tuple[Primitive, ...] = (
-    rectangle(10.0, 10.0, 90.0, 60.0, Styles.EDGE), Arc((30.0, 30.0), 5.0, 0.0, 360.0, Styles.EDGE),
-    Arc((60.0, 30.0), 5.0, 0.0, 90.0, Styles.DIMENSION), Arrow((20.0, 20.0), 90.0, 3.0),
-    Text("Ø3 ±0.1 < A&B", (40.0, 50.0), 3.5, "middle"), Text("up", (15.0, 20.0), 2.5, turned=True),
-    Hatch((SQUARE,), 2.0),
+    rectangle(10.0, 10.0, 90.0, 60.0, Styles.EDGE), Ring((30.0, 30.0), 5.0, Styles.EDGE),
+    Arrow((20.0, 20.0), 90.0, 3.0), Text("Ø3 ±0.1 < A&B", (40.0, 50.0), 3.5, "middle"),
+    Text("up", (15.0, 20.0), 2.5, turned=True), Hatch((SQUARE,), 2.0),
 )  # fmt: skip
 SHEET = Sheet("a & b", 100.0, 70.0, ALL)
 

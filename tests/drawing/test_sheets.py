@@ -14,7 +14,7 @@ from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.design import Design
 from fingertip.design.geometry.sizes import general
 from fingertip.pictures.drawing.draw import part_drawings
-from fingertip.pictures.drawing.primitives import Arc, Arrow, Hatch, Point, Polyline, Sheet, Text
+from fingertip.pictures.drawing.primitives import Hatch, Point, Sheet, Text
 
 Drawn = tuple[Design, dict[str, Sheet]]
 Box = tuple[float, float, float, float]
@@ -28,17 +28,8 @@ def texts(sheet: Sheet) -> list[Text]:
 def segments(sheet: Sheet) -> Iterator[tuple[Point, Point]]:
     """All straight pieces of all lines, circles included."""
     for primitive in sheet.primitives:
-        match primitive:
-            case Polyline(points):
-                yield from pairwise(points)
-            case Arc():
-                yield from pairwise(primitive.points())
-            case Arrow():
-                a, b, c = primitive.corners()
-                yield from ((a, b), (b, c), (c, a))
-            case Hatch():
-                for hatched in primitive.lines():
-                    yield from pairwise(hatched.points)
+        for points in primitive.trace():
+            yield from pairwise(points)
 
 
 def overlap(a: Box, b: Box) -> bool:
@@ -102,7 +93,7 @@ def test_every_size_stands_on_its_sheet_once_and_checks_have_a_row(drawn: Drawn)
 def test_errors_of_the_process_are_raised_here() -> None:
     from fingertip.design.geometry.solids import Box, difference
     from fingertip.foundation.errors import GeometryError
-    from fingertip.pictures.drawing.projection import project_part, run_apart
+    from fingertip.pictures.drawing.draw import project_part, run_apart
 
     box = Box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
     nothing = difference(box, Box((-1.0, -1.0, -1.0), (2.0, 2.0, 2.0)))
@@ -114,7 +105,7 @@ def test_errors_of_the_process_are_raised_here() -> None:
 
 def test_box_is_projected_exactly_with_its_hidden_bore() -> None:
     from fingertip.design.geometry.solids import Box, cylinder, difference
-    from fingertip.pictures.drawing.projection import project_part, run_apart
+    from fingertip.pictures.drawing.draw import project_part, run_apart
 
     box = difference(Box((-2.0, -1.0, 0.0), (2.0, 3.0, 9.0)), cylinder("y", (4.0, 0.0), -2.0, 4.0, 0.5))
     views = run_apart((("box", partial(project_part, box, ("front", "dorsal", "section"))),))["box"]

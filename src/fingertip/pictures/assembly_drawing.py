@@ -14,9 +14,9 @@ from fingertip.board.kicad.placement import Box, PlacedPart, Placement
 from fingertip.board.parts.circuit import Circuit, Component
 from fingertip.foundation.version import __version__
 from fingertip.pictures.drawing.primitives import (
-    Arc,
     Point,
     Primitive,
+    Ring,
     Sheet,
     Style,
     Styles,
@@ -88,7 +88,7 @@ def _draw_part(part: Component, placed: PlacedPart, paper_height: float) -> Iter
     name, pads = part.reference, [(pad, _place(pad.box, paper_height)) for pad in placed.pads]
     for pad, box in pads:
         if diameter := pad.drill or (pad.width if name.startswith("TP") else 0.0):
-            yield Arc(box.middle, SCALE * diameter / 2.0, 0.0, 360.0, _PAD)
+            yield Ring(box.middle, SCALE * diameter / 2.0, _PAD)
     if placed.body is None:
         return
     body = _place(placed.body, paper_height)
@@ -144,7 +144,7 @@ def _draw_dot(body: _Box, pin: Point) -> Iterator[Primitive]:
     (x, y), (wide, high) = pin, body.size
     dx, dy = min(1.0, wide / 6.0), min(1.0, high / 6.0)
     dot = min(max(x, body.left + dx), body.right - dx), min(max(y, body.bottom + dy), body.top - dy)
-    yield from (Arc(dot, r, 0.0, 360.0, Styles.GRID) for r in (0.15, 0.4))
+    yield from (Ring(dot, r, Styles.GRID) for r in (0.15, 0.4))
 
 
 def _write(body: _Box, name: str, value: str) -> Iterator[Primitive]:

@@ -7,7 +7,8 @@ from pathlib import Path
 
 from fingertip.catalogues.output_files import PART_FILES
 from fingertip.design import Design
-from fingertip.pictures.drawing.draw import draw_files, file_names, require_packages
+from fingertip.foundation import extras
+from fingertip.pictures.drawing.draw import draw_files, file_names
 
 
 def write_drawing(
@@ -21,7 +22,7 @@ def write_drawing(
 
     Raises MissingLibraryError or GeometryError or OutputError.
     """
-    require_packages("drawing")
+    extras.require("drawing", "OCP", "reportlab", alternative="draw a picture with fingertip picture")
     folder = PART_FILES.folder(design, out)
     writer = PART_FILES.writer(design, folder, force)
     writer.check_addition(file_names(design))

@@ -15,19 +15,7 @@ import numpy as np
 
 from fingertip.design.geometry.sizes import Circle, Length
 from fingertip.foundation.numerics import Array
-from fingertip.pictures.drawing.primitives import (
-    Arc,
-    Arrow,
-    Box,
-    Hatch,
-    Point,
-    Polyline,
-    Primitive,
-    Styles,
-    Text,
-    line,
-    text_width,
-)
+from fingertip.pictures.drawing.primitives import Arrow, Box, Point, Primitive, Ring, Styles, Text, line, text_width
 
 # Raster of a sheet that tells what is drawn where, so that no text covers anything else.
 
@@ -44,23 +32,13 @@ class Occupancy:
     def add(self, primitives: Iterable[Primitive], *, is_view: bool = False) -> None:
         layer = self.edges if is_view else self.lines
         for primitive in primitives:
-            match primitive:
-                case Polyline(points):
-                    self._mark(layer, points)
-                case Arc():
-                    self._mark(layer, primitive.points())
-                case Arrow():
-                    corners = primitive.corners()
-                    self._mark(layer, (*corners, corners[0]))
-                case Hatch():
-                    for hatched in primitive.lines():
-                        self._mark(layer, hatched.points)
-                case Text():
-                    self.block(primitive.box())
+            if isinstance(primitive, Text):
+                self.block(primitive.box())
+            for points in primitive.trace():
+                layer[self._under(points)] = True
 
     def block(self, box: Box) -> None:
-        rows, columns = self._cells(box, 0.0)
-        self.texts[rows, columns] = True
+        self.texts[self._cells(box, 0.0)] = True
 
     def is_free(self, box: Box, margin: float) -> bool:
         """Tell whether nothing lies in a box and within a margin of it, and the box within the sheet."""
@@ -68,17 +46,16 @@ class Occupancy:
         height, width = ((n - 1) * _CELL_MM for n in self.texts.shape)
         if left < margin or bottom < margin or right > width - margin or top > height - margin:
             return False
-        rows, columns = self._cells(box, margin)
-        return not any(layer[rows, columns].any() for layer in (self.edges, self.lines, self.texts))
+        cells = self._cells(box, margin)
+        return not any(layer[cells].any() for layer in (self.edges, self.lines, self.texts))
 
     def crosses_text(self, points: Iterable[Point]) -> bool:
-        """Tell whether a polyline crosses a text."""
-        return self._count(self.texts, points) > 0
+        return bool(self.texts[self._under(points)].any())
 
     def crossings(self, points: Iterable[Point]) -> tuple[int, int]:
         """Count the cells of edges and of other lines that a polyline crosses."""
-        points = tuple(points)
-        return self._count(self.edges, points), self._count(self.lines, points)
+        under = self._under(points)
+        return int(self.edges[under].sum()), int(self.lines[under].sum())
 
     def _cells(self, box: Box, margin: float) -> tuple[slice, slice]:
         left, bottom, right, top = box
@@ -87,24 +64,15 @@ class Occupancy:
             slice(max(0, int((left - margin) / _CELL_MM)), max(0, math.ceil((right + margin) / _CELL_MM)) + 1),
         )
 
-    def _mark(self, layer: np.ndarray, points: Iterable[Point]) -> None:
-        rows, columns = self._indices(layer, points)
-        layer[rows, columns] = True
-
-    def _count(self, layer: np.ndarray, points: Iterable[Point]) -> int:
-        rows, columns = self._indices(layer, points)
-        return int(layer[rows, columns].sum())
-
-    def _indices(self, layer: np.ndarray, points: Iterable[Point]) -> tuple[np.ndarray, np.ndarray]:
-        """Return the cells under a polyline, without those outside the sheet."""
+    def _under(self, points: Iterable[Point]) -> tuple[np.ndarray, np.ndarray]:
+        """Return rows and columns of the cells under a polyline, without those outside the sheet."""
         sampled: list[Array] = []
         for a, b in pairwise(points):
             count = max(2, math.ceil(math.dist(a, b) / (0.7 * _CELL_MM)) + 1)
             sampled.append(np.linspace(a, b, count))
         cells = (np.concatenate(sampled) / _CELL_MM).astype(int) if sampled else np.zeros((0, 2), int)
-        columns, rows = cells[:, 0], cells[:, 1]
-        inside = (rows >= 0) & (rows < layer.shape[0]) & (columns >= 0) & (columns < layer.shape[1])
-        return rows[inside], columns[inside]
+        columns, rows = cells[((cells >= 0) & (cells < self.texts.shape[::-1])).all(axis=1)].T
+        return rows, columns
 
 
 TEXT_MM = 2.5
@@ -266,7 +234,7 @@ def _group_width(text: str, balloon: int) -> float:
     return text_width(text, TEXT_MM) + (2 * _BALLOON_RADIUS_MM + _BALLOON_GAP_MM if balloon else 0.0)
 
 
-def _text_group(text: str, balloon: int, start: Point, *, turned: bool) -> tuple[Arc | Text, ...]:
+def _text_group(text: str, balloon: int, start: Point, *, turned: bool) -> tuple[Ring | Text, ...]:
     """Arrange a text and its balloon along a line that begins at `start`, on its upper or left side."""
     above = _BALLOON_ABOVE_MM if balloon else _ABOVE_LINE_MM
 
@@ -277,7 +245,7 @@ def _text_group(text: str, balloon: int, start: Point, *, turned: bool) -> tuple
         return (Text(text, to_paper(0.0, above), TEXT_MM, turned=turned),)
     r, middle = _BALLOON_RADIUS_MM, above + TEXT_MM / 2
     return (
-        Arc(to_paper(r, middle), r, 0.0, 360.0, Styles.DIMENSION),
+        Ring(to_paper(r, middle), r, Styles.DIMENSION),
         Text(str(balloon), to_paper(r, above), TEXT_MM, "middle", turned),
         Text(text, to_paper(2 * r + _BALLOON_GAP_MM, above), TEXT_MM, turned=turned),
     )

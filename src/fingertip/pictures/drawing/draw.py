@@ -1,21 +1,28 @@
-"""Drawing of a design: a sheet for each printed part, as SVG files and one PDF."""
+"""Drawing of a design: a sheet for each printed part, as SVG files and one PDF.
+
+Parts are projected in a separate process: the B-rep kernel can hang or crash. Those of `cad.files.step_process` project
+the parts that they have made anyway.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import pickle
+import subprocess
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.design import Design
-from fingertip.design.geometry.sizes import Length, PartDrawing
+from fingertip.design.geometry.sizes import Length, PartDrawing, ViewName
 from fingertip.design.geometry.solids import Solid
-from fingertip.foundation import extras
+from fingertip.foundation.errors import FingertipError, GeometryError, Issue
+from fingertip.foundation.files import temporary_folder
+from fingertip.foundation.processes import python_command, python_environment
 from fingertip.pictures.drawing import mold_sizes, part_sizes
 from fingertip.pictures.drawing.layout import lay_out
-from fingertip.pictures.drawing.primitives import Sheet
-from fingertip.pictures.drawing.projection import Job, project_part, run_apart
+from fingertip.pictures.drawing.primitives import PROJECTIONS, ProjectedView, Sheet
 from fingertip.pictures.drawing.render import render_pdf, render_svg
 from fingertip.pictures.drawing.title_block import Heading
 
@@ -71,9 +78,53 @@ def file_names(design: Design) -> tuple[str, ...]:
     return (*(svg_name(drawing.part) for drawing in part_drawings(design)), PDF)
 
 
-def require_packages(field: str) -> None:
-    """Raise a `MissingLibraryError` that blames `field` unless Open CASCADE and reportlab are installed."""
-    extras.require(field, "OCP", "reportlab", alternative="draw a picture with fingertip picture")
+T = TypeVar("T")
+Job = tuple[tuple[str, Callable[[Any], T]], ...]
+"""Functions of the B-rep evaluator by the names of their results."""
+
+
+def project_part(solid: Solid, wanted: Collection[ViewName], evaluator: Any) -> dict[ViewName, ProjectedView]:
+    """Project a part in its views. Raises GeometryError."""
+    from fingertip.pictures.drawing.hidden_lines import project  # noqa: PLC0415
+
+    shape = evaluator.solid(solid)
+    return {view: project(shape, view) for view in PROJECTIONS if view in wanted}
+
+
+def run_job(job: Job[T]) -> dict[str, T]:
+    """Compute everything with one evaluator. Raises MissingLibraryError or GeometryError."""
+    from fingertip.cad.kernel import brep  # raises MissingLibraryError if OCP cannot be loaded  # noqa: PLC0415
+
+    evaluator = brep.BrepEvaluator()
+    return {name: compute(evaluator) for name, compute in job}
+
+
+TIME_LIMIT_S = 180.0
+
+
+def run_apart(job: Job[T], time_limit_s: float = TIME_LIMIT_S) -> dict[str, T]:
+    """Run a job in a process of its own. Raises MissingLibraryError or GeometryError."""
+    with temporary_folder() as folder:  # ezdxf reads settings of the current folder
+        try:
+            done = subprocess.run(
+                python_command("fingertip.foundation.processes"),
+                input=pickle.dumps((None, None, run_job, (job,))),
+                capture_output=True,
+                timeout=time_limit_s,
+                cwd=folder,
+                env=python_environment(),
+                check=False,
+            )
+        except subprocess.TimeoutExpired:
+            message = f"the B-rep kernel was still projecting after {time_limit_s:g} s; check the design with build."
+            raise GeometryError(Issue("drawing", message)) from None
+    last = done.stderr.decode(errors="replace").strip().splitlines()[-1:] or ["no message"]
+    found, error = ({}, last[0]) if done.returncode else pickle.loads(done.stdout)
+    if isinstance(error, FingertipError):
+        raise error
+    if error is not None:
+        raise GeometryError(Issue("drawing", f"the B-rep kernel crashed ({error}); check the design with build."))
+    return found  # type: ignore[no-any-return]
 
 
 def sheet_jobs(design: Design) -> Job[Sheet]:
@@ -101,5 +152,4 @@ def render_sheets(design: Design, sheets: Mapping[str, Sheet]) -> dict[str, byte
 
 def draw_files(design: Design) -> dict[str, bytes]:
     """Draw a design: file name -> content. Raises MissingLibraryError or GeometryError."""
-    require_packages("drawing")
     return render_sheets(design, run_apart(sheet_jobs(design)))

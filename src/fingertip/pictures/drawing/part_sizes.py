@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from fingertip.cad.shapes.bone import FOOT_GAP_MM
 from fingertip.cad.shapes.insert import axis_z, contact_y
@@ -234,14 +233,8 @@ def _platform_size(design: Design, inset: float = 0.0, scale: float = 1.0) -> li
     ]  # fmt: skip
 
 
-@dataclass(frozen=True)
-class _Pilot:
-    """Pilot hole of the chaplet's screw in bone or core [mm]."""
-
-    z: float
-    facet_y: float
-    radius: float
-    depth: float
+_Pilot = tuple[float, float, float, float]
+"""Pilot hole of the chaplet's screw in bone or core: z of its axis, height of its facet and of its end, radius [mm]."""
 
 
 def _find_pilot(design: Design, insert: str) -> _Pilot | None:
@@ -249,10 +242,10 @@ def _find_pilot(design: Design, insert: str) -> _Pilot | None:
     chaplet, scale = design.dimensions.chaplet, design.dimensions.shrinkage
     if chaplet is None:
         return None
+    low = chaplet.facet_y - chaplet.pilot_depth
     if insert == "bone":
-        return _Pilot(chaplet.z, chaplet.facet_y, chaplet.pilot_radius, chaplet.pilot_depth)
-    facet, low = contact_y(design), (chaplet.facet_y - chaplet.pilot_depth) * scale
-    return _Pilot(axis_z(design), facet, chaplet.pilot_radius * scale, facet - low)
+        return chaplet.z, chaplet.facet_y, low, chaplet.pilot_radius
+    return axis_z(design), contact_y(design), low * scale, chaplet.pilot_radius * scale
 
 
 def _chaplet_sizes(design: Design, pilot: _Pilot | None, insert: str, on_flat: Point3) -> list[Size]:
@@ -260,7 +253,7 @@ def _chaplet_sizes(design: Design, pilot: _Pilot | None, insert: str, on_flat: P
     chaplet = design.dimensions.chaplet
     if pilot is None or chaplet is None:
         return []
-    facet, z, low, radius = pilot.facet_y, pilot.z, pilot.facet_y - pilot.depth, pilot.radius
+    z, facet, low, radius = pilot
     bite = (chaplet.thread.diameter_mm - 2 * chaplet.pilot_radius) / 4.0
     return [
         Length("axis of the screw", BEFORE_FACE, "section", "above", "z",
@@ -277,5 +270,5 @@ def _chaplet_sizes(design: Design, pilot: _Pilot | None, insert: str, on_flat: P
 def _pilot_axis(pilot: _Pilot | None) -> tuple[AxisLine, ...]:
     if pilot is None:
         return ()
-    z, top = pilot.z, pilot.facet_y
-    return (AxisLine("section", (0.0, top + 1.0, z), (0.0, top - pilot.depth - 1.0, z)),)
+    z, facet, low, _ = pilot
+    return (AxisLine("section", (0.0, facet + 1.0, z), (0.0, low - 1.0, z)),)

@@ -1,6 +1,6 @@
 """Views of a part, and the primitives of a sheet, in millimetres on paper from its lower left corner.
 
-A sheet is a list of lines, arcs, texts, arrows and hatching; `render.py` writes the list and decides nothing. The views
+A sheet is a list of lines, rings, texts, arrows and hatching; `render.py` writes it and decides nothing. The views
 are those of first-angle projection (ISO 5456-2). The front view looks at the finger from its side at -x, with distal to
 the right and dorsal up.
 """
@@ -8,10 +8,11 @@ the right and dorsal up.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+import operator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Literal, TypeAlias
+from typing import ClassVar, Literal, TypeAlias
 
 from fingertip.design.geometry.sizes import ViewName
 from fingertip.design.geometry.solids import Point3
@@ -48,30 +49,28 @@ class Styles:
 
 @dataclass(frozen=True)
 class Polyline:
-    """Polyline, or a line if it has two points."""
+    """Polyline, or a line if it has two points. Of each primitive, `trace` gives the points of its lines."""
 
     points: tuple[Point, ...]
     style: Style
 
+    def trace(self) -> Iterable[tuple[Point, ...]]:
+        return (self.points,)
+
 
 @dataclass(frozen=True)
-class Arc:
-    """Circular arc, counter-clockwise from `start_deg` to `end_deg`; a circle if these are 0 and 360."""
+class Ring:
+    """Circle on paper."""
 
     centre: Point
     radius: float
-    start_deg: float
-    end_deg: float
     style: Style
 
-    def points(self, count: int = 72) -> tuple[Point, ...]:
-        angles = (math.radians(self.start_deg + (self.end_deg - self.start_deg) * i / count) for i in range(count + 1))
-        return tuple(
-            (self.centre[0] + self.radius * math.cos(a), self.centre[1] + self.radius * math.sin(a)) for a in angles
-        )
+    def trace(self) -> Iterable[tuple[Point, ...]]:
+        (x, y), r = self.centre, self.radius
+        return (tuple((x + r * math.cos(a), y + r * math.sin(a)) for a in map(math.radians, range(0, 365, 5))),)
 
     def box(self) -> Box:
-        """Return the box of the whole circle."""
         (x, y), r = self.centre, self.radius
         return x - r, y - r, x + r, y + r
 
@@ -90,6 +89,9 @@ class Arrow:
             angle = math.radians(self.direction_deg + 180.0 + side * _TIP_ANGLE_DEG)
             ends.append((x + self.length * math.cos(angle), y + self.length * math.sin(angle)))
         return self.tip, ends[0], ends[1]
+
+    def trace(self) -> Iterable[tuple[Point, ...]]:
+        return ((*self.corners(), self.tip),)
 
 
 @dataclass(frozen=True)
@@ -126,6 +128,9 @@ class Text:
             return x - self.height, y, x + down, y + self.width
         return x, y - down, x + self.width, y + self.height
 
+    def trace(self) -> Iterable[tuple[Point, ...]]:
+        return ()
+
 
 @dataclass(frozen=True)
 class Hatch:
@@ -134,6 +139,10 @@ class Hatch:
     rings: tuple[tuple[Point, ...], ...]
     spacing: float
     angle_deg: float = 45.0
+    style: ClassVar = Styles.HATCHING
+
+    def trace(self) -> Iterable[tuple[Point, ...]]:
+        return (hatched.points for hatched in self.lines())
 
     def lines(self) -> Iterator[Polyline]:
         c, s = math.cos(math.radians(self.angle_deg)), math.sin(math.radians(self.angle_deg))
@@ -150,10 +159,10 @@ class Hatch:
                 if (a[1] > v) != (b[1] > v)
             )
             for u0, u1 in zip(crossings[::2], crossings[1::2], strict=False):
-                yield Polyline(((u0 * c - v * s, u0 * s + v * c), (u1 * c - v * s, u1 * s + v * c)), Styles.HATCHING)
+                yield Polyline(((u0 * c - v * s, u0 * s + v * c), (u1 * c - v * s, u1 * s + v * c)), self.style)
 
 
-Primitive: TypeAlias = Polyline | Arc | Arrow | Text | Hatch
+Primitive: TypeAlias = Polyline | Ring | Arrow | Text | Hatch
 
 
 @dataclass(frozen=True)
@@ -210,11 +219,7 @@ class Projection:
         return b * f - c * e, c * d - a * f, a * e - b * d
 
     def flatten(self, point: Point3) -> Point:
-        return _dot(point, self.right), _dot(point, self.up)
-
-
-def _dot(a: Point3, b: Point3) -> float:
-    return sum(p * q for p, q in zip(a, b, strict=True))
+        return sum(map(operator.mul, point, self.right)), sum(map(operator.mul, point, self.up))
 
 
 PROJECTIONS: dict[ViewName, Projection] = {

@@ -9,7 +9,7 @@ from typing import Any
 
 from fingertip.foundation import extras
 from fingertip.foundation.version import __version__
-from fingertip.pictures.drawing.primitives import Arc, Arrow, Hatch, Point, Polyline, Primitive, Sheet, Style, Text
+from fingertip.pictures.drawing.primitives import Arrow, Hatch, Point, Polyline, Primitive, Ring, Sheet, Style, Text
 
 _POINTS_PER_MM = 72.0 / 25.4
 _FONT = "Helvetica"
@@ -36,8 +36,9 @@ def _svg_lines(primitive: Primitive, height: float) -> Iterable[str]:
     match primitive:
         case Polyline(points, style):
             yield f'<path d="{_svg_path(points, height)}"{_svg_stroke(style)}/>'
-        case Arc(_, _, _, _, style):
-            yield _svg_arc(primitive, height, style)
+        case Ring((x, y), radius, style):
+            centre = f'cx="{_number(x)}" cy="{_number(height - y)}"'
+            yield f'<circle {centre} r="{_number(radius)}"{_svg_stroke(style)}/>'
         case Arrow():
             yield f'<path d="{_svg_path(primitive.corners(), height)}Z" fill="black" stroke="none"/>'
         case Text(text, _, _, _, turned):
@@ -52,16 +53,6 @@ def _svg_lines(primitive: Primitive, height: float) -> Iterable[str]:
         case Hatch():
             for hatched in primitive.lines():
                 yield from _svg_lines(hatched, height)
-
-
-def _svg_arc(arc: Arc, height: float, style: Style) -> str:
-    (x, y), r = arc.centre, _number(arc.radius)
-    if arc.end_deg - arc.start_deg >= 360.0:
-        return f'<circle cx="{_number(x)}" cy="{_number(height - y)}" r="{r}"{_svg_stroke(style)}/>'
-    (x0, y0), (x1, y1) = arc.points(1)
-    large = int(arc.end_deg - arc.start_deg > 180.0)
-    start, end = f"{_number(x0)} {_number(height - y0)}", f"{_number(x1)} {_number(height - y1)}"
-    return f'<path d="M{start}A{r} {r} 0 {large} 0 {end}"{_svg_stroke(style)}/>'
 
 
 def _svg_path(points: Iterable[Point], height: float) -> str:
@@ -100,10 +91,6 @@ def render_pdf(sheets: Sequence[Sheet], title: str) -> bytes:
 
 def _draw(page: Any, primitive: Primitive) -> None:
     match primitive:
-        case Polyline(points, style):
-            _stroke(page, points, style)
-        case Arc(_, _, _, _, style):
-            _stroke(page, primitive.points(), style)
         case Arrow():
             path = _path(page, primitive.corners())
             path.close()
@@ -116,16 +103,12 @@ def _draw(page: Any, primitive: Primitive) -> None:
             page.setFont(_FONT, primitive.size)
             page.drawString(0, 0, text)
             page.restoreState()
-        case Hatch():
-            for hatched in primitive.lines():
-                _draw(page, hatched)
-
-
-def _stroke(page: Any, points: Sequence[Point], style: Style) -> None:
-    page.setLineWidth(style.width_mm)
-    page.setDash(list(style.dashes_mm))
-    page.setLineCap(0 if style.dashes_mm else 1)
-    page.drawPath(_path(page, points), stroke=1, fill=0)
+        case _:
+            for points in primitive.trace():
+                page.setLineWidth(primitive.style.width_mm)
+                page.setDash(list(primitive.style.dashes_mm))
+                page.setLineCap(0 if primitive.style.dashes_mm else 1)
+                page.drawPath(_path(page, points), stroke=1, fill=0)
 
 
 def _path(page: Any, points: Sequence[Point]) -> Any:

@@ -8,7 +8,7 @@ from typing import ClassVar
 from fingertip.design.geometry.sizes import GENERAL, PartDrawing, general
 from fingertip.foundation.version import __version__
 from fingertip.pictures.drawing.dimensioning import TEXT_MM
-from fingertip.pictures.drawing.primitives import Arc, Polyline, Primitive, Styles, Text, line, rectangle, text_width
+from fingertip.pictures.drawing.primitives import Polyline, Primitive, Ring, Styles, Text, line, rectangle, text_width
 
 _ROW_MM, _LINE_MM, _PAD_MM = 5.2, 3.9, 1.5
 _BLOCK_WIDTH_MM = 130.0
@@ -97,8 +97,8 @@ def _projection_symbol(x: float, y: float) -> list[Primitive]:
     cone = ((cone_x, y - small), (cone_x + length, y - large), (cone_x + length, y + large), (cone_x, y + small))
     return [
         Polyline((*cone, cone[0]), Styles.EDGE),
-        Arc((circle_x, y), large, 0.0, 360.0, Styles.EDGE),
-        Arc((circle_x, y), small, 0.0, 360.0, Styles.EDGE),
+        Ring((circle_x, y), large, Styles.EDGE),
+        Ring((circle_x, y), small, Styles.EDGE),
         line((cone_x - 1.5, y), (cone_x + length + 1.5, y), Styles.CENTRE),
         line((circle_x - large - 1.5, y), (circle_x + large + 1.5, y), Styles.CENTRE),
         line((circle_x, y - large - 1.5), (circle_x, y + large + 1.5), Styles.CENTRE),

@@ -52,7 +52,7 @@ def describe_section(shown: Section) -> Iterator[str]:
         corners = np.concatenate([np.empty((0, 2)), *slice_solid(EVALUATOR, solid, x)])
         ends = f"{sum_up(corners.min(axis=0))} to {sum_up(corners.max(axis=0))}" if len(corners) else "nothing"
         yield f"  dashed at {x:.4g}: {ends}"
-    yield from (f"  {feature.name} at {sum_up(feature.at)}" for feature in shown.features)
+    yield from (f"  {name} at {sum_up(at)}" for name, at in shown.features)
 
 
 def area(ring: Any) -> float:

@@ -30,6 +30,8 @@ from fingertip.pictures.raster import Colour, Font, Pen
 
 Point = tuple[float, float]
 """Point of the plane: along the finger (z) and dorsal (y) [mm]."""
+Feature = tuple[str, Point]
+"""Name of a feature of a part, and the point where its line ends."""
 SENSOR_COLOUR: Colour = (0.86, 0.68, 0.24)
 _FINE = 3
 """Factor by which the picture is drawn finer than it is returned."""
@@ -44,14 +46,6 @@ _NEAR_MM = 1.3
 """Distance from an outline within which a feature counts as shown [mm]."""
 _BESIDE_MM = 0.05
 """Distance of a dashed outline's plane from the axis of what it shows, whose facets end there [mm]."""
-
-
-@dataclass(frozen=True)
-class Feature:
-    """Feature of a part and the point where its line ends."""
-
-    name: str
-    at: Point
 
 
 @dataclass(frozen=True)
@@ -108,9 +102,9 @@ def draw_section(section: Section, evaluator: MeshEvaluator, width_px: int) -> N
     low, high = corners.min(axis=0), corners.max(axis=0)
     scale = 0.8 * width_px / (high[0] - low[0])
     size = (high - low) * scale
-    features = [one for one in dict.fromkeys(section.features) if is_near(one.at, outlines)]
+    features = [one for one in dict.fromkeys(section.features) if is_near(one[1], outlines)]
     above, below = (
-        _place_names([one for one in features if (one.at[1] < 0) == is_low], font, low[0], scale, width_px, size[0])
+        _place_names([one for one in features if (one[1][1] < 0) == is_low], font, low[0], scale, width_px, size[0])
         for is_low in (False, True)
     )
     head = _ROW_PX + 14
@@ -131,8 +125,8 @@ def draw_section(section: Section, evaluator: MeshEvaluator, width_px: int) -> N
         for ring in rings:
             _dash(pen, [to_pixel(corner) for corner in (*ring, ring[0])])
     for names, line_y, way in ((above, top - _LINE_PX, -1), (below, top + size[1] + _LINE_PX, 1)):
-        for feature, x, row in names:
-            _draw_name(pen, font, feature.name, (x, line_y + way * (_ROW_PX * row + 2)), to_pixel(feature.at), way)
+        for (name, at), x, row in names:
+            _draw_name(pen, font, name, (x, line_y + way * (_ROW_PX * row + 2)), to_pixel(at), way)
     pen.text((16 * _FINE, 10 * _FINE), section.title, fill=_INK, font=font)
     picture = picture.resize((width_px, height_px), Image.Resampling.BOX)
     draw_scale_bar(ImageDraw.Draw(picture), (16.0, height_px - 16.0), scale)
@@ -199,28 +193,28 @@ def _list_mold_features(design: Design) -> Iterable[Feature]:
     dims, layout = design.dimensions, design.mold_layout
     outer, inlet, chaplet = dims.outer, layout.inlet, dims.chaplet
     if inlet:
-        yield Feature("gate", (inlet.gate_z, inlet.depth / 2))
-        yield Feature("inlet for the syringe", (inlet.z, layout.dorsal_height - 2.0))
+        yield "gate", (inlet.gate_z, inlet.depth / 2)
+        yield "inlet for the syringe", (inlet.z, layout.dorsal_height - 2.0)
     else:
-        yield Feature("gate", ((layout.inlet_z + layout.distal_z) / 2, 0.0))
-        yield Feature("funnel", (layout.distal_z - 1.0, 0.0))
+        yield "gate", ((layout.inlet_z + layout.distal_z) / 2, 0.0)
+        yield "funnel", (layout.distal_z - 1.0, 0.0)
     for i, vent in enumerate(place_vents(design)):
         _, y, z = vent.point_mm
         if vent.kind == "dorsal":
-            yield Feature("vent", (z, (y + layout.dorsal_height) / 2 + 1.5 * i))
+            yield "vent", (z, (y + layout.dorsal_height) / 2 + 1.5 * i)
         elif vent.kind == "tip":
-            yield Feature("vent", ((z + layout.distal_z) / 2, y))
+            yield "vent", ((z + layout.distal_z) / 2, y)
         else:
-            yield Feature("vent", (z, vent.diameter_mm / 4))
+            yield "vent", (z, vent.diameter_mm / 4)
     if chaplet:
         height = (chaplet.facet_y + outer.section.dorsal) / 2
-        yield Feature("chaplet", (chaplet.z - (chaplet.radius + chaplet.hole_radius) / 2, height))
+        yield "chaplet", (chaplet.z - (chaplet.radius + chaplet.hole_radius) / 2, height)
     middle = 0.45 * design.skin.length_mm
-    yield Feature("skin", (middle, -(dims.flat_depth_at(middle) + outer.palmar_height_at(0.0, middle)) / 2 - 0.2))
-    yield Feature("palmar half", (0.75 * design.skin.length_mm, -(outer.section.palmar + layout.palmar_height) / 2))
-    yield Feature("dorsal half", (layout.distal_z - 3.0, 0.6 * layout.dorsal_height))
+    yield "skin", (middle, -(dims.flat_depth_at(middle) + outer.palmar_height_at(0.0, middle)) / 2 - 0.2)
+    yield "palmar half", (0.75 * design.skin.length_mm, -(outer.section.palmar + layout.palmar_height) / 2)
+    yield "dorsal half", (layout.distal_z - 3.0, 0.6 * layout.dorsal_height)
     if design.mold.method == "sleeve":
-        yield Feature("core", (middle, 0.0))
+        yield "core", (middle, 0.0)
 
 
 def _list_bone_features(design: Design) -> Iterable[Feature]:
@@ -229,26 +223,23 @@ def _list_bone_features(design: Design) -> Iterable[Feature]:
     dorsal, palmar = (section.dorsal + collar.section.dorsal) / 2, (dims.base_flat_depth + collar.section.palmar) / 2
     # A folded tail takes the collar's dorsal side for its trough, and its proximal end for the window.
     if dims.fold:
-        yield Feature("collar", (-bone.collar_length_mm / 4, -palmar))
+        yield "collar", (-bone.collar_length_mm / 4, -palmar)
     else:
-        yield Feature("collar", (-bone.collar_length_mm / 2, dorsal))
+        yield "collar", (-bone.collar_length_mm / 2, dorsal)
     if bone.groove_depth_mm > 0 and bone.groove_width_mm > 0:
         groove_z = bone.groove_distance_mm + bone.groove_width_mm / 2
-        yield Feature("groove", (groove_z, section.dorsal - bone.groove_depth_mm / 2))
-    yield Feature("sensor", (dims.sensor_z, -dims.platform_depth + dims.pocket_depth - dims.sensor.thickness_mm / 2))
+        yield "groove", (groove_z, section.dorsal - bone.groove_depth_mm / 2)
+    yield "sensor", (dims.sensor_z, -dims.platform_depth + dims.pocket_depth - dims.sensor.thickness_mm / 2)
     if dims.fold:
         fold = dims.fold
-        yield Feature("window of the tail", ((fold.window_low_z + fold.nose_z) / 2, 0.0))
-        yield Feature(
-            "lid", ((fold.nose_z + fold.trough_end_z) / 2, fold.floor_y + 0.7 * (section.dorsal - fold.floor_y))
-        )
+        yield "window of the tail", ((fold.window_low_z + fold.nose_z) / 2, 0.0)
+        yield "lid", ((fold.nose_z + fold.trough_end_z) / 2, fold.floor_y + 0.7 * (section.dorsal - fold.floor_y))
         if not dims.window_opens_into_gap:
-            yield Feature("cable groove", (dims.cable_groove_end_z + 1.0, section.dorsal - dims.cable_groove_depth / 2))
+            yield "cable groove", (dims.cable_groove_end_z + 1.0, section.dorsal - dims.cable_groove_depth / 2)
     else:
-        yield Feature("relief of the solder joints", (dims.tail_end_z, -dims.flat_depth + dims.pocket_depth + 0.6))
-        yield Feature("cable channel", (dims.channel_exit_z, section.dorsal - bone.channel_diameter_mm / 2))
-    for name, at in interface_of(design).features(design):
-        yield Feature(name, at)
+        yield "relief of the solder joints", (dims.tail_end_z, -dims.flat_depth + dims.pocket_depth + 0.6)
+        yield "cable channel", (dims.channel_exit_z, section.dorsal - bone.channel_diameter_mm / 2)
+    yield from interface_of(design).features(design)
 
 
 _PlacedName = tuple[Feature, float, int]
@@ -260,13 +251,13 @@ def _place_names(
 ) -> list[_PlacedName]:
     """Place names in as few rows as their widths allow, each as near as possible to what it names."""
     left = (width_px - length_px) / 2
-    ordered = sorted(features, key=lambda feature: feature.at[0])
-    widths = [font.getlength(feature.name) / _FINE + _GAP_PX for feature in ordered]
+    ordered = sorted(features, key=lambda feature: feature[1][0])
+    widths = [font.getlength(name) / _FINE + _GAP_PX for name, _ in ordered]
     rows = max(1, math.ceil(sum(widths) / (width_px - 40)))
     placed: list[_PlacedName] = []
     for row in range(rows):
         chosen = list(itertools.islice(zip(ordered, widths, strict=True), row, None, rows))
-        wanted = [left + (feature.at[0] - low_z) * scale for feature, _ in chosen]
+        wanted = [left + (at[0] - low_z) * scale for (_, at), _ in chosen]
         middles = spread([width for _, width in chosen], wanted, width_px)
         placed += [(feature, x, row) for (feature, _), x in zip(chosen, middles, strict=True)]
     return placed

@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from fingertip.cad.verification.pad import check_pad
+from fingertip.cad.verification.skin import check_pad
 from fingertip.design import Design
 from fingertip.pad.fem_elastic import stiffness
 from fingertip.pad.fem_mesh import extrude, quadratic_plan

@@ -81,7 +81,7 @@ def sheet(
     from fingertip.cad.printing.slicer import HOW_TO_INSTALL, PrintEstimate, find_slicer, slice_plate
     from fingertip.cad.verification.bone import check_strength
     from fingertip.cad.verification.check import list_warnings
-    from fingertip.cad.verification.pad import check_pad
+    from fingertip.cad.verification.skin import check_pad
     from fingertip.cad.verification.strength import assess_strength
     from fingertip.casting.quantities import measure_volumes
     from fingertip.catalogues.output_files import SHEET, STEPS, STEPS_FOLDER

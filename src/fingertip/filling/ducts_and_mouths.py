@@ -46,10 +46,6 @@ class Mouth:
         weights = (self.weights * self.areas[:, None]).ravel()
         return np.asarray(np.bincount(self.nodes.ravel(), weights, count), dtype=float)
 
-    def maximum(self, values: Array) -> float:
-        """Return the largest of the values within the mouth, interpolated from the nodes."""
-        return float(np.max(np.einsum("sk,sk->s", self.weights, values[self.nodes])))
-
 
 def open_mouth(layer: Layer, point_mm: tuple[float, float, float], diameter_mm: float) -> Mouth:
     """Open a mouth in a layer, centred at the point of the layer nearest to a point [mm]."""

@@ -43,7 +43,7 @@ def refine_peak(layer: Layer, values: Array, node: int) -> tuple[float, float, f
 _WITHIN = 0.5
 """Weight of a node from which on a sample of a mouth lies at that node."""
 Point3 = tuple[float, float, float]
-_GRAVITY_M_S2 = 9.81
+GRAVITY_M_S2 = 9.81
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ def syringe_pressure_pa(force_n: float, bore_mm: float) -> float:
 
 
 def head_pressure_pa(density_g_cm3: float, height_mm: float) -> float:
-    return density_g_cm3 * _GRAVITY_M_S2 * height_mm
+    return density_g_cm3 * GRAVITY_M_S2 * height_mm
 
 
 def _area_m2(diameter_mm: float) -> float:

@@ -63,7 +63,6 @@ class PadContact:
     stiffness_n_per_mm: float
     centre_mm: tuple[float, float]
     area_mm2: float
-    peak_mpa: float
     strain: float
     bond_shear_mpa: float
     bond_tension_mpa: float
@@ -238,7 +237,7 @@ class Patch:
         return PadContact(
             model.sense(tractions) / force_n, model.sense(along) / float(spread @ pressure), force_n, depth,
             model.copies / slope, (0.0 if model.copies > 1.0 else float(x), float(z) - model.form.sensor_z_mm),
-            float(spread[pressure > 0.0].sum()), float(pressure.max()), strain, shear, tension,
+            float(spread[pressure > 0.0].sum()), strain, shear, tension,
         )  # fmt: skip
 
 

@@ -92,10 +92,6 @@ def _centred(plate: Sequence[Placed], bed: tuple[float, float]) -> Plate:
     return tuple(replace(part, x=part.x + dx, y=part.y + dy) for part in plate)
 
 
-PRINT_FOLDER = "print"
-"""Folder of these files, inside that of the parts."""
-
-
 @dataclass(frozen=True)
 class PrintFiles:
     contents: Mapping[str, bytes]
@@ -138,7 +134,6 @@ class Piece:
 
 
 def list_pieces(design: Design, meshes: Mapping[str, Mesh], encoded: Mapping[str, str]) -> dict[str, Piece]:
-    """List the printed parts of a design by their names."""
     supports, material = supports_by_part(design), PRINT_MATERIALS[design.strength.print_material]
     on_plates = {kind: parts_on_plates(design, kind) for kind in PLATE_KINDS}
     return {

@@ -83,9 +83,5 @@ def parse_gcode(name: str, gcode: str) -> PrintEstimate:
         raise GeometryError(
             Issue(name, "PrusaSlicer's G-code states no print time or no filament volume; remove --slicer.")
         )
-    return PrintEstimate(parse_duration_min(time[1]), float(filament[1]))
-
-
-def parse_duration_min(text: str) -> float:
-    """Convert a duration such as `1d 2h 31m 30s` to minutes."""
-    return sum(float(word[:-1]) * _UNITS_MIN[word[-1]] for word in text.split())
+    minutes = sum(float(word[:-1]) * _UNITS_MIN[word[-1]] for word in time[1].split())  # as in 1d 2h 31m 30s
+    return PrintEstimate(minutes, float(filament[1]))

@@ -19,17 +19,7 @@ from fingertip.cad.shapes.mold import base_recess, bolt_holes, key_sockets, keys
 from fingertip.cad.shapes.parts import Part
 from fingertip.catalogues.hardware import NOZZLE_DEPTH_MM
 from fingertip.design import Design
-from fingertip.design.geometry.solids import (
-    Box,
-    Placed,
-    Point3,
-    Prism,
-    Solid,
-    cylinder,
-    difference,
-    intersection,
-    union,
-)
+from fingertip.design.geometry.solids import Box, Placed, Prism, Solid, cylinder, difference, intersection, union
 
 SLICE_MM = 2.4
 RING_MM = 1.8
@@ -45,6 +35,8 @@ _LUER_TOP_MM = NOZZLE_DEPTH_MM + 0.5
 """Mouth of the Luer cone above the bed [mm]: a nozzle sits within it, and the cone's end lies below the bed."""
 _PAST_MM = 1.0
 """Length by which cuts reach past a surface, so that no faces coincide [mm]."""
+_SLICE_Z_MM = -SLICE_MM - _PAST_MM
+"""Height in the design of the bottom of the slice [mm]. Recess and base are prisms from there to the collar."""
 _UP_FROM_PALMAR: Literal[-1] = -1
 """Quarter turn about x that turns the palmar side of a part up."""
 _UP_FROM_DORSAL: Literal[1] = 1
@@ -101,9 +93,8 @@ def loose_slice(design: Design) -> Solid:
     section = design.dimensions.bone_outline.section
     reach = 2 * (section.half_width + section.palmar + section.dorsal)
     exact = base_recess(design, 0.0)[0]  # without clearance: the outline of the base itself
-    low = _slice_z()
-    cut = Box((-reach, -reach, low), (reach, reach, low + SLICE_MM))
-    piece = Placed(intersection(exact, cut), 0, (0.0, 0.0, -low))
+    cut = Box((-reach, -reach, _SLICE_Z_MM), (reach, reach, _SLICE_Z_MM + SLICE_MM))
+    piece = Placed(intersection(exact, cut), 0, (0.0, 0.0, -_SLICE_Z_MM))
     if not coupon_layout.has_key(design):
         return piece
     x, z, _ = design.mold_layout.keys[0]
@@ -171,12 +162,10 @@ def _sensor_hole(design: Design, layout: coupon_layout.Layout) -> tuple[Solid, .
 
 def _recess(design: Design, layout: coupon_layout.Layout) -> Solid:
     flat = design.dimensions.base_flat_depth + design.mold.fit_clearance_mm
-    at = (layout.ring.centre[0], layout.ring.low[1] + coupon_layout.AROUND_MM, 0.0)
-    recess = base_recess(design)[0]
-    low = _slice_z()
+    x, y = layout.ring.centre[0], layout.ring.low[1] + coupon_layout.AROUND_MM
     reach = 2 * max(layout.ring.size)
-    near = Box((-reach, -reach, low - _PAST_MM), (reach, reach, low + RING_MM + _PAST_MM))
-    return Placed(intersection(recess, near), 0, (at[0], at[1] + flat, -low))
+    near = Box((-reach, -reach, _SLICE_Z_MM - _PAST_MM), (reach, reach, _SLICE_Z_MM + RING_MM + _PAST_MM))
+    return Placed(intersection(base_recess(design)[0], near), 0, (x, y + flat, -_SLICE_Z_MM))
 
 
 def _letters(design: Design, layout: coupon_layout.Layout) -> list[Solid]:
@@ -193,14 +182,11 @@ def _letters(design: Design, layout: coupon_layout.Layout) -> list[Solid]:
     return prisms
 
 
-def _place(solid: Solid, turns: Literal[-1, 1], point: Point3, at: Point3) -> Solid:
+def _place(
+    solid: Solid, turns: Literal[-1, 1], point: tuple[float, float, float], at: tuple[float, float, float]
+) -> Solid:
     x, y, z = point
     return Placed(solid, turns, (at[0] - x, at[1] + turns * z, at[2] - turns * y))
-
-
-def _slice_z() -> float:
-    """Height in the design of the bottom of the slice [mm]. Recess and base are prisms from there to the collar."""
-    return -SLICE_MM - _PAST_MM
 
 
 def _tongue_top_mm(design: Design) -> float:

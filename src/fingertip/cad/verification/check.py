@@ -166,8 +166,11 @@ def check_zero_volume(name: str, volume_mm3: float) -> Check:
 
 def check_min_distance(name: str, first: Manifold, second: Manifold, min_mm: float) -> Check:
     """Check that two solids are at least `min_mm` apart: on both sides of a wall, they give its thickness."""
-    distance = search_distance(lambda reach_mm: first.min_gap(second, reach_mm), 2.0 * min_mm)
-    return Check(name, distance, min_mm, "mm", "at least")
+    return Check(name, measure_gap(first, second, 2.0 * min_mm), min_mm, "mm", "at least")
+
+
+def measure_gap(first: Manifold, second: Manifold, first_reach_mm: float) -> float:
+    return search_distance(lambda reach_mm: first.min_gap(second, reach_mm), first_reach_mm)
 
 
 def search_distance(measure: Callable[[float], float], first_reach_mm: float) -> float:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,15 +15,8 @@ import numpy as np
 from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays
 from fingertip.cad.shapes import bone, mold
 from fingertip.cad.shapes.insert import cavity, filled_bone, mold_insert, screw_hole
-from fingertip.cad.shapes.mold import runners
 from fingertip.cad.shapes.parts import parts_by_name
-from fingertip.cad.verification.check import (
-    PLANE_OFFSET_MM,
-    Check,
-    check_min_distance,
-    check_zero_volume,
-    search_distance,
-)
+from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, check_min_distance, check_zero_volume, measure_gap
 from fingertip.catalogues.hardware import select_thread
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.catalogues.silicones import Silicone
@@ -33,7 +25,7 @@ from fingertip.design.geometry.conic import add_draft
 from fingertip.design.geometry.seat import creep_mm, tape_span_mm
 from fingertip.design.geometry.solids import Solid, difference, intersection, union
 from fingertip.filling.mold_filling import MAX_AIR_MM3, injected_cm3, largest_pocket, place_vents, predict_mold_filling
-from fingertip.filling.predict import FillingPrediction, head_pressure_pa
+from fingertip.filling.predict import GRAVITY_M_S2, FillingPrediction, head_pressure_pa
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -62,12 +54,11 @@ def check_mold(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
         yield _check_cable_channel(design, evaluator)
     if design.mold.filling == "gravity":
         # Air would be trapped in the cavity above the highest vent.
-        body, vented = evaluator.manifold(cavity(design)), evaluator.manifold(union(*runners(design)))
+        body, vented = evaluator.manifold(cavity(design)), evaluator.manifold(union(*mold.runners(design)))
         trapped = body.bounding_box()[5] - (body ^ vented).bounding_box()[5]
         yield Check("mold.air_trap_height", trapped, 2 * evaluator.tolerance_mm, "mm")
-    yield from _check_cavity_walls(design, evaluator)
-    yield from _check_runner_walls(design, evaluator)
-    yield from _check_fasteners(design, evaluator)
+    yield from _check_walls(design, evaluator)
+    yield from _check_keys(design, evaluator)
 
 
 def _check_openings(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
@@ -117,7 +108,7 @@ def _check_recess(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     palmar, dorsal = (evaluator.manifold(half(design)) for half in (mold.mold_palmar, mold.mold_dorsal))
     # The part of bone or core that lies in the recess, below the plane where the skin ends.
     base = evaluator.manifold(mold_insert(design)).trim_by_plane((0.0, 0.0, -1.0), PLANE_OFFSET_MM)
-    at_palmar, at_dorsal = (search_distance(partial(base.min_gap, half), fit) for half in (palmar, dorsal))
+    at_palmar, at_dorsal = (measure_gap(base, half, fit) for half in (palmar, dorsal))
     minimum = _FIT_RATIO * fit - tolerance
     if minimum > 0.0:  # else the mesh is too coarse to measure the clearance; the overlap checks still apply
         yield Check("mold_palmar.recess_clearance", at_palmar, minimum, "mm", "at least")
@@ -148,65 +139,53 @@ def _check_cable_channel(design: Design, evaluator: MeshEvaluator) -> Check:
     return check_zero_volume("mold.cable_channel_overlap", in_mold - in_bone)
 
 
-def _check_cavity_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
-    """Check the walls around the cavity, and the land: the sealing surface between cavity and bolts or keys."""
-    wall = design.printer.min_wall_mm - evaluator.tolerance_mm
-    cavity_body, block = evaluator.manifold(cavity(design)), evaluator.manifold(mold.block(design))
+def _check_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
+    """Check the walls between cavity, inlet, vents, bolts, keys and the outside, and the land that seals the cavity."""
+    wall, whole = design.printer.min_wall_mm - evaluator.tolerance_mm, mold.block(design)
+    block, cavity_body = evaluator.manifold(whole), evaluator.manifold(cavity(design))
+    bolts = evaluator.manifold(union(*mold.bolt_holes(design), *mold.nut_traps(design)))
+    sockets = evaluator.manifold(union(*mold.key_sockets(design)))
+    # The sockets are wider than the keys by their clearance.
+    land = design.mold.land_mm - 2 * design.mold.key_clearance_mm
     yield Check("mold.wall.cavity_to_outside", _distance_to_faces(cavity_body, block), wall, "mm", "at least")
     cutouts = evaluator.manifold(mold.outer_cutouts(design))
     yield check_min_distance("mold.wall.cavity_to_cutouts", cavity_body, cutouts, wall)
-    # The sockets are wider than the keys by their clearance.
-    land = design.mold.land_mm - 2 * design.mold.key_clearance_mm
-    for name, solids in (
-        ("bolts", (*mold.bolt_holes(design), *mold.nut_traps(design))),
-        ("keys", mold.key_sockets(design)),
-    ):
-        yield check_min_distance(f"mold.land.{name}_to_cavity", cavity_body, evaluator.manifold(union(*solids)), land)
+    yield check_min_distance("mold.land.bolts_to_cavity", cavity_body, bolts, land)
+    yield check_min_distance("mold.land.keys_to_cavity", cavity_body, sockets, land)
 
-
-def _check_runner_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
-    """Check the walls between inlet and vents and everything else that is cut into the block, and its outside."""
-    wall, block = design.printer.min_wall_mm - evaluator.tolerance_mm, mold.block(design)
-    cut = evaluator.manifold(intersection(mold.openings(design), block))
-    sockets = evaluator.manifold(union(*mold.key_sockets(design)))
+    cut = evaluator.manifold(intersection(mold.openings(design), whole))
     yield check_min_distance("mold.wall.runners_to_keys", cut, sockets, wall)
-    inlet = design.mold_layout.inlet
-    if inlet:
+    if inlet := design.mold_layout.inlet:
         led = evaluator.manifold(union(mold.sprue(design, inlet), mold.runner(inlet)))
-        bolts = evaluator.manifold(union(*mold.bolt_holes(design)))
-        land = design.mold.land_mm - 2 * design.mold.key_clearance_mm
-        yield check_min_distance("mold.land.bolts_to_runner", led, bolts, land)
+        holes = evaluator.manifold(union(*mold.bolt_holes(design)))
+        yield check_min_distance("mold.land.bolts_to_runner", led, holes, land)
     # A groove in the parting plane ends in a pry slot where the mold's side has no room for both.
     grooves = mold.side_vents(design)
     cutouts = evaluator.manifold(mold.outer_cutouts_and_screw(design))
-    clear = evaluator.manifold(intersection(difference(mold.openings(design), *grooves), block))
+    clear = evaluator.manifold(intersection(difference(mold.openings(design), *grooves), whole))
     yield check_min_distance("mold.wall.runners_to_cutouts", clear, cutouts, wall)
     if grooves:
-        bolts = evaluator.manifold(union(*mold.bolt_holes(design), *screw_hole(design)))
-        beside = evaluator.manifold(intersection(union(*grooves), block))
-        yield check_min_distance("mold.wall.side_vents_to_bolts", beside, bolts, wall)
+        holes = evaluator.manifold(union(*mold.bolt_holes(design), *screw_hole(design)))
+        beside = evaluator.manifold(intersection(union(*grooves), whole))
+        yield check_min_distance("mold.wall.side_vents_to_bolts", beside, holes, wall)
     # Along its own axis a hole opens to the outside.
-    within = ((evaluator.manifold(intersection(solid, block)), axis) for solid, axis in mold.runners_with_axes(design))
-    nearest = min(_distance_to_faces(solid, evaluator.manifold(block), {0, 1, 2} - {axis}) for solid, axis in within)
+    within = ((evaluator.manifold(intersection(solid, whole)), axis) for solid, axis in mold.runners_with_axes(design))
+    nearest = min(_distance_to_faces(solid, block, {0, 1, 2} - {axis}) for solid, axis in within)
     yield Check("mold.wall.runners_to_outside", nearest, wall, "mm", "at least")
 
-
-def _check_fasteners(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
-    """Check the walls around bolts and keys, the number of keys, and that the mold closes in one way only."""
-    wall = design.printer.min_wall_mm - evaluator.tolerance_mm
-    block = evaluator.manifold(mold.block(design))
-    bolt_holes = evaluator.manifold(union(*mold.bolt_holes(design), *mold.nut_traps(design)))
-    sockets = evaluator.manifold(union(*mold.key_sockets(design)))
-    yield Check("mold.wall.bolts_to_outside", _distance_to_faces(bolt_holes, block, (0, 2)), wall, "mm", "at least")
+    yield Check("mold.wall.bolts_to_outside", _distance_to_faces(bolts, block, (0, 2)), wall, "mm", "at least")
     yield Check("mold.wall.keys_to_outside", _distance_to_faces(sockets, block), wall, "mm", "at least")
-    yield check_min_distance("mold.wall.keys_to_bolts", sockets, bolt_holes, wall)
+    yield check_min_distance("mold.wall.keys_to_bolts", sockets, bolts, wall)
 
+
+def _check_keys(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
+    """Check the number of keys, and that the mold closes in one way only."""
     palmar, dorsal = (evaluator.manifold(half(design)) for half in (mold.mold_palmar, mold.mold_dorsal))
     protruding = dorsal.trim_by_plane((0.0, -1.0, 0.0), PLANE_OFFSET_MM)
     yield Check("mold_dorsal.key_count", len(protruding.decompose()), _KEY_COUNT, "keys", "exactly")
     # Turn the keys by half a turn about the middle of the block. They must then collide with the palmar half.
-    low, high = block.bounding_box()[:3], block.bounding_box()[3:]
-    reversed_keys = protruding.rotate((0.0, 180.0, 0.0)).translate((low[0] + high[0], 0.0, low[2] + high[2]))
+    low_x, _, low_z, high_x, _, high_z = evaluator.manifold(mold.block(design)).bounding_box()
+    reversed_keys = protruding.rotate((0.0, 180.0, 0.0)).translate((low_x + high_x, 0.0, low_z + high_z))
     blocking = (reversed_keys ^ palmar).volume()
     yield Check("mold.reversed_assembly_overlap", blocking, _MIN_BLOCKING_VOLUME_MM3, "mm3", "at least")
 
@@ -223,7 +202,6 @@ _PRELOAD_N_PER_MM = 100.0
 """Preload of a bolt tightened by hand in a printed mold, per millimetre of its diameter [N/mm]. An assumption."""
 _MIN_BEARING_FACTOR = 2.0
 """Least strength of the bone over the pressure of the chaplet's screw on its thread."""
-_GRAVITY_M_S2 = 9.81
 
 
 def check_filling(design: Design) -> Iterator[Check]:
@@ -254,7 +232,7 @@ def air_rise_s(design: Design, silicone: Silicone) -> float:
     skin = design.skin
     gap_m = 1e-3 * min(skin.thickness_side_mm, skin.thickness_dorsal_mm)
     density = 1e3 * silicone.density_g_cm3.low
-    speed = density * _GRAVITY_M_S2 * gap_m**2 / (12.0 * silicone.viscosity_pa_s.high)
+    speed = density * GRAVITY_M_S2 * gap_m**2 / (12.0 * silicone.viscosity_pa_s.high)
     return 1e-3 * skin.length_mm / speed
 
 

@@ -1,16 +1,19 @@
-"""Checks of the skin: thickness, deviation of its mesh from the exact surface, and stretch of a sleeve.
+"""Checks of the skin: thickness, deviation of its mesh from the exact surface, stretch of a sleeve, and its pad.
 
 Thickness is measured above the plane z = 0, where the skin is cut square: the least gap between bone and outside.
 
 The exact surface consists of patches (tapered side and tip, each palmar and dorsal) and the flat end. Points are
 reflected to x >= 0 by symmetry. On each patch the nearest point is found by damped Gauss-Newton steps in the two
 parameters of the patch, which are clamped to it. The distance is the smallest from any patch.
+
+The checks of the pad are of what the sensor feels. They warn; a finger with a deaf sensor can be printed and cast.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -20,13 +23,16 @@ from numpy.typing import NDArray
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.shapes.insert import filled_bone, skin_interior, skin_outline
-from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, above_z, complement, search_distance
+from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, above_z, complement, measure_gap
 from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody
 from fingertip.design.geometry.profile import Span
 from fingertip.design.geometry.seat import Loss, Motion, worst
 from fingertip.design.rules.mold import MIN_RETAINED, MIN_RETAINED_OVER_SENSOR
+from fingertip.foundation.comparison import Relation
+from fingertip.foundation.errors import DesignError
 from fingertip.foundation.numerics import Array
+from fingertip.pad.survey import FIRM_N, FORCE_N, GRASP_DEG, MAX_TURN_ON_N, TILTS_DEG, WIDE_DEG, survey_pad
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -190,7 +196,7 @@ def _outside(design: Design, evaluator: MeshEvaluator) -> Manifold:
 
 def _thickness(interior: Manifold, outside: Manifold) -> float:
     """Measure the smallest thickness [mm] between a skin's interior and its outside; 0 where they meet."""
-    return search_distance(lambda reach_mm: interior.min_gap(outside, reach_mm), 1.0)
+    return measure_gap(interior, outside, 1.0)
 
 
 def _check_play(design: Design, interior: Manifold, outside: Manifold, minimum: float) -> Iterator[Check]:
@@ -227,3 +233,65 @@ def _perimeter(solid: Manifold, z: float) -> float:
     """Compute the perimeter [mm] of a solid's section at height `z` [mm]."""
     outlines = solid.slice(z).to_polygons()
     return sum(math.dist(a, b) for outline in outlines for a, b in pairwise([*outline, outline[0]]))
+
+
+WANTED_SHARE, WANTED_EVENNESS = 0.4, 0.6
+"""Least share of a force that should reach the sensor in a grasp, and over the largest one there. Assumptions."""
+_MAX_STRAIN = 1.0
+"""Indentation by the whole thickness, which no finger survives."""
+WANTED_TURN_ON_N, WANTED_STRAIN = 1.0, 0.3
+"""Force on the pad at which the sensor should be on, and largest strain for which small strain is a fair model."""
+_STEPS = {"bone.collar_inset_mm": 0.05, "sensor.distance_from_tip_mm": 0.5}
+"""Lengths that let skin, not collar, meet a plate that is tilted tip up -> step of which eight are tried [mm]."""
+
+
+def check_pad(design: Design) -> Iterator[Check]:
+    survey = survey_pad(design)
+    share, turn_on = survey.least_share(*GRASP_DEG), survey.worst_turn_on_n
+    grasp = f"{GRASP_DEG[0]:g} to {GRASP_DEG[1]:g} degrees"
+    remedy = "an insert or harder silicone helps"
+    if design.skin.crown_radius_mm == 0.0:
+        remedy = "begin with fsr400, whose pad has a crown"
+    yield _warn(
+        "pad.share", share, 0.0, "", share < WANTED_SHARE,
+        f"{share:.0%} of {FORCE_N:g} N reaches the sensor at some tilt of {grasp}, below {WANTED_SHARE:.0%}; {remedy}.",
+    )  # fmt: skip
+    yield _warn(
+        "pad.evenness", survey.evenness, 0.0, "", survey.evenness < WANTED_EVENNESS,
+        f"a turn of the finger by {grasp} changes the signal {1 / max(survey.evenness, 0.001):.3g} times, as a grip "
+        f"does; {remedy}.",
+    )  # fmt: skip
+    never, tilts = turn_on == math.inf, zip(TILTS_DEG, survey.turn_on_n, strict=True)
+    deaf = [f"{tilt:g}" for tilt, force in tilts if force > WANTED_TURN_ON_N and WIDE_DEG[0] <= tilt <= WIDE_DEG[1]]
+    feels = f"turns on at {turn_on:.2g} N, not below {WANTED_TURN_ON_N:g} N"
+    if never:
+        feels = f"feels no force up to {MAX_TURN_ON_N:g} N"
+    mend = _find_mend(design) if turn_on > WANTED_TURN_ON_N and design.skin.crown_radius_mm else remedy
+    yield _warn(
+        "pad.turn_on_force", MAX_TURN_ON_N if never else turn_on, MAX_TURN_ON_N, "N", turn_on > WANTED_TURN_ON_N,
+        f"on a plate tilted by {', '.join(deaf)} degrees (below 0: tip up) the sensor {feels}; {mend}.", never,
+    )  # fmt: skip
+    yield _warn(
+        "pad.strain", survey.strain, _MAX_STRAIN, "", survey.strain > WANTED_STRAIN,
+        f"{FIRM_N:g} N presses the pad by {survey.strain:.0%} of its thickness, above {WANTED_STRAIN:.0%}, where these "
+        "figures err; use a harder or thicker silicone.",
+    )  # fmt: skip
+
+
+def _find_mend(design: Design) -> str:
+    """Try values with which the sensor turns on in time."""
+    for name, value in (
+        (name, round(design.value(name) + i * _STEPS[name], 2)) for name in _STEPS for i in range(1, 9)
+    ):
+        with suppress(DesignError):
+            tried = Design.without_remedies(**design.with_values({name: value}).model_dump())
+            if survey_pad(tried).worst_turn_on_n <= WANTED_TURN_ON_N:
+                return f"it turns on with {name}={value:g}"
+    return f"no larger {' or '.join(_STEPS)} that was tried helps"
+
+
+def _warn(
+    name: str, value: float, limit: float, unit: str, is_wanting: bool, warning: str, is_beyond: bool = False
+) -> Check:
+    relation: Relation = "at most" if limit else "at least"
+    return Check(name, value, limit, unit, relation, warning if is_wanting else "", is_beyond=is_beyond)

@@ -215,7 +215,6 @@ def _find_concentration(design: Design, z: float) -> StressFactors:
 
 
 def describe_strength(strength: BoneStrength) -> list[str]:
-    """Describe safety factors and weakest place as lines of text."""
     weakest = strength.weakest
     lines = [
         f"bone in {strength.material.label}: safety factor {strength.grip_safety_factor:.2f} at the grip force, "

@@ -17,9 +17,8 @@ from fingertip.cad.verification.assembly import check_assembly, check_joint
 from fingertip.cad.verification.bone import check_air_vent, check_bone, check_strength
 from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.mold import check_filling, check_mold, check_seals
-from fingertip.cad.verification.pad import check_pad
 from fingertip.cad.verification.printing import check_mesh_file, check_overhang, check_print_files
-from fingertip.cad.verification.skin import check_skin, check_sleeve_stretch
+from fingertip.cad.verification.skin import check_pad, check_skin, check_sleeve_stretch
 from fingertip.cad.verification.strength import BoneStrength, assess_strength
 from fingertip.cad.verification.walls import check_walls
 from fingertip.design import Design

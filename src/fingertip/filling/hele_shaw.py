@@ -229,7 +229,6 @@ class _Field:
     basin: NDArray[np.intp]
 
     def unfilled_mm3(self, part: _Part, injected_mm3: float) -> float:
-        """Compute the volume of a part at an injected volume."""
         left = float(self.volume.sum()) - injected_mm3
         unfilled: Mask = self.arrival > injected_mm3
         all_mm3 = float(self.volume[unfilled].sum())

@@ -109,8 +109,6 @@ def build_grid(design: Design) -> SkinGrid:
 
 @dataclass(frozen=True)
 class Vent:
-    """Hole through which air leaves the cavity."""
-
     kind: Literal["dorsal", "side", "tip"]
     """dorsal: along y through the dorsal half; side: a groove in the parting plane; tip: along z to the distal face."""
     point_mm: Point3

@@ -85,7 +85,6 @@ def check_pose(form: PadForm, pose: Pose) -> None:
 
 @lru_cache(maxsize=1024)
 def is_possible(form: PadForm, pose: Pose) -> bool:
-    """Tell whether a pose passes `check_pose`."""
     try:
         check_pose(form, pose)
     except TraceError:

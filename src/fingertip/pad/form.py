@@ -59,7 +59,6 @@ class PadForm:
 
     @property
     def model(self) -> str:
-        """Name of the model by which contacts are computed."""
         return "finite elements" if self.insert else "layer model"
 
     @property

@@ -49,8 +49,6 @@ MAX_STRAIN = 0.5
 
 @dataclass(frozen=True)
 class Contact:
-    """Contact of the pad at one force."""
-
     force_n: float
     share: float
     """Fraction of the force that presses on the active area of the sensor."""

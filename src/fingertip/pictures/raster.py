@@ -35,8 +35,6 @@ _FROM_BELOW = -0.2
 
 @dataclass(frozen=True)
 class Camera:
-    """Orthographic camera."""
-
     axes: Array
     """Directions to the right, upwards and towards the viewer, orthonormal rows of shape (3, 3)."""
 

@@ -75,8 +75,6 @@ _PAST_END_MM = 0.1
 
 @dataclass(frozen=True)
 class Supports:
-    """Supports of a part in its print orientation."""
-
     places: tuple[Solid, ...]
     """Regions of air in which they may stand, in the part's own coordinates; none for a part without supports."""
     may_stand: str
@@ -86,7 +84,6 @@ class Supports:
 
     @property
     def note(self) -> str:
-        """Both in one sentence each."""
         return f"Supports: {self.may_stand}. None on: {self.none_on}."
 
 

@@ -76,8 +76,6 @@ _DIRECTIONS = 12
 
 @dataclass(frozen=True)
 class Ceiling:
-    """Connected facets that overhang."""
-
     facets: NDArray[np.int64]
     """Numbers of the facets in the mesh."""
     edges: Array

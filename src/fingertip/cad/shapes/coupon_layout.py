@@ -1,7 +1,4 @@
-"""Layout of the fit coupon: where each feature stands in the frame, and how large it is.
-
-Coordinates of the coupon: x and y on the printer's bed, z up [mm].
-"""
+"""Layout of the fit coupon: where each feature stands in the frame, and how large it is."""
 
 from __future__ import annotations
 

@@ -96,8 +96,6 @@ _STEEL, _BRASS, _FILM = (0.55, 0.56, 0.58), (0.78, 0.66, 0.33), (0.20, 0.22, 0.2
 
 @dataclass(frozen=True)
 class HardwareItem:
-    """Bought item in its place."""
-
     name: str
     solid: Solid
     colour: tuple[float, float, float]

@@ -133,7 +133,6 @@ def _pose_label(bench: Bench, filling: Data) -> Label:
 
 
 def leave(bench: Bench, data: Data) -> Scene:
-    """Show the full mold with the syringe in its cone."""
     m, inlet, side = bench.layout, given(bench.layout.inlet), _signs(data["filling"])[0]
     held = (
         side * m.half_width,
@@ -189,7 +188,6 @@ def _find_level_mm(data: Data) -> float:
 
 
 def weigh(bench: Bench, data: Data) -> Scene:
-    """Show the cup on the scale, and the level after each component."""
     batch, (first, second) = data["batch"], data["silicone"]["components"]
     level = _find_level_mm(data)
     share = batch["a_g"] / batch["total_g"]

@@ -21,7 +21,6 @@ _SPARE_MM, _DROP_MM = 10.0, 2.5
 
 
 def cure_test(bench: Bench, data: Data) -> Scene:
-    """Show drops of silicone on the coupon of each material, and on what else silicone touches."""
     peels = ": peels off"
     tested = [
         (f"print\nof the mold{peels}", PARTS["mold_palmar"].colour),
@@ -73,7 +72,6 @@ def try_fit(bench: Bench, data: Data) -> Scene:
 
 
 def drill(bench: Bench, data: Data) -> Scene:
-    """Show the drills above the holes of the chaplet's screw, cut open."""
     m, chaplet, apart = bench.layout, data["chaplet"], 2.2 * bench.apart_mm
     z, top = axis_z(bench.design), m.dorsal_height
     wide = _drill(z, top + 2.0, top + 16.0, chaplet["hole_mm"] / 2)
@@ -158,7 +156,6 @@ def prime(bench: Bench, data: Data) -> Scene:
 
 
 def hold(bench: Bench, data: Data) -> Scene:
-    """Show bone or core in the dorsal half, with the screw that holds it."""
     m, z = bench.layout, axis_z(bench.design) if data["chaplet"] else 0.0
     lift = 10.0
     marks: list[Label | Arrow] = [
@@ -207,7 +204,6 @@ def bolt(bench: Bench, data: Data) -> Scene:
 
 
 def open_(bench: Bench, data: Data) -> Scene:
-    """Show the halves apart, and the casting with what is cut off."""
     m, apart = bench.layout, 1.3 * bench.apart_mm
     section, text = bench.dims.bone_outline.section, "push the core out\nhere, on the base"
     if bench.insert == "bone":
@@ -233,7 +229,6 @@ def open_(bench: Bench, data: Data) -> Scene:
 
 
 def patch(bench: Bench, data: Data) -> Scene:
-    """Show the finger with the hole of the chaplet, which is filled."""
     chaplet, outer = given(bench.dims.chaplet), bench.dims.outer
     z, radius = chaplet.z, chaplet.radius
     top = outer.dorsal_height_at(0.9 * radius, z + 0.9 * radius)
@@ -258,7 +253,6 @@ def roll_off(bench: Bench, data: Data) -> Scene:
 
 
 def pull_on(bench: Bench, data: Data) -> Scene:
-    """Show the skin on its way onto the bone."""
     out = bench.design.skin.length_mm * 1.05
     return Scene(
         (*bench.assembled_bone(), bench.part("skin", (0.0, 0.0, out))),

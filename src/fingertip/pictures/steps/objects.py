@@ -54,7 +54,6 @@ class Bench:
 
     @property
     def apart_mm(self) -> float:
-        """Distance by which parts are drawn apart."""
         return 1.2 * self.layout.palmar_height
 
     def solid(self, solid: Solid, colour: Colour, shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False) -> Shown:
@@ -102,7 +101,6 @@ class Bench:
         ]
 
     def chaplet_screw(self, shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False) -> list[Shown]:
-        """Show the screw of the chaplet; none without one."""
         return [
             self.solid(item.solid, item.colour, shift, cut=cut)
             for item in hardware(self.design, ("mold_dorsal",))

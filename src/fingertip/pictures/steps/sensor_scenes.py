@@ -62,7 +62,6 @@ def wires(bench: Bench, data: Data) -> Scene:
 
 
 def try_fold(bench: Bench, data: Data) -> Scene:
-    """Show trough, nose, window and passage of the bone, cut open."""
     fold, y = given(bench.dims.fold), bench.head[1]
     return Scene(
         (bench.part("bone", cut=True),),
@@ -135,7 +134,6 @@ def fold(bench: Bench, data: Data) -> Scene:
 
 
 def stick_head(bench: Bench, data: Data) -> Scene:
-    """Show the head in its pocket, and the room at the end of the trough."""
     course, room = given(bench.dims.fold), data["fit"]["end_room_mm"] / 2
     return Scene(
         bench.assembled_bone(cut=True, lid=False),
@@ -188,7 +186,6 @@ def cover_sensor(bench: Bench, data: Data) -> Scene:
 
 
 def place_insert(bench: Bench, data: Data) -> Scene:
-    """Show the jig around the platform, and the insert above its hole."""
     (_, y, z), kind = bench.head, data["fit"]["sensor_insert"]["kind"]
     above = y - given(bench.dims.insert).height - _LIFT_MM / 2
     shown = (bench.solid(tape(bench.design), Paint.TAPE), bench.part("insert_jig"))

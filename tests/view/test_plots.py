@@ -107,7 +107,7 @@ def make_example(label: str) -> ExampleTrial:
 def trials() -> None:
     examples = [make_example(label) for label in ("smooth", "wood", "object, paper", "object, wood", "object, gross")]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(trial_plots, "simulate_examples", lambda design, first_seed: examples)
+        patch.setattr(trial_plots, "simulate_examples", lambda design: examples)
         trial_plots.plot_trials(DESIGN)
 
 

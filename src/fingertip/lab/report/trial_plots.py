@@ -55,7 +55,7 @@ class ExampleTrial:
         return f"{self.label}, {100 * self.speed_m_s:g} cm/s, {self.force_n:.2f} N"
 
 
-def simulate_examples(design: Design, first_seed: int = HELD_OUT_FROM) -> list[ExampleTrial]:
+def simulate_examples(design: Design) -> list[ExampleTrial]:
     """Simulate one trial of each surface and grasped object; the speeds alternate."""
     scenes: dict[tuple[str, float], SceneFile] = {}
     for scene, _ in article_trials():
@@ -66,15 +66,15 @@ def simulate_examples(design: Design, first_seed: int = HELD_OUT_FROM) -> list[E
     with compiled():
         for i, label in enumerate(labels):
             speed = speeds[i % len(speeds)]
-            case = Case("slip", scenes[(label, speed)], first_seed + i)
+            case = Case("slip", scenes[(label, speed)], HELD_OUT_FROM + i)
             trace, force_n = simulate_trace(design, case, DETECTORS_SHOWN)
             examples.append(ExampleTrial(label, speed, trace, force_n))
     return examples
 
 
-def plot_trials(design: Design, first_seed: int = HELD_OUT_FROM) -> dict[str, bytes]:
+def plot_trials(design: Design) -> dict[str, bytes]:
     """Plot the examples; returns file name -> PNG."""
-    examples = simulate_examples(design, first_seed)
+    examples = simulate_examples(design)
     objects = [example for example in examples if example.label.startswith("object")]
     surfaces = [example for example in examples if example not in objects]
     wood = next(example for example in examples if example.label == "wood")  # its slip is visible without magnification

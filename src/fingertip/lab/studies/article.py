@@ -180,7 +180,7 @@ class Spectrum:
         return float(self.power_v2_hz[above].sum()) / total if total else 0.0
 
 
-def compute_spectra(design: Design, first_seed: int = HELD_OUT_FROM) -> list[Spectrum]:
+def compute_spectra(design: Design) -> list[Spectrum]:
     """Compute the spectra of slip on the medium surface at 4 cm/s, from the middle of the slide."""
     rate = design.detector.sample_rate_hz
     count = round(SEGMENT_S * rate)
@@ -194,7 +194,7 @@ def compute_spectra(design: Design, first_seed: int = HELD_OUT_FROM) -> list[Spe
             mount = slide.mount.model_copy(update={"mass_kg": mass_kg})
             scene = slide.model_copy(update={"mount": mount, "outputs": ["voltage_v", "slip"]})
             total = np.zeros(count // 2 + 1)
-            for seed in range(first_seed, first_seed + _AVERAGED):
+            for seed in range(HELD_OUT_FROM, HELD_OUT_FROM + _AVERAGED):
                 trace = run_scene(design, scene, seed).trace
                 assert trace.slip is not None
                 slipping = np.flatnonzero(trace.slip)
@@ -220,17 +220,13 @@ class WindowResult:
 
 
 def study_windows(
-    design: Design,
-    trials: int = 24,
-    negative_minutes: float = 4.0,
-    first_seed: int = HELD_OUT_FROM,
-    windows_s: Sequence[float] = WINDOWS_S,
+    design: Design, trials: int = 24, negative_minutes: float = 4.0, windows_s: Sequence[float] = WINDOWS_S
 ) -> list[WindowResult]:
     """Measure delay and false alarms of `digital` by window length: a short one takes contacts for slip."""
     designs = [with_window(design, window_s) for window_s in windows_s]
     collected: list[list[TrialResult]] = [[] for _ in designs]
     with compiled():
-        for case in generate_cases(CampaignPlan(trials, negative_minutes), first_seed):
+        for case in generate_cases(CampaignPlan(trials, negative_minutes)):
             if case.cause not in ("slip", *CONTACTS):
                 continue
             trace, force_n = simulate_trace(design, case, [WINDOW_DETECTOR])

@@ -51,11 +51,9 @@ def with_variant(design: Design, variant: str) -> Design:
     return Design(**tables)
 
 
-def study_board_variants(
-    design: Design, trials: int = 24, negative_minutes: float = 2.0, first_seed: int = HELD_OUT_FROM
-) -> list[BoardResult]:
+def study_board_variants(design: Design, trials: int = 24, negative_minutes: float = 2.0) -> list[BoardResult]:
     """Run the same cases on each board, at the design's threshold and at the one that its noise allows."""
-    cases = list(generate_cases(CampaignPlan(trials, negative_minutes), first_seed))
+    cases = list(generate_cases(CampaignPlan(trials, negative_minutes)))
     results = []
     for variant in VARIANTS:
         try:

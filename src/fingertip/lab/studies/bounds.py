@@ -108,14 +108,13 @@ class DiscriminationResult:
 
 
 def study_motor_discrimination(
-    design: Design, trials: int = 24, motors: int = 8, first_seed: int = HELD_OUT_FROM,
-    segments_s: Sequence[float] = SEGMENTS_S,
-) -> list[DiscriminationResult]:  # fmt: skip
+    design: Design, trials: int = 24, motors: int = 8, segments_s: Sequence[float] = SEGMENTS_S
+) -> list[DiscriminationResult]:
     """Compare slips and motors from their onset on, for each length of the segment."""
     rate, noise = design.detector.sample_rate_hz, input_noise_v(design)
     motor_scene = NEGATIVE_SCENES["motor"][0]
-    cases = list(generate_trials(trials, first_seed))
-    cases += [Case("motor", motor_scene, first_seed + 10_000 + i) for i in range(motors)]
+    cases = list(generate_trials(trials))
+    cases += [Case("motor", motor_scene, HELD_OUT_FROM + 10_000 + i) for i in range(motors)]
     segments: dict[str, list[Array]] = {"slip": [], "motor": []}
     longest = round(max(segments_s) * rate)
     with compiled():

@@ -50,19 +50,18 @@ class AccelerationResult:
 def study_accelerations(
     design: Design,
     trials: int = 24,
-    first_seed: int = HELD_OUT_FROM,
     accelerations_m_s2: Sequence[float] = ACCELERATIONS_M_S2,
     detectors: Sequence[str] = tuple(DETECTORS),
 ) -> list[AccelerationResult]:
     """Run the same trials at each acceleration, with the design's thresholds."""
-    trials_at_1 = list(generate_trials(trials, first_seed))
+    trials_at_1 = list(generate_trials(trials))
     results = []
     for a in accelerations_m_s2:
 
         def accelerate(scene: SceneFile, a: float = a) -> SceneFile:
             return scene.model_copy(update={"slide": scene.slide.model_copy(update={"acceleration_m_s2": a})})
 
-        bounds = compute_bounds_s(design, trials, first_seed, accelerate)
+        bounds = compute_bounds_s(design, trials, change=accelerate)
         rows = [(BOUND, bounds, len(bounds))]
         cases = [replace(case, scene=accelerate(case.scene)) for case in trials_at_1]
         found = campaign.run_cases(design, cases, dict.fromkeys(detectors, (1.0,)))
@@ -263,18 +262,14 @@ class VariationResult:
 
 
 def study_assumptions(
-    design: Design,
-    detector: str,
-    trials: int = 24,
-    first_seed: int = HELD_OUT_FROM,
-    variations: Sequence[Variation] = VARIATIONS,
+    design: Design, detector: str, trials: int = 24, variations: Sequence[Variation] = VARIATIONS
 ) -> list[VariationResult]:
     """Measure the delay without and with each change; all thresholds follow the noise, the design's own one too."""
-    cases = list(generate_limited_cases(CampaignPlan(trials, _NEGATIVE_MINUTES), first_seed))
+    cases = list(generate_limited_cases(CampaignPlan(trials, _NEGATIVE_MINUTES)))
     all_variations = (UNCHANGED, *variations)
     runs = [_run_variation(design, detector, variation, cases) for variation in all_variations]
     before, onsets_before_s, _ = runs[0]
-    seeds, results = range(first_seed, first_seed + _LOAD_SEEDS), []
+    seeds, results = range(HELD_OUT_FROM, HELD_OUT_FROM + _LOAD_SEEDS), []
     for variation, (pooled, onsets_s, vibrations_n) in zip(all_variations, runs, strict=True):
         median_s, before_s = pooled.delay_s(0.5), before.delay_s(0.5)
         is_comparable = math.isfinite(median_s) and math.isfinite(before_s)

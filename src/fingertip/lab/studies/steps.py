@@ -20,7 +20,7 @@ from fingertip.design import Design
 from fingertip.detection.adaptation import adapt_rate
 from fingertip.foundation.errors import DesignError
 from fingertip.foundation.jit import compiled
-from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, Case, generate_limited_cases, generate_trials
+from fingertip.lab.campaign.plan import CampaignPlan, Case, generate_limited_cases, generate_trials
 from fingertip.lab.campaign.run import evaluate, quantile_s, run_detector_on, select_board_outputs
 from fingertip.lab.studies.bounds import compute_bounds_s
 from fingertip.sim import run_scene
@@ -112,27 +112,18 @@ class StepSensitivity:
     errors: tuple[SignalError, ...]
 
 
-def study_steps(
-    design: Design,
-    trials: int = 60,
-    first_seed: int = HELD_OUT_FROM,
-    detectors: Sequence[str] = tuple(DETECTORS),
-    refinement: int = REFINEMENT,
-) -> StepSensitivity:
+def study_steps(design: Design, trials: int) -> StepSensitivity:
     """Compare both grids on the article's trials."""
-    cases = list(generate_trials(trials, first_seed))
     with compiled():
-        differences = [compare_grids(design, case, detectors, refinement) for case in cases]
+        differences = [compare_grids(design, case) for case in generate_trials(trials)]
     rate = design.detector.sample_rate_hz
-    shifts = tuple(
-        _pool_shifts(name, [difference.shifts_samples[name] for difference in differences], rate) for name in detectors
-    )
+    shifts = tuple(_pool_shifts(name, [one.shifts_samples[name] for one in differences], rate) for name in DETECTORS)
     errors = []
     for name in SIGNALS:
         values = [difference.errors[name] for difference in differences]
         median, p90 = (float(np.quantile(values, q, method="higher")) for q in (0.5, 0.9))
         errors.append(SignalError(name, median, p90, max(values)))
-    return StepSensitivity(len(cases), refinement, shifts, tuple(errors))
+    return StepSensitivity(len(differences), REFINEMENT, shifts, tuple(errors))
 
 
 def _pool_shifts(detector: str, shifts_samples: Sequence[float], rate_hz: float) -> DelayShift:
@@ -162,11 +153,7 @@ class SamplingRateResult:
 
 
 def study_sampling_rates(
-    design: Design,
-    trials: int = 24,
-    negative_minutes: float = 4.0,
-    first_seed: int = HELD_OUT_FROM,
-    rates_hz: Sequence[float] = RATES_HZ,
+    design: Design, trials: int = 24, negative_minutes: float = 4.0, rates_hz: Sequence[float] = RATES_HZ
 ) -> list[SamplingRateResult]:
     """Run the same cases at each rate that the design can have, and at its own."""
     plan, results = CampaignPlan(trials, negative_minutes), []
@@ -175,8 +162,8 @@ def study_sampling_rates(
             adapted = adapt_rate(design, rate)
         except DesignError:
             continue
-        cases = generate_limited_cases(plan, first_seed)
-        pooled, bounds = run_detector_on(adapted, cases, DETECTOR), compute_bounds_s(adapted, trials, first_seed)
+        cases = generate_limited_cases(plan)
+        pooled, bounds = run_detector_on(adapted, cases, DETECTOR), compute_bounds_s(adapted, trials)
         results.append(
             SamplingRateResult(
                 rate, quantile_s(bounds, len(bounds), 0.5), quantile_s(bounds, len(bounds), 0.9),

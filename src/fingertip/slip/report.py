@@ -254,7 +254,7 @@ def _draw_statistic(axes: Axes, trace: Trace, detection: Detection) -> None:
     output, label, envelope = detection.output, "statistic", None
     if isinstance(output, ChainOutput):
         envelope = output.envelope_v
-    elif DETECTORS[detection.detector].input_column == "envelope_v":
+    elif DETECTORS[detection.detector].takes_envelope:
         envelope = trace.envelope_v
     if envelope is not None:
         axes.plot(trace.time_s, 1000 * envelope, color=style.ORANGE, linewidth=0.7, label="envelope")

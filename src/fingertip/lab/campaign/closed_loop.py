@@ -86,7 +86,6 @@ class ClosedLoopTrial:
     """First true slip of any finger after the pin touches the object [s]; None: it never slipped."""
     reaction_s: float | None
     """Time from the onset until a finger moves [s]; None: none moved."""
-    grips: int
     false_grips: int
     """Number of grip increases without true slip just before."""
     suppressed: int
@@ -156,7 +155,6 @@ def evaluate_manipulation(
         manipulation.lost_s is None,
         onset_s,
         reaction_s,
-        len(grips),
         sum(not is_true(at) for at in grips),
         sum(not is_true(at) for at in suppressed),
         len(suppressed_true),

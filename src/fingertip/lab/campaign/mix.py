@@ -15,12 +15,12 @@ from fingertip.foundation.jit import compiled
 from fingertip.lab.campaign import mix_signals
 from fingertip.lab.campaign.mix_signals import REACTION_S, LabelledSignal
 from fingertip.lab.campaign.plan import NEGATIVE_SCENES
-from fingertip.lab.campaign.run import needs_board, quantile_s, separate_events
+from fingertip.lab.campaign.run import quantile_s, separate_events
 from fingertip.lab.campaign.unsteady import UNSTEADY
 from fingertip.sim import SceneFile
 from fingertip.sim.signal.converter import SimulatedBoardDetector
 from fingertip.sim.simulation import article_trials
-from fingertip.slip.detectors.registry import make_detector, select_inputs
+from fingertip.slip.detectors.registry import find_detector_type, make_detector, select_inputs
 from fingertip.slip.traces.truth import intervals
 
 EARLY_S = 0.005
@@ -143,7 +143,7 @@ def run_detector(name: str, design: Design, signals: Iterable[LabelledSignal]) -
     outcomes = []
     with compiled():
         for signal in signals:
-            if needs_board(name):
+            if find_detector_type(name).takes_envelope:
                 board = SimulatedBoardDetector(design)
                 outcomes.append(assess(signal, board.process(signal.voltage_v).on, board.memory_s))
             else:
@@ -167,11 +167,9 @@ class MixSummary:
         return sum(len(outcome.delays_s) for outcome in self.outcomes) / self.slides if self.slides else math.nan
 
     def delay_s(self, fraction: float) -> float:
-        """Delay from gross slip by which a fraction of all slips was found [s]; infinite if fewer were."""
         return quantile_s([d for outcome in self.outcomes for d in outcome.delays_s], self.slides, fraction)
 
     def motion_delay_s(self, fraction: float) -> float:
-        """Delay from the start of the motion by which a fraction of all slips was found [s]."""
         return quantile_s([d for outcome in self.outcomes for d in outcome.motion_delays_s], self.slides, fraction)
 
     @property

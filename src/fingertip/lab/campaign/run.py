@@ -69,11 +69,6 @@ def select_board_outputs(design: Design, detectors: Sequence[str]) -> list[str]:
     return [f"sampled_{name}" for name in sorted(columns - {"voltage_v"})]
 
 
-def needs_board(*detectors: str) -> bool:
-    """Return whether any of the detectors reads the board's envelope."""
-    return any(registry.DETECTORS[name].input_column == "envelope_v" for name in detectors)
-
-
 def evaluate(
     case: Case,
     trace: Trace,
@@ -212,11 +207,9 @@ class DetectorResult:
         return sum(d < 0.03 for d in self.delays_s) / max(1, self.slips)
 
     def delay_s(self, fraction: float) -> float:
-        """Delay by which a fraction of all slips was found [s]; infinite if fewer were found."""
         return quantile_s(self.delays_s, self.slips, fraction)
 
     def motion_delay_s(self, fraction: float) -> float:
-        """The same delay since the robot moved [s]."""
         return quantile_s([d for t in self.trials for d in t.motion_delays_s], self.slips, fraction)
 
     @property
@@ -295,7 +288,6 @@ class CampaignResult:
     """Detector -> results by factor of the threshold, in ascending order."""
 
     def at_nominal_threshold(self, detector: str) -> DetectorResult:
-        """Result of a detector at its nominal threshold, with the factor 1."""
         return next(result for result in self.detectors[detector] if result.scale == 1.0)
 
     def at_alarm_rate(self, detector: str, max_alarms_per_minute: float) -> DetectorResult | None:
@@ -313,7 +305,8 @@ def run_campaign(
 ) -> CampaignResult:
     """Simulate every case once and evaluate every detector on it."""
     scales = sorted({1.0, *scales})
-    factors = {name: sorted({*(LOW_SCALES if needs_board(name) else ()), *scales}) for name in detectors}
+    low = {name: LOW_SCALES if registry.DETECTORS[name].takes_envelope else () for name in detectors}
+    factors = {name: sorted({*low[name], *scales}) for name in detectors}
     results = run_cases(design, list(generate_cases(plan, first_seed)), factors, advance)
     return CampaignResult(plan, first_seed, results)
 

@@ -22,7 +22,7 @@ from fingertip.detection.adaptation import adapt_rate, equivalent_noise_v
 from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors.analog_and_digital import ChainSettings, SlipChain, noise_level
-from fingertip.slip.detectors.fft import FftDetector, FftSettings
+from fingertip.slip.detectors.fft import FftDetector
 from fingertip.slip.detectors.registry import make_detector, select_inputs
 
 Flags = NDArray[np.bool_]
@@ -68,10 +68,7 @@ def run_chain(design: Design, recording: Recording, factors: Sequence[float]) ->
 def make_fft_run(is_plain: bool) -> Callable[[Design, Recording, Sequence[float]], Iterator[Flags]]:
     def run(design: Design, recording: Recording, factors: Sequence[float]) -> Iterator[Flags]:
         design, recording = adapt(design, recording)
-        settings = FftSettings.plain(design) if is_plain else FftSettings.from_design(design)
-        if (noise_v := find_noise_v("fft", design, recording)) is not None:
-            settings = replace(settings, noise_v=noise_v)
-        detector = FftDetector(settings)
+        detector = FftDetector(design, find_noise_v("fft", design, recording), is_plain=is_plain)
         statistic = detector.process(recording.signal.voltage_v).statistic_v
         for factor in factors:
             yield statistic > factor * detector.threshold_v

@@ -15,7 +15,7 @@ from fingertip.detection.adaptation import equivalent_noise_v
 from fingertip.foundation import jit
 from fingertip.foundation.errors import TraceError
 from fingertip.slip.detectors.analog_and_digital import ChainSettings, SlipChain
-from fingertip.slip.detectors.fft import ALARMS_PER_HOUR, EXCURSION_S, FftDetector, FftSettings, tail_probability
+from fingertip.slip.detectors.fft import ALARMS_PER_HOUR, EXCURSION_S, FftDetector, tail_probability
 from fingertip.slip.detectors.noise import quantised_noise_v
 from fingertip.slip.detectors.registry import DETECTORS, make_detector
 
@@ -98,7 +98,7 @@ def test_a_burst_is_detected_at_any_sampling_rate(name, rate):
 
 
 def predict_alarms_per_hour(detector: FftDetector) -> float:
-    weights = detector.noise_weights() * detector.settings.noise_v**2
+    weights = detector.noise_weights() * detector.noise_v**2
     return 3600 / EXCURSION_S * tail_probability(weights, detector.threshold_v**2)
 
 
@@ -110,11 +110,11 @@ def test_all_thresholds_together_permit_the_stated_alarm_rate(name):
 
 def test_plain_fft_takes_windows_side_by_side_and_the_strongest_bin():
     """63 bins between 0 Hz and half the rate, each of which noise exceeds with the probability exp(-x^2)."""
-    settings = FftSettings.plain(DESIGN)
-    plain, n = FftDetector(settings), settings.window_samples
-    per_bin = ALARMS_PER_HOUR * n / settings.sample_rate_hz / 3600 / 63
-    assert plain.threshold_v == pytest.approx(settings.noise_v * math.sqrt(-2 * math.log(per_bin) / n), rel=0.005)
-    t = np.arange(6 * n) / settings.sample_rate_hz
+    plain, rate_hz = FftDetector(DESIGN, is_plain=True), DESIGN.detector.sample_rate_hz
+    n = plain.window_samples
+    per_bin = ALARMS_PER_HOUR * n / rate_hz / 3600 / 63
+    assert plain.threshold_v == pytest.approx(plain.noise_v * math.sqrt(-2 * math.log(per_bin) / n), rel=0.005)
+    t = np.arange(6 * n) / rate_hz
     tones = 0.02 * np.sin(2 * math.pi * 125 * t) + 0.01 * np.sin(2 * math.pi * 906.25 * t)
     tones[: 2 * n + 1] = 0.0
     found = plain.process(tones)

@@ -22,7 +22,7 @@ from fingertip.lab.studies.article import LATE_S, find_delays_s, with_threshold
 from fingertip.lab.studies.boards import with_article_board
 from fingertip.sim.contact.materials import SURFACES
 from fingertip.sim.simulation import article_trials
-from fingertip.slip.detectors.fft import FftDetector, FftSettings
+from fingertip.slip.detectors.fft import FftDetector
 
 RIDGED = tuple(name for name, surface in SURFACES.items() if surface.ridge_depth_um)
 PLATE_FACTORS = (1.0, 5.0)
@@ -89,13 +89,12 @@ def _study_ridged_plates(board: Design, first_seed: int) -> list[PlateResult]:
 
 
 def _study_plain_fft(board: Design, trials: int, first_seed: int) -> list[PlainFftResult]:
-    settings = FftSettings.plain(board)
-    threshold_v = FftDetector(settings).threshold_v
+    threshold_v = FftDetector(board, is_plain=True).threshold_v
     collected: list[list[TrialResult]] = [[] for _ in FFT_FACTORS]
     with compiled():
         for case in generate_trials(trials, first_seed):
             trace, force_n = simulate_trace(board, case, ["fft"])
-            plain = FftDetector(settings)
+            plain = FftDetector(board, is_plain=True)
             statistic_v = plain.process(trace.voltage_v).statistic_v
             for results, factor in zip(collected, FFT_FACTORS, strict=True):
                 on = statistic_v > factor * threshold_v

@@ -14,7 +14,6 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -75,82 +74,59 @@ EXCURSION_S = WINDOW_S / 8
 """Assumed mean duration of an excursion above the threshold [s]; a test counts the alarms in noise."""
 
 
-@dataclass(frozen=True)
-class FftSettings:
-    sample_rate_hz: float
-    window_samples: int
-    hop_samples: int
-    low_hz: float
-    high_hz: float
-    noise_v: float
-    threshold_scale: float = 1.0
-    """Factor of the threshold, to trade delay for false alarms."""
-    is_plain: bool = False
-    """True for no taper and the strongest bin; otherwise a Hann window and the energy of the band."""
-
-    @classmethod
-    def from_design(cls, design: Design, noise_v: float | None = None) -> FftSettings:
-        """Take the settings from a design: its sampling rate, its board's cutoff and, by default, its noise [V]."""
-        rate, cutoff = design.detector.sample_rate_hz, design.board.cutoff_hz
-        noise = input_noise_v(design) if noise_v is None else noise_v
-        return cls(rate, round(WINDOW_S * rate), max(1, round(HOP_S * rate)), cutoff, 3 * cutoff, noise)
-
-    @classmethod
-    def plain(cls, design: Design) -> FftSettings:
-        """Windows without overlap and taper, and every bin between 0 Hz and half the rate."""
-        settings, rate = cls.from_design(design), design.detector.sample_rate_hz
-        n, bin_hz = settings.window_samples, rate / settings.window_samples
-        return replace(settings, hop_samples=n, low_hz=bin_hz, high_hz=(rate - bin_hz) / 2, is_plain=True)
-
-
 class FftDetector(Detector):
-    """FFT detector with its state. It starts as if the input had always had the value of the first sample."""
+    """FFT detector with its state. It starts as if the input had always had the value of the first sample.
 
-    def __init__(self, settings: FftSettings) -> None:
-        self.settings = settings
-        n = settings.window_samples
-        taper = 0.0 if settings.is_plain else 0.5
+    The plain form has windows without overlap and taper, and takes every bin between 0 Hz and half the rate.
+    """
+
+    def __init__(
+        self, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0, is_plain: bool = False
+    ) -> None:
+        rate, cutoff = design.detector.sample_rate_hz, design.board.cutoff_hz
+        self.noise_v = input_noise_v(design) if noise_v is None else noise_v
+        self.window_samples = n = round(WINDOW_S * rate)
+        self.memory_s = n / rate
+        self._is_plain, self._hop_samples = is_plain, n if is_plain else max(1, round(HOP_S * rate))
+        low_hz, high_hz = (rate / n, (rate - rate / n) / 2) if is_plain else (cutoff, 3 * cutoff)
+        taper = 0.0 if is_plain else 0.5
         self._window = np.array([1.0 - taper - taper * math.cos(2 * math.pi * i / n) for i in range(n)])
         # With this scale the statistic of a tone in the band is its RMS value, and that of white noise the RMS value of
         # its part in the band.
         self._window *= math.sqrt(2 / n / float(self._window @ self._window))
-        bins = range(n // 2 + 1)
-        in_band = [k for k in bins if settings.low_hz <= k * settings.sample_rate_hz / n <= settings.high_hz]
+        in_band = [k for k in range(n // 2 + 1) if low_hz <= k * rate / n <= high_hz]
         # A band narrower than a bin takes the nearest bin.
-        in_band = in_band or [max(1, round(settings.low_hz * n / settings.sample_rate_hz))]
+        in_band = in_band or [max(1, round(low_hz * n / rate))]
         self._first_bin, self._end_bin = in_band[0], in_band[-1] + 1
         weights = tuple(self.noise_weights().tolist())
-        if settings.is_plain:  # each bin alone has two squares, and all bins share the alarms
-            excursion_s, rate = n / settings.sample_rate_hz, ALARMS_PER_HOUR / len(in_band)
-            unit_threshold = solve_threshold(weights[:2], excursion_s, rate)
+        if is_plain:  # each bin alone has two squares, and all bins share the alarms
+            unit_threshold = solve_threshold(weights[:2], self.memory_s, ALARMS_PER_HOUR / len(in_band))
         else:
             unit_threshold = solve_threshold(weights, EXCURSION_S, ALARMS_PER_HOUR)
-        self._threshold_v = unit_threshold * settings.noise_v * settings.threshold_scale
-        self.memory_s = n / settings.sample_rate_hz
+        self._threshold_v = unit_threshold * self.noise_v * threshold_scale
         self._past = np.zeros(0)
         self._until_next = 0
         self._rms_v = 0.0
 
     @classmethod
     def for_design(cls, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0) -> FftDetector:
-        return cls(replace(FftSettings.from_design(design, noise_v), threshold_scale=threshold_scale))
+        return cls(design, noise_v, threshold_scale)
 
     @classmethod
     def equivalent_noise_v(cls, design: Design, quiet_v: Array) -> float:
         """Compute the white noise of the same mean energy in the band [V]."""
-        fft = cls(FftSettings.from_design(design, 1.0))
-        rms_v = fft.process(quiet_v).statistic_v[fft.settings.window_samples :]
+        fft = cls(design, 1.0)
+        rms_v = fft.process(quiet_v).statistic_v[fft.window_samples :]
         # In white noise of unit variance the mean square of the statistic is the sum of the weights.
         return math.sqrt(float(np.mean(rms_v**2))) / math.sqrt(float(fft.noise_weights().sum()))
 
     def process(self, voltage_v: Iterable[float]) -> DetectorOutput:
-        """Process the next samples [V], any number of them, and return one output per sample."""
         new = np.asarray(as_samples(voltage_v), dtype=np.float64)
-        n, statistic = self.settings.window_samples, np.empty(len(new))
+        n, statistic = self.window_samples, np.empty(len(new))
         if not len(self._past) and len(new):
             self._past = np.full(n - 1, new[0])
         samples = np.concatenate((self._past, new))
-        hop, first = self.settings.hop_samples, self._until_next
+        hop, first = self._hop_samples, self._until_next
         statistic[:first] = self._rms_v
         # numpy computes real transforms row by row: those of a batch have the bits of single ones.
         for start in range(first, len(new), _BATCH * hop):
@@ -164,16 +140,15 @@ class FftDetector(Detector):
         return DetectorOutput(statistic, np.full(len(new), self._threshold_v), statistic > self._threshold_v)
 
     def step(self, voltage_v: float) -> bool:
-        """Process one sample [V] and return whether slip is ON."""
         return bool(self.process([voltage_v]).on[0])
 
     def _band_rms(self, windows: Array) -> Array:
         band = np.fft.rfft((windows - windows[:, :1]) * self._window)[:, self._first_bin : self._end_bin]
         energies = band.real**2 + band.imag**2
-        return np.asarray(np.sqrt(energies.max(axis=1) if self.settings.is_plain else energies.sum(axis=1)))
+        return np.asarray(np.sqrt(energies.max(axis=1) if self._is_plain else energies.sum(axis=1)))
 
     def noise_weights(self) -> Array:
-        """Weights of the energy as a sum of squares (`false_alarms.tail_probability`), in noise of unit variance."""
+        """Weights of the energy as a sum of squares (`tail_probability`), in noise of unit variance."""
         spectra = np.fft.rfft(np.diag(self._window))[:, self._first_bin : self._end_bin]
         rows = np.concatenate((spectra.real, spectra.imag), axis=1)
         weights = np.linalg.eigvalsh(rows.T @ rows)

@@ -125,25 +125,10 @@ class Detection:
 
 
 def detect(trace: Trace, design: Design, detector: str = registry.DEFAULT, noise_v: float | None = None) -> Detection:
-    """Detect slip in a trace.
+    """Detect slip in a trace whose sampling rate is the design's. Raises TraceError with all issues of the trace.
 
-    Parameters
-    ----------
-    trace
-        The trace. Its voltage may be any signal that follows the force if `noise_v` is given in the same unit.
-    design
-        Source of sampling rate, filters, window and threshold.
-    detector
-        Name of a detector; by default the article's chain in digital filters. The detector `analog` takes the trace's
-        `envelope_v`. For a trace without one, `fingertip.detection.files.detect_file` simulates the board.
-    noise_v
-        White RMS noise of the signal; by default the design's [V].
-
-    Raises
-    ------
-    TraceError
-        With all issues of the trace. They include another sampling rate than the design's, and a missing envelope for
-        a detector that takes it.
+    `noise_v` is the white RMS noise of the signal [V], by default the design's. Given in the unit of the signal, it may
+    be any signal that follows the force.
     """
     issues = RawTrace("trace", trace, in_volts=noise_v is None).find_issues(design.detector)
     inputs = registry.select_inputs(trace, detector)

@@ -280,12 +280,10 @@ class SimulatedBoardDetector(Detector):
         self._threshold_v, self.memory_s = self._detector.threshold_v, self._detector.memory_s
 
     def process(self, voltage_v: Iterable[float]) -> DetectorOutput:
-        """Process the next samples of the tactile voltage [V], any number of them, and return as many outputs."""
         samples = np.asarray(as_samples(voltage_v), dtype=np.float64)
         return self._detector.process(self.simulate_envelope_v(samples) if len(samples) else samples)
 
     def step(self, voltage_v: float) -> bool:
-        """Process one sample [V] and return whether slip is ON."""
         return self._detector.step(float(self.simulate_envelope_v(np.array([voltage_v]))[0]))
 
     def simulate_envelope_v(self, voltage_v: Array) -> Array:

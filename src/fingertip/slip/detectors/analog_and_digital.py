@@ -108,7 +108,6 @@ class SlipChain(Detector):
         return float(means.mean() + DEVIATIONS * means.std()) / noise_level(design, 1.0).threshold_v
 
     def process(self, voltage_v: Iterable[float]) -> ChainOutput:
-        """Process the next samples [V], any number of them, and return one output per sample."""
         samples = as_samples(voltage_v)
         if len(samples):
             self._start(float(samples[0]))
@@ -117,7 +116,6 @@ class SlipChain(Detector):
         return ChainOutput(**vars(self._average.process(envelope)), filtered_v=filtered, envelope_v=envelope)
 
     def step(self, voltage_v: float) -> bool:
-        """Process one sample [V] and return whether slip is ON."""
         self._start(voltage_v)
         envelope = [0.0]
         _FILTER.plain(self._coefficients, (voltage_v,), self._state, [0.0], envelope)
@@ -224,14 +222,12 @@ class AnalogDetector(Detector):
         return cls(d.sample_rate_hz, d.window_samples, d.threshold_v * threshold_scale)
 
     def process(self, voltage_v: Iterable[float]) -> DetectorOutput:
-        """Process the next samples of the envelope [V], any number of them, and return one output per sample."""
         samples = as_samples(voltage_v)
         mean = np.zeros(len(samples))
         _AVERAGE(samples, self._state, self._ring_buffer, mean)
         return DetectorOutput(mean, np.full(len(mean), self.threshold_v), mean > self.threshold_v)
 
     def step(self, voltage_v: float) -> bool:
-        """Process one sample of the envelope [V] and return whether slip is ON."""
         mean = [0.0]
         _AVERAGE.plain((voltage_v,), self._state, self._ring_buffer, mean)
         return mean[0] > self.threshold_v

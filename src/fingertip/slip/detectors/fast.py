@@ -215,7 +215,6 @@ class FastDetector(Detector):
         return _min_noise_v(design.detector.sample_rate_hz)
 
     def process(self, voltage_v: Iterable[float], filtered_v: Iterable[float] | None = None) -> FastOutput:
-        """Process the next samples, any number of them, and return one output per sample."""
         return self._run(voltage_v, filtered_v, np.zeros(COUNT), 0)
 
     def select(self, output: FastOutput) -> FastOutput:
@@ -302,19 +301,15 @@ class IncipientDetector(FastDetector):
 
     @property
     def threshold_v(self) -> float:
-        """Threshold above the present noise floor, as a voltage in the wide band [V]."""
         return self._early_share * super().threshold_v
 
     def process(self, voltage_v: Iterable[float], filtered_v: Iterable[float] | None = None) -> FastOutput:
-        """Process the next samples, any number of them, and return one output per sample."""
         return self.select(super().process(voltage_v, filtered_v))
 
     def select(self, output: FastOutput) -> FastOutput:
-        """Return the output of a detector `fast` at this operating point."""
         return replace(output, on=output.incipient, threshold_v=output.incipient_threshold_v)
 
     def step(self, voltage_v: float, filtered_v: float | None = None) -> bool:
-        """Process one sample, as `FastDetector.step` does, and return if slip is incipient or ON."""
         super().step(voltage_v, filtered_v)
         return self._state[fast_loop.INCIPIENT] > 0.0
 

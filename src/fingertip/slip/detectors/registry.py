@@ -66,11 +66,11 @@ class Detector(ABC):
 
     @abstractmethod
     def process(self, voltage_v: Iterable[float]) -> DetectorOutput:
-        """Process the next samples, any number of them, and return one output per sample."""
+        """Process the next samples [V], any number of them, and return one output per sample."""
 
     @abstractmethod
     def step(self, voltage_v: float) -> bool:
-        """Process one sample and return whether slip is ON; same result as `process`, without its arrays."""
+        """Process one sample [V] and return whether slip is ON; same result as `process`, without its arrays."""
 
 
 ENVELOPE_MEAN = "mean of the envelope"

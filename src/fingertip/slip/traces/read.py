@@ -42,31 +42,22 @@ _PICKLE = "is a pickle, which may run programs when it is read; save numbers wit
 
 READABLE = ("npz", "npy", "tdms", "mat", "parquet", "wav")
 """Kinds of files besides CSV that are read."""
-_SIGNATURES = (
-    (b"\x93NUMPY", "npy"),
-    (b"TDSm", "tdms"),
-    (b"MATLAB 7.3 MAT-file", _HDF5),
-    (b"MATLAB 5.0 MAT-file", "mat"),
-    (b"PAR1", "parquet"),
-    (b"\x89HDF\r\n\x1a\n", _HDF5),
-    (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", _WORKBOOK),
-    (b"#ROSBAG V", _ROS1),
-    (b"SQLite format 3\0", _ROS2),
-    (b"\x89MCAP", _ROS2),
-    (b"ARROW1", "is an Arrow or Feather file; save it as Parquet or CSV."),
-    (b"\x1f\x8b", _COMPRESSED),
-    (b"BZh", _COMPRESSED),
-    (b"\xfd7zXZ\0", _COMPRESSED),
-    (b"7z\xbc\xaf\x27\x1c", _COMPRESSED),
-    (b"Rar!", _COMPRESSED),
-    (b"\x28\xb5\x2f\xfd", _COMPRESSED),
-    (b"\x80\x03", _PICKLE),
-    (b"\x80\x04", _PICKLE),
-    (b"\x80\x05", _PICKLE),
-    (b"%PDF", "is a PDF; export the recording as CSV."),
-    (b"\x89PNG", "is a picture; export the recording as CSV."),
-)
-"""First bytes -> kind of file, or how to convert it."""
+_SIGNATURES = {
+    "npy": (b"\x93NUMPY",),
+    "tdms": (b"TDSm",),
+    "mat": (b"MATLAB 5.0 MAT-file",),
+    "parquet": (b"PAR1",),
+    _HDF5: (b"MATLAB 7.3 MAT-file", b"\x89HDF\r\n\x1a\n"),
+    _WORKBOOK: (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1",),
+    _ROS1: (b"#ROSBAG V",),
+    _ROS2: (b"SQLite format 3\0", b"\x89MCAP"),
+    _COMPRESSED: (b"\x1f\x8b", b"BZh", b"\xfd7zXZ\0", b"7z\xbc\xaf\x27\x1c", b"Rar!", b"\x28\xb5\x2f\xfd"),
+    _PICKLE: (b"\x80\x03", b"\x80\x04", b"\x80\x05"),
+    "is an Arrow or Feather file; save it as Parquet or CSV.": (b"ARROW1",),
+    "is a PDF; export the recording as CSV.": (b"%PDF",),
+    "is a picture; export the recording as CSV.": (b"\x89PNG",),
+}
+"""Kind of file, or how to convert it -> its first bytes, one of these."""
 _ENDINGS = {
     ".xlsx": _WORKBOOK, ".xls": _WORKBOOK, ".ods": _WORKBOOK, ".bag": _ROS1, ".mcap": _ROS2, ".db3": _ROS2,
     ".h5": _HDF5, ".hdf5": _HDF5, ".pkl": _PICKLE, ".pickle": _PICKLE,
@@ -82,8 +73,8 @@ def identify(path: Path) -> str:
     """Return the kind of a file from `READABLE`, a sentence that says how to convert it, or "csv". Raises OSError."""
     with path.open("rb") as file:
         head = file.read(_HEAD_BYTES)
-    for signature, kind in _SIGNATURES:
-        if head.startswith(signature):
+    for kind, signatures in _SIGNATURES.items():
+        if head.startswith(signatures):
             return kind
     if head.startswith(b"RIFF") and head[8:12] == b"WAVE":
         return "wav"

@@ -7,28 +7,15 @@ the voltage ahead of the board.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
 from fingertip.design import Design
-from fingertip.detection import adaptation
+from fingertip.detection import adaptation, warnings
 from fingertip.detection.live import NAME as STREAM_NAME
-from fingertip.detection.live import CsvStream, Transition, follow, open_stream
-from fingertip.detection.warnings import (
-    StepWatch,
-    calibration_warnings,
-    envelope_warnings,
-    filtered_warnings,
-    glitch_warnings,
-    hum_warnings,
-    noise_warnings,
-    polarity_warnings,
-    settings_warnings,
-    step_warnings,
-    threshold_warnings,
-)
+from fingertip.detection.live import Transition, follow, open_stream
 from fingertip.foundation.errors import FingertipError, Issue, TraceError
 from fingertip.slip.detection import Detection, detect
 from fingertip.slip.detectors import registry
@@ -146,17 +133,17 @@ def detect_file(
     if rate_hz is None and adapt_to_file:
         design = _adapt_to_file(design, raw, adapt)
     trace = replace(raw.validate(design.detector), origin=origin or read_origin(path))
-    warnings = list(raw.notes)
+    doubts = list(raw.notes)
     if column_map.in_volts:
-        warnings += hum_warnings(trace.voltage_v, design.detector.sample_rate_hz)
-        warnings += polarity_warnings(trace.voltage_v, design)
-        warnings += [*signal_warnings(trace, design.detector), *settings_warnings(design, detector)]
+        doubts += warnings.hum_warnings(trace.voltage_v, design.detector.sample_rate_hz)
+        doubts += warnings.polarity_warnings(trace.voltage_v, design)
+        doubts += [*signal_warnings(trace, design.detector), *warnings.settings_warnings(design, detector)]
         reads_second = registry.find_second_column(design, detector) is not None and trace.filtered_v is not None
         # Thresholds follow from the recording itself after a calibration. A filtered signal has finer steps.
         if reads_second:
-            warnings += filtered_warnings(trace, design)
+            doubts += warnings.filtered_warnings(trace, design)
         elif calibrate_s is None:
-            warnings += step_warnings(trace.voltage_v, design, detector)
+            doubts += warnings.step_warnings(trace.voltage_v, design, detector)
 
     quiet = slice(0, 0) if calibrate_s is None else adaptation.select_quiet_part(trace, calibrate_s, path.name)
     if calibrate_s is not None and (moved := adaptation.describe_ramp(trace, quiet, column_map.in_volts)):
@@ -165,7 +152,7 @@ def detect_file(
     noise_v, level = None, None
     if kind.takes_envelope:
         is_replayed = trace.envelope_v is None
-        warnings += envelope_warnings(trace, design)
+        doubts += warnings.envelope_warnings(trace, design)
         if is_replayed:
             trace = _simulate_board(trace, design, column_map, path.name, report)
         level = _board_noise(trace, design, is_replayed, quiet, path.name)
@@ -177,7 +164,7 @@ def detect_file(
         if column_map.in_volts:
             noise_v = max(noise_v, kind.implementation.min_noise_v(design))
             part = f"the part {calibrate_s[0]:g}:{calibrate_s[1]:g} s of --calibrate"
-            warnings += calibration_warnings(noise_v, detect(trace, design, detector), quiet, design, part)
+            doubts += warnings.calibration_warnings(noise_v, detect(trace, design, detector), quiet, design, part)
 
     detection = detect(trace, design, detector, noise_v)
     if calibrate_s and detection.output.on[quiet].any():
@@ -186,23 +173,23 @@ def detect_file(
         raise TraceError(Issue("--calibrate", f"{message}; choose a part in which nothing moves or vibrates."))
     if column_map.in_volts:
         # Noise jumps, too.
-        noisy = list(noise_warnings(detection.learned_noise_v, design, noise_v))
-        warnings += noisy or glitch_warnings(detection.output, trace)
+        noisy = list(warnings.noise_warnings(detection.learned_noise_v, design, noise_v))
+        doubts += noisy or warnings.glitch_warnings(detection.output, trace)
     level = level or detection.noise
     if level:
         may_be_lower = not kind.takes_envelope or calibrate_s is not None
-        warnings += threshold_warnings(detection.threshold_v, level, may_be_lower)
+        doubts += warnings.threshold_warnings(detection.threshold_v, level, may_be_lower)
     if calibrate_s and (sample := adaptation.first_disturbance(design, trace.voltage_v[quiet])) is not None:
         within = f"within {calibrate_s[0]:g}:{calibrate_s[1]:g} s of --calibrate"
         constant = adaptation.count_constant_samples(trace.voltage_v[quiet])
         if constant > sample / 2:
             last_s = trace.time_s[quiet.start + constant - 1]
             message = f"the signal is constant up to {last_s:.4f} s, {within}"
-            warnings.append(f"{message}: a signal without noise gives no threshold; {adaptation.NOISELESS_REMEDY}.")
+            doubts.append(f"{message}: a signal without noise gives no threshold; {adaptation.NOISELESS_REMEDY}.")
         else:
             message = f"the signal is disturbed at {trace.time_s[quiet.start + sample]:.4f} s, {within}"
-            warnings.append(f"{message}: thresholds may be too high; choose another part.")
-    return FileDetection(detection, trace, design, level, tuple(warnings))
+            doubts.append(f"{message}: thresholds may be too high; choose another part.")
+    return FileDetection(detection, trace, design, level, tuple(doubts))
 
 
 def detect_stream(
@@ -245,16 +232,15 @@ def detect_stream(
     if not voltage.in_volts:
         problem = "names a force, whose thresholds require --calibrate and the whole recording"
         raise TraceError(Issue("--column", f"{problem}; save the lines in a file."))
-    stream = open_stream(lines, voltage, *([_map_envelope(voltage)] if kind.takes_envelope else []))
-    voltage = voltage.with_simulated_names(stream.header.names)
-    envelope = _map_envelope(voltage)
-    instance, column_map = _select_stream_detector(stream, design, detector, voltage, envelope, report)
+    header, rows = open_stream(lines, voltage, *([_map_envelope(voltage)] if kind.takes_envelope else []))
+    voltage = voltage.with_simulated_names(header.names)
+    instance, column_map = _select_stream_detector(header.names, design, detector, voltage, report)
     second = registry.find_second_column(design, detector)
-    reads_second = second is not None and voltage.name_in_file(second) in stream.header.names
-    watch = None if reads_second else StepWatch(design, detector)
-    transitions = follow(stream, instance, design.detector, column_map, report, watch, second)
+    reads_second = second is not None and voltage.name_in_file(second) in header.names
+    watch = None if reads_second else warnings.StepWatch(design, detector)
+    transitions = follow(header, rows, instance, design.detector, column_map, report, watch, second)
     signals = registry.find_signals(design, detector, reads_second)
-    return StreamDetection(transitions, design, tuple(settings_warnings(design, detector)), signals)
+    return StreamDetection(transitions, design, tuple(warnings.settings_warnings(design, detector)), signals)
 
 
 def _map_envelope(voltage: ColumnMap) -> ColumnMap:
@@ -306,13 +292,13 @@ def _board_noise(trace: Trace, design: Design, is_replayed: bool, quiet: slice, 
 
 
 def _select_stream_detector(
-    stream: CsvStream, design: Design, detector: str, voltage: ColumnMap, envelope: ColumnMap, progress: Progress
+    names: Sequence[str], design: Design, detector: str, voltage: ColumnMap, progress: Progress
 ) -> tuple[registry.Detector, ColumnMap]:
     """Create the detector and select its columns; `analog` takes the board's output if the lines contain it."""
     if not registry.find_detector_type(detector).takes_envelope:
         return registry.make_detector(detector, design), voltage
-    if envelope.name_in_file("voltage_v") in stream.header.names:
-        return registry.make_detector(detector, design), envelope
+    if voltage.name_in_file("envelope_v") in names:
+        return registry.make_detector(detector, design), _map_envelope(voltage)
     from fingertip.sim.signal.converter import SimulatedBoardDetector  # noqa: PLC0415
 
     progress(f"{STREAM_NAME} has no column {voltage.name_in_file('envelope_v')}: simulating the design's board")

@@ -30,27 +30,22 @@ class Transition:
     """Time of the first sample in that state [s]."""
 
 
-@dataclass(frozen=True)
-class CsvStream:
-    """Stream of CSV lines whose header has been read."""
-
-    header: Header
-    rows: Iterator[tuple[int, str]]
-    """Numbers and texts of the lines below the header, without empty lines."""
+NumberedLines = Iterator[tuple[int, str]]
 
 
-def open_stream(lines: Iterable[str], columns: ColumnMap, *alternatives: ColumnMap) -> CsvStream:
-    """Read the lines up to the header, and the line of units below it. Raises TraceError."""
+def open_stream(lines: Iterable[str], columns: ColumnMap, *alternatives: ColumnMap) -> tuple[Header, NumberedLines]:
+    """Read the header and the line of units; return it and all lines below that are not empty. Raises TraceError."""
     remaining = bounded_lines(lines, NAME)
     header = find_header(NAME, remaining, columns, *alternatives)
     rows = ((n, line) for n, line in enumerate(remaining, start=header.line + 1) if line.strip())
     if (first := next(rows, None)) is None or header.is_unit_line(first[1]):
-        return CsvStream(header, rows)
-    return CsvStream(header, itertools.chain([first], rows))
+        return header, rows
+    return header, itertools.chain([first], rows)
 
 
 def follow(
-    stream: CsvStream,
+    header: Header,
+    rows: NumberedLines,
     detector: Detector,
     parameters: DetectorParameters,
     columns: ColumnMap,
@@ -59,19 +54,19 @@ def follow(
     second_column: str | None = None,
 ) -> Iterator[Transition]:
     """Process one sample per line and yield each transition as soon as it occurs. Raises TraceError."""
-    names, delimiter = stream.header.names, stream.header.delimiter
+    names, delimiter = header.names, header.delimiter
     voltage_index = names.index(columns.name_in_file("voltage_v"))
     time_name = columns.name_in_file("time_s")
     time_index = names.index(time_name) if time_name in names else None
     second_name = columns.name_in_file(second_column) if second_column else ""
     second_index = names.index(second_name) if second_name in names else None
     clock, on, all_whole, width, sample = _SampleClock(parameters), False, True, 0, -1
-    for number, line in stream.rows:
-        if stream.header.is_repeated(line):
+    for number, line in rows:
+        if header.is_repeated(line):
             continue  # a controller repeats it each second
         sample += 1
         cells = split_cells(line, delimiter)
-        width = width or stream.header.count_cells(len(cells), columns)
+        width = width or header.count_cells(len(cells), columns)
         if len(cells) != width:
             message = f"has {len(cells)} cells, but the header has {len(names)}; give one per column."
             raise _line_error(number, f"{message} {_quote(line)}")

@@ -20,13 +20,7 @@ from fingertip.foundation.jit import compiled
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
 from fingertip.sim.signal.analog_circuit import AnalogBoard, Diode, augment, compute_state_space, exponentials
 from fingertip.sim.signal.envelope_loop import wright_omega
-from fingertip.sim.signal.filter_board import (
-    AnalogStream,
-    Comparator,
-    ComparatorSignals,
-    ComparatorStream,
-    simulate_board,
-)
+from fingertip.sim.signal.filter_board import AnalogStream, Comparator, ComparatorStream, simulate_board
 from tests.designs import ARTICLE, article_design
 from tests.oracles.filter_formulas import filter_transfer
 from tests.oracles.ideal_filter import ideal_filter_transfer
@@ -321,7 +315,7 @@ PIN_BOARD = AnalogBoard.from_design(PIN_DESIGN)
 PLAIN = Comparator(0.015, 0.02, 0.015)
 
 
-def simulate_comparator(comparator, board, step_s, filtered_v, envelope_v) -> ComparatorSignals:
+def simulate_comparator(comparator, board, step_s, filtered_v, envelope_v) -> tuple[np.ndarray, np.ndarray]:
     return ComparatorStream(comparator, board, step_s).process(filtered_v, envelope_v)
 
 
@@ -330,8 +324,8 @@ def test_a_comparator_in_chunks_switches_at_the_same_moments() -> None:
     whole = simulate_comparator(PLAIN, PIN_BOARD, STEP_S, level, level)
     stream = ComparatorStream(PLAIN, PIN_BOARD, STEP_S)
     parts = [stream.process(part, part) for part in np.split(level, [1, 250, 251, 777])]
-    assert len(whole.edges_s) > 4
-    assert np.concatenate([part.edges_s for part in parts]) == pytest.approx(whole.edges_s, abs=1e-12)
+    assert np.diff(whole[1]).sum() > 4
+    assert all(np.array_equal(np.concatenate([part[i] for part in parts]), whole[i]) for i in range(2))
 
 
 def slip_voltage(seconds: float = 0.6) -> np.ndarray:
@@ -349,39 +343,37 @@ def test_step_switches_when_the_exponential_mean_crosses_the_threshold():
     level[0] = 0.0
     filtered = np.full(n, 0.05)  # max(u, 0) = v: slope 0
     filtered[0] = 0.0
-    found = simulate_comparator(PLAIN, PIN_BOARD, STEP_S, filtered, level)
+    mean_v, on = simulate_comparator(PLAIN, PIN_BOARD, STEP_S, filtered, level)
     # Over the first sample the cubic climbs from 0 to 0.05 with slopes 0: half of it, on average.
     exact = STEP_S / 2 - 0.015 * math.log(1 - 0.02 / 0.05)
-    assert found.edges_s == pytest.approx([exact], abs=2e-6)
-    assert found.mean_v[-1] == pytest.approx(0.05, rel=1e-5)
-    assert not found.on[: int(exact / STEP_S)].any()
-    assert found.on[int(exact / STEP_S) + 1 :].all()
+    since_s = np.arange(1, n) * STEP_S - STEP_S / 2
+    assert mean_v[1:] == pytest.approx(0.05 * (1 - np.exp(-since_s / 0.015)), abs=2e-6)
+    assert np.array_equal(on, np.arange(n) > exact / STEP_S)
 
 
-def test_edges_between_samples_equal_those_of_a_finer_grid():
+def test_mean_and_output_equal_those_of_a_finer_grid():
     """The finer grid samples the same piecewise linear input forty times as often."""
     voltage, many = slip_voltage(), 40
     fine = np.interp(np.arange((len(voltage) - 1) * many + 1) / many, np.arange(len(voltage)), voltage)
     comparator = Comparator.from_design(PIN_DESIGN)
-    edges = []
+    found = []
     for step, samples in ((STEP_S, voltage), (STEP_S / many, fine)):
         out = simulate_board(PIN_BOARD, step, samples, 1e-7)
-        edges.append(simulate_comparator(comparator, PIN_BOARD, step, out.filtered_v, out.envelope_v).edges_s)
-    assert len(edges[0]) == len(edges[1]) >= 2
-    assert np.abs(edges[0] - edges[1]).max() < 2e-6
-    assert np.abs((edges[0] / STEP_S + 0.5) % 1 - 0.5).max() > 0.05  # at least one edge lies between samples
+        found.append(simulate_comparator(comparator, PIN_BOARD, step, out.filtered_v, out.envelope_v))
+    (mean_v, on), (fine_v, fine_on) = found
+    assert np.diff(on).sum() == np.diff(fine_on).sum() >= 2
+    assert np.array_equal(on, fine_on[::many])
+    assert np.abs(mean_v - fine_v[::many]).max() < 2e-5
 
 
 def test_hysteresis_keeps_the_output_on():
     time = np.arange(4000) * STEP_S
     level = 0.0175 + 0.002 * np.sin(2 * math.pi * 2 * time)  # between both thresholds
     dipped = np.where((time > 0.5) & (time < 0.6), 0.06, level)
-    still = simulate_comparator(PLAIN, PIN_BOARD, STEP_S, level, level)
-    assert len(still.edges_s) == 0
-    assert not still.on.any()
-    once = simulate_comparator(PLAIN, PIN_BOARD, STEP_S, dipped, dipped)
-    assert len(once.edges_s) == 1
-    assert once.on[-1]
+    assert not simulate_comparator(PLAIN, PIN_BOARD, STEP_S, level, level)[1].any()
+    once = simulate_comparator(PLAIN, PIN_BOARD, STEP_S, dipped, dipped)[1]
+    assert np.diff(once).sum() == 1
+    assert once[-1]
 
 
 @pytest.mark.full
@@ -406,9 +398,10 @@ def test_netlist_in_ngspice_switches_at_the_same_moments(tmp_path):
 
     board = AnalogBoard.from_design(design, find_gain_bandwidth_hz(design.board))
     out = simulate_board(board, STEP_S, voltage, 1e-6)
-    ours = simulate_comparator(Comparator.from_design(design), board, STEP_S, out.filtered_v, out.envelope_v)
-    assert len(ours.edges_s) >= 4
-    assert ours.edges_s == pytest.approx(time[switched + 1], abs=1e-4)
+    _, on = simulate_comparator(Comparator.from_design(design), board, STEP_S, out.filtered_v, out.envelope_v)
+    changed_s = (np.flatnonzero(np.diff(on)) + 0.5) * STEP_S
+    assert len(changed_s) >= 4
+    assert changed_s == pytest.approx(time[switched + 1], abs=STEP_S / 2 + 1e-4)
     at_samples = np.interp(np.arange(len(voltage)) * STEP_S, time, envelope)[700:]
     assert np.abs(out.envelope_v[700:] - at_samples).max() < 2e-3 * out.envelope_v.max()
 

@@ -7,7 +7,7 @@ of the supply. Equations are batched: every value may be an array over many boar
 The gain-bandwidth product is that of the filter's amplifiers. A precision rectifier's amplifier also has to cross two
 diode drops, 1.2 V, at each zero of its input. At a slope s that takes sqrt(2 * 1.2 V / (2 pi GBW s)): 0.11 ms for the
 TLV2372 and 10 V/s, the slope of a slip, in which some 1 mV is lost. This is not modelled: ngspice on the whole netlist,
-with diodes and amplifiers of 3 MHz, differs by 0.1 mV in 0.18 V (tests/sim/test_comparator.py).
+with diodes and amplifiers of 3 MHz, differs by 0.1 mV in 0.18 V (tests/sim/test_analog.py).
 """
 
 from __future__ import annotations

@@ -198,14 +198,13 @@ def _values(board: AnalogBoard) -> list[Any]:
 # Digital slip output of variant `comparator`: the envelope's mean against a threshold with hysteresis, in hardware.
 #
 # The mean is one pole behind the envelope, ``tau m' = v - m``. Between samples the envelope is the cubic through its
-# values and slopes at both ends, for which m has a closed form. The moment at which m crosses a threshold is therefore
-# found by bisection to machine precision, not just at the next sample. The pin is an open collector: low while the
-# board indicates slip.
+# values and slopes at both ends, for which m has a closed form. The pin is an open collector: low while the board
+# indicates slip.
 
 PIN_LOW_V = 0.0
 """Voltage of the pin while it indicates slip [V]: an open collector's 0.05 V at 1 mA are neglected."""
 _PARTS = 4
-"""Number of parts of a sampling interval in each of which one crossing is looked for."""
+"""Number of parts of a sampling interval at whose ends the mean is compared with a threshold."""
 
 
 @dataclass(frozen=True)
@@ -237,14 +236,6 @@ class Comparator:
         return cls(levels.averaging_tau_s, levels.on_v, levels.off_v, design.board.supply_v)
 
 
-@dataclass(frozen=True, eq=False)
-class ComparatorSignals:
-    mean_v: Array
-    on: NDArray[np.bool_]
-    edges_s: Array
-    """Moments at which the output changes [s]; the first edge is to ON unless the output begins ON."""
-
-
 class ComparatorStream:
     """Comparator behind one board's outputs, chunk by chunk. The mean begins in its steady state. Raises TraceError."""
 
@@ -257,10 +248,9 @@ class ComparatorStream:
         self._comparator, self._board, self._step_s = comparator, board, step_s
         self._state = np.zeros(0)
         self._last = np.zeros((2, 0))
-        self._points = 0
 
-    def process(self, filtered_v: Array, envelope_v: Array) -> ComparatorSignals:
-        """Follow the comparator over the next outputs of the board [V]. Raises TraceError."""
+    def process(self, filtered_v: Array, envelope_v: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Return the mean [V], and whether it is ON, for the next outputs of the board [V]. Raises TraceError."""
         raise_issues(find_column_issues(filtered_v=filtered_v, envelope_v=envelope_v))
         levels, board = self._comparator, self._board
         slope = (board.envelope_gain * np.maximum(filtered_v, 0.0) - envelope_v) / np.asarray(board.envelope_decay_s)
@@ -269,15 +259,10 @@ class ComparatorStream:
         known = np.concatenate((self._last, [envelope_v, slope]), axis=1)
         repeated, count = self._last.shape[1], known.shape[1]
         self._last = known[:, -1:].copy()
-        mean, on, found = np.zeros(count), np.zeros(count), np.zeros(1)
-        edges = np.zeros(_PARTS * count)  # room for a crossing in every part of every interval
-        _compare(
-            levels.averaging_tau_s, levels.on_v, levels.off_v, self._step_s, known[0], known[1],
-            self._state, mean, on, edges, found,
-        )  # fmt: skip
-        begin_s = max(self._points - 1, 0) * self._step_s
-        self._points += len(envelope_v)
-        return ComparatorSignals(mean[repeated:], on[repeated:] > 0.0, begin_s + edges[: int(found[0])])
+        mean, on = np.zeros((2, count))
+        thresholds_v = levels.on_v, levels.off_v
+        _compare(levels.averaging_tau_s, *thresholds_v, self._step_s, known[0], known[1], self._state, mean, on)
+        return mean[repeated:], on[repeated:] > 0.0
 
 
 class SlipPin:
@@ -287,7 +272,7 @@ class SlipPin:
 
     def process(self, filtered_v: Array, envelope_v: Array) -> Array:
         """Return the voltage of the pin [V] behind the board's outputs [V]."""
-        return np.where(self._stream.process(filtered_v, envelope_v).on, PIN_LOW_V, self._comparator.high_v)
+        return np.where(self._stream.process(filtered_v, envelope_v)[1], PIN_LOW_V, self._comparator.high_v)
 
 
 def mean_after(tau: float, s: float, m: float, v: float, d: float, a: float, b: float) -> float:
@@ -307,43 +292,24 @@ def _comparator_loop(
     state: MutableSequence[float],
     mean: MutableSequence[float],
     on_out: MutableSequence[float],
-    edges: MutableSequence[float],
-    count: MutableSequence[float],
 ) -> None:
-    """Follow the mean, and locate each crossing of a threshold by bisection."""
     m, on = state[0], state[1]  # ON is a float, because the output array takes only floats
-    found = 0
     mean[0], on_out[0] = m, on
     for i in range(len(envelope) - 1):
         # Hermite's cubic of the envelope: v + d s + a s^2 + b s^3.
         v, d = envelope[i], slope[i]
         rise = (envelope[i + 1] - v) / H
         a, b = (3 * rise - 2 * d - slope[i + 1]) / H, (d + slope[i + 1] - 2 * rise) / (H * H)
-        # Look for a crossing in each part of the interval, so that two crossings in one interval are both found.
-        before = 0.0
+        # Two crossings in one interval count both.
         for part in range(1, _PARTS + 1):
-            s = part / _PARTS * H
-            value = mean_after(tau, s, m, v, d, a, b)
-            threshold = off_v if on > 0.0 else on_v
-            if (value < threshold) if on > 0.0 else (value > threshold):
-                low, high = before, s
-                for _ in range(60):
-                    middle = 0.5 * (low + high)
-                    value = mean_after(tau, middle, m, v, d, a, b)
-                    if (value < threshold) if on > 0.0 else (value > threshold):
-                        high = middle
-                    else:
-                        low = middle
+            value = mean_after(tau, part / _PARTS * H, m, v, d, a, b)
+            if (value < off_v) if on > 0.0 else (value > on_v):
                 on = 1.0 - on
-                edges[found] = i * H + high
-                found += 1
-            before = s
         m = mean_after(tau, H, m, v, d, a, b)
         mean[i + 1] = m
         on_out[i + 1] = on
     state[0], state[1] = m, on
-    count[0] = found
 
 
-_compare = CompiledLoop(_comparator_loop, mean_after, outputs=5, samples="envelope", plain_us=4.0)
-"""Carries mean and output; fills the mean, ON or OFF, and the moments of changes with their number."""
+_compare = CompiledLoop(_comparator_loop, mean_after, outputs=3, samples="envelope", plain_us=4.0)
+"""Carries mean and output, and fills the mean, and ON or OFF."""

@@ -117,7 +117,7 @@ FAMILIES: dict[str, list[Callable[[], object]]] = {
             at_7(math.inf) + at_7(math.nan), at_7(math.nan, 60)[:30], at_7(1e300), at_7(1e15), at_7(-1.1e4),
         )),
         lambda: simulate_board(BOARD, 5e-4, STILL, after_v=at_7(1e15)),
-        lambda: AnalogStream(BOARD, 5e-4, 2).process(np.stack((STILL, at_7(1e15)))),
+        lambda: AnalogStream(BOARD, 5e-4).process(at_7(1e15)),
         lambda: Comparator(0.0, 0.02, 0.01),
         lambda: Comparator(0.015, 0.02, 0.02),
         lambda: ComparatorStream(Comparator(0.015, 0.02, 0.015), COMPARATOR_BOARD, 5e-4).process(STILL, at_7(math.nan)),

@@ -288,7 +288,7 @@ class SimulatedBoardDetector(Detector):
 
     def simulate_envelope_v(self, voltage_v: Array) -> Array:
         """Return the sampled envelope of the next samples [V]; any chunks give the same bits."""
-        output_v = self._source.select(*(rows[0] for rows in self._board.process(voltage_v[None])))
+        output_v = self._source.select(*self._board.process(voltage_v))
         return self._source.finish(self._adc.quantise_v(self._poles.process(output_v)))
 
 

@@ -72,8 +72,7 @@ def simulate_boards(
     given = {"voltage_v": voltage_v} | ({} if after_v is None else {"after_v": after_v})
     raise_issues(
         [
-            *find_not_positive("step_s", step_s, "s", "0.0005"),
-            *find_not_positive("tolerance_v", tolerance_v, "V", "1e-4"),
+            *_find_setting_issues(step_s, tolerance_v),
             *(columns := list(find_column_issues(**given))),
             *(issue for name, rows in given.items() if not columns for issue in find_voltage_issues(name, rows)),
         ]
@@ -94,40 +93,37 @@ def simulate_boards(
 
 
 class AnalogStream:
-    """Several equal boards; voltages in any chunks give the bits of `simulate_board`. Raises TraceError."""
+    """One board; voltages in any chunks give the bits of `simulate_board`. Raises TraceError."""
 
-    def __init__(self, board: AnalogBoard, step_s: float, count: int = 1, tolerance_v: float = 1e-4) -> None:
-        raise_issues(
-            [
-                *find_not_positive("step_s", step_s, "s", "0.0005"),
-                *find_not_positive("tolerance_v", tolerance_v, "V", "1e-4"),
-            ]
-        )
+    def __init__(self, board: AnalogBoard, step_s: float, tolerance_v: float = 1e-4) -> None:
+        raise_issues(_find_setting_issues(step_s, tolerance_v))
         fixed = np.array([[float(value) for value in _values(board)[:_FIXED]]])
-        self.integrator, self._count = Integrator(board, step_s, tolerance_v, fixed), count
-        self._states: list[tuple[Array, Array]] = []
-        self._last = np.zeros((2, count, 0))
+        self.integrator = Integrator(board, step_s, tolerance_v, fixed)
+        self._state: tuple[Array, Array] | None = None
+        self._last = np.zeros((2, 0))
         self.steps = 0
         """Steps taken so far, accepted and rejected."""
 
     def process(self, voltage_v: Array, after_v: Array | None = None) -> tuple[Array, Array]:
-        """Return filtered voltages and envelopes [V], (boards, samples) like the voltages. Raises TraceError."""
+        """Return filtered voltages and envelopes [V] at the next samples. Raises TraceError."""
         after = voltage_v if after_v is None else after_v
-        for name, rows in (("voltage_v", voltage_v), ("after_v", () if after_v is None else after_v)):
-            raise_issues(
-                issue for i, row in enumerate(rows) for issue in find_voltage_issues(f"{name} of board {i}", row)
-            )
+        given = {"voltage_v": voltage_v} | ({} if after_v is None else {"after_v": after_v})
+        raise_issues(issue for name, volts in given.items() for issue in find_voltage_issues(name, volts))
         # The interval before a chunk's first sample begins at the last sample of the chunk before.
-        known = np.concatenate((self._last, [voltage_v, after]), axis=2)
-        if not self._states:
-            self._states = [self.integrator.steady_state(0, row[0]) for row in voltage_v]
-        filtered_v, envelope_v = np.zeros_like(known[0]), np.zeros_like(known[0])
-        for i, state in enumerate(self._states):
-            counts = self.integrator.integrate(0, *state, known[0, i], known[1, i], filtered_v[i], envelope_v[i])
-            self.steps += int(counts[envelope_loop.STEPS] + counts[envelope_loop.REJECTED])
-        repeated = self._last.shape[2]
-        self._last = known[:, :, -1:].copy()
-        return filtered_v[:, repeated:], envelope_v[:, repeated:]
+        known = np.concatenate((self._last, [voltage_v, after]), axis=1)
+        if self._state is None:
+            self._state = self.integrator.steady_state(0, voltage_v[0])
+        filtered_v, envelope_v = np.zeros_like(known)
+        counts = self.integrator.integrate(0, *self._state, known[0], known[1], filtered_v, envelope_v)
+        self.steps += int(counts[envelope_loop.STEPS] + counts[envelope_loop.REJECTED])
+        repeated = self._last.shape[1]
+        self._last = known[:, -1:].copy()
+        return filtered_v[repeated:], envelope_v[repeated:]
+
+
+def _find_setting_issues(step_s: float, tolerance_v: float) -> list[Issue]:
+    step_issues = find_not_positive("step_s", step_s, "s", "0.0005")
+    return step_issues + find_not_positive("tolerance_v", tolerance_v, "V", "1e-4")
 
 
 def find_voltage_issues(field: str, voltage_v: Array) -> Iterator[Issue]:

@@ -300,10 +300,10 @@ class _BoardSignals:
             found["tactile_v"] = self._samplers["tactile_v"].process(tactile_v, at)
         if not self._board:
             return found
-        volts = (tactile_v[None],) if jumps is None else ((tactile_v - jumps)[None], tactile_v[None])
         taken = self._board.steps
         with self._meter.stage("filter board", 4):
-            filtered, envelope = (rows[0] for rows in self._board.process(*volts))
+            before_v = tactile_v if jumps is None else tactile_v - jumps
+            filtered, envelope = self._board.process(before_v, None if jumps is None else tactile_v)
         self._meter.add("filter board", 4, self._board.steps - taken)
         signals = {"filtered_v": filtered, "envelope_v": envelope}
         if self._pin:

@@ -8,6 +8,7 @@ import random
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -22,18 +23,21 @@ from benchmarks.peers.spice import Spice
 from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.files import temporary_folder
+from fingertip.foundation.numerics import Array
 from fingertip.sim.runs.files import SceneFile
 from fingertip.sim.runs.manipulation import run_manipulation
-from fingertip.sim.runs.motion import FixedGrip
+from fingertip.sim.runs.motion import Observation
 from fingertip.sim.runs.scene import run_scene
 from fingertip.sim.signal.analog_circuit import AnalogBoard
-from fingertip.sim.signal.filter_board import simulate_boards
+from fingertip.sim.signal.filter_board import simulate_board
 from fingertip.sim.simulation import article_manipulations, article_trials
 
 CAMPAIGN_TARGET_S = 3.0
 MANIPULATION_TARGET_S = 1.0
 BOARDS_TARGET_S = 10.0
 BOARDS_TOLERANCE_V = 1e-3
+_CHUNK = 256
+"""Boards whose matrices are in memory at a time: 4 MB."""
 RESISTOR_TOLERANCE = 0.01
 """Relative tolerance of the resistors."""
 CAPACITOR_TOLERANCE = 0.05
@@ -99,6 +103,13 @@ def measure_manipulations() -> dict[str, Any]:
     }
 
 
+class FixedGrip:
+    """Controller that does not react: it commands the planned closing."""
+
+    def step(self, observation: Observation) -> Array:
+        return observation.planned_m
+
+
 def measure_boards(count: int) -> dict[str, Any]:
     """Measure the CPU time of many boards on 5 s of one strong trial [s], and the spread of the envelope's peak."""
     design = Design()
@@ -110,10 +121,11 @@ def measure_boards(count: int) -> dict[str, Any]:
     )
     voltage = run_scene(design, scene, 1).columns["tactile_v"][: round(5 * design.detector.sample_rate_hz) + 1]
     step, nominal = 1 / design.detector.sample_rate_hz, AnalogBoard.from_design(design)
-    list(simulate_boards(nominal, step, voltage[:10]))
+    simulate_board(nominal, step, voltage[:10])
     start = time.process_time()
     peaks, implicit, steps = [], 0, 0
-    for chunk in simulate_boards(draw_boards(nominal, count), step, voltage, BOARDS_TOLERANCE_V):
+    for boards in split_boards(draw_boards(nominal, count)):
+        chunk = simulate_board(boards, step, voltage, BOARDS_TOLERANCE_V)
         peaks.append(chunk.envelope_v.max(axis=1))
         implicit, steps = implicit + chunk.implicit, steps + chunk.steps
     cpu = time.process_time() - start
@@ -185,3 +197,12 @@ def draw_boards(board: AnalogBoard, count: int, seed: int = 0) -> AnalogBoard:
     factors = np.array([SATURATION_FACTOR**x for x in drawn[:, -1].tolist()])
     saturation = np.asarray(board.diode.saturation_a) * factors
     return replace(board.with_components(**values), diode=replace(board.diode, saturation_a=saturation))
+
+
+def split_boards(boards: AnalogBoard) -> Iterator[AnalogBoard]:
+    """Split drawn boards into chunks whose matrices fit in memory."""
+    saturation = np.asarray(boards.diode.saturation_a)
+    for start in range(0, len(saturation), _CHUNK):
+        part = slice(start, start + _CHUNK)
+        chunk = boards.with_components(**{name: np.asarray(row)[part] for name, row in boards.components.items()})
+        yield replace(chunk, diode=replace(boards.diode, saturation_a=saturation[part]))

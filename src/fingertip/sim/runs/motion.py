@@ -175,13 +175,6 @@ class Controller(Protocol):
         ...
 
 
-class FixedGrip:
-    """Controller that does not react: it commands the planned closing."""
-
-    def step(self, observation: Observation) -> Array:
-        return observation.planned_m
-
-
 # Motors of the hand: from commands to the closing of each finger and the force with which it presses.
 #
 # A command is the closing of a finger [m], counted from the open hand. It reaches the motors after a delay. The motors

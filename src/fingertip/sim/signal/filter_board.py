@@ -28,7 +28,6 @@ from fingertip.sim.signal.parameters import describe_missing_comparator
 
 MAX_V = 1e4
 """Largest input voltage [V], of either sign. A diode that is driven harder has no current that a number can hold."""
-_CHUNK = 256  # boards whose matrices are in memory at a time: 4 MB
 _FIXED = 6
 """Number of a board's values that the loop takes as they are; the others determine the matrices."""
 
@@ -52,22 +51,9 @@ def simulate_board(
 ) -> BoardSignals:
     """Simulate a board's response to a voltage, starting in the steady state of its first sample. Raises TraceError.
 
-    The tolerance is that of the estimated error of one step, not of their sum: docs/accuracy.md says what is left.
+    The tolerance is that of the estimated error of one step, not of their sum: docs/accuracy.md says what is left. The
+    matrices of 256 boards take 4 MB.
     """
-    single = all(np.ndim(value) == 0 for value in _values(board))
-    chunks = list(simulate_boards(board, step_s, voltage_v, tolerance_v, after_v))
-    filtered_v = np.concatenate([chunk.filtered_v for chunk in chunks])
-    envelope_v = np.concatenate([chunk.envelope_v for chunk in chunks])
-    if single:
-        filtered_v, envelope_v = filtered_v[0], envelope_v[0]
-    counts = zip(*((chunk.steps, chunk.rejected, chunk.implicit) for chunk in chunks), strict=True)
-    return BoardSignals(filtered_v, envelope_v, *map(sum, counts))
-
-
-def simulate_boards(
-    board: AnalogBoard, step_s: float, voltage_v: Array, tolerance_v: float = 1e-4, after_v: Array | None = None
-) -> Iterator[BoardSignals]:
-    """Simulate more boards than memory holds: yields the signals of 256 boards at a time; else as `simulate_board`."""
     after = voltage_v if after_v is None else after_v
     given = {"voltage_v": voltage_v} | ({} if after_v is None else {"after_v": after_v})
     raise_issues(
@@ -77,19 +63,17 @@ def simulate_boards(
             *(issue for name, rows in given.items() if not columns for issue in find_voltage_issues(name, rows)),
         ]
     )
-    table = np.stack(np.broadcast_arrays(*map(np.atleast_1d, _values(board))), axis=1).astype(np.float64)
-    for start in range(0, len(table), _CHUNK):
-        rows = table[start : start + _CHUNK]
-        chunk = board
-        if len(table) > _CHUNK:
-            chunk = board.with_components(**{name: rows[:, _FIXED + i] for i, name in enumerate(board.components)})
-        integrator = Integrator(chunk, step_s, tolerance_v, rows[:, :_FIXED])
-        filtered_v, envelope_v = np.zeros((len(rows), len(voltage_v))), np.zeros((len(rows), len(voltage_v)))
-        counts = np.zeros(3)
-        for i in range(len(rows)):
-            state = integrator.steady_state(i, voltage_v[0])
-            counts += integrator.integrate(i, *state, voltage_v, after, filtered_v[i], envelope_v[i])
-        yield BoardSignals(filtered_v, envelope_v, *(int(count) for count in counts))
+    values = _values(board)
+    rows = np.stack(np.broadcast_arrays(*map(np.atleast_1d, values)), axis=1).astype(np.float64)
+    integrator = Integrator(board, step_s, tolerance_v, rows[:, :_FIXED])
+    filtered_v, envelope_v = np.zeros((2, len(rows), len(voltage_v)))
+    counts = np.zeros(3)
+    for i in range(len(rows)):
+        state = integrator.steady_state(i, voltage_v[0])
+        counts += integrator.integrate(i, *state, voltage_v, after, filtered_v[i], envelope_v[i])
+    if all(np.ndim(value) == 0 for value in values):
+        filtered_v, envelope_v = filtered_v[0], envelope_v[0]
+    return BoardSignals(filtered_v, envelope_v, *(int(count) for count in counts))
 
 
 class AnalogStream:

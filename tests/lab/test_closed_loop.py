@@ -19,7 +19,7 @@ from fingertip.lab.validation import RequirementLimits, check_closed_loop
 from fingertip.pad.response import Pad
 from fingertip.sim import Observation
 from fingertip.sim.runs.grip import ForceCurve, GripController, GripLaw, GripSettings
-from fingertip.sim.signal.converter import compute_bridge_v, simulate_envelope_v
+from fingertip.sim.signal.converter import SimulatedBoardDetector, compute_bridge_v
 from fingertip.slip.detectors.noise import input_noise_v
 
 DESIGN = Design()
@@ -52,7 +52,7 @@ def test_detection_increases_the_force_of_every_finger_by_the_ratio(detector):
     settings = GripSettings(detector)
     design, volts = Design(board={"variant": "precision"}), make_voltage(1.0, burst=(0.5, 0.6))
     grip = GripController(design, settings, 2)
-    commands = run_controller(grip, volts, envelope_v=simulate_envelope_v(design, volts))
+    commands = run_controller(grip, volts, envelope_v=SimulatedBoardDetector(design).simulate_envelope_v(volts))
     first = next(i for i, decision in enumerate(grip.decisions) if decision.tightened)
     max_delay_s = {"digital": 0.03, "fft": 0.05, "fast": 0.02, "analog": 0.03}[detector]
     assert 0.5 < grip.decisions[first].time_s <= 0.5 + max_delay_s

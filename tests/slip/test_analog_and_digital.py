@@ -16,7 +16,7 @@ from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.design import Design
 from fingertip.detection.warnings import settings_warnings, threshold_warnings
 from fingertip.foundation.errors import TraceError
-from fingertip.sim.signal.converter import simulate_envelope_v
+from fingertip.sim.signal.converter import SimulatedBoardDetector
 from fingertip.slip.detection import detect
 from fingertip.slip.detectors.analog_and_digital import AnalogDetector, ChainSettings, SlipChain, high_pass, noise_level
 from fingertip.slip.detectors.noise import NoiseLevel, mean_quantised_noise_v, quantised_noise_v
@@ -235,7 +235,7 @@ def test_digital_agrees_with_a_simulated_board_without_dead_zone():
     """
     design = Design(board={"variant": "precision"})
     digital = make_detector("digital", design).process(V)
-    analog = make_detector("analog", design).process(simulate_envelope_v(design, V))
+    analog = make_detector("analog", design).process(SimulatedBoardDetector(design).simulate_envelope_v(V))
     during = (T >= 0.53) & (T < 0.7)
     difference = analog.statistic_v[during] - digital.statistic_v[during]
     assert np.sqrt(np.mean(difference**2)) < 0.05 * np.sqrt(np.mean(digital.statistic_v[during] ** 2))

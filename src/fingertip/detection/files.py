@@ -270,7 +270,7 @@ def _adapt_to_file(design: Design, raw: RawTrace, adapt: Callable[[Design, float
 
 def _simulate_board(trace: Trace, design: Design, columns: ColumnMap, name: str, progress: Progress) -> Trace:
     """Add the simulated output of the design's board to a trace; a force passes the design's bridge first."""
-    from fingertip.sim.signal.converter import compute_bridge_v, simulate_envelope_v  # noqa: PLC0415
+    from fingertip.sim.signal.converter import SimulatedBoardDetector, compute_bridge_v  # noqa: PLC0415
 
     voltage_v, circuits = trace.voltage_v, "the design's board"
     if not columns.in_volts:
@@ -278,7 +278,8 @@ def _simulate_board(trace: Trace, design: Design, columns: ColumnMap, name: str,
         progress(design.force_curve.describe())
     missing, given = columns.name_in_file("envelope_v"), columns.name_in_file("voltage_v")
     progress(f"{name} has no column {missing}: simulating {circuits} for the column {given}")
-    return replace(trace, voltage_v=voltage_v, envelope_v=simulate_envelope_v(design, voltage_v))
+    envelope_v = SimulatedBoardDetector(design).simulate_envelope_v(voltage_v)
+    return replace(trace, voltage_v=voltage_v, envelope_v=envelope_v)
 
 
 def _board_noise(trace: Trace, design: Design, is_replayed: bool, quiet: slice, name: str) -> NoiseLevel:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import MutableSequence, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -203,40 +203,29 @@ class MotorMotion:
     """Jump of this force right after the previous point, where a new command changes the velocity [N]."""
 
 
-@dataclass
 class Motors:
-    """Closing of the fingers and the forces they press with, carried from chunk to chunk."""
+    """Closing of the fingers, which touch at `reach_m` [m], and the forces they press with, chunk by chunk."""
 
-    hand: Hand
-    pad: Pad
-    fingers: tuple[str, ...]
-    reach_m: Array
-    """Closing at which each finger touches [m]."""
-    step_s: float
-    closing_m: Array = field(init=False)
-    _phase: Array = field(init=False)  # phase of each motor's vibration [rad]
-    _shaking: Array = field(init=False)  # present force of each motor's vibration [N]
-    _moved: Array = field(init=False)  # 1 if a finger has moved since the forces were balanced
-    _root: Array = field(init=False)  # cube root of each force [N^(1/3)], the start of Newton's method
-
-    def __post_init__(self) -> None:
-        count = len(self.fingers)
-        self._moved = np.ones(1)
-        self.closing_m, self._phase, self._shaking, self._root = (np.zeros(count) for _ in range(4))
+    def __init__(self, hand: Hand, pad: Pad, fingers: tuple[str, ...], reach_m: Array, step_s: float) -> None:
+        self._hand, self._pad, self._fingers, self._reach_m, self._step_s = hand, pad, fingers, reach_m, step_s
+        # Of each finger: closing [m]; phase [rad] and force [N] of its motor's vibration; cube root of its force
+        # [N^(1/3)], the start of Newton's method.
+        self._closing_m, self._phase, self._shaking, self._root = (np.zeros(len(fingers)) for _ in range(4))
+        self._moved = np.ones(1)  # 1 if a finger has moved since the forces were balanced
 
     def follow(self, command_m: Array) -> MotorMotion:
-        stall_m = self.reach_m + self.pad.depth_m(self.hand.max_force_n)  # while the other side stands still
+        hand, pad, fingers, reach_m = self._hand, self._pad, self._fingers, self._reach_m
+        stall_m = reach_m + pad.depth_m(hand.max_force_n)  # while the other side stands still
         goal = np.clip(command_m, 0.0, stall_m[:, None])
-        if all(name in self.fingers for name in SHARED_MOTOR):
-            both = [self.fingers.index(name) for name in SHARED_MOTOR]
+        if all(name in fingers for name in SHARED_MOTOR):
+            both = [fingers.index(name) for name in SHARED_MOTOR]
             goal[both] = goal[both].max(axis=0)
         count, length = goal.shape
         closing, force, vibration, jump = (np.zeros(count * length) for _ in range(4))
-        h, hand = self.step_s, self.hand
         _follow(
-            (hand.lag_s, hand.rate_m_s, 2 * math.pi * hand.motor_hz, hand.motor_n), h,
-            (self.pad.backing.stiffness_n_per_m, self.pad.hertz_m_per_n23), count, length, self.reach_m, goal.ravel(),
-            self.closing_m, self._phase, self._shaking, self._moved, self._root, closing, force, vibration, jump,
+            (hand.lag_s, hand.rate_m_s, 2 * math.pi * hand.motor_hz, hand.motor_n), self._step_s,
+            (pad.backing.stiffness_n_per_m, pad.hertz_m_per_n23), count, length, reach_m, goal.ravel(),
+            self._closing_m, self._phase, self._shaking, self._moved, self._root, closing, force, vibration, jump,
         )  # fmt: skip
         return MotorMotion(*(row.reshape(goal.shape) for row in (closing, force, vibration, jump)))
 

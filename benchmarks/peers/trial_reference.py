@@ -60,7 +60,7 @@ def _solve_contact(run: SceneRun, time_s: Array, tolerance: float) -> tuple[Arra
     begin, peak, a = slide.start_s, slide.peak_m_s, slide.acceleration_m_s2
     omega, zeta = 2 * math.pi * pad.resonance_hz(load), pad.backing.damping_ratio
     follow, share = 2 * math.pi * pad.backing.resonance_hz, pad.follow_share
-    grown_n = load if run.surface.is_proportional else load / (load + LOAD_SCALE_N) ** (2 / 3)
+    grown_n = load if run.surface.load_law == "proportional" else load / (load + LOAD_SCALE_N) ** (2 / 3)
     stiffness = pad.normal_stiffness_n_per_m(1.0) * grown_n
     scale = 1 / math.sqrt(load + LOAD_SCALE_N)
     profile = run.make_profile()

@@ -21,7 +21,7 @@ def as_data(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] |
     """Return the summary as plain mappings and lists, for JSON. Keys carry their units."""
     data = {
         "scene": result.scene.name,
-        "columns": ["time_s", *result.column_names],
+        "columns": ["time_s", *(result.scene.outputs if isinstance(result, SceneRecord) else result.columns)],
         "samples": result.samples,
         "sample_rate_hz": round(result.sample_rate_hz, 6),
         "duration_s": round(result.duration_s, 7),
@@ -69,13 +69,9 @@ def as_text(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] |
     slips = [f"gross slip from {s.onset_s:.4f} s to {s.end_s:.4f} s" for s in merge(result.slips, STICK_S)]
     if isinstance(result, SceneRecord):
         scene = result.scene
-        slides = scene.slide.distance_m > 0.0
-        title = (
-            f"{_describe_surface(scene.contact.surface, scene.surface)}, {scene.slide.speed_m_s:g} m/s"
-            if slides
-            else scene.name
-        )
-        pose = result.pose
+        title, pose = scene.name, result.pose
+        if scene.slide.distance_m:
+            title = f"{_describe_surface(scene.contact.surface, scene.surface)}, {scene.slide.speed_m_s:g} m/s"
         turned = f"tilt {pose.tilt_deg:g} degrees, roll {pose.roll_deg:g} degrees on a {pose.object}"
         felt = f"{turned}: {result.sensor_share:.0%} of the force reaches the sensor"
         return [f"{title}, {result.force_n:.2f} N, {size}", felt, *slips]
@@ -90,9 +86,7 @@ def as_text(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] |
     lines.append(f"{moved} and {end}")
     if grips_s is not None:
         times = ", ".join(f"{at:.2f} s" for at in grips_s)
-        lines.append(
-            f"the controller tightened the grip at {times}" if times else "the controller never tightened the grip"
-        )
+        lines.append(f"the controller {f'tightened the grip at {times}' if times else 'never tightened the grip'}")
     return lines
 
 
@@ -170,6 +164,3 @@ def _mark_events(panels: AnyArray, result: ManipulationResult) -> None:
             label, (time_s, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 3), textcoords="offset points",
             ha="center", va="bottom", fontsize=9, color=TEXT_COLOUR,
         )  # fmt: skip
-
-
-# Recorded columns as a trace file, CSV or NPZ, all at once or chunk by chunk.

@@ -75,11 +75,6 @@ class SurfaceTable(ParameterTable):
         """Friction of a complete table, per newton of normal force. Raises TraceError."""
         return Friction(self.static_friction, self.kinetic_friction, self.stribeck_m_s)
 
-    @property
-    def is_proportional(self) -> bool:
-        """True if vibration is proportional to the load."""
-        return self.load_law == "proportional"
-
 
 class SurfaceFile(BaseModel):
     """File of one surface. Raises TraceError."""
@@ -172,9 +167,8 @@ def _read_profile(path: Path) -> SurfaceFile:
         raise TraceError(Issue(str(path), message))
     heights = rows[:, 1] - rows[:, 1].mean()
     step_um = round(1000 * step_mm, 6)
-    return SurfaceFile(
-        surface=SurfaceTable(material=path.name, profile_um=heights.round(6).tolist(), profile_step_um=step_um)
-    )
+    table = SurfaceTable(material=path.name, profile_um=heights.round(6).tolist(), profile_step_um=step_um)
+    return SurfaceFile(surface=table)
 
 
 def _parse_rows(lines: list[str]) -> Array:

@@ -51,7 +51,7 @@ class Servo(ParameterTable):
 class HandMotion:
     """Factor by which the force of a hand differs from the planned one, over time."""
 
-    unsteady: SurfaceProfile | None
+    unsteady: SurfaceProfile
     servo: Servo
     step: float
     """Height of a servo's step, relative to the holding force."""
@@ -76,9 +76,7 @@ class HandMotion:
         return cls(SurfaceProfile(0.0, *points, _SPACING_S), servo, servo.step_n / force_n, held_s)
 
     def factor(self, time_s: Array) -> Array:
-        factor = np.ones_like(time_s)
-        if self.unsteady:
-            factor += self.unsteady.height_m(time_s)
+        factor = 1.0 + self.unsteady.height_m(time_s)
         if self.step:
             since = np.maximum(time_s - self.held_s - self.servo.at_s, 0.0)
             number = np.floor(since / self.servo.interval_s)

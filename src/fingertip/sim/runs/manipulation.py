@@ -83,10 +83,6 @@ class ManipulationResult:
         return float(self.time_s[-1])
 
     @property
-    def column_names(self) -> list[str]:
-        return [*self.columns]
-
-    @property
     def slips(self) -> tuple[Interval, ...]:
         """True slips of the thumb; empty if the scene does not record them."""
         slip = self.signals.fingers[0].slip

@@ -73,10 +73,6 @@ class SceneRecord:
         """Time of the last sample [s]."""
         return (self.samples - 1) / self.sample_rate_hz
 
-    @property
-    def column_names(self) -> list[str]:
-        return self.scene.outputs
-
 
 @dataclass(frozen=True, eq=False)
 class SceneResult(SceneRecord):
@@ -169,10 +165,6 @@ class SceneRun:
         """Largest load on the pad, without vibration [N]."""
         scene, highest_n = self.scene, self.force_n + max(0.0, self.scene.load_change.by_n)
         return highest_n * largest_factor(scene.tremor, scene.servo, self.force_n)
-
-    @property
-    def samples(self) -> int:
-        return count_samples(self.timeline.duration_s, self.design.detector.sample_rate_hz)
 
     def predict_plain_s(self) -> float:
         assert self.grid
@@ -304,5 +296,5 @@ def stream_scene(
     motion_s = slide.start_s if slide else None
     share = float(run.pad.sensed_n(np.array([run.force_n]))[0]) / run.force_n
     pose, costs = scene.draw_pose(run.design, seed), run.meter.costs
-    lost = airborne / max(1, slipping)
-    return SceneRecord(scene, seed, run.force_n, run.samples, slips.close(), costs, rate, pose, share, motion_s, lost)
+    count, lost = count_samples(run.timeline.duration_s, rate), airborne / max(1, slipping)
+    return SceneRecord(scene, seed, run.force_n, count, slips.close(), costs, rate, pose, share, motion_s, lost)

@@ -62,10 +62,9 @@ def count_substeps(scene: ManipulationFile, plan: MotionPlan, pad: Pad) -> int:
     refined grid keeps the number, so that all errors fall with its step.
     """
     friction, most = plan.friction, scene.hand.max_force_n
-    rate_2 = (
-        pad.tangential_stiffness_n_per_m(float(plan.force_n.max())) + most * friction.sigma0
-    ) / pad.backing.mass_kg
-    rate_2 += 2 * most * friction.sigma0 / scene.object.mass_kg  # thumb and fingers press with the same force
+    stiffness = pad.tangential_stiffness_n_per_m(float(plan.force_n.max())) + most * friction.sigma0
+    # Thumb and fingers press with the same force.
+    rate_2 = stiffness / pad.backing.mass_kg + 2 * most * friction.sigma0 / scene.object.mass_kg
     return max(1, math.ceil(math.sqrt(rate_2) / BASE_HZ / MAX_PHASE))
 
 

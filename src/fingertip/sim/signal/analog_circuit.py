@@ -116,10 +116,8 @@ class AnalogBoard:
             issues.extend(find_not_positive("board.rail_v", self.rail_v, "V", "3.5"))
             if any(term.equation == term.net == FILTERED for term in self.network.terms if term.order):
                 # The input stage of a slow amplifier saturates at a rail, and no data sheet says how it recovers.
-                message = (
-                    "cannot be combined with a gain-bandwidth product; both together are not modelled; leave one out."
-                )
-                issues.append(Issue("board.rail_v", f"{self.rail_v:g} V {message}"))
+                problem = f"{self.rail_v:g} V cannot be combined with a gain-bandwidth product"
+                issues.append(Issue("board.rail_v", f"{problem}; both together are not modelled; leave one out."))
         raise_issues(issues)
 
     @classmethod

@@ -121,7 +121,7 @@ class FingerSetup:
 
     def make_profile_force(self, step_s: float) -> ProfileForce:
         assert self.surface
-        return ProfileForce(self.pad, self.make_profile(), self.surface.is_proportional, step_s)
+        return ProfileForce(self.pad, self.make_profile(), self.surface.load_law == "proportional", step_s)
 
 
 class Finger:

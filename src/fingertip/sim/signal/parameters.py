@@ -276,10 +276,8 @@ class ConverterInput(ParameterTable):
         if 0 < self.bits < MIN_BITS:
             yield Issue("converter.bits", f"{self.bits} is too small; choose {MIN_BITS} to 24, or 0."), fields
         if not self.bits and self != ConverterInput():
-            message = (
-                "0 leaves the design's ADC in place, so the range has no effect; choose 12, or leave the range out."
-            )
-            yield Issue("converter.bits", message), fields
+            problem = "0 leaves the design's ADC in place, so the range has no effect"
+            yield Issue("converter.bits", f"{problem}; choose 12, or leave the range out."), fields
 
     def find_warnings(self, min_v: float, max_v: float) -> Iterator[str]:
         """Yield a warning if the converter clips a voltage that lies between two limits [V]."""

@@ -40,27 +40,24 @@ def select_quiet_part(trace: Trace, between_s: tuple[float, float], name: str) -
     """Select the samples of a trace's quiet part. Raises TraceError."""
     begin_s, end_s = between_s
     text, duration_s = f"{begin_s:g}:{end_s:g} s", trace.time_s[-1] - trace.time_s[0]
+    lasts = f"{duration_s:.4g}"
     # Rounding of times must not move a sample across a limit.
     since_s, slack_s = trace.time_s - trace.time_s[0], 1e-9 * max(1.0, duration_s)
     part = slice(int((since_s < begin_s - slack_s).sum()), int((since_s < end_s - slack_s).sum()))
     if part.stop <= part.start:
-        message = f"{text} covers no sample of {name}, which lasts {duration_s:.4g} s; choose an end after the start"
-        raise TraceError(Issue("--calibrate", f"{message}, such as 0:0.5."))
-    if part.stop - part.start == len(trace.time_s):
-        message = f"{text} covers all {duration_s:.4g} s of {name}; choose a shorter part"
-        raise TraceError(Issue("--calibrate", f"{message} during which nothing happens."))
-    if end_s > duration_s + 1.5 * duration_s / max(1, len(trace.time_s) - 1) + slack_s:
-        message = (
-            f"{text} ends after {name}, which lasts {duration_s:.4g} s; choose an end of at most {duration_s:.4g}."
-        )
-        raise TraceError(Issue("--calibrate", message))
-    if trace.slip is not None and trace.slip[part].any():
+        message = f"covers no sample of {name}, which lasts {lasts} s; choose an end after the start, such as 0:0.5."
+    elif part.stop - part.start == len(trace.time_s):
+        message = f"covers all {lasts} s of {name}; choose a shorter part during which nothing happens."
+    elif end_s > duration_s + 1.5 * duration_s / max(1, len(trace.time_s) - 1) + slack_s:
+        message = f"ends after {name}, which lasts {lasts} s; choose an end of at most {lasts}."
+    elif trace.slip is not None and trace.slip[part].any():
         first_s = trace.time_s[part][trace.slip[part]][0]
         slip = next(i for i in intervals(trace.time_s, trace.slip) if i.onset_s <= first_s <= i.end_s)
-        lasts = f"{slip.onset_s - trace.time_s[0]:.4g} to {slip.end_s - trace.time_s[0]:.4g} s"
-        message = f"{text} covers slip, which lasts from {lasts}; choose a part without it."
-        raise TraceError(Issue("--calibrate", message))
-    return part
+        between = f"{slip.onset_s - trace.time_s[0]:.4g} to {slip.end_s - trace.time_s[0]:.4g} s"
+        message = f"covers slip, which lasts from {between}; choose a part without it."
+    else:
+        return part
+    raise TraceError(Issue("--calibrate", f"{text} {message}"))
 
 
 def equivalent_noise_v(detector: str, design: Design, quiet_v: Array, name: str) -> float:

@@ -178,13 +178,11 @@ def compute_simulation(context: PointContext) -> OutputValues:
 
 
 def compute_skin(context: PointContext) -> OutputValues:
-    """Compute volume and area of the skin; no other part is meshed."""
     mesh = _mesh(context, "skin")
     return {"skin_volume_mm3": mesh.volume(), "skin_area_mm2": mesh.area()}
 
 
 def compute_bone(context: PointContext) -> OutputValues:
-    """Compute volume and mass of the bone; no other part is meshed."""
     volume = _mesh(context, "bone").volume()
     return {"bone_volume_mm3": volume, "bone_mass_g": volume / 1e3 * context.file.print_density_g_cm3}
 
@@ -278,7 +276,6 @@ def compute_walls(context: PointContext) -> OutputValues:
 
 
 def compute_printing(context: PointContext) -> OutputValues:
-    """Compute the largest overhang of the printed parts that hangs over air."""
     from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.cad.verification.printing import check_overhang
 

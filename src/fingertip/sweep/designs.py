@@ -69,7 +69,6 @@ class LruCache(Generic[K, V]):
         self._entries: OrderedDict[K, tuple[V, float]] = OrderedDict()
 
     def get(self, key: K, make: Callable[[], V], weigh: Callable[[V], float] = lambda _: 1.0) -> V:
-        """Look up a value, or make it and store it with its weight."""
         if key in self._entries:
             self._entries.move_to_end(key)
             return self._entries[key][0]
@@ -152,7 +151,6 @@ class CachedEvaluator(MeshEvaluator):
         return CachedManifold(self, key, lambda: self.evaluate_manifold(key, solid))
 
     def mesh(self, solid: Solid) -> Mesh:
-        """Return the solid as a mesh on the grid, in canonical order."""
         key = self.compute_key(solid)
         return self._meshes.get(key, lambda: to_canonical_mesh(self.evaluate_manifold(key, solid)))
 
@@ -231,9 +229,8 @@ class CachedManifold:
         return compute_digest(name, self._key, *(a._key if isinstance(a, CachedManifold) else a for a in arguments))
 
     def _measure(self, name: str, *arguments: Any) -> Any:
-        return self._evaluator.measurements.get(
-            self._compute_key(name, *arguments), lambda: self._call(name, *arguments)
-        )
+        key = self._compute_key(name, *arguments)
+        return self._evaluator.measurements.get(key, lambda: self._call(name, *arguments))
 
     def _derive(self, name: str, *arguments: Any) -> CachedManifold:
         key = self._compute_key(name, *arguments)

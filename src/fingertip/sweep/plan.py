@@ -91,9 +91,8 @@ class SweepPlan:
         outputs = tables.get("outputs")
         unknown: list[Issue] = []
         if isinstance(outputs, list) and all(isinstance(name, str) for name in outputs):
-            unknown = check_output_names(outputs) or _find_misplaced_outputs(
-                outputs, "fingers" in (design_tables or {})
-            )
+            is_set = "fingers" in (design_tables or {})
+            unknown = check_output_names(outputs) or _find_misplaced_outputs(outputs, is_set)
             issues += unknown
         if file and not unknown:  # else an objective may be right, and an output misspelt
             issues += sweep_file.check_objectives(file)
@@ -207,9 +206,8 @@ def _check_point_count(file: SweepFile, axes: list[Axis]) -> list[Issue]:
             problem = f"{file.points} is for samplers, but the axes make a grid of {size} points"
             return [Issue("points", f"{problem}; leave it out.")]
         if size > MAX_POINTS:
-            return [
-                Issue("axes", f"make a grid of {size} points; give at most {MAX_POINTS}, or sample them with sobol.")
-            ]
+            message = f"make a grid of {size} points; give at most {MAX_POINTS}, or sample them with sobol."
+            return [Issue("axes", message)]
         return [issue for axis in axes for issue in find_repeats(axis)]
     if not file.points:
         return [Issue("points", f"is missing; give the number that {file.sampling} draws, such as points = 1024.")]

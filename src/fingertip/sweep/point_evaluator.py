@@ -104,10 +104,8 @@ class PointEvaluator:
             return point, "failed", "", str(error), self._no_outputs
         except Exception as error:  # a worker's traceback is never printed
             last = traceback.extract_tb(error.__traceback__)[-1]
-            reason = (
-                f"{type(error).__name__}: {error} (in {last.name}, line {last.lineno}); this is a bug in fingertip."
-            )
-            return point, "failed", "", reason, self._no_outputs
+            fault = f"{type(error).__name__}: {error} (in {last.name}, line {last.lineno})"
+            return point, "failed", "", f"{fault}; this is a bug in fingertip.", self._no_outputs
         issue = values.get(ISSUE, _NO_ISSUE)
         outputs = tuple(round_for_output(values[name]) for name in self.plan.outputs)
         return point, "ok", issue.field, issue.message, outputs

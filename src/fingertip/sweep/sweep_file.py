@@ -83,9 +83,8 @@ def read_sweep_file(file: str | Path, changes: Iterable[str] = ()) -> dict[str, 
         with gather(issues):
             tables[name] = _load_base(folder, name, entry, base_changes, is_typed)
             if name == "design" and "fingers" in tables[name] and not isinstance(entry, str):
-                raise SweepError(
-                    Issue("design.fingers", "is a table of a set; write it in a file of its own, and name that.")
-                )
+                message = "is a table of a set; write it in a file of its own, and name that."
+                raise SweepError(Issue("design.fingers", message))
     if issues:
         raise SweepError(issues)
     return {name: table for name, table in tables.items() if table is not None}
@@ -142,11 +141,6 @@ def to_canonical_text(tables: Mapping[str, Any]) -> str:
                 table.add(tomlkit.key(keys), _to_inline_item(inner))
             document.add(name, table)
     return tomlkit.dumps(document)
-
-
-def select_row_defining_lines(text: str) -> list[str]:
-    """Select the lines of a canonical text that determine the rows: all but the objectives."""
-    return [line for line in text.splitlines() if not line.startswith(("minimise = ", "maximise = "))]
 
 
 def _load_base(folder: Path, name: str, entry: Any, changes: list[str], is_typed: bool) -> dict[str, Any] | None:

@@ -110,13 +110,11 @@ def build(
     presses = design.dimensions.insert is not None and "skin" in names
     if presses:
         extras.require("sensor.insert", "scipy", alternative="set sensor.insert=none")
-    design, evaluator = design.with_silicone(material), MeshEvaluator(tolerance_mm)
+    design, evaluator, all_built = design.with_silicone(material), MeshEvaluator(tolerance_mm), names == [*known]
     writer = output_files.PART_FILES.writer(design, folder, force)
-    writer.check(
-        (*_file_names(names, file_formats, len(names) == len(known)), *(file_names(design) if drawings else ()))
-    )
+    writer.check([*_file_names(names, file_formats, all_built), *(file_names(design) if drawings else ())])
     print_writer = output_files.PRINTS.writer(design, folder / output_files.PRINT_FOLDER, force, folder)
-    print_writer.check(_print_names(names, file_formats, len(names) == len(known)))
+    print_writer.check(_print_names(names, file_formats, all_built))
     picture_writer = output_files.STEPS.writer(design, folder / output_files.STEPS_FOLDER, force, folder)
     picture_writer.check(())
 
@@ -126,7 +124,6 @@ def build(
     }  # fmt: skip
     work = Work("", stages, progress)
 
-    all_built = names == [*known]
     with contextlib.ExitStack() as stack:
         # The B-rep kernel and the pictures have processes of their own while this process makes and checks the meshes.
         process = None

@@ -90,9 +90,8 @@ def suggest_options(names: Sequence[str], columns: ColumnMap) -> str:
         return ""
     options = [f"--column {column}={shlex.quote(name)}" for column, name in guesses.items()]
     if is_force(guesses.get("voltage_v", "")):
-        options.append(
-            "--calibrate 0:0.5 (a force has no threshold in volts: give the interval in which nothing happens)"
-        )
+        reason = "a force has no threshold in volts: give the interval in which nothing happens"
+        options.append(f"--calibrate 0:0.5 ({reason})")
     return f"name the file's column{'s' * (len(guesses) > 1)}: {' '.join(options)}"
 
 

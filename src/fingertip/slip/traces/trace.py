@@ -243,10 +243,8 @@ def range_message(value: str, all_whole: bool, detector: DetectorParameters) -> 
     """Describe a voltage outside the ADC range, with the remedy."""
     remedy = "use --scale if the column is not in volts, or --set detector.adc_range_v"
     if all_whole:
-        remedy = (
-            f"the values are whole numbers, as ADC counts are: --scale {detector.adc_step_v:.8g} converts counts of "
-        )
-        remedy += f"{detector.adc_bits} bits to volts; of other bits, give the step of that converter"
+        scale = f"--scale {detector.adc_step_v:.8g} converts counts of {detector.adc_bits} bits to volts; of other bits"
+        remedy = f"the values are whole numbers, as ADC counts are: {scale}, give the step of that converter"
     return f"{value} exceeds the ADC range of {detector.adc_range_text}; {remedy}."
 
 

@@ -120,10 +120,8 @@ def describe_best(summary: SweepSummary) -> str:
         return f"Point {point} is the best of {candidates} to {goals}.{selection.describe_equals()}"
     number = len(selection.front)
     front = f"{number} Pareto-optimal point{'s' if number != 1 else ''}"
-    chosen = (
-        f"Point {point} is the best compromise to {goals}: of {front} among {candidates}, the nearest to the ideal."
-    )
-    return chosen + selection.describe_equals()
+    chosen = f"of {front} among {candidates}, the nearest to the ideal.{selection.describe_equals()}"
+    return f"Point {point} is the best compromise to {goals}: {chosen}"
 
 
 def _explain_first_point(summary: SweepSummary, rule: statistics.LimitingRule) -> str:
@@ -183,7 +181,7 @@ def _format_rules(rules: Sequence[statistics.LimitingRule]) -> list[str]:
         axis = rule.axes[0] if rule.axes else None
         influence = ""
         if axis and axis.explained_variance > 0:
-            ranges = ", ".join(_format_range(*ends) for ends in axis.limiting_ranges)
+            ranges = ", ".join(" to ".join(map(_format_value, dict.fromkeys(ends))) for ends in axis.limiting_ranges)
             influence = f"{axis.axis} ({format_percent(axis.explained_variance)})" + (f": {ranges}" if ranges else "")
         lines.append(f"{rule.rule:34} {rule.points:8} {format_percent(rule.share):>7}   {influence}".rstrip())
     if len(rules) > _MAX_RULES:
@@ -224,10 +222,6 @@ def _format_sensitivities(sensitivities: Sequence[statistics.OutputSensitivity])
 
 def _format_value(value: Any) -> str:
     return "-" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
-
-
-def _format_range(low: Any, high: Any) -> str:
-    return _format_value(low) if low == high else f"{_format_value(low)} to {_format_value(high)}"
 
 
 def format_percent(share: float, decimals: int = 0) -> str:

@@ -92,14 +92,14 @@ def test_cells_contain_the_best_value_and_the_mean_over_other_axes(
     x, y, values, feasible = (np.array(column, dtype=float) for column in zip(*points, strict=True))
     bins = [bin_by_value(axis, 9) for axis in (x, y)]
     with np.errstate(all="raise"):
-        cells = compute_cell_statistics(*bins, values, feasible.astype(bool), minimise=minimise)
+        found = compute_cell_statistics(*bins, values, feasible.astype(bool), minimise=minimise)
     for i, j in itertools.product(range(bins[1].count), range(bins[0].count)):
         inside = (bins[0].indices == j) & (bins[1].indices == i)
         usable = values[inside & (feasible > 0) & np.isfinite(values)]
-        assert (cells.points[i, j], cells.finite[i, j]) == (inside.sum(), len(usable))
+        assert (found[0][i, j], found[1][i, j]) == (inside.sum(), len(usable))
         best, mean = (min(usable) if minimise else max(usable), usable.mean()) if len(usable) else (math.nan, math.nan)
-        assert cells.best[i, j] == pytest.approx(best, nan_ok=True)
-        assert cells.mean[i, j] == pytest.approx(mean, nan_ok=True)
+        assert found[2][i, j] == pytest.approx(best, nan_ok=True)
+        assert found[3][i, j] == pytest.approx(mean, nan_ok=True)
 
 
 def get_indices(sensitivity: OutputSensitivity) -> dict[str, float]:

@@ -168,12 +168,12 @@ def compute_simulation(context: PointContext) -> OutputValues:
     assert context.scene is not None
     case, detector = Case("slip", context.scene, context.file.first_seed), context.file.detector
     with compiled():
-        found = compare_grids(context.design, case, (detector,))
+        errors, shifts_samples = compare_grids(context.design, case, (detector,))
     return {
-        "simulation.force_error_mn": 1e3 * found.errors["force_n"],
-        "simulation.voltage_error_mv": 1e3 * found.errors["voltage_v"],
-        "simulation.envelope_error_mv": 1e3 * found.errors["envelope_v"],
-        "simulation.delay_shift_samples": found.shifts_samples[detector],
+        "simulation.force_error_mn": 1e3 * errors["force_n"],
+        "simulation.voltage_error_mv": 1e3 * errors["voltage_v"],
+        "simulation.envelope_error_mv": 1e3 * errors["envelope_v"],
+        "simulation.delay_shift_samples": shifts_samples[detector],
     }
 
 

@@ -32,10 +32,10 @@ from fingertip.documents.board.bringup import render_sheet
 from fingertip.documents.board.readme import folder_readme
 from fingertip.foundation import extras
 from fingertip.foundation.errors import BoardError, Issue, OutputError, escape_control, shorten
-from fingertip.foundation.output_set import SetWriter, finish_interrupted, hash_parameters
+from fingertip.foundation.output_set import Revision, SetWriter, finish_interrupted, hash_parameters
 from fingertip.pictures.assembly_drawing import draw_assembly
 from fingertip.pictures.drawing.render import render_pdf, render_svg
-from fingertip.tasks.edited_board import EditedFiles, find_edited, refuse_other_circuit, revise_edited
+from fingertip.tasks.edited_board import find_edited, refuse_other_circuit, revise_edited
 from fingertip.tasks.verification import compare_with_design
 
 BRING_UP_FILES = (output_files.BRING_UP, output_files.BRING_UP_READINGS, output_files.WIRING)
@@ -96,16 +96,18 @@ class BoardPlan:
 
     writer: SetWriter
     files: Mapping[str, bytes]
-    edited: EditedFiles
+    revisions: Mapping[str, Revision]
     """Files among them that somebody edited in KiCad."""
+    notes: Sequence[str]
+    """Sentence on each of these."""
     models: Sequence[tuple[SetWriter, Mapping[str, bytes]]]
 
     def write(self, progress: Callable[[str], None]) -> tuple[Path, ...]:
         """Write the files, all or none, then the models, and return the paths of the files. Raises OutputError."""
-        removed = self.writer.write(self.files, revisions=self.edited.revisions)
+        removed = self.writer.write(self.files, revisions=self.revisions)
         for writer, contents in self.models:
             writer.write(contents)
-        for note in self.edited.notes:
+        for note in self.notes:
             progress(note)
         if removed:
             progress(f"removed files of another design: {', '.join(removed)}; --bringup writes those of this one")
@@ -132,13 +134,13 @@ def plan_board(
 
     writer, models = output_files.BOARD.writer(design, folder, force, top), model_sets(folder, force, top)
     writer.check(())
-    edited = EditedFiles({}, ()) if force else revise_edited(folder, files, make_layout)
+    revisions, notes = ({}, []) if force else revise_edited(folder, files, make_layout)
     if bring_up:
         files |= bring_up_files(design)
-    writer.check(files, edited.revisions)
+    writer.check(files, revisions)
     for model_writer, contents in models:
         model_writer.check(contents)
-    return BoardPlan(writer, files, edited, models)
+    return BoardPlan(writer, files, revisions, notes, models)
 
 
 def write_board(

@@ -8,7 +8,7 @@ the edited file cannot follow, and nothing is written.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from fingertip.board.circuits.channels import find_symbol
@@ -30,16 +30,6 @@ from fingertip.foundation.input_files import PARSED_LIMIT, read_input
 from fingertip.foundation.output_set import Revision, has_hash, read_manifest
 
 _REMEDY = "write this design to another folder with --out, or add --force to overwrite your edits."
-
-
-@dataclass(frozen=True)
-class EditedFiles:
-    """Files that somebody edited, and their new content."""
-
-    revisions: Mapping[str, Revision]
-    """Present and new content by name."""
-    notes: tuple[str, ...]
-    """Sentence on each of them."""
 
 
 def find_edited(folder: Path) -> list[str]:
@@ -70,8 +60,8 @@ def refuse_other_circuit(folder: Path, netlist: bytes, beside: Path) -> None:
 
 def revise_edited(
     folder: Path, contents: Mapping[str, bytes], make_layout: Callable[[Mapping[str, str]], bytes]
-) -> EditedFiles:
-    """Revise the edited files of a folder for new contents of the board.
+) -> tuple[dict[str, Revision], list[str]]:
+    """Revise the edited files of a folder for new contents of the board, and return a sentence on each of them too.
 
     A project that KiCad or somebody changed is kept: it holds nothing of a design.
 
@@ -118,7 +108,7 @@ def revise_edited(
                 notes[-1] += " This design prints more or fewer lines of values than it shows: compare them."
     if issues:
         raise OutputError(issues)
-    return EditedFiles(revisions, tuple(notes))
+    return revisions, notes
 
 
 def _read_circuit(path: Path) -> CircuitRecord:

@@ -11,7 +11,7 @@ its power in the band of slip. The article's ADC (NI 6002) makes 50 000 conversi
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,20 +38,14 @@ SIGNALS = ("force_n", "voltage_v", "envelope_v")
 _ROUNDING = 1e-6
 
 
-@dataclass(frozen=True)
-class GridDifference:
-    """Difference of one trial between the shipped grid and a finer one."""
-
-    errors: Mapping[str, float]
-    """Signal -> largest difference in the trial, in the signal's unit."""
-    shifts_samples: Mapping[str, float]
-    """Detector -> shift of the delay [samples]; infinite if slips are found on one grid only, NaN if on neither."""
-
-
 def compare_grids(
     design: Design, case: Case, detectors: Sequence[str] = tuple(DETECTORS), refinement: int = REFINEMENT
-) -> GridDifference:
-    """Run one trial on the shipped grid and on a finer one, with the same noise."""
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Run one trial on the shipped grid and on a finer one, with the same noise.
+
+    Returns by signal the largest difference, in the signal's unit, and by detector the shift of the delay [samples]:
+    infinite if slips are found on one grid only, NaN if on neither.
+    """
     sampled = select_board_outputs(design, detectors)
     scene = case.scene.model_copy(update={"outputs": ["slip", *SIGNALS, *sampled]})
     shipped = SceneRun(design, scene, case.seed).grid
@@ -63,7 +57,7 @@ def compare_grids(
     for name in detectors:
         coarse, fine = (evaluate(case, one.trace, one.force_n, name, design, [1.0])[0].delays_s for one in pair)
         shifts[name] = rate * _find_shift_s(coarse, fine)
-    return GridDifference(errors, shifts)
+    return errors, shifts
 
 
 def _find_shift_s(coarse_s: Sequence[float], fine_s: Sequence[float]) -> float:
@@ -117,10 +111,10 @@ def study_steps(design: Design, trials: int) -> StepSensitivity:
     with compiled():
         differences = [compare_grids(design, case) for case in generate_trials(trials)]
     rate = design.detector.sample_rate_hz
-    shifts = tuple(_pool_shifts(name, [one.shifts_samples[name] for one in differences], rate) for name in DETECTORS)
+    shifts = tuple(_pool_shifts(name, [samples[name] for _, samples in differences], rate) for name in DETECTORS)
     errors = []
     for name in SIGNALS:
-        values = [difference.errors[name] for difference in differences]
+        values = [largest[name] for largest, _ in differences]
         median, p90 = (float(np.quantile(values, q, method="higher")) for q in (0.5, 0.9))
         errors.append(SignalError(name, median, p90, max(values)))
     return StepSensitivity(len(differences), REFINEMENT, shifts, tuple(errors))

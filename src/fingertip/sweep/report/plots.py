@@ -223,22 +223,24 @@ def draw_heat_map(
         make_scale(name, axes[name], counts[name] if counts[name] <= _MAX_CELLS else max_cells)
         for name in (x_name, y_name)
     )
-    cells = statistics.compute_cell_statistics(x.bins, y.bins, values, feasible, minimise is not False)
+    points, finite, best, mean = statistics.compute_cell_statistics(
+        x.bins, y.bins, values, feasible, minimise is not False
+    )
     others = [name for name, count in counts.items() if name not in (x_name, y_name) and count > 1]
-    if cells.finite.max(initial=0) <= 1 and not others:
+    if finite.max(initial=0) <= 1 and not others:
         figure = style.new_figure(8.5, 6.5)
-        _draw_cells(figure, figure.subplots(), (x, y), cells.mean, cells.points, output, output)
+        _draw_cells(figure, figure.subplots(), (x, y), mean, points, output, output)
     else:
         figure = style.new_figure(13, 6.2)
         left, right = figure.subplots(1, 2)
         extreme = "maximum" if minimise is False else "minimum"
         title = f"{extreme} of {output} in each cell" + ("" if minimise is None else " (best)")
-        _draw_cells(figure, left, (x, y), cells.best, cells.points, title, output)
-        _draw_cells(figure, right, (x, y), cells.mean, cells.points, f"mean of {output} in each cell", output)
+        _draw_cells(figure, left, (x, y), best, points, title, output)
+        _draw_cells(figure, right, (x, y), mean, points, f"mean of {output} in each cell", output)
         right.set_ylabel("")
     condition = "" if np.isfinite(values[feasible]).all() else " with a finite value"
-    caption = f"{cells.finite.sum()} feasible designs{condition}; grey: no such design"
-    if not cells.points.all():
+    caption = f"{finite.sum()} feasible designs{condition}; grey: no such design"
+    if not points.all():
         caption += "; white: no point"
     if others:
         caption += f"; over all values of {', '.join(others)}"

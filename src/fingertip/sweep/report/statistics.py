@@ -42,20 +42,6 @@ class Bins:
         return bool(np.all(self.low == self.high))
 
 
-@dataclass(frozen=True)
-class CellStatistics:
-    """Statistics of an output in the cells of two binned axes; arrays of shape (bins of y, bins of x)."""
-
-    points: NDArray[np.intp]
-    """Number of points, feasible or not."""
-    finite: NDArray[np.intp]
-    """Number of feasible points with a finite output."""
-    best: NDArray[np.float64]
-    """Minimum or maximum of the finite outputs; NaN if there are none."""
-    mean: NDArray[np.float64]
-    """Mean of the finite outputs; NaN if there are none."""
-
-
 def is_categorical(column: Column) -> bool:
     """Return whether a column holds words, which have no order and no distances."""
     return column.dtype.kind in "OUS"
@@ -131,7 +117,12 @@ def compute_null_deviation(bins: int, points: int) -> float:
 
 def compute_cell_statistics(
     x: Bins, y: Bins, values: Column, feasible: NDArray[np.bool_], minimise: bool
-) -> CellStatistics:
+) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.float64], NDArray[np.float64]]:
+    """Compute statistics of an output in the cells of two binned axes, of shape (bins of y, bins of x).
+
+    Returns the number of points, feasible or not, the number of feasible points with a finite output, and the best and
+    the mean of these outputs, NaN in a cell without any.
+    """
     shape = (y.count, x.count)
     size = y.count * x.count
     cell_of_point = y.indices * x.count + x.indices
@@ -143,7 +134,7 @@ def compute_cell_statistics(
     (np.minimum if minimise else np.maximum).at(best, cell, finite_values)
     best[count == 0] = np.nan
     points = np.bincount(cell_of_point, minlength=size)
-    return CellStatistics(points.reshape(shape), count.reshape(shape), best.reshape(shape), mean.reshape(shape))
+    return points.reshape(shape), count.reshape(shape), best.reshape(shape), mean.reshape(shape)
 
 
 def find_pareto_front(costs: Costs) -> NDArray[np.intp]:

@@ -99,7 +99,9 @@ class PointEvaluator:
         try:
             values: OutputValues = {}
             for group, cache_axes in self._groups:
-                values |= self._compute_group(group, cache_axes, context, changes)
+                compute = partial(GROUP_FUNCTIONS[group.name], context)
+                key = group.name, *(changes[name] for name in cache_axes or ())
+                values |= compute() if cache_axes is None else self._group_results.get(key, compute)
         except FingertipError as error:
             return point, "failed", "", str(error), self._no_outputs
         except Exception as error:  # a worker's traceback is never printed
@@ -134,18 +136,6 @@ class PointEvaluator:
         if issues:
             raise FingertipError(issues)
         return next(iter(built.values())), fingers, scene
-
-    def _compute_group(
-        self,
-        group: OutputGroup,
-        cache_axes: tuple[str, ...] | None,
-        context: PointContext,
-        changes: Mapping[str, Value],
-    ) -> OutputValues:
-        if cache_axes is None:
-            return GROUP_FUNCTIONS[group.name](context)
-        key = (group.name, *(changes[name] for name in cache_axes))
-        return self._group_results.get(key, lambda: GROUP_FUNCTIONS[group.name](context))
 
     def _load_trial(
         self, changes: Mapping[str, Value], seed: int, record: Callable[[], RecordedTrial]

@@ -184,7 +184,6 @@ def write_fabrication(
     """Write the fabrication files to the folder `fab` of a board's folder, all or none. Requires KiCad.
 
     `made_from.sha256` beside them records which board files they were made from, in the format of `sha256sum --check`.
-
     Raises MissingLibraryError or BoardError or OutputError.
     """
     from fingertip.board.fabrication.fabrication_files import fabrication_files  # noqa: PLC0415
@@ -210,28 +209,22 @@ def check_fabrication(design: Design, folder: Path, *, force: bool = False) -> S
     """Refuse to make fabrication files beside a board, before work starts; return the writer that they need.
 
     They follow from the design: beside a schematic or layout that was edited in KiCad, they would be those of another
-    board.
-
-    Raises MissingLibraryError or OutputError.
+    board. Raises MissingLibraryError or OutputError.
     """
     from fingertip.board.fabrication.fabrication_files import find_kicad  # noqa: PLC0415
 
     if not force:
-        _refuse_edited(folder)
+        finish_interrupted(folder)
+        message = (
+            "was edited, and --fab would export the board without your edits; export it from KiCad (File, Fabrication "
+            "Outputs) and leave --fab out, or add --force to overwrite your edits."
+        )
+        if edited := [name for name in find_edited(folder) if name != output_files.PROJECT]:
+            raise OutputError(Issue(str(folder / name), message) for name in edited)
     writer = output_files.FABRICATION.writer(design, folder / output_files.FAB_FOLDER, force, folder)
     writer.check((output_files.PROVENANCE,))
     find_kicad()
     return writer
-
-
-def _refuse_edited(folder: Path) -> None:
-    finish_interrupted(folder)
-    message = (
-        "was edited, and --fab would export the board without your edits; export it from KiCad (File, Fabrication "
-        "Outputs) and leave --fab out, or add --force to overwrite your edits."
-    )
-    if issues := [Issue(str(folder / name), message) for name in find_edited(folder) if name != output_files.PROJECT]:
-        raise OutputError(issues)
 
 
 def board_differences(design: Design, folder: str | Path) -> list[str]:

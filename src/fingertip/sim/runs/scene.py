@@ -184,7 +184,12 @@ class SceneRun:
         count = self.grid.count_points(self.timeline.duration_s, self.design.detector.sample_rate_hz)
         outputs, slides = frozenset(self.scene.outputs), self.timeline.slide is not None
         setup, feedback = self._set_up(), slides and self.scene.contact.feedback
-        pad = self._build_pad(setup, self.grid) if slides else None
+        pad: CoupledPad | UncoupledPad | None = None
+        if feedback:
+            shaking_n = self.scene.tap.force_n + 2 * self.scene.motor.force_n
+            pad = CoupledPad(setup, self.grid, self.max_load_n + shaking_n, self.meter)
+        elif slides:
+            pad = UncoupledPad(setup, self.grid, self.max_load_n, self.meter)
         finger = Finger(setup, self.grid, outputs, self.meter, feedback)
         rng = self._open_random("motor")
         phases = 2 * math.pi * rng.random(), 2 * math.pi * rng.random()
@@ -222,12 +227,6 @@ class SceneRun:
             path=scene,
             event_origin_s=self.timeline.held_s,
         )
-
-    def _build_pad(self, setup: FingerSetup, grid: Grid) -> CoupledPad | UncoupledPad:
-        if not self.scene.contact.feedback:
-            return UncoupledPad(setup, grid, self.max_load_n, self.meter)
-        shaking_n = self.scene.tap.force_n + 2 * self.scene.motor.force_n
-        return CoupledPad(setup, grid, self.max_load_n + shaking_n, self.meter)
 
     def _open_random(self, purpose: str) -> random.Random:
         """Random numbers for one purpose, so that setting the force changes neither the surface nor the motors."""

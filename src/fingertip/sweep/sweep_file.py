@@ -98,10 +98,7 @@ def parse_sweep_file(tables: Mapping[str, Any]) -> tuple[SweepFile | None, list[
 
 
 def parse_base_designs(tables: Mapping[str, Any]) -> tuple[dict[str, DesignTables], list[Issue]]:
-    """Validate the parameters of the base design, or of each finger of a set; points check the rules between them.
-
-    Returns finger -> design, "" for a design that is not part of a set.
-    """
+    """Validate the base design, as "" -> design, or each finger -> design of a set; points check the rules."""
     designs, issues = dict[str, DesignTables](), list[Issue]()
     if "fingers" in tables:
         with gather(issues, "design."):

@@ -63,9 +63,7 @@ def revise_edited(
 ) -> tuple[dict[str, Revision], list[str]]:
     """Revise the edited files of a folder for new contents of the board, and return a sentence on each of them too.
 
-    A project that KiCad or somebody changed is kept: it holds nothing of a design.
-
-    Raises OutputError.
+    A project that KiCad or somebody changed is kept: it holds nothing of a design. Raises OutputError.
     """
     manifest = read_manifest(folder)
     present = {name: read_input(folder / name, PARSED_LIMIT, below=folder) for name in find_edited(folder)}

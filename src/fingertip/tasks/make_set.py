@@ -86,13 +86,9 @@ def make_set(
 ) -> MadeSet:
     """Make every form of a set in a folder of its own, and the prints, plan and sheets of the set.
 
-    Options are those of `make`. The folder is `out/<set name>` by default. The plates of the set need "3mf".
-
-    Raises
-    ------
-    FingertipError
-        As `make` does for each form, or if a part is too large for the bed or a silicone thickens too soon. Nothing has
-        been written then, but for forms whose own files were complete.
+    Options are those of `make`. The folder is `out/<set name>` by default. The plates of the set need "3mf". Raises
+    FingertipError as `make` does for each form, or if a part is too large for the bed or a silicone thickens too soon.
+    Nothing has been written then, but for forms whose own files were complete.
     """
     folder = SET_FILES.folder(fingers, out)
     formats = None if formats is None else tuple(formats)

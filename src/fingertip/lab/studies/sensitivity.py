@@ -216,10 +216,7 @@ def slide_at(surface: str, force_n: float) -> SceneFile:
 def measure_envelope_v(
     design: Design, surface: str, force_n: float, seeds: Sequence[int], variation: Variation = UNCHANGED
 ) -> float:
-    """Measure the mean envelope of a design's board in slip at 6 cm/s, at a force that no variation changes [V].
-
-    It is NaN without slip.
-    """
+    """Measure a board's mean envelope in slip at 6 cm/s and a force that no variation changes [V]; NaN without slip."""
     scene, changed = variation.vary_scene(slide_at(surface, force_n)), variation.vary_design(design)
     hold = scene.hold.model_copy(update={"min_force_n": force_n, "max_force_n": force_n})
     scene = scene.model_copy(update={"hold": hold, "outputs": ["voltage_v", "slip", "envelope_v"]})

@@ -75,10 +75,7 @@ EXCURSION_S = WINDOW_S / 8
 
 
 class FftDetector(Detector):
-    """FFT detector with its state. It starts as if the input had always had the value of the first sample.
-
-    The plain form has windows without overlap and taper, and takes every bin between 0 Hz and half the rate.
-    """
+    """FFT detector with its state. It starts as if the input had always had the value of the first sample."""
 
     def __init__(
         self, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0, is_plain: bool = False

@@ -31,9 +31,8 @@ def write_report(
 
     It always contains `summary.json`. It contains `feasibility.png`, `sensitivity.png`, `heatmap_OUTPUT.png` and
     `scatter_matrix.png` if the rows have something to draw, `best.toml` and `pareto_front.csv` if the sweep has an
-    objective, and `pareto_front.png` if it has two or more. Without matplotlib, the plots are left out.
-
-    Raises OutputError or SweepError.
+    objective, and `pareto_front.png` if it has two or more. Without matplotlib, the plots are left out. Raises
+    OutputError or SweepError.
     """
     work = Work("", {"reading the rows": 1.0, "drawing": 2.0}, progress)
     work.begin("reading the rows")
@@ -75,9 +74,7 @@ def write_csv(source: SweepDatabase, path: Path) -> None:
     """Write one line for each row: point, parameters, outputs (with the unit in their name), status, field, reason.
 
     Numbers read back exactly. An output that was not computed is empty; an unbounded one is inf. The same rows give
-    the same bytes.
-
-    Raises OutputError.
+    the same bytes. Raises OutputError.
     """
     with open_atomic(path, "--csv") as raw:
         text = io.TextIOWrapper(raw, encoding="utf-8", newline="", write_through=False)

@@ -98,16 +98,13 @@ def multiply(
         out[block + 4], out[block + 5], out[block + 6], out[block + 7] = a4, a5, a6, a7
 
 
+Constants = tuple[float, float, int, int, int, float, bool, tuple[float, float, float], tuple[float, float]]
+"""Tolerance of a step [V], sampling interval [s], numbers of states, of rows of a column and of levels, voltage of the
+rails (0: none), whether the rectifier is `precision`, and the values of diode and load."""
+
+
 def _envelope_loop(
-    tolerance: float,
-    H: float,
-    states: int,
-    rows: int,
-    levels: int,
-    rail: float,
-    precision: bool,
-    diode: tuple[float, float, float],
-    load: tuple[float, float],
+    constants: Constants,
     before: Sequence[float],
     after: Sequence[float],
     step_columns: Sequence[float],
@@ -123,12 +120,9 @@ def _envelope_loop(
     statistics: MutableSequence[float],
 ) -> None:
     """Follow the envelope over a chunk: exact steps of the circuit, and an implicit method where the diode conducts."""
-    # Parameters: tolerance of a step [V], sampling interval H, number of states, length of a column, number of levels,
-    # voltage of the rails (0: none), whether the rectifier is `precision`, and the values of diode and load. The input
-    # is given right before and right after each sample. step_columns, output_rows and amplifier1_row are those of
-    # `fingertip.sim.signal.analog_circuit.compute_step_matrices`.
-    saturation, nvt, series = diode
-    R, C = load
+    # The input is given right before and right after each sample. step_columns, output_rows and amplifier1_row are
+    # those of `fingertip.sim.signal.analog_circuit.compute_step_matrices`.
+    tolerance, H, states, rows, levels, rail, precision, (saturation, nvt, series), (R, C) = constants
     width = states + 3
     u1_at = states  # places of the filter's output at `ABSCISSAE` in a product with step_columns
     shortest = levels - 1

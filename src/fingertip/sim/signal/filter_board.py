@@ -143,21 +143,19 @@ class Integrator:
         """Integrate board i from the first sample to the last; returns the loop's statistics."""
         statistics = np.zeros(3)
         envelope_loop.run(
-            *self.constants(i), before, after, *self.matrices(i), carried, z, *self.make_scratch(), filtered_v,
+            self.constants(i), before, after, *self.matrices(i), carried, z, *self.make_scratch(), filtered_v,
             envelope_v, statistics,
         )  # fmt: skip
         envelope_v *= self.gain(i)
         return statistics
 
-    def constants(self, i: int) -> tuple[Any, ...]:
-        """Return what the loop takes ahead of the voltages of board i."""
+    def constants(self, i: int) -> envelope_loop.Constants:
         saturation, nvt, series, r, c, _ = self._fixed[i]
         rail_v, is_precise = self._board.rail_v or 0.0, self._board.rectifier == "precision"
         sizes = self._state_count, self._rows, LEVELS
         return self._tolerance_v, self._step_s, *sizes, rail_v, is_precise, (saturation, nvt, series), (r, c)
 
     def matrices(self, i: int) -> tuple[Array, Array, Array]:
-        """Return what it takes behind them."""
         return self._step_columns[i], self._output_rows[i], self._amplifier1_row[i]
 
     def make_scratch(self) -> tuple[Array, Array, Array]:

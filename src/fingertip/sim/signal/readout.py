@@ -179,7 +179,7 @@ def _readout_loop(
             for i in range(states + 3):
                 carried[f, envelope_loop.OUTPUT] += output_rows[i] * z[f, i]
         _FILTER(
-            *board, board_v, board_v, step_columns, output_rows, amplifier1_row, carried[f], z[f], z_next, z_end,
+            board, board_v, board_v, step_columns, output_rows, amplifier1_row, carried[f], z[f], z_next, z_end,
             tables, filtered_v, envelope_v, statistics,
         )  # fmt: skip
         _PASS(poles[0], bridge_v[:points], bridge_v[:points], pole_states[0, f], pin_v)

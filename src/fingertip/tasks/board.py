@@ -41,7 +41,6 @@ from fingertip.tasks.verification import compare_with_design
 BRING_UP_FILES = (output_files.BRING_UP, output_files.BRING_UP_READINGS, output_files.WIRING)
 """Names of the files for bringing a board up, which are written where they are asked for."""
 _MAX_DIFF_LENGTH = 300
-_TAB = "\t"
 _MAX_DIFF_LINES = 12
 
 
@@ -252,7 +251,7 @@ def _first_difference(existing: bytes, data: bytes) -> list[str]:
     window = slice(first, first + _MAX_DIFF_LINES)
     lines = difflib.unified_diff(old[window], new[window], "folder", "design", n=0, lineterm="")
     shown = (shorten(line, _MAX_DIFF_LENGTH) for line in list(lines)[3 : 3 + _MAX_DIFF_LINES])
-    return [f"    line {first + 1}:", *(f"    {escape_control(line, kept=_TAB)}" for line in shown)]
+    return [f"    line {first + 1}:", *("    " + escape_control(line, kept="\t") for line in shown)]
 
 
 # Files of a bring-up, and the assessment of readings, for a design.

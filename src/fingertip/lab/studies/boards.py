@@ -20,8 +20,6 @@ from fingertip.lab.campaign.run import DetectorResult, run_campaign, run_cases, 
 from fingertip.sim.signal.converter import simulate_quiescent_level
 
 VARIANTS = ("article", "precision")
-ARTICLE = "article"
-"""Name of the bundled design with the article's board and converter."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +71,7 @@ def study_board_variants(design: Design, trials: int = 24, negative_minutes: flo
 
 def with_article_board(design: Design) -> Design:
     """Copy of a design with the board and the converter of the bundled design `article`."""
-    article = Design.load(ARTICLE).model_dump()
+    article = Design.load("article").model_dump()
     return Design(**(design.model_dump() | {name: article[name] for name in ("board", "detector")}))
 
 

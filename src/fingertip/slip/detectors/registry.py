@@ -78,7 +78,6 @@ ENVELOPE_MEAN = "mean of the envelope"
 
 @dataclass(frozen=True)
 class DetectorType:
-    label: str
     words: str
     input_column: str
     """Column of the trace that the detector takes: ``voltage_v``, or the board's output ``envelope_v``."""
@@ -109,25 +108,19 @@ class DetectorType:
 
 DETECTORS: dict[str, DetectorType] = {
     "analog": DetectorType(
-        "window mean of the analog board's envelope output", "on the board's output", "envelope_v", ENVELOPE_MEAN,
-        "analog_and_digital:AnalogDetector", BLUE, "s",
+        "on the board's output", "envelope_v", ENVELOPE_MEAN, "analog_and_digital:AnalogDetector", BLUE, "s"
     ),
     "digital": DetectorType(
-        "the article's chain in digital filters", "the article's chain in software", "voltage_v", ENVELOPE_MEAN,
-        "analog_and_digital:SlipChain", TEAL, "o",
+        "the article's chain in software", "voltage_v", ENVELOPE_MEAN, "analog_and_digital:SlipChain", TEAL, "o"
     ),
-    "fft": DetectorType(
-        "spectrum of 64 ms", "the article's baseline", "voltage_v", "statistic of fft", "fft:FftDetector", ORANGE, "^",
-    ),
+    "fft": DetectorType("the article's baseline", "voltage_v", "statistic of fft", "fft:FftDetector", ORANGE, "^"),
     "incipient": DetectorType(
-        "detector fast at its early operating point", "fast at its early point", "voltage_v", "statistic of fast",
-        "fast:IncipientDetector", RED, "o", second_column="filtered_v",
+        "fast at its early point", "voltage_v", "statistic of fast", "fast:IncipientDetector", RED, "o", "filtered_v"
     ),
     "fast": DetectorType(
-        "energies of 6 and 20 ms over the learned noise, beside the slow force, judged by trees", "short-time energy",
-        "voltage_v", "statistic of fast", "fast:FastDetector", RED, "D", second_column="filtered_v",
+        "short-time energy", "voltage_v", "statistic of fast", "fast:FastDetector", RED, "D", "filtered_v"
     ),
-}  # fmt: skip
+}
 DEFAULT = "digital"
 """Detector of `detect` and of its command, unless another one is named: the article's."""
 

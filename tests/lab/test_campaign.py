@@ -56,7 +56,7 @@ def trial(
     delays_s: Sequence[float] = (), slips: int = 1, alarms: Sequence[str] = (), case: Case = SLIP,
     duration_s: float = 60.0, on_share: float = 0.9, creep_s: float = 0.0,
 ) -> TrialResult:  # fmt: skip
-    return TrialResult(case, duration_s, 1.0, slips, tuple(delays_s), on_share, tuple(alarms), creep_s)
+    return TrialResult(case, duration_s, slips, tuple(delays_s), on_share, tuple(alarms), creep_s)
 
 
 def pool(*trials: TrialResult, scale: float = 1.0) -> DetectorResult:
@@ -94,25 +94,25 @@ def trace_with(slips, knocks, length=8000) -> Trace:
 @pytest.mark.parametrize("detector", ["digital", "fft", "fast"])
 def test_alarms_have_causes_and_one_event_counts_once(detector):
     trace = trace_with([(1.5, 2.0)], [(0.5, 0.53), (0.6, 0.63), (3.0, 3.05), (3.5, 3.55)])
-    (found,) = evaluate(SLIP, trace, 1.0, detector, ARTICLE, [1.0])
+    (found,) = evaluate(SLIP, trace, detector, ARTICLE, [1.0])
     assert found.alarms == ("contact", "release", "release")
     assert found.slips == 1
     assert 0.0 < found.delays_s[0] < 0.06
     assert found.on_share == 1.0
-    (tap,) = evaluate(Case("hard tap", SLIDE, 1), trace_with([], [(1.0, 1.1)]), 1.0, detector, ARTICLE, [1.0])
+    (tap,) = evaluate(Case("hard tap", SLIDE, 1), trace_with([], [(1.0, 1.1)]), detector, ARTICLE, [1.0])
     assert tap.alarms == ("hard tap",)
     assert tap.slips == 0
 
 
 def test_on_before_the_slip_is_a_false_alarm():
     trace = trace_with([(1.5, 2.0)], [(1.0, 1.5)])
-    (found,) = evaluate(SLIP, trace, 1.0, "fast", ARTICLE, [1.0])
+    (found,) = evaluate(SLIP, trace, "fast", ARTICLE, [1.0])
     assert found.delays_s == ()
     assert found.alarms == ("before slip",)
 
 
 def test_detection_of_incipient_slip_has_a_delay_of_zero_and_is_no_alarm():
-    (found,) = evaluate(SLIP, trace_with([(1.5, 2.0)], [(1.4931, 1.5)]), 1.0, "digital", ARTICLE, [1.0])
+    (found,) = evaluate(SLIP, trace_with([(1.5, 2.0)], [(1.4931, 1.5)]), "digital", ARTICLE, [1.0])
     assert found.delays_s == (0.0,)
     assert found.alarms == ()
 
@@ -123,7 +123,7 @@ def test_scaled_threshold_equals_a_detector_made_with_that_scale(detector, scale
     from fingertip.slip.traces.truth import intervals
 
     trace = trace_with([(1.5, 2.0)], [])
-    (found,) = evaluate(SLIP, trace, 1.0, detector, ARTICLE, [scale])
+    (found,) = evaluate(SLIP, trace, detector, ARTICLE, [scale])
     on = make_detector(detector, ARTICLE, threshold_scale=scale).process(trace.voltage_v).on
     assert found.delays_s == (intervals(trace.time_s, on)[0].onset_s - 1.5,)
 
@@ -133,11 +133,11 @@ def test_thresholds_without_a_run_of_their_own_have_its_results(detector):
     from fingertip.slip.detectors.registry import make_detector
 
     trace, runs = trace_with([(1.5, 2.0)], [(1.0, 1.02)]), {}
-    evaluate(SLIP, trace, 1.0, "fast", ARTICLE, SCALES, runs)
-    found = evaluate(SLIP, trace, 1.0, detector, ARTICLE, SCALES, runs)
+    evaluate(SLIP, trace, "fast", ARTICLE, SCALES, runs)
+    found = evaluate(SLIP, trace, detector, ARTICLE, SCALES, runs)
     for scale, result in zip(SCALES, found, strict=True):
         alone = make_detector(detector, ARTICLE, threshold_scale=scale)
-        assert result == score_trial(SLIP, trace, 1.0, alone.process(trace.voltage_v).on, alone.memory_s)
+        assert result == score_trial(SLIP, trace, alone.process(trace.voltage_v).on, alone.memory_s)
     assert 1 < len(runs) < len(SCALES)
 
 
@@ -373,14 +373,14 @@ def test_every_case_is_simulated_once_and_evaluated_at_every_threshold(monkeypat
     simulated: list[tuple[int, tuple[str, ...]]] = []
     shares: list[float] = []
 
-    def simulate(_: Design, case: Case, detectors: Sequence[str]) -> tuple[Any, float]:
+    def simulate(_: Design, case: Case, detectors: Sequence[str]) -> Any:
         simulated.append((case.seed, tuple(detectors)))
-        return SimpleNamespace(seed=case.seed), 2.0 * case.seed
+        return SimpleNamespace(seed=case.seed)
 
     def evaluate(
-        case: Case, trace: Any, force_n: float, name: str, _: Design, scales: Sequence[float], _runs: Any
+        case: Case, trace: Any, name: str, _: Design, scales: Sequence[float], _runs: Any
     ) -> list[TrialResult]:
-        assert (trace.seed, force_n) == (case.seed, 2.0 * case.seed)
+        assert trace.seed == case.seed
         return [trial([scale], case=case, alarms=[name]) for scale in scales]
 
     monkeypatch.setattr(run, "generate_cases", lambda plan, seed: cases if seed == 7 else [])

@@ -62,17 +62,15 @@ def campaign() -> CampaignResult:
         results = []
         for scale in (0.7, 1.0, 2.0):
             trials = [
-                TrialResult(Case("slip", scene, i), 5.0, 1.0, 1, (0.01 * factor * scale + late_s,), 0.9, (), 0.013, 1.8)
+                TrialResult(Case("slip", scene, i), 5.0, 1, (0.01 * factor * scale + late_s,), 0.9, (), 0.013, 1.8)
                 for i, scene in enumerate(slides)
                 for late_s in (0.0, 0.004 + 0.002 * i)
             ]
             if name == "digital":
-                trials.append(
-                    TrialResult(Case("slip", slides[0], 8), 5.0, 1.0, 1, (), 0.0, ("before slip",), 0.013, 1.8)
-                )
+                trials.append(TrialResult(Case("slip", slides[0], 8), 5.0, 1, (), 0.0, ("before slip",), 0.013, 1.8))
             alarms = ("contact",) * round(factor / scale - 0.6)
-            trials.append(TrialResult(Case("contact", SCENES[0], 9), 90.0, 1.0, 0, (), 0.0, alarms))
-            trials.append(TrialResult(Case("motor", SCENES[0], 10), 120.0, 1.0, 0, (), 0.0, ("motor",) * 3))
+            trials.append(TrialResult(Case("contact", SCENES[0], 9), 90.0, 0, (), 0.0, alarms))
+            trials.append(TrialResult(Case("motor", SCENES[0], 10), 120.0, 0, (), 0.0, ("motor",) * 3))
             results.append(DetectorResult(scale, tuple(trials)))
         detectors[name] = tuple(results)
     return CampaignResult(CampaignPlan(4, 0.5), 5_000_000, detectors)
@@ -129,7 +127,7 @@ def variation(label: str, shift_s: float, is_realistic: bool = True, found: floa
 def studies() -> StudyResults:
     summaries = summarise(closed_loop())
     fast = campaign().at_nominal_threshold("fast")
-    silent = DetectorResult(1.0, (TrialResult(Case("contact", SCENES[0], 9), 240.0, 1.0, 0, (), 0.0, ()),))
+    silent = DetectorResult(1.0, (TrialResult(Case("contact", SCENES[0], 9), 240.0, 0, (), 0.0, ()),))
     unknown = (math.inf, math.nan, 0.0, math.nan, math.nan, math.inf, math.inf, math.nan, math.nan)
     lost = VariationResult(STICK_SLIP, True, False, 30, 0.25, *unknown)
     hz = np.arange(0.0, 500.0, 50.0)
@@ -137,7 +135,7 @@ def studies() -> StudyResults:
     slip = Outcome("slip", 0.0, 0.5, 2, (0.01, 0.02), (0.03, 0.04), (0.95, 0.9), 1, (0.1,), 0, 0, 0.0)
     tap = Outcome("tap", 0.0, 2.0, 0, (), (), (), 0, (), 3, 1, 0.01)
     delays_s = [(0.03,)] * 30 + [(0.05,)] * 9 + [()]  # in 20 minutes, with three alarms
-    slips = [TrialResult(Case("slip", SCENES[0], i), 30.0, 1.0, 1, delay_s, 0.9, ("contact",) * (i < 3), 0.01)
+    slips = [TrialResult(Case("slip", SCENES[0], i), 30.0, 1, delay_s, 0.9, ("contact",) * (i < 3), 0.01)
              for i, delay_s in enumerate(delays_s)]  # fmt: skip
     mix = {"slip": (slip,), "tap": (tap, replace(tap, minutes=1.0, events=5, alarms=2))}
     return StudyResults(

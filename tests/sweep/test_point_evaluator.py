@@ -229,11 +229,11 @@ def test_alarms_of_a_sweep_are_per_minute(monkeypatch: pytest.MonkeyPatch) -> No
     delays = iter((0.01, 0.02, 0.09))
 
     def evaluate_trial(case: Case, *_: object) -> list[TrialResult]:
-        return [TrialResult(case, 10.0, 1.0, 1, (next(delays),), 1.0, ("slip",))]
+        return [TrialResult(case, 10.0, 1, (next(delays),), 1.0, ("slip",))]
 
     monkeypatch.setattr("fingertip.lab.campaign.run.evaluate", evaluate_trial)
     plan = make_plan(outputs=["delay_ms"], scene=SHORT_SLIDE, trials=3, axes={"detector.window_samples": [20, 40]})
-    context = PointContext(Design(), plan.scene, plan.file, Any, lambda seed, record: (Any, 1.0))
+    context = PointContext(Design(), plan.scene, plan.file, Any, lambda seed, record: Any)
     values = compute.compute_detection(context)
     assert (values["delay_ms"], values["delay_p90_ms"], values["found_share"]) == (20.0, 90.0, 1.0)
     assert values["false_alarms_per_min"] == pytest.approx(6.0)

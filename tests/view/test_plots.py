@@ -56,7 +56,7 @@ def plot(function: Callable[[], Any]) -> Callable[[], Any]:
 
 
 def make_trial(case: Case, delays_s: tuple[float, ...], alarms: tuple[str, ...] = ()) -> TrialResult:
-    return TrialResult(case, 30.0, 1.0, 1 if case.cause == "slip" else 0, delays_s, 0.9, alarms, 0.004, 1.0)
+    return TrialResult(case, 30.0, 1 if case.cause == "slip" else 0, delays_s, 0.9, alarms, 0.004, 1.0)
 
 
 def make_results(slower_s: float, alarms: int) -> DetectorResult:

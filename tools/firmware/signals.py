@@ -66,7 +66,7 @@ def campaign_recordings(design: Design, stride: int = 1) -> Iterator[Recording]:
     """Simulate the campaign's cases, or one of each few, and yield what the detector reads."""
     for number, case in enumerate(generate_cases(CampaignPlan(), HELD_OUT_FROM)):
         if number % stride == 0:
-            trace, _ = simulate_trace(design, case, ("fast",))
+            trace = simulate_trace(design, case, ("fast",))
             rest_v = signal_ground_ratio(design.board) * design.board.supply_v
             yield Recording(trace.voltage_v, None if trace.filtered_v is None else trace.filtered_v + rest_v)
 

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from fingertip.slip.traces.trace import Trace
     from fingertip.sweep.designs import CachedEvaluator
 
-RecordedTrial: TypeAlias = "tuple[Trace, float]"
-"""Trial as a recorder would store it, and the force that held the object [N]."""
 OutputValues: TypeAlias = dict[str, Any]
 """Output -> number, and under `ISSUE` what is wrong with a point that could be computed."""
 ISSUE = "issue"
@@ -40,7 +38,7 @@ class PointContext:
     file: SweepFile
     evaluator: Callable[[], CachedEvaluator]
     """Function that gives the mesh kernel. The kernel is loaded at its first call."""
-    load_trial: Callable[[int, Callable[[], RecordedTrial]], RecordedTrial] = lambda seed, record: record()
+    load_trial: Callable[[int, Callable[[], Trace]], Trace] = lambda seed, record: record()
     """Function of a seed and of what records its trial. It returns a cached trial where points share it."""
     fingers: FingerSet | None = None
     """Set of a sweep of sets; `design` is that of its first finger."""
@@ -135,8 +133,8 @@ def compute_detection(context: PointContext) -> OutputValues:
     with compiled():
         for seed in range(context.file.first_seed, context.file.first_seed + context.file.trials):
             case = Case("slip", context.scene, seed)
-            trace, force_n = context.load_trial(seed, partial(run.simulate_trace, design, case, [detector]))
-            results += run.evaluate(case, trace, force_n, detector, design, [1.0])
+            trace = context.load_trial(seed, partial(run.simulate_trace, design, case, [detector]))
+            results += run.evaluate(case, trace, detector, design, [1.0])
             if "slip_onset_ms" in context.file.outputs:
                 onsets_s.append(run.find_onset_s(design, case, trace))
             if "slip_vibration_n" in context.file.outputs:

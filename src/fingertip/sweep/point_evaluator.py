@@ -23,13 +23,14 @@ from fingertip.foundation.errors import FingertipError, Issue, gather
 from fingertip.foundation.files import round_for_output
 from fingertip.sweep import designs
 from fingertip.sweep.axes import Value
-from fingertip.sweep.compute import GROUP_FUNCTIONS, ISSUE, OutputValues, PointContext, RecordedTrial
+from fingertip.sweep.compute import GROUP_FUNCTIONS, ISSUE, OutputValues, PointContext
 from fingertip.sweep.engines import NO_POINT, set_current_point
 from fingertip.sweep.outputs import TRACES, OutputGroup
 from fingertip.sweep.plan import SweepPlan
 
 if TYPE_CHECKING:
     from fingertip.sim.runs.files import SceneFile
+    from fingertip.slip.traces.trace import Trace
 
 
 MAX_GROUP_RESULTS = 4096
@@ -82,7 +83,7 @@ class PointEvaluator:
         self._groups = [(group, _find_cache_axes(group, plan)) for group in plan.groups]
         self._trace_axes = _find_cache_axes(TRACES, plan)
         self._group_results: designs.LruCache[Any, OutputValues] = designs.LruCache(MAX_GROUP_RESULTS)
-        self._trials: designs.LruCache[Any, RecordedTrial] = designs.LruCache(MAX_TRACE_BYTES)
+        self._trials: designs.LruCache[Any, Trace] = designs.LruCache(MAX_TRACE_BYTES)
         self._no_outputs = (math.nan,) * len(plan.outputs)
 
     def evaluate(self, point: int, changes: Mapping[str, Value]) -> PointResult:
@@ -137,13 +138,11 @@ class PointEvaluator:
             raise FingertipError(issues)
         return next(iter(built.values())), fingers, scene
 
-    def _load_trial(
-        self, changes: Mapping[str, Value], seed: int, record: Callable[[], RecordedTrial]
-    ) -> RecordedTrial:
+    def _load_trial(self, changes: Mapping[str, Value], seed: int, record: Callable[[], Trace]) -> Trace:
         if self._trace_axes is None:
             return record()
         key = (seed, *(changes[name] for name in self._trace_axes))
-        return self._trials.get(key, record, lambda trial: 40.0 * len(trial[0].time_s))  # five columns of 8 bytes
+        return self._trials.get(key, record, lambda trace: 40.0 * len(trace.time_s))  # five columns of 8 bytes
 
 
 @lru_cache(maxsize=1)

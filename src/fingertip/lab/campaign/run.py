@@ -34,7 +34,6 @@ LOW_SCALES = (0.02, 0.05, 0.1, 0.2, 0.4)
 class TrialResult:
     case: Case
     duration_s: float
-    force_n: float
     slips: int
     delays_s: tuple[float, ...]
     """Delays of the slips that were found [s]; 0 in incipient slip. A detector that was ON before a slip did not find
@@ -55,11 +54,10 @@ class TrialResult:
         return tuple(delay + self.creep_s for delay in self.delays_s)
 
 
-def simulate_trace(design: Design, case: Case, detectors: Sequence[str]) -> tuple[Trace, float]:
-    """Simulate the recording of a case, through the ADC. Returns holding force [N]."""
+def simulate_trace(design: Design, case: Case, detectors: Sequence[str]) -> Trace:
+    """Simulate the recording of a case, through the ADC."""
     outputs = ["voltage_v", "force_n", "slip", *select_board_outputs(design, detectors)]
-    result = run_scene(design, case.scene.model_copy(update={"outputs": outputs}), case.seed)
-    return result.trace, result.force_n
+    return run_scene(design, case.scene.model_copy(update={"outputs": outputs}), case.seed).trace
 
 
 def select_board_outputs(design: Design, detectors: Sequence[str]) -> list[str]:
@@ -72,7 +70,6 @@ def select_board_outputs(design: Design, detectors: Sequence[str]) -> list[str]:
 def evaluate(
     case: Case,
     trace: Trace,
-    force_n: float,
     detector: str,
     design: Design,
     scales: Sequence[float],
@@ -97,7 +94,7 @@ def evaluate(
                 scaled = registry.make_detector(detector, design, threshold_scale=scale)
                 on = _process(scaled, inputs, scale, runs).on
                 is_off = isinstance(scaled, FastDetector) and scaled.is_off_beyond(runs[scale])
-            result = score_trial(case, trace, force_n, on, nominal.memory_s)
+            result = score_trial(case, trace, on, nominal.memory_s)
         found[scale] = result
     return [found[scale] for scale in scales]
 
@@ -112,7 +109,7 @@ def _process(
     return detector.select(runs[scale])
 
 
-def score_trial(case: Case, trace: Trace, force_n: float, on: NDArray[np.bool_], memory_s: float) -> TrialResult:
+def score_trial(case: Case, trace: Trace, on: NDArray[np.bool_], memory_s: float) -> TrialResult:
     """Score the flags of a detector, whose ON may outlast a slip by its memory [s], against the true slip."""
     assert trace.slip is not None
     scored = score(intervals(trace.time_s, on), intervals(trace.time_s, trace.slip), memory_s)
@@ -132,7 +129,7 @@ def score_trial(case: Case, trace: Trace, force_n: float, on: NDArray[np.bool_],
     duration = float(trace.time_s[-1] - trace.time_s[0])
     motion_s = trace.origin.motion_s
     creep = max(0.0, scored.slips[0].onset_s - motion_s) if scored.slips and motion_s is not None else 0.0
-    return TrialResult(case, duration, force_n, len(scored.slips), delays, on_share, tuple(alarms), creep, motion_s)
+    return TrialResult(case, duration, len(scored.slips), delays, on_share, tuple(alarms), creep, motion_s)
 
 
 def separate_events(alarms: Iterable[Interval]) -> list[Interval]:
@@ -322,10 +319,10 @@ def run_cases(
     with compiled():
         for i, case in enumerate(cases):
             advance(i / len(cases))
-            trace, force_n = simulate_trace(design, case, tuple(factors))
+            trace = simulate_trace(design, case, tuple(factors))
             runs: dict[float, FastOutput] = {}
             for name, scales in factors.items():
-                trials[name].append(evaluate(case, trace, force_n, name, design, scales, runs))
+                trials[name].append(evaluate(case, trace, name, design, scales, runs))
     return {
         name: tuple(map(DetectorResult, scales, zip(*trials[name], strict=True))) for name, scales in factors.items()
     }

@@ -22,6 +22,7 @@ from fingertip.lab.campaign.run import scene_surface, simulate_trace
 from fingertip.lab.report.plots import COLOURS, NOTE, OTHER_COLOUR, add_legend
 from fingertip.lab.studies.article import WINDOW_DETECTOR, WINDOWS_S, with_window
 from fingertip.sim import SceneFile
+from fingertip.sim.runs.scene import SceneRun
 from fingertip.sim.simulation import article_trials
 from fingertip.slip.detectors.analog_and_digital import ChainSettings, SlipChain
 from fingertip.slip.detectors.registry import make_detector, select_inputs
@@ -67,8 +68,8 @@ def simulate_examples(design: Design) -> list[ExampleTrial]:
         for i, label in enumerate(labels):
             speed = speeds[i % len(speeds)]
             case = Case("slip", scenes[(label, speed)], HELD_OUT_FROM + i)
-            trace, force_n = simulate_trace(design, case, DETECTORS_SHOWN)
-            examples.append(ExampleTrial(label, speed, trace, force_n))
+            trace = simulate_trace(design, case, DETECTORS_SHOWN)
+            examples.append(ExampleTrial(label, speed, trace, SceneRun(design, case.scene, case.seed).force_n))
     return examples
 
 

@@ -229,9 +229,9 @@ def study_windows(
         for case in generate_cases(CampaignPlan(trials, negative_minutes)):
             if case.cause not in ("slip", *CONTACTS):
                 continue
-            trace, force_n = simulate_trace(design, case, [WINDOW_DETECTOR])
+            trace = simulate_trace(design, case, [WINDOW_DETECTOR])
             for results, other in zip(collected, designs, strict=True):
-                results += evaluate(case, trace, force_n, WINDOW_DETECTOR, other, [1.0])
+                results += evaluate(case, trace, WINDOW_DETECTOR, other, [1.0])
     rows = []
     for window_s, other, results in zip(windows_s, designs, collected, strict=True):
         r, threshold_v = DetectorResult(1.0, tuple(results)), other.detector.threshold_v

@@ -119,7 +119,7 @@ def study_motor_discrimination(
     longest = round(max(segments_s) * rate)
     with compiled():
         for case in cases:
-            trace, _ = simulate_trace(design, case, [])
+            trace = simulate_trace(design, case, [])
             assert trace.slip is not None
             slip = case.cause == "slip"
             start = int(np.flatnonzero(trace.slip)[0]) if slip else round(_motor_onset_s(trace.time_s) * rate)

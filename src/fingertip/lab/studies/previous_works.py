@@ -93,12 +93,12 @@ def _study_plain_fft(board: Design, trials: int, first_seed: int) -> list[PlainF
     collected: list[list[TrialResult]] = [[] for _ in FFT_FACTORS]
     with compiled():
         for case in generate_trials(trials, first_seed):
-            trace, force_n = simulate_trace(board, case, ["fft"])
+            trace = simulate_trace(board, case, ["fft"])
             plain = FftDetector(board, is_plain=True)
             statistic_v = plain.process(trace.voltage_v).statistic_v
             for results, factor in zip(collected, FFT_FACTORS, strict=True):
                 on = statistic_v > factor * threshold_v
-                results.append(score_trial(case, trace, force_n, on, plain.memory_s))
+                results.append(score_trial(case, trace, on, plain.memory_s))
     rows = [_pool(factor * threshold_v, found) for factor, found in zip(FFT_FACTORS, collected, strict=True)]
     return rows[:1] + [row for row in rows[1:] if row.below_100_ms < FFT_SHARE * row.trials][:1]
 

@@ -293,8 +293,8 @@ def _run_variation(
     with compiled():
         for case in cases:
             changed_case = replace(case, scene=variation.vary_scene(case.scene))
-            trace, force_n = campaign.simulate_trace(changed_design, changed_case, [detector])
-            collected += campaign.evaluate(changed_case, trace, force_n, detector, changed_design, [1.0])
+            trace = campaign.simulate_trace(changed_design, changed_case, [detector])
+            collected += campaign.evaluate(changed_case, trace, detector, changed_design, [1.0])
             if case.cause == "slip":
                 onsets_s.append(campaign.find_onset_s(changed_design, changed_case, trace))
                 vibrations_n.append(campaign.measure_vibration_n(trace))

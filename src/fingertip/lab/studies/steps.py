@@ -55,7 +55,7 @@ def compare_grids(
     rate = design.detector.sample_rate_hz
     shifts = {}
     for name in detectors:
-        coarse, fine = (evaluate(case, one.trace, one.force_n, name, design, [1.0])[0].delays_s for one in pair)
+        coarse, fine = (evaluate(case, one.trace, name, design, [1.0])[0].delays_s for one in pair)
         shifts[name] = rate * _find_shift_s(coarse, fine)
     return errors, shifts
 

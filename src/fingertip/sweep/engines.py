@@ -16,7 +16,7 @@ from concurrent.futures import BrokenExecutor, Executor, ProcessPoolExecutor
 from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnContext
 from multiprocessing.process import BaseProcess
-from typing import Any, Protocol
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -53,30 +53,6 @@ _status: WorkerStatus | None = None
 _slot = -1
 
 
-class Engine(Protocol):
-    """Source of executors that also knows what it can about workers that died."""
-
-    description: str
-    attempts: int
-    """Number of workers that may die on one chunk before the engine itself gives the chunk up."""
-
-    @property
-    def workers(self) -> int:
-        """Number of workers."""
-
-    def executor(self) -> Executor:
-        """Start an executor whose workers are ready; after a breakdown, start a new one."""
-
-    def find_crashed_points(self) -> Mapping[int, float] | None:
-        """Find the points that dead workers were computing, each with its time so far [s]; None if unknown."""
-
-    def end_if_stuck(self) -> None:
-        """End an executor that can give no result any more; its chunks then count as lost."""
-
-    def close(self) -> None:
-        """Stop the workers, busy or not."""
-
-
 class ProcessEngine:
     """Worker processes on this machine, spawned, because a fork after a kernel has started threads hangs."""
 
@@ -84,6 +60,7 @@ class ProcessEngine:
         self.workers = jobs
         self.description = "processes"
         self.attempts = 1
+        """Number of workers that may die on one chunk before the engine itself gives the chunk up."""
         self._context = multiprocessing.get_context("spawn")
         self._pool: ProcessPoolExecutor | None = None
         self._status: WorkerStatus | None = None
@@ -108,7 +85,7 @@ class ProcessEngine:
         return self._pool
 
     def find_crashed_points(self) -> Mapping[int, float] | None:
-        """Find the points of the workers that died by themselves; a broken pool terminates the others."""
+        """Find the points of workers that died by themselves, each with its time [s]; a broken pool ends the others."""
         if self._status is None:
             return None
         now, status = time.monotonic(), self._status
@@ -240,8 +217,9 @@ class DaskEngine:
         executor: Executor = self._client.get_executor(pure=False)
         return executor
 
-    def find_crashed_points(self) -> None:
-        """Find nothing: Dask itself reports the tasks that were lost."""
+    def find_crashed_points(self) -> Mapping[int, float] | None:
+        """Return None: Dask itself reports the tasks that were lost."""
+        return None
 
     def end_if_stuck(self) -> None:
         """Do nothing: the scheduler notices workers that are lost."""
@@ -326,3 +304,7 @@ async def _check_scheduler(address: str) -> None:
 
 def _make_error(message: str) -> SweepError:
     return SweepError(Issue("--cluster", f"{message}."))
+
+
+Engine: TypeAlias = ProcessEngine | DaskEngine
+"""Source of executors that also knows what it can about workers that died."""

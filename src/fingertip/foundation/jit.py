@@ -26,7 +26,7 @@ import contextlib
 import functools
 import importlib
 import os
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, MutableSequence, Sequence
 from typing import Any
 
 import numpy as np
@@ -35,6 +35,8 @@ from fingertip.foundation import extras
 from fingertip.foundation.numerics import Array
 
 Function = Callable[..., Any]
+Floats = Sequence[float]
+MutableFloats = MutableSequence[float]
 
 LOAD_S = 0.5
 """Time to import numba and load one cached loop [s]: 0.16 s and 0.32 s of CPU time, measured by

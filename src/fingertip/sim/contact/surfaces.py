@@ -10,12 +10,12 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import MutableSequence, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.foundation.jit import CompiledLoop
+from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats
 from fingertip.foundation.numerics import Array
 from fingertip.sim.contact.materials import SurfaceTable
 
@@ -111,11 +111,7 @@ def average_over_patch(angle: float) -> float:
 
 
 def _sum_waves_loop(
-    starts: Sequence[complex],
-    turns: Sequence[complex],
-    numbers: Sequence[float],
-    heights: MutableSequence[float],
-    slopes: MutableSequence[float],
+    starts: Sequence[complex], turns: Sequence[complex], numbers: Floats, heights: MutableFloats, slopes: MutableFloats
 ) -> None:
     """Add rotating phasors, three at a time, which do not wait for each other.
 
@@ -134,12 +130,7 @@ def _sum_waves_loop(
 
 
 def _interpolate_loop(
-    spacing: float,
-    start: float,
-    heights: Sequence[float],
-    slopes: Sequence[float],
-    position: Sequence[float],
-    out: MutableSequence[float],
+    spacing: float, start: float, heights: Floats, slopes: Floats, position: Floats, out: MutableFloats
 ) -> None:
     last = len(heights) - 1
     for i in range(len(position)):

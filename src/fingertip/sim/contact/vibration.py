@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import MutableSequence, Sequence
 
 import numpy as np
 
-from fingertip.foundation.jit import CompiledLoop
+from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats
 from fingertip.foundation.numerics import Array
 from fingertip.pad.response import Pad
 from fingertip.sim.contact.friction import LOAD_SCALE_N
@@ -114,13 +113,7 @@ def high_pass(height_m: Array, step_s: float, follow_hz: float, state: Array, fo
 
 
 def _high_pass_loop(
-    decay: float,
-    lag: float,
-    h: float,
-    share: float,
-    heights: Sequence[float],
-    state: MutableSequence[float],
-    out: MutableSequence[float],
+    decay: float, lag: float, h: float, share: float, heights: Floats, state: MutableFloats, out: MutableFloats
 ) -> None:
     """Subtract a share of the hand's height, a first-order low-pass of the heights that is exact for straight lines."""
     hand, before = state[_HAND], state[_HEIGHT]
@@ -138,11 +131,11 @@ def _resonance_loop(
     free: tuple[float, float, float, float],
     lag: float,
     h: float,
-    drive: Sequence[float],
-    jump: Sequence[float],
-    load: Sequence[float],
-    state: MutableSequence[float],
-    out: MutableSequence[float],
+    drive: Floats,
+    jump: Floats,
+    load: Floats,
+    state: MutableFloats,
+    out: MutableFloats,
 ) -> None:
     a11, a12, a21, a22 = free
     y, rate, before = state[_FORCE], state[_RATE], state[_DRIVE]

@@ -20,9 +20,8 @@ eliminated by itself, and one scalar equation for the object remains.
 from __future__ import annotations
 
 import math
-from collections.abc import MutableSequence, Sequence
 
-from fingertip.foundation.jit import CompiledLoop
+from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats
 from fingertip.sim.contact.friction import ROS2_GAMMA
 
 PAD_STATES = 3
@@ -65,18 +64,18 @@ def _grasp_loop(
     exit_x: float,
     count: int,
     length: int,
-    mount: Sequence[float],
-    weight: Sequence[float],
-    pin_x: Sequence[float],
-    pin_v: Sequence[float],
-    state: MutableSequence[float],
-    scratch: MutableSequence[float],
-    load: MutableSequence[float],
-    x_out: MutableSequence[float],
-    over_object: MutableSequence[float],
-    z_out: MutableSequence[float],
-    object_out: MutableSequence[float],
-    pin_out: MutableSequence[float],
+    mount: Floats,
+    weight: Floats,
+    pin_x: Floats,
+    pin_v: Floats,
+    state: MutableFloats,
+    scratch: MutableFloats,
+    load: MutableFloats,
+    x_out: MutableFloats,
+    over_object: MutableFloats,
+    z_out: MutableFloats,
+    object_out: MutableFloats,
+    pin_out: MutableFloats,
 ) -> None:
     # Parameters: mu_c, drop = mu_s - mu_c, Stribeck velocity vs; bristle coefficients s0, s1, s2 and their rate of
     # relaxation, N0; stiffness and damping of the pin, and 1 if it is attached. Arrays hold one finger after the other:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import MutableSequence, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.foundation.jit import CompiledLoop
+from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats
 from fingertip.foundation.numerics import Array
 from fingertip.pad.response import Pad
 from fingertip.sim.contact.friction import Friction
@@ -273,17 +272,17 @@ def _motor_loop(
     spring: tuple[float, float],
     count: int,
     length: int,
-    reach: Sequence[float],
-    goal: Sequence[float],
-    position: MutableSequence[float],
-    phase: MutableSequence[float],
-    shaking: MutableSequence[float],
-    moved: MutableSequence[float],
-    root: MutableSequence[float],
-    closing: MutableSequence[float],
-    force: MutableSequence[float],
-    vibration: MutableSequence[float],
-    jump: MutableSequence[float],
+    reach: Floats,
+    goal: Floats,
+    position: MutableFloats,
+    phase: MutableFloats,
+    shaking: MutableFloats,
+    moved: MutableFloats,
+    root: MutableFloats,
+    closing: MutableFloats,
+    force: MutableFloats,
+    vibration: MutableFloats,
+    jump: MutableFloats,
 ) -> None:
     """Advance the motors, and solve the balance of forces between thumb and fingers."""
     lag, rate, w, amplitude = motor

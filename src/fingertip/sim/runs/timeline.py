@@ -8,13 +8,12 @@ that every processor gives the same bits.
 from __future__ import annotations
 
 import math
-from collections.abc import MutableSequence, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.foundation.jit import CompiledLoop
+from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats
 from fingertip.foundation.numerics import Array
 from fingertip.pad.response import Pad
 from fingertip.sim.contact import coupled
@@ -307,12 +306,7 @@ def _motor_force_n(motor: Motor, phases: tuple[float, float], held_s: float, tim
 
 
 def _shake_loop(
-    w: float,
-    phases: tuple[float, float],
-    harmonic: float,
-    time: Sequence[float],
-    envelope: Sequence[float],
-    out: MutableSequence[float],
+    w: float, phases: tuple[float, float], harmonic: float, time: Floats, envelope: Floats, out: MutableFloats
 ) -> None:
     """Sum both tones point by point: the last bit of a vectorised sine varies between processors."""
     first, second = phases

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import MutableSequence, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +11,7 @@ from fingertip.board import board_values
 from fingertip.board.analysis.limits import TactileResponse
 from fingertip.board.components.bridge import ARTICLE_POINTS, sensor_conductance_s
 from fingertip.design import Design
-from fingertip.foundation.jit import CompiledLoop
+from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats
 from fingertip.foundation.numerics import Array
 
 TURN_ON_WIDTH_N = 0.1
@@ -120,8 +119,8 @@ def fit_conductance_curve() -> ConductanceCurve:
 def _convert_loop(
     curve: tuple[float, float, float, float],
     response: tuple[float, float, float, float],
-    forces: Sequence[float],
-    out: MutableSequence[float],
+    forces: Floats,
+    out: MutableFloats,
 ) -> None:
     turn_on, scale, exponent, width = curve
     open_v, sensor_v, source_ohm, transfer_ohm = response
@@ -170,12 +169,7 @@ class ForceSensor:
 
 
 def _indicate_loop(
-    play_ratio: float,
-    creep: float,
-    step: float,
-    forces: Sequence[float],
-    state: MutableSequence[float],
-    shown: MutableSequence[float],
+    play_ratio: float, creep: float, step: float, forces: Floats, state: MutableFloats, shown: MutableFloats
 ) -> None:
     p, loaded = state[_PLAY], state[_LOADED]
     for i in range(len(forces)):

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterable, MutableSequence, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,7 +23,7 @@ from fingertip.board.components.values import SUPPLIES, select_components
 from fingertip.board.parts.nets import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE, ENVELOPE, FILTERED, TACTILE
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
-from fingertip.foundation.jit import CompiledLoop, as_samples
+from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats, as_samples
 from fingertip.foundation.numerics import Array
 from fingertip.sim.signal.analog_circuit import AnalogBoard, augment, exponentials
 from fingertip.sim.signal.bridge import Bridge
@@ -91,11 +91,7 @@ def _compute_poles(pin: str, design: Design, step_s: float) -> tuple[float, ...]
 
 
 def _filter_loop(
-    matrix: tuple[float, ...],
-    samples: Sequence[float],
-    after: Sequence[float],
-    state: MutableSequence[float],
-    out: MutableSequence[float],
+    matrix: tuple[float, ...], samples: Floats, after: Floats, state: MutableFloats, out: MutableFloats
 ) -> None:
     a11, a12, b1, d1, a21, a22, b2, d2 = matrix
     x, y, u = state[_FIRST], state[_SECOND], state[_INPUT]
@@ -180,9 +176,7 @@ class Converter:
         return self._adc.quantise_v(sampled)
 
 
-def _follow_loop(
-    smoothing: float, samples: Sequence[float], state: MutableSequence[float], out: MutableSequence[float]
-) -> None:
+def _follow_loop(smoothing: float, samples: Floats, state: MutableFloats, out: MutableFloats) -> None:
     envelope = state[0]
     for i in range(len(samples)):
         x = samples[i]

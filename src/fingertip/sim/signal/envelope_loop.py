@@ -16,9 +16,8 @@ of higher order overshoot, and charge that has passed the diode does not return.
 from __future__ import annotations
 
 import math
-from collections.abc import MutableSequence, Sequence
 
-from fingertip.foundation.jit import CompiledLoop
+from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats
 
 LEVELS = 25
 """Number of step sizes, from the sampling interval down to the interval over 2^24: 30 ps at 2 kHz."""
@@ -66,7 +65,7 @@ def wright_omega(y: float) -> float:
     return w
 
 
-def dot(rows: Sequence[float], start: int, z: Sequence[float], width: int) -> float:
+def dot(rows: Floats, start: int, z: Floats, width: int) -> float:
     """Product of the row that begins at `start` with the first `width` values of z."""
     total = rows[start] * z[0]
     for i in range(1, width):
@@ -74,9 +73,7 @@ def dot(rows: Sequence[float], start: int, z: Sequence[float], width: int) -> fl
     return total
 
 
-def multiply(
-    columns: Sequence[float], start: int, z: Sequence[float], width: int, rows: int, out: MutableSequence[float]
-) -> None:
+def multiply(columns: Floats, start: int, z: Floats, width: int, rows: int, out: MutableFloats) -> None:
     """Multiply a matrix, stored by columns, with z: eight sums at a time do not wait for each other.
 
     A mask that changes no index spares the compiled code the test for negative ones: the sums become vectors.
@@ -105,19 +102,19 @@ rails (0: none), whether the rectifier is `precision`, and the values of diode a
 
 def _envelope_loop(
     constants: Constants,
-    before: Sequence[float],
-    after: Sequence[float],
-    step_columns: Sequence[float],
-    output_rows: Sequence[float],
-    amplifier1_row: Sequence[float],
-    carried: MutableSequence[float],
-    z: MutableSequence[float],
-    z_next: MutableSequence[float],
-    z_end: MutableSequence[float],
-    tables: MutableSequence[float],
-    filtered: MutableSequence[float],
-    envelope: MutableSequence[float],
-    statistics: MutableSequence[float],
+    before: Floats,
+    after: Floats,
+    step_columns: Floats,
+    output_rows: Floats,
+    amplifier1_row: Floats,
+    carried: MutableFloats,
+    z: MutableFloats,
+    z_next: MutableFloats,
+    z_end: MutableFloats,
+    tables: MutableFloats,
+    filtered: MutableFloats,
+    envelope: MutableFloats,
+    statistics: MutableFloats,
 ) -> None:
     """Follow the envelope over a chunk: exact steps of the circuit, and an implicit method where the diode conducts."""
     # The input is given right before and right after each sample. step_columns, output_rows and amplifier1_row are

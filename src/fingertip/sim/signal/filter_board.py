@@ -8,7 +8,7 @@ input is given as two values at one sample.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, MutableSequence, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from fingertip.board import board_values
 from fingertip.design import Design
 from fingertip.foundation.errors import Issue, TraceError
-from fingertip.foundation.jit import CompiledLoop
+from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import find_column_issues, find_not_finite, find_not_positive, raise_issues
 from fingertip.sim.signal import envelope_loop
@@ -265,11 +265,11 @@ def _comparator_loop(
     on_v: float,
     off_v: float,
     H: float,
-    envelope: Sequence[float],
-    slope: Sequence[float],
-    state: MutableSequence[float],
-    mean: MutableSequence[float],
-    on_out: MutableSequence[float],
+    envelope: Floats,
+    slope: Floats,
+    state: MutableFloats,
+    mean: MutableFloats,
+    on_out: MutableFloats,
 ) -> None:
     m, on = state[0], state[1]  # ON is a float, because the output array takes only floats
     mean[0], on_out[0] = m, on

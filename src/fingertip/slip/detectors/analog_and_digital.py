@@ -18,7 +18,7 @@ is divided into chunks. The detectors are causal, and their state can be pickled
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, MutableSequence, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -28,7 +28,7 @@ from fingertip.design import Design
 from fingertip.design.formulas.filter import SECTION_QUALITY as Q
 from fingertip.foundation.argument_types import checked
 from fingertip.foundation.errors import Issue, TraceError
-from fingertip.foundation.jit import CompiledLoop, as_samples
+from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats, as_samples
 from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors.noise import DEVIATIONS, NoiseLevel, input_noise_v
 from fingertip.slip.detectors.registry import Detector, DetectorOutput
@@ -135,10 +135,10 @@ STATES = 4
 
 def _filter_loop(
     coefficients: tuple[float, ...],
-    samples: Sequence[float],
-    state: MutableSequence[float],
-    filtered: MutableSequence[float],
-    envelopes: MutableSequence[float],
+    samples: Floats,
+    state: MutableFloats,
+    filtered: MutableFloats,
+    envelopes: MutableFloats,
 ) -> None:
     # First-order section (g), second-order section (b, a), smoothing factor of the envelope.
     g0, g1, g_a1, b0, b1, b2, a1, a2, smoothing = coefficients
@@ -238,10 +238,7 @@ _TOTAL, _PLACE = range(2)
 
 
 def _moving_average_loop(
-    samples: Sequence[float],
-    state: MutableSequence[float],
-    ring_buffer: MutableSequence[float],
-    means: MutableSequence[float],
+    samples: Floats, state: MutableFloats, ring_buffer: MutableFloats, means: MutableFloats
 ) -> None:
     total, position, length = state[_TOTAL], int(state[_PLACE]), len(ring_buffer)
     for i in range(len(samples)):

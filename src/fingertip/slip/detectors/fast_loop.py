@@ -13,9 +13,8 @@ by less than 1 uV in an hour, and every leak against that would leave a trace of
 from __future__ import annotations
 
 import math
-from collections.abc import MutableSequence, Sequence
 
-from fingertip.foundation.jit import CompiledLoop
+from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats
 from fingertip.slip.detectors.fast_coefficients import DEPTH, FEATURES, NODES, FastCoefficients
 
 COUNT = len(FEATURES)
@@ -68,14 +67,7 @@ RING_START = 70
 STATES = RING_START + RING
 
 
-def evaluate_trees(
-    row: Sequence[float],
-    at: int,
-    features: Sequence[float],
-    thresholds: Sequence[float],
-    leaves: Sequence[float],
-    offset: float,
-) -> float:
+def evaluate_trees(row: Floats, at: int, features: Floats, thresholds: Floats, leaves: Floats, offset: float) -> float:
     """Sum the leaves of all trees for the features that begin at an index of a sequence."""
     score = offset
     for tree in range(len(leaves) // (NODES + 1)):
@@ -95,7 +87,7 @@ def check_sample(
     jump_limit: float,
     trusted_samples: float,
     gap_samples: float,
-    state: MutableSequence[float],
+    state: MutableFloats,
     at: int,
 ) -> int:
     """Judge a sample by its value and by its distance from the last one that was used.
@@ -133,18 +125,18 @@ def check_sample(
 
 def _fast_loop(
     coefficients: FastCoefficients,
-    features: Sequence[float],
-    thresholds: Sequence[float],
-    leaves: Sequence[float],
+    features: Floats,
+    thresholds: Floats,
+    leaves: Floats,
     stride: int,
-    samples: Sequence[float],
-    filtered_samples: Sequence[float],
-    state: MutableSequence[float],
-    rows: MutableSequence[float],
-    filtered: MutableSequence[float],
-    confidences: MutableSequence[float],
-    levels: MutableSequence[float],
-    flags: MutableSequence[float],
+    samples: Floats,
+    filtered_samples: Floats,
+    state: MutableFloats,
+    rows: MutableFloats,
+    filtered: MutableFloats,
+    confidences: MutableFloats,
+    levels: MutableFloats,
+    flags: MutableFloats,
 ) -> None:
     # In the order of the fields of FastCoefficients.
     (

@@ -15,7 +15,13 @@ from fingertip.foundation.progress import Work
 from fingertip.lab.campaign.closed_loop import ClosedLoopSummary, ClosedLoopTrial, run_closed_loop, summarise
 from fingertip.lab.campaign.mix import MixSize, generate_mix, run_detector
 from fingertip.lab.campaign.mix import summarise as summarise_mix
-from fingertip.lab.campaign.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, check_first_seed
+from fingertip.lab.campaign.plan import (
+    HELD_OUT_FROM,
+    REPORTED_SEPARATELY,
+    CampaignPlan,
+    check_first_seed,
+    generate_trials,
+)
 from fingertip.lab.campaign.run import CampaignResult, run_campaign, surface
 from fingertip.lab.report import omissions, tables
 from fingertip.lab.report.numbers import format_ms, to_number
@@ -238,7 +244,7 @@ def validate(
         return study(design, *arguments)
 
     studies = StudyResults(
-        bounds_s=run("bound", compute_bounds_s, plan.trials, first_seed),
+        bounds_s=run("bound", compute_bounds_s, generate_trials(plan.trials, first_seed)),
         variations=run("assumptions", study_assumptions, detector, trials),
         steps=run("time step", study_steps, min(MAX_STEP_TRIALS, (plan.trials + 1) // 2)),
         patch_radius_m=Pad.from_design(design).patch_radius_m(1.0),

@@ -28,7 +28,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,7 +38,7 @@ from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import Array
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, NEGATIVE_SCENES, Case, generate_trials
 from fingertip.lab.campaign.run import run_cases, simulate_trace
-from fingertip.sim import SceneFile, run_scene
+from fingertip.sim import run_scene
 from fingertip.slip.detectors.fast import FastDetector, FastSettings
 from fingertip.slip.detectors.fast_coefficients import HIGH_HZ, LOW_HZ
 from fingertip.slip.detectors.noise import input_noise_v, mean_quantised_noise_v
@@ -53,12 +53,7 @@ _SMOOTHING_S = 0.002
 """Time over which the power is averaged, half of it ahead [s]: the bound may know the slip."""
 
 
-def compute_bounds_s(
-    design: Design,
-    trials: int,
-    first_seed: int = HELD_OUT_FROM,
-    change: Callable[[SceneFile], SceneFile] = lambda scene: scene,
-) -> list[float]:
+def compute_bounds_s(design: Design, slips: Iterable[Case]) -> list[float]:
     """Compute the bound on the mean delay of each slip [s], infinite where the information never suffices."""
     detector = design.detector
     noise_v = mean_quantised_noise_v(detector.noise_v, detector.adc_step_v)
@@ -73,10 +68,9 @@ def compute_bounds_s(
     smoothing, creep = max(1, round(_SMOOTHING_S * rate)), round(_CREEP_S * rate)
     bounds = []
     with compiled():
-        for case in generate_trials(trials, first_seed):
-            scene = change(case.scene)
-            sensing = scene.sensing.model_copy(update={"noise": False})
-            scene = scene.model_copy(update={"outputs": ["voltage_v", "slip"], "sensing": sensing})
+        for case in slips:
+            sensing = case.scene.sensing.model_copy(update={"noise": False})
+            scene = case.scene.model_copy(update={"outputs": ["voltage_v", "slip"], "sensing": sensing})
             trace = run_scene(noiseless, scene, case.seed).trace
             assert trace.slip is not None
             slipping = np.flatnonzero(trace.slip)

@@ -57,13 +57,12 @@ def study_accelerations(
     trials_at_1 = list(generate_trials(trials))
     results = []
     for a in accelerations_m_s2:
-
-        def accelerate(scene: SceneFile, a: float = a) -> SceneFile:
-            return scene.model_copy(update={"slide": scene.slide.model_copy(update={"acceleration_m_s2": a})})
-
-        bounds = compute_bounds_s(design, trials, change=accelerate)
+        cases = []
+        for case in trials_at_1:
+            slide = case.scene.slide.model_copy(update={"acceleration_m_s2": a})
+            cases.append(replace(case, scene=case.scene.model_copy(update={"slide": slide})))
+        bounds = compute_bounds_s(design, cases)
         rows = [(BOUND, bounds, len(bounds))]
-        cases = [replace(case, scene=accelerate(case.scene)) for case in trials_at_1]
         found = campaign.run_cases(design, cases, dict.fromkeys(detectors, (1.0,)))
         rows += [(name, pooled.delays_s, pooled.slips) for name, (pooled,) in found.items()]
         for name, delays_s, count in rows:

@@ -157,7 +157,7 @@ def study_sampling_rates(
         except DesignError:
             continue
         cases = generate_limited_cases(plan)
-        pooled, bounds = run_detector_on(adapted, cases, DETECTOR), compute_bounds_s(adapted, trials)
+        pooled, bounds = run_detector_on(adapted, cases, DETECTOR), compute_bounds_s(adapted, generate_trials(trials))
         results.append(
             SamplingRateResult(
                 rate, quantile_s(bounds, len(bounds), 0.5), quantile_s(bounds, len(bounds), 0.9),

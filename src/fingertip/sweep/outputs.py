@@ -8,7 +8,7 @@ in `fingertip.sweep.compute`.
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -113,8 +113,8 @@ def find_shareable(outputs: Iterable[str]) -> tuple[OutputGroup, ...]:
     return (*groups, TRACES) if any(group.name == "detection" for group in groups) else groups
 
 
-def check_output_names(outputs: Iterable[str]) -> list[Issue]:
-    names = list(outputs)
+def check_outputs(names: Sequence[str], is_set: bool) -> list[Issue]:
+    """Find outputs that are unknown or listed twice, and else those that cannot be computed for a set, or a finger."""
     issues = []
     for name in dict.fromkeys(names):
         if name not in load_outputs():
@@ -123,4 +123,12 @@ def check_output_names(outputs: Iterable[str]) -> list[Issue]:
             issues.append(Issue("outputs", f"{name!r} is not an output; {remedy}"))
         elif names.count(name) > 1:
             issues.append(Issue("outputs", f"{name!r} is listed {names.count(name)} times; list it once."))
-    return issues
+    if issues:
+        return issues
+    misplaced = [name for name in names if (load_outputs()[name].group in SET_GROUPS) != is_set]
+    subject, given, remedy = ("one finger", "a set", 'a design, such as design = "adult_finger"')
+    if not is_set:
+        subject, given, remedy = ("a set", "one finger", 'a set, such as design = "adult_hand"')
+    text = f"{', '.join(misplaced)} can be computed for {subject}, but design is {given}"
+    issue = Issue("outputs", f"{text}; leave out what cannot be computed, or name {remedy}.")
+    return [issue] if misplaced else []

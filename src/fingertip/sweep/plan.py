@@ -28,14 +28,7 @@ from fingertip.foundation.errors import Issue, SweepError, gather
 from fingertip.slip.detectors.registry import find_detector_type
 from fingertip.sweep import sweep_file
 from fingertip.sweep.axes import Axis, Value, find_repeats, flatten_axes, read_axis, select_changes
-from fingertip.sweep.outputs import (
-    SET_GROUPS,
-    OutputGroup,
-    check_output_names,
-    find_groups,
-    find_shareable,
-    load_outputs,
-)
+from fingertip.sweep.outputs import OutputGroup, check_outputs, find_groups, find_shareable
 from fingertip.sweep.sweep_file import MAX_POINTS, MAX_SAMPLED_VALUES, SweepFile
 
 if TYPE_CHECKING:
@@ -92,7 +85,7 @@ class SweepPlan:
         unknown: list[Issue] = []
         if isinstance(outputs, list) and all(isinstance(name, str) for name in outputs):
             is_set = "fingers" in (design_tables or {})
-            unknown = check_output_names(outputs) or _find_misplaced_outputs(outputs, is_set)
+            unknown = check_outputs(outputs, is_set)
             issues += unknown
         if file and not unknown:  # else an objective may be right, and an output misspelt
             issues += sweep_file.check_objectives(file)
@@ -220,16 +213,6 @@ def _check_point_count(file: SweepFile, axes: list[Axis]) -> list[Issue]:
         problem = f"{file.points} is not a power of two, which a balanced Sobol sequence needs"
         return [Issue("points", f"{problem}; choose {below} or {2 * below}, or latin_hypercube.")]
     return []
-
-
-def _find_misplaced_outputs(outputs: Iterable[str], is_set: bool) -> list[Issue]:
-    misplaced = [name for name in outputs if (load_outputs()[name].group in SET_GROUPS) != is_set]
-    subject, given, remedy = ("one finger", "a set", 'a design, such as design = "adult_finger"')
-    if not is_set:
-        subject, given, remedy = ("a set", "one finger", 'a set, such as design = "adult_hand"')
-    text = f"{', '.join(misplaced)} can be computed for {subject}, but design is {given}"
-    issue = Issue("outputs", f"{text}; leave out what cannot be computed, or name {remedy}.")
-    return [issue] if misplaced else []
 
 
 def _check_consistency(plan: SweepPlan) -> list[Issue]:

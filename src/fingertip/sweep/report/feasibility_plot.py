@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from fingertip.foundation import plot_style as style
 from fingertip.sweep.report import statistics
+from fingertip.sweep.report.statistics import Column
 from fingertip.sweep.report.summary import format_percent
 
 if TYPE_CHECKING:
@@ -40,7 +41,7 @@ class PlotScale:
     categories: tuple[str, ...]
     """Words of a categorical or boolean column, which are drawn at 0, 1, 2 ...; empty for a numeric column."""
 
-    def locate(self, column: statistics.Column) -> NDArray[np.float64]:
+    def locate(self, column: Column) -> NDArray[np.float64]:
         if self.categories:
             return np.searchsorted(self.bins.low, statistics.to_sortable(column)).astype(float)
         return column.astype(float)
@@ -70,7 +71,7 @@ class PlotScale:
         getattr(axes, f"set_{side}lim")(low, high)
 
 
-def make_scale(name: str, column: statistics.Column, max_cells: int) -> PlotScale:
+def make_scale(name: str, column: Column, max_cells: int) -> PlotScale:
     """Make the scale of a column, with at most `max_cells` cells unless the column is categorical."""
     bins = statistics.bin_by_value(column, max_cells)
     if statistics.is_categorical(column) or column.dtype.kind == "b":
@@ -139,9 +140,7 @@ _MAX_MARKERS = 3000
 _MAX_BARS = 40
 
 
-def draw_feasibility(
-    axes: dict[str, statistics.Column], classes: statistics.PointClasses, ranked_axes: list[str]
-) -> bytes:
+def draw_feasibility(axes: dict[str, Column], classes: statistics.PointClasses, ranked_axes: list[str]) -> bytes:
     varied = {name: axes[name] for name in ranked_axes if len(np.unique(axes[name])) > 1}
     colours, codes, legend = _choose_colours(classes)
     if len(varied) == 2:
@@ -196,12 +195,7 @@ def _add_heading(figure: Figure, classes: statistics.PointClasses, caption: str,
 
 
 def _draw_map(
-    plot: Axes,
-    x: PlotScale,
-    y: PlotScale,
-    columns: tuple[statistics.Column, statistics.Column],
-    codes: NDArray[np.intp],
-    colours: list[str],
+    plot: Axes, x: PlotScale, y: PlotScale, columns: tuple[Column, Column], codes: NDArray[np.intp], colours: list[str]
 ) -> str:
     from matplotlib.colors import ListedColormap  # noqa: PLC0415
 

@@ -24,6 +24,7 @@ from fingertip.sweep.report.feasibility_plot import (
     make_scale,
     wrap_name,
 )
+from fingertip.sweep.report.statistics import Column, compute_cell_statistics
 from fingertip.sweep.report.summary import Objective, SweepSummary, format_percent
 
 if TYPE_CHECKING:
@@ -38,9 +39,7 @@ _CHARACTER_IN, _LINE_IN = 0.078, 0.15
 """Largest mean width of a character, and height of a line, in the heading [inch]."""
 
 
-def draw_scatter_matrix(
-    columns: dict[str, statistics.Column], feasible: NDArray[np.bool_], left_out: Sequence[str] = ()
-) -> bytes:
+def draw_scatter_matrix(columns: dict[str, Column], feasible: NDArray[np.bool_], left_out: Sequence[str] = ()) -> bytes:
     """Draw scatter plots below the diagonal, histograms on it, and rank correlations above it."""
     size = len(columns)
     panel = 1.75 if size > 4 else 2.4
@@ -100,7 +99,7 @@ def _write_heading(shown: int, count: int, left_out: Sequence[str], width_in: fl
     return [line for sentence in sentences for line in textwrap.wrap(sentence, characters, break_long_words=False)]
 
 
-def _locate_with_jitter(scale: PlotScale, column: statistics.Column) -> NDArray[np.float64]:
+def _locate_with_jitter(scale: PlotScale, column: Column) -> NDArray[np.float64]:
     """Compute the positions of points; those of a category are spread out, or they would cover each other."""
     positions = scale.locate(column)
     if not scale.categories:
@@ -108,12 +107,12 @@ def _locate_with_jitter(scale: PlotScale, column: statistics.Column) -> NDArray[
     return positions + np.random.default_rng(1).uniform(-0.3, 0.3, len(positions))
 
 
-def _select_finite(column: statistics.Column) -> statistics.Column:
+def _select_finite(column: Column) -> Column:
     finite = column[np.isfinite(column)] if column.dtype.kind == "f" else column
     return finite if len(finite) else np.zeros(1)
 
 
-def _draw_histogram(plot: Axes, x: PlotScale, column: statistics.Column, feasible: NDArray[np.bool_]) -> None:
+def _draw_histogram(plot: Axes, x: PlotScale, column: Column, feasible: NDArray[np.bool_]) -> None:
     """Draw how many points there are at each value; bars of unequal width show their number per mean width."""
     positions = x.locate(column)
     edges = x.edges if x.categories else histogram_edges(positions, x, _HISTOGRAM_BINS)
@@ -125,7 +124,7 @@ def _draw_histogram(plot: Axes, x: PlotScale, column: statistics.Column, feasibl
     plot.bar(edges[:-1], infeasible_heights, np.diff(edges), feasible_heights, align="edge", color=style.PALE_RED)
 
 
-def _draw_correlation(plot: Axes, a: statistics.Column, b: statistics.Column) -> None:
+def _draw_correlation(plot: Axes, a: Column, b: Column) -> None:
     plot.set_axis_off()
     if statistics.is_categorical(a) or statistics.is_categorical(b):
         return
@@ -169,14 +168,12 @@ def select_plots(summary: SweepSummary) -> Iterator[tuple[str, Callable[[], byte
         yield "pareto_front.png", partial(_draw_front, summary)
 
 
-def _varies(column: statistics.Column) -> bool:
+def _varies(column: Column) -> bool:
     finite = _select_finite(column)
     return bool(np.any(finite != finite[0]))
 
 
-def _draw_scatter_matrix(
-    summary: SweepSummary, axes: dict[str, statistics.Column], outputs: dict[str, statistics.Column]
-) -> bytes:
+def _draw_scatter_matrix(summary: SweepSummary, axes: dict[str, Column], outputs: dict[str, Column]) -> bytes:
     """Draw as many columns as fit. Outputs get half of them, or more if there are few axes."""
     shown_outputs = list(outputs)[: max(MAX_COLUMNS // 2, MAX_COLUMNS - len(axes))]
     # Of many axes, those with the highest indices over the shown outputs
@@ -207,11 +204,11 @@ _MAX_CANDIDATES = 20000
 
 
 def draw_heat_map(
-    axes: dict[str, statistics.Column],
+    axes: dict[str, Column],
     x_name: str,
     y_name: str,
     output: str,
-    values: statistics.Column,
+    values: Column,
     feasible: NDArray[np.bool_],
     minimise: bool | None,
 ) -> bytes:
@@ -223,9 +220,7 @@ def draw_heat_map(
         make_scale(name, axes[name], counts[name] if counts[name] <= _MAX_CELLS else max_cells)
         for name in (x_name, y_name)
     )
-    points, finite, best, mean = statistics.compute_cell_statistics(
-        x.bins, y.bins, values, feasible, minimise is not False
-    )
+    points, finite, best, mean = compute_cell_statistics(x.bins, y.bins, values, feasible, minimise is not False)
     others = [name for name, count in counts.items() if name not in (x_name, y_name) and count > 1]
     if finite.max(initial=0) <= 1 and not others:
         figure = style.new_figure(8.5, 6.5)
@@ -286,10 +281,7 @@ def draw_sensitivities(sensitivities: Sequence[statistics.OutputSensitivity], ax
 
 
 def draw_pareto_front(
-    objectives: Sequence[Objective],
-    values: tuple[statistics.Column, statistics.Column],
-    front: NDArray[np.intp],
-    best: int,
+    objectives: Sequence[Objective], values: tuple[Column, Column], front: NDArray[np.intp], best: int
 ) -> bytes:
     """Draw all candidates by the first two objectives, and their Pareto front."""
     figure = style.new_figure(10, 7)
@@ -323,7 +315,7 @@ def _draw_cells(
     figure: Figure,
     plot: Axes,
     scales: tuple[PlotScale, PlotScale],
-    values: statistics.Column,
+    values: Column,
     points: NDArray[np.intp],
     title: str,
     unit: str,

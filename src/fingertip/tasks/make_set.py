@@ -129,7 +129,7 @@ def make_set(
         board = planned.write(progress)
     data = set_data(fingers, sheets, plan, prints.plates, has_board=board_design is not None)
     failed = [made.parts.design.name for made in forms if not made.parts.passed]
-    contents = _render_sheets(fingers, data, board_design, _list_files(fingers, prints, board, folder), failed)
+    contents = _render_sheets(fingers, data, _list_files(fingers, prints, board, folder), failed)
     if board_design:
         contents[BOARD_DESIGN] = to_toml(board_design, "Design of the board for all fingers.").encode()
     print_writer.write(prints.contents)
@@ -146,16 +146,12 @@ def _list_files(fingers: FingerSet, prints: PrintFiles, board: Iterable[Path], f
 
 
 def _render_sheets(
-    fingers: FingerSet,
-    data: Mapping[str, Any],
-    board_design: Design | None,
-    files: Sequence[str],
-    failed: Sequence[str],
+    fingers: FingerSet, data: Mapping[str, Any], files: Sequence[str], failed: Sequence[str]
 ) -> dict[str, bytes]:
     names = {OVERVIEW: "overview", CASTING_PLAN: "casting_plan", PARTS_LIST: "parts_list", ACCEPTANCE: "acceptance"}
     pages = {file: render_sheet(name, data) for file, name in names.items()}
     pictures = {form.design.name: draw_finger(form.design, _PICTURE_PX) for form in fingers.forms}
-    start = render_set_start(data, board_design)
+    start = render_set_start(data, fingers.board_design)
     return {
         **{name: text.encode() for name, text in pages.items()},
         PARTS_CSV: write_parts_csv(data),
@@ -214,11 +210,8 @@ def _collect(fingers: FingerSet, form: Form, made: Made) -> FormSheets:
     assert made.parts.casting is not None, "all parts are built"
     volumes = {part.part.name: part.mesh.volume() / 1000.0 for part in made.parts.parts}
     detection = made.detection.detection
-    own = {
-        name: acceptance_data(fingers.calibrated[name], detection)
-        for name in form.fingers
-        if name in fingers.calibrated
-    }
+    calibrated = [name for name in form.fingers if name in fingers.calibrated]
+    own = {name: acceptance_data(fingers.calibrated[name], detection) for name in calibrated}
     verdict, warnings = count_checks(made.parts.checks), tuple(list_warnings(made.parts.checks))
     acceptance = acceptance_data(form.design, detection)
     return FormSheets(form, made.parts.casting, acceptance, volumes, verdict, warnings, own)

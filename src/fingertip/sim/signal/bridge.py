@@ -116,12 +116,7 @@ def fit_conductance_curve() -> ConductanceCurve:
     return ConductanceCurve(f0, g1 / (f1 - f0) ** exponent, exponent)
 
 
-def _convert_loop(
-    curve: tuple[float, float, float, float],
-    response: tuple[float, float, float, float],
-    forces: Floats,
-    out: MutableFloats,
-) -> None:
+def _convert_loop(curve: Floats, response: Floats, forces: Floats, out: MutableFloats) -> None:
     turn_on, scale, exponent, width = curve
     open_v, sensor_v, source_ohm, transfer_ohm = response
     # A finger in the air or at rest shows the same force for long.

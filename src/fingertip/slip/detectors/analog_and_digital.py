@@ -134,11 +134,7 @@ STATES = 4
 
 
 def _filter_loop(
-    coefficients: tuple[float, ...],
-    samples: Floats,
-    state: MutableFloats,
-    filtered: MutableFloats,
-    envelopes: MutableFloats,
+    coefficients: Floats, samples: Floats, state: MutableFloats, filtered: MutableFloats, envelopes: MutableFloats
 ) -> None:
     # First-order section (g), second-order section (b, a), smoothing factor of the envelope.
     g0, g1, g_a1, b0, b1, b2, a1, a2, smoothing = coefficients

@@ -150,7 +150,7 @@ def adapt_rate(design: Design, rate_hz: float, keep_threshold: bool = False, kee
 
 def adapt_detector(
     detector: str,
-    keep_threshold: bool,
+    keep_threshold: bool | None,
     keep_window: bool,
     noise_is_measured: bool,
     report: Callable[[str], None],
@@ -158,7 +158,12 @@ def adapt_detector(
     rate_hz: float,
     prefix: str = "",
 ) -> Design:
-    """Adapt a design to a rate for one detector, and report it. Raises TraceError or DesignError."""
+    """Adapt a design to a rate for one detector, and report it. Raises TraceError or DesignError.
+
+    A threshold that the design states is kept, unless `keep_threshold` says otherwise.
+    """
+    if keep_threshold is None:
+        keep_threshold = "threshold_v" in design.detector.model_fields_set
     if not math.isfinite(rate_hz):
         message = f"{rate_hz} is not a sampling rate; choose {MIN_RATE_HZ:g} to {MAX_RATE_HZ:g} Hz."
         raise TraceError(Issue("--rate-hz", message))

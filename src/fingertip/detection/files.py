@@ -119,7 +119,6 @@ def detect_file(
     path, report = Path(path), progress or (lambda message: None)
     design = design or Design()
     kind = registry.find_detector_type(detector)
-    keep_threshold = _keeps_threshold(design, keep_threshold)
     adapt = partial(adaptation.adapt_detector, detector, keep_threshold, keep_window, calibrate_s is not None, report)
     if adapt_to_file is None:
         adapt_to_file = "sample_rate_hz" not in design.detector.model_fields_set
@@ -226,7 +225,6 @@ def detect_stream(
     design = design or Design()
     kind = registry.find_detector_type(detector)
     if rate_hz is not None:
-        keep_threshold = _keeps_threshold(design, keep_threshold)
         design = adaptation.adapt_detector(detector, keep_threshold, keep_window, False, report, design, rate_hz)
     voltage = ColumnMap(columns or {}, rate_hz, scale, time_scale)
     if not voltage.in_volts:
@@ -247,10 +245,6 @@ def _map_envelope(voltage: ColumnMap) -> ColumnMap:
     """Map the envelope, in volts, to where a detector finds its voltage."""
     names = {**voltage.names, "voltage_v": voltage.name_in_file("envelope_v")}
     return ColumnMap(names, voltage.rate_hz, 1.0, voltage.time_scale)
-
-
-def _keeps_threshold(design: Design, keep_threshold: bool | None) -> bool:
-    return "threshold_v" in design.detector.model_fields_set if keep_threshold is None else keep_threshold
 
 
 def _adapt_to_file(design: Design, raw: RawTrace, adapt: Callable[[Design, float, str], Design]) -> Design:

@@ -61,7 +61,7 @@ def plan_simulation(simulation: Simulation) -> SimulationPlan:
     meter = CostMeter(time.process_time)
     chunks: Iterator[object]
     if isinstance(scene, ManipulationFile):
-        stepper = start_manipulation(design, scene, seed, frozenset(scene.outputs), meter=meter)
+        stepper = start_manipulation(design, scene, seed, frozenset(scene.outputs), None, meter)
         points, duration_s = stepper.point_count, stepper.plan.duration_s
         chunks, is_compiled = advance_as_planned(stepper, TRIED_POINTS), False
     else:
@@ -75,13 +75,11 @@ def plan_simulation(simulation: Simulation) -> SimulationPlan:
         next(chunks)
         before = {stage.name: stage for stage in meter.costs}
         next(chunks, None)
-    return SimulationPlan(simulation, duration_s, tuple(_extrapolate(meter, before, points)))
-
-
-def _extrapolate(meter: CostMeter, before: dict[str, StageCost], points: int) -> Iterator[StageCost]:
-    tried = min(points, 2 * TRIED_POINTS)
+    stages, tried = [], min(points, 2 * TRIED_POINTS)
     for stage in meter.costs:
         cpu_s, timed = stage.cpu_s, tried
         if points > TRIED_POINTS:  # time the second chunk alone; a shorter scene has none
             cpu_s, timed = cpu_s - before[stage.name].cpu_s, tried - TRIED_POINTS
-        yield StageCost(stage.name, stage.states, round(stage.evaluations * points / tried), cpu_s * points / timed)
+        evaluations = round(stage.evaluations * points / tried)
+        stages.append(StageCost(stage.name, stage.states, evaluations, cpu_s * points / timed))
+    return SimulationPlan(simulation, duration_s, tuple(stages))

@@ -160,7 +160,7 @@ def run_manipulation(
     outputs = frozenset(scene.outputs) | ({"voltage_v"} if controller else set())
     if controller and "envelope_v" in outputs:
         outputs |= {"sampled_envelope_v"}
-    stepper = start_manipulation(design, scene, seed, outputs, grid)
+    stepper = start_manipulation(design, scene, seed, outputs, grid, CostMeter())
     plan, rate_hz, count = stepper.plan, stepper.grid.rate_hz, stepper.point_count
     done = report_share(scene.name, plan.duration_s, progress)
     if controller is None:
@@ -189,17 +189,12 @@ def run_manipulation(
 
 
 def start_manipulation(
-    design: Design,
-    scene: ManipulationFile,
-    seed: int,
-    outputs: frozenset[str],
-    grid: Grid | None = None,
-    meter: CostMeter | None = None,
+    design: Design, scene: ManipulationFile, seed: int, outputs: frozenset[str], grid: Grid | None, meter: CostMeter
 ) -> ManipulationStepper:
     raise_issues(_find_issues(design, scene, seed))
     pad = Pad.from_design(design)
     plan = plan_motion(design, scene, pad, seed)
-    return ManipulationStepper(design, scene, plan, pad, seed, outputs, grid or Grid(), meter or CostMeter())
+    return ManipulationStepper(design, scene, plan, pad, seed, outputs, grid or Grid(), meter)
 
 
 def advance_as_planned(stepper: ManipulationStepper, chunk: int = CHUNK) -> Iterator[int]:

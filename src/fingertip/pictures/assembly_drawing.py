@@ -5,6 +5,7 @@ Whoever solders looks up where a part belongs, which value it has, and which way
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -174,6 +175,7 @@ def _write(body: _Box, name: str, value: str) -> Iterator[Primitive]:
 
 def _draw_list(circuit: Circuit, left: float, top: float) -> Iterator[Primitive]:
     """List what to place: a box to tick, number of parts, value, package and references."""
+    fingers = max(split_name(part.reference)[0] for part in circuit.components if part.is_fitted)
     for i, item in enumerate(list_bom(circuit)):
         y, part, package = top - (i + 1) * _ROW_MM, item.components[0], ""
         if _is_chip(part):
@@ -183,7 +185,10 @@ def _draw_list(circuit: Circuit, left: float, top: float) -> Iterator[Primitive]
         yield rectangle(left, y, left + _LIST_MM, y + _LIST_MM, _PART)
         yield Text(f"{len(item.components)} x", (left + 4.0, y), _LIST_MM)
         yield Text(f"{_describe_value(part)} {package}".strip(), (left + 10.0, y), _LIST_MM)
-        # The other channels have the same parts.
         first = [name for name in item.references if split_name(name)[0] < 2]
-        rest = "; the same at each finger" if len(first) < len(item.references) else ""
-        yield Text(" ".join(first) + rest, (left + 33.0, y), _LIST_MM)
+        owned = Counter(channel for channel, _ in map(split_name, item.references) if channel)
+        if len(owned) > 1 and len(owned) == fingers and len(set(owned.values())) == 1:
+            text = " ".join(first) + "; the same at each finger"
+        else:
+            text = " ".join(item.references)
+        yield Text(text, (left + 33.0, y), _LIST_MM)

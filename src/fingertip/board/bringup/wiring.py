@@ -46,7 +46,7 @@ class Signal:
     colour: str
 
 
-_SENSOR = Signal("FSR", "either wire", _GREEN)
+_SENSOR, _OPEN = Signal("FSR", "either wire", _GREEN), Signal("open", "", _GREY)
 
 
 def name_signals(circuit: Circuit, supply_v: float) -> dict[str, Signal]:
@@ -85,20 +85,20 @@ def wiring_diagram(circuit: Circuit, supply_v: float, name: str) -> bytes:
     controller = "controller" if ADC_FILTERED in nets else "ADC or controller"
     top = 2 * _MARGIN + _SIZE
     devices = ["sensor"] if len(sensors) == 1 else [f"sensor: {finger}" for finger in NAMES[: len(sensors)]]
-    unmarked: dict[str, Signal] = {}
-    left = [(sensor, unmarked, device) for sensor, device in zip(sensors, devices, strict=True)]
+    of_sensor = {GND: Signal("ground", "either wire", _BLACK)}
+    left = [(sensor, of_sensor, device) for sensor, device in zip(sensors, devices, strict=True)]
     right = [(host, signals, controller)]
     (left if len(sensors) == 1 else right).append((supply, supply_signals, "supply"))
     if len(sensors) > 1:
         left.reverse()
-    heights = [sum(_height(circuit, part) + _GAP for part, _, _ in column) - _GAP for column in (left, right)]
+    heights = [sum(_height(part) + _GAP for part, _, _ in column) - _GAP for column in (left, right)]
     board_height, middle = max(heights) + 2 * _GAP + _HEAD, top + _HEAD + _GAP + max(heights) / 2
     connectors = list[str]()
     for column, column_height in zip((left, right), heights, strict=True):
         at = middle - column_height / 2
         for part, marks, device in column:
             connectors += _connector(circuit, part, marks, at, device, is_left=column is left)
-            at += _height(circuit, part) + _GAP
+            at += _height(part) + _GAP
     notes = list(list_notes(circuit, supply_v))
     height = top + board_height + _GAP + _LINE * len(notes) + _MARGIN
     body = [
@@ -129,8 +129,9 @@ def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
     is_several = circuit.component(HOST_CONNECTOR).footprint == JST_SH_15
     if is_several:
         yield "Parts are named as on the board of one finger: J1 is J101 at finger 1 and J501 at finger 5."
-        yield "A sensor's plug fits sockets of its own size. In another one of them it leaves a wire at an open pin:"
-        yield "T then stays where it is when the finger is pressed."
+        yield "No two plugs of sensors can be exchanged: none enters a smaller socket, and in another one of its size"
+        yield "it leaves a wire at an open pin: T then stays where it is when the finger is pressed."
+        yield "The wires stand in the plugs as drawn here, when they are in their sockets and the parts face you."
         yield "On the board J2 and J3 are at the right edge, and finger 1 is at the bottom."
     if locking:
         yield "Pin 1 of J1 and J3 has a dot beside it; + is printed beside pin 1 of J2."
@@ -177,15 +178,16 @@ def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
         yield "Keep the wires of J1 and J3 short, and twist each signal with a ground wire."
 
 
-def _height(circuit: Circuit, connector: Component) -> int:
-    return _HEAD + _ROW * len(circuit.list_wires(connector)) + _FOOT
+def _height(connector: Component) -> int:
+    return _HEAD + _ROW * sum(pin.number.isdigit() for pin in connector.symbol.pins) + _FOOT
 
 
 def _connector(
     circuit: Circuit, connector: Component, signals: dict[str, Signal], top: float, device: str, *, is_left: bool
 ) -> Iterator[str]:
     """Yield a connector at an edge of the board, what it leads to, and the wires between them."""
-    pins, height = circuit.list_wires(connector), _height(circuit, connector)
+    nets, height = dict(circuit.list_wires(connector)), _height(connector)
+    pins = [pin.number for pin in connector.symbol.pins if pin.number.isdigit()]
     if connector.footprint in LOCKING_CONNECTORS and not is_left:
         pins.reverse()  # a plug is turned by half a turn at the other edge
     plug_left = _BOARD_LEFT if is_left else _BOARD_RIGHT - _PLUG
@@ -195,11 +197,12 @@ def _connector(
     yield _text(device_left + device_width / 2, top + 21, device, anchor="middle", weight="bold")
     yield _box(plug_left, top, _PLUG, height, "white", _GREEN)
     yield _text(plug_left + _PLUG / 2, top + 21, connector.reference, anchor="middle", weight="bold")
-    for i, (number, net) in enumerate(pins):
-        signal, y = signals.get(net, _SENSOR), top + _HEAD + _ROW * (i + 0.5)
-        yield f'<path d="M{_number(ends[0])} {_number(y)}H{_number(ends[1])}" stroke="{signal.colour}" {_STROKE}/>'
-        for x in ends:
-            yield f'<circle cx="{_number(x)}" cy="{_number(y)}" r="3" fill="{signal.colour}"/>'
+    for i, number in enumerate(pins):
+        signal, y = signals.get(nets[number], _SENSOR) if number in nets else _OPEN, top + _HEAD + _ROW * (i + 0.5)
+        if number in nets:
+            yield f'<path d="M{_number(ends[0])} {_number(y)}H{_number(ends[1])}" stroke="{signal.colour}" {_STROKE}/>'
+            for x in ends:
+                yield f'<circle cx="{_number(x)}" cy="{_number(y)}" r="3" fill="{signal.colour}"/>'
         base = y + 0.35 * _SIZE
         near, far = (plug_left + 12, plug_left + _PLUG - 12) if is_left else (plug_left + _PLUG - 12, plug_left + 12)
         sides = ("start", "end") if is_left else ("end", "start")

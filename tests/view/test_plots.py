@@ -184,18 +184,7 @@ def board() -> None:
     nominal = 1.01 * target / np.sqrt(1.0 + (f_hz / 3e4) ** 2)
     percent = {"R1": 1.0, "C1": 5.0, "C2": 5.0}
     band = ResponseBand(
-        f_hz,
-        target,
-        nominal,
-        0.9 * nominal,
-        1.1 * nominal,
-        67.0,
-        66.5,
-        (63.1, 70.2),
-        3.01e4,
-        (2.5e4, 3.5e4),
-        percent,
-        9,
+        f_hz, target, nominal, 0.9 * nominal, 1.1 * nominal, 67.0, 66.5, (63.1, 70.2), 3.01e4, (2.5e4, 3.5e4), percent
     )
     draw_response(band, "board", ".svg")
     draw_response(compute_response_band(DESIGN, 20), "20 boards", ".png")

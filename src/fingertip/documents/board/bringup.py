@@ -34,7 +34,7 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
     placement = view_channel(load_project(values.variant, design.board.channels).placement, 1)
     parts = {part.reference: part for part in circuit.components}
     small = [name for name, part in parts.items() if "SOT-23" in part.footprint]
-    is_protected, has_slip = "Q1" in parts, nets.SLIP in circuit.net_by_pin.values()
+    has_slip = nets.SLIP in circuit.net_by_pin.values()
     front_end = "bridge" if nets.REFERENCE in circuit.net_by_pin.values() else "stage"
     return render(
         "board/bringup.md",
@@ -48,9 +48,7 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
         fingers=NAMES[: design.board.channels],
         sockets="; ".join(describe_sockets()[: design.board.channels]),
         wiring=wiring,
-        idle_v=values.tactile_response.open_v,
-        is_protected=is_protected,
-        has_suppressor="D6" in parts,
+        parts=parts,
         # Three times what the board should draw, in tens.
         limit_ma=10.0 * math.ceil(0.3 * plan.current[readings.SUPPLY_MA].expected_v),
         coupling_capacitor=format_component_value(bench.COUPLING_FARAD),
@@ -62,7 +60,7 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
         diodes=_join([name for name, part in parts.items() if part.symbol.name == "1N4148W"]),
         small=_join(small),
         is_locking=parts["J1"].footprint in LOCKING_CONNECTORS,
-        resistances=list(_list_resistances(plan, placement, is_protected)),
+        resistances=list(_list_resistances(plan, placement)),
         voltages=[
             _row(plan, name_voltage(net), _find_probe(placement, net), PROBES[net][front_end])
             for net in plan.board.nets
@@ -84,10 +82,10 @@ def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str
     )
 
 
-def _list_resistances(plan: BringUp, placement: Placement, is_protected: bool) -> Iterator[Row]:
+def _list_resistances(plan: BringUp, placement: Placement) -> Iterator[Row]:
     where = "J2: red probe at plus, black at ground"
     # Behind the MOSFET that blocks a reversed supply, because without power it blocks the meter too.
-    if is_protected:
+    if "Q1" in placement.parts:
         plus = find_end(placement, "C10", nets.VCC)
         where = f"C10: red probe at its {plus.removesuffix(' of C10')}, black at the other"
     yield _row(plan, readings.SUPPLY_OHM, where, "a short: do not apply power")

@@ -113,15 +113,14 @@ def _add_envelope(
 ) -> None:
     """Add the readings behind the rectifier, quiet and with the tone."""
     hz = board.bench.tones_hz[-1]
-    measured = measure_voltages(drives, board.swing_v, board.gain_bandwidth_hz, hz)
-    means = measured.means
+    means, ripple = measure_voltages(drives, board.swing_v, board.gain_bandwidth_hz, hz)
     for i, values in enumerate(readings):
         ground_v = drives[2 * i].given_v[board.signal_ground]
         stuck = faults[i].stuck_v.get(nets.ENVELOPE)
         quiet, loud = means[nets.ENVELOPE][2 * i : 2 * i + 2] if stuck is None else (stuck, stuck)
         values[name_voltage(nets.ENVELOPE)] = float(quiet) - ground_v
         values[name_tone(nets.ENVELOPE, hz)] = float(loud) - ground_v
-        values[name_ripple(hz)] = float(measured.ripple[2 * i + 1]) if stuck is None else 0.0
+        values[name_ripple(hz)] = float(ripple[2 * i + 1]) if stuck is None else 0.0
         if nets.RECT_OUT in means:
             values[name_tone(nets.RECT_OUT, hz)] = float(means[nets.RECT_OUT][2 * i + 1]) - ground_v
 

@@ -46,20 +46,14 @@ class Drive:
     """Voltages of the rails and of the signal ground above ground [V]."""
 
 
-@dataclass(frozen=True, eq=False)
-class Measured:
-    """Voltages in the last period of a tone, for each drive [V]."""
-
-    means: Mapping[str, Array]
-    """Means above ground of the envelope and, by its net, of the output of a precision rectifier's amplifier."""
-    ripple: Array
-    """RMS of the alternating part of the envelope."""
-
-
 def measure_voltages(
     drives: Sequence[Drive], swing_v: tuple[float, float], gain_bandwidth_hz: float, tone_hz: float
-) -> Measured:
-    """Step boards through a tone until the envelope has settled."""
+) -> tuple[dict[str, Array], Array]:
+    """Step boards through a tone until the envelope has settled.
+
+    Returns the means of envelope and, of a precision rectifier, its output in the last period, by net, and the RMS of
+    the envelope's alternating part, for each drive [V].
+    """
     batch = _Batch(drives, swing_v, gain_bandwidth_hz)
     steps, h = PERIODS * STEPS_PER_PERIOD, 1.0 / (tone_hz * STEPS_PER_PERIOD)
     level, peak = (np.array([getattr(drive, name) for drive in drives]) for name in ("filtered_v", "peak_v"))
@@ -74,7 +68,7 @@ def measure_voltages(
     means = total / STEPS_PER_PERIOD
     ripple = np.sqrt(np.maximum(squares / STEPS_PER_PERIOD - means**2, 0.0))
     named = {net: means[:, batch.nets.index(net)] for net in (ENVELOPE, RECT_OUT) if net in batch.nets}
-    return Measured(named, ripple[:, batch.nets.index(ENVELOPE)])
+    return named, ripple[:, batch.nets.index(ENVELOPE)]
 
 
 class _Batch:

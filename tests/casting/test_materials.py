@@ -99,11 +99,6 @@ def test_ratio_by_volume_is_converted_with_both_densities() -> None:
     assert parts_by_weight(by_weight) == (1.0, 1.0), "a ratio by weight needs no conversion"
 
 
-def test_unverified_property_is_printed_with_a_mark() -> None:
-    assert str(MaterialProperty(5.0, 40.0, "neat")) == "5 to 40"
-    assert str(MaterialProperty(1.08, 1.08, "", verified=False)) == "1.08 (unverified)"
-
-
 def test_design_names_its_silicone_and_an_option_replaces_it() -> None:
     assert Design().silicone.material is SILICONES["addition_40a"]
     design = Design.load(changes=["silicone.product=smooth_sil_940"])

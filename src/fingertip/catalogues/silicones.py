@@ -49,10 +49,6 @@ class MaterialProperty:
         low, _, high = figures.partition(" to ")
         return cls(float(low), float(high or low), source, verified)
 
-    def __str__(self) -> str:
-        value = f"{self.low:g}" if self.low == self.high else f"{self.low:g} to {self.high:g}"
-        return value if self.verified else f"{value} (unverified)"
-
 
 @dataclass(frozen=True)
 class Silicone:

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
+from fingertip.board.analysis import interference
 from fingertip.board.analysis.board_values import BoardValues, describe_touches
-from fingertip.board.analysis.interference import DEAD_ZONE_V, describe_sensor
 from fingertip.board.analysis.limits import describe_adc_range
 from fingertip.board.analysis.loads import signal_band_hz
 from fingertip.board.analysis.noise import noise_warning
@@ -28,8 +28,8 @@ from fingertip.casting.hardware import describe_bought_wires
 from fingertip.catalogues.amplifiers import CATALOGUE
 from fingertip.catalogues.controllers import NAMES
 from fingertip.design import Design
+from fingertip.design.formulas import filter as formulas
 from fingertip.design.formulas.amplifiers import DIODE_V
-from fingertip.design.formulas.filter import COMPARATOR_OFFSET_V, MAX_COMPARATOR_OFFSET_V
 from fingertip.design.rules.amplifiers import CONTROLLER_RANGE_V
 from fingertip.documents.template import render
 from fingertip.foundation.errors import join_words
@@ -76,12 +76,11 @@ def folder_readme(circuit: Circuit, stored: StoredProject, values: BoardValues, 
         idle_v=values.tactile_response.open_v,
         pressed_v=values.tactile_response.tactile_v(sensor_conductance_s(MAX_FORCE_N)),
         wiring=wiring,
-        ripple_sensor=describe_sensor(values.supply_ripple),
         supply_range_v=CONTROLLER_RANGE_V,
         switch_ohm=MAX_SWITCH_OHM,
         power_up_s=POWER_UP_S,
         noise_warning=noise_warning(values.noise, design.detector.threshold_v),
-        dead_zone_v=DEAD_ZONE_V,
+        interference=interference,
         **_collect_order(circuit, stored),
         functions=bom.purchased_components(circuit if channels == 1 else board_circuit(values)),
         bridge_shift_v=_find_bridge_shift_v(values.bridge, design.board.supply_v) if values.bridge else 0.0,
@@ -105,8 +104,7 @@ def collect_board(values: BoardValues, design: Design) -> dict[str, Any]:
         "has_envelope": design.board.has_envelope,
         "has_slip": values.comparator_levels is not None,
         "levels": values.comparator_levels,
-        "comparator_offset_v": COMPARATOR_OFFSET_V,
-        "max_comparator_offset_v": MAX_COMPARATOR_OFFSET_V,
+        "formulas": formulas,
     }
 
 

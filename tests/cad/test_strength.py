@@ -142,7 +142,7 @@ def test_the_tutorial_states_the_factors_and_a_load_that_petg_holds() -> None:
     told = f"a grip of {grip:g} N leaves a safety factor of {found.grip_safety_factor:.2f}, and a knock of {shock:g} N "
     assert f"{told}one of {found.shock_safety_factor:.2f}. " in page
     design = Design.load("adult_finger", changes=["strength.print_material=petg"])
-    checks = check_strength(design, assess_strength(design, MeshEvaluator(0.01)))[:2]
+    checks = [*check_strength(design, assess_strength(design, MeshEvaluator(0.01)))][:2]
     broken, _ = re.findall(r"break at (\d+) N", " ".join(check.warning for check in checks))
     assert f"Of PETG it would break at {broken} N." in page
     remedies = [check.remedy for check in checks]

@@ -35,7 +35,7 @@ def render_instructions(design: Design, readings_file: str) -> str:
         plan=PLAN,
         lengths=lengths,
         count={kind: sum(length.kind == kind for length in lengths) for kind in ("outer", "inner", "wall")},
-        heights=list_heights(design),
+        heights=[*list_heights(design)],
         thread=select_thread(design.mold.bolt_diameter_mm).label,
         stroke_mm=STROKE_WIDTH * coupon_layout.text_unit_mm(design),
     )

@@ -14,21 +14,17 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.pad.fem_elastic import Body, Surface, triangle_shapes
 from fingertip.pad.fem_mesh import MeshSize, mesh_skin
+from fingertip.pad.form import PadForm
+from fingertip.pad.pose import Pose
 from fingertip.pad.touch import PALM, Touch, X, Z
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from fingertip.pad.form import PadForm
-    from fingertip.pad.pose import Pose
 
 MAX_DEPTH, MAX_STRAIN = 0.45, 0.3
 """Depth relative to the skin's thickness at first touch, and principal strain, to which small strains are trusted."""

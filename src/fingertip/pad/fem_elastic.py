@@ -9,16 +9,13 @@ to us for this wedge; tests look for locking. A pressure constant in plan conver
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fingertip.foundation.numerics import Array
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from fingertip.pad.fem_mesh import WedgeMesh
+from fingertip.pad.fem_mesh import WedgeMesh
 
 _CHUNK = 400
 """Number of elements whose matrices are in memory at a time."""

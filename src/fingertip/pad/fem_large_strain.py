@@ -11,18 +11,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
+from fingertip.pad.fem_contact import PadModel
 from fingertip.pad.fem_elastic import factorise
+from fingertip.pad.pose import Pose
 from fingertip.pad.touch import Touch
-
-if TYPE_CHECKING:
-    from fingertip.pad.fem_contact import PadModel
-    from fingertip.pad.pose import Pose
 
 _SPRINGS = 1000.0
 """Stiffness of the springs of the contact over that of a layer of silicone in tension."""

@@ -12,18 +12,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fingertip.foundation.errors import GeometryError, Issue
 from fingertip.foundation.numerics import Array, bisect_arrays
+from fingertip.pad.form import PadForm
 from fingertip.pad.touch import X
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from fingertip.pad.form import PadForm
 
 RIM_MM = 0.6
 """Height of the surface above the parting plane at which the mesh ends [mm]: a feather edge carries nothing."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import importlib
 import sys
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +21,9 @@ from fingertip.foundation.interruption import hold_interruptions
 from fingertip.foundation.numerics import Array
 
 if TYPE_CHECKING:
-    from manifold3d import Manifold
+    import manifold3d
 
+Manifold: TypeAlias = "manifold3d.Manifold"
 MIN_TOLERANCE_MM, MAX_TOLERANCE_MM = 0.0005, 1.0
 GRID_MM = 2.0**-17
 """Spacing of the grid to which vertices are rounded [mm]. Binary32 numbers, as in STL, hold multiples of it exactly up

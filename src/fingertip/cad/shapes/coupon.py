@@ -9,13 +9,14 @@ Coordinates of the coupon: x and y on the printer's bed, z up [mm].
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
 from fingertip.cad.shapes import coupon_layout
 from fingertip.cad.shapes.bone import sensor_recess
 from fingertip.cad.shapes.engraving import STROKE_WIDTH, letter_outlines
-from fingertip.cad.shapes.mold import base_recess, bolt_holes, key_sockets, keys, luer_cone, nut_traps
+from fingertip.cad.shapes.mold import base_recess, bolt_holes, key_frustums, key_sockets, luer_cone, nut_traps
 from fingertip.cad.shapes.parts import Part
 from fingertip.catalogues.hardware import NOZZLE_DEPTH_MM
 from fingertip.design import Design
@@ -98,9 +99,9 @@ def loose_slice(design: Design) -> Solid:
     if not coupon_layout.has_key(design):
         return piece
     x, z, _ = design.mold_layout.keys[0]
-    key = intersection(keys(design)[0], Box((x - reach, -reach, z - reach), (x + reach, SLICE_MM / 2, z + reach)))
+    (larger, _), near = key_frustums(design), Box((x - reach, -reach, z - reach), (x + reach, SLICE_MM / 2, z + reach))
     centre = (0.0, (section.dorsal - design.dimensions.base_flat_depth) / 2)
-    return union(piece, _place(key, _UP_FROM_PALMAR, (x, 0.0, z), (*centre, SLICE_MM)))
+    return union(piece, _place(intersection(larger, near), _UP_FROM_PALMAR, (x, 0.0, z), (*centre, SLICE_MM)))
 
 
 @dataclass(frozen=True)
@@ -113,25 +114,21 @@ class Height:
     piece: str = "coupon"
 
 
-def list_heights(design: Design) -> tuple[Height, ...]:
+def list_heights(design: Design) -> Iterator[Height]:
     """List the heights of the coupon. Layers make them, so the calibration does not use them."""
     layout, inside = coupon_layout.lay_out(design), coupon_layout.AROUND_MM / 2
-    ring, tongue, wall = layout.ring, layout.tongue, layout.walls[-1]
-    heights = [
-        Height("ribs of the frame", _RIB_TOP_MM, (coupon_layout.RIB_MM / 2, layout.windows[0].centre[1])),
-        Height("block around the recess", RING_MM, (ring.low[0] + inside, ring.centre[1])),
-        Height("block with the trap", _tongue_top_mm(design), (tongue.low[0] + inside, tongue.low[1] + 2 * inside)),
-    ]
+    ring, tongue = layout.ring, layout.tongue
+    yield Height("ribs of the frame", _RIB_TOP_MM, (coupon_layout.RIB_MM / 2, layout.windows[0].centre[1]))
+    yield Height("block around the recess", RING_MM, (ring.low[0] + inside, ring.centre[1]))
+    yield Height("block with the trap", _tongue_top_mm(design), (tongue.low[0] + inside, tongue.low[1] + 2 * inside))
     if spot := layout.socket:
-        heights.append(
-            Height("block with the round socket", _socket_top_mm(design), (spot.centre[0], spot.high[1] - inside))
-        )
+        at = (spot.centre[0], spot.high[1] - inside)
+        yield Height("block with the round socket", _socket_top_mm(design), at)
     if spot := layout.luer:
-        heights.append(Height("tallest block, with the cone", _LUER_TOP_MM, (spot.high[0] - inside, spot.centre[1])))
-    heights.append(Height("thin walls", _WALL_TOP_MM, wall.centre))
-    section = design.dimensions.bone_outline.section
-    side = (-0.8 * section.half_width, 0.0)
-    return (*heights, Height("loose piece, beside its key", SLICE_MM, side, "coupon_slice"))
+        yield Height("tallest block, with the cone", _LUER_TOP_MM, (spot.high[0] - inside, spot.centre[1]))
+    yield Height("thin walls", _WALL_TOP_MM, layout.walls[-1].centre)
+    side = (-0.8 * design.dimensions.bone_outline.section.half_width, 0.0)
+    yield Height("loose piece, beside its key", SLICE_MM, side, "coupon_slice")
 
 
 def _pocket(design: Design, layout: coupon_layout.Layout) -> Solid:
@@ -168,18 +165,16 @@ def _recess(design: Design, layout: coupon_layout.Layout) -> Solid:
     return Placed(intersection(base_recess(design)[0], near), 0, (x, y + flat, -_SLICE_Z_MM))
 
 
-def _letters(design: Design, layout: coupon_layout.Layout) -> list[Solid]:
+def _letters(design: Design, layout: coupon_layout.Layout) -> Iterator[Solid]:
     """Build the letters in the smallest stroke of the mold's text, as deep as there."""
     assert layout.text
     unit, top = coupon_layout.text_unit_mm(design), layout.tile_mm
     # The letters stand in the middle of their tile, whose rim is as wide as a stroke.
     x, y = (low + unit * STROKE_WIDTH * 1.5 for low in layout.text.low)
-    prisms: list[Solid] = []
     for letter in letter_outlines(coupon_layout.LETTERS, STROKE_WIDTH):
         outline, *holes = (tuple((x + unit * u, y + unit * v) for u, v in ring) for ring in letter)
         floor = top - design.mold.engraving_depth_mm
-        prisms.append(Prism("z", outline, floor, top + _PAST_MM, tuple(holes)))
-    return prisms
+        yield Prism("z", outline, floor, top + _PAST_MM, tuple(holes))
 
 
 def _place(

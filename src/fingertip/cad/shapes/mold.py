@@ -244,17 +244,12 @@ def nut_traps(design: Design) -> tuple[Solid, ...]:
     )  # fmt: skip
 
 
-def keys(design: Design) -> tuple[Solid, ...]:
-    """Build the registration keys of the dorsal half."""
-    return key_frustums(design, 0.0)
-
-
 def key_sockets(design: Design) -> tuple[Solid, ...]:
     return key_frustums(design, design.mold.key_clearance_mm)
 
 
-def key_frustums(design: Design, clearance_mm: float) -> tuple[Solid, ...]:
-    """Build the frustums of the registration keys, enlarged by a clearance [mm] on all sides but the root."""
+def key_frustums(design: Design, clearance_mm: float = 0.0) -> tuple[Solid, ...]:
+    """Build the registration keys of the dorsal half, enlarged by a clearance [mm] on all sides but the root."""
     m, slope = design.mold_layout, design.dimensions.draft_slope
     inside, top = m.dorsal_height / 2, -design.mold.key_height_mm - clearance_mm
     offset = clearance_mm * math.hypot(1.0, slope)  # the clearance is measured perpendicular to the drafted wall
@@ -331,4 +326,4 @@ def mold_dorsal(design: Design) -> Solid:
     m = design.mold_layout
     half = Box((-m.half_width, 0.0, m.proximal_z), (m.half_width, m.dorsal_height, m.distal_z))
     subtracted = (hollow(design), *bolt_holes(design), *pry_slots(design), *screw_hole(design))
-    return difference(union(half, *keys(design)), *subtracted, *engraved_text(design, "dorsal"))
+    return difference(union(half, *key_frustums(design)), *subtracted, *engraved_text(design, "dorsal"))

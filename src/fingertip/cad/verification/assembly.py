@@ -10,10 +10,9 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from itertools import combinations
-from typing import TYPE_CHECKING
 
 from fingertip.cad.files.step_process import BrepMeasurements
-from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.kernel.mesh import Manifold, MeshEvaluator
 from fingertip.cad.shapes import insert, mold
 from fingertip.cad.shapes.bridged_ceiling import ceiling_steps_volume_mm3, disc_slot_area_mm2, hexagon_slot_area_mm2
 from fingertip.cad.shapes.engraving import signed_area
@@ -31,10 +30,6 @@ from fingertip.design.geometry.features import Joint
 from fingertip.design.geometry.solids import Box, Cone, Solid, cylinder, difference, intersection, scaled, union
 from fingertip.design.interfaces.clevis_solids import eye_profile, knuckle, pin_bore, space
 from fingertip.filling.mold_filling import place_vents
-
-if TYPE_CHECKING:
-    from manifold3d import Manifold
-
 
 HALVES = ("mold_palmar", "mold_dorsal")
 _PULL_DISTANCES_MM = (0.02, 0.2, 1.0, 4.0, 12.0)
@@ -104,7 +99,7 @@ def check_brep_assembly(
         block = math.prod(high - low for low, high in zip(outline.low, outline.high, strict=True))
         filled = volumes_mm3["hollow"] + _cutout_volume_mm3(design) + sum(parts[half].volume_mm3 for half in HALVES)
         filled += sum(map(_volume_below_parting_plane_mm3, mold.key_sockets(design)))
-        filled -= sum(map(_volume_below_parting_plane_mm3, mold.keys(design)))
+        filled -= sum(map(_volume_below_parting_plane_mm3, mold.key_frustums(design)))
         yield Check("step.volume_balance.mold", abs(block - filled), _BREP_VOLUME_ERROR * block, "mm3")
 
 
@@ -159,7 +154,7 @@ def _mold_imbalance(design: Design, evaluator: MeshEvaluator, halves: Iterable[S
     hollow = union(mold.hollow(design), mold.outer_cutouts_and_screw(design))
     filled = sum(evaluator.manifold(solid).volume() for solid in (intersection(hollow, block), *halves))
     below = evaluator.manifold(block).trim_by_plane((0.0, -1.0, 0.0), 0.0)
-    for socket, key in zip(mold.key_sockets(design), mold.keys(design), strict=True):
+    for socket, key in zip(mold.key_sockets(design), mold.key_frustums(design), strict=True):
         filled += (evaluator.manifold(socket) ^ below).volume() - (evaluator.manifold(key) ^ below).volume()
     return abs(float(evaluator.manifold(block).volume() - filled))
 

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
-from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.kernel.mesh import Manifold, MeshEvaluator
 from fingertip.cad.shapes import bone
 from fingertip.cad.shapes.insert import filled_bone, flat_slab, sensor_insert
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
@@ -31,19 +30,10 @@ from fingertip.design.geometry.solids import union
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.clevis import ANCHOR_PIN_MPA, anchor_pin_stress_mpa
 
-if TYPE_CHECKING:
-    from manifold3d import Manifold
-
-
 _CLOSED = {"bone", "lid", "skin", "sensor_insert"}
 """Parts that enclose the sensor."""
 _AREA_TOLERANCE_MM2 = 0.01
 """Largest area that counts as zero [mm2]: a strip along the sensor as narrow as the rounding to the vertex grid."""
-
-
-def check_bone(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
-    yield from _check_walls(design, evaluator)
-    yield from _check_sensor_seat(design, evaluator)
 
 
 def check_air_vent(design: Design, evaluator: MeshEvaluator) -> Check:
@@ -61,7 +51,7 @@ def check_air_vent(design: Design, evaluator: MeshEvaluator) -> Check:
     return Check("sensor.air_volumes", len(volumes), 1, "volumes", "exactly")
 
 
-def _check_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
+def check_bone(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     dims, wall = design.dimensions, design.printer.min_wall_mm - evaluator.tolerance_mm
     whole, outside = evaluator.manifold(filled_bone(design)), complement(evaluator, filled_bone(design))
     recess = evaluator.manifold(bone.sensor_recess(design))
@@ -84,6 +74,7 @@ def _check_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
         deep = above_z(hollow, -design.bone.base_length_mm + 2 * wall)
         yield check_min_distance(f"bone.wall.{name}_to_outside", deep, outside, wall)
         yield check_min_distance(f"bone.wall.{name}_to_sensor", deep, recess, wall)
+    yield from _check_sensor_seat(design, evaluator)
 
 
 def _check_channel_walls(design: Design, evaluator: MeshEvaluator, outside: Manifold, wall: float) -> Iterator[Check]:
@@ -172,15 +163,12 @@ _BREAKS_BELOW = 1.0
 """Safety factor below which the bone is expected to break at the load."""
 
 
-def check_strength(design: Design, strength: BoneStrength) -> tuple[Check, ...]:
-    checks = [
-        _check_load(design, strength, strength.weakest, "grip", strength.grip_safety_factor),
-        _check_load(design, strength, strength.at_shock, "shock", strength.shock_safety_factor),
-    ]
+def check_strength(design: Design, strength: BoneStrength) -> Iterator[Check]:
+    yield _check_load(design, strength, strength.weakest, "grip", strength.grip_safety_factor)
+    yield _check_load(design, strength, strength.at_shock, "shock", strength.shock_safety_factor)
     if design.dimensions.anchor:
         bending = anchor_pin_stress_mpa(design, strength.tendon_force_n)
-        checks.append(Check("joint.anchor_pin_stress", bending, ANCHOR_PIN_MPA, "MPa"))
-    return tuple(checks)
+        yield Check("joint.anchor_pin_stress", bending, ANCHOR_PIN_MPA, "MPa")
 
 
 def _check_load(design: Design, strength: BoneStrength, place: Weakness, load: str, factor: float) -> Check:

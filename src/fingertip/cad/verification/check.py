@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
-from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.kernel.mesh import Manifold, MeshEvaluator
 from fingertip.design.geometry.solids import Box, Solid, difference
 from fingertip.foundation.comparison import Comparison
 from fingertip.foundation.files import round_for_output
-
-if TYPE_CHECKING:
-    from manifold3d import Manifold
 
 _BUG = ()
 """A design that the rules accept never fails these checks: it would be a fault of the program."""

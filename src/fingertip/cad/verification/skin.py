@@ -16,12 +16,11 @@ from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
+from fingertip.cad.kernel.mesh import Manifold, Mesh, MeshEvaluator
 from fingertip.cad.shapes.insert import filled_bone, skin_interior, skin_outline
 from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, above_z, complement, measure_gap
 from fingertip.design import Design
@@ -33,9 +32,6 @@ from fingertip.foundation.comparison import Relation
 from fingertip.foundation.errors import DesignError
 from fingertip.foundation.numerics import Array
 from fingertip.pad.survey import FIRM_N, FORCE_N, GRASP_DEG, MAX_TURN_ON_N, TILTS_DEG, WIDE_DEG, survey_pad
-
-if TYPE_CHECKING:
-    from manifold3d import Manifold
 
 _NEARBY_STEPS = 3
 """Gauss-Newton steps that suffice for points very near the surface."""
@@ -132,16 +128,14 @@ class Patch:
         return z, (s, c), np.arctan2(y, x)
 
 
-def _rational(t: Array, weight: float, *coordinates: tuple[float, float, float]) -> list[tuple[Array, Array]]:
+def _rational(t: Array, weight: float, *coordinates: tuple[float, float, float]) -> Iterator[tuple[Array, Array]]:
     """Evaluate each coordinate of a rational quadratic Bezier curve, and its derivative."""
     u, weights = 1.0 - t, np.array((1.0, weight, 1.0))
     basis, slope = np.array((u * u, 2.0 * u * t, t * t)), np.array((-2.0 * u, 2.0 * (u - t), 2.0 * t))
     d, dd = weights @ basis, weights @ slope
-    found = []
     for poles in coordinates:
         value = (poles * weights) @ basis / d
-        found.append((value, ((poles * weights) @ slope - value * dd) / d))
-    return found
+        yield value, ((poles * weights) @ slope - value * dd) / d
 
 
 def surface_patches(body: ConicBody) -> Iterator[Patch]:

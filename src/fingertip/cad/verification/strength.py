@@ -16,9 +16,10 @@ moments of polygons, TU Munich FGBV-96-05, 1996).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from operator import attrgetter
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -133,17 +134,14 @@ def assess_strength(design: Design, evaluator: MeshEvaluator) -> BoneStrength:
         in_sections = _find_weakest_section(design, at, [cut for cut in cuts if cut[0] < at[2]])
         at_interface = interface_of(design).local_stresses(design, at[2])
         places += (Weakness(**vars(found), load=load) for found in (*in_sections, *at_interface))
-    weakest, at_shock = _find_weakest(places), _find_weakest(place for place in places if place.at_shock)
+    stress = attrgetter("stress_per_n")
+    weakest, at_shock = max(places, key=stress), max((place for place in places if place.at_shock), key=stress)
     strength = material.strength_along_finger(design.strength.print_direction)
     grip, shock = design.strength.grip_force_n, design.strength.shock_force_n
     return BoneStrength(
         material, weakest, at_shock, strength / weakest.stress_per_n / grip, strength / at_shock.stress_per_n / shock,
         grip * tendon_force_per_n(design, design.skin.length_mm),
     )  # fmt: skip
-
-
-def _find_weakest(places: Iterable[Weakness]) -> Weakness:
-    return max(places, key=lambda weakness: weakness.stress_per_n)
 
 
 def _cut(design: Design, evaluator: MeshEvaluator) -> Iterator[tuple[float, Section]]:

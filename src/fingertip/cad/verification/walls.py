@@ -7,18 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
+from fingertip.cad.kernel.mesh import Manifold, Mesh, MeshEvaluator, to_canonical_mesh
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.verification.check import Check
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
-
-if TYPE_CHECKING:
-    from manifold3d import Manifold
 
 MEASURED = ("bone", "lid", "core", "skin")
 SPACING_MM = 0.35

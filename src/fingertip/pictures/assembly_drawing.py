@@ -14,18 +14,7 @@ from fingertip.board.fabrication.bom import list_bom
 from fingertip.board.kicad.placement import Box, PlacedPart, Placement
 from fingertip.board.parts.circuit import Circuit, Component
 from fingertip.foundation.version import __version__
-from fingertip.pictures.drawing.primitives import (
-    Point,
-    Primitive,
-    Ring,
-    Sheet,
-    Style,
-    Styles,
-    Text,
-    line,
-    rectangle,
-    text_width,
-)
+from fingertip.pictures.drawing.primitives import Primitive, Ring, Sheet, Style, Text, line, rectangle, text_width
 
 SCALE = 5.0
 _A4_MM, _A3_MM = (297.0, 210.0), (420.0, 297.0)
@@ -35,7 +24,7 @@ _TITLE_MM, _NOTE_MM, _LIST_MM = 3.5, 2.0, 2.0
 _MOST_MM, _LEAST_MM = 2.2, 1.2
 """Largest and smallest height of the capitals on a part."""
 _PART, _PAD = Style("part", 0.2), Style("pad", 0.1)
-_BAR, _BOARD = Style("bar", 0.9), Style("board", 0.5)
+_BAR, _BOARD, _DOT = Style("bar", 0.9), Style("board", 0.5), Style("dot", 0.25)
 _ROW_MM = 4.6
 _GAP = 0.35
 """Gap between two lines of text, and beside them, in units of a capital's height."""
@@ -55,7 +44,7 @@ class _Box:
         return self.right - self.left, self.top - self.bottom
 
     @property
-    def middle(self) -> Point:
+    def middle(self) -> tuple[float, float]:
         return (self.left + self.right) / 2.0, (self.bottom + self.top) / 2.0
 
 
@@ -131,7 +120,7 @@ def _trim(pad: _Box, body: _Box) -> Iterator[Primitive]:
         yield rectangle(left, bottom, right, top, _PAD)
 
 
-def _draw_bar(body: _Box, cathode: Point) -> Primitive:
+def _draw_bar(body: _Box, cathode: tuple[float, float]) -> Primitive:
     (x, y), (cx, cy), (wide, high) = cathode, body.middle, body.size
     if wide > high:
         at = body.left if x < cx else body.right
@@ -140,12 +129,12 @@ def _draw_bar(body: _Box, cathode: Point) -> Primitive:
     return line((body.left, at), (body.right, at), _BAR)
 
 
-def _draw_dot(body: _Box, pin: Point) -> Iterator[Primitive]:
+def _draw_dot(body: _Box, pin: tuple[float, float]) -> Iterator[Primitive]:
     """Draw a dot inside the body, as near to the pin as there is room."""
     (x, y), (wide, high) = pin, body.size
     dx, dy = min(1.0, wide / 6.0), min(1.0, high / 6.0)
     dot = min(max(x, body.left + dx), body.right - dx), min(max(y, body.bottom + dy), body.top - dy)
-    yield from (Ring(dot, r, Styles.GRID) for r in (0.15, 0.4))
+    yield from (Ring(dot, r, _DOT) for r in (0.15, 0.4))
 
 
 def _write(body: _Box, name: str, value: str) -> Iterator[Primitive]:

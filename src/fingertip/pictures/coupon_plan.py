@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -35,25 +34,6 @@ _BELOW_WALLS_MM = 1.6
 """Step by which the numbers of neighbouring thin walls stand apart [mm]."""
 
 
-@dataclass(frozen=True)
-class _Plan:
-    """Plan on the picture: x to the right and y up on the bed."""
-
-    scale: float
-    """Pixels per millimetre."""
-    left: float
-    top: float
-    shifts: Mapping[str, Point]
-    """Place of the origin of each piece [mm]."""
-    growth: float
-    """Scale of the files."""
-
-    def at(self, point: Point, piece: str) -> Point:
-        dx, dy = self.shifts[piece]
-        x, y = self.growth * point[0] + dx, self.growth * point[1] + dy
-        return (x - self.left) * self.scale, (self.top - y) * self.scale
-
-
 def draw_plan(design: Design, meshes: Mapping[str, Mesh]) -> bytes:
     """Draw both pieces from above, as they lie on the bed, as PNG."""
     low = {name: mesh.vertices.min(axis=0) for name, mesh in meshes.items()}
@@ -75,14 +55,20 @@ def draw_plan(design: Design, meshes: Mapping[str, Mesh]) -> bytes:
         canvas.draw(moved, COUPON_PARTS[name].colour, centre)
     picture = Image.fromarray(canvas.image())
     pen, font = ImageDraw.Draw(picture), ImageFont.load_default(size=_FONT_PX)
-    plan = _Plan(scale, left, top, shifts, design.printer.scale_percent / 100.0)
+    growth = design.printer.scale_percent / 100.0  # of the files
+
+    def place(point: Point, piece: str) -> Point:
+        x, y = (growth * along + shift for along, shift in zip(point, shifts[piece], strict=True))
+        return (x - left) * scale, (top - y) * scale
+
     title = f"{design.name}: red numbers are the lengths to measure, along x or y; blue are heights, along Z [mm]"
     pen.text((14, 10), title, fill=(40, 40, 40), font=font)
     for number, length in enumerate(list_lengths(design), 1):
-        _draw_length(pen, font, plan, number, length)
+        start, end = (place(point, length.piece) for point in length.ends)
+        _draw_length(pen, font, scale, number, length, start, end)
     for number, height in enumerate(list_heights(design), 1):
-        text = f"Z{number}: {height.height_mm * plan.growth:.2f}"
-        x, y = plan.at(height.at, height.piece)
+        text = f"Z{number}: {height.height_mm * growth:.2f}"
+        x, y = place(height.at, height.piece)
         pen.ellipse([x - 5, y - 5, x + 5, y + 5], fill=_HEIGHT_COLOUR)
         x0, y0, x1, y1 = pen.textbbox((x + 10, y), text, font=font, anchor="lm")
         pen.rectangle([x0 - 3, y0 - 3, x1 + 3, y1 + 3], fill=(255, 255, 255), outline=_HEIGHT_COLOUR)
@@ -90,22 +76,21 @@ def draw_plan(design: Design, meshes: Mapping[str, Mesh]) -> bytes:
     x, y, reach = 30.0, height_px - 30.0, 60.0
     for end, label in (((x + reach, y), "x"), ((x, y - reach), "y")):
         pen.line([(x, y), end], fill=(40, 40, 40), width=3)
-        pen.polygon(list(_arrow(end, (x, y))), fill=(40, 40, 40))
+        pen.polygon(_arrow(end, (x, y)), fill=(40, 40, 40))
         pen.text((end[0] + 10, end[1] - 4), label, fill=(40, 40, 40), font=font, anchor="lm")
     return to_png(picture)
 
 
-def _draw_length(pen: Pen, font: Any, plan: _Plan, number: int, length: Length) -> None:
+def _draw_length(pen: Pen, font: Any, scale: float, number: int, length: Length, start: Point, end: Point) -> None:
     """Draw the line between the jaws and the number: beside the line, or below a wall that is too thin for it."""
-    start, end = (plan.at(point, length.piece) for point in length.ends)
     if length.kind == "wall":
         middle = (start[0] + end[0]) / 2
-        label = (middle, start[1] + (_LABEL_MM + _BELOW_WALLS_MM * (number % 2)) * plan.scale)
+        label = (middle, start[1] + (_LABEL_MM + _BELOW_WALLS_MM * (number % 2)) * scale)
         pen.line([(middle, start[1]), label], fill=_LENGTH_COLOUR, width=2)
         _draw_number(pen, font, label, number)
         return
     if length.name in ("outer_x_mm", "outer_y_mm"):
-        outside = _OUTSIDE_MM * plan.scale
+        outside = _OUTSIDE_MM * scale
         dx, dy = (0.0, -outside) if length.axis == "x" else (outside, 0.0)
         moved = [(x + dx, y + dy) for x, y in (start, end)]
         for near, far in zip((start, end), moved, strict=True):
@@ -113,21 +98,18 @@ def _draw_length(pen: Pen, font: Any, plan: _Plan, number: int, length: Length) 
         start, end = moved
     pen.line([start, end], fill=_LENGTH_COLOUR, width=3)
     for tip, other in ((start, end), (end, start)):
-        pen.polygon(list(_arrow(tip, other)), fill=_LENGTH_COLOUR)
+        pen.polygon(_arrow(tip, other), fill=_LENGTH_COLOUR)
     share = _NUMBER_AT[length.axis]
     _draw_number(pen, font, (start[0] + share * (end[0] - start[0]), start[1] + share * (end[1] - start[1])), number)
 
 
-def _arrow(tip: Point, other: Point) -> Iterator[Point]:
-    """Yield the corners of an arrow head at `tip` of a line along an axis."""
+def _arrow(tip: Point, other: Point) -> list[Point]:
+    """Return the corners of an arrow head at `tip` of a line along an axis."""
     dx, dy = (float(np.sign(b - a)) * _ARROW_PX for a, b in zip(tip, other, strict=True))
-    yield tip
-    yield tip[0] + dx + dy / 2, tip[1] + dy + dx / 2
-    yield tip[0] + dx - dy / 2, tip[1] + dy - dx / 2
+    return [tip, *((tip[0] + dx + side * dy / 2, tip[1] + dy + side * dx / 2) for side in (1.0, -1.0))]
 
 
 def _draw_number(pen: Pen, font: Any, at: Point, number: int) -> None:
-    x, y = at
-    r = _BALLOON_PX
+    (x, y), r = at, _BALLOON_PX
     pen.ellipse([x - r, y - r, x + r, y + r], fill=(255, 255, 255), outline=_LENGTH_COLOUR, width=2)
     pen.text((x, y), str(number), fill=_LENGTH_COLOUR, font=font, anchor="mm")

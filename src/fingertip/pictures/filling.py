@@ -6,7 +6,7 @@ dorsal and the palmar side as the mold maker sees them.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -43,11 +43,8 @@ _LAST = _Symbol("*", YELLOW, 230, "last point: fills later than all around it")
 _AIR = _Symbol("X", RED, 130, "air pocket: a bubble stays here")
 
 
-@dataclass(frozen=True)
-class _Mark:
-    point_mm: Point3
-    symbol: _Symbol
-    text: str
+_Mark = tuple[Point3, _Symbol, str]
+"""Place [mm], symbol and text of a mark."""
 
 
 def draw_mold_filling(design: Design) -> bytes:
@@ -68,7 +65,7 @@ def draw_filling(
     levels = _choose_levels(prediction.fill_s)
     views = (_unroll(grid.layer), _look(grid.layer, 1), _look(grid.layer, -1))
     axes = figure.subplots(1, 3, width_ratios=[float(np.ptp(view.x)) for view in views])
-    marks = _list_marks(prediction, gate, vents)
+    marks = [*_list_marks(prediction, gate, vents)]
     for view, its_axes in zip(views, axes, strict=True):
         filled = _draw_map(its_axes, view, _grid_values(grid.layer, prediction.arrival_s)[:, view.columns], levels)
         _draw_marks(its_axes, view, grid.layer, marks)
@@ -85,7 +82,7 @@ def draw_filling(
     bar.ax.set_yticklabels([*(f"{level:g}" for level in levels[:-1]), f"{levels[-1]:.1f}, full"])
     handles: list[Any] = [
         axes[0].scatter([], [], marker=s.marker, color=s.colour, edgecolors="black", s=0.6 * s.size, label=s.legend)
-        for s in dict.fromkeys(mark.symbol for mark in marks)
+        for s in dict.fromkeys(symbol for _, symbol, _ in marks)
     ]
     if np.isnan(prediction.arrival_s).any():
         handles.append(
@@ -117,20 +114,15 @@ def _summarise(prediction: FillingPrediction) -> str:
     )
 
 
-def _list_marks(prediction: FillingPrediction, gate: Opening, vents: Sequence[Opening]) -> list[_Mark]:
-    marks = [_Mark(gate.point_mm, _GATE, "gate")]
-    marks += [_Mark(vent.point_mm, _VENT, "vent") for vent in vents]
+def _list_marks(prediction: FillingPrediction, gate: Opening, vents: Sequence[Opening]) -> Iterator[_Mark]:
+    yield gate.point_mm, _GATE, "gate"
+    yield from ((vent.point_mm, _VENT, "vent") for vent in vents)
     trapped = [air.point_mm for air in prediction.air_pockets]
-    marks += [
-        _Mark(point.point_mm, _LAST, f"last, {point.arrival_s:.1f} s")
-        for point in prediction.last_points
-        if point.point_mm not in trapped
-    ]
-    marks += [
-        _Mark(air.point_mm, _AIR, f"air {air.volume_mm3:.0f} mm³,\ntrapped at {air.time_s:.1f} s")
-        for air in prediction.air_pockets
-    ]
-    return marks
+    for point in prediction.last_points:
+        if point.point_mm not in trapped:
+            yield point.point_mm, _LAST, f"last, {point.arrival_s:.1f} s"
+    for air in prediction.air_pockets:
+        yield air.point_mm, _AIR, f"air {air.volume_mm3:.0f} mm³,\ntrapped at {air.time_s:.1f} s"
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,26 +192,23 @@ def _draw_marks(axes: Axes, view: _View, layer: Layer, marks: Sequence[_Mark]) -
     """Draw the marks whose place a view shows. Their texts stand beside them, and move up where two would overlap."""
     points = _grid_points(layer)
     width, middle = float(np.ptp(view.x)), 0.5 * float(view.x.min() + view.x.max())
-    placed: list[tuple[float, int, float, _Mark]] = []
-    for mark in marks:
-        away = ((points - np.array(mark.point_mm)) ** 2).sum(axis=2)
+    placed: list[tuple[float, int, float, _Symbol, str]] = []
+    for point, symbol, text in marks:
+        away = ((points - np.array(point)) ** 2).sum(axis=2)
         if away[:, view.columns].min() > away.min() + 1e-9:
             continue
         i, j = np.unravel_index(int(np.argmin(away[:, view.columns])), (len(points), len(view.columns)))
         x, y = float(view.x[i, j]), float(view.y[i, j])
         outwards = 1 if x >= middle else -1
-        placed.append((y, outwards if abs(x - middle) < 0.3 * width else -outwards, x, mark))
+        placed.append((y, outwards if abs(x - middle) < 0.3 * width else -outwards, x, symbol, text))
     taken = {1: -np.inf, -1: -np.inf}
-    for y, side, x, mark in sorted(placed, key=lambda item: item[0]):
-        axes.scatter(
-            x, y, marker=mark.symbol.marker, s=mark.symbol.size, color=mark.symbol.colour, edgecolors="black",
-            zorder=6, clip_on=False,
-        )  # fmt: skip
-        half = _LINE_MM * (1 + mark.text.count("\n")) / 2
+    for y, side, x, s, text in sorted(placed, key=lambda item: item[0]):
+        axes.scatter(x, y, marker=s.marker, s=s.size, color=s.colour, edgecolors="black", zorder=6, clip_on=False)
+        half = _LINE_MM * (1 + text.count("\n")) / 2
         text_y = max(y, taken[side] + half)
         taken[side] = text_y + half
         axes.annotate(
-            mark.text, (x, y), (x + side * 1.1, text_y), ha="left" if side > 0 else "right", va="center", fontsize=9,
+            text, (x, y), (x + side * 1.1, text_y), ha="left" if side > 0 else "right", va="center", fontsize=9,
             zorder=5, bbox={"boxstyle": "round,pad=0.15", "facecolor": "white", "alpha": 0.85, "linewidth": 0},
             arrowprops={"arrowstyle": "-", "color": "black", "linewidth": 0.8} if text_y > y + 0.1 else None,
         )  # fmt: skip

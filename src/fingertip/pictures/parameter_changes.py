@@ -93,13 +93,10 @@ def draw_atlas(design: Design, progress: Callable[[str], None] = lambda message:
 def draw_parameter(design: Design, path: str, parts: tuple[str, ...], drawn_on: str = "") -> AtlasPicture | None:
     """Draw what a change of one parameter does to the part that it changes most; None if nothing is seen."""
     for changed in list_changes(design, path):
-        try:
-            found = _draw_change(design, changed, parts)
-        except FingertipError:  # another change may make parts
-            continue
-        if found:
-            part, view, png = found
-            return AtlasPicture(path, part, view, design.value(path), changed.value(path), drawn_on, png)
+        with suppress(FingertipError):  # another change may make parts
+            if found := _draw_change(design, changed, parts):
+                part, view, png = found
+                return AtlasPicture(path, part, view, design.value(path), changed.value(path), drawn_on, png)
     return None
 
 
@@ -166,15 +163,11 @@ def _compare(before: Design, after: Design, part: str, view: str) -> tuple[int, 
     meshes = [_mesh(solid, is_cut) for solid in solids if solid is not None]
     centre, size = bounds(meshes, camera)
     scale = min((_WIDTH_PX - 2 * _MARGIN_PX) / size[0], (_HEIGHT_PX - 2 * _MARGIN_PX) / size[1])
-    old, new = (_render(mesh, camera, scale, centre) for mesh in meshes)
+    old, new = (Canvas(_WIDTH_PX, _HEIGHT_PX, scale, camera) for _ in meshes)
+    for canvas, mesh in zip((old, new), meshes, strict=True):
+        canvas.draw(mesh, _GREY, centre)
     nearer, farther = find_depth_changes(old.depth_mm, new.depth_mm, _SEEN_MM)
     return int(nearer.sum() + farther.sum()), lambda: _paint(new, nearer, farther)
-
-
-def _render(mesh: Mesh, camera: Camera, scale: float, centre: Array) -> Canvas:
-    canvas = Canvas(_WIDTH_PX, _HEIGHT_PX, scale, camera)
-    canvas.draw(mesh, _GREY, centre)
-    return canvas
 
 
 def find_depth_changes(old: Array, new: Array, least: float) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:

@@ -113,7 +113,6 @@ def run_apart(job: Job[T], time_limit_s: float = TIME_LIMIT_S) -> dict[str, T]:
                 timeout=time_limit_s,
                 cwd=folder,
                 env=python_environment(),
-                check=False,
             )
         except subprocess.TimeoutExpired:
             message = f"the B-rep kernel was still projecting after {time_limit_s:g} s; check the design with build."

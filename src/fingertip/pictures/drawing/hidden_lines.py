@@ -34,18 +34,12 @@ _IN_PLANE_MM = 1e-5
 
 def project(solid: TopoDS_Shape, view: ViewName) -> ProjectedView:
     """Project a solid. The section removes the half at x < 0 first."""
-    shape = _far_half(solid) if view == "section" else solid
-    visible, hidden = _remove_hidden_lines(shape, PROJECTIONS[view])
-    if view == "section":
-        return ProjectedView(visible, (), _cut_outlines(shape, PROJECTIONS[view]))
-    return ProjectedView(visible, hidden)
-
-
-def _far_half(solid: TopoDS_Shape) -> TopoDS_Shape:
+    if view != "section":
+        return ProjectedView(*_remove_hidden_lines(solid, PROJECTIONS[view]))
     (x, y, z), (_, far_y, far_z) = occ.bounds(solid)
-    margin = 1.0
-    near = occ.box((x - margin, y - margin, z - margin), (0.0, far_y + margin, far_z + margin))
-    return occ.cut(solid, near)
+    half = occ.cut(solid, occ.box((x - 1.0, y - 1.0, z - 1.0), (0.0, far_y + 1.0, far_z + 1.0)))
+    visible, _ = _remove_hidden_lines(half, PROJECTIONS[view])
+    return ProjectedView(visible, (), _cut_outlines(half, PROJECTIONS[view]))
 
 
 def _remove_hidden_lines(shape: TopoDS_Shape, projection: Projection) -> tuple[tuple[Line2, ...], tuple[Line2, ...]]:

@@ -30,8 +30,8 @@ from fingertip.pictures.drawing.primitives import (
 )
 from fingertip.pictures.drawing.title_block import Heading, Paper, draw_frame
 
-A4, A3 = Paper("A4", 297.0, 210.0), Paper("A3", 420.0, 297.0)
-A2, A1 = Paper("A2", 594.0, 420.0), Paper("A1", 841.0, 594.0)
+A4, A3 = Paper(297.0, 210.0), Paper(420.0, 297.0)
+A2, A1 = Paper(594.0, 420.0), Paper(841.0, 594.0)
 SCALES = (("5:1", 5.0), ("2:1", 2.0), ("1:1", 1.0), ("1:2", 0.5))
 """Scales of ISO 5455."""
 CHOICES = (
@@ -46,6 +46,7 @@ _CUT_MM = (2.0, 7.0)
 _LETTER_MM = 3.5
 _NAME_ABOVE_MM = 3.0
 """Distance of the section's name from the section."""
+Views: TypeAlias = Mapping[ViewName, ProjectedView]
 Arrangement: TypeAlias = tuple[tuple[ViewName, ViewName | None], ...]
 """Views on the left and on the right of each row, from the top."""
 _SIDES: tuple[Side, ...] = ("above", "below", "left", "right")
@@ -83,7 +84,7 @@ def _beside_section_line(name: ViewName) -> float:
     return _CUT_MM[1] - 2.0 if name in ("palmar", "dorsal") else 0.0
 
 
-def lay_out(part: PartDrawing, views: Mapping[ViewName, ProjectedView], heading: Heading) -> Sheet:
+def lay_out(part: PartDrawing, views: Views, heading: Heading) -> Sheet:
     missing = ""
     for paper, (name, scale) in CHOICES:
         for arrangement in _arrangements(part.plan):
@@ -99,12 +100,7 @@ def lay_out(part: PartDrawing, views: Mapping[ViewName, ProjectedView], heading:
 
 
 def _draw(
-    part: PartDrawing,
-    views: Mapping[ViewName, ProjectedView],
-    heading: Heading,
-    paper: Paper,
-    scale: float,
-    arrangement: Arrangement,
+    part: PartDrawing, views: Views, heading: Heading, paper: Paper, scale: float, arrangement: Arrangement
 ) -> tuple[Primitive, ...]:
     frame, free_above = draw_frame(paper, part, heading)
     placed = _place_views(part, views, scale, (paper.left, free_above, paper.right, paper.top), arrangement)
@@ -115,8 +111,7 @@ def _draw(
     ):  # fmt: skip
         occupancy.block(box)
     edges = [primitive for view in placed.values() for primitive in _view_edges(view)]
-    centres = [*_centre_lines(placed, part), *_circle_centres(placed, part)]
-    marks = [*_section_marks(placed[part.plan], placed["section"])]
+    centres, marks = [*_centre_lines(placed, part)], [*_section_marks(placed[part.plan], placed["section"])]
     # Centre lines and the ends of the section line count as edges: no dimension line runs along them.
     occupancy.add((*edges, *centres, *marks), is_view=True)
     dimensions: list[Primitive] = []
@@ -139,7 +134,7 @@ def _draw(
 
 
 def _place_views(
-    part: PartDrawing, views: Mapping[ViewName, ProjectedView], scale: float, free: Box, arrangement: Arrangement
+    part: PartDrawing, views: Views, scale: float, free: Box, arrangement: Arrangement
 ) -> dict[ViewName, PlacedView]:
     """Place the views in rows and columns; a row shares its origin's height, a column the place of its origin."""
     bounds = {name: tuple(scale * b for b in views[name].bounds()) for name in part.views}
@@ -202,7 +197,7 @@ def _view_edges(placed: PlacedView) -> Iterator[Primitive]:
 
 
 def _centre_lines(views: Mapping[ViewName, PlacedView], part: PartDrawing) -> Iterator[Primitive]:
-    """Draw the plane of symmetry in plan and end view, and the axes of holes."""
+    """Draw the plane of symmetry in plan and end view, the axes of holes, and a cross in circles with a dimension."""
     for name in (part.plan, "end"):
         left, bottom, right, top = views[name].bounds()
         x, y = views[name].origin
@@ -214,10 +209,6 @@ def _centre_lines(views: Mapping[ViewName, PlacedView], part: PartDrawing) -> It
         view = views[axis.view]
         start, end = (view.place(p) for p in (axis.start, axis.end))
         yield line(start, end, Styles.CENTRE)
-
-
-def _circle_centres(views: Mapping[ViewName, PlacedView], part: PartDrawing) -> Iterator[Primitive]:
-    """Draw the crossed centre lines of the circles that are dimensioned."""
     for size in part.sizes:
         if isinstance(size, Circle):
             view = views[size.view]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 from fingertip.cad.shapes.insert import axis_z, contact_y, head_y
 from fingertip.cad.shapes.mold import recess_half_width
@@ -52,21 +53,18 @@ def palmar_drawing(design: Design) -> PartDrawing:
                "narrow: file it until the nut drops in; wide: glue the nut in"),
         Length("depth of the nut traps", STEP, "front", "right", "y", (x, low, z), (x, top, z)),
     ]  # fmt: skip
-    axes = _mold_axes(design, low)
+    axes = tuple(_mold_axes(design, low))
     return PartDrawing("mold_palmar", "Mold, palmar half", "dorsal", ANY_MATERIAL, tuple(sizes), axes)
 
 
-def _crown_size(design: Design) -> list[Size]:
+def _crown_size(design: Design) -> Iterator[Size]:
     """Size the cavity at the apex of the crown, where it is deepest."""
     dims, growth = design.dimensions, design.dimensions.shrinkage
-    if dims.crown is None:
-        return []
-    z = dims.crown.z * growth
-    return [
-        Length("depth of the cavity at the crown's apex", STEP, "section", "right", "y", (0.0, 0.0, z),
-               (0.0, -dims.outer.section.palmar * growth, z), None,
-               "shallow or deep: the skin over the sensor is thin or thick, print again")
-    ]  # fmt: skip
+    if dims.crown:
+        z = dims.crown.z * growth
+        yield Length("depth of the cavity at the crown's apex", STEP, "section", "right", "y", (0.0, 0.0, z),
+                     (0.0, -dims.outer.section.palmar * growth, z), None,
+                     "shallow or deep: the skin over the sensor is thin or thick, print again")  # fmt: skip
 
 
 def dorsal_drawing(design: Design) -> PartDrawing:
@@ -93,7 +91,7 @@ def dorsal_drawing(design: Design) -> PartDrawing:
         )  # fmt: skip
     if chaplet:
         sizes += _screw_sizes(design, chaplet, high)
-    axes = _mold_axes(design, high)
+    axes = tuple(_mold_axes(design, high))
     return PartDrawing("mold_dorsal", "Mold, dorsal half", "palmar", ANY_MATERIAL, tuple(sizes), axes)
 
 
@@ -133,52 +131,39 @@ def _common_sizes(design: Design, plan: ViewName, outer: float) -> list[Size]:
     ]  # fmt: skip
 
 
-def _key_sizes(design: Design, plan: ViewName, gap: float, kind: str) -> list[Size]:
+def _key_sizes(design: Design, plan: ViewName, gap: float, kind: str) -> Iterator[Size]:
     m, mold = design.mold_layout, design.mold
     offset = gap * math.hypot(1.0, design.dimensions.draft_slope)
     tolerance = shared_clearance(2 * (mold.key_clearance_mm - design.printer.offset_mm))
     remedy = "wide: sand it until the halves close" if kind == "key" else "narrow: scrape it until the halves close"
-    sizes: list[Size] = []
     for (x, z, root), label in zip(m.keys, ("larger", "smaller"), strict=True):
         action = f"{remedy}; loose: {SCALE_REMEDY}" if label == "larger" else ""
-        sizes += [
-            Circle(f"{label} {kind}, at the parting plane", OUTER if kind == "key" else INNER, plan, "y", (x, 0.0, z),
-                   root / 2 + offset, tolerance, action),
-            Length(f"axis of the {label} {kind}", BEHIND_FACE, plan, "above", "z", (x, 0.0, m.proximal_z), (x, 0.0, z)),
-        ]  # fmt: skip
-    return sizes
+        yield Circle(f"{label} {kind}, at the parting plane", OUTER if kind == "key" else INNER, plan, "y",
+                     (x, 0.0, z), root / 2 + offset, tolerance, action)  # fmt: skip
+        yield Length(f"axis of the {label} {kind}", BEHIND_FACE, plan, "above", "z", (x, 0.0, m.proximal_z),
+                     (x, 0.0, z))  # fmt: skip
 
 
-def _screw_sizes(design: Design, chaplet: Chaplet, high: float) -> list[Size]:
+def _screw_sizes(design: Design, chaplet: Chaplet, high: float) -> Iterator[Size]:
     z, contact, floor = axis_z(design), contact_y(design), head_y(design)
     hole, head = chaplet.hole_radius, chaplet.head_radius
-    sizes: list[Size] = [
-        Length("parting plane to the boss", STEP, "section", "right", "y", (0.0, 0.0, z), (0.0, contact, z),
-               located(design, contact), "less: sand the boss; more: lay film between bone and boss"),
-        Length("hole of the screw", FINISHED, "section", "below", "z", (0.0, contact, z - hole),
-               (0.0, contact, z + hole),
-               symmetric(chaplet.play), f"drill it to {2 * hole:g} mm: a print closes it", is_diameter=True),
-        Length("axis of the screw", BEHIND_FACE, "section", "below", "z", (0.0, contact, design.mold_layout.proximal_z),
-               (0.0, contact, z)),
-    ]  # fmt: skip
+    yield Length("parting plane to the boss", STEP, "section", "right", "y", (0.0, 0.0, z), (0.0, contact, z),
+                 located(design, contact), "less: sand the boss; more: lay film between bone and boss")  # fmt: skip
+    yield Length("hole of the screw", FINISHED, "section", "below", "z", (0.0, contact, z - hole),
+                 (0.0, contact, z + hole), symmetric(chaplet.play), f"drill it to {2 * hole:g} mm: a print closes it",
+                 is_diameter=True)  # fmt: skip
+    yield Length("axis of the screw", BEHIND_FACE, "section", "below", "z",
+                 (0.0, contact, design.mold_layout.proximal_z), (0.0, contact, z))  # fmt: skip
     if floor < high:
-        sizes += [
-            Length("counterbore of the screw", INNER, "section", "above", "z", (0.0, high, z - head),
-                   (0.0, high, z + head), is_diameter=True),
-            Length("depth of the counterbore", STEP, "section", "left", "y", (0.0, high, z), (0.0, floor, z)),
-        ]  # fmt: skip
-    return sizes
+        yield Length("counterbore of the screw", INNER, "section", "above", "z", (0.0, high, z - head),
+                     (0.0, high, z + head), is_diameter=True)  # fmt: skip
+        yield Length("depth of the counterbore", STEP, "section", "left", "y", (0.0, high, z), (0.0, floor, z))
 
 
-def _mold_axes(design: Design, outer: float) -> tuple[AxisLine, ...]:
-    m = design.mold_layout
-    past = math.copysign(1.0, outer)
-    lines = [AxisLine("front", (0.0, -past, z), (0.0, outer + past, z)) for z in sorted({z for _, z in m.bolts})]
-    if outer > 0.0:
-        if m.inlet:
-            lines.append(AxisLine("front", (0.0, -past, m.inlet.z), (0.0, outer + past, m.inlet.z)))
-        if design.dimensions.chaplet:
-            lines.append(
-                AxisLine("section", (0.0, contact_y(design) - 1.0, axis_z(design)), (0.0, outer + 1.0, axis_z(design)))
-            )
-    return tuple(lines)
+def _mold_axes(design: Design, outer: float) -> Iterator[AxisLine]:
+    past, inlet = math.copysign(1.0, outer), design.mold_layout.inlet if outer > 0.0 else None
+    for z in (*sorted({z for _, z in design.mold_layout.bolts}), *((inlet.z,) if inlet else ())):
+        yield AxisLine("front", (0.0, -past, z), (0.0, outer + past, z))
+    if outer > 0.0 and design.dimensions.chaplet:
+        z = axis_z(design)
+        yield AxisLine("section", (0.0, contact_y(design) - 1.0, z), (0.0, outer + 1.0, z))

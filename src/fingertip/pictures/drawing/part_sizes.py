@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 from fingertip.cad.shapes.bone import FOOT_GAP_MM
 from fingertip.cad.shapes.insert import axis_z, contact_y
@@ -138,77 +139,65 @@ def _material(design: Design) -> str:
     return PRINT_MATERIALS[design.strength.print_material].label
 
 
-def _base_sizes(design: Design) -> list[Size]:
+def _base_sizes(design: Design) -> Iterator[Size]:
     dims, section, collar = design.dimensions, design.dimensions.bone_outline.section, design.dimensions.collar.section
     base, foot = -design.mold.recess_length_mm, -design.bone.collar_length_mm
-    sizes: list[Size] = [
-        Length("width of the base", OUTER, "palmar", "left", "x", (section.half_width, 0.0, base),
-               (-section.half_width, 0.0, base), located(design, 2 * section.half_width),
-               f"wide: scrape the recess until the base drops in; narrow: {SCALE_REMEDY}"),
-        Length("width of the collar", OUTER, "palmar", "right", "x", (collar.half_width, 0.0, 0.0),
-               (-collar.half_width, 0.0, 0.0), located(design, 2 * collar.half_width),
-               f"wide: scrape the recess of the collar until the mold closes; narrow: {SCALE_REMEDY}"),
-        Length("length of the collar, at the parting plane", OUTER, "front", "above", "z", (0.0, 0.0, foot),
-               (0.0, 0.0, 0.0), located(design, -foot), "long: sand the foot; short: silicone creeps out, print again"),
-    ]  # fmt: skip
+    yield Length("width of the base", OUTER, "palmar", "left", "x", (section.half_width, 0.0, base),
+                 (-section.half_width, 0.0, base), located(design, 2 * section.half_width),
+                 f"wide: scrape the recess until the base drops in; narrow: {SCALE_REMEDY}")  # fmt: skip
+    yield Length("width of the collar", OUTER, "palmar", "right", "x", (collar.half_width, 0.0, 0.0),
+                 (-collar.half_width, 0.0, 0.0), located(design, 2 * collar.half_width),
+                 f"wide: scrape the recess of the collar until the mold closes; narrow: {SCALE_REMEDY}")  # fmt: skip
+    yield Length("length of the collar, at the parting plane", OUTER, "front", "above", "z", (0.0, 0.0, foot),
+                 (0.0, 0.0, 0.0), located(design, -foot),
+                 "long: sand the foot; short: silicone creeps out, print again")  # fmt: skip
     if dims.fold is None:
-        sizes.append(
-            Length("height of the base", OUTER, "end", "right", "y", (0.0, -dims.base_flat_depth, base),
-                   (0.0, section.dorsal, base), located(design, dims.base_flat_depth + section.dorsal),
-                   f"high: scrape the floor of the recess until the mold closes; low: {SCALE_REMEDY}")
-        )  # fmt: skip
-    return sizes
+        yield Length("height of the base", OUTER, "end", "right", "y", (0.0, -dims.base_flat_depth, base),
+                     (0.0, section.dorsal, base), located(design, dims.base_flat_depth + section.dorsal),
+                     f"high: scrape the floor of the recess until the mold closes; low: {SCALE_REMEDY}")  # fmt: skip
 
 
-def _pocket_sizes(design: Design) -> list[Size]:
+def _pocket_sizes(design: Design) -> Iterator[Size]:
     dims, gap = design.dimensions, design.sensor.clearance_mm
     flat, half = -dims.platform_depth, dims.tail_half_width
     floor, z, head = flat + dims.pocket_depth, dims.sensor_z, dims.sensor.head_diameter_mm / 2 + gap
     begin = 0.0 if dims.tail_passes_collar else dims.tail_end_z
     slot = begin if dims.tail_passes_collar else begin + dims.relief_half_length  # past the relief, which is deeper
-    passage = -dims.flat_depth + dims.pocket_depth
+    passage, play = -dims.flat_depth + dims.pocket_depth, clearance(2 * gap - design.printer.offset_mm)
     opening = math.degrees(math.asin(min(1.0, half / head))) + ARROW_DEG  # in which the slot meets the pocket
-    return [
-        Length("centre of the sensor", BEFORE_FACE, "palmar", "above", "z",
-               (-dims.collar.section.half_width, 0.0, 0.0), (0.0, flat, z)),
-        Circle("pocket of the sensor", INNER, "palmar", "y", (0.0, floor, z), head,
-               clearance(2 * gap - design.printer.offset_mm),
-               "small: file the wall until the sensor lies flat; large: centre the sensor by eye",
-               hidden_deg=((180.0 - opening, 180.0 + opening),)),
-        Length("width of the slot", INNER, "palmar", "left", "x", (half, -dims.flat_depth, begin),
-               (-half, -dims.flat_depth, begin),
-               clearance(2 * gap - design.printer.offset_mm), "narrow: file it until the tail lies flat"),
-        *([
-            Length("depth of the slot", STEP, "section", "left", "y", (0.0, -dims.flat_depth, slot),
-                   (0.0, passage, slot), located(design, dims.pocket_depth),
-                   "shallow: scrape the floor until the tail is flush; deep: lay a second film under it")
-        ] if design.bone.platform_mm else []),
-        *([
-            Length("height of the passage through the collar", INNER, "section", "left", "y", (0.0, passage, 0.0),
-                   (0.0, passage - dims.passage_height, 0.0), None, "low: file it until a drill of this size passes")
-        ] if dims.tail_passes_collar else []),
-        Length(f"depth of the {_seat_name(design)}", STEP, "section", "right", "y", (0.0, 0.0, z),
-               (0.0, flat, z + head), is_reference=True),
-        *_platform_size(design),
-        Length("depth of the pocket", STEP, "section", "right", "y", (0.0, flat, z + head), (0.0, floor, z + head),
-               located(design, dims.pocket_depth),
-               "shallow: scrape the floor until the sensor is flush; deep: lay a second film under it"),
-    ]  # fmt: skip
+    yield Length("centre of the sensor", BEFORE_FACE, "palmar", "above", "z",
+                 (-dims.collar.section.half_width, 0.0, 0.0), (0.0, flat, z))  # fmt: skip
+    yield Circle("pocket of the sensor", INNER, "palmar", "y", (0.0, floor, z), head, play,
+                 "small: file the wall until the sensor lies flat; large: centre the sensor by eye",
+                 hidden_deg=((180.0 - opening, 180.0 + opening),))  # fmt: skip
+    yield Length("width of the slot", INNER, "palmar", "left", "x", (half, -dims.flat_depth, begin),
+                 (-half, -dims.flat_depth, begin), play, "narrow: file it until the tail lies flat")  # fmt: skip
+    if design.bone.platform_mm:
+        yield Length("depth of the slot", STEP, "section", "left", "y", (0.0, -dims.flat_depth, slot),
+                     (0.0, passage, slot), located(design, dims.pocket_depth),
+                     "shallow: scrape the floor until the tail is flush; deep: lay a second film under it")  # fmt: skip
+    if dims.tail_passes_collar:
+        yield Length("height of the passage through the collar", INNER, "section", "left", "y", (0.0, passage, 0.0),
+                     (0.0, passage - dims.passage_height, 0.0), None,
+                     "low: file it until a drill of this size passes")  # fmt: skip
+    yield Length(f"depth of the {_seat_name(design)}", STEP, "section", "right", "y", (0.0, 0.0, z),
+                 (0.0, flat, z + head), is_reference=True)  # fmt: skip
+    yield from _platform_size(design)
+    yield Length("depth of the pocket", STEP, "section", "right", "y", (0.0, flat, z + head), (0.0, floor, z + head),
+                 located(design, dims.pocket_depth),
+                 "shallow: scrape the floor until the sensor is flush; deep: lay a second film under it")  # fmt: skip
 
 
-def _trough_sizes(design: Design) -> list[Size]:
+def _trough_sizes(design: Design) -> Iterator[Size]:
     """List what the lid must fit, if the tail is folded; the depth is taken from the edges of trough and collar."""
     dims, fold, half = design.dimensions, design.dimensions.fold, design.dimensions.tail_half_width
-    if fold is None:
-        return []
-    top = dims.collar.dorsal_height_at(half, 0.0)
-    return [
-        Length("width of the trough", INNER, "end", "above", "x", (half, top, 0.0), (-half, top, 0.0),
-               _of_lid_and_trough(design), "narrow: file it until the lid drops in"),
-        Length("depth of the trough at the collar", STEP, "section", "left", "y", (0.0, top, 0.0),
-               (0.0, fold.floor_y, 0.0), located(design, top - fold.floor_y),
-               "shallow: scrape the floor until the lid is flush; deep: lay film under the lid's feet"),
-    ]  # fmt: skip
+    if fold:
+        top = dims.collar.dorsal_height_at(half, 0.0)
+        yield Length("width of the trough", INNER, "end", "above", "x", (half, top, 0.0), (-half, top, 0.0),
+                     _of_lid_and_trough(design), "narrow: file it until the lid drops in")  # fmt: skip
+        yield Length("depth of the trough at the collar", STEP, "section", "left", "y", (0.0, top, 0.0),
+                     (0.0, fold.floor_y, 0.0), located(design, top - fold.floor_y), "shallow: scrape the floor until "
+                     "the lid is flush; deep: lay film under the lid's feet")  # fmt: skip
 
 
 def _of_lid_and_trough(design: Design) -> Tolerance:
@@ -220,17 +209,15 @@ def _seat_name(design: Design) -> str:
     return "platform" if design.bone.platform_mm else "palmar flat"
 
 
-def _platform_size(design: Design, inset: float = 0.0, scale: float = 1.0) -> list[Size]:
+def _platform_size(design: Design, inset: float = 0.0, scale: float = 1.0) -> Iterator[Size]:
     """Size the platform above the flat that lies distal to it."""
     dims = design.dimensions
-    if design.bone.platform_mm == 0.0:
-        return []
-    end = (dims.sensor_z + dims.platform_radius - inset) * scale
-    flat, top = (-(depth - inset) * scale for depth in (dims.flat_depth, dims.platform_depth))
-    return [
-        Length("height of the platform", STEP, "section", "right", "y", (0.0, flat, end), (0.0, top, end),
-               located(design, flat - top), "high: the skin over the sensor is thin; low: it is thick; print again")
-    ]  # fmt: skip
+    if design.bone.platform_mm:
+        end = (dims.sensor_z + dims.platform_radius - inset) * scale
+        flat, top = (-(depth - inset) * scale for depth in (dims.flat_depth, dims.platform_depth))
+        yield Length("height of the platform", STEP, "section", "right", "y", (0.0, flat, end), (0.0, top, end),
+                     located(design, flat - top),
+                     "high: the skin over the sensor is thin; low: it is thick; print again")  # fmt: skip
 
 
 _Pilot = tuple[float, float, float, float]

@@ -20,7 +20,6 @@ from fingertip.design.geometry.solids import Point3
 Point: TypeAlias = tuple[float, float]
 Box: TypeAlias = tuple[float, float, float, float]
 """Left, bottom, right and top."""
-Anchor = Literal["start", "middle", "end"]
 
 WIDE_MM, NARROW_MM = 0.5, 0.25
 """Widths of lines (ISO 128-2, line group 0.5)."""
@@ -103,7 +102,7 @@ class Text:
     """Point on the baseline."""
     height: float
     """Height of a capital."""
-    anchor: Anchor = "start"
+    anchor: Literal["start", "middle"] = "start"
     turned: bool = False
     """True if the line runs upwards, to be read from the right."""
 
@@ -117,7 +116,7 @@ class Text:
 
     @property
     def start(self) -> Point:
-        shift = {"start": 0.0, "middle": 0.5, "end": 1.0}[self.anchor] * self.width
+        shift = 0.5 * self.width if self.anchor == "middle" else 0.0
         return (self.at[0], self.at[1] - shift) if self.turned else (self.at[0] - shift, self.at[1])
 
     def box(self) -> Box:

@@ -20,7 +20,6 @@ _TITLE_MM = 3.5
 class Paper:
     """Size of a sheet in landscape [mm]."""
 
-    name: str
     width: float
     height: float
     left: ClassVar = 20.0

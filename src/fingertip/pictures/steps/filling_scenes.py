@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 from fingertip.catalogues.hardware import LUER_MOUTH_MM, NOZZLE_DEPTH_MM, NOZZLE_LENGTH_MM
 from fingertip.design.geometry.solids import Box, cylinder, difference
@@ -12,12 +13,6 @@ from fingertip.pictures.steps.objects import CUP_RADIUS_MM, Bench
 from fingertip.pictures.steps.scene import Arrow, Data, Label, Paint, Scene, Shown, Slope, View, given
 
 _LIFT_MM = 12.0
-
-
-def _in_pose(data: Data) -> Camera:
-    """Look at the mold from its side in the pose of filling, in which the first vent is the highest point."""
-    x, y, z = data["filling"]["up"]
-    return Camera.looking_from((-1.0, 0.35, 0.35), (x, y, z))
 
 
 def _signs(filling: Data) -> tuple[float, float]:
@@ -40,20 +35,19 @@ def _closed(bench: Bench) -> list[Shown]:
     ]  # fmt: skip
 
 
-def _vent_labels(bench: Bench, text: str, seen_side: float = 0.0) -> list[Label]:
+def _vent_labels(bench: Bench, text: str, seen_side: float = 0.0) -> Iterator[Label]:
     """Label the vents; a side vent that opens on the side other than the one that is seen is said to be there."""
-    m, labels = bench.layout, []
+    m = bench.layout
     for vent in place_vents(bench.design):
         (x, _, z) = vent.point_mm
         match vent.kind:
             case "dorsal":
-                labels.append(Label(text, (x, m.dorsal_height, z)))
+                yield Label(text, (x, m.dorsal_height, z))
             case "tip":
-                labels.append(Label(text, (x, 0.0, m.distal_z)))
+                yield Label(text, (x, 0.0, m.distal_z))
             case "side":
                 side, far = math.copysign(m.half_width, x), "\n(on the far side)" if seen_side * x < 0.0 else ""
-                labels.append(Label(text + far, (side, 0.0, m.clear_side_z(z, vent.diameter_mm))))
-    return labels
+                yield Label(text + far, (side, 0.0, m.clear_side_z(z, vent.diameter_mm)))
 
 
 def try_cone(bench: Bench, data: Data) -> Scene:
@@ -97,16 +91,18 @@ def fill(bench: Bench, data: Data) -> Scene:
     x, y, z = inlet.x, m.dorsal_height + 70.0, inlet.z + 12.0
     quick, slow = sorted((filling["fill_s"], filling["push_s"]))
     pressing = f"press slowly,\n{quick:g} to {slow:g} s"
+    tip, way = abs(filling["tip_deg"]), "up" if filling["tip_deg"] >= 0 else "down"
+    pose = f"tip {way}: {tip} degrees;\nacross: {filling['level_across_deg']} degrees"
     return Scene(
         (
             bench.part("mold_dorsal", cut=True), bench.part("mold_palmar", cut=True), *bench.in_mold(cut=True),
             bench.casting(cut=True), *bench.vents(), *bench.chaplet_screw(cut=True), *bench.bolts(cut=True),
             *bench.syringe(filling["load_cm3"] / filling["syringe"]["volume_ml"]),
         ),
-        _in_pose(data),
+        Camera.looking_from((-1.0, 0.35, 0.35), tuple(filling["up"])),
         *_vent_labels(bench, "vent: stop when\nsilicone stands here"),
         Label(pressing, (inlet.x, m.dorsal_height + 55.0, inlet.z)),
-        _pose_label(bench, filling),
+        Label(pose, (0.0, m.dorsal_height, m.distal_z)),
         Arrow((x, y, z), (x, y - 22.0, z)),
     )  # fmt: skip
 
@@ -124,12 +120,6 @@ def _pose_marks(bench: Bench, filling: Data) -> list[Label | Slope]:
              f"{across} degrees,\nread across the finger")  # fmt: skip
     middles = (tuple(slope.lines_mm()[1][12].tolist()) for slope in slopes)
     return [*slopes, *(Label(text, point) for text, point in zip(texts, middles, strict=True))]
-
-
-def _pose_label(bench: Bench, filling: Data) -> Label:
-    tip, way = abs(filling["tip_deg"]), "up" if filling["tip_deg"] >= 0 else "down"
-    text = f"tip {way}: {tip} degrees;\nacross: {filling['level_across_deg']} degrees"
-    return Label(text, (0.0, bench.layout.dorsal_height, bench.layout.distal_z))
 
 
 def leave(bench: Bench, data: Data) -> Scene:

@@ -174,14 +174,12 @@ def hold(bench: Bench, data: Data) -> Scene:
         ]
     return Scene(
         (
-            bench.part("mold_dorsal", cut=True),
-            *bench.in_mold(cut=True),
-            *bench.seat_tape(),
+            bench.part("mold_dorsal", cut=True), *bench.in_mold(cut=True), *bench.seat_tape(),
             *bench.chaplet_screw((0.0, lift, 0.0)),
         ),
         View.CAVITY_UP if data["chaplet"] else View.SIDE,
         *marks,
-    )
+    )  # fmt: skip
 
 
 def bolt(bench: Bench, data: Data) -> Scene:

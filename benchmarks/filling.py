@@ -76,7 +76,7 @@ class Solution:
 
 def solve_ours(layer: Layer, mouth: Mouth, levels: int) -> tuple[float, Array]:
     filling = fill(layer.network, mouth.shares(len(layer.points_mm)), levels)
-    return filling.resistance_integral, filling.arrival_mm3
+    return float(filling.gate @ filling.fronts[-1].potential), filling.arrival_mm3
 
 
 def solve_peer(network: FlowNetwork, gate: Array) -> tuple[float, Array]:

@@ -49,7 +49,7 @@ def filling(draw: Draw) -> float:
     if is_row:
         beyond = total - np.cumsum(volume[:-1].reshape(rows, columns).sum(axis=1))[:-1]
         exact = float((beyond / along.sum(axis=1)).sum())
-        errors.append(abs(found.resistance_integral / exact - 1.0))
+        errors.append(abs(found.gate @ found.fronts[-1].potential / exact - 1.0))
     return float(max(errors)) / 1e-6
 
 

@@ -76,9 +76,8 @@ def open_mouth(layer: Layer, point_mm: tuple[float, float, float], diameter_mm: 
 def mouth_resistance(layer: Layer, mouth: Mouth, diameter_mm: float) -> float:
     """Compute the resistance between the rim of a mouth and the mean pressure that the nodes show in it [1/mm3].
 
-    It is negative where the nodes show more than the rim's pressure.
-
-    With G = -ln(r) / (2 pi T), the pressure around a source in a layer of mobility T = h^3 / 12.
+    It is negative where the nodes show more than the rim's pressure. The pressure around a source in a layer of
+    mobility T = h^3 / 12 is G = -ln(r) / (2 pi T).
     """
     share = mouth.shares(len(layer.network.volume_mm3))
     nodes = np.flatnonzero(share)

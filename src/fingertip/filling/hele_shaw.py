@@ -67,11 +67,6 @@ class Filling:
     arrival_mm3: Array
     """Injected volume at which the front passes each node; NaN for closed nodes."""
 
-    @property
-    def resistance_integral(self) -> float:
-        """Integral of the cavity's resistance over the whole volume [1], without the mouth of the gate."""
-        return float(self.gate @ self.fronts[-1].potential)
-
 
 def fill(network: FlowNetwork, gate: Array, levels: int = LEVELS) -> Filling:
     solver = RowElimination(network, np.stack((gate, network.volume_mm3), axis=1))

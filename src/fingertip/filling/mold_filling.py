@@ -20,7 +20,6 @@ from fingertip.catalogues.hardware import LUER_DEPTH_MM, LUER_MOUTH_MM, LUER_TAP
 from fingertip.design import Design
 from fingertip.filling.ducts_and_mouths import Duct, conical_duct, rectangular_duct, round_duct
 from fingertip.filling.predict import (
-    AirPocket,
     Course,
     FillingPrediction,
     Opening,
@@ -50,7 +49,7 @@ _BESIDE_HEAD_MM = 0.1
 _CLEAR_DIAMETERS = 2.0
 """Least height above the collar's vented edge of a vent that is there to be looked at, in diameters."""
 _GROOVE_WIDTHS = 2.0
-"""Width of a vent in the parting plane over the diameter of the others; it is half as deep as wide."""
+"""Width of a vent in the parting plane, where pockets are long, over the diameter of others; it is half as deep."""
 _POINT_DECIMALS = 6
 """Decimals of a vent's point [mm]. The last digits of the solution depend on the processor, and files must not."""
 _STEEP = 1.5
@@ -161,8 +160,11 @@ def _make_vent(design: Design, place: Point3, vents: tuple[Vent, ...]) -> Vent |
     point = _clear_of_chaplet(design, place)
     if any(math.dist(point, vent.point_mm) <= _APART_DIAMETERS * diameter for vent in vents):
         return None
-    kind = _choose_kind(design, point)
-    if kind == "dorsal":
+    # A hole from the dorsal side where it meets the point, and else a groove in the parting plane
+    (x, y, z), dims = point, design.dimensions
+    above = dims.shrinkage * dims.outer.dorsal_height_at(x / dims.shrinkage, z / dims.shrinkage) - y
+    is_dorsal = y > 0.0 and above <= _STEEP * design.skin.thickness_dorsal_mm
+    if is_dorsal:
         # A wall must stay between two holes from above.
         spacing = diameter + design.printer.min_wall_mm + _BESIDE_HEAD_MM
         others = [vent.point_mm[::2] for vent in vents if vent.kind == "dorsal"]
@@ -173,8 +175,7 @@ def _make_vent(design: Design, place: Point3, vents: tuple[Vent, ...]) -> Vent |
         if min((math.dist(point[::2], other) for other in others), default=math.inf) < spacing - _BESIDE_HEAD_MM / 2:
             return None
     x, y, z = (round(value, _POINT_DECIMALS) for value in point)
-    # A groove is twice as wide as deep, because pockets at the side are long.
-    return Vent(kind, (x, y, z), diameter if kind == "dorsal" else _GROOVE_WIDTHS * diameter)
+    return Vent("dorsal", (x, y, z), diameter) if is_dorsal else Vent("side", (x, y, z), _GROOVE_WIDTHS * diameter)
 
 
 def _clear_of_chaplet(design: Design, point: Point3) -> Point3:
@@ -200,14 +201,6 @@ def _push_away(point: Point3, from_x: float, from_z: float, needed_mm: float) ->
 def is_at_collar(point: Point3) -> bool:
     """Tell whether a point is so near the collar that the gap there lets its air out."""
     return point[2] <= _AT_COLLAR_MM
-
-
-def _choose_kind(design: Design, point: Point3) -> Literal["dorsal", "side"]:
-    """Choose a hole from the dorsal side where it meets the point, and else a groove in the parting plane."""
-    x, y, z = point
-    dims = design.dimensions
-    above = dims.shrinkage * dims.outer.dorsal_height_at(x / dims.shrinkage, z / dims.shrinkage) - y
-    return "dorsal" if y > 0.0 and above <= _STEEP * design.skin.thickness_dorsal_mm else "side"
 
 
 def find_pose(design: Design) -> Point3:
@@ -243,8 +236,9 @@ def predict_mold_filling(design: Design) -> FillingPrediction:
     return replace(prediction, air_pockets=trapped)
 
 
-def largest_pocket(prediction: FillingPrediction) -> AirPocket | None:
-    return max(prediction.air_pockets, key=lambda pocket: pocket.volume_mm3, default=None)
+def trapped_mm3(prediction: FillingPrediction) -> float:
+    """Volume of the largest air pocket [mm3]."""
+    return max((pocket.volume_mm3 for pocket in prediction.air_pockets), default=0.0)
 
 
 def injected_cm3(prediction: FillingPrediction) -> float:

@@ -10,7 +10,7 @@ and most rows are as wet as they were before: rows before the first one that cha
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -83,10 +83,6 @@ class FlowNetwork:
             if not len(new):
                 return reached
             reached[new] = True
-
-    def keep(self, kept: Mask) -> FlowNetwork:
-        """Close all nodes but some, which no link joins to the others."""
-        return replace(self, volume_mm3=np.where(kept, self.volume_mm3, 0.0))
 
     @cached_property
     def blocks(self) -> tuple[Array, Array, float]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -151,7 +151,8 @@ def follow_front(grid: SkinGrid, gate: Opening) -> Course:
     mouth = open_mouth(layer, gate.point_mm, gate.diameter_mm)
     source = mouth.shares(len(network.volume_mm3))
     if not network.is_open.all():
-        network = network.keep(network.reach(source > 0.0))
+        reached = network.reach(source > 0.0)
+        network = replace(network, volume_mm3=np.where(reached, network.volume_mm3, 0.0))
     return Course(grid, fill(network, source), mouth_resistance(layer, mouth, gate.diameter_mm))
 
 

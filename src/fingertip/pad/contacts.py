@@ -85,11 +85,10 @@ def check_pose(form: PadForm, pose: Pose) -> None:
 
 @lru_cache(maxsize=1024)
 def is_possible(form: PadForm, pose: Pose) -> bool:
-    try:
+    with suppress(TraceError):
         check_pose(form, pose)
-    except TraceError:
-        return False
-    return True
+        return True
+    return False
 
 
 def is_quick(form: PadForm) -> bool:
@@ -180,9 +179,7 @@ def _compute_table(form: PadForm) -> _Table:
     tilts = list(pairs)
     if len(tilts) <= _ROLLED_DEGREES[0]:
         return _Table(fitted, np.zeros((_ROLLED_DEGREES[0] + 1, _ROLLED_DEGREES[1] + 1, 3)), *shares)
-    at_rest, rolled = (
-        np.array([pair[i] for pair in pairs.values()]).reshape(len(tilts), len(FORCES_N), -1) for i in (0, 1)
-    )
+    at_rest, rolled = np.array([*pairs.values()]).swapaxes(0, 1)
     share = np.log(np.maximum(rolled[..., 0], 1e-3) / np.maximum(at_rest[..., 0], 1e-3))
     change = np.stack([share, rolled[..., 2] - at_rest[..., 2], rolled[..., 3] - at_rest[..., 3]], axis=2)
     return _Table(fitted, _fit(tilts, change, _ROLLED_DEGREES), *shares)

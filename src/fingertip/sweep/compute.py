@@ -231,15 +231,14 @@ def compute_casting(context: PointContext) -> OutputValues:
 
 def compute_filling(context: PointContext) -> OutputValues:
     from fingertip.cad.verification.mold import PUSH_S, leak_mm
-    from fingertip.filling.mold_filling import injected_cm3, largest_pocket, predict_mold_filling
+    from fingertip.filling.mold_filling import injected_cm3, predict_mold_filling, trapped_mm3
 
     prediction, inlet = predict_mold_filling(context.design), context.design.mold_layout.inlet
-    pocket = largest_pocket(prediction)
     return {
         "fill_time_s": prediction.fill_s,
         "thumb_force_n": prediction.force_for_time_n(PUSH_S, inlet.syringe.bore_mm) if inlet else 0.0,
         "injected_cm3": injected_cm3(prediction),
-        "trapped_air_mm3": pocket.volume_mm3 if pocket else 0.0,
+        "trapped_air_mm3": trapped_mm3(prediction),
         "gate_pressure_kpa": 1e-3 * prediction.gate_pressure_pa,
         "opening_force_n": prediction.static_opening_force_n,
         "leak_mm": leak_mm(context.design),

@@ -8,11 +8,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays
+from fingertip.cad.kernel.mesh import Manifold, MeshEvaluator, to_arrays
 from fingertip.cad.shapes import bone, mold
 from fingertip.cad.shapes.insert import cavity, filled_bone, mold_insert, screw_hole
 from fingertip.cad.shapes.parts import parts_by_name
@@ -24,12 +23,8 @@ from fingertip.design import Design
 from fingertip.design.geometry.conic import add_draft
 from fingertip.design.geometry.seat import creep_mm, tape_span_mm
 from fingertip.design.geometry.solids import Solid, difference, intersection, union
-from fingertip.filling.mold_filling import MAX_AIR_MM3, injected_cm3, largest_pocket, place_vents, predict_mold_filling
+from fingertip.filling.mold_filling import MAX_AIR_MM3, injected_cm3, place_vents, predict_mold_filling, trapped_mm3
 from fingertip.filling.predict import GRAVITY_M_S2, FillingPrediction, head_pressure_pa
-
-if TYPE_CHECKING:
-    from manifold3d import Manifold
-
 
 _AREA_TOLERANCE_MM2 = 1e-4
 _FACE_DEPTH_MM = 0.01
@@ -213,8 +208,7 @@ def check_filling(design: Design) -> Iterator[Check]:
         force = prediction.force_for_time_n(PUSH_S, syringe.bore_mm)
         yield Check("mold.syringe_force", force, design.mold.thumb_force_n, "N")
         yield Check("mold.syringe_volume", injected_cm3(prediction), syringe.volume_ml, "cm3")
-        pocket = largest_pocket(prediction)
-        yield Check("mold.air_trapped", pocket.volume_mm3 if pocket else 0.0, MAX_AIR_MM3, "mm3")
+        yield Check("mold.air_trapped", trapped_mm3(prediction), MAX_AIR_MM3, "mm3")
     else:
         yield Check("mold.air_rise_time", air_rise_s(design, silicone), allowed_s - prediction.fill_s, "s")
     if design.dimensions.chaplet:

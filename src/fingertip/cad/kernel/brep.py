@@ -13,6 +13,7 @@ build123d stand on the same bindings: `cadquery.Solid` takes a shape as it is.
 from __future__ import annotations
 
 import math
+from functools import reduce
 from pathlib import Path
 
 from fingertip.cad.kernel.primitive_calls import call_of
@@ -66,10 +67,7 @@ class BrepEvaluator:
             case Union(solids):
                 return occ.fuse(*(self.shape(s) for s in solids))
             case Intersection(solids):
-                first, *others = (self.shape(s) for s in solids)
-                for other in others:
-                    first = occ.intersect(first, other)
-                return first
+                return reduce(occ.intersect, [self.shape(s) for s in solids])
             case Difference(first, subtracted):
                 return occ.cut(self.shape(first), *(self.shape(s) for s in subtracted))
             case Scaled(inner, factor):

@@ -44,12 +44,10 @@ def tessellate(solid: solids.Primitive, tolerance_mm: float) -> tuple[Array, Tri
 
 
 def arc_segments(a: float, b: float, weight: float, tolerance: float) -> int:
-    """Count the chords needed on a conic arc so that none deviates from it by more than `tolerance`.
+    """Count the chords needed on a conic arc so that none deviates from it by more than `tolerance` [mm].
 
     The arc runs from (`a`, 0) to (0, `b`). The deviation of a chord falls with the square of the number of chords. The
     count is therefore extrapolated from a measured deviation, and measured again until it is sufficient.
-
-    Units: `tolerance` [mm].
     """
     return _count_chords((a, a, 0.0), (0.0, b, b), weight, tolerance)
 
@@ -162,13 +160,9 @@ def _count_rows(section: CrossSection, span: Span, tolerance: float) -> int:
 
 def _drafted_extrusion(extrusion: solids.DraftedExtrusion, tolerance: float) -> tuple[Array, Triangles]:
     section, half_width = extrusion.section.section, extrusion.section.half_width
-    dorsal, palmar = (
-        _arc_from(section.half_width, height, weight, start, tolerance)
-        for height, weight, start in (
-            (section.dorsal, section.dorsal_weight, extrusion.section.dorsal_start),
-            (section.palmar, section.palmar_weight, extrusion.section.palmar_start),
-        )
-    )
+    a, starts = section.half_width, extrusion.section
+    dorsal = _arc_from(a, section.dorsal, section.dorsal_weight, starts.dorsal_start, tolerance)
+    palmar = _arc_from(a, section.palmar, section.palmar_weight, starts.palmar_start, tolerance)
     outline = [
         (half_width, 0.0), *dorsal, *((-x, y) for x, y in dorsal[-2::-1]),
         (-half_width, 0.0), *((-x, -y) for x, y in palmar), *((x, -y) for x, y in palmar[-2::-1]),

@@ -48,9 +48,8 @@ def slice_plate(program: Path, name: str, plate: bytes, design: Design) -> Print
 def slice_to_gcode(program: Path, name: str, plate: bytes, design: Design, layer_mm: float) -> str:
     """Slice a plate with automatic supports, unless its objects ask for none, and return the G-code.
 
-    What the objects of a plate set for themselves, such as the height of the layers, comes before the arguments.
-
-    Raises GeometryError.
+    What the objects of a plate set for themselves, such as the height of the layers, comes before the arguments. Raises
+    GeometryError.
     """
     x, y = design.printer.bed_x_mm, design.printer.bed_y_mm
     with temporary_folder() as folder:
@@ -61,11 +60,7 @@ def slice_to_gcode(program: Path, name: str, plate: bytes, design: Design, layer
         command += ["--support-material", "--support-material-threshold", f"{OVERHANG_DEG:g}"]
         try:
             process = subprocess.run(
-                [*command, "-o", str(gcode), str(part)],
-                capture_output=True,
-                text=True,
-                timeout=TIME_LIMIT_S,
-                check=False,
+                [*command, "-o", str(gcode), str(part)], capture_output=True, text=True, timeout=TIME_LIMIT_S
             )
         except subprocess.TimeoutExpired:
             message = f"PrusaSlicer did not finish within {TIME_LIMIT_S:g} s; remove --slicer."

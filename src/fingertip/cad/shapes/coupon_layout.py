@@ -101,19 +101,19 @@ def lay_out(design: Design) -> Layout:
     first = _stand({"sensor": sensor, "ring": ring}, lower)
     middle_top = _top(first) + GAP_MM
     upper = middle_top + RIB_MM
+    letters = unit * (text_width(LETTERS) + 3 * STROKE_WIDTH), unit * (HEIGHT + 3 * STROKE_WIDTH)
     second = _stand(
         {
             "tongue": (tongue, mold.nut_width_mm + 2 * AROUND_MM),
             "socket": (2 * reach, 2 * reach) if has_key(design) else None,
             "luer": (tower, tower) if mold.filling == "syringe" else None,
-            "text": (unit * (text_width(LETTERS) + 3 * STROKE_WIDTH), unit * (HEIGHT + 3 * STROKE_WIDTH))
-            if unit
-            else None,
+            "text": letters if unit else None,
         },
         upper,
     )
     end_of_walls = RIB_MM + _WALL_GAP_MM + sum(WALLS_MM) + _WALL_GAP_MM * len(WALLS_MM)
-    width = max(MIN_SIZE_MM, max(_end(first), _end(second), end_of_walls) + _WINDOW_MM + RIB_MM)
+    ends = (spot.high[0] for spot in (*first.values(), *second.values()))
+    width = max(MIN_SIZE_MM, max(end_of_walls, *ends) + _WINDOW_MM + RIB_MM)
     depth = max(MIN_SIZE_MM, _top(second) + GAP_MM + _WALL_LENGTH_MM + RIB_MM)
     inner = width - 2 * RIB_MM
     slot_x = width - RIB_MM - tongue
@@ -147,10 +147,6 @@ def _stand(sizes: Mapping[str, tuple[float, float] | None], y: float) -> dict[st
 
 def _top(spots: Mapping[str, Spot]) -> float:
     return max(spot.high[1] for spot in spots.values())
-
-
-def _end(spots: Mapping[str, Spot]) -> float:
-    return max(spot.high[0] for spot in spots.values())
 
 
 def has_key(design: Design) -> bool:

@@ -110,11 +110,9 @@ def letter_outlines(text: str, stroke_width: float) -> tuple[Rings, ...]:
 
 def stroke_rectangles(letter: str, stroke_width: float) -> list[tuple[Point, ...]]:
     """Return the strokes of a letter as rectangles [grid units], counter-clockwise, which overlap at a corner."""
-    rectangles = []
-    for polyline in _GLYPHS[letter.upper()].split("|"):
-        points = [(float(xy[0]), float(xy[1])) for xy in polyline.split()]
-        rectangles += [_rectangle(a, b, stroke_width / 2) for a, b in pairwise(points)]
-    return rectangles
+    polylines = (polyline.split() for polyline in _GLYPHS[letter.upper()].split("|"))
+    lines = ([(float(xy[0]), float(xy[1])) for xy in points] for points in polylines)
+    return [_rectangle(a, b, stroke_width / 2) for line in lines for a, b in pairwise(line)]
 
 
 def _grid_unit_mm(design: Design, text: str, length_mm: float) -> float:

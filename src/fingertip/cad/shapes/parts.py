@@ -5,7 +5,7 @@ Threads of the hardware are cylinders of their nominal diameter. No check of a p
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import cast
 
@@ -129,18 +129,17 @@ def screw(thread: Thread, x: float, z: float, under_head_y: float, length: float
     return union(head, shank)
 
 
-def _mold_bolts(design: Design) -> list[HardwareItem]:
+def _mold_bolts(design: Design) -> Iterator[HardwareItem]:
     m, bolts = design.mold_layout, size_clamp_bolts(design.mold, design.mold_layout)
     thread, top = bolts.thread, -m.palmar_height + design.mold.nut_depth_mm
-    items = []
     for i, (x, z) in enumerate(m.bolts, 1):
         bolt = screw(thread, x, z, m.dorsal_height, bolts.length_mm)
         outline = hexagon(z, x, thread.nut_flats_mm, top - thread.nut_height_mm, top)
         # The hole reaches past both faces, by a length that scales with the nut.
         low, high = top - 2 * thread.nut_height_mm, top + thread.nut_height_mm
         nut = difference(outline, cylinder("y", (z, x), low, high, thread.diameter_mm / 2))
-        items += [HardwareItem(f"mold_bolt_{i}", bolt, _STEEL), HardwareItem(f"mold_nut_{i}", nut, _BRASS)]
-    return items
+        yield HardwareItem(f"mold_bolt_{i}", bolt, _STEEL)
+        yield HardwareItem(f"mold_nut_{i}", nut, _BRASS)
 
 
 def find_frames(design: Design) -> dict[str, Point3]:

@@ -17,15 +17,7 @@ from fingertip.filling.ducts_and_mouths import mouth_resistance, open_mouth, rec
 from fingertip.filling.hele_shaw import fill
 from fingertip.filling.mold_filling import find_pose, place_vents
 from fingertip.filling.network import Mask
-from fingertip.filling.predict import (
-    FillingPrediction,
-    Opening,
-    Point3,
-    follow_front,
-    head_pressure_pa,
-    predict_filling,
-    syringe_pressure_pa,
-)
+from fingertip.filling.predict import Course, FillingPrediction, Opening, Point3, head_pressure_pa, syringe_pressure_pa
 from fingertip.filling.surface_links import SkinGrid, build_skin_grid
 from fingertip.foundation.numerics import Array
 from tests.conftest import design_file
@@ -56,10 +48,9 @@ def predict(
 ) -> FillingPrediction:
     if vents is None:
         vents = (on_cavity(design, 0.0, 1.0, 0.88 * design.skin.length_mm),)
-    return predict_filling(
-        follow_front(grid, Opening(gate or on_cavity(design, 1.0, 0.0, 1.5), 2.74)),
-        [Opening(point, 1.2) for point in vents], DUCTS, viscosity_pa_s=35.0, pressure_pa=PRESSURE_PA,
-    )  # fmt: skip
+    course = Course.follow(grid, Opening(gate or on_cavity(design, 1.0, 0.0, 1.5), 2.74))
+    openings = [Opening(point, 1.2) for point in vents]
+    return course.predict(openings, DUCTS, viscosity_pa_s=35.0, pressure_pa=PRESSURE_PA)
 
 
 @pytest.mark.full

@@ -19,18 +19,7 @@ from numpy.typing import NDArray
 from fingertip.catalogues.hardware import LUER_DEPTH_MM, LUER_MOUTH_MM, LUER_TAPER, NOZZLE_DEPTH_MM, NOZZLE_LENGTH_MM
 from fingertip.design import Design
 from fingertip.filling.ducts_and_mouths import Duct, conical_duct, rectangular_duct, round_duct
-from fingertip.filling.predict import (
-    Course,
-    FillingPrediction,
-    Opening,
-    Point3,
-    find_last_points,
-    follow_front,
-    head_pressure_pa,
-    place_of,
-    predict_filling,
-    syringe_pressure_pa,
-)
+from fingertip.filling.predict import Course, FillingPrediction, Opening, Point3, head_pressure_pa, syringe_pressure_pa
 from fingertip.filling.surface_links import SkinGrid, build_skin_grid
 from fingertip.foundation.numerics import Array
 
@@ -59,7 +48,7 @@ from above would miss it."""
 
 @lru_cache(maxsize=32)
 def follow_design_front(design: Design) -> Course:
-    return follow_front(build_grid(design), gate_opening(design))
+    return Course.follow(build_grid(design), gate_opening(design))
 
 
 def gate_opening(design: Design) -> Opening:
@@ -137,7 +126,7 @@ def vent_cavity(design: Design) -> tuple[tuple[Vent, ...], tuple[Opening, ...]]:
     course, vents, gaps = follow_design_front(design), tuple[Vent, ...](), tuple[Opening, ...]()
     for _ in range(_MAX_ROUNDS):
         # An opening can leave another pocket behind, which had been part of the one that it empties.
-        points = (place_of(course, air.node) for air in find_last_points(course, [*list_openings(vents), *gaps])[1])
+        points = (course.place_of(air.node) for air in course.find_last_points([*list_openings(vents), *gaps])[1])
         before = len(vents) + len(gaps)
         for found in points:
             if is_at_collar(found):
@@ -149,7 +138,7 @@ def vent_cavity(design: Design) -> tuple[tuple[Vent, ...], tuple[Opening, ...]]:
     if not vents:  # the gap at the collar lets out all air, but nobody sees there that the mold is full
         arrival, height = course.filling.arrival_mm3, course.grid.layer.points_mm[:, 2]
         is_clear = np.isfinite(arrival) & (height > _AT_COLLAR_MM + _CLEAR_DIAMETERS * diameter)
-        sign = _make_vent(design, place_of(course, int(np.argmax(np.where(is_clear, arrival, 0.0)))), ())
+        sign = _make_vent(design, course.place_of(int(np.argmax(np.where(is_clear, arrival, 0.0)))), ())
         vents = (sign,) if sign else ()
     return vents, gaps
 
@@ -228,9 +217,9 @@ def predict_mold_filling(design: Design) -> FillingPrediction:
     else:  # the head of a full funnel above the gate
         height = design.mold_layout.distal_z - design.skin.length_mm * design.dimensions.shrinkage
         pressure = head_pressure_pa(silicone.density_g_cm3.low, height)
-    prediction = predict_filling(
-        follow_design_front(design), [*list_openings(vents), *gaps], list_ducts(design),
-        viscosity_pa_s=silicone.viscosity_pa_s.high, pressure_pa=pressure,
+    prediction = follow_design_front(design).predict(
+        [*list_openings(vents), *gaps], list_ducts(design), viscosity_pa_s=silicone.viscosity_pa_s.high,
+        pressure_pa=pressure,
     )  # fmt: skip
     trapped = tuple(pocket for pocket in prediction.air_pockets if not is_at_collar(pocket.point_mm))
     return replace(prediction, air_pockets=trapped)

@@ -144,96 +144,93 @@ class Course:
     mouth_resistance: float
     """Resistance at the gate's mouth that the grid does not show [1/mm3]."""
 
+    @classmethod
+    def follow(cls, grid: SkinGrid, gate: Opening) -> Course:
+        """Compute the way of the front, which takes most of the time of a prediction."""
+        layer, network = grid.layer, grid.layer.network
+        mouth = open_mouth(layer, gate.point_mm, gate.diameter_mm)
+        source = mouth.shares(len(network.volume_mm3))
+        if not network.is_open.all():
+            reached = network.reach(source > 0.0)
+            network = replace(network, volume_mm3=np.where(reached, network.volume_mm3, 0.0))
+        return cls(grid, fill(network, source), mouth_resistance(layer, mouth, gate.diameter_mm))
 
-def follow_front(grid: SkinGrid, gate: Opening) -> Course:
-    """Compute the way of the front, which takes most of the time of a prediction."""
-    layer, network = grid.layer, grid.layer.network
-    mouth = open_mouth(layer, gate.point_mm, gate.diameter_mm)
-    source = mouth.shares(len(network.volume_mm3))
-    if not network.is_open.all():
-        reached = network.reach(source > 0.0)
-        network = replace(network, volume_mm3=np.where(reached, network.volume_mm3, 0.0))
-    return Course(grid, fill(network, source), mouth_resistance(layer, mouth, gate.diameter_mm))
+    def find_last_points(self, vents: Sequence[Opening]) -> tuple[list[int], tuple[TrappedAir, ...]]:
+        """Find the nodes that fill last, the last first, and the air that no vent lets out, the largest first."""
+        layer, arrival = self.grid.layer, self.filling.arrival_mm3
+        closing: dict[int, float] = {}
+        for vent in vents:
+            for node, volume in _close(open_mouth(layer, vent.point_mm, vent.diameter_mm), arrival):
+                closing[node] = max(volume, closing.get(node, 0.0))
+        points, pockets = find_air(self.filling.network, arrival, closing)
+        # What closed quads cut off from the gate is one more pocket.
+        network = self.grid.layer.network
+        cut_off = network.is_open & ~self.filling.network.is_open
+        if cut_off.any():
+            volume = float(network.volume_mm3[cut_off].sum())
+            pockets = (*pockets, TrappedAir(int(np.flatnonzero(cut_off)[0]), 0.0, volume))
+        return points, pockets
 
+    def place_of(self, node: int) -> Point3:
+        """Locate a maximum of the arrival volume between the nodes around it [mm]."""
+        return refine_peak(self.grid.layer, self.filling.arrival_mm3, node)
 
-def find_last_points(course: Course, vents: Sequence[Opening]) -> tuple[list[int], tuple[TrappedAir, ...]]:
-    """Find the nodes that fill last, the last first, and the air that the vents do not let out, the largest first."""
-    layer, arrival = course.grid.layer, course.filling.arrival_mm3
-    closing: dict[int, float] = {}
-    for vent in vents:
-        for node, volume in _close(open_mouth(layer, vent.point_mm, vent.diameter_mm), arrival):
-            closing[node] = max(volume, closing.get(node, 0.0))
-    points, pockets = find_air(course.filling.network, arrival, closing)
-    # What closed quads cut off from the gate is one more pocket.
-    network = course.grid.layer.network
-    cut_off = network.is_open & ~course.filling.network.is_open
-    if cut_off.any():
-        volume = float(network.volume_mm3[cut_off].sum())
-        pockets = (*pockets, TrappedAir(int(np.flatnonzero(cut_off)[0]), 0.0, volume))
-    return points, pockets
+    def predict(
+        self, vents: Sequence[Opening], ducts: Sequence[Duct], *, viscosity_pa_s: float, pressure_pa: float
+    ) -> FillingPrediction:
+        grid, filling, mouth = self.grid, self.filling, self.mouth_resistance
+        before, seconds = fill_in_series(ducts), viscosity_pa_s / pressure_pa
+        volume, arrival = filling.network.total_mm3, filling.arrival_mm3
+        points, pockets = self.find_last_points(vents)
+        # Resistance of the cavity at each front and its integral. The mouth's may be negative, their sums may not.
+        injected = np.array([front.injected_mm3 for front in filling.fronts])
+        resistance = np.array([filling.gate @ front.pressure_per_mm3 for front in filling.fronts]) + mouth
+        integral = np.array([filling.gate @ front.potential for front in filling.fronts]) + mouth * injected
+        resistance, integral = np.maximum(resistance, 0.0), np.maximum(integral, 0.0)
 
+        def time_s(volume_mm3: Array) -> Array:
+            """Compute the times at which volumes have been injected; the slope of the integral is the resistance."""
+            in_cavity = _interpolate(volume_mm3, injected, integral, resistance)
+            return seconds * (before.resistance_integral + before.resistance * volume_mm3 + in_cavity)
 
-def place_of(course: Course, node: int) -> Point3:
-    """Locate a maximum of the arrival volume between the nodes around it [mm]."""
-    return refine_peak(course.grid.layer, course.filling.arrival_mm3, node)
-
-
-def predict_filling(
-    course: Course, vents: Sequence[Opening], ducts: Sequence[Duct], *, viscosity_pa_s: float, pressure_pa: float
-) -> FillingPrediction:
-    grid, filling, mouth = course.grid, course.filling, course.mouth_resistance
-    before, seconds = fill_in_series(ducts), viscosity_pa_s / pressure_pa
-    volume, arrival = filling.network.total_mm3, filling.arrival_mm3
-    points, pockets = find_last_points(course, vents)
-    # Resistance of the cavity at each front and its integral. The mouth's may be negative, their sums may not.
-    injected = np.array([front.injected_mm3 for front in filling.fronts])
-    resistance = np.array([filling.gate @ front.pressure_per_mm3 for front in filling.fronts]) + mouth
-    integral = np.array([filling.gate @ front.potential for front in filling.fronts]) + mouth * injected
-    resistance, integral = np.maximum(resistance, 0.0), np.maximum(integral, 0.0)
-
-    def time_s(volume_mm3: Array) -> Array:
-        """Compute the times at which volumes have been injected; the slope of the integral is the resistance."""
-        in_cavity = _interpolate(volume_mm3, injected, integral, resistance)
-        return seconds * (before.resistance_integral + before.resistance * volume_mm3 + in_cavity)
-
-    arrival_s, trapped_s = time_s(arrival), time_s(np.array([air.injected_mm3 for air in pockets]))
-    # At the last front the pressure has no finite limit, because the front has shrunk to a point.
-    moving = slice(0, -1)
-    pressures = np.stack([front.pressure_per_mm3 for front in filling.fronts[moving]])
-    pressures *= (pressure_pa * 1e-6 / (before.resistance + resistance[moving]))[:, None]  # [N/mm2]
-    on_insert = -pressures @ grid.insert_area_mm2
-    across = np.hypot(on_insert[:, 0], on_insert[:, 1])
-    worst = int(np.argmax(across))
-    direction = on_insert[worst, :2] / max(float(across[worst]), 1e-300)
-    largest = float(np.max(resistance[moving]))
-    static_n = pressure_pa * 1e-6
-    return FillingPrediction(
-        volume_mm3=volume,
-        ducts_mm3=before.volume_mm3,
-        viscosity_pa_s=viscosity_pa_s,
-        pressure_pa=pressure_pa,
-        ducts_s=before.resistance_integral * seconds,
-        fill_s=float(time_s(np.array([volume]))[0]),
-        ducts_resistance=before.resistance,
-        cavity_integral=float(integral[-1]),
-        total_integral=before.resistance_integral + before.resistance * volume + float(integral[-1]),
-        gate_pressure_pa=pressure_pa * (largest / (before.resistance + largest)),
-        side_force_n=float(across[worst]),
-        side_force_direction=(float(direction[0]), float(direction[1])),
-        axial_force_n=float(np.max(-on_insert[:, 2])),
-        opening_force_n=float(np.max(pressures @ grid.parting_area_mm2)),
-        static_axial_force_n=static_n * float(grid.insert_area_mm2[:, 2].sum()),
-        static_opening_force_n=static_n * float(grid.parting_area_mm2.sum()),
-        arrival_mm3=arrival,
-        arrival_s=arrival_s,
-        last_points=tuple(
-            LastPoint(place_of(course, node), float(arrival[node]), float(arrival_s[node])) for node in points
-        ),
-        air_pockets=tuple(
-            AirPocket(place_of(course, air.node), air.volume_mm3, air.injected_mm3, time)
-            for air, time in zip(pockets, trapped_s.tolist(), strict=True)
-        ),
-    )
+        arrival_s, trapped_s = time_s(arrival), time_s(np.array([air.injected_mm3 for air in pockets]))
+        # At the last front the pressure has no finite limit, because the front has shrunk to a point.
+        moving = slice(0, -1)
+        pressures = np.stack([front.pressure_per_mm3 for front in filling.fronts[moving]])
+        pressures *= (pressure_pa * 1e-6 / (before.resistance + resistance[moving]))[:, None]  # [N/mm2]
+        on_insert = -pressures @ grid.insert_area_mm2
+        across = np.hypot(on_insert[:, 0], on_insert[:, 1])
+        worst = int(np.argmax(across))
+        direction = on_insert[worst, :2] / max(float(across[worst]), 1e-300)
+        largest = float(np.max(resistance[moving]))
+        static_n = pressure_pa * 1e-6
+        return FillingPrediction(
+            volume_mm3=volume,
+            ducts_mm3=before.volume_mm3,
+            viscosity_pa_s=viscosity_pa_s,
+            pressure_pa=pressure_pa,
+            ducts_s=before.resistance_integral * seconds,
+            fill_s=float(time_s(np.array([volume]))[0]),
+            ducts_resistance=before.resistance,
+            cavity_integral=float(integral[-1]),
+            total_integral=before.resistance_integral + before.resistance * volume + float(integral[-1]),
+            gate_pressure_pa=pressure_pa * (largest / (before.resistance + largest)),
+            side_force_n=float(across[worst]),
+            side_force_direction=(float(direction[0]), float(direction[1])),
+            axial_force_n=float(np.max(-on_insert[:, 2])),
+            opening_force_n=float(np.max(pressures @ grid.parting_area_mm2)),
+            static_axial_force_n=static_n * float(grid.insert_area_mm2[:, 2].sum()),
+            static_opening_force_n=static_n * float(grid.parting_area_mm2.sum()),
+            arrival_mm3=arrival,
+            arrival_s=arrival_s,
+            last_points=tuple(
+                LastPoint(self.place_of(node), float(arrival[node]), float(arrival_s[node])) for node in points
+            ),
+            air_pockets=tuple(
+                AirPocket(self.place_of(air.node), air.volume_mm3, air.injected_mm3, time)
+                for air, time in zip(pockets, trapped_s.tolist(), strict=True)
+            ),
+        )
 
 
 def _close(mouth: Mouth, arrival_mm3: Array) -> Iterable[tuple[int, float]]:

@@ -104,15 +104,11 @@ TIME_LIMIT_S = 180.0
 
 def run_apart(job: Job[T], time_limit_s: float = TIME_LIMIT_S) -> dict[str, T]:
     """Run a job in a process of its own. Raises MissingLibraryError or GeometryError."""
+    command, sent = python_command("fingertip.foundation.processes"), pickle.dumps((None, None, run_job, (job,)))
     with temporary_folder() as folder:  # ezdxf reads settings of the current folder
         try:
             done = subprocess.run(
-                python_command("fingertip.foundation.processes"),
-                input=pickle.dumps((None, None, run_job, (job,))),
-                capture_output=True,
-                timeout=time_limit_s,
-                cwd=folder,
-                env=python_environment(),
+                command, input=sent, capture_output=True, timeout=time_limit_s, cwd=folder, env=python_environment()
             )
         except subprocess.TimeoutExpired:
             message = f"the B-rep kernel was still projecting after {time_limit_s:g} s; check the design with build."

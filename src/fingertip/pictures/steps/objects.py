@@ -8,24 +8,12 @@ import numpy as np
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
 from fingertip.cad.shapes.bone import sensor_body
-from fingertip.cad.shapes.insert import cavity, filled_bone, sensor_insert
+from fingertip.cad.shapes.insert import cavity, seat_tape, sensor_insert
 from fingertip.cad.shapes.mold import block, runners, vents
 from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name
 from fingertip.catalogues.hardware import LUER_DEPTH_MM, LUER_MOUTH_MM, LUER_TAPER, NOZZLE_DEPTH_MM, NOZZLE_LENGTH_MM
 from fingertip.design import Design
-from fingertip.design.geometry.conic import ConicBody, offset_section
-from fingertip.design.geometry.seat import tape_span_mm
-from fingertip.design.geometry.solids import (
-    Box,
-    Cone,
-    Point3,
-    Solid,
-    SuperconicSolid,
-    cylinder,
-    difference,
-    intersection,
-    union,
-)
+from fingertip.design.geometry.solids import Box, Cone, Point3, Solid, cylinder, difference, intersection, union
 from fingertip.pictures.raster import Colour
 from fingertip.pictures.steps.scene import Paint, Shown, given
 
@@ -117,17 +105,7 @@ class Bench:
         return [self.solid(intersection(vent, block(self.design)), Paint.SILICONE) for vent in vents(self.design)]
 
     def seat_tape(self) -> list[Shown]:
-        """Show the tape around the seat, on the collar or on the base below it; none without one."""
-        dims, span = self.dims, tape_span_mm(self.design)
-        if span is None:
-            return []
-        on_collar = span[1] <= self.design.bone.collar_length_mm
-        section = offset_section((dims.collar if on_collar else dims.bone_outline).section, _TAPE_SHOWN_MM)
-        around: Solid = SuperconicSolid(ConicBody(section, ((-span[1], 1.0), (-span[0], 1.0))))
-        if not on_collar:
-            far, flat = 2 * section.half_width, -dims.base_flat_depth - _TAPE_SHOWN_MM
-            around = difference(around, Box((-far, -2 * section.palmar, -2 * span[1]), (far, flat, 0.0)))
-        return [self.solid(difference(around, filled_bone(self.design)), Paint.TAPE)]
+        return [self.solid(around, Paint.TAPE) for around in seat_tape(self.design, _TAPE_SHOWN_MM)]
 
     def syringe(self, fill_share: float = 0.0, lift_mm: float = 0.0, drawn_share: float = 0.0) -> list[Shown]:
         """Show the syringe over its cone, its barrel cut open, filled to a share, drawn to `drawn_share` or more."""

@@ -17,14 +17,7 @@ from fingertip.cad.shapes import insert, mold
 from fingertip.cad.shapes.bridged_ceiling import ceiling_steps_volume_mm3, disc_slot_area_mm2, hexagon_slot_area_mm2
 from fingertip.cad.shapes.engraving import signed_area
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
-from fingertip.cad.verification.check import (
-    VOLUME_TOLERANCE_MM3,
-    Check,
-    check_min_distance,
-    check_zero_volume,
-    complement,
-    search_distance,
-)
+from fingertip.cad.verification.check import VOLUME_TOLERANCE_MM3, Check, complement, search_distance
 from fingertip.design import Design
 from fingertip.design.geometry.features import Joint
 from fingertip.design.geometry.solids import Box, Cone, Solid, cylinder, difference, intersection, scaled, union
@@ -40,7 +33,7 @@ _BREP_VOLUME_ERROR = 2e-6
 def check_assembly(design: Design, evaluator: MeshEvaluator, parts: Mapping[str, Solid]) -> Iterator[Check]:
     parts = {name: solid for name, solid in parts.items() if not PARTS[name].is_tool}
     if "skin" in parts:
-        yield check_zero_volume("volume_balance.cavity", _cavity_imbalance(design, evaluator, parts["skin"]))
+        yield Check.zero_volume("volume_balance.cavity", _cavity_imbalance(design, evaluator, parts["skin"]))
     inside = {name: solid for name, solid in parts.items() if name not in HALVES}
     if design.mold.method == "sleeve":
         # The bone does not lie in the mold, and a sleeve is smaller than it by the interference.
@@ -61,9 +54,9 @@ def check_assembly(design: Design, evaluator: MeshEvaluator, parts: Mapping[str,
             solid, direction = evaluator.manifold(half), -1.0 if name == HALVES[0] else 1.0
             pulled = (solid.translate((0.0, direction * distance, 0.0)) for distance in _PULL_DISTANCES_MM)
             overlap = max(float((position ^ whole).volume()) for position in pulled)
-            yield check_zero_volume(f"demolding_overlap.{name}", overlap)
+            yield Check.zero_volume(f"demolding_overlap.{name}", overlap)
     if len(halves) == 2:
-        yield check_zero_volume("volume_balance.mold", _mold_imbalance(design, evaluator, halves.values()))
+        yield Check.zero_volume("volume_balance.mold", _mold_imbalance(design, evaluator, halves.values()))
 
 
 def brep_balance_solids(design: Design, parts: Collection[str]) -> tuple[tuple[str, Solid], ...]:
@@ -117,14 +110,14 @@ def _check_overlaps(
         return float(evaluator.manifold(solid).volume())
 
     for (first, one), (second, other) in combinations(inside.items(), 2):
-        yield check_zero_volume(f"overlap.{first}.{second}", volume(one) + volume(other) - volume(union(one, other)))
+        yield Check.zero_volume(f"overlap.{first}.{second}", volume(one) + volume(other) - volume(union(one, other)))
     for half, solid in halves.items():
         together = volume(intersection(union(*filled.values()), solid)) if filled else 0.0
         for name, one in filled.items():
             alone = together if together <= VOLUME_TOLERANCE_MM3 else volume(intersection(one, solid))
-            yield check_zero_volume(f"overlap.{name}.{half}", alone)
+            yield Check.zero_volume(f"overlap.{name}.{half}", alone)
     if len(halves) == 2:
-        yield check_zero_volume(f"overlap.{'.'.join(halves)}", volume(intersection(*halves.values())))
+        yield Check.zero_volume(f"overlap.{'.'.join(halves)}", volume(intersection(*halves.values())))
 
 
 def _cavity_imbalance(design: Design, evaluator: MeshEvaluator, skin: Solid) -> float:
@@ -222,12 +215,12 @@ def check_joint(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
         length = max(wall, design.printer.min_wall_mm / 2)  # a coarse mesh leaves nothing of the wall
         inner, outside = anchor.inner_half_width, complement(evaluator, insert.filled_bone(design))
         hole = evaluator.manifold(cylinder("x", (anchor.y, anchor.z), inner, inner + length, anchor.radius))
-        yield check_min_distance("bone.wall.anchor_to_outside", hole, outside, wall)
+        yield Check.min_distance("bone.wall.anchor_to_outside", hole, outside, wall)
         # The tendon leaves its anchor straight along the finger.
         radius = min(design.hand.tendon_diameter_mm / 2, anchor.radius)
         tendon = evaluator.manifold(cylinder("z", (0.0, anchor.y), joint.low_z - joint.radius, anchor.z, radius))
         bone = evaluator.manifold(PARTS["bone"].solid(design))
-        yield check_zero_volume("joint.tendon_overlap", (tendon ^ bone).volume())
+        yield Check.zero_volume("joint.tendon_overlap", (tendon ^ bone).volume())
     yield from _check_travel(design, joint, evaluator)
 
 
@@ -239,7 +232,7 @@ def _check_eyes(design: Design, joint: Joint, evaluator: MeshEvaluator, wall: fl
     )
     around = complement(evaluator, intersection(eye_profile(joint, 2 * reach), heights))
     bore = evaluator.manifold(pin_bore(joint, half_length))
-    yield check_min_distance("bone.wall.pin_to_outside", bore, around, wall)
+    yield Check.min_distance("bone.wall.pin_to_outside", bore, around, wall)
     # Cheeks, or a tongue, beside the pin.
     edge = joint.pin_radius + wall
     beside = Box(
@@ -249,7 +242,7 @@ def _check_eyes(design: Design, joint: Joint, evaluator: MeshEvaluator, wall: fl
         gap = evaluator.manifold(intersection(space(design, joint), beside))
         gap = gap.trim_by_plane((1.0, 0.0, 0.0), -joint.half_width).trim_by_plane((-1.0, 0.0, 0.0), -joint.half_width)
         outside = complement(evaluator, insert.filled_bone(design)) ^ evaluator.manifold(beside)
-        yield check_min_distance("bone.wall.cheek", gap, outside, wall)
+        yield Check.min_distance("bone.wall.cheek", gap, outside, wall)
     else:
         box = (evaluator.manifold(PARTS["bone"].solid(design)) ^ evaluator.manifold(beside)).bounding_box()
         yield Check("bone.wall.tongue", box[3] - box[0], wall, "mm", "at least")

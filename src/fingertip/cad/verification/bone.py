@@ -13,15 +13,7 @@ from fingertip.cad.kernel.mesh import Manifold, MeshEvaluator
 from fingertip.cad.shapes import bone
 from fingertip.cad.shapes.insert import filled_bone, flat_slab, sensor_insert
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
-from fingertip.cad.verification.check import (
-    PLANE_OFFSET_MM,
-    VOLUME_TOLERANCE_MM3,
-    Check,
-    above_z,
-    check_min_distance,
-    check_zero_volume,
-    complement,
-)
+from fingertip.cad.verification.check import PLANE_OFFSET_MM, VOLUME_TOLERANCE_MM3, Check, above_z, complement
 from fingertip.cad.verification.strength import BoneStrength, Weakness
 from fingertip.design import Design
 from fingertip.design.geometry.features import INSERT_BASE_MM, SLIDING_MM, TailFold
@@ -66,14 +58,14 @@ def check_bone(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     above = evaluator.manifold(flat_slab(design, PLANE_OFFSET_MM, 2 * high_y, max(-low_x, high_x), low_z, high_z))
     recessed, beside = recess ^ whole ^ above, outside ^ above
     rim = min(design.bone.rim_mm, wall)
-    yield check_min_distance("bone.wall.sensor_to_outside", recessed, beside, 0.95 * rim)
+    yield Check.min_distance("bone.wall.sensor_to_outside", recessed, beside, 0.95 * rim)
     interface = interface_of(design)
     if name := interface.walled_hollow:
         # The hollow opens in the proximal face, so its mouth is left out.
         hollow = evaluator.manifold(interface.shapes(design)[1][0])
         deep = above_z(hollow, -design.bone.base_length_mm + 2 * wall)
-        yield check_min_distance(f"bone.wall.{name}_to_outside", deep, outside, wall)
-        yield check_min_distance(f"bone.wall.{name}_to_sensor", deep, recess, wall)
+        yield Check.min_distance(f"bone.wall.{name}_to_outside", deep, outside, wall)
+        yield Check.min_distance(f"bone.wall.{name}_to_sensor", deep, recess, wall)
     yield from _check_sensor_seat(design, evaluator)
 
 
@@ -84,8 +76,8 @@ def _check_channel_walls(design: Design, evaluator: MeshEvaluator, outside: Mani
     buried = channel.trim_by_plane((0.0, 0.0, -1.0), -(dims.relief_proximal_z - 1e-3))
     mouth = dims.bone_outline.section.dorsal - wall - design.bone.channel_diameter_mm
     buried = buried.trim_by_plane((0.0, -1.0, 0.0), -mouth)
-    yield check_min_distance("bone.wall.channel_to_outside", buried, outside, wall)
-    yield check_min_distance("bone.wall.channel_to_interface", buried, _interface_hole(design, evaluator), wall)
+    yield Check.min_distance("bone.wall.channel_to_outside", buried, outside, wall)
+    yield Check.min_distance("bone.wall.channel_to_interface", buried, _interface_hole(design, evaluator), wall)
 
 
 def _check_folded_walls(
@@ -93,21 +85,21 @@ def _check_folded_walls(
 ) -> Iterator[Check]:
     dims, recess = design.dimensions, evaluator.manifold(bone.sensor_recess(design))
     trough = _cover_trough(recess, fold).trim_by_plane((0.0, 1.0, 0.0), fold.nose_y)
-    yield check_min_distance("bone.wall.trough_to_outside", trough, outside, wall)
-    yield check_min_distance("lid.wall", *_lid_faces(design, evaluator, outside), wall)
+    yield Check.min_distance("bone.wall.trough_to_outside", trough, outside, wall)
+    yield Check.min_distance("lid.wall", *_lid_faces(design, evaluator, outside), wall)
     # The window is open on both sides: walls matter beside it.
     low, high = PLANE_OFFSET_MM - dims.base_flat_depth, dims.cheek_top_y - PLANE_OFFSET_MM
     window, beside = (
         body.trim_by_plane((0.0, 1.0, 0.0), low).trim_by_plane((0.0, -1.0, 0.0), -high)
         for body in (recess.trim_by_plane((0.0, 0.0, -1.0), -fold.nose_z), outside)
     )
-    yield check_min_distance("bone.wall.window_to_outside", window, beside, wall)
+    yield Check.min_distance("bone.wall.window_to_outside", window, beside, wall)
     if dims.window_opens_into_gap:
         return
     groove = evaluator.manifold(bone.cable_channel(design)).trim_by_plane((0.0, 0.0, -1.0), -fold.window_low_z)
     hole = _interface_hole(design, evaluator)
-    yield check_min_distance("bone.wall.groove_to_interface", groove, hole, wall)
-    yield check_min_distance("bone.wall.window_to_interface", window, hole, wall)
+    yield Check.min_distance("bone.wall.groove_to_interface", groove, hole, wall)
+    yield Check.min_distance("bone.wall.window_to_interface", window, hole, wall)
 
 
 def _interface_hole(design: Design, evaluator: MeshEvaluator) -> Manifold:
@@ -141,13 +133,13 @@ def _check_sensor_seat(design: Design, evaluator: MeshEvaluator) -> Iterator[Che
     clearance = min(design.sensor.clearance_mm, design.sensor.adhesive_thickness_mm / oblique) - evaluator.tolerance_mm
     in_pocket = body.trim_by_plane((0.0, -1.0, 0.0), -dims.fold.nose_y) if dims.fold else body
     if clearance > 0.0:
-        yield check_min_distance("sensor.pocket_clearance", in_pocket, solid, clearance)
+        yield Check.min_distance("sensor.pocket_clearance", in_pocket, solid, clearance)
     if dims.fold:
         # Beyond the nose a folded tail has a clearance of its own, which does not grow with that of the pocket.
         beyond = body.trim_by_plane((0.0, 1.0, 0.0), dims.fold.nose_y)
         gap = min(SLIDING_MM / 2, design.sensor.clearance_mm)  # above and below it, and at its sides
-        yield check_min_distance("sensor.tail_clearance", beyond, solid, gap - evaluator.tolerance_mm)
-    yield check_zero_volume("overlap.bone.sensor", (body ^ solid).volume())
+        yield Check.min_distance("sensor.tail_clearance", beyond, solid, gap - evaluator.tolerance_mm)
+    yield Check.zero_volume("overlap.bone.sensor", (body ^ solid).volume())
     if dims.fold:  # only its palmar side rests on a seat
         distal = above_z(body, dims.fold.nose_z + PLANE_OFFSET_MM).trim_by_plane((0.0, -1.0, 0.0), -dims.fold.nose_y)
     else:

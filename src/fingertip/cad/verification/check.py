@@ -116,6 +116,15 @@ class Check(Comparison):
     is_beyond: bool = False
     """True if the value was looked for up to the limit only, and is larger."""
 
+    @classmethod
+    def zero_volume(cls, name: str, volume_mm3: float) -> Check:
+        return cls(name, volume_mm3, VOLUME_TOLERANCE_MM3, "mm3")
+
+    @classmethod
+    def min_distance(cls, name: str, first: Manifold, second: Manifold, min_mm: float) -> Check:
+        """Check that two solids are at least `min_mm` apart: on both sides of a wall, they give its thickness."""
+        return cls(name, measure_gap(first, second, 2.0 * min_mm), min_mm, "mm", "at least")
+
     @property
     def state(self) -> State:
         """Result of the check. A warning is no failure: the limit is satisfied."""
@@ -155,15 +164,6 @@ def list_warnings(checks: Sequence[Check], *, with_advice: bool = False) -> list
         for check in checks
         if check.state == "warning"
     ]
-
-
-def check_zero_volume(name: str, volume_mm3: float) -> Check:
-    return Check(name, volume_mm3, VOLUME_TOLERANCE_MM3, "mm3")
-
-
-def check_min_distance(name: str, first: Manifold, second: Manifold, min_mm: float) -> Check:
-    """Check that two solids are at least `min_mm` apart: on both sides of a wall, they give its thickness."""
-    return Check(name, measure_gap(first, second, 2.0 * min_mm), min_mm, "mm", "at least")
 
 
 def measure_gap(first: Manifold, second: Manifold, first_reach_mm: float) -> float:

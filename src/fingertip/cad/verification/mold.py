@@ -15,7 +15,7 @@ from fingertip.cad.kernel.mesh import Manifold, MeshEvaluator, to_arrays
 from fingertip.cad.shapes import bone, mold
 from fingertip.cad.shapes.insert import cavity, filled_bone, mold_insert, screw_hole
 from fingertip.cad.shapes.parts import parts_by_name
-from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, check_min_distance, check_zero_volume, measure_gap
+from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, measure_gap
 from fingertip.catalogues.hardware import select_thread
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.catalogues.silicones import Silicone
@@ -131,7 +131,7 @@ def _check_cable_channel(design: Design, evaluator: MeshEvaluator) -> Check:
     block = evaluator.manifold(mold.block(design))
     in_mold = (channel ^ block).volume()
     in_bone = (channel ^ evaluator.manifold(filled_bone(design)) ^ block).volume()
-    return check_zero_volume("mold.cable_channel_overlap", in_mold - in_bone)
+    return Check.zero_volume("mold.cable_channel_overlap", in_mold - in_bone)
 
 
 def _check_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
@@ -144,25 +144,25 @@ def _check_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     land = design.mold.land_mm - 2 * design.mold.key_clearance_mm
     yield Check("mold.wall.cavity_to_outside", _distance_to_faces(cavity_body, block), wall, "mm", "at least")
     cutouts = evaluator.manifold(mold.outer_cutouts(design))
-    yield check_min_distance("mold.wall.cavity_to_cutouts", cavity_body, cutouts, wall)
-    yield check_min_distance("mold.land.bolts_to_cavity", cavity_body, bolts, land)
-    yield check_min_distance("mold.land.keys_to_cavity", cavity_body, sockets, land)
+    yield Check.min_distance("mold.wall.cavity_to_cutouts", cavity_body, cutouts, wall)
+    yield Check.min_distance("mold.land.bolts_to_cavity", cavity_body, bolts, land)
+    yield Check.min_distance("mold.land.keys_to_cavity", cavity_body, sockets, land)
 
     cut = evaluator.manifold(intersection(mold.openings(design), whole))
-    yield check_min_distance("mold.wall.runners_to_keys", cut, sockets, wall)
+    yield Check.min_distance("mold.wall.runners_to_keys", cut, sockets, wall)
     if inlet := design.mold_layout.inlet:
         led = evaluator.manifold(union(mold.sprue(design, inlet), mold.runner(inlet)))
         holes = evaluator.manifold(union(*mold.bolt_holes(design)))
-        yield check_min_distance("mold.land.bolts_to_runner", led, holes, land)
+        yield Check.min_distance("mold.land.bolts_to_runner", led, holes, land)
     # A groove in the parting plane ends in a pry slot where the mold's side has no room for both.
     grooves = mold.side_vents(design)
     cutouts = evaluator.manifold(mold.outer_cutouts_and_screw(design))
     clear = evaluator.manifold(intersection(difference(mold.openings(design), *grooves), whole))
-    yield check_min_distance("mold.wall.runners_to_cutouts", clear, cutouts, wall)
+    yield Check.min_distance("mold.wall.runners_to_cutouts", clear, cutouts, wall)
     if grooves:
         holes = evaluator.manifold(union(*mold.bolt_holes(design), *screw_hole(design)))
         beside = evaluator.manifold(intersection(union(*grooves), whole))
-        yield check_min_distance("mold.wall.side_vents_to_bolts", beside, holes, wall)
+        yield Check.min_distance("mold.wall.side_vents_to_bolts", beside, holes, wall)
     # Along its own axis a hole opens to the outside.
     within = ((evaluator.manifold(intersection(solid, whole)), axis) for solid, axis in mold.runners_with_axes(design))
     nearest = min(_distance_to_faces(solid, block, {0, 1, 2} - {axis}) for solid, axis in within)
@@ -170,7 +170,7 @@ def _check_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
 
     yield Check("mold.wall.bolts_to_outside", _distance_to_faces(bolts, block, (0, 2)), wall, "mm", "at least")
     yield Check("mold.wall.keys_to_outside", _distance_to_faces(sockets, block), wall, "mm", "at least")
-    yield check_min_distance("mold.wall.keys_to_bolts", sockets, bolts, wall)
+    yield Check.min_distance("mold.wall.keys_to_bolts", sockets, bolts, wall)
 
 
 def _check_keys(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
@@ -255,7 +255,7 @@ _DEEPER_MM = 0.1
 
 def check_seals(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     if design.mold.method == "overmold":
-        yield check_zero_volume("mold.open_paths", flooded_mm3(design, evaluator))
+        yield Check.zero_volume("mold.open_paths", flooded_mm3(design, evaluator))
     yield Check("mold.leak_length", leak_mm(design), _MAX_LEAK_SHARE * design.mold.recess_length_mm, "mm")
 
 

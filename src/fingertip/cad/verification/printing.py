@@ -18,7 +18,7 @@ from fingertip.cad.printing.overhang import MAX_UNSUPPORTED_MM2, Ceiling, Pose, 
 from fingertip.cad.printing.print_files import Placed, PrintFiles, parts_on_plates
 from fingertip.cad.printing.settings import PLATE_KINDS
 from fingertip.cad.shapes.parts import PARTS, Part, print_scale
-from fingertip.cad.verification.check import Check, check_zero_volume
+from fingertip.cad.verification.check import Check
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Solid
 from fingertip.foundation.numerics import Array
@@ -124,7 +124,7 @@ def check_print_files(
         prefix = f"{name}.print.stl"
         yield Check(f"{prefix}.open_edges", count_open_edges(printed), 0, "edges", "exactly")
         yield Check(f"{prefix}.bed_distance", float(printed.vertices[:, 2].min()), 0.0, "mm", "exactly")
-        yield check_zero_volume(f"{prefix}.volume_difference", abs(printed.volume() - meshes[name].volume()))
+        yield Check.zero_volume(f"{prefix}.volume_difference", abs(printed.volume() - meshes[name].volume()))
     if prints.plates:
         yield from _check_plates(design, meshes, encoded, prints)
 

@@ -45,7 +45,7 @@ def main() -> None:
     circuit = board_circuit(values)
     network = build_network(circuit, find_gain_bandwidth_hz(design.board))
     toleranced = TolerancedFilter(model_filter(circuit), network.values)
-    tolerances = component_tolerances(values)
+    tolerances = component_tolerances(circuit)
     board = Board(capacitor_series="E12", series="E96")
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "fingertip", "board", "--out", folder, "--quiet"]

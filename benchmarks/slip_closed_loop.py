@@ -48,13 +48,14 @@ class UnsteadyGrip(GripController):
     def __init__(self, design: Design, settings: GripSettings, forces_n: Array, hand: str, seed: int) -> None:
         super().__init__(design, settings, len(forces_n))
         self._added_by_hand_m = np.zeros((len(forces_n), len(_TIMES_S)))
+        pad = Pad.from_design(design)
         for i, force_n in enumerate(forces_n.tolist()):
             motion = HandMotion.draw(*HANDS[hand], random.Random(f"{seed}:{i}"), force_n, 0.0, float(_TIMES_S[-1]))
             if motion is not None:
                 moved_n = np.linspace(0.0, 3 * force_n, 301)
-                depths = np.array([self._pad.depth_m(n) for n in moved_n.tolist()])
+                depths = np.array([pad.depth_m(n) for n in moved_n.tolist()])
                 wanted = np.interp(force_n * motion.factor(_TIMES_S), moved_n, depths)
-                self._added_by_hand_m[i] = wanted - self._pad.depth_m(force_n)
+                self._added_by_hand_m[i] = wanted - pad.depth_m(force_n)
 
     def step(self, observation: Observation) -> Array:
         now = min(round(observation.time_s * _RATE_HZ), len(_TIMES_S) - 1)

@@ -74,7 +74,7 @@ def build_scene(design: Design, folder: str) -> tuple[mujoco.MjModel, ProfileFor
         model.geom(f"{finger.name}_collision_{i}").solref[:] = finger.contact.solref(inverse_mass)
     pad, step_s = Pad.from_design(design, pose), model.opt.timestep
     profile = ProfileForce(
-        pad, generate_profile(random.Random(1), SURFACE, 0.0, 0.1, 0.0), SURFACE.is_proportional, step_s
+        pad, generate_profile(random.Random(1), SURFACE, 0.0, 0.1, 0.0), SURFACE.load_law == "proportional", step_s
     )
     resonance = ContactResonance(step_s, pad.resonance_hz(HOLD_N), pad.backing.damping_ratio)
     return model, profile, Readout(design, [pad], seed=1), resonance

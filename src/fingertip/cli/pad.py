@@ -43,7 +43,7 @@ def pad(
     fem: bool = flag("Compute the same by finite elements, some 5 s."),
     refine: bool = flag("Repeat them on a mesh with edges 0.7 times as long, some 20 s."),
     large_strain: bool = flag("Compare them with large strains and friction, some 2 minutes."),
-    friction: float | None = typer.Option(None, help="Friction on the plate, for --large-strain.", min=0, max=2),
+    friction: float | None = typer.Option(None, help="Friction on the plate, 0 to 2, for --large-strain."),
     changes: list[str] | None = CHANGES,
 ) -> None:
     """State what the sensor feels of a force on the pad: its share over tilt and roll, turn-on, stiffness and strain.
@@ -58,6 +58,8 @@ def pad(
 
     if friction is not None and not large_strain:
         refuse([Issue("--friction", "acts only with --large-strain; add that.")])
+    if friction is not None and not 0 <= friction <= 2:
+        refuse([Issue("--friction", f"{friction:g} is out of bounds; choose 0 to 2.")])
     if fem or refine or large_strain:
         extras.require("--fem", "scipy")
     loaded = load_design(design, changes, console)

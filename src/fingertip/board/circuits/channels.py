@@ -19,7 +19,7 @@ PLACES = len(NAMES)
 SOCKETS = ((3, "2", "3"), (3, "1", "3"), (4, "2", "3"), (2, "1", "2"), (3, "1", "2"))
 """Number of pins of each finger's socket, and those of its sensor and of ground; the others are open.
 
-A plug fits sockets of its own size alone, and in another one of these it leaves one wire at an open pin.
+No plug enters a smaller socket, and in another one of its own size it leaves a wire at an open pin.
 """
 _FOOTPRINTS = {2: symbols.JST_SH_2, 3: symbols.JST_SH_3, 4: symbols.JST_SH_4}
 SHARED_PARTS = frozenset(

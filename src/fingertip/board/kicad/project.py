@@ -16,7 +16,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from fingertip.board.circuits.channels import PLACES, find_symbol, name_part, name_sheet
+from fingertip.board.circuits.channels import PLACES, find_symbol, name_part, name_sheet, split_name
 from fingertip.board.kicad.back_print import print_values
 from fingertip.board.kicad.netlist import CircuitRecord, Part, describe_structure_changes
 from fingertip.board.kicad.placement import Placement, read_placement
@@ -229,7 +229,7 @@ def _enter_part(piece: str, component: Component) -> str:
 
 def _leave_out(schematic: str, circuit: Circuit) -> str:
     """Mark the sheets of the channels that are not fitted."""
-    empty = {name_sheet(find_symbol(part.reference)[0]) for part in circuit.components if not part.is_fitted}
+    empty = {name_sheet(split_name(part.reference)[0]) for part in circuit.components if not part.is_fitted}
     head, *sheets = _SHEET.split(schematic)
     for i, sheet in enumerate(sheets):
         if _find(_SHEET_NAME, sheet) in empty:

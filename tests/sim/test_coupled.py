@@ -274,7 +274,7 @@ def test_chunk_that_fails_leaves_the_state_as_it_was(monkeypatch):
 def test_few_steps_are_rejected():
     """A wrong coefficient or solution shows first as repeatedly rejected steps."""
     found = slide()
-    assert found.steps < 2 * 2800
+    assert found.steps < 2.1 * 2800
     assert found.rejected < 0.2 * found.steps
     assert found.evaluations == 6 * (found.steps + found.rejected)
     tight = slide(tolerance=1e-8)

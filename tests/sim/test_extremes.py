@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-import re
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from benchmarks.extremes import contact, run
+from benchmarks.extremes.draw import Draw
 from fingertip.cli import app
 from fingertip.filling.hele_shaw import fill
 from fingertip.filling.network import FlowNetwork
@@ -33,14 +33,13 @@ def test_command_holds_all_cases_and_writes_the_table(tmp_path):
     assert text.endswith(f" |\n\n{run.END}\nafter\n")
 
 
-def test_page_holds_the_table_of_the_command_and_names_each_wrong_case():
+def test_page_holds_the_table_of_the_command():
     text = (ROOT / "docs/accuracy.md").read_text()
     table = text[text.index(run.BEGIN) : text.index(run.END)].splitlines()
     rows = [line.strip("| ").split(" | ") for line in table[4 : 4 + len(run.FAMILIES)]]
     assert table[2] == run.HEADER
     assert [row[:2] for row in rows] == [[family.name, family.against] for family in run.FAMILIES]
-    told = re.findall(r"\b\d{4,5}\b(?= and \d{4,5}\))|(?<= and )\d{4,5}(?=\))", text)
-    assert sum(int(row[6]) for row in rows) == len(told) == 2
+    assert all(row[6] == "0" for row in rows)
     assert sum(int(row[2]) for row in rows) > 49_000
 
 
@@ -64,6 +63,12 @@ def test_bristles_that_slide_within_a_step_stay_within_sliding():
     motion = DraggedPad(friction, mount, step).process(at, np.full_like(at, 0.1), loads)
     assert np.abs(motion.bristle_m[1:1000] * friction.sigma0 / mu - 1).max() < 0.05
     assert np.abs(motion.velocity_m_s).max() < 0.3
+
+
+@pytest.mark.parametrize("number", [3493, 3511, 37645])
+def test_errors_of_a_velocity_do_not_add_up(number):
+    """A pad that bounces and bristles that stick were once off by 1.5 to 3.5 times the bound."""
+    assert contact.error_control(Draw("contact, error control", number)) < 1.0
 
 
 def test_motion_that_is_no_number_is_refused():

@@ -36,6 +36,9 @@ MAX_STEPS = 200_000
 STATES = 5
 _MIN_LOAD_N = 1e-3
 """Smallest load for which errors are weighted [N]."""
+_MAX_BENT = 100.0
+"""Largest weight of what an error of v bends, relative to its other weight: stiff bristles would take ten times the
+steps."""
 
 
 @dataclass(frozen=True)
@@ -94,16 +97,19 @@ class CoupledContact:
             (omega * omega, damping_per_s, normal.hand_ratio, math.sqrt(normal.hand_ratio) * damping_per_s),
         )
         # Weights that turn the error of each state into a force: stiffness for x, damping for v, bristle stiffness for
-        # z = s / sqrt(N).
+        # z = s / sqrt(N). An error of v or w also counts with what it moves within a sample: bristles that stick forget
+        # nothing, and a pad in flight meets the surface too early or too late.
         max_load = max(max_pressing_n, _MIN_LOAD_N)
         stiffness = max(mount.stiffness_n_per_m, max_load * friction.sigma0 * 1e-3)
         damping = (mount.stiffness_n_per_m * mount.mass_kg) ** 0.5 + mount.damping_n_s_per_m
+        damping += max_load * (friction.sigma1 + friction.sigma2)
+        damping += min(max_load * friction.sigma0 * step_s, _MAX_BENT * damping)
         self._weights = (
             stiffness / tolerance_n,
-            (damping + max_load * (friction.sigma1 + friction.sigma2)) / tolerance_n,
+            damping / tolerance_n,
             math.sqrt(max_load) * friction.sigma0 / tolerance_n,
             1 / tolerance_n,
-            1 / (tolerance_n * omega),
+            (1 / omega + step_s) / tolerance_n,
         )
         self._step_s, self._tolerance_n, self._hand_ratio = step_s, tolerance_n, normal.hand_ratio
         self._carried = np.zeros(6)

@@ -11,8 +11,8 @@ IV.10, and their code RODAS, whose coefficients these are, doi:10.1007/978-3-642
 It is solved block by block, because y and w do not depend on the other states: y and w first, then v, from which x and
 s follow.
 
-On very stiff problems the order falls to 1 or 2; tests/sim/test_rodas.py records by how much. The loop is written
-out without arrays, because numba and plain Python must both execute it fast and with the same bits.
+On very stiff problems the order falls to 1 or 2. The loop is written out without arrays, because numba and plain Python
+must both execute it fast and with the same bits.
 """
 
 from __future__ import annotations
@@ -22,30 +22,20 @@ from collections.abc import MutableSequence, Sequence
 
 from fingertip.foundation.jit import CompiledLoop
 
-GAMMA = 0.25
-ALPHA = (0.0, 0.386, 0.21, 0.63, 1.0, 1.0)
-"""Times of the stages, as fractions of the step."""
-D = (0.25, -0.1043, 0.1035, -0.0362, 0.0, 0.0)
-"""Coefficients of the time derivative."""
-A = (
-    (1.544,),
-    (0.9466785280815826, 0.2557011698983284),
-    (3.314825187068521, 2.896124015972201, 0.9986419139977817),
-    (1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950),
-)
-"""Coefficients a_ij of stages 2 to 5. Stage 6 has those of stage 5, and 1 for u_5."""
-C = (
-    (-5.6688,),
-    (-2.430093356833875, -0.2063599157091915),
-    (-0.1073529058151375, -9.594562251023355, -20.47028614809616),
-    (7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160),
-    (8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136, -6.058818238834054),
-)
-"""Coefficients c_ij of stages 2 to 6."""
-_, ALPHA2, ALPHA3, ALPHA4, _, _ = ALPHA
-D1, D2, D3, D4, _, _ = D
-(A21,), (A31, A32), (A41, A42, A43), (A51, A52, A53, A54) = A
-(C21,), (C31, C32), (C41, C42, C43), (C51, C52, C53, C54), (C61, C62, C63, C64, C65) = C
+# Coefficients: times of the stages as fractions of the step, those of the time derivative, a_ij of stages 2 to 5 (stage
+# 6 has those of stage 5, and 1 for u_5), and c_ij of stages 2 to 6. Gamma is 1/4.
+ALPHA2, ALPHA3, ALPHA4 = 0.386, 0.21, 0.63
+D1, D2, D3, D4 = 0.25, -0.1043, 0.1035, -0.0362
+A21 = 1.544
+A31, A32 = 0.9466785280815826, 0.2557011698983284
+A41, A42, A43 = 3.314825187068521, 2.896124015972201, 0.9986419139977817
+A51, A52, A53, A54 = 1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950
+C21 = -5.6688
+C31, C32 = -2.430093356833875, -0.2063599157091915
+C41, C42, C43 = -0.1073529058151375, -9.594562251023355, -20.47028614809616
+C51, C52, C53, C54 = 7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160
+C61, C62, C63, C64 = 8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136
+C65 = -6.058818238834054
 
 MIN_STEP_RATIO = 1e-12
 """Shortest step as a fraction of the time between samples. Such a step is accepted whatever its error."""
@@ -369,7 +359,8 @@ def _coupled_loop(
             us6 = (ds + r_s) * pivot_s + back_s * uv6
 
             # Error: the largest of the five, each as a force relative to the tolerance. The step follows the fourth
-            # root of the error, because the estimate has order 3. NaN counts as too large.
+            # root of the error, because the estimate has order 3. NaN of any state reaches x, the first argument: then
+            # the maximum is NaN, which counts as too large.
             error = max(
                 abs(ux6) * weight_x, abs(uv6) * weight_v, abs(us6) * weight_s, abs(uy6) * weight_y, abs(uw6) * weight_w
             )

@@ -27,16 +27,17 @@ static double wright_omega(double y)
 {
     double w;
     if (y < -40) return exp(y);
-    if (y < -2) {
+    if (y < -3) {
         w = exp(y);
         w = w * (1 - w * (1 - 1.5 * w));
     } else if (y < 1) {
-        w = exp(2 * (y - 1) / 3);
+        w = (0.567024 + 0.362221 * y)
+            + y * y * ((0.0745859 - 0.00138001 * y) - y * y * (0.00250178 + 0.000251905 * y));
     } else {
         w = log(y);
         w = y - w + w / y;
     }
-    for (int i = 0; i < 2; i++) {
+    for (int i = y < 1; i < 2; i++) {
         double r = y - w - log(w), s = 1 + w, t = 2 * s * (s + 2 * r / 3);
         w = w * (1 + r / s * (t - r) / (t - 2 * r));
     }

@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 
 import pytest
@@ -17,6 +18,14 @@ from fingertip.foundation.processes import in_background
 from tests.conftest import ROOT
 
 
+@pytest.fixture(params=["fork", "start"])
+def way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+    """A copy of this process, or where it has other threads, one that imports what it needs."""
+    monkeypatch.setattr(threading, "active_count", lambda: 1 + (request.param == "start"))
+    return str(request.param)
+
+
+@pytest.mark.usefixtures("way")
 def test_a_call_in_the_background_gives_the_result_of_another_process(monkeypatch: pytest.MonkeyPatch) -> None:
     with in_background(os.getpid) as wait:
         assert (wait() == os.getpid()) == (processes.count_processors() == 1)
@@ -27,6 +36,7 @@ def test_a_call_in_the_background_gives_the_result_of_another_process(monkeypatc
         assert wait() == os.getpid()
 
 
+@pytest.mark.usefixtures("way")
 def test_a_process_that_fails_is_made_up_for_here() -> None:
     with in_background(Design.load, "fsr4") as wait, pytest.raises(FingertipError) as caught:
         wait()
@@ -35,6 +45,7 @@ def test_a_process_that_fails_is_made_up_for_here() -> None:
         wait()
 
 
+@pytest.mark.usefixtures("way")
 def test_a_block_that_is_left_ends_its_process() -> None:
     begun = time.monotonic()
     with in_background(time.sleep, 60.0):
@@ -45,13 +56,19 @@ def test_a_block_that_is_left_ends_its_process() -> None:
 @pytest.mark.skipif(sys.platform != "linux", reason="processes are listed on Linux alone")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
 @pytest.mark.every_case
-def test_no_process_outlives_an_interruption(number: int) -> None:
+def test_no_process_outlives_an_interruption(number: int, way: str) -> None:
     code = (
         "from fingertip.foundation import interruption, processes\n"
         "import subprocess, time\n"
         "interruption.raise_interruptions()\n"
         "processes.count_processors = lambda: 2\n"
-        "begin = subprocess.Popen\n"
+        "import os, threading\n"
+        f"threading.active_count = lambda: {1 + (way == 'start')}\n"
+        "fork, begin = os.fork, subprocess.Popen\n"
+        "def tell(child):\n"
+        "    if child: print(child, flush=True)\n"
+        "    return child\n"
+        "os.fork = lambda: tell(fork())\n"
         "class Popen(begin):\n"
         "    def __init__(self, *a, **k):\n"
         "        super().__init__(*a, **k)\n"

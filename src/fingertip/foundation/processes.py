@@ -7,13 +7,16 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import io
 import os
 import pickle
 import signal
 import subprocess
 import sys
+import threading
+import warnings
 from collections.abc import Callable, Iterator
-from typing import Any, TypeVar
+from typing import Any, BinaryIO, TypeVar
 
 T = TypeVar("T")
 _PR_SET_PDEATHSIG = 1
@@ -74,34 +77,65 @@ def in_background(function: Callable[..., T], *arguments: Any) -> Iterator[Calla
     """
 
     def wait() -> T:
-        answer, _ = process.communicate() if process else (b"", None)
-        if process and process.returncode == 0 and not (found := pickle.loads(answer))[1]:
+        if answer and (data := answer.read()) and not (found := pickle.loads(data))[1]:
             return found[0]  # type: ignore[no-any-return]
         return function(*arguments)
 
-    process, pipe = None, subprocess.PIPE
+    answer, end = None, list[Callable[[], object]]()
     try:
         if count_processors() > 1:
-            # A session of its own: Ctrl-C reaches this process alone, which ends the other one.
-            process = subprocess.Popen(
-                python_command(__name__), stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, start_new_session=True
-            )
-            assert process.stdin
-            with contextlib.suppress(BrokenPipeError):
-                process.stdin.write(pickle.dumps((None, None, function, arguments)))
-                process.stdin.flush()
+            start = _fork if sys.platform == "linux" and threading.active_count() == 1 else _start
+            answer, *end = start(pickle.dumps((None, None, function, arguments)))
         yield wait
     finally:
-        if process:
-            process.kill()
-            process.communicate()
+        for step in end:
+            step()
+        if answer:
+            answer.close()
 
 
-def _answer_call() -> None:
+def _start(call: bytes) -> tuple[BinaryIO, Callable[[], object], Callable[[], object]]:
+    """Start a process for a call; return where its answer is read, and what ends it."""
+    # A session of its own: Ctrl-C reaches this process alone, which ends the other one.
+    process = subprocess.Popen(
+        python_command(__name__), stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )  # fmt: skip
+    assert process.stdin
+    assert process.stdout
+    with contextlib.suppress(BrokenPipeError), process.stdin:
+        process.stdin.write(call)
+    return process.stdout, process.kill, process.wait  # type: ignore[return-value]
+
+
+def _fork(call: bytes) -> tuple[BinaryIO, Callable[[], object], Callable[[], object]]:
+    """Let a copy of this process do the same: importing all modules once more would take half a second.
+
+    Without threads of Python that is safe: those of numpy's BLAS stop for it.
+    """
+    reading, writing = os.pipe()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # which counts the threads of BLAS too
+        process = os.fork()
+    if process:
+        os.close(writing)
+        return os.fdopen(reading, "rb"), lambda: os.kill(process, signal.SIGKILL), lambda: os.waitpid(process, 0)
+    try:
+        os.setsid()
+        null = os.open(os.devnull, os.O_RDWR)
+        for stream in range(3):
+            os.dup2(null, stream)
+        # Whatever else is open belongs to the other process, which closes pipes to say that it is done.
+        os.closerange(3, writing)
+        os.closerange(writing + 1, os.sysconf("SC_OPEN_MAX"))
+        _answer_call(io.BytesIO(call), os.fdopen(writing, "wb"))
+    finally:
+        os._exit(0)
+
+
+def _answer_call(call: BinaryIO, answer: BinaryIO) -> None:
     end_with_parent()
-    answer = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # libraries print there
-    limit_s, memory_bytes, function, arguments = pickle.load(sys.stdin.buffer)  # imports what the function needs
+    limit_s, memory_bytes, function, arguments = pickle.load(call)  # imports what the function needs
     if sys.platform != "win32" and limit_s is not None:
         import resource  # noqa: PLC0415
 
@@ -117,5 +151,7 @@ def _answer_call() -> None:
 
 
 if __name__ == "__main__":
-    _answer_call()
+    answer = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # libraries print there
+    _answer_call(sys.stdin.buffer, answer)
     os._exit(0)  # unloading the libraries of the B-rep kernel would take a third of a second

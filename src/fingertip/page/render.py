@@ -32,12 +32,13 @@ class Prepared:
     finger: bytes
     """Picture of the finished finger."""
     parameters: Markup
-    pad: Markup
     response: Markup
+    pad: Markup | None = None
+    """What the sensor feels; the page draws it where it is not given."""
 
 
 def prepare_page(design: Design) -> Prepared:
-    return Prepared(draw_finger(design), render_parameters(design), render_pad(design), draw_response(design))
+    return Prepared(draw_finger(design), render_parameters(design), draw_response(design))
 
 
 def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:
@@ -68,7 +69,7 @@ def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:
                 ("basis", "What is simulated and what is measured", casting_section.render_basis(design)),
                 ("checks", "Checks", render_checks(sources.report)),
                 ("parameters", "Parameters", prepared.parameters),
-                ("pad", "What the sensor feels", prepared.pad),
+                ("pad", "What the sensor feels", prepared.pad or render_pad(design)),
                 ("response", "Response of the board", prepared.response),
                 ("trial", "Trial and detection", render_trial(sources)),
             )

@@ -9,7 +9,7 @@ what the page shows of the design alone. The page is made last, from what was wr
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,6 +20,8 @@ from fingertip.documents.acceptance import acceptance_data, render_acceptance
 from fingertip.foundation import extras
 from fingertip.foundation.processes import in_background
 from fingertip.foundation.progress import ReportProgress, Work
+from fingertip.page.html import Markup
+from fingertip.page.pad_section import render_pad
 from fingertip.page.render import Prepared, prepare_page
 from fingertip.pictures.drawing.draw import file_names
 from fingertip.tasks.board import BRING_UP_FILES, plan_board
@@ -93,12 +95,12 @@ def make(
         stages.begin("page")
         prepared = prepare_page(design) if "stl" in formats else None
         stages.begin("trial")
-        signal_files, found = trial()
+        signal_files, found, pad = beside()
         sheet = render_acceptance(acceptance_data(design, found.detection)).encode()
-        rest.append((signal_files, found, sheet, prepared))
+        rest.append((signal_files, found, sheet, prepared and replace(prepared, pad=pad)))
 
     report = work.within("parts")
-    with in_background(simulate_and_detect, design) as trial:
+    with in_background(_simulate_and_draw, design, "stl" in formats) as beside:
         board = plan_board(design, board_folder, force=force, bring_up=True, top=folder)
         parts = build(
             design, folder, formats=formats, pictures=True, drawings=draws, force=force, progress=report,
@@ -119,3 +121,7 @@ def make(
     wanted = {"OCP": "STEP files", "reportlab": "drawings"} if named is None or "step" in named else {}
     extras.say_left_out({**wanted, "matplotlib": output_files.PLOT}, progress)
     return Made(parts, drawn, board_paths, signal_paths, found, page)
+
+
+def _simulate_and_draw(design: Design, has_page: bool) -> tuple[dict[str, bytes], FileDetection, Markup | None]:
+    return *simulate_and_detect(design), render_pad(design) if has_page else None

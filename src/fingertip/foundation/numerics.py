@@ -244,9 +244,9 @@ CONFIDENCE = 0.95
 """Probability with which an interval holds the true value."""
 
 
-def poisson_interval(count: int, confidence: float = CONFIDENCE) -> tuple[float, float]:
+def poisson_interval(count: int) -> tuple[float, float]:
     """Compute the interval of a Poisson variable's mean from one draw (F. Garwood, Biometrika 28, 1936, 437)."""
-    tail = (1 - confidence) / 2
+    tail = (1 - CONFIDENCE) / 2
     top = count + 10 * math.sqrt(count + 1) + 10
     low = 0.0 if count == 0 else bisect(lambda mean: 1 - _cumulative(count - 1, mean) < tail, 0.0, top, halvings=80)[0]
     high = bisect(lambda mean: _cumulative(count, mean) > tail, 0.0, top, halvings=80)[0]

@@ -111,7 +111,7 @@ def describe(kind: str, summary: MixSummary) -> str:
         parts.append("medians " + " ".join(f"{1000 * m:.1f}" for m in median_by_strength_s(summary)) + " ms")
     if kind == "long slide":
         shares = [share for outcome in summary.outcomes for share in outcome.on_shares]
-        parts.append(f"ON {sum(shares) / len(shares):.4f}, at least {summary.on_share:.3f}")
+        parts.append(f"ON {sum(shares) / len(shares):.4f}, at least {summary.smallest_on_share:.3f}")
     if summary.events:
         parts.append(f"{100 * summary.disturbed_share:.1f} % of {summary.events} events")
     alarms = f"{summary.alarms} alarms in {summary.minutes:.1f} min"

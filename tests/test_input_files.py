@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import os
 import socket
@@ -25,6 +26,7 @@ from fingertip.foundation.input_files import (
     check_archive,
     check_member,
     check_regular,
+    open_input,
     read_input,
 )
 from tests.conftest import ROOT, run_fingertip
@@ -59,6 +61,17 @@ def test_what_is_no_regular_file_is_refused(tmp_path: Path, kind: str, monkeypat
             refuse()
         assert message in str(caught.value)
         assert str(caught.value).endswith("; give the path of a file.")
+
+
+def test_an_error_of_the_reader_is_no_fault_of_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "x.toml"
+    path.write_bytes(b"two")
+    with pytest.raises(ValueError, match="invalid literal for int"), open_input(path, TOML_LIMIT) as file:
+        int(file.read())
+    with pytest.raises(FileNotFoundError, match="other"), open_input(path, TOML_LIMIT):
+        (tmp_path / "other").read_bytes()
+    with pytest.raises(InputFileError, match=r"cannot be read \(Input/output error\)"), open_input(path, TOML_LIMIT):
+        raise OSError(errno.EIO, os.strerror(errno.EIO))  # as a damaged disk raises it
 
 
 COMMANDS = (

@@ -6,6 +6,7 @@ import errno
 import hashlib
 import json
 import os
+import resource
 import shutil
 import signal
 import sys
@@ -452,6 +453,27 @@ def test_killed_writer_of_one_file_leaves_it_as_it_was_and_the_next_one_cleans_u
         assert sorted(p.name for p in tmp_path.iterdir()) == ["other.csv", "trace.csv"]
         operation += 1
     assert operation > 2
+
+
+def write_in_pieces(path: Path, length: int, piece: int) -> None:
+    with open_atomic(path) as file:
+        for _ in range(length // piece):
+            file.write(bytes(piece))
+
+
+def test_a_file_names_errors_of_its_own_and_no_others(tmp_path: Path) -> None:
+    path = tmp_path / "new" / "a.csv"
+    with pytest.raises(FileNotFoundError, match="other"), open_atomic(path):
+        (tmp_path / "other").read_bytes()
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, before[1]))  # fails as a full disk does
+    try:
+        for size in (30_000, 5_000):  # within the block, and at its end
+            with pytest.raises(OutputError, match=r"a\.csv: cannot be written \(File too large\)"):
+                write_in_pieces(path, 30_000, size)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_unfinished_file_of_a_running_process_is_left_alone(tmp_path: Path) -> None:

@@ -378,6 +378,11 @@ def test_the_hand_on_an_emulated_controller_decides_as_here(folder: Path) -> Non
             "has analog inputs for 3 at 2000 Hz, not for 5",
             ("--fingers", "3"),
         ),
+        (
+            ("--fingers", "5", "--controller", "uno_r4", "--set", "detector.sample_rate_hz=20000"),
+            "has analog inputs for 3, conversions for 0 and cycles while all slip for 3 at 20000 Hz, not for 5",
+            ("--controller", "nucleo_f446re"),
+        ),
         (("--fingers", "2", "--controller", "due"), "has cycles while all slip for 1", ("--fingers", "1")),
         (("--controller", "none"), "'none' is not known; give teensy40", ("--controller", "teensy40")),
         (("--fingers", "2", "--inputs", "PA0,PA1,PA0,PA3"), "'PA0' is the input of T of thumb and T of index", ()),

@@ -286,10 +286,12 @@ def test_times_before_gross_slip_that_the_text_states_are_those_of_the_trials():
 
 @pytest.mark.parametrize(("found", "slips"), [(4, 4), (2, 4), (2, 3), (0, 2)])
 def test_delay_of_a_fraction_counts_the_slips_that_were_missed(found: int, slips: int) -> None:
-    """Of n slips, the delay of rank floor(n f), from 0; a missed one never ends, and the last is that of all."""
-    ranked = [0.1, 0.2, 0.3, 0.4][:found] + [math.inf] * (slips - found)
-    for fraction in (0.0, 0.2, 0.49, 0.5, 0.74, 1.0):
-        assert quantile_s(ranked[:found][::-1], slips, fraction) == ranked[min(math.floor(slips * fraction), slips - 1)]
+    """More slips than the fraction are found within the delay, and no more before it; a missed one never is."""
+    delays = [0.1, 0.2, 0.3, 0.4][:found] + [math.inf] * (slips - found)
+    for fraction in (0.0, 0.2, 0.49, 0.5, 0.74, 0.75):
+        delay = quantile_s(delays[:found][::-1], slips, fraction)
+        assert sum(d < delay for d in delays) <= fraction * slips < sum(d <= delay for d in delays)
+    assert quantile_s(delays[:found], slips, 1.0) == max(delays)
     assert quantile_s([], 0, 0.5) == math.inf
 
 
@@ -403,11 +405,10 @@ def test_every_case_is_simulated_once_and_evaluated_at_every_threshold(monkeypat
 
 @pytest.mark.every_case
 @pytest.mark.parametrize("count", [0, 1, 4, 30, 400])
-@pytest.mark.parametrize("confidence", [0.9, 0.95])
-def test_the_interval_of_a_rate_is_that_of_the_chi_square_distribution(count: int, confidence: float) -> None:
+def test_the_interval_of_a_rate_is_that_of_the_chi_square_distribution(count: int) -> None:
     from scipy import stats
 
-    low, high = poisson_interval(count, confidence)
-    tail = (1 - confidence) / 2
+    low, high = poisson_interval(count)
+    tail = (1 - 0.95) / 2
     assert low == pytest.approx(stats.chi2.ppf(tail, 2 * count) / 2 if count else 0.0, rel=1e-9)
     assert high == pytest.approx(stats.chi2.ppf(1 - tail, 2 * count + 2) / 2, rel=1e-9)

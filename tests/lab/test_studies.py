@@ -201,6 +201,7 @@ def test_zero_is_the_first_reading_that_shows_the_motion() -> None:
     assert find_encoder_zero_s(MOVE, 0.003, 1e-5) == pytest.approx(1.2345 + 0.013)
     assert find_encoder_zero_s(MOVE, 0.005, 1e-5) == pytest.approx(1.2345 + 0.005)
     assert find_encoder_zero_s(MOVE, 0.005, 1e-4) == pytest.approx(1.2345 + 0.015)
+    assert find_encoder_zero_s(MOVE, 0.0, 1.0) == math.inf, "it never moves so far"
 
 
 @pytest.fixture(scope="module")

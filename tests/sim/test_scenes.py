@@ -11,6 +11,7 @@ import pytest
 from fingertip.catalogues.bundled import list_bundled_files
 from fingertip.catalogues.file_kinds import SCENE
 from fingertip.design import Design
+from fingertip.foundation.errors import TraceError
 from fingertip.pad.response import Pad
 from fingertip.sim import SceneFile, Trial, load_simulation, run_scene, simulate
 from fingertip.sim.runs.scene import SceneRun
@@ -283,3 +284,21 @@ def test_drawn_force_lies_in_the_range_of_the_article():
 def test_onset_does_not_depend_on_the_sampling_rate(rate):
     trace = simulate(article_design(detector={"sample_rate_hz": rate}), Trial("gross", 0.04, 1.0, 3))
     assert trace.time_s[trace.slip][0] == pytest.approx(1.874, abs=0.003)
+
+
+@pytest.mark.parametrize(
+    ("slide", "length_m"),
+    [
+        ({"distance_m": 1e-5}, 0.1),
+        ({"distance_m": 1e-5, "speed_m_s": 0.2, "moves": 50, "acceleration_m_s2": 0.05}, 1e-6),
+        ({"distance_m": 0.0123456789}, 1e-5),
+    ],
+)
+def test_a_slide_that_is_refused_passes_with_the_values_of_the_message(slide, length_m):
+    tables = {"slide": slide, "contact": {"length_m": length_m}}
+    with pytest.raises(TraceError) as refused:
+        SceneFile(**tables)
+    for issue in refused.value.issues:
+        for table, name, value in re.findall(r"(\w+)\.(\w+)=([\d.e-]*\d)", issue.message.partition(", or")[0]):
+            tables[table] = tables[table] | {name: float(value)}
+    SceneFile(**tables)

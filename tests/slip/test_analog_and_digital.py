@@ -186,6 +186,13 @@ def test_a_recorded_envelope_is_used(tmp_path):
     assert single_onset(find(tmp_path / "e.csv", *both)) == 0.502
     live = find("-", lines=csv(T, envelope, header=("time_s", "envelope_v")))
     assert json.loads(live.stdout)["transitions"][0] == {"on": True, "time_s": 0.502}
+    # Counts of both voltages, as a file and as a stream.
+    step = 5 / 65536
+    counts = np.column_stack((T, np.round(V / step), np.round(envelope / step)))
+    np.savetxt(tmp_path / "c.csv", counts, "%.6f", ",", header="time_s,voltage_v,envelope_v", comments="")
+    assert single_onset(find(tmp_path / "c.csv", "--scale", step)) == 0.502
+    live = find("-", "--scale", step, lines=(tmp_path / "c.csv").read_text())
+    assert json.loads(live.stdout)["transitions"][0] == {"on": True, "time_s": 0.502}
 
 
 def test_a_stream_on_a_simulated_board_gives_the_same_transitions_as_the_file(tmp_path):

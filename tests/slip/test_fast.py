@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import ast
+import inspect
 import math
 from dataclasses import replace
+from typing import get_type_hints
 
 import numpy as np
 import pytest
@@ -27,6 +30,7 @@ from fingertip.slip.detectors.fast_coefficients import (
     RESTORED_HZ,
     SLOW_HZ,
     UPPER_HZ,
+    FastCoefficients,
     FastModel,
     design_board_filter,
     design_filters,
@@ -41,6 +45,18 @@ NOISE_V = 4e-4
 SETTINGS = FastSettings(2000.0, NOISE_V)
 
 NO_TREES = FastModel(np.zeros(0), np.zeros(0), np.zeros(0), -50.0, 1.0, 0.0, 0.0)
+
+
+def test_the_loop_unpacks_its_coefficients_by_their_names() -> None:
+    (loop,) = ast.parse(inspect.getsource(fast_loop._fast_loop)).body
+    letters = {"board_1": "p", "board": "h", "restore_1": "q"}
+    targets = loop.body[0].targets[0].elts
+    for target, (name, kind) in zip(targets, get_type_hints(FastCoefficients).items(), strict=True):
+        if kind is float:
+            assert target.id == name
+        else:  # a section, such as "upper" as (u_b0, u_b1, u_b2, u_a1, u_a2)
+            for part, field in zip(target.elts, kind._fields, strict=True):
+                assert part.id == "_" or f"{letters.get(name, name[0])}_{field}".startswith(part.id)
 
 
 def noise(seconds: float, deviation_v: float = NOISE_V, seed: int = 1, rate: float = 2000.0) -> np.ndarray:

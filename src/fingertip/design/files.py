@@ -64,7 +64,7 @@ def load_tables(
     issues: list[Issue] = []
     for file in files:
         with gather(issues):
-            _merge(before, read_file(find_file(file, kind), kind, below))
+            merge(before, read_file(find_file(file, kind), kind, below))
     for change in list_changes(changes):
         with gather(issues):
             parsed.append(parse_change(change))
@@ -72,7 +72,7 @@ def load_tables(
         raise DesignError(issues)
     tables = copy.deepcopy(before)
     for nested in parsed:
-        _merge(tables, nested)
+        merge(tables, nested)
     return LoadedTables(tables, before, tuple(name for nested in parsed for name, _ in flatten(nested)))
 
 
@@ -104,10 +104,10 @@ def parse_change(change: str) -> dict[str, Any]:
     return dict(value)
 
 
-def _merge(into: dict[str, Any], new: Mapping[str, Any]) -> None:
+def merge(into: dict[str, Any], new: Mapping[str, Any]) -> None:
     for key, value in new.items():
         if isinstance(value, Mapping) and isinstance(into.get(key), dict):
-            _merge(into[key], value)
+            merge(into[key], value)
         else:
             into[key] = value
 

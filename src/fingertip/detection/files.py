@@ -242,9 +242,8 @@ def detect_stream(
 
 
 def _map_envelope(voltage: ColumnMap) -> ColumnMap:
-    """Map the envelope, in volts, to where a detector finds its voltage."""
-    names = {**voltage.names, "voltage_v": voltage.name_in_file("envelope_v")}
-    return ColumnMap(names, voltage.rate_hz, 1.0, voltage.time_scale)
+    """Map the envelope to where a detector finds its voltage."""
+    return replace(voltage, names={**voltage.names, "voltage_v": voltage.name_in_file("envelope_v")})
 
 
 def _adapt_to_file(design: Design, raw: RawTrace, adapt: Callable[[Design, float, str], Design]) -> Design:

@@ -194,14 +194,11 @@ def _read_names(fingers: str, issues: list[Issue]) -> tuple[str, ...]:
 
 def _find_limit_issues(design: Design, board: ControllerBoard, fingers: int) -> Iterator[Issue]:
     rate_hz = design.detector.sample_rate_hz
-    for limit, most in list_limits(board, rate_hz).items():
-        if fingers > most:
-            fit = [other.key for other in load_controllers() if count_fingers(other, rate_hz) >= fingers]
-            remedies = [f"--fingers {count_fingers(board, rate_hz)}"] if count_fingers(board, rate_hz) else []
-            remedies += [f"--controller {fit[0]}"] if fit else []
-            text = f"{board.name} has {limit} for {most} at {rate_hz:g} Hz, not for {fingers}"
-            remedy = f"give {join_words(remedies, 'or')}" if remedies else "lower detector.sample_rate_hz"
-            yield Issue("--fingers", f"{text}; {remedy}.")
+    if exceeded := [f"{limit} for {most}" for limit, most in list_limits(board, rate_hz).items() if fingers > most]:
+        fewer = f"--fingers {carried} or " if (carried := count_fingers(board, rate_hz)) else ""
+        fit = next(other.key for other in load_controllers() if count_fingers(other, rate_hz) >= fingers)
+        text = f"{board.name} has {join_words(exceeded)} at {rate_hz:g} Hz, not for {fingers}"
+        yield Issue("--fingers", f"{text}; give {fewer}--controller {fit}.")
 
 
 def _read_inputs(

@@ -17,7 +17,7 @@ import stat
 import tempfile
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from fingertip.foundation.errors import Issue, OutputError
 
@@ -29,6 +29,17 @@ _numbers = itertools.count()
 def write_file(path: Path, data: bytes, option: str = "--out") -> None:
     with open_atomic(path, option) as file:
         file.write(data)
+
+
+class _RawFile(io.FileIO):
+    """File that is named by its errors of writing, which else name none."""
+
+    def write(self, data: Any, /) -> int:
+        try:
+            return super().write(data)
+        except OSError as error:
+            error.filename = self.name
+            raise
 
 
 @contextlib.contextmanager
@@ -43,12 +54,13 @@ def open_atomic(path: Path, option: str = "--out") -> Iterator[BinaryIO]:
         raise OutputError(Issue(str(path), f"is a folder; give {option} the name of a file."))
     created = [folder for folder in (path.parent, *path.parent.parents) if not folder.exists()]
     temporary = path.with_name(f"{_PREFIX}{os.getpid()}-{next(_numbers)}")
+    own = {temporary, *path.parents}
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         _remove_leftovers(path.parent)
         try:
             temporary.unlink(missing_ok=True)
-            with temporary.open("xb") as file:  # never through a link of that name
+            with io.BufferedWriter(_RawFile(temporary, "x")) as file:  # never through a link of that name
                 yield file
             os.replace(temporary, path)
         finally:
@@ -57,8 +69,8 @@ def open_atomic(path: Path, option: str = "--out") -> Iterator[BinaryIO]:
         for folder in created:
             with contextlib.suppress(OSError):
                 folder.rmdir()
-        if not isinstance(error, OSError):
-            raise
+        if not isinstance(error, OSError) or error.filename is None or Path(error.filename) not in own:
+            raise  # of the `with` block
         message = f"cannot be written ({error.strerror or str(error)}); choose another file with {option}."
         raise OutputError(Issue(str(path), message)) from error
 

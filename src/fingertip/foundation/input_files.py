@@ -125,12 +125,17 @@ def open_input(path: Path, limit: Limit, wanted: str = "a file", below: Path | N
         _check_status(path, _read_status(path, below), limit, remedy)
         # Opening a pipe that took the file's place meanwhile would wait for its writer, but for the first flag.
         names = ("O_NONBLOCK", "O_BINARY", *(() if below is None else ("O_NOFOLLOW",)))
-        handle = os.open(path, os.O_RDONLY | sum(getattr(os, name, 0) for name in names))
-        with os.fdopen(handle, "rb") as file:
-            _check_status(path, os.fstat(handle), limit, remedy)
-            yield file
+        file = os.fdopen(os.open(path, os.O_RDONLY | sum(getattr(os, name, 0) for name in names)), "rb")
     except (OSError, ValueError) as error:
         raise _unreadable(path, error, remedy) from None
+    with file:
+        try:
+            _check_status(path, os.fstat(file.fileno()), limit, remedy)
+            yield file
+        except OSError as error:
+            if error.filename is not None:  # it is of another file: those of reading name none
+                raise
+            raise _unreadable(path, error, remedy) from None
 
 
 def read_input(

@@ -33,8 +33,6 @@ _NO_GAIN, _PARALLEL, _TIE = 1e-12, 1e-9, 1e-13
 
 A vertex on a plane that is met at a lower rate would be ill conditioned: its rounding errors reached 0.02 mm.
 """
-_MAX_STEPS = 60
-"""Largest number of steps of `find_root`; the Illinois method needs about ten."""
 
 
 def bisect(is_below: Callable[[float], bool], low: float, high: float, *, halvings: int | None = None) -> Pair:
@@ -106,70 +104,6 @@ def _find_first_hit(rates: Sequence[float], slacks: Sequence[float], active: Seq
         if distance < nearest - _TIE or (distance < nearest + _TIE and rate > rates[entering]):
             nearest, entering = min(distance, nearest), i
     return entering, nearest
-
-
-def find_root(function: Callable[[float], float], ends: Pair, tolerance: float, values: Pair | None = None) -> float:
-    """Find a root of a continuous function in a bracket, by false position in the Illinois variant."""
-    (a, b), (fa, fb) = ends, values or (function(ends[0]), function(ends[1]))
-    for _ in range(_MAX_STEPS):
-        if fa == fb or abs(b - a) < tolerance:
-            return b
-        new = b - fb * (b - a) / (fb - fa)
-        value = function(new)
-        if value * fb < 0.0:
-            a, fa = b, fb
-        else:  # the end `a` stays once more: halving its value makes the next chord cross to the other side
-            fa *= 0.5
-        b, fb = new, value
-        if value == 0.0:
-            return b
-    return b
-
-
-def find_maximum(function: Callable[[float], float], low: float, high: float, tolerance: float) -> Pair:
-    """Find the maximum of a unimodal function in a bracket by Brent's method: its location and its value.
-
-    The method combines golden-section search with parabolic interpolation. Near a smooth maximum the value is exact to
-    the square of the tolerance. Tolerances below the square root of the floating-point precision gain nothing.
-    """
-    best = second = third = low + (1.0 - _GOLDEN) * (high - low)
-    at_best = at_second = at_third = function(best)
-    step = previous_step = 0.0
-    min_step = tolerance / 3.0
-    while abs(best - 0.5 * (low + high)) > 2.0 * min_step - 0.5 * (high - low):
-        middle = 0.5 * (low + high)
-
-        # Step to the vertex of the parabola through the three best points ...
-        r = (best - second) * (at_best - at_third)
-        q = (best - third) * (at_best - at_second)
-        numerator, denominator = (best - third) * q - (best - second) * r, 2.0 * (r - q)
-        if denominator < 0.0:
-            numerator, denominator = -numerator, -denominator
-        is_small = abs(numerator) < abs(0.5 * denominator * previous_step)
-        is_inside = denominator * (low - best) < numerator < denominator * (high - best)
-        if is_small and is_inside:
-            previous_step, step = step, numerator / denominator
-            if min(best + step - low, high - best - step) < 2.0 * min_step:
-                step = math.copysign(min_step, middle - best)
-        # ... unless it is no better than halving the bracket: then a golden-section step into the larger part.
-        else:
-            previous_step = (high if best < middle else low) - best
-            step = (1.0 - _GOLDEN) * previous_step
-        new = best + (step if abs(step) >= min_step else math.copysign(min_step, step))
-        at_new = function(new)
-
-        # The worse of the new and the best point becomes an end of the bracket.
-        if at_new >= at_best:
-            low, high = (best, high) if new >= best else (low, best)
-            third, second, best = second, best, new
-            at_third, at_second, at_best = at_second, at_best, at_new
-        else:
-            low, high = (new, high) if new < best else (low, new)
-            if at_new >= at_second or second == best:
-                third, second, at_third, at_second = second, new, at_second, at_new
-            elif at_new >= at_third or third in (best, second):
-                third, at_third = new, at_new
-    return best, at_best
 
 
 def bisect_arrays(
@@ -244,9 +178,9 @@ CONFIDENCE = 0.95
 """Probability with which an interval holds the true value."""
 
 
-def poisson_interval(count: int, confidence: float = CONFIDENCE) -> tuple[float, float]:
+def poisson_interval(count: int) -> tuple[float, float]:
     """Compute the interval of a Poisson variable's mean from one draw (F. Garwood, Biometrika 28, 1936, 437)."""
-    tail = (1 - confidence) / 2
+    tail = (1 - CONFIDENCE) / 2
     top = count + 10 * math.sqrt(count + 1) + 10
     low = 0.0 if count == 0 else bisect(lambda mean: 1 - _cumulative(count - 1, mean) < tail, 0.0, top, halvings=80)[0]
     high = bisect(lambda mean: _cumulative(count, mean) > tail, 0.0, top, halvings=80)[0]

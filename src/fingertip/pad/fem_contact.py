@@ -136,9 +136,9 @@ class PadModel:
             total += np.einsum("ic,cij->ij", into, block) * into[:, axis]
         return total
 
-    def fine_surface(self, parts: int = 6) -> Array:
+    def fine_surface(self) -> Array:
         """Return points of the curved surface, finer than its nodes."""
-        steps = np.array([(i, j) for i in range(parts + 1) for j in range(parts + 1 - i)]) / parts
+        steps = np.array([(i, j) for i in range(7) for j in range(7 - i)]) / 6
         points = np.einsum("qa,eai->eqi", triangle_shapes(steps)[0], self.top.points[self._triangles])
         return np.asarray(points.reshape(-1, 3))
 

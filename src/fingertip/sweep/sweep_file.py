@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from fingertip.catalogues.bundled import find_file
 from fingertip.catalogues.controllers import split_finger
 from fingertip.catalogues.file_kinds import DESIGN, SCENE, SET, SWEEP, identify_kind
-from fingertip.design.files import load_tables
+from fingertip.design.files import load_tables, merge
 from fingertip.design.finger_set import SetFile, read_set
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import quantity
@@ -166,14 +166,8 @@ def _load_base(folder: Path, name: str, entry: Any, changes: list[str], is_typed
     if not isinstance(entry, Mapping):
         problem = f"{quote_value(entry)} is neither a file nor a table"
         raise SweepError(Issue(name, f"{problem}; give the path of a file, or a table [{name}]."))
-    return _merge(dict(entry), load_tables((), changes).tables)
-
-
-def _merge(into: dict[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
-    for key, value in new.items():
-        old = into.get(key)
-        into[key] = _merge(dict(old), value) if isinstance(old, Mapping) and isinstance(value, Mapping) else value
-    return into
+    merge(base := dict(entry), load_tables((), changes).tables)
+    return base
 
 
 def _find_changed_axes(axes: Any, design_changes: list[str], scene_changes: list[str]) -> Iterator[Issue]:

@@ -1,8 +1,4 @@
-"""Build of a design: writes its parts, casting sheet and report to a folder.
-
-The module is not called `build`, because importing a submodule `fingertip.build` would replace the function
-`fingertip.build` of the package.
-"""
+"""Build of a design: writes its parts, casting sheet and report to a folder."""
 
 from __future__ import annotations
 

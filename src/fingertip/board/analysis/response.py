@@ -21,7 +21,7 @@ from fingertip.board.parts.nets import ADC_ENVELOPE, ADC_FILTERED, ENVELOPE, FIL
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.design.formulas.filter import SECTION_QUALITY
 from fingertip.design.parameters.electronics import Board
-from fingertip.foundation.numerics import Array, bisect_arrays, find_maximum, find_maximum_arrays, find_root
+from fingertip.foundation.numerics import Array, bisect, bisect_arrays, find_maximum_arrays
 
 RECTIFYING_DIODE = "D1"
 """Diode that conducts while the filtered signal is positive, on every board that has a rectifier."""
@@ -41,8 +41,8 @@ _START_RATIO = 4.0
 the frequency at which the search ends to that of the nominal maximum."""
 _END_RATIO = 100.0
 """Ratio of the highest frequency at which the maximum is searched to the higher pole."""
-_PEAK_TOLERANCE, _CUTOFF_TOLERANCE = 1e-6, 1e-13
-"""Tolerances of the logarithm of these frequencies. The gain is then exact to about 1e-12."""
+_FINE_GOLDEN_STEPS = 29
+"""Golden-section steps around the peak of one board: its frequency is then exact to 1e-6, its gain to 1e-12."""
 _GOLDEN_STEPS = 24
 """Golden-section steps around the peak of many boards: its frequency is then exact to 1e-5, its gain to 1e-10."""
 _HALVINGS = 36
@@ -183,21 +183,19 @@ def find_passband(transfer: Rational, band_hz: tuple[float, float]) -> Passband:
     while len(grid) <= count and grid[-1] >= grid[-2]:
         grid.append(log_power(first + len(grid) * step))
     peak = len(grid) - 2
-    place, found = find_maximum(log_power, first + (peak - 1) * step, first + (peak + 1) * step, _PEAK_TOLERANCE)
-    maximum = max(found, grid[peak])
+    low, high = (np.array(first + (peak + side) * step) for side in (-1, 1))
+    place, found = find_maximum_arrays(lambda x: np.array(log_power(float(x))), low, high, _FINE_GOLDEN_STEPS)
+    maximum = max(float(found), grid[peak])
     level = maximum - math.log(2.0)
 
     def find_cutoff(i: int, direction: int) -> float:
         """Step from grid point i until the gain is below the level, and find the crossing within that step."""
-        above = value = grid[i]
-        while value >= level:
-            above, i = value, i + direction
-            value = log_power(first + i * step)
-        ends = (first + (i - direction) * step, first + i * step)
-        crossing = find_root(lambda x: log_power(x) - level, ends, _CUTOFF_TOLERANCE, (above - level, value - level))
-        return math.exp(crossing) / math.tau
+        while log_power(first + i * step) >= level:
+            i += direction
+        ends = sorted((first + (i - direction) * step, first + i * step))
+        return math.exp(bisect(lambda x: (log_power(x) < level) == (direction < 0), *ends)[0]) / math.tau
 
-    peak_hz = math.exp(place) / math.tau
+    peak_hz = math.exp(float(place)) / math.tau
     return Passband(math.exp(0.5 * maximum), peak_hz, find_cutoff(peak, -1), find_cutoff(peak, 1))
 
 

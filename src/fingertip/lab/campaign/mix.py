@@ -174,11 +174,11 @@ class MixSummary:
 
     @property
     def worst_s(self) -> float:
-        """Longest delay from gross slip of a slip that was found [s]."""
-        return max((d for outcome in self.outcomes for d in outcome.delays_s), default=math.nan)
+        """Longest delay from gross slip of a slip that was found [s]; infinite if none was."""
+        return max((d for outcome in self.outcomes for d in outcome.delays_s), default=math.inf)
 
     @property
-    def on_share(self) -> float:
+    def smallest_on_share(self) -> float:
         """Smallest share of any slip that is ON."""
         return min((share for outcome in self.outcomes for share in outcome.on_shares), default=math.nan)
 

@@ -178,10 +178,10 @@ def ringing_knock(design: Design, seed: int) -> LabelledSignal:
     return _record(design, rng, LabelledSignal("ringing knock", rate, volts, (), tuple(events)))
 
 
-def long_slide(design: Design, seed: int, strength_v: float, duration_s: float = 8.0) -> LabelledSignal:
+def long_slide(design: Design, seed: int, strength_v: float) -> LabelledSignal:
     """Draw a held force with a slide of constant strength [V] in a band of an embedded sensor's slip."""
     rng, rate = np.random.default_rng(seed), design.detector.sample_rate_hz
-    low_hz, high_hz, start_s = rng.uniform(40.0, 70.0), rng.uniform(110.0, 170.0), 1.5
+    low_hz, high_hz, start_s, duration_s = rng.uniform(40.0, 70.0), rng.uniform(110.0, 170.0), 1.5, 8.0
     first, length = round(start_s * rate), round(duration_s * rate)
     slide_v = strength_v * draw_band_noise(rng, length, rate, low_hz, high_hz)
     volts = np.full(first + length + round(0.5 * rate), draw_rest_v(design, rng))

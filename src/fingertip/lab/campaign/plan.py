@@ -89,9 +89,9 @@ def generate_cases(plan: CampaignPlan, first_seed: int = HELD_OUT_FROM) -> Itera
             seed += 1
 
 
-def generate_limited_cases(plan: CampaignPlan, first_seed: int = HELD_OUT_FROM) -> Iterator[Case]:
+def generate_limited_cases(plan: CampaignPlan) -> Iterator[Case]:
     """Generate those of all cases whose alarms a requirement limits."""
-    return (case for case in generate_cases(plan, first_seed) if case.cause not in REPORTED_SEPARATELY)
+    return (case for case in generate_cases(plan) if case.cause not in REPORTED_SEPARATELY)
 
 
 def generate_trials(trials: int, first_seed: int = HELD_OUT_FROM) -> Iterator[Case]:

@@ -175,7 +175,10 @@ def median_of_known(values: Iterable[float]) -> float:
 
 
 def quantile_s(delays_s: Sequence[float], slips: int, fraction: float) -> float:
-    """Delay by which a fraction of all slips is found [s]; infinite if fewer are found."""
+    """Upper quantile: smallest delay within which more than a fraction of all slips is found [s], or all for 1.
+
+    Infinite if fewer are found.
+    """
     ranked = sorted(delays_s) + [math.inf] * (slips - len(delays_s))
     return float(ranked[min(len(ranked) - 1, int(fraction * len(ranked)))]) if ranked else math.inf
 

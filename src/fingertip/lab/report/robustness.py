@@ -134,7 +134,7 @@ def mix_as_data(mix: Mapping[str, MixSummary]) -> dict[str, Any]:
             "p90_s": to_number(summary.delay_s(0.9)),
             "worst_s": to_number(summary.worst_s),
             "p90_since_motion_s": to_number(summary.motion_delay_s(0.9)),
-            "smallest_on_share": to_number(summary.on_share),
+            "smallest_on_share": to_number(summary.smallest_on_share),
             "events": summary.events,
             "disturbed_share": to_number(summary.disturbed_share),
             "alarms": summary.alarms,

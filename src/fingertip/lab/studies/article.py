@@ -84,11 +84,11 @@ class ProtocolStudy:
 
 
 def find_encoder_zero_s(slide: TrapezoidalMove, phase_s: float, moved_m: float) -> float:
-    """Time of the first reading of the encoders at which a slide has moved by more than `moved_m` [s]."""
+    """Time of the encoders' first reading by which a slide has moved by more than `moved_m` [s]; infinite if none."""
     first_s, next_s = encoder_band_s(slide.start_s)
     numbers = np.arange(round(_LONGEST_ZERO_S * ENCODER_HZ))
     readings = np.asarray(slide.start_s + phase_s + (next_s - first_s) * numbers, dtype=np.float64)
-    return float(readings[np.argmax(slide.position_m(readings) > moved_m)])
+    return float(np.min(readings[slide.position_m(readings) > moved_m], initial=math.inf))
 
 
 def study_article_protocol(

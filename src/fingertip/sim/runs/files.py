@@ -195,15 +195,15 @@ class SceneFile(PathTables, _SceneTables):
             "contact.surface", self.contact.surface, self.surface, "slide.distance_m", slide.distance_m
         )
         if slide.distance_m > self.contact.length_m:
-            message = f"{slide.distance_m:g} m is longer than contact.length_m; at most {self.contact.length_m:.12g} m."
+            message = f"{slide.distance_m} m is longer than contact.length_m; set contact.length_m={slide.distance_m}."
             yield Issue("slide.distance_m", message), {"slide.distance_m", "contact.length_m"}
         reached = math.sqrt(slide.acceleration_m_s2 * slide.distance_m / slide.moves)
         if slide.distance_m and reached < _MIN_SPEED_M_S:
             least = 1.01 * slide.moves * _MIN_SPEED_M_S**2 / slide.acceleration_m_s2
             message = (
                 f"{slide.distance_m:g} m is too short to reach {_MIN_SPEED_M_S:g} m/s at {slide.acceleration_m_s2:g} "
-                f"m/s2; set slide.distance_m={least:.3g} and contact.length_m={max(least, self.contact.length_m):.3g}, "
-                "or slide.distance_m=0."
+                f"m/s2; set slide.distance_m={least:.3g}, slide.speed_m_s={_MIN_SPEED_M_S:g} and "
+                f"contact.length_m={max(least, self.contact.length_m):.3g}, or slide.distance_m=0."
             )
             yield Issue("slide.distance_m", message), {"slide.distance_m", "slide.acceleration_m_s2", "slide.moves"}
         elif slide.distance_m and slide.speed_m_s > reached * (1 + 1e-9):

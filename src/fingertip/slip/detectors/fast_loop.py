@@ -142,11 +142,12 @@ def _fast_loop(
     (
         (p_b, _, p_a1), (h_b0, h_b1, h_b2, h_a1, h_a2), (q_b0, q_b1, q_a1), (r_b0, r_b1, r_b2, r_a1, r_a2),
         (e_b0, e_b1, e_b2, e_a1, e_a2), (u_b0, u_b1, u_b2, u_a1, u_a2), (w_b0, w_b1, w_b2, w_a1, w_a2),
-        (s_b0, s_b1, s_b2, s_a1, s_a2), rate, direction, filtered_gain, filtered_limit, limited_samples, still_samples,
-        short, long, tick_samples, slot_ticks, max_floor_ticks, tone_ticks, unlearning, wide_share, upper_share,
-        min_floor, min_upper_floor, min_input_floor, offset, lowest_score, threshold, incipient_margin, noise_rise,
-        stay_score, stay_ratio, score_smoothing, statistic_gain, number_limit, jump_limit, filtered_jump_limit,
-        middle_input, half_range, trusted_samples, gap_samples, fault_samples, restart_ticks,
+        (s_b0, s_b1, s_b2, s_a1, s_a2), sample_rate_hz, direction, filtered_gain, filtered_limit, limited_samples,
+        still_samples, short_smoothing, long_smoothing, tick_samples, slot_ticks, max_floor_ticks, tone_ticks,
+        unlearning, wide_share, upper_share, min_floor, min_upper_floor, min_input_floor, offset, lowest_score,
+        threshold, incipient_margin, noise_rise, stay_threshold, stay_ratio, score_smoothing, statistic_gain,
+        number_limit, jump_limit, filtered_jump_limit, middle_input, half_range, trusted_samples, gap_samples,
+        fault_samples, restart_ticks,
     ) = coefficients  # fmt: skip
     p, h1, h2 = state[BOARD_STAGE], state[BOARD_1], state[BOARD_2]
     q1, r1, r2 = state[RESTORE_1_1], state[RESTORE_1], state[RESTORE_2]
@@ -170,8 +171,8 @@ def _fast_loop(
     low_0, low_1, low_2, low_phase = state[LOW], state[LOW_1], state[LOW_2], state[LOW_PHASE]
     phase, ring_phase, ring_at = state[PHASE], state[RING_PHASE], int(state[RING_AT])
     replaced, outside, mean_move, held = state[REPLACED], state[OUTSIDE], state[MEAN_MOVE], state[HELD]
-    slope_gain = SLOPE_S * SLOPE_S * rate * rate
-    move_gain = MOVE_S * MOVE_S * rate * rate
+    slope_gain = SLOPE_S * SLOPE_S * sample_rate_hz * sample_rate_hz
+    move_gain = MOVE_S * MOVE_S * sample_rate_hz * sample_rate_hz
     at = 0
     level = statistic_gain * math.sqrt(floor)
     for i in range(len(samples)):
@@ -229,7 +230,7 @@ def _fast_loop(
                 settling = restart_ticks if settling < restart_ticks else settling
             if move < 0.0:
                 move = -move
-            mean_move += short * (move - mean_move)
+            mean_move += short_smoothing * (move - mean_move)
             if 0.0 < move < filtered_step:
                 filtered_step = move
             still = 0.0 if move > 0.0 else still + 1.0
@@ -262,22 +263,22 @@ def _fast_loop(
         slow += slope
 
         # Energies: exponential means of the squares.
-        upper_short += short * (u * u - upper_short)
-        upper_long += long * (u * u - upper_long)
-        wide_short += short * (w * w - wide_short)
-        wide_long += long * (w * w - wide_long)
+        upper_short += short_smoothing * (u * u - upper_short)
+        upper_long += long_smoothing * (u * u - upper_long)
+        wide_short += short_smoothing * (w * w - wide_short)
+        wide_long += long_smoothing * (w * w - wide_long)
         rough += change - slope
-        input_long += long * (rough * rough - input_long)
+        input_long += long_smoothing * (rough * rough - input_long)
 
         # Net and total movement, which are equal while the force goes one way.
         move = e - last_edge
         last_edge = e
-        net_short += short * (move - net_short)
-        net_long += long * (move - net_long)
+        net_short += short_smoothing * (move - net_short)
+        net_long += long_smoothing * (move - net_long)
         if move < 0.0:
             move = -move
-        total_short += short * (move - total_short)
-        total_long += long * (move - total_long)
+        total_short += short_smoothing * (move - total_short)
+        total_long += long_smoothing * (move - total_long)
 
         # Squared slope and upper energy, the greatest of each slot.
         slope *= slope
@@ -383,7 +384,7 @@ def _fast_loop(
                 incipient = 0.0
             elif incipient > 0.0:
                 smooth_score += score_smoothing * (score - smooth_score)
-                incipient = 1.0 if score > stay_score or (is_strong and smooth_score > stay_score) else 0.0
+                incipient = 1.0 if score > stay_threshold or (is_strong and smooth_score > stay_threshold) else 0.0
             else:
                 smooth_score = on_score - incipient_margin
                 incipient = 1.0 if score > smooth_score else 0.0
@@ -391,7 +392,7 @@ def _fast_loop(
 
             is_moving = greatest > MOVING_RATIO * slow_floor and settling == 0.0
             # No floor learns what the trees may take for slip, however long it lasts and whatever came before it.
-            is_held = incipient > 0.0 or (score > stay_score and settling == 0.0) or replaced > 0.0
+            is_held = incipient > 0.0 or (score > stay_threshold and settling == 0.0) or replaced > 0.0
 
             if incipient > 0.0:
                 # A tone's energy is constant and that of slip is not: floors follow a tone.

@@ -104,7 +104,7 @@ class ColumnMap:
     rate_hz: float | None = None
     """Sampling rate of a file without times [Hz]; times in the file are kept and validated."""
     scale: float = 1.0
-    """Volts per unit of the file's voltage."""
+    """Volts per unit of the file's voltages."""
     time_scale: float = 1.0
     """Seconds per unit of the file's times."""
 
@@ -150,18 +150,17 @@ class ColumnMap:
     @np.errstate(over="ignore")  # a value that overflows is infinite, and refused by its name
     def make_trace(self, columns: Mapping[str, Array]) -> Trace:
         """Make a trace of the file's columns, given by a trace's names."""
-        voltage, time, slip = columns["voltage_v"], columns.get("time_s"), columns.get("slip")
+        time, slip = columns.get("time_s"), columns.get("slip")
         if time is None:
             assert self.rate_hz is not None
-            time = np.arange(len(voltage)) / self.rate_hz
+            time = np.arange(len(columns["voltage_v"])) / self.rate_hz
         elif self.time_scale != 1.0:
             time = time * self.time_scale
-        volts = voltage if self.scale == 1.0 else voltage * self.scale
+        volts: dict[str, Any] = {name: columns[name] for name in ("voltage_v", *BOARD_COLUMNS) if name in columns}
+        if self.scale != 1.0:
+            volts = {name: values * self.scale for name, values in volts.items()}
         flags = None if slip is None else slip == 1.0
-        filtered = columns.get("filtered_v")
-        if filtered is not None and self.scale != 1.0:
-            filtered = filtered * self.scale
-        return Trace(time, volts, columns.get("force_n"), flags, columns.get("envelope_v"), filtered)
+        return Trace(time, force_n=columns.get("force_n"), slip=flags, **volts)
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from typing import Any
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import MAX_BRIDGE_MM, OVERHANG_DEG
 from fingertip.cad.printing.print_files import parts_on_plates
-from fingertip.cad.printing.settings import FDM, LAYER_MM, print_settings
+from fingertip.cad.printing.settings import FDM, LAYER_MM, SLA, print_settings
 from fingertip.cad.printing.slicer import HOW_TO_INSTALL, PrintEstimate
 from fingertip.cad.shapes.engraving import MIN_STROKE_MM, omitted_lines
 from fingertip.cad.verification.mold import PUSH_S
@@ -104,6 +104,10 @@ def casting_sheet_data(
         "printing": _printing_data(design, prints),
         "print_material": PRINT_MATERIALS[design.strength.print_material].label,
         "print_process": PRINT_MATERIALS[design.strength.print_material].process,
+        "print_strength_mpa": PRINT_MATERIALS[design.strength.print_material].strength_along_finger(
+            design.strength.print_direction
+        ),
+        "print_materials": sorted(set(PRINT_MATERIALS) - {design.strength.print_material}),
         "check_warnings": list(warnings),
     }
     supplies = [
@@ -271,7 +275,9 @@ def _printing_data(design: Design, prints: Mapping[str, PrintEstimate] | None) -
             for name, orientation in orientations.items()
         ],
         "settings": print_settings(orientations, on_filament),
-        "bone_on_filament_plate": "bone" in on_filament,
+        "plates_without_bone": [
+            word for kind, word in ((FDM, "filament"), (SLA, "resin")) if "bone" not in parts_on_plates(design, kind)
+        ],
     }  # fmt: skip
     if prints:
         minutes = {name: round(one.minutes) for name, one in prints.items()}

@@ -16,7 +16,8 @@ WASTE_FRACTION = 0.25
 """Extra silicone as a fraction of what the mold holds. It stays on cup, stirrer and syringe or funnel. A project
 choice."""
 _LOAD_RATIO = 1.5
-"""Silicone in the syringe over what the mold takes: some stays in the nozzle, and some leaves through the vents."""
+"""Silicone in the syringe over what the mold takes: some stays in the nozzle, and some leaves through the vents. A
+check asks for less."""
 SCALE_G = 0.01
 """Step of the scale that weighs the components [g]."""
 MIN_COMPONENT_G = 1.0
@@ -106,7 +107,12 @@ def split_by_mix_ratio(silicone: Silicone, total_g: float) -> tuple[float, float
 def load_cm3(design: Design) -> float:
     """Compute the silicone to load into the syringe [cm3]; 0 for a mold that gravity fills."""
     inlet = design.mold_layout.inlet
-    return min(_LOAD_RATIO * injected_cm3(predict_mold_filling(design)), inlet.syringe.volume_ml) if inlet else 0.0
+    return min(_LOAD_RATIO * injected_cm3(predict_mold_filling(design)), inlet.syringe.load_cm3) if inlet else 0.0
+
+
+def bubble_rise_mm_per_min(viscosity_pa_s: float) -> float:
+    """Compute how far a bubble of 2 mm rises in a minute by Stokes' law, as a rigid sphere in 1.1 g/cm3 [mm]."""
+    return 60e3 * 2.0 / 9.0 * 1100.0 * 9.81 * 1e-6 / viscosity_pa_s
 
 
 def compute_batch(silicone: Silicone, volume_cm3: float, load_cm3: float = 0.0) -> Batch:

@@ -150,6 +150,7 @@ def _filling_data(design: Design, silicone: Silicone) -> dict[str, Any]:
             if syringe else None
         ),
         "load_cm3": round(quantities.load_cm3(design), 1) if syringe else None,
+        "bubble_rise_mm": round(quantities.bubble_rise_mm_per_min(viscosity)),
         "syringe": (
             {
                 "volume_ml": syringe.volume_ml, "nozzle_bore_mm": design.mold.nozzle_bore_mm,

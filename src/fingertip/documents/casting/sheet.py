@@ -22,7 +22,7 @@ from fingertip.casting.hardware import OPEN_OHM, PRESSED_OHM, WEIGHTS_G, bill_of
 from fingertip.catalogues.hardware import NOZZLE_DEPTH_MM, find_needle
 from fingertip.catalogues.output_files import PRINT_FOLDER
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
-from fingertip.catalogues.silicones import WANTED_POT_LIFE_MIN, Silicone, find_example, load_sources
+from fingertip.catalogues.silicones import WANTED_POT_LIFE_MIN, Silicone, find_example, load_silicones, load_sources
 from fingertip.design import Design
 from fingertip.design.geometry.features import END_ROOM_MM
 from fingertip.design.geometry.mold_layout import size_clamp_bolts
@@ -54,8 +54,7 @@ def casting_sheet_data(
     prints: Mapping[str, PrintEstimate] | None = None,
     warnings: Sequence[str] = (),
 ) -> dict[str, Any]:
-    bolts, hand, shrinkage = size_clamp_bolts(design.mold, design.mold_layout), design.hand, silicone.shrinkage_percent
-    compensated_percent, tolerance_percent = design.mold.silicone_shrinkage_percent, 0.05
+    bolts, hand = size_clamp_bolts(design.mold, design.mold_layout), design.hand
     joint = {
         "pin_mm": hand.pin_diameter_mm, "play_mm": round(2 * design.bone.joint_clearance_mm, 2),
         "travel_deg": hand.travel_deg, "tendon_distance_mm": hand.tendon_distance_mm,
@@ -72,14 +71,12 @@ def casting_sheet_data(
         "sensor": design.dimensions.sensor.label,
         "sensor_tail": design.sensor.tail,
         "wires_between_cheeks": design.dimensions.window_opens_into_gap,
-        "silicone": _silicone_data(silicone),
+        "silicone": _silicone_data(silicone) | {"example": _find_example(design, silicone)},
         "volumes_cm3": quantities.volumes_data(volumes),
         "batch": _batch_data(design, silicone, volumes),
         "mold": {
-            "made_for_shrinkage_percent": compensated_percent,
-            "made_for_this_silicone": (
-                shrinkage.low - tolerance_percent <= compensated_percent <= shrinkage.high + tolerance_percent
-            ),
+            "made_for_shrinkage_percent": design.mold.silicone_shrinkage_percent,
+            "made_for_this_silicone": _is_mold_for(design, silicone),
             "bolts": bolts.count,
             "bolts_stand_out_mm": round(max(0.0, bolts.stand_out_mm(design.mold_layout)), 1),
             "bolt_hole_mm": round(design.mold.bolt_diameter_mm - design.printer.offset_mm, 2),
@@ -208,6 +205,22 @@ def _fit_data(design: Design) -> dict[str, Any]:
     }
 
 
+def _is_mold_for(design: Design, silicone: Silicone) -> bool:
+    """Tell whether the mold compensates for the shrinkage of a silicone, to 0.05 %."""
+    low, high = silicone.shrinkage_percent.low, silicone.shrinkage_percent.high
+    return low - 0.05 <= design.mold.silicone_shrinkage_percent <= high + 0.05
+
+
+def _find_example(design: Design, silicone: Silicone) -> dict[str, str] | None:
+    """Find a product to buy, with what to build for it; None for a product."""
+    if (found := find_example(silicone)) is None:
+        return None
+    product, name = load_silicones()[found["name"]], "mold.silicone_shrinkage_percent"
+    changes = [f"silicone.product={product.name}"]
+    changes += [] if _is_mold_for(design, product) else [f"{name}={product.shrinkage_percent.high:g}"]
+    return found | {"changes": " ".join(f"--set {change}" for change in changes)}
+
+
 def _silicone_data(silicone: Silicone) -> dict[str, Any]:
     properties = {
         name: {"low": p.low, "high": p.high, "source": load_sources()[p.source], "verified": p.verified}
@@ -216,7 +229,6 @@ def _silicone_data(silicone: Silicone) -> dict[str, Any]:
     return {
         "name": silicone.name,
         "label": silicone.label,
-        "example": find_example(silicone),
         "cure": silicone.cure,
         "components": list(silicone.components),
         "ratio": {

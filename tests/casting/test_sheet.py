@@ -257,7 +257,7 @@ FIGURES = {
         "fit.slot_mm": 6.7,  # a tail of 6.4 mm and 0.15 mm on both sides
         "fit.seat_tape.from_mm": 2.0,  # below a collar of 2 mm
         "fit.seat_tape.to_mm": 7.5,  # 0.5 mm before the end of a recess of 8 mm
-        "fit.cover_tape.length_mm": [27.1, 27.6],  # 22.5 mm to the sensor, 3.96 of its pocket, 0.3 of rim, 0.33 of ramp
+        "fit.cover_tape.length_mm": [27.1, 27.3],  # 22.5 mm to the sensor, 3.96 of its pocket, 0.3 of rim, 0.33 of ramp
         "chaplet.hole_mm": 2.1,  # a screw M2 passes with 0.1 mm
         "chaplet.pilot_mm": 1.6,  # and cuts its thread into 0.8 of its diameter
         "chaplet.pilot_depth_mm": 4.7,  # two diameters, and 0.7 mm

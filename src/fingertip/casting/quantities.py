@@ -16,8 +16,7 @@ WASTE_FRACTION = 0.25
 """Extra silicone as a fraction of what the mold holds. It stays on cup, stirrer and syringe or funnel. A project
 choice."""
 _LOAD_RATIO = 1.5
-"""Silicone in the syringe over what the mold takes: some stays in the nozzle, and some leaves through the vents. A
-check asks for less."""
+"""Silicone in the syringe over what the mold takes: some stays in the nozzle, and some leaves through the vents."""
 SCALE_G = 0.01
 """Step of the scale that weighs the components [g]."""
 MIN_COMPONENT_G = 1.0

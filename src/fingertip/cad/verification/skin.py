@@ -240,9 +240,6 @@ WANTED_TURN_ON_N, WANTED_STRAIN = 1.0, 0.3
 _STEPS = {"bone.collar_inset_mm": 0.05, "sensor.distance_from_tip_mm": 0.5}
 """Lengths that let skin, not collar, meet a plate that is tilted tip up -> step of which eight are tried [mm]."""
 
-_COARSE_MM = 0.02
-"""Tolerance of the bone's mesh for a value that is tried [mm]."""
-
 
 def check_pad(design: Design) -> Iterator[Check]:
     survey = survey_pad(design)
@@ -286,7 +283,7 @@ def _find_mend(design: Design) -> str:
             tried = Design.without_remedies(**design.with_values({name: value}).model_dump())
             if survey_pad(tried).worst_turn_on_n > WANTED_TURN_ON_N:
                 continue
-            if all(one.passed for one in check_strength(tried, assess_strength(tried, MeshEvaluator(_COARSE_MM)))):
+            if all(one.passed for one in check_strength(tried, assess_strength(tried, MeshEvaluator(0.02)))):
                 return f"it turns on with {name}={value:g}"
     return f"no larger {' or '.join(_STEPS)} that was tried helps"
 

@@ -55,6 +55,7 @@ def casting_sheet_data(
     warnings: Sequence[str] = (),
 ) -> dict[str, Any]:
     bolts, hand = size_clamp_bolts(design.mold, design.mold_layout), design.hand
+    material = PRINT_MATERIALS[design.strength.print_material]
     joint = {
         "pin_mm": hand.pin_diameter_mm, "play_mm": round(2 * design.bone.joint_clearance_mm, 2),
         "travel_deg": hand.travel_deg, "tendon_distance_mm": hand.tendon_distance_mm,
@@ -99,12 +100,10 @@ def casting_sheet_data(
         "bill": bill_of_materials(design),
         "mounting": interface_of(design).mounting(design),
         "printing": _printing_data(design, prints),
-        "print_material": PRINT_MATERIALS[design.strength.print_material].label,
-        "print_process": PRINT_MATERIALS[design.strength.print_material].process,
-        "print_strength_mpa": PRINT_MATERIALS[design.strength.print_material].strength_along_finger(
-            design.strength.print_direction
-        ),
-        "print_materials": sorted(set(PRINT_MATERIALS) - {design.strength.print_material}),
+        "print_material": material.label,
+        "print_process": material.process,
+        "print_strength_mpa": material.strength_along_finger(design.strength.print_direction),
+        "print_materials": sorted(set(PRINT_MATERIALS) - {material.name}),
         "check_warnings": list(warnings),
     }
     supplies = [
@@ -215,10 +214,10 @@ def _find_example(design: Design, silicone: Silicone) -> dict[str, str] | None:
     """Find a product to buy, with what to build for it; None for a product."""
     if (found := find_example(silicone)) is None:
         return None
-    product, name = load_silicones()[found["name"]], "mold.silicone_shrinkage_percent"
-    changes = [f"silicone.product={product.name}"]
-    changes += [] if _is_mold_for(design, product) else [f"{name}={product.shrinkage_percent.high:g}"]
-    return found | {"changes": " ".join(f"--set {change}" for change in changes)}
+    product, changes = load_silicones()[found["name"]], f"--set silicone.product={found['name']}"
+    if not _is_mold_for(design, product):
+        changes += f" --set mold.silicone_shrinkage_percent={product.shrinkage_percent.high:g}"
+    return found | {"changes": changes}
 
 
 def _silicone_data(silicone: Silicone) -> dict[str, Any]:
@@ -274,7 +273,7 @@ def _batch_data(design: Design, silicone: Silicone, volumes: quantities.Silicone
 
 def _printing_data(design: Design, prints: Mapping[str, PrintEstimate] | None) -> dict[str, Any]:
     supports, orientations = supports_by_part(design), print_orientations(design)
-    on_filament = parts_on_plates(design, FDM)
+    on_filament, kinds = parts_on_plates(design, FDM), ((FDM, "filament"), (SLA, "resin"))
     data: dict[str, Any] = {
         "folder": PRINT_FOLDER,
         "max_bridge_mm": MAX_BRIDGE_MM,
@@ -288,9 +287,7 @@ def _printing_data(design: Design, prints: Mapping[str, PrintEstimate] | None) -
             for name, orientation in orientations.items()
         ],
         "settings": print_settings(orientations, on_filament),
-        "plates_without_bone": [
-            word for kind, word in ((FDM, "filament"), (SLA, "resin")) if "bone" not in parts_on_plates(design, kind)
-        ],
+        "plates_without_bone": [word for kind, word in kinds if "bone" not in parts_on_plates(design, kind)],
     }  # fmt: skip
     if prints:
         minutes = {name: round(one.minutes) for name, one in prints.items()}

@@ -19,7 +19,6 @@ import pytest
 
 from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.printing.orientations import print_orientations
 from fingertip.cad.printing.overhang import bed_pose
 from fingertip.cad.printing.print_files import PrintFiles, arrange, make_print_files, parts_on_plates
 from fingertip.cad.printing.settings import FDM, PLATE_KINDS, SLA
@@ -119,13 +118,14 @@ def test_part_lies_alike_in_its_own_file_and_on_a_plate() -> None:
         bed_pose(make()[1]["bone"], 30.0)
 
 
-def test_filament_plate_holds_bone_and_lid_only_if_the_strength_is_checked_as_the_bone_stands_there() -> None:
-    for strength, held in ({}, False), ({"print_material": "petg"}, True), ({"print_material": "pa12"}, False), (
-        {"print_material": "petg", "print_direction": "lying"}, False
+def test_plate_holds_bone_and_lid_only_if_the_strength_is_checked_as_the_bone_stands_there() -> None:
+    for strength, holds in ({}, SLA), ({"print_material": "petg"}, FDM), ({"print_material": "pa12"}, None), (
+        {"print_material": "petg", "print_direction": "lying"}, None
     ):  # fmt: skip
         design = Design.load(design_file("adult_finger"), changes=[f"strength.{k}={v}" for k, v in strength.items()])
-        assert ({"bone", "lid"} & set(parts_on_plates(design, FDM))) == ({"bone", "lid"} if held else set()), strength
-        assert {"bone", "lid"} <= set(parts_on_plates(design, SLA))
+        for kind in FDM, SLA:
+            expected = {"bone", "lid"} if kind is holds else set()
+            assert {"bone", "lid"} & set(parts_on_plates(design, kind)) == expected, strength
 
 
 def test_small_bed_takes_several_plates() -> None:
@@ -134,7 +134,7 @@ def test_small_bed_takes_several_plates() -> None:
     assert failed(design, meshes, encoded, prints) == set()
     for kind in ("fdm", "sla"):
         held = [part for file, parts in prints.plates.items() if kind in file for part in parts]
-        assert sorted(held) == sorted(print_orientations(design))
+        assert sorted(held) == sorted(parts_on_plates(design, FDM if kind == "fdm" else SLA))
     found = failed(*make("printer.bed_x_mm=40", "printer.bed_y_mm=40"))
     assert found == {"plate_fdm.bed_excess", "plate_sla.bed_excess"}, "a part is larger than the bed"
 

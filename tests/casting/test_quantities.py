@@ -13,6 +13,7 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import mold
 from fingertip.cad.shapes.insert import cavity, mold_insert
 from fingertip.cad.shapes.mold import runners
+from fingertip.cad.verification.mold import check_filling
 from fingertip.casting.hardware import describe_plug_wires, size_wires
 from fingertip.casting.quantities import (
     FRICTION,
@@ -78,7 +79,8 @@ def test_syringe_is_loaded_with_half_as_much_again_or_filled() -> None:
     design, small = fsr400(), fsr400("mold.syringe=3ml")
     assert load_cm3(design) == pytest.approx(1.5 * injected_cm3(predict_mold_filling(design)), rel=1e-12)
     assert 1.5 * injected_cm3(predict_mold_filling(small)) > 3.0
-    assert load_cm3(small) == 3.0
+    assert load_cm3(small) == 2.5, "the plunger needs room"
+    assert "mold.syringe_volume" in {check.name for check in check_filling(small) if not check.passed}
     assert load_cm3(fsr400("mold.filling=gravity")) == 0.0
 
 

@@ -89,14 +89,14 @@ def test_tape_over_the_sensor_covers_its_pocket_and_ends_on_the_flat(name: str) 
     (narrow, wide), (short, long) = cover["width_mm"], cover["length_mm"]
     assert 2 * (pocket + rim) - 1e-9 <= narrow <= wide
     assert wide <= flat_width_mm(design, dims.sensor_z) + 1e-9, "it ends on the flat"
-    assert long >= short + 0.3, "a knife cuts it"
     if design.bone.platform_mm:
         along = math.hypot(dims.ramp[1] - dims.ramp[0], design.bone.platform_mm)
         film = dims.ramp[0] + along + dims.sensor_z - dims.ramp[1]
         assert short >= film + pocket + rim - 1e-9, "it reaches along the ramp to the collar, where it is cut"
         assert 0.0 < cover["neck_mm"] <= 2 * dims.neck_half_width, "it lies on the ramp"
-        assert cover["flat_end_mm"] == pytest.approx(dims.sensor_z + dims.platform_radius, abs=0.1)
+        assert short <= long <= cover["flat_end_mm"] <= film + dims.platform_radius < cover["flat_end_mm"] + 0.1
     else:
+        assert long >= short + 0.3, "a knife cuts it"
         assert short >= dims.sensor_z + pocket + rim + 0.3 - 1e-9, "it covers the pocket if it is laid off the collar"
         assert flat_width_mm(design, long) > 0.0, "the longest one ends on the flat"
         assert flat_width_mm(design, cover["flat_end_mm"] + 0.2) == 0.0
@@ -257,7 +257,7 @@ FIGURES = {
         "fit.slot_mm": 6.7,  # a tail of 6.4 mm and 0.15 mm on both sides
         "fit.seat_tape.from_mm": 2.0,  # below a collar of 2 mm
         "fit.seat_tape.to_mm": 7.5,  # 0.5 mm before the end of a recess of 8 mm
-        "fit.cover_tape.length_mm": [27.1, 27.6],  # 22.5 mm to the sensor, 3.96 of its pocket, 0.3 of rim, 0.33 of ramp
+        "fit.cover_tape.length_mm": [27.1, 27.3],  # 22.5 mm to the sensor, 3.96 of its pocket, 0.3 of rim, 0.33 of ramp
         "chaplet.hole_mm": 2.1,  # a screw M2 passes with 0.1 mm
         "chaplet.pilot_mm": 1.6,  # and cuts its thread into 0.8 of its diameter
         "chaplet.pilot_depth_mm": 4.7,  # two diameters, and 0.7 mm

@@ -60,7 +60,7 @@ def test_widths_of_text_are_those_of_the_font_of_the_pdf() -> None:
     ("tolerance", "text"),
     [
         (symmetric(0.1), "±0.1"), (symmetric(0.075), "±0.07"), (Tolerance(-0.1, 0.0), "0/-0.1"),
-        (Tolerance(-0.02, 0.02), FIT),
+        (Tolerance(-0.02, 0.02), FIT), (Tolerance(-0.03, 0.1), FIT),
         (Tolerance(0.0, 0.25), "+0.25/0"), (Tolerance(-0.3, 0.195), "+0.19/-0.3"), (Tolerance(0.05, 0.2), "+0.2/+0.05"),
     ],
 )  # fmt: skip

@@ -8,7 +8,10 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.verification.bone import check_strength
 from fingertip.cad.verification.skin import check_pad
+from fingertip.cad.verification.strength import assess_strength
 from fingertip.design import Design
 from fingertip.pad.fem_elastic import stiffness
 from fingertip.pad.fem_mesh import extrude, quadratic_plan
@@ -65,7 +68,9 @@ def test_a_straight_pad_is_deaf_at_some_tilts_and_the_checks_say_so():
 def test_a_deaf_pad_is_told_a_value_that_was_tried_and_passes():
     (warning,) = (check.warning for check in check_pad(Design.load("adult_thumb")) if check.warning)
     change = warning.partition("it turns on with ")[2].rstrip(".")
-    assert not any(check.warning for check in check_pad(Design.load("adult_thumb", changes=[change])))
+    mended = Design.load("adult_thumb", changes=[change])
+    assert not any(check.warning for check in check_pad(mended))
+    assert all(check.passed for check in check_strength(mended, assess_strength(mended, MeshEvaluator(0.01))))
     long = Design.load("adult_thumb", changes=["skin.width_mm=21", "skin.length_mm=30"])
     assert any("that was tried helps" in check.warning for check in check_pad(long))
 

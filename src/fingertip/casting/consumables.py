@@ -36,14 +36,13 @@ def cover_tape_data(design: Design) -> dict[str, Any]:
     narrowest = min(flat_width_mm(design, design.dimensions.sensor_z * i / _STATIONS) for i in range(1, _STATIONS + 1))
     width = _round_up(wanted)
     trim = narrowest < width
-    # The height at which flat or platform ends at the tip.
+    # The place at which flat or platform ends at the tip.
     dims, low, high = design.dimensions, design.dimensions.sensor_z, design.skin.length_mm
     rim, neck = tape_rim_mm(design), None
     if design.bone.platform_mm:
         neck = round(2.0 * (dims.tail_half_width + rim), 1)
-        flat_end = _round_down(low + dims.platform_radius)
-        begin = _round_up(end + dims.ramp_excess)  # it is laid from the platform on, and cut at the collar
-        length_mm = [begin, round(begin + _RANGE_MM, 1)]
+        flat_end = _round_down(low + dims.platform_radius + dims.ramp_excess)  # along the ramp, as the tape lies
+        length_mm = [_round_up(end + dims.ramp_excess), flat_end]  # laid from the platform on, and cut at the collar
     else:
         flat_end = _round_down(bisect(lambda z: flat_width_mm(design, z) > 0.0, low, high, halvings=40)[0])
         length_mm = _tape_length_mm(end, flat_end)

@@ -106,7 +106,12 @@ def split_by_mix_ratio(silicone: Silicone, total_g: float) -> tuple[float, float
 def load_cm3(design: Design) -> float:
     """Compute the silicone to load into the syringe [cm3]; 0 for a mold that gravity fills."""
     inlet = design.mold_layout.inlet
-    return min(_LOAD_RATIO * injected_cm3(predict_mold_filling(design)), inlet.syringe.volume_ml) if inlet else 0.0
+    return min(_LOAD_RATIO * injected_cm3(predict_mold_filling(design)), inlet.syringe.load_cm3) if inlet else 0.0
+
+
+def bubble_rise_mm_per_min(viscosity_pa_s: float) -> float:
+    """Compute how far a bubble of 2 mm rises in a minute by Stokes' law, as a rigid sphere in 1.1 g/cm3 [mm]."""
+    return 60e3 * 2.0 / 9.0 * 1100.0 * 9.81 * 1e-6 / viscosity_pa_s
 
 
 def compute_batch(silicone: Silicone, volume_cm3: float, load_cm3: float = 0.0) -> Batch:

@@ -60,6 +60,11 @@ class Syringe:
     source: str
     verified: bool = False
 
+    @property
+    def load_cm3(self) -> float:
+        """Silicone that leaves room to put the plunger back. The room of 0.5 cm3 is an assumption."""
+        return self.volume_ml - 0.5
+
 
 SYRINGES = {
     syringe.name: syringe for syringe in load_table(Syringe, read_rows(Path(__file__).with_name("syringes.csv")))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from fingertip.cad.printing.print_files import parts_on_plates
-from fingertip.cad.printing.settings import FDM
+from fingertip.cad.printing.settings import PLATE_KINDS
 from fingertip.catalogues import output_files as outputs
 from fingertip.design import Design
 from fingertip.design.files import list_parameters
@@ -25,12 +25,13 @@ _PLATE_KINDS = {"fdm": "filament", "sla": "resin"}
 
 def render_printing(sources: Sources) -> Markup:
     """Render the files for the printer with what each holds, and how to print them."""
-    rows, filament = [], parts_on_plates(sources.design, FDM)
+    rows, on_plates = [], {kind: set(parts_on_plates(sources.design, kind)) for kind in PLATE_KINDS}
     for path, found in sources.report.get(outputs.PRINT_FOLDER, {}).items():
         if path in sources.links:
-            # A part alone is for any printer, but if its strength or the primer asks for resin.
-            alone = "any" if set(found["parts"]) <= set(filament) else "resin"
-            kind = next((kind for mark, kind in _PLATE_KINDS.items() if f"_{mark}" in path), alone)
+            # A part alone is for any printer, but if its strength or the primer asks for one.
+            alone = [_PLATE_KINDS[kind.name] for kind in PLATE_KINDS if set(found["parts"]) <= on_plates[kind]]
+            kind = next((kind for mark, kind in _PLATE_KINDS.items() if f"_{mark}" in path), "")
+            kind = kind or ("any" if len(alone) > 1 else "".join(alone) or "another, see below")
             parts = ", ".join(part.replace("_", " ") for part in sorted(found["parts"]))
             rows.append((element("a", path, href=sources.links[path]), kind, parts))
     files = table(

@@ -101,7 +101,7 @@ def answer_figures(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
     return {"figures": render_facts({heading: sections[heading] for heading in _FIGURES})}
 
 
-_FIGURES = ("Size", "Print", "Silicone", "Time", "Cost")
+_FIGURES = ("Size", "Print", "Silicone", "Time", "Cost of the board's parts")
 """Sections of the first screen of a page that the studio shows."""
 
 

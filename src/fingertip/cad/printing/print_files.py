@@ -103,11 +103,11 @@ class PrintFiles:
 def parts_on_plates(design: Design, kind: PlateKind) -> tuple[str, ...]:
     """List the parts on the plates of a kind.
 
-    Filament plates hold the bone only if its strength is checked for filament and for layers as it stands there. The
-    primer that bonds the skin holds on one material, so the lid goes with the bone.
+    They hold the bone only if its strength is checked for their material, and in filament for layers as it stands.
+    The primer that bonds the skin holds on one material, so the lid goes with the bone.
     """
-    material = PRINT_MATERIALS[design.strength.print_material]
-    bone_holds = kind is SLA or (material.process == "fdm" and design.strength.print_direction == "upright")
+    stands = kind is SLA or design.strength.print_direction == "upright"
+    bone_holds = stands and PRINT_MATERIALS[design.strength.print_material].process == kind.name
     return tuple(name for name in print_orientations(design) if name not in ("bone", "lid") or bone_holds)
 
 

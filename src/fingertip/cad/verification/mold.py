@@ -193,6 +193,8 @@ def _distance_to_faces(inner: Manifold, block: Manifold, axes: Iterable[int] = r
 
 PUSH_S = 60.0
 """Time for which a thumb can push [s]. An assumption."""
+_LEAST_LOAD = 1.2
+"""Least silicone in the syringe over what the mold takes. An assumption."""
 _PRELOAD_N_PER_MM = 100.0
 """Preload of a bolt tightened by hand in a printed mold, per millimetre of its diameter [N/mm]. An assumption."""
 _MIN_BEARING_FACTOR = 2.0
@@ -207,7 +209,7 @@ def check_filling(design: Design) -> Iterator[Check]:
     if syringe:
         force = prediction.force_for_time_n(PUSH_S, syringe.bore_mm)
         yield Check("mold.syringe_force", force, design.mold.thumb_force_n, "N")
-        yield Check("mold.syringe_volume", injected_cm3(prediction), syringe.volume_ml, "cm3")
+        yield Check("mold.syringe_volume", _LEAST_LOAD * injected_cm3(prediction), syringe.load_cm3, "cm3")
         yield Check("mold.air_trapped", trapped_mm3(prediction), MAX_AIR_MM3, "mm3")
     else:
         yield Check("mold.air_rise_time", air_rise_s(design, silicone), allowed_s - prediction.fill_s, "s")

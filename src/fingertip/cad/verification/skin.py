@@ -22,7 +22,9 @@ from numpy.typing import NDArray
 
 from fingertip.cad.kernel.mesh import Manifold, Mesh, MeshEvaluator
 from fingertip.cad.shapes.insert import filled_bone, skin_interior, skin_outline
+from fingertip.cad.verification.bone import check_strength
 from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, above_z, complement, measure_gap
+from fingertip.cad.verification.strength import assess_strength
 from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody
 from fingertip.design.geometry.profile import Span
@@ -273,13 +275,15 @@ def check_pad(design: Design) -> Iterator[Check]:
 
 
 def _find_mend(design: Design) -> str:
-    """Try values with which the sensor turns on in time."""
+    """Try values with which the sensor turns on in time, and the bone still holds its loads."""
     for name, value in (
         (name, round(design.value(name) + i * _STEPS[name], 2)) for name in _STEPS for i in range(1, 9)
     ):
         with suppress(DesignError):
             tried = Design.without_remedies(**design.with_values({name: value}).model_dump())
-            if survey_pad(tried).worst_turn_on_n <= WANTED_TURN_ON_N:
+            if survey_pad(tried).worst_turn_on_n > WANTED_TURN_ON_N:
+                continue
+            if all(one.passed for one in check_strength(tried, assess_strength(tried, MeshEvaluator(0.02)))):
                 return f"it turns on with {name}={value:g}"
     return f"no larger {' or '.join(_STEPS)} that was tried helps"
 

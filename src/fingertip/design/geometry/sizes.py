@@ -33,7 +33,8 @@ class Tolerance:
     high: float
 
     def text(self) -> str:
-        if self.high - self.low < 2.0 * MIN_TOLERANCE_MM - 1e-9:
+        bounds = [2.0 * abs(bound) for bound in (self.low, self.high) if abs(bound) > 1e-9]
+        if min([self.high - self.low, *bounds]) < 2.0 * MIN_TOLERANCE_MM - 1e-9:
             return FIT
         if round(self.high + self.low, 2) == 0.0:
             return f"±{_deviation_text(self.high)}"

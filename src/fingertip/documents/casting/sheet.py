@@ -13,7 +13,7 @@ from typing import Any
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import MAX_BRIDGE_MM, OVERHANG_DEG
 from fingertip.cad.printing.print_files import parts_on_plates
-from fingertip.cad.printing.settings import FDM, LAYER_MM, print_settings
+from fingertip.cad.printing.settings import FDM, LAYER_MM, SLA, print_settings
 from fingertip.cad.printing.slicer import HOW_TO_INSTALL, PrintEstimate
 from fingertip.cad.shapes.engraving import MIN_STROKE_MM, omitted_lines
 from fingertip.cad.verification.mold import PUSH_S
@@ -22,7 +22,7 @@ from fingertip.casting.hardware import OPEN_OHM, PRESSED_OHM, WEIGHTS_G, bill_of
 from fingertip.catalogues.hardware import NOZZLE_DEPTH_MM, find_needle
 from fingertip.catalogues.output_files import PRINT_FOLDER
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
-from fingertip.catalogues.silicones import WANTED_POT_LIFE_MIN, Silicone, find_example, load_sources
+from fingertip.catalogues.silicones import WANTED_POT_LIFE_MIN, Silicone, find_example, load_silicones, load_sources
 from fingertip.design import Design
 from fingertip.design.geometry.features import END_ROOM_MM
 from fingertip.design.geometry.mold_layout import size_clamp_bolts
@@ -54,8 +54,8 @@ def casting_sheet_data(
     prints: Mapping[str, PrintEstimate] | None = None,
     warnings: Sequence[str] = (),
 ) -> dict[str, Any]:
-    bolts, hand, shrinkage = size_clamp_bolts(design.mold, design.mold_layout), design.hand, silicone.shrinkage_percent
-    compensated_percent, tolerance_percent = design.mold.silicone_shrinkage_percent, 0.05
+    bolts, hand = size_clamp_bolts(design.mold, design.mold_layout), design.hand
+    material = PRINT_MATERIALS[design.strength.print_material]
     joint = {
         "pin_mm": hand.pin_diameter_mm, "play_mm": round(2 * design.bone.joint_clearance_mm, 2),
         "travel_deg": hand.travel_deg, "tendon_distance_mm": hand.tendon_distance_mm,
@@ -72,14 +72,12 @@ def casting_sheet_data(
         "sensor": design.dimensions.sensor.label,
         "sensor_tail": design.sensor.tail,
         "wires_between_cheeks": design.dimensions.window_opens_into_gap,
-        "silicone": _silicone_data(silicone),
+        "silicone": _silicone_data(silicone) | {"example": _find_example(design, silicone)},
         "volumes_cm3": quantities.volumes_data(volumes),
         "batch": _batch_data(design, silicone, volumes),
         "mold": {
-            "made_for_shrinkage_percent": compensated_percent,
-            "made_for_this_silicone": (
-                shrinkage.low - tolerance_percent <= compensated_percent <= shrinkage.high + tolerance_percent
-            ),
+            "made_for_shrinkage_percent": design.mold.silicone_shrinkage_percent,
+            "made_for_this_silicone": _is_mold_for(design, silicone),
             "bolts": bolts.count,
             "bolts_stand_out_mm": round(max(0.0, bolts.stand_out_mm(design.mold_layout)), 1),
             "bolt_hole_mm": round(design.mold.bolt_diameter_mm - design.printer.offset_mm, 2),
@@ -102,8 +100,10 @@ def casting_sheet_data(
         "bill": bill_of_materials(design),
         "mounting": interface_of(design).mounting(design),
         "printing": _printing_data(design, prints),
-        "print_material": PRINT_MATERIALS[design.strength.print_material].label,
-        "print_process": PRINT_MATERIALS[design.strength.print_material].process,
+        "print_material": material.label,
+        "print_process": material.process,
+        "print_strength_mpa": material.strength_along_finger(design.strength.print_direction),
+        "print_materials": sorted(set(PRINT_MATERIALS) - {material.name}),
         "check_warnings": list(warnings),
     }
     supplies = [
@@ -146,6 +146,7 @@ def _filling_data(design: Design, silicone: Silicone) -> dict[str, Any]:
             if syringe else None
         ),
         "load_cm3": round(quantities.load_cm3(design), 1) if syringe else None,
+        "bubble_rise_mm": round(quantities.bubble_rise_mm_per_min(viscosity)),
         "syringe": (
             {
                 "volume_ml": syringe.volume_ml, "nozzle_bore_mm": design.mold.nozzle_bore_mm,
@@ -203,6 +204,22 @@ def _fit_data(design: Design) -> dict[str, Any]:
     }
 
 
+def _is_mold_for(design: Design, silicone: Silicone) -> bool:
+    """Tell whether the mold compensates for the shrinkage of a silicone, to 0.05 %."""
+    low, high = silicone.shrinkage_percent.low, silicone.shrinkage_percent.high
+    return low - 0.05 <= design.mold.silicone_shrinkage_percent <= high + 0.05
+
+
+def _find_example(design: Design, silicone: Silicone) -> dict[str, str] | None:
+    """Find a product to buy, with what to build for it; None for a product."""
+    if (found := find_example(silicone)) is None:
+        return None
+    product, changes = load_silicones()[found["name"]], f"--set silicone.product={found['name']}"
+    if not _is_mold_for(design, product):
+        changes += f" --set mold.silicone_shrinkage_percent={product.shrinkage_percent.high:g}"
+    return found | {"changes": changes}
+
+
 def _silicone_data(silicone: Silicone) -> dict[str, Any]:
     properties = {
         name: {"low": p.low, "high": p.high, "source": load_sources()[p.source], "verified": p.verified}
@@ -211,7 +228,6 @@ def _silicone_data(silicone: Silicone) -> dict[str, Any]:
     return {
         "name": silicone.name,
         "label": silicone.label,
-        "example": find_example(silicone),
         "cure": silicone.cure,
         "components": list(silicone.components),
         "ratio": {
@@ -257,7 +273,7 @@ def _batch_data(design: Design, silicone: Silicone, volumes: quantities.Silicone
 
 def _printing_data(design: Design, prints: Mapping[str, PrintEstimate] | None) -> dict[str, Any]:
     supports, orientations = supports_by_part(design), print_orientations(design)
-    on_filament = parts_on_plates(design, FDM)
+    on_filament, kinds = parts_on_plates(design, FDM), ((FDM, "filament"), (SLA, "resin"))
     data: dict[str, Any] = {
         "folder": PRINT_FOLDER,
         "max_bridge_mm": MAX_BRIDGE_MM,
@@ -271,7 +287,7 @@ def _printing_data(design: Design, prints: Mapping[str, PrintEstimate] | None) -
             for name, orientation in orientations.items()
         ],
         "settings": print_settings(orientations, on_filament),
-        "bone_on_filament_plate": "bone" in on_filament,
+        "plates_without_bone": [word for kind, word in kinds if "bone" not in parts_on_plates(design, kind)],
     }  # fmt: skip
     if prints:
         minutes = {name: round(one.minutes) for name, one in prints.items()}

@@ -294,6 +294,6 @@ def wire_loop(bench: Bench, data: Data) -> Scene:
     return Scene(
         shown,
         View.SIDE,
-        Label("wires cross here,\nin a loose loop", (0.0, dorsal, ends[0])),
+        Label("wires (not drawn) cross\nhere, in a loose loop", (0.0, dorsal, ends[0])),
         Label("still loose\nwhen bent", (0.0, dorsal, ends[-1])),
     )

@@ -42,7 +42,7 @@ class Design(DesignTables):
     @classmethod
     @checked
     def load(cls, *files: str | Path, changes: Changes = ()) -> Self:
-        """Read a design: the defaults, then each file, then changes; later values win.
+        """Read a design: the defaults, then each file, then changes; later files win, and so do changes.
 
         A change is a text such as "mold.draft_deg=2"; a mapping such as {"mold.draft_deg": 2} holds several.
 

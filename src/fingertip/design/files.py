@@ -40,8 +40,11 @@ def list_changes(changes: Changes) -> Sequence[str]:
     if isinstance(changes, Mapping):
         import tomlkit  # noqa: PLC0415
 
-        texts = list[str]()
+        texts, given = list[str](), dict[str, Any]()
         for name, value in flatten(changes):
+            if (known := given.setdefault(name, value)) is not value:
+                message = f"is given twice, as {quote_value(known)} and as {quote_value(value)}; give it once."
+                raise DesignError(Issue(f"changes {name}", message))
             plain = value.tolist() if hasattr(value, "tolist") else value  # of numpy
             try:
                 texts.append(f"{name}={tomlkit.item(plain).as_string()}")
@@ -55,7 +58,7 @@ def list_changes(changes: Changes) -> Sequence[str]:
 def load_tables(
     files: Iterable[str | Path], changes: Changes, kind: FileKind = DESIGN, below: Path | None = None
 ) -> LoadedTables:
-    """Merge TOML files, of which later ones win, then changes of the form `table.key=value`. Raises DesignError.
+    """Merge TOML files, then changes of the form `table.key=value`; later values win. Raises DesignError.
 
     Files that another file names are read `below` its folder (see `read_input`).
     """
@@ -68,17 +71,12 @@ def load_tables(
     for change in list_changes(changes):
         with gather(issues):
             parsed.append(parse_change(change))
-    given = dict[str, Any]()
-    for name, value in (leaf for nested in parsed for leaf in flatten(nested)):
-        if (known := given.setdefault(name, value)) is not value and known != value:
-            message = f"is given as {quote_value(known)} and as {quote_value(value)}; choose one of them."
-            issues.append(Issue(f"--set {name}", message))
     if issues:
         raise DesignError(issues)
     tables = copy.deepcopy(before)
     for nested in parsed:
         _merge(tables, nested)
-    return LoadedTables(tables, before, tuple(given))
+    return LoadedTables(tables, before, tuple(name for nested in parsed for name, _ in flatten(nested)))
 
 
 def parse_change(change: str) -> dict[str, Any]:

@@ -42,9 +42,9 @@ class Design(DesignTables):
     @classmethod
     @checked
     def load(cls, *files: str | Path, changes: Changes = ()) -> Self:
-        """Read a design: the defaults, then each file, then changes; later files win, and so do changes.
+        """Read a design: the defaults, then each file, then changes; later values win.
 
-        A change is a text such as "mold.draft_deg=2"; a mapping such as {"mold.draft_deg": 2} holds several.
+        A change is a text such as "mold.draft_deg=2"; a mapping such as {"mold.draft_deg": 2} holds several, each once.
 
         Raises
         ------

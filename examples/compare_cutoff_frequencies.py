@@ -12,7 +12,7 @@ for cutoff_hz in (50, 67, 80, 100):
     design = Design.load("params/fsr400.toml", changes=[f"board.cutoff_hz={cutoff_hz}"])
     values = board_values(design)
     resistors = values.preferred
-    score = detect(simulate(design, trial), design, "fast").score
+    score = detect(simulate(design, trial), design, "digital").score
     delay = f"{1000 * score.delays_s[0]:.1f} ms" if score and score.delays_s else "not found"
     print(
         f"{cutoff_hz:3} Hz   {resistors.r1_ohm:6.0f} ohm {resistors.r2_ohm:6.0f} ohm {resistors.r3_ohm:6.0f} ohm"

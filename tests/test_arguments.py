@@ -70,6 +70,19 @@ def stated() -> Design:
         (lambda folder: Trace(np.zeros(9), np.zeros(8)), "voltage_v: has shape (8,), but time_s has shape (9,)"),
         (lambda folder: Trace(np.zeros((3, 2)), [0.0]), "time_s: has shape (3, 2); give one value per sample"),
         (lambda folder: Trace(["a"], [0.0]), "time_s: is no array of numbers"),
+        *((lambda folder, noise=noise: fingertip.detect(np.ones(999), noise_v=noise, rate_hz=1e3),
+           f"noise_v: {noise} V is refused; give a finite number above 0, such as 0.0005 V")
+          for noise in (0, -1, float("nan"))),
+        (lambda folder: fingertip.read_trace(folder / "t.csv", rate_hz=500), "rate_hz: 500 Hz is out of range; record"),
+        (lambda folder: fingertip.detect_stream(iter([0.5])), "line 1: is 0.5, no text; give lines of CSV"),  # type: ignore[list-item]
+        (lambda folder: fingertip.Picture(b"").save(folder / "a.jpg"), "would be a PNG file of another name"),
+        (lambda folder: Design.load(changes={"skin.width_mm": "18"}), "write the number in mm, without quotes"),
+        (lambda folder: Design.load(changes={"width_mm": 18}), "did you mean hand.width_mm or skin.width_mm?"),
+        (lambda folder: Design(changes={}), 'Design.load("fsr400", changes={"skin.width_mm": 18})'),
+        (lambda folder: setattr(Design().skin, "width_mm", 18), 'load it again with changes={"skin.width_mm": 18}'),
+        (lambda folder: Design.load(changes={"skin.width_mm": 18, "skin": {"width_mm": 19}}), "is given twice, as 18"),
+        (lambda folder: fingertip.part_mesh(Design(), "bonee"), "name: there is no 'bonee'; did you mean bone?"),
+        (lambda folder: fingertip.run_sweep("board", out=folder, jobs=0), "jobs: 0 is out of range; choose 1 to"),
     ],
 )  # fmt: skip
 def test_functions_name_their_arguments(call: Callable[[Path], Any], said: str, tmp_path: Path) -> None:

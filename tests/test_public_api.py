@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import multiprocessing
 import re
 import runpy
 import sys
@@ -108,7 +109,7 @@ def test_checks_are_those_of_the_command() -> None:
         fingertip.check(design, tolerance_mm=-1.0)
 
 
-def test_a_sweep_gives_a_row_for_each_design_and_goes_on_where_it_ended(tmp_path: Path) -> None:
+def test_a_sweep_gives_a_row_for_each_design_and_goes_on_where_it_ended(tmp_path: Path, monkeypatch: Any) -> None:
     file, told = tmp_path / "mine.toml", list[str]()
     text = 'name = "mine"\noutputs = ["q", "cutoff_3db_hz"]\n\n[axes]\n"board.cutoff_hz" = [50.0, 60.0]\n'
     file.write_text(text, encoding="utf-8")
@@ -120,6 +121,9 @@ def test_a_sweep_gives_a_row_for_each_design_and_goes_on_where_it_ended(tmp_path
     assert "of 2 designs" in told[-1]
     again = fingertip.run_sweep(file, {"design.board.r5_ohm": 2e5}, tmp_path / "rows", jobs=1)
     assert again.equals(table)
+    monkeypatch.setattr(multiprocessing.current_process(), "_inheriting", True, raising=False)
+    with pytest.raises(fingertip.FingertipError, match="below if __name__"):
+        fingertip.run_sweep(file)
 
 
 def test_detection_takes_arrays_and_follows_their_rate() -> None:
@@ -132,6 +136,13 @@ def test_detection_takes_arrays_and_follows_their_rate() -> None:
     assert fingertip.detect(list(trace.voltage_v), None, "fast", rate_hz=1000).intervals == found.intervals
     rows = np.stack([trace.time_s, trace.voltage_v], axis=1)
     assert fingertip.detect(rows, detector="fast").intervals == found.intervals
+    stated = fingertip.Design.load(changes={"detector.sample_rate_hz": 2000})
+    for recording in (trace.voltage_v, fingertip.Trace(trace.time_s, trace.voltage_v)):
+        assert fingertip.detect(recording, stated, "fast", rate_hz=1000).intervals == found.intervals
+    assert fingertip.detect(trace.voltage_v, stated, "analog", rate_hz=1000).trace.envelope_v is not None
+
+
+GAP = fingertip.Trace(np.delete(np.arange(999), np.arange(300, 400)) / 1000, np.ones(899))
 
 
 @pytest.mark.parametrize(
@@ -139,13 +150,19 @@ def test_detection_takes_arrays_and_follows_their_rate() -> None:
     [
         (np.zeros(9), None, "recording: has shape (9,) and no rate; give voltages (n,) with rate_hz"),
         (np.zeros((9, 3)), 2000.0, "has shape (9, 3) and rate_hz=2000"),
-        (np.zeros(9), -1.0, "rate_hz: -1 is no sampling rate"),
+        (np.zeros(9), -1.0, "rate_hz: -1 Hz is out of range"),
         ("volts", 2000.0, "recording: is no array of numbers"),
-        (fingertip.Trace(np.arange(9) / 2000, np.zeros(9)), 2000.0, "rate_hz: 2000 Hz is given, and a trace has"),
+        (np.ones(9, complex), 2000.0, "recording: is no array of numbers (its type is complex128)"),
+        (np.ma.masked_less(np.arange(999) / 999, 0.5), 1000.0, "nan at sample 0 is not a finite number"),
+        (np.full(999, 4.5), 1000.0, "multiply the voltages if they are not in volts, or give a Design with a wider"),
+        (np.full(999, 2300), 1000.0, "a factor of 0.00080566406 converts counts of 12 bits"),
+        (GAP, None, "comes after a gap (previous time 0.299 s, median step 0.001 s); detection requires evenly spaced "
+         "samples; if few are missing, pass the voltages alone, with rate_hz=1000"),
+        (fingertip.Trace(np.arange(999), np.zeros(999)), None, "if they are in milliseconds, convert them to seconds"),
         (fingertip.Trace(np.zeros(9), np.zeros(9)), None, "time"),
-        (np.zeros(4000), 100.0, "100.0 Hz is too small; at least 1000 Hz"),
+        (np.zeros(4000), 100.0, "rate_hz: 100 Hz is out of range; record at, or resample to, 1000 to 20000"),
     ],
-)
+)  # fmt: skip
 def test_arrays_that_are_no_recording_are_refused(recording: Any, rate_hz: float | None, told: str) -> None:
     with pytest.raises(fingertip.FingertipError, match=re.escape(told)):
         fingertip.detect(recording, rate_hz=rate_hz)

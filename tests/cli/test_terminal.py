@@ -36,11 +36,11 @@ def test_a_program_without_words_prints_its_help(words: tuple[str, ...]) -> None
         (("nosuch",), "fingertip: no such command 'nosuch'; `fingertip --help` lists what it takes."),
         (
             ("board", "--bode"),
-            "fingertip: option '--bode' requires an argument; `fingertip --help` lists what it takes.",
+            "fingertip board: option '--bode' requires an argument; `fingertip board --help` lists what it takes.",
         ),
         (("calibrate", "printer", "fsr400"), "fingertip calibrate printer: missing argument 'READINGS'; "),
         (("params", "--foo"), "fingertip params: no such option: --foo"),
-        (("sweep", "board", "--jobs", "x"), "fingertip sweep: invalid value for '--jobs': "),
+        (("sweep", "board", "--jobs", "x"), "fingertip sweep: invalid value for '--jobs': give a valid integer; "),
     ],
 )
 @pytest.mark.every_case

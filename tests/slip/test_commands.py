@@ -303,6 +303,11 @@ def test_bounds_of_the_sampling_rate_are_those_of_a_design():
         assert rate_bounds_message(rate)
 
 
+def test_a_wrong_value_is_refused_without_a_word_on_the_rate(tmp_path):
+    (tmp_path / "t.csv").write_text(csv(*burst(1000.0)).replace("\n", "\n0,x\n", 1))
+    assert run("detect", tmp_path / "t.csv", "--detector", "fast").stderr.count("error: ") == 2
+
+
 def test_detect_file_in_python_returns_warnings(tmp_path):
     (tmp_path / "t.csv").write_text(csv(T, np.full(len(T), 2.3)))
     design = Design(detector={"threshold_v": 0.001})

@@ -557,6 +557,7 @@ def test_read_trace_in_python(tmp_path):
     trace = fingertip.read_trace(tmp_path / "t.csv", columns={"time_s": "t", "voltage_v": "AI0"})
     assert fingertip.detect(trace, Design()).intervals[0].onset_s == ONSET
     np.save(tmp_path / "v.npy", V)
+    assert len(fingertip.read_trace(tmp_path / "v.npy", rate_hz=1000).time_s) == len(V)
     assert np.array_equal(fingertip.read_trace(str(tmp_path / "v.npy"), rate_hz=2000, scale=0.5).voltage_v, 0.5 * V)
     with pytest.raises(fingertip.FingertipError, match="is sampled at 2000 Hz, but the detector is designed for 4000"):
         fingertip.read_trace(

@@ -141,7 +141,7 @@ def measure(driver: Any, path: str) -> tuple[float, int, str]:
 @pytest.mark.full
 def test_a_slider_shows_what_passes_and_refuses_the_rest_where_it_stands(opened: Any) -> None:
     """The rule that 15 mm breaks blames another parameter too, in another group, which stays folded."""
-    assert take_in_hand(opened, "skin.width_mm") == "passes: 16.5 to 19.1 mm"
+    assert take_in_hand(opened, "skin.width_mm") == "not refused: 16.5 to 19.1 mm"
     top, count, colours = measure(opened, "skin.width_mm")
     assert re.findall(r"var\(--good\) (?:max\()?([\d.]+)%", colours) == ["19.44", "24.26"]
     slider = opened.find_element("css selector", "[id='p-skin.width_mm'] [type=range]")
@@ -155,7 +155,7 @@ def test_a_slider_shows_what_passes_and_refuses_the_rest_where_it_stands(opened:
     assert wait_for_checks(opened).startswith("✓")
     assert (value_of(opened, "skin.width_mm"), find_refusals(opened)) == ("16.5", {})
     # With this width others pass than before; the slider that is left shows none.
-    assert take_in_hand(opened, "skin.thickness_side_mm").startswith("passes: ")
+    assert take_in_hand(opened, "skin.thickness_side_mm").startswith("not refused: ")
     assert measure(opened, "skin.width_mm")[2] == colours
     put(opened, "skin.thickness_side_mm", 1.91)
     assert measure(opened, "skin.width_mm")[2] == ""

@@ -150,5 +150,5 @@ def _load_cadquery(field: str) -> Any:
 def _find_solid(design: Design, name: str) -> Solid:
     parts = parts_by_name(design)
     if name not in parts:
-        raise DesignError(Issue("part", f"there is no {name!r}; {suggest_name(name, tuple(parts))}"))
+        raise DesignError(Issue("name", f"there is no {name!r}; {suggest_name(name, tuple(parts))}"))
     return parts[name].solid(design)

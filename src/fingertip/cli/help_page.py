@@ -7,6 +7,7 @@ from the attributes of the parameters that all versions of typer share.
 from __future__ import annotations
 
 import functools
+import re
 import shutil
 import sys
 import textwrap
@@ -40,6 +41,15 @@ def load_examples() -> dict[str, list[str]]:
 class HelpCommand(TyperCommand):
     """Command whose help page this module writes."""
 
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Parse words; an error of which the parser knows no command is one of this command."""
+        try:
+            return super().parse_args(ctx, args)
+        except Exception as error:
+            if getattr(error, "ctx", ctx) is None:
+                vars(error)["ctx"] = ctx
+            raise
+
     def format_help(self, ctx: Any, formatter: Any) -> None:
         groups: dict[str, list[tuple[str, str]]] = {"Arguments": [], "Options": [], COMMON: []}
         usage = []
@@ -65,7 +75,7 @@ class HelpGroup(TyperGroup):
         except Exception as error:
             if not hasattr(error, "format_message"):
                 raise
-            message = error.format_message()
+            message = re.sub(": Input should be (a valid [a-z]+).*", r": give \1", error.format_message())
             if type(error).__name__ == "NoArgsIsHelpError":
                 print(message, file=sys.stderr)
             else:

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from fingertip.sweep.engines import Engine
     from fingertip.sweep.plan import SweepPlan
 
-MAX_JOBS = 1024
-
 
 @command
 def sweep(
@@ -54,8 +52,7 @@ def sweep(
 
     Exit code 0: every point has its row; 1: some points failed or exceeded the time limit.
     """
-    from fingertip.foundation.processes import count_processors
-    from fingertip.sweep.engines import DaskEngine, ProcessEngine
+    from fingertip.sweep.engines import DaskEngine, ProcessEngine, find_workers
     from fingertip.sweep.plan import SweepPlan
     from fingertip.sweep.report import load_pyarrow
 
@@ -76,14 +73,13 @@ def sweep(
         return
     if file is None:
         raise SweepError(Issue("SWEEP.toml", "is missing; give a sweep file, or a bundled sweep, such as board."))
-    if jobs is not None and not 1 <= jobs <= MAX_JOBS:
-        refuse([Issue("--jobs", f"{jobs} is out of range; choose 1 to {MAX_JOBS}, or leave it out.")])
+    workers = find_workers(jobs)
     if jobs is not None and cluster:
         message = "cannot be combined with --cluster, which has its own workers; leave one of them out."
         raise SweepError(Issue("--jobs", message))
     plan = SweepPlan.load(file, changes or ())
     folder = out or _default_folder(plan)
-    engine = DaskEngine(cluster) if cluster else ProcessEngine(jobs or count_processors())
+    engine = DaskEngine(cluster) if cluster else ProcessEngine(workers)
     with _open_database(console, folder, plan, resume) as database:
         code = _run(console, database, engine)
         _export(database, csv, parquet)

@@ -17,7 +17,7 @@ from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors.analog_and_digital import noise_level
 from fingertip.slip.detectors.fast import FastDetector, FastSettings
 from fingertip.slip.detectors.registry import find_detector_type
-from fingertip.slip.traces.sampling import MAX_RATE_HZ, MIN_RATE_HZ
+from fingertip.slip.traces.sampling import MAX_RATE_HZ, MIN_RATE_HZ, check_rate
 from fingertip.slip.traces.trace import Trace
 from fingertip.slip.traces.truth import intervals
 
@@ -164,9 +164,7 @@ def adapt_detector(
     """
     if keep_threshold is None:
         keep_threshold = "threshold_v" in design.detector.model_fields_set
-    if not math.isfinite(rate_hz):
-        message = f"{rate_hz} is not a sampling rate; choose {MIN_RATE_HZ:g} to {MAX_RATE_HZ:g} Hz."
-        raise TraceError(Issue("--rate-hz", message))
+    check_rate(rate_hz)
     kind = find_detector_type(detector)
     remains = keep_threshold or kind.takes_envelope
     adapted = adapt_rate(design, rate_hz, remains, keep_window)

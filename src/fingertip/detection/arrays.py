@@ -2,18 +2,29 @@
 
 from __future__ import annotations
 
-import math
+import re
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.detection.adaptation import adapt_rate
+from fingertip.detection.adaptation import adapt_detector
+from fingertip.detection.files import adapt_to_rate, simulate_board
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.slip.detection import Detection
 from fingertip.slip.detection import detect as detect_in_trace
-from fingertip.slip.detectors.registry import DEFAULT
-from fingertip.slip.traces.trace import Trace
+from fingertip.slip.detectors.registry import DEFAULT, find_detector_type
+from fingertip.slip.traces.sampling import check_rate
+from fingertip.slip.traces.trace import ColumnMap, RawTrace, Trace, as_numbers
+
+_REMEDIES = {
+    "use --scale if the column is (.*), or set": r"multiply the voltages if they are \1, or give a Design with",
+    r"--scale (\S+) converts": r"a factor of \1 converts",
+    r"add --time-scale \w+": "convert them to seconds",
+    r"ignore (?:the times|them) with (.*?)(?:, and)? --column time_s=none": r"pass the voltages alone, with \1",
+}
+"""Remedies for a file -> those for arrays, which have no such options."""
 
 
 def detect(
@@ -29,7 +40,8 @@ def detect(
     Parameters
     ----------
     recording
-        A trace, or what numpy makes an array of: voltages, which take `rate_hz`, or rows of time and voltage.
+        A trace, or what numpy makes an array of: voltages, which take `rate_hz`, or rows of time and voltage. Without
+        `envelope_v`, the detector `analog` takes the output of the design's board, simulated for the voltage.
     design
         Source of filters, window, threshold and board; by default the default design. It is adapted to the rate of the
         recording if it does not state one itself.
@@ -38,40 +50,42 @@ def detect(
     noise_v
         White RMS noise of the signal; by default the design's [V].
     rate_hz
-        Sampling rate of voltages without times [Hz].
+        Sampling rate to which any design is adapted [Hz]. Times of the recording must agree with it.
 
     Raises
     ------
     TraceError
-        With all issues of the recording.
+        With all issues of the recording, or if its rate is out of bounds.
     DesignError
-        If its rate is out of bounds, or too low for the design's filters.
+        If `rate_hz` is too low for the design's filters.
     """
-    design = design or Design()
-    trace = _read_array(recording, rate_hz)
-    lasts_s = float(trace.time_s[-1] - trace.time_s[0]) if len(trace.time_s) > 1 else 0.0
-    stated = design.detector.model_fields_set
-    # What has no rate is refused below with all else that is wrong with it.
-    if 0.0 < lasts_s < math.inf and "sample_rate_hz" not in stated:
-        found_hz = rate_hz or float(f"{(len(trace.time_s) - 1) / lasts_s:.6g}")
-        design = adapt_rate(design, found_hz, "threshold_v" in stated)
-    return detect_in_trace(trace, design, detector, noise_v)
+    design, kind = design or Design(), find_detector_type(detector)
+    adapt = partial(adapt_detector, detector, None, False, noise_v is not None, lambda message: None)
+    try:
+        trace = _read_array(recording, rate_hz)
+        raw = RawTrace("trace", trace, in_volts=noise_v is None)
+        if rate_hz is not None:
+            design = adapt(design, rate_hz)
+        elif "sample_rate_hz" not in design.detector.model_fields_set:
+            design = adapt_to_rate(design, raw, adapt)
+        if kind.takes_envelope and trace.envelope_v is None:
+            trace = simulate_board(raw.validate(design.detector), design, ColumnMap(), "trace", lambda message: None)
+        return detect_in_trace(trace, design, detector, noise_v)
+    except TraceError as error:
+        issues = list(error.issues)
+    for pattern, remedy in _REMEDIES.items():
+        issues = [Issue(issue.field, re.sub(pattern, remedy, issue.message)) for issue in issues]
+    raise TraceError(issues)
 
 
 def _read_array(recording: Any, rate_hz: float | None) -> Trace:
-    if isinstance(recording, Trace) and rate_hz is None:
-        return recording
     if isinstance(recording, Trace):
-        raise TraceError(Issue("rate_hz", f"{rate_hz:g} Hz is given, and a trace has its own times; leave it out."))
-    try:
-        array = np.asarray(recording, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise TraceError(Issue("recording", f"is no array of numbers ({error}); give voltages.")) from None
-    if array.ndim == 2 and array.shape[1] == 2 and rate_hz is None:
+        return recording
+    array = as_numbers("recording", recording)
+    if array.ndim == 2 and array.shape[1] == 2:
         return Trace(array[:, 0].copy(), array[:, 1].copy())
     if array.ndim != 1 or rate_hz is None:
         shape = f"has shape {array.shape} and {'no rate' if rate_hz is None else f'rate_hz={rate_hz:g}'}"
         raise TraceError(Issue("recording", f"{shape}; give voltages (n,) with rate_hz, or time and voltage (n, 2)."))
-    if not 0.0 < rate_hz < float("inf"):
-        raise TraceError(Issue("rate_hz", f"{rate_hz:g} is no sampling rate; give the recording's, such as 2000."))
+    check_rate(rate_hz)
     return Trace(np.arange(len(array)) / rate_hz, array)

@@ -130,7 +130,7 @@ def detect_file(
         raise TraceError(Issue("--calibrate", message + "during which nothing happens."))
     raw = read_raw_trace(path, column_map)
     if rate_hz is None and adapt_to_file:
-        design = _adapt_to_file(design, raw, adapt)
+        design = adapt_to_rate(design, raw, adapt)
     trace = replace(raw.validate(design.detector), origin=origin or read_origin(path))
     doubts = list(raw.notes)
     if column_map.in_volts:
@@ -153,7 +153,7 @@ def detect_file(
         is_replayed = trace.envelope_v is None
         doubts += warnings.envelope_warnings(trace, design)
         if is_replayed:
-            trace = _simulate_board(trace, design, column_map, path.name, report)
+            trace = simulate_board(trace, design, column_map, path.name, report)
         level = _board_noise(trace, design, is_replayed, quiet, path.name)
         if calibrate_s is not None:
             calibrated = design.with_values({"detector.threshold_v": level.rounded_threshold_v})
@@ -246,22 +246,22 @@ def _map_envelope(voltage: ColumnMap) -> ColumnMap:
     return replace(voltage, names={**voltage.names, "voltage_v": voltage.name_in_file("envelope_v")})
 
 
-def _adapt_to_file(design: Design, raw: RawTrace, adapt: Callable[[Design, float, str], Design]) -> Design:
-    """Adapt the design to the file's sampling rate, if the rates differ and the file has no issues."""
-    rate_hz = raw.rate_hz
-    if not rate_hz or raw.issues or abs(rate_hz / design.detector.sample_rate_hz - 1) <= RATE_TOLERANCE:
+def adapt_to_rate(design: Design, raw: RawTrace, adapt: Callable[[Design, float, str], Design]) -> Design:
+    """Adapt the design to a recording's sampling rate, if the rates differ and some detector has it."""
+    # A rate out of bounds is refused as the recording is validated, with all else that is wrong.
+    if not (rate_hz := raw.rate_hz) or rate_bounds_message(rate_hz):
         return design
-    if message := rate_bounds_message(rate_hz):
-        raise TraceError(Issue(f"{raw.name}, time_s", message))
+    if abs(rate_hz / design.detector.sample_rate_hz - 1) <= RATE_TOLERANCE:
+        return design
     try:
         return adapt(design, rate_hz, f"{raw.name} is sampled at {rate_hz:g} Hz: ")
     except FingertipError as error:
         reasons = " ".join(issue.message for issue in error.issues)
         message = f"is sampled at {rate_hz:g} Hz, for which no detector can be designed: {reasons}"
-        raise TraceError(Issue(f"{raw.name}, time_s", message)) from None
+        raise TraceError([*raw.issues, Issue(f"{raw.name}, time_s", message)]) from None
 
 
-def _simulate_board(trace: Trace, design: Design, columns: ColumnMap, name: str, progress: Progress) -> Trace:
+def simulate_board(trace: Trace, design: Design, columns: ColumnMap, name: str, progress: Progress) -> Trace:
     """Add the simulated output of the design's board to a trace; a force passes the design's bridge first."""
     from fingertip.sim.signal.converter import SimulatedBoardDetector, compute_bridge_v  # noqa: PLC0415
 

@@ -12,6 +12,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fingertip.foundation.errors import Issue, OutputError
 from fingertip.foundation.extras import load
 
 if TYPE_CHECKING:
@@ -42,10 +43,12 @@ class Picture:
         Raises
         ------
         OutputError
-            If the file cannot be written.
+            If the name does not end in ``.png``, or the file cannot be written.
         """
         from fingertip.foundation.files import write_file  # noqa: PLC0415
 
+        if Path(path).suffix.lower() != ".png":
+            raise OutputError(Issue(str(path), "would be a PNG file of another name; end it in .png."))
         write_file(Path(path), self.png, "picture")
         return Path(path)
 

@@ -11,7 +11,7 @@ from fingertip.design import Design
 from fingertip.foundation.display import Picture, html_table, plot, to_dataframe
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.numerics import Array
-from fingertip.foundation.validation import raise_issues
+from fingertip.foundation.validation import find_not_positive, raise_issues
 from fingertip.slip.detectors import registry
 from fingertip.slip.detectors.analog_and_digital import SlipChain, noise_level
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
@@ -131,6 +131,8 @@ def detect(trace: Trace, design: Design, detector: str = registry.DEFAULT, noise
     be any signal that follows the force.
     """
     issues = RawTrace("trace", trace, in_volts=noise_v is None).find_issues(design.detector)
+    if noise_v is not None:
+        issues += find_not_positive("noise_v", noise_v, "V", f"{design.detector.noise_v:g}")
     inputs = registry.select_inputs(trace, detector)
     if not inputs:
         remedy = f"record it, or use --detector {registry.DEFAULT}, which works without a board"

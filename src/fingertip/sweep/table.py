@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import multiprocessing
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fingertip.design.files import Changes, list_changes
+from fingertip.foundation.errors import Issue, SweepError
 from fingertip.foundation.extras import load
-from fingertip.foundation.processes import count_processors
 from fingertip.sweep.database import SweepDatabase
-from fingertip.sweep.engines import ProcessEngine
+from fingertip.sweep.engines import ProcessEngine, find_workers
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.run import run_sweep as compute
 
@@ -50,11 +51,14 @@ def run_sweep(
         If pandas is not installed.
     """
     frames = load("pandas", "run_sweep")
+    if getattr(multiprocessing.current_process(), "_inheriting", False):  # as Python itself finds out
+        message = 'is called by a worker, which imports the script; put it below if __name__ == "__main__".'
+        raise SweepError(Issue("run_sweep", message))
     plan = SweepPlan.load(Path(file), list_changes(changes))
     folder = Path("out", "sweeps", plan.file.name) if out is None else Path(out)
     begin = SweepDatabase.resume if SweepDatabase.exists(folder) else SweepDatabase.create
+    engine = ProcessEngine(find_workers(jobs))
     with begin(folder, plan) as database:
-        engine = ProcessEngine(jobs or count_processors())
         compute(plan, database, engine, lambda state: progress(f"{state.done} of {plan.size} designs"))
         rows = [
             {"point": row.point, **row.axes, **row.outputs, "status": row.status, "field": row.field,

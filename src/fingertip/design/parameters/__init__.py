@@ -9,11 +9,11 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import Any, Self
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict, Field
 from pydantic.fields import FieldInfo
 
 from fingertip.catalogues.silicones import load_silicones
-from fingertip.design.parameters.declaration import Above, ParameterTable, choice, quantity, suggest_name, text
+from fingertip.design.parameters.declaration import Above, Frozen, ParameterTable, choice, quantity, suggest_name, text
 from fingertip.design.parameters.electronics import Board, Detector
 from fingertip.design.parameters.finger import OWN, ChosenSilicone, CustomSensor, ForceCurve, Sensor, Skin
 from fingertip.design.parameters.parts import Bone, Hand, Mold, Printer, Strength
@@ -25,7 +25,7 @@ ELECTRONIC_TABLES = frozenset({"force_curve", "board", "detector"})
 """Tables of the electronics, on which no part's shape depends."""
 
 
-class Tables(BaseModel):
+class Tables(Frozen):
     """Contents of a design file."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, title="fingertip design")

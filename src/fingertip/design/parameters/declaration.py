@@ -14,12 +14,22 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
 
 from fingertip.catalogues.amplifiers import AUTO, list_dual_amplifiers
-from fingertip.foundation.errors import MAX_VALUE_LENGTH, DesignError, Issue, quote_value, shorten
+from fingertip.foundation.errors import MAX_VALUE_LENGTH, DesignError, Issue, join_words, quote_value, shorten
 
 Model = TypeVar("Model", bound=BaseModel)
 
 
-class ParameterTable(BaseModel):
+class Frozen(BaseModel):
+    """Parameters that stay as they were loaded."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        table = re.sub("(?<=[a-z])(?=[A-Z])", "_", type(self).__name__).lower().removeprefix("chosen_")
+        path = f"{table}.{name}" if isinstance(self, ParameterTable) else name
+        message = f"stays as it was loaded; load it again with changes={{{json.dumps(path)}: {quote_value(value)}}}."
+        raise DesignError(Issue(path, message))
+
+
+class ParameterTable(Frozen):
     """A table of a TOML file. It is frozen, and strict about the types and names it accepts."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
@@ -107,6 +117,7 @@ _MAX_COMPARED_LENGTH = 60
 
 _DUALS = ", ".join(f"{a.name} ({a.bandwidth_hz / 1e6:g} MHz)" for a in list_dual_amplifiers())
 REPLACED_PARAMETERS = {
+    "changes": 'is an argument of Design.load: Design.load("fsr400", changes={"skin.width_mm": 18}).',
     "board.gain_bandwidth_hz": (
         "this parameter was replaced, because a number alone buys no amplifier; remove it, and name the amplifier with "
         f"board.amplifier={AUTO}, or one of {_DUALS}."
@@ -188,7 +199,8 @@ def _describe(details: Any, model: type[BaseModel]) -> Issue:
             return Issue(field, f"{shown} holds several changes; give --set once for each of them.")
         case "float_type" | "int_type" if isinstance(value, str) and re.match(r"\s*[-+]?\.?\d", value):
             number = f"the number{unit and ' in' + unit}"
-            return Issue(field, f"{shown} is not a number; write {number}, without its unit.")
+            left_out = "quotes" if re.fullmatch(r"[-+.\de\s]+", value) else "its unit"
+            return Issue(field, f"{shown} is not a number; write {number}, without {left_out}.")
         case "float_type" | "int_type":
             number = "a whole number" if kind == "int_type" else "a number"
             quotes = ", without quotes" if isinstance(value, str) else ""
@@ -229,12 +241,12 @@ def _show_parameter(location: Sequence[str], model: type[BaseModel]) -> str:
 
 
 def _suggest_parameter(location: Sequence[str], model: type[BaseModel]) -> str:
-    """Suggest a parameter of the same table, or one of another table that has exactly this name."""
+    """Suggest a parameter of the same table, or up to three of other tables that have exactly this name."""
     *tables, name = location
     known = list(_find_table(location, model).model_fields)
     if find_similar_name(name, known) is None:
-        for table, info in model.model_fields.items():
-            if name in getattr(info.annotation, "model_fields", {}):
-                return f"did you mean {table}.{name}?"
+        fields = {table: getattr(info.annotation, "model_fields", ()) for table, info in model.model_fields.items()}
+        if places := [f"{table}.{name}" for table, names in fields.items() if name in names]:
+            return f"did you mean {join_words(places[:3], 'or')}?"
     # The name is compared without its table, which would make all parameters of the table similar.
     return suggest_name(name, known).replace("did you mean ", f"did you mean {'.'.join([*tables, ''])}")

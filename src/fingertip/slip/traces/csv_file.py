@@ -41,6 +41,9 @@ _TAIL_LINES = 10
 _PROBE_BYTES = 2**20
 """Length of the pieces in which the encoding of a file is tested [bytes]."""
 
+_FLAGS = {"true": 1.0, "false": 0.0}
+"""Words for slip, as data frames write it, in small letters -> number."""
+
 
 def read_csv(path: Path, columns: ColumnMap) -> RawTrace:
     """Read a CSV file in UTF-8, in UTF-16 with a byte order mark, or in Latin-1.
@@ -251,6 +254,8 @@ def _parse(cell: str, column: str, delimiter: str, samples: _Samples) -> float |
             return None if samples.start is None else (instant - samples.start).total_seconds()
         except TypeError:  # one with a time zone, and one without
             return None
+    if column == "slip" and plain.lower() in _FLAGS:
+        return _FLAGS[plain.lower()]
     try:
         return float(plain if delimiter == "," else plain.replace(",", "."))
     except ValueError:

@@ -22,7 +22,7 @@ from fingertip.foundation.validation import raise_issues
 from fingertip.slip.traces.array_files import LOADERS, RATE
 from fingertip.slip.traces.columns import suggest_options
 from fingertip.slip.traces.csv_file import read_csv
-from fingertip.slip.traces.sampling import restore_even_times
+from fingertip.slip.traces.sampling import check_rate, restore_even_times
 from fingertip.slip.traces.trace import COLUMNS, ColumnMap, RawTrace, Trace, check_trace_file
 
 # Kinds of files, known by their first bytes: how each is read, or the sentence that says how to convert it.
@@ -118,7 +118,7 @@ def read_trace(
     columns
         Name in the file for each column of a trace, such as ``{"voltage_v": "AI0"}``.
     rate_hz
-        Sampling rate of a file without times [Hz].
+        Sampling rate that the trace has, in place of the design's [Hz]. Times in the file must agree with it.
     scale
         Volts per unit of the file's voltage.
     time_scale
@@ -137,7 +137,11 @@ def read_trace(
         If the file needs a package that is not installed.
     """
     raw = read_raw_trace(Path(path), ColumnMap(columns or {}, rate_hz, scale, time_scale))
-    return raw.validate((design or Design()).detector)
+    detector = (design or Design()).detector
+    if rate_hz is not None:
+        check_rate(rate_hz)
+        detector = detector.model_copy(update={"sample_rate_hz": rate_hz})
+    return raw.validate(detector)
 
 
 def read_raw_trace(path: Path, columns: ColumnMap) -> RawTrace:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.design.parameters.electronics import Detector as DetectorParameters
-from fingertip.foundation.errors import Issue
+from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 
 RATE_TOLERANCE = 0.005
@@ -76,7 +76,7 @@ def time_issues(time_s: Array, detector: DetectorParameters, name: str, lines: S
     if usual <= 0.0:
         yield Issue(field, "does not increase in most of its steps; give the time of each sample in seconds.")
         return
-    if MIN_RATE_HZ <= 1 / usual <= MAX_RATE_HZ:
+    if not rate_bounds_message(1 / usual):
         agrees = abs(1 / usual / detector.sample_rate_hz - 1) <= RATE_TOLERANCE
         rate_hz = detector.sample_rate_hz if agrees else 1 / usual
         remedy += f"; if few are missing, ignore the times with --rate-hz {rate_hz:.6g} --column time_s=none"
@@ -131,7 +131,7 @@ def rate_message(rate_hz: float, detector: DetectorParameters) -> str:
 
 def rate_bounds_message(rate_hz: float) -> str | None:
     """Describe a sampling rate [Hz] that no detector has, with the remedy; None for any other rate."""
-    if MIN_RATE_HZ <= rate_hz <= MAX_RATE_HZ:
+    if MIN_RATE_HZ <= float(f"{rate_hz:.6g}") <= MAX_RATE_HZ:  # times are rounded
         return None
     message = f"is sampled at {rate_hz:.6g} Hz"
     if unit := guess_time_unit(rate_hz):
@@ -139,6 +139,13 @@ def rate_bounds_message(rate_hz: float) -> str | None:
     if rate_hz < MIN_RATE_HZ:
         return f"{message}, too low for a detector; record at {MIN_RATE_HZ:g} Hz or more."
     return f"{message}, too high for a detector; resample it to {MAX_RATE_HZ:g} Hz or less."
+
+
+def check_rate(rate_hz: float) -> None:
+    """Refuse a stated sampling rate [Hz] that no detector has. Raises TraceError."""
+    if not MIN_RATE_HZ <= rate_hz <= MAX_RATE_HZ:
+        message = f"{rate_hz:g} Hz is out of range; record at, or resample to, {MIN_RATE_HZ:g} to {MAX_RATE_HZ:g} Hz."
+        raise TraceError(Issue("--rate-hz", message))
 
 
 def guess_time_unit(rate_hz: float) -> str | None:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from fingertip.design.parameters.electronics import Detector as DetectorParameters
 from fingertip.foundation.display import Picture, html_table, plot, to_dataframe
-from fingertip.foundation.errors import InputFileError, Issue, TraceError
+from fingertip.foundation.errors import ArgumentError, InputFileError, Issue, TraceError, quote_value
 from fingertip.foundation.input_files import RECORDING_LIMIT, SAMPLES_LIMIT, check_regular
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import raise_issues
@@ -28,6 +28,17 @@ COLUMNS = ("time_s", "voltage_v", "force_n", "slip", "envelope_v", "filtered_v")
 BOARD_COLUMNS = ("envelope_v", "filtered_v")
 """Columns that come from the board. A simulation calls them sampled_envelope_v and sampled_filtered_v."""
 _FORCE = re.compile(r".*(_n|[\[(]N[\])]|force)$|force", re.IGNORECASE)
+
+
+def as_numbers(name: str, values: Any) -> Array:
+    """Return values as an array, with NaN in the place of those that numpy masks. Raises TraceError."""
+    try:
+        array: Any = np.ma.asarray(values)
+        if array.dtype.kind not in "iufO":  # complex numbers, texts, flags or dates, which numpy would convert
+            raise TypeError(f"its type is {array.dtype}")
+        return np.asarray(array.astype(float, copy=False).filled(np.nan))
+    except (TypeError, ValueError) as error:
+        raise TraceError(Issue(name, f"is no array of numbers ({error}); give one per sample.")) from None
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,10 +60,7 @@ class Trace:
         for name in COLUMNS:
             if (values := getattr(self, name)) is None and name not in COLUMNS[:2]:
                 continue
-            try:
-                array = np.asarray(values, dtype=bool if name == "slip" else float)
-            except (TypeError, ValueError) as error:
-                raise TraceError(Issue(name, f"is no array of numbers ({error}); give one per sample.")) from None
+            array = np.asarray(values, dtype=bool) if name == "slip" else as_numbers(name, values)
             object.__setattr__(self, name, array)
             if len(self.time_s) == 0 < array.size:
                 raise TraceError(Issue("time_s", "has 0 samples; give the time of each."))
@@ -240,7 +248,7 @@ def length_message(count: int, minimum: int) -> str:
 
 def range_message(value: str, all_whole: bool, detector: DetectorParameters) -> str:
     """Describe a voltage outside the ADC range, with the remedy."""
-    remedy = "use --scale if the column is not in volts, or --set detector.adc_range_v"
+    remedy = "use --scale if the column is not in volts, or set a wider detector.adc_range_v"
     if all_whole:
         scale = f"--scale {detector.adc_step_v:.8g} converts counts of {detector.adc_bits} bits to volts; of other bits"
         remedy = f"the values are whole numbers, as ADC counts are: {scale}, give the step of that converter"
@@ -304,6 +312,9 @@ def bounded_lines(lines: Iterable[str], name: str, most: int | None = None) -> I
     readline = getattr(lines, "readline", None)
     pieces = iter(lambda: readline(MAX_LINE + 1), "") if readline else iter(lines)
     for number, line in enumerate(pieces, 1):
+        if not isinstance(line, str):
+            message = f"is {quote_value(line)}, no text; give lines of CSV, or arrays to `detect`."
+            raise ArgumentError(Issue(f"{name}, line {number}", message))
         if len(line) > MAX_LINE:
             message = f"is longer than {MAX_LINE} characters; a trace has one sample per line, so break the lines."
             raise TraceError(Issue(f"{name}, line {number}", message))

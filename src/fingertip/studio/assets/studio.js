@@ -229,7 +229,7 @@
       field.slider?.style.removeProperty('--bands');
       return;
     }
-    field.passing.textContent = said ? `passes: ${said}` : 'no value passes with the others as they are';
+    field.passing.textContent = said ? `not refused: ${said}` : 'every value is refused with the others as they are';
     const share = (value) => {
       const [low, high] = [Number(field.slider.min), Number(field.slider.max)];
       return `${(100 * clamp((place(field, value) - low) / (high - low), 0, 1)).toFixed(2)}%`;

@@ -34,7 +34,7 @@ class Prepared:
     parameters: Markup
     response: Markup
     pad: Markup | None = None
-    """What the sensor feels; the page draws it where it is not given."""
+    """Picture of what the sensor feels; the page draws it where it is not given."""
 
 
 def prepare_page(design: Design) -> Prepared:

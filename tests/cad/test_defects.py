@@ -12,7 +12,6 @@ import pytest
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing import orientations
 from fingertip.cad.shapes import bone, insert, mold, parts
-from fingertip.cad.verification import mold as mold_checks
 from fingertip.cad.verification import skin as skin_checks
 from fingertip.cad.verification import verify
 from fingertip.cad.verification.check import search_distance
@@ -170,7 +169,7 @@ DEFECTS = {
         WIDE,
     ),
     "no vent at the apex": Defect(
-        mold_checks, "runners", lambda found, design: (*found[:2], replace(found[2], centre=(2.4, 0.0)), *found[3:]),
+        mold, "runners", lambda found, design: (*found[:2], replace(found[2], centre=(2.4, 0.0)), *found[3:]),
         {"mold.air_trap_height", "mold.leak_length"}, THIN,
     ),
     "engraving too deep": Defect(
@@ -188,7 +187,7 @@ DEFECTS = {
     "missing key": Defect(mold, "key_frustums", lambda keys, *_: keys[:1], {"mold_dorsal.key_count"}),
     "keys without draft": Defect(
         mold, "key_frustums",
-        lambda keys, design, gap: tuple(replace(key, low_radius=2.0 + gap, high_radius=2.0 + gap) for key in keys),
+        lambda keys, design, gap=0.0: tuple(replace(key, low_radius=2.0 + gap, high_radius=2.0 + gap) for key in keys),
         {"mold_palmar.draft_clearance_gain.keys"},
     ),
     "two equal keys, placed symmetrically about the middle of the block": Defect(

@@ -219,8 +219,8 @@
     if (!field || !isNumber(field) || field.isProbed) return;
     field.isProbed = true;
     probing = new AbortController();
-    const found = await ask('bands', { field: field.path, signal: probing.signal }).catch(() => null);
-    showBands(field, found ? await found.json() : {});
+    const asked = ask('bands', { field: field.path, signal: probing.signal }).then((answer) => answer.json());
+    showBands(field, await asked.catch(() => ({}))); // given up, maybe while the answer is read
   }
   function showBands(field, { bands, said }) {
     field.isProbed = Boolean(bands);

@@ -140,7 +140,7 @@ def make(
     last = [
         f"board: {BOARD_FOLDER}/{BOM} lists what to buy; simulated trial: slip {found}",
         f"look at: {made.page or made.parts.folder} in a browser{drawings}",
-        f"next: print coupon, then {printed}; follow {SHEET}, {BOARD_FOLDER}/{README} and {ACCEPTANCE}",
+        f"next: print the coupon, then {printed}; follow {SHEET}, {BOARD_FOLDER}/{README} and {ACCEPTANCE}",
     ]
     lines = _format_build(made.parts)
     lines += [*_list_remarks(made.parts, _MAX_LINES - len(lines) - len(last)), *last]

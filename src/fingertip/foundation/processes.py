@@ -16,7 +16,7 @@ import sys
 import threading
 import warnings
 from collections.abc import Callable, Iterator
-from typing import Any, BinaryIO, TypeVar
+from typing import Any, BinaryIO, NoReturn, TypeVar
 
 T = TypeVar("T")
 _PR_SET_PDEATHSIG = 1
@@ -76,39 +76,40 @@ def in_background(function: Callable[..., T], *arguments: Any) -> Iterator[Calla
     With one processor, or where the process fails for any reason, the function is called when the result is wanted.
     """
 
+    start: Callable[[bytes], contextlib.AbstractContextManager[BinaryIO]] = _start
+    if sys.platform == "linux" and threading.active_count() == 1:
+        start = _fork
+
     def wait() -> T:
         if answer and (data := answer.read()) and not (found := pickle.loads(data))[1]:
             return found[0]  # type: ignore[no-any-return]
         return function(*arguments)
 
-    answer, end = None, list[Callable[[], object]]()
-    try:
-        if count_processors() > 1:
-            start = _fork if sys.platform == "linux" and threading.active_count() == 1 else _start
-            answer, *end = start(pickle.dumps((None, None, function, arguments)))
+    call = pickle.dumps((None, None, function, arguments))
+    with start(call) if count_processors() > 1 else contextlib.nullcontext() as answer:
         yield wait
-    finally:
-        for step in end:
-            step()
-        if answer:
-            answer.close()
 
 
-def _start(call: bytes) -> tuple[BinaryIO, Callable[[], object], Callable[[], object]]:
-    """Start a process for a call; return where its answer is read, and what ends it."""
+@contextlib.contextmanager
+def _start(call: bytes) -> Iterator[BinaryIO]:
+    """Answer a call by another process, which ends with the block; provides where the answer is read."""
+    pipe = subprocess.PIPE
     # A session of its own: Ctrl-C reaches this process alone, which ends the other one.
-    process = subprocess.Popen(
-        python_command(__name__), stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-        start_new_session=True,
-    )  # fmt: skip
-    assert process.stdin
-    assert process.stdout
-    with contextlib.suppress(BrokenPipeError), process.stdin:
-        process.stdin.write(call)
-    return process.stdout, process.kill, process.wait  # type: ignore[return-value]
+    with subprocess.Popen(
+        python_command(__name__), stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, start_new_session=True
+    ) as process:
+        assert process.stdin
+        assert process.stdout
+        try:
+            with contextlib.suppress(BrokenPipeError), process.stdin:
+                process.stdin.write(call)
+            yield process.stdout  # type: ignore[misc]
+        finally:
+            process.kill()
 
 
-def _fork(call: bytes) -> tuple[BinaryIO, Callable[[], object], Callable[[], object]]:
+@contextlib.contextmanager
+def _fork(call: bytes) -> Iterator[BinaryIO]:
     """Let a copy of this process do the same: importing all modules once more would take half a second.
 
     Without threads of Python that is safe: those of numpy's BLAS stop for it.
@@ -117,9 +118,18 @@ def _fork(call: bytes) -> tuple[BinaryIO, Callable[[], object], Callable[[], obj
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # which counts the threads of BLAS too
         process = os.fork()
-    if process:
-        os.close(writing)
-        return os.fdopen(reading, "rb"), lambda: os.kill(process, signal.SIGKILL), lambda: os.waitpid(process, 0)
+    if not process:
+        _answer_in_copy(call, writing)
+    os.close(writing)
+    try:
+        with os.fdopen(reading, "rb") as answer:
+            yield answer
+    finally:
+        os.kill(process, signal.SIGKILL)
+        os.waitpid(process, 0)
+
+
+def _answer_in_copy(call: bytes, writing: int) -> NoReturn:
     try:
         os.setsid()
         null = os.open(os.devnull, os.O_RDWR)

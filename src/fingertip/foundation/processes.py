@@ -85,8 +85,8 @@ def in_background(function: Callable[..., T], *arguments: Any) -> Iterator[Calla
             return found[0]  # type: ignore[no-any-return]
         return function(*arguments)
 
-    call = pickle.dumps((None, None, function, arguments))
-    with start(call) if count_processors() > 1 else contextlib.nullcontext() as answer:
+    call = None, None, function, arguments
+    with start(pickle.dumps(call)) if count_processors() > 1 else contextlib.nullcontext() as answer:
         yield wait
 
 

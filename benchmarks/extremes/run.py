@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from benchmarks.extremes import board, bodies, contact
+from benchmarks.extremes import board, bodies, contact, grasp
 from benchmarks.extremes.draw import Draw, Family, Range
 from fingertip.foundation import extras
 from fingertip.foundation.errors import FingertipError
@@ -18,13 +18,14 @@ from fingertip.foundation.jit import compiled
 from fingertip.foundation.progress import ReportProgress, Work
 
 FAMILIES = (
-    Family("contact, fixed steps", "steps / 16: 10 % of the forces (beyond: 25 %)", 0.6, contact.fixed_steps),
+    Family("contact, fixed steps", "steps / 16: 10 % of the forces (beyond: 25 %)", 0.57, contact.fixed_steps),
     Family(
         "contact, error control",
         "tolerance / 100: 100 tolerances (bouncing: 10 % of the load)",
         0.25,
         contact.error_control,
     ),
+    Family("object in a hand", "parts / 16: 10 % of the forces (beyond: 25 %)", 0.03, grasp.grasp),
     Family("board", "tolerance / 10000: 10 tolerances and 5 % of the peak", 0.1, board.board),
     Family("filling", "mass, and a closed form: 1e-6", 0.02, bodies.filling),
     Family("geometry", "all checks of the parts", 0.0003, bodies.geometry),

@@ -107,7 +107,7 @@ class ContactProblem:
         start = time.process_time()
         run = integrate(_FRICTION, self.mount, self.normal, 1 / RATE_HZ, *columns, tolerance_n)
         cpu_s = time.process_time() - start
-        return Outcome(self.forces_n(run.position_m, run.force_n), cpu_s)
+        return Outcome(self.forces_n(run.position_m, run.force_n), cpu_s, run.evaluations)
 
     def run_stepper(self, parts: int) -> Outcome:
         """Forces by the stepper of trials, with so many steps per sample [N]; the normal force is the resonance's."""
@@ -121,7 +121,7 @@ class ContactProblem:
         normal = resonance.process(np.concatenate((hold, load)), np.concatenate((hold, load)))[len(hold) :]
         moved = DraggedPad(_FRICTION, self.mount, 1 / rate).process(position, velocity, normal)
         cpu_s = time.process_time() - start
-        return Outcome(self.forces_n(moved.position_m[::parts], normal[::parts]), cpu_s)
+        return Outcome(self.forces_n(moved.position_m[::parts], normal[::parts]), cpu_s, moved.evaluations)
 
     def run_scipy(self, system: System, method: str, tolerance: float) -> Outcome:
         """Forces by scipy [N]."""
@@ -131,9 +131,9 @@ class ContactProblem:
             for (a, b), drive in zip(pairwise(self.corners), drives, strict=True)
         ]
         start = time.process_time()
-        found = solve_with_scipy(method, system, segments, self.start, tolerance, tolerance * self.absolute)
+        found, calls = solve_with_scipy(method, system, segments, self.start, tolerance, tolerance * self.absolute)
         cpu_s = time.process_time() - start
-        return Outcome(self.forces_n(found[0], np.maximum(found[3], 0.0)), cpu_s)
+        return Outcome(self.forces_n(found[0], np.maximum(found[3], 0.0)), cpu_s, calls)
 
     def run_native(self, solver: NativeSolver, tolerance: float, option: int | None = None) -> Outcome:
         """Forces by a solver in C or Fortran [N]."""
@@ -141,11 +141,11 @@ class ContactProblem:
         surface = [f.mu_c, f.mu_s - f.mu_c, f.stribeck_m_s, f.sigma0, f.sigma1, f.sigma2, LOAD_SCALE_N]
         normal = [omega * omega, 2 * self.normal.damping_ratio * omega]
         parameters = np.array([*surface, mount.mass_kg, mount.stiffness_n_per_m, mount.damping_n_s_per_m, *normal])
-        states, cpu_s = solver.solve(
+        states, cpu_s, calls = solver.solve(
             "contact", parameters, self.drives(), 0, np.array(self.corners[1:]), RATE_HZ, self.start, tolerance,
             tolerance * self.absolute, option=option,
         )  # fmt: skip
-        return Outcome(self.forces_n(states[:, 0], np.maximum(states[:, 3], 0.0)), cpu_s)
+        return Outcome(self.forces_n(states[:, 0], np.maximum(states[:, 3], 0.0)), cpu_s, calls)
 
 
 def measure_contact(

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 
 import numpy as np
 
 from benchmarks.peers.trial import QUANTITIES, TARGETS, VARIANTS, TrialAccuracy
-from benchmarks.peers.work_precision import WorkPrecision
+from benchmarks.peers.work_precision import Cost, WorkPrecision
 from fingertip.foundation.plot_style import (
     BLUE,
     BROWN,
@@ -26,24 +27,28 @@ from fingertip.foundation.plot_style import (
 
 _COLOURS = (RED, BLUE, TEAL, ORANGE, PURPLE, BROWN, SKY, REFERENCE, PINK, TEXT_COLOUR)
 _STYLES = tuple(zip(_COLOURS, "os^DvPX<>*", strict=True))
+_COSTS: dict[Cost, str] = {
+    "cpu_s": "CPU time of the integration [s]", "evaluations": "evaluations of the right-hand side",
+}  # fmt: skip
 _VARIANT_STYLES = {"article": (RED, "o"), "precision": (BLUE, "s"), "comparator": (TEAL, "x")}
 _LABELS = {"force_n": "normal force [N]", "tactile_v": "tactile voltage [V]", "envelope_v": "envelope [V]"}
 
 
 def draw(diagrams: Sequence[WorkPrecision], footnote: str) -> bytes:
-    """Draw one panel per problem: CPU time over error, both logarithmic.
+    """Draw two panels per problem: CPU time, and evaluations of the right-hand side, over the error; logarithmic.
 
-    A line joins the points between which times are interpolated; a solver's other points are pale.
+    A line joins the points between which costs are interpolated; a solver's other points are pale.
     """
-    figure = new_figure(12, 7)
-    panels = figure.subplots(1, len(diagrams), squeeze=False)[0]
+    figure = new_figure(12, 11)
+    panels = figure.subplots(len(_COSTS), len(diagrams), squeeze=False)
     names = list(dict.fromkeys(point.solver for diagram in diagrams for point in diagram.points))
     styles = {name: (*_STYLES[i % len(_STYLES)], "-:"[i // len(_STYLES)]) for i, name in enumerate(names)}
-    for axes, diagram in zip(panels, diagrams, strict=True):
-        for solver in dict.fromkeys(point.solver for point in diagram.points):
+    for (row, cost), (column, diagram) in itertools.product(enumerate(_COSTS), enumerate(diagrams)):
+        axes = panels[row, column]
+        for solver in dict.fromkeys(point.solver for point in diagram.points if getattr(point, cost)):
             colour, marker, line = styles[solver]
-            every = [(p.error, p.cpu_s) for p in diagram.points if p.solver == solver]
-            best = [(p.error, p.cpu_s) for p in diagram.best_points(solver)]
+            every = [(p.error, getattr(p, cost)) for p in diagram.points if p.solver == solver]
+            best = diagram.best_points(solver, cost)
             axes.loglog(*zip(*every, strict=True), color=colour, marker=marker, markersize=4, linestyle="", alpha=0.3)
             width = 2.2 if solver == next(iter(diagram.solvers)) else 1.2
             axes.loglog(
@@ -53,11 +58,14 @@ def draw(diagrams: Sequence[WorkPrecision], footnote: str) -> bytes:
         for level in diagram.levels:
             axes.axvline(level, color=REFERENCE, linestyle="--", linewidth=0.8)
         levels = ", ".join(f"{level:g}" for level in diagram.levels)
-        axes.set_title(diagram.problem, loc="left", fontweight="bold")
-        axes.set_xlabel(f"largest error [{diagram.unit}]; dashed: compared at {levels} {diagram.unit}")
-        axes.set_ylabel("CPU time of the integration [s]")
+        axes.set_ylabel(_COSTS[cost])
         style_axes(axes, "both")
-        axes.legend(frameon=False, fontsize=9, loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=3)
+        if row == 0:
+            axes.set_title(diagram.problem, loc="left", fontweight="bold")
+            continue
+        axes.set_xlabel(f"largest error [{diagram.unit}]; dashed: compared at {levels} {diagram.unit}")
+        handles = panels[0, column].get_legend_handles_labels()
+        axes.legend(*handles, frameon=False, fontsize=9, loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=3)
     figure.supxlabel(footnote, x=0.01, ha="left", fontsize=8, color=TEXT_COLOUR)
     return to_png(figure)
 

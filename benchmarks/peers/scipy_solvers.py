@@ -41,13 +41,13 @@ def solve_with_scipy(
     absolute: Array,
     longest_s: float | None = None,
     stops_s: Array | None = None,
-) -> Array:
-    """Return the states at the samples, (states, samples), with a fresh start at every corner.
+) -> tuple[Array, int]:
+    """Return the states at the samples, (states, samples), with a fresh start at every corner, and the evaluations.
 
     Raises ArithmeticError.
     """
     integrate = importlib.import_module("scipy.integrate")
-    state, parts = start, [start[:, None]]
+    state, parts, evaluations = start, [start[:, None]], 0
     for segment in segments:
         t = segment.time_s
         if method == "odeint":
@@ -56,7 +56,7 @@ def solve_with_scipy(
                 atol=absolute, hmax=longest_s or 0.0, mxstep=_MAX_STEPS, full_output=True,
                 tcrit=t[-1:] if stops_s is None else stops_s,
             )  # fmt: skip
-            values, message = found.T, report["message"]
+            values, message, calls = found.T, report["message"], int(report["nfe"][-1])
             succeeded = message == "Integration successful."
         else:
             solution = integrate.solve_ivp(
@@ -64,11 +64,13 @@ def solve_with_scipy(
                 max_step=longest_s or np.inf, jac=system.jacobian,
             )  # fmt: skip
             values, message, succeeded = solution.y, solution.message, solution.success
+            calls = solution.nfev
         if not succeeded:
             raise ArithmeticError(message)
         parts.append(values[:, 1:])
         state = values[:, -1]
-    return np.concatenate(parts, axis=1)
+        evaluations += calls
+    return np.concatenate(parts, axis=1), evaluations
 
 
 def scipy_version() -> str:

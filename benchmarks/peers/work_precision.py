@@ -1,8 +1,9 @@
 """Work-precision diagrams: error and CPU time of several solvers on one problem, as data and as text.
 
-Solvers are compared at levels of the error, by the ratio of their CPU times there, and by the geometric mean of these
-ratios. A solver's CPU time at a level is interpolated between its measured points, both axes logarithmic. Only points
-count that no other point of the same solver beats in both, error and time.
+Solvers are compared at levels of the error, by the ratio of their costs there, and by the geometric mean of these
+ratios: of CPU times, and of evaluations of the right-hand side, which no machine and no compiler changes. A solver's
+cost at a level is interpolated between its measured points, both axes logarithmic. Only points count that no other
+point of the same solver beats in both, error and cost.
 """
 
 from __future__ import annotations
@@ -11,11 +12,10 @@ import math
 import os
 import platform
 import statistics
-import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from itertools import pairwise
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -29,10 +29,12 @@ _REPEAT_BELOW_S = 1.0
 
 @dataclass(frozen=True)
 class Outcome:
-    """Result of one run, and the CPU time of its integration."""
+    """Result of one run, and the cost of its integration."""
 
     result: Array
     cpu_s: float
+    evaluations: int = 0
+    """Evaluations of the right-hand side; 0: not known."""
     reference: Array | None = None
     """Reference of this run, where it is not that of the diagram."""
 
@@ -54,6 +56,10 @@ class Point:
     setting: str
     cpu_s: float
     error: float
+    evaluations: int = 0
+
+
+Cost = Literal["cpu_s", "evaluations"]
 
 
 @dataclass(frozen=True)
@@ -64,6 +70,8 @@ class Comparison:
     """Ratio at each level; None where one of both has no point that is accurate enough."""
     mean: float | None
     """Geometric mean of the ratios that are known."""
+    evaluations: float | None
+    """The same mean of the evaluations."""
     target: float | None
     """Smallest mean to be reached."""
 
@@ -119,9 +127,12 @@ class WorkPrecision:
                     remaining.remove(job)
         for job, outcome in results.items():
             expected = reference if outcome.reference is None else outcome.reference
-            self.add_result(job.solver, job.setting, statistics.median(times[job]), outcome.result, expected)
+            cpu_s = statistics.median(times[job])
+            self.add_result(job.solver, job.setting, cpu_s, outcome.result, expected, outcome.evaluations)
 
-    def add_result(self, solver: str, setting: str, cpu_s: float, result: Array, reference: Array) -> None:
+    def add_result(
+        self, solver: str, setting: str, cpu_s: float, result: Array, reference: Array, evaluations: int = 0
+    ) -> None:
         """Add a result as a point, or list it among the omissions."""
         error = float(np.abs(result - reference).max()) if result.shape == reference.shape else float("nan")
         if not np.isfinite(error):
@@ -133,7 +144,7 @@ class WorkPrecision:
                 f"{self.reference_difference:.1e} {self.unit} (CPU time {cpu_s:.3g} s)"
             )
         else:
-            self.points.append(Point(solver, setting, cpu_s, error))
+            self.points.append(Point(solver, setting, cpu_s, error, evaluations))
 
     def leave_out(self, missing: Mapping[str, str]) -> None:
         """Name solvers that cannot be measured, each with the reason."""
@@ -141,38 +152,39 @@ class WorkPrecision:
             self.solvers[name] = "NOT MEASURED"
             self.omissions.append(f"{name}: NOT MEASURED: {reason}")
 
-    def best_points(self, solver: str) -> list[Point]:
-        """Points of a solver that none of its others beats, from the fastest to the most accurate."""
-        best: list[Point] = []
-        for point in sorted((p for p in self.points if p.solver == solver), key=lambda p: (p.cpu_s, p.error)):
-            if not best or point.error < best[-1].error:
-                best.append(point)
+    def best_points(self, solver: str, cost: Cost = "cpu_s") -> list[tuple[float, float]]:
+        """Error and cost of a solver's points that none of its others beats, from the cheapest to the most accurate."""
+        best: list[tuple[float, float]] = []
+        points = ((float(getattr(p, cost)), p.error) for p in self.points if p.solver == solver and getattr(p, cost))
+        for spent, error in sorted(points):
+            if not best or error < best[-1][0]:
+                best.append((error, spent))
         return best
 
-    def cpu_at(self, solver: str, error: float) -> float | None:
-        """CPU time of a solver at an error [s], interpolated; None if none of its points is that accurate.
+    def cost_at(self, solver: str, error: float, cost: Cost = "cpu_s") -> float | None:
+        """Cost of a solver at an error, interpolated; None if none of its points is that accurate.
 
-        At an error above that of its fastest point it is the time of that point.
+        At an error above that of its cheapest point it is the cost of that point.
         """
-        best = self.best_points(solver)
-        if best and error >= best[0].error:
-            return best[0].cpu_s
-        for coarse, fine in pairwise(best):
-            if fine.error <= error:
-                share = math.log(coarse.error / error) / math.log(coarse.error / fine.error)
-                return coarse.cpu_s * math.exp(share * math.log(fine.cpu_s / coarse.cpu_s))
+        best = self.best_points(solver, cost)
+        if best and error >= best[0][0]:
+            return best[0][1]
+        for (coarse, less), (fine, more) in pairwise(best):
+            if fine <= error:
+                return less * math.exp(math.log(coarse / error) / math.log(coarse / fine) * math.log(more / less))
         return None
 
     def compare(self, solver: str) -> Comparison:
         """Compare a solver with the first, fingertip."""
+        ratios = self._ratios(solver, "cpu_s")
+        mean, evaluations = (_geometric_mean(found) for found in (ratios, self._ratios(solver, "evaluations")))
+        return Comparison(ratios, mean, evaluations, self.targets.get(solver))
+
+    def _ratios(self, solver: str, cost: Cost) -> tuple[float | None, ...]:
+        """Cost of a solver as a multiple of the first one's at each level."""
         ours = next(iter(self.solvers))
-        ratios = []
-        for level in self.levels:
-            theirs, base = self.cpu_at(solver, level), self.cpu_at(ours, level)
-            ratios.append(theirs / base if theirs and base else None)
-        known = [ratio for ratio in ratios if ratio]
-        mean = math.exp(statistics.fmean(map(math.log, known))) if known else None
-        return Comparison(tuple(ratios), mean, self.targets.get(solver))
+        costs = ((self.cost_at(solver, level, cost), self.cost_at(ours, level, cost)) for level in self.levels)
+        return tuple(theirs / base if theirs and base else None for theirs, base in costs)
 
     def comparisons(self) -> dict[str, Comparison]:
         """Comparison of each solver with fingertip, the smallest margin first."""
@@ -193,9 +205,15 @@ class WorkPrecision:
         unit = self.unit
         lines = [f"{self.problem}: the references differ by {self.reference_difference:.1e} {unit}"]
         lines += [f"  {name}: {text}" for name, text in self.solvers.items()]
-        lines += [f"  {p.solver:28}{p.setting:34}{p.error:10.1e} {unit}{1e3 * p.cpu_s:12.2f} ms" for p in self.points]
+        lines += [
+            f"  {p.solver:28}{p.setting:34}{p.error:10.1e} {unit}{1e3 * p.cpu_s:12.2f} ms{p.evaluations or '-':>10}"
+            for p in self.points
+        ]
         levels = ", ".join(f"{level:g}" for level in self.levels)
-        lines.append(f"  CPU time as a multiple of fingertip's at errors of {levels} {unit}, and geometric mean:")
+        lines.append(
+            f"  CPU time as a multiple of fingertip's at errors of {levels} {unit}, its geometric mean, and that of "
+            "the evaluations:"
+        )
         lines += [f"    {name:28}{self._comparison_text(found)}" for name, found in self.comparisons().items()]
         lines += [f"  note: {line}" for line in self.notes]
         if self.omissions:
@@ -210,14 +228,14 @@ class WorkPrecision:
         ratios = ", ".join(f"{ratio:.1f}" if ratio else "not reached" for ratio in found.ratios)
         verdict = "" if found.target is None else ": missed" if found.is_missed else ": reached"
         part = " of the levels reached" if None in found.ratios else ""
-        return f"{ratios}; mean {found.mean:.1f}{part}{target}{verdict}"
+        evaluations = "" if found.evaluations is None else f"; evaluations {found.evaluations:.2f}"
+        return f"{ratios}; mean {found.mean:.1f}{part}{target}{verdict}{evaluations}"
 
 
-def time_cpu(run: Callable[[], Array]) -> Outcome:
-    """Return a result and the CPU time that it took."""
-    start = time.process_time()
-    result = run()
-    return Outcome(result, time.process_time() - start)
+def _geometric_mean(ratios: Sequence[float | None]) -> float | None:
+    """Geometric mean of the ratios that are known."""
+    known = [ratio for ratio in ratios if ratio]
+    return math.exp(statistics.fmean(map(math.log, known))) if known else None
 
 
 def describe_machine() -> dict[str, Any]:

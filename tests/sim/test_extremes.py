@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from benchmarks.extremes import contact, run
+from benchmarks.extremes import contact, grasp, run
 from benchmarks.extremes.draw import Draw
 from fingertip.cli import app
 from fingertip.filling.hele_shaw import fill
 from fingertip.filling.network import FlowNetwork
 from fingertip.foundation.errors import TraceError
+from fingertip.foundation.jit import compiled
 from fingertip.pad.response import Backing, Pad
 from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion, admissible_step_s
@@ -90,3 +91,10 @@ def test_grid_of_few_nodes_fills():
 def test_stiff_pad_on_a_soft_hand_has_the_force_of_its_depth():
     pad = Pad(3e4, 1e-5, (0.5,), (0.0,), 0.5, Backing(stiffness_n_per_m=10.0))
     assert pad.force_n(np.array([pad.depth_m(50.0)]))[0] == pytest.approx(50.0)
+
+
+@pytest.mark.parametrize("number", [737, 2572])
+def test_object_on_a_stiff_pin_keeps_to_its_bound(number):
+    """Bristles that slid within a step once grew to no number, and a light object rang on a pin with too long steps."""
+    with compiled():
+        assert grasp.grasp(Draw("object in a hand", number)) < 0.5

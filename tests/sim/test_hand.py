@@ -15,9 +15,10 @@ from fingertip.foundation.errors import TraceError
 from fingertip.foundation.jit import compiled
 from fingertip.pad.response import Pad
 from fingertip.sim import ManipulationFile, article_manipulations, run_manipulation
-from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S
-from fingertip.sim.runs import grasp_loop
+from fingertip.sim.contact.friction import LOAD_SCALE_N, Friction
+from fingertip.sim.contact.tangential import Mount
 from fingertip.sim.runs.files import Hand
+from fingertip.sim.runs.grasp_loop import Grasp, HeldObject, Pin
 from fingertip.sim.runs.motion import Motors, delay_commands, plan_motion
 from fingertip.sim.runs.stepper import HandSignals, ManipulationStepper
 from fingertip.sim.signal.converter import compute_bridge_v
@@ -85,26 +86,16 @@ def test_planned_closing_gives_its_force_and_tendon_stalls_at_the_limit():
     assert weak.follow(np.full((2, 600), 1.0)).force_n[:, -1] == pytest.approx([2.0, 2.0], abs=1e-6)
 
 
-def move_object(
-    seconds: float, step_s: float, loads, mass=0.1, weight=0.98, pin=None, sigma=(25e3, 2.0, 0.6), leaves=1.0
-):
+def move_object(seconds: float, step_s: float, loads, mass=0.1, weight=0.98, pin=None, leaves=1.0):
     count, length = len(loads), round(seconds / step_s)
     time = np.arange(length + 1) * step_s
-    pin_x = np.full(length + 1, -1.0) if pin is None else pin(time)[0]
-    pin_v = np.zeros(length + 1) if pin is None else pin(time)[1]
-    mount = np.array([PAD.backing.mass_kg, 6000.0, 2.0] * count)
-    flat = np.repeat(np.array(loads, dtype=float), length + 1)
-    shear, over_object, bristle = (np.zeros(count * length) for _ in range(3))
-    moved, pushed = np.zeros(length), np.zeros(length)
+    pin_m, pin_m_s = (np.full(length + 1, -1.0), np.zeros(length + 1)) if pin is None else pin(time)
+    mounts = (Mount(PAD.backing.mass_kg, 6000.0, 2.0),) * count
+    held = HeldObject(Friction(0.7, 0.56), mounts, mass, leaves, Pin(2000.0, 5.0, pin is pull_motion, 0.1))
     weights = weight * np.minimum(time / 0.05, 1.0) if weight else np.zeros(length + 1)
-    state = np.zeros(grasp_loop.PAD_STATES * count + grasp_loop.OBJECT_STATES)
-    scratch = np.zeros(grasp_loop.SCRATCH_SIZE * count)
-    grasp_loop.run(
-        (0.56, 0.14, 0.005), (*sigma, RELAX_PER_S, LOAD_SCALE_N), step_s, mass, (2000.0, 5.0, pin is pull_motion),
-        leaves, count, length, mount, weights, pin_x, pin_v, state, scratch, flat, shear, over_object, bristle,
-        moved, pushed,
-    )  # fmt: skip
-    return time[1:], moved, shear.reshape(count, -1), over_object.reshape(count, -1), pushed
+    load_n = np.repeat(np.array(loads)[:, None], length + 1, axis=1)
+    found = Grasp(held, step_s, 1).advance(load_n, weights, pin_m, pin_m_s)
+    return time[1:], found.object_m, found.position_m, found.over_object_m_s, found.pin_n
 
 
 def test_released_object_falls():

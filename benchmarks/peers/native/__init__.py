@@ -82,25 +82,25 @@ class NativeSolver:
     def solve(
         self, problem: str, parameters: Array, drive: Array, samples: int, last: Array, rate_hz: float, start: Array,
         relative: float, absolute: Array, *, restart: bool = True, longest_s: float = 0.0, option: int | None = None,
-    ) -> tuple[Array, float]:  # fmt: skip
-        """Return the states at the samples, one row each, and the CPU time of the integration [s].
+    ) -> tuple[Array, float, int]:  # fmt: skip
+        """Return the states at the samples, one row each; CPU time [s] and evaluations of the integration.
 
         `last` are the samples at which the input has a corner. `samples` is the number of samples in `drive`, where it
         holds samples. Raises SolverFailedError.
         """
         ends = np.ascontiguousarray(last, dtype=np.intc)
-        states, cpu_s = np.zeros((last[-1] + 1, len(start))), ctypes.c_double()
+        states, cost = np.zeros((last[-1] + 1, len(start))), np.zeros(2)
         run = _Run(
             ends.ctypes.data, len(ends), int(restart), self.option if option is None else option, rate_hz, longest_s,
             _pointer(start), relative, _pointer(absolute),
         )  # fmt: skip
         failed = self.programs[problem].solve(
             ctypes.c_void_p(_pointer(parameters)), ctypes.c_void_p(_pointer(drive)), samples, ctypes.byref(run),
-            ctypes.c_void_p(_pointer(states)), ctypes.byref(cpu_s),
+            ctypes.c_void_p(_pointer(states)), ctypes.c_void_p(_pointer(cost)),
         )  # fmt: skip
         if failed:
             raise SolverFailedError(f"{self.name}'s error {failed}")
-        return states, cpu_s.value
+        return states, float(cost[0]), int(cost[1])
 
 
 @dataclass(frozen=True)

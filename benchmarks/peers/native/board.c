@@ -79,6 +79,7 @@ static double conduct(const Parameters *p, double voltage, double *current)
 
 static void rates(const Problem *problem, double t, const double *s, double *out)
 {
+    evaluations++;
     const Parameters *p = problem->parameters;
     double current, first = input_v(problem, t) - s[0], n = p->gain * first - s[1] - s[2];
     conduct(p, n - s[3], &current);
@@ -116,8 +117,8 @@ static void rates_over_time(const Problem *problem, double t, const double *s, d
 
 #include SOLVER
 
-int solve(const double *parameters, const double *input, int samples, const Run *run, double *states, double *cpu_s)
+int solve(const double *parameters, const double *input, int samples, const Run *run, double *states, double *cost)
 {
     Problem problem = {(const Parameters *)parameters, input, samples, run->corners == samples - 1, run->rate_hz, 0};
-    return measure(&problem, run, states, cpu_s);
+    return measure(&problem, run, states, cost);
 }

@@ -24,6 +24,7 @@ static void begin_segment(Problem *problem, int i) { problem->drive = problem->d
 
 static void rates(const Problem *problem, double t, const double *u, double *out)
 {
+    evaluations++;
     const Parameters *p = problem->parameters;
     const Drive *drive = problem->drive;
     double T = t - drive->begin_s, x = u[0], v = u[1], s = u[2], y = u[3], w = u[4];
@@ -78,8 +79,8 @@ static void rates_over_time(const Problem *problem, double t, const double *u, d
 #include SOLVER
 
 /* Write the states at the samples. The number of drives is that of the corners; drive i ends at sample last[i]. */
-int solve(const double *parameters, const double *drives, int unused, const Run *run, double *states, double *cpu_s)
+int solve(const double *parameters, const double *drives, int unused, const Run *run, double *states, double *cost)
 {
     Problem problem = {(const Parameters *)parameters, (const Drive *)drives, NULL};
-    return measure(&problem, run, states, cpu_s);
+    return measure(&problem, run, states, cost);
 }

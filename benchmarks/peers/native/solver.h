@@ -16,6 +16,9 @@
 
 typedef struct Problem Problem;
 
+/* Number of calls of `rates`, which counts them. */
+static long evaluations;
+
 /* Integration from corner to corner of the input. The corners are last[i], numbers of samples. At a corner a solver
    starts afresh if restart is not 0; else it only does not step over it. No step is longer than longest_s, if that is
    above 0. */
@@ -39,15 +42,17 @@ static void rates_over_time(const Problem *problem, double t, const double *s, d
 /* Write the states at all samples behind the first; returns 0, or the solver's error. */
 static int integrate(Problem *problem, const Run *run, double *states);
 
-/* Integrate, and measure the processor time that it takes, so that neither Python nor preparations count. */
-static int measure(Problem *problem, const Run *run, double *states, double *cpu_s)
+/* Integrate, and measure its cost: processor time [s], so that neither Python nor preparations count, and evaluations. */
+static int measure(Problem *problem, const Run *run, double *states, double *cost)
 {
     struct timespec begin, end;
     memcpy(states, run->start, STATES * sizeof(double));
+    evaluations = 0;
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &begin);
     int failed = integrate(problem, run, states);
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &end);
-    *cpu_s = end.tv_sec - begin.tv_sec + 1e-9 * (end.tv_nsec - begin.tv_nsec);
+    cost[0] = end.tv_sec - begin.tv_sec + 1e-9 * (end.tv_nsec - begin.tv_nsec);
+    cost[1] = evaluations;
     return failed;
 }
 

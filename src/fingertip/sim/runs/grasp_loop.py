@@ -20,9 +20,14 @@ eliminated by itself, and one scalar equation for the object remains.
 from __future__ import annotations
 
 import math
+from dataclasses import astuple, dataclass
+
+import numpy as np
 
 from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats
-from fingertip.sim.contact.friction import ROS2_GAMMA
+from fingertip.foundation.numerics import Array
+from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S, ROS2_GAMMA, Friction
+from fingertip.sim.contact.tangential import MAX_DAMPING, MAX_PHASE, Mount
 
 PAD_STATES = 3
 """Number of states of each pad: x, v, s. The pads come first in the state."""
@@ -30,9 +35,13 @@ OBJECT_X, OBJECT_V, HAS_LEFT = range(3)
 """Indices of the object's states, counted from the end of the pads' states."""
 OBJECT_STATES = 3
 """Number of states of the object: X, V, and 1 once it has left the fingers."""
-_A, _B, _PIVOT_S, _J_SW, _PIVOT_V, _J_VS, _RS1, _DRIFT_S, _DRIFT_V, _C1, _KX1, _KV1, _KS1, _S, _E, _RX, _RS2 = range(17)
+PIN_PHASE = 0.15
+"""Longest step, as the angle by which the object swings on the pin in one step [rad]: less than on the bristles, as a
+pin that is attached hardly damps, and goes on ringing."""
+_A, _B, _PIVOT_S, _J_SW, _PIVOT_V, _J_VS, _RS1, _DRIFT_S, _DRIFT_V, _C1 = range(10)
+_KX1, _KV1, _KS1, _S, _E, _RX, _RS2, _SLIDING, _MOST = range(10, 19)
 """Indices of the values kept for each finger between the parts of a step, named like the variables of the loop."""
-SCRATCH_SIZE = 17
+SCRATCH_SIZE = 19
 
 
 def pin_n(k: float, damping: float, attached: float, X: float, V: float, Xp: float, Vp: float) -> float:
@@ -158,6 +167,7 @@ def _grasp_loop(
             scratch[offset + _J_SW], scratch[offset + _J_VS] = J_sw, J_vs
             scratch[offset + _RS1], scratch[offset + _DRIFT_S], scratch[offset + _DRIFT_V] = rs, drift_s, drift_v
             scratch[offset + _C1], scratch[offset + _S], scratch[offset + _E] = c1, S, E
+            scratch[offset + _MOST] = g
         kV1 = (dV + drift_V + G * jx * V + rhs) / diagonal
         kX1 = V + G * kV1
 
@@ -181,7 +191,13 @@ def _grasp_loop(
             w = ve - Ve
             ratio = w / vs
             g = mu_c + drop / (1 + ratio * ratio)
+            most = g if g > scratch[offset + _MOST] else scratch[offset + _MOST]
             z = c1 * se
+            if s0 * abs(z) > 2 * most and abs(se) > abs(s):
+                # Bristles bent beyond sliding only straighten up. The step is longer than they are: they slide.
+                z = (g if w >= 0.0 else -g) / s0
+                se = z / c1
+            scratch[offset + _SLIDING], scratch[offset + _MOST] = g, most
             relax, _ = relax_rate(relax_per_s, N1 / N0, s0 * z * per_mu_s)
             ds = N1 * c1 * (w - s0 * (w if w >= 0.0 else -w) * z / g) - relax * se
             mu = s0 * z + s1 * c1 * ds + s2 * w
@@ -218,10 +234,14 @@ def _grasp_loop(
             ks2 = scratch[offset + _PIVOT_S] * (scratch[offset + _RS2] + G * scratch[offset + _J_SW] * (kv2 - kV2))
             state[3 * i] += h * (1.5 * kx1 + 0.5 * kx2)
             state[3 * i + 1] += h * (1.5 * kv1 + 0.5 * kv2)
+            before = abs(state[3 * i + 2])
             state[3 * i + 2] += h * (1.5 * ks1 + 0.5 * ks2)
-            x_out[i * length + j] = state[3 * i]
-            over_object[i * length + j] = state[3 * i + 1] - V  # w
-            z_out[i * length + j] = scratch[offset + _C1] * state[3 * i + 2]
+            w, s = state[3 * i + 1] - V, state[3 * i + 2]
+            z = scratch[offset + _C1] * s
+            if s0 * abs(z) > 2 * scratch[offset + _MOST] and abs(s) > before:
+                z = (scratch[offset + _SLIDING] if w >= 0.0 else -scratch[offset + _SLIDING]) / s0
+                state[3 * i + 2] = z / scratch[offset + _C1]
+            x_out[i * length + j], over_object[i * length + j], z_out[i * length + j] = state[3 * i], w, z
             if has_left > 0.0:
                 load[i * (length + 1) + j + 1] = 0.0
         object_out[j] = X
@@ -229,10 +249,112 @@ def _grasp_loop(
     state[target + OBJECT_X], state[target + OBJECT_V], state[target + HAS_LEFT] = X, V, has_left
 
 
-run = CompiledLoop(_grasp_loop, pin_n, relax_rate, outputs=8, samples="x_out", plain_us=6.0)
+_advance = CompiledLoop(_grasp_loop, pin_n, relax_rate, outputs=8, samples="x_out", plain_us=6.0)
 """Advances the grasp over a chunk.
 
 The state (x, v, s of each pad; X, V and whether the object has left) and the scratch values are carried from chunk to
 chunk. Loads become 0 once the object has left. The outputs are, at the end of each step: position of each pad, its
 velocity w over the object, its bristle deflection, position of the object, and force of the pin.
 """
+
+
+@dataclass(frozen=True)
+class Pin:
+    """Contact of the pin with the object."""
+
+    stiffness_n_per_m: float
+    damping_s_per_m: float
+    is_attached: bool
+    speed_m_s: float
+    """Largest velocity."""
+
+
+@dataclass(frozen=True)
+class HeldObject:
+    """Object between pads."""
+
+    friction: Friction
+    mounts: tuple[Mount, ...]
+    """Mount of each finger's pad."""
+    mass_kg: float
+    length_m: float
+    """Distance after which it has left the fingers."""
+    pin: Pin
+
+    def count_parts(self, max_load_n: float, step_s: float) -> int:
+        """Return the number of parts into which a step is divided, so that they resolve all motion under a load.
+
+        Pads and object swing against each other on the bristles of all fingers, and the object on the pin. Thumb and
+        fingers press alike.
+        """
+        friction, pin, rate = self.friction, self.pin, 0.0
+        on_pin = pin.stiffness_n_per_m * (1 + 2 * pin.damping_s_per_m * pin.speed_m_s) / self.mass_kg
+        for mount in self.mounts:
+            per_kg = 1 / mount.mass_kg + 2 / self.mass_kg
+            on_bristles = mount.stiffness_n_per_m / mount.mass_kg + max_load_n * friction.sigma0 * per_kg
+            turns = math.sqrt(on_bristles / MAX_PHASE**2 + on_pin / PIN_PHASE**2)
+            damping = max_load_n * (friction.sigma1 + friction.sigma2) * per_kg / MAX_DAMPING
+            rate = max(rate, turns, damping)
+        return max(1, math.ceil(step_s * rate))
+
+
+@dataclass(frozen=True, eq=False)
+class GraspMotion:
+    """Motion at the end of each step, of each pad (fingers, steps) and of the object (steps,)."""
+
+    load_n: Array
+    """Force of each finger, 0 once the object has left."""
+    position_m: Array
+    """Position of each pad relative to its finger."""
+    over_object_m_s: Array
+    bristle_m: Array
+    object_m: Array
+    pin_n: Array
+
+
+class Grasp:
+    """Held object and its pads in motion, at rest before the first chunk, with steps that are divided into parts."""
+
+    def __init__(self, held: HeldObject, step_s: float, parts: int) -> None:
+        friction, mounts, pin = held.friction, held.mounts, held.pin
+        self.parts = parts
+        self._constants = (
+            (friction.mu_c, friction.mu_s - friction.mu_c, friction.stribeck_m_s),
+            (friction.sigma0, friction.sigma1, friction.sigma2, RELAX_PER_S, LOAD_SCALE_N),
+            step_s / parts, held.mass_kg,
+            (pin.stiffness_n_per_m, pin.damping_s_per_m, float(pin.is_attached)), held.length_m, len(mounts),
+        )  # fmt: skip
+        self._mounts = np.array([astuple(mount) for mount in mounts]).ravel()
+        self._state = np.zeros(PAD_STATES * len(mounts) + OBJECT_STATES)
+        self._scratch = np.zeros(SCRATCH_SIZE * len(mounts))
+
+    @property
+    def is_lost(self) -> bool:
+        return bool(self._state[HAS_LEFT - OBJECT_STATES] > 0.0)
+
+    def advance(self, load_n: Array, weight_n: Array, pin_m: Array, pin_m_s: Array) -> GraspMotion:
+        """Advance by one step less than there are loads, (fingers, points).
+
+        Weight, and position and velocity of the pin, are given at the ends of the parts of all steps.
+        """
+        count, length = len(load_n), len(weight_n) - 1
+        load = refine(load_n, self.parts).ravel()
+        pads = [np.zeros(count * length) for _ in range(3)]
+        object_m, pin = np.zeros(length), np.zeros(length)
+        _advance(
+            *self._constants, length, self._mounts, weight_n, pin_m, pin_m_s, self._state, self._scratch, load, *pads,
+            object_m, pin,
+        )  # fmt: skip
+        every = slice(self.parts - 1, None, self.parts)
+        x, w, z = (values.reshape(count, -1)[:, every] for values in pads)
+        return GraspMotion(load.reshape(count, -1)[:, 1:][:, every], x, w, z, object_m[every], pin[every])
+
+
+def refine(values: Array, parts: int) -> Array:
+    """Divide the steps between the points of each row into parts, by straight lines."""
+    if parts == 1:
+        return values.copy()
+    fraction = np.arange(1, parts + 1) / parts
+    steps = values[:, :-1, None] + (values[:, 1:] - values[:, :-1])[:, :, None] * fraction
+    steps[:, :, -1] = values[:, 1:]
+    return np.concatenate((values[:, :1], steps.reshape(len(values), -1)), axis=1)

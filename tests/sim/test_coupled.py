@@ -115,7 +115,7 @@ def test_stiff_bristles_and_light_pads_slide_steadily(stiff, mass_kg, elastic):
     with compiled():
         found = slide(friction, mount)
     middle = round(0.8 * RATE_HZ)
-    assert found.steps + found.rejected < 80_000
+    assert found.evaluations < 300_000
     assert np.isfinite(found.position_m).all()
     assert np.abs(found.velocity_m_s).max() < 0.15
     if stiff != {"sigma0": 1.0}:  # such soft bristles deflect by 0.5 m, so they never break loose within 4 cm
@@ -274,8 +274,22 @@ def test_chunk_that_fails_leaves_the_state_as_it_was(monkeypatch):
 def test_few_steps_are_rejected():
     """A wrong coefficient or solution shows first as repeatedly rejected steps."""
     found = slide()
-    assert found.steps < 2.1 * 2800
+    assert found.steps < 3.2 * 2800
     assert found.rejected < 0.2 * found.steps
-    assert found.evaluations == 6 * (found.steps + found.rejected)
+    assert found.evaluations == 3 * (found.steps + found.rejected)
     tight = slide(tolerance=1e-8)
     assert tight.steps < 4 * found.steps  # order 3 of the estimate: 100^(1/4) = 3.2
+
+
+def test_equal_steps_have_order_4():
+    """A drive that is exact between samples, a pad that moves forward only, and a tolerance that allows any step."""
+    mount, normal = Mount(0.035, 1500.0, 10.0), NormalContact(90.0, 0.3)
+
+    def forces_at_end(samples: int, tolerance_n: float) -> np.ndarray:
+        t = np.arange(samples + 1) * (0.01 / samples)
+        found = integrate(FRICTION, mount, normal, t[1], 0.04 * t, np.full_like(t, 0.04), 0.8 + 20 * t, tolerance_n)
+        return np.array([1500 * found.position_m[-1], 2e4 * found.bristle_m[-1], found.force_n[-1]])
+
+    exact = forces_at_end(640, 1e-12)
+    coarse, fine = (np.abs(forces_at_end(samples, 1e9) - exact) for samples in (40, 80))
+    assert (np.log2(coarse / fine) > 3.6).all()

@@ -73,6 +73,7 @@ def casting_sheet_data(
         "sensor_tail": design.sensor.tail,
         "wires_between_cheeks": design.dimensions.window_opens_into_gap,
         "silicone": _silicone_data(silicone) | {"example": _find_example(design, silicone)},
+        "aids": consumables.AIDS,
         "volumes_cm3": quantities.volumes_data(volumes),
         "batch": _batch_data(design, silicone, volumes),
         "mold": {

@@ -264,6 +264,8 @@ def _batch_data(design: Design, silicone: Silicone, volumes: quantities.Silicone
         "b_g": b_g,
         "total_g": round(a_g + b_g, 2),
         "waste_percent": round(100.0 * quantities.WASTE_FRACTION, 1),
+        "smallest_g": round(quantities.smallest_batch_g(silicone), 2),
+        "min_mix_g": quantities.MIN_MIX_G,
         "min_component_g": quantities.MIN_COMPONENT_G,
         "scale_g": quantities.SCALE_G,
         "step_percent": round(100.0 * quantities.SCALE_G / quantities.MIN_COMPONENT_G, 1),

@@ -9,6 +9,7 @@ import pytest
 
 from fingertip.casting.quantities import (
     MIN_COMPONENT_G,
+    MIN_MIX_G,
     WASTE_FRACTION,
     compute_batch,
     is_ratio_assumed,
@@ -50,12 +51,13 @@ class TestEachSilicone:
         assert batch.total_g - batch.in_mold_g == pytest.approx(WASTE_FRACTION * batch.in_mold_g)
         assert batch.a_g + batch.b_g == pytest.approx(batch.total_g)
 
-    def test_small_batch_is_large_enough_to_weigh(self, silicone: Silicone) -> None:
+    def test_small_batch_is_large_enough_to_weigh_and_to_stir(self, silicone: Silicone) -> None:
         batch = compute_batch(silicone, 1.0)
         assert batch.with_waste_g == pytest.approx((1 + WASTE_FRACTION) * silicone.density_g_cm3.high)
         ratio = silicone.parts_a.low / silicone.parts_b.low
-        assert batch.b_g == pytest.approx(MIN_COMPONENT_G)
-        assert batch.a_g == pytest.approx(ratio * MIN_COMPONENT_G)
+        least_g = max(MIN_COMPONENT_G, MIN_MIX_G / (1 + ratio))
+        assert batch.b_g == pytest.approx(least_g) == {10.0: 1.0, 1.0: 5.0}[ratio]
+        assert batch.a_g == pytest.approx(ratio * least_g)
         assert batch.total_g - batch.in_mold_g == pytest.approx(batch.total_g - silicone.density_g_cm3.high)
 
 

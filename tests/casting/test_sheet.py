@@ -17,7 +17,7 @@ import pytest
 from fingertip.cad.printing.slicer import HOW_TO_INSTALL, PrintEstimate
 from fingertip.cad.report import Build
 from fingertip.cad.shapes.parts import PARTS
-from fingertip.casting.consumables import flat_width_mm
+from fingertip.casting.consumables import AIDS, flat_width_mm
 from fingertip.casting.quantities import SiliconeVolumes, pose_tolerance_deg
 from fingertip.catalogues.silicones import load_silicones
 from fingertip.design import Design
@@ -168,6 +168,23 @@ def all_supplies() -> list[dict[str, Any]]:
     both = (Design.load(design_file(name)) for name in ("fsr400", "adult_finger"))
     found = [casting_sheet_data(design, VOLUMES, SILICONES["addition_40a"])["supplies"] for design in both]
     return [*found[0], *found[1]]
+
+
+@pytest.mark.parametrize(
+    ("name", "silicone", "named"),
+    [("adult_finger", "addition_40a", {"primer", "lacquer"}), ("adult_finger", "condensation_40a", {"lacquer"}),
+     ("fsr400", "condensation_40a", set())],
+)  # fmt: skip
+def test_primer_and_lacquer_are_named_with_a_source_where_they_are_bought(
+    name: str, silicone: str, named: set[str]
+) -> None:
+    page = render_sheet(casting_sheet_data(Design.load(design_file(name)), VOLUMES, SILICONES[silicone]))
+    to_buy, sources = page.partition("## Printing")[0], page.partition("## Silicone data")[2]
+    assert {word for word, aid in AIDS.items() if aid["label"] in to_buy} == named
+    assert {word for word, aid in AIDS.items() if f"| {aid['source']} |" in sources} == named
+    assert ("seal the cavity, never the bone," in page) == (silicone == "addition_40a"), "tin cures on any print"
+    faq = (Path(__file__).parents[2] / "docs" / "faq.md").read_text(encoding="utf-8")
+    assert all(aid["label"] in faq for aid in AIDS.values())
 
 
 @pytest.mark.full

@@ -18,16 +18,19 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from typer.testing import CliRunner
 
 from fingertip.cad.files import threemf
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import build_volume_excess, print_orientations
 from fingertip.cad.printing.print_files import list_pieces, make_plates
 from fingertip.cad.shapes.parts import PARTS
+from fingertip.cad.verification.check import Check
 from fingertip.casting.hardware import bill_of_materials
 from fingertip.casting.quantities import compute_batch, measure_volumes
 from fingertip.casting.set_plan import CHANGE_S, PATCH_CM3, Mold, plan_castings
 from fingertip.catalogues.controllers import NAMES
+from fingertip.cli import app
 from fingertip.design import Design
 from fingertip.design.files import to_toml
 from fingertip.design.finger_set import FingerSet, Form, load_set
@@ -87,6 +90,40 @@ def test_a_finger_may_differ_from_its_design_and_forms_of_one_design_have_names_
     assert found.side == "left"
     (form,) = load_set(write_set(folder, 'name = "one"\n[fingers.index]\ndesign = "own.toml"\n')).forms
     assert (form.design.name, form.design.skin.width_mm) == ("own", 17.0)
+
+
+def test_values_in_a_text_are_written_for_each_finger_of_a_form() -> None:
+    two = Form(FINGER, ("index", "ring"))
+    assert two.name_values("It turns on with a.b_mm=1.5.") == (
+        "It turns on with fingers.index.a.b_mm=1.5 fingers.ring.a.b_mm=1.5."
+    )
+    typed = two.name_values("it passes with --set a.b=9; or change a.c")
+    assert typed == "it passes with --set fingers.index.a.b=9 --set fingers.ring.a.b=9; or change a.c"
+    assert two.name_values("z = 2.5 mm, a.b") == "z = 2.5 mm, a.b"
+
+
+def test_terminal_names_values_as_the_set_takes_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The thumb fails, the fingers warn, and the trial of both has a warning."""
+    failed = Check("bone.safety_factor.grip", 0.5, 1.0, "", "at least", remedy="strength.grip_force_n=9")
+    warned = Check("pad.turn_on_force", 1.0, 2.0, "N", warning="it turns on with sensor.distance_from_tip_mm=10.35.")
+    made = [
+        SimpleNamespace(
+            parts=SimpleNamespace(checks=[check], strength=None, design=design, folder=Path("out"), parts=()),
+            detection=SimpleNamespace(warnings=["set detector.adc_bits=12"]),
+        )
+        for check, design in ((failed, THUMB), (warned, FINGER))
+    ]
+    totals = dict.fromkeys(("fingers", "molds", "fingers_cm3", "molds_cm3", "castings", "mixtures", "cure_h"), 1)
+    data = {"totals": totals | {"silicone_g": {"soft": 1.0}}}
+    result = SimpleNamespace(forms=made, data=data, board=(), folder=Path("out"), passed=True)
+    monkeypatch.setattr("fingertip.tasks.make_set.make_set", lambda *args, **options: result)
+    text = CliRunner().invoke(app, ["make", "adult_hand"]).output
+    assert "--set fingers.thumb.strength.grip_force_n=9;" in text
+    fingers = ("index", "middle", "ring", "little")
+    each = " ".join(f"fingers.{finger}.sensor.distance_from_tip_mm=10.35" for finger in fingers)
+    assert each in " ".join(text.split())
+    assert "warning: set fingers.thumb.detector.adc_bits=12" in text
+    assert " ".join(f"fingers.{finger}.detector.adc_bits=12" for finger in fingers) in text
 
 
 def test_forms_of_one_long_name_have_folders_of_their_own(folder: Path) -> None:

@@ -15,6 +15,18 @@ from fingertip.design.geometry.conic import add_groove
 from fingertip.design.geometry.seat import tape_span_mm
 from fingertip.foundation.numerics import bisect
 
+AIDS = {
+    "primer": {
+        "label": "Factor II A-330-G", "use": "bonds addition-cure silicone to acrylic resin",
+        "source": "Hatamleh and Watts, Dental Materials 2010, 26, 387: peels off acrylic at 8.2 N/mm at best",
+    },
+    "lacquer": {
+        "label": "Krylon Crystal Clear Acrylic", "use": "seals a print that inhibits addition-cure silicone",
+        "source": "Smooth-On: Dragon Skin bulletin (clear acrylic lacquer); its support, quoted in "
+                  "sanssoucistudios.com/blog/more-adventures-in-moldmaking",
+    },
+}  # fmt: skip
+"""Products that bond or seal a print under silicone, what they do, and the sources of their names."""
 _STOCK_WIDTHS_MM = (3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0, 25.0, 30.0, 40.0, 50.0)
 """Widths in which polyimide tape is sold. An assumption: makers' lists differ."""
 _STATIONS = 100

@@ -21,6 +21,8 @@ SCALE_G = 0.01
 """Step of the scale that weighs the components [g]."""
 MIN_COMPONENT_G = 1.0
 """Minimum mass of the lighter component [g]. A scale that is off by one step errs by 1 %, and so does the ratio."""
+MIN_MIX_G = 10.0
+"""Minimum mass of a mixture [g]. Some 0.5 g stays unstirred on cup and stirrer, 5 % of this. An assumption."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,7 @@ class Batch:
     with_waste_g: float
     """Mass with the extra silicone that stays on cup, stirrer and syringe or funnel."""
     total_g: float
-    """Mass to mix; more than `with_waste_g` if the lighter component would otherwise be too light to weigh."""
+    """Mass to mix; more than `with_waste_g` if that is below `smallest_batch_g`."""
     a_g: float
     b_g: float
 
@@ -117,10 +119,14 @@ def bubble_rise_mm_per_min(viscosity_pa_s: float) -> float:
 def compute_batch(silicone: Silicone, volume_cm3: float, load_cm3: float = 0.0) -> Batch:
     """Compute what to mix for a volume [cm3], or a syringe's load if that is more: with waste, and enough to weigh."""
     in_mold_g = mass_g(silicone, volume_cm3)
-    fraction_a, fraction_b = split_by_mix_ratio(silicone, 1.0)
     with_waste_g = max(in_mold_g, mass_g(silicone, load_cm3)) * (1.0 + WASTE_FRACTION)
-    total_g = max(with_waste_g, MIN_COMPONENT_G / min(fraction_a, fraction_b))
+    total_g = max(with_waste_g, smallest_batch_g(silicone))
     return Batch(in_mold_g, with_waste_g, total_g, *split_by_mix_ratio(silicone, total_g))
+
+
+def smallest_batch_g(silicone: Silicone) -> float:
+    """Compute the smallest mass to mix [g]: the larger of what can be stirred and what can be weighed."""
+    return max(MIN_MIX_G, MIN_COMPONENT_G / min(split_by_mix_ratio(silicone, 1.0)))
 
 
 def _component_densities(silicone: Silicone) -> tuple[float, float] | None:

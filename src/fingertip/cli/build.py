@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -75,7 +75,7 @@ def _format_build(result: Build) -> list[str]:
     return lines
 
 
-def _list_remarks(result: Build, room: int) -> list[str]:
+def _list_remarks(result: Build, room: int, rewrite: Callable[[str], str] = str) -> list[str]:
     """List failed checks and warnings in so many lines: each is cut to its share, and those without one are counted."""
     from fingertip.cad.verification.check import list_warnings
     from fingertip.cad.verification.strength import describe_strength
@@ -84,7 +84,7 @@ def _list_remarks(result: Build, room: int) -> list[str]:
     remarks = [" ".join(format_failures([check])) for check in result.checks if not check.passed]
     remarks += (f"warning: {text}" for text in list_warnings(result.checks))
     remarks += describe_strength(result.strength)[1:] if result.strength else []
-    shown = remarks if len(remarks) <= room else remarks[: room - 1]
+    shown = [rewrite(remark) for remark in (remarks if len(remarks) <= room else remarks[: room - 1])]
     share: dict[str, Any] = {"max_lines": room // max(1, len(shown)), "subsequent_indent": "  ", "placeholder": " ..."}
     lines = [line for remark in shown for line in textwrap.wrap(remark, _MAX_WIDTH, **share)]
     return lines + ([f"and {len(remarks) - len(shown)} more, in {REPORT}"] if len(shown) < len(remarks) else [])
@@ -154,9 +154,8 @@ def _make_set(
     from fingertip.design.finger_set import load_set
     from fingertip.tasks.make_set import make_set
 
-    made = make_set(load_set(file, changes), out, formats=formats, force=force, progress=console.progress)
-    for form in made.forms:
-        console.warn(form.detection.warnings)
+    fingers = load_set(file, changes)
+    made = make_set(fingers, out, formats=formats, force=force, progress=console.progress)
     totals, lines = made.data["totals"], list[str]()
     silicone_g = sum(totals["silicone_g"].values())
     boards = "one board for all fingers" if made.board else "a board for each form"
@@ -168,9 +167,11 @@ def _make_set(
         f"look at: {made.folder / PAGE}",
         f"next: {made.folder / OVERVIEW} says what to print, cast and build",
     ]
-    for form in made.forms:
+    for each, form in zip(made.forms, fingers.forms, strict=True):
+        console.warn(map(form.name_values, each.detection.warnings))
         room = (_MAX_LINES - len(last)) // len(made.forms) - 1
-        lines += [_format_build(form.parts)[0], *(_list_remarks(form.parts, room) if room > 0 else [])]
+        remarks = _list_remarks(each.parts, room, form.name_values) if room > 0 else []
+        lines += [_format_build(each.parts)[0], *remarks]
     lines += last
     console.result({"folder": str(made.folder), "passed": made.passed, **made.data}, "\n".join(lines), made.passed)
 

@@ -7,6 +7,7 @@ of a sensor changes no part: fingers that differ in it alone are of one form.
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -50,6 +51,11 @@ class Form:
     @property
     def count(self) -> int:
         return len(self.fingers)
+
+    def name_values(self, text: str) -> str:
+        """Write the values in a text, such as bone.wall_mm=2, as the set takes them: one for each finger."""
+        each = " ".join(rf"\g<1>fingers.{name}.\g<2>" for name in self.fingers)
+        return re.sub(r"(--set )?\b(\w+\.\w+=\S*\w)", each, text)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import math
-import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -213,8 +212,7 @@ def _collect(fingers: FingerSet, form: Form, made: Made) -> FormSheets:
     detection = made.detection.detection
     calibrated = [name for name in form.fingers if name in fingers.calibrated]
     own = {name: acceptance_data(fingers.calibrated[name], detection) for name in calibrated}
-    prefixed = " ".join(rf"fingers.{name}.\g<0>" for name in form.fingers)  # as the set takes a value
-    warnings = tuple(re.sub(r"\b\w+\.\w+=\S+\w", prefixed, told) for told in list_warnings(made.parts.checks))
+    warnings = tuple(map(form.name_values, list_warnings(made.parts.checks)))
     verdict = count_checks(made.parts.checks)
     acceptance = acceptance_data(form.design, detection)
     return FormSheets(form, made.parts.casting, acceptance, volumes, verdict, warnings, own)

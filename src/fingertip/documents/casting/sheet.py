@@ -73,6 +73,7 @@ def casting_sheet_data(
         "sensor_tail": design.sensor.tail,
         "wires_between_cheeks": design.dimensions.window_opens_into_gap,
         "silicone": _silicone_data(silicone) | {"example": _find_example(design, silicone)},
+        "aids": consumables.AIDS,
         "volumes_cm3": quantities.volumes_data(volumes),
         "batch": _batch_data(design, silicone, volumes),
         "mold": {
@@ -263,6 +264,8 @@ def _batch_data(design: Design, silicone: Silicone, volumes: quantities.Silicone
         "b_g": b_g,
         "total_g": round(a_g + b_g, 2),
         "waste_percent": round(100.0 * quantities.WASTE_FRACTION, 1),
+        "smallest_g": round(quantities.smallest_batch_g(silicone), 2),
+        "min_mix_g": quantities.MIN_MIX_G,
         "min_component_g": quantities.MIN_COMPONENT_G,
         "scale_g": quantities.SCALE_G,
         "step_percent": round(100.0 * quantities.SCALE_G / quantities.MIN_COMPONENT_G, 1),

@@ -230,7 +230,7 @@ def load_syringe(bench: Bench, data: Data) -> Scene:
     return Scene(
         (*shown, bench.solid(wire, Paint.SENSOR), bench.solid(cap, Paint.SEAL)),
         Camera.looking_from((-1.0, -0.2, 0.2), (0.0, 1.0, 0.0)),
-        Label("cap: take it off\nbefore you press\nthe air out", (inlet.x, low, inlet.z)),
+        Label("nozzle up, take the\ncap off, and only then\npress the air out", (inlet.x, low, inlet.z)),
         Label(f"{filling['load_cm3']:g} cm3", (inlet.x, level, inlet.z - radius)),
         Label(
             "wire beside the plunger\nlets the air out; then\npull it out",

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.shapes.bone import tape
 from fingertip.cad.shapes.insert import axis_z
 from fingertip.cad.shapes.mold import pry_slots_z
@@ -14,7 +11,7 @@ from fingertip.design.geometry.solids import Box, Cone, Solid, cylinder, union
 from fingertip.filling.mold_filling import place_vents
 from fingertip.pictures.raster import Camera
 from fingertip.pictures.steps.objects import Bench
-from fingertip.pictures.steps.scene import Arrow, Data, Label, Paint, Scene, Shown, View, given
+from fingertip.pictures.steps.scene import Arrow, Data, Label, Paint, Scene, View, given
 
 _SPARE_MM, _DROP_MM = 10.0, 2.5
 """Width of a spare piece, and radius of a drop [mm]."""
@@ -100,10 +97,7 @@ def _drill(z: float, low: float, high: float, radius: float) -> Solid:
 
 def release(bench: Bench, data: Data) -> Scene:
     m = bench.layout
-    dorsal = bench.part("mold_dorsal")
     beside = 2 * m.half_width + 6.0
-    flipped = dorsal.mesh.vertices * np.array((-1.0, -1.0, 1.0))
-    turned = Mesh(flipped + np.array((beside, 0.0, 0.0)), dorsal.mesh.triangles)
     camera = Camera.looking_from((0.0, 1.0, 0.0), (1.0, 0.0, 0.0))
     z = bench.dims.sensor_z
     marks = [
@@ -113,7 +107,7 @@ def release(bench: Bench, data: Data) -> Scene:
     ]
     if data["chaplet"]:
         marks.append(Label("face of the boss:\nleave bare", (beside, -1.0, axis_z(bench.design))))
-    return Scene((bench.part("mold_palmar"), Shown(turned, dorsal.colour)), camera, *marks)
+    return Scene((bench.part("mold_palmar"), bench.part("mold_dorsal").turned((beside, 0.0, 0.0))), camera, *marks)
 
 
 def seat_tape(bench: Bench, data: Data) -> Scene:
@@ -146,13 +140,18 @@ def core_only(bench: Bench, data: Data) -> Scene:
 def prime(bench: Bench, data: Data) -> Scene:
     dims = bench.dims
     _, y, z = bench.head
-    return Scene(
-        (*bench.assembled_bone(), bench.solid(tape(bench.design), Paint.TAPE), *bench.stiff(), *bench.seat_tape()),
-        View.PALMAR,
+    shown = [*bench.assembled_bone(), bench.solid(tape(bench.design), Paint.TAPE), *bench.stiff(), *bench.seat_tape()]
+    marks = [
         Label("primer on all that\nthe skin will cover", (0.0, 0.0, bench.design.skin.length_mm - 3.0)),
         Label("none on the tape", (0.0, y, z / 2)),
         Label("none below the collar", (0.0, 0.0, dims.base_end_z / 2)),
-    )
+    ]
+    if chaplet := dims.chaplet:  # the mask is on the other side, which is shown above
+        above, top = 3.2 * dims.collar.section.half_width, chaplet.facet_y + 0.2
+        mask = bench.solid(cylinder("y", (chaplet.z, 0.0), chaplet.facet_y, top, chaplet.radius), Paint.TAPE)
+        shown += [item.turned((0.0, above, 0.0)) for item in (*shown, mask)]
+        marks.append(Label("mask, peeled off\nwhen the primer is dry", (0.0, above - top, chaplet.z)))
+    return Scene(shown, View.PALMAR, *marks)
 
 
 def hold(bench: Bench, data: Data) -> Scene:

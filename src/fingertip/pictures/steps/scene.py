@@ -38,6 +38,11 @@ class Shown:
     mesh: Mesh
     colour: Colour
 
+    def turned(self, shift: Point3) -> Shown:
+        """Turn by 180 degrees about z, and shift."""
+        turned = self.mesh.vertices * np.array((-1.0, -1.0, 1.0))
+        return Shown(Mesh(turned + np.array(shift), self.mesh.triangles), self.colour)
+
 
 @dataclass(frozen=True)
 class Label:

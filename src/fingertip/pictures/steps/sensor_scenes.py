@@ -5,7 +5,7 @@ from __future__ import annotations
 from fingertip.cad.shapes.bone import passage_seal, sensor_body, tape
 from fingertip.design.geometry.dimensions import LASHING_MM
 from fingertip.design.geometry.seat import tape_span_mm
-from fingertip.design.geometry.solids import Box, ElbowTube, Point3, Solid, cylinder, intersection, union
+from fingertip.design.geometry.solids import Box, ElbowTube, Point3, Solid, cylinder, difference, intersection, union
 from fingertip.pictures.picture import HAND, place_on_hand
 from fingertip.pictures.raster import Camera, Colour
 from fingertip.pictures.steps.objects import Bench
@@ -147,25 +147,32 @@ def bend_wires(bench: Bench, data: Data) -> Scene:
     """Show the wires over the folded tail and out at the proximal end of the window, cut open."""
     course, dims, wire = given(bench.dims.fold), bench.dims, data["fit"]["wire_mm"]
     y = course.floor_y + dims.sensor.thickness_mm + bench.design.sensor.crimp_height_mm + wire / 2
-    wires = cylinder("z", (0.0, y), dims.base_end_z - 8.0, course.tabs_end_z, wire / 2)
+    end, low, high = course.tabs_end_z, y - wire / 2, y + wire / 2
+    loop = difference(
+        cylinder("y", (end, wire), low, high, 1.5 * wire), cylinder("y", (end, wire), low - 1.0, high + 1.0, wire / 2),
+        Box((-wire, low - 1.0, end - 2 * wire), (3 * wire, high + 1.0, end)),
+    )  # fmt: skip
+    out = cylinder("z", (0.0, y), dims.base_end_z - 8.0, end, wire / 2)
+    wires = union(out, loop, cylinder("z", (2 * wire, y), end - 1.5, end, wire / 2))
     way = "between the cheeks" if data["wires_between_cheeks"] else "in the groove"
     return Scene(
         (*bench.assembled_bone(cut=True, lid=False), bench.solid(wires, Paint.WIRE)),
-        View.CUT_FROM_ABOVE,
-        Label("loop, not pulled\nat the joints", (0.0, course.floor_y + wire, course.tabs_end_z)),
+        Camera.from_angles(24, 45),
+        Label("loop, not pulled\nat the joints", (wire, y, end + wire)),
         Label(f"fix with adhesive here,\nthen {way}", (0.0, course.floor_y + wire, course.nose_z)),
     )
 
 
 def stick_lid(bench: Bench, data: Data) -> Scene:
     course = given(bench.dims.fold)
-    lid = bench.part("lid", (0.0, _LIFT_MM, 0.0))
+    lid, half = bench.part("lid", (0.0, _LIFT_MM, 0.0)), bench.dims.tail_half_width
+    beads = (cylinder("z", (x, course.floor_y + 0.3), course.nose_z, course.trough_end_z, 0.3) for x in (-half, half))
     middle = (course.nose_z + course.trough_end_z) / 2
     return Scene(
-        (*bench.assembled_bone(lid=False), lid),
+        (*bench.assembled_bone(lid=False), lid, bench.solid(union(*beads), Paint.SEAL)),
         View.DORSAL,
         Label("lid", (0.0, bench.dims.bone_outline.section.dorsal + _LIFT_MM, middle)),
-        Label("bead of adhesive\nalong the edges", (0.0, course.floor_y, middle)),
+        Label("bead of adhesive\nalong the edges", (half, course.floor_y + 0.3, middle)),
         Arrow((0.0, _LIFT_MM + 3.0, middle), (0.0, course.floor_y + 4.0, middle)),
     )
 

@@ -158,6 +158,8 @@ GAP = fingertip.Trace(np.delete(np.arange(999), np.arange(300, 400)) / 1000, np.
         (np.full(999, 2300), 1000.0, "a factor of 0.00080566406 converts counts of 12 bits"),
         (GAP, None, "comes after a gap (previous time 0.299 s, median step 0.001 s); detection requires evenly spaced "
          "samples; if few are missing, pass the voltages alone, with rate_hz=1000"),
+        (fingertip.Trace(np.arange(999) // 4 / 250, np.ones(999)), None,
+         "rounded to 0.004 s, at a mean rate of 1000 Hz; pass the voltages alone, with rate_hz=1000"),
         (fingertip.Trace(np.arange(999), np.zeros(999)), None, "if they are in milliseconds, convert them to seconds"),
         (fingertip.Trace(np.zeros(9), np.zeros(9)), None, "time"),
         (np.zeros(4000), 100.0, "rate_hz: 100 Hz is out of range; record at, or resample to, 1000 to 20000"),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from functools import partial
 from typing import Any
 
@@ -17,14 +16,6 @@ from fingertip.slip.detection import detect as detect_in_trace
 from fingertip.slip.detectors.registry import DEFAULT, find_detector_type
 from fingertip.slip.traces.sampling import check_rate
 from fingertip.slip.traces.trace import ColumnMap, RawTrace, Trace, as_numbers
-
-_REMEDIES = {
-    "use --scale if the column is (.*), or set": r"multiply the voltages if they are \1, or give a Design with",
-    r"--scale (\S+) converts": r"a factor of \1 converts",
-    r"add --time-scale \w+": "convert them to seconds",
-    r"ignore (?:the times|them) with (.*?)(?:, and)? --column time_s=none": r"pass the voltages alone, with \1",
-}
-"""Remedies for a file -> those for arrays, which have no such options."""
 
 
 def detect(
@@ -61,21 +52,15 @@ def detect(
     """
     design, kind = design or Design(), find_detector_type(detector)
     adapt = partial(adapt_detector, detector, None, False, noise_v is not None, lambda message: None)
-    try:
-        trace = _read_array(recording, rate_hz)
-        raw = RawTrace("trace", trace, in_volts=noise_v is None)
-        if rate_hz is not None:
-            design = adapt(design, rate_hz)
-        elif "sample_rate_hz" not in design.detector.model_fields_set:
-            design = adapt_to_rate(design, raw, adapt)
-        if kind.takes_envelope and trace.envelope_v is None:
-            trace = simulate_board(raw.validate(design.detector), design, ColumnMap(), "trace", lambda message: None)
-        return detect_in_trace(trace, design, detector, noise_v)
-    except TraceError as error:
-        issues = list(error.issues)
-    for pattern, remedy in _REMEDIES.items():
-        issues = [Issue(issue.field, re.sub(pattern, remedy, issue.message)) for issue in issues]
-    raise TraceError(issues)
+    trace = _read_array(recording, rate_hz)
+    raw = RawTrace("trace", trace, in_volts=noise_v is None, is_array=True)
+    if rate_hz is not None:
+        design = adapt(design, rate_hz)
+    elif "sample_rate_hz" not in design.detector.model_fields_set:
+        design = adapt_to_rate(design, raw, adapt)
+    if kind.takes_envelope and trace.envelope_v is None:
+        trace = simulate_board(raw.validate(design.detector), design, ColumnMap(), "trace", lambda message: None)
+    return detect_in_trace(trace, design, detector, noise_v)
 
 
 def _read_array(recording: Any, rate_hz: float | None) -> Trace:

@@ -130,7 +130,7 @@ def detect(trace: Trace, design: Design, detector: str = registry.DEFAULT, noise
     `noise_v` is the white RMS noise of the signal [V], by default the design's. Given in the unit of the signal, it may
     be any signal that follows the force.
     """
-    issues = RawTrace("trace", trace, in_volts=noise_v is None).find_issues(design.detector)
+    issues = RawTrace("trace", trace, in_volts=noise_v is None, is_array=True).find_issues(design.detector)
     if noise_v is not None:
         issues += find_not_positive("noise_v", noise_v, "V", f"{design.detector.noise_v:g}")
     inputs = registry.select_inputs(trace, detector)

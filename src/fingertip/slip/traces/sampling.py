@@ -63,11 +63,13 @@ def round_rate(rate_hz: float, uncertainty: float) -> float | None:
     return next((rate for rate in candidates if abs(rate / rate_hz - 1) <= uncertainty), rate_hz)
 
 
-def time_issues(time_s: Array, detector: DetectorParameters, name: str, lines: Sequence[int] | None) -> Iterator[Issue]:
+def time_issues(
+    time_s: Array, detector: DetectorParameters, name: str, lines: Sequence[int] | None, is_array: bool
+) -> Iterator[Issue]:
     """Find finite times that decrease, repeat, leave gaps, or have another rate than the detector's."""
     field = f"{name}, time_s"
     if rounding := find_rounding(time_s):
-        yield Issue(field, _rounding_message(time_s, rounding, detector, lines))
+        yield Issue(field, _rounding_message(time_s, rounding, detector, lines, is_array))
         return
     steps = np.diff(time_s)
     # The median is the usual step, whatever single gaps do to the mean.
@@ -79,7 +81,7 @@ def time_issues(time_s: Array, detector: DetectorParameters, name: str, lines: S
     if not rate_bounds_message(1 / usual):
         agrees = abs(1 / usual / detector.sample_rate_hz - 1) <= RATE_TOLERANCE
         rate_hz = detector.sample_rate_hz if agrees else 1 / usual
-        remedy += f"; if few are missing, ignore the times with --rate-hz {rate_hz:.6g} --column time_s=none"
+        remedy += f"; if few are missing, {_without_times('the times', f'{rate_hz:.6g}', is_array)}"
     is_even = True
     for is_wrong, what in (
         (steps < 0.0, "goes backwards"),
@@ -95,15 +97,15 @@ def time_issues(time_s: Array, detector: DetectorParameters, name: str, lines: S
             yield Issue(field, f"{time_s[i]:.9g} s {sample_location(i, lines)} {what} {context}; {remedy}.")
     rate = float(len(steps) / (time_s[-1] - time_s[0])) if is_even else 1 / usual
     if abs(rate / detector.sample_rate_hz - 1) > RATE_TOLERANCE:
-        yield Issue(field, rate_message(rate, detector))
+        yield Issue(field, rate_message(rate, detector, is_array))
 
 
 def _rounding_message(
-    time_s: Array, rounding: RoundedTimes, detector: DetectorParameters, lines: Sequence[int] | None
+    time_s: Array, rounding: RoundedTimes, detector: DetectorParameters, lines: Sequence[int] | None, is_array: bool
 ) -> str:
-    """Describe rounded times, with the options that ignore them, at the detector's rate if the mean agrees."""
+    """Describe rounded times, and how to do without them, at the detector's rate if the mean agrees."""
     at = rounding.first
-    rate, mean, condition = "HZ, the rate of the recording, and", "", ""
+    rate, mean, condition = f"HZ, the rate of the recording{'' if is_array else ', and'}", "", ""
     if rounding.rate_hz:
         mean = f", at a mean rate of {rounding.rate_hz:.6g} Hz"
         rate_hz = rounding.rate_hz
@@ -114,13 +116,19 @@ def _rounding_message(
     return (
         f"{time_s[at]:.9g} s {sample_location(at, lines)} repeats the time before it"
         f"{_count_others(rounding.repeats)}: the times are rounded to {rounding.step_s:.4g} s{mean}; "
-        f"{condition}ignore them with --rate-hz {rate} --column time_s=none."
+        f"{condition}{_without_times('them', rate, is_array)}."
     )
 
 
-def rate_message(rate_hz: float, detector: DetectorParameters) -> str:
+def _without_times(times: str, rate: str, is_array: bool) -> str:
+    if is_array:
+        return f"pass the voltages alone, with rate_hz={rate}"
+    return f"ignore {times} with --rate-hz {rate} --column time_s=none"
+
+
+def rate_message(rate_hz: float, detector: DetectorParameters, is_array: bool = False) -> str:
     """Describe a sampling rate [Hz] that differs from the detector's, with the remedy."""
-    if message := rate_bounds_message(rate_hz):
+    if message := rate_bounds_message(rate_hz, is_array):
         return message
     return (
         f"is sampled at {rate_hz:.6g} Hz, but the detector is designed for {detector.sample_rate_hz:g} Hz "
@@ -129,13 +137,14 @@ def rate_message(rate_hz: float, detector: DetectorParameters) -> str:
     )
 
 
-def rate_bounds_message(rate_hz: float) -> str | None:
+def rate_bounds_message(rate_hz: float, is_array: bool = False) -> str | None:
     """Describe a sampling rate [Hz] that no detector has, with the remedy; None for any other rate."""
     if MIN_RATE_HZ <= float(f"{rate_hz:.6g}") <= MAX_RATE_HZ:  # times are rounded
         return None
     message = f"is sampled at {rate_hz:.6g} Hz"
     if unit := guess_time_unit(rate_hz):
-        return f"{message} if its times are in seconds; if they are in {_UNIT_NAMES[unit]}, add --time-scale {unit}."
+        remedy = "convert them to seconds" if is_array else f"add --time-scale {unit}"
+        return f"{message} if its times are in seconds; if they are in {_UNIT_NAMES[unit]}, {remedy}."
     if rate_hz < MIN_RATE_HZ:
         return f"{message}, too low for a detector; record at {MIN_RATE_HZ:g} Hz or more."
     return f"{message}, too high for a detector; resample it to {MAX_RATE_HZ:g} Hz or less."

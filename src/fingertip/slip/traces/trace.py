@@ -185,6 +185,8 @@ class RawTrace:
     in_volts: bool = True
     notes: tuple[str, ...] = ()
     """Sentences on what was passed over, or read in another way than it stands in the file."""
+    is_array: bool = False
+    """True if it is an array of a program, which no options convert."""
 
     @property
     def rate_hz(self) -> float | None:
@@ -201,43 +203,36 @@ class RawTrace:
         return self.trace
 
     def find_issues(self, detector: DetectorParameters) -> list[Issue]:
-        issues = [*self.issues, *_value_issues(self.trace, detector, self.name, self.lines, self.in_volts)]
+        issues = [*self.issues, *self._value_issues(detector)]
         if self._times_are_valid:
-            issues.extend(time_issues(self.trace.time_s, detector, self.name, self.lines))
+            issues.extend(time_issues(self.trace.time_s, detector, self.name, self.lines, self.is_array))
         return issues
+
+    def _value_issues(self, detector: DetectorParameters) -> Iterator[Issue]:
+        count, minimum = len(self.trace.time_s), max(2, detector.window_samples)
+        if count < minimum:
+            yield Issue(self.name, length_message(count, minimum))
+        for column, values in self.trace._columns():
+            if (wrong := np.flatnonzero(~np.isfinite(values))).size:
+                first = int(wrong[0])
+                others = f" (and {wrong.size - 1} more)" if wrong.size > 1 else ""
+                location = sample_location(first, self.lines)
+                message = f"{values[first]} {location} is not a finite number{others}; record again or remove it."
+                yield Issue(f"{self.name}, {column}", message)
+        volts = self.trace.voltage_v
+        if not self.in_volts:
+            return
+        outside = np.flatnonzero(np.isfinite(volts) & ((volts > detector.adc_range_v) | (volts < detector.adc_low_v)))
+        if outside.size:
+            first = int(outside[0])
+            all_whole = bool(np.all(volts[np.isfinite(volts)] % 1 == 0))
+            value = f"{volts[first]:g} {sample_location(first, self.lines)}"
+            yield Issue(f"{self.name}, voltage_v", range_message(value, all_whole, detector, self.is_array))
 
     @property
     def _times_are_valid(self) -> bool:
         time_s = self.trace.time_s
         return self.has_all_times and len(time_s) > 1 and bool(np.isfinite(time_s).all())
-
-
-def _value_issues(
-    trace: Trace, detector: DetectorParameters, name: str, lines: Sequence[int] | None, in_volts: bool
-) -> Iterator[Issue]:
-    count, minimum = len(trace.time_s), max(2, detector.window_samples)
-    if count < minimum:
-        yield Issue(name, length_message(count, minimum))
-    for column in COLUMNS:
-        values = getattr(trace, column)
-        if values is None:
-            continue
-        column_field = f"{name}, {column}"
-        if (wrong := np.flatnonzero(~np.isfinite(values))).size:
-            first = int(wrong[0])
-            others = f" (and {wrong.size - 1} more)" if wrong.size > 1 else ""
-            location = sample_location(first, lines)
-            message = f"{values[first]} {location} is not a finite number{others}; record again or remove it."
-            yield Issue(column_field, message)
-    volts = trace.voltage_v
-    if not in_volts:
-        return
-    outside = np.flatnonzero(np.isfinite(volts) & ((volts > detector.adc_range_v) | (volts < detector.adc_low_v)))
-    if outside.size:
-        first = int(outside[0])
-        all_whole = bool(np.all(volts[np.isfinite(volts)] % 1 == 0))
-        value = f"{volts[first]:g} {sample_location(first, lines)}"
-        yield Issue(f"{name}, voltage_v", range_message(value, all_whole, detector))
 
 
 def length_message(count: int, minimum: int) -> str:
@@ -246,11 +241,14 @@ def length_message(count: int, minimum: int) -> str:
     return f"has {samples}; at least one window of {minimum} is required; record for longer."
 
 
-def range_message(value: str, all_whole: bool, detector: DetectorParameters) -> str:
+def range_message(value: str, all_whole: bool, detector: DetectorParameters, is_array: bool = False) -> str:
     """Describe a voltage outside the ADC range, with the remedy."""
-    remedy = "use --scale if the column is not in volts, or set a wider detector.adc_range_v"
+    scale, remedy = "--scale", "use --scale if the column is not in volts, or set"
+    if is_array:
+        scale, remedy = "a factor of", "multiply the voltages if they are not in volts, or give a Design with"
+    remedy += " a wider detector.adc_range_v"
     if all_whole:
-        scale = f"--scale {detector.adc_step_v:.8g} converts counts of {detector.adc_bits} bits to volts; of other bits"
+        scale = f"{scale} {detector.adc_step_v:.8g} converts counts of {detector.adc_bits} bits to volts; of other bits"
         remedy = f"the values are whole numbers, as ADC counts are: {scale}, give the step of that converter"
     return f"{value} exceeds the ADC range of {detector.adc_range_text}; {remedy}."
 

@@ -85,7 +85,7 @@ def geometry(draw: Draw) -> float:
 def pad(draw: Draw) -> float:
     """Bound 5e-3: twice modulus and force press alike, more force presses deeper; force over depth has its inverse."""
     form = PadForm.of_design(Design.load(draw.choose("design", ("fsr400", "fsr402", "article"))))
-    young = draw.log("modulus [MPa]", (0.05, 3.0), (1e-3, 1e3))
+    young = draw.log("modulus [MPa]", (0.01, 50.0), (1e-3, 1e3))
     form = replace(form, young_mpa=young, poisson=0.5 - draw.log("0.5 - Poisson's ratio", (0.001, 0.1), (1e-9, 0.45)))
     shapes: tuple[ObjectShape, ...] = "plate", "cylinder", "sphere"
     shape = draw.choose("object", shapes)

@@ -35,7 +35,7 @@ def _draw_contact(draw: Draw, max_sigma0_per_m: float, max_load_n: float) -> tup
     mass = draw.log("mass [kg]", (1e-4, 2.0), (1e-6, 10.0))
     stiffness = draw.log("stiffness [N/m]", (10.0, 1e5), (1e-2, 1e6))
     zeta = draw.log("damping ratio", (0.05, 0.8), (0.02, 3.0))
-    load = draw.log("load [N]", (1e-3, 8.0), (1e-4, max_load_n))
+    load = draw.log("load [N]", (1e-3, 70.0), (1e-4, max_load_n))
     friction = Friction(mu_c + drop, mu_c, stribeck, sigma0, sigma1, sigma2)
     return friction, Mount(mass, stiffness, 2 * zeta * math.sqrt(stiffness * mass)), load
 

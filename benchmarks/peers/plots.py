@@ -7,6 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from benchmarks.peers.native import NATIVE
+from benchmarks.peers.options import SOLVE_IVP
 from benchmarks.peers.trial import QUANTITIES, TARGETS, VARIANTS, TrialAccuracy
 from benchmarks.peers.work_precision import Cost, WorkPrecision
 from fingertip.foundation.plot_style import (
@@ -27,6 +29,11 @@ from fingertip.foundation.plot_style import (
 
 _COLOURS = (RED, BLUE, TEAL, ORANGE, PURPLE, BROWN, SKY, REFERENCE, PINK, TEXT_COLOUR)
 _STYLES = tuple(zip(_COLOURS, "os^DvPX<>*", strict=True))
+_SOLVERS = (
+    "fingertip", "fingertip, ROS2 of trials", *(f"scipy {method}" for method in (*SOLVE_IVP, "odeint")), *NATIVE,
+    *(f"{name}, sine" for name in NATIVE), "ngspice", "ngspice, sine",
+)  # fmt: skip
+"""Curves, so that each has the same colour whatever is compared."""
 _COSTS: dict[Cost, str] = {
     "cpu_s": "CPU time of the integration [s]", "evaluations": "evaluations of the right-hand side",
 }  # fmt: skip
@@ -41,8 +48,7 @@ def draw(diagrams: Sequence[WorkPrecision], footnote: str) -> bytes:
     """
     figure = new_figure(12, 11)
     panels = figure.subplots(len(_COSTS), len(diagrams), squeeze=False)
-    names = list(dict.fromkeys(point.solver for diagram in diagrams for point in diagram.points))
-    styles = {name: (*_STYLES[i % len(_STYLES)], "-:"[i // len(_STYLES)]) for i, name in enumerate(names)}
+    styles = {name: (*_STYLES[i % len(_STYLES)], "-:"[i // len(_STYLES)]) for i, name in enumerate(_SOLVERS)}
     for (row, cost), (column, diagram) in itertools.product(enumerate(_COSTS), enumerate(diagrams)):
         axes = panels[row, column]
         for solver in dict.fromkeys(point.solver for point in diagram.points if getattr(point, cost)):

@@ -18,6 +18,7 @@ from fingertip.sim.runs.scene import SceneRun
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.sim.signal.filter_board import simulate_board
+from fingertip.sim.signal.grid import Grid
 from fingertip.slip.detection import detect
 from tests.conftest import ROOT, design_file, run_fingertip
 from tests.designs import ARTICLE, article_design
@@ -302,3 +303,11 @@ def test_a_slide_that_is_refused_passes_with_the_values_of_the_message(slide, le
         for table, name, value in re.findall(r"(\w+)\.(\w+)=([\d.e-]*\d)", issue.message.partition(", or")[0]):
             tables[table] = tables[table] | {name: float(value)}
     SceneFile(**tables)
+
+
+def test_grid_that_is_too_coarse_is_refused_with_one_that_passes():
+    scene = load_scene("sliding_finger", **{"mount.mass_kg": 1e-4, "mount.stiffness_n_per_m": 1e5})
+    with pytest.raises(TraceError, match=r"grid: has steps of 0.0001 s, .* give Grid\((\d)\), or leave") as caught:
+        SceneRun(DESIGN, scene, grid=Grid())
+    needed = int(re.findall(r"Grid\((\d)\)", str(caught.value))[0])
+    assert SceneRun(DESIGN, scene, grid=Grid(needed)).grid == SceneRun(DESIGN, scene).grid

@@ -24,9 +24,9 @@ bench = typer.Typer(
 @command
 def solvers(
     console: Console,
-    out: Path = typer.Option(Path("out/bench"), "--out", "-o", help="Folder for work_precision.png and .json."),
+    out: Path = typer.Option(Path("out/bench"), "--out", "-o", help="Folder for pictures, text and data."),
     seconds: float = typer.Option(
-        5.0, help="Seconds of the contact problem; the board's is a fifth as long, at least 0.5 s."
+        5.0, help="Seconds of the contact problem, 1 to 60; the board's is a fifth as long, at least 0.5 s."
     ),
     boards: int = typer.Option(10_000, help="Number of boards to simulate at once."),
     peers: str = typer.Option(
@@ -39,7 +39,7 @@ def solvers(
     ),
     verbose: bool = VERBOSE,
 ) -> None:
-    """Measure error and run time of the simulation beside other solvers."""
+    """Measure error and run time of the simulation beside other solvers. Exit code 1: a target is missed."""
     from fingertip.foundation.output_set import SetWriter, hash_parameters
 
     _find_benchmarks("solvers")

@@ -81,13 +81,19 @@ def as_text(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] |
     moved = f"the object moved by {1000 * result.signals.object_m[-1]:.1f} mm"
     end = "was held" if result.lost_s is None else f"left the fingers at {result.lost_s:.4f} s"
     lines = [f"{title}, thumb {result.force_n:.2f} N, {size}"]
-    lines += [f"{_name_event(result)} at {result.plan.knock_s:.4f} s"] if result.plan.pin else []
+    if _has_event(result):
+        lines.append(f"{_name_event(result)} at {result.plan.knock_s:.4f} s")
     lines += [f"thumb: {slip}" for slip in slips]
     lines.append(f"{moved} and {end}")
     if grips_s is not None:
         times = ", ".join(f"{at:.2f} s" for at in grips_s)
         lines.append(f"the controller {f'tightened the grip at {times}' if times else 'never tightened the grip'}")
     return lines
+
+
+def _has_event(result: ManipulationResult) -> bool:
+    """Return whether a pin comes, and while the fingers hold the object."""
+    return result.plan.pin is not None and not (result.lost_s and result.lost_s < result.plan.knock_s)
 
 
 def _name_event(result: ManipulationResult) -> str:
@@ -153,7 +159,7 @@ def _add_legend(panels: AnyArray, names: list[str], fingers: tuple[str, ...]) ->
 
 def _mark_events(panels: AnyArray, result: ManipulationResult) -> None:
     events = [("let go", result.plan.released_s - result.scene.grasp.let_go_s)]
-    if result.plan.pin:
+    if _has_event(result):
         events.append((_name_event(result), result.plan.knock_s))
     if result.lost_s is not None:
         events.append(("lost", result.lost_s))

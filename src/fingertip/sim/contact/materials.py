@@ -37,18 +37,26 @@ class SurfaceTable(ParameterTable):
 
     material: str = text("", "What it is, for reports.", pattern=r"^[^\x00-\x1f]{0,80}$", allowed="up to 80 characters")
     static_friction: float = quantity(
-        0.0, "", (0, 3), "Static coefficient of friction; below 1.3 times the kinetic one."
+        0.0, "", (0, 3), "Static coefficient of friction; below 1.3 times the kinetic one; 0: as named."
     )
-    kinetic_friction: float = quantity(0.0, "", (0, 3), "Kinetic coefficient of friction, at high speed.")
-    stribeck_m_s: float = quantity(0.0, "m/s", (0, 1), "Speed at which half of the drop between them has happened.")
+    kinetic_friction: float = quantity(0.0, "", (0, 3), "Kinetic coefficient of friction, at high speed; 0: as named.")
+    stribeck_m_s: float = quantity(
+        0.0, "m/s", (0, 1), "Speed at which half of the drop between them has happened; 0: as named."
+    )
     roughness_um: float = quantity(
-        0.0, "um", (0, 100), "Arithmetic mean deviation Ra of the heights, of waves of up to longest_wave_mm."
+        0.0, "um", (0, 100), "Mean deviation Ra of the heights, of waves of up to longest_wave_mm; 0: as named."
     )
     longest_wave_mm: float = quantity(
-        0.0, "mm", (0, 25), "Longest wave of the roughness, see ISO 4288. Its spectrum goes on to four times this."
+        0.0,
+        "mm",
+        (0, 25),
+        "Longest wave of the roughness, see ISO 4288; its spectrum goes to four times this; 0: as named.",
     )
     hurst: float = quantity(
-        0.0, "", (0, 1), "Exponent H of the roughness: the height of a wave grows with its length to the power H."
+        0.0,
+        "",
+        (0, 1),
+        "Exponent H of the roughness: heights of waves grow with their length to the power H; 0: as named.",
     )
     ridge_pitch_mm: float = quantity(0.0, "mm", (0, 20), "Distance between ridges across the slide.")
     ridge_depth_um: float = quantity(0.0, "um", (0, 1000), "Height of the ridges, from valley to crest; 0: none.")

@@ -258,7 +258,8 @@ def _find_issues(design: Design, scene: ManipulationFile, seed: int) -> list[Iss
         message = f"{mass_kg:g} kg with grasp.max_margin needs a thumb of {needed:.0f} N; at most {max_kg:g} kg."
         issues.append(Issue("object.mass_kg", message))
     elif needed > available:
-        what = "than the thumb is to press with" if scene.knock.attached else f"than the thumb needs for {mass_kg:g} kg"
+        is_given = scene.knock.attached or scene.grasp.force_n
+        what = "than the thumb is to press with" if is_given else f"than the thumb needs for {mass_kg:g} kg"
         message = f"{available:g} N is less {what}; at least {round_up(needed):g} N."
         issues.append(Issue("hand.max_force_n", message))
     found, after_seed = list(scene.find_design_issues(design, seed)), int(seed < 0)

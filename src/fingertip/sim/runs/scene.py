@@ -119,10 +119,14 @@ class SceneRun:
 
     def __post_init__(self) -> None:
         raise_issues(self.scene.find_design_issues(self.design, self.seed))
-        if self.grid is None and self.scene.slide.distance_m:
+        if self.scene.slide.distance_m:
             plain = replace(self.friction, elastic=0.0)
             longest = admissible_step_s(plain, mount_pad(self.pad, self.force_n), self.max_load_n)
-            self.grid = Grid.finer_than(longest)
+            needed, is_controlled = Grid.finer_than(longest), self.scene.contact.feedback or self.friction.elastic
+            if self.grid and self.grid.refinement < needed.refinement and not is_controlled:
+                what = f"has steps of {self.grid.step_s:g} s, which are too long for a pad so light or stiff"
+                raise TraceError(Issue("grid", f"{what}; give Grid({needed.refinement}), or leave grid out."))
+            self.grid = self.grid or needed
         self.grid = self.grid or Grid()
 
     @functools.cached_property

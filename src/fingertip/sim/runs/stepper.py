@@ -105,7 +105,7 @@ class ManipulationStepper:
         time_s = self.grid.time_s(self._points - 1, length + 1)
         self._points += length
 
-        with self.meter.stage("object", 3 * count + 2, 2 * length):
+        with self.meter.stage("object", 3 * count + 2, 2 * length * self._grasp.parts):
             fine_s = refine(time_s[None], self._grasp.parts)[0]
             moved = self._grasp.advance(loads, self.plan.weight_n(fine_s), *self.plan.pin_m(fine_s))
         self._last_load_n = motors.force_n[:, -1] * (0.0 if self.is_lost else 1.0)

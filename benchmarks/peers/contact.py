@@ -155,7 +155,7 @@ def measure_contact(
     problem = ContactProblem.over(seconds)
     system = _scipy_equations(problem.mount, problem.normal)
     diagram = WorkPrecision(f"contact, {seconds:g} s to and fro", "N", LEVELS_N)
-    diagram.solvers[OURS] = f"{__version__}, RODAS, compiled loop; each sample ends a step"
+    diagram.solvers[OURS] = f"{__version__}, a Rosenbrock method of order 4, compiled loop; each sample ends a step"
     diagram.solvers[STEPPER] = f"{__version__}, ROS2 with equal steps on an exact resonance, compiled loops"
     diagram.targets |= {name: TARGETS[name] for name in TARGETS if name.removeprefix("scipy ") in peers}
     problem.run_fingertip(1e-3)  # compiles

@@ -64,14 +64,16 @@ def simulate_board(
         ]
     )
     values = _values(board)
-    rows = np.stack(np.broadcast_arrays(*map(np.atleast_1d, values)), axis=1).astype(np.float64)
+    is_one = all(np.ndim(value) == 0 for value in values)
+    by_name = values if is_one else np.broadcast_arrays(*map(np.atleast_1d, values))
+    rows = np.array(by_name, dtype=np.float64).reshape(len(values), -1).T
     integrator = Integrator(board, step_s, tolerance_v, rows[:, :_FIXED])
     filtered_v, envelope_v = np.zeros((2, len(rows), len(voltage_v)))
     counts = np.zeros(3)
     for i in range(len(rows)):
         state = integrator.steady_state(i, voltage_v[0])
         counts += integrator.integrate(i, *state, voltage_v, after, filtered_v[i], envelope_v[i])
-    if all(np.ndim(value) == 0 for value in values):
+    if is_one:
         filtered_v, envelope_v = filtered_v[0], envelope_v[0]
     return BoardSignals(filtered_v, envelope_v, *(int(count) for count in counts))
 

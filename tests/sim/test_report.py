@@ -167,3 +167,21 @@ def test_summary_merges_slips_as_detection_does() -> None:
     assert result.slips == intervals(time, slip)
     assert as_text(result)[2:] == ["gross slip from 0.1000 s to 0.3000 s", "gross slip from 0.5000 s to 0.6000 s"]
     assert len(as_data(result)["slips"]) == 3
+
+
+def test_plan_says_what_a_coupled_contact_holds_and_when_a_trigger_is_found() -> None:
+    plan = plan_simulation(load_simulation("sliding_finger", changes=["contact.feedback=true"]))
+    assert not {"friction", "profile", "contact"} & {*plan.left_out}
+    assert "trigger" not in plan.as_text()[-1]
+    assert "until trigger_v is reached" in plan_simulation(load_simulation("sliding_surface")).as_text()[-1]
+
+
+def test_knock_on_an_object_that_has_left_is_not_reported() -> None:
+    grasp = {"kind": "pinch", "force_n": 5.0, "close_s": 0.1, "settle_s": 0.0, "let_go_s": 0.05, "after_s": 0.1}
+    with compiled():
+        result = run_manipulation(
+            Design(), ManipulationFile(object={"mass_kg": 2.0}, grasp=grasp, outputs=["object_m"]), None, 1
+        )
+    lines = as_text(result)
+    assert not any(line.startswith("knock at") for line in lines)
+    assert "left the fingers" in lines[-1]

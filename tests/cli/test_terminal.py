@@ -40,14 +40,17 @@ def test_a_program_without_words_prints_its_help(words: tuple[str, ...]) -> None
         ),
         (("calibrate", "printer", "fsr400"), "fingertip calibrate printer: missing argument 'READINGS'; "),
         (("params", "--foo"), "fingertip params: no such option: --foo"),
-        (("sweep", "board", "--jobs", "x"), "fingertip sweep: invalid value for '--jobs': give a valid integer; "),
+        (
+            ("sweep", "board", "--jobs", "x"),
+            r"fingertip sweep: invalid value for '--jobs': (give|'x' is not) a valid integer; ",
+        ),
     ],
 )
 @pytest.mark.every_case
 def test_words_that_are_not_taken_are_errors_like_any_other(words: tuple[str, ...], said: str) -> None:
     done = run_fingertip(*words)
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
-    assert done.stderr.startswith(f"error: {said}")
+    assert re.match(f"error: {said}", done.stderr)  # versions of typer say it in two ways
     remedy = re.search(r"`fingertip (.*)--help`", done.stderr)
     assert remedy
     assert run_fingertip(*remedy[1].split(), "--help").returncode == 0

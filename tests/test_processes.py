@@ -55,6 +55,7 @@ def test_a_block_that_is_left_ends_its_process() -> None:
 
 @pytest.mark.skipif(sys.platform != "linux", reason="processes are listed on Linux alone")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+@pytest.mark.parametrize("way", ["fork", "start", "side by side"])
 @pytest.mark.every_case
 def test_no_process_outlives_an_interruption(number: int, way: str) -> None:
     code = (
@@ -62,8 +63,8 @@ def test_no_process_outlives_an_interruption(number: int, way: str) -> None:
         "import subprocess, time\n"
         "interruption.raise_interruptions()\n"
         "processes.count_processors = lambda: 2\n"
-        "import os, threading\n"
-        f"threading.active_count = lambda: {1 + (way == 'start')}\n"
+        "import functools, os, threading\n"
+        f"threading.active_count = lambda: {1 + (way != 'fork')}\n"
         "fork, begin = os.fork, subprocess.Popen\n"
         "def tell(child):\n"
         "    if child: print(child, flush=True)\n"
@@ -74,9 +75,12 @@ def test_no_process_outlives_an_interruption(number: int, way: str) -> None:
         "        super().__init__(*a, **k)\n"
         "        print(self.pid, flush=True)\n"
         "subprocess.Popen = Popen\n"
-        "with processes.in_background(time.sleep, 60.0):\n"
-        "    time.sleep(60.0)\n"
+        "from fingertip.foundation.side_by_side import call_each, side_by_side\n"
     )
+    if way == "side by side":
+        code += "with side_by_side(2): list(call_each([functools.partial(time.sleep, 60.0)] * 2))\n"
+    else:
+        code += "with processes.in_background(time.sleep, 60.0): time.sleep(60.0)\n"
     command = [sys.executable, "-c", code]
     environment = os.environ | {"PYTHONPATH": str(ROOT / "src")}
     started = subprocess.Popen(

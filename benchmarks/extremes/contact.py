@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from benchmarks.extremes.draw import Draw
+from benchmarks.extremes.draw import Draw, Range
 from fingertip.foundation.numerics import Array
 from fingertip.sim.contact import coupled
 from fingertip.sim.contact.friction import ELASTO_PLASTIC, Friction
@@ -24,10 +24,11 @@ CONTROLLED_ERROR, BOUNCING_ERROR = 100.0, 0.1
 every impact multiplies the errors before it."""
 
 
-def _draw_contact(draw: Draw, max_sigma0_per_m: float, max_load_n: float) -> tuple[Friction, Mount, float]:
-    mu_c = draw.log("mu_c", (0.01, 2.3), (1e-6, 10.0))
-    stribeck = draw.log("Stribeck velocity [m/s]", (1e-3, 1.0), (1e-6, 10.0))
-    sigma0 = draw.log("sigma0 [1/m]", (25e3, 25.001e3), (1.0, max_sigma0_per_m))
+def draw_contact(draw: Draw, sigma0_per_m: Range, least: float = 1e-6) -> tuple[Friction, Mount]:
+    """Draw a pad and its friction; `least` is that of the coefficient, and that of the Stribeck velocity [m/s]."""
+    mu_c = draw.log("mu_c", (0.01, 2.3), (least, 10.0))
+    stribeck = draw.log("Stribeck velocity [m/s]", (1e-3, 1.0), (least, 10.0))
+    sigma0 = draw.log("sigma0 [1/m]", (25e3, 25.001e3), sigma0_per_m)
     sigma1 = draw.log("sigma1 [s/m]", (2.0, 2.0001), (1e-3, 10.0))
     sigma2 = draw.log("sigma2 [s/m]", (0.6, 0.60001), (1e-3, 10.0))
     # Friction only takes energy up to a drop of mu_s - mu_c = mu_c sigma2 / sigma1.
@@ -35,9 +36,8 @@ def _draw_contact(draw: Draw, max_sigma0_per_m: float, max_load_n: float) -> tup
     mass = draw.log("mass [kg]", (1e-4, 2.0), (1e-6, 10.0))
     stiffness = draw.log("stiffness [N/m]", (10.0, 1e5), (1e-2, 1e6))
     zeta = draw.log("damping ratio", (0.05, 0.8), (0.02, 3.0))
-    load = draw.log("load [N]", (1e-3, 70.0), (1e-4, max_load_n))
     friction = Friction(mu_c + drop, mu_c, stribeck, sigma0, sigma1, sigma2)
-    return friction, Mount(mass, stiffness, 2 * zeta * math.sqrt(stiffness * mass)), load
+    return friction, Mount(mass, stiffness, 2 * zeta * math.sqrt(stiffness * mass))
 
 
 def _drag(draw: Draw, time_s: Array, load_n: float) -> tuple[Array, Array, Array]:
@@ -62,7 +62,8 @@ def _drag(draw: Draw, time_s: Array, load_n: float) -> tuple[Array, Array, Array
 
 def fixed_steps(draw: Draw) -> float:
     """Compare with steps 16 times as short, at the step that the program chooses."""
-    friction, mount, load = _draw_contact(draw, 1e9, 1e3)
+    friction, mount = draw_contact(draw, (1.0, 1e9))
+    load = draw.log("load [N]", (1e-3, 70.0), (1e-4, 1e3))
     step = min(1 / BASE_HZ, admissible_step_s(friction, mount, load))
     time = np.asarray(np.arange(STEPS * PARTS + 1) * (step / PARTS), dtype=np.float64)
     columns = _drag(draw, time, load)
@@ -80,7 +81,8 @@ def fixed_steps(draw: Draw) -> float:
 
 def error_control(draw: Draw) -> float:
     """Compare with a hundredth of the tolerance."""
-    friction, mount, load = _draw_contact(draw, 1e8, 1e2)
+    friction, mount = draw_contact(draw, (1.0, 1e8))
+    load = draw.log("load [N]", (1e-3, 70.0), (1e-4, 1e2))
     elastic = draw.choose("elastic", (0.0, ELASTO_PLASTIC))
     normal = coupled.NormalContact(
         draw.log("resonance [Hz]", (20.0, 500.0), (1.0, 1e4)), draw.log("its damping ratio", (0.05, 0.8), (0.01, 3.0))

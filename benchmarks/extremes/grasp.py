@@ -6,11 +6,9 @@ import math
 
 import numpy as np
 
-from benchmarks.extremes.contact import FIXED_ERROR, PARTS
+from benchmarks.extremes.contact import FIXED_ERROR, PARTS, draw_contact
 from benchmarks.extremes.draw import Draw
 from fingertip.foundation.numerics import Array
-from fingertip.sim.contact.friction import Friction
-from fingertip.sim.contact.tangential import Mount
 from fingertip.sim.runs.grasp_loop import Grasp, GraspMotion, HeldObject, Pin
 from fingertip.sim.runs.motion import GRAVITY_M_S2
 from fingertip.sim.signal.grid import BASE_HZ
@@ -23,17 +21,7 @@ LENGTH_M = 1e3
 
 def _draw_object(draw: Draw) -> tuple[HeldObject, float]:
     """Draw an object, its pads and pin, and the load of the thumb."""
-    mu_c = draw.log("mu_c", (0.01, 2.3), (1e-3, 10.0))
-    stribeck = draw.log("Stribeck velocity [m/s]", (1e-3, 1.0), (1e-4, 10.0))
-    sigma0 = draw.log("sigma0 [1/m]", (25e3, 25.001e3), (1e3, 1e6))
-    sigma1 = draw.log("sigma1 [s/m]", (2.0, 2.0001), (1e-3, 10.0))
-    sigma2 = draw.log("sigma2 [s/m]", (0.6, 0.60001), (1e-3, 10.0))
-    drop = draw.log("drop / largest passive drop", (0.01, 0.95), (1e-6, 0.999)) * mu_c * sigma2 / sigma1
-    friction = Friction(mu_c + drop, mu_c, stribeck, sigma0, sigma1, sigma2)
-    pad_kg = draw.log("pad [kg]", (1e-4, 2.0), (1e-6, 10.0))
-    stiffness = draw.log("stiffness [N/m]", (10.0, 1e5), (1e-2, 1e6))
-    zeta = draw.log("damping ratio", (0.05, 0.8), (0.02, 3.0))
-    mount = Mount(pad_kg, stiffness, 2 * zeta * math.sqrt(stiffness * pad_kg))
+    friction, mount = draw_contact(draw, (1e3, 1e6), 1e-4)
     load = draw.log("load of the thumb [N]", (0.001, 100.0), (1e-4, 1e3))
     object_kg = draw.log("object [kg]", (0.005, 5.0), (1e-5, 100.0))
     pin = Pin(

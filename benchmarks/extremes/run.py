@@ -6,7 +6,9 @@ import json
 import math
 import time
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +16,8 @@ from benchmarks.extremes import board, bodies, contact, grasp
 from benchmarks.extremes.draw import Draw, Family, Range
 from fingertip.foundation import extras
 from fingertip.foundation.errors import FingertipError
-from fingertip.foundation.jit import compiled
 from fingertip.foundation.progress import ReportProgress, Work
+from fingertip.foundation.side_by_side import call_each
 
 FAMILIES = (
     Family("contact, fixed steps", "steps / 16: 10 % of the forces (beyond: 25 %)", 0.57, contact.fixed_steps),
@@ -33,11 +35,37 @@ FAMILIES = (
     Family("play of the bone", "scipy's HiGHS: 1e-6", 0.02, bodies.play),
 )
 FILES = "extremes.txt", "extremes.json"
+MAX_BLOCK = 8
+"""Largest number of cases that one process tries in a row."""
 MAX_REFUSED = 0.02
 """Largest share of the cases inside the documented bounds that may be refused."""
 HEADER = "| family | against: bound | tried | held | refused | of inside | wrong | worst | its case | CPU |"
 BEGIN, END = "<!-- extremes: begin -->", "<!-- extremes: end -->"
 """Lines between which `--report` replaces the table of an existing file."""
+
+
+@dataclass(frozen=True)
+class Case:
+    draw: Draw
+    deviation: float
+    """Largest deviation in relation to the bound; NaN if an exception was raised, or the case refused."""
+    refused_by: str
+    cpu_s: float
+
+
+def try_cases(family: int, numbers: Sequence[int]) -> list[Case]:
+    """Try some cases of a family, one after the other."""
+    cases = []
+    for number in numbers:
+        draw, begin, deviation, refused_by = Draw(FAMILIES[family].name, number), time.process_time(), math.nan, ""
+        try:
+            deviation = FAMILIES[family].deviate(draw)
+        except FingertipError as error:
+            refused_by = error.issues[0].field
+        except Exception as error:
+            draw.values["raised"] = repr(error)
+        cases.append(Case(draw, deviation, refused_by, time.process_time() - begin))
+    return cases
 
 
 @dataclass
@@ -54,24 +82,19 @@ class Count:
     ranges: dict[str, tuple[Range, Range]] = field(default_factory=dict)
     cpu_s: float = 0.0
 
-    def try_case(self, number: int) -> None:
-        draw, begin, deviation = Draw(self.family.name, number), time.process_time(), math.nan
-        try:
-            deviation = self.family.deviate(draw)
-        except FingertipError as error:
-            self.reasons[error.issues[0].field] += 1
-            self.inside_refused += draw.is_inside
-            deviation = -1.0  # below all that is held
-        except Exception as error:
-            draw.values["raised"] = repr(error)
-        self.cpu_s += time.process_time() - begin
+    def add(self, case: Case) -> None:
+        draw, values = case.draw, case.draw.describe()
+        self.cpu_s += case.cpu_s
         self.tried += 1
         self.inside += draw.is_inside
         self.ranges |= draw.ranges
-        if not deviation <= 1.0:
-            self.wrong.append(f"{self.family.name}, case {number}: {deviation:.3g} of the bound; {draw.describe()}")
-        elif deviation >= self.worst:
-            self.worst, self.worst_case, self.worst_values = deviation, number, draw.describe()
+        if case.refused_by:
+            self.reasons[case.refused_by] += 1
+            self.inside_refused += draw.is_inside
+        elif not case.deviation <= 1.0:
+            self.wrong.append(f"{draw.family}, case {draw.number}: {case.deviation:.3g} of the bound; {values}")
+        elif case.deviation >= self.worst:
+            self.worst, self.worst_case, self.worst_values = case.deviation, draw.number, values
 
     @property
     def inside_share(self) -> float:
@@ -85,18 +108,20 @@ class Count:
 
 
 def run(cases: int, progress: ReportProgress | None) -> Found:
-    """Try so many cases of all families together, at least two of each. Raises MissingLibraryError."""
+    """Try so many cases of all families together, at least two of each, in blocks. Raises MissingLibraryError."""
     extras.require("fingertip bench extremes", "scipy", "numba")
     counts = [Count(family) for family in FAMILIES]
     sizes = [max(2, round(cases * family.weight)) for family in FAMILIES]
     # All families advance together, so that the time left is a fair estimate.
-    plan = sorted((number / size, i, number) for i, size in enumerate(sizes) for number in range(size))
+    lengths = [max(1, min(MAX_BLOCK, size // 64)) for size in sizes]
+    plan = sorted((at / sizes[i], i, at) for i, length in enumerate(lengths) for at in range(0, sizes[i], length))
     work = Work("bench extremes", {"cases": 1.0}, progress)
     work.begin("cases")
-    with compiled():
-        for done, (_, i, number) in enumerate(plan):
-            counts[i].try_case(number)
-            work.advance((done + 1) / len(plan))
+    blocks = (partial(try_cases, i, range(at, min(at + lengths[i], sizes[i]))) for _, i, at in plan)
+    for done, ((_, i, _), found) in enumerate(zip(plan, call_each(blocks), strict=True)):
+        for case in found:
+            counts[i].add(case)
+        work.advance((done + 1) / len(plan))
     return Found(tuple(counts))
 
 

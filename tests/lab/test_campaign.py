@@ -392,7 +392,7 @@ def test_every_case_is_simulated_once_and_evaluated_at_every_threshold(monkeypat
     found = run_campaign(Design(), plan, ("fast", "analog"), (3.0, 0.5), first_seed=7, advance=shares.append)
     assert (found.plan, found.first_seed) == (plan, 7)
     assert simulated == [(seed, ("fast", "analog")) for seed in (7, 8, 9)]
-    assert shares == pytest.approx([0.0, 1 / 3, 2 / 3])
+    assert shares == pytest.approx([1 / 3, 2 / 3, 1.0])
     scales = {"fast": [0.5, 1.0, 3.0], "analog": sorted({*LOW_SCALES, 0.5, 1.0, 3.0})}
     for name, results in found.detectors.items():
         assert [result.scale for result in results] == scales[name]

@@ -23,6 +23,8 @@ from typing import Any
 import numpy as np
 
 from fingertip.foundation.numerics import Array
+from fingertip.foundation.processes import count_processors
+from fingertip.foundation.side_by_side import side_by_side
 from fingertip.slip.detectors import fast_coefficients as fast_model
 from fingertip.slip.detectors.fast_coefficients import DEPTH, NODES, FastModel
 from tools.detector_training.rows import Rows, collect
@@ -74,7 +76,8 @@ def load_signals(cache: Path | None, sizes: Mapping[str, int]) -> list[TrainingS
     if cache and cache.exists():
         loaded: list[TrainingSignal] = pickle.loads(cache.read_bytes())
         return loaded
-    signals = list(generate(**sizes))
+    with side_by_side(count_processors()):
+        signals = list(generate(**sizes))
     if cache:
         cache.write_bytes(pickle.dumps(signals))
     return signals

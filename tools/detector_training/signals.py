@@ -8,16 +8,19 @@ All seeds lie below those of a validation and of `benchmarks/slip_robustness.py`
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.foundation.jit import compiled
+from fingertip.foundation.side_by_side import call_each
 from fingertip.lab.campaign import mix_signals
+from fingertip.lab.campaign.mix import Draw
 from fingertip.lab.campaign.mix_signals import LabelledSignal
 from fingertip.lab.campaign.plan import NEGATIVE_SCENES, nominal_duration_s
 from fingertip.lab.campaign.unsteady import EXCLUDED_FROM_TRAINING, UNSTEADY
@@ -106,37 +109,33 @@ def generate(trials: int, events: int, disturbances: int) -> Iterator[TrainingSi
 
 def generate_for(design: Design, seed: int, trials: int, events: int) -> Iterator[LabelledSignal]:
     """Simulate the mix for one design, from a first seed on."""
-    rng = np.random.default_rng(seed)
-    first_seed = seed
-    with compiled():
-        for kind, scene in _plan(rng, trials, events):
-            signal = mix_signals.in_condition(design, scene, seed, kind, draw_condition(rng, design))
-            yield replace(signal, kind=kind)
-            seed += 1
-        for _ in range(events // 5):
-            yield from mix_signals.grip_steps(design, seed)
-            seed += 1
-        for _ in range(events):
-            yield mix_signals.abrupt_burst(design, seed, 0.002, 0.03, float(rng.uniform(0.1, 0.6)))
-            seed += 1
-        for _ in range(events // 4):
-            yield mix_signals.low_burst(design, seed, 0.002, 0.03, float(rng.uniform(0.2, 0.6)))
-            seed += 1
-        for _ in range(events // 20):
-            yield mix_signals.long_slide(design, seed, float(rng.uniform(0.002, 0.02)))
-            seed += 1
-        for _ in range(events // 2):
-            yield mix_signals.ringing_knock(design, seed)
-            seed += 1
-        yield from generate_manipulations(design, MANIPULATIONS_FROM + first_seed - FIRST_SEED, events)
+    hands_from = MANIPULATIONS_FROM + seed - FIRST_SEED
+    draws = itertools.chain(_plan_draws(design, seed, trials, events), _plan_manipulations(design, hands_from, events))
+    for found in call_each(draws):
+        yield from [found] if isinstance(found, LabelledSignal) else found
 
 
-def generate_manipulations(design: Design, seed: int, events: int) -> Iterator[LabelledSignal]:
-    """Simulate hands that take over a weight; every third object is hit by a pin."""
-    with compiled():
-        for i in range(events // 6):
-            speed_m_s, max_margin = (0.08, 1.3) if i % 3 == 2 else (0.0, 2.0)
-            yield from mix_signals.manipulation(design, seed + i, speed_m_s, max_margin)
+def _plan_draws(design: Design, first_seed: int, trials: int, events: int) -> Iterator[Draw]:
+    rng, seeds = np.random.default_rng(first_seed), itertools.count(first_seed)
+    for kind, scene in _plan(rng, trials, events):
+        yield partial(mix_signals.in_condition, design, scene, next(seeds), kind, draw_condition(rng, design))
+    for _ in range(events // 5):
+        yield partial(mix_signals.grip_steps, design, next(seeds))
+    for _ in range(events):
+        yield partial(mix_signals.abrupt_burst, design, next(seeds), 0.002, 0.03, float(rng.uniform(0.1, 0.6)))
+    for _ in range(events // 4):
+        yield partial(mix_signals.low_burst, design, next(seeds), 0.002, 0.03, float(rng.uniform(0.2, 0.6)))
+    for _ in range(events // 20):
+        yield partial(mix_signals.long_slide, design, next(seeds), float(rng.uniform(0.002, 0.02)))
+    for _ in range(events // 2):
+        yield partial(mix_signals.ringing_knock, design, next(seeds))
+
+
+def _plan_manipulations(design: Design, seed: int, events: int) -> Iterator[Draw]:
+    """Plan hands that take over a weight; every third object is hit by a pin."""
+    for i in range(events // 6):
+        speed_m_s, max_margin = (0.08, 1.3) if i % 3 == 2 else (0.0, 2.0)
+        yield partial(mix_signals.manipulation, design, seed + i, speed_m_s, max_margin)
 
 
 def _plan(rng: np.random.Generator, trials: int, events: int) -> Iterator[tuple[str, SceneFile]]:

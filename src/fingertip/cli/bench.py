@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import typer
 
 from fingertip.cli.console import Console
 from fingertip.cli.help_page import HelpCommand, HelpGroup
-from fingertip.cli.options import VERBOSE, command, find_file_issues, load_design, refuse
+from fingertip.cli.options import JOBS, VERBOSE, command, find_file_issues, load_design, refuse
 
 _CHECKOUT = Path(__file__).parents[3]
 """Folder of a clone, whose benchmarks are not in the wheel."""
@@ -107,6 +108,7 @@ def extremes(
     report: Path | None = typer.Option(
         None, help="Markdown file for the table, or in which it is replaced between its marks."
     ),
+    jobs: int | None = JOBS,
     out: Path = typer.Option(
         Path("out/bench_extremes"), "--out", "-o", help="Folder for extremes.txt and extremes.json."
     ),
@@ -115,6 +117,8 @@ def extremes(
     from fingertip.foundation.errors import Issue
     from fingertip.foundation.files import write_file
     from fingertip.foundation.output_set import SetWriter, hash_parameters
+    from fingertip.foundation.processes import find_workers
+    from fingertip.foundation.side_by_side import side_by_side
 
     _find_benchmarks("extremes")
     outside = Issue("--cases", f"{cases} is out of bounds; choose 1 to 1000000.")
@@ -123,7 +127,8 @@ def extremes(
 
     writer = SetWriter(out, "extreme cases", "", hash_parameters([]))
     writer.check(FILES)
-    found = run(cases, console.progress)
+    with side_by_side(find_workers(jobs)):
+        found = run(cases, console.progress)
     writer.write(dict(zip(FILES, found.encode(), strict=True)))
     if report:
         write_file(report, replace_table(report, found), "--report")
@@ -139,3 +144,5 @@ def _find_benchmarks(name: str) -> None:
         remedy = f"run `sh install.sh` in a clone, then `.venv/bin/fingertip bench {name}` there"
         raise FingertipError(Issue(f"fingertip bench {name}", f"{problem}; {remedy}."))
     sys.path.insert(0, str(_CHECKOUT))
+    # Workers find it too.
+    os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (str(_CHECKOUT), os.environ.get("PYTHONPATH"))))

@@ -172,6 +172,7 @@ def validate(
     minutes: float = typer.Option(40.0, help="Minutes of scenes without slip."),
     detector: str = typer.Option("fast", help="Detector that the requirements apply to; all are compared."),
     seed: int = typer.Option(5_000_000, help="First seed; every one from 5000000 on is held out."),
+    jobs: int | None = options.JOBS,
     out: Path | None = typer.Option(None, "--out", "-o", help="Folder; default: out/NAME/validation."),
     force: bool = options.FORCE,
     verbose: bool = options.VERBOSE,
@@ -183,6 +184,7 @@ def validate(
     from fingertip.detection.warnings import settings_warnings
     from fingertip.foundation import extras
     from fingertip.foundation.output_set import SetWriter, hash_parameters
+    from fingertip.foundation.processes import find_workers
     from fingertip.lab import validation as campaign
     from fingertip.lab.campaign.plan import CampaignPlan, check_first_seed
     from fingertip.slip.detectors import registry
@@ -191,6 +193,7 @@ def validate(
     registry.find_detector_type(detector)
     plan = CampaignPlan(trials, minutes)
     check_first_seed(seed)
+    find_workers(jobs)
     with_plots = extras.is_installed("matplotlib")
     extras.say_left_out({"matplotlib": "plots", "numba": "compiled loops (20 times faster)"}, console.progress)
     warnings = [*settings_warnings(loaded, detector), *adc_range_warnings(board_values(loaded).voltage_limits)]
@@ -198,7 +201,7 @@ def validate(
     folder = out or Path("out") / loaded.name / "validation"
     writer = SetWriter(folder, "validation", loaded.name, hash_parameters(loaded.model_dump(mode="json")), force=force)
     writer.check(campaign.FILES)
-    validation = campaign.validate(loaded, plan, detector, progress=console.progress, first_seed=seed)
+    validation = campaign.validate(loaded, plan, detector, progress=console.progress, first_seed=seed, jobs=jobs)
     writer.write(validation.files(with_plots))
     text = validation.as_verdict()
     details = f"details: {folder / 'validation.txt'}, or --verbose"

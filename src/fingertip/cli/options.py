@@ -31,6 +31,7 @@ QUIET = typer.Option(
 )  # fmt: skip
 VERBOSE = typer.Option(False, "--verbose", "-v", help="Print the details too, not only the verdict.")
 FORCE = typer.Option(False, "--force", help="Overwrite files that fingertip did not write, or that were changed since.")
+JOBS = typer.Option(None, help="Number of worker processes. Default: one per processor.")
 CHANGES = typer.Option(None, "--set", metavar="TABLE.KEY=VALUE", help="Change a parameter of the design; repeatable.")
 DESIGN_FILE = typer.Argument(help="Design file, or a bundled design such as fsr400 or adult_finger.")
 OPTIONAL_DESIGN = typer.Argument(None, help="Design file or bundled name; the default design if left out.")

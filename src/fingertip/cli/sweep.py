@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from fingertip.cli.console import CHECK_FAILED, Console, format_state
-from fingertip.cli.options import command, find_file_issues, find_idle_issues, flag, refuse
+from fingertip.cli.options import JOBS, command, find_file_issues, find_idle_issues, flag, refuse
 from fingertip.foundation import interruption
 from fingertip.foundation.errors import Issue, SweepError
 from fingertip.foundation.progress import ShareText
@@ -29,7 +29,7 @@ def sweep(
         None, metavar="SWEEP", help="Sweep file, or a bundled one: board, delay, geometry, hand, map or pad."
     ),
     out: Path | None = typer.Option(None, "--out", "-o", help="Folder for the rows. Default: out/sweeps/NAME."),
-    jobs: int | None = typer.Option(None, help="Number of worker processes. Default: one per processor."),
+    jobs: int | None = JOBS,
     cluster: str | None = typer.Option(
         None, metavar="ADDRESS", help="Address of a Dask scheduler, such as tcp://127.0.0.1:8786."
     ),
@@ -52,7 +52,8 @@ def sweep(
 
     Exit code 0: every point has its row; 1: some points failed or exceeded the time limit.
     """
-    from fingertip.sweep.engines import DaskEngine, ProcessEngine, find_workers
+    from fingertip.foundation.processes import find_workers
+    from fingertip.sweep.engines import DaskEngine, ProcessEngine
     from fingertip.sweep.plan import SweepPlan
     from fingertip.sweep.report import load_pyarrow
 

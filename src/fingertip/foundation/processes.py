@@ -18,7 +18,10 @@ import warnings
 from collections.abc import Callable, Iterator
 from typing import Any, BinaryIO, NoReturn, TypeVar
 
+from fingertip.foundation.errors import FingertipError, Issue
+
 T = TypeVar("T")
+MAX_JOBS = 1024
 _PR_SET_PDEATHSIG = 1
 _SLOWEST = 4.0
 """Time on the clock that a busy machine may take for each second of computing."""
@@ -67,6 +70,13 @@ def call_within_limits(limit_s: float, memory_bytes: int, function: Callable[...
 
 def count_processors() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def find_workers(jobs: int | None) -> int:
+    """Return the number of processes that is asked for, one for each processor by default. Raises FingertipError."""
+    if jobs is not None and not 1 <= jobs <= MAX_JOBS:
+        raise FingertipError(Issue("--jobs", f"{jobs} is out of range; choose 1 to {MAX_JOBS}, or leave it out."))
+    return count_processors() if jobs is None else jobs
 
 
 @contextlib.contextmanager

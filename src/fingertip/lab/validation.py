@@ -11,7 +11,9 @@ from typing import Any, TypeVar
 
 from fingertip.design import Design
 from fingertip.foundation.comparison import Comparison
+from fingertip.foundation.processes import find_workers
 from fingertip.foundation.progress import Work
+from fingertip.foundation.side_by_side import side_by_side
 from fingertip.lab.campaign.closed_loop import ClosedLoopSummary, ClosedLoopTrial, run_closed_loop, summarise
 from fingertip.lab.campaign.mix import MixSize, generate_mix, run_detector
 from fingertip.lab.campaign.mix import summarise as summarise_mix
@@ -212,13 +214,24 @@ def validate(
     limits: RequirementLimits | None = None,
     progress: Callable[[str], None] = lambda _: None,
     first_seed: int = HELD_OUT_FROM,
+    jobs: int | None = 1,
 ) -> Validation:
-    """Test a design's detectors on simulated slips and on scenes without slip. Raises TraceError."""
+    """Test a design's detectors on simulated slips and on scenes without slip.
+
+    Trials run side by side in `jobs` processes, one for each processor if None; their number changes no bit. Raises
+    TraceError, and FingertipError for a number of processes that cannot be.
+    """
     find_detector_type(detector)
     check_first_seed(first_seed)
     plan, limits = plan or CampaignPlan(), limits or RequirementLimits()
-    stages_s = estimate_stages_s(plan)
-    work = Work("validate", stages_s, progress)
+    work = Work("validate", estimate_stages_s(plan), progress)
+    with side_by_side(find_workers(jobs)):
+        return _validate(design, plan, detector, limits, work, first_seed)
+
+
+def _validate(
+    design: Design, plan: CampaignPlan, detector: str, limits: RequirementLimits, work: Work, first_seed: int
+) -> Validation:
     work.begin("trials")
     result = run_campaign(design, plan, first_seed=first_seed, advance=work.advance)
     ranges = [result.at_nominal_threshold(detector)]

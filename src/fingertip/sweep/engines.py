@@ -22,10 +22,8 @@ import numpy as np
 
 from fingertip.foundation import extras
 from fingertip.foundation.errors import Issue, SweepError
-from fingertip.foundation.processes import count_processors
 from fingertip.foundation.version import __version__
 
-MAX_JOBS = 1024
 NO_POINT = -1
 """Point number of a worker that is idle."""
 EXIT_TIMEOUT_S = 5.0
@@ -38,13 +36,6 @@ _RECONNECT_TIMEOUT_S = 10.0
 """Time for which a lost scheduler is searched for [s]."""
 _COUNT_INTERVAL_S = 2.0
 """Interval between two counts of the workers [s]."""
-
-
-def find_workers(jobs: int | None) -> int:
-    """Return the number of processes that is asked for, one for each processor by default. Raises SweepError."""
-    if jobs is not None and not 1 <= jobs <= MAX_JOBS:
-        raise SweepError(Issue("--jobs", f"{jobs} is out of range; choose 1 to {MAX_JOBS}, or leave it out."))
-    return count_processors() if jobs is None else jobs
 
 
 class WorkerStatus:

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 from fingertip.design.files import Changes, list_changes
 from fingertip.foundation.errors import Issue, SweepError
 from fingertip.foundation.extras import load
+from fingertip.foundation.processes import find_workers
 from fingertip.sweep.database import SweepDatabase
-from fingertip.sweep.engines import ProcessEngine, find_workers
+from fingertip.sweep.engines import ProcessEngine
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.run import run_sweep as compute
 

@@ -12,13 +12,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue, gather
-from fingertip.foundation.jit import compiled
+from fingertip.foundation.side_by_side import call_each
 from fingertip.lab.campaign.plan import HELD_OUT_FROM
 from fingertip.lab.campaign.run import select_board_outputs
 from fingertip.sim import ManipulationFile, ManipulationResult, Simulation, article_manipulations, run_manipulation
@@ -104,17 +105,19 @@ def run_closed_loop(
     design: Design, detectors: Sequence[str], repeats: int, uncontrolled: bool = True
 ) -> list[ClosedLoopTrial]:
     """Run every manipulation without control, unless `uncontrolled` is false, then with each detector."""
-    trials = []
-    with compiled():
-        for detector in (*((NO_CONTROL,) if uncontrolled else ()), *detectors):
-            for scene, seed in plan_manipulations(repeats, FIRST_SEED):
-                decisions: Sequence[GripDecision] = ()
-                if detector == NO_CONTROL:
-                    manipulation = run_manipulation(design, scene, None, seed)
-                else:
-                    manipulation, decisions = _close_loop(design, scene, detector, seed)
-                trials.append(evaluate_manipulation(detector, manipulation, decisions))
-    return trials
+    return list(
+        call_each(
+            partial(_run_trial, design, detector, scene, seed)
+            for detector in (*((NO_CONTROL,) if uncontrolled else ()), *detectors)
+            for scene, seed in plan_manipulations(repeats, FIRST_SEED)
+        )
+    )
+
+
+def _run_trial(design: Design, detector: str, scene: ManipulationFile, seed: int) -> ClosedLoopTrial:
+    if detector == NO_CONTROL:
+        return evaluate_manipulation(detector, run_manipulation(design, scene, None, seed), ())
+    return evaluate_manipulation(detector, *_close_loop(design, scene, detector, seed))
 
 
 def plan_manipulations(repeats: int, first_seed: int) -> Iterator[tuple[ManipulationFile, int]]:

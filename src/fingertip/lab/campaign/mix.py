@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
+from fingertip.foundation.side_by_side import call_each
 from fingertip.lab.campaign import mix_signals
 from fingertip.lab.campaign.mix_signals import REACTION_S, LabelledSignal
 from fingertip.lab.campaign.plan import NEGATIVE_SCENES
@@ -40,42 +43,48 @@ class MixSize:
 
 
 def generate_mix(design: Design, size: MixSize, first_seed: int) -> Iterator[LabelledSignal]:
+    """Draw and simulate all signals of the mix; a hand gives one for each finger."""
     seeds = itertools.count(first_seed)
-    trials = [scene for scene, _ in article_trials()]
-    with compiled():
-        for draw, share in ((mix_signals.grip_change, 1), (mix_signals.fast_closing, 1), (mix_signals.taps, 3)):
-            yield from (draw(design, next(seeds)) for _ in range(math.ceil(size.events / share)))
-        for draw_hand in (mix_signals.grip_steps, mix_signals.manipulation):
-            for _ in range(math.ceil(size.events / 7)):
-                yield from draw_hand(design, next(seeds))
-        for draw_burst, share in ((mix_signals.abrupt_burst, 1), (mix_signals.low_burst, 2)):
-            yield from (draw_burst(design, next(seeds), *BURSTS_V) for _ in range(math.ceil(size.events / share)))
-        for i in range(math.ceil(size.events / 2)):
-            yield mix_signals.long_slide(design, next(seeds), SLIDE_STRENGTHS_V[i % len(SLIDE_STRENGTHS_V)])
-        for _ in range(math.ceil(size.events / 3)):
-            yield mix_signals.ringing_knock(design, next(seeds))
-        for kind, draw_scene in UNSTEADY.items():
-            for _ in range(math.ceil(size.events / 8)):
-                seed = next(seeds)
-                yield mix_signals.simulate_scene(design, draw_scene(np.random.default_rng(seed)), seed, kind, 1.0)
-        yield from _noisy(design, size, trials, seeds)
+    for found in call_each(itertools.chain(_plan_events(design, size.events, seeds), _plan_noisy(design, size, seeds))):
+        yield from [found] if isinstance(found, LabelledSignal) else found
 
 
-def _noisy(
-    design: Design, size: MixSize, trials: Sequence[SceneFile], seeds: Iterator[int]
-) -> Iterator[LabelledSignal]:
-    held = NEGATIVE_SCENES["drift"][0]
+Draw: TypeAlias = Callable[[], LabelledSignal | list[LabelledSignal]]
+
+
+def _plan_events(design: Design, events: int, seeds: Iterator[int]) -> Iterator[Draw]:
+    for draw, share in (
+        (mix_signals.grip_change, 1), (mix_signals.fast_closing, 1), (mix_signals.taps, 3),
+        (mix_signals.grip_steps, 7), (mix_signals.manipulation, 7),
+    ):  # fmt: skip
+        for _ in range(math.ceil(events / share)):
+            yield partial(draw, design, next(seeds))
+    for draw_burst, share in ((mix_signals.abrupt_burst, 1), (mix_signals.low_burst, 2)):
+        for _ in range(math.ceil(events / share)):
+            yield partial(draw_burst, design, next(seeds), *BURSTS_V)
+    for i in range(math.ceil(events / 2)):
+        yield partial(mix_signals.long_slide, design, next(seeds), SLIDE_STRENGTHS_V[i % len(SLIDE_STRENGTHS_V)])
+    for _ in range(math.ceil(events / 3)):
+        yield partial(mix_signals.ringing_knock, design, next(seeds))
+    for kind, draw_scene in UNSTEADY.items():
+        for _ in range(math.ceil(events / 8)):
+            scene = draw_scene(np.random.default_rng(seed := next(seeds)))
+            yield partial(mix_signals.simulate_scene, design, scene, seed, kind, 1.0)
+
+
+def _plan_noisy(design: Design, size: MixSize, seeds: Iterator[int]) -> Iterator[Draw]:
+    trials, held = [scene for scene, _ in article_trials()], NEGATIVE_SCENES["drift"][0]
     for name, condition in mix_signals.NOISES.items():
         slides = [trials[i * len(trials) // size.noisy] for i in range(size.noisy)]
         for scene in (*slides, *[held] * math.ceil(size.noisy / 6)):
-            yield mix_signals.in_condition(design, scene, next(seeds), name, condition)
+            yield partial(mix_signals.in_condition, design, scene, next(seeds), name, condition)
     hand = SceneFile(**(held.model_dump() | {"noise": {"hand_v": 5e-4}}))
     for _ in range(math.ceil(size.noisy / 3)):
-        yield mix_signals.simulate_scene(design, hand, next(seeds), "vibration with the grasp", _CONTACT_S)
+        yield partial(mix_signals.simulate_scene, design, hand, next(seeds), "vibration with the grasp", _CONTACT_S)
     coarse = {"converter": {"bits": 10, "high_v": 5.0}}
     for i in range(math.ceil(size.noisy / 4)):
         for scene in (trials[(8 * i) % len(trials)], held):
-            yield mix_signals.in_condition(design, scene, next(seeds), "10 bits", coarse)
+            yield partial(mix_signals.in_condition, design, scene, next(seeds), "10 bits", coarse)
 
 
 @dataclass(frozen=True)

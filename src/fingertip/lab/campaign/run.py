@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design import Design
-from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import Array, poisson_interval
+from fingertip.foundation.side_by_side import call_each
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, Case, generate_cases
 from fingertip.sim import SceneFile, run_scene
 from fingertip.sim.runs.scene import SceneRun
@@ -318,17 +319,19 @@ def run_cases(
     advance: Callable[[float], None] = lambda _: None,
 ) -> dict[str, tuple[DetectorResult, ...]]:
     """Simulate cases and evaluate each detector on them at some factors of its threshold."""
-    trials: dict[str, list[list[TrialResult]]] = {name: [] for name in factors}
-    with compiled():
-        for i, case in enumerate(cases):
-            advance(i / len(cases))
-            trace = simulate_trace(design, case, tuple(factors))
-            runs: dict[float, FastOutput] = {}
-            for name, scales in factors.items():
-                trials[name].append(evaluate(case, trace, name, design, scales, runs))
+    trials = []
+    for i, found in enumerate(call_each(partial(_run_case, design, case, factors) for case in cases)):
+        trials.append(found)
+        advance((i + 1) / len(cases))
     return {
-        name: tuple(map(DetectorResult, scales, zip(*trials[name], strict=True))) for name, scales in factors.items()
+        name: tuple(map(DetectorResult, scales, zip(*(found[name] for found in trials), strict=True)))
+        for name, scales in factors.items()
     }
+
+
+def _run_case(design: Design, case: Case, factors: Mapping[str, Sequence[float]]) -> dict[str, list[TrialResult]]:
+    trace, runs = simulate_trace(design, case, tuple(factors)), dict[float, FastOutput]()
+    return {name: evaluate(case, trace, name, design, scales, runs) for name, scales in factors.items()}
 
 
 def run_detector_on(design: Design, cases: Iterable[Case], detector: str) -> DetectorResult:

@@ -30,12 +30,14 @@ import itertools
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import Array
+from fingertip.foundation.side_by_side import call_each
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, NEGATIVE_SCENES, Case, generate_trials
 from fingertip.lab.campaign.run import run_cases, simulate_trace
 from fingertip.sim import run_scene
@@ -58,31 +60,29 @@ def compute_bounds_s(design: Design, slips: Iterable[Case]) -> list[float]:
     detector = design.detector
     noise_v = mean_quantised_noise_v(detector.noise_v, detector.adc_step_v)
     settings = FastSettings.from_design(design, max(noise_v, _MIN_NOISE_V))
-    reference = FastDetector(settings)
-    rate, width = settings.sample_rate_hz, HIGH_HZ - LOW_HZ
-    noise = reference.coefficients.wide_share * settings.noise_v**2  # mean power in the wide band [V^2]
-    required = math.log(2 * width * 60 / ALARMS_PER_MINUTE)
     tables = design.model_dump()
     tables["detector"]["adc_bits"] = 24
     noiseless = Design(**tables)
-    smoothing, creep = max(1, round(_SMOOTHING_S * rate)), round(_CREEP_S * rate)
-    bounds = []
-    with compiled():
-        for case in slips:
-            sensing = case.scene.sensing.model_copy(update={"noise": False})
-            scene = case.scene.model_copy(update={"outputs": ["voltage_v", "slip"], "sensing": sensing})
-            trace = run_scene(noiseless, scene, case.seed).trace
-            assert trace.slip is not None
-            slipping = np.flatnonzero(trace.slip)
-            filtered = FastDetector(settings).process(trace.voltage_v).filtered_v
-            begin = max(0, slipping[0] - creep)
-            average = np.full(smoothing, 1 / smoothing)
-            power = np.convolve(filtered * filtered, average, "same")[begin : slipping[-1] + 1]
-            r = 1 + power / noise
-            information = np.cumsum(width * (r - 1 - np.log(r))) / rate
-            known = np.flatnonzero(information >= required)
-            bounds.append(max(0.0, float(begin + known[0] + 1 - slipping[0]) / rate) if known.size else math.inf)
-    return bounds
+    return list(call_each(partial(_compute_bound_s, noiseless, settings, case) for case in slips))
+
+
+def _compute_bound_s(noiseless: Design, settings: FastSettings, case: Case) -> float:
+    sensing = case.scene.sensing.model_copy(update={"noise": False})
+    scene = case.scene.model_copy(update={"outputs": ["voltage_v", "slip"], "sensing": sensing})
+    trace = run_scene(noiseless, scene, case.seed).trace
+    assert trace.slip is not None
+    slipping, detector = np.flatnonzero(trace.slip), FastDetector(settings)
+    rate, width = settings.sample_rate_hz, HIGH_HZ - LOW_HZ
+    noise = detector.coefficients.wide_share * settings.noise_v**2  # mean power in the wide band [V^2]
+    filtered = detector.process(trace.voltage_v).filtered_v
+    begin = max(0, slipping[0] - round(_CREEP_S * rate))
+    smoothing = max(1, round(_SMOOTHING_S * rate))
+    average = np.full(smoothing, 1 / smoothing)
+    power = np.convolve(filtered * filtered, average, "same")[begin : slipping[-1] + 1]
+    r = 1 + power / noise
+    information = np.cumsum(width * (r - 1 - np.log(r))) / rate
+    known = np.flatnonzero(information >= math.log(2 * width * 60 / ALARMS_PER_MINUTE))
+    return max(0.0, float(begin + known[0] + 1 - slipping[0]) / rate) if known.size else math.inf
 
 
 SEGMENTS_S = (0.02, 0.03, 0.04, 0.06, 0.08, 0.1, 0.15)

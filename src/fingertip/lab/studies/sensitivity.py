@@ -16,12 +16,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
+from fingertip.foundation.side_by_side import call_each
 from fingertip.lab.campaign import run as campaign
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, Case, generate_limited_cases, generate_trials
 from fingertip.lab.studies.bounds import compute_bounds_s
@@ -263,38 +265,41 @@ def study_assumptions(
     """Measure the delay without and with each change; all thresholds follow the noise, the design's own one too."""
     cases = list(generate_limited_cases(CampaignPlan(trials, _NEGATIVE_MINUTES)))
     all_variations = (UNCHANGED, *variations)
-    runs = [_run_variation(design, detector, variation, cases) for variation in all_variations]
-    before, onsets_before_s, _ = runs[0]
-    seeds, results = range(HELD_OUT_FROM, HELD_OUT_FROM + _LOAD_SEEDS), []
-    for variation, (pooled, onsets_s, vibrations_n) in zip(all_variations, runs, strict=True):
+    runs = list(call_each(partial(_run_variation, design, detector, cases, variation) for variation in all_variations))
+    before, onsets_before_s, _, _ = runs[0]
+    results = []
+    for variation, (pooled, onsets_s, vibrations_n, envelopes_v) in zip(all_variations, runs, strict=True):
         median_s, before_s = pooled.delay_s(0.5), before.delay_s(0.5)
         is_comparable = math.isfinite(median_s) and math.isfinite(before_s)
         change_s = median_s - before_s if is_comparable else math.nan
         onset_s = campaign.median_of_known(now - then for now, then in zip(onsets_s, onsets_before_s, strict=True))
         worst_s = max((mean for mean, _, _ in pooled.group_delays(campaign.surface).values()), default=math.inf)
-        light_v, firm_v = (measure_envelope_v(design, LOADED_ON, force_n, seeds, variation) for force_n in LOADS_N)
         row = VariationResult(
             variation.label, variation.is_realistic, variation.is_law, pooled.slips, pooled.found_share, median_s,
             change_s, pooled.alarms_per_minute, onset_s, campaign.median_of_known(vibrations_n), pooled.delay_s(0.9),
-            worst_s, light_v, firm_v,
+            worst_s, *envelopes_v,
         )  # fmt: skip
         results.append(row)
     return results
 
 
 def _run_variation(
-    design: Design, detector: str, variation: Variation, cases: Sequence[Case]
-) -> tuple[campaign.DetectorResult, list[float], list[float]]:
-    """Run the cases with a change: the pooled result, and true onset and vibration in each trial, NaN without slip."""
+    design: Design, detector: str, cases: Sequence[Case], variation: Variation
+) -> tuple[campaign.DetectorResult, list[float], list[float], list[float]]:
+    """Run the cases with a change.
+
+    Returns the pooled result, true onset and vibration in each trial, NaN without slip, and the envelope at `LOADS_N`.
+    """
     changed_design = variation.vary_design(design)
     collected: list[campaign.TrialResult] = []
     onsets_s, vibrations_n = [], []
-    with compiled():
-        for case in cases:
-            changed_case = replace(case, scene=variation.vary_scene(case.scene))
-            trace = campaign.simulate_trace(changed_design, changed_case, [detector])
-            collected += campaign.evaluate(changed_case, trace, detector, changed_design, [1.0])
-            if case.cause == "slip":
-                onsets_s.append(campaign.find_onset_s(changed_design, changed_case, trace))
-                vibrations_n.append(campaign.measure_vibration_n(trace))
-    return campaign.DetectorResult(1.0, tuple(collected)), onsets_s, vibrations_n
+    for case in cases:
+        changed_case = replace(case, scene=variation.vary_scene(case.scene))
+        trace = campaign.simulate_trace(changed_design, changed_case, [detector])
+        collected += campaign.evaluate(changed_case, trace, detector, changed_design, [1.0])
+        if case.cause == "slip":
+            onsets_s.append(campaign.find_onset_s(changed_design, changed_case, trace))
+            vibrations_n.append(campaign.measure_vibration_n(trace))
+    seeds = range(HELD_OUT_FROM, HELD_OUT_FROM + _LOAD_SEEDS)
+    envelopes_v = [measure_envelope_v(design, LOADED_ON, force_n, seeds, variation) for force_n in LOADS_N]
+    return campaign.DetectorResult(1.0, tuple(collected)), onsets_s, vibrations_n, envelopes_v

@@ -13,13 +13,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from fingertip.design import Design
 from fingertip.detection.adaptation import adapt_rate
 from fingertip.foundation.errors import DesignError
-from fingertip.foundation.jit import compiled
+from fingertip.foundation.side_by_side import call_each
 from fingertip.lab.campaign.plan import CampaignPlan, Case, generate_limited_cases, generate_trials
 from fingertip.lab.campaign.run import evaluate, quantile_s, run_detector_on, select_board_outputs
 from fingertip.lab.studies.bounds import compute_bounds_s
@@ -108,8 +109,7 @@ class StepSensitivity:
 
 def study_steps(design: Design, trials: int) -> StepSensitivity:
     """Compare both grids on the article's trials."""
-    with compiled():
-        differences = [compare_grids(design, case) for case in generate_trials(trials)]
+    differences = list(call_each(partial(compare_grids, design, case) for case in generate_trials(trials)))
     rate = design.detector.sample_rate_hz
     shifts = tuple(_pool_shifts(name, [samples[name] for _, samples in differences], rate) for name in DETECTORS)
     errors = []

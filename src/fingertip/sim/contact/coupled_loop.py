@@ -313,19 +313,13 @@ def _coupled_loop(
                 abs(E1 * uy1 + E2 * uy2 + E4 * uy4) * weight_y,
                 abs(E1 * uw1 + E2 * uw2 + E4 * uw4) * weight_w,
             )
-            y_next = y + (B1 * uy1 + B2 * uy2 + B3 * uy3 + B4 * uy4)
-            if (y > 0.0) != (y_next > 0.0):
-                # The pad touches or leaves within the step: the stages may miss a part of how dw/dt jumps and bends.
-                stiffness, damping, rho, flight_damping = normal
-                jump, bend = abs(damping - flight_damping), abs(1 - rho) * stiffness
-                error = max(error, (0.03 * jump + 0.003 * bend * step) * step * abs(w) * weight_w)
             factor = 6.0 if error <= 1e-6 else 0.9 / math.sqrt(math.sqrt(error))
             factor = 6.0 if factor > 6.0 else factor if factor > 0.15 else 0.15
             if error <= 1.0 or step <= MIN_STEP_RATIO * H:
                 x += B1 * ux1 + B2 * ux2 + B3 * ux3 + B4 * ux4
                 v += B1 * uv1 + B2 * uv2 + B3 * uv3 + B4 * uv4
                 s += B1 * us1 + B2 * us2 + B3 * us3 + B4 * us4
-                y = y_next
+                y += B1 * uy1 + B2 * uy2 + B3 * uy3 + B4 * uy4
                 w += B1 * uw1 + B2 * uw2 + B3 * uw3 + B4 * uw4
                 steps += 1
                 t = H if is_last else t + step

@@ -1,0 +1,128 @@
+"""Independent calls side by side, one in each of several worker processes. The results are those of calls one by one.
+
+Whole calls are divided, such as the trials of a campaign, and not their loops. Each runs the same code on the same
+numbers wherever it runs, so no bit depends on the number of workers, and calls of different lengths cost no padding.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import os
+import pickle
+import queue
+import subprocess
+import sys
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from typing import TypeAlias, TypeVar
+
+from fingertip.foundation.errors import FingertipError, Issue
+from fingertip.foundation.jit import compiled
+from fingertip.foundation.processes import end_with_parent, python_command, python_environment
+
+T = TypeVar("T")
+_AHEAD = 256
+"""Number of calls that are computed ahead of the result that is taken: results may be large."""
+Idle: TypeAlias = "queue.SimpleQueue[subprocess.Popen[bytes]]"
+_workers: tuple[ThreadPoolExecutor, Idle] | None = None
+"""Threads that hand calls to worker processes, and those that have none, within a block of `side_by_side`."""
+
+
+@contextlib.contextmanager
+def side_by_side(workers: int) -> Iterator[None]:
+    """Let `call_each` use so many worker processes within this block; with one, its calls run in this process."""
+    global _workers
+    with compiled(), contextlib.ExitStack() as stack:
+        before, _workers = _workers, None
+        if workers > 1:
+            idle: Idle = queue.SimpleQueue()
+            pool = ThreadPoolExecutor(workers)
+            for _ in range(workers):
+                idle.put(stack.enter_context(_start_worker()))
+            stack.callback(pool.shutdown, wait=False, cancel_futures=True)
+            _workers = pool, idle
+        try:
+            yield
+        finally:
+            _workers = before
+
+
+def call_each(calls: Iterable[Callable[[], T]]) -> Iterator[T]:
+    """Call each with compiled loops, and yield the results in their order. Calls are pickled: partials of functions.
+
+    Raises what a call raises, and FingertipError where a worker ends by itself.
+    """
+    if _workers is None:
+        for call in calls:
+            with compiled():
+                result = call()
+            yield result
+        return
+    pool, idle = _workers
+    submitted = (pool.submit(_ask, idle, call) for call in calls)
+    futures = deque(itertools.islice(submitted, _AHEAD))
+    try:
+        while futures:
+            result = futures.popleft().result()
+            futures.extend(itertools.islice(submitted, 1))
+            yield result
+    finally:
+        for future in futures:
+            future.cancel()
+
+
+@contextlib.contextmanager
+def _start_worker() -> Iterator[subprocess.Popen[bytes]]:
+    """Start a worker, which ends with the block. Ctrl-C reaches this process alone: the worker has its own session."""
+    pipe = subprocess.PIPE
+    with subprocess.Popen(
+        python_command(__name__), stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, start_new_session=True,
+        env=python_environment(),
+    ) as process:  # fmt: skip
+        try:
+            yield process
+        finally:
+            process.kill()
+            with contextlib.suppress(BrokenPipeError):  # of a call that it has not read
+                process.stdin.close()  # type: ignore[union-attr]
+
+
+def _ask(idle: Idle, call: Callable[[], T]) -> T:
+    """Let the next worker that is idle answer a call."""
+    worker = idle.get()
+    assert worker.stdin
+    assert worker.stdout
+    try:
+        worker.stdin.write(pickle.dumps(call))
+        worker.stdin.flush()
+        result, error = pickle.load(worker.stdout)
+    except (OSError, EOFError, pickle.UnpicklingError):
+        message = "a worker process ended by itself, as it does where memory is full; choose --jobs 1."
+        raise FingertipError(Issue("--jobs", message)) from None
+    finally:
+        idle.put(worker)
+    if error is not None:
+        raise error
+    return result  # type: ignore[no-any-return]
+
+
+def _serve() -> None:
+    """Answer calls until the other process closes the pipe."""
+    end_with_parent()
+    answer = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # libraries print there
+    with compiled(), contextlib.suppress(EOFError, BrokenPipeError):
+        while True:
+            call, result, error = pickle.load(sys.stdin.buffer), None, None
+            try:
+                result = call()
+            except Exception as raised:
+                error = raised.with_traceback(None)
+            answer.write(pickle.dumps((result, error)))
+            answer.flush()
+
+
+if __name__ == "__main__":
+    _serve()

@@ -85,10 +85,7 @@ def in_background(function: Callable[..., T], *arguments: Any) -> Iterator[Calla
 
     With one processor, or where the process fails for any reason, the function is called when the result is wanted.
     """
-
-    start: Callable[[bytes], contextlib.AbstractContextManager[BinaryIO]] = _start
-    if sys.platform == "linux" and threading.active_count() == 1:
-        start = _fork
+    start = _fork if sys.platform == "linux" and threading.active_count() == 1 else _start
 
     def wait() -> T:
         if answer and (data := answer.read()) and not (found := pickle.loads(data))[1]:
@@ -101,21 +98,30 @@ def in_background(function: Callable[..., T], *arguments: Any) -> Iterator[Calla
 
 
 @contextlib.contextmanager
-def _start(call: bytes) -> Iterator[BinaryIO]:
-    """Answer a call by another process, which ends with the block; provides where the answer is read."""
+def start_worker() -> Iterator[subprocess.Popen[bytes]]:
+    """Start a process that answers calls, one after the other, and ends with the block."""
     pipe = subprocess.PIPE
     # A session of its own: Ctrl-C reaches this process alone, which ends the other one.
     with subprocess.Popen(
-        python_command(__name__), stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, start_new_session=True
-    ) as process:
-        assert process.stdin
-        assert process.stdout
+        python_command(__name__), stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, start_new_session=True,
+        env=python_environment(),
+    ) as process:  # fmt: skip
         try:
-            with contextlib.suppress(BrokenPipeError), process.stdin:
-                process.stdin.write(call)
-            yield process.stdout  # type: ignore[misc]
+            yield process
         finally:
             process.kill()
+            with contextlib.suppress(BrokenPipeError):  # of a call that it has not read
+                process.stdin.close()  # type: ignore[union-attr]
+
+
+@contextlib.contextmanager
+def _start(call: bytes) -> Iterator[BinaryIO]:
+    """Answer a call by another process, which ends with the block; provides where the answer is read."""
+    with start_worker() as process:
+        assert process.stdin
+        with contextlib.suppress(BrokenPipeError), process.stdin:
+            process.stdin.write(call)
+        yield process.stdout  # type: ignore[misc]
 
 
 @contextlib.contextmanager
@@ -167,11 +173,13 @@ def _answer_call(call: BinaryIO, answer: BinaryIO) -> None:
     except Exception as raised:
         error = raised.with_traceback(None)
     answer.write(pickle.dumps((result, error)))
-    answer.close()
+    answer.flush()
 
 
 if __name__ == "__main__":
     answer = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # libraries print there
-    _answer_call(sys.stdin.buffer, answer)
+    with contextlib.suppress(EOFError):
+        while True:
+            _answer_call(sys.stdin.buffer, answer)
     os._exit(0)  # unloading the libraries of the B-rep kernel would take a third of a second

@@ -8,11 +8,9 @@ from __future__ import annotations
 
 import contextlib
 import itertools
-import os
 import pickle
 import queue
 import subprocess
-import sys
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -20,7 +18,7 @@ from typing import TypeAlias, TypeVar
 
 from fingertip.foundation.errors import FingertipError, Issue
 from fingertip.foundation.jit import compiled
-from fingertip.foundation.processes import end_with_parent, python_command, python_environment
+from fingertip.foundation.processes import start_worker
 
 T = TypeVar("T")
 _AHEAD = 256
@@ -32,17 +30,19 @@ _workers: tuple[ThreadPoolExecutor, Idle] | None = None
 
 @contextlib.contextmanager
 def side_by_side(workers: int) -> Iterator[None]:
-    """Let `call_each` use so many worker processes within this block; with one, its calls run in this process."""
+    """Let `call_each` use so many worker processes within this block; with one, its calls run in this process.
+
+    Every loop runs compiled, in this process too.
+    """
     global _workers
     with compiled(), contextlib.ExitStack() as stack:
         before, _workers = _workers, None
         if workers > 1:
             idle: Idle = queue.SimpleQueue()
-            pool = ThreadPoolExecutor(workers)
             for _ in range(workers):
-                idle.put(stack.enter_context(_start_worker()))
-            stack.callback(pool.shutdown, wait=False, cancel_futures=True)
-            _workers = pool, idle
+                idle.put(stack.enter_context(start_worker()))
+            _workers = ThreadPoolExecutor(workers), idle
+            stack.callback(_workers[0].shutdown, wait=False, cancel_futures=True)
         try:
             yield
         finally:
@@ -55,10 +55,7 @@ def call_each(calls: Iterable[Callable[[], T]]) -> Iterator[T]:
     Raises what a call raises, and FingertipError where a worker ends by itself.
     """
     if _workers is None:
-        for call in calls:
-            with compiled():
-                result = call()
-            yield result
+        yield from map(_call, calls)
         return
     pool, idle = _workers
     submitted = (pool.submit(_ask, idle, call) for call in calls)
@@ -73,31 +70,18 @@ def call_each(calls: Iterable[Callable[[], T]]) -> Iterator[T]:
             future.cancel()
 
 
-@contextlib.contextmanager
-def _start_worker() -> Iterator[subprocess.Popen[bytes]]:
-    """Start a worker, which ends with the block. Ctrl-C reaches this process alone: the worker has its own session."""
-    pipe = subprocess.PIPE
-    with subprocess.Popen(
-        python_command(__name__), stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, start_new_session=True,
-        env=python_environment(),
-    ) as process:  # fmt: skip
-        try:
-            yield process
-        finally:
-            process.kill()
-            with contextlib.suppress(BrokenPipeError):  # of a call that it has not read
-                process.stdin.close()  # type: ignore[union-attr]
+def _call(call: Callable[[], T]) -> T:
+    with compiled():
+        return call()
 
 
 def _ask(idle: Idle, call: Callable[[], T]) -> T:
     """Let the next worker that is idle answer a call."""
     worker = idle.get()
-    assert worker.stdin
-    assert worker.stdout
     try:
-        worker.stdin.write(pickle.dumps(call))
-        worker.stdin.flush()
-        result, error = pickle.load(worker.stdout)
+        worker.stdin.write(pickle.dumps((None, None, _call, (call,))))  # type: ignore[union-attr]
+        worker.stdin.flush()  # type: ignore[union-attr]
+        result, error = pickle.load(worker.stdout)  # type: ignore[arg-type]
     except (OSError, EOFError, pickle.UnpicklingError):
         message = "a worker process ended by itself, as it does where memory is full; choose --jobs 1."
         raise FingertipError(Issue("--jobs", message)) from None
@@ -106,23 +90,3 @@ def _ask(idle: Idle, call: Callable[[], T]) -> T:
     if error is not None:
         raise error
     return result  # type: ignore[no-any-return]
-
-
-def _serve() -> None:
-    """Answer calls until the other process closes the pipe."""
-    end_with_parent()
-    answer = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # libraries print there
-    with compiled(), contextlib.suppress(EOFError, BrokenPipeError):
-        while True:
-            call, result, error = pickle.load(sys.stdin.buffer), None, None
-            try:
-                result = call()
-            except Exception as raised:
-                error = raised.with_traceback(None)
-            answer.write(pickle.dumps((result, error)))
-            answer.flush()
-
-
-if __name__ == "__main__":
-    _serve()

@@ -218,8 +218,7 @@ def validate(
 ) -> Validation:
     """Test a design's detectors on simulated slips and on scenes without slip.
 
-    Trials run side by side in `jobs` processes, one for each processor if None; their number changes no bit. Raises
-    TraceError, and FingertipError for a number of processes that cannot be.
+    Trials run in `jobs` processes, one for each processor if None; no bit depends on that. Raises FingertipError.
     """
     find_detector_type(detector)
     check_first_seed(first_seed)

@@ -82,7 +82,8 @@ def assess_fingers(plan: BringUp, measured: Mapping[str, readings.Readings], fin
     found = {
         finger: readings.assess_readings(plan, taken, _choose(finger in cleared)) for finger, taken in measured.items()
     }
-    if not cleared and len(failing) > 1 and all(_names_shared(found[finger]["likely"]) for finger in failing):
+    names = [{sentence.split(" ")[0] for sentence in found[finger]["likely"]} for finger in failing]
+    if not cleared and len(failing) > 1 and not any(map(SHARED_PARTS.isdisjoint, names)):
         found |= {finger: readings.assess_readings(plan, measured[finger], _is_shared) for finger in failing}
     named = {WHOLE_BOARD: found[WHOLE_BOARD]} if WHOLE_BOARD in found else {}
     named |= {finger: _rename(found[finger], k) for k, finger in enumerate(fingers, start=1) if finger in found}
@@ -108,10 +109,6 @@ def _is_shared(fault: Fault) -> bool:
 def _choose(is_cleared: bool) -> Callable[[Fault], bool]:
     """Faults to consider: those of shared parts unless another finger clears them."""
     return lambda fault: not is_cleared or SHARED_PARTS.isdisjoint(fault.reference.split(" and "))
-
-
-def _names_shared(likely: Sequence[str]) -> bool:
-    return any(sentence.split(" ")[0] in SHARED_PARTS for sentence in likely)
 
 
 def _rename(data: Any, channel: int) -> Any:

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import statistics
 from dataclasses import dataclass, replace
 
 from fingertip.board.components.selection import neighbouring_values, values_around
@@ -105,7 +106,7 @@ def size_bridge(supply_v: float, series: str, active_diameter_mm: float) -> Brid
     points = [(arm.sensor_v(sensor_conductance_s(f), supply_v), v) for f, v in ARTICLE_POINTS]
 
     # The least-squares line through the points, V = A x - A reference, gives the ideal gain and reference.
-    gain = _slope(points)
+    gain = statistics.linear_regression(*zip(*points, strict=True)).slope
     offset_v = sum(gain * x - v for x, v in points) / len(points)
     candidates = (
         replace(arm, reference_top_ohm=top_ohm, reference_bottom_ohm=bottom_ohm, gain_ohm=gain_ohm)
@@ -120,11 +121,6 @@ def article_error_v(bridge: Bridge, supply_v: float) -> float:
     """RMS error [V] of a bridge's tactile voltage against the article's voltages."""
     errors = (bridge.tactile_v(sensor_conductance_s(f), supply_v) - v for f, v in ARTICLE_POINTS)
     return math.sqrt(sum(e * e for e in errors) / len(ARTICLE_POINTS))
-
-
-def _slope(points: list[tuple[float, float]]) -> float:
-    x0, y0 = (sum(p[i] for p in points) / len(points) for i in (0, 1))
-    return sum((x - x0) * (y - y0) for x, y in points) / sum((x - x0) ** 2 for x, _ in points)
 
 
 # Amplifiers of the board as its circuit names them, and data-sheet values of the bridge's AD623.

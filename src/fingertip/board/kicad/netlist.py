@@ -118,17 +118,14 @@ def _nets(circuit: Circuit) -> list[Expression]:
     nets: list[Expression] = []
     for code, net in enumerate(sorted(circuit.nets, key=lambda net: kicad_net_name(net.name)), start=1):
         nodes: list[Expression] = []
-        for reference, number in sorted(net.nodes, key=lambda node: (references[node[0]], _pin_sort_key(node[1]))):
+        # Of a part, pins with numbers come before the mounting pin; a longer number is a larger one.
+        order = {node: (references[node[0]], not node[1].isdigit(), len(node[1]), node[1]) for node in net.nodes}
+        for reference, number in sorted(net.nodes, key=order.__getitem__):
             pin = pins[reference, number]
             function = {} if pin.name == "~" else {"pinfunction": pin.name}
             nodes.append(("node", *_texts(ref=reference, pin=number, **function, pintype=pin.electrical_type)))
         nets.append(("net", *_texts(code=str(code), name=kicad_net_name(net.name)), *nodes))
     return nets
-
-
-def _pin_sort_key(number: str) -> tuple[bool, int]:
-    """Sorting key of a pin: numbers first, then the mounting pin."""
-    return (False, int(number)) if number.isdigit() else (True, 0)
 
 
 # Circuits as netlists and layouts state them, and their differences.

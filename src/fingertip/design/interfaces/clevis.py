@@ -255,11 +255,12 @@ class Clevis(JointInterface):
                 "diameter_mm": _anchor_pin_mm(design),
                 "length_mm": round(2 * design.dimensions.collar.section.half_width_at(anchor.y), 1), "count": 1,
             })  # fmt: skip
+            held_n = design.strength.grip_force_n * tendon_force_per_n(design, design.skin.length_mm)
             items.append({
                 "item": "tendon (braided line, as long as the hand needs)",
                 "diameter_mm": design.hand.tendon_diameter_mm, "count": 1,
-                "note": f"it breaks at {_min_line_n(design):.0f} N or more, four times its force at the grip: a "
-                "knot takes half",
+                "note": f"it breaks at {10.0 * math.ceil(0.4 * held_n):.0f} N or more, four times its force at the "
+                "grip: a knot takes half",
             })  # fmt: skip
         return items
 
@@ -282,10 +283,6 @@ def tendon_force_per_n(design: DesignTables, load_z_mm: float) -> float:
     """Force of the tendon per newton of load on the pad or apex, by their levers about the pin; 0 without a tendon."""
     joint, anchor = design.dimensions.joint, design.dimensions.anchor
     return (load_z_mm - joint.axis_z) / anchor.distance if joint and anchor else 0.0
-
-
-def _min_line_n(design: DesignTables) -> float:
-    return 10.0 * math.ceil(0.4 * design.strength.grip_force_n * tendon_force_per_n(design, design.skin.length_mm))
 
 
 def anchor_pin_stress_mpa(design: DesignTables, force_n: float) -> float:

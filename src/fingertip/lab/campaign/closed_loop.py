@@ -9,6 +9,7 @@ The same manipulations without control show what the detector adds.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -105,13 +106,9 @@ def run_closed_loop(
     design: Design, detectors: Sequence[str], repeats: int, uncontrolled: bool = True
 ) -> list[ClosedLoopTrial]:
     """Run every manipulation without control, unless `uncontrolled` is false, then with each detector."""
-    return list(
-        call_each(
-            partial(_run_trial, design, detector, scene, seed)
-            for detector in (*((NO_CONTROL,) if uncontrolled else ()), *detectors)
-            for scene, seed in plan_manipulations(repeats, FIRST_SEED)
-        )
-    )
+    names = (*((NO_CONTROL,) if uncontrolled else ()), *detectors)
+    planned = itertools.product(names, plan_manipulations(repeats, FIRST_SEED))
+    return list(call_each(partial(_run_trial, design, name, *plan) for name, plan in planned))
 
 
 def _run_trial(design: Design, detector: str, scene: ManipulationFile, seed: int) -> ClosedLoopTrial:

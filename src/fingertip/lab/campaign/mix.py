@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design import Design
-from fingertip.foundation.jit import compiled
 from fingertip.foundation.side_by_side import call_each
 from fingertip.lab.campaign import mix_signals
 from fingertip.lab.campaign.mix_signals import REACTION_S, LabelledSignal
@@ -53,19 +52,15 @@ Draw: TypeAlias = Callable[[], LabelledSignal | list[LabelledSignal]]
 
 
 def _plan_events(design: Design, events: int, seeds: Iterator[int]) -> Iterator[Draw]:
-    for draw, share in (
-        (mix_signals.grip_change, 1), (mix_signals.fast_closing, 1), (mix_signals.taps, 3),
-        (mix_signals.grip_steps, 7), (mix_signals.manipulation, 7),
+    for draw, share, options in (
+        (mix_signals.grip_change, 1, ()), (mix_signals.fast_closing, 1, ()), (mix_signals.taps, 3, ()),
+        (mix_signals.grip_steps, 7, ()), (mix_signals.manipulation, 7, ()),
+        (mix_signals.abrupt_burst, 1, BURSTS_V), (mix_signals.low_burst, 2, BURSTS_V),
     ):  # fmt: skip
-        for _ in range(math.ceil(events / share)):
-            yield partial(draw, design, next(seeds))
-    for draw_burst, share in ((mix_signals.abrupt_burst, 1), (mix_signals.low_burst, 2)):
-        for _ in range(math.ceil(events / share)):
-            yield partial(draw_burst, design, next(seeds), *BURSTS_V)
+        yield from (partial(draw, design, next(seeds), *options) for _ in range(math.ceil(events / share)))
     for i in range(math.ceil(events / 2)):
         yield partial(mix_signals.long_slide, design, next(seeds), SLIDE_STRENGTHS_V[i % len(SLIDE_STRENGTHS_V)])
-    for _ in range(math.ceil(events / 3)):
-        yield partial(mix_signals.ringing_knock, design, next(seeds))
+    yield from (partial(mix_signals.ringing_knock, design, next(seeds)) for _ in range(math.ceil(events / 3)))
     for kind, draw_scene in UNSTEADY.items():
         for _ in range(math.ceil(events / 8)):
             scene = draw_scene(np.random.default_rng(seed := next(seeds)))
@@ -150,14 +145,11 @@ def assess(signal: LabelledSignal, on: NDArray[np.bool_], memory_s: float) -> Ou
 def run_detector(name: str, design: Design, signals: Iterable[LabelledSignal]) -> list[Outcome]:
     """Run a detector, or the design's simulated board ahead of one that reads it, with the design's noise."""
     outcomes = []
-    with compiled():
-        for signal in signals:
-            if find_detector_type(name).takes_envelope:
-                board = SimulatedBoardDetector(design)
-                outcomes.append(assess(signal, board.process(signal.voltage_v).on, board.memory_s))
-            else:
-                detector = make_detector(name, design)
-                outcomes.append(assess(signal, detector.process(*select_inputs(signal, name)).on, detector.memory_s))
+    takes_envelope = find_detector_type(name).takes_envelope
+    for signal in signals:
+        detector = SimulatedBoardDetector(design) if takes_envelope else make_detector(name, design)
+        inputs = (signal.voltage_v,) if takes_envelope else select_inputs(signal, name)
+        outcomes.append(assess(signal, detector.process(*inputs).on, detector.memory_s))
     return outcomes
 
 

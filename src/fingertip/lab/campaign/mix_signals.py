@@ -7,7 +7,7 @@ detector that fits the simulation alone fails on them.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -200,7 +200,9 @@ def simulate_scene(
     assert trace.slip is not None
     slips = merge(intervals(trace.time_s, trace.slip), STICK_S)
     starts = [move.start_s for move in timeline.moves]
-    slides = tuple(Slide(_last_before(slip.onset_s, starts), slip.onset_s, slip.end_s) for slip in slips)
+    # Without a move the motion begins with the slip.
+    begun_s = (max((s for s in starts if s <= slip.onset_s), default=slip.onset_s) for slip in slips)
+    slides = tuple(Slide(start, slip.onset_s, slip.end_s) for start, slip in zip(begun_s, slips, strict=True))
     held, events = timeline.held_s, []
     if scene.load_change.by_n:
         start = held + scene.load_change.at_s
@@ -220,11 +222,6 @@ def simulate_scene(
         kind, design.detector.sample_rate_hz, trace.voltage_v, slides, tuple(events), alarms_from_s,
         filtered_v=trace.filtered_v,
     )  # fmt: skip
-
-
-def _last_before(moment_s: float, starts_s: Sequence[float]) -> float:
-    """Return the start of the move during which a slip began [s]; the slip's own onset without one."""
-    return max((start for start in starts_s if start <= moment_s), default=moment_s)
 
 
 def grip_change(design: Design, seed: int) -> LabelledSignal:

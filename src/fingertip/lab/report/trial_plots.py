@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from fingertip.design import Design
 from fingertip.foundation import plot_style as style
-from fingertip.foundation.jit import compiled
 from fingertip.lab.campaign.closed_loop import NO_CONTROL, ClosedLoopTrial, any_finger_slips
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, Case
 from fingertip.lab.campaign.run import scene_surface, simulate_trace
@@ -64,12 +63,11 @@ def simulate_examples(design: Design) -> list[ExampleTrial]:
     labels = list(dict.fromkeys(label for label, _ in scenes))
     speeds = sorted({speed for _, speed in scenes})
     examples = []
-    with compiled():
-        for i, label in enumerate(labels):
-            speed = speeds[i % len(speeds)]
-            case = Case("slip", scenes[(label, speed)], HELD_OUT_FROM + i)
-            trace = simulate_trace(design, case, DETECTORS_SHOWN)
-            examples.append(ExampleTrial(label, speed, trace, SceneRun(design, case.scene, case.seed).force_n))
+    for i, label in enumerate(labels):
+        speed = speeds[i % len(speeds)]
+        case = Case("slip", scenes[(label, speed)], HELD_OUT_FROM + i)
+        trace = simulate_trace(design, case, DETECTORS_SHOWN)
+        examples.append(ExampleTrial(label, speed, trace, SceneRun(design, case.scene, case.seed).force_n))
     return examples
 
 

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import Array
 from fingertip.lab.campaign.closed_loop import ClosedLoopSummary, run_closed_loop, summarise
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_cases, generate_trials
@@ -187,22 +186,21 @@ def compute_spectra(design: Design) -> list[Spectrum]:
     window = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(count) / count)
     slide = next(s for s, _ in article_trials() if s.contact.surface == "medium" and s.slide.speed_m_s == 0.04)
     spectra = []
-    with compiled():
-        for label, resonance_hz in RESONANCES_HZ.items():
-            pad = Pad.from_design(design)
-            mass_kg = pad.backing.mass_kg * (pad.resonance_hz(1.0) / resonance_hz) ** 2
-            mount = slide.mount.model_copy(update={"mass_kg": mass_kg})
-            scene = slide.model_copy(update={"mount": mount, "outputs": ["voltage_v", "slip"]})
-            total = np.zeros(count // 2 + 1)
-            for seed in range(HELD_OUT_FROM, HELD_OUT_FROM + _AVERAGED):
-                trace = run_scene(design, scene, seed).trace
-                assert trace.slip is not None
-                slipping = np.flatnonzero(trace.slip)
-                start = max(0, int(slipping[0] + slipping[-1] - count) // 2)
-                segment = trace.voltage_v[start : start + count]
-                total += np.abs(np.fft.rfft((segment - segment.mean()) * window)) ** 2
-            density = 2 * total / _AVERAGED / rate / float(window @ window)
-            spectra.append(Spectrum(label, np.arange(count // 2 + 1) * rate / count, density))
+    for label, resonance_hz in RESONANCES_HZ.items():
+        pad = Pad.from_design(design)
+        mass_kg = pad.backing.mass_kg * (pad.resonance_hz(1.0) / resonance_hz) ** 2
+        mount = slide.mount.model_copy(update={"mass_kg": mass_kg})
+        scene = slide.model_copy(update={"mount": mount, "outputs": ["voltage_v", "slip"]})
+        total = np.zeros(count // 2 + 1)
+        for seed in range(HELD_OUT_FROM, HELD_OUT_FROM + _AVERAGED):
+            trace = run_scene(design, scene, seed).trace
+            assert trace.slip is not None
+            slipping = np.flatnonzero(trace.slip)
+            start = max(0, int(slipping[0] + slipping[-1] - count) // 2)
+            segment = trace.voltage_v[start : start + count]
+            total += np.abs(np.fft.rfft((segment - segment.mean()) * window)) ** 2
+        density = 2 * total / _AVERAGED / rate / float(window @ window)
+        spectra.append(Spectrum(label, np.arange(count // 2 + 1) * rate / count, density))
     return spectra
 
 
@@ -225,13 +223,11 @@ def study_windows(
     """Measure delay and false alarms of `digital` by window length: a short one takes contacts for slip."""
     designs = [with_window(design, window_s) for window_s in windows_s]
     collected: list[list[TrialResult]] = [[] for _ in designs]
-    with compiled():
-        for case in generate_cases(CampaignPlan(trials, negative_minutes)):
-            if case.cause not in ("slip", *CONTACTS):
-                continue
-            trace = simulate_trace(design, case, [WINDOW_DETECTOR])
-            for results, other in zip(collected, designs, strict=True):
-                results += evaluate(case, trace, WINDOW_DETECTOR, other, [1.0])
+    cases = generate_cases(CampaignPlan(trials, negative_minutes))
+    for case in (case for case in cases if case.cause in ("slip", *CONTACTS)):
+        trace = simulate_trace(design, case, [WINDOW_DETECTOR])
+        for results, other in zip(collected, designs, strict=True):
+            results += evaluate(case, trace, WINDOW_DETECTOR, other, [1.0])
     rows = []
     for window_s, other, results in zip(windows_s, designs, collected, strict=True):
         r, threshold_v = DetectorResult(1.0, tuple(results)), other.detector.threshold_v

@@ -35,7 +35,6 @@ from functools import partial
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.side_by_side import call_each
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, NEGATIVE_SCENES, Case, generate_trials
@@ -111,13 +110,12 @@ def study_motor_discrimination(
     cases += [Case("motor", motor_scene, HELD_OUT_FROM + 10_000 + i) for i in range(motors)]
     segments: dict[str, list[Array]] = {"slip": [], "motor": []}
     longest = round(max(segments_s) * rate)
-    with compiled():
-        for case in cases:
-            trace = simulate_trace(design, case, [])
-            assert trace.slip is not None
-            slip = case.cause == "slip"
-            start = int(np.flatnonzero(trace.slip)[0]) if slip else round(_motor_onset_s(trace.time_s) * rate)
-            segments[case.cause].append(trace.voltage_v[start : start + longest])
+    for case in cases:
+        trace = simulate_trace(design, case, [])
+        assert trace.slip is not None
+        slip = case.cause == "slip"
+        start = int(np.flatnonzero(trace.slip)[0]) if slip else round(_motor_onset_s(trace.time_s) * rate)
+        segments[case.cause].append(trace.voltage_v[start : start + longest])
     results = []
     for segment_s in segments_s:
         count = round(segment_s * rate)

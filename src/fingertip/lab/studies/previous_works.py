@@ -15,7 +15,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.foundation.jit import compiled
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, Case, generate_trials
 from fingertip.lab.campaign.run import TrialResult, run_cases, score_trial, simulate_trace
 from fingertip.lab.studies.article import LATE_S, find_delays_s, with_threshold
@@ -91,14 +90,12 @@ def _study_ridged_plates(board: Design, first_seed: int) -> list[PlateResult]:
 def _study_plain_fft(board: Design, trials: int, first_seed: int) -> list[PlainFftResult]:
     threshold_v = FftDetector(board, is_plain=True).threshold_v
     collected: list[list[TrialResult]] = [[] for _ in FFT_FACTORS]
-    with compiled():
-        for case in generate_trials(trials, first_seed):
-            trace = simulate_trace(board, case, ["fft"])
-            plain = FftDetector(board, is_plain=True)
-            statistic_v = plain.process(trace.voltage_v).statistic_v
-            for results, factor in zip(collected, FFT_FACTORS, strict=True):
-                on = statistic_v > factor * threshold_v
-                results.append(score_trial(case, trace, on, plain.memory_s))
+    for case in generate_trials(trials, first_seed):
+        trace = simulate_trace(board, case, ["fft"])
+        plain = FftDetector(board, is_plain=True)
+        statistic_v = plain.process(trace.voltage_v).statistic_v
+        for results, factor in zip(collected, FFT_FACTORS, strict=True):
+            results.append(score_trial(case, trace, statistic_v > factor * threshold_v, plain.memory_s))
     rows = [_pool(factor * threshold_v, found) for factor, found in zip(FFT_FACTORS, collected, strict=True)]
     return rows[:1] + [row for row in rows[1:] if row.below_100_ms < FFT_SHARE * row.trials][:1]
 

@@ -22,7 +22,6 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.foundation.jit import compiled
 from fingertip.foundation.side_by_side import call_each
 from fingertip.lab.campaign import run as campaign
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, Case, generate_limited_cases, generate_trials
@@ -222,11 +221,10 @@ def measure_envelope_v(
     hold = scene.hold.model_copy(update={"min_force_n": force_n, "max_force_n": force_n})
     scene = scene.model_copy(update={"hold": hold, "outputs": ["voltage_v", "slip", "envelope_v"]})
     means_v = []
-    with compiled():
-        for seed in seeds:
-            columns = run_scene(changed, scene, seed).columns
-            slips = columns["slip"].astype(bool)
-            means_v += [float(columns["envelope_v"][slips].mean())] if slips.any() else []
+    for seed in seeds:
+        columns = run_scene(changed, scene, seed).columns
+        slips = columns["slip"].astype(bool)
+        means_v += [float(columns["envelope_v"][slips].mean())] if slips.any() else []
     return float(np.mean(means_v)) if means_v else math.nan
 
 
@@ -286,10 +284,7 @@ def study_assumptions(
 def _run_variation(
     design: Design, detector: str, cases: Sequence[Case], variation: Variation
 ) -> tuple[campaign.DetectorResult, list[float], list[float], list[float]]:
-    """Run the cases with a change.
-
-    Returns the pooled result, true onset and vibration in each trial, NaN without slip, and the envelope at `LOADS_N`.
-    """
+    """Run the cases with a change: pooled result, onset and vibration in each trial, and the envelope at `LOADS_N`."""
     changed_design = variation.vary_design(design)
     collected: list[campaign.TrialResult] = []
     onsets_s, vibrations_n = [], []

@@ -38,14 +38,9 @@ def known(**fields: object) -> LabelledSignal:
     return replace(LabelledSignal("test", 1000.0, np.zeros(4000), (Slide(0.99, 1.0, 2.0),)), **fields)
 
 
-def test_the_mix_has_each_noise_with_slides_and_with_a_still_contact(monkeypatch: pytest.MonkeyPatch) -> None:
-    size, told = MixSize(events=1, noisy=6), list[tuple[str, str]]()
-    monkeypatch.setattr(
-        mix_signals, "in_condition", lambda design, scene, seed, name, _: told.append((name, scene.name))
-    )
-    monkeypatch.setattr(mix_signals, "simulate_scene", lambda *_: None)
-    trials = [scene for scene, _ in article_trials()]
-    list(mix._noisy(DESIGN, size, trials, itertools.count()))
+def test_the_mix_has_each_noise_with_slides_and_with_a_still_contact() -> None:
+    draws = [draw.args for draw in mix._plan_noisy(DESIGN, MixSize(events=1, noisy=6), itertools.count())]
+    told = [(name, scene.name) for _, scene, _, name, condition in draws if isinstance(condition, dict)]
     for name in (*mix_signals.NOISES, "10 bits"):
         of_noise = [scene for noise, scene in told if noise == name]
         slides = len(of_noise) - of_noise.count("drift")

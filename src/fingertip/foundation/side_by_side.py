@@ -30,10 +30,7 @@ _workers: tuple[ThreadPoolExecutor, Idle] | None = None
 
 @contextlib.contextmanager
 def side_by_side(workers: int) -> Iterator[None]:
-    """Let `call_each` use so many worker processes within this block; with one, its calls run in this process.
-
-    Every loop runs compiled, in this process too.
-    """
+    """Let `call_each` use so many worker processes; with one, calls run in this process. Every loop runs compiled."""
     global _workers
     with compiled(), contextlib.ExitStack() as stack:
         before, _workers = _workers, None

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,7 +48,8 @@ def generate_mix(design: Design, size: MixSize, first_seed: int) -> Iterator[Lab
         yield from [found] if isinstance(found, LabelledSignal) else found
 
 
-Draw: TypeAlias = Callable[[], LabelledSignal | list[LabelledSignal]]
+Draw: TypeAlias = "partial[Any]"
+"""Call that gives a signal, or those of several fingers."""
 
 
 def _plan_events(design: Design, events: int, seeds: Iterator[int]) -> Iterator[Draw]:

@@ -56,8 +56,7 @@ _SMOOTHING_S = 0.002
 
 def compute_bounds_s(design: Design, slips: Iterable[Case]) -> list[float]:
     """Compute the bound on the mean delay of each slip [s], infinite where the information never suffices."""
-    detector = design.detector
-    noise_v = mean_quantised_noise_v(detector.noise_v, detector.adc_step_v)
+    noise_v = mean_quantised_noise_v(design.detector.noise_v, design.detector.adc_step_v)
     settings = FastSettings.from_design(design, max(noise_v, _MIN_NOISE_V))
     tables = design.model_dump()
     tables["detector"]["adc_bits"] = 24

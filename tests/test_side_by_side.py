@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import itertools
 import os
+import time
 from collections.abc import Callable, Iterator
 from functools import partial
 
 import pytest
 
 from fingertip.design import Design
+from fingertip.foundation import jit
 from fingertip.foundation import side_by_side as module
 from fingertip.foundation.errors import FingertipError
 from fingertip.foundation.side_by_side import call_each, side_by_side
@@ -26,6 +28,7 @@ def test_results_of_several_processes_come_in_the_order_of_the_calls() -> None:
         assert os.getpid() not in pids
         with side_by_side(1):
             assert list(call_each([os.getpid])) == [os.getpid()]
+        assert set(call_each([os.getpid])) <= pids
     assert list(call_each([os.getpid])) == [os.getpid()]
     with side_by_side(1):
         assert list(call_each([os.getpid])) == [os.getpid()]
@@ -58,11 +61,31 @@ def test_an_error_of_a_call_is_raised_here_and_ends_no_worker() -> None:
 
 
 def test_a_worker_that_ends_by_itself_is_reported_with_a_remedy() -> None:
-    with side_by_side(2), pytest.raises(FingertipError, match=r"jobs: .* ended by itself.*choose jobs=1"):
-        list(call_each([partial(os._exit, 3)] * 2 + [partial(len, 100_000 * "x")] * 8))
+    with side_by_side(2):
+        for call in (partial(os._exit, 3), partial(len, 1_000_000 * "x")):  # which no dead worker reads
+            for _ in range(3):
+                with pytest.raises(FingertipError, match=r"jobs: .* ended by itself.*choose jobs=1"):
+                    list(call_each([call]))
 
 
-@pytest.mark.every_case
+def test_calls_whose_results_nobody_takes_are_not_made() -> None:
+    with side_by_side(2):
+        begun = time.monotonic()
+        results = call_each([os.getpid, *[partial(time.sleep, 1.0)] * 60])
+        next(results)
+        results.close()
+        list(call_each([os.getpid]))
+        assert time.monotonic() - begun < 20.0
+
+
+def test_every_loop_runs_compiled() -> None:
+    assert list(call_each([lambda: jit._always_compile])) == [jit.available()]
+    with side_by_side(1):
+        assert jit._always_compile == jit.available()
+    assert not jit._always_compile
+
+
+@pytest.mark.full
 def test_campaign_closed_loop_and_mix_have_the_same_bits_side_by_side() -> None:
     design, size = Design(), MixSize(4, 2)
 

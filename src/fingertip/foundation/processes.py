@@ -103,9 +103,8 @@ def start_worker() -> Iterator[subprocess.Popen[bytes]]:
     pipe = subprocess.PIPE
     # A session of its own: Ctrl-C reaches this process alone, which ends the other one.
     with subprocess.Popen(
-        python_command(__name__), stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, start_new_session=True,
-        env=python_environment(),
-    ) as process:  # fmt: skip
+        python_command(__name__), stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, start_new_session=True
+    ) as process:
         try:
             yield process
         finally:

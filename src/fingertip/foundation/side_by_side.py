@@ -39,7 +39,7 @@ def side_by_side(workers: int) -> Iterator[None]:
             for _ in range(workers):
                 idle.put(stack.enter_context(start_worker()))
             _workers = ThreadPoolExecutor(workers), idle
-            stack.callback(_workers[0].shutdown, wait=False, cancel_futures=True)
+            stack.callback(_workers[0].shutdown, wait=False)
         try:
             yield
         finally:

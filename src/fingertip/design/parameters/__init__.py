@@ -49,6 +49,16 @@ class Tables(Frozen):
         """Gap between base and recess as printed [mm]: that of the design less the growth of one surface of each."""
         return max(0.0, self.mold.fit_clearance_mm - self.printer.offset_mm)
 
+    @property
+    def is_cast_apart(self) -> bool:
+        """True for a skin that is cast around a core, then pulled over the bone: no bone lies in its mold."""
+        return self.mold.method != "overmold"
+
+    @property
+    def skin_is_bonded(self) -> bool:
+        """True if the pad's physics takes the skin as bonded to the bone; a skin that is made apart lies on it."""
+        return self.skin.bonded or not self.is_cast_apart
+
     def value(self, path: str) -> Any:
         table, _, key = path.rpartition(".")
         return getattr(getattr(self, table), key) if table else getattr(self, key)

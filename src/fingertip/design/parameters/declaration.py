@@ -65,7 +65,7 @@ def quantity(default: float, unit: str, bounds: tuple[float | Above, float], des
     return Field(default, ge=ge, gt=gt, le=high, description=description, json_schema_extra={"unit": unit})
 
 
-def choice(default: str, description: str) -> Any:
+def choice(default: str | bool, description: str) -> Any:
     return Field(default, description=description)
 
 

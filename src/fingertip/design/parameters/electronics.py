@@ -16,10 +16,14 @@ from fingertip.design.parameters.declaration import Above, ParameterTable, choic
 class Board(ParameterTable):
     """Analog slip filter (article, eqs. 1 to 11 and figure 3)."""
 
-    variant: Literal["article", "precision", "comparator"] = choice(
+    variant: Literal["article", "precision", "comparator", "divider"] = choice(
         "precision",
         "article: the article's circuit, on plus and minus 5 V; precision: for a controller of 3.3 V, whose software "
-        "computes the envelope; comparator: the same with rectifier, envelope and an ON/OFF output.",
+        "computes the envelope; comparator: the same with rectifier, envelope and an ON/OFF output; divider: no board, "
+        "the sensor and one resistor on a controller's pin.",
+    )
+    divider_ohm: float = quantity(
+        10e3, "ohm", (1000, 1e6), "Resistor from the controller's pin to ground; the sensor is above it (divider)."
     )
     channels: int = quantity(
         1, "", (1, len(NAMES)),

@@ -100,6 +100,16 @@ class Skin(ParameterTable):
     min_thickness_mm: float = quantity(
         0.8, "mm", (0.2, 10), "Minimum skin thickness anywhere, measured from bone to surface."
     )
+    bonded: bool = choice(
+        False,
+        "true: a skin that is made apart counts as bonded to the bone, for comparison; one cast around it always is.",
+    )
+    bump_radius_mm: float = quantity(
+        3.2, "mm", (1, 30), "Radius of the bump inside a skin that is made apart, which presses on the sensor."
+    )
+    bump_height_mm: float = quantity(
+        0.2, "mm", (0, 1), "Height by which this bump is proud of the bone's shape; 0: no bump."
+    )
 
 
 OWN = "own"

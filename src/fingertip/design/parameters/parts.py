@@ -142,9 +142,10 @@ class Strength(ParameterTable):
 class Mold(ParameterTable):
     """Two-part mold, parted at the plane through the silhouette, and the casting method."""
 
-    method: Literal["overmold", "sleeve"] = choice(
+    method: Literal["overmold", "sleeve", "plunge"] = choice(
         "overmold",
-        "overmold: cast in place around bone and sensor; sleeve: cast around a core, then pulled over the bone.",
+        "overmold: cast in place around bone and sensor; sleeve: cast around a core, then pulled over the bone; "
+        "plunge: the same, but the core is lowered into the filled cup.",
     )
     sleeve_interference_mm: float = quantity(
         0.15, "mm", (0, 1), "Inset of the core from the bone on every side, so that a sleeve fits tightly."

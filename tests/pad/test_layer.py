@@ -16,8 +16,8 @@ from fingertip.pad.pose import Pose
 STRAIGHT = PadForm.of_design(Design.load("article"))
 
 
-def solve_layer(w, nu, normal, tangential):
-    """Solve one wave exp(i z) of a bonded layer of thickness w: Airy's function, plane strain, four conditions.
+def solve_layer(w, nu, normal, tangential, is_bonded):
+    """Solve one wave exp(i z) of a layer of thickness w, bonded or without friction: Airy's function, plane strain.
 
     Returns the normal stress on the bone, and the normal displacement of the surface times twice the shear modulus.
     """
@@ -27,23 +27,24 @@ def solve_layer(w, nu, normal, tangential):
         f, f1 = np.array([c, y * c, s, y * s]), np.array([s, c + y * s, c, s + y * c])
         f2, f3 = np.array([c, 2 * s + y * c, s, 2 * c + y * s]), np.array([s, 3 * c + y * s, c, 3 * s + y * c])
         at[y] = f, f1, (1 - nu) * f2 + nu * f, (1 - nu) * f3 + (nu - 2) * f1
-    (f0, _, along, across), (f, f1, _, top) = at[0.0], at[w]
-    x = np.linalg.solve(np.array([along, across, -f, -f1]), np.array([0.0, 0.0, normal, tangential]))
+    (f0, sheared, along, across), (f, f1, _, top) = at[0.0], at[w]
+    x = np.linalg.solve(np.array([along if is_bonded else sheared, across, -f, -f1]), np.array([0.0, 0.0, normal, tangential]))
     return float(-(f0 @ x)), float(top @ x)
 
 
+@pytest.mark.parametrize("is_bonded", [True, False])
 @pytest.mark.parametrize("nu", [0.3, 0.49, 0.4999])
-def test_kernels_solve_the_equations_of_a_bonded_layer(nu):
+def test_kernels_solve_the_equations_of_a_layer(nu, is_bonded):
     h, young = 3.0, 0.8
-    compliance, normal, shear = layer._kernels([16, 24], h, young, nu)
+    compliance, normal, shear = layer._kernels([16, 24], h, young, nu, is_bonded)
     kz = 2 * math.pi * np.fft.rfftfreq(24, layer.GRID_MM)
     for j in range(1, 9):
         w = kz[j] * h
-        pressed, moved = solve_layer(w, nu, 1.0, 0.0)
+        pressed, moved = solve_layer(w, nu, 1.0, 0.0, is_bonded)
         assert normal[0, j] == pytest.approx(pressed, rel=1e-9, abs=1e-12)
         # Twice the shear modulus is E / (1 + nu); a tension of one lifts the surface, a pressure lowers it.
         assert compliance[0, j] == pytest.approx(moved * (1 + nu) / young / kz[j], rel=1e-6)
-        assert shear[0, j].imag == pytest.approx(solve_layer(w, nu, 0.0, 1.0)[0], rel=1e-9, abs=1e-12)
+        assert shear[0, j].imag == pytest.approx(solve_layer(w, nu, 0.0, 1.0, is_bonded)[0], rel=1e-9, abs=1e-12)
     assert normal[0, 0] == pytest.approx(1.0)  # the whole force reaches the bone
 
 

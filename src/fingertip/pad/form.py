@@ -45,6 +45,8 @@ class PadForm:
     young_mpa: float
     poisson: float = POISSON
     insert: SensorInsert | None = None
+    bonded: bool = True
+    """False: the skin was made apart and lies on the bone."""
 
     @classmethod
     def of_design(cls, design: Design) -> PadForm:
@@ -54,7 +56,7 @@ class PadForm:
             dims.platform_radius if design.bone.platform_mm else 0.0, dims.neck_half_width, dims.ramp, dims.sensor_z,
             dims.sensor.active_diameter_mm / 2, design.force_curve.turn_on_n,
             (-design.bone.collar_length_mm, dims.collar.section.palmar), math.sqrt(modulus.low * modulus.high),
-            insert=dims.insert,
+            insert=dims.insert, bonded=design.skin_is_bonded,
         )  # fmt: skip
 
     @property

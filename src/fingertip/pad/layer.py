@@ -1,4 +1,4 @@
-"""Layer model of the pad: contact between a rigid object and a layer of silicone bonded to rigid bone.
+"""Layer model of the pad: contact between a rigid object and a layer of silicone on rigid bone.
 
 The layer is as thick everywhere as at the first touch; its surface keeps the form of the skin. In the Fourier domain
 each wave of pressure deforms it on its own, and the compliance C(k), the pressure on the bone T(k), and the pressure on
@@ -8,6 +8,11 @@ the bone under a traction along the surface S(k) follow in closed form. With w =
     C(k) = 2 (1 - nu^2) / (E k) (2 ka sinh 2w - 4 w) / D
     T(k) = (ka + 1) ((ka + 1) cosh w + 2 w sinh w) / D
     S(k) = (ka + 1) ((ka - 1) sinh w + 2 w cosh w) / D
+
+where the layer is bonded. Where it lies on the bone without friction, it is half of a layer that is pressed from both
+sides (K. L. Johnson, Contact Mechanics, 1985, section 5.8), and with D(w) = sinh 2w + 2 w
+
+    C(k) = 2 (1 - nu^2) / (E k) (cosh 2w - 1) / D,    T(k) = 2 (sinh w + w cosh w) / D,    S(k) = 2 w sinh w / D
 
 The contact is found by conjugate gradients on the pressures that are not negative, at a given force (I. A. Polonsky
 and L. M. Keer, A numerical method for solving rough contact problems, Wear 231 (1999) 206). Small strain, no friction.
@@ -121,7 +126,7 @@ def map_shares(form: PadForm) -> tuple[Array, Array, Array]:
     count = math.ceil(reach / GRID_MM)
     size = next(n for n in _SIZES if n >= 4 * count)
     line = GRID_MM * (np.arange(size, dtype=np.float64) - 2 * count)
-    _, to_bone, _ = _kernels([size, size], thickness, form.young_mpa, form.poisson)
+    _, to_bone, _ = _kernels([size, size], thickness, form.young_mpa, form.poisson, form.bonded)
     shares = _apply(_cover(line, line, form.active_radius_mm), to_bone)
     inside = slice(count, 3 * count + 1)
     return line[inside], line[inside], shares[inside, inside]
@@ -151,8 +156,9 @@ class _Approach:
             _unwrap(float(line[low]), size, count)
             for line, (low, _), size, count in zip((self.x_mm, self.dz_mm), ends, sizes, counts, strict=True)
         )
-        kernels = _kernels(sizes, self.thickness_mm, _FREE_SIDES * self.form.young_mpa, self.form.poisson)
-        return _Layout(gap, reach_mm, *kernels, _cover(x, dz, self.form.active_radius_mm), x, dz, self.thickness_mm)
+        form = self.form
+        kernels = _kernels(sizes, self.thickness_mm, _FREE_SIDES * form.young_mpa, form.poisson, form.bonded)
+        return _Layout(gap, reach_mm, *kernels, _cover(x, dz, form.active_radius_mm), x, dz, self.thickness_mm)
 
 
 def bring(form: PadForm, pose: Pose) -> _Approach:
@@ -185,7 +191,9 @@ def _cover(x: Array, dz: Array, radius: float) -> Array:
     return np.asarray((squares <= radius * radius).mean(axis=(2, 3)))
 
 
-def _kernels(sizes: list[int], h: float, young: float, nu: float) -> tuple[Array, Array, NDArray[np.complex128]]:
+def _kernels(
+    sizes: list[int], h: float, young: float, nu: float, is_bonded: bool = True
+) -> tuple[Array, Array, NDArray[np.complex128]]:
     """Evaluate C, T and S on the waves of a grid. All terms are divided by exp(2 w), which overflows."""
     kx = 2.0 * math.pi * np.fft.fftfreq(sizes[0], GRID_MM)[:, None]
     kz = 2.0 * math.pi * np.fft.rfftfreq(sizes[1], GRID_MM)[None, :]
@@ -193,8 +201,14 @@ def _kernels(sizes: list[int], h: float, young: float, nu: float) -> tuple[Array
     w, ka = k * h, 3.0 - 4.0 * nu
     one, two = np.exp(-w), np.exp(-2.0 * w)
     cosh, sinh = 0.5 * one * (1.0 + two), 0.5 * one * (1.0 - two)
-    d = ka * (1.0 + two * two) + (1.0 + ka * ka + 4.0 * w * w) * two
     whole = np.where(k > 0.0, k, 1.0)
+    if not is_bonded:
+        d = np.where(k > 0.0, 0.5 * (1.0 - two * two) + 2.0 * w * two, 1.0)
+        compliance = (1.0 - nu * nu) / (young * whole) * (1.0 - two) ** 2 / d
+        normal, shear = 2.0 * (sinh + w * cosh) / d, 2.0 * w * sinh / d
+        compliance[0, 0], normal[0, 0] = (1.0 - nu * nu) / young * h, 1.0
+        return compliance, normal, -1j * shear * kz / whole
+    d = ka * (1.0 + two * two) + (1.0 + ka * ka + 4.0 * w * w) * two
     compliance = 2.0 * (1.0 - nu * nu) / (young * whole) * (ka * (1.0 - two * two) - 4.0 * w * two) / d
     compliance[0, 0] = (1.0 + nu) * (1.0 - 2.0 * nu) / (young * (1.0 - nu)) * h
     normal = (ka + 1.0) * ((ka + 1.0) * cosh + 2.0 * w * sinh) / d

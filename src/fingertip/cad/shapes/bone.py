@@ -10,6 +10,7 @@ from __future__ import annotations
 from fingertip.cad.shapes.insert import filled_bone, flat_slab, pilot_hole
 from fingertip.design import Design
 from fingertip.design.geometry.conic import TANGENT_STEP_MM
+from fingertip.design.geometry.dimensions import TIE_DEPTH_MM
 from fingertip.design.geometry.features import CHEEK_FOOT_MM, END_ROOM_MM, SLIDING_MM, TailFold
 from fingertip.design.geometry.foot import flat_foot, foot_line
 from fingertip.design.geometry.solids import Box, ElbowTube, Solid, cylinder, difference, intersection, union
@@ -17,6 +18,8 @@ from fingertip.design.interfaces import interface_of
 
 FOOT_GAP_MM = 0.05
 """Gap between the feet of the lid and the floor of the trough, for a bead of adhesive [mm]."""
+_ALONG_FLOOR_MM = 1.0
+"""Length of the channel before its bend, in the floor of a trough [mm]."""
 _OVERLAP_MM = 0.2
 """Length by which passages reach into the window [mm]. Boxes that only touch would leave coincident faces."""
 
@@ -24,14 +27,25 @@ _OVERLAP_MM = 0.2
 def bone(design: Design) -> Solid:
     added, removed = interface_of(design).shapes(design)
     cables = () if design.dimensions.window_opens_into_gap else (cable_channel(design),)
-    hollows = (sensor_recess(design), *cables, *pilot_hole(design), *removed)
+    hollows = (sensor_recess(design), *cables, *pilot_hole(design), *tie_notches(design), *removed)
     return difference(union(filled_bone(design), *added), *hollows)
+
+
+def tie_notches(design: Design) -> tuple[Solid, ...]:
+    """Build the notches on both sides of the base, in which a cable tie around it holds the wires; none without."""
+    span, half = design.dimensions.tie_span, design.dimensions.bone_outline.section.half_width
+    if span is None:
+        return ()
+    inner, reach = half - TIE_DEPTH_MM, 2 * half + 2 * design.dimensions.bone_outline.section.dorsal
+    right = Box((inner, -reach, span[0]), (reach, reach, span[1]))
+    return right, Box((-reach, -reach, span[0]), (-inner, reach, span[1]))
 
 
 def sensor_recess(design: Design) -> Solid:
     """Build the recess of the sensor, open on the palmar side: head pocket, tail slot, relief for the solder joints.
 
     A tail that leaves through the collar does so in a closed passage, so that no silicone follows it out of the mold.
+    One that is laid in has an open trough all along, as wide and deep as its slot, to the hole of its wires.
     """
     dims, bone = design.dimensions, design.bone
     flat = -dims.flat_depth
@@ -44,6 +58,11 @@ def sensor_recess(design: Design) -> Solid:
             _head_pocket(design, outside), flat_slab(design, outside, dims.pocket_depth, tail, 0.0, top), passage,
             trough(design, dims.fold), _window(design, dims.fold, tail),
         )  # fmt: skip
+    if dims.is_laid_in:
+        laid = flat_slab(
+            design, outside, dims.pocket_depth, tail, dims.trough_low_z, dims.sensor_z + design.sensor.clearance_mm
+        )
+        return union(_head_pocket(design, outside), laid)
     # 0.1 mm deeper than the top of the channel: a plane tangent to it would leave a stray edge in the B-rep solid.
     relief_floor = flat + dims.channel_depth + bone.channel_diameter_mm / 2 + 0.1
     relief_top = dims.tail_end_z + dims.relief_half_length
@@ -136,8 +155,8 @@ def _window(design: Design, fold: TailFold, half_width: float) -> Solid:
 def cable_channel(design: Design) -> Solid:
     """Build the cable channel.
 
-    It runs from the solder relief along the bone, then by one bend to its opening on the dorsal side of the base. The
-    cables of a folded tail lie in a groove instead, which leads from the window past the mold.
+    It runs from the solder relief along the bone, or from the floor of the trough of a tail that is laid in, then by
+    one bend to its opening on the dorsal side of the base. The cables of a folded tail lie in a groove instead, which leads from the window past the mold.
     """
     dims, bone = design.dimensions, design.bone
     section = dims.bone_outline.section
@@ -146,8 +165,12 @@ def cable_channel(design: Design) -> Solid:
         return Box(
             (-half, floor, dims.cable_groove_end_z), (half, 2 * section.dorsal, dims.fold.window_low_z + _OVERLAP_MM)
         )
+    if dims.is_laid_in:  # its beginning lies half in the floor of the trough
+        begin_y, begin_z = dims.pocket_depth, dims.channel_exit_z + bone.channel_bend_radius_mm + _ALONG_FLOOR_MM
+    else:
+        begin_y, begin_z = dims.channel_depth, dims.relief_proximal_z + dims.relief_half_length
     return ElbowTube(
-        start_y=-dims.flat_depth + dims.channel_depth, start_z=dims.relief_proximal_z + dims.relief_half_length,
+        start_y=-dims.flat_depth + begin_y, start_z=begin_z,
         exit_z=dims.channel_exit_z, end_y=section.dorsal + bone.channel_diameter_mm,
         bend_radius=bone.channel_bend_radius_mm, radius=bone.channel_diameter_mm / 2,
     )  # fmt: skip

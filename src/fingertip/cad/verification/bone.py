@@ -73,7 +73,10 @@ def _check_channel_walls(design: Design, evaluator: MeshEvaluator, outside: Mani
     """Check the part of the channel that has bone on all sides: from the solder relief to short of its dorsal end."""
     dims = design.dimensions
     channel = evaluator.manifold(bone.cable_channel(design))
-    buried = channel.trim_by_plane((0.0, 0.0, -1.0), -(dims.relief_proximal_z - 1e-3))
+    if dims.is_laid_in:  # its mouth lies in the floor of the trough
+        buried = channel.trim_by_plane((0.0, 1.0, 0.0), dims.pocket_depth - dims.flat_depth)
+    else:
+        buried = channel.trim_by_plane((0.0, 0.0, -1.0), -(dims.relief_proximal_z - 1e-3))
     mouth = dims.bone_outline.section.dorsal - wall - design.bone.channel_diameter_mm
     buried = buried.trim_by_plane((0.0, -1.0, 0.0), -mouth)
     yield Check.min_distance("bone.wall.channel_to_outside", buried, outside, wall)
@@ -143,7 +146,8 @@ def _check_sensor_seat(design: Design, evaluator: MeshEvaluator) -> Iterator[Che
     if dims.fold:  # only its palmar side rests on a seat
         distal = above_z(body, dims.fold.nose_z + PLANE_OFFSET_MM).trim_by_plane((0.0, -1.0, 0.0), -dims.fold.nose_y)
     else:
-        distal = above_z(body, dims.tail_end_z + dims.relief_half_length + PLANE_OFFSET_MM)
+        relief = 0.0 if dims.is_laid_in else dims.relief_half_length
+        distal = above_z(body, dims.tail_end_z + relief + PLANE_OFFSET_MM)
     # Move the sensor into its seat by its own thickness. Where it then meets no bone, the seat does not support it.
     thickness = dims.sensor.thickness_mm
     sunk = distal.translate((0.0, thickness + design.sensor.adhesive_thickness_mm, 0.0))

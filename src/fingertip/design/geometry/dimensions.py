@@ -23,6 +23,11 @@ THREAD_MM = 0.5
 """Greatest diameter of the thread that lashes the wires to the base [mm]."""
 LASHING_MM = 3 * THREAD_MM
 """Length of the base that three turns of it take [mm]. A hole for it would weaken the base where it bends most."""
+TIE_WIDTH_MM, TIE_ROOM_MM, TIE_DEPTH_MM = 2.5, 0.3, 0.6
+"""Width of the smallest usual cable tie, room beside it, and depth of the notches in which it lies [mm]."""
+SHORTER_MM, LONGER_MM, HEAD_MM, TAIL_MM = 2.0, 3.0, 0.2, 0.5
+"""How much a sensor that is laid in may be shorter, longer, and wider at head and tail than its catalogue says [mm]."""
+_PAST_HOLE_MM, _TOUCHING_MM = 0.2, 1e-6
 _SEAL_MM = 2.0
 """Length of the collar that seals the mold at a folded tail [mm]; the window may lie in what is longer. An
 assumption."""
@@ -151,10 +156,11 @@ class Dimensions(SkinDimensions):
     def base_flat_depth(self) -> float:
         """Depth of the palmar flat of the base, at y = -base_flat_depth.
 
-        A straight tail runs on along the flat of the bone. A folded one leaves it at the collar: proximal to the collar
-        the base is stronger, as high as its cheeks beside the window and the joint keep a wall, within the collar.
+        A straight tail runs on along the flat of the bone. A folded one leaves it at the collar, and one that is laid
+        in runs on in an open trough: proximal to the collar the base is stronger, as high as its cheeks beside window,
+        trough and joint keep a wall, within the collar.
         """
-        if self.fold is None:
+        if self.fold is None and not self.is_laid_in:
             return self.flat_depth
         section, joint = self.bone_outline.section, self.joint
         between = joint.half_width if joint and joint.is_fork else 0.0
@@ -212,8 +218,37 @@ class Dimensions(SkinDimensions):
         return self.sensor_z + self.sensor.head_diameter_mm / 2 - self.sensor.length_mm + self.ramp_excess
 
     @cached_property
+    def relief_meets_collar(self) -> bool:
+        """True if the recess for the solder joints of a straight tail lies partly within the collar."""
+        low, high = self.relief_proximal_z, self.tail_end_z + self.relief_half_length
+        return low < -_TOUCHING_MM and high > _TOUCHING_MM - self._design.bone.collar_length_mm
+
+    @cached_property
+    def is_laid_in(self) -> bool:
+        """True if a straight tail lies in a trough that is open to the palm, also through the collar.
+
+        No bone lies in the mold of a skin that is made apart, so no silicone has to be kept out of the trough. The
+        bolted mold of a sleeve keeps its closed passage, except where that would cut the collar.
+        """
+        if self._design.sensor.tail != "straight" or not self._design.is_cast_apart:
+            return False
+        return self._design.mold.method == "plunge" or self.relief_meets_collar
+
+    @cached_property
     def tail_passes_collar(self) -> bool:
-        return self.fold is not None or self.tail_end_z < 0.0
+        """True if the tail leaves through a closed passage in the collar."""
+        return self.fold is not None or (self.tail_end_z < 0.0 and not self.is_laid_in)
+
+    @cached_property
+    def trough_low_z(self) -> float:
+        """Proximal end of the trough of a tail that is laid in, past the wires' hole."""
+        return self.channel_exit_z - self._design.bone.channel_diameter_mm / 2 - _PAST_HOLE_MM
+
+    @cached_property
+    def tie_span(self) -> tuple[float, float] | None:
+        """Heights between which a cable tie around the base holds the wires of a tail that is laid in; else None."""
+        high = self.wires_end_z - _PAST_HOLE_MM
+        return (high - TIE_WIDTH_MM - TIE_ROOM_MM, high) if self.is_laid_in else None
 
     @cached_property
     def relief_half_length(self) -> float:
@@ -231,9 +266,15 @@ class Dimensions(SkinDimensions):
 
     @cached_property
     def channel_exit_z(self) -> float:
-        """Centre of the channel's dorsal opening: outside the mold, which is closed with the cables in place."""
+        """Centre of the channel's dorsal opening: outside the mold, which is closed with the cables in place.
+
+        That of a tail that is laid in lies behind the tabs of a sensor longer than stated, and behind the collar.
+        """
         bone = self._design.bone
         channel_radius = bone.channel_diameter_mm / 2
+        if self.is_laid_in:
+            tabs_end = self.tail_end_z - self._design.sensor.tab_length_mm - LONGER_MM
+            return min(tabs_end + channel_radius, -(bone.collar_length_mm + channel_radius + bone.wall_mm))
         covered = max(bone.collar_length_mm, self._design.mold.recess_length_mm)
         exit_below_skin = -(covered + channel_radius + bone.wall_mm)
         after_bend = self.tail_end_z - bone.relief_length_mm / 2 - bone.channel_bend_radius_mm
@@ -299,7 +340,7 @@ class Dimensions(SkinDimensions):
     def insert_body(self) -> tuple[ConicBody, float, float]:
         """Return body with groove, depth of the palmar flat [mm] and scale of the insert within the skin."""
         mold, bone = self._design.mold, self._design.bone
-        if mold.method != "sleeve":
+        if not self._design.is_cast_apart:
             return add_groove(bone, self.bone_outline), self.flat_depth, 1.0
         inset = mold.sleeve_interference_mm
         body = inset_body(self.bone_outline, inset)
@@ -310,7 +351,7 @@ class Dimensions(SkinDimensions):
     @cached_property
     def chaplet(self) -> features.Chaplet | None:
         mold = self._design.mold
-        if mold.chaplet_diameter_mm == 0.0:
+        if mold.chaplet_diameter_mm == 0.0 or mold.method == "plunge":
             return None
         return self.place_chaplet(self._design.skin.length_mm - mold.chaplet_from_tip_mm)
 

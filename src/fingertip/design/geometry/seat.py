@@ -313,8 +313,8 @@ def worst(losses: Sequence[Loss], over_sensor: bool) -> Loss:
 
 
 def sleeve_inset_mm(design: Tables) -> float:
-    """Return the inset of the silicone's inside from the bone [mm]: the interference of a sleeve, else 0."""
-    return design.mold.sleeve_interference_mm if design.mold.method == "sleeve" else 0.0
+    """Return the inset of the silicone's inside from the bone [mm]: the interference of a skin made apart, else 0."""
+    return design.mold.sleeve_interference_mm if design.is_cast_apart else 0.0
 
 
 def _moment(point: Vector, normal: Vector) -> list[float]:

@@ -26,13 +26,15 @@ LENGTH_RULES = Ruleset()
 def base_holds_everything(design: DesignTables) -> Violation | None:
     dims, bone = design.dimensions, design.bone
     within = interface_of(design).depth(design)
-    minimum = -dims.wires_end_z + LASHING_MM + within
+    lashed = -dims.tie_span[0] + bone.wall_mm if dims.tie_span else LASHING_MM - dims.wires_end_z
+    minimum = lashed + within
     if bone.base_length_mm >= minimum - SLACK:
         return None
     hole = "cable groove" if dims.fold else "posterior hole"
     what = f"{hole}, lashing and {bone.interface}" if within else f"{hole} and lashing of the wires"
+    below = "" if dims.tie_span else " below the mold's recess"
     return Violation(
-        f"{bone.base_length_mm:g} mm does not hold {what} below the mold's recess (the {dims.sensor.label} is "
+        f"{bone.base_length_mm:g} mm does not hold {what}{below} (the {dims.sensor.label} is "
         f"{dims.sensor.length_mm:g} mm long)",
         at_least(minimum),
     )

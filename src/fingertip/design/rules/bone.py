@@ -6,6 +6,7 @@ import math
 
 from fingertip.catalogues.sensors import MIN_FOLD_RADIUS_MM
 from fingertip.design.geometry import DesignTables
+from fingertip.design.geometry.dimensions import HEAD_MM, TAIL_MM
 from fingertip.design.geometry.features import TailFold
 from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_least, at_most
 from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally, tip_within_skin
@@ -13,6 +14,8 @@ from fingertip.foundation.numerics import bisect
 
 WALL_RULES, RULES, FOLD_RULES = Ruleset(), Ruleset(), Ruleset()
 
+_BESIDE_WIRE_MM = 0.1
+"""Gap between the wires and their hole [mm]."""
 _MIN_COLLAR_HEIGHT = 0.1
 """Minimum height of the collar's face, on which the skin ends [mm]."""
 _BEFORE_TIP = 0.1
@@ -31,24 +34,43 @@ def walls_print(design: DesignTables) -> Limit | None:
     return Limit(minimum, f"is thinner than the {minimum:g} mm of printer.min_wall_mm")
 
 
-@RULES.at_most("bone.relief_length_mm", when=lambda design: not design.dimensions.fold)
+@RULES.at_most(
+    "bone.relief_length_mm", when=lambda design: not (design.dimensions.is_laid_in or design.dimensions.fold)
+)
 def relief_clear_of_pocket(design: DesignTables) -> Limit:
     dims = design.dimensions
     pocket = dims.sensor_z - dims.sensor.head_diameter_mm / 2 - design.sensor.clearance_mm
     return Limit(2 * (pocket - dims.tail_end_z), "reaches under the sensor's head")
 
 
-@RULES.rule("sensor.distance_from_tip_mm", when=lambda design: not design.dimensions.fold)
+@RULES.rule(
+    "sensor.distance_from_tip_mm", when=lambda design: not (design.is_cast_apart or design.dimensions.fold)
+)
 def relief_clear_of_collar(design: DesignTables) -> Violation | None:
     dims, distance = design.dimensions, design.sensor.distance_from_tip_mm
-    low, high = dims.relief_proximal_z, dims.tail_end_z + dims.relief_half_length
-    if high <= -design.bone.collar_length_mm + SLACK or low >= -SLACK:
+    if not dims.relief_meets_collar:
         return None
+    low, high = dims.relief_proximal_z, dims.tail_end_z + dims.relief_half_length
     # The solder joints lie either above the collar, under the skin, or below it.
     above, below = distance + low, distance + high + design.bone.collar_length_mm
     return Violation(
         f"{distance:g} mm ends the tail in the collar, where there is no room for the solder joints",
         (*at_least(below), *at_most(above)),
+    )
+
+
+@RULES.at_least("bone.channel_diameter_mm", when=lambda design: design.dimensions.is_laid_in)
+def hole_takes_both_wires(design: DesignTables) -> Limit:
+    """Two wires side by side leave half of the hole's area free, through which the sensor's vent breathes."""
+    wires = 2 * design.sensor.wire_diameter_mm
+    return Limit(wires + 2 * _BESIDE_WIRE_MM, f"does not take two wires of {design.sensor.wire_diameter_mm:g} mm")
+
+
+@RULES.at_least("sensor.clearance_mm", when=lambda design: design.dimensions.is_laid_in)
+def trough_takes_measured_sensors(design: DesignTables) -> Limit:
+    return Limit(
+        max(HEAD_MM, TAIL_MM) / 2,
+        f"does not take a tail {TAIL_MM:g} mm wider than stated: {design.dimensions.sensor.label}s differ",
     )
 
 
@@ -74,7 +96,7 @@ def collar_carries_skin(design: DesignTables) -> Limit | None:
 
 def _thickness_at_collar(design: DesignTables, half_mm: float, thickness_mm: float) -> float:
     """Compute the silicone [mm] that ends on the collar, around the bone or around a sleeve's enlarged core."""
-    if design.mold.method == "overmold":
+    if not design.is_cast_apart:
         return thickness_mm
     core = (half_mm - thickness_mm - design.mold.sleeve_interference_mm) * design.dimensions.shrinkage
     return min(thickness_mm, half_mm - core)

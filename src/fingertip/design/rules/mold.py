@@ -14,7 +14,8 @@ from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_
 from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally, skin_is_thick_enough, tip_within_skin
 from fingertip.foundation.numerics import bisect
 
-RULES = Ruleset()
+RULES = Ruleset(when=lambda design: design.mold.method != "plunge")
+"""Rules of a closed mold, in which bone or core is seated and clamped; a core that is lowered into a cup has none."""
 _MIN_COLLAR_LENGTH = 0.6
 """Minimum length of the collar [mm] where its draft has taken most of it."""
 _MIN_BEHIND_COLLAR = 1.0

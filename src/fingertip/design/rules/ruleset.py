@@ -87,17 +87,23 @@ AddLimit = Callable[[LimitFunction], Rule]
 
 
 class Ruleset(list[Rule]):
-    """Rules of one subject, in the order in which they are written."""
+    """Rules of one subject, in the order in which they are written; all of them apply only to designs with `when`."""
+
+    def __init__(self, when: Condition = None) -> None:
+        super().__init__()
+        self._when = when
 
     def rule(self, field: str, *prerequisites: Rule, when: Condition = None, takes_long: bool = False) -> AddRule:
         """Add the decorated function as a rule that blames `field` and is checked only if its prerequisites pass."""
 
         def add(check: RuleFunction) -> Rule:
+            conditions = [condition for condition in (self._when, when) if condition]
+
             @functools.wraps(check)
             def check_if_it_applies(design: DesignTables) -> Violation | None:
-                return check(design) if when is None or when(design) else None
+                return check(design) if all(condition(design) for condition in conditions) else None
 
-            self.append(Rule(field, check_if_it_applies if when else check, prerequisites, takes_long))
+            self.append(Rule(field, check_if_it_applies if conditions else check, prerequisites, takes_long))
             return self[-1]
 
         return add

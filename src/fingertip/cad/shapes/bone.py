@@ -156,7 +156,8 @@ def cable_channel(design: Design) -> Solid:
     """Build the cable channel.
 
     It runs from the solder relief along the bone, or from the floor of the trough of a tail that is laid in, then by
-    one bend to its opening on the dorsal side of the base. The cables of a folded tail lie in a groove instead, which leads from the window past the mold.
+    one bend to its opening on the dorsal side of the base. The cables of a folded tail lie in a groove instead, which
+    leads from the window past the mold.
     """
     dims, bone = design.dimensions, design.bone
     section = dims.bone_outline.section

@@ -43,9 +43,7 @@ def relief_clear_of_pocket(design: DesignTables) -> Limit:
     return Limit(2 * (pocket - dims.tail_end_z), "reaches under the sensor's head")
 
 
-@RULES.rule(
-    "sensor.distance_from_tip_mm", when=lambda design: not (design.is_cast_apart or design.dimensions.fold)
-)
+@RULES.rule("sensor.distance_from_tip_mm", when=lambda design: not (design.is_cast_apart or design.dimensions.fold))
 def relief_clear_of_collar(design: DesignTables) -> Violation | None:
     dims, distance = design.dimensions, design.sensor.distance_from_tip_mm
     if not dims.relief_meets_collar:

@@ -76,6 +76,8 @@ def render_basis_table(design: Design) -> str:
 
 
 def _board_data(design: Design) -> dict[str, Any]:
+    if not design.board.has_filter:
+        return {"cost_usd": None, "components": 0}
     circuit = board_circuit(board_values(design), design.board.channels)
     return {"cost_usd": estimate_cost(circuit), "components": len(purchased_components(circuit))}
 

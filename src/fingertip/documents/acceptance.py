@@ -163,7 +163,8 @@ def acceptance_data(design: Design, detection: Detection) -> dict[str, Any]:
         "from_tip_mm": design.sensor.distance_from_tip_mm,
     }
     if design.board.variant == "divider":
-        counts = {weight["mass_g"]: round(weight["tactile_v"] / design.detector.adc_step_v) for weight in data["weights"]}
+        step_v = design.detector.adc_step_v
+        counts = {weight["mass_g"]: round(weight["tactile_v"] / step_v) for weight in data["weights"]}
         data |= {"supply_v": design.board.supply_v, "counts": counts}
     return data
 

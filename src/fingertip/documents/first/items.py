@@ -37,7 +37,7 @@ def list_items(design: Design, silicone: Silicone, silicone_g: float, scale_g: f
     return [
         *_ordered(design, silicone, silicone_g, scale_g),
         Item("filament", f"{printed_g:.0f} g", "PETG filament", USUAL, "3D printing shop"),
-        Item("controller", "1", "controller of 3.3 V, such as a Raspberry Pi Pico, with its USB cable", USUAL, _ELECTRONICS),
+        Item("controller", "1", "3.3 V controller such as a Raspberry Pi Pico, USB cable", USUAL, _ELECTRONICS),
         Item("resistor", "1", f"resistor of {design.board.divider_ohm / 1e3:g} kohm", CHEAP, _ELECTRONICS),
         Item("wire", "2", f"thin stranded wires, {_WIRE_CM} cm, red and black", CHEAP, _ELECTRONICS),
         *_bolts(design),
@@ -72,6 +72,7 @@ def _ordered(design: Design, silicone: Silicone, silicone_g: float, scale_g: flo
 
 
 def _bolts(design: Design) -> list[Item]:
-    bolt = interface_of(design).mounting(design).get("bolt")
-    size = f"M{bolt['thread_mm']:g} x {bolt['length_mm']:g} mm" if bolt else ""
-    return [Item("bolt", "1", f"bolt {size} with its nut and key", CHEAP, _HARDWARE)] if bolt else []
+    if (bolt := (interface_of(design).mounting(design) or {}).get("bolt")) is None:
+        return []
+    size = f"M{bolt['thread_mm']:g} x {bolt['length_mm']:g} mm"
+    return [Item("bolt", "1", f"bolt {size} with its nut and key", CHEAP, _HARDWARE)]

@@ -14,7 +14,6 @@ from typing import Any
 from fingertip.cad.printing.settings import FDM
 from fingertip.casting import quantities
 from fingertip.catalogues.output_files import PRINT_FOLDER
-from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.catalogues.silicones import Silicone
 from fingertip.design import Design
 from fingertip.documents.first.items import Item, list_items
@@ -109,9 +108,8 @@ def _mix(silicone: Silicone, in_cup_cm3: float) -> Mixture:
     """Compute one mixture: with waste, and so much that the scale weighs the lighter component well enough."""
     in_cup_g = quantities.mass_g(silicone, in_cup_cm3)
     share_b = quantities.split_by_mix_ratio(silicone, 1.0)[1]
-    total_g = max(
-        in_cup_g * (1.0 + quantities.WASTE_FRACTION), quantities.MIN_MIX_G, MIN_COMPONENT_G / min(share_b, 1.0 - share_b)
-    )
+    to_weigh_g = MIN_COMPONENT_G / min(share_b, 1.0 - share_b)
+    total_g = max(in_cup_g * (1.0 + quantities.WASTE_FRACTION), quantities.MIN_MIX_G, to_weigh_g)
     a_g, b_g = (round(part, 1) for part in quantities.split_by_mix_ratio(silicone, total_g))
     first, second = silicone.components
     return Mixture(

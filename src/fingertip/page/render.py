@@ -38,8 +38,7 @@ class Prepared:
 
 
 def prepare_page(design: Design) -> Prepared:
-    response = draw_response(design) if design.board.has_filter else Markup("")
-    return Prepared(draw_finger(design), render_parameters(design), response)
+    return Prepared(draw_finger(design), render_parameters(design), draw_response(design))
 
 
 def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:

@@ -45,6 +45,10 @@ def print_orientations(design: Design) -> dict[str, Orientation]:
         orientations["insert_jig"] = Orientation(90.0, "the face around the hole", needs_supports=False)
     if design.dimensions.fold:
         orientations["lid"] = _orient_lid(design)
+    if design.mold.method == "plunge":
+        standing = Orientation(180.0, "the foot, rim up", needs_supports=False)
+        orientations |= {"mold_palmar": standing, "mold_dorsal": standing}
+        orientations["core"] = Orientation(0.0, "the plate, with its name", needs_supports=False)
     if design.mold.method == "sleeve":
         orientations["core"] = Orientation(0.0, "the flat proximal end", needs_supports=True)
     return orientations
@@ -87,6 +91,9 @@ class Supports:
         return f"Supports: {self.may_stand}. None on: {self.none_on}."
 
 
+_NONE = Supports((), "nowhere: nothing overhangs", "any face")
+
+
 def supports_by_part(design: Design) -> dict[str, Supports]:
     orientations = print_orientations(design)
     bridges = "nowhere: all ceilings are short bridges"
@@ -98,8 +105,9 @@ def supports_by_part(design: Design) -> dict[str, Supports]:
             (_everywhere(design, top=0.0),), "under the foot of the collar, outside", "anything else above the collar"
         ),
     }
-    for tool in ("sensor_insert", "insert_jig"):
-        every[tool] = Supports((), "nowhere: nothing overhangs", "any face")
+    if design.mold.method == "plunge":
+        every |= dict.fromkeys(("mold_palmar", "mold_dorsal", "core"), _NONE)
+    every |= dict.fromkeys(("sensor_insert", "insert_jig"), _NONE)
     if lies := orientations.get("lid"):
         every["lid"] = _lid(design, lies)
     return {name: every[name] for name in orientations}

@@ -11,6 +11,7 @@ import math
 from fingertip.cad.shapes.bridged_ceiling import CEILING_STEPS_MM, bridge_ceiling
 from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody, add_groove, inset_body, offset_section
+from fingertip.design.geometry.cup_layout import POUR_MARK_MM
 from fingertip.design.geometry.features import INSERT_BASE_MM, Chaplet
 from fingertip.design.geometry.seat import sleeve_inset_mm, tape_span_mm
 from fingertip.design.geometry.solids import (
@@ -60,7 +61,7 @@ def boss(design: Design) -> tuple[Solid, ...]:
 
 def _core_scale(design: Design) -> float:
     """Enlargement of what lies in the cavity: a core shrinks with its sleeve, the bone does not."""
-    return design.dimensions.shrinkage if design.mold.method == "sleeve" else 1.0
+    return design.dimensions.shrinkage if design.is_cast_apart else 1.0
 
 
 def _boss(design: Design, chaplet: Chaplet) -> Solid:
@@ -238,22 +239,51 @@ def sleeve_core(design: Design) -> Solid:
     Inside the skin it is smaller than the bone by the interference and then enlarged to allow for shrinkage. Its base
     and collar equal the bone's, because both fit the same recess of the mold.
     """
-    inset = design.mold.sleeve_interference_mm
-    above, _, _ = design.dimensions.insert_body()
     base, scale = design.dimensions.bone_outline.stations[0]
     below = ConicBody(design.dimensions.bone_outline.section, ((base, scale), (-_BASE_OVERLAP_MM, scale)))
-    within_skin = scaled(_cut_facets(design, above, inset), design.dimensions.shrinkage)
-    return union(within_skin, _cut_flat(design, below), collar(design))
+    return union(core_within_skin(design), _cut_flat(design, below), collar(design))
+
+
+def core_within_skin(design: Design) -> Solid:
+    """Build what of a core lies inside the skin, enlarged by the shrinkage; it reaches into collar or plate."""
+    above, _, _ = design.dimensions.insert_body()
+    body = _cut_facets(design, above, design.mold.sleeve_interference_mm)
+    recess = bump_recess(design)
+    return scaled(difference(body, *recess) if recess else body, design.dimensions.shrinkage)
+
+
+def bump_recess(design: Design) -> tuple[Solid, ...]:
+    """Build the recess of a core for the skin's bump over the sensor; none without one.
+
+    Its side slopes by 45 degrees, so that no air stays in it and the bump leaves it.
+    """
+    skin, dims = design.skin, design.dimensions
+    if design.mold.method != "plunge" or skin.bump_height_mm == 0.0:
+        return ()
+    floor = sleeve_inset_mm(design) - dims.platform_depth + skin.bump_height_mm
+    reach = skin.bump_height_mm + _INTO_HOLLOW_MM
+    centre, radius = (dims.sensor_z, 0.0), skin.bump_radius_mm
+    return (Cone("y", centre, floor - reach, floor, radius + reach, radius),)
 
 
 def mold_insert(design: Design) -> Solid:
-    """Build the body that lies in the closed mold while the silicone cures, with its hollows filled."""
-    return sleeve_core(design) if design.mold.method == "sleeve" else skin_interior(design)
+    """Build the body that lies in the closed mold while the silicone cures, with its hollows filled.
+
+    Of a core on a plate it is the part inside the skin.
+    """
+    match design.mold.method:
+        case "sleeve":
+            return sleeve_core(design)
+        case "plunge":
+            return core_within_skin(design)
+        case _:
+            return skin_interior(design)
 
 
 def skin_interior(design: Design) -> Solid:
     """Build what the skin lies on: the bone, inset for a sleeve, with an insert on its sensor."""
-    bone = filled_bone(design, sleeve_inset_mm(design))
+    bone, recess = filled_bone(design, sleeve_inset_mm(design)), bump_recess(design)
+    bone = difference(bone, *recess) if recess else bone
     return union(bone, *sensor_insert(design, INSERT_BASE_MM + _INTO_BONE_MM)) if design.dimensions.insert else bone
 
 
@@ -279,8 +309,14 @@ def skin(design: Design) -> Solid:
 
 
 def skin_outline(design: Design) -> Solid:
-    """Build the skin with all that lies in it."""
-    return SuperconicSolid(design.dimensions.outer)
+    """Build the skin with all that lies in it, and with the print of the line to which its cup is filled."""
+    outer = SuperconicSolid(design.dimensions.outer)
+    if design.mold.method != "plunge":
+        return outer
+    z, x, (length, depth) = design.cup_layout.pour_z, design.cup_layout.pour_mark_x, POUR_MARK_MM
+    right = ((z, x), (z - 3 * depth, x - 3 * depth), (z + 3 * depth, x - 3 * depth))
+    left = tuple((along, -across) for along, across in reversed(right))
+    return union(outer, Prism("y", right, -length, 0.0), Prism("y", left, -length, 0.0))
 
 
 def cavity(design: Design) -> Solid:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import cast
 
-from fingertip.cad.shapes import bone, insert, mold
+from fingertip.cad.shapes import bone, cup, insert, mold
 from fingertip.cad.shapes.bone import sensor_body
 from fingertip.cad.shapes.insert import axis_z, head_y
 from fingertip.catalogues.hardware import Thread
@@ -47,9 +47,21 @@ class Part:
 
 def _dorsal_hole_count(design: Design) -> int:
     """Count the bolt holes, the vents through the dorsal half, its inlet, and the hole of the chaplet's screw."""
+    if design.mold.method == "plunge":
+        return 0
     layout = design.mold_layout
     vents = sum(vent.kind == "dorsal" for vent in place_vents(design))
     return len(layout.bolts) + vents + (layout.inlet is not None) + (design.dimensions.chaplet is not None)
+
+
+def _palmar_hole_count(design: Design) -> int:
+    return 0 if design.mold.method == "plunge" else len(design.mold_layout.bolts)
+
+
+def _of_mold(name: str) -> Callable[[Design], Solid]:
+    """Choose between the cup and the mold that is closed before it is filled."""
+    modules = {True: cup, False: insert if name == "core" else mold}
+    return lambda design: cast(Solid, getattr(modules[design.mold.method == "plunge"], name)(design))
 
 
 PARTS: dict[str, Part] = {
@@ -64,11 +76,11 @@ PARTS: dict[str, Part] = {
             "skin", insert.skin, lambda design: int(design.dimensions.chaplet is not None), (0.87, 0.62, 0.52), False,
             is_in_finger=True,
         ),
-        Part("mold_palmar", mold.mold_palmar, lambda design: len(design.mold_layout.bolts), (0.45, 0.58, 0.70), True),
-        Part("mold_dorsal", mold.mold_dorsal, _dorsal_hole_count, (0.62, 0.72, 0.80), True),
+        Part("mold_palmar", _of_mold("mold_palmar"), _palmar_hole_count, (0.45, 0.58, 0.70), True),
+        Part("mold_dorsal", _of_mold("mold_dorsal"), _dorsal_hole_count, (0.62, 0.72, 0.80), True),
         Part(
-            "core", insert.core, lambda design: 0, (0.70, 0.78, 0.62), True,
-            exists_in=lambda design: design.mold.method == "sleeve",
+            "core", _of_mold("core"), lambda design: 0, (0.70, 0.78, 0.62), True,
+            exists_in=lambda design: design.is_cast_apart,
         ),
         Part(
             "sensor_insert", lambda design: insert.sensor_insert(design)[0], lambda design: 0, (0.36, 0.55, 0.42), True,
@@ -109,7 +121,7 @@ def hardware(design: Design, parts: Collection[str]) -> tuple[HardwareItem, ...]
     items: list[HardwareItem] = []
     if "bone" in parts:
         items.append(HardwareItem("sensor", sensor_body(design), _FILM))
-    if {"mold_palmar", "mold_dorsal"} <= set(parts):
+    if {"mold_palmar", "mold_dorsal"} <= set(parts) and design.mold.method != "plunge":
         items += _mold_bolts(design)
     if "mold_dorsal" in parts and (chaplet := design.dimensions.chaplet):
         held = tuple(part for part in ("bone", "core") if part in parts)

@@ -10,24 +10,33 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from itertools import combinations
+from types import ModuleType
 
 from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel.mesh import Manifold, MeshEvaluator
-from fingertip.cad.shapes import insert, mold
+from fingertip.cad.shapes import cup, insert, mold
 from fingertip.cad.shapes.bridged_ceiling import ceiling_steps_volume_mm3, disc_slot_area_mm2, hexagon_slot_area_mm2
 from fingertip.cad.shapes.engraving import signed_area
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.check import VOLUME_TOLERANCE_MM3, Check, complement, search_distance
 from fingertip.design import Design
+from fingertip.design.geometry.cup_layout import RIDGE_HEIGHT_MM
 from fingertip.design.geometry.features import Joint
-from fingertip.design.geometry.solids import Box, Cone, Solid, cylinder, difference, intersection, scaled, union
+from fingertip.design.geometry.solids import Box, Cone, Prism, Solid, cylinder, difference, intersection, scaled, union
 from fingertip.design.interfaces.clevis_solids import eye_profile, knuckle, pin_bore, space
 from fingertip.filling.mold_filling import place_vents
 
 HALVES = ("mold_palmar", "mold_dorsal")
 _PULL_DISTANCES_MM = (0.02, 0.2, 1.0, 4.0, 12.0)
+LIFT_MM = RIDGE_HEIGHT_MM + 0.5
+"""Height by which a core is lifted out of its grooves before the dorsal half comes off [mm]."""
 _BREP_VOLUME_ERROR = 2e-6
 """Relative error allowed in volumes of the B-rep kernel, whose quadrature has a tolerance of 1e-6."""
+
+
+def _form(design: Design) -> ModuleType:
+    """Choose the module whose halves a design has: a cup, or a mold that is closed before it is filled."""
+    return cup if design.mold.method == "plunge" else mold
 
 
 def check_assembly(design: Design, evaluator: MeshEvaluator, parts: Mapping[str, Solid]) -> Iterator[Check]:
@@ -35,8 +44,8 @@ def check_assembly(design: Design, evaluator: MeshEvaluator, parts: Mapping[str,
     if "skin" in parts:
         yield Check.zero_volume("volume_balance.cavity", _cavity_imbalance(design, evaluator, parts["skin"]))
     inside = {name: solid for name, solid in parts.items() if name not in HALVES}
-    if design.mold.method == "sleeve":
-        # The bone does not lie in the mold, and a sleeve is smaller than it by the interference.
+    if design.is_cast_apart:
+        # The bone does not lie in the mold, and the skin is smaller than it by the interference.
         inside.pop("bone", None)
         inside.pop("lid", None)
         if "skin" in inside:
@@ -52,7 +61,9 @@ def check_assembly(design: Design, evaluator: MeshEvaluator, parts: Mapping[str,
         whole = evaluator.manifold(union(*filled.values()))
         for name, half in halves.items():
             solid, direction = evaluator.manifold(half), -1.0 if name == HALVES[0] else 1.0
-            pulled = (solid.translate((0.0, direction * distance, 0.0)) for distance in _PULL_DISTANCES_MM)
+            # The palmar half comes off first. Then core and skin are lifted, and the third ridge leaves its groove.
+            lift = LIFT_MM if design.mold.method == "plunge" and name == HALVES[1] else 0.0
+            pulled = (solid.translate((0.0, direction * distance, lift)) for distance in _PULL_DISTANCES_MM)
             overlap = max(float((position ^ whole).volume()) for position in pulled)
             yield Check.zero_volume(f"demolding_overlap.{name}", overlap)
     if len(halves) == 2:
@@ -69,7 +80,8 @@ def brep_balance_solids(design: Design, parts: Collection[str]) -> tuple[tuple[s
             for name, outline in (("skin", insert.skin_outline(design)), ("cavity", insert.cavity_outline(design))):
                 solids += [(f"boss_in_{name}", intersection(outline, solid)) for solid in insert.boss(design)]
     if set(HALVES) <= set(parts):
-        solids.append(("hollow", intersection(mold.hollow(design), mold.block(design))))
+        form = _form(design)
+        solids.append(("hollow", intersection(form.hollow(design), form.block(design))))
     return tuple(solids)
 
 
@@ -87,12 +99,12 @@ def check_brep_assembly(
         imbalance = abs(whole - volumes_mm3["core_in_cavity"] - expected)
         yield Check("step.volume_balance.cavity", imbalance, _BREP_VOLUME_ERROR * whole, "mm3")
     if "hollow" in volumes_mm3:
-        outline = mold.block(design)
+        outline = _form(design).block(design)
         assert isinstance(outline, Box)
         block = math.prod(high - low for low, high in zip(outline.low, outline.high, strict=True))
         filled = volumes_mm3["hollow"] + _cutout_volume_mm3(design) + sum(parts[half].volume_mm3 for half in HALVES)
-        filled += sum(map(_volume_below_parting_plane_mm3, mold.key_sockets(design)))
-        filled -= sum(map(_volume_below_parting_plane_mm3, mold.key_frustums(design)))
+        filled += sum(map(_volume_below_parting_plane_mm3, _form(design).key_sockets(design)))
+        filled -= sum(map(_volume_below_parting_plane_mm3, _form(design).key_frustums(design)))
         yield Check("step.volume_balance.mold", abs(block - filled), _BREP_VOLUME_ERROR * block, "mm3")
 
 
@@ -129,7 +141,7 @@ def _cavity_imbalance(design: Design, evaluator: MeshEvaluator, skin: Solid) -> 
     """
     growth, silicone = design.dimensions.shrinkage**3, evaluator.manifold(skin).volume()
     room = evaluator.manifold(insert.cavity(design)).volume()
-    if design.mold.method == "sleeve":
+    if design.is_cast_apart:
         core = evaluator.manifold(intersection(insert.cavity(design), insert.mold_insert(design))).volume()
         return abs(float(room - core - growth * silicone))
     bosses = insert.boss(design)
@@ -142,18 +154,21 @@ def _cavity_imbalance(design: Design, evaluator: MeshEvaluator, skin: Solid) -> 
 
 def _mold_imbalance(design: Design, evaluator: MeshEvaluator, halves: Iterable[Solid]) -> float:
     """Compute |block - halves - hollow - cut-outs| [mm3]; hollow and cut-outs are evaluated apart from the halves."""
-    block = mold.block(design)
+    form = _form(design)
+    block = form.block(design)
     # The hole of the chaplet's screw reaches into the hollow, so both are united first.
-    hollow = union(mold.hollow(design), mold.outer_cutouts_and_screw(design))
+    hollow = union(form.hollow(design), form.outer_cutouts_and_screw(design))
     filled = sum(evaluator.manifold(solid).volume() for solid in (intersection(hollow, block), *halves))
     below = evaluator.manifold(block).trim_by_plane((0.0, -1.0, 0.0), 0.0)
-    for socket, key in zip(mold.key_sockets(design), mold.key_frustums(design), strict=True):
+    for socket, key in zip(form.key_sockets(design), form.key_frustums(design), strict=True):
         filled += (evaluator.manifold(socket) ^ below).volume() - (evaluator.manifold(key) ^ below).volume()
     return abs(float(evaluator.manifold(block).volume() - filled))
 
 
 def _cutout_volume_mm3(design: Design) -> float:
     """Compute bolt holes, traps, slots and letters [mm3] in closed form: exact, and forty B-rep booleans less."""
+    if design.mold.method == "plunge":
+        return _letters_mm3(design, cup.label(design))
     d, m = design.mold, design.mold_layout
     radius = d.bolt_diameter_mm / 2
     bolt, slot = math.pi * radius**2, hexagon_slot_area_mm2(d.nut_width_mm, radius)
@@ -162,10 +177,14 @@ def _cutout_volume_mm3(design: Design) -> float:
     ) + ceiling_steps_volume_mm3(slot, radius)
     pry_slot = d.pry_width_mm * d.pry_depth_mm * 2.0 * d.pry_height_mm
     letters = (prism for half in ("palmar", "dorsal") for prism in mold.engraved_text(design, half))
-    rings = (ring for letter in letters for ring in (letter.corners, *letter.holes))
-    engraved = d.engraving_depth_mm * sum(map(signed_area, rings))  # holes run clockwise, and count as negative
+    engraved = _letters_mm3(design, letters)
     pried = 2.0 * pry_slot - _vents_in_pry_slots_mm3(design)
     return len(m.bolts) * fastener + pried + engraved + _screw_hole_volume_mm3(design)
+
+
+def _letters_mm3(design: Design, letters: Iterable[Prism]) -> float:
+    rings = (ring for letter in letters for ring in (letter.corners, *letter.holes))
+    return design.mold.engraving_depth_mm * sum(map(signed_area, rings))  # holes run clockwise, and count as negative
 
 
 def _vents_in_pry_slots_mm3(design: Design) -> float:

@@ -161,7 +161,8 @@ def check_skin(design: Design, evaluator: MeshEvaluator, mesh: Mesh) -> Iterator
     interior, outside = _interior(design, evaluator), _outside(design, evaluator)
     minimum = design.skin.min_thickness_mm - evaluator.tolerance_mm
     yield Check("skin.min_thickness", _thickness(interior, outside), minimum, "mm", "at least")
-    yield from _check_play(design, interior, outside, minimum)
+    if design.mold.method != "plunge":
+        yield from _check_play(design, interior, outside, minimum)
     deviation = max_facet_deviation(design.dimensions.outer, mesh.vertices, mesh.triangles)
     yield Check("skin.surface_deviation", deviation, evaluator.tolerance_mm, "mm")
 

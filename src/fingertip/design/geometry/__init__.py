@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import Any, Self
 
+from fingertip.design.geometry.cup_layout import CupLayout
 from fingertip.design.geometry.dimensions import Dimensions
 from fingertip.design.geometry.mold_layout import MoldLayout
 from fingertip.design.geometry.seat import Loss, find_losses
@@ -25,6 +26,10 @@ class DesignTables(Tables):
         return MoldLayout(self, self.dimensions)
 
     @cached_property
+    def cup_layout(self) -> CupLayout:
+        return CupLayout(self, self.dimensions)
+
+    @cached_property
     def losses(self) -> tuple[Loss, ...]:
         """Worst losses of silicone where bone or core lies off as far as its supports allow."""
         return find_losses(self, self.dimensions)
@@ -33,6 +38,6 @@ class DesignTables(Tables):
         """Copy the tables with changes. What is derived is kept only if no table that it depends on changes."""
         copy = super().model_copy(update=update, deep=deep)
         if not ELECTRONIC_TABLES.issuperset(update or ()):
-            for name in ("dimensions", "mold_layout", "losses", "printed_fit_mm"):
+            for name in ("dimensions", "mold_layout", "cup_layout", "losses", "printed_fit_mm"):
                 copy.__dict__.pop(name, None)
         return copy

@@ -1,0 +1,174 @@
+"""Cup of two halves that is filled first, and the core on a plate that is lowered into it (mold.method plunge)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from fingertip.cad.shapes.engraving import HEIGHT, MIN_STROKE_MM, STROKE_WIDTH, letter_outlines, signed_area, text_width
+from fingertip.cad.shapes.insert import cavity, core_within_skin
+from fingertip.design import Design
+from fingertip.design.geometry.cup_layout import (
+    BELT_MM,
+    GAP_MM,
+    KEY_TOP_MM,
+    LIP_MM,
+    NOTCH_MM,
+    PLATE_MM,
+    RIDGE_END_MM,
+    RIDGE_HALF_CREST_MM,
+    RIDGE_HEIGHT_MM,
+)
+from fingertip.design.geometry.solids import Axis, Box, Cone, Prism, Solid, difference, union
+
+_PAST_MM = 1.0
+"""Length by which cuts reach past the face in which they open, and solids into those on which they stand [mm]."""
+_TEXT_SHARE = 0.85
+"""Length of a line of text over that of its face."""
+_LABEL = "PAD"
+
+
+def block(design: Design) -> Box:
+    """Build the outer shape of the closed cup, up to its rim."""
+    m = design.cup_layout
+    return Box((-m.half_width, -m.palmar_height, GAP_MM), (m.half_width, m.dorsal_height, m.foot_z))
+
+
+def hollow(design: Design) -> Solid:
+    """Build everything that is open in the closed cup but the letters and the keys' clearance."""
+    return union(cavity(design), *grooves(design), *notches(design), *belts(design))
+
+
+def grooves(design: Design) -> tuple[Solid, ...]:
+    """Build the grooves of the rim, open at the outside. Their flanks lie in the planes of the ridges' flanks."""
+    m, rise = design.cup_layout, RIDGE_HEIGHT_MM + RIDGE_HALF_CREST_MM
+    floor = RIDGE_HEIGHT_MM + GAP_MM
+    profile = ((-_PAST_MM, rise + _PAST_MM), (floor, rise - floor))
+    (side, dorsal), far = m.ridge_begins, 2 * (m.half_width + m.dorsal_height)
+    return (
+        _wedge("x", profile, side, far), _wedge("x", profile, -far, -side), _wedge("y", profile, dorsal, far)
+    )  # fmt: skip
+
+
+def ridges(design: Design) -> tuple[Solid, ...]:
+    m, rise = design.cup_layout, RIDGE_HEIGHT_MM + RIDGE_HALF_CREST_MM
+    profile = ((-_PAST_MM, rise), (0.0, rise), (RIDGE_HEIGHT_MM, RIDGE_HALF_CREST_MM))
+    (side, dorsal), end = (begin + RIDGE_END_MM for begin in m.ridge_begins), m.half_width - RIDGE_END_MM
+    return (
+        _wedge("x", profile, side, end), _wedge("x", profile, -end, -side),
+        _wedge("y", profile, dorsal, m.dorsal_height - RIDGE_END_MM),
+    )  # fmt: skip
+
+
+def _wedge(axis: Axis, profile: tuple[tuple[float, float], ...], low: float, high: float) -> Prism:
+    """Extrude a symmetric outline, given by heights z and half widths, along x or y."""
+    ring = [(z, -half) for z, half in profile] + [(z, half) for z, half in reversed(profile)]
+    return _extrude(axis, ring, low, high)
+
+
+def _extrude(axis: Axis, outline: Sequence[tuple[float, float]], low: float, high: float) -> Prism:
+    """Extrude an outline, given by heights z and distances across in either direction, along x or y."""
+    ring = tuple(outline) if axis == "y" else tuple((across, z) for z, across in outline)
+    return Prism(axis, ring if signed_area(ring) > 0.0 else ring[::-1], low, high)
+
+
+def notches(design: Design) -> tuple[Solid, ...]:
+    """Build the overflow notches: two cuts across the rim, which open in all four quarters of it."""
+    m, half = design.cup_layout, NOTCH_MM[0] / 2
+    far, floor = 2 * (m.palmar_height + m.dorsal_height), GAP_MM + NOTCH_MM[1]
+    return tuple(Box((x - half, -far, GAP_MM - _PAST_MM), (x + half, far, floor)) for x in (-m.notch_x, m.notch_x))
+
+
+def belts(design: Design) -> tuple[Solid, ...]:
+    """Build the seats of the rubber bands around the closed cup, with sides at 45 degrees that print upright."""
+    m, (height, depth) = design.cup_layout, BELT_MM
+    far = 2 * (m.half_width + m.dorsal_height)
+    faces: tuple[tuple[Axis, float], ...] = (
+        ("y", m.half_width), ("y", -m.half_width), ("x", m.dorsal_height), ("x", -m.palmar_height)
+    )  # fmt: skip
+    found = []
+    for z in m.belts_z:
+        for axis, face in faces:
+            inner, outer = face - math.copysign(depth, face), face + math.copysign(_PAST_MM, face)
+            low, high = height / 2, height / 2 + depth + _PAST_MM
+            outline = ((z - high, outer), (z - low, inner), (z + low, inner), (z + high, outer))
+            found.append(_extrude(axis, outline, -far, far))
+    return tuple(found)
+
+
+def key_frustums(design: Design, clearance_mm: float = 0.0) -> tuple[Solid, ...]:
+    """Build the keys of the dorsal half, enlarged by a clearance [mm] on all sides but the root."""
+    inside, offset = design.mold.wall_mm / 2, clearance_mm * 2.0**0.5
+    found = []
+    for key in design.cup_layout.keys:
+        top, radius = (KEY_TOP_MM - key.root_mm) / 2 - clearance_mm, key.root_mm / 2 + offset
+        found.append(Cone("y", (key.z, key.x), top, inside, radius + top, radius + inside))
+    return tuple(found)
+
+
+def key_sockets(design: Design) -> tuple[Solid, ...]:
+    return key_frustums(design, design.mold.key_clearance_mm)
+
+
+def outer_cutouts_and_screw(design: Design) -> Solid:
+    """Build what is cut into the closed cup from outside: belts and letters. It has no screw."""
+    return union(*belts(design), *label(design))
+
+
+def label(design: Design) -> tuple[Prism, ...]:
+    """Build the letters that name the palmar half, upright on the standing cup."""
+    m = design.cup_layout
+    (low, high), (height, depth) = m.belts_z, BELT_MM
+    free = high - low - height - 2 * depth
+    return _engrave(design, "y", _LABEL, free, 2 * m.half_width, (low + high) / 2, -m.palmar_height)
+
+
+def name_plate(design: Design) -> tuple[Prism, ...]:
+    """Build the letters of the design's name in the top of the plate."""
+    m = design.cup_layout
+    depth, length = m.dorsal_height + m.palmar_height, 2 * (m.half_width + LIP_MM)
+    return _engrave(design, "z", design.name, depth, length, (m.dorsal_height - m.palmar_height) / 2, -PLATE_MM)
+
+
+def _engrave(
+    design: Design, axis: Axis, text: str, height: float, length: float, centre: float, face: float
+) -> tuple[Prism, ...]:
+    """Build letters in the face at a negative y or z, around x = 0; none where they are too small to read."""
+    unit = min(
+        design.mold.engraving_height_mm / HEIGHT, _TEXT_SHARE * height / (HEIGHT + STROKE_WIDTH),
+        _TEXT_SHARE * length / text_width(text),
+    )  # fmt: skip
+    if not design.mold.engraving_depth_mm or STROKE_WIDTH * unit < MIN_STROKE_MM:
+        return ()
+    low, high = face - _PAST_MM, face + design.mold.engraving_depth_mm
+    up = 1.0 if axis == "z" else -1.0  # on the plate y is up, on the standing cup -z
+    prisms = []
+    for letter in letter_outlines(text, STROKE_WIDTH):
+        rings = [
+            [(unit * (text_width(text) / 2 - u), centre + up * unit * (v - HEIGHT / 2)) for u, v in r] for r in letter
+        ]
+        if axis == "y":
+            rings = [[(z, x) for x, z in ring] for ring in rings]
+        outline, *holes = rings if signed_area(rings[0]) > 0.0 else [ring[::-1] for ring in rings]
+        prisms.append(Prism(axis, tuple(outline), low, high, tuple(map(tuple, holes))))
+    return tuple(prisms)
+
+
+def mold_palmar(design: Design) -> Solid:
+    m = design.cup_layout
+    half = Box((-m.half_width, -m.palmar_height, GAP_MM), (m.half_width, 0.0, m.foot_z))
+    return difference(half, hollow(design), *key_sockets(design), *label(design))
+
+
+def mold_dorsal(design: Design) -> Solid:
+    m = design.cup_layout
+    half = Box((-m.half_width, 0.0, GAP_MM), (m.half_width, m.dorsal_height, m.foot_z))
+    return difference(union(half, *key_frustums(design)), hollow(design))
+
+
+def core(design: Design) -> Solid:
+    """Build the core on its plate, whose lips stand out at both sides to lift it by."""
+    m = design.cup_layout
+    half = m.half_width + LIP_MM
+    plate = Box((-half, -m.palmar_height, -PLATE_MM), (half, m.dorsal_height, 0.0))
+    return difference(union(core_within_skin(design), plate, *ridges(design)), *name_plate(design))

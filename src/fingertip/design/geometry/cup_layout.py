@@ -1,0 +1,174 @@
+"""Sizes of the cup and its core, all derived from the parameters (mold.method plunge).
+
+The cup stands on its foot, tip down, and is open at the proximal end of the skin. The core hangs on a plate, whose
+underside is the plane z = 0 in which the skin ends. Three radial ridges of the plate, at 3, 9 and 12 o'clock, seat in
+grooves of the rim: six flanks at 45 degrees, which hold it in all six directions. The rim stays a gap below the plate,
+so that the flanks alone decide where the core is; silicone that is too much leaves through gap and notches.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from fingertip.design.geometry.dimensions import Dimensions
+    from fingertip.design.parameters import Tables
+
+GAP_MM = 0.3
+"""Gap between plate and rim [mm], more than the core sinks by errors of 0.1 mm of every flank."""
+LAND_MM = 2.0
+"""Width of the rim between cavity and grooves [mm]."""
+RIDGE_HEIGHT_MM, RIDGE_HALF_CREST_MM, RIDGE_LENGTH_MM = 2.0, 0.4, 7.0
+RIDGE_END_MM = 0.5
+"""Distance of each end of a ridge from the end of its groove [mm], so that no end locates the core."""
+PLATE_MM, LIP_MM = 5.0, 3.0
+"""Thickness of the plate, and width by which it stands out beyond the cup at both sides, to lift it by [mm]."""
+POUR_MARK_MM = (1.5, 0.4)
+"""Length and depth of the line inside the cup [mm], on both sides of the palmar half, from its edge on."""
+POURED = 1.1
+"""Silicone up to the line, over that of the skin: an error of 1 mm at the line still fills the cup."""
+NOTCH_MM = (2.0, 1.0)
+"""Width and depth of the overflow notches [mm]."""
+BELT_MM = (6.0, 1.0)
+"""Height of the belts for rubber bands at their floor, and depth [mm]."""
+KEY_SIZES_MM = (5.0, 4.0)
+"""Root diameters of both keys [mm]; their flanks rise at 45 degrees, so that they print on upright halves."""
+KEY_TOP_MM = 1.0
+"""Diameter of a key at its end [mm]."""
+_BESIDE_GROOVE_MM = 1.0
+_STEPS = 64
+"""Steps along the finger in which volumes are summed up, and across it."""
+
+
+class Flank(NamedTuple):
+    """Flank of a ridge, by the middle of the line in which it meets its groove and by its normal into the ridge."""
+
+    point_mm: tuple[float, float, float]
+    normal: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Key:
+    x: float
+    z: float
+    root_mm: float
+
+
+class CupLayout:
+    """Positions and outline of cup and core [mm], computed when they are first read as in `Dimensions`."""
+
+    def __init__(self, design: Tables, dims: Dimensions) -> None:
+        self._design, self._dims = design, dims
+
+    @cached_property
+    def cavity_half_width(self) -> float:
+        return self._design.skin.width_mm / 2 * self._dims.shrinkage
+
+    @cached_property
+    def half_width(self) -> float:
+        return self.cavity_half_width + LAND_MM + RIDGE_LENGTH_MM
+
+    @cached_property
+    def palmar_height(self) -> float:
+        return self._design.skin.semi_axis_palmar_mm * self._dims.shrinkage + self._design.mold.wall_mm
+
+    @cached_property
+    def dorsal_height(self) -> float:
+        """Height of the dorsal half, on whose rim the third groove lies."""
+        beside = max(LAND_MM + RIDGE_LENGTH_MM, self._design.mold.wall_mm)
+        return self._design.skin.semi_axis_dorsal_mm * self._dims.shrinkage + beside
+
+    @cached_property
+    def foot_z(self) -> float:
+        """Height of the face on which the cup stands."""
+        return self._design.skin.length_mm * self._dims.shrinkage + self._design.mold.wall_mm
+
+    @property
+    def overall_height(self) -> float:
+        """Height from the foot to the top of the seated plate: the one reading that tells how the core sits."""
+        return self.foot_z + PLATE_MM
+
+    @cached_property
+    def ridge_begins(self) -> tuple[float, float]:
+        """Distance from the axis at which the grooves begin: at the sides, and on the dorsal side."""
+        dorsal = self._design.skin.semi_axis_dorsal_mm * self._dims.shrinkage
+        return self.cavity_half_width + LAND_MM, dorsal + LAND_MM
+
+    @cached_property
+    def notch_x(self) -> float:
+        """Distance of the notches from the middle plane, clear of the dorsal groove."""
+        clear = RIDGE_HALF_CREST_MM + RIDGE_HEIGHT_MM + _BESIDE_GROOVE_MM + NOTCH_MM[0] / 2
+        return max(clear, self.cavity_half_width / 2)
+
+    @cached_property
+    def belts_z(self) -> tuple[float, float]:
+        """Middle of the belts for rubber bands."""
+        return self.foot_z / 4, 3 * self.foot_z / 4
+
+    @cached_property
+    def keys(self) -> tuple[Key, Key]:
+        """Keys of unequal sizes at unequal heights, so that no other way round closes the cup."""
+        x = (self.half_width - BELT_MM[1] + self.cavity_half_width) / 2
+        return Key(-x, 0.4 * self.foot_z, KEY_SIZES_MM[0]), Key(x, 0.7 * self.foot_z, KEY_SIZES_MM[1])
+
+    @cached_property
+    def flanks(self) -> tuple[Flank, ...]:
+        """List the six flanks, each of which pushes the core up and sideways, away from its groove."""
+        half = RIDGE_HALF_CREST_MM + (RIDGE_HEIGHT_MM - GAP_MM) / 2
+        z, root = GAP_MM + (RIDGE_HEIGHT_MM - GAP_MM) / 2, 0.5**0.5
+        side, dorsal = self.ridge_begins
+        x, y = (side + self.half_width) / 2, (dorsal + self.dorsal_height) / 2
+        along_x = (
+            Flank((end * x, across * half, z), (0.0, -across * root, -root))
+            for end in (-1.0, 1.0) for across in (-1.0, 1.0)
+        )  # fmt: skip
+        along_y = (Flank((across * half, y, z), (-across * root, 0.0, -root)) for across in (-1.0, 1.0))
+        return (*along_x, *along_y)
+
+    @cached_property
+    def skin_mm3(self) -> float:
+        """Volume of the silicone around the core, by sums over sections: off by less than 2 %."""
+        low, high = 0.0, self._dims.outer.spans[-1].z[2]
+        step = (high - low) / _STEPS
+        heights = [low + step * (i + 0.5) for i in range(_STEPS)]
+        return step * sum(self._cavity_mm2(z) - self._core_mm2(z) for z in heights) * self._dims.shrinkage**3
+
+    @cached_property
+    def pour_z(self) -> float:
+        """Height of the line to which the cup is filled, at the design's size of the skin."""
+        wanted, high = POURED * self.skin_mm3 / self._dims.shrinkage**3, self._design.skin.length_mm
+        step, held = high / _STEPS, 0.0
+        for above, z in pairwise(high - step * i for i in range(_STEPS + 1)):
+            added = step * self._cavity_mm2((above + z) / 2)
+            if held + added >= wanted:
+                return round(above - step * (wanted - held) / added, 2)
+            held += added
+        return 0.0
+
+    @cached_property
+    def pour_mark_x(self) -> float:
+        """Distance of the floor of this line from the middle plane, at the design's size of the skin."""
+        return self._dims.outer.half_width_at(0.0, self.pour_z) + POUR_MARK_MM[1]
+
+    def _cavity_mm2(self, z: float) -> float:
+        outer = self._dims.outer
+        return _area(lambda y: outer.half_width_at(y, z), -outer.section.palmar, outer.section.dorsal)
+
+    def _core_mm2(self, z: float) -> float:
+        dims = self._dims
+        (body, flat, _), platform = dims.insert_body(), dims.platform_half_width_at(z)
+
+        def half_width(y: float) -> float:
+            found = body.half_width_at(y, z)
+            return min(found, platform) if y < -flat else found
+
+        return _area(half_width, flat - dims.flat_depth - dims.flat_depth_at(z), body.section.dorsal)
+
+
+def _area(half_width: Callable[[float], float], low: float, high: float) -> float:
+    step = (high - low) / _STEPS
+    return 2.0 * step * sum(half_width(low + step * (i + 0.5)) for i in range(_STEPS))

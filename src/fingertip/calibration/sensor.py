@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fingertip.board import board_values
 from fingertip.board.analysis.limits import TactileResponse
 from fingertip.board.components.bridge import NEWTON_PER_GRAM
+from fingertip.board.front_end import find_tactile_response
 from fingertip.design import Design
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import InputFileError, Issue, TraceError, quote_value
@@ -251,7 +251,7 @@ def calibrate_sensor(design: Design, weighings: Weighings, scale: float | None =
         raise TraceError(Issue("--scale", message))
     if scale is not None and not (math.isfinite(scale) and scale != 0.0):
         raise TraceError(Issue("--scale", f"{scale:g} is not a scale; give volts per count."))
-    response = board_values(design).tactile_response
+    response = find_tactile_response(design)
     offset_v = _find_offset(weighings, response, scale or 1.0)
     turn_on, issues = design.force_curve.turn_on_n, list[Issue]()
     forces, conductances = list[float](), list[float]()

@@ -84,7 +84,9 @@ def size_wires(design: Design) -> Wires:
 
 
 def _find_plug(design: Design) -> PlugWire | None:
-    """Find the wires that the plug of the board's sensor connector takes."""
+    """Find the wires that the plug of the board's sensor connector takes; None for a divider."""
+    if not design.board.has_filter:
+        return None
     return find_plug_wire(board_circuit(select_components(design)).component(SENSOR_CONNECTOR))
 
 

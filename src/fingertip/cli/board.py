@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -60,6 +61,13 @@ def board(
     if plot:
         extras.require("--plot", "matplotlib", alternative="leave --plot out")
     loaded = load_design(design, changes, console)
+    if not loaded.board.has_filter:
+        _write_divider(
+            console, loaded, out, force, check,
+            {"--fab": fab, "--analysis": analysis, "--bringup": bringup, "--readings": readings, "--article": article}
+            | writing,
+        )  # fmt: skip
+        return
     if readings:
         from fingertip.board.bringup.readings import format_assessment
         from fingertip.board.bringup.several import format_fingers
@@ -110,6 +118,30 @@ def board(
         data["analysis"] = analysis_result.as_data()
         lines += ["", analysis_text(analysis_result)]
     console.result(data | written | {"verdict": verdict, "warnings": warnings}, "\n".join(lines))
+
+
+def _write_divider(
+    console: Console, design: Design, out: Path | None, force: bool, check: bool, needing_a_board: dict[str, Any]
+) -> None:
+    """Write or compare the files of a divider, and print what its voltage must be."""
+    from fingertip.board.front_end import find_range_warnings
+    from fingertip.documents.board.divider import list_readings
+    from fingertip.tasks.board import refuse_divider
+
+    refuse_divider(design, *(option for option, given in needing_a_board.items() if given))
+    if check:
+        _compare(console, design, out, fab=False)
+        return
+    folder, written = _write(console, design, out, force, bring_up=False, fab=False)
+    warnings = list(find_range_warnings(design))
+    console.warn(warnings)
+    found = list(list_readings(design))
+    lines = [f"{design.name}, divider of {design.board.divider_ohm:g} ohm on one analog input; files in {folder}"]
+    for one in found:
+        low_v, high_v = one.limits_v
+        name = f"pressed by {one.mass_g:g} g" if one.mass_g else "untouched"
+        lines.append(f"  {name:17} {one.tactile_v:.2f} V ({low_v:.2f} to {high_v:.2f}), {one.counts} counts")
+    console.result(written | {"readings": [asdict(one) for one in found], "warnings": warnings}, "\n".join(lines))
 
 
 def _compare(console: Console, design: Design, out: Path | None, fab: bool) -> None:

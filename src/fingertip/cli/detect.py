@@ -179,8 +179,7 @@ def validate(
     changes: list[str] | None = CHANGES,
 ) -> None:
     """Test a design's detectors on simulated slips and on scenes without slip. Exit code 1: a requirement is missed."""
-    from fingertip.board.analysis.board_values import board_values
-    from fingertip.board.analysis.limits import adc_range_warnings
+    from fingertip.board.front_end import find_range_warnings
     from fingertip.detection.warnings import settings_warnings
     from fingertip.foundation import extras
     from fingertip.foundation.output_set import SetWriter, hash_parameters
@@ -190,13 +189,13 @@ def validate(
     from fingertip.slip.detectors import registry
 
     loaded = load_design(design, changes)
-    registry.find_detector_type(detector)
+    registry.check_detector(loaded, detector)
     plan = CampaignPlan(trials, minutes)
     check_first_seed(seed)
     find_workers(jobs)
     with_plots = extras.is_installed("matplotlib")
     extras.say_left_out({"matplotlib": "plots", "numba": "compiled loops (20 times faster)"}, console.progress)
-    warnings = [*settings_warnings(loaded, detector), *adc_range_warnings(board_values(loaded).voltage_limits)]
+    warnings = [*settings_warnings(loaded, detector), *find_range_warnings(loaded)]
     console.warn(warnings)
     folder = out or Path("out") / loaded.name / "validation"
     writer = SetWriter(folder, "validation", loaded.name, hash_parameters(loaded.model_dump(mode="json")), force=force)

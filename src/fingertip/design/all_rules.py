@@ -16,6 +16,9 @@ PART_RULES = (
     *flange.RULES, *bone.FOLD_RULES, *clevis_rules.RULES, *mold.RULES,
 )  # fmt: skip
 """Rules of the printed parts and the skin. They read no electronic table."""
-ELECTRONIC_RULES = (*board.RULES, *amplifiers.RULES, *board.SIGNAL_RULES, *skin.FORCE_CURVE_RULES)
+ELECTRONIC_RULES = (
+    *board.CHANNEL_RULES, *board.RULES, *amplifiers.SUPPLY_RULES, *amplifiers.RULES, *board.SIGNAL_RULES,
+    *skin.FORCE_CURVE_RULES,
+)  # fmt: skip
 """Rules of the board and of slip detection. They read only the electronic tables."""
 RULES = (*PART_RULES, *ELECTRONIC_RULES)

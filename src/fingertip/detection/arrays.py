@@ -13,7 +13,7 @@ from fingertip.detection.files import adapt_to_rate, simulate_board
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.slip.detection import Detection
 from fingertip.slip.detection import detect as detect_in_trace
-from fingertip.slip.detectors.registry import DEFAULT, find_detector_type
+from fingertip.slip.detectors.registry import DEFAULT, check_detector
 from fingertip.slip.traces.sampling import check_rate
 from fingertip.slip.traces.trace import ColumnMap, RawTrace, Trace, as_numbers
 
@@ -50,7 +50,8 @@ def detect(
     DesignError
         If `rate_hz` is too low for the design's filters.
     """
-    design, kind = design or Design(), find_detector_type(detector)
+    design = design or Design()
+    kind = check_detector(design, detector)
     adapt = partial(adapt_detector, detector, None, False, noise_v is not None, lambda message: None)
     trace = _read_array(recording, rate_hz)
     raw = RawTrace("trace", trace, in_volts=noise_v is None, is_array=True)

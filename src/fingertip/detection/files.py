@@ -118,7 +118,7 @@ def detect_file(
     """
     path, report = Path(path), progress or (lambda message: None)
     design = design or Design()
-    kind = registry.find_detector_type(detector)
+    kind = registry.check_detector(design, detector)
     adapt = partial(adaptation.adapt_detector, detector, keep_threshold, keep_window, calibrate_s is not None, report)
     if adapt_to_file is None:
         adapt_to_file = "sample_rate_hz" not in design.detector.model_fields_set
@@ -136,7 +136,8 @@ def detect_file(
     if column_map.in_volts:
         doubts += warnings.hum_warnings(trace.voltage_v, design.detector.sample_rate_hz)
         doubts += warnings.polarity_warnings(trace.voltage_v, design)
-        doubts += [*signal_warnings(trace, design.detector), *warnings.settings_warnings(design, detector)]
+        doubts += signal_warnings(trace, design.detector, design.board.has_filter)
+        doubts += warnings.settings_warnings(design, detector)
         reads_second = registry.find_second_column(design, detector) is not None and trace.filtered_v is not None
         # Thresholds follow from the recording itself after a calibration. A filtered signal has finer steps.
         if reads_second:
@@ -223,7 +224,7 @@ def detect_stream(
     """
     report = progress or (lambda message: None)
     design = design or Design()
-    kind = registry.find_detector_type(detector)
+    kind = registry.check_detector(design, detector)
     if rate_hz is not None:
         design = adaptation.adapt_detector(detector, keep_threshold, keep_window, False, report, design, rate_hz)
     voltage = ColumnMap(columns or {}, rate_hz, scale, time_scale)

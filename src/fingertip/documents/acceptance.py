@@ -122,7 +122,7 @@ def acceptance_data(design: Design, detection: Detection) -> dict[str, Any]:
     delays = detection.score.delays_s if detection.score else ()
     found = [delay for delay in delays if delay is not None]
     delay_ms = round(1000 * max(found), 1) if found and len(found) == len(delays) else None
-    return {
+    data: dict[str, Any] = {
         "design": design.name,
         "sensor": design.dimensions.sensor.label,
         "tail": design.sensor.tail,
@@ -162,10 +162,17 @@ def acceptance_data(design: Design, detection: Detection) -> dict[str, Any]:
         },
         "from_tip_mm": design.sensor.distance_from_tip_mm,
     }
+    if design.board.variant == "divider":
+        step_v = design.detector.adc_step_v
+        counts = {weight["mass_g"]: round(weight["tactile_v"] / step_v) for weight in data["weights"]}
+        data |= {"supply_v": design.board.supply_v, "counts": counts}
+    return data
 
 
 def render_acceptance(data: dict[str, Any]) -> str:
     masses = [f"{weight['mass_g']:g} g" for weight in data["weights"]]
+    if data["board"] == "divider":
+        return render_page("first/acceptance.md", **data, masses=masses)
     # What `fingertip detect` prints.
     slip_line = f"{DETECTED} {INTERVAL.format(onset='...', end='...')}"
     return render_page("acceptance.md", **data, masses=masses, slip_line=slip_line)

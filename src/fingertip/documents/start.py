@@ -7,7 +7,7 @@ board's README asks.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 from fingertip.board.analysis.board_values import board_values
@@ -38,6 +38,13 @@ def render_start(
     finger, mold = ([name for name in printed if PARTS[name].is_in_finger == kept] for kept in (True, False))
     plates = {path: found["parts"] for path, found in report.get(PRINT_FOLDER, {}).items() if path.endswith(".3mf")}
     casting = report.get("casting")
+    told = [f"{one['name']}: {one['warning']}" for one in report["checks"] if one["passed"] and one.get("warning")]
+    if design.mold.method == "plunge":
+        return render_page(
+            "first/start.md", size_mm=[f"{size:.0f}" for size in size_mm], casting=casting, files=files, steps=steps,
+            verdict=verdict, loads=_find_loads(design, report["checks"]), plates=plates,
+            warnings=_tell_warnings(one for one in told if one.partition(":")[0] not in _HARDER),
+        )  # fmt: skip
     return render_page(
         "start.md",
         skin=design.skin,
@@ -50,9 +57,7 @@ def render_start(
         plates={path: parts for path, parts in plates.items() if path in files},
         casting=casting,
         waits=_count_waits(casting["plan"]) if casting else {},
-        warnings=_tell_warnings(
-            [f"{one['name']}: {one['warning']}" for one in report["checks"] if one["passed"] and one.get("warning")]
-        ),
+        warnings=_tell_warnings(told),
         files=files,
         steps=steps,
         verdict=verdict,
@@ -75,7 +80,19 @@ def render_basis_table(design: Design) -> str:
     return render_page("basis.md", printer=printer, is_calibrated=is_calibrated, is_weighed=is_weighed, sensor=sensor)
 
 
+def _find_loads(design: Design, checks: Sequence[Mapping[str, Any]]) -> dict[str, int]:
+    """Find the loads at which the bone has the safety factors of its checks [N]; none where it was not checked."""
+    found = {check["name"]: check["value"] / check["limit"] for check in checks if check["name"] in _HARDER}
+    return {
+        load: int(design.value(f"strength.{load}_force_n") * ratio)
+        for load in ("grip", "shock")
+        if (ratio := found.get(f"bone.safety_factor.{load}"))
+    }
+
+
 def _board_data(design: Design) -> dict[str, Any]:
+    if not design.board.has_filter:
+        return {"cost_usd": None, "components": 0}
     circuit = board_circuit(board_values(design), design.board.channels)
     return {"cost_usd": estimate_cost(circuit), "components": len(purchased_components(circuit))}
 
@@ -85,7 +102,7 @@ def _count_waits(plan: Sequence[Mapping[str, Any]]) -> dict[str, int]:
     return dict(Counter(stage["wait"] for stage in plan if stage["wait"]).most_common())
 
 
-def _tell_warnings(warnings: Sequence[str]) -> list[str]:
+def _tell_warnings(warnings: Iterable[str]) -> list[str]:
     """Tell what checks warn of and what helps, without names of checks and loads, and places on the bone."""
     found = [warning.partition(", below strength.")[0].rstrip(".").partition(": ") for warning in warnings]
     return [f"{said[0].upper()}{said[1:]}. {_HARDER.get(name, '')}".rstrip() for name, _, said in found]

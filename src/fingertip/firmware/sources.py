@@ -9,7 +9,7 @@ from dataclasses import replace
 from importlib import resources
 from typing import Any
 
-from fingertip.board import board_values
+from fingertip.board.front_end import find_tactile_response
 from fingertip.catalogues.output_files import BUFFER, HAND, SCAN, TIMER
 from fingertip.design import Design
 from fingertip.design.formulas.filter import filtered_range_v, signal_ground_ratio
@@ -159,7 +159,7 @@ SHORTED_SHARE = 0.02
 
 def library_settings(design: Design) -> FastSettings:
     """Settings of the detector of a finger, with the voltages that forces give on the board of the design."""
-    converter, response = design.detector, board_values(design).tactile_response
+    converter, response = design.detector, find_tactile_response(design)
     lowest, highest = converter.adc_low_v, converter.adc_range_v
     shorted_v = response.open_v - response.transfer_ohm * response.sensor_v / response.source_ohm
     shorted_v = min(max(shorted_v, lowest), highest)

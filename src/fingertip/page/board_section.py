@@ -83,7 +83,7 @@ def render_board(sources: Sources) -> Markup:
         drawn = element("img", src=embed(wiring, "image/svg+xml"), alt="Wiring of sensor, board and controller")
         folded.append(("How to connect it", figure(drawn, "", "wiring", "paper")))
     parts += [fold(title, content) for title, content in folded]
-    if not bring_up:
+    if layout and not bring_up:
         made = element("code", COMMANDS[outputs.BOARD_FOLDER])
         parts.append(note("There is no bring-up sheet: in the folder of this page, ", made, " makes it."))
     return join(parts)

@@ -38,7 +38,8 @@ class Prepared:
 
 
 def prepare_page(design: Design) -> Prepared:
-    return Prepared(draw_finger(design), render_parameters(design), draw_response(design))
+    response = draw_response(design) if design.board.has_filter else Markup("")
+    return Prepared(draw_finger(design), render_parameters(design), response)
 
 
 def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:

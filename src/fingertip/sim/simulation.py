@@ -15,8 +15,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from fingertip.board.analysis.board_values import board_values
-from fingertip.board.analysis.limits import adc_range_warnings
+from fingertip.board.front_end import find_range_warnings, find_tactile_range_v
 from fingertip.catalogues.bundled import find_file
 from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, identify_kind, split_changes
 from fingertip.design import Design
@@ -48,11 +47,10 @@ class Simulation:
     def find_warnings(self) -> Iterator[str]:
         """Yield what limits the recorded voltage: an ADC range that the board exceeds, a profile of too few points."""
         if "voltage_v" in self.scene.outputs:
-            limits = board_values(self.design).voltage_limits
             if self.scene.converter.bits:
-                yield from self.scene.converter.find_warnings(limits.min_tactile_v, limits.max_tactile_v)
+                yield from self.scene.converter.find_warnings(*find_tactile_range_v(self.design))
             else:
-                yield from adc_range_warnings(limits)
+                yield from find_range_warnings(self.design)
         if isinstance(self.scene, SceneFile) and self.scene.slide.distance_m and self.scene.surface.profile_um:
             yield from find_profile_warnings(
                 self.scene.surface.profile_step_um, self.scene.slide.speed_m_s, self.design.board.cutoff_hz

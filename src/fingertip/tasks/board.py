@@ -5,13 +5,14 @@ from __future__ import annotations
 import difflib
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 from fingertip.board.analysis.board_values import BoardValues, board_values
 from fingertip.board.analysis.gate import find_refusals
 from fingertip.board.analysis.shared import connect_cables
+from fingertip.board.bringup.divider_wiring import divider_wiring
 from fingertip.board.bringup.plan import BringUp, plan_bring_up
 from fingertip.board.bringup.prediction import Board
 from fingertip.board.bringup.readings import assess_readings, read_readings, readings_template
@@ -19,7 +20,9 @@ from fingertip.board.bringup.several import assess_fingers, read_fingers, write_
 from fingertip.board.bringup.wiring import wiring_diagram
 from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.channels import extract_channel, leave_out_empty
+from fingertip.board.circuits.divider import compute_current_ratio, divider_circuit, divider_deck
 from fingertip.board.circuits.spice import spice_deck
+from fingertip.board.components.values import BOARD_REMEDY
 from fingertip.board.fabrication.bom import bill_of_materials
 from fingertip.board.fabrication.fabrication_files import find_outdated_files, provenance_record
 from fingertip.board.kicad.netlist import kicad_netlist_file
@@ -28,7 +31,9 @@ from fingertip.catalogues import output_files
 from fingertip.catalogues.controllers import NAMES
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
+from fingertip.documents.acceptance import expect_readings
 from fingertip.documents.board.bringup import render_sheet
+from fingertip.documents.board.divider import divider_bom, divider_readme, list_readings
 from fingertip.documents.board.readme import folder_readme
 from fingertip.foundation import extras
 from fingertip.foundation.errors import BoardError, Issue, OutputError, escape_control, shorten
@@ -45,7 +50,9 @@ _MAX_DIFF_LINES = 12
 
 
 def board_files(design: Design) -> dict[str, bytes]:
-    """Content of a board's files by name, the same for the same design. Raises BoardError."""
+    """Content of a board's files by name, the same for the same design; those of a divider. Raises BoardError."""
+    if not design.board.has_filter:
+        return divider_files(design)
     values = board_values(design)
     record = {"parameters": design.board.model_dump(), **values.as_data()}
     text = json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
@@ -61,6 +68,31 @@ def board_files(design: Design) -> dict[str, bytes]:
         output_files.VALUES: text.encode(),
         output_files.README: folder_readme(circuit, project, values, design),
     }
+
+
+def divider_files(design: Design) -> dict[str, bytes]:
+    """Content of the files of a divider by name. It has neither layout nor bring-up."""
+    light, heavy = (one.sensor_ohm for one in expect_readings(design))
+    record = {
+        "parameters": design.board.model_dump(),
+        "readings": [asdict(reading) for reading in list_readings(design)],
+        "current_over_limit": round(compute_current_ratio(design), 3),
+    }
+    return {
+        output_files.NETLIST: kicad_netlist_file(divider_circuit(design)),
+        output_files.DECK: divider_deck(design, (light, heavy)),
+        output_files.WIRING: divider_wiring(design),
+        output_files.BOM: divider_bom(design),
+        output_files.VALUES: (json.dumps(record, indent=2, allow_nan=False) + "\n").encode(),
+        output_files.README: divider_readme(design),
+    }
+
+
+def refuse_divider(design: Design, *options: str) -> None:
+    """Refuse options that need a board, for a design that has a divider. Raises BoardError."""
+    if options and not design.board.has_filter:
+        message = f"needs a board, and a divider is none; leave it out, or {BOARD_REMEDY}."
+        raise BoardError(Issue(option, message) for option in options)
 
 
 def _title(design: Design) -> str:
@@ -85,7 +117,9 @@ def refuse_other_board(design: Design) -> None:
     folder, channels = output_files.BOARD.folder(design), design.board.channels
     name = design.board.variant if channels == 1 else f"{channels}_fingers"
     finish_interrupted(folder)
-    netlist = kicad_netlist_file(board_circuit(board_values(design), channels))
+    has_filter = design.board.has_filter
+    circuit = board_circuit(board_values(design), channels) if has_filter else divider_circuit(design)
+    netlist = kicad_netlist_file(circuit)
     refuse_other_circuit(folder, netlist, folder.with_name(f"board_{name}"))
 
 
@@ -120,6 +154,10 @@ def plan_board(
 
     `top` is the folder that the user has named, if this one is below it.
     """
+    if not design.board.has_filter:
+        files, writer = divider_files(design), output_files.BOARD.writer(design, folder, force, top)
+        writer.check(files)
+        return BoardPlan(writer, files, {}, (), ())
     if refusals := list(find_refusals(board_values(design).gate)):
         raise BoardError(refusals)
     files = board_files(design)
@@ -229,9 +267,10 @@ def check_fabrication(design: Design, folder: Path, *, force: bool = False) -> S
 def board_differences(design: Design, folder: str | Path) -> list[str]:
     """Describe how a folder's files differ from those of a design, with the first differing lines; empty if equal."""
     expected = board_files(design)
-    if (Path(folder) / output_files.BRING_UP).exists():
+    if design.board.has_filter and (Path(folder) / output_files.BRING_UP).exists():
         expected |= bring_up_files(design)
-    expected |= {f"{MODEL_FOLDER}/{path}": data for path, data in model_files().items()}
+    if design.board.has_filter:
+        expected |= {f"{MODEL_FOLDER}/{path}": data for path, data in model_files().items()}
     return compare_with_design(Path(folder), expected, _first_difference)
 
 

@@ -20,6 +20,7 @@ from fingertip.design.formulas.filter import (
     FilterComponents,
 )
 from fingertip.design.parameters.electronics import Board
+from fingertip.foundation.errors import BoardError, Issue
 
 # Supplies of a board: signal ground, negative rail of the amplifiers, and headroom of each.
 #
@@ -55,13 +56,18 @@ class Supply:
 _CONTROLLER = Supply(
     VMID, GND, "3.3 V supply with VMID (buffered mid-supply)", 3.3, VMID_BOTTOM_OHM / (VMID_TOP_OHM + VMID_BOTTOM_OHM)
 )
-SUPPLIES = {"article": Supply(GND, VEE, "split supply", 5.0), "precision": _CONTROLLER, "comparator": _CONTROLLER}
+SUPPLIES = {
+    "article": Supply(GND, VEE, "split supply", 5.0), "precision": _CONTROLLER, "comparator": _CONTROLLER,
+    "divider": Supply(GND, GND, "supply of the controller", 3.3),
+}  # fmt: skip
 """Supply of each variant. A test compares the names with those that the design file accepts."""
 VARIANT_CHANGES = {
     variant: (f"board.variant={variant}", f"board.supply_v={supply.nominal_v:g}")
     for variant, supply in SUPPLIES.items()
 }
 """Changes to a design that select each board."""
+BOARD_REMEDY = "use " + " ".join(f"--set {change}" for change in VARIANT_CHANGES["precision"])
+"""Remedy of what a divider lacks."""
 
 
 # Values of the components.
@@ -145,7 +151,9 @@ class ComponentValues:
 
 
 def select_components(design: Design) -> ComponentValues:
-    """Select the values of a board's components. Raises BoardError."""
+    """Select the values of a board's components. Raises BoardError, also for a divider, which has none of them."""
+    if not design.board.has_filter:
+        raise BoardError(Issue("board.variant", f"divider is no board; {BOARD_REMEDY}."))
     board, detector, supply = design.board, design.detector, SUPPLIES[design.board.variant]
     chosen, comparator_stage = selection.select_filter(board), None
     if board.variant == "comparator":

@@ -73,8 +73,8 @@ def _check_channel_walls(design: Design, evaluator: MeshEvaluator, outside: Mani
     """Check the part of the channel that has bone on all sides: from the solder relief to short of its dorsal end."""
     dims = design.dimensions
     channel = evaluator.manifold(bone.cable_channel(design))
-    if dims.is_laid_in:  # its mouth lies in the floor of the trough
-        buried = channel.trim_by_plane((0.0, 1.0, 0.0), dims.pocket_depth - dims.flat_depth)
+    if dims.is_laid_in:  # its mouth lies in the floor of the trough, which opens in the flat
+        buried = channel.trim_by_plane((0.0, 1.0, 0.0), dims.pocket_depth - dims.flat_depth + wall)
     else:
         buried = channel.trim_by_plane((0.0, 0.0, -1.0), -(dims.relief_proximal_z - 1e-3))
     mouth = dims.bone_outline.section.dorsal - wall - design.bone.channel_diameter_mm

@@ -17,6 +17,7 @@ from fingertip.cad.verification.assembly import check_assembly, check_joint
 from fingertip.cad.verification.bone import check_air_vent, check_bone, check_strength
 from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.cup import check_cup
+from fingertip.cad.verification.laid_in import check_laid_in
 from fingertip.cad.verification.mold import check_filling, check_mold, check_seals
 from fingertip.cad.verification.printing import check_mesh_file, check_overhang, check_print_files
 from fingertip.cad.verification.skin import check_pad, check_skin, check_sleeve_stretch
@@ -101,6 +102,7 @@ def check_parts(
         yield from check_bone(design, evaluator)
     if "bone" in meshes and "skin" in meshes:
         yield check_air_vent(design, evaluator)
+        yield from check_laid_in(design, evaluator)
         yield from check_joint(design, evaluator)
     if design.mold.method == "plunge":
         yield from check_cup(design, evaluator, meshes)

@@ -73,23 +73,29 @@ class Board(ParameterTable):
         "joint: R1, R2, R3 that together deviate least from a Butterworth response; apart: each nearest to its ideal.",
     )
     supply_v: float = quantity(
-        3.3, "V", (3.1, 5.5), "Supply voltage: 3.1 to 3.6, or each half of that of variant article: 5 to 5.5."
-    )
+        3.3, "V", (3.1, 5.5),
+        "Supply voltage: 3.1 to 3.6 (divider: to 5.5), or each half of that of variant article: 5 to 5.5.",
+    )  # fmt: skip
 
     @property
     def is_for_controller(self) -> bool:
         """True for a board on 3.3 V, with VMID as its signal ground and the filtered signal at its connector."""
-        return self.variant != "article"
+        return self.variant in ("precision", "comparator")
+
+    @property
+    def has_filter(self) -> bool:
+        """True for a board with filter and amplifiers; a divider has the tactile voltage alone."""
+        return self.variant != "divider"
 
     @property
     def has_envelope(self) -> bool:
         """True for a board that gives the envelope; of another, software computes it. A test reads the circuit."""
-        return self.variant != "precision"
+        return self.variant in ("article", "comparator")
 
     @property
     def tactile_rises(self) -> bool:
         """True if the tactile voltage rises with the force. A test compares it with the circuit."""
-        return self.is_for_controller
+        return self.variant != "article"
 
 
 class Detector(ParameterTable):

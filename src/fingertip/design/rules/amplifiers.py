@@ -15,7 +15,8 @@ from fingertip.design.rules.board import PREFERRED_SHARE, at_most_preferred
 from fingertip.design.rules.ruleset import Interval, Limit, Ruleset, Violation, at_most
 from fingertip.foundation.numerics import bisect
 
-RULES = Ruleset()
+SUPPLY_RULES = Ruleset()
+RULES = Ruleset(when=lambda design: design.board.has_filter)
 
 MIN_R5_OHM = find_bounds(Board.model_fields["r5_ohm"]).minimum or 0.0
 
@@ -31,16 +32,17 @@ CURRENT_MARGIN = 0.8
 """Maximum ratio of a filter amplifier's current to what its data sheet gives. Preferred values add some percent."""
 ENVELOPE_CURRENT_MARGIN = 0.95
 """Maximum ratio of the current that charges variant article's envelope, at its peak, to what the data sheet gives."""
-SPLIT_RANGE_V, CONTROLLER_RANGE_V = (5.0, 5.5), (3.1, 3.6)
-"""Range of the supply's voltage [V]: of each half of variant article's, and of a board for a controller. The article's
-bridge is sized for its 4.3 V. Half a board for a controller must leave the amplifiers room to swing, and the inputs of
-the controller bear 3.6 V."""
+SPLIT_RANGE_V, CONTROLLER_RANGE_V, DIVIDER_RANGE_V = (5.0, 5.5), (3.1, 3.6), (3.1, 5.5)
+"""Range of the supply's voltage [V]: of each half of variant article's, of a board for a controller, and of a divider,
+which has its controller's. The article's bridge is sized for its 4.3 V. Half a board for a controller must leave the
+amplifiers room to swing, and the inputs of the controller bear 3.6 V."""
 
 
-@RULES.rule("board.supply_v")
+@SUPPLY_RULES.rule("board.supply_v")
 def voltage_fits_the_supply(design: DesignTables) -> Violation | None:
     board = design.board
-    low, high = CONTROLLER_RANGE_V if board.is_for_controller else SPLIT_RANGE_V
+    ranges_v = {"article": SPLIT_RANGE_V, "divider": DIVIDER_RANGE_V}
+    low, high = ranges_v.get(board.variant, CONTROLLER_RANGE_V)
     if low <= board.supply_v <= high:
         return None
     return Violation(f"{board.supply_v:g} V lies outside the range of variant {board.variant}", ((low, high),))

@@ -9,13 +9,14 @@ from fingertip.design.formulas.amplifiers import BAND_CUTOFFS
 from fingertip.design.geometry import DesignTables
 from fingertip.design.rules.ruleset import Interval, Limit, Ruleset, Violation, at_least, at_most
 
-RULES = Ruleset()
+CHANNEL_RULES = Ruleset()
+RULES = Ruleset(when=lambda design: design.board.has_filter)
 
 PREFERRED_SHARE = 0.1
 """Share of a limit that the rules keep free, because preferred values differ from the ideal ones."""
 
 
-@RULES.rule("board.channels")
+@CHANNEL_RULES.rule("board.channels")
 def several_channels_have_a_board(design: DesignTables) -> Violation | None:
     board = design.board
     if board.channels == 1 or board.variant == "precision":
@@ -217,7 +218,7 @@ def window_not_too_long(design: DesignTables) -> Limit | None:
     return Limit(math.floor(MAX_WINDOW_S * rate), f"at {rate:g} Hz last longer than {MAX_WINDOW_S:g} s")
 
 
-@SIGNAL_RULES.rule("detector.threshold_v")
+@SIGNAL_RULES.rule("detector.threshold_v", when=lambda design: design.board.has_filter)
 def threshold_within_supply(design: DesignTables) -> Violation | None:
     reach = formulas.upper_headroom_v(design.board)
     if design.detector.threshold_v < reach:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
@@ -30,6 +29,7 @@ from fingertip.design.geometry.seat import min_skin_thickness, sleeve_inset_mm, 
 from fingertip.design.interfaces import INTERFACES, interface_of
 from fingertip.design.interfaces.clevis import tendon_force_per_n
 from fingertip.design.interfaces.clevis_solids import stop_height_mm
+from fingertip.documents.first.sheet import Step, first_sheet, list_first_steps, render_first_sheet
 from fingertip.documents.template import render, render_page, render_rows
 from fingertip.filling.mold_filling import MAX_AIR_MM3, find_pose, injected_cm3, place_vents, predict_mold_filling
 
@@ -54,6 +54,9 @@ def casting_sheet_data(
     prints: Mapping[str, PrintEstimate] | None = None,
     warnings: Sequence[str] = (),
 ) -> dict[str, Any]:
+    """Collect the data of a sheet; a skin that is cast around a lowered core has a sheet of its own."""
+    if design.mold.method == "plunge":
+        return first_sheet(design, volumes, silicone, warnings)
     bolts, hand = size_clamp_bolts(design.mold, design.mold_layout), design.hand
     material = PRINT_MATERIALS[design.strength.print_material]
     joint = {
@@ -304,19 +307,16 @@ def _printing_data(design: Design, prints: Mapping[str, PrintEstimate] | None) -
     return data
 
 
-@dataclass(frozen=True)
-class Step:
-    picture: str
-    """Name of the scene in `fingertip.pictures.steps` that shows the step."""
-    text: str
-
-
 def render_sheet(data: Data, pictures: Sequence[str] = ()) -> str:
     """Render the data of a sheet as a Markdown page, with a picture for each step if there are any."""
+    if data["method"] == "plunge":
+        return render_first_sheet(data, pictures)
     return render_page("casting/sheet.md", **data, steps=steps(data), pictures=pictures, how_to_install=HOW_TO_INSTALL)
 
 
 def steps(data: Data) -> list[Step]:
+    if data["method"] == "plunge":
+        return list_first_steps(data)
     weakest = INTERFACES[data["interface"]].weakest
     _, *pages = render("casting/procedure.md", **_add_uses(data), weakest=weakest).split("## ")
     return [Step(name, " ".join(text.split())) for name, _, text in (page.partition("\n") for page in pages)]

@@ -26,7 +26,7 @@ from fingertip.lab.campaign.run import select_board_outputs
 from fingertip.sim import ManipulationFile, ManipulationResult, Simulation, article_manipulations, run_manipulation
 from fingertip.sim.runs.grip import GripController, GripDecision, GripSettings
 from fingertip.sim.simulation import REPEATS_PER_MANIPULATION
-from fingertip.slip.detectors.registry import find_detector_type
+from fingertip.slip.detectors.registry import check_detector, find_detector_type
 from fingertip.slip.traces.truth import INCIPIENT_S
 
 FIRST_SEED = HELD_OUT_FROM + 1_000_000
@@ -49,7 +49,10 @@ def find_grip_issues(detector: str, simulation: Simulation | None) -> list[Issue
         remedy = "give a manipulation, such as real_manipulation"
         issues.append(Issue("--grip", f"closes the loop of a hand; {remedy}."))
     with gather(issues):
-        find_detector_type(detector, "--grip")
+        if simulation:
+            check_detector(simulation.design, detector, "--grip")
+        else:
+            find_detector_type(detector, "--grip")
     return issues
 
 

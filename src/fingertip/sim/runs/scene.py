@@ -33,8 +33,9 @@ from fingertip.sim.contact.tangential import admissible_step_s
 from fingertip.sim.runs.files import DIRECTIONS, SceneFile
 from fingertip.sim.runs.hand_motion import HandMotion, largest_factor
 from fingertip.sim.runs.timeline import CoupledPad, Timeline, UncoupledPad, build_timeline, mount_pad
-from fingertip.sim.signal.finger import OF_BOARD, OF_BRIDGE, OF_CONTACT, Finger, FingerDrive, FingerSetup, FingerSignals
+from fingertip.sim.signal.finger import OF_BRIDGE, OF_CONTACT, Finger, FingerDrive, FingerSetup, FingerSignals
 from fingertip.sim.signal.grid import CostMeter, Grid, StageCost, count_samples, report_share
+from fingertip.sim.signal.parameters import FILTER_OUTPUTS
 from fingertip.slip.traces.trace import Trace
 from fingertip.slip.traces.truth import Interval, Origin, SlipCollector
 
@@ -176,7 +177,7 @@ class SceneRun:
         adaptive = slides and (contact.feedback or contact.bristles == "elasto_plastic")
         runs = {
             "friction": slides, "error control": adaptive, "shaking": bool(outputs & OF_CONTACT),
-            "bridge": bool(outputs & OF_BRIDGE), "ADC": "voltage_v" in outputs, "board": bool(outputs & OF_BOARD),
+            "bridge": bool(outputs & OF_BRIDGE), "ADC": "voltage_v" in outputs, "board": bool(outputs & FILTER_OUTPUTS),
             "comparator": "slip_pin_v" in outputs,
         }  # fmt: skip
         points = self.grid.count_points(self.timeline.duration_s, self.design.detector.sample_rate_hz)

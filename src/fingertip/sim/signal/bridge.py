@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.board import board_values
 from fingertip.board.analysis.limits import TactileResponse
 from fingertip.board.components.bridge import ARTICLE_POINTS, sensor_conductance_s
+from fingertip.board.front_end import find_tactile_response
 from fingertip.design import Design
 from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats
 from fingertip.foundation.numerics import Array
@@ -63,7 +63,7 @@ class Bridge:
         The resistances are sized for the data sheet's curve in any case: a calibration holds for the board on which the
         sensor was weighed.
         """
-        return cls(ConductanceCurve.of_design(design), board_values(design).tactile_response)
+        return cls(ConductanceCurve.of_design(design), find_tactile_response(design))
 
     @classmethod
     def of_article(cls) -> Bridge:

@@ -52,6 +52,10 @@ PINS = {ADC_TACTILE: TACTILE, ADC_ENVELOPE: ENVELOPE, ADC_FILTERED: FILTERED}
 """Pin of the ADC -> output of the board ahead of its filter. The last one is on boards for a controller."""
 
 
+_NO_POLES = (0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0)
+"""Matrix of a pin without poles, whose voltage is the input."""
+
+
 class AntiAliasFilter:
     """One or two poles that start in the steady state of their first sample and keep their state between chunks."""
 
@@ -76,6 +80,8 @@ class AntiAliasFilter:
 
 @functools.lru_cache(maxsize=256)
 def _compute_poles(pin: str, design: Design, step_s: float) -> tuple[float, ...]:
+    if not design.board.has_filter:  # the pin is the divider's own node
+        return _NO_POLES
     network = build_network(board_circuit(select_components(design))).drive(source := PINS[pin])
     system = network.ground(*(name for name in network.inputs if name != source)).restrict(pin).state_space
     step = exponentials(augment(system.A, system.B[:, 0], np.zeros(len(system.A))), step_s, 1)[0]
@@ -233,6 +239,8 @@ _SMALL_V = 1e-6
 @functools.lru_cache(maxsize=256)
 def compute_input_noise_v(design: Design) -> float:
     """Compute the white RMS noise at the board's input, on the base grid, that stands for its amplifiers' noise [V]."""
+    if not design.board.has_filter:
+        return 0.0
     circuit = board_circuit(select_components(design))
     return add_noise(circuit, find_gain_bandwidth_hz(design.board)).total_v(FILTERED) / compute_noise_gain(design)
 

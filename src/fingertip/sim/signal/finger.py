@@ -30,12 +30,11 @@ from fingertip.sim.signal.converter import AdcRange, AntiAliasFilter, Converter,
 from fingertip.sim.signal.filter_board import AnalogStream, SlipPin
 from fingertip.sim.signal.grid import CostMeter, Grid, Instants, SampleClock, Sampler, draw_noise, open_stream
 from fingertip.sim.signal.interference import InterferenceSource, RefinedNoise
-from fingertip.sim.signal.parameters import PathTables
+from fingertip.sim.signal.parameters import FILTER_OUTPUTS, PathTables
 
 BOARD_TOLERANCE_V = 1e-4
 """Largest error of one step of the envelope on the base grid [V]."""
-OF_BOARD = frozenset({"filtered_v", "envelope_v", "slip_pin_v", "sampled_envelope_v", "sampled_filtered_v"})
-OF_BRIDGE = OF_BOARD | {"voltage_v", "tactile_v"}
+OF_BRIDGE = FILTER_OUTPUTS | {"voltage_v", "tactile_v"}
 OF_CONTACT = OF_BRIDGE | {"force_n"}
 """Outputs that need the filter board, the bridge, and the contact force with all that shakes the pad."""
 
@@ -141,7 +140,7 @@ class Finger:
             with meter.stage("ADC"):
                 self._converter = _build_converter(setup, grid, "noise", ADC_TACTILE)
         self._board: _BoardSignals | None = None
-        if outputs & (OF_BOARD | {"tactile_v"}):
+        if outputs & (FILTER_OUTPUTS | {"tactile_v"}):
             self._board = _BoardSignals(setup, grid, outputs, meter)
 
     def process(self, drive: FingerDrive) -> FingerSignals:
@@ -274,7 +273,7 @@ class _BoardSignals:
         self._converters: dict[str, Converter] = {}
         self._sources: dict[str, str] = {}
         self._envelope = EnvelopeSource(setup.design)
-        if outputs & OF_BOARD:
+        if outputs & FILTER_OUTPUTS:
             with meter.stage("filter board", 4):
                 self._board = copy.copy(_prepare_board(setup.design, setup.path.sensing.amplifiers, grid))
         if "slip_pin_v" in outputs:

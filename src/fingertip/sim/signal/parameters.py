@@ -13,6 +13,7 @@ from typing import Any, ClassVar, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from fingertip.board.components.values import BOARD_REMEDY
 from fingertip.catalogues.file_kinds import MANIPULATION, SCENE, FileKind
 from fingertip.design import Design
 from fingertip.design.files import format_parameter_table, format_value, load_tables
@@ -67,6 +68,10 @@ commanded closing; and of the object object_m, its position; pin_n, force of the
 """
 
 
+FILTER_OUTPUTS = frozenset({"filtered_v", "envelope_v", "slip_pin_v", "sampled_envelope_v", "sampled_filtered_v"})
+"""Outputs that need the filter board."""
+
+
 class SimulationFile(BaseModel):
     """Frozen file of tables that refuses unknown names, values out of bounds and broken rules. Raises TraceError."""
 
@@ -102,6 +107,10 @@ class SimulationFile(BaseModel):
         """Yield the reasons why this cannot be simulated with a design and a seed."""
         if seed < 0:
             yield Issue("--seed", f"{seed} is negative; choose a whole number of at least 0.")
+        if not design.board.has_filter:
+            for name in (name for name in self.outputs if name in FILTER_OUTPUTS):
+                yield Issue("outputs", f"{name!r} is an output of a board, and a divider has none; {BOARD_REMEDY}.")
+            return
         if "slip_pin_v" in self.outputs and design.board.variant != "comparator":
             yield Issue("outputs", describe_missing_comparator(design.board.variant))
         if "sampled_filtered_v" in self.outputs and not design.board.is_for_controller:

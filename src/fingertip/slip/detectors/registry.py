@@ -127,7 +127,7 @@ DEFAULT = "digital"
 
 def make_detector(name: str, design: Design, noise_v: float | None = None, threshold_scale: float = 1.0) -> Detector:
     """Create a detector for a design, ready for its first sample. Raises TraceError."""
-    return find_detector_type(name).implementation.for_design(design, noise_v, threshold_scale)
+    return check_detector(design, name).implementation.for_design(design, noise_v, threshold_scale)
 
 
 def describe_detectors() -> str:
@@ -173,6 +173,31 @@ def find_second_column(design: Design, name: str) -> str | None:
 
     second = find_detector_type(name).second_column
     return second if filtered_range_v(design.board, design.detector.adc_range_v) is not None else None
+
+
+DIVIDER_DETECTORS = ("fast",)
+"""Detectors that work on a divider's voltage."""
+_ON_A_DIVIDER = {
+    "analog": "takes the filter board's output, and a divider has none",
+    "digital": "has a threshold for the board's gain ahead of the converter, and a divider's noise exceeds it",
+    "fft": "has a threshold for the board's gain ahead of the converter, and a divider's noise exceeds it",
+    "incipient": "takes knocks for slip on a divider, which gives no filtered signal",
+}
+
+
+def list_detectors(design: Design) -> tuple[str, ...]:
+    """List the detectors that work with the board of a design, or with its divider."""
+    return tuple(DETECTORS) if design.board.has_filter else DIVIDER_DETECTORS
+
+
+def check_detector(design: Design, name: str, field: str = "--detector") -> DetectorType:
+    """Refuse an unknown detector, and one that does not work on a divider. Raises TraceError, about a field."""
+    kind = find_detector_type(name, field)
+    if name not in list_detectors(design):
+        remedy = f"use {field} {DIVIDER_DETECTORS[0]}, or a board with --set board.variant=precision"
+        supply = "" if design.board.supply_v <= 3.6 else " --set board.supply_v=3.3"
+        raise TraceError(Issue(field, f"{name} {_ON_A_DIVIDER[name]}; {remedy}{supply}."))
+    return kind
 
 
 def find_detector_type(name: str, field: str = "--detector") -> DetectorType:

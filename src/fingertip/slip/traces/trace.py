@@ -253,10 +253,11 @@ def range_message(value: str, all_whole: bool, detector: DetectorParameters, is_
     return f"{value} exceeds the ADC range of {detector.adc_range_text}; {remedy}."
 
 
-def signal_warnings(trace: Trace, detector: DetectorParameters) -> Iterator[str]:
-    """Warn of a voltage that makes detection unreliable: clipped by the ADC, or constant."""
+def signal_warnings(trace: Trace, detector: DetectorParameters, has_filter: bool = True) -> Iterator[str]:
+    """Warn of a voltage that makes detection unreliable: clipped by the ADC, or constant. A divider rests at 0 V."""
     volts, maximum, step = trace.voltage_v, detector.adc_range_v, detector.adc_step_v
-    clipped = int(np.sum((volts >= maximum - 1.5 * step) | (volts <= step / 2 + detector.adc_low_v)))
+    lowest = step / 2 + detector.adc_low_v if has_filter else -np.inf
+    clipped = int(np.sum((volts >= maximum - 1.5 * step) | (volts <= lowest)))
     if np.ptp(volts) == 0.0 and volts[0] < maximum - 1.5 * step:
         yield f"the voltage is constant at {volts[0]:g} V; is a sensor connected?"
     elif clipped:

@@ -33,7 +33,7 @@ class ControllerBoard:
     converter: str
     """Resolution and range of the analog inputs."""
     timer: str
-    """Answer to whether `slip_timer.h` has its timer."""
+    """Answer to whether `slip_timer.h` has its timer, or the sketch for dividers alone."""
     note: str
     inputs: str
     """Analog inputs that are free, as its core names them, separated by spaces."""

@@ -12,7 +12,7 @@ from fingertip.board.components.values import select_components
 from fingertip.board.parts.circuit import HOST_CONNECTOR
 from fingertip.board.parts.nets import GND, VMID_OUT
 from fingertip.catalogues.bundled import list_bundled_files
-from fingertip.catalogues.controllers import NAMES, load_controllers
+from fingertip.catalogues.controllers import NAMES
 from fingertip.catalogues.file_kinds import DESIGN
 from fingertip.design import Design
 from fingertip.documents.template import WIDTH, render_page
@@ -38,7 +38,7 @@ def render_readme(design: Design, fingers: Fingers) -> str:
         file=streamed.name if is_bundled else f"{streamed.name}.toml",
         reads_filtered=FilteredSignal.from_design(design) is not None,
         power_up_s=POWER_UP_S,
-        boards=load_controllers(),
+        boards=capacity.list_controllers(design),
         capacity=capacity,
         most_fingers=len(NAMES),
         fingers=fingers,
@@ -59,6 +59,19 @@ def render_readme(design: Design, fingers: Fingers) -> str:
         has_vmid_pin=VMID_OUT in {net for _, net in pins},
         tick_ms=1e3 * TICK_S,
         trees=load_model().trees,
+    )
+
+
+def render_divider_readme(design: Design, fingers: Fingers) -> str:
+    """Render the README of a finger without a board: the sensor and a resistor at a pin."""
+    return render_page(
+        "firmware_divider.md",
+        WIDTH,
+        design=design,
+        fingers=fingers,
+        packaging=packaging,
+        capacity=capacity,
+        forces=_describe_forces(design, fingers),
     )
 
 

@@ -16,6 +16,10 @@ from fingertip.slip.detectors.fast import TICK_S
 
 DEFAULT_CONTROLLER = "black_pill_f411"
 """Controller of several fingers, unless another one is named: a small board that carries five."""
+DIVIDER_CONTROLLER = "teensy40"
+"""The same for fingers that are read by dividers."""
+CONVERSIONS = 4
+"""Conversions of which a sample of a divider is the mean."""
 CYCLES_PER_INSTRUCTION = 1.5
 """Mean clock cycles of an instruction, with waits for the flash. An assumption: most take one, loads and jumps two."""
 BUFFER_SAMPLES = 1024
@@ -34,7 +38,7 @@ class Fingers:
 
     names: tuple[str, ...] = ("finger",)
     inputs: tuple[tuple[str, str], ...] = (("A0", "A1"),)
-    """Analog inputs of T and S of each finger."""
+    """Analog inputs of T and S of each finger; of a divider, its one."""
     controller: ControllerBoard | None = None
     designs: tuple[Design, ...] = ()
     """Design of each finger with its pad and the force curve of its sensor; empty where all are that of the library."""
@@ -88,25 +92,29 @@ def find_load(board: ControllerBoard, sample_rate_hz: float, fingers: int = 1) -
     return Load(available, cycles(fingers * counts["quiet"]), cycles(fingers * slip), cycles(worst))
 
 
-def list_limits(board: ControllerBoard, sample_rate_hz: float) -> dict[str, int]:
+def list_controllers(design: Design) -> list[ControllerBoard]:
+    """List the controllers that read what the design has: a board, or a divider."""
+    if design.board.variant == "divider":
+        return [board for board in load_controllers() if board.timer != "no" and not board.has_scan]
+    return [board for board in load_controllers() if board.timer != "in the sketch"]
+
+
+def list_limits(board: ControllerBoard, sample_rate_hz: float, has_divider: bool = False) -> dict[str, int]:
     """Return how many fingers a controller carries by each of its limits, which are named in the plural."""
     load = find_load(board, sample_rate_hz)
+    inputs, conversions = (1, CONVERSIONS) if has_divider else (2, 2)
     share = 1.0 if board.has_scan else INTERRUPT_SHARE
     by_ram = 1024 * (board.ram_kb - OTHER_RAM_KB) / (read_costs()["state_bytes"] + 2 * CODE_BYTES * BUFFER_SAMPLES)
     return {
-        "analog inputs": len(board.inputs.split()) // 2,
-        "conversions": math.floor(share * 1e6 / (2 * board.convert_us * sample_rate_hz)),
+        "analog inputs": len(board.inputs.split()) // inputs,
+        "conversions": math.floor(share * 1e6 / (conversions * board.convert_us * sample_rate_hz)),
         "bytes of memory": math.floor(by_ram),
         "cycles while all slip": math.floor(load.available / load.mean),
     }
 
 
-def find_board(key: str) -> ControllerBoard | None:
-    return next((board for board in load_controllers() if board.key == key), None)
-
-
-def count_fingers(board: ControllerBoard, sample_rate_hz: float) -> int:
-    return min(len(NAMES), *list_limits(board, sample_rate_hz).values())
+def count_fingers(board: ControllerBoard, sample_rate_hz: float, has_divider: bool = False) -> int:
+    return min(len(NAMES), *list_limits(board, sample_rate_hz, has_divider).values())
 
 
 def plan_fingers(
@@ -123,7 +131,8 @@ def plan_fingers(
     controller
         Key of the controller; None for the default one of several fingers, and for any controller of one.
     inputs
-        Its analog inputs, T and S of each finger in turn, separated by commas; None for the first ones.
+        Its analog inputs, T and S of each finger in turn, or one for each divider, separated by commas; None for the
+        first ones.
     """
     issues: list[Issue] = []
     channels = design.board.channels
@@ -135,20 +144,22 @@ def plan_fingers(
         problem = f"{NAMES[last - 1]} has place {last}, and the design's board {channels}"
         remedy = f"give --set board.channels={last}, or leave {NAMES[last - 1]} out"
         issues.append(Issue("--fingers", f"{problem}; {remedy}."))
-    board = None
+    board, signals = None, ("T",) if design.board.variant == "divider" else ("T", "S")
     if controller is not None or inputs is not None or names != Fingers.names:
-        board = find_board(controller or DEFAULT_CONTROLLER)
+        boards = list_controllers(design)
+        wanted = controller or (DIVIDER_CONTROLLER if len(signals) == 1 else DEFAULT_CONTROLLER)
+        board = next((other for other in boards if other.key == wanted), None)
         if board is None:
-            known = join_words([other.key for other in load_controllers()], "or")
+            known = join_words([other.key for other in boards], "or")
             issues.append(Issue("--controller", f"{quote_value(controller)} is not known; give {known}."))
     if issues:
         raise FingertipError(issues)
     if board:
         issues += _find_limit_issues(design, board, len(names))
-    pins = _read_inputs(inputs, board, names, issues)
+    pins = _read_inputs(inputs, board, names, signals, issues)
     if issues:
         raise FingertipError(issues)
-    return Fingers(names, tuple(zip(pins[::2], pins[1::2], strict=True)), board)
+    return Fingers(names, tuple(zip(*(pins[i :: len(signals)] for i in range(len(signals))), strict=True)), board)
 
 
 def list_places(names: Sequence[str]) -> list[int]:
@@ -193,23 +204,26 @@ def _read_names(fingers: str, issues: list[Issue]) -> tuple[str, ...]:
 
 
 def _find_limit_issues(design: Design, board: ControllerBoard, fingers: int) -> Iterator[Issue]:
-    rate_hz = design.detector.sample_rate_hz
-    if exceeded := [f"{limit} for {most}" for limit, most in list_limits(board, rate_hz).items() if fingers > most]:
-        fewer = f"--fingers {carried} or " if (carried := count_fingers(board, rate_hz)) else ""
-        fit = next(other.key for other in load_controllers() if count_fingers(other, rate_hz) >= fingers)
+    rate_hz, has_divider = design.detector.sample_rate_hz, design.board.variant == "divider"
+    limits = list_limits(board, rate_hz, has_divider)
+    if exceeded := [f"{limit} for {most}" for limit, most in limits.items() if fingers > most]:
+        fewer = f"--fingers {carried} or " if (carried := count_fingers(board, rate_hz, has_divider)) else ""
+        boards = list_controllers(design)
+        fit = next(other.key for other in boards if count_fingers(other, rate_hz, has_divider) >= fingers)
         text = f"{board.name} has {join_words(exceeded)} at {rate_hz:g} Hz, not for {fingers}"
         yield Issue("--fingers", f"{text}; give {fewer}--controller {fit}.")
 
 
 def _read_inputs(
-    inputs: str | None, board: ControllerBoard | None, names: Sequence[str], issues: list[Issue]
+    inputs: str | None, board: ControllerBoard | None, names: Sequence[str], letters: Sequence[str], issues: list[Issue]
 ) -> list[str]:
     known = board.inputs.split() if board else []
+    signals = [f"{signal} of {name}" for name in names for signal in letters]
     if inputs is None:
-        return known[: 2 * len(names)] if board else ["A0", "A1"]
+        return known[: len(signals)] if board else ["A0", "A1"][: len(letters)]
     pins = [word.strip() for word in inputs.split(",")]
-    signals = [f"{signal} of {name}" for name in names for signal in ("T", "S")]
-    problems = [] if len(pins) == len(signals) else [f"{len(pins)} inputs are not two a finger"]
+    number = "two" if len(letters) == 2 else "one"
+    problems = [] if len(pins) == len(signals) else [f"{len(pins)} inputs are not {number} a finger"]
     for pin in sorted(set(pins)):
         owners = [signal for signal, own in zip(signals, pins, strict=False) if own == pin]
         if len(owners) > 1:

@@ -88,7 +88,8 @@ def cost_table() -> str:
 
 def find_warnings(design: Design, controller: ControllerBoard | None = None) -> Iterator[str]:
     """Warn of a board or a converter that the inputs of a controller do not fit."""
-    if controller and not controller.converter.endswith(f" to {design.detector.adc_range_v:g} V"):
+    has_divider = design.board.variant == "divider"
+    if controller and not has_divider and not controller.converter.endswith(f" to {design.detector.adc_range_v:g} V"):
         range_v = controller.converter.split()[-2]
         yield (
             f"{controller.name} converts {controller.converter}, not {design.detector.adc_range_text}: voltages and "
@@ -96,7 +97,7 @@ def find_warnings(design: Design, controller: ControllerBoard | None = None) -> 
         )
     detector = design.detector
     problems = []
-    if not design.board.is_for_controller:
+    if not design.board.is_for_controller and not has_divider:
         problems.append(
             f"the outputs of a board with board.variant={design.board.variant} may exceed the inputs of a "
             f"controller of {_CONTROLLER_SUPPLY.nominal_v:g} V"

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import math
 import struct
+import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from importlib import resources
+from string import Template
 from typing import Any
 
 from fingertip.board.front_end import find_tactile_response
 from fingertip.catalogues.output_files import BUFFER, HAND, SCAN, TIMER
 from fingertip.design import Design
 from fingertip.design.formulas.filter import filtered_range_v, signal_ground_ratio
-from fingertip.firmware.fingers import Fingers
+from fingertip.firmware.fingers import CONVERSIONS, Fingers
 from fingertip.sim.runs.grip import HISTORY, LONGEST_STEP_S, MIN_PRESENT_N, ForceCurve, GripSettings
 from fingertip.slip.detectors import fast_loop
 from fingertip.slip.detectors.fast import STILL_S, FastDetector, FastSettings
@@ -225,12 +227,13 @@ def _rows(values: list[str]) -> Iterator[str]:
         yield line.rstrip()
 
 
-def _render_fingers(fingers: Fingers) -> str:
-    """Render how many fingers there are, and for several the inputs and names that the example takes."""
+def _render_fingers(fingers: Fingers, has_divider: bool) -> str:
+    """Render how many fingers there are, and for several or dividers the inputs and names that the example takes."""
     lines = ["#ifndef SLIP_FINGERS", f"#define SLIP_FINGERS {fingers.count}", "#endif"]
-    if fingers.is_hand:
-        inputs = ", ".join(f"{{{tactile}, {filtered}}}" for tactile, filtered in fingers.inputs)
-        names = ", ".join(f'"{name}"' for name in fingers.names)
+    if fingers.is_hand or has_divider:
+        inputs = ", ".join(f"{{{', '.join(each[:1] if has_divider else each)}}}" for each in fingers.inputs)
+        prefixes = [f"{name}_" if fingers.count > 1 else "" for name in fingers.names]
+        names = ", ".join(f'"{name}"' for name in (prefixes if has_divider else fingers.names))
         lines += [
             "#ifndef SLIP_INPUTS",
             f"#define SLIP_INPUTS {{{inputs}}}",
@@ -283,6 +286,7 @@ def _render_curves(curves: Sequence[ForceCurve]) -> str:
 
 HEADER, SOURCE = "slip_detector.h", "slip_detector.c"
 GRIP_HEADER, GRIP_SOURCE = "slip_grip.h", "slip_grip.c"
+LAMP, LINE = "examples/slip_lamp.ino", "examples/slip_line.h"
 
 
 def read_template(name: str) -> str:
@@ -291,24 +295,34 @@ def read_template(name: str) -> str:
 
 
 def library_sources(design: Design, fingers: Fingers) -> dict[str, bytes]:
-    """Headers and sources of a design by name: the detector, and for several fingers the grip law."""
-    constants = f"{_render_fingers(fingers)}\n\n{_render_constants(design)}"
+    """Headers and sources of a design by name: the detector, and the grip law for several fingers or with forces."""
+    has_divider = design.board.variant == "divider"
+    constants = f"{_render_fingers(fingers, has_divider)}\n\n{_render_constants(design)}"
     files = {
         HEADER: _insert(read_template(HEADER), "slip_constants.h", constants),
         SOURCE: _insert(read_template(SOURCE), "slip_trees.h", render_trees(load_model())),
         **{name: read_template(name) for name in (BUFFER, HAND, TIMER)},
     }
-    if fingers.is_hand:
+    if fingers.is_hand or has_divider:
         curves = [ForceCurve.from_design(each) for each in fingers.designs or (design,) * fingers.count]
         settings = GripSettings()
         backing = f"#define SLIP_BACKING_N_PER_M {real(curves[0].pad.backing.stiffness_n_per_m)}"
         command = f"#define SLIP_GRIP_MAX_COMMAND_M_S {real(settings.max_command_m_s)}"
-        files[SCAN] = read_template(SCAN)
+        files |= {} if has_divider else {SCAN: read_template(SCAN)}
         header = _insert(read_template(GRIP_HEADER), "slip_grip_constants.h", _render_grip(settings))
         header = _insert(header, "slip_grip_backing.h", backing)
         files[GRIP_HEADER] = _insert(header, "slip_grip_command.h", command)
         files[GRIP_SOURCE] = _insert(read_template(GRIP_SOURCE), "slip_grip_curve.h", _render_curves(curves))
     return {name: text.encode() for name, text in files.items()}
+
+
+def render_lamp_sketch(design: Design, fingers: Fingers) -> str:
+    """Render the sketch for dividers, whose head says what to wire and how far its forces can be trusted."""
+    forces = [finger.force_curve.describe() for finger in fingers.designs or (design,)]
+    told = "; ".join(f"F{text[1:]}." for text in dict.fromkeys(forces))
+    head = "\n// ".join(textwrap.wrap(told, _WIDTH - 3))
+    wires = {"supply": f"{design.board.supply_v:g}", "resistor": f"{design.board.divider_ohm / 1000:g} kohm"}
+    return Template(read_template(LAMP)).substitute(wires, forces=head, conversions=CONVERSIONS)
 
 
 def _insert(template: str, include: str, text: str) -> str:

@@ -4,7 +4,8 @@
 
 `benchmarks/held_out_signals.py` draws the signals, from published work and from assumptions, without knowledge of the
 detector and its training. They were frozen before any detector had run on them (`HASH`): a change of them is another
-judge. Board S is the default, with the filtered signal; A is the article's. Slips count as found from 5 ms before their
+judge. Board S is the default, with the filtered signal; A is the article's; D is a divider, which is
+given the tactile voltage of S alone. Slips count as found from 5 ms before their
 onset; an alarm counts from the start of an event until 0.2 s after its end. Brackets hold 95 % intervals: of a share by
 Clopper and Pearson, of alarms by Poisson's law, of a quantile by the order of the delays.
 """
@@ -29,7 +30,10 @@ from fingertip.slip.traces.truth import Interval
 
 HASH = "9371229ee4c0b150df7c10b6b293174df17830ae7076f6cf56f54430193bb584"
 """SHA-256 of the generators when they judged first."""
-DESIGNS = {"S": Design.load("fsr400"), "A": Design.load("article")}
+DESIGNS = {
+    "S": Design.load("fsr400"), "A": Design.load("article"),
+    "D": Design.load("fsr400", changes=["board.variant=divider"]),
+}  # fmt: skip
 
 
 def main() -> None:
@@ -57,7 +61,7 @@ def main() -> None:
 
 def draw(row: str, board: str, seed: int, count: int) -> Iterator[LabelledSignal]:
     """Draw the recordings of one kind."""
-    for recording in held_out_signals.generate(row, board, seed, count):
+    for recording in held_out_signals.generate(row, "S" if board == "D" else board, seed, count):
         yield LabelledSignal(
             row,
             held_out_signals.RATE_HZ,
@@ -65,7 +69,7 @@ def draw(row: str, board: str, seed: int, count: int) -> Iterator[LabelledSignal
             tuple(Slide(*slip) for slip in recording.slips),
             tuple(Interval(*event) for event in recording.events),
             recording.quiet_from_s,
-            filtered_v=recording.filtered_v,
+            filtered_v=None if board == "D" else recording.filtered_v,
         )
 
 

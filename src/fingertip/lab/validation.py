@@ -31,11 +31,12 @@ from fingertip.lab.report.tables import StudyResults
 from fingertip.lab.studies.article import compute_spectra, study_article_protocol, study_windows
 from fingertip.lab.studies.boards import study_article_board, study_board_variants
 from fingertip.lab.studies.bounds import compute_bounds_s, study_knock_rejection, study_motor_discrimination
+from fingertip.lab.studies.dividers import BoardComparison, compare_with_board
 from fingertip.lab.studies.previous_works import study_previous_works
 from fingertip.lab.studies.sensitivity import study_accelerations, study_assumptions
 from fingertip.lab.studies.steps import study_sampling_rates, study_steps
 from fingertip.pad.response import Pad
-from fingertip.slip.detectors.registry import find_detector_type
+from fingertip.slip.detectors.registry import check_detector
 
 T = TypeVar("T")
 SHOWN_TRIALS, SHOWN_MINUTES = 120, 40.0
@@ -129,21 +130,26 @@ class Validation:
     campaign: CampaignResult
     closed_loop: tuple[ClosedLoopTrial, ...]
     requirements: tuple[Requirement, ...]
-    studies: StudyResults
+    studies: StudyResults | BoardComparison
+    """Studies of the board and its detectors; of a divider, the comparison with a board."""
 
     @property
     def passed(self) -> bool:
         return all(requirement.passed for requirement in self.requirements)
 
     def as_data(self) -> dict[str, Any]:
+        studies = self.studies
+        details = studies.as_data() if isinstance(studies, BoardComparison) else tables.as_data(self.campaign, studies)
         return {
             "detector": self.detector,
             "passed": self.passed,
             "requirements": [one.as_data() for one in self.requirements],
-            **tables.as_data(self.campaign, self.studies),
+            **details,
         }
 
     def as_text(self) -> str:
+        if isinstance(self.studies, BoardComparison):
+            return self.studies.as_text()
         return tables.as_text(self.campaign, self.detector, self.studies)
 
     def as_verdict(self) -> str:
@@ -157,29 +163,33 @@ class Validation:
             verdict += f", but {plan.trials} trials and {plan.negative_minutes:g} min are too few to show it: {enough}"
         lines = [f"{self.design.name}, detector {self.detector}: {verdict}"]
         lines += [f"  {'met   ' if one.passed else 'MISSED'}  {one.message}" for one in self.requirements]
+        if isinstance(self.studies, BoardComparison):
+            lines.append(self.studies.tell(self.passed))
         return "\n".join(lines)
 
     def files(self, with_plots: bool = True) -> dict[str, bytes]:
         """Return file name -> content: results, plots, page of omissions. Raises MissingLibraryError."""
-        missed = [requirement.message for requirement in self.requirements if not requirement.passed]
-        page = omissions.as_markdown(self.campaign, missed, self.closed_loop, self.studies, self.detector)
-        return {
+        results = {
             "validation.txt": f"{self.as_verdict()}\n\n{self.as_text()}\n".encode(),
             "validation.json": (json.dumps(self.as_data(), indent=2, allow_nan=False) + "\n").encode(),
-            **(self._draw_plots() if with_plots else {}),
-            "omissions.md": page.encode(),
         }
+        if isinstance(self.studies, BoardComparison):
+            return results
+        missed = [requirement.message for requirement in self.requirements if not requirement.passed]
+        page = omissions.as_markdown(self.campaign, missed, self.closed_loop, self.studies, self.detector)
+        plots = self._draw_plots(self.studies) if with_plots else {}
+        return results | plots | {"omissions.md": page.encode()}
 
-    def _draw_plots(self) -> dict[str, bytes]:
+    def _draw_plots(self, studies: StudyResults) -> dict[str, bytes]:
         from fingertip.lab.report import plots, trial_plots  # noqa: PLC0415
 
         return {
             "delays.png": plots.plot_delays(self.campaign),
             "surfaces.png": plots.plot_surfaces(self.campaign, self.detector),
             "surfaces_digital.png": plots.plot_surfaces(self.campaign, "digital"),
-            "spectra.png": plots.plot_spectra(self.studies.spectra),
-            "windows.png": plots.plot_windows(self.studies.windows),
-            "comparison.png": plots.plot_comparison(self.campaign, self.studies.bound_s(0.5)),
+            "spectra.png": plots.plot_spectra(studies.spectra),
+            "windows.png": plots.plot_windows(studies.windows),
+            "comparison.png": plots.plot_comparison(self.campaign, studies.bound_s(0.5)),
             **trial_plots.plot_trials(self.design),
             **trial_plots.plot_closed_loop(self.closed_loop, self.detector),
         }
@@ -220,12 +230,27 @@ def validate(
 
     Trials run in `jobs` processes, one for each processor if None; no bit depends on that. Raises FingertipError.
     """
-    find_detector_type(detector)
+    check_detector(design, detector)
     check_first_seed(first_seed)
     plan, limits = plan or CampaignPlan(), limits or RequirementLimits()
     work = Work("validate", estimate_stages_s(plan), progress)
+    run = _validate if design.board.has_filter else _validate_divider
     with side_by_side(find_workers(jobs)):
-        return _validate(design, plan, detector, limits, work, first_seed)
+        return run(design, plan, detector, limits, work, first_seed)
+
+
+def _validate_divider(
+    design: Design, plan: CampaignPlan, detector: str, limits: RequirementLimits, work: Work, first_seed: int
+) -> Validation:
+    work.begin("trials")
+    result = run_campaign(design, plan, (detector,), (1.0,), first_seed=first_seed, advance=work.advance)
+    work.begin("closed loop")
+    manipulations = run_closed_loop(design, (detector,), 3 if plan.trials >= 12 else 1)
+    required = next(summary for summary in summarise(manipulations) if summary.detector == detector)
+    requirements = (*check_detection(result, detector, limits), *check_closed_loop(required, limits))
+    work.begin("boards")
+    compared = compare_with_board(design, result, work.advance)
+    return Validation(design, detector, result, tuple(manipulations), requirements, compared)
 
 
 def _validate(

@@ -81,7 +81,7 @@ def test_sensors_are_laid_in(name: str, changes: tuple[str, ...]) -> None:
 
 
 def test_a_trough_takes_no_less_than_sensors_differ() -> None:
-    with pytest.raises(DesignError, match="sensor.clearance_mm: 0.2 mm does not take a tail 0.5 mm wider.*0.25 mm"):
+    with pytest.raises(DesignError, match=r"sensor.clearance_mm: 0.2 mm does not take a tail 0.5 mm wider.*0.25 mm"):
         Design.load("first_finger", changes=["sensor.clearance_mm=0.2"])
-    with pytest.raises(DesignError, match="bone.channel_diameter_mm: 2 mm does not take two wires of 1 mm.*2.2 mm"):
+    with pytest.raises(DesignError, match=r"bone.channel_diameter_mm: 2 mm does not take two wires of 1 mm.*2.2 mm"):
         Design.load("first_finger", changes=["bone.channel_diameter_mm=2"])

@@ -97,7 +97,9 @@ COMPLETIONS = {
     "preset": _words(*(f"{age}_{digit}" for age in ("adult", "child", "youth") for digit in ("finger", "thumb"))),
     "formats": _words("stl", "3mf", "step", "cq", "stl,3mf", "stl,3mf,step"),
     "coupon formats": _words("stl", "3mf", "step", "stl,3mf", "stl,3mf,step"),
-    "parts": _words("bone", "skin", "mold_palmar", "mold_dorsal", "lid", "core", "sensor_insert", "insert_jig"),
+    "parts": _words(
+        "bone", "skin", "mold_palmar", "mold_dorsal", "lid", "core", "sensor_insert", "insert_jig", "stand"
+    ),
     "material": _words(*get_args(SiliconeName), "own"),
     "detector": _words("digital", "analog", "fft", "fast", "incipient"),
     "grip": _words("fast", "incipient", "digital", "analog"),

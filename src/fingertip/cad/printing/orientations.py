@@ -43,6 +43,8 @@ def print_orientations(design: Design) -> dict[str, Orientation]:
     if design.dimensions.insert:
         orientations["sensor_insert"] = Orientation(90.0, "the face away from the sensor", needs_supports=False)
         orientations["insert_jig"] = Orientation(90.0, "the face around the hole", needs_supports=False)
+    if PARTS["stand"].exists_in(design):
+        orientations["stand"] = Orientation(0.0, "the end of its handle", needs_supports=False)
     if design.dimensions.fold:
         orientations["lid"] = _orient_lid(design)
     if design.mold.method == "plunge":
@@ -107,7 +109,7 @@ def supports_by_part(design: Design) -> dict[str, Supports]:
     }
     if design.mold.method == "plunge":
         every |= dict.fromkeys(("mold_palmar", "mold_dorsal", "core"), _NONE)
-    every |= dict.fromkeys(("sensor_insert", "insert_jig"), _NONE)
+    every |= dict.fromkeys(("sensor_insert", "insert_jig", "stand"), _NONE)
     if lies := orientations.get("lid"):
         every["lid"] = _lid(design, lies)
     return {name: every[name] for name in orientations}

@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import cast
 
-from fingertip.cad.shapes import bone, cup, insert, mold
+from fingertip.cad.shapes import bone, cup, insert, mold, stand
 from fingertip.cad.shapes.bone import sensor_body
 from fingertip.cad.shapes.insert import axis_z, head_y
 from fingertip.catalogues.hardware import Thread
@@ -89,6 +89,10 @@ PARTS: dict[str, Part] = {
         Part(
             "insert_jig", insert.insert_jig, lambda design: 1, (0.55, 0.70, 0.58), True,
             exists_in=lambda design: design.dimensions.insert is not None, is_tool=True,
+        ),
+        Part(
+            "stand", stand.stand, stand.genus, (0.78, 0.72, 0.58), True,
+            exists_in=lambda design: design.mold.method == "plunge" and design.bone.interface == "post", is_tool=True,
         ),
     )
 }  # fmt: skip

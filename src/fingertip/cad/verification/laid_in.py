@@ -1,4 +1,4 @@
-"""Checks of a sensor that is laid into an open trough: room for what is sold, an open vent, and a hold for its wires."""
+"""Checks of a sensor that is laid into an open trough: room for what is sold, open vent, and a hold for its wires."""
 
 from __future__ import annotations
 

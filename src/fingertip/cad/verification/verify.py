@@ -21,6 +21,7 @@ from fingertip.cad.verification.laid_in import check_laid_in
 from fingertip.cad.verification.mold import check_filling, check_mold, check_seals
 from fingertip.cad.verification.printing import check_mesh_file, check_overhang, check_print_files
 from fingertip.cad.verification.skin import check_pad, check_skin, check_sleeve_stretch
+from fingertip.cad.verification.stand import check_stand
 from fingertip.cad.verification.strength import BoneStrength, assess_strength
 from fingertip.cad.verification.walls import check_walls
 from fingertip.design import Design
@@ -104,6 +105,8 @@ def check_parts(
         yield check_air_vent(design, evaluator)
         yield from check_laid_in(design, evaluator)
         yield from check_joint(design, evaluator)
+    if "bone" in meshes and "stand" in meshes:
+        yield from check_stand(design, evaluator)
     if design.mold.method == "plunge":
         yield from check_cup(design, evaluator, meshes)
         return

@@ -34,6 +34,7 @@ _DRAWINGS: dict[str, Callable[[Design], PartDrawing]] = {
     "core": part_sizes.core_drawing,
     "sensor_insert": part_sizes.insert_drawing,
     "insert_jig": part_sizes.jig_drawing,
+    "stand": part_sizes.stand_drawing,
 }
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from fingertip.cad.shapes import stand
 from fingertip.cad.shapes.bone import FOOT_GAP_MM
 from fingertip.cad.shapes.insert import axis_z, contact_y
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
@@ -13,6 +14,7 @@ from fingertip.design.geometry.features import INSERT_BASE_MM
 from fingertip.design.geometry.sizes import (
     ARROW_DEG,
     BEFORE_FACE,
+    BEHIND_FACE,
     FINISHED,
     INNER,
     OUTER,
@@ -31,6 +33,8 @@ from fingertip.design.geometry.sizes import (
 )
 from fingertip.design.geometry.solids import Point3
 from fingertip.design.interfaces import interface_of
+from fingertip.design.interfaces.interface import bolt_clearance, middle_y
+from fingertip.design.interfaces.rigid import Post
 
 ANY_MATERIAL = "any print material that the silicone tolerates"
 _PILOT = "narrow: drill it to size; wide: fill it with epoxy and drill again, or print again"
@@ -133,6 +137,27 @@ def jig_drawing(design: Design) -> PartDrawing:
                clearance(2 * gap - 2 * design.printer.offset_mm), "file it until it slips over the ramp"),
     )  # fmt: skip
     return PartDrawing("insert_jig", "Jig of the insert", "palmar", ANY_MATERIAL, sizes)
+
+
+def stand_drawing(design: Design) -> PartDrawing:
+    end, _, _, top = stand.heights_mm(design)
+    gap, y, bolt_z = stand.post_gap_mm(design), middle_y(design.dimensions), Post().cross_bolt_z(design)
+    bone, left = design.bone, clearance(stand.post_gap_mm(design) - design.printer.offset_mm)
+    half, side = bone.post_height_mm / 2 + gap, bone.post_width_mm / 2 + gap + stand.WALL_MM
+    sizes: list[Size] = [
+        Length("overall length", OUTER, "front", "below", "z", (0.0, y, end), (0.0, y, top)),
+        Circle("socket of the post", INNER, "end", "z", (0.0, y, top), bone.post_width_mm / 2 + gap, left,
+               "narrow: file it until the post slides in"),
+        Circle("hole of the cross bolt", INNER, "front", "x", (side, y, bolt_z), bone.cross_bolt_diameter_mm / 2,
+               bolt_clearance(design, bone.cross_bolt_diameter_mm), "narrow: drill it to size"),
+        Length("axis of the cross bolt", BEHIND_FACE, "front", "above", "z", (side, y, top), (side, y, bolt_z)),
+    ]  # fmt: skip
+    if bone.post_height_mm < bone.post_width_mm:
+        sizes.append(
+            Length("height of the socket", INNER, "end", "left", "y", (0.0, y - half, top), (0.0, y + half, top), left,
+                   "narrow: file it until the post slides in")
+        )  # fmt: skip
+    return PartDrawing("stand", "Stand", "palmar", ANY_MATERIAL, tuple(sizes))
 
 
 def _material(design: Design) -> str:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from fingertip.design.model import Design
 from fingertip.foundation.errors import Issue
-from fingertip.sweep.outputs import GROUPS
+from fingertip.sweep.outputs import GROUPS, load_outputs
 from fingertip.sweep.sweep_file import SweepFile
 
 if TYPE_CHECKING:
@@ -361,6 +361,18 @@ def _mesh(context: PointContext, part: str) -> Mesh:
     return context.evaluator().mesh(PARTS[part].solid(context.design))
 
 
+def _of_a_board(group: str, compute: Callable[[PointContext], OutputValues]) -> Callable[[PointContext], OutputValues]:
+    """Return the computation of a group of outputs, which are NaN where a divider takes the place of a board."""
+
+    def compute_where_there_is_one(context: PointContext) -> OutputValues:
+        if context.design.board.has_filter:
+            return compute(context)
+        return {name: math.nan for name, output in load_outputs().items() if output.group == group}
+
+    return compute_where_there_is_one
+
+
 GROUP_FUNCTIONS: dict[str, Callable[[PointContext], OutputValues]] = {
     group: globals()[f"compute_{group}"] for group in GROUPS
 }
+GROUP_FUNCTIONS |= {name: _of_a_board(name, GROUP_FUNCTIONS[name]) for name in ("board", "circuit", "noise")}

@@ -16,6 +16,7 @@ import numpy as np
 
 from fingertip.board.parts.nets import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE
 from fingertip.design import Design
+from fingertip.design.parameters.electronics import Board
 from fingertip.foundation.argument_types import checked
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.jit import compile_for_process
@@ -39,7 +40,10 @@ _INDICATE, _CONVERT, _PASS, _FILTER = (loop.plain for loop in _LOOPS)
 
 
 class ReadoutSample(NamedTuple):
-    """Signals at one sample, one value for each finger; of the board's output above the signal ground."""
+    """Signals at one sample, one value for each finger; of the board's output above the signal ground.
+
+    Of a divider, those of the board are NaN.
+    """
 
     tactile_v: Array
     filtered_v: Array
@@ -50,6 +54,9 @@ class ReadoutSample(NamedTuple):
     """Samples of the filtered signal, or of the envelope on boards that give no other."""
     tactile_code: Array
     output_code: Array
+
+
+_OF_BOARD = ("filtered_v", "envelope_v", "sampled_output_v", "output_code")
 
 
 @checked
@@ -74,13 +81,17 @@ class Readout:
             message = f"{rate_hz:g} Hz does not divide the grid of the simulation; choose 2000, 2500 or 5000 Hz."
             raise TraceError(Issue("detector.sample_rate_hz", message))
         self.has_filtered = design.board.is_for_controller
-        """True if the converter samples the filtered signal beside the tactile voltage, else the envelope."""
+        """True if the converter samples the filtered signal beside the tactile voltage, else the envelope; a divider
+        gives neither."""
         pins = ADC_TACTILE, ADC_FILTERED if self.has_filtered else ADC_ENVELOPE
+        self._has_board = design.board.has_filter
         sensor, adc = bridge.Bridge.of_board(design), AdcRange.from_design(design)
         curve, response = sensor.curve, sensor.response
         ranges = [(one.low_v, one.step_v, 2.0**one.bits - 1) for one in (adc, adc.above_signal_ground(design))]
         tolerance_v = BOARD_TOLERANCE_V / grid.refinement**2
-        board = AnalogStream(AnalogBoard.from_design(design), grid.step_s, tolerance_v=tolerance_v).integrator
+        # The loop follows a board in any case; what it gives for a divider is left out.
+        boarded = design if self._has_board else design.model_copy(update={"board": Board()})
+        board = AnalogStream(AnalogBoard.from_design(boarded), grid.step_s, tolerance_v=tolerance_v).integrator
         self._numbers = (
             (1 + bridge.HYSTERESIS / bridge.PLAY_FRACTION, grid.step_s, FORCES_N[0], FORCES_N[-1], board.gain(0)),
             (curve.turn_on_n, curve.scale, curve.exponent, bridge.TURN_ON_WIDTH_N),
@@ -115,7 +126,8 @@ class Readout:
         out = np.zeros((len(ReadoutSample._fields), forces.shape[1]))
         self._loop(points, self._is_new, _BLOCK - self._left, *self._numbers, *self._arrays, *self._noise, out)
         self._is_new, self._left = False, self._left - 1
-        return ReadoutSample(*out)
+        sample = ReadoutSample(*out)
+        return sample if self._has_board else sample._replace(**dict.fromkeys(_OF_BOARD, np.full(out.shape[1], np.nan)))
 
     def _draw_noise(self) -> list[Array]:
         """Draw noise for a block of steps: of the board at the points of the grid, of both inputs at the samples."""

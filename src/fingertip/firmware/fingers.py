@@ -113,6 +113,10 @@ def list_limits(board: ControllerBoard, sample_rate_hz: float, has_divider: bool
     }
 
 
+def find_board(key: str) -> ControllerBoard | None:
+    return next((board for board in load_controllers() if board.key == key), None)
+
+
 def count_fingers(board: ControllerBoard, sample_rate_hz: float, has_divider: bool = False) -> int:
     return min(len(NAMES), *list_limits(board, sample_rate_hz, has_divider).values())
 

@@ -9,6 +9,7 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import insert, mold
 from fingertip.catalogues.silicones import Silicone
 from fingertip.design import Design
+from fingertip.design.geometry.cup_layout import POURED
 from fingertip.design.geometry.solids import intersection, union
 from fingertip.filling.mold_filling import MAX_AIR_MM3, injected_cm3, place_vents, predict_mold_filling
 
@@ -32,7 +33,8 @@ class SiliconeVolumes:
     skin_cm3: float
     """Volume of the cavity minus the insert that the skin is cast around."""
     runners_cm3: float
-    """Volume of sprue, runner or gate, and vents, filled up to the mold's face or to the nozzle."""
+    """Volume of sprue, runner or gate, and vents, filled up to the mold's face or to the nozzle; of a cup, what is
+    poured beyond the skin and overflows."""
     gap_cm3: float
     """Volume of the clearance around the base in its recess. It fills only if the fit leaks, and then leaves flash.
     Extra silicone in the cup is cheaper than a void in the skin."""
@@ -57,6 +59,10 @@ class Batch:
 
 def measure_volumes(design: Design, evaluator: MeshEvaluator) -> SiliconeVolumes:
     """Measure the silicone volumes of a design's mold, on meshes of the evaluator's tolerance. Raises GeometryError."""
+    if design.mold.method == "plunge":
+        room, core = (evaluator.manifold(each(design)) for each in (insert.cavity, insert.mold_insert))
+        skin_cm3 = float(room.volume() - (room ^ core).volume()) / 1000.0
+        return SiliconeVolumes(skin_cm3, (POURED - 1.0) * skin_cm3, 0.0)
     block, cavity = evaluator.manifold(mold.block(design)), evaluator.manifold(insert.cavity(design))
     held = evaluator.manifold(insert.mold_insert(design))
     openings = evaluator.manifold(union(*mold.runners(design)))
@@ -106,8 +112,8 @@ def split_by_mix_ratio(silicone: Silicone, total_g: float) -> tuple[float, float
 
 
 def load_cm3(design: Design) -> float:
-    """Compute the silicone to load into the syringe [cm3]; 0 for a mold that gravity fills."""
-    inlet = design.mold_layout.inlet
+    """Compute the silicone to load into the syringe [cm3]; 0 for one that is not filled by it."""
+    inlet = design.mold_layout.inlet if design.mold.method != "plunge" else None
     return min(_LOAD_RATIO * injected_cm3(predict_mold_filling(design)), inlet.syringe.load_cm3) if inlet else 0.0
 
 
@@ -156,7 +162,7 @@ def skin_pull_off_n(design: Design, silicone: Silicone) -> float:
         return pressure * math.tau * radius * width_mm
 
     held = press(bone.groove_depth_mm, bone.groove_width_mm)
-    if design.mold.method == "sleeve":
+    if design.is_cast_apart:
         held += FRICTION * press(design.mold.sleeve_interference_mm, design.dimensions.taper_end_z)
     return held
 
@@ -164,7 +170,7 @@ def skin_pull_off_n(design: Design, silicone: Silicone) -> float:
 def name_retention(design: Design) -> list[str]:
     """Name what holds the skin besides adhesion: the groove, the tightness of a sleeve, or nothing."""
     held = ["the groove"] if design.bone.groove_depth_mm else []
-    if design.mold.method == "sleeve" and design.mold.sleeve_interference_mm:
+    if design.is_cast_apart and design.mold.sleeve_interference_mm:
         held.append("the tightness of the sleeve")
     return held
 

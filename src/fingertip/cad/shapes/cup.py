@@ -23,6 +23,8 @@ from fingertip.design.geometry.solids import Axis, Box, Cone, Prism, Solid, diff
 
 _PAST_MM = 1.0
 """Length by which cuts reach past the face in which they open, and solids into those on which they stand [mm]."""
+_INTO_HALF_MM = 0.2
+"""Depth of a key's root in its half [mm]."""
 _TEXT_SHARE = 0.85
 """Length of a line of text over that of its face."""
 _LABEL = "PAD"
@@ -98,7 +100,7 @@ def belts(design: Design) -> tuple[Solid, ...]:
 
 def key_frustums(design: Design, clearance_mm: float = 0.0) -> tuple[Solid, ...]:
     """Build the keys of the dorsal half, enlarged by a clearance [mm] on all sides but the root."""
-    inside, offset = design.mold.wall_mm / 2, clearance_mm * 2.0**0.5
+    inside, offset = _INTO_HALF_MM, clearance_mm * 2.0**0.5
     found = []
     for key in design.cup_layout.keys:
         top, radius = (KEY_TOP_MM - key.root_mm) / 2 - clearance_mm, key.root_mm / 2 + offset

@@ -1,13 +1,208 @@
-"""Checks of a cup, the core that is lowered into it, and the skin between them."""
+"""Checks of a cup, the core that is lowered into it, and the skin between them (mold.method plunge)."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from functools import lru_cache
 
-from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.verification.check import Check
+import numpy as np
+
+from fingertip.cad.kernel.mesh import Manifold, MeshEvaluator
+from fingertip.cad.shapes import cup
+from fingertip.cad.shapes.insert import cavity, core_within_skin, skin
+from fingertip.cad.verification.assembly import HALVES, LIFT_MM
+from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, complement, measure_gap
+from fingertip.cad.verification.skin import check_sleeve_stretch
+from fingertip.cad.verification.trapped_air import LEANS_DEG, trapped_mm3
+from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.design import Design
+from fingertip.design.geometry.cup_layout import (
+    GAP_MM,
+    NOTCH_MM,
+    POURED,
+    RIDGE_END_MM,
+    RIDGE_HEIGHT_MM,
+    RIDGE_LENGTH_MM,
+)
+from fingertip.design.geometry.seat import creep_mm
+from fingertip.design.geometry.solids import Solid, difference, scaled, union
+from fingertip.filling.predict import GRAVITY_M_S2, head_pressure_pa
+from fingertip.foundation.numerics import Array
+
+LOWERING_S = 30.0
+"""Time in which the core is lowered [s]."""
+_SHARE_PER_MM, _ERRORS_MM = 1.0, (0.05, 0.1)
+"""Share of the palmar skin that may be missing over the error of a flank: 5 % at 0.05 mm, 10 % at 0.1 mm."""
+_BANDS_N = 5.0
+"""Force of two rubber bands on the closed cup [N]. An assumption, at the lower end."""
+_MAX_BENDING_MM, _MAX_FILM_MM, _MAX_AIR_MM3 = 0.02, 0.02, 0.05
+_SOLID = 0.4
+"""Share of a core's volume that is plastic, with three lines of wall and 15 % of infill. An assumption."""
+_PLASTIC_G_CM3 = 1.24
+_SECTIONS = 24
+_STAGES = (0.75, 0.5, 0.25)
+"""Lengths by which the core still has to go down where the rising surface is looked at, over its own length."""
 
 
 def check_cup(design: Design, evaluator: MeshEvaluator, parts: Collection[str]) -> Iterator[Check]:
-    yield from ()
+    if not {"core", *HALVES} <= set(parts):
+        return
+    yield from _check_motions(design, evaluator)
+    yield Check("cup.trapped_air", max(trapped_by_pose(design, evaluator)), _MAX_AIR_MM3, "mm3")
+    thickness, error = design.skin.thickness_palmar_mm, palmar_error_mm(design)
+    share = _SHARE_PER_MM * min(max(design.printer.surface_error_mm, _ERRORS_MM[0]), _ERRORS_MM[1])
+    yield Check("cup.palmar_error", error, share * thickness, "mm")
+    plunge = predict_plunge(design, evaluator)
+    height = design.cup_layout.foot_z * design.cup_layout.cavity_half_width * 2
+    yield Check("cup.plunge_pressure", plunge.pressure_kpa, 1e3 * _BANDS_N / height, "kPa")
+    yield Check("cup.core_bending", plunge.bending_mm, _MAX_BENDING_MM, "mm")
+    yield Check("cup.creep", seam_mm3(design, plunge), _notches_mm3(design), "mm3")
+    weight = core_weight_n(design, evaluator)
+    yield Check("cup.core_weight", weight, 0.0, "N", "at least")
+    yield Check("cup.seat_film", seat_film_mm(design, weight), _MAX_FILM_MM, "mm")
+    yield _check_wall(design, evaluator)
+    yield check_sleeve_stretch(design, evaluator)
+
+
+def _check_motions(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
+    """Check that the core goes straight down into the closed cup, and comes out of the dorsal half with its skin."""
+    palmar, dorsal = (evaluator.manifold(half(design)) for half in (cup.mold_palmar, cup.mold_dorsal))
+    core = evaluator.manifold(cup.core(design))
+    length = core.bounding_box()[5]
+    way = [length * i / 8 for i in range(9)]
+    lowering = max(float((core.translate((0.0, 0.0, -up)) ^ half).volume()) for up in way for half in (palmar, dorsal))
+    yield Check.zero_volume("cup.lowering_overlap", lowering)
+    cast = evaluator.manifold(union(cup.core(design), scaled(skin(design), design.dimensions.shrinkage)))
+    lifts = (LIFT_MM * i / 4 for i in range(1, 5))
+    lifting = max(float((cast.translate((0.0, 0.0, -up)) ^ dorsal).volume()) for up in lifts)
+    yield Check.zero_volume("cup.lifting_overlap", lifting)
+
+
+def trapped_by_pose(design: Design, evaluator: MeshEvaluator) -> Iterator[float]:
+    """Compute the air [mm3] in each pose of the seated core, and at stages of its way down in an upright cup."""
+    room, core = evaluator.manifold(cavity(design)), evaluator.manifold(core_within_skin(design))
+    free, length = room - core, core.bounding_box()[5]
+    yield from (trapped_mm3(free, lean) for lean in LEANS_DEG)
+    poured = POURED * design.cup_layout.skin_mm3
+    for stage in _STAGES:
+        yield trapped_mm3(room - core.translate((0.0, 0.0, -stage * length)), LEANS_DEG[0], poured)
+
+
+def palmar_error_mm(design: Design) -> float:
+    """Compute by how much less silicone lies over the sensor [mm] where each flank is off by the printer's error.
+
+    Six flanks hold the core in six directions: n . (t + w x p) = d for each. Of all signs of the errors d the worst
+    adds up the absolute values of their effects.
+    """
+    flanks = design.cup_layout.flanks
+    normals, points = (np.array([flank[i] for flank in flanks]) for i in (1, 0))
+    rows = np.hstack([normals, np.cross(points, normals)])
+    dims = design.dimensions
+    sensor, palmar = np.array([0.0, -dims.platform_depth, dims.sensor_z]), np.array([0.0, 1.0, 0.0])
+    effects = np.linalg.solve(rows.T, np.concatenate([palmar, np.cross(sensor, palmar)]))
+    return float(design.printer.surface_error_mm * np.abs(effects).sum())
+
+
+@dataclass(frozen=True)
+class Plunge:
+    """Silicone and core while the core is lowered."""
+
+    pressure_kpa: float
+    """Pressure at the tip, the highest, at the end of the way."""
+    force_n: float
+    bending_mm: float
+    """Deflection of the core's tip if the pressure acted on one side of it only."""
+
+
+@lru_cache(maxsize=8)
+def predict_plunge(design: Design, evaluator: MeshEvaluator) -> Plunge:
+    """Predict pressure and force by lubrication: dp/dz = 12 mu v (A + g / 2) / c between core and cup.
+
+    A is the area of the core's section, g and c the integrals of the gap and of its cube around it.
+    """
+    room, core = evaluator.manifold(cavity(design)), evaluator.manifold(core_within_skin(design))
+    length = core.bounding_box()[5]
+    speed = 1e-3 * (length - design.cup_layout.pour_z) / LOWERING_S
+    step = 1e-3 * length / _SECTIONS
+    pressure = force = bending = 0.0
+    section = design.dimensions.bone_outline.section
+    # Half of the section counts: its middle is infill.
+    stiffness = 1e6 * PRINT_MATERIALS[design.strength.print_material].modulus_mpa * (
+        0.5 * 2e-3 * section.half_width * (1e-3 * (section.dorsal + design.dimensions.flat_depth)) ** 3 / 12
+    )  # fmt: skip
+    for i in range(_SECTIONS):
+        z = length * (i + 0.5) / _SECTIONS
+        around, length_mm, area_mm2 = _measure_gap_around(room, core, z)
+        gap, cube = 1e-6 * (around * length_mm).sum(), 1e-12 * (around**3 * length_mm).sum()
+        rise = 12.0 * design.silicone.material.viscosity_pa_s.high * speed * (1e-6 * area_mm2 + gap / 2) / cube * step
+        pressure += rise
+        force += rise * 1e-6 * area_mm2
+        at, whole = 1e-3 * z, 1e-3 * length
+        bending += pressure * 2e-3 * section.half_width * step * at**2 * (3 * whole - at) / (6 * stiffness)
+    return Plunge(1e-3 * pressure, force, 1e3 * bending)
+
+
+def _measure_gap_around(room: Manifold, core: Manifold, z: float) -> tuple[Array, Array, float]:
+    """Measure the gap from each edge of the core's section to the cup [mm], the edges' lengths, and the area."""
+    inner, outer = core.slice(z), room.slice(z)
+    a, b = _edges(inner.to_polygons())
+    c, d = _edges(outer.to_polygons())
+    middle, along = ((a + b) / 2)[:, None], d - c
+    share = np.clip(((middle - c) * along).sum(axis=2) / np.maximum((along**2).sum(axis=1), 1e-12), 0.0, 1.0)
+    gaps = np.linalg.norm(c + share[:, :, None] * along - middle, axis=2).min(axis=1)
+    return gaps, np.linalg.norm(b - a, axis=1), float(inner.area())
+
+
+def _edges(outlines: list[Array]) -> tuple[Array, Array]:
+    rings = [np.asarray(ring) for ring in outlines]
+    return np.concatenate(rings), np.concatenate([np.roll(ring, -1, axis=0) for ring in rings])
+
+
+def seam_mm3(design: Design, plunge: Plunge) -> float:
+    """Compute how much silicone creeps into the seam until it sets [mm3]: while the core goes down, then by its head.
+
+    The depth at the foot is taken at the tip; up the sides it falls with the root of the head.
+    """
+    silicone, layout, gap = design.silicone.material, design.cup_layout, 2 * design.printer.surface_error_mm
+    lowering = 1e3 * plunge.pressure_kpa * LOWERING_S / silicone.viscosity_pa_s.high
+    head = head_pressure_pa(silicone.density_g_cm3.high, design.skin.length_mm)
+    depth = creep_mm(lowering + head * 60 * silicone.planned_pot_life_min / silicone.viscosity_pa_s.low, gap, 0.0, None)
+    return gap * depth * (2 * layout.cavity_half_width + 2 * design.skin.length_mm * 2 / 3)
+
+
+def _notches_mm3(design: Design) -> float:
+    """Compute the silicone in the four notches, which flows back where some is lost [mm3]."""
+    layout, (width, depth) = design.cup_layout, NOTCH_MM
+    dorsal = layout.dorsal_height - design.skin.semi_axis_dorsal_mm
+    return 2 * width * (depth + GAP_MM) * (dorsal + design.mold.wall_mm)
+
+
+def core_weight_n(design: Design, evaluator: MeshEvaluator) -> float:
+    """Compute the weight of the core less its buoyancy [N], which must hold it down until the silicone sets."""
+    whole, within = (evaluator.manifold(each(design)).volume() for each in (cup.core, core_within_skin))
+    grams = _SOLID * _PLASTIC_G_CM3 * whole - design.silicone.material.density_g_cm3.high * within
+    return float(1e-6 * GRAVITY_M_S2 * grams)
+
+
+def seat_film_mm(design: Design, weight_n: float) -> float:
+    """Compute the film of silicone that is left on the flanks after half the pot life, if it came there [mm].
+
+    Between long strips of width b a load F per length L leaves h with 2 F t / L = mu b^3 / h^2 (Reynolds).
+    """
+    flanks, silicone = design.cup_layout.flanks, design.silicone.material
+    share = max(weight_n, 1e-9) / (len(flanks) * math.sqrt(0.5))
+    width = 1e-3 * math.sqrt(2.0) * 2 * flanks[0].point_mm[2]
+    length, time_s = 1e-3 * (RIDGE_LENGTH_MM - 2 * RIDGE_END_MM), 30 * silicone.planned_pot_life_min
+    return 1e3 * math.sqrt(silicone.viscosity_pa_s.high * length * width**3 / (2 * share * time_s))
+
+
+def _check_wall(design: Design, evaluator: MeshEvaluator) -> Check:
+    """Check the wall between the cavity and everything else that is open, but for rim and seam, where it opens."""
+    below = PLANE_OFFSET_MM + GAP_MM + max(NOTCH_MM[1], RIDGE_HEIGHT_MM)
+    whole: Solid = difference(cup.block(design), *cup.belts(design), *cup.label(design), *cup.key_sockets(design))
+    room = evaluator.manifold(cavity(design)).trim_by_plane((0.0, 0.0, 1.0), below)
+    outside = complement(evaluator, whole).trim_by_plane((0.0, 0.0, 1.0), below)
+    limit = design.printer.min_wall_mm - evaluator.tolerance_mm
+    return Check("cup.wall", measure_gap(room, outside, 2 * limit), limit, "mm", "at least")

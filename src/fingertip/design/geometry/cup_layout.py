@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
 GAP_MM = 0.3
 """Gap between plate and rim [mm], more than the core sinks by errors of 0.1 mm of every flank."""
-LAND_MM = 2.0
-"""Width of the rim between cavity and grooves [mm]."""
-RIDGE_HEIGHT_MM, RIDGE_HALF_CREST_MM, RIDGE_LENGTH_MM = 2.0, 0.4, 7.0
+LAND_MM = 4.5
+"""Width of the rim between cavity and grooves [mm]: the farther out the ridges, the less their errors tilt the core."""
+RIDGE_HEIGHT_MM, RIDGE_HALF_CREST_MM, RIDGE_LENGTH_MM = 2.0, 0.4, 4.5
 RIDGE_END_MM = 0.5
 """Distance of each end of a ridge from the end of its groove [mm], so that no end locates the core."""
 PLATE_MM, LIP_MM = 5.0, 3.0

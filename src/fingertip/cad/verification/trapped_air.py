@@ -1,0 +1,75 @@
+"""Air that a rising surface of silicone shuts in around a core, on voxels.
+
+Silicone rises around the core until its surface stands at the rim. Air of a voxel gets out if it can go on sideways and
+upwards, never downwards, until it reaches the surface: layers are followed from the surface down.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fingertip.cad.kernel.mesh import Manifold
+from fingertip.foundation.numerics import Array
+
+Mask = NDArray[np.bool_]
+VOXEL_MM = (0.25, 0.1, 0.2)
+"""Size of the voxels along x, y and up: along y the recess of a bump is two of them deep."""
+LEANS_DEG = ((0.0, 0.0), (10.0, 0.0), (-10.0, 0.0), (0.0, 10.0))
+"""Rotations of the standing cup about x and y, in which it may stand while the core is lowered."""
+_AT_RIM_MM = 0.4
+"""Depth below the rim up to which air leaves through the gap under the plate."""
+
+
+def trapped_mm3(free: Manifold, lean_deg: tuple[float, float], poured_mm3: float = math.inf) -> float:
+    """Compute the volume of air in the free space of a cup with its rim at z = 0, up to the silicone's surface.
+
+    Its surface stands where this much silicone is below it, or at the rim.
+    """
+    turned = free.rotate((180.0, 0.0, 0.0)).rotate((*lean_deg, 0.0))  # the tip points down
+    low, high = np.split(np.array(turned.bounding_box()), 2)
+    x, y, up = (np.arange(a + size / 2, b, size) for a, b, size in zip(low, high, VOXEL_MM, strict=True))
+    about_x, about_y = (math.radians(angle) for angle in lean_deg)
+    # Component of each place along the axis of the cup, which is turned about x first.
+    tilted = math.sin(about_y) * x[:, None] * math.cos(about_x) - math.sin(about_x) * y[None, :]
+    tilted, along = np.pad(tilted, 1), math.cos(about_x) * math.cos(about_y)
+    layers = [_fill(turned.slice(height).to_polygons(), x, y) for height in up]
+    held = np.cumsum([int(layer.sum()) for layer in layers]) * math.prod(VOXEL_MM)
+    top = int(np.searchsorted(held, poured_mm3))
+    reached, trapped = np.zeros_like(layers[0]), 0
+    for number in reversed(range(min(top + 1, len(layers)))):
+        layer = layers[number]
+        is_open = number == top or along * up[number] + tilted > -_AT_RIM_MM
+        reached = _spread(layer & (is_open | reached), layer)
+        trapped += int(layer.sum() - reached.sum())
+    return trapped * math.prod(VOXEL_MM)
+
+
+def _fill(outlines: list[Array], x: Array, y: Array) -> Mask:
+    """Find the places inside outlines by the even-odd rule, within a border of places outside."""
+    flips = np.zeros((len(x) + 2, len(y) + 2), dtype=np.int64)
+    for ring in outlines:
+        (ax, ay), (bx, by) = np.asarray(ring).T, np.roll(ring, -1, axis=0).T
+        edge, row = np.nonzero((ax[:, None] <= x) != (bx[:, None] <= x))
+        at = ay[edge] + (x[row] - ax[edge]) / (bx - ax)[edge] * (by - ay)[edge]
+        np.add.at(flips, (row + 1, np.searchsorted(y, at) + 1), 1)
+    return np.asarray(np.cumsum(flips, axis=1) % 2 == 1)
+
+
+def _spread(seeds: Mask, free: Mask) -> Mask:
+    """Find the places of a layer that are connected with a seed."""
+    while True:
+        found = _along_rows(_along_rows(seeds, free).T, free.T).T
+        if np.array_equal(found, seeds):
+            return found
+        seeds = found
+
+
+def _along_rows(seeds: Mask, free: Mask) -> Mask:
+    """Extend seeds to all of the runs of free places along rows in which they lie."""
+    run = np.cumsum(~free).reshape(free.shape)  # borders keep the runs of two rows apart
+    is_hit = np.zeros(run[-1, -1] + 1, dtype=bool)
+    is_hit[run[seeds]] = True
+    return np.asarray(free & is_hit[run])

@@ -25,13 +25,13 @@ from fingertip.lab.campaign.plan import (
     generate_trials,
 )
 from fingertip.lab.campaign.run import CampaignResult, run_campaign, surface
+from fingertip.lab.divider import BoardComparison, compare_with_board
 from fingertip.lab.report import omissions, tables
 from fingertip.lab.report.numbers import format_ms, to_number
 from fingertip.lab.report.tables import StudyResults
 from fingertip.lab.studies.article import compute_spectra, study_article_protocol, study_windows
 from fingertip.lab.studies.boards import study_article_board, study_board_variants
 from fingertip.lab.studies.bounds import compute_bounds_s, study_knock_rejection, study_motor_discrimination
-from fingertip.lab.studies.dividers import BoardComparison, compare_with_board
 from fingertip.lab.studies.previous_works import study_previous_works
 from fingertip.lab.studies.sensitivity import study_accelerations, study_assumptions
 from fingertip.lab.studies.steps import study_sampling_rates, study_steps

@@ -86,11 +86,11 @@ class Readout:
         pins = ADC_TACTILE, ADC_FILTERED if self.has_filtered else ADC_ENVELOPE
         self._has_board = design.board.has_filter
         sensor, adc = bridge.Bridge.of_board(design), AdcRange.from_design(design)
-        curve, response = sensor.curve, sensor.response
-        ranges = [(one.low_v, one.step_v, 2.0**one.bits - 1) for one in (adc, adc.above_signal_ground(design))]
-        tolerance_v = BOARD_TOLERANCE_V / grid.refinement**2
         # The loop follows a board in any case; what it gives for a divider is left out.
         boarded = design if self._has_board else design.model_copy(update={"board": Board()})
+        curve, response = sensor.curve, sensor.response
+        ranges = [(one.low_v, one.step_v, 2.0**one.bits - 1) for one in (adc, adc.above_signal_ground(boarded))]
+        tolerance_v = BOARD_TOLERANCE_V / grid.refinement**2
         board = AnalogStream(AnalogBoard.from_design(boarded), grid.step_s, tolerance_v=tolerance_v).integrator
         self._numbers = (
             (1 + bridge.HYSTERESIS / bridge.PLAY_FRACTION, grid.step_s, FORCES_N[0], FORCES_N[-1], board.gain(0)),

@@ -177,10 +177,11 @@ def find_second_column(design: Design, name: str) -> str | None:
 
 DIVIDER_DETECTORS = ("fast",)
 """Detectors that work on a divider's voltage."""
+_LOUD = "takes contacts and changes of force for slip on a divider, whose voltage moves more with them than a board's"
 _ON_A_DIVIDER = {
     "analog": "takes the filter board's output, and a divider has none",
-    "digital": "has a threshold for the board's gain ahead of the converter, and a divider's noise exceeds it",
-    "fft": "has a threshold for the board's gain ahead of the converter, and a divider's noise exceeds it",
+    "digital": _LOUD,
+    "fft": _LOUD,
     "incipient": "takes knocks for slip on a divider, which gives no filtered signal",
 }
 

@@ -1,0 +1,161 @@
+"""Divider in place of a board: one circuit in all its files, the signal it gives, and what it refuses."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import subprocess
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fingertip import Design, FingertipError, Readout, board_values, detect
+from fingertip.board.circuits.divider import compute_current_ratio, divider_circuit
+from fingertip.board.front_end import find_range_warnings, find_tactile_response
+from fingertip.board.parts.circuit import find_issues
+from fingertip.calibration.sensor import calibrate_sensor, read_weighings
+from fingertip.detection.files import detect_stream
+from fingertip.documents.board.divider import list_readings
+from fingertip.lab.campaign.plan import CampaignPlan
+from fingertip.lab.campaign.run import run_campaign
+from fingertip.lab.divider import BOARD, DIVIDER, compare_with_board
+from fingertip.sim import Trial, simulate
+from fingertip.sim.signal import readout
+from fingertip.sim.signal.bridge import Bridge, ConductanceCurve
+from fingertip.slip.detectors.registry import DETECTORS, make_detector
+from fingertip.sweep.compute import GROUP_FUNCTIONS, PointContext
+from fingertip.tasks.board import board_differences, write_board
+from tests.board.kicad import read_netlist
+from tests.board.ngspice import HOW_TO_INSTALL_NGSPICE
+from tests.conftest import run_fingertip
+from tests.tools import require_tool
+
+CHANGES = ["board.variant=divider"]
+DESIGN = Design.load("fsr400", changes=CHANGES)
+FILES = {"README.md", "bom.csv", "manifest.json", "slip_filter.cir", "slip_filter.net", "values.json", "wiring.svg"}
+
+
+def hand_calculated_v(ohm: float, sensor_ohm: float, supply_v: float = 3.3) -> float:
+    """Voltage across the lower of two resistors in series [V]."""
+    return supply_v / (ohm + sensor_ohm) * ohm
+
+
+@given(st.floats(1000, 1e6), st.floats(100, 1e7))
+def test_response_is_that_of_two_resistors(ohm: float, sensor_ohm: float) -> None:
+    design = DESIGN.model_copy(update={"board": DESIGN.board.model_copy(update={"divider_ohm": ohm})})
+    found_v = find_tactile_response(design).tactile_v(1 / sensor_ohm)
+    assert found_v == pytest.approx(hand_calculated_v(ohm, sensor_ohm), rel=1e-9)
+
+
+def test_folder_states_one_circuit(tmp_path: Path) -> None:
+    write_board(DESIGN, tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == FILES
+    assert not board_differences(DESIGN, tmp_path)
+    assert not list(find_issues(divider_circuit(DESIGN)))
+    nets, parts = read_netlist(tmp_path / "slip_filter.net")
+    assert parts["R1"][0] == "10k"
+    assert nets["/TACTILE"] == {("J1", "2"), ("R1", "1"), ("J3", "2")}
+    assert nets["VCC"] == {("J1", "1"), ("J3", "1")}
+    assert nets["GND"] == {("R1", "2"), ("J3", "3")}
+    words = {text.text for text in ElementTree.parse(tmp_path / "wiring.svg").iter("{http://www.w3.org/2000/svg}text")}
+    assert {"3V3", "A0", "GND", "10k ohm"} <= words
+    with (tmp_path / "bom.csv").open(encoding="utf-8") as file:
+        assert [row["References"] for row in csv.DictReader(file)] == ["R1", "J3"]
+    assert len((tmp_path / "README.md").read_text(encoding="utf-8").splitlines()) <= 40
+
+
+def test_ngspice_gives_the_expected_readings(tmp_path: Path) -> None:
+    ngspice = require_tool("ngspice", HOW_TO_INSTALL_NGSPICE)
+    write_board(DESIGN, tmp_path)
+    done = subprocess.run([ngspice, "-b", "slip_filter.cir"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    rows = [line.split() for line in done.stdout.splitlines() if line[:1] in ("0", "1")]
+    computed = sorted(float(volts) for _, _, volts in rows)
+    readings = json.loads((tmp_path / "values.json").read_text(encoding="utf-8"))["readings"]
+    assert [one["mass_g"] for one in readings] == [0.0, 100.0, 500.0]
+    assert computed == pytest.approx([one["tactile_v"] for one in readings[1:]], abs=1e-3)
+    assert [one["counts"] for one in readings] == [round(one["tactile_v"] / 3.3 * 4096) for one in readings]
+
+
+def test_current_and_range_are_stated() -> None:
+    ohm = 10e3 + 3.3 / 3.3 * 250  # the data sheet's 250 ohm at 10 kg; the sensor conducts less at 20 N
+    assert 0.9 < compute_current_ratio(DESIGN) / (3.3 / ohm / (1e-3 * math.pi / 4 * 0.508**2)) <= 1.0
+    assert not list(find_range_warnings(DESIGN))
+    clipped = Design.load("fsr400", changes=[*CHANGES, "board.supply_v=5"])
+    assert "--set board.supply_v=3.3" in next(find_range_warnings(clipped))
+
+
+def test_rules_of_the_filter_do_not_refuse_a_divider() -> None:
+    changes = ["board.capacitor_uf=3", "board.passband_gain=9000", "detector.threshold_v=3", "board.r5_ohm=9e6"]
+    assert Design.load("fsr400", changes=[*CHANGES, *changes]).board.has_filter is False
+    with pytest.raises(FingertipError):
+        Design.load("fsr400", changes=changes)
+
+
+def test_only_fast_works_on_it() -> None:
+    trace = simulate(DESIGN, Trial(seed=3, force_n=1.0))
+    found = detect(trace, DESIGN, "fast")
+    assert found.score
+    assert found.score.delays_s[0]
+    assert 0.0 < found.score.delays_s[0] < 0.06
+    assert not found.score.false_intervals
+    rows = [f"{t:.7f},{v:.6f}" for t, v in zip(trace.time_s, trace.voltage_v, strict=True)]
+    streamed = detect_stream(["time_s,voltage_v", *rows], DESIGN, "fast").transitions
+    assert next(streamed).time_s == pytest.approx(found.intervals[0].onset_s, abs=1e-6)
+    for name in DETECTORS.keys() - {"fast"}:
+        with pytest.raises(FingertipError) as refused:
+            make_detector(name, DESIGN)
+        assert "use detector fast, or a board with" in str(refused.value)
+        make_detector(name, Design.load("fsr400", changes=[*CHANGES, "board.variant=precision"]))  # the other remedy
+
+
+def test_what_needs_a_board_is_refused(tmp_path: Path) -> None:
+    words = ["fsr400", "--set", "board.variant=divider", "--out", str(tmp_path / "board")]
+    for option in ("--fab", "--bringup", "--analysis"):
+        done = run_fingertip("board", *words, option)
+        assert done.returncode == 2
+        assert f"{option}: needs a board" in done.stderr
+    assert not (tmp_path / "board").exists()
+    with pytest.raises(FingertipError, match="is no board"):
+        board_values(DESIGN)
+
+
+def test_counts_calibrate_the_sensor(tmp_path: Path) -> None:
+    curve, step_v = ConductanceCurve(0.1, 1.5e-4, 0.7), DESIGN.detector.adc_step_v
+    weights = (50, 100, 200, 500, 1000)
+    counts = [round(hand_calculated_v(10e3, 1 / curve.conductance_s(w * 9.80665e-3)) / step_v) for w in weights]
+    rows = [f"{weight},{count}" for weight, count in zip(weights, counts, strict=True)]
+    path = tmp_path / "weighings.csv"
+    path.write_text("\n".join(["weight_g,counts", "0,0", *rows]) + "\n", encoding="utf-8")
+    design = Design.load("fsr400", changes=[*CHANGES, "force_curve.turn_on_n=0.1"])
+    law = calibrate_sensor(design, read_weighings(path), step_v).law
+    assert law.conductance_s == pytest.approx(curve.scale, rel=0.01)
+    assert law.exponent == pytest.approx(curve.exponent, rel=0.01)
+
+
+def test_readout_and_sweep_leave_out_the_board(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(readout, "_compile", lambda: readout._readout_loop)
+    sample = Readout(DESIGN, [None]).step(np.array([1.0]))
+    expected_v = float(Bridge.of_board(DESIGN).voltage_v(np.array([1.0]))[0])
+    assert sample.sampled_tactile_v[0] == pytest.approx(expected_v, abs=DESIGN.detector.adc_step_v)
+    assert np.isnan([sample.filtered_v[0], sample.envelope_v[0], sample.sampled_output_v[0]]).all()
+    context: Any = PointContext(DESIGN, None, None, None)  # type: ignore[arg-type]
+    for group in ("board", "circuit", "noise"):
+        assert all(map(math.isnan, GROUP_FUNCTIONS[group](context).values()))
+    found = GROUP_FUNCTIONS["acceptance"](context)
+    assert found["tactile_100g_v"] == pytest.approx([*list_readings(DESIGN)][1].tactile_v, abs=1e-3)
+
+
+def test_validation_compares_it_with_a_board() -> None:
+    result = run_campaign(DESIGN, CampaignPlan(2, 0.5), ("fast",), (1.0,))
+    compared = compare_with_board(DESIGN, result)
+    assert [*compared.rows][:2] == [DIVIDER, BOARD]
+    assert all(row.slips == 2 for row in compared.rows.values())
+    assert "does not suffice; a board would find" in compared.tell(passed=False)
+    refused = Design.load("fsr400", changes=[*CHANGES, "board.capacitor_uf=3"])
+    assert "refused" in compare_with_board(refused, result).tell(passed=True)

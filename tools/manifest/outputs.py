@@ -15,6 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 FILE = Path(__file__).with_name("bytes.json")
 
 COMMANDS: dict[str, tuple[str, ...]] = {
+    "first_finger": ("make", "params/first_finger.toml"),
     "adult_finger": ("make", "params/adult_finger.toml"),
     "fsr400": ("make", "params/fsr400.toml"),
     "pcb": ("board", "params/fsr400.toml", "--bringup"),

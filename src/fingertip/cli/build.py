@@ -13,7 +13,7 @@ import typer
 from fingertip.cli.check import format_failures
 from fingertip.cli.console import Console
 from fingertip.cli.options import CHANGES, DESIGN_FILE, FORCE, MATERIAL, command, flag, load_design
-from fingertip.foundation.errors import FingertipError, Issue
+from fingertip.foundation.errors import FingertipError, Issue, join_words
 
 if TYPE_CHECKING:
     from fingertip.cad.report import Build
@@ -106,7 +106,7 @@ def make(
     force: bool = FORCE,
     changes: list[str] | None = CHANGES,
 ) -> None:
-    """Make parts, drawings, board and a simulated trial with its slip. Exit code 1: a check of the parts failed.
+    """Make parts, drawings, board or sketch, and a simulated trial with its slip. Exit code 1: a check failed.
 
     A set of fingers, such as adult_hand, gives a folder for each of its forms, and plates, casting plan, parts list,
     acceptance sheet and page of the set.
@@ -116,7 +116,7 @@ def make(
     if is_set(design):
         _make_set(console, design, out, split_names(formats), force, changes or ())
         return
-    from fingertip.catalogues.output_files import ACCEPTANCE, BOARD_FOLDER, BOM, PRINT_FOLDER, README, SHEET
+    from fingertip.catalogues.output_files import ACCEPTANCE, BOARD_FOLDER, BOM, PRINT_FOLDER, README, SHEET, WIRING
     from fingertip.slip.report import as_data, format_delay
     from fingertip.tasks.make import make as make_everything
 
@@ -129,6 +129,7 @@ def make(
         "drawings": [path.as_posix() for path in made.drawings],
         "board": [path.as_posix() for path in made.board],
         "signal": [path.as_posix() for path in made.signal],
+        "firmware": [path.as_posix() for path in made.firmware],
         "page": None if made.page is None else str(made.page),
         "detection": as_data(made.detection.detection, made.detection.noise),
     }
@@ -137,10 +138,13 @@ def make(
     score = made.detection.detection.score
     found = ", ".join(map(format_delay, score.delays_s)) if score else "of unknown time"
     drawings = f", and {made.drawings[-1].name}" if made.drawings else ""
+    has_board, coupon = loaded.board.has_filter, "" if loaded.mold.method == "plunge" else "the coupon, then "
+    sheets = (SHEET, f"{BOARD_FOLDER}/{README}", ACCEPTANCE) if has_board else (SHEET, ACCEPTANCE)
+    electronics = f"board: {BOARD_FOLDER}/{BOM} lists what to buy" if has_board else f"wiring: {BOARD_FOLDER}/{WIRING}"
     last = [
-        f"board: {BOARD_FOLDER}/{BOM} lists what to buy; simulated trial: slip {found}",
-        f"look at: {made.page or made.parts.folder} in a browser{drawings}",
-        f"next: print the coupon, then {printed}; follow {SHEET}, {BOARD_FOLDER}/{README} and {ACCEPTANCE}",
+        f"{electronics}; simulated trial: slip {found}",
+        f"look at: {made.page or made.parts.folder}{' in a browser' if made.page else ''}{drawings}",
+        f"next: print {coupon}{printed}; follow {join_words(sheets, 'and')}",
     ]
     lines = _format_build(made.parts)
     lines += [*_list_remarks(made.parts, _MAX_LINES - len(lines) - len(last)), *last]

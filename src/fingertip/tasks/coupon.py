@@ -18,11 +18,12 @@ from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.printing import check_brep_solid, check_mesh_file
 from fingertip.cad.verification.verify import MESH_FORMATS
 from fingertip.calibration.readings import identify_coupon, list_lengths, write_template
-from fingertip.catalogues.output_files import COUPON, COUPON_READINGS, COUPON_SHEET, PLAN
+from fingertip.catalogues.output_files import COUPON, COUPON_READINGS, COUPON_SHEET, PLAN, SHEET
 from fingertip.design import Design
 from fingertip.design.geometry.solids import scaled
 from fingertip.documents.coupon import render_instructions
 from fingertip.foundation import extras
+from fingertip.foundation.errors import DesignError, Issue
 from fingertip.foundation.files import round_for_output
 from fingertip.foundation.progress import Work
 from fingertip.pictures.coupon_plan import draw_plan
@@ -67,6 +68,9 @@ def write_coupon(
     progress: Callable[[str], None] = lambda message: None,
 ) -> Coupon:
     """Write a coupon. Raises DesignError or GeometryError or MissingLibraryError or OutputError."""
+    if design.mold.method == "plunge":
+        message = f"needs no coupon: print the parts, and take the one reading that {SHEET} asks for."
+        raise DesignError(Issue(design.name, message))
     folder = COUPON.folder(design, out)
     file_formats = select_names("--formats", formats, FORMATS)
     if "step" in file_formats:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from fingertip.catalogues.output_files import FIRMWARE, MANIFEST, PROPERTIES, README
@@ -64,16 +65,29 @@ def write_firmware(
         If the folder cannot be written, or holds a file of these names that is somebody's own. Nothing has been
         written then.
     """
-    folder = FIRMWARE.folder(design, out)
+    return plan_firmware(design, FIRMWARE.folder(design, out), fingers=fingers, force=force)()
+
+
+def plan_firmware(
+    design: Design, folder: Path, *, fingers: Fingers = ONE_FINGER, force: bool = False, top: Path | None = None
+) -> Callable[[], tuple[Path, ...]]:
+    """Check that the files can be written to a folder below `top`, and return the function that writes them.
+
+    Raises OutputError.
+    """
     sets = [
-        (FIRMWARE.writer(design, folder / place, force, folder), contents)
+        (FIRMWARE.writer(design, folder / place, force, top or folder), contents)
         for place, contents in firmware_files(design, fingers).items()
     ]
     for writer, contents in sets:
         writer.check(contents)
-    for writer, contents in sets:
-        writer.write(contents)
-    return tuple(writer.folder / name for writer, contents in sets for name in contents)
+
+    def write() -> tuple[Path, ...]:
+        for writer, contents in sets:
+            writer.write(contents)
+        return tuple(writer.folder / name for writer, contents in sets for name in contents)
+
+    return write
 
 
 def firmware_differences(design: Design, folder: str | Path, fingers: Fingers = ONE_FINGER) -> list[str]:

@@ -2,8 +2,9 @@
 
 The parts stand at the top of the folder, as `build` writes them, with pictures of the casting steps in `steps/`, and
 the drawings and the acceptance sheet beside them. The board is in `board/`, the trial in `signal/`. Each is a set of
-its own. STEP files, trial and pictures are made in processes beside, while this process makes the others, and prepares
-what the page shows of the design alone. The page is made last, from what was written.
+its own. A design without a board has the sketch for its controller in `firmware/`. STEP files, trial and pictures are
+made in processes beside, while this process makes the others, and prepares what the page shows of the design alone. The
+page is made last, from what was written.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from fingertip.page.render import Prepared, prepare_page
 from fingertip.pictures.drawing.draw import file_names
 from fingertip.tasks.board import BRING_UP_FILES, plan_board
 from fingertip.tasks.build import build, default_formats
+from fingertip.tasks.firmware import plan_firmware
 from fingertip.tasks.page import write_page
 from fingertip.tasks.trial import simulate_and_detect
 
@@ -43,6 +45,8 @@ class Made:
     board: tuple[Path, ...]
     signal: tuple[Path, ...]
     """Files of the simulated trial."""
+    firmware: tuple[Path, ...]
+    """Sketch for a controller; none of a design with a board, which may be read without one."""
     detection: FileDetection
     """Slip that was detected in the trial."""
     page: Path | None
@@ -57,7 +61,7 @@ def make(
     force: bool = False,
     progress: Callable[[str], None] = lambda message: None,
 ) -> Made:
-    """Make parts, drawings, board, a simulated trial and its detection, in one folder.
+    """Make parts, drawings, board or sketch, a simulated trial and its detection, in one folder.
 
     Parameters
     ----------
@@ -86,6 +90,10 @@ def make(
     draws = "step" in formats and extras.is_installed("reportlab")
     sheets.check((output_files.ACCEPTANCE, output_files.PAGE))
     output_files.BOARD.writer(design, board_folder, force, folder).check(BRING_UP_FILES)
+    write_sketch = None
+    if not design.board.has_filter:
+        place = folder / output_files.FIRMWARE.place
+        write_sketch = plan_firmware(design, place, force=force, top=folder)
     signal.check((output_files.TRACE, output_files.PLOT, output_files.DETECTION))
     work = Work(design.name, {"parts": 6.0, "page": 0.5}, progress)
     rest: list[tuple[dict[str, bytes], FileDetection, bytes, Prepared | None]] = []
@@ -110,6 +118,7 @@ def make(
     board_paths = board.write(progress)
     signal.write(signal_files)
     sheets.write({output_files.ACCEPTANCE: sheet})
+    sketch = write_sketch() if write_sketch else ()
     signal_paths = tuple(signal.folder / name for name in signal_files)
     drawn = tuple(parts.folder / name for name in file_names(design)) if draws else ()
     page = None
@@ -120,7 +129,7 @@ def make(
         progress(f"{output_files.PAGE} is left out: it shows the STL files; add stl to the formats")
     wanted = {"OCP": "STEP files", "reportlab": "drawings"} if named is None or "step" in named else {}
     extras.say_left_out({**wanted, "matplotlib": output_files.PLOT}, progress)
-    return Made(parts, drawn, board_paths, signal_paths, found, page)
+    return Made(parts, drawn, board_paths, signal_paths, sketch, found, page)
 
 
 def _simulate_and_draw(design: Design, has_page: bool) -> tuple[dict[str, bytes], FileDetection, Markup | None]:

@@ -218,7 +218,7 @@ def firmware(
         None, help="The controller, such as teensy40; black_pill_f411 for several fingers."
     ),
     inputs: str | None = typer.Option(
-        None, help="Its analog inputs, T and S of each finger in turn, separated by commas; the first by default."
+        None, help="Its analog inputs, T and S of each finger in turn (one for a divider), separated by commas."
     ),
     check: bool = flag("Write nothing; compare the folder with the design; exit 1 if they differ."),
     force: bool = FORCE,

@@ -18,8 +18,8 @@ DEFAULT_CONTROLLER = "black_pill_f411"
 """Controller of several fingers, unless another one is named: a small board that carries five."""
 DIVIDER_CONTROLLER = "teensy40"
 """The same for fingers that are read by dividers."""
-CONVERSIONS = 4
-"""Conversions of which a sample of a divider is the mean."""
+CONVERSIONS, TASK_CONVERSIONS = 4, 8
+"""Conversions of which a sample of a divider is the mean: in an interrupt, and in the task of an ESP32-S3."""
 CYCLES_PER_INSTRUCTION = 1.5
 """Mean clock cycles of an instruction, with waits for the flash. An assumption: most take one, loads and jumps two."""
 BUFFER_SAMPLES = 1024
@@ -102,8 +102,9 @@ def list_controllers(design: Design) -> list[ControllerBoard]:
 def list_limits(board: ControllerBoard, sample_rate_hz: float, has_divider: bool = False) -> dict[str, int]:
     """Return how many fingers a controller carries by each of its limits, which are named in the plural."""
     load = find_load(board, sample_rate_hz)
-    inputs, conversions = (1, CONVERSIONS) if has_divider else (2, 2)
-    share = 1.0 if board.has_scan else INTERRUPT_SHARE
+    has_task = board.timer == "in the sketch"
+    inputs, conversions = (1, TASK_CONVERSIONS if has_task else CONVERSIONS) if has_divider else (2, 2)
+    share = 1.0 if board.has_scan or has_task else INTERRUPT_SHARE
     by_ram = 1024 * (board.ram_kb - OTHER_RAM_KB) / (read_costs()["state_bytes"] + 2 * CODE_BYTES * BUFFER_SAMPLES)
     return {
         "analog inputs": len(board.inputs.split()) // inputs,

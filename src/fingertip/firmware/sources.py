@@ -15,7 +15,7 @@ from fingertip.board.front_end import find_tactile_response
 from fingertip.catalogues.output_files import BUFFER, HAND, SCAN, TIMER
 from fingertip.design import Design
 from fingertip.design.formulas.filter import filtered_range_v, signal_ground_ratio
-from fingertip.firmware.fingers import CONVERSIONS, Fingers
+from fingertip.firmware.fingers import CONVERSIONS, TASK_CONVERSIONS, Fingers
 from fingertip.sim.runs.grip import HISTORY, LONGEST_STEP_S, MIN_PRESENT_N, ForceCurve, GripSettings
 from fingertip.slip.detectors import fast_loop
 from fingertip.slip.detectors.fast import STILL_S, FastDetector, FastSettings
@@ -322,7 +322,9 @@ def render_lamp_sketch(design: Design, fingers: Fingers) -> str:
     told = "; ".join(f"F{text[1:]}." for text in dict.fromkeys(forces))
     head = "\n// ".join(textwrap.wrap(told, _WIDTH - 3))
     wires = {"supply": f"{design.board.supply_v:g}", "resistor": f"{design.board.divider_ohm / 1000:g} kohm"}
-    return Template(read_template(LAMP)).substitute(wires, forces=head, conversions=CONVERSIONS)
+    return Template(read_template(LAMP)).substitute(
+        wires, forces=head, conversions=CONVERSIONS, task_conversions=TASK_CONVERSIONS
+    )
 
 
 def _insert(template: str, include: str, text: str) -> str:

@@ -12,6 +12,7 @@ enum { PA0 = 100, PA1, PA2, PA3, PA4, PA5, PA6, PA7, PB0 = 108, PB1 };
 void pinMode(int pin, int mode);
 void digitalWrite(int pin, int level);
 int analogRead(int pin);
+uint32_t analogReadMilliVolts(uint8_t pin);
 void analogReadResolution(int bits);
 unsigned long millis();
 unsigned long micros();

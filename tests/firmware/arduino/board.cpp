@@ -35,6 +35,38 @@ void digitalWrite(int, int level) {
 
 int analogRead(int pin) { return codes[pin < PA0 ? pin - A0 : pin - PA0]; }
 
+uint32_t analogReadMilliVolts(uint8_t pin) { return static_cast<uint32_t>(analogRead(pin)); }
+
+#if defined(ARDUINO_ARCH_ESP32)
+#include <esp_timer.h>
+static void (*esp_callback)(void *);
+
+esp_err_t esp_timer_create(const esp_timer_create_args_t *arguments, esp_timer_handle_t *) {
+  esp_callback = arguments->callback;
+  return ESP_OK;
+}
+
+esp_err_t esp_timer_start_periodic(esp_timer_handle_t, uint64_t period_us) {
+  timer_callback = [] { esp_callback(nullptr); };
+  timer_period_us = static_cast<float>(period_us);
+  return ESP_OK;
+}
+#elif defined(ARDUINO_ARCH_RENESAS)
+#include <FspTimer.h>
+static void (*fsp_callback)(timer_callback_args_t *);
+
+int8_t FspTimer::get_available_timer(uint8_t &) { return 0; }
+bool FspTimer::begin(timer_mode_t, uint8_t, uint8_t, float rate_hz, float, void (*callback)(timer_callback_args_t *), void *) {
+  fsp_callback = callback;
+  timer_callback = [] { fsp_callback(nullptr); };
+  timer_period_us = 1e6f / rate_hz;
+  return true;
+}
+bool FspTimer::setup_overflow_irq() { return true; }
+bool FspTimer::open() { return true; }
+bool FspTimer::start() { return true; }
+#endif
+
 #if defined(STM32F4xx)
 const PinMap PinMap_ADC[1] = {};
 stand_in_rcc stand_in_rcc_registers;

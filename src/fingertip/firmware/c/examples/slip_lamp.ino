@@ -1,9 +1,9 @@
 // Lights a lamp while something slips over the finger, and shows its force.
 //
-// Wire the sensor between $supply V and pin A0, and a resistor of $resistor between A0 and GND. A0 is GP26 on a Pico and GPIO1
-// on an ESP32-S3. Open this file in the Arduino IDE, choose your board and port, and upload; a Pico needs the core of
+// Wire the sensor between $supply V and pin A0 (GP26 on a Pico, GPIO1 on an ESP32-S3), and a resistor of $resistor
+// between A0 and GND. Open this file in the Arduino IDE, choose board and port, and upload; a Pico needs the core of
 // Earle Philhower. Leave the finger alone for a second, then open the Serial Plotter. Press: force_n rises. Let
-// something slide over the skin: slip is 1, and the lamp on the board is lit. A number behind "late" counts lost samples.
+// something slide over the skin: slip is 1, and the board's lamp is lit. "late" counts samples late or lost.
 //
 // $forces
 #include <Arduino.h>
@@ -17,33 +17,33 @@
 static const uint32_t INPUTS[SLIP_FINGERS][1] = SLIP_INPUTS;  // pin of each finger
 static const char *const NAMES[SLIP_FINGERS] = SLIP_NAMES;
 static const int LAMP_PIN = LED_BUILTIN;
-static const bool STREAM = false;       // true: each sample of the first finger, for `fingertip detect -`
-static const uint32_t CONVERSIONS = $conversions;  // of which a sample is the mean
+static const bool STREAM = false;  // true: each sample of the first finger, for `fingertip detect -`
 static const uint32_t RATE_HZ = SLIP_SAMPLE_RATE_MILLIHZ / 1000u, LINE_SAMPLES = RATE_HZ / 50u;
 
 #if defined(ARDUINO_ARCH_ESP32)
 #include <esp_timer.h>
-#define CONVERT analogReadMilliVolts
-static const int BITS = 12;
-static const float COUNT_V = 1e-3f;  // with the corrections that the maker measured
+#define CONVERT analogReadMilliVolts  // it corrects the converter's curve
+static const int BITS = 12, CONVERSIONS = $task_conversions;  // of which a sample is the mean
+static const float COUNT_V = 1e-3f;
 
-// The converter must not be read in an interrupt: a task of the system calls the function.
+// An interrupt must not read the converter: a task of the system, beside loop(), calls the function.
 static bool slip_start_timer(void (*callback)()) {
   static void (*called)();
   static esp_timer_handle_t timer;
   esp_timer_create_args_t arguments = {};
   called = callback;
   arguments.callback = [](void *) { called(); };
-  return esp_timer_create(&arguments, &timer) == ESP_OK && esp_timer_start_periodic(timer, 1000000u / RATE_HZ) == ESP_OK;
+  return esp_timer_create(&arguments, &timer) == ESP_OK
+         && esp_timer_start_periodic(timer, 1000000u / RATE_HZ) == ESP_OK;
 }
 #else
 #include "slip_timer.h"
 #define CONVERT analogRead
 #if defined(ARDUINO_ARCH_RENESAS)
-static const int BITS = 14;
+static const int BITS = 14, CONVERSIONS = $conversions;
 static const float COUNT_V = 5.0f / 16384;
 #else
-static const int BITS = 12;
+static const int BITS = 12, CONVERSIONS = $conversions;
 static const float COUNT_V = 3.3f / 4096;
 #endif
 #endif
@@ -60,7 +60,7 @@ static void take_sample() {
   slip_codes codes[SLIP_FINGERS] = {};
   for (unsigned i = 0; i < SLIP_FINGERS; i++) {
     uint32_t sum = 0;
-    for (uint32_t j = 0; j < CONVERSIONS; j++) {
+    for (int j = 0; j < CONVERSIONS; j++) {
       sum += CONVERT(INPUTS[i][0]);
     }
     codes[i].tactile = (uint16_t)((float)sum * (COUNT_V / CONVERSIONS / (float)SLIP_ADC_STEP_V) + 0.5f);
@@ -83,9 +83,9 @@ static void plot(uint32_t *sums, unsigned on, uint32_t missed) {
   char line[96];
   for (unsigned i = 0; i < SLIP_FINGERS; i++) {
     const slip_real volts = SLIP_ADC_LOW_V + SLIP_ADC_STEP_V * ((slip_real)sums[i] / (slip_real)LINE_SAMPLES);
-    const unsigned long n = (unsigned long)(100 * slip_force_n(i, volts) + 0.5f), v = (unsigned long)(100 * volts + 0.5f);
-    Serial.write(line, snprintf(line, sizeof line, "%sforce_n:%lu.%02lu %svolts:%lu.%02lu %sslip:%u ", NAMES[i], n / 100,
-                                n % 100, NAMES[i], v / 100, v % 100, NAMES[i], on >> i & 1u));
+    const unsigned long n = 100 * slip_force_n(i, volts) + 0.5f, v = 100 * volts + 0.5f;
+    Serial.write(line, snprintf(line, sizeof line, "%sforce_n:%lu.%02lu %svolts:%lu.%02lu %sslip:%u ", NAMES[i],
+                                n / 100, n % 100, NAMES[i], v / 100, v % 100, NAMES[i], on >> i & 1u));
     sums[i] = 0;
   }
   Serial.write(line, missed > 0 ? snprintf(line, sizeof line, "late:%lu", (unsigned long)missed) : 0);

@@ -28,7 +28,8 @@ def solve_layer(w, nu, normal, tangential, is_bonded):
         f2, f3 = np.array([c, 2 * s + y * c, s, 2 * c + y * s]), np.array([s, 3 * c + y * s, c, 3 * s + y * c])
         at[y] = f, f1, (1 - nu) * f2 + nu * f, (1 - nu) * f3 + (nu - 2) * f1
     (f0, sheared, along, across), (f, f1, _, top) = at[0.0], at[w]
-    x = np.linalg.solve(np.array([along if is_bonded else sheared, across, -f, -f1]), np.array([0.0, 0.0, normal, tangential]))
+    held = along if is_bonded else sheared
+    x = np.linalg.solve(np.array([held, across, -f, -f1]), np.array([0.0, 0.0, normal, tangential]))
     return float(-(f0 @ x)), float(top @ x)
 
 

@@ -114,8 +114,9 @@ def mesh_skin(form: PadForm, size: MeshSize, is_half: bool) -> tuple[WedgeMesh, 
 
 
 def _circles(form: PadForm) -> list[float]:
-    """Radii around the sensor on which edges lie: that of the active area, and those of an insert."""
-    return sorted({form.active_radius_mm, *(radius for radius, _ in (form.insert.parts if form.insert else ()))})
+    """Radii around the sensor on which edges lie: that of the active area, and those of an insert or a bump."""
+    radii = {form.active_radius_mm, *(radius for radius, _ in (form.insert.parts if form.insert else ()))}
+    return sorted(radii | ({form.bump_radius_mm} if form.bump_height_mm else set()))
 
 
 def _outline(form: PadForm) -> Array:

@@ -47,16 +47,30 @@ class PadForm:
     insert: SensorInsert | None = None
     bonded: bool = True
     """False: the skin was made apart and lies on the bone."""
+    gap_mm: float = 0.0
+    """Distance of the inside of a skin that was made apart from the bone, where no bump is; 0: it lies on."""
+    bump_radius_mm: float = 0.0
+    bump_height_mm: float = 0.0
+    """Bump inside that skin over the sensor; above the gap it presses on the sensor at rest."""
 
     @classmethod
-    def of_design(cls, design: Design) -> PadForm:
-        dims, modulus = design.dimensions, design.silicone.material.modulus_mpa
+    def of_design(cls, design: Design, *, is_loose: bool = False) -> PadForm:
+        """Take the form from a design: with the tightest fit of a skin that was made apart, or with the loosest.
+
+        Each surface of core and bone may be off by its error. A tight skin stretches and lies on, so that its bump is
+        proud by its whole height; a loose one stands off by both errors, less what it is made smaller by.
+        """
+        dims, modulus, bump = design.dimensions, design.silicone.material.modulus_mpa, design.skin.bump_height_mm
+        gap = max(0.0, 2.0 * design.printer.surface_error_mm - design.mold.sleeve_interference_mm) if is_loose else 0.0
+        apart, has_bump = not design.skin_is_bonded, bump > 0.0 and design.mold.method == "plunge"
         return cls(
             dims.outer, dims.bone_outline, dims.flat_depth, dims.platform_depth,
             dims.platform_radius if design.bone.platform_mm else 0.0, dims.neck_half_width, dims.ramp, dims.sensor_z,
             dims.sensor.active_diameter_mm / 2, design.force_curve.turn_on_n,
             (-design.bone.collar_length_mm, dims.collar.section.palmar), math.sqrt(modulus.low * modulus.high),
-            insert=dims.insert, bonded=design.skin_is_bonded,
+            insert=dims.insert, bonded=not apart, gap_mm=gap if apart else 0.0,
+            bump_radius_mm=design.skin.bump_radius_mm if apart and has_bump else 0.0,
+            bump_height_mm=bump if apart and has_bump else 0.0,
         )  # fmt: skip
 
     @property
@@ -77,6 +91,11 @@ class PadForm:
     def skin_mm(self, x: Array, z: Array) -> Array:
         """Return the height of the skin [mm]; -inf where there is none. Units: `x` [mm], `z` [mm]."""
         return _height(self.outer, x, z)
+
+    def inner_gap_mm(self, x: Array, z: Array) -> Array:
+        """Return how far the inside of the skin stands off the bone; negative where it overlaps, at the bump [mm]."""
+        on_bump = np.hypot(x, z - self.sensor_z_mm) <= self.bump_radius_mm * (1.0 + 1e-9)
+        return np.asarray(np.where(on_bump, self.gap_mm - self.bump_height_mm, self.gap_mm))
 
     def bone_mm(self, x: Array, z: Array) -> Array:
         """Return the height of the bone's surface under the skin [mm]; -inf beside it. Units: `x` [mm], `z` [mm]."""

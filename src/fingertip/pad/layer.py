@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.pad.form import PadForm
+from fingertip.pad.inside import Inside, lay_rings
 from fingertip.pad.pose import Pose
 from fingertip.pad.touch import Touch
 
@@ -56,7 +57,7 @@ MAX_STRAIN = 0.5
 class Contact:
     force_n: float
     share: float
-    """Fraction of the force that presses on the active area of the sensor."""
+    """Fraction of the force that presses on the active area of the sensor, beside what presses there at rest."""
     shear_share: float
     """Force on the active area over a force along the surface, towards the tip, which is spread as the pressure is."""
     depth_mm: float
@@ -98,7 +99,7 @@ def find_contacts(
 ) -> list[Contact]:
     """Find the contact at each of some growing forces. Raises TraceError."""
     near = bring(form, pose)
-    layout, pressure = near.lay_out(_FIRST_REACH_MM), None
+    layout, pressure, inside = near.lay_out(_FIRST_REACH_MM), None, _lay_rings(form)
     found: list[Contact] = []
     for force_n in forces_n:
         while True:
@@ -111,8 +112,26 @@ def find_contacts(
             most = found[-1].force_n if found else force_n * (max_strain / contact.strain) ** 2
             message = f"{force_n:g} N presses the pad by {contact.strain:.0%} of its thickness; at most {most:.2g} N."
             raise TraceError(Issue("force_n", message))
-        found.append(contact)
+        found.append(_meet_bone(contact, layout, pressure, inside) if inside else contact)
     return found
+
+
+def find_rest_n(form: PadForm) -> float:
+    """Find the force on the active area when nothing touches the finger, from a bump inside the skin [N]."""
+    inside = _lay_rings(form)
+    return inside.rest_n if inside else 0.0
+
+
+def _lay_rings(form: PadForm) -> Inside | None:
+    return lay_rings(form, _FREE_SIDES * form.young_mpa)
+
+
+def _meet_bone(contact: Contact, layout: _Layout, pressure: Array, inside: Inside) -> Contact:
+    """Correct a contact for where the inside of the skin meets the bone."""
+    on, distance = pressure > 0.0, np.hypot(layout.x_mm[:, None], layout.dz_mm[None, :])
+    more_n, sunk = inside.compare(pressure[on] * GRID_MM**2, distance[on])
+    share, depth = contact.share + more_n / contact.force_n, contact.depth_mm + sunk / contact.force_n
+    return replace(contact, share=max(0.0, share), depth_mm=depth)
 
 
 def map_shares(form: PadForm) -> tuple[Array, Array, Array]:

@@ -18,6 +18,7 @@ from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.pad.contacts import find_contacts
 from fingertip.pad.form import PadForm
+from fingertip.pad.layer import find_rest_n
 from fingertip.pad.pose import Pose
 
 REFERENCE_POSE = Pose(tilt_deg=2.0)
@@ -67,6 +68,8 @@ class Pad:
     """The same of the part of a force along the surface, towards the tip, that presses on the sensor."""
     reference_share: float
     """Share of 1 N in the reference pose."""
+    rest_n: float = 0.0
+    """Force on the sensor when nothing touches the finger, from a bump inside the skin."""
     backing: Backing = Backing()
 
     @classmethod
@@ -132,7 +135,7 @@ class Pad:
         sensed = contact_n * _evaluate(self.share, root)
         if shear_n is not None:
             sensed = sensed + shear_n * _evaluate(self.shear_share, root)
-        return np.maximum(sensed / (self.reference_share if is_relative else 1.0), 0.0)
+        return np.maximum(sensed / self.reference_share if is_relative else sensed + self.rest_n, 0.0)
 
 
 def _evaluate(coefficients: Sequence[float], x: Array) -> Array:
@@ -160,4 +163,5 @@ def _respond(form: PadForm, pose: Pose) -> Pad:
     return Pad(
         float(f"{stiffness:.{_DIGITS}g}"), float(f"{area_m2:.{_DIGITS}g}"), share,
         fit([contact.shear_share for contact in contacts]), max(_LEAST_REFERENCE, reference),
+        round(find_rest_n(form), _DIGITS),
     )  # fmt: skip

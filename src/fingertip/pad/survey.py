@@ -12,7 +12,7 @@ from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
 from fingertip.pad.contacts import find_contacts
 from fingertip.pad.form import PadForm
-from fingertip.pad.layer import Contact
+from fingertip.pad.layer import Contact, find_rest_n
 from fingertip.pad.pose import Pose
 
 TILTS_DEG = (-5.0, 0.0, 2.0, 5.0, 10.0, 15.0, 20.0)
@@ -43,6 +43,8 @@ class PadSurvey:
     stiffness_n_per_mm: float
     strain: float
     """Indentation over thickness at 5 N."""
+    rest_n: float = 0.0
+    """Force on the sensor when nothing touches the finger."""
 
     def least_share(self, low_deg: float, high_deg: float) -> float:
         return min(self._between(self.shares, low_deg, high_deg))
@@ -55,7 +57,11 @@ class PadSurvey:
 
     @property
     def worst_turn_on_n(self) -> float:
-        return max(self._between(self.turn_on_n, *WIDE_DEG))
+        return self.dead_zone_n(*WIDE_DEG)
+
+    def dead_zone_n(self, low_deg: float, high_deg: float) -> float:
+        """Largest force on the pad that the sensor does not feel, in a range of tilts."""
+        return max(self._between(self.turn_on_n, low_deg, high_deg))
 
     def to_dict(self) -> dict[str, Any]:
         """Return the section `pad` of a report; a force that does not turn the sensor on is None."""
@@ -69,6 +75,7 @@ class PadSurvey:
             "evenness": round(self.evenness, 4),
             "stiffness_n_per_mm": round(self.stiffness_n_per_mm, 3),
             "strain": round(self.strain, 4),
+            **({"rest_n": round(self.rest_n, 4)} if self.rest_n else {}),
         }
 
     @staticmethod
@@ -76,9 +83,12 @@ class PadSurvey:
         return [value for tilt, value in zip(TILTS_DEG, values, strict=True) if low_deg <= tilt <= high_deg]
 
 
-def survey_pad(design: Design) -> PadSurvey:
-    """Survey the pad of a design by the layer model; the same form is computed once."""
-    return _survey(PadForm.of_design(design))
+def survey_pad(design: Design, *, is_loose: bool = False) -> PadSurvey:
+    """Survey the pad of a design by the layer model; the same form is computed once.
+
+    A skin that was made apart has its tightest fit, or its loosest.
+    """
+    return _survey(PadForm.of_design(design, is_loose=is_loose))
 
 
 def find_own_mode_hz(design: Design) -> float:
@@ -98,7 +108,7 @@ def _survey(form: PadForm) -> PadSurvey:
     rolled = _share(form, Pose(ROLLED_TILT_DEG, ROLL_DEG), FORCE_N)
     low, high, firm = find_contacts(form, Pose(ROLLED_TILT_DEG), (0.9 * FORCE_N, 1.1 * FORCE_N, FIRM_N), math.inf)
     stiffness = (high.force_n - low.force_n) / (high.depth_mm - low.depth_mm)
-    return PadSurvey(shares, turn_on, rolled, stiffness, firm.strain)
+    return PadSurvey(shares, turn_on, rolled, stiffness, firm.strain, find_rest_n(form))
 
 
 def try_contacts(form: PadForm, pose: Pose, *forces_n: float) -> list[Contact]:
@@ -115,12 +125,12 @@ def _share(form: PadForm, pose: Pose, force_n: float) -> float:
 
 
 def _find_turn_on(form: PadForm, tilt_deg: float, share: float) -> float:
-    """Find the force of which the sensor's share is its turn-on, from the share at 1 N."""
-    force = math.inf
+    """Find the force of which the sensor's share, with what is there at rest, is its turn-on, from the share at 1 N."""
+    force, missing = math.inf, max(0.0, form.turn_on_n - find_rest_n(form))
     for _ in range(_TURN_ON_STEPS):
-        if share <= form.turn_on_n / MAX_TURN_ON_N:
+        if share <= missing / MAX_TURN_ON_N:
             return math.inf
-        before, force = force, form.turn_on_n / share
+        before, force = force, missing / share
         if abs(force - before) <= 0.01 * force:
             break
         share = _share(form, Pose(tilt_deg), max(force, _LEAST_FORCE_N))

@@ -298,7 +298,7 @@ def stream_scene(
             done(float(chunk.time_s[-1]) if len(chunk.time_s) else 0.0)
     rate, slide = design.detector.sample_rate_hz, run.timeline.slide
     motion_s = slide.start_s if slide else None
-    share = float(run.pad.sensed_n(np.array([run.force_n]))[0]) / run.force_n
+    share = (float(run.pad.sensed_n(np.array([run.force_n]))[0]) - run.pad.rest_n) / run.force_n
     pose, costs = scene.draw_pose(run.design, seed), run.meter.costs
     count, lost = count_samples(run.timeline.duration_s, rate), airborne / max(1, slipping)
     return SceneRecord(scene, seed, run.force_n, count, slips.close(), costs, rate, pose, share, motion_s, lost)

@@ -102,7 +102,9 @@ class Readout:
         # A curve that was measured on a finger is read at a force on the whole of it.
         is_relative = bridge.reads_whole_finger(design, "board")
         scale = Pad.from_design(design).reference_share if is_relative else 1.0
-        shares = np.array([(*pad.share, *pad.shear_share, scale) if pad else (*_WHOLE, scale) for pad in pads])
+        rests = [0.0 if is_relative or pad is None else pad.rest_n for pad in pads]
+        parts = [(*pad.share, *pad.shear_share) if pad else _WHOLE for pad in pads]
+        shares = np.array([(*part, scale, rest) for part, rest in zip(parts, rests, strict=True)])
         self._points, self._is_new, self._forces = round(grid.rate_hz / rate_hz), True, np.zeros((4, count))
         carried, z = board.steady_state(0, 1.0)
         states = (count, 2), (2, count, 3), (count, len(carried)), (count, len(z)), (count,)
@@ -175,7 +177,7 @@ def _readout_loop(
             root = math.sqrt(math.sqrt(min(max(contact, min_n), max_n)))
             along = ((share[3] * root + share[2]) * root + share[1]) * root + share[0]
             across = ((share[7] * root + share[6]) * root + share[5]) * root + share[4]
-            force_n[i] = max((contact * along + shear * across) / share[8], 0.0)
+            force_n[i] = max((contact * along + shear * across) / share[8] + share[9], 0.0)
         _INDICATE(play_ratio, 0.0, step_s, force_n[:points], play[f], shown_n)
         _CONVERT(curve, response, shown_n[:points], bridge_v)
         rows[4, 0] = last_v[f]

@@ -35,8 +35,8 @@ _COAT_MM, _LIFT_MM, _TAB_PITCH_MM = 0.9, 20.0, 2.54
 def print_(bench: Bench, data: Data) -> Scene:
     """Show the plate as it is printed, with the names of its parts."""
     names = {
-        "bone": "bone", "stand": "stand", "core": "core: a plate with three\nridges, and a finger on it",
-        "mold_palmar": "cup, half marked PAD,\nwith a groove at each side", "mold_dorsal": "cup, other half",
+        "bone": "bone", "stand": "stand", "core": "core: a plate with\nthree ridges and a\nfinger",
+        "mold_palmar": "cup, half\nmarked PAD", "mold_dorsal": "cup, other half",
     }  # fmt: skip
     lies, printer = print_orientations(bench.design), bench.design.printer
     parts = {name: bench.part(name) for name in lies}
@@ -140,12 +140,14 @@ def lay_in(bench: Bench, data: Data) -> Scene:
     """Show the sensor above its bed, and the cable tie where it holds the wires."""
     dims, lift, (x, y, z) = bench.dims, 12.0, bench.head
     section, (low, _) = dims.bone_outline.section, given(dims.tie_span)
-    sizes = ((section.half_width - TIE_DEPTH_MM + more, dims.base_flat_depth + more, section.dorsal + more) for more in (0, 1))
+    sizes = (
+        (section.half_width - TIE_DEPTH_MM + more, dims.base_flat_depth + more, section.dorsal + more)
+        for more in (0, 1)
+    )
     inner, outer = (
         Box((-half, -palmar, low - 1 + more), (half, dorsal, low + TIE_WIDTH_MM + 1 - more))
         for more, (half, palmar, dorsal) in enumerate(sizes)
     )
-    exit_mm = (0.0, section.dorsal, dims.channel_exit_z)
     lead = cylinder("z", (0.0, section.dorsal + 0.6), low - 14.0, dims.channel_exit_z, 0.6)
     return Scene(
         (bench.part("bone"), bench.sensor((0.0, -lift, 0.0)), bench.solid(difference(outer, inner), Paint.PAPER), bench.solid(lead, Paint.WIRE)),
@@ -154,8 +156,7 @@ def lay_in(bench: Bench, data: Data) -> Scene:
         Label("round bed", (x, y, z + dims.sensor.head_diameter_mm / 2)),
         Label("trough", (0.0, y + 1.0, dims.tail_end_z / 2)),
         Label("hole to the back,\nfor both wires", (0.0, y + 1.0, dims.channel_exit_z + 1.0)),
-        Label("cable tie over the wires,\nin a notch at each side", (0.0, -dims.base_flat_depth - 1.0, low + 1.0)),
-        Label("wires, at the back", (0.0, exit_mm[1], low - 12.0)),
+        Label("cable tie, over the wires\nat the back, in a notch\nat each side", (0.0, -dims.base_flat_depth - 1.0, low + 1.0)),
         Arrow((x, y - 0.85 * lift, z), (x, y - 0.2 * lift, z)),
     )  # fmt: skip
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
+from types import ModuleType
+from typing import TypeAlias
 
 import numpy as np
 from PIL import Image
@@ -13,28 +15,44 @@ from fingertip.design import Design
 from fingertip.design.geometry.solids import cylinder, intersection
 from fingertip.foundation.progress import Work
 from fingertip.pictures.raster import Canvas, bounds, to_png
-from fingertip.pictures.steps import filling_scenes, mold_scenes, sensor_scenes
+from fingertip.pictures.steps import filling_scenes, first_scenes, mold_scenes, sensor_scenes
 from fingertip.pictures.steps.objects import Bench
 from fingertip.pictures.steps.scene import Data, Paint, Scene, View, draw_scene
 
-SCENES: Mapping[str, Callable[[Bench, Data], Scene]] = {
-    name.rstrip("_"): scene
-    for module in (mold_scenes, filling_scenes, sensor_scenes)
-    for name, scene in inspect.getmembers(module, inspect.isfunction)
-    if scene.__module__ == module.__name__ and not name.startswith("_")
-} | {"cover_for_sleeve": sensor_scenes.cover_sensor}
-"""Scenes by the names of their steps: every public function of the three modules is one."""
+Scenes: TypeAlias = Mapping[str, Callable[[Bench, Data], Scene]]
+
+
+def _find_scenes(*modules: ModuleType) -> dict[str, Callable[[Bench, Data], Scene]]:
+    """Find scenes by the names of their steps: every public function of the modules is one."""
+    return {
+        name.rstrip("_"): scene
+        for module in modules
+        for name, scene in inspect.getmembers(module, inspect.isfunction)
+        if scene.__module__ == module.__name__ and not name.startswith("_")
+    }
+
+
+SCENES: Scenes = {
+    **_find_scenes(mold_scenes, filling_scenes, sensor_scenes), "cover_for_sleeve": sensor_scenes.cover_sensor
+}  # fmt: skip
+FIRST_SCENES: Scenes = _find_scenes(first_scenes)
+"""Scenes of a finger whose skin is cast around a lowered core."""
+
+
+def list_scenes(design: Design) -> Scenes:
+    return FIRST_SCENES if design.mold.method == "plunge" else SCENES
 
 
 def draw_steps(
     design: Design, data: Data, names: Sequence[str], progress: Callable[[str], None] = lambda message: None
 ) -> dict[str, bytes]:
     bench, pictures = Bench(design), {}
+    scenes = list_scenes(design)
     work = Work("", {"pictures of the steps": 1.0}, progress)
     work.begin("pictures of the steps")
     for number, name in enumerate(names, 1):
         work.advance((number - 1) / len(names))
-        pictures[f"{number:02}-{name}.png"] = draw_scene(SCENES[name](bench, data))
+        pictures[f"{number:02}-{name}.png"] = draw_scene(scenes[name](bench, data))
     return pictures
 
 

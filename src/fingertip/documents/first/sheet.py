@@ -19,6 +19,7 @@ from fingertip.casting.hardware import size_wires
 from fingertip.catalogues.output_files import PRINT_FOLDER
 from fingertip.catalogues.silicones import Silicone, find_example
 from fingertip.design import Design
+from fingertip.design.geometry.dimensions import HEAD_MM, LONGER_MM, SHORTER_MM, TIE_WIDTH_MM
 from fingertip.design.interfaces import interface_of
 from fingertip.documents.template import render, render_page
 from fingertip.foundation.tables import load_table, read_rows
@@ -63,6 +64,7 @@ class FirstSheet:
     lacquer: str
     wire_mm: float
     bolt: str
+    tie_mm: float
     plate: str
     print_h: float | None
     printed_g: float
@@ -73,6 +75,10 @@ class FirstSheet:
     """Time in which the core is lowered [s]: five seconds would take a thumb's whole force."""
     divider_kohm: float
     batch: Mixture
+    height_mm: tuple[float, float]
+    """Least and largest height from the foot of the cup to the top of the seated core's plate [mm]."""
+    tilt_mm: float
+    """Largest difference of this height between its corners [mm]."""
     length_mm: tuple[float, float]
     head_mm: tuple[float, float]
     """Least and largest length of the sensor's film and width of its head that this bone takes [mm]."""
@@ -94,15 +100,17 @@ def first_sheet(
     """Collect the data of the sheet, as a dictionary that JSON takes."""
     mixture, example = _mix(silicone, volumes.total_cm3), find_example(silicone)
     bolt = (interface_of(design).mounting(design) or {}).get("bolt")
+    body, height_mm = design.dimensions.sensor, round(design.cup_layout.overall_height, 1)
     number = _ORDER_NUMBERS.get(design.sensor.model)
     sheet = FirstSheet(
         design=design.name,
         method=design.mold.method,
-        sensor=design.dimensions.sensor.label,
+        sensor=body.label,
         order_number=f", order number {number}" if number else "",
         silicone=f"{silicone.label}, such as {example['label']}" if example else silicone.label,
         lacquer=AIDS["lacquer"]["label"],
         wire_mm=round(size_wires(design).max_diameter_mm, 2),
+        tie_mm=TIE_WIDTH_MM,
         bolt=f"M{bolt['thread_mm']:g} x {bolt['length_mm']:g} mm" if bolt else "",
         plate=f"{PRINT_FOLDER}/{FDM.file_names(1)[0]}",
         print_h=None,
@@ -112,8 +120,10 @@ def first_sheet(
         plunge_s=30,
         divider_kohm=design.board.divider_ohm / 1e3,
         batch=mixture,
-        length_mm=(18, 23),
-        head_mm=(7.4, 7.8),
+        height_mm=(height_mm, round(height_mm + 0.5, 1)),
+        tilt_mm=0.2,
+        length_mm=(body.length_mm - SHORTER_MM, body.length_mm + LONGER_MM),
+        head_mm=(round(body.head_diameter_mm - HEAD_MM, 1), round(body.head_diameter_mm + HEAD_MM, 1)),
         check_warnings=tuple(warnings),
     )
     data, rows = asdict(sheet), read_rows(Path(__file__).with_name("items.csv"))

@@ -52,6 +52,8 @@ def render_board(sources: Sources) -> Markup:
     layout, schematic, channel, bom, values, readme, bring_up = (
         sources.text(f"{outputs.BOARD_FOLDER}/{name}") for name in (*read, outputs.BRING_UP)
     )
+    if sources.design.board.variant == "divider":
+        return join((_draw_wiring(sources), render((readme or "").partition("\n")[2], sources.links)))
     links, sections = sources.links, split_sections(readme or "")
     named = [path for path in (f"{outputs.BOARD_FOLDER}/{name}" for name in _FILES) if path in links]
     parts = [element("p", "Files of the board:"), list_links(named, links, "files")] if named else []
@@ -79,14 +81,21 @@ def render_board(sources: Sources) -> Markup:
     folded += [(heading, render(sections[heading], links)) for heading in _NOTES if heading in sections]
     if bring_up:
         folded.append(("Bring-up with a multimeter", render(bring_up.partition("\n")[2], links)))
-    if wiring := sources.files.get(f"{outputs.BOARD_FOLDER}/{outputs.WIRING}"):
-        drawn = element("img", src=embed(wiring, "image/svg+xml"), alt="Wiring of sensor, board and controller")
-        folded.append(("How to connect it", figure(drawn, "", "wiring", "paper")))
+    if wiring := _draw_wiring(sources):
+        folded.append(("How to connect it", wiring))
     parts += [fold(title, content) for title, content in folded]
     if layout and not bring_up:
         made = element("code", COMMANDS[outputs.BOARD_FOLDER])
         parts.append(note("There is no bring-up sheet: in the folder of this page, ", made, " makes it."))
     return join(parts)
+
+
+def _draw_wiring(sources: Sources) -> Markup:
+    wiring = sources.files.get(f"{outputs.BOARD_FOLDER}/{outputs.WIRING}")
+    if wiring is None:
+        return Markup("")
+    drawn = element("img", src=embed(wiring, "image/svg+xml"), alt="Wiring of sensor, board and controller")
+    return figure(drawn, "", "wiring", "paper")
 
 
 def render_bom(text: str) -> Markup:

@@ -39,7 +39,8 @@ def render_printing(sources: Sources) -> Markup:
     )
     text = split_sections(sources.files[outputs.SHEET].decode()).get(_PRINTING, "")
     missing = note(element("code", COMMANDS[outputs.PRINT_FOLDER]), " makes plates and parts as they lie on the bed.")
-    return join((files if rows else missing, fold("How to print", render(text, sources.links), state="roomy")))
+    how = fold("How to print", render(text, sources.links), state="roomy") if text else ""
+    return join((files if rows else missing, how))
 
 
 def render_tests(sources: Sources) -> Markup:
@@ -59,8 +60,10 @@ def render_shopping(sources: Sources) -> Markup:
     plugs = split_sections(sources.text(f"{outputs.BOARD_FOLDER}/{outputs.README}") or "").get("What else to buy")
     if plugs:
         parts.append(fold("Plugs and wires of the board", render(plugs, sources.links, **_TICKED)))
-    said = ("The parts on the board stand ", element("a", "with its pictures", href="#board"), ".")
-    return join((*parts, element("p", *said)))
+    if sources.design.board.variant != "divider":
+        said = ("The parts on the board stand ", element("a", "with its pictures", href="#board"), ".")
+        parts.append(element("p", *said))
+    return join(parts)
 
 
 def render_list(text: str, is_bench: Callable[[str], bool], links: Mapping[str, str]) -> Markup:

@@ -48,7 +48,7 @@ def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:
     prepared = prepared or prepare_page(design)
     cast = casting_section.render_casting(sources)
     verdict, kind = tell_verdict(sources.report)
-    steps = cast.count("data-tick=")
+    steps, has_board = cast.count("data-tick="), design.board.variant != "divider"
     start = render_start(design, sources.report, measure_finger(items), sources.links, steps, verdict)
     picture = render_finger(prepared.finger, "The finished finger, computed: from the back, and from the palm.")
     tabs = (
@@ -62,7 +62,9 @@ def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:
         )),
         ("buy", "Buy", (_title("What to buy"), casting_section.render_shopping(sources))),
         ("cast", "Cast", (_title("Cast the skin", "casting"), cast)),
-        ("board", "Board", (_title("The board"), render_board(sources))),
+        ("board", "Board" if has_board else "Wire", (
+            _title("The board" if has_board else "The wiring"), render_board(sources),
+        )),
         ("test", "Test", (_title("Test the sensor and the finished finger"), casting_section.render_tests(sources))),
         ("more", "More", tuple(
             fold(title, content, name=name, state="roomy" if name in ("checks", "basis") else "", level=2)
@@ -74,6 +76,7 @@ def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:
                 ("response", "Response of the board", prepared.response),
                 ("trial", "Trial and detection", render_trial(sources)),
             )
+            if content
         )),
     )  # fmt: skip
     scripts = (read_viewer_library(), read_asset("viewer.js"), read_asset("board.js"))

@@ -50,6 +50,7 @@ class Mixture:
     b_g: float
     total_g: float
     components: tuple[str, str]
+    density_g_cm3: float
     pot_life_min: float
     cure_h: float
 
@@ -121,7 +122,7 @@ def first_sheet(
         divider_kohm=design.board.divider_ohm / 1e3,
         batch=mixture,
         height_mm=(height_mm, round(height_mm + 0.5, 1)),
-        tilt_mm=0.2,
+        tilt_mm=0.15,
         length_mm=(body.length_mm - SHORTER_MM, body.length_mm + LONGER_MM),
         head_mm=(round(body.head_diameter_mm - HEAD_MM, 1), round(body.head_diameter_mm + HEAD_MM, 1)),
         check_warnings=tuple(warnings),
@@ -139,8 +140,10 @@ def _mix(silicone: Silicone, in_cup_cm3: float) -> Mixture:
     total_g = max(in_cup_g * (1.0 + quantities.WASTE_FRACTION), quantities.MIN_MIX_G, to_weigh_g)
     a_g, b_g = (round(part, 1) for part in quantities.split_by_mix_ratio(silicone, total_g))
     first, second = silicone.components
-    pot_life_min, cure_h = silicone.planned_pot_life_min, silicone.cure_h.high
-    return Mixture(round(in_cup_g, 1), a_g, b_g, round(a_g + b_g, 1), (first, second), pot_life_min, cure_h)
+    return Mixture(
+        round(in_cup_g, 1), a_g, b_g, round(a_g + b_g, 1), (first, second), silicone.density_g_cm3.high,
+        silicone.planned_pot_life_min, silicone.cure_h.high,
+    )  # fmt: skip
 
 
 def list_first_steps(data: Mapping[str, Any]) -> list[Step]:

@@ -67,7 +67,7 @@ def cover_tape_data(design: Design) -> dict[str, Any]:
         "pocket_mm": round(2.0 * (half - rim), 2),
         "flat_mm": round(narrowest, 1),
         "flat_end_mm": flat_end,
-        "turned_up_mm": _TURNED_UP_MM if dims.tail_passes_collar and design.mold.method == "overmold" else 0.0,
+        "turned_up_mm": _TURNED_UP_MM if dims.tail_passes_collar else 0.0,
         "head_mm": round(dims.sensor_z, 2),
         "neck_mm": neck,
         "trim": trim,
@@ -121,12 +121,7 @@ def flat_width_mm(design: Design, z: float) -> float:
     return 2.0 * (platform or add_groove(design.bone, dims.bone_outline).half_width_at(-dims.flat_depth, z))
 
 
-def uses_primer(data: Mapping[str, Any]) -> bool:
-    """Tell from the data of a sheet whether a step primes the bone: for the skin cast around it, or for the patch."""
-    return data["insert"] == "bone" or data["chaplet"] is not None
-
-
 def uses_adhesive(data: Mapping[str, Any]) -> bool:
     """Tell from the data of a sheet whether silicone adhesive seals a passage or a lid."""
-    passes = data["method"] == "overmold" and data["mold"]["tail_passes_collar"]
+    passes = data["mold"]["tail_passes_collar"]
     return bool(passes or data["sensor_tail"] == "folded")

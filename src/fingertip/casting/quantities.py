@@ -141,10 +141,10 @@ def _component_densities(silicone: Silicone) -> tuple[float, float] | None:
     return ((a.low + a.high) / 2, (b.low + b.high) / 2) if a and b else None
 
 
-# Force that pulls the skin off the bone, where a groove or the tightness of a sleeve holds it. A thin ring of silicone
+# Force that pulls the skin off the bone, where a groove or its tightness holds it. A thin ring of silicone
 # is stretched: p = E e t / R, with the strain e, the thickness t and the radius R (thin-walled cylinder). Over a groove
-# the ring climbs a flank of 45 degrees without friction, so the pull is the force that presses it together; a sleeve is
-# held by friction. Adhesion is left out: it depends on how clean the bone is.
+# the ring climbs a flank of 45 degrees without friction, so the pull is the force that presses it together; a tight
+# skin is held by friction. Adhesion is left out: it depends on how clean the bone is.
 
 FRICTION = 0.5
 """Coefficient of friction of silicone on resin. An assumption, at the lower end of rubber's."""
@@ -168,10 +168,10 @@ def skin_pull_off_n(design: Design, silicone: Silicone) -> float:
 
 
 def name_retention(design: Design) -> list[str]:
-    """Name what holds the skin besides adhesion: the groove, the tightness of a sleeve, or nothing."""
+    """Name what holds the skin besides adhesion: the groove, its tightness, or nothing."""
     held = ["the groove"] if design.bone.groove_depth_mm else []
     if design.is_cast_apart and design.mold.sleeve_interference_mm:
-        held.append("the tightness of the sleeve")
+        held.append("its tightness")
     return held
 
 

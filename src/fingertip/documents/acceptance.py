@@ -126,7 +126,6 @@ def acceptance_data(design: Design, detection: Detection) -> dict[str, Any]:
         "design": design.name,
         "sensor": design.dimensions.sensor.label,
         "tail": design.sensor.tail,
-        "method": design.mold.method,
         "detector": detection.detector,
         "slide": {"delay_ms": delay_ms, "ends_after_ms": round(1000 * detection.memory_s)},
         "wires": {

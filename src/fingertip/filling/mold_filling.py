@@ -86,11 +86,10 @@ def build_grid(design: Design) -> SkinGrid:
     chaplet = design.dimensions.chaplet
     if chaplet is None:
         return build_skin_grid(design)
-    scale = design.dimensions.shrinkage if design.mold.method == "sleeve" else 1.0
 
     def is_closed(points: Array) -> NDArray[np.bool_]:
-        distance = np.hypot(points[..., 0], points[..., 2] - scale * chaplet.z)
-        return np.asarray((points[..., 1] > 0.0) & (distance < scale * chaplet.radius))
+        distance = np.hypot(points[..., 0], points[..., 2] - chaplet.z)
+        return np.asarray((points[..., 1] > 0.0) & (distance < chaplet.radius))
 
     return build_skin_grid(design, is_closed=is_closed)
 
@@ -172,9 +171,8 @@ def _clear_of_chaplet(design: Design, point: Point3) -> Point3:
     chaplet = design.dimensions.chaplet
     if chaplet is None or point[1] < 0.0:
         return point
-    scale = design.dimensions.shrinkage if design.mold.method == "sleeve" else 1.0
     needed = chaplet.head_radius + design.mold.vent_diameter_mm / 2 + design.printer.min_wall_mm + _BESIDE_HEAD_MM
-    return _push_away(point, 0.0, scale * chaplet.z, needed)
+    return _push_away(point, 0.0, chaplet.z, needed)
 
 
 def _push_away(point: Point3, from_x: float, from_z: float, needed_mm: float) -> Point3:

@@ -213,8 +213,6 @@ def _list_mold_features(design: Design) -> Iterable[Feature]:
     yield "skin", (middle, -(dims.flat_depth_at(middle) + outer.palmar_height_at(0.0, middle)) / 2 - 0.2)
     yield "palmar half", (0.75 * design.skin.length_mm, -(outer.section.palmar + layout.palmar_height) / 2)
     yield "dorsal half", (layout.distal_z - 3.0, 0.6 * layout.dorsal_height)
-    if design.mold.method == "sleeve":
-        yield "core", (middle, 0.0)
 
 
 def _list_bone_features(design: Design) -> Iterable[Feature]:

@@ -237,5 +237,5 @@ def select_names(option: str, requested: Iterable[str], known: tuple[str, ...]) 
 
 def _describe_unknown_name(name: str, known: tuple[str, ...]) -> str:
     if name in PARTS:  # only the core is missing from some designs
-        return f"this design has no {name!r}, which only a sleeve is cast around; --set mold.method=sleeve."
+        return f"this design has no {name!r}, which only mold.method=plunge has."
     return f"{name!r} is not one of the choices; {suggest_name(name, known)}"

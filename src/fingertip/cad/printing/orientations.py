@@ -51,8 +51,6 @@ def print_orientations(design: Design) -> dict[str, Orientation]:
         standing = Orientation(180.0, "the foot, rim up", needs_supports=False)
         orientations |= {"mold_palmar": standing, "mold_dorsal": standing}
         orientations["core"] = Orientation(0.0, "the plate, with its name", needs_supports=False)
-    if design.mold.method == "sleeve":
-        orientations["core"] = Orientation(0.0, "the flat proximal end", needs_supports=True)
     return orientations
 
 

@@ -1,6 +1,6 @@
-"""Inserts of the mold around which silicone is cast, the filled bone or the core of a sleeve, with chaplet and skin.
+"""Inserts of the mold around which silicone is cast, the filled bone or a core, with chaplet and skin.
 
-Overmolding casts the skin around the bone itself. A sleeve is cast around a core and pulled over the bone afterwards;
+Overmolding casts the skin around the bone itself. Or it is cast around a core and pulled over the bone afterwards;
 the core is smaller than the bone by an interference, which makes the skin fit tightly.
 """
 
@@ -54,19 +54,14 @@ def pilot_hole(design: Design) -> tuple[Solid, ...]:
 
 
 def boss(design: Design) -> tuple[Solid, ...]:
-    """Build the boss in the cavity, widened by its draft; a core's is enlarged by the shrinkage. None without one."""
+    """Build the boss in the cavity, widened by its draft; none without one."""
     chaplet = design.dimensions.chaplet
-    return (scaled(_boss(design, chaplet), _core_scale(design)),) if chaplet else ()
-
-
-def _core_scale(design: Design) -> float:
-    """Enlargement of what lies in the cavity: a core shrinks with its sleeve, the bone does not."""
-    return design.dimensions.shrinkage if design.is_cast_apart else 1.0
+    return (_boss(design, chaplet),) if chaplet else ()
 
 
 def _boss(design: Design, chaplet: Chaplet) -> Solid:
-    """Build the boss from the facet of bone or core to far outside the skin."""
-    low, high = chaplet.facet_y - sleeve_inset_mm(design), 4 * design.dimensions.outer.section.dorsal
+    """Build the boss from the facet to far outside the skin."""
+    low, high = chaplet.facet_y, 4 * design.dimensions.outer.section.dorsal
     return Cone(
         "y", (chaplet.z, 0.0), low, high, chaplet.radius, chaplet.radius + design.dimensions.draft_slope * (high - low)
     )
@@ -76,7 +71,7 @@ def contact_y(design: Design) -> float:
     """Height of the plane in the closed mold in which boss and facet meet [mm]."""
     chaplet = design.dimensions.chaplet
     assert chaplet
-    return (chaplet.facet_y - sleeve_inset_mm(design)) * _core_scale(design)
+    return chaplet.facet_y
 
 
 def screw_hole(design: Design) -> tuple[Solid, ...]:
@@ -96,7 +91,7 @@ def axis_z(design: Design) -> float:
     """Axis of the chaplet in the mold, along the finger [mm]."""
     chaplet = design.dimensions.chaplet
     assert chaplet
-    return chaplet.z * _core_scale(design)
+    return chaplet.z
 
 
 def head_y(design: Design) -> float:
@@ -115,9 +110,6 @@ _INTO_BONE_MM = 0.2
 """Depth to which an insert reaches into the filled bone, so that no faces coincide [mm]."""
 _STEP_IN_COLLAR_MM = 0.3
 """Depth of the step between both flats in the collar, which rules keep longer than this [mm]."""
-_BASE_OVERLAP_MM = 0.4
-"""Depth to which the base of a sleeve's core reaches into the collar [mm]. Solids that only touch would leave
-coincident faces."""
 
 
 def filled_bone(design: Design, inset_mm: float = 0.0) -> Solid:
@@ -228,22 +220,6 @@ def above_collar_foot(design: Design, gap_mm: float = 0.0) -> Solid:
     return Prism("x", outline, -2 * section.half_width, 2 * section.half_width)
 
 
-def core(design: Design) -> Solid:
-    """Build the printable core of a sleeve, with the hole for the screw of the chaplet."""
-    return difference(sleeve_core(design), *(scaled(hole, design.dimensions.shrinkage) for hole in pilot_hole(design)))
-
-
-def sleeve_core(design: Design) -> Solid:
-    """Build the core around which a sleeve is cast, filled: without the bone's hollows.
-
-    Inside the skin it is smaller than the bone by the interference and then enlarged to allow for shrinkage. Its base
-    and collar equal the bone's, because both fit the same recess of the mold.
-    """
-    base, scale = design.dimensions.bone_outline.stations[0]
-    below = ConicBody(design.dimensions.bone_outline.section, ((base, scale), (-_BASE_OVERLAP_MM, scale)))
-    return union(core_within_skin(design), _cut_flat(design, below), collar(design))
-
-
 def core_within_skin(design: Design) -> Solid:
     """Build what of a core lies inside the skin, enlarged by the shrinkage; it reaches into collar or plate."""
     above, _, _ = design.dimensions.insert_body()
@@ -258,7 +234,7 @@ def bump_recess(design: Design) -> tuple[Solid, ...]:
     Its side slopes by 45 degrees, so that no air stays in it and the bump leaves it.
     """
     skin, dims = design.skin, design.dimensions
-    if design.mold.method != "plunge" or skin.bump_height_mm == 0.0:
+    if not design.is_cast_apart or skin.bump_height_mm == 0.0:
         return ()
     floor = sleeve_inset_mm(design) - dims.platform_depth + skin.bump_height_mm
     reach = skin.bump_height_mm + _INTO_HOLLOW_MM
@@ -271,17 +247,11 @@ def mold_insert(design: Design) -> Solid:
 
     Of a core on a plate it is the part inside the skin.
     """
-    match design.mold.method:
-        case "sleeve":
-            return sleeve_core(design)
-        case "plunge":
-            return core_within_skin(design)
-        case _:
-            return skin_interior(design)
+    return core_within_skin(design) if design.is_cast_apart else skin_interior(design)
 
 
 def skin_interior(design: Design) -> Solid:
-    """Build what the skin lies on: the bone, inset for a sleeve, with an insert on its sensor."""
+    """Build what the skin lies on: the bone, or what a core gives it, with an insert on its sensor."""
     bone, recess = filled_bone(design, sleeve_inset_mm(design)), bump_recess(design)
     bone = difference(bone, *recess) if recess else bone
     return union(bone, *sensor_insert(design, INSERT_BASE_MM + _INTO_BONE_MM)) if design.dimensions.insert else bone
@@ -327,8 +297,8 @@ def cavity(design: Design) -> Solid:
 def cavity_outline(design: Design) -> Solid:
     """Build the outline of the cavity: the outer surface, enlarged to allow for silicone shrinkage.
 
-    A sleeve shrinks freely, and its core is enlarged by the same factor. An overmolded skin is held by the bone: its
-    volume shrinkage, three times the linear one, reduces its thickness only. The distance is the same as for free
-    shrinkage where the skin is a third of the finger's half width thick.
+    A skin around a core shrinks freely, and the core is enlarged by the same factor. An overmolded skin is held by the
+    bone: its volume shrinkage, three times the linear one, reduces its thickness only. The distance is the same as for
+    free shrinkage where the skin is a third of the finger's half width thick.
     """
     return scaled(skin_outline(design), design.dimensions.shrinkage)

@@ -135,8 +135,8 @@ def _check_overlaps(
 def _cavity_imbalance(design: Design, evaluator: MeshEvaluator, skin: Solid) -> float:
     """Compute |cavity - core - silicone that shrinks to the skin| [mm3].
 
-    A sleeve and its core are enlarged by the same factor. Overmolded silicone is not: the bone keeps its size, so
-    silicone also fills the space by which the cavity is enlarged around it. With the boss, the cavity then is the
+    A core and the skin around it are enlarged by the same factor. Overmolded silicone is not: the bone keeps its size,
+    so silicone also fills the space by which the cavity is enlarged around it. With the boss, the cavity then is the
     enlarged outline of the skin and of what does not shrink within it.
     """
     growth, silicone = design.dimensions.shrinkage**3, evaluator.manifold(skin).volume()

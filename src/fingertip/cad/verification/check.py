@@ -40,7 +40,7 @@ _CAUSES: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("cup.trapped_air", ("skin.bump_height_mm", "bone.groove_depth_mm")),
     ("cup.wall", ("mold.wall_mm", "mold.engraving_depth_mm")),
     ("cup.*", _BUG),
-    ("skin.fitting_stretch", ("mold.max_stretch_percent", "bone.groove_depth_mm", "mold.sleeve_interference_mm")),
+    ("skin.fitting_stretch", ("bone.groove_depth_mm", "mold.sleeve_interference_mm")),
     ("bone.wall.channel*", ("bone.channel_diameter_mm", "bone.wall_mm")),
     ("bone.wall.sensor*", ("bone.rim_mm", "bone.wall_mm", "skin.width_mm")),
     ("bone.wall.trough*", ("skin.semi_axis_dorsal_mm", "skin.width_mm", "bone.wall_mm")),

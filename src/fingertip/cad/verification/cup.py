@@ -14,7 +14,7 @@ from fingertip.cad.shapes import cup
 from fingertip.cad.shapes.insert import cavity, core_within_skin, skin
 from fingertip.cad.verification.assembly import HALVES, LIFT_MM
 from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, complement, measure_gap
-from fingertip.cad.verification.skin import check_sleeve_stretch
+from fingertip.cad.verification.skin import check_fitting_stretch
 from fingertip.cad.verification.trapped_air import LEANS_DEG, trapped_mm3
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.design import Design
@@ -63,7 +63,7 @@ def check_cup(design: Design, evaluator: MeshEvaluator, parts: Collection[str]) 
     yield Check("cup.core_weight", weight, 0.0, "N", "at least")
     yield Check("cup.seat_film", seat_film_mm(design, weight), _MAX_FILM_MM, "mm")
     yield _check_wall(design, evaluator)
-    yield check_sleeve_stretch(design, evaluator)
+    yield check_fitting_stretch(design, evaluator)
 
 
 def _check_motions(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:

@@ -1,4 +1,4 @@
-"""Checks of the skin: thickness, deviation of its mesh from the exact surface, stretch of a sleeve, and its pad.
+"""Checks of the skin: thickness, deviation of its mesh from the exact surface, stretch as it is put on, and its pad.
 
 Thickness is measured above the plane z = 0, where the skin is cut square: the least gap between bone and outside.
 
@@ -156,7 +156,7 @@ _PERCENT_SLACK = 1e-3
 MAX_STRETCH_SHARE = 0.2
 """Share of its elongation at break by which a skin may be stretched: tight ones split after weeks."""
 _SECTIONS = 24
-"""Sections along the straight part of a sleeve whose perimeters are measured."""
+"""Sections along the straight part of a skin whose perimeters are measured."""
 
 
 def check_skin(design: Design, evaluator: MeshEvaluator, mesh: Mesh) -> Iterator[Check]:
@@ -173,16 +173,14 @@ def min_thickness(design: Design, evaluator: MeshEvaluator) -> float:
     return _thickness(_interior(design, evaluator), _outside(design, evaluator))
 
 
-def check_sleeve_stretch(design: Design, evaluator: MeshEvaluator) -> Check:
-    """Check the stretch [%] of a sleeve's narrowest section when it is pulled over the widest section of the bone."""
+def check_fitting_stretch(design: Design, evaluator: MeshEvaluator) -> Check:
+    """Check the stretch [%] of a skin's narrowest section when it is pulled over the widest section of the bone."""
     interior, whole = (evaluator.manifold(s) for s in (skin_interior(design), filled_bone(design)))
     straight_length = design.skin.length_mm - design.skin.tip_length_mm
     heights = [straight_length * (i + 0.5) / _SECTIONS for i in range(_SECTIONS)]
     narrowest = min(_perimeter(interior, z) for z in heights)
     widest = max(_perimeter(whole, z) for z in heights)
-    stretch, limit = widest / narrowest - 1.0, design.mold.max_stretch_percent
-    if design.mold.method == "plunge":
-        limit = MAX_STRETCH_SHARE * design.silicone.material.elongation_percent.low
+    stretch, limit = widest / narrowest - 1.0, MAX_STRETCH_SHARE * design.silicone.material.elongation_percent.low
     return Check("skin.fitting_stretch", 100 * stretch, limit, "%")
 
 

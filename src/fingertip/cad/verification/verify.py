@@ -20,7 +20,7 @@ from fingertip.cad.verification.cup import check_cup
 from fingertip.cad.verification.laid_in import check_laid_in
 from fingertip.cad.verification.mold import check_filling, check_mold, check_seals
 from fingertip.cad.verification.printing import check_mesh_file, check_overhang, check_print_files
-from fingertip.cad.verification.skin import check_pad, check_skin, check_sleeve_stretch
+from fingertip.cad.verification.skin import check_pad, check_skin
 from fingertip.cad.verification.stand import check_stand
 from fingertip.cad.verification.strength import BoneStrength, assess_strength
 from fingertip.cad.verification.walls import check_walls
@@ -114,5 +114,3 @@ def check_parts(
         yield from check_mold(design, evaluator)
         yield from check_filling(design)
         yield from check_seals(design, evaluator)
-    if "core" in meshes:
-        yield check_sleeve_stretch(design, evaluator)

@@ -27,7 +27,7 @@ TIE_WIDTH_MM, TIE_ROOM_MM, TIE_DEPTH_MM = 2.5, 0.3, 0.6
 """Width of the smallest usual cable tie, room beside it, and depth of the notches in which it lies [mm]."""
 SHORTER_MM, LONGER_MM, HEAD_MM, TAIL_MM = 2.0, 3.0, 0.2, 0.5
 """How much a sensor that is laid in may be shorter, longer, and wider at head and tail than its catalogue says [mm]."""
-_PAST_HOLE_MM, _TOUCHING_MM = 0.2, 1e-6
+_PAST_HOLE_MM = 0.2
 _SEAL_MM = 2.0
 """Length of the collar that seals the mold at a folded tail [mm]; the window may lie in what is longer. An
 assumption."""
@@ -36,7 +36,7 @@ TAB_WIDTH_MM = 1.0
 PIN_LENGTHS_MM = (4, 5, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 28, 32)
 """Standard lengths of dowel pins (ISO 8734)."""
 _BODY_OVERLAP_MM = 0.2
-"""Depth to which the body of a sleeve's core reaches into the collar [mm]. Solids that only touch would leave
+"""Depth to which the body of a core reaches into the collar [mm]. Solids that only touch would leave
 coincident faces."""
 _MIN_COLLAR_STEP_MM = 0.4
 """Least step from the base of a bone below a crown to its collar [mm], which the mold's recess follows."""
@@ -218,21 +218,12 @@ class Dimensions(SkinDimensions):
         return self.sensor_z + self.sensor.head_diameter_mm / 2 - self.sensor.length_mm + self.ramp_excess
 
     @cached_property
-    def relief_meets_collar(self) -> bool:
-        """True if the recess for the solder joints of a straight tail lies partly within the collar."""
-        low, high = self.relief_proximal_z, self.tail_end_z + self.relief_half_length
-        return low < -_TOUCHING_MM and high > _TOUCHING_MM - self._design.bone.collar_length_mm
-
-    @cached_property
     def is_laid_in(self) -> bool:
         """True if a straight tail lies in a trough that is open to the palm, also through the collar.
 
-        No bone lies in the mold of a skin that is made apart, so no silicone has to be kept out of the trough. The
-        bolted mold of a sleeve keeps its closed passage, except where that would cut the collar.
+        No bone lies in the mold of a skin that is made apart, so no silicone has to be kept out of the trough.
         """
-        if self._design.sensor.tail != "straight" or not self._design.is_cast_apart:
-            return False
-        return self._design.mold.method == "plunge" or self.relief_meets_collar
+        return self._design.sensor.tail == "straight" and self._design.is_cast_apart
 
     @cached_property
     def tail_passes_collar(self) -> bool:

@@ -122,6 +122,9 @@ REPLACED_PARAMETERS = {
         "this parameter was replaced, because a number alone buys no amplifier; remove it, and name the amplifier with "
         f"board.amplifier={AUTO}, or one of {_DUALS}."
     ),
+    "mold.max_stretch_percent": (
+        "this parameter was replaced by a fifth of the silicone's elongation at break; remove it."
+    ),
     "board.supply": (
         "this parameter was replaced, because each of the three boards has one supply; remove it, and name the board: "
         "board.variant=article with board.supply_v=5, or board.variant=precision (or comparator) with "

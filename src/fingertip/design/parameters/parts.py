@@ -142,19 +142,16 @@ class Strength(ParameterTable):
 class Mold(ParameterTable):
     """Two-part mold, parted at the plane through the silhouette, and the casting method."""
 
-    method: Literal["overmold", "sleeve", "plunge"] = choice(
+    method: Literal["overmold", "plunge"] = choice(
         "overmold",
-        "overmold: cast in place around bone and sensor; sleeve: cast around a core, then pulled over the bone; "
-        "plunge: the same, but the core is lowered into the filled cup.",
+        "overmold: cast in place around bone and sensor; plunge: cast around a core that is lowered into the filled "
+        "cup, then pulled over the bone.",
     )
     sleeve_interference_mm: float = quantity(
-        0.15, "mm", (0, 1), "Inset of the core from the bone on every side, so that a sleeve fits tightly."
-    )
-    max_stretch_percent: float = quantity(
-        100.0, "%", (5, 500), "Maximum strain of a sleeve while it is pulled over the bone. (unverified)"
+        0.15, "mm", (0, 1), "Inset of the core from the bone on every side, so that the skin fits tightly."
     )
     silicone_shrinkage_percent: float = quantity(
-        0.2, "%", (0, 5), "Linear shrinkage of the silicone, by which the cavity and a sleeve's core are enlarged."
+        0.2, "%", (0, 5), "Linear shrinkage of the silicone, by which cavity and core are enlarged."
     )
     wall_mm: float = quantity(
         4.0, "mm", (1.2, 30), "Thickness of the mold on the palmar, dorsal and distal sides of the cavity."

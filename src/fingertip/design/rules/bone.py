@@ -46,9 +46,9 @@ def relief_clear_of_pocket(design: DesignTables) -> Limit:
 @RULES.rule("sensor.distance_from_tip_mm", when=lambda design: not (design.is_cast_apart or design.dimensions.fold))
 def relief_clear_of_collar(design: DesignTables) -> Violation | None:
     dims, distance = design.dimensions, design.sensor.distance_from_tip_mm
-    if not dims.relief_meets_collar:
-        return None
     low, high = dims.relief_proximal_z, dims.tail_end_z + dims.relief_half_length
+    if high <= -design.bone.collar_length_mm + SLACK or low >= -SLACK:
+        return None
     # The solder joints lie either above the collar, under the skin, or below it.
     above, below = distance + low, distance + high + design.bone.collar_length_mm
     return Violation(
@@ -93,7 +93,7 @@ def collar_carries_skin(design: DesignTables) -> Limit | None:
 
 
 def _thickness_at_collar(design: DesignTables, half_mm: float, thickness_mm: float) -> float:
-    """Compute the silicone [mm] that ends on the collar, around the bone or around a sleeve's enlarged core."""
+    """Compute the silicone [mm] that ends on the collar, around the bone or around an enlarged core."""
     if not design.is_cast_apart:
         return thickness_mm
     core = (half_mm - thickness_mm - design.mold.sleeve_interference_mm) * design.dimensions.shrinkage

@@ -70,7 +70,6 @@ def casting_sheet_data(
     data: dict[str, Any] = {
         "design": design.name,
         "method": design.mold.method,
-        "insert": "core" if design.mold.method == "sleeve" else "bone",
         "interface": design.bone.interface,
         "sensor": design.dimensions.sensor.label,
         "sensor_tail": design.sensor.tail,
@@ -323,4 +322,4 @@ def steps(data: Data) -> list[Step]:
 
 
 def _add_uses(data: Data) -> Data:
-    return {**data, "uses_primer": consumables.uses_primer(data), "uses_adhesive": consumables.uses_adhesive(data)}
+    return {**data, "uses_adhesive": consumables.uses_adhesive(data)}

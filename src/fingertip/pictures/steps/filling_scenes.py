@@ -145,7 +145,7 @@ def stand(bench: Bench, data: Data) -> Scene:
         _closed(bench),
         View.FUNNEL_UP,
         Label("funnel", (m.gate_x, 0.0, m.distal_z)),
-        Label(f"{bench.insert}, down", (0.0, 0.0, bench.dims.base_end_z)),
+        Label("bone, down", (0.0, 0.0, bench.dims.base_end_z)),
         Label("hold here", (-m.half_width, 0.0, m.pry_z)),
     )
 

@@ -6,7 +6,7 @@ from fingertip.cad.shapes.bone import tape
 from fingertip.cad.shapes.insert import axis_z
 from fingertip.cad.shapes.mold import pry_slots_z
 from fingertip.cad.shapes.parts import PARTS
-from fingertip.casting.consumables import uses_adhesive, uses_primer
+from fingertip.casting.consumables import uses_adhesive
 from fingertip.design.geometry.solids import Box, Cone, Solid, cylinder, union
 from fingertip.filling.mold_filling import place_vents
 from fingertip.pictures.raster import Camera
@@ -21,12 +21,12 @@ def cure_test(bench: Bench, data: Data) -> Scene:
     peels = ": peels off"
     tested = [
         (f"print\nof the mold{peels}", PARTS["mold_palmar"].colour),
-        (f"print\nof the {bench.insert}{peels}", PARTS[bench.insert].colour),
+        (f"print\nof the bone{peels}", PARTS["bone"].colour),
         (f"released\nprint{peels}", PARTS["mold_palmar"].colour),
         ("tape:\npeels off", Paint.TAPE),
     ]
-    if bonding := [name for name, used in (("adhesive", uses_adhesive), ("primer", uses_primer)) if used(data)]:
-        tested.append((",\n".join(bonding) + ": must stick", Paint.GLASS))
+    bonding = ["adhesive", "primer"] if uses_adhesive(data) else ["primer"]
+    tested.append((",\n".join(bonding) + ": must stick", Paint.GLASS))
     if data["filling"]["syringe"]:
         tested.append(("plunger:\npeels off", Paint.STEEL))
     shown, labels = [], []
@@ -59,9 +59,9 @@ def try_fit(bench: Bench, data: Data) -> Scene:
     m, apart = bench.layout, bench.apart_mm
     base = -bench.design.mold.recess_length_mm / 2
     return Scene(
-        (bench.part(bench.insert, (0.0, apart, 0.0)), bench.part("mold_palmar")),
+        (bench.part("bone", (0.0, apart, 0.0)), bench.part("mold_palmar")),
         View.DORSAL,
-        Label(bench.insert, (0.0, apart, bench.dims.base_end_z)),
+        Label("bone", (0.0, apart, bench.dims.base_end_z)),
         Label("recess: scrape it\nwhere it shines", (0.0, -2.0, base)),
         Label("cavity", (0.0, -m.palmar_height / 3, bench.dims.sensor_z)),
         Arrow((0.0, 0.9 * apart, base), (0.0, 0.1 * apart, base)),
@@ -76,14 +76,14 @@ def drill(bench: Bench, data: Data) -> Scene:
     narrow, depth_mm = _drill(z, facet + 2.0, facet + 16.0, chaplet["pilot_mm"] / 2), chaplet["pilot_depth_mm"]
     return Scene(
         (
-            bench.part("mold_dorsal", cut=True), bench.part(bench.insert, (0.0, -apart, 0.0), cut=True),
+            bench.part("mold_dorsal", cut=True), bench.part("bone", (0.0, -apart, 0.0), cut=True),
             bench.solid(wide, Paint.STEEL), bench.solid(narrow, Paint.STEEL),
         ),
         View.SIDE,
         Label(f"drill {chaplet['hole_mm']:g} mm", (0.0, top + 12.0, z)),
         Label("boss", (0.0, facet + apart + 0.6, z + chaplet["diameter_mm"] / 2)),
         Label(f"drill {chaplet['pilot_mm']:g} mm,\nno deeper than\n{depth_mm:g} mm", (0.0, facet + 12.0, z)),
-        Label("pocket of the sensor" if bench.insert == "bone" else "core", (0.0, -apart - 2.0, z + 3.0)),
+        Label("pocket of the sensor", (0.0, -apart - 2.0, z + 3.0)),
         Arrow((0.0, top + 9.0, z - 4.0), (0.0, top + 2.0, z - 4.0)),
     )  # fmt: skip
 
@@ -116,11 +116,10 @@ def seat_tape(bench: Bench, data: Data) -> Scene:
     middle, floor = -(seat["from_mm"] + seat["to_mm"]) / 2, -dims.base_flat_depth
     labels = [Label(f"one turn of tape,\n{seat['thickness_mm']:g} mm thick", (0.0, floor, middle))]
     shown = [*bench.in_mold(), *bench.seat_tape()]
-    if bench.insert == "bone":
-        shown.append(bench.solid(tape(bench.design), Paint.TAPE))
+    shown.append(bench.solid(tape(bench.design), Paint.TAPE))
     if data["filling"]["syringe"]:  # the runner lies on the other side
         labels.append(Label("its ends meet here,\nwithout overlapping", (-half, 0.0, middle)))
-    if bench.insert == "bone" and data["sensor_tail"] == "straight" and data["mold"]["tail_passes_collar"]:
+    if data["sensor_tail"] == "straight" and data["mold"]["tail_passes_collar"]:
         low = max(dims.tail_end_z, -seat["to_mm"] - 2.0)
         scrap = Box((-dims.tail_half_width, floor - 0.1, low), (dims.tail_half_width, floor + 0.1, -seat["from_mm"]))
         shown.append(bench.solid(scrap, Paint.PAPER))
@@ -159,7 +158,7 @@ def hold(bench: Bench, data: Data) -> Scene:
     lift = 10.0
     marks: list[Label | Arrow] = [
         Label("dorsal half", (0.0, m.dorsal_height * 0.8, m.proximal_z)),
-        Label(bench.insert, (0.0, 0.0, bench.dims.base_end_z + 2.0)),
+        Label("bone", (0.0, 0.0, bench.dims.base_end_z + 2.0)),
     ]
     if seat := data["fit"]["seat_tape"]:  # whole, or its cut edges alone would show
         middle = -(seat["from_mm"] + seat["to_mm"]) / 2
@@ -197,16 +196,14 @@ def bolt(bench: Bench, data: Data) -> Scene:
     )  # fmt: skip
 
 
-# Scenes after the cure: open the mold, trim and patch the skin, and pull a sleeve over its bone.
+# Scenes after the cure: open the mold, trim and patch the skin.
 
 
 def open_(bench: Bench, data: Data) -> Scene:
     m, apart = bench.layout, 1.3 * bench.apart_mm
-    section, text = bench.dims.bone_outline.section, "push the core out\nhere, on the base"
-    if bench.insert == "bone":
-        section, text = bench.dims.eyes, "push the finger out\nhere, on the base"
-        if data["joint"] and data["joint"]["travel_deg"]:
-            text = "lay wood across the joint\nhere, and lift the finger"
+    section, text = bench.dims.eyes, "push the finger out\nhere, on the base"
+    if data["joint"] and data["joint"]["travel_deg"]:
+        text = "lay wood across the joint\nhere, and lift the finger"
     labels = [Label(text, (section.half_width, 0.0, m.proximal_z - 1.0))]
     if m.inlet:
         labels.append(Label("cut the runner\nflush here", (m.inlet.gate_x, 0.3, m.inlet.gate_z)))
@@ -234,28 +231,4 @@ def patch(bench: Bench, data: Data) -> Scene:
         (*bench.assembled_bone(), bench.part("skin"), bench.solid(filled, Paint.PATCH)),
         View.DORSAL,
         Label("fill this hole,\nlevel with the skin", (0.0, outer.dorsal_height_at(0.0, z), z)),
-    )
-
-
-def roll_off(bench: Bench, data: Data) -> Scene:
-    out = bench.design.skin.length_mm * 0.7
-    low = bench.dims.base_end_z
-    return Scene(
-        (bench.part("skin"), bench.part("core", (0.0, 0.0, -out))),
-        View.DORSAL,
-        Label("roll the edge back\nand strip the skin off", (0.0, 0.0, 0.0)),
-        Label("core", (0.0, 0.0, low - out)),
-        Arrow((0.0, 12.0, 0.0), (0.0, 12.0, 14.0)),
-    )
-
-
-def pull_on(bench: Bench, data: Data) -> Scene:
-    out = bench.design.skin.length_mm * 1.05
-    return Scene(
-        (*bench.assembled_bone(), bench.part("skin", (0.0, 0.0, out))),
-        View.DORSAL,
-        Label("wet inside", (0.0, 0.0, out)),
-        Label("edge of the skin\nends here, on the collar", (0.0, bench.dims.collar.section.dorsal, 0.0)),
-        Label("keep sensor and slot dry", bench.head),
-        Arrow((0.0, 12.0, out + 6.0), (0.0, 12.0, out - 10.0)),
     )

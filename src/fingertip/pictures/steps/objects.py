@@ -32,8 +32,6 @@ class Bench:
         self.design, self.dims, self.layout = design, design.dimensions, design.mold_layout
         self.evaluator = MeshEvaluator(_TOLERANCE_MM)
         self._meshes: dict[tuple[Solid, bool], Mesh] = {}
-        self.insert = "core" if design.mold.method == "sleeve" else "bone"
-        """Name of the part that lies in the mold while the skin is cast."""
 
     @property
     def head(self) -> Point3:
@@ -70,9 +68,7 @@ class Bench:
         return shown
 
     def in_mold(self, *, cut: bool = False) -> list[Shown]:
-        """Show bone with its sensor, or core, as it lies in the mold."""
-        if self.insert == "core":
-            return [self.part("core", cut=cut)]
+        """Show the bone with its sensor as it lies in the mold."""
         return [*self.assembled_bone(cut=cut), *self.stiff(cut=cut)]
 
     def stiff(self, *, cut: bool = False) -> list[Shown]:
@@ -97,7 +93,7 @@ class Bench:
 
     def casting(self, *, cut: bool = False) -> Shown:
         cast = intersection(union(cavity(self.design), *runners(self.design)), block(self.design))
-        inside = (PARTS[self.insert].solid(self.design), *sensor_insert(self.design))
+        inside = (PARTS["bone"].solid(self.design), *sensor_insert(self.design))
         return self.solid(difference(cast, *inside), Paint.SILICONE, cut=cut)
 
     def vents(self) -> list[Shown]:

@@ -32,9 +32,7 @@ def _find_scenes(*modules: ModuleType) -> dict[str, Callable[[Bench, Data], Scen
     }
 
 
-SCENES: Scenes = {
-    **_find_scenes(mold_scenes, filling_scenes, sensor_scenes), "cover_for_sleeve": sensor_scenes.cover_sensor
-}  # fmt: skip
+SCENES: Scenes = _find_scenes(mold_scenes, filling_scenes, sensor_scenes)
 FIRST_SCENES: Scenes = _find_scenes(first_scenes)
 """Scenes of a finger whose skin is cast around a lowered core."""
 

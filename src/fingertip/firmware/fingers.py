@@ -114,8 +114,10 @@ def list_limits(board: ControllerBoard, sample_rate_hz: float, has_divider: bool
     }
 
 
-def find_board(key: str) -> ControllerBoard | None:
-    return next((board for board in load_controllers() if board.key == key), None)
+def find_controller(design: Design, key: str | None = None) -> ControllerBoard | None:
+    """Find a controller of `list_controllers`, or the one of several fingers."""
+    key = key or (DIVIDER_CONTROLLER if design.board.variant == "divider" else DEFAULT_CONTROLLER)
+    return next((board for board in list_controllers(design) if board.key == key), None)
 
 
 def count_fingers(board: ControllerBoard, sample_rate_hz: float, has_divider: bool = False) -> int:
@@ -151,11 +153,9 @@ def plan_fingers(
         issues.append(Issue("--fingers", f"{problem}; {remedy}."))
     board, signals = None, ("T",) if design.board.variant == "divider" else ("T", "S")
     if controller is not None or inputs is not None or names != Fingers.names:
-        boards = list_controllers(design)
-        wanted = controller or (DIVIDER_CONTROLLER if len(signals) == 1 else DEFAULT_CONTROLLER)
-        board = next((other for other in boards if other.key == wanted), None)
+        board = find_controller(design, controller)
         if board is None:
-            known = join_words([other.key for other in boards], "or")
+            known = join_words([other.key for other in list_controllers(design)], "or")
             issues.append(Issue("--controller", f"{quote_value(controller)} is not known; give {known}."))
     if issues:
         raise FingertipError(issues)

@@ -293,13 +293,13 @@ def compute_acceptance(context: PointContext) -> OutputValues:
 def compute_controller(context: PointContext) -> OutputValues:
     """Compute what detectors of several fingers ask of the controller that `fingertip firmware` proposes for them."""
     from fingertip.catalogues.controllers import NAMES
-    from fingertip.firmware.fingers import DEFAULT_CONTROLLER, count_fingers, find_board, find_load
+    from fingertip.firmware.fingers import count_fingers, find_controller, find_load
 
-    board, rate_hz = find_board(DEFAULT_CONTROLLER), context.design.detector.sample_rate_hz
+    board, rate_hz = find_controller(context.design), context.design.detector.sample_rate_hz
     assert board
     load = find_load(board, rate_hz, len(NAMES))
     return {
-        "controller_fingers": count_fingers(board, rate_hz),
+        "controller_fingers": count_fingers(board, rate_hz, context.design.board.variant == "divider"),
         "controller_load_percent": 100 * load.mean / load.available,
         "controller_peak_percent": 100 * load.longest / load.available,
     }

@@ -23,7 +23,7 @@ from fingertip.catalogues.silicones import Silicone
 from fingertip.design.finger_set import FingerSet, Form
 from fingertip.documents.casting.sheet import casting_sheet_data, round_component_g
 from fingertip.documents.template import render_page, render_rows
-from fingertip.firmware.fingers import DEFAULT_CONTROLLER, find_board
+from fingertip.firmware.fingers import find_controller
 from fingertip.foundation.files import format_csv
 
 _FILLED = "mix and fill"
@@ -91,7 +91,8 @@ def set_data(
     acceptance = {each.form.design.name: dict(each.acceptance) for each in sheets}
     acceptance |= {f"sensor of {finger}": dict(own) for each in sheets for finger, own in each.calibrated.items()}
     counts = {(each.form.design.name, part): each.count_part(part) for each in sheets for part in each.volumes_cm3}
-    printer, controller = sheets[0].form.design.printer, find_board(DEFAULT_CONTROLLER)
+    first = sheets[0].form.design
+    printer, controller = first.printer, find_controller(first)
     return {
         "name": fingers.name,
         "side": fingers.side,

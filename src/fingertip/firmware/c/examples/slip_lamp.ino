@@ -2,12 +2,13 @@
 //
 // Wire the sensor between $supply V and pin A0 (GP26 on a Pico, GPIO1 on an ESP32-S3), and a resistor of $resistor
 // between A0 and GND. Open this file in the Arduino IDE, choose board and port, and upload; a Pico needs the core of
-// Earle Philhower. Leave the finger alone for a second, then open the Serial Plotter. Press: force_n rises. Let
-// something slide over the skin: slip is 1, and the board's lamp is lit. "late" counts samples late or lost.
+// Earle Philhower. Leave the finger alone for a second, then open the Serial Plotter (115200 baud). Press: force_n
+// rises. Let something slide over the skin: slip is 1, and the board's lamp is lit. "late" counts samples late or lost.
 //
 // $forces
 #include <Arduino.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "slip_buffer.h"
 #include "slip_grip.h"
@@ -70,8 +71,11 @@ static void take_sample() {
 
 void setup() {
   pinMode(LAMP_PIN, OUTPUT);
-  Serial.begin(2000000);
+  Serial.begin(STREAM ? 2000000 : 115200);
   analogReadResolution(BITS);
+  for (const auto &input : INPUTS) {
+    CONVERT(input[0]);  // an ESP32 prepares the pin in its first conversion, which takes long
+  }
   slip_hand_init(&hand);
   while (!slip_start_timer(take_sample)) {
     digitalWrite(LAMP_PIN, millis() / 100 % 2 ? HIGH : LOW);  // no timer is free: blink
@@ -79,14 +83,13 @@ void setup() {
 }
 
 // Write a line such as "force_n:1.23 volts:0.81 slip:0", of several fingers with their names.
-static void plot(uint32_t *sums, unsigned on, uint32_t missed) {
+static void plot(const uint32_t *sums, unsigned on, uint32_t missed) {
   char line[96];
   for (unsigned i = 0; i < SLIP_FINGERS; i++) {
     const slip_real volts = SLIP_ADC_LOW_V + SLIP_ADC_STEP_V * ((slip_real)sums[i] / (slip_real)LINE_SAMPLES);
     const unsigned long n = 100 * slip_force_n(i, volts) + 0.5f, v = 100 * volts + 0.5f;
     Serial.write(line, snprintf(line, sizeof line, "%sforce_n:%lu.%02lu %svolts:%lu.%02lu %sslip:%u ", NAMES[i],
                                 n / 100, n % 100, NAMES[i], v / 100, v % 100, NAMES[i], on >> i & 1u));
-    sums[i] = 0;
   }
   Serial.write(line, missed > 0 ? snprintf(line, sizeof line, "late:%lu", (unsigned long)missed) : 0);
   Serial.write("\n", 1);
@@ -123,7 +126,10 @@ void loop() {
   if (STREAM) {
     stream(sample);
   } else if (++count == LINE_SAMPLES) {
-    plot(sums, slipped, late + lost);
+    if (Serial) {  // the lamp waits for no computer
+      plot(sums, slipped, late + lost);
+    }
+    memset(sums, 0, sizeof sums);
     count = slipped = 0;
   }
 }

@@ -18,10 +18,12 @@ from numpy.typing import NDArray
 from PIL import Image, ImageChops, ImageDraw, ImageFont
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.shapes import cup
 from fingertip.cad.shapes.bone import sensor_body
 from fingertip.cad.shapes.mold import block, luer_cone, runners
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.design import Design
+from fingertip.design.geometry.cup_layout import GAP_MM, PLATE_MM
 from fingertip.design.geometry.solids import Solid, intersection, union
 from fingertip.design.interfaces import interface_of
 from fingertip.filling.mold_filling import place_vents
@@ -64,7 +66,19 @@ def list_sections(design: Design, evaluator: MeshEvaluator) -> list[Section]:
         "sensor": sensor_body(design)
     }
     mold = {name: solids[name] for name in ("mold_dorsal", "mold_palmar", "skin")}
-    ways, of_mold, of_bone = _list_ways(design), list(_list_mold_features(design)), list(_list_bone_features(design))
+    of_bone = list(_list_bone_features(design))
+    if design.mold.method == "plunge":
+        title = (
+            "longitudinal section of the closed cup and its core; it stands on its right end; dashed: an overflow notch"
+        )
+        notches = [
+            (intersection(solid, cup.block(design)), design.cup_layout.notch_x) for solid in cup.notches(design)[1:]
+        ]
+        return [
+            Section(title, mold | {"core": solids["core"]}, notches, list(_list_cup_features(design))),
+            Section("longitudinal section of the bone with its sensor", finger, [], of_bone),
+        ]
+    ways, of_mold = _list_ways(design), list(_list_mold_features(design))
     title = "longitudinal section of the closed mold; dashed: in front of or behind the plane of the section"
     # The window of a folded tail leaves nothing of the base in the middle: a cheek beside it is shown.
     dims = design.dimensions
@@ -213,6 +227,22 @@ def _list_mold_features(design: Design) -> Iterable[Feature]:
     yield "skin", (middle, -(dims.flat_depth_at(middle) + outer.palmar_height_at(0.0, middle)) / 2 - 0.2)
     yield "palmar half", (0.75 * design.skin.length_mm, -(outer.section.palmar + layout.palmar_height) / 2)
     yield "dorsal half", (layout.distal_z - 3.0, 0.6 * layout.dorsal_height)
+
+
+def _list_cup_features(design: Design) -> Iterable[Feature]:
+    dims, layout, bone = design.dimensions, design.cup_layout, design.bone
+    yield "plate of the core", (-PLATE_MM / 2, layout.dorsal_height / 2)
+    yield "ridge in its groove", (1.0, layout.dorsal_height - 2.0)
+    yield "dorsal half", (0.5 * design.skin.length_mm, 0.75 * layout.dorsal_height)
+    yield "seat of a rubber band", (layout.belts_z[1], layout.dorsal_height - 0.5)
+    if bone.groove_depth_mm:
+        z = bone.groove_distance_mm + bone.groove_depth_mm + bone.groove_width_mm / 2
+        yield "rib of the skin", (z, dims.bone_outline.section.dorsal - bone.groove_depth_mm / 2)
+    yield "core", (0.4 * design.skin.length_mm, 0.5)
+    yield "skin", (design.skin.length_mm - design.skin.thickness_tip_mm / 2, 0.5)
+    yield "bump over the sensor", (dims.sensor_z, -dims.platform_depth - 0.3)
+    yield "palmar half", (0.85 * design.skin.length_mm, -(dims.outer.section.palmar + layout.palmar_height) / 2)
+    yield "gap, where silicone overflows", (GAP_MM / 2, -(dims.base_palmar_height + layout.palmar_height) / 2)
 
 
 def _list_bone_features(design: Design) -> Iterable[Feature]:

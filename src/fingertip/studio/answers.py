@@ -16,7 +16,7 @@ from pydantic import ValidationError
 
 from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.printing.print_files import make_print_files
+from fingertip.cad.printing.print_files import make_print_files, parts_on_plates
 from fingertip.cad.printing.settings import FDM, SLA, PlateKind
 from fingertip.cad.report import DESIGN_HEADING
 from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale, shapes_of_parameters
@@ -210,7 +210,8 @@ def download_parts(design: Design, still_wanted: StillWanted) -> Download:
 
 
 def download_plates(kind: PlateKind, design: Design, still_wanted: StillWanted) -> Download:
-    """Write the plate of a printer as 3MF, or a ZIP file of several plates."""
+    """Write the plate of a printer as 3MF, or a ZIP file of several plates; that of filament where it is the only."""
+    kind = kind if parts_on_plates(design, kind) else FDM
     meshes = _make_meshes(design, still_wanted)
     encoded = {name: threemf.encode_mesh(mesh) for name, mesh in meshes.items()}
     still_wanted()

@@ -65,6 +65,7 @@ GROUPS = {
         OutputGroup("mold", MOLD | {"name"}, 4),
         OutputGroup("strength", CLOSED_MOLD | {"strength"}, 4),
         OutputGroup("filling", MOLD | {"silicone"}, 4),
+        OutputGroup("cup", MOLD | {"name", "silicone", "strength"}, 5),
         OutputGroup("walls", MOLD, 5),
         OutputGroup("printing", MOLD | {"name"}, 5),
         OutputGroup("thickness", CLOSED_MOLD, 4),

@@ -11,7 +11,15 @@ from fingertip.cad.files.threemf import Item, write_items
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.printing.orientations import Orientation, Supports, print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import Pose, bed_pose
-from fingertip.cad.printing.settings import PLATE_KINDS, SLA, PlateKind, describe_part, slicer_settings
+from fingertip.cad.printing.settings import (
+    PLATE_KINDS,
+    SLA,
+    PlateKind,
+    Profile,
+    choose_profile,
+    describe_part,
+    slicer_settings,
+)
 from fingertip.catalogues.print_materials import PRINT_MATERIALS, PrintMaterial
 from fingertip.design import Design
 from fingertip.design.parameters.parts import Printer
@@ -104,8 +112,11 @@ def parts_on_plates(design: Design, kind: PlateKind) -> tuple[str, ...]:
     """List the parts on the plates of a kind.
 
     They hold the bone only if its strength is checked for their material, and in filament for layers as it stands.
-    The primer that bonds the skin holds on one material, so the lid goes with the bone.
+    The primer that bonds the skin holds on one material, so the lid goes with the bone. What a cup of filament needs
+    is on one plate, without one for resin.
     """
+    if design.mold.method == "plunge" and PRINT_MATERIALS[design.strength.print_material].process != kind.name:
+        return ()
     stands = kind is SLA or design.strength.print_direction == "upright"
     bone_holds = stands and PRINT_MATERIALS[design.strength.print_material].process == kind.name
     return tuple(name for name in print_orientations(design) if name not in ("bone", "lid") or bone_holds)
@@ -124,12 +135,13 @@ class Piece:
     stands: Supports
     kinds: tuple[PlateKind, ...]
     material: PrintMaterial
+    profile: Profile
 
     def place(self, kind: PlateKind, placed: Placed) -> Item:
         """Place the part on a plate, with its settings for a slicer."""
         pose = (self.pose.turned() if placed.is_turned else self.pose).on_bed(self.mesh, placed.x, placed.y)
-        settings = slicer_settings(kind, self.part, self.lies, self.stands)
-        note = describe_part(kind, self.part, self.lies, self.stands, self.material)
+        settings = slicer_settings(kind, self.part, self.lies, self.stands, self.profile)
+        note = describe_part(kind, self.part, self.lies, self.stands, self.material, self.profile)
         return Item(self.name, self.encoded, note, pose.rotation, pose.shift, settings)
 
 
@@ -139,7 +151,7 @@ def list_pieces(design: Design, meshes: Mapping[str, Mesh], encoded: Mapping[str
     return {
         name: Piece(
             name, name, meshes[name], encoded[name], bed_pose(meshes[name], lies.rotate_x_deg), lies, supports[name],
-            tuple(kind for kind in PLATE_KINDS if name in on_plates[kind]), material,
+            tuple(kind for kind in PLATE_KINDS if name in on_plates[kind]), material, choose_profile(design),
         )
         for name, lies in print_orientations(design).items()
     }  # fmt: skip

@@ -9,6 +9,7 @@ from typing import Any
 from fingertip.cad.printing.orientations import Orientation, Supports
 from fingertip.cad.printing.overhang import OVERHANG_DEG
 from fingertip.catalogues.print_materials import PrintMaterial
+from fingertip.design import Design
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,19 @@ SLA = PlateKind("sla", 2.5)
 """Resin: room for supports and their raft around each part."""
 PLATE_KINDS = (FDM, SLA)
 
+
+@dataclass(frozen=True)
+class Profile:
+    """How the parts of a design are printed in filament."""
+
+    layer_mm: float
+    walls: int
+    """Lines beside each surface."""
+    infill_percent: int
+    """Infill of what is not printed solid."""
+    solid: tuple[str, ...]
+
+
 NOZZLE_MM = 0.4
 """Bore of the usual nozzle, for which walls are counted in lines [mm]."""
 LAYER_MM = 0.1
@@ -40,12 +54,20 @@ RESIN_LAYER_MM = 0.05
 """Usual layers of resin printers [mm]."""
 BRIM_MM = FDM.gap_mm / 2 - 0.5
 """Width of a brim [mm]: the brims of neighbours on a plate do not meet."""
-_MOLD_INFILL_PERCENT, _SOLID_PERCENT = 40, 100
-"""Infill of the mold, an assumption, and of bone, lid and core, whose strength is that of solid prints."""
+_SOLID_PERCENT = 100
+UNDER_PRESSURE = Profile(LAYER_MM, WALLS, 40, ("bone", "lid", "core", "sensor_insert", "insert_jig"))
+"""Profile of molds that silicone is pressed into; their infill is an assumption. The strength of bone, lid and core is
+that of solid prints."""
+POURED = Profile(0.15, 3, 15, ("bone",))
+"""Profile of cups that are poured full."""
 
 
-def infill_percent(part: str) -> int:
-    return _MOLD_INFILL_PERCENT if part.startswith("mold") else _SOLID_PERCENT
+def choose_profile(design: Design) -> Profile:
+    return POURED if design.mold.method == "plunge" else UNDER_PRESSURE
+
+
+def infill_percent(part: str, profile: Profile = UNDER_PRESSURE) -> int:
+    return _SOLID_PERCENT if part in profile.solid else profile.infill_percent
 
 
 def needs_brim(orientation: Orientation) -> bool:
@@ -53,7 +75,7 @@ def needs_brim(orientation: Orientation) -> bool:
 
 
 def slicer_settings(
-    kind: PlateKind, part: str, orientation: Orientation, supports: Supports
+    kind: PlateKind, part: str, orientation: Orientation, supports: Supports, profile: Profile = UNDER_PRESSURE
 ) -> tuple[tuple[str, str], ...]:
     """Set for PrusaSlicer how a part of a plate is printed. Other programs ignore these settings.
 
@@ -64,8 +86,9 @@ def slicer_settings(
     if kind is SLA:
         needed = f"{int(bool(supports.places))}"
         return (("layer_height", f"{RESIN_LAYER_MM:g}"), ("hollowing_enable", "0"), ("supports_enable", needed))
-    infill = infill_percent(part)
-    settings = [("layer_height", f"{LAYER_MM:g}"), ("perimeters", f"{WALLS}"), ("fill_density", f"{infill}%")]
+    infill = infill_percent(part, profile)
+    settings = [("layer_height", f"{profile.layer_mm:g}"), ("perimeters", f"{profile.walls}")]
+    settings.append(("fill_density", f"{infill}%"))
     if infill == _SOLID_PERCENT:
         settings.append(("fill_pattern", "rectilinear"))  # others refuse to fill all
     if needs_brim(orientation):
@@ -84,11 +107,12 @@ def slicer_settings(
 
 
 def describe_part(
-    kind: PlateKind, part: str, orientation: Orientation, supports: Supports, material: PrintMaterial
+    kind: PlateKind, part: str, orientation: Orientation, supports: Supports, material: PrintMaterial, profile: Profile
 ) -> str:
     """Describe in sentences how a part of a plate is printed, for programs and people that ignore the settings."""
     if kind is FDM:
-        text = f"Layers {LAYER_MM:g} mm, {WALLS} walls of a {NOZZLE_MM:g} mm nozzle, infill {infill_percent(part)} %, "
+        text = f"Layers {profile.layer_mm:g} mm, {profile.walls} walls of a {NOZZLE_MM:g} mm nozzle, "
+        text += f"infill {infill_percent(part, profile)} %, "
         text += f"brim {BRIM_MM:g} mm. " if needs_brim(orientation) else "no brim. "
     else:
         text = f"Layers {RESIN_LAYER_MM:g} mm, solid, not hollowed. "
@@ -98,7 +122,9 @@ def describe_part(
     return text + supports.note
 
 
-def print_settings(orientations: Mapping[str, Orientation], on_filament: Collection[str]) -> dict[str, Any]:
+def print_settings(
+    orientations: Mapping[str, Orientation], on_filament: Collection[str], profile: Profile = UNDER_PRESSURE
+) -> dict[str, Any]:
     """Collect the slicer's settings for the parts of a design, for filament (FDM) and resin (SLA).
 
     Parts that stand on end get a brim.
@@ -108,11 +134,11 @@ def print_settings(orientations: Mapping[str, Orientation], on_filament: Collect
     return {
         "fdm": {
             "nozzle_mm": NOZZLE_MM,
-            "layer_mm": LAYER_MM,
+            "layer_mm": profile.layer_mm,
             "first_layer_mm": FIRST_LAYER_MM,
-            "walls": WALLS,
-            "wall_mm": round(WALLS * NOZZLE_MM, 2),
-            "infill_percent": {name: infill_percent(name) for name in on_filament},
+            "walls": profile.walls,
+            "wall_mm": round(profile.walls * NOZZLE_MM, 2),
+            "infill_percent": {name: infill_percent(name, profile) for name in on_filament},
             "brim_mm": BRIM_MM,
             "brim_on": upright,
             "no_brim_on": lying,

@@ -18,6 +18,7 @@ from fingertip.design.geometry.cup_layout import (
     RIDGE_END_MM,
     RIDGE_HALF_CREST_MM,
     RIDGE_HEIGHT_MM,
+    STRAP_Y_MM,
 )
 from fingertip.design.geometry.solids import Axis, Box, Cone, Prism, Solid, difference, union
 
@@ -38,7 +39,7 @@ def block(design: Design) -> Box:
 
 def hollow(design: Design) -> Solid:
     """Build everything that is open in the closed cup but the letters and the keys' clearance."""
-    return union(cavity(design), *grooves(design), *notches(design), *belts(design))
+    return union(cavity(design), *grooves(design), *notches(design), *belts(design), strap_seats(design)[0])
 
 
 def grooves(design: Design) -> tuple[Solid, ...]:
@@ -96,6 +97,15 @@ def belts(design: Design) -> tuple[Solid, ...]:
             outline = ((z - high, outer), (z - low, inner), (z + low, inner), (z + high, outer))
             found.append(_extrude(axis, outline, -far, far))
     return tuple(found)
+
+
+def strap_seats(design: Design) -> tuple[Solid, ...]:
+    """Build the seats of the band that holds the core down: across the foot, and in both lips of the plate."""
+    m, (width, depth) = design.cup_layout, BELT_MM
+    low, high, far = STRAP_Y_MM - width / 2, STRAP_Y_MM + width / 2, 2 * m.half_width
+    lip = m.half_width + LIP_MM - depth
+    foot = Box((-far, low, m.foot_z - depth), (far, high, m.foot_z + _PAST_MM))
+    return foot, *(Box((min(x, y), low, -far), (max(x, y), high, far)) for x, y in ((-far, -lip), (lip, far)))
 
 
 def key_frustums(design: Design, clearance_mm: float = 0.0) -> tuple[Solid, ...]:
@@ -173,4 +183,5 @@ def core(design: Design) -> Solid:
     m = design.cup_layout
     half = m.half_width + LIP_MM
     plate = Box((-half, -m.palmar_height, -PLATE_MM), (half, m.dorsal_height, 0.0))
-    return difference(union(core_within_skin(design), plate, *ridges(design)), *name_plate(design))
+    whole = union(core_within_skin(design), plate, *ridges(design))
+    return difference(whole, *name_plate(design), *strap_seats(design)[1:])

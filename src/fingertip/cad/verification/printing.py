@@ -135,6 +135,8 @@ def _check_plates(
     """Check for each process that its plates hold each printed part once, apart from the others and within the bed."""
     bed = (design.printer.bed_x_mm, design.printer.bed_y_mm, design.printer.bed_z_mm)
     for kind in PLATE_KINDS:
+        if not parts_on_plates(design, kind):
+            continue
         prefix = f"plate_{kind.name}"
         plates = [threemf.read_items(prints.contents[file]) for file in prints.plates if file.startswith(prefix)]
         held = sorted(item.name for items in plates for item in items if item.mesh == encoded.get(item.name))

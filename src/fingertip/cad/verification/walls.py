@@ -57,6 +57,11 @@ class ThinWalls:
         return Mesh(corners, squares.reshape(-1, 3))
 
 
+def is_measured(design: Design, part: str) -> bool:
+    """Return whether a part has walls to measure; a core on a plate is solid, but for the letters in its plate."""
+    return part in MEASURED and not (part == "core" and design.mold.method == "plunge")
+
+
 def find_thin_walls(design: Design, evaluator: MeshEvaluator, part: str) -> ThinWalls:
     """Find where a part is thinner than its minimum. The rim beside the sensor's head has a minimum of its own."""
     minimum = design.skin.min_thickness_mm if part == "skin" else design.printer.min_wall_mm
@@ -99,8 +104,8 @@ def measure_walls(solid: Manifold, limit_mm: float) -> ThinWalls:
 def check_walls(design: Design, evaluator: MeshEvaluator, parts: Iterable[str]) -> Iterator[Check]:
     """Measure the walls of parts, and warn of those that are thinner than their minimum; no limit makes them fail."""
     for part in parts:
-        if part not in MEASURED or (part == "core" and design.mold.method == "plunge"):
-            continue  # the core on a plate is solid; between its letters are no walls
+        if not is_measured(design, part):
+            continue
         found = find_thin_walls(design, evaluator, part)
         warning = advice = ""
         if found.matters:

@@ -35,6 +35,8 @@ NOTCH_MM = (2.0, 1.0)
 """Width and depth of the overflow notches [mm]."""
 BELT_MM = (6.0, 1.0)
 """Height of the belts for rubber bands at their floor, and depth [mm]."""
+STRAP_Y_MM = 5.0
+"""Middle of the seats of a third band, over plate and foot, between the ridges [mm]."""
 KEY_SIZES_MM = (5.0, 4.0)
 """Root diameters of both keys [mm]; their flanks rise at 45 degrees, so that they print on upright halves."""
 KEY_TOP_MM = 1.0

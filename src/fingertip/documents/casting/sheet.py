@@ -12,7 +12,7 @@ from typing import Any
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import MAX_BRIDGE_MM, OVERHANG_DEG
 from fingertip.cad.printing.print_files import parts_on_plates
-from fingertip.cad.printing.settings import FDM, LAYER_MM, SLA, print_settings
+from fingertip.cad.printing.settings import FDM, LAYER_MM, SLA, choose_profile, print_settings
 from fingertip.cad.printing.slicer import HOW_TO_INSTALL, PrintEstimate
 from fingertip.cad.shapes.engraving import MIN_STROKE_MM, omitted_lines
 from fingertip.cad.verification.mold import PUSH_S
@@ -291,7 +291,7 @@ def _printing_data(design: Design, prints: Mapping[str, PrintEstimate] | None) -
             }
             for name, orientation in orientations.items()
         ],
-        "settings": print_settings(orientations, on_filament),
+        "settings": print_settings(orientations, on_filament, choose_profile(design)),
         "plates_without_bone": [word for kind, word in kinds if "bone" not in parts_on_plates(design, kind)],
     }  # fmt: skip
     if prints:

@@ -216,7 +216,7 @@ def test_command_writes_the_report_and_ends_with_1_if_a_requirement_is_missed(
     validation: Validation, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     met = replace(validation, requirements=validation.requirements[:1])
-    monkeypatch.setattr(Validation, "_draw_plots", lambda _: {})
+    monkeypatch.setattr(Validation, "_draw_plots", lambda *_: {})
     for found, code in ((validation, 1), (met, 0)):
         monkeypatch.setattr(lab, "validate", lambda *_, found=found, **__: found)
         done = CliRunner().invoke(app, ["validate", "article", "--json", "--force", "--out", str(tmp_path / "v")])

@@ -16,8 +16,8 @@ _ROWS = {VCC: 110, TACTILE: 170, GND: 250}
 """Net -> height of its row of holes."""
 _CONTROLLER, _BOARD, _SENSOR = (20, 150), (280, 300), (720, 220)
 """Left end and width of each."""
-_HOLES = range(_BOARD[0] + 30, _BOARD[0] + _BOARD[1], 40)
-_RESISTOR_X = _HOLES[4]
+_HOLES = range(_BOARD[0] + 50, _BOARD[0] + _BOARD[1], 50)
+_RESISTOR_X = _HOLES[3]
 
 
 def divider_wiring(design: Design, pins: dict[str, str] | None = None) -> bytes:
@@ -30,7 +30,7 @@ def divider_wiring(design: Design, pins: dict[str, str] | None = None) -> bytes:
     body = [
         _text(20, 32, title, weight="bold"),
         *_box(*_CONTROLLER, "controller", 70, 220),
-        *_box(*_BOARD, "breadboard: the holes of a row are connected", 70, 220),
+        *_box(*_BOARD, "breadboard: the five holes of a row are connected", 70, 220),
         *_box(*_SENSOR, "sensor in the finger", 70, 140),
     ]
     for net in dict(circuit.list_wires(circuit.component(HOST_CONNECTOR))).values():
@@ -46,13 +46,14 @@ def divider_wiring(design: Design, pins: dict[str, str] | None = None) -> bytes:
         'stroke="#4a5157"/>',
         _text(_RESISTOR_X + 18, (top + bottom) / 2 + 5, f"{value} ohm"),
         _text(20, 325, "The two wires of the sensor may be exchanged, and so may the ends of the resistor."),
-        _text(20, 347, f"{names[VCC]} is the controller's own {supply} output, never a higher voltage."),
+        _text(20, 347, "A0 is GP26 on a Pico and GPIO1 on an ESP32-S3."),
+        _text(20, 369, f"{names[VCC]} is the controller's own {supply} output, never a higher voltage."),
     ]
     lines = [
-        '<svg xmlns="http://www.w3.org/2000/svg" width="960" height="365" viewBox="0 0 960 365" '
+        '<svg xmlns="http://www.w3.org/2000/svg" width="960" height="387" viewBox="0 0 960 387" '
         'font-family="Helvetica, Arial, sans-serif" font-size="14">',
         f"<title>{title}</title>",
-        '<rect width="960" height="365" fill="white"/>',
+        '<rect width="960" height="387" fill="white"/>',
         *body,
         "</svg>",
     ]

@@ -22,7 +22,13 @@ DIMS = DESIGN.dimensions
 STANDARD = (  # the words of the design's heading
     "sensor.model=fsr400", "bone.base_length_mm=30", "strength.grip_force_n=15", "strength.shock_force_n=25",
 )  # fmt: skip
-LARGE = ("mold.method=plunge", "sensor.tail=straight", "sensor.clearance_mm=0.25", "skin.width_mm=24.6")
+LARGE = (
+    "mold.method=plunge",
+    "sensor.tail=straight",
+    "sensor.clearance_mm=0.25",
+    "skin.width_mm=24.6",
+    "bone.post_length_mm=10",
+)
 SHORT = ("sensor.model=fsr400_short", "sensor.tail=straight", "sensor.clearance_mm=0.25")
 
 

@@ -36,7 +36,7 @@ def print_orientations(design: Design) -> dict[str, Orientation]:
     base above a post. The lid lies as it overhangs least.
     """
     orientations = {
-        "bone": Orientation(0.0, interface_of(design).face_on_plate, needs_supports=True),
+        "bone": Orientation(0.0, interface_of(design).face_on_plate, not design.prints_without_supports),
         "mold_palmar": Orientation(90.0, "the outer face, parting plane up", needs_supports=False),
         "mold_dorsal": Orientation(-90.0, "the outer face, parting plane up", needs_supports=False),
     }
@@ -44,7 +44,7 @@ def print_orientations(design: Design) -> dict[str, Orientation]:
         orientations["sensor_insert"] = Orientation(90.0, "the face away from the sensor", needs_supports=False)
         orientations["insert_jig"] = Orientation(90.0, "the face around the hole", needs_supports=False)
     if PARTS["stand"].exists_in(design):
-        orientations["stand"] = Orientation(0.0, "the end of its handle", needs_supports=False)
+        orientations["stand"] = Orientation(-90.0, "its flat back", needs_supports=False)
     if design.dimensions.fold:
         orientations["lid"] = _orient_lid(design)
     if design.mold.method == "plunge":
@@ -108,6 +108,8 @@ def supports_by_part(design: Design) -> dict[str, Supports]:
     if design.mold.method == "plunge":
         every |= dict.fromkeys(("mold_palmar", "mold_dorsal", "core"), _NONE)
     every |= dict.fromkeys(("sensor_insert", "insert_jig", "stand"), _NONE)
+    if design.prints_without_supports:
+        every["bone"] = _NONE
     if lies := orientations.get("lid"):
         every["lid"] = _lid(design, lies)
     return {name: every[name] for name in orientations}

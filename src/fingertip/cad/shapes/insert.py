@@ -13,7 +13,8 @@ from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody, add_groove, inset_body, offset_section
 from fingertip.design.geometry.cup_layout import POUR_MARK_MM
 from fingertip.design.geometry.features import INSERT_BASE_MM, Chaplet
-from fingertip.design.geometry.seat import sleeve_inset_mm, tape_span_mm
+from fingertip.design.geometry.foot import LEDGE_MM
+from fingertip.design.geometry.seat import quarter_outline, sleeve_inset_mm, tape_span_mm
 from fingertip.design.geometry.solids import (
     Box,
     Cone,
@@ -106,6 +107,9 @@ _NECK_OVERLAP_MM = 0.5
 _SKIRT, _JIG_WALL_MM, _OUT_OF_JIG_MM = 0.7, 1.6, 0.3
 """Jig of an insert: part of the platform's height that it reaches down around it, its wall, and how far the insert
 stands out of it [mm]."""
+_INTO_BASE = 0.01
+"""Part of its size by which the foot of a sloping collar begins inside the base."""
+_OUTLINE_POINTS = 16
 _INTO_BONE_MM = 0.2
 """Depth to which an insert reaches into the filled bone, so that no faces coincide [mm]."""
 _STEP_IN_COLLAR_MM = 0.3
@@ -200,9 +204,21 @@ def collar(design: Design) -> Solid:
     """Build the collar: the flange proximal to the skin, on which the skin ends."""
     dims = design.dimensions
     section = dims.collar.section
+    if design.prints_without_supports:
+        return _sloping_collar(design)
     low = dims.collar.stations[0][0] - section.half_width  # below the foot, where the intersection cuts it
     flange = SuperconicSolid(ConicBody(section, ((low, 1.0), (0.0, 1.0))))
     return intersection(flange, above_collar_foot(design))
+
+
+def _sloping_collar(design: Design) -> Solid:
+    """Build a collar whose foot rises from the base at 45 degrees or more, but for a short palmar ledge."""
+    dims, section, base = design.dimensions, design.dimensions.collar.section, design.dimensions.bone_outline.section
+    palm = (dims.base_flat_depth + LEDGE_MM) / section.palmar
+    share = min(base.half_width / section.half_width, base.dorsal / section.dorsal, palm) - _INTO_BASE
+    corner = max(math.hypot(x, y) for x, y in quarter_outline(section, True, _OUTLINE_POINTS))
+    low = dims.collar.stations[0][0]
+    return SuperconicSolid(ConicBody(section, ((low - corner * (1.0 - share), share), (low, 1.0), (0.0, 1.0))))
 
 
 def above_collar_foot(design: Design, gap_mm: float = 0.0) -> Solid:

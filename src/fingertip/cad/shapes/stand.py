@@ -1,7 +1,6 @@
 """Stand of a first finger: a socket for the post of its bone, on a handle. The cross bolt of the post holds it there.
 
-It lies on its flat back, pad up, while the pad is loaded, and prints upright, with the socket on top: what is wider
-than the handle rises from it at 45 degrees.
+It lies on its flat back while the pad is loaded from above, and prints so too, without supports.
 """
 
 from __future__ import annotations
@@ -33,7 +32,7 @@ def _half_sizes(design: Design) -> tuple[float, float]:
 
 def heights_mm(design: Design) -> tuple[float, float, float, float]:
     """Return the heights at which handle, slope and block begin, and at which the block ends [mm]."""
-    top = -design.bone.base_length_mm - design.bone.foot_radius_mm - _BELOW_FILLET_MM
+    top = -design.bone.base_length_mm - Post().foot_length(design) - _BELOW_FILLET_MM
     block = Post().low_z(design) - _ABOVE_FLOOR_MM - _FLOOR_MM
     slope = block - (2 * _half_sizes(design)[1] - _HANDLE_HEIGHT_MM)
     return slope - _HANDLE_MM, slope, block, top

@@ -13,6 +13,8 @@ from fingertip.design.geometry.solids import Axis, Cone, Prism, Solid, Superconi
 
 _CHORDS = 6
 """Chords of a quarter of a circle: the surface bends by 15 degrees at most."""
+LEDGE_MM = 0.7
+"""Ledge that prints over air without supports [mm]."""
 _INTO_MM = 0.1
 """Length by which a foot reaches into the thin part [mm]."""
 
@@ -25,10 +27,27 @@ def foot_line(radius_mm: float, root: float, way: float) -> list[tuple[float, fl
     return [(z0 - way * _INTO_MM, out0 - _INTO_MM * (out1 - out0) / abs(z1 - z0)), *arc[1:]]
 
 
-def round_foot(centre: tuple[float, float], thin_radius: float, radius_mm: float, root: float, top: float) -> Solid:
-    """Build the foot of a round post along z, whose wide part lies distal to `root`; it ends at `top` [mm]."""
+def sloped_foot_line(radius_mm: float, root: float, reach: float) -> list[tuple[float, float]]:
+    """List points (z, outward) of a foot that prints without supports: an arc from the thin part, then 45 degrees [mm].
+
+    It lies proximal to the root, and ends there `reach` away from the thin part.
+    """
+    angles = [math.pi / 2 * i / _CHORDS for i in range(_CHORDS // 2 + 1)]
+    begin = root - sloped_foot_length(radius_mm, reach)
+    arc = [(begin + radius_mm * math.sin(a), radius_mm * (1.0 - math.cos(a))) for a in angles]
+    (z0, out0), (z1, out1) = arc[:2]
+    return [(z0 - _INTO_MM, out0 - _INTO_MM * (out1 - out0) / (z1 - z0)), *arc[1:], (root, reach)]
+
+
+def sloped_foot_length(radius_mm: float, reach: float) -> float:
+    """Return the length of this foot along the finger [mm]."""
+    return reach + radius_mm * (math.sqrt(2.0) - 1.0)
+
+
+def round_foot(centre: tuple[float, float], thin_radius: float, line: list[tuple[float, float]], top: float) -> Solid:
+    """Build the foot of a round post along z, whose wide part lies distal to it; it ends at `top` [mm]."""
     cones = []
-    for (low, inner), (high, outer) in pairwise(foot_line(radius_mm, root, 1.0)):
+    for (low, inner), (high, outer) in pairwise(line):
         slope = (outer - inner) / (high - low)
         begin = low - _INTO_MM / 2
         radii = (thin_radius + inner + slope * (z - low) for z in (begin, top))

@@ -9,7 +9,15 @@ from typing import Any
 from fingertip.design.formulas.stress import StressFactors, at_foot
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.conic import TANGENT_STEP_MM, ConicBody, offset_section
-from fingertip.design.geometry.foot import flat_foot, foot_line, round_foot
+from fingertip.design.geometry.foot import (
+    LEDGE_MM,
+    flat_foot,
+    foot_line,
+    round_foot,
+    sloped_foot_length,
+    sloped_foot_line,
+)
+from fingertip.design.geometry.seat import quarter_outline
 from fingertip.design.geometry.sizes import ARROW_DEG, BEFORE_FACE, INNER, OUTER, STEP, Circle, Length, Size
 from fingertip.design.geometry.solids import Box, Solid, SuperconicSolid, cylinder, difference, intersection
 from fingertip.design.interfaces import interface
@@ -20,6 +28,7 @@ from fingertip.foundation.numerics import bisect
 
 RULES = Ruleset()
 
+_OUTLINE_POINTS = 16
 _MIN_FLAT_MM = 0.02
 """Depth of a post's flat below which it is left out [mm]: both kernels fail on slivers."""
 
@@ -56,8 +65,10 @@ class Post(CrossBolted):
         """Build the fillet at the post's root, within the outline of the base."""
         dims, bone, end = design.dimensions, design.bone, -design.bone.base_length_mm
         y, top, half = interface.middle_y(dims), end + bone.wall_mm / 2, bone.post_height_mm / 2
-        margin = dims.bone_outline.section.half_width
-        low, line = end - bone.foot_radius_mm - margin, foot_line(bone.foot_radius_mm, end, 1.0)
+        margin, line = dims.bone_outline.section.half_width, foot_line(bone.foot_radius_mm, end, 1.0)
+        if design.prints_without_supports:
+            line = sloped_foot_line(bone.foot_radius_mm, end, self._foot_reach(design))
+        low = end - self.foot_length(design) - margin
         # A step inside the outline, because both run along z and would share a face.
         section, flat = offset_section(dims.bone_outline.section, -TANGENT_STEP_MM), dims.base_flat_depth
         outline = difference(
@@ -65,10 +76,23 @@ class Post(CrossBolted):
             Box((-2 * margin, -section.palmar - margin, low - margin),
                 (2 * margin, TANGENT_STEP_MM - flat, top + 2 * margin)),
         )  # fmt: skip
-        foot = [outline, round_foot((0.0, y), bone.post_width_mm / 2, bone.foot_radius_mm, end, top)]
+        foot = [outline, round_foot((0.0, y), bone.post_width_mm / 2, line, top)]
         if half <= bone.post_width_mm / 2 - _MIN_FLAT_MM:
             foot.append(flat_foot("x", y - half, y + half, line, top + margin, 2 * margin))
         return intersection(*foot)
+
+    def _foot_reach(self, design: DesignTables) -> float:
+        """Return how far the corners of the base stand out beside the post, but for a short ledge [mm]."""
+        dims, middle = design.dimensions, interface.middle_y(design.dimensions)
+        section, flat = dims.bone_outline.section, -dims.base_flat_depth
+        corners = [*quarter_outline(section, True, _OUTLINE_POINTS), (section.half_width_at(flat), flat)]
+        corner = max(math.hypot(x, y - middle) for x, y in corners)
+        return max(0.0, corner - design.bone.post_width_mm / 2 - LEDGE_MM)
+
+    def foot_length(self, design: DesignTables) -> float:
+        """Return the length of the fillet at the post's root [mm], with the slope on which the base prints."""
+        radius = design.bone.foot_radius_mm
+        return sloped_foot_length(radius, self._foot_reach(design)) if design.prints_without_supports else radius
 
     def genus(self, design: DesignTables) -> int:
         return 1
@@ -76,7 +100,8 @@ class Post(CrossBolted):
     def sizes(self, design: DesignTables) -> list[Size]:
         bone, y, foot = design.bone, interface.middle_y(design.dimensions), self.low_z(design)
         half, radius = min(bone.post_height_mm, bone.post_width_mm) / 2, bone.foot_radius_mm
-        corner = (design.dimensions.bone_outline.section.half_width, y - half - radius, -bone.base_length_mm - radius)
+        end = -bone.base_length_mm - self.foot_length(design)
+        corner = (design.dimensions.bone_outline.section.half_width, y - half - radius, end)
         flats: tuple[tuple[float, float], ...] = ()
         if bone.post_height_mm < bone.post_width_mm:
             begin = math.degrees(math.asin(bone.post_height_mm / bone.post_width_mm)) - ARROW_DEG
@@ -96,11 +121,11 @@ class Post(CrossBolted):
 
     def moment_share(self, design: DesignTables, z: float) -> float:
         """The moment falls from the foot, in proportion to the distance, to nothing at the end."""
-        low, held = self.low_z(design), design.bone.post_length_mm - design.bone.foot_radius_mm
+        low, held = self.low_z(design), design.bone.post_length_mm - self.foot_length(design)
         return min(1.0, max(0.0, (z - low) / held))
 
     def stress_factors(self, design: DesignTables, z: float) -> StressFactors:
-        bone, end = design.bone, -design.bone.base_length_mm
+        bone, end = design.bone, design.bone.foot_radius_mm - design.bone.base_length_mm - self.foot_length(design)
         across = min(bone.post_height_mm, bone.post_width_mm)
         size = (bone.post_width_mm, across)
         factors = at_foot(interface.base_size(design.dimensions), size, bone.foot_radius_mm, end - z)
@@ -116,8 +141,9 @@ class Post(CrossBolted):
             f"The post goes into a bore of {round(bone.post_width_mm + play, 2):g} mm"
             f"{flats if bone.post_height_mm < bone.post_width_mm else ''}, at least "
             f"{bone.post_length_mm:g} mm deep: {play:g} mm of play, recommended for prints. Chamfer its mouth by "
-            f"{bone.foot_radius_mm:g} mm at 45 degrees, for the fillet at the root of the post. The bone stands on the "
-            "end of its post while it prints: file the lip of the first layers off that end before you try it."
+            f"{round(self.foot_length(design), 2):g} mm at 45 degrees, for the fillet at the root of the post. The "
+            "bone stands on the end of its post while it prints: file the lip of the first layers off that end before "
+            "you try it."
         )
         from_mm = -bone.base_length_mm - self.cross_bolt_z(design)
         return self.mount(design, fit, round(bone.post_width_mm + play, 2), 2, from_mm, "the shoulder of the post")
@@ -127,7 +153,8 @@ class Post(CrossBolted):
 def foot_clear_of_bolt(design: DesignTables) -> Limit:
     bone = design.bone
     hole_end = Post().cross_bolt_z(design) + bone.cross_bolt_diameter_mm / 2
-    return Limit(-bone.base_length_mm - hole_end, "reaches the hole of the cross bolt")
+    beside = Post().foot_length(design) - bone.foot_radius_mm
+    return Limit(-bone.base_length_mm - hole_end - beside, "reaches the hole of the cross bolt")
 
 
 @RULES.rule("bone.post_height_mm", bone_left_at_sides, bone_left_dorsally)

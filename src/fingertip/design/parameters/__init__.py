@@ -55,6 +55,11 @@ class Tables(Frozen):
         return self.mold.method != "overmold"
 
     @property
+    def prints_without_supports(self) -> bool:
+        """True for a bone on a post that lies in no mold: its collar and base may rise on slopes of 45 degrees."""
+        return self.mold.method == "plunge" and self.sensor.tail == "straight" and self.bone.interface == "post"
+
+    @property
     def skin_is_bonded(self) -> bool:
         """True if the pad's physics takes the skin as bonded to the bone; a skin that is made apart lies on it."""
         return self.skin.bonded or not self.is_cast_apart

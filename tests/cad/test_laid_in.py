@@ -76,7 +76,7 @@ def test_each_defect_is_found(name: str, change: Callable[..., object], failed: 
         ("first_finger", STANDARD),
         ("fsr402", LARGE),
         ("fsr402", (*LARGE, "sensor.model=fsr402", "bone.base_length_mm=37")),
-        ("fsr400_compact", (*SHORT, "mold.method=sleeve", "bone.base_length_mm=12")),
+        ("fsr400_compact", (*SHORT, "mold.method=plunge", "bone.base_length_mm=12", "bone.post_length_mm=10")),
     ],
 )
 def test_sensors_are_laid_in(name: str, changes: tuple[str, ...]) -> None:

@@ -7,7 +7,7 @@ board's README asks.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from fingertip.board.analysis.board_values import board_values
@@ -39,28 +39,22 @@ def render_start(
     plates = {path: found["parts"] for path, found in report.get(PRINT_FOLDER, {}).items() if path.endswith(".3mf")}
     casting = report.get("casting")
     told = [f"{one['name']}: {one['warning']}" for one in report["checks"] if one["passed"] and one.get("warning")]
+    shared = {"size_mm": [f"{size:.0f}" for size in size_mm], "casting": casting, "warnings": _tell_warnings(told)}
+    shared |= {"files": files, "steps": steps, "verdict": verdict}
     if design.mold.method == "plunge":
-        return render_page(
-            "first/start.md", size_mm=[f"{size:.0f}" for size in size_mm], casting=casting, files=files, steps=steps,
-            verdict=verdict, loads=_find_loads(design, report["checks"]), plates=plates,
-            warnings=_tell_warnings(one for one in told if one.partition(":")[0] not in _HARDER),
-        )  # fmt: skip
+        loads, plate = _find_loads(design, report["checks"]), casting["plate"] if casting else ""
+        return render_page("first/start.md", **shared, loads=loads, plate=plate)
     return render_page(
         "start.md",
         skin=design.skin,
-        size_mm=[f"{size:.0f}" for size in size_mm],
         material=PRINT_MATERIALS[design.strength.print_material],
         filament=PRINT_MATERIALS["petg"],
         finger_parts=finger,
         finger_cm3=sum(printed[name] for name in finger),
         mold_cm3=sum(printed[name] for name in mold),
         plates={path: parts for path, parts in plates.items() if path in files},
-        casting=casting,
         waits=_count_waits(casting["plan"]) if casting else {},
-        warnings=_tell_warnings(told),
-        files=files,
-        steps=steps,
-        verdict=verdict,
+        **shared,
         **_board_data(design),
     )
 
@@ -81,12 +75,13 @@ def render_basis_table(design: Design) -> str:
 
 
 def _find_loads(design: Design, checks: Sequence[Mapping[str, Any]]) -> dict[str, int]:
-    """Find the loads at which the bone has the safety factors of its checks [N]; none where it was not checked."""
-    found = {check["name"]: check["value"] / check["limit"] for check in checks if check["name"] in _HARDER}
+    """Find the loads at which the bone has the safety factors that its checks want [N]; none if it was not checked."""
     return {
-        load: int(design.value(f"strength.{load}_force_n") * ratio)
-        for load in ("grip", "shock")
-        if (ratio := found.get(f"bone.safety_factor.{load}"))
+        (load := check["name"].rpartition(".")[2]): int(
+            design.value(f"strength.{load}_force_n") * check["value"] / check["limit"]
+        )
+        for check in checks
+        if check["name"] in _HARDER and "limit" in check
     }
 
 
@@ -102,7 +97,7 @@ def _count_waits(plan: Sequence[Mapping[str, Any]]) -> dict[str, int]:
     return dict(Counter(stage["wait"] for stage in plan if stage["wait"]).most_common())
 
 
-def _tell_warnings(warnings: Iterable[str]) -> list[str]:
+def _tell_warnings(warnings: Sequence[str]) -> list[str]:
     """Tell what checks warn of and what helps, without names of checks and loads, and places on the bone."""
     found = [warning.partition(", below strength.")[0].rstrip(".").partition(": ") for warning in warnings]
     return [f"{said[0].upper()}{said[1:]}. {_HARDER.get(name, '')}".rstrip() for name, _, said in found]

@@ -52,11 +52,11 @@ def render_board(sources: Sources) -> Markup:
     layout, schematic, channel, bom, values, readme, bring_up = (
         sources.text(f"{outputs.BOARD_FOLDER}/{name}") for name in (*read, outputs.BRING_UP)
     )
-    if sources.design.board.variant == "divider":
-        return join((_draw_wiring(sources), render((readme or "").partition("\n")[2], sources.links)))
     links, sections = sources.links, split_sections(readme or "")
     named = [path for path in (f"{outputs.BOARD_FOLDER}/{name}" for name in _FILES) if path in links]
     parts = [element("p", "Files of the board:"), list_links(named, links, "files")] if named else []
+    if sources.design.board.variant == "divider":
+        return join((_draw_wiring(sources), *parts[1:]))
     folded = list[tuple[str, Markup]]()
     buy = fold("What to buy for the board", render_bom(bom), state="roomy") if bom else Markup("")
     if layout:

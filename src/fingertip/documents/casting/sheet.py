@@ -56,7 +56,7 @@ def casting_sheet_data(
 ) -> dict[str, Any]:
     """Collect the data of a sheet; a skin that is cast around a lowered core has a sheet of its own."""
     if design.mold.method == "plunge":
-        return first_sheet(design, volumes, silicone, warnings)
+        return first_sheet(design, volumes, silicone)
     bolts, hand = size_clamp_bolts(design.mold, design.mold_layout), design.hand
     material = PRINT_MATERIALS[design.strength.print_material]
     joint = {

@@ -22,8 +22,8 @@ from fingertip.pictures.steps.objects import CUP_RADIUS_MM, Bench
 from fingertip.pictures.steps.scene import Arrow, Data, Label, Paint, Scene, Shown, View, given
 
 _UP = (0.0, 0.0, -1.0)
-_STANDING = Camera.looking_from((0.5, -1.0, -0.45), _UP)
-"""Camera on the half marked PAD of the standing cup, and on the plate."""
+_FROM_BELOW = Camera.looking_from((0.4, -1.0, 0.12), _UP)
+"""Camera on the half marked PAD of the standing cup, on the ridges and on the foot."""
 _CUT = Camera.looking_from((-1.0, -0.35, -0.3), _UP)
 """Camera on a section of the standing cup, the half marked PAD at the left."""
 _FROM_PALM = Camera.from_angles(28, -42)
@@ -95,7 +95,7 @@ def try_core(bench: Bench, data: Data) -> Scene:
             *closed, bench.part("core"), bench.solid(calipers, Paint.STEEL),
             *(item.moved((beside, 0.0, 0.0)) for item in closed), bench.part("core", (beside, 0.0, -lift)),
         ),
-        Camera.looking_from((0.4, -1.0, 0.12), _UP),
+        _FROM_BELOW,
         Label(f"calipers, from the foot\nto the top of the plate:\n{reading}", (beam - 3.0, low, top - 10.0)),
         Label("the same narrow gap\nall around", (-m.half_width * 0.6, face, GAP_MM / 2)),
         Label("foot", (-m.half_width * 0.5, face, foot - 0.5)),
@@ -184,7 +184,7 @@ def coat(bench: Bench, data: Data) -> Scene:
         Label("thin coat on all\nof the hollow", (0.0, wall - m.palmar_height, z)),
         Label("second stick", (0.5, 3.0, -20.0)),
         Label("round dent: coat it", (0.0, y, z - lift)),
-        Label("ring groove: coat it", groove),
+        Label("ring groove: coat it", groove), Label("foot", (0.0, m.dorsal_height / 2, m.foot_z)),
     )  # fmt: skip
 
 
@@ -196,7 +196,7 @@ def pour(bench: Bench, data: Data) -> Scene:
     return Scene(
         (*_cup(bench, cut=True), bench.solid(silicone, Paint.SILICONE, cut=True), stream), _CUT,
         Label("thin stream, from a\nhand's breadth above", (0.5, y, -25.0)),
-        Label("up to this notch, one\nat each side", (m.pour_mark_x, -0.2, z)),
+        Label("up to the notches in\nthe seam, one here", (m.pour_mark_x, -0.2, z)),
         Label("half marked PAD", (0.0, -m.palmar_height, m.foot_z / 2)),
     )  # fmt: skip
 
@@ -211,10 +211,11 @@ def lower(bench: Bench, data: Data) -> Scene:
     drops = union(*(cylinder("z", place, GAP_MM, GAP_MM + 3.5, 1.1) for place in places))
     shown = bench.part("core"), bench.solid(drops, Paint.SILICONE), bench.solid(band, _BAND)
     return Scene(
-        (*_banded_cup(bench), *shown), _STANDING,
+        (*_banded_cup(bench), *shown), _FROM_BELOW,
         Label("silicone comes out\nof all four notches", (m.notch_x, face, GAP_MM + 1.0)),
         Label("hold it here,\nat both ends", (x, face / 2, top / 2)),
-        Label("third band,\nwhen it sits", (-x, y, top - _BAND_MM)),
+        Label("third band, when it sits,\nover plate and foot", (-x / 2, y, foot + _BAND_MM)),
+        Label("ridge in its groove,\nthree times", (m.half_width, 0.0, 1.2)),
         Arrow((-8.0, -4.0, top - 18.0), (-8.0, -4.0, top - 3.0)),
     )  # fmt: skip
 

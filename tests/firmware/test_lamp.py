@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
+from fingertip.documents.firmware import render_readme
 from fingertip.firmware.fingers import TASK_CONVERSIONS, plan_fingers
 from fingertip.firmware.packaging import find_warnings
 from fingertip.firmware.sources import library_settings
@@ -165,6 +166,7 @@ def test_dividers_are_limited_by_pins_and_conversions_and_boards_take_no_esp32()
     planned = plan_fingers(DESIGN, "3", "pico_2")
     assert planned.inputs == (("A0",), ("A1",), ("A2",))
     assert not list(find_warnings(DESIGN, planned.controller))
+    assert "thumb A0, index A1, middle A2." in render_readme(DESIGN, planned)
     refused = {"3,uno_r4": "conversions for 2", "4,pico_2": "analog inputs for 3", "2,esp32_s3": "conversions for 1"}
     for words, reason in refused.items():
         with pytest.raises(FingertipError, match=reason):

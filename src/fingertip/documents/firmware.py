@@ -24,6 +24,10 @@ from fingertip.slip.detectors.fast_coefficients import load_model
 
 
 def render_readme(design: Design, fingers: Fingers) -> str:
+    shared = {"design": design, "fingers": fingers, "packaging": packaging, "capacity": capacity}
+    shared["forces"] = _describe_forces(design, fingers)
+    if not design.board.has_filter:
+        return render_page("first/firmware.md", WIDTH, **shared)
     circuit = board_circuit(select_components(design), design.board.channels)
     pins = circuit.list_wires(circuit.component(HOST_CONNECTOR))
     signals = name_signals(circuit, design.board.supply_v)
@@ -32,17 +36,13 @@ def render_readme(design: Design, fingers: Fingers) -> str:
     return render_page(
         "firmware.md",
         WIDTH,
-        design=design,
-        packaging=packaging,
+        **shared,
         is_bundled=is_bundled,
         file=streamed.name if is_bundled else f"{streamed.name}.toml",
         reads_filtered=FilteredSignal.from_design(design) is not None,
         power_up_s=POWER_UP_S,
         boards=capacity.list_controllers(design),
-        capacity=capacity,
         most_fingers=len(NAMES),
-        fingers=fingers,
-        forces=_describe_forces(design, fingers),
         peak_fingers=math.ceil(fingers.count / max(1, round(TICK_S * design.detector.sample_rate_hz))),
         connector=HOST_CONNECTOR,
         pins=[
@@ -59,19 +59,6 @@ def render_readme(design: Design, fingers: Fingers) -> str:
         has_vmid_pin=VMID_OUT in {net for _, net in pins},
         tick_ms=1e3 * TICK_S,
         trees=load_model().trees,
-    )
-
-
-def render_divider_readme(design: Design, fingers: Fingers) -> str:
-    """Render the README of a finger without a board: the sensor and a resistor at a pin."""
-    return render_page(
-        "firmware_divider.md",
-        WIDTH,
-        design=design,
-        fingers=fingers,
-        packaging=packaging,
-        capacity=capacity,
-        forces=_describe_forces(design, fingers),
     )
 
 

@@ -94,7 +94,7 @@ def find_load(board: ControllerBoard, sample_rate_hz: float, fingers: int = 1) -
 
 def list_controllers(design: Design) -> list[ControllerBoard]:
     """List the controllers that read what the design has: a board, or a divider."""
-    if design.board.variant == "divider":
+    if not design.board.has_filter:
         return [board for board in load_controllers() if board.timer != "no" and not board.has_scan]
     return [board for board in load_controllers() if board.timer != "in the sketch"]
 
@@ -116,7 +116,7 @@ def list_limits(board: ControllerBoard, sample_rate_hz: float, has_divider: bool
 
 def find_controller(design: Design, key: str | None = None) -> ControllerBoard | None:
     """Find a controller of `list_controllers`, or the one of several fingers."""
-    key = key or (DIVIDER_CONTROLLER if design.board.variant == "divider" else DEFAULT_CONTROLLER)
+    key = key or (DEFAULT_CONTROLLER if design.board.has_filter else DIVIDER_CONTROLLER)
     return next((board for board in list_controllers(design) if board.key == key), None)
 
 
@@ -151,7 +151,7 @@ def plan_fingers(
         problem = f"{NAMES[last - 1]} has place {last}, and the design's board {channels}"
         remedy = f"give --set board.channels={last}, or leave {NAMES[last - 1]} out"
         issues.append(Issue("--fingers", f"{problem}; {remedy}."))
-    board, signals = None, ("T",) if design.board.variant == "divider" else ("T", "S")
+    board, signals = None, ("T", "S") if design.board.has_filter else ("T",)
     if controller is not None or inputs is not None or names != Fingers.names:
         board = find_controller(design, controller)
         if board is None:
@@ -209,7 +209,7 @@ def _read_names(fingers: str, issues: list[Issue]) -> tuple[str, ...]:
 
 
 def _find_limit_issues(design: Design, board: ControllerBoard, fingers: int) -> Iterator[Issue]:
-    rate_hz, has_divider = design.detector.sample_rate_hz, design.board.variant == "divider"
+    rate_hz, has_divider = design.detector.sample_rate_hz, not design.board.has_filter
     limits = list_limits(board, rate_hz, has_divider)
     if exceeded := [f"{limit} for {most}" for limit, most in limits.items() if fingers > most]:
         fewer = f"--fingers {carried} or " if (carried := count_fingers(board, rate_hz, has_divider)) else ""

@@ -88,7 +88,7 @@ def cost_table() -> str:
 
 def find_warnings(design: Design, controller: ControllerBoard | None = None) -> Iterator[str]:
     """Warn of a board or a converter that the inputs of a controller do not fit."""
-    has_divider = design.board.variant == "divider"
+    has_divider = not design.board.has_filter
     if controller and not has_divider and not controller.converter.endswith(f" to {design.detector.adc_range_v:g} V"):
         range_v = controller.converter.split()[-2]
         yield (

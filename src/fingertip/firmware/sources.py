@@ -286,7 +286,7 @@ def _render_curves(curves: Sequence[ForceCurve]) -> str:
 
 HEADER, SOURCE = "slip_detector.h", "slip_detector.c"
 GRIP_HEADER, GRIP_SOURCE = "slip_grip.h", "slip_grip.c"
-LAMP, LINE = "examples/slip_lamp.ino", "examples/slip_line.h"
+LAMP = "slip_lamp.ino"
 
 
 def read_template(name: str) -> str:
@@ -296,7 +296,7 @@ def read_template(name: str) -> str:
 
 def library_sources(design: Design, fingers: Fingers) -> dict[str, bytes]:
     """Headers and sources of a design by name: the detector, and the grip law for several fingers or with forces."""
-    has_divider = design.board.variant == "divider"
+    has_divider = not design.board.has_filter
     constants = f"{_render_fingers(fingers, has_divider)}\n\n{_render_constants(design)}"
     files = {
         HEADER: _insert(read_template(HEADER), "slip_constants.h", constants),
@@ -316,15 +316,17 @@ def library_sources(design: Design, fingers: Fingers) -> dict[str, bytes]:
     return {name: text.encode() for name, text in files.items()}
 
 
-def render_lamp_sketch(design: Design, fingers: Fingers) -> str:
-    """Render the sketch for dividers, whose head says what to wire and how far its forces can be trusted."""
-    forces = [finger.force_curve.describe() for finger in fingers.designs or (design,)]
-    told = "; ".join(f"F{text[1:]}." for text in dict.fromkeys(forces))
-    head = "\n// ".join(textwrap.wrap(told, _WIDTH - 3))
-    wires = {"supply": f"{design.board.supply_v:g}", "resistor": f"{design.board.divider_ohm / 1000:g} kohm"}
-    return Template(read_template(LAMP)).substitute(
-        wires, forces=head, conversions=CONVERSIONS, task_conversions=TASK_CONVERSIONS
-    )
+def lamp_sketch(design: Design, fingers: Fingers) -> dict[str, bytes]:
+    """Sketch for dividers, whose head says what to wire and how far its forces can be trusted, and its header."""
+    told = dict.fromkeys(finger.force_curve.describe() for finger in fingers.designs or (design,))
+    values = {
+        "supply": f"{design.board.supply_v:g}", "resistor": f"{design.board.divider_ohm / 1000:g} kohm",
+        "forces": "\n// ".join(textwrap.wrap("; ".join(f"F{text[1:]}." for text in told), _WIDTH - 3)),
+        "conversions": CONVERSIONS, "task_conversions": TASK_CONVERSIONS,
+    }  # fmt: skip
+    line = "slip_line.h"
+    sketch = Template(read_template(f"examples/{LAMP}")).substitute(values)
+    return {LAMP: sketch.encode(), line: read_template(f"examples/{line}").encode()}
 
 
 def _insert(template: str, include: str, text: str) -> str:

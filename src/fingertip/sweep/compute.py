@@ -323,7 +323,7 @@ def compute_controller(context: PointContext) -> OutputValues:
     assert board
     load = find_load(board, rate_hz, len(NAMES))
     return {
-        "controller_fingers": count_fingers(board, rate_hz, context.design.board.variant == "divider"),
+        "controller_fingers": count_fingers(board, rate_hz, not context.design.board.has_filter),
         "controller_load_percent": 100 * load.mean / load.available,
         "controller_peak_percent": 100 * load.longest / load.available,
     }

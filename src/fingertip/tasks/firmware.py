@@ -7,10 +7,10 @@ from pathlib import Path
 
 from fingertip.catalogues.output_files import FIRMWARE, MANIFEST, PROPERTIES, README
 from fingertip.design import Design
-from fingertip.documents.firmware import render_divider_readme, render_readme
+from fingertip.documents.firmware import render_readme
 from fingertip.firmware.fingers import ONE_FINGER, Fingers
 from fingertip.firmware.packaging import library_manifest, library_properties
-from fingertip.firmware.sources import LAMP, LINE, library_sources, read_template, render_lamp_sketch
+from fingertip.firmware.sources import LAMP, lamp_sketch, library_sources, read_template
 from fingertip.tasks.verification import compare_with_design
 
 SOURCES, EXAMPLES = "src", "examples"
@@ -23,19 +23,12 @@ _HAND_FILES = {"slip_hand": ("slip_hand.ino",), "slip_stream": _EXAMPLE_FILES["s
 
 def firmware_files(design: Design, fingers: Fingers = ONE_FINGER) -> dict[str, dict[str, bytes]]:
     """Content of the files, by folder within the library and by name; the same design gives the same bytes."""
-    if design.board.variant == "divider":
-        # Arduino compiles what stands beside a sketch, so there is no library to install.
-        texts = {LAMP: render_lamp_sketch(design, fingers), LINE: read_template(LINE)}
-        sketch = {Path(name).name: text.encode() for name, text in texts.items()}
-        readme = render_divider_readme(design, fingers).encode()
-        return {".": {README: readme}, Path(LAMP).stem: sketch | library_sources(design, fingers)}
+    sources, readme = library_sources(design, fingers), render_readme(design, fingers).encode()
+    if not design.board.has_filter:  # Arduino compiles what stands beside a sketch: no library to install
+        return {".": {README: readme}, Path(LAMP).stem: lamp_sketch(design, fingers) | sources}
     folders = {
-        ".": {
-            README: render_readme(design, fingers).encode(),
-            PROPERTIES: library_properties(design),
-            MANIFEST: library_manifest(design),
-        },
-        SOURCES: library_sources(design, fingers),
+        ".": {README: readme, PROPERTIES: library_properties(design), MANIFEST: library_manifest(design)},
+        SOURCES: sources,
     }
     for example, names in (_HAND_FILES if fingers.is_hand else _EXAMPLE_FILES).items():
         files = {name: read_template(f"{EXAMPLES}/{name}").encode() for name in names}

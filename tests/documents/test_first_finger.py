@@ -104,8 +104,7 @@ def test_sheet_states_what_the_parts_and_the_silicone_give() -> None:
     data, evaluator = sheet(), MeshEvaluator(0.05)
     boxes = {name: evaluator.manifold(PARTS[name].solid(DESIGN)).bounding_box() for name in ("core", "mold_palmar")}
     low, high = data["height_mm"]
-    assert low == pytest.approx(boxes["mold_palmar"][5] - boxes["core"][2], abs=0.06)
-    assert low < high < low + 1.0
+    assert low + 0.05 < boxes["mold_palmar"][5] - boxes["core"][2] < high - 0.05 < low + 1.0
     batch, silicone = data["batch"], DESIGN.silicone.material
     assert batch["a_g"] / batch["b_g"] == pytest.approx(silicone.parts_a.low / silicone.parts_b.low, rel=0.03)
     cast_cm3 = evaluator.manifold(PARTS["skin"].solid(DESIGN)).volume() / 1000.0

@@ -12,8 +12,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from fingertip.cad.printing.settings import FDM
-from fingertip.cad.verification.cup import LOWERING_S
+from fingertip.cad.printing.settings import FDM, Profile, choose_profile
+from fingertip.cad.verification.cup import LOWERING_S, palmar_limits
 from fingertip.casting import quantities
 from fingertip.casting.consumables import AIDS
 from fingertip.casting.hardware import size_wires
@@ -63,6 +63,7 @@ class FirstSheet:
     design: str
     method: str
     plate: str
+    profile: Profile
     print_h: float | None
     printed_g: float
     evening_h: float
@@ -72,8 +73,8 @@ class FirstSheet:
     lowering_s: float
     height_mm: tuple[float, float]
     """Least and largest height from the foot of the cup to the top of the seated core's plate [mm]."""
-    tilt_mm: float
-    """Largest difference of this height between its corners [mm]."""
+    tilts_mm: tuple[float, float]
+    """Largest difference of this height between edge and edge, for a skin that is right to 5 % and to 10 % [mm]."""
     length_mm: tuple[float, float]
     head_mm: tuple[float, float]
     """Least and largest length of the sensor's film, and width of its head, that this bone takes [mm]."""
@@ -91,16 +92,16 @@ class Step:
 
 def first_sheet(design: Design, volumes: quantities.SiliconeVolumes, silicone: Silicone) -> dict[str, Any]:
     """Collect the data of the sheet, as a dictionary that JSON takes."""
-    batch, body = _mix(silicone, volumes.total_cm3), design.dimensions.sensor
-    height_mm = round(design.cup_layout.overall_height, 1)
+    batch, body, seat = _mix(silicone, volumes.total_cm3), design.dimensions.sensor, palmar_limits(design)
     sheet = FirstSheet(
-        design.name, design.mold.method, f"{PRINT_FOLDER}/{FDM.file_names(1)[0]}", None, _PRINTED_G, _EVENING_H,
+        design.name, design.mold.method, f"{PRINT_FOLDER}/{FDM.file_names(1)[0]}", choose_profile(design), None,
+        _PRINTED_G, _EVENING_H,
         days=1 + math.ceil(batch.cure_h / 24.0),
         batch=batch,
         divider_kohm=design.board.divider_ohm / 1e3,
         lowering_s=LOWERING_S,
-        height_mm=(height_mm, round(height_mm + 0.5, 1)),
-        tilt_mm=0.15,
+        height_mm=(math.ceil(10 * seat.low) / 10, math.floor(10 * seat.high) / 10),
+        tilts_mm=(math.floor(100 * seat.tilts[0]) / 100, math.floor(100 * seat.tilts[1]) / 100),
         length_mm=(body.length_mm - SHORTER_MM, body.length_mm + LONGER_MM),
         head_mm=(round(body.head_diameter_mm - HEAD_MM, 1), round(body.head_diameter_mm + HEAD_MM, 1)),
         items=_list_items(design, silicone, batch),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 from functools import cache
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -15,14 +16,17 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.casting.quantities import measure_volumes
 from fingertip.design import Design
+from fingertip.design.finger_set import load_set
 from fingertip.documents.acceptance import acceptance_data, render_acceptance
 from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet, steps
 from fingertip.documents.first.sheet import list_first_steps
 from fingertip.documents.start import render_start
+from fingertip.foundation.errors import DesignError
 from fingertip.pictures.steps.objects import Bench
 from fingertip.pictures.steps.pictures import draw_steps, list_scenes
 from fingertip.tasks.board import board_files
 from fingertip.tasks.firmware import firmware_files
+from fingertip.tasks.make_set import make_set
 from tests.conftest import design_file
 
 DESIGN = Design.load(design_file("first_finger"))
@@ -111,3 +115,10 @@ def test_sheet_states_what_the_parts_and_the_silicone_give() -> None:
     assert batch["total_g"] > 1.25 * 1.1 * cast_cm3 * silicone.density_g_cm3.high
     assert f"{batch['a_g']:g} g of part A" in to_read()["sheet"]
     assert "34-00004" in to_read()["sheet"]
+
+
+def test_set_of_such_fingers_is_refused_in_one_sentence(tmp_path: Path) -> None:
+    (tmp_path / "hand.toml").write_text('name = "hand"\n[fingers.index]\ndesign = "first_finger"\n')
+    with pytest.raises(DesignError, match="make one finger: fingertip make first_finger"):
+        make_set(load_set(tmp_path / "hand.toml"), tmp_path / "out")
+    assert not (tmp_path / "out").exists()

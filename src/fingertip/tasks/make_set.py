@@ -163,6 +163,9 @@ def _render_sheets(
 def _refuse_early(fingers: FingerSet) -> None:
     """Refuse what a set can be refused for, before the work starts. Raises DesignError."""
     issues, evaluator = list[Issue](), MeshEvaluator(_COARSE_MM)
+    for design in (form.design for form in fingers.forms if form.design.mold.method == "plunge"):
+        text = f"plunge of {design.name} is not planned for sets yet; make one finger: fingertip make {design.name}."
+        issues.append(Issue("mold.method", text))
     for form in fingers.forms:
         design = form.design
         for name, lies in print_orientations(design).items():

@@ -12,7 +12,7 @@ from fingertip.cad.printing.overhang import bed_pose
 from fingertip.cad.printing.print_files import arrange
 from fingertip.cad.printing.settings import FDM
 from fingertip.cad.shapes.insert import cavity
-from fingertip.design.geometry.cup_layout import BELT_MM, GAP_MM, LIP_MM, PLATE_MM
+from fingertip.design.geometry.cup_layout import BELT_MM, GAP_MM, LIP_MM, PLATE_MM, STRAP_Y_MM
 from fingertip.design.geometry.dimensions import TIE_DEPTH_MM, TIE_WIDTH_MM
 from fingertip.design.geometry.solids import Box, Solid, cylinder, difference, intersection, scaled, union
 from fingertip.design.interfaces.interface import middle_y
@@ -203,8 +203,8 @@ def pour(bench: Bench, data: Data) -> Scene:
 
 def lower(bench: Bench, data: Data) -> Scene:
     """Show the core seated under a third rubber band, and the silicone that comes out."""
-    m, y, side = bench.design.cup_layout, 0.25 * bench.design.cup_layout.dorsal_height, 2.5
-    x, top, foot, face = m.half_width + LIP_MM, -PLATE_MM, m.foot_z, -m.palmar_height
+    m, y, side, depth = bench.design.cup_layout, STRAP_Y_MM, 0.4 * BELT_MM[0], BELT_MM[1]
+    x, top, foot, face = m.half_width + LIP_MM - depth, -PLATE_MM, m.foot_z - depth, -m.palmar_height
     outer = Box((-x - _BAND_MM, y - side, top - _BAND_MM), (x + _BAND_MM, y + side, foot + _BAND_MM))
     band = difference(outer, Box((-x, y - 2 * side, top), (x, y + 2 * side, foot)))
     places = [(across, out) for across in (-m.notch_x, m.notch_x) for out in (face - 0.4, m.dorsal_height + 0.4)]
@@ -213,7 +213,7 @@ def lower(bench: Bench, data: Data) -> Scene:
     return Scene(
         (*_banded_cup(bench), *shown), _FROM_BELOW,
         Label("silicone comes out\nof all four notches", (m.notch_x, face, GAP_MM + 1.0)),
-        Label("hold it here,\nat both ends", (x, face / 2, top / 2)),
+        Label("hold it here,\nat both ends", (x + depth, face / 2, top / 2)),
         Label("third band, when it sits,\nover plate and foot", (-x / 2, y, foot + _BAND_MM)),
         Label("ridge in its groove,\nthree times", (m.half_width, 0.0, 1.2)),
         Arrow((-8.0, -4.0, top - 18.0), (-8.0, -4.0, top - 3.0)),

@@ -20,7 +20,7 @@ from fingertip.design.geometry.solids import Solid
 from fingertip.foundation.errors import FingertipError, GeometryError, Issue
 from fingertip.foundation.files import temporary_folder
 from fingertip.foundation.processes import python_command, python_environment
-from fingertip.pictures.drawing import mold_sizes, part_sizes
+from fingertip.pictures.drawing import cup_sizes, mold_sizes, part_sizes
 from fingertip.pictures.drawing.layout import lay_out
 from fingertip.pictures.drawing.primitives import PROJECTIONS, ProjectedView, Sheet
 from fingertip.pictures.drawing.render import render_pdf, render_svg
@@ -31,17 +31,21 @@ _DRAWINGS: dict[str, Callable[[Design], PartDrawing]] = {
     "lid": part_sizes.lid_drawing,
     "mold_palmar": mold_sizes.palmar_drawing,
     "mold_dorsal": mold_sizes.dorsal_drawing,
-    "core": part_sizes.core_drawing,
     "sensor_insert": part_sizes.insert_drawing,
     "insert_jig": part_sizes.jig_drawing,
     "stand": part_sizes.stand_drawing,
 }
 
+_OF_CUP: Mapping[str, Callable[[Design], PartDrawing]] = {
+    "mold_palmar": cup_sizes.palmar_drawing, "mold_dorsal": cup_sizes.dorsal_drawing, "core": cup_sizes.core_drawing
+}  # fmt: skip
+
 
 def part_drawings(design: Design) -> tuple[PartDrawing, ...]:
     printed = (name for name, part in parts_by_name(design).items() if part.is_printed)
     drawings = []
-    for drawing in (_DRAWINGS[name](design) for name in printed):
+    described = {**_DRAWINGS, **_OF_CUP} if design.is_cast_apart else _DRAWINGS
+    for drawing in (described[name](design) for name in printed):
         # Only the printer's offset is added: the scale of the files is there to give the design's size.
         sizes = tuple(replace(size, added_mm=size.growth * design.printer.offset_mm) for size in drawing.sizes)
         drawings.append(replace(drawing, sizes=sizes, notes=_notes(design, drawing)))
@@ -50,7 +54,8 @@ def part_drawings(design: Design) -> tuple[PartDrawing, ...]:
 
 def _notes(design: Design, drawing: PartDrawing) -> tuple[str, ...]:
     notes = [f"Curved surfaces and all other sizes: see {drawing.part}.step.", *drawing.notes]
-    if design.mold.draft_deg and drawing.part.startswith(("mold", "bone", "core")):
+    drafted_parts = ("bone",) if design.is_cast_apart else ("mold", "bone")
+    if design.mold.draft_deg and drawing.part.startswith(drafted_parts):
         drafted = "Recess, keys and sockets" if drawing.part.startswith("mold") else "The collar's foot"
         notes.append(f"{drafted}: {design.mold.draft_deg:g} degrees of draft from the parting plane.")
     if drawing.part.startswith("mold") and design.mold.engraving_depth_mm:

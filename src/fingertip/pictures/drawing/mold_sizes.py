@@ -47,7 +47,7 @@ def palmar_drawing(design: Design) -> PartDrawing:
                (recess, floor, m.proximal_z),
                located(design, -floor), "shallow: sand the floor until the bone lies level; deep: print again"),
         Length(f"depth of the cavity{at_end}", STEP, "section", "left", "y", (0.0, 0.0, 0.0), (0.0, -deep, 0.0)),
-        *_crown_size(design),
+        *crown_size(design),
         Length("width of the nut traps across flats", INNER, "dorsal", "above", "z", (x, low, z - half),
                (x, low, z + half), nut_trap(thread, mold.nut_width_mm - design.printer.offset_mm),
                "narrow: file it until the nut drops in; wide: glue the nut in"),
@@ -57,7 +57,7 @@ def palmar_drawing(design: Design) -> PartDrawing:
     return PartDrawing("mold_palmar", "Mold, palmar half", "dorsal", ANY_MATERIAL, tuple(sizes), axes)
 
 
-def _crown_size(design: Design) -> Iterator[Size]:
+def crown_size(design: Design) -> Iterator[Size]:
     """Size the cavity at the apex of the crown, where it is deepest."""
     dims, growth = design.dimensions, design.dimensions.shrinkage
     if dims.crown:

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 
 from fingertip.cad.shapes import stand
 from fingertip.cad.shapes.bone import FOOT_GAP_MM
-from fingertip.cad.shapes.insert import axis_z, contact_y
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.design import Design
 from fingertip.design.geometry.features import INSERT_BASE_MM
@@ -41,7 +40,7 @@ _PILOT = "narrow: drill it to size; wide: fill it with epoxy and drill again, or
 
 
 def bone_drawing(design: Design) -> PartDrawing:
-    dims, pilot = design.dimensions, _find_pilot(design, "bone")
+    dims, pilot = design.dimensions, _find_pilot(design)
     tip, interface = dims.bone_outline.tip, interface_of(design)
     assert tip
     pocket_end = dims.sensor_z + dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm
@@ -51,30 +50,11 @@ def bone_drawing(design: Design) -> PartDrawing:
         *_base_sizes(design),
         *_pocket_sizes(design),
         *_trough_sizes(design),
-        *_chaplet_sizes(design, pilot, "bone", (0.0, -dims.platform_depth, pocket_end)),
+        *_chaplet_sizes(design, pilot, (0.0, -dims.platform_depth, pocket_end)),
         *interface.sizes(design),
     ]
     axes, notes = _pilot_axis(pilot), interface.notes(design)
     return PartDrawing("bone", "Bone", "palmar", _material(design), tuple(sizes), axes, notes)
-
-
-def core_drawing(design: Design) -> PartDrawing:
-    dims, inset, scale = design.dimensions, design.mold.sleeve_interference_mm, design.dimensions.shrinkage
-    pilot, tip = _find_pilot(design, "core"), dims.bone_outline.tip
-    assert tip
-    apex, flat = (tip.z - inset) * scale, -(dims.platform_depth - inset) * scale
-    low = dims.base_end_z
-    sizes = [
-        Length("overall length", OUTER, "front", "below", "z", (0.0, 0.0, low), (0.0, 0.0, apex), symmetric(0.2),
-               f"{SCALE_REMEDY}: the skin is thin or thick at the tip"),
-        *_base_sizes(design),
-        Length("length of the base", OUTER, "front", "below", "z", (0.0, 0.0, low), (0.0, 0.0, 0.0)),
-        Length(f"depth of the {_seat_name(design)}", STEP, "section", "right", "y", (0.0, 0.0, apex),
-               (0.0, flat, dims.sensor_z), is_reference=True),
-        *_platform_size(design, inset, scale),
-        *_chaplet_sizes(design, pilot, "core", (0.0, flat, dims.sensor_z)),
-    ]  # fmt: skip
-    return PartDrawing("core", "Core", "palmar", _material(design), tuple(sizes), _pilot_axis(pilot))
 
 
 def lid_drawing(design: Design) -> PartDrawing:
@@ -207,7 +187,7 @@ def _pocket_sizes(design: Design) -> Iterator[Size]:
                      "low: file it until a drill of this size passes")  # fmt: skip
     yield Length(f"depth of the {_seat_name(design)}", STEP, "section", "right", "y", (0.0, 0.0, z),
                  (0.0, flat, z + head), is_reference=True)  # fmt: skip
-    yield from _platform_size(design)
+    yield from platform_size(design)
     yield Length("depth of the pocket", STEP, "section", "right", "y", (0.0, flat, z + head), (0.0, floor, z + head),
                  located(design, dims.pocket_depth),
                  "shallow: scrape the floor until the sensor is flush; deep: lay a second film under it")  # fmt: skip
@@ -234,7 +214,7 @@ def _seat_name(design: Design) -> str:
     return "platform" if design.bone.platform_mm else "palmar flat"
 
 
-def _platform_size(design: Design, inset: float = 0.0, scale: float = 1.0) -> Iterator[Size]:
+def platform_size(design: Design, inset: float = 0.0, scale: float = 1.0) -> Iterator[Size]:
     """Size the platform above the flat that lies distal to it."""
     dims = design.dimensions
     if design.bone.platform_mm:
@@ -246,21 +226,16 @@ def _platform_size(design: Design, inset: float = 0.0, scale: float = 1.0) -> It
 
 
 _Pilot = tuple[float, float, float, float]
-"""Pilot hole of the chaplet's screw in bone or core: z of its axis, height of its facet and of its end, radius [mm]."""
+"""Pilot hole of the chaplet's screw: z of its axis, height of its facet and of its end, radius [mm]."""
 
 
-def _find_pilot(design: Design, insert: str) -> _Pilot | None:
-    """Find the pilot hole; that of the core is that of the bone, enlarged, below a facet that is inset."""
-    chaplet, scale = design.dimensions.chaplet, design.dimensions.shrinkage
-    if chaplet is None:
+def _find_pilot(design: Design) -> _Pilot | None:
+    if (chaplet := design.dimensions.chaplet) is None:
         return None
-    low = chaplet.facet_y - chaplet.pilot_depth
-    if insert == "bone":
-        return chaplet.z, chaplet.facet_y, low, chaplet.pilot_radius
-    return axis_z(design), contact_y(design), low * scale, chaplet.pilot_radius * scale
+    return chaplet.z, chaplet.facet_y, chaplet.facet_y - chaplet.pilot_depth, chaplet.pilot_radius
 
 
-def _chaplet_sizes(design: Design, pilot: _Pilot | None, insert: str, on_flat: Point3) -> list[Size]:
+def _chaplet_sizes(design: Design, pilot: _Pilot | None, on_flat: Point3) -> list[Size]:
     """List the sizes of facet and pilot hole; `on_flat` is a point of the palmar flat."""
     chaplet = design.dimensions.chaplet
     if pilot is None or chaplet is None:
@@ -272,7 +247,7 @@ def _chaplet_sizes(design: Design, pilot: _Pilot | None, insert: str, on_flat: P
                (0.0, design.dimensions.collar.section.dorsal, 0.0), (0.0, facet, z)),
         Length("height of the facet", STEP, "section", "left", "y", (0.0, 0.0, z), (0.0, facet, z), is_reference=True),
         Length(f"{_seat_name(design)} to facet", OUTER, "section", "right", "y", on_flat, (0.0, facet, z),
-               located(design, facet - on_flat[1]), f"thick: sand the facet; thin: lay film between {insert} and boss"),
+               located(design, facet - on_flat[1]), "thick: sand the facet; thin: lay film between bone and boss"),
         Length("pilot hole of the screw", FINISHED, "section", "above", "z", (0.0, facet, z - radius),
                (0.0, facet, z + radius), symmetric(bite), _PILOT, is_diameter=True),
         Length("depth of the pilot hole", STEP, "section", "right", "y", (0.0, facet, z), (0.0, low, z)),

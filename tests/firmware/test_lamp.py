@@ -13,7 +13,7 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.documents.firmware import render_readme
-from fingertip.firmware.fingers import TASK_CONVERSIONS, plan_fingers
+from fingertip.firmware.fingers import TASK_CONVERSIONS, find_controller, plan_fingers
 from fingertip.firmware.packaging import find_warnings
 from fingertip.firmware.sources import library_settings
 from fingertip.foundation import jit
@@ -60,6 +60,7 @@ def decide(volts: np.ndarray) -> np.ndarray:
         return FastDetector(library_settings(DESIGN)).process(volts).on
 
 
+@pytest.mark.full
 def test_the_library_and_emulated_controllers_decide_as_python_does(tmp_path: Path) -> None:
     require_arm()
     volts, _ = simulate("slip", 0)
@@ -86,6 +87,7 @@ def compile_lamp(folder: Path, *command: str, streams: str = "false") -> list[st
     return [str(folder / f"{name}.o") for name in sources]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("controller", COMPILERS)
 def test_the_sketch_compiles_with_the_compilers_of_its_controllers(controller: str, tmp_path: Path) -> None:
     compile_lamp(tmp_path, *COMPILERS[controller])
@@ -148,6 +150,7 @@ def convert_as_esp32_s3(volts: np.ndarray, conversions: int, noise_v: float, see
     return np.round(1e-3 * millivolts.mean(axis=0) / STEP_V) * STEP_V
 
 
+@pytest.mark.full
 def test_an_esp32_s3_finds_slips_in_spite_of_its_nonlinearity_by_averaging() -> None:
     found = dict.fromkeys((1, TASK_CONVERSIONS), 0)
     for conversions in found:
@@ -166,6 +169,9 @@ def test_dividers_are_limited_by_pins_and_conversions_and_boards_take_no_esp32()
     planned = plan_fingers(DESIGN, "3", "pico_2")
     assert planned.inputs == (("A0",), ("A1",), ("A2",))
     assert not list(find_warnings(DESIGN, planned.controller))
+    five_volts = Design.load("first_finger", changes={"board.supply_v": 5.0, "detector.adc_range_v": 5.0})
+    assert ["board.supply_v=3.3" in warning for warning in find_warnings(five_volts, planned.controller)] == [True]
+    assert not list(find_warnings(five_volts, find_controller(DESIGN, "uno_r4")))
     assert "thumb A0, index A1, middle A2." in render_readme(DESIGN, planned)
     refused = {"3,uno_r4": "conversions for 2", "4,pico_2": "analog inputs for 3", "2,esp32_s3": "conversions for 1"}
     for words, reason in refused.items():

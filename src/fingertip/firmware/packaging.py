@@ -95,9 +95,15 @@ def find_warnings(design: Design, controller: ControllerBoard | None = None) -> 
             f"{controller.name} converts {controller.converter}, not {design.detector.adc_range_text}: voltages and "
             f"forces would be wrong; with --set detector.adc_range_v={range_v} they are right."
         )
-    detector = design.detector
-    problems = []
-    if not design.board.is_for_controller and not has_divider:
+    detector, problems = design.detector, []
+    if has_divider:
+        bears_v = max(3.6, float(controller.converter.split()[-2])) if controller else 3.6
+        if design.board.supply_v > bears_v:
+            yield (
+                f"the sensor's {design.board.supply_v:g} V may destroy a pin, which bears {bears_v:g} V; with "
+                f"--set board.supply_v={_CONTROLLER_SUPPLY.nominal_v:g} it does not."
+            )
+    elif not design.board.is_for_controller:
         problems.append(
             f"the outputs of a board with board.variant={design.board.variant} may exceed the inputs of a "
             f"controller of {_CONTROLLER_SUPPLY.nominal_v:g} V"

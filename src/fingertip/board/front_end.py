@@ -20,21 +20,18 @@ def find_tactile_response(design: Design) -> TactileResponse:
 
 def find_tactile_range_v(design: Design) -> tuple[float, float]:
     """Smallest and largest tactile voltage [V], from an open sensor to its maximum force."""
-    if design.board.has_filter:
-        limits = board_values(design).voltage_limits
-        return limits.min_tactile_v, limits.max_tactile_v
     response = find_tactile_response(design)
-    return response.open_v, response.tactile_v(sensor_conductance_s(MAX_FORCE_N))
+    ends_v = response.open_v, response.tactile_v(sensor_conductance_s(MAX_FORCE_N))
+    return min(ends_v), max(ends_v)
 
 
 def find_range_warnings(design: Design) -> Iterator[str]:
     """Find a converter that clips the tactile voltage."""
-    if design.board.has_filter:
+    board, converter = design.board, design.detector
+    if board.has_filter:
         yield from adc_range_warnings(board_values(design).voltage_limits)
-        return
-    reach_v, range_v = design.board.supply_v, design.detector.adc_range_v
-    if reach_v > range_v:
+    elif board.supply_v > converter.adc_range_v:
         yield (
-            f"the divider's voltage, up to {reach_v:g} V, exceeds the converter's {design.detector.adc_range_text}: "
-            f"supply it from the pin of the converter's reference, with --set board.supply_v={range_v:g}."
+            f"the divider's voltage, up to {board.supply_v:g} V, exceeds the converter's {converter.adc_range_text}; "
+            f"use --set board.supply_v={converter.adc_range_v:g}, from the pin of the converter's reference."
         )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +13,7 @@ from fingertip.cli.board_tables import channel_lines, gate_lines, load_lines, ta
 from fingertip.cli.console import Console
 from fingertip.cli.options import command, find_file_issues, find_idle_issues, flag, load_design, refuse
 from fingertip.foundation import extras
+from fingertip.foundation.errors import Issue
 from fingertip.foundation.progress import ShareText
 
 if TYPE_CHECKING:
@@ -62,11 +62,8 @@ def board(
         extras.require("--plot", "matplotlib", alternative="leave --plot out")
     loaded = load_design(design, changes, console)
     if not loaded.board.has_filter:
-        _write_divider(
-            console, loaded, out, force, check,
-            {"--fab": fab, "--analysis": analysis, "--bringup": bringup, "--readings": readings, "--article": article}
-            | writing,
-        )  # fmt: skip
+        needing = {"--fab": fab, "--analysis": analysis, "--readings": readings, "--article": article} | writing
+        _write_divider(console, loaded, out, force, check, [option for option, given in needing.items() if given])
         return
     if readings:
         from fingertip.board.bringup.readings import format_assessment
@@ -121,27 +118,23 @@ def board(
 
 
 def _write_divider(
-    console: Console, design: Design, out: Path | None, force: bool, check: bool, needing_a_board: dict[str, Any]
+    console: Console, design: Design, out: Path | None, force: bool, check: bool, needing_a_board: Sequence[str]
 ) -> None:
     """Write or compare the files of a divider, and print what its voltage must be."""
+    from fingertip.board.components.values import BOARD_REMEDY
     from fingertip.board.front_end import find_range_warnings
-    from fingertip.documents.board.divider import list_readings
-    from fingertip.tasks.board import refuse_divider
+    from fingertip.documents.board.divider import describe_readings, list_readings
 
-    refuse_divider(design, *(option for option, given in needing_a_board.items() if given))
+    message = f"needs a board, and a divider is none; leave it out, or {BOARD_REMEDY}."
+    refuse([Issue(option, message) for option in needing_a_board])
     if check:
         _compare(console, design, out, fab=False)
         return
     folder, written = _write(console, design, out, force, bring_up=False, fab=False)
-    warnings = list(find_range_warnings(design))
-    console.warn(warnings)
-    found = list(list_readings(design))
-    lines = [f"{design.name}, divider of {design.board.divider_ohm:g} ohm on one analog input; files in {folder}"]
-    for one in found:
-        low_v, high_v = one.limits_v
-        name = f"pressed by {one.mass_g:g} g" if one.mass_g else "untouched"
-        lines.append(f"  {name:17} {one.tactile_v:.2f} V ({low_v:.2f} to {high_v:.2f}), {one.counts} counts")
-    console.result(written | {"readings": [asdict(one) for one in found], "warnings": warnings}, "\n".join(lines))
+    console.warn(find_range_warnings(design))
+    first = f"{design.name}, divider of {design.board.divider_ohm:g} ohm on one analog input; files in {folder}"
+    text = "\n  ".join([first, *describe_readings(design)])
+    console.result(written | {"readings": list_readings(design)}, text)
 
 
 def _compare(console: Console, design: Design, out: Path | None, fab: bool) -> None:

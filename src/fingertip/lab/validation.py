@@ -249,7 +249,7 @@ def _validate_divider(
     required = next(summary for summary in summarise(manipulations) if summary.detector == detector)
     requirements = (*check_detection(result, detector, limits), *check_closed_loop(required, limits))
     work.begin("boards")
-    compared = compare_with_board(design, result, work.advance)
+    compared = compare_with_board(design, result, detector)
     return Validation(design, detector, result, tuple(manipulations), requirements, compared)
 
 

@@ -385,18 +385,15 @@ def _mesh(context: PointContext, part: str) -> Mesh:
     return context.evaluator().mesh(PARTS[part].solid(context.design))
 
 
-def _of_a_board(group: str, compute: Callable[[PointContext], OutputValues]) -> Callable[[PointContext], OutputValues]:
-    """Return the computation of a group of outputs, which are NaN where a divider takes the place of a board."""
-
-    def compute_where_there_is_one(context: PointContext) -> OutputValues:
-        if context.design.board.has_filter:
-            return compute(context)
-        return {name: math.nan for name, output in load_outputs().items() if output.group == group}
-
-    return compute_where_there_is_one
+def _compute_of_a_board(group: str, context: PointContext) -> OutputValues:
+    """Compute outputs that are NaN where a divider takes the place of a board."""
+    if context.design.board.has_filter:
+        values: OutputValues = globals()[f"compute_{group}"](context)
+        return values
+    return {name: math.nan for name, output in load_outputs().items() if output.group == group}
 
 
 GROUP_FUNCTIONS: dict[str, Callable[[PointContext], OutputValues]] = {
     group: globals()[f"compute_{group}"] for group in GROUPS
 }
-GROUP_FUNCTIONS |= {name: _of_a_board(name, GROUP_FUNCTIONS[name]) for name in ("board", "circuit", "noise")}
+GROUP_FUNCTIONS |= {group: partial(_compute_of_a_board, group) for group in ("board", "circuit", "noise")}

@@ -5,14 +5,13 @@ from __future__ import annotations
 import difflib
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from fingertip.board.analysis.board_values import BoardValues, board_values
 from fingertip.board.analysis.gate import find_refusals
 from fingertip.board.analysis.shared import connect_cables
-from fingertip.board.bringup.divider_wiring import divider_wiring
 from fingertip.board.bringup.plan import BringUp, plan_bring_up
 from fingertip.board.bringup.prediction import Board
 from fingertip.board.bringup.readings import assess_readings, read_readings, readings_template
@@ -20,9 +19,8 @@ from fingertip.board.bringup.several import assess_fingers, read_fingers, write_
 from fingertip.board.bringup.wiring import wiring_diagram
 from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.channels import extract_channel, leave_out_empty
-from fingertip.board.circuits.divider import compute_current_ratio, divider_circuit, divider_deck
+from fingertip.board.circuits.divider import divider_circuit
 from fingertip.board.circuits.spice import spice_deck
-from fingertip.board.components.values import BOARD_REMEDY
 from fingertip.board.fabrication.bom import bill_of_materials
 from fingertip.board.fabrication.fabrication_files import find_outdated_files, provenance_record
 from fingertip.board.kicad.netlist import kicad_netlist_file
@@ -31,9 +29,8 @@ from fingertip.catalogues import output_files
 from fingertip.catalogues.controllers import NAMES
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
-from fingertip.documents.acceptance import expect_readings
 from fingertip.documents.board.bringup import render_sheet
-from fingertip.documents.board.divider import divider_bom, divider_readme, list_readings
+from fingertip.documents.board.divider import divider_files
 from fingertip.documents.board.readme import folder_readme
 from fingertip.foundation import extras
 from fingertip.foundation.errors import BoardError, Issue, OutputError, escape_control, shorten
@@ -68,31 +65,6 @@ def board_files(design: Design) -> dict[str, bytes]:
         output_files.VALUES: text.encode(),
         output_files.README: folder_readme(circuit, project, values, design),
     }
-
-
-def divider_files(design: Design) -> dict[str, bytes]:
-    """Content of the files of a divider by name. It has neither layout nor bring-up."""
-    light, heavy = (one.sensor_ohm for one in expect_readings(design))
-    record = {
-        "parameters": design.board.model_dump(),
-        "readings": [asdict(reading) for reading in list_readings(design)],
-        "current_over_limit": round(compute_current_ratio(design), 3),
-    }
-    return {
-        output_files.NETLIST: kicad_netlist_file(divider_circuit(design)),
-        output_files.DECK: divider_deck(design, (light, heavy)),
-        output_files.WIRING: divider_wiring(design),
-        output_files.BOM: divider_bom(design),
-        output_files.VALUES: (json.dumps(record, indent=2, allow_nan=False) + "\n").encode(),
-        output_files.README: divider_readme(design),
-    }
-
-
-def refuse_divider(design: Design, *options: str) -> None:
-    """Refuse options that need a board, for a design that has a divider. Raises BoardError."""
-    if options and not design.board.has_filter:
-        message = f"needs a board, and a divider is none; leave it out, or {BOARD_REMEDY}."
-        raise BoardError(Issue(option, message) for option in options)
 
 
 def _title(design: Design) -> str:

@@ -175,29 +175,22 @@ def find_second_column(design: Design, name: str) -> str | None:
     return second if filtered_range_v(design.board, design.detector.adc_range_v) is not None else None
 
 
-DIVIDER_DETECTORS = ("fast",)
-"""Detectors that work on a divider's voltage."""
 _LOUD = "takes contacts and changes of force for slip on a divider, whose voltage moves more with them than a board's"
-_ON_A_DIVIDER = {
+_NOT_ON_A_DIVIDER = {
     "analog": "takes the filter board's output, and a divider has none",
     "digital": _LOUD,
     "fft": _LOUD,
     "incipient": "takes knocks for slip on a divider, which gives no filtered signal",
 }
-
-
-def list_detectors(design: Design) -> tuple[str, ...]:
-    """List the detectors that work with the board of a design, or with its divider."""
-    return tuple(DETECTORS) if design.board.has_filter else DIVIDER_DETECTORS
+"""Detector -> reason why it does not work on a divider; `fast` alone does."""
 
 
 def check_detector(design: Design, name: str, field: str = "--detector") -> DetectorType:
-    """Refuse an unknown detector, and one that does not work on a divider. Raises TraceError, about a field."""
+    """Look up a type of detector, and refuse one that does not work on a divider. Raises TraceError, about a field."""
     kind = find_detector_type(name, field)
-    if name not in list_detectors(design):
-        remedy = f"use {field} {DIVIDER_DETECTORS[0]}, or a board with --set board.variant=precision"
-        supply = "" if design.board.supply_v <= 3.6 else " --set board.supply_v=3.3"
-        raise TraceError(Issue(field, f"{name} {_ON_A_DIVIDER[name]}; {remedy}{supply}."))
+    if name in _NOT_ON_A_DIVIDER and not design.board.has_filter:
+        remedy = f"use {field} fast, or a board with --set board.variant=precision --set board.supply_v=3.3"
+        raise TraceError(Issue(field, f"{name} {_NOT_ON_A_DIVIDER[name]}; {remedy}."))
     return kind
 
 

@@ -98,7 +98,7 @@ def answer_figures(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
     still_wanted()
     start = render_start(design, {"parts": parts, "checks": (), "casting": casting}, measure_finger(items), (), 0, "")
     sections = split_sections(start)
-    return {"figures": render_facts({heading: sections[heading] for heading in _FIGURES})}
+    return {"figures": render_facts({heading: sections[heading] for heading in _FIGURES if heading in sections})}
 
 
 _FIGURES = ("Size", "Print", "Silicone", "Time", "Cost of the board's parts")

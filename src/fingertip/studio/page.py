@@ -57,6 +57,7 @@ def _render_group(name: str, fields: Sequence[Field], design: Design, moved: Map
 def _render_field(field: Field, design: Design, items: tuple[str, ...], is_main: bool) -> Markup:
     path = field.parameter.path
     name, value, described = f"f-{path}", design.value(path), f"e-{path} b-{path} d-{path}"
+    value = str(value).lower() if isinstance(value, bool) else value
     controls: list[Markup] = []
     if field.kind == "choice":
         options = (element("option", word, value=word, selected=word == value) for word in field.choices)
@@ -237,7 +238,7 @@ def make_form() -> dict[str, list[Field]]:
 
 def _make_field(parameter: Parameter) -> Field:
     declared = PARAMETERS[parameter.path]
-    if choices := list_choices(declared):
+    if choices := list_choices(declared) or (("false", "true") if isinstance(parameter.default, bool) else ()):
         return Field(parameter, "choice", choices, "", None)
     kind, bounds = _KINDS[type(parameter.default)], find_bounds(declared)
     low, high = bounds.above if bounds.minimum is None else bounds.minimum, bounds.maximum

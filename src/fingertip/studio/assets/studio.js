@@ -27,6 +27,7 @@
   // What is no number is sent as text: the server says what is wrong with it.
   function read(field) {
     const text = field.input.value.trim();
+    if (field.input.matches('select') && (text === 'true' || text === 'false')) return text === 'true';
     return isNumber(field) && text !== '' && Number.isFinite(Number(text)) ? Number(text) : field.input.value;
   }
   function collect(values) {

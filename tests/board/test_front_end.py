@@ -17,7 +17,7 @@ from fingertip.board.parts import symbols
 from fingertip.board.parts.circuit import Component
 from fingertip.catalogues.amplifiers import CATALOGUE
 from fingertip.design import Design
-from tests.board.ngspice import run_ngspice
+from tests.board.ngspice import read_noise_total, run_ngspice
 from tests.board.test_spice import limit_to_the_rails, replace_elements
 
 AMPLIFIERS = ["MCP6022", "OPA2376"]
@@ -42,8 +42,7 @@ def test_noise_at_the_pin_of_the_filtered_signal(tmp_path: Path, amplifier: str)
     rng = np.random.default_rng(1)
     for force_n, limit_v in ((3.0, 0.20e-3), (8.0, 0.35e-3)):
         decks = [write_deck(amplifier, force_n), *(write_deck(amplifier, force_n, rng) for _ in range(10))]
-        command = "noise v(adc_filtered) IJ1 dec 50 0.1 1meg\nsetplot noise2\nwrdata out onoise_total"
-        found = [run_ngspice(tmp_path, deck, command)[0][-1] for deck in decks]
+        found = [read_noise_total(tmp_path, deck, "adc_filtered") for deck in decks]
         print(f"{amplifier} at {force_n} N: {1e3 * found[0]:.3f} mV, largest of 10 boards {1e3 * max(found):.3f} mV")
         assert max(found) < limit_v
 

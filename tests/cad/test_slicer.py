@@ -15,6 +15,7 @@ import trimesh
 
 from fingertip.cad.files import threemf
 from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.printing.estimate import ERROR_PERCENT, estimate_print
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import Pose
 from fingertip.cad.printing.settings import FDM, slicer_settings
@@ -183,3 +184,20 @@ def test_resin_plate_slices_for_a_resin_printer(slicer: Path, name: str, tmp_pat
         layers = sum(name.endswith(".png") for name in sliced.namelist())
     height_mm = trimesh.load(tmp_path / "plate.3mf", force="mesh").extents[2]
     assert layers > 0.99 * height_mm / 0.05, "of 0.05 mm as the plate says, not of 0.1 mm as the command does"
+
+
+@pytest.mark.full
+@pytest.mark.every_case
+@pytest.mark.parametrize("changes", [(), ("skin.length_mm=30",)])
+def test_print_time_is_estimated_within_its_error(slicer: Path, changes: tuple[str, ...]) -> None:
+    """All that a first finger needs lies on one plate, in layers of 0.15 mm with 3 walls, and prints in an evening."""
+    design = Design.load("first_finger", changes=changes)
+    prints = verify(design, print_orientations(design), ("3mf",), MeshEvaluator(COARSE)).prints
+    assert set(prints.plates["plate_fdm.3mf"]) == {"bone", "mold_palmar", "mold_dorsal", "core", "stand"}
+    code = slice_to_gcode(slicer, "plate", prints.contents["plate_fdm.3mf"], design, 0.15)
+    sliced, estimated = parse_gcode("plate", code), estimate_print(design)
+    assert estimated.minutes == pytest.approx(sliced.minutes, rel=ERROR_PERCENT / 100.0)
+    assert estimated.filament_cm3 == pytest.approx(sliced.filament_cm3, rel=0.06)
+    if not changes:
+        assert max(estimated.minutes, sliced.minutes) <= 270.0
+    assert not len(support_moves(code)), "nothing stands on supports"

@@ -12,12 +12,14 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from fingertip.cad.printing.estimate import estimate_print
 from fingertip.cad.printing.settings import FDM, Profile, choose_profile
 from fingertip.cad.verification.cup import LOWERING_S, palmar_limits
 from fingertip.casting import quantities
 from fingertip.casting.consumables import AIDS
 from fingertip.casting.hardware import size_wires
 from fingertip.catalogues.output_files import PRINT_FOLDER
+from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.catalogues.silicones import Silicone, find_example
 from fingertip.design import Design
 from fingertip.design.geometry.dimensions import HEAD_MM, LONGER_MM, SHORTER_MM, TIE_WIDTH_MM
@@ -27,8 +29,10 @@ from fingertip.foundation.tables import load_table, read_rows
 
 _MIN_COMPONENT_G = 2.0
 """Least mass of the lighter component, of which half a step of a scale that reads 0.1 g is 2.5 % [g]."""
-_PRINTED_G, _EVENING_H = 60.0, 2.0
-"""Filament, and work on the first day besides printing [h]. An assumption: nobody has made one."""
+_EVENING_H = 2.0
+"""Work on the first day besides printing [h]. An assumption: nobody has made one."""
+_STEP_G = 5
+"""Step to which filament is rounded up [g]."""
 _ORDER_NUMBERS = {"fsr400_short": ", order number 34-00004"}
 _REFERENCE = re.compile(r"\[([^\]]+)\]\(#(\w+)\)")
 """Words of a step, and the key of the thing that they name."""
@@ -64,7 +68,7 @@ class FirstSheet:
     method: str
     plate: str
     profile: Profile
-    print_h: float | None
+    print_h: float
     printed_g: float
     evening_h: float
     days: int
@@ -94,8 +98,8 @@ def first_sheet(design: Design, volumes: quantities.SiliconeVolumes, silicone: S
     """Collect the data of the sheet, as a dictionary that JSON takes."""
     batch, body, seat = _mix(silicone, volumes.total_cm3), design.dimensions.sensor, palmar_limits(design)
     sheet = FirstSheet(
-        design.name, design.mold.method, f"{PRINT_FOLDER}/{FDM.file_names(1)[0]}", choose_profile(design), None,
-        _PRINTED_G, _EVENING_H,
+        design.name, design.mold.method, f"{PRINT_FOLDER}/{FDM.file_names(1)[0]}", choose_profile(design),
+        round(estimate_print(design).minutes / 60.0, 1), _find_printed_g(design), _EVENING_H,
         days=1 + math.ceil(batch.cure_h / 24.0),
         batch=batch,
         divider_kohm=design.board.divider_ohm / 1e3,
@@ -109,6 +113,11 @@ def first_sheet(design: Design, volumes: quantities.SiliconeVolumes, silicone: S
     return asdict(sheet)
 
 
+def _find_printed_g(design: Design) -> float:
+    density = PRINT_MATERIALS[design.strength.print_material].density_g_cm3
+    return float(_STEP_G * math.ceil(estimate_print(design).filament_cm3 * density / _STEP_G))
+
+
 def _list_items(design: Design, silicone: Silicone, batch: Mixture) -> tuple[Item, ...]:
     bolt, example = (interface_of(design).mounting(design) or {}).get("bolt"), find_example(silicone)
     words = {
@@ -118,7 +127,7 @@ def _list_items(design: Design, silicone: Silicone, batch: Mixture) -> tuple[Ite
         "bolt": f"M{bolt['thread_mm']:g} x {bolt['length_mm']:g} mm" if bolt else "",
     }
     sizes = {
-        "silicone_g": batch.total_g, "printed_g": _PRINTED_G, "tie_mm": TIE_WIDTH_MM,
+        "silicone_g": batch.total_g, "printed_g": _find_printed_g(design), "tie_mm": TIE_WIDTH_MM,
         "divider_kohm": design.board.divider_ohm / 1e3, "wire_mm": size_wires(design).max_diameter_mm,
     }  # fmt: skip
     rows = read_rows(Path(__file__).with_name("items.csv"))

@@ -84,7 +84,7 @@ def render_board(sources: Sources) -> Markup:
     if wiring := _draw_wiring(sources):
         folded.append(("How to connect it", wiring))
     parts += [fold(title, content) for title, content in folded]
-    if layout and not bring_up:
+    if not bring_up:
         made = element("code", COMMANDS[outputs.BOARD_FOLDER])
         parts.append(note("There is no bring-up sheet: in the folder of this page, ", made, " makes it."))
     return join(parts)

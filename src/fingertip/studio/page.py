@@ -57,10 +57,9 @@ def _render_group(name: str, fields: Sequence[Field], design: Design, moved: Map
 def _render_field(field: Field, design: Design, items: tuple[str, ...], is_main: bool) -> Markup:
     path = field.parameter.path
     name, value, described = f"f-{path}", design.value(path), f"e-{path} b-{path} d-{path}"
-    value = str(value).lower() if isinstance(value, bool) else value
     controls: list[Markup] = []
     if field.kind == "choice":
-        options = (element("option", word, value=word, selected=word == value) for word in field.choices)
+        options = (element("option", word, value=word, selected=word == str(value).lower()) for word in field.choices)
         controls.append(element("select", *options, id=name, aria_describedby=described))
     elif field.kind == "text":
         controls.append(element("input", type="text", id=name, value=str(value), aria_describedby=described))

@@ -252,7 +252,8 @@ def firmware(
     warnings = list(find_warnings(loaded, planned.controller))
     console.warn(warnings)
     data = {"files": [path.as_posix() for path in paths], "warnings": warnings, "costs": read_costs()}
-    text = f"{len(paths)} files in {folder}\nnext: {folder / README} states wiring, use, and what each sample costs"
+    states = "states wiring, use, and what each sample costs" if loaded.board.has_filter else "says what to open"
+    text = f"{len(paths)} files in {folder}\nnext: {folder / README} {states}"
     console.result(data, text)
 
 

@@ -20,7 +20,7 @@ from fingertip.design import Design
 from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet, steps
 from fingertip.pictures.raster import Canvas
 from fingertip.pictures.steps.objects import Bench
-from fingertip.pictures.steps.pictures import SCENES, list_scenes
+from fingertip.pictures.steps.pictures import list_scenes
 from fingertip.pictures.steps.scene import Scene, draw_scene
 from tests.approved import check_figures
 from tests.conftest import design_file, run_fingertip
@@ -67,7 +67,7 @@ def test_every_scene_is_used_and_no_step_shows_the_picture_of_another() -> None:
         names = [step.picture for step in steps(load(file, *changes)[1])]
         assert len(names) == len(set(names))
         used |= set(names)
-    assert used == set(SCENES)
+    assert used == set(list_scenes(load("fsr400")[0]))
 
 
 def test_labels_and_arrows_are_drawn_as_approved(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -275,7 +275,8 @@ def connect(bench: Bench, data: Data) -> Scene:
     solids = (bench.solid(solid, colour) for solid, colour in drawn)
     return Scene(
         (*bench.assembled_bone(), bench.part("skin"), bench.part("stand"), *solids), Camera.from_angles(18, -55),
-        Label("3V3", (at, y - 0.5, supply)), Label("GND", (at, y - 0.5, ground)), Label("A0 (GP26 on a Pico)", (at, y - 0.5, pin)),
+        Label("3V3", (at, y - 0.5, supply)), Label("GND", (at, y - 0.5, ground)),
+        Label("A0 (GP26 on a Pico)", (at, y - 0.5, pin)),
         Label(f"resistor, {data['divider_kohm']:g} kohm", (at, y - 3.0, (pin + ground) / 2)),
         Label("bolt with nut", (-post - 5.0, axis_y, bolt_z)),
         Label("stand, its flat\nback on the table", (0.0, axis_y, z - 40.0)),

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping, Sequence
-from types import ModuleType
-from typing import TypeAlias
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from PIL import Image
@@ -19,11 +17,10 @@ from fingertip.pictures.steps import filling_scenes, first_scenes, mold_scenes, 
 from fingertip.pictures.steps.objects import Bench
 from fingertip.pictures.steps.scene import Data, Paint, Scene, View, draw_scene
 
-Scenes: TypeAlias = Mapping[str, Callable[[Bench, Data], Scene]]
 
-
-def _find_scenes(*modules: ModuleType) -> dict[str, Callable[[Bench, Data], Scene]]:
-    """Find scenes by the names of their steps: every public function of the modules is one."""
+def list_scenes(design: Design) -> dict[str, Callable[[Bench, Data], Scene]]:
+    """List the scenes by the names of their steps: every public function of the modules is one."""
+    modules = (first_scenes,) if design.mold.method == "plunge" else (mold_scenes, filling_scenes, sensor_scenes)
     return {
         name.rstrip("_"): scene
         for module in modules
@@ -32,20 +29,10 @@ def _find_scenes(*modules: ModuleType) -> dict[str, Callable[[Bench, Data], Scen
     }
 
 
-SCENES: Scenes = _find_scenes(mold_scenes, filling_scenes, sensor_scenes)
-FIRST_SCENES: Scenes = _find_scenes(first_scenes)
-"""Scenes of a finger whose skin is cast around a lowered core."""
-
-
-def list_scenes(design: Design) -> Scenes:
-    return FIRST_SCENES if design.mold.method == "plunge" else SCENES
-
-
 def draw_steps(
     design: Design, data: Data, names: Sequence[str], progress: Callable[[str], None] = lambda message: None
 ) -> dict[str, bytes]:
-    bench, pictures = Bench(design), {}
-    scenes = list_scenes(design)
+    bench, scenes, pictures = Bench(design), list_scenes(design), {}
     work = Work("", {"pictures of the steps": 1.0}, progress)
     work.begin("pictures of the steps")
     for number, name in enumerate(names, 1):

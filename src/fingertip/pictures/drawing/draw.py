@@ -55,7 +55,7 @@ def part_drawings(design: Design) -> tuple[PartDrawing, ...]:
 def _notes(design: Design, drawing: PartDrawing) -> tuple[str, ...]:
     notes = [f"Curved surfaces and all other sizes: see {drawing.part}.step.", *drawing.notes]
     drafted_parts = ("bone",) if design.is_cast_apart else ("mold", "bone")
-    if design.mold.draft_deg and drawing.part.startswith(drafted_parts):
+    if design.mold.draft_deg and not design.is_cast_apart and drawing.part.startswith(drafted_parts):
         drafted = "Recess, keys and sockets" if drawing.part.startswith("mold") else "The collar's foot"
         notes.append(f"{drafted}: {design.mold.draft_deg:g} degrees of draft from the parting plane.")
     if drawing.part.startswith("mold") and design.mold.engraving_depth_mm:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 from fingertip.cad.shapes import stand
 from fingertip.cad.shapes.bone import FOOT_GAP_MM
@@ -43,11 +44,12 @@ def bone_drawing(design: Design) -> PartDrawing:
     dims, pilot = design.dimensions, _find_pilot(design)
     tip, interface = dims.bone_outline.tip, interface_of(design)
     assert tip
+    free = design.is_cast_apart  # nothing of the mold fits the bone
     pocket_end = dims.sensor_z + dims.sensor.head_diameter_mm / 2 + design.sensor.clearance_mm
     low = (0.0, 0.0, interface.low_z(design))
     sizes = [
         Length("overall length", OUTER, "front", "below", "z", low, (0.0, 0.0, tip.z)),
-        *_base_sizes(design),
+        *(replace(size, tolerance=None, action="") if free else size for size in _base_sizes(design)),
         *_pocket_sizes(design),
         *_trough_sizes(design),
         *_chaplet_sizes(design, pilot, (0.0, -dims.platform_depth, pocket_end)),
@@ -146,7 +148,8 @@ def _material(design: Design) -> str:
 
 def _base_sizes(design: Design) -> Iterator[Size]:
     dims, section, collar = design.dimensions, design.dimensions.bone_outline.section, design.dimensions.collar.section
-    base, foot = -design.mold.recess_length_mm, -design.bone.collar_length_mm
+    free, foot = design.is_cast_apart, -design.bone.collar_length_mm
+    base = -dims.full_base_length if free else -design.mold.recess_length_mm
     yield Length("width of the base", OUTER, "palmar", "left", "x", (section.half_width, 0.0, base),
                  (-section.half_width, 0.0, base), located(design, 2 * section.half_width),
                  f"wide: scrape the recess until the base drops in; narrow: {SCALE_REMEDY}")  # fmt: skip

@@ -145,7 +145,7 @@ def test_numbers_are_those_of_the_step_files(built: Build) -> None:
 VARIANTS = (
     ("adult_finger", ()),
     ("child_finger", ()),
-    ("adult_finger", ("mold.method=sleeve",)),
+    ("first_finger", ()),
     ("fsr400", ("mold.method=sleeve", "bone.interface=socket", "bone.base_length_mm=31")),
     ("fsr400", ("bone.interface=flange", "bone.base_length_mm=27")),
     ("adult_finger", ("hand.travel_deg=0", "bone.base_length_mm=13")),

@@ -25,6 +25,7 @@ from fingertip.documents.board.divider import list_readings
 from fingertip.lab.campaign.plan import CampaignPlan
 from fingertip.lab.campaign.run import run_campaign
 from fingertip.lab.divider import BOARD, DIVIDER, NOISY, compare_with_board
+from fingertip.lab.validation import validate
 from fingertip.sim import Trial, simulate
 from fingertip.sim.signal import readout
 from fingertip.sim.signal.bridge import Bridge, ConductanceCurve
@@ -151,11 +152,16 @@ def test_readout_and_sweep_leave_out_the_board(monkeypatch: pytest.MonkeyPatch) 
     assert found["tactile_100g_v"] == pytest.approx(list_readings(DESIGN)[1]["tactile_v"], abs=1e-3)
 
 
-def test_validation_compares_it_with_a_board() -> None:
-    result = run_campaign(DESIGN, CampaignPlan(2, 0.5), ("fast",), (1.0,))
-    compared = compare_with_board(DESIGN, result, "fast")
-    assert compared.rows.keys() == {DIVIDER, NOISY, BOARD}
-    assert all(row.slips == 2 for row in compared.rows.values())
-    assert "does not suffice; a board would find" in compared.tell(passed=False)
+@pytest.mark.full
+def test_validation_says_what_a_board_would_add() -> None:
+    found = validate(DESIGN, CampaignPlan(2, 0.5))
+    assert found.passed
+    assert "the divider suffices; a board would find 2 slips in place of 2" in found.as_verdict()
+    assert found.as_data()["comparison"].keys() == {DIVIDER, NOISY, BOARD}
+    assert found.files().keys() == {"validation.txt", "validation.json"}
+
+
+def test_divider_whose_filter_has_no_board_is_validated_alone() -> None:
     refused = Design.load("fsr400", changes=[*CHANGES, "board.capacitor_uf=3"])
-    assert "refused" in compare_with_board(refused, result, "fast").tell(passed=True)
+    result = run_campaign(refused, CampaignPlan(1, 0.5), ("fast",), (1.0,))
+    assert "does not suffice; no board is compared" in compare_with_board(refused, result, "fast").tell(passed=False)

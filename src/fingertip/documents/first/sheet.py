@@ -73,7 +73,8 @@ class FirstSheet:
     evening_h: float
     days: int
     batch: Mixture
-    divider_kohm: float
+    divider_kohm: float | None
+    """Resistor of the divider; None for a sensor on a board [kohm]."""
     lowering_s: float
     height_mm: tuple[float, float]
     """Least and largest height from the foot of the cup to the top of the seated core's plate [mm]."""
@@ -102,7 +103,7 @@ def first_sheet(design: Design, volumes: quantities.SiliconeVolumes, silicone: S
         round(estimate_print(design).minutes / 60.0, 1), _find_printed_g(design), _EVENING_H,
         days=1 + math.ceil(batch.cure_h / 24.0),
         batch=batch,
-        divider_kohm=design.board.divider_ohm / 1e3,
+        divider_kohm=design.board.divider_ohm / 1e3 if design.board.variant == "divider" else None,
         lowering_s=LOWERING_S,
         height_mm=(math.ceil(10 * seat.low) / 10, math.floor(10 * seat.high) / 10),
         tilts_mm=(math.floor(100 * seat.tilts[0]) / 100, math.floor(100 * seat.tilts[1]) / 100),
@@ -130,7 +131,8 @@ def _list_items(design: Design, silicone: Silicone, batch: Mixture) -> tuple[Ite
         "silicone_g": batch.total_g, "printed_g": _find_printed_g(design), "tie_mm": TIE_WIDTH_MM,
         "divider_kohm": design.board.divider_ohm / 1e3, "wire_mm": size_wires(design).max_diameter_mm,
     }  # fmt: skip
-    rows = read_rows(Path(__file__).with_name("items.csv"))
+    others = () if design.board.variant == "divider" else ("controller", "resistor")
+    rows = (row for row in read_rows(Path(__file__).with_name("items.csv")) if row["key"] not in others)
     return load_table(Item, ({name: cell.format(**words, **sizes) for name, cell in row.items()} for row in rows))
 
 

@@ -254,32 +254,41 @@ def pull_on(bench: Bench, data: Data) -> Scene:
 
 
 def connect(bench: Bench, data: Data) -> Scene:
-    """Show the finger in its stand, pad up, beside a controller with the resistor."""
+    """Show the finger in its stand, pad up, beside a controller with the resistor where there is one."""
     dims, z, post = bench.dims, bench.dims.channel_exit_z, bench.design.bone.post_width_mm / 2
-    y, axis_y, bolt_z = dims.bone_outline.section.dorsal + 0.8, middle_y(dims), Post().cross_bolt_z(bench.design)
-    edge, beside, (supply, ground, pin) = 30.0, dims.collar.section.half_width + 4.0, (z, z - 12.0, z - 24.0)
-    at, over, radius = edge + 1.5, y - 1.6, 0.6
-    black = union(
-        cylinder("x", (y - 0.8, pin), beside, at, radius), cylinder("z", (beside, y - 0.8), pin, z - 2.0, radius),
-        cylinder("x", (y - 0.8, z - 2.0), 0.0, beside, radius),
-    )  # fmt: skip
-    drawn = (
-        (cylinder("x", (axis_y, bolt_z), -post - 6.0, post + 6.0, 1.5), Paint.STEEL),
-        (Box((edge, y, z - 45.0), (edge + 21.0, y + 1.6, z + 6.0)), _BOARD),
-        (Box((edge + 6.5, y - 2.6, z + 1.5), (edge + 14.5, y, z + 8.0)), Paint.STEEL),
-        (union(*(cylinder("y", (pad, at), y - 0.3, y + 0.5, 1.0) for pad in (supply, ground, pin))), Paint.SENSOR),
-        (cylinder("x", (y - 0.8, supply), 0.0, at, radius), Paint.WIRE), (black, (0.15, 0.15, 0.17)),
-        (cylinder("z", (at, over), pin, ground, 0.4), Paint.STEEL),
-        (cylinder("z", (at, over), pin + 3.0, ground - 3.0, 1.4), _WOOD),
-    )  # fmt: skip
-    solids = (bench.solid(solid, colour) for solid, colour in drawn)
-    return Scene(
-        (*bench.assembled_bone(), bench.part("skin"), bench.part("stand"), *solids), Camera.from_angles(18, -55),
-        Label("3V3", (at, y - 0.5, supply)), Label("GND", (at, y - 0.5, ground)),
-        Label("A0 (GP26 on a Pico)", (at, y - 0.5, pin)),
-        Label(f"resistor, {data['divider_kohm']:g} kohm", (at, y - 3.0, (pin + ground) / 2)),
+    axis_y, bolt_z = middle_y(dims), Post().cross_bolt_z(bench.design)
+    bolt = cylinder("x", (axis_y, bolt_z), -post - 6.0, post + 6.0, 1.5)
+    shown = [*bench.assembled_bone(), bench.part("skin"), bench.part("stand"), bench.solid(bolt, Paint.STEEL)]
+    labels = [
         Label("bolt with nut", (-post - 5.0, axis_y, bolt_z)),
         Label("stand, its flat\nback on the table", (0.0, axis_y, z - 40.0)),
         Label("pad", (0.0, -dims.outer.section.palmar, dims.sensor_z)),
-        Label("controller", (edge + 12.0, y, z - 35.0)),
+    ]  # fmt: skip
+    if data["divider_kohm"]:
+        solids, names = _draw_controller(bench, data)
+        shown, labels = shown + solids, labels + names
+    return Scene(shown, Camera.from_angles(18, -55), *labels)
+
+
+def _draw_controller(bench: Bench, data: Data) -> tuple[list[Shown], list[Label]]:
+    dims, z, edge = bench.dims, bench.dims.channel_exit_z, 30.0
+    y, beside = dims.bone_outline.section.dorsal, dims.collar.section.half_width + 4.0
+    supply, ground, pin = z, z - 12.0, z - 24.0
+    at, top, over, radius = edge + 1.5, y + 0.8, y - 0.8, 0.6
+    black = union(
+        cylinder("x", (y, pin), beside, at, radius), cylinder("z", (beside, y), pin, z - 2.0, radius),
+        cylinder("x", (y, z - 2.0), 0.0, beside, radius),
     )  # fmt: skip
+    drawn = (
+        (Box((edge, top, z - 45.0), (edge + 21.0, top + 1.6, z + 6.0)), _BOARD),
+        (Box((edge + 6.5, top - 2.6, z + 1.5), (edge + 14.5, top, z + 8.0)), Paint.STEEL),
+        (union(*(cylinder("y", (pad, at), y + 0.5, y + 1.3, 1.0) for pad in (supply, ground, pin))), Paint.SENSOR),
+        (cylinder("x", (y, supply), 0.0, at, radius), Paint.WIRE), (black, (0.15, 0.15, 0.17)),
+        (cylinder("z", (at, over), pin, ground, 0.4), Paint.STEEL),
+        (cylinder("z", (at, over), pin + 3.0, ground - 3.0, 1.4), _WOOD),
+    )  # fmt: skip
+    return [bench.solid(solid, colour) for solid, colour in drawn], [
+        Label("3V3", (at, y, supply)), Label("GND", (at, y, ground)), Label("A0 (GP26 on a Pico)", (at, y, pin)),
+        Label(f"resistor, {data['divider_kohm']:g} kohm", (at, y - 2.0, (pin + ground) / 2)),
+        Label("controller", (edge + 12.0, top, z - 35.0)),
+    ]  # fmt: skip

@@ -114,8 +114,8 @@ def _check_overlaps(
     """Check that no two parts overlap: those inside the mold at their own sizes, and as they are cast with a half.
 
     Parts inside the mold share surfaces. The intersection of such solids takes four times as long as their union, so
-    their overlap is computed as |A & B| = |A| + |B| - |A + B|. Against a half they are tested all at once, and one by
-    one only if the union overlaps it.
+    their overlap is computed as |A & B| = |A| + |B| - |A + B|. Against a half they are tested all at once in the same
+    way, and one by one only if the union overlaps it.
     """
 
     def volume(solid: Solid) -> float:
@@ -123,8 +123,9 @@ def _check_overlaps(
 
     for (first, one), (second, other) in combinations(inside.items(), 2):
         yield Check.zero_volume(f"overlap.{first}.{second}", volume(one) + volume(other) - volume(union(one, other)))
+    cast = union(*filled.values()) if filled else None
     for half, solid in halves.items():
-        together = volume(intersection(union(*filled.values()), solid)) if filled else 0.0
+        together = volume(cast) + volume(solid) - volume(union(cast, solid)) if cast else 0.0
         for name, one in filled.items():
             alone = together if together <= VOLUME_TOLERANCE_MM3 else volume(intersection(one, solid))
             yield Check.zero_volume(f"overlap.{name}.{half}", alone)

@@ -1,7 +1,8 @@
-"""Air that a rising surface of silicone shuts in around a core, on voxels.
+"""Air that a rising surface of silicone shuts in around a core.
 
-Silicone rises around the core until its surface stands at the rim. Air of a voxel gets out if it can go on sideways and
-upwards, never downwards, until it reaches the surface: layers are followed from the surface down.
+Air gets out if it can go on sideways and upwards, never downwards, until it reaches the rim. Where it stays, the space
+has a summit: a place above which it has a roof, and from which it nowhere rises. Core and cup have the same summits
+while the core goes down. Where there is one, the volume of air below it is found on voxels, layer by layer.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.cad.kernel.mesh import Manifold
+from fingertip.cad.kernel.mesh import Manifold, to_arrays
 from fingertip.foundation.numerics import Array
 
 Mask = NDArray[np.bool_]
@@ -21,13 +22,32 @@ LEANS_DEG = ((0.0, 0.0), (10.0, 0.0), (-10.0, 0.0), (0.0, 10.0))
 """Rotations of the standing cup about x and y, in which it may stand while the core is lowered."""
 _AT_RIM_MM = 0.4
 """Depth below the rim up to which air leaves through the gap under the plate."""
+_LEVEL_MM = 1e-6
 
 
-def trapped_mm3(free: Manifold, lean_deg: tuple[float, float], poured_mm3: float = math.inf) -> float:
-    """Compute the volume of air in the free space of a cup with its rim at z = 0, up to the silicone's surface.
+def trapped_mm3(free: Manifold, lean_deg: tuple[float, float]) -> float:
+    """Compute the volume of air that stays in the free space of a cup with its rim at z = 0."""
+    return _flood_mm3(free, lean_deg) if _has_summit(free, lean_deg) else 0.0
 
-    Its surface stands where this much silicone is below it, or at the rim.
-    """
+
+def _has_summit(free: Manifold, lean_deg: tuple[float, float]) -> bool:
+    vertices, triangles = to_arrays(free)
+    about_x, about_y = (math.radians(angle) for angle in lean_deg)
+    upwards = -np.array(
+        [math.sin(about_y), math.cos(about_y) * math.sin(about_x), math.cos(about_y) * math.cos(about_x)]
+    )
+    heights = vertices @ upwards
+    corners, beside, roof = vertices[triangles], np.full(len(vertices), -np.inf), np.zeros(len(vertices))
+    facing = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) @ upwards
+    for corner in range(3):
+        at, others = triangles[:, corner], np.delete(triangles, corner, axis=1)
+        np.maximum.at(beside, at, heights[others].max(axis=1))
+        np.add.at(roof, at, facing)
+    is_summit = (beside <= heights + _LEVEL_MM) & (roof > 0.0) & (vertices[:, 2] > _AT_RIM_MM)
+    return bool(is_summit.any())
+
+
+def _flood_mm3(free: Manifold, lean_deg: tuple[float, float]) -> float:
     turned = free.rotate((180.0, 0.0, 0.0)).rotate((*lean_deg, 0.0))  # the tip points down
     low, high = np.split(np.array(turned.bounding_box()), 2)
     x, y, up = (np.arange(a + size / 2, b, size) for a, b, size in zip(low, high, VOXEL_MM, strict=True))
@@ -35,13 +55,10 @@ def trapped_mm3(free: Manifold, lean_deg: tuple[float, float], poured_mm3: float
     # Component of each place along the axis of the cup, which is turned about x first.
     tilted = math.sin(about_y) * x[:, None] * math.cos(about_x) - math.sin(about_x) * y[None, :]
     tilted, along = np.pad(tilted, 1), math.cos(about_x) * math.cos(about_y)
-    layers = [_fill(turned.slice(height).to_polygons(), x, y) for height in up]
-    held = np.cumsum([int(layer.sum()) for layer in layers]) * math.prod(VOXEL_MM)
-    top = int(np.searchsorted(held, poured_mm3))
-    reached, trapped = np.zeros_like(layers[0]), 0
-    for number in reversed(range(min(top + 1, len(layers)))):
-        layer = layers[number]
-        is_open = number == top or along * up[number] + tilted > -_AT_RIM_MM
+    reached, trapped = np.zeros(tilted.shape, dtype=bool), 0
+    for height in up[::-1]:
+        layer = _fill(turned.slice(height).to_polygons(), x, y)
+        is_open = along * height + tilted > -_AT_RIM_MM
         reached = _spread(layer & (is_open | reached), layer)
         trapped += int(layer.sum() - reached.sum())
     return trapped * math.prod(VOXEL_MM)

@@ -8,11 +8,12 @@ so that the flanks alone decide where the core is; silicone that is too much lea
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
+
+from fingertip.design.geometry.conic import arc_area
 
 if TYPE_CHECKING:
     from fingertip.design.geometry.dimensions import Dimensions
@@ -42,8 +43,8 @@ KEY_SIZES_MM = (5.0, 4.0)
 KEY_TOP_MM = 1.0
 """Diameter of a key at its end [mm]."""
 _BESIDE_GROOVE_MM = 1.0
-_STEPS = 64
-"""Steps along the finger in which volumes are summed up, and across it."""
+_STEPS = 24
+"""Steps along the finger in which volumes are summed up, and across the core."""
 
 
 class Flank(NamedTuple):
@@ -157,20 +158,17 @@ class CupLayout:
         return self._dims.outer.half_width_at(0.0, self.pour_z) + POUR_MARK_MM[1]
 
     def _cavity_mm2(self, z: float) -> float:
-        outer = self._dims.outer
-        return _area(lambda y: outer.half_width_at(y, z), -outer.section.palmar, outer.section.dorsal)
+        outer, section = self._dims.outer, self._dims.outer.section
+        wide = outer.scale_at(z)
+        palmar = section.palmar * outer.palmar_scale_at(z) * arc_area(section.palmar_weight)
+        return 2 * section.half_width * wide * (palmar + section.dorsal * wide * arc_area(section.dorsal_weight))
 
     def _core_mm2(self, z: float) -> float:
         dims = self._dims
         (body, flat, _), platform = dims.insert_body(), dims.platform_half_width_at(z)
 
-        def half_width(y: float) -> float:
-            found = body.half_width_at(y, z)
-            return min(found, platform) if y < -flat else found
-
-        return _area(half_width, flat - dims.flat_depth - dims.flat_depth_at(z), body.section.dorsal)
-
-
-def _area(half_width: Callable[[float], float], low: float, high: float) -> float:
-    step = (high - low) / _STEPS
-    return 2.0 * step * sum(half_width(low + step * (i + 0.5)) for i in range(_STEPS))
+        low, high = flat - dims.flat_depth - dims.flat_depth_at(z), body.section.dorsal
+        step = (high - low) / _STEPS
+        heights = [low + step * (i + 0.5) for i in range(_STEPS)]
+        widths = [(y, body.half_width_at(y, z)) for y in heights]
+        return 2 * step * sum(min(width, platform) if y < -flat else width for y, width in widths)

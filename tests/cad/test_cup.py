@@ -1,0 +1,135 @@
+"""Cup, core and their checks: values against closed forms, and each check with a defect that it finds."""
+
+from __future__ import annotations
+
+import math
+from itertools import product
+
+import numpy as np
+import pytest
+
+from fingertip.cad.files.step_process import BrepMeasurements
+from fingertip.cad.kernel import brep
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.shapes import cup, insert
+from fingertip.cad.shapes.parts import PARTS, parts_by_name
+from fingertip.cad.verification import assembly, trapped_air
+from fingertip.cad.verification import cup as checks
+from fingertip.design import Design
+from fingertip.design.geometry.solids import Box, cylinder, difference, union
+from tests.cad.part_checks import TOLERANCE
+
+EVALUATOR = MeshEvaluator(TOLERANCE)
+FINGER = Design.load("first_finger")
+THICK = "silicone.product=own silicone.viscosity_pa_s={}"
+
+
+def run(*changes: str) -> dict[str, float]:
+    """Return the excess of each check's value over its limit; negative if it passes."""
+    design = Design.load("first_finger", changes=" ".join(changes).split())
+    found = checks.check_cup(design, MeshEvaluator(TOLERANCE), parts_by_name(design))
+    return {check.name: (check.value - check.limit) * (-1 if check.relation == "at least" else 1) for check in found}
+
+
+def failed(*changes: str) -> set[str]:
+    return {name for name, excess in run(*changes).items() if excess > 0.0}
+
+
+def test_first_finger_passes_with_figures_near_those_of_the_study() -> None:
+    assert not failed()
+    assert checks.palmar_error_mm(FINGER) == pytest.approx(0.14, abs=0.005)
+    plunge = checks.predict_plunge(FINGER, EVALUATOR)
+    assert 0.5 < plunge.pressure_kpa < 2.0
+    assert 0.05 < plunge.force_n < 0.3
+
+
+@pytest.mark.parametrize(
+    ("changes", "wanted"),
+    [
+        ("printer.surface_error_mm=0.11", {"cup.palmar_error", "cup.creep"}),
+        (THICK.format(300), {"cup.plunge_pressure"}),
+        ("mold.wall_mm=1.2", {"cup.wall"}),
+        ("silicone.product=own silicone.elongation_percent=60", {"skin.fitting_stretch"}),
+    ],
+)
+def test_checks_find_their_defects(changes: str, wanted: set[str]) -> None:
+    assert failed(changes) == wanted
+
+
+def test_film_on_the_seat_grows_with_the_root_of_the_viscosity() -> None:
+    thin, thick = (checks.seat_film_mm(Design.load("first_finger", changes=THICK.format(mu).split())) for mu in (5, 20))
+    assert thick == pytest.approx(2 * thin)
+
+
+def test_core_and_halves_that_catch_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A core wider than its cavity, and a dorsal half that is pulled off before the core is lifted."""
+    core, barb = cup.core, Box((-9.3, 0.0, 14.0), (9.3, 1.0, 15.0))
+    with monkeypatch.context() as patch:
+        patch.setattr(cup, "core", lambda design: union(core(design), barb))
+        found = {check.name for check in checks._check_motions(FINGER, EVALUATOR) if not check.passed}
+        assert found == {"cup.lowering_overlap", "cup.lifting_overlap"}
+    with monkeypatch.context() as patch:
+        patch.setattr(assembly, "LIFT_MM", 0.0)
+        halves = {name: PARTS[name].solid(FINGER) for name in ("core", "skin", *assembly.HALVES)}
+        found = {check.name for check in assembly.check_assembly(FINGER, EVALUATOR, halves) if not check.passed}
+        assert found == {"demolding_overlap.mold_dorsal"}, "the third ridge catches unless the core is lifted"
+
+
+def test_air_in_a_pocket_is_found_whole_and_none_in_the_design(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A bore up into the core holds its whole volume; a recess with a horizontal roof holds some in one lean only."""
+    assert checks.worst_air_mm3(FINGER, EVALUATOR) == 0.0
+    whole = insert.core_within_skin(FINGER)
+    free = EVALUATOR.manifold(difference(insert.cavity(FINGER), whole))
+    for lean in trapped_air.LEANS_DEG:
+        assert trapped_air._flood_mm3(free, lean) == 0.0, "the flood agrees that there is no summit"
+    bore = cylinder("z", (3.0, 1.0), 15.0, 40.0, 1.0)
+    held = float((EVALUATOR.manifold(bore) ^ EVALUATOR.manifold(whole)).volume())
+    monkeypatch.setattr(checks, "core_within_skin", lambda design: difference(whole, bore))
+    assert checks.worst_air_mm3(FINGER, EVALUATOR) == pytest.approx(held, rel=0.12)
+    dims = FINGER.dimensions
+    steep = cylinder("y", (dims.sensor_z, 0.0), -20.0, 0.4 - dims.platform_depth, 3.4)
+    monkeypatch.setattr(checks, "core_within_skin", lambda design: difference(whole, steep))
+    assert checks.worst_air_mm3(FINGER, EVALUATOR) > 0.0
+
+
+def test_palmar_error_is_the_worst_of_all_signs_and_a_common_error_only_lifts() -> None:
+    flanks, dims = FINGER.cup_layout.flanks, FINGER.dimensions
+    rows = [[*normal, *np.cross(point, normal)] for point, normal in flanks]
+    sensor = np.array((0.0, -dims.platform_depth, dims.sensor_z))
+    shifts = []
+    for signs in product((-0.05, 0.05), repeat=6):
+        motion = np.linalg.solve(rows, signs)
+        shifts.append((motion[:3] + np.cross(motion[3:], sensor))[1])
+    assert len(shifts) == 64
+    assert max(map(abs, shifts)) == pytest.approx(checks.palmar_error_mm(FINGER))
+    lifted = np.linalg.solve(rows, np.full(6, 0.1))
+    assert lifted == pytest.approx([0.0, 0.0, -0.1 * math.sqrt(2.0), 0.0, 0.0, 0.0], abs=1e-12)
+
+
+def test_pressure_between_cylinders_is_that_of_an_annular_gap() -> None:
+    """Between cylinders of radii 5 and 6 mm the slot formula is near the exact one for an annulus (Bird, 2.4)."""
+    outer, core = (EVALUATOR.manifold(cylinder("z", (0.0, 0.0), -1.0, 9.0, radius)) for radius in (6.0, 5.0))
+    gaps, lengths, area = checks._measure_gap_around(outer, core, 4.0)
+    assert area == pytest.approx(25 * math.pi, rel=0.01)
+    assert (gaps**3 * lengths).sum() == pytest.approx(2 * math.pi * 5.0, rel=0.02)
+
+
+def test_sums_over_sections_give_the_volume_of_the_skin() -> None:
+    exact = EVALUATOR.manifold(insert.skin(FINGER)).volume() * FINGER.dimensions.shrinkage**3
+    assert FINGER.cup_layout.skin_mm3 == pytest.approx(exact, rel=0.01)
+    below = EVALUATOR.manifold(insert.cavity(FINGER)).trim_by_plane((0.0, 0.0, 1.0), FINGER.cup_layout.pour_z)
+    assert below.volume() == pytest.approx(1.1 * exact, rel=0.02), "the line holds what is poured"
+
+
+@pytest.mark.full
+def test_exact_solids_fill_the_block() -> None:
+    """Halves, hollow and letters of the B-rep kernel add up; a half that lacks a bore does not."""
+    names, exact = ("skin", "core", *assembly.HALVES), brep.BrepEvaluator()
+    volumes = {name: brep.volume(exact.solid(PARTS[name].solid(FINGER))) for name in names}
+    parts = {name: BrepMeasurements(volume, 0) for name, volume in volumes.items()}
+    others = {name: brep.volume(exact.shape(s)) for name, s in assembly.brep_balance_solids(FINGER, names)}
+    assert all(check.passed for check in assembly.check_brep_assembly(FINGER, parts, others))
+    assert len(list(assembly.check_brep_assembly(FINGER, parts, others))) == 2
+    parts["mold_palmar"] = BrepMeasurements(volumes["mold_palmar"] - 1.0, 0)
+    found = {check.name for check in assembly.check_brep_assembly(FINGER, parts, others) if not check.passed}
+    assert found == {"step.volume_balance.mold"}

@@ -234,16 +234,21 @@ _CUP_CHECKS = {
     "cup_trapped_air_mm3": "cup.trapped_air", "cup_palmar_error_mm": "cup.palmar_error",
     "cup_plunge_pressure_kpa": "cup.plunge_pressure", "cup_creep_mm3": "cup.creep",
     "cup_seat_film_mm": "cup.seat_film", "cup_stretch_percent": "skin.fitting_stretch",
+    "vent_open_percent": "sensor.vent_open", "wires_held_mm": "sensor.wires_held", "stand_gap_mm": "stand.post_gap",
 }  # fmt: skip
 
 
 def compute_cup(context: PointContext) -> OutputValues:
     from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.cad.verification.cup import check_cup
+    from fingertip.cad.verification.laid_in import check_laid_in
+    from fingertip.cad.verification.stand import check_stand
 
     design, values = context.design, dict[str, float]()
     if design.mold.method == "plunge":
-        checks = check_cup(design, context.evaluator(), parts_by_name(design))
+        parts, evaluator = parts_by_name(design), context.evaluator()
+        checks = [*check_cup(design, evaluator, parts), *check_laid_in(design, evaluator)]
+        checks += check_stand(design, evaluator) if "stand" in parts else ()
         values = {check.name: check.value for check in checks}
     return {output: values.get(check, math.nan) for output, check in _CUP_CHECKS.items()}
 
@@ -297,13 +302,18 @@ def compute_walls(context: PointContext) -> OutputValues:
 
 
 def compute_printing(context: PointContext) -> OutputValues:
+    from fingertip.cad.printing.estimate import estimate_print
     from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.cad.verification.printing import check_overhang
 
     printed = [name for name, part in parts_by_name(context.design).items() if part.is_printed]
     meshes = {name: _mesh(context, name) for name in printed}
     overhangs = [check_overhang(context.design, context.evaluator(), name, mesh) for name, mesh in meshes.items()]
-    return {"max_overhang_mm2": max(check.value for check in overhangs)}
+    estimate = estimate_print(context.design)
+    return {
+        "max_overhang_mm2": max(check.value for check in overhangs),
+        "print_h": estimate.minutes / 60.0, "filament_cm3": estimate.filament_cm3,
+    }  # fmt: skip
 
 
 def compute_acceptance(context: PointContext) -> OutputValues:

@@ -131,11 +131,11 @@ def list_hardware(design: Design) -> Iterator[tuple[Use, dict[str, Any]]]:
             "item": "chaplet screw (machine screw, pan or cylinder head)", "thread_mm": chaplet.thread.diameter_mm,
             "length_mm": chaplet.screw_length(design.mold_layout.dorsal_height), "count": 1,
         }  # fmt: skip
-    if inlet := design.mold_layout.inlet:  # silicone cures in the syringe, so each finger takes one
-        yield "finger", {
-            "item": "syringe with Luer slip tip, without rubber on its plunger", "volume_ml": inlet.syringe.volume_ml,
-            "nozzle_bore_mm": design.mold.nozzle_bore_mm, "count": 1,
-        }  # fmt: skip
+    yield "finger", {  # silicone cures in the syringe, so each finger takes one
+        "item": "syringe with Luer slip tip, without rubber on its plunger",
+        "volume_ml": design.mold_layout.inlet.syringe.volume_ml, "nozzle_bore_mm": design.mold.nozzle_bore_mm,
+        "count": 1,
+    }  # fmt: skip
     release = "for silicone cast in a rigid mold; without silicone oil, which keeps the patch from sticking"
     yield "bench", {"item": "mold release for silicone", "count": 1, "note": release}
     for bolt in interface_of(design).bolts(design):

@@ -14,7 +14,7 @@ from fingertip.design.geometry.solids import intersection, union
 from fingertip.filling.mold_filling import MAX_AIR_MM3, injected_cm3, place_vents, predict_mold_filling
 
 WASTE_FRACTION = 0.25
-"""Extra silicone as a fraction of what the mold holds. It stays on cup, stirrer and syringe or funnel. A project
+"""Extra silicone as a fraction of what the mold holds. It stays on cup, stirrer and syringe. A project
 choice."""
 _LOAD_RATIO = 1.5
 """Silicone in the syringe over what the mold takes: some stays in the nozzle, and some leaves through the vents."""
@@ -33,7 +33,7 @@ class SiliconeVolumes:
     skin_cm3: float
     """Volume of the cavity minus the insert that the skin is cast around."""
     runners_cm3: float
-    """Volume of sprue, runner or gate, and vents, filled up to the mold's face or to the nozzle; of a cup, what is
+    """Volume of sprue, runner and vents, filled up to the mold's face or to the nozzle; of a cup, what is
     poured beyond the skin and overflows."""
     gap_cm3: float
     """Volume of the clearance around the base in its recess. It fills only if the fit leaks, and then leaves flash.
@@ -50,7 +50,7 @@ class Batch:
 
     in_mold_g: float
     with_waste_g: float
-    """Mass with the extra silicone that stays on cup, stirrer and syringe or funnel."""
+    """Mass with the extra silicone that stays on cup, stirrer and syringe."""
     total_g: float
     """Mass to mix; more than `with_waste_g` if that is below `smallest_batch_g`."""
     a_g: float
@@ -112,9 +112,10 @@ def split_by_mix_ratio(silicone: Silicone, total_g: float) -> tuple[float, float
 
 
 def load_cm3(design: Design) -> float:
-    """Compute the silicone to load into the syringe [cm3]; 0 for one that is not filled by it."""
-    inlet = design.mold_layout.inlet if design.mold.method != "plunge" else None
-    return min(_LOAD_RATIO * injected_cm3(predict_mold_filling(design)), inlet.syringe.load_cm3) if inlet else 0.0
+    """Compute the silicone to load into the syringe [cm3]; 0 for a cup, into which it is poured."""
+    if design.mold.method == "plunge":
+        return 0.0
+    return min(_LOAD_RATIO * injected_cm3(predict_mold_filling(design)), design.mold_layout.inlet.syringe.load_cm3)
 
 
 def bubble_rise_mm_per_min(viscosity_pa_s: float) -> float:

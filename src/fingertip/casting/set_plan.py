@@ -31,16 +31,15 @@ class Mold:
     fingers: tuple[str, ...]
     volume_cm3: float
     load_cm3: float
-    """Silicone in the syringe; 0 for a mold that gravity fills."""
+    """Silicone in the syringe."""
     fill_s: float
-    """Time to fill it: as the thumb pushes, or as the silicone flows by itself."""
+    """Time to fill it, as the thumb pushes."""
 
     @classmethod
     def of_sheet(cls, design: Design, fingers: tuple[str, ...], casting: Mapping[str, Any]) -> Mold:
         filling = casting["filling"]
-        pushed = filling["push_s"] if filling["syringe"] else 0.0
-        fill_s = max(float(filling["fill_s"]), float(pushed))
-        return cls(design, fingers, casting["volumes_cm3"]["total"], filling["load_cm3"] or 0.0, fill_s)
+        fill_s = max(float(filling["fill_s"]), float(filling["push_s"]))
+        return cls(design, fingers, casting["volumes_cm3"]["total"], filling["load_cm3"], fill_s)
 
     @property
     def silicone(self) -> Silicone:

@@ -41,7 +41,6 @@ FREE: Ranges = {
     "bone.collar_length_mm": (2.0, 8.0),
     "bone.collar_inset_mm": (0.25, 0.6),
     "mold.recess_length_mm": (3.2, 12.0),
-    "mold.funnel_diameter_mm": (4.5, 7.0),
     "mold.fit_clearance_mm": (0.03, 0.05),
     "mold.chaplet_from_tip_mm": (4.5, 14.0),
     "mold.chaplet_diameter_mm": (4.2, 8.0),

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from fingertip.catalogues.hardware import LUER_DEPTH_MM, LUER_MOUTH_MM, LUER_TAPER, NOZZLE_DEPTH_MM, NOZZLE_LENGTH_MM
 from fingertip.design import Design
 from fingertip.filling.ducts_and_mouths import Duct, conical_duct, rectangular_duct, round_duct
-from fingertip.filling.predict import Course, FillingPrediction, Opening, Point3, head_pressure_pa, syringe_pressure_pa
+from fingertip.filling.predict import Course, FillingPrediction, Opening, Point3, syringe_pressure_pa
 from fingertip.filling.surface_links import SkinGrid, build_skin_grid
 from fingertip.foundation.numerics import Array
 
@@ -52,24 +52,14 @@ def follow_design_front(design: Design) -> Course:
 
 
 def gate_opening(design: Design) -> Opening:
-    layout, dims = design.mold_layout, design.dimensions
-    inlet = layout.inlet
-    if inlet is None:
-        z = design.skin.length_mm * dims.shrinkage
-        return Opening((layout.gate_x, 0.0, z), design.mold.gate_diameter_mm)
-    side = dims.outer.half_width_at(inlet.depth / 2, inlet.gate_z)
+    inlet = design.mold_layout.inlet
+    side = design.dimensions.outer.half_width_at(inlet.depth / 2, inlet.gate_z)
     return Opening((side, inlet.depth / 2, inlet.gate_z), 2 * math.sqrt(inlet.width * inlet.depth / math.pi))
 
 
 def list_ducts(design: Design) -> tuple[Duct, ...]:
     layout, mold = design.mold_layout, design.mold
     inlet = layout.inlet
-    if inlet is None:
-        above = layout.distal_z - mold.funnel_depth_mm - design.skin.length_mm * design.dimensions.shrinkage
-        mouth, throat = mold.funnel_diameter_mm, mold.gate_diameter_mm
-        funnel = conical_duct(mouth, throat, mold.funnel_depth_mm) if mouth > throat else None
-        gate = round_duct(throat, max(above, throat))
-        return (funnel, gate) if funnel else (gate,)
     # The nozzle, what it leaves of its cone, the sprue, and both legs of the runner.
     at_nozzle = LUER_MOUTH_MM - LUER_TAPER * NOZZLE_DEPTH_MM
     at_end = LUER_MOUTH_MM - LUER_TAPER * LUER_DEPTH_MM
@@ -96,8 +86,8 @@ def build_grid(design: Design) -> SkinGrid:
 
 @dataclass(frozen=True)
 class Vent:
-    kind: Literal["dorsal", "side", "tip"]
-    """dorsal: along y through the dorsal half; side: a groove in the parting plane; tip: along z to the distal face."""
+    kind: Literal["dorsal", "side"]
+    """dorsal: along y through the dorsal half; side: a groove in the parting plane."""
     point_mm: Point3
     """Point of the cavity that it vents."""
     diameter_mm: float
@@ -108,20 +98,14 @@ def list_openings(vents: Iterable[Vent]) -> list[Opening]:
 
 
 def place_vents(design: Design) -> tuple[Vent, ...]:
-    """Place the vents of a design's mold.
-
-    A mold that is filled by gravity has one at the apex and one opposite the gate. A mold that is filled by syringe has
-    one at each place where air would be trapped without it, the largest first, and one in any case.
-    """
+    """Place one vent where air would be trapped without it, the largest air first, and one in any case."""
     return vent_cavity(design)[0]
 
 
 @lru_cache(maxsize=32)
 def vent_cavity(design: Design) -> tuple[tuple[Vent, ...], tuple[Opening, ...]]:
     """Place the vents, and find where the gap at the collar lets out air that they do not."""
-    diameter, layout = design.mold.vent_diameter_mm, design.mold_layout
-    if layout.inlet is None:
-        return tuple(Vent("tip", (x, 0.0, layout.inlet_z), diameter) for x in (0.0, -layout.gate_x)), ()
+    diameter = design.mold.vent_diameter_mm
     course, vents, gaps = follow_design_front(design), tuple[Vent, ...](), tuple[Opening, ...]()
     for _ in range(_MAX_ROUNDS):
         # An opening can leave another pocket behind, which had been part of the one that it empties.
@@ -209,16 +193,11 @@ def find_pose(design: Design) -> Point3:
 @lru_cache(maxsize=32)
 def predict_mold_filling(design: Design) -> FillingPrediction:
     """Predict the filling of a design's mold, with its vents; air at the collar's edge counts as vented."""
-    silicone, inlet, (vents, gaps) = design.silicone.material, design.mold_layout.inlet, vent_cavity(design)
-    if inlet:
-        pressure = syringe_pressure_pa(design.mold.thumb_force_n, inlet.syringe.bore_mm)
-    else:  # the head of a full funnel above the gate
-        height = design.mold_layout.distal_z - design.skin.length_mm * design.dimensions.shrinkage
-        pressure = head_pressure_pa(silicone.density_g_cm3.low, height)
+    viscosity, (vents, gaps) = design.silicone.material.viscosity_pa_s.high, vent_cavity(design)
+    pressure = syringe_pressure_pa(design.mold.thumb_force_n, design.mold_layout.inlet.syringe.bore_mm)
     prediction = follow_design_front(design).predict(
-        [*list_openings(vents), *gaps], list_ducts(design), viscosity_pa_s=silicone.viscosity_pa_s.high,
-        pressure_pa=pressure,
-    )  # fmt: skip
+        [*list_openings(vents), *gaps], list_ducts(design), viscosity_pa_s=viscosity, pressure_pa=pressure
+    )
     trapped = tuple(pocket for pocket in prediction.air_pockets if not is_at_collar(pocket.point_mm))
     return replace(prediction, air_pockets=trapped)
 

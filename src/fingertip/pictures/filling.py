@@ -49,9 +49,7 @@ _Mark = tuple[Point3, _Symbol, str]
 
 def draw_mold_filling(design: Design) -> bytes:
     silicone, prediction = design.silicone.material, predict_mold_filling(design)
-    how = "gravity"
-    if inlet := design.mold_layout.inlet:
-        how = f"{design.mold.thumb_force_n:g} N on a syringe of {inlet.syringe.volume_ml:g} ml"
+    how = f"{design.mold.thumb_force_n:g} N on a syringe of {design.mold_layout.inlet.syringe.volume_ml:g} ml"
     filled = f"{prediction.viscosity_pa_s:g} Pa s, {how}: full after {prediction.fill_s:.0f} s"
     title = f"{design.name}: {silicone.label}, {filled}"
     vents = list_openings(place_vents(design))

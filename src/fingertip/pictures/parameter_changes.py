@@ -49,9 +49,8 @@ _VIEWS = {
     "cut lengthwise": Camera.from_angles(0, 0),
 }
 _ELSEWHERE = (
-    ("fsr400", ("mold.filling=gravity",)), ("fsr400", ("bone.interface=socket",)),
-    ("fsr400", ("bone.interface=flange",)), ("fsr400", ("sensor.model=custom",)), ("adult_finger", ()),
-    ("child_finger", ()), ("adult_thumb", ()),
+    ("fsr400", ("bone.interface=socket",)), ("fsr400", ("bone.interface=flange",)),
+    ("fsr400", ("sensor.model=custom",)), ("adult_finger", ()), ("child_finger", ()), ("adult_thumb", ()),
 )  # fmt: skip
 """Bundled designs and changes that use the parameters which another design may not use."""
 

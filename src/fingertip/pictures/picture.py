@@ -18,7 +18,7 @@ from fingertip.cad.shapes.bone import sensor_body
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.assembly import turn_about_pin
 from fingertip.cad.verification.strength import assess_strength
-from fingertip.cad.verification.walls import find_thin_walls, is_measured
+from fingertip.cad.verification.walls import MEASURED, find_thin_walls
 from fingertip.design import Design
 from fingertip.design.geometry.features import Joint
 from fingertip.design.geometry.solids import Point3, Solid
@@ -130,7 +130,7 @@ def _mark_thin_walls(design: Design, evaluator: MeshEvaluator, exploded: list[Pl
     """Cover what is thinner than its minimum with red squares."""
     marks = []
     for item in exploded:
-        if is_measured(design, item.label) and (thin := find_thin_walls(design, evaluator, item.label)).matters:
+        if item.label in MEASURED and (thin := find_thin_walls(design, evaluator, item.label)).matters:
             squares = thin.patches()
             moved = Mesh(squares.vertices + np.array(item.offset_mm), squares.triangles)
             marks.append(PlacedMesh(_THIN, moved, _THIN_COLOUR, item.offset_mm))

@@ -78,19 +78,11 @@ def list_sections(design: Design, evaluator: MeshEvaluator) -> list[Section]:
             Section(title, mold | {"core": solids["core"]}, notches, list(_list_cup_features(design))),
             Section("longitudinal section of the bone with its sensor", finger, [], of_bone),
         ]
-    ways, of_mold = _list_ways(design), list(_list_mold_features(design))
     title = "longitudinal section of the closed mold; dashed: in front of or behind the plane of the section"
     # The window of a folded tail leaves nothing of the base in the middle: a cheek beside it is shown.
     dims = design.dimensions
     cheeks = [(solids["bone"], _find_cheek(design, solids["bone"], evaluator))] if dims.fold else []
-    if "core" in solids:
-        mold["core"] = solids["core"]
-        beside = "; dashed: a cheek beside the window" if cheeks else ""
-        return [
-            Section(title, mold, ways, of_mold),
-            Section(f"longitudinal section of the bone with its sensor{beside}", finger, cheeks, of_bone),
-        ]
-    return [Section(title, mold | finger, [*ways, *cheeks], [*of_mold, *of_bone])]
+    return [Section(title, mold | finger, [*_list_ways(design), *cheeks], [*_list_mold_features(design), *of_bone])]
 
 
 def _find_cheek(design: Design, bone: Solid, evaluator: MeshEvaluator) -> float:
@@ -187,14 +179,9 @@ def draw_scale_bar(pen: Pen, corner: Point, pixels_per_mm: float) -> None:
 def _list_ways(design: Design) -> list[tuple[Solid, float]]:
     """List what leads silicone in and air out beside the plane, each with its own plane."""
     inlet, layout = design.mold_layout.inlet, design.mold_layout
-    fixed, vents = runners(design), place_vents(design)
-    ways = fixed[: len(fixed) - len(vents)]
-    if inlet:
-        sprue, runner = ways
-        shown = [(union(sprue, *luer_cone(design)), inlet.x), (runner, math.copysign(abs(inlet.gate_x), inlet.x))]
-    else:
-        shown = [(union(*ways), layout.gate_x)]
-    for vent, solid in zip(vents, fixed[len(ways) :], strict=True):
+    sprue, runner, *vents = runners(design)
+    shown = [(union(sprue, luer_cone(design)), inlet.x), (runner, math.copysign(abs(inlet.gate_x), inlet.x))]
+    for vent, solid in zip(place_vents(design), vents, strict=True):
         x = vent.point_mm[0]
         if vent.kind == "side":  # leads along x: the plane is halfway to the face of the block
             x = (x + math.copysign(layout.half_width, x)) / 2
@@ -206,18 +193,12 @@ def _list_ways(design: Design) -> list[tuple[Solid, float]]:
 def _list_mold_features(design: Design) -> Iterable[Feature]:
     dims, layout = design.dimensions, design.mold_layout
     outer, inlet, chaplet = dims.outer, layout.inlet, dims.chaplet
-    if inlet:
-        yield "gate", (inlet.gate_z, inlet.depth / 2)
-        yield "inlet for the syringe", (inlet.z, layout.dorsal_height - 2.0)
-    else:
-        yield "gate", ((layout.inlet_z + layout.distal_z) / 2, 0.0)
-        yield "funnel", (layout.distal_z - 1.0, 0.0)
+    yield "gate", (inlet.gate_z, inlet.depth / 2)
+    yield "inlet for the syringe", (inlet.z, layout.dorsal_height - 2.0)
     for i, vent in enumerate(place_vents(design)):
         _, y, z = vent.point_mm
         if vent.kind == "dorsal":
             yield "vent", (z, (y + layout.dorsal_height) / 2 + 1.5 * i)
-        elif vent.kind == "tip":
-            yield "vent", ((z + layout.distal_z) / 2, y)
         else:
             yield "vent", (z, vent.diameter_mm / 4)
     if chaplet:

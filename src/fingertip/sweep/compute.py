@@ -263,7 +263,7 @@ def compute_filling(context: PointContext) -> OutputValues:
     prediction, inlet = predict_mold_filling(context.design), context.design.mold_layout.inlet
     return {
         "fill_time_s": prediction.fill_s,
-        "thumb_force_n": prediction.force_for_time_n(PUSH_S, inlet.syringe.bore_mm) if inlet else 0.0,
+        "thumb_force_n": prediction.force_for_time_n(PUSH_S, inlet.syringe.bore_mm),
         "injected_cm3": injected_cm3(prediction),
         "trapped_air_mm3": trapped_mm3(prediction),
         "gate_pressure_kpa": 1e-3 * prediction.gate_pressure_pa,

@@ -101,9 +101,6 @@ def supports_by_part(design: Design) -> dict[str, Supports]:
         "bone": _bone(design),
         "mold_palmar": Supports((), bridges, "hollows, which silicone, bone, keys and nuts touch"),
         "mold_dorsal": Supports((), bridges, "hollows, which silicone, bone, screw and syringe touch"),
-        "core": Supports(
-            (_everywhere(design, top=0.0),), "under the foot of the collar, outside", "anything else above the collar"
-        ),
     }
     if design.mold.method == "plunge":
         every |= dict.fromkeys(("mold_palmar", "mold_dorsal", "core"), _NONE)

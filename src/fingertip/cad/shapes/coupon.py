@@ -66,11 +66,10 @@ def frame_with_fits(design: Design) -> Solid:
         at = (*layout.socket.centre, _socket_top_mm(design))
         features.append(layout.socket.box(0.0, _socket_top_mm(design)))
         hollows.append(_place(key_sockets(design)[0], _UP_FROM_DORSAL, (x, 0.0, z), at))
-    if layout.luer and (inlet := design.mold_layout.inlet):
-        (cone,) = luer_cone(design)
-        face = (inlet.x, design.mold_layout.dorsal_height, inlet.z)
-        features.append(layout.luer.box(0.0, _LUER_TOP_MM))
-        hollows.append(_place(cone, _UP_FROM_DORSAL, face, (*layout.luer.centre, _LUER_TOP_MM)))
+    inlet = design.mold_layout.inlet
+    face = (inlet.x, design.mold_layout.dorsal_height, inlet.z)
+    features.append(layout.luer.box(0.0, _LUER_TOP_MM))
+    hollows.append(_place(luer_cone(design), _UP_FROM_DORSAL, face, (*layout.luer.centre, _LUER_TOP_MM)))
     if layout.text:
         features.append(layout.text.box(0.0, tile))
         hollows += _letters(design, layout)

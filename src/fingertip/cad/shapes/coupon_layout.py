@@ -76,8 +76,8 @@ class Layout:
     """Block that holds the trap of the nut."""
     socket: Spot | None
     """Block that holds the socket of the key; None if the key is wider than the slice."""
-    luer: Spot | None
-    """Tower around the Luer cone; None if gravity fills the mold."""
+    luer: Spot
+    """Tower around the Luer cone."""
     text: Spot | None
     """Letters; None if the design asks for no engraving."""
     windows: tuple[Spot, Spot, Spot]
@@ -106,7 +106,7 @@ def lay_out(design: Design) -> Layout:
         {
             "tongue": (tongue, mold.nut_width_mm + 2 * AROUND_MM),
             "socket": (2 * reach, 2 * reach) if has_key(design) else None,
-            "luer": (tower, tower) if mold.filling == "syringe" else None,
+            "luer": (tower, tower),
             "text": letters if unit else None,
         },
         upper,
@@ -124,7 +124,7 @@ def lay_out(design: Design) -> Layout:
     return Layout(
         (width, depth),
         max(_TILE_MM, dims.pocket_depth + _TILE_FLOOR_MM, mold.engraving_depth_mm + _TILE_FLOOR_MM),
-        first["sensor"], first["ring"], second["tongue"], second.get("socket"), second.get("luer"), second.get("text"),
+        first["sensor"], first["ring"], second["tongue"], second.get("socket"), second["luer"], second.get("text"),
         (
             Spot((RIB_MM, RIB_MM), (slot_x - 2 * RIB_MM, _WINDOW_MM)),
             Spot((RIB_MM, lower), (inner, middle_top - 2 * RIB_MM - _WINDOW_MM)),

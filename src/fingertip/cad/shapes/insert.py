@@ -32,8 +32,8 @@ _INTO_HOLLOW_MM = 0.3
 """Length by which holes reach past the faces in which they open [mm]. Faces in one plane would leave slivers."""
 
 
-def facet_cut(design: Design, inset_mm: float = 0.0) -> tuple[Solid, ...]:
-    """Build what the facet cuts off bone or core, whose surface lies `inset_mm` inside the bone's; none without one.
+def facet_cut(design: Design) -> tuple[Solid, ...]:
+    """Build what the facet cuts off the bone; none without one.
 
     It is a flat from side to side and up to the tip: a round one would leave crescents too thin to print beside it.
     """
@@ -42,7 +42,7 @@ def facet_cut(design: Design, inset_mm: float = 0.0) -> tuple[Solid, ...]:
         return ()
     section = design.dimensions.bone_outline.section
     side, top = 2 * section.half_width, 2 * section.dorsal  # past the bone
-    low = (-side, chaplet.facet_y - inset_mm, chaplet.flat_z)
+    low = (-side, chaplet.facet_y, chaplet.flat_z)
     return (Box(low, (side, top, design.skin.length_mm)),)
 
 
@@ -155,9 +155,8 @@ def insert_jig(design: Design) -> Solid:
 
 
 def _cut_facets(design: Design, body: ConicBody, inset_mm: float = 0.0) -> Solid:
-    return difference(
-        union(_cut_flat(design, body, inset_mm), *_platform(design, body, inset_mm)), *facet_cut(design, inset_mm)
-    )
+    flat = union(_cut_flat(design, body, inset_mm), *_platform(design, body, inset_mm))
+    return difference(flat, *facet_cut(design))
 
 
 def _cut_flat(design: Design, body: ConicBody, inset_mm: float = 0.0) -> Solid:

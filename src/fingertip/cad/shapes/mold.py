@@ -1,7 +1,7 @@
 """Two-part mold with its parting plane at y = 0.
 
-The halves hold the cavity, the recess for the bone's base, inlet or gate and funnel, vents, registration keys, clamp
-bolts with nut traps, pry slots, and engraved text.
+The halves hold the cavity, the recess for the bone's base, inlet, vents, registration keys, clamp bolts with nut traps,
+pry slots, and engraved text.
 """
 
 from __future__ import annotations
@@ -53,21 +53,17 @@ _BESIDE_PRY_MM = 1.0
 def runners(design: Design) -> tuple[Solid, ...]:
     """Build everything that silicone and air flow through outside the cavity, but for the Luer cone."""
     inlet = design.mold_layout.inlet
-    if inlet:
-        return sprue(design, inlet), runner(inlet), *vents(design)
-    return (*gate_and_funnel(design), *vents(design))
+    return sprue(design, inlet), runner(inlet), *vents(design)
 
 
-def luer_cone(design: Design) -> tuple[Solid, ...]:
-    """Build the cone of the syringe's nozzle, which fills most of it; none if gravity fills the mold."""
+def luer_cone(design: Design) -> Solid:
+    """Build the cone of the syringe's nozzle, which fills most of it."""
     inlet, layout = design.mold_layout.inlet, design.mold_layout
-    if inlet is None:
-        return ()
     mouth, face = LUER_MOUTH_MM / 2, layout.dorsal_height
     slope, low = LUER_TAPER / 2, layout.dorsal_height - LUER_DEPTH_MM
     # It continues past the face at the same taper, so that its mouth has the stated diameter there.
     end = face + LUER_DEPTH_MM
-    return (Cone("y", (inlet.z, inlet.x), low, end, mouth - slope * LUER_DEPTH_MM, mouth + slope * (end - face)),)
+    return Cone("y", (inlet.z, inlet.x), low, end, mouth - slope * LUER_DEPTH_MM, mouth + slope * (end - face))
 
 
 def sprue(design: Design, inlet: Inlet) -> Solid:
@@ -102,18 +98,6 @@ def _sign(value: float) -> float:
     return float((value > 0.0) - (value < 0.0))
 
 
-def gate_and_funnel(design: Design) -> tuple[Solid, ...]:
-    """Build the gate and its funnel on the parting plane of a mold that gravity fills."""
-    mold, m = design.mold, design.mold_layout
-    end = m.distal_z + mold.funnel_depth_mm
-    gate = cylinder("z", (m.gate_x, 0.0), m.inlet_z, end, mold.gate_diameter_mm / 2)
-    # The funnel continues past the block at the same slope, so that its mouth has the stated diameter on the block's
-    # face.
-    mouth, throat = mold.funnel_diameter_mm / 2, mold.gate_diameter_mm / 2
-    funnel = Cone("z", (m.gate_x, 0.0), m.distal_z - mold.funnel_depth_mm, end, throat, mouth + (mouth - throat))
-    return gate, funnel
-
-
 def vents(design: Design) -> tuple[Solid, ...]:
     return tuple(_vent(design, vent) for vent in place_vents(design))
 
@@ -125,10 +109,8 @@ def side_vents(design: Design) -> tuple[Solid, ...]:
 def _vent(design: Design, vent: Vent) -> Solid:
     """Build one vent. It begins inside the cavity, well below the surface that it cuts."""
     layout, radius = design.mold_layout, vent.diameter_mm / 2
-    x, y, z = vent.point_mm
+    x, _, z = vent.point_mm
     match vent.kind:
-        case "tip":
-            return cylinder("z", (x, y), z, layout.distal_z + design.mold.funnel_depth_mm, radius)
         case "dorsal":
             return cylinder("y", (z, x), _begin_dorsal(design, vent), 2 * layout.dorsal_height, radius)
         case "side":
@@ -157,17 +139,16 @@ def _begin_dorsal(design: Design, vent: Vent) -> float:
 
 
 def openings(design: Design) -> Solid:
-    return union(*runners(design), *luer_cone(design))
+    return union(*runners(design), luer_cone(design))
 
 
 def runners_with_axes(design: Design) -> tuple[tuple[Solid, int], ...]:
     """List these solids with the axis along which each opens to the outside or the parting plane: 0 for x, 1 for y."""
-    axes = tuple({"side": 0, "dorsal": 1, "tip": 2}[vent.kind] for vent in place_vents(design))
-    beside = tuple(zip(vents(design), axes, strict=True))
+    axes = tuple({"side": 0, "dorsal": 1}[vent.kind] for vent in place_vents(design))
     inlet = design.mold_layout.inlet
-    if inlet:
-        return (sprue(design, inlet), 1), (runner(inlet), 1), *((cone, 1) for cone in luer_cone(design)), *beside
-    return (*((solid, 2) for solid in gate_and_funnel(design)), *beside)
+    return (
+        (sprue(design, inlet), 1), (runner(inlet), 1), (luer_cone(design), 1), *zip(vents(design), axes, strict=True)
+    )  # fmt: skip
 
 
 _OVERLAP_MM = 0.25  # united solids overlap by this length: solids that only touch would leave coincident faces
@@ -181,7 +162,7 @@ def block(design: Design) -> Solid:
 
 def hollow(design: Design) -> Solid:
     """Build cavity, recess, inlet and vents of the closed mold, without bolts, nut traps and the keys' clearance."""
-    return union(cast_hollow(design), *luer_cone(design))
+    return union(cast_hollow(design), luer_cone(design))
 
 
 def cast_hollow(design: Design) -> Solid:

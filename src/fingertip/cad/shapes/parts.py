@@ -51,7 +51,7 @@ def _dorsal_hole_count(design: Design) -> int:
         return 0
     layout = design.mold_layout
     vents = sum(vent.kind == "dorsal" for vent in place_vents(design))
-    return len(layout.bolts) + vents + (layout.inlet is not None) + (design.dimensions.chaplet is not None)
+    return len(layout.bolts) + vents + 1 + (design.dimensions.chaplet is not None)
 
 
 def _palmar_hole_count(design: Design) -> int:
@@ -60,7 +60,7 @@ def _palmar_hole_count(design: Design) -> int:
 
 def _of_mold(name: str) -> Callable[[Design], Solid]:
     """Choose between the cup and the mold that is closed before it is filled."""
-    modules = {True: cup, False: insert if name == "core" else mold}
+    modules = {True: cup, False: mold}
     return lambda design: cast(Solid, getattr(modules[design.mold.method == "plunge"], name)(design))
 
 
@@ -79,7 +79,7 @@ PARTS: dict[str, Part] = {
         Part("mold_palmar", _of_mold("mold_palmar"), _palmar_hole_count, (0.45, 0.58, 0.70), True),
         Part("mold_dorsal", _of_mold("mold_dorsal"), _dorsal_hole_count, (0.62, 0.72, 0.80), True),
         Part(
-            "core", _of_mold("core"), lambda design: 0, (0.70, 0.78, 0.62), True,
+            "core", cup.core, lambda design: 0, (0.70, 0.78, 0.62), True,
             exists_in=lambda design: design.is_cast_apart,
         ),
         Part(
@@ -128,7 +128,7 @@ def hardware(design: Design, parts: Collection[str]) -> tuple[HardwareItem, ...]
     if {"mold_palmar", "mold_dorsal"} <= set(parts) and design.mold.method != "plunge":
         items += _mold_bolts(design)
     if "mold_dorsal" in parts and (chaplet := design.dimensions.chaplet):
-        held = tuple(part for part in ("bone", "core") if part in parts)
+        held = ("bone",) if "bone" in parts else ()
         length = chaplet.screw_length(design.mold_layout.dorsal_height)
         solid = screw(chaplet.thread, 0.0, axis_z(design), head_y(design), length)
         items.append(HardwareItem("chaplet_screw", solid, _STEEL, held))

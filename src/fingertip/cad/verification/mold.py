@@ -18,13 +18,12 @@ from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, measure_gap
 from fingertip.catalogues.hardware import select_thread
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
-from fingertip.catalogues.silicones import Silicone
 from fingertip.design import Design
 from fingertip.design.geometry.conic import add_draft
 from fingertip.design.geometry.seat import creep_mm, tape_span_mm
 from fingertip.design.geometry.solids import Solid, difference, intersection, union
 from fingertip.filling.mold_filling import MAX_AIR_MM3, injected_cm3, place_vents, predict_mold_filling, trapped_mm3
-from fingertip.filling.predict import GRAVITY_M_S2, FillingPrediction, head_pressure_pa
+from fingertip.filling.predict import FillingPrediction, head_pressure_pa
 
 _AREA_TOLERANCE_MM2 = 1e-4
 _FACE_DEPTH_MM = 0.01
@@ -47,11 +46,6 @@ def check_mold(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     yield from _check_recess(design, evaluator)
     if design.mold.method == "overmold" and not design.dimensions.window_opens_into_gap:
         yield _check_cable_channel(design, evaluator)
-    if design.mold.filling == "gravity":
-        # Air would be trapped in the cavity above the highest vent.
-        body, vented = evaluator.manifold(cavity(design)), evaluator.manifold(union(*mold.runners(design)))
-        trapped = body.bounding_box()[5] - (body ^ vented).bounding_box()[5]
-        yield Check("mold.air_trap_height", trapped, 2 * evaluator.tolerance_mm, "mm")
     yield from _check_walls(design, evaluator)
     yield from _check_keys(design, evaluator)
 
@@ -150,10 +144,10 @@ def _check_walls(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
 
     cut = evaluator.manifold(intersection(mold.openings(design), whole))
     yield Check.min_distance("mold.wall.runners_to_keys", cut, sockets, wall)
-    if inlet := design.mold_layout.inlet:
-        led = evaluator.manifold(union(mold.sprue(design, inlet), mold.runner(inlet)))
-        holes = evaluator.manifold(union(*mold.bolt_holes(design)))
-        yield Check.min_distance("mold.land.bolts_to_runner", led, holes, land)
+    inlet = design.mold_layout.inlet
+    led = evaluator.manifold(union(mold.sprue(design, inlet), mold.runner(inlet)))
+    holes = evaluator.manifold(union(*mold.bolt_holes(design)))
+    yield Check.min_distance("mold.land.bolts_to_runner", led, holes, land)
     # A groove in the parting plane ends in a pry slot where the mold's side has no room for both.
     grooves = mold.side_vents(design)
     cutouts = evaluator.manifold(mold.outer_cutouts_and_screw(design))
@@ -203,33 +197,16 @@ _MIN_BEARING_FACTOR = 2.0
 
 def check_filling(design: Design) -> Iterator[Check]:
     prediction, silicone = predict_mold_filling(design), design.silicone.material
-    allowed_s = silicone.filling_limit_s
-    syringe = design.mold_layout.inlet.syringe if design.mold_layout.inlet else None
-    yield Check("mold.fill_time", prediction.fill_s, allowed_s, "s")
-    if syringe:
-        force = prediction.force_for_time_n(PUSH_S, syringe.bore_mm)
-        yield Check("mold.syringe_force", force, design.mold.thumb_force_n, "N")
-        yield Check("mold.syringe_volume", _LEAST_LOAD * injected_cm3(prediction), syringe.load_cm3, "cm3")
-        yield Check("mold.air_trapped", trapped_mm3(prediction), MAX_AIR_MM3, "mm3")
-    else:
-        yield Check("mold.air_rise_time", air_rise_s(design, silicone), allowed_s - prediction.fill_s, "s")
+    syringe = design.mold_layout.inlet.syringe
+    yield Check("mold.fill_time", prediction.fill_s, silicone.filling_limit_s, "s")
+    force = prediction.force_for_time_n(PUSH_S, syringe.bore_mm)
+    yield Check("mold.syringe_force", force, design.mold.thumb_force_n, "N")
+    yield Check("mold.syringe_volume", _LEAST_LOAD * injected_cm3(prediction), syringe.load_cm3, "cm3")
+    yield Check("mold.air_trapped", trapped_mm3(prediction), MAX_AIR_MM3, "mm3")
     if design.dimensions.chaplet:
         yield Check("mold.bone_load", _bearing_factor(design, prediction), _MIN_BEARING_FACTOR, "", "at least")
     bolts = len(design.mold_layout.bolts) * _PRELOAD_N_PER_MM * select_thread(design.mold.bolt_diameter_mm).diameter_mm
     yield Check("mold.opening_force", prediction.static_opening_force_n, bolts, "N")
-
-
-def air_rise_s(design: Design, silicone: Silicone) -> float:
-    """Time in which air rises from the collar to the tip through silicone that is poured on it [s].
-
-    Air that is wider than the gap rises in it at rho g h^2 / (12 mu), as silicone flows down through the same gap
-    (G. I. Taylor and P. G. Saffman, Q. J. Mech. Appl. Math. 12 (1959) 265).
-    """
-    skin = design.skin
-    gap_m = 1e-3 * min(skin.thickness_side_mm, skin.thickness_dorsal_mm)
-    density = 1e3 * silicone.density_g_cm3.low
-    speed = density * GRAVITY_M_S2 * gap_m**2 / (12.0 * silicone.viscosity_pa_s.high)
-    return 1e-3 * skin.length_mm / speed
 
 
 def _bearing_factor(design: Design, prediction: FillingPrediction) -> float:

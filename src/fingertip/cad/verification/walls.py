@@ -16,7 +16,7 @@ from fingertip.cad.verification.check import Check
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 
-MEASURED = ("bone", "lid", "core", "skin")
+MEASURED = ("bone", "lid", "skin")
 SPACING_MM = 0.35
 """Distance between the points from which rays start, on average [mm]."""
 _ABOVE_MM = 0.03
@@ -57,17 +57,12 @@ class ThinWalls:
         return Mesh(corners, squares.reshape(-1, 3))
 
 
-def is_measured(design: Design, part: str) -> bool:
-    """Return whether a part has walls to measure; a core on a plate is solid, but for the letters in its plate."""
-    return part in MEASURED and not (part == "core" and design.mold.method == "plunge")
-
-
 def find_thin_walls(design: Design, evaluator: MeshEvaluator, part: str) -> ThinWalls:
     """Find where a part is thinner than its minimum. The rim beside the sensor's head has a minimum of its own."""
     minimum = design.skin.min_thickness_mm if part == "skin" else design.printer.min_wall_mm
     slack = 2 * evaluator.tolerance_mm  # both faces are off by the tolerance
     found = measure_walls(evaluator.manifold(PARTS[part].solid(design)), minimum - slack)
-    if part not in ("bone", "core"):
+    if part != "bone":
         return found
     dims, (_, y, z) = design.dimensions, found.points.T
     beside_sensor = (z > 0.0) & (y < dims.pocket_depth - dims.flat_depth)
@@ -104,7 +99,7 @@ def measure_walls(solid: Manifold, limit_mm: float) -> ThinWalls:
 def check_walls(design: Design, evaluator: MeshEvaluator, parts: Iterable[str]) -> Iterator[Check]:
     """Measure the walls of parts, and warn of those that are thinner than their minimum; no limit makes them fail."""
     for part in parts:
-        if not is_measured(design, part):
+        if part not in MEASURED:
             continue
         found = find_thin_walls(design, evaluator, part)
         warning = advice = ""

@@ -3,8 +3,8 @@
 The mold is held with its proximal face down while it is filled, so that the apex of the tip is the cavity's highest
 point. A syringe fills it from below: it stands on the dorsal face, beside the collar. Sprue and runner lead to the side
 of the cavity. Its vents stand where the silicone arrives last, on the dorsal side near the tip
-(`fingertip.filling.mold_filling`). A mold that is filled by gravity has its gate and vents beside the apex. All of them
-open with the mold, so that the cured sprue lifts out, and none touches the pad.
+(`fingertip.filling.mold_filling`). All of them open with the mold, so that the cured sprue lifts out, and none touches
+the pad.
 """
 
 from __future__ import annotations
@@ -20,10 +20,6 @@ if TYPE_CHECKING:
     from fingertip.design.geometry.dimensions import Dimensions
     from fingertip.design.parameters import Tables
     from fingertip.design.parameters.parts import Mold
-
-
-_GATE_TO_VENT_MM = 1.2
-"""Mold left between the funnel's mouth and the vent at the apex [mm]."""
 
 
 _BESIDE_BARREL_MM = 0.5
@@ -69,9 +65,8 @@ class MoldLayout:
 
     @cached_property
     def half_inlet(self) -> float:
-        """Half the width of the inlet: of its Luer cone, or of a wider runner; 0 if gravity fills the mold."""
-        mold = self._design.mold
-        return max(LUER_MOUTH_MM, mold.runner_width_mm) / 2 if mold.filling == "syringe" else 0.0
+        """Half the width of the inlet: of its Luer cone, or of a wider runner."""
+        return max(LUER_MOUTH_MM, self._design.mold.runner_width_mm) / 2
 
     @cached_property
     def _column_x(self) -> float:
@@ -91,8 +86,6 @@ class MoldLayout:
         """Height of the dorsal half. It holds the Luer cone of the syringe above the runner."""
         mold = self._design.mold
         height = self._design.skin.semi_axis_dorsal_mm * self._dims.shrinkage + mold.wall_mm
-        if mold.filling == "gravity":
-            return height
         return max(height, LUER_DEPTH_MM + _ABOVE_RUNNER_MM + mold.runner_depth_mm)
 
     @cached_property
@@ -104,8 +97,6 @@ class MoldLayout:
         """Distal face of the mold. Inlet, key and bolts beside the cavity can make it longer than the skin."""
         mold = self._design.mold
         around_skin = self._design.skin.length_mm * self._dims.shrinkage + mold.wall_mm
-        if self.inlet is None:
-            return around_skin + mold.funnel_depth_mm
         beside_key = self._key_beside_inlet_z + self._small_key_reach + mold.land_mm + self.nut_circumradius
         past_barrel = self.inlet.z + self._barrel_to_bolt
         return max(around_skin, max(beside_key, past_barrel) + self._end_to_bolt)
@@ -126,11 +117,9 @@ class MoldLayout:
         return (SYRINGES[mold.syringe].barrel_mm + head) / 2 + _BESIDE_BARREL_MM
 
     @cached_property
-    def inlet(self) -> Inlet | None:
-        """Inlet of a mold that is filled by syringe, in the column of the bolts at +x; None if gravity fills it."""
+    def inlet(self) -> Inlet:
+        """Inlet for the syringe, in the column of the bolts at +x."""
         mold = self._design.mold
-        if mold.filling == "gravity":
-            return None
         bolt_z, half = self.proximal_z + self._end_to_bolt, mold.runner_width_mm / 2
         # Silicone under pressure must not creep to the bolt, as it must not from the cavity.
         gate_z = max(_ABOVE_COLLAR_MM, bolt_z + mold.bolt_diameter_mm / 2 + mold.land_mm) + half
@@ -141,17 +130,6 @@ class MoldLayout:
             SYRINGES[mold.syringe], self._column_x, z, _GATE_END * end, gate_z, mold.runner_width_mm,
             mold.runner_depth_mm,
         )  # fmt: skip
-
-    @cached_property
-    def gate_x(self) -> float:
-        """Centre of the gate of a mold that gravity fills, beside the vent at the apex."""
-        mold = self._design.mold
-        return -(mold.vent_diameter_mm / 2 + _GATE_TO_VENT_MM + mold.funnel_diameter_mm / 2)
-
-    @cached_property
-    def inlet_z(self) -> float:
-        """Height at which gate and vents begin, inside the cavity, if gravity fills it."""
-        return self._dims.taper_end_z
 
     @cached_property
     def _bolts_z(self) -> tuple[float, float]:
@@ -199,7 +177,6 @@ class MoldLayout:
     @cached_property
     def _key_beside_inlet_z(self) -> float:
         """Least height of the key in the column of the inlet."""
-        assert self.inlet
         return self.inlet.z + self.half_inlet + self._design.mold.land_mm + self._small_key_reach
 
     @cached_property
@@ -211,12 +188,9 @@ class MoldLayout:
         """
         mold = self._design.mold
         shift = (self.key_space - mold.key_diameter_mm - 2 * mold.land_mm) / 4
-        first, second = self.pry_z - shift, self.pry_z + shift / 2
-        if self.inlet:
-            # Beside the inlet the second key has no room, and beside the proximal half of the cavity vents open.
-            second = max(second, self._key_beside_inlet_z)
-            reach = self._key_reach(mold.key_diameter_mm)
-            first = self._bolts_z[1] - self.nut_circumradius - mold.land_mm - reach
+        # Beside the inlet the second key has no room, and beside the proximal half of the cavity vents open.
+        second = max(self.pry_z + shift / 2, self._key_beside_inlet_z)
+        first = self._bolts_z[1] - self.nut_circumradius - mold.land_mm - self._key_reach(mold.key_diameter_mm)
         return ((-self._column_x, first, mold.key_diameter_mm), (self._column_x, second, 2 * self._small_key_radius))
 
 

@@ -125,6 +125,14 @@ REPLACED_PARAMETERS = {
     "mold.max_stretch_percent": (
         "this parameter was replaced by a fifth of the silicone's elongation at break; remove it."
     ),
+    "mold.filling": (
+        "this parameter was removed, because a syringe fills every closed mold; remove it, or pour with "
+        "mold.method=plunge."
+    ),
+    **dict.fromkeys(
+        ("mold.gate_diameter_mm", "mold.funnel_diameter_mm", "mold.funnel_depth_mm"),
+        "this parameter was removed with the mold that gravity fills; remove it.",
+    ),
     "board.supply": (
         "this parameter was replaced, because each of the three boards has one supply; remove it, and name the board: "
         "board.variant=article with board.supply_v=5, or board.variant=precision (or comparator) with "

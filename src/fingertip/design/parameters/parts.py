@@ -176,12 +176,7 @@ class Mold(ParameterTable):
     chaplet_screw: Literal["M1.6", "M2", "M2.5", "M3"] = choice(
         "M2", "Screw that holds the bone on the chaplet; it cuts its own thread in the bone."
     )
-    filling: Literal["syringe", "gravity"] = choice(
-        "syringe",
-        "syringe: from below, through a Luer cone in the dorsal half; gravity: poured into a funnel at the tip, for "
-        "thin silicones.",
-    )
-    syringe: Literal["3ml", "5ml", "10ml"] = choice("5ml", "Syringe with a Luer slip tip (filling syringe).")
+    syringe: Literal["3ml", "5ml", "10ml"] = choice("5ml", "Syringe with a Luer slip tip, which fills the mold.")
     thumb_force_n: float = quantity(30.0, "N", (1, 150), "Force of the thumb on the plunger; 20 to 40 are usual.")
     nozzle_bore_mm: float = quantity(
         2.1, "mm", (0.3, 3.5), "Bore of the syringe's nozzle: measure it, 0.1 mm changes the time by 20 %. (unverified)"
@@ -190,13 +185,6 @@ class Mold(ParameterTable):
         3.0, "mm", (1, 8), "Width of the runner from the sprue to the side of the cavity."
     )
     runner_depth_mm: float = quantity(2.5, "mm", (0.8, 8), "Depth of the runner, in the dorsal half.")
-    gate_diameter_mm: float = quantity(
-        3.0, "mm", (0.8, 12), "Diameter of the gate beside the vent at the tip (filling gravity)."
-    )
-    funnel_diameter_mm: float = quantity(
-        7.0, "mm", (1, 30), "Diameter of the sprue's funnel at its mouth (filling gravity)."
-    )
-    funnel_depth_mm: float = quantity(4.0, "mm", (0.5, 30), "Depth of the funnel (filling gravity).")
     vent_diameter_mm: float = quantity(
         1.2, "mm", (0.4, 5), "Diameter of the mold's vents, and width of those in the parting plane."
     )

@@ -75,15 +75,13 @@ _NUT_FLOOR = 2.0
 _MAX_RUNNER_DEPTH = 0.5
 """Maximum depth of the runner relative to the height of the cavity's dorsal side."""
 _KEY_TOP = 0.4
-_BESIDE_GATE = 0.2
-"""Minimum distance of the gate from the cavity's side [mm]."""
 
 
 @RULES.at_most("mold.pry_depth_mm")
 def pry_slot_clear_of_bolts(design: DesignTables) -> Limit | None:
     layout, slope = design.mold_layout, design.dimensions.draft_slope
     socket = design.mold.key_diameter_mm / 2 + design.mold.key_clearance_mm * math.hypot(1.0, slope)
-    beside = layout.half_inlet + max(0.0, design.printer.min_wall_mm - _BESIDE_PRY_SLOT) if layout.half_inlet else 0.0
+    beside = layout.half_inlet + max(0.0, design.printer.min_wall_mm - _BESIDE_PRY_SLOT)
     column = layout.bolts[-1][0]
     maximum = layout.half_width - column - max(layout.nut_circumradius, socket, beside) - _BESIDE_PRY_SLOT
     return Limit(maximum, "reaches the keys or the inlet", "(limited by mold.land_mm)")
@@ -100,43 +98,16 @@ def engraving_keeps_a_wall(design: DesignTables) -> Limit | None:
     return Limit(design.mold.wall_mm - _BEHIND_ENGRAVING, f"leaves less than {_BEHIND_ENGRAVING:g} mm of mold.wall_mm")
 
 
-@RULES.at_most("mold.gate_diameter_mm", slack=0.0, when=lambda design: design.mold.filling == "gravity")
-def gate_within_funnel(design: DesignTables) -> Limit:
-    return Limit(design.mold.funnel_diameter_mm, "is wider than its funnel")
-
-
-@RULES.rule("mold.funnel_diameter_mm")
-def gate_within_cavity(design: DesignTables) -> Violation | None:
-    reach = -design.mold_layout.gate_x + design.mold.gate_diameter_mm / 2
-    room = design.skin.width_mm / 2 * design.skin.taper_ratio - _BESIDE_GATE
-    if design.mold.filling != "gravity" or reach <= room + SLACK:
-        return None
-    return Violation(
-        f"{design.mold.funnel_diameter_mm:g} mm puts the edge of the gate {reach:.2f} mm from the middle, outside the "
-        f"cavity, where at most {room:.2f} mm are possible",
-        at_most(design.mold.funnel_diameter_mm - 2 * (reach - room)),
-    )
-
-
-@RULES.at_most("mold.funnel_diameter_mm", when=lambda design: design.mold.filling == "gravity")
-def funnel_within_block(design: DesignTables) -> Limit:
-    layout = design.mold_layout
-    maximum = 2 * (min(layout.palmar_height, layout.dorsal_height) - design.printer.min_wall_mm)
-    return Limit(maximum, "goes through the outside of the mold")
-
-
 @RULES.rule("mold.runner_width_mm")
 def gate_within_straight_skin(design: DesignTables) -> Violation | None:
-    inlet, width = design.mold_layout.inlet, design.mold.runner_width_mm
-    if inlet is None:
-        return None
-    excess = inlet.gate_z + width / 2 - design.dimensions.taper_end_z
+    width = design.mold.runner_width_mm
+    excess = design.mold_layout.inlet.gate_z + width / 2 - design.dimensions.taper_end_z
     if excess <= SLACK:
         return None
     return Violation(f"{width:g} mm makes the gate end on the rounded tip", at_most(width - excess))
 
 
-@RULES.at_most("mold.runner_depth_mm", when=lambda design: design.mold.filling == "syringe")
+@RULES.at_most("mold.runner_depth_mm")
 def gate_meets_cavity(design: DesignTables) -> Limit:
     """The runner is less deep than the cavity is high, so that it enters at the side."""
     maximum = _MAX_RUNNER_DEPTH * design.skin.semi_axis_dorsal_mm * design.skin.taper_ratio

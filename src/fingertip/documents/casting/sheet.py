@@ -122,11 +122,9 @@ def casting_sheet_data(
 
 def _filling_data(design: Design, silicone: Silicone) -> dict[str, Any]:
     """Filling of the mold with a silicone: its time is in proportion to the viscosity."""
-    prediction, inlet = predict_mold_filling(design), design.mold_layout.inlet
-    viscosity = silicone.viscosity_pa_s.high
-    syringe = inlet.syringe if inlet else None
-    up = find_pose(design) if inlet else (0.0, 0.0, 1.0)
-    tolerance_deg = quantities.pose_tolerance_deg(design) if inlet else None
+    prediction, syringe = predict_mold_filling(design), design.mold_layout.inlet.syringe
+    viscosity, up = silicone.viscosity_pa_s.high, find_pose(design)
+    tolerance_deg = quantities.pose_tolerance_deg(design)
     return {
         "viscosity_pa_s": viscosity,
         "fill_s": round(prediction.fill_s * viscosity / prediction.viscosity_pa_s),
@@ -144,20 +142,15 @@ def _filling_data(design: Design, silicone: Silicone) -> dict[str, Any]:
         "max_air_mm3": MAX_AIR_MM3,
         "pose_tolerance_deg": None if tolerance_deg is None else math.floor(tolerance_deg),
         "push_s": PUSH_S,
-        "min_force_n": (
-            round(prediction.force_for_time_n(PUSH_S, syringe.bore_mm) * viscosity / prediction.viscosity_pa_s, 1)
-            if syringe else None
+        "min_force_n": round(
+            prediction.force_for_time_n(PUSH_S, syringe.bore_mm) * viscosity / prediction.viscosity_pa_s, 1
         ),
-        "load_cm3": round(quantities.load_cm3(design), 1) if syringe else None,
+        "load_cm3": round(quantities.load_cm3(design), 1),
         "bubble_rise_mm": round(quantities.bubble_rise_mm_per_min(viscosity)),
-        "syringe": (
-            {
-                "volume_ml": syringe.volume_ml, "nozzle_bore_mm": design.mold.nozzle_bore_mm,
-                "nozzle_depth_mm": NOZZLE_DEPTH_MM,
-                "thumb_n": design.mold.thumb_force_n,
-            }
-            if syringe else None
-        ),
+        "syringe": {
+            "volume_ml": syringe.volume_ml, "nozzle_bore_mm": design.mold.nozzle_bore_mm,
+            "nozzle_depth_mm": NOZZLE_DEPTH_MM, "thumb_n": design.mold.thumb_force_n,
+        },
     }  # fmt: skip
 
 

@@ -83,12 +83,11 @@ def dorsal_drawing(design: Design) -> PartDrawing:
     sizes.append(
         Length("height of the keys", STEP, "front", "right", "y", (key_x, 0.0, tip), (key_x, -mold.key_height_mm, tip))
     )
-    if inlet := m.inlet:
-        mouth = LUER_MOUTH_MM / 2
-        sizes.append(
-            Length("mouth of the Luer cone", INNER, "front", "above", "z", (inlet.x, high, inlet.z - mouth),
-                   (inlet.x, high, inlet.z + mouth), is_diameter=True)
-        )  # fmt: skip
+    inlet, mouth = m.inlet, LUER_MOUTH_MM / 2
+    sizes.append(
+        Length("mouth of the Luer cone", INNER, "front", "above", "z", (inlet.x, high, inlet.z - mouth),
+               (inlet.x, high, inlet.z + mouth), is_diameter=True)
+    )  # fmt: skip
     if chaplet:
         sizes += _screw_sizes(design, chaplet, high)
     axes = tuple(_mold_axes(design, high))
@@ -161,8 +160,8 @@ def _screw_sizes(design: Design, chaplet: Chaplet, high: float) -> Iterator[Size
 
 
 def _mold_axes(design: Design, outer: float) -> Iterator[AxisLine]:
-    past, inlet = math.copysign(1.0, outer), design.mold_layout.inlet if outer > 0.0 else None
-    for z in (*sorted({z for _, z in design.mold_layout.bolts}), *((inlet.z,) if inlet else ())):
+    past, inlet = math.copysign(1.0, outer), (design.mold_layout.inlet.z,) if outer > 0.0 else ()
+    for z in (*sorted({z for _, z in design.mold_layout.bolts}), *inlet):
         yield AxisLine("front", (0.0, -past, z), (0.0, outer + past, z))
     if outer > 0.0 and design.dimensions.chaplet:
         z = axis_z(design)

@@ -1,4 +1,4 @@
-"""Scenes at the closed mold: try the syringe, fill or pour, and let it cure."""
+"""Scenes at the closed mold: try the syringe, fill, and let it cure."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from fingertip.design.geometry.solids import Box, cylinder, difference
 from fingertip.filling.mold_filling import place_vents
 from fingertip.pictures.raster import Camera
 from fingertip.pictures.steps.objects import CUP_RADIUS_MM, Bench
-from fingertip.pictures.steps.scene import Arrow, Data, Label, Paint, Scene, Shown, Slope, View, given
+from fingertip.pictures.steps.scene import Arrow, Data, Label, Paint, Scene, Shown, Slope, View
 
 _LIFT_MM = 12.0
 
@@ -43,15 +43,13 @@ def _vent_labels(bench: Bench, text: str, seen_side: float = 0.0) -> Iterator[La
         match vent.kind:
             case "dorsal":
                 yield Label(text, (x, m.dorsal_height, z))
-            case "tip":
-                yield Label(text, (x, 0.0, m.distal_z))
             case "side":
                 side, far = math.copysign(m.half_width, x), "\n(on the far side)" if seen_side * x < 0.0 else ""
                 yield Label(text + far, (side, 0.0, m.clear_side_z(z, vent.diameter_mm)))
 
 
 def try_cone(bench: Bench, data: Data) -> Scene:
-    m, inlet = bench.layout, given(bench.layout.inlet)
+    m, inlet = bench.layout, bench.layout.inlet
     return Scene(
         (bench.part("mold_dorsal"), bench.part("mold_palmar"), *bench.syringe(lift_mm=_LIFT_MM)),
         View.DORSAL,
@@ -63,7 +61,7 @@ def try_cone(bench: Bench, data: Data) -> Scene:
 
 def try_syringe(bench: Bench, data: Data) -> Scene:
     """Show the mold in its pose, the empty syringe above its cone with its plunger pulled back."""
-    m, inlet = bench.layout, given(bench.layout.inlet)
+    m, inlet = bench.layout, bench.layout.inlet
     return Scene(
         (*_closed(bench), *bench.syringe(lift_mm=_LIFT_MM, drawn_share=0.8)),
         _over_lowest_corner(data),
@@ -75,7 +73,7 @@ def try_syringe(bench: Bench, data: Data) -> Scene:
 
 
 def _into_cone(bench: Bench) -> Arrow:
-    m, inlet = bench.layout, given(bench.layout.inlet)
+    m, inlet = bench.layout, bench.layout.inlet
     x, z = inlet.x, inlet.z + 10.0
     return Arrow((x, m.dorsal_height + _LIFT_MM - 1.0, z), (x, m.dorsal_height + 2.0, z))
 
@@ -87,7 +85,7 @@ def measure(bench: Bench, data: Data) -> Scene:
 
 def fill(bench: Bench, data: Data) -> Scene:
     """Show the mold in its pose, cut open, while the silicone rises from the side of the collar to the vent."""
-    m, inlet, filling = bench.layout, given(bench.layout.inlet), data["filling"]
+    m, inlet, filling = bench.layout, bench.layout.inlet, data["filling"]
     x, y, z = inlet.x, m.dorsal_height + 70.0, inlet.z + 12.0
     quick, slow = sorted((filling["fill_s"], filling["push_s"]))
     pressing = f"press slowly,\n{quick:g} to {slow:g} s"
@@ -123,7 +121,7 @@ def _pose_marks(bench: Bench, filling: Data) -> list[Label | Slope]:
 
 
 def leave(bench: Bench, data: Data) -> Scene:
-    m, inlet, side = bench.layout, given(bench.layout.inlet), _signs(data["filling"])[0]
+    m, inlet, side = bench.layout, bench.layout.inlet, _signs(data["filling"])[0]
     held = (
         side * m.half_width,
         -(data["mold"]["vise_below_mm"] + m.palmar_height) / 2,
@@ -137,31 +135,6 @@ def leave(bench: Bench, data: Data) -> Scene:
         *_pose_marks(bench, data["filling"]),
         Label("leave it until\nthe silicone has set", (inlet.x, m.dorsal_height + 12.0, inlet.z)),
     )
-
-
-def stand(bench: Bench, data: Data) -> Scene:
-    m = bench.layout
-    return Scene(
-        _closed(bench),
-        View.FUNNEL_UP,
-        Label("funnel", (m.gate_x, 0.0, m.distal_z)),
-        Label("bone, down", (0.0, 0.0, bench.dims.base_end_z)),
-        Label("hold here", (-m.half_width, 0.0, m.pry_z)),
-    )
-
-
-def pour(bench: Bench, data: Data) -> Scene:
-    m = bench.layout
-    stream = cylinder("z", (m.gate_x, 0.0), m.distal_z - 2.0, m.distal_z + 25.0, 0.6)
-    return Scene(
-        (
-            bench.part("mold_dorsal"), bench.part("mold_palmar"), *bench.in_mold(), *bench.bolts(),
-            bench.solid(stream, Paint.SILICONE),
-        ),
-        View.FUNNEL_UP,
-        Label("thin stream", (m.gate_x, 0.0, m.distal_z + 20.0)),
-        *_vent_labels(bench, "silicone must rise here"),
-    )  # fmt: skip
 
 
 # Scenes at the scale: weigh, degas, and load the syringe.
@@ -216,7 +189,7 @@ def cure(bench: Bench, data: Data) -> Scene:
 
 
 def load_syringe(bench: Bench, data: Data) -> Scene:
-    filling, inlet = data["filling"], given(bench.layout.inlet)
+    filling, inlet = data["filling"], bench.layout.inlet
     shown = bench.syringe(filling["load_cm3"] / filling["syringe"]["volume_ml"])
     high = max(float(item.mesh.vertices[:, 1].max()) for item in shown)
     low = min(float(item.mesh.vertices[:, 1].min()) for item in shown)

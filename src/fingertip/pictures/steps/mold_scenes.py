@@ -1,4 +1,4 @@
-"""Scenes at the open mold: try the parts, prepare them, and close it around bone or core."""
+"""Scenes at the open mold: try the parts, prepare them, and close it around the bone."""
 
 from __future__ import annotations
 
@@ -24,11 +24,9 @@ def cure_test(bench: Bench, data: Data) -> Scene:
         (f"print\nof the bone{peels}", PARTS["bone"].colour),
         (f"released\nprint{peels}", PARTS["mold_palmar"].colour),
         ("tape:\npeels off", Paint.TAPE),
+        (("adhesive,\nprimer" if uses_adhesive(data) else "primer") + ": must stick", Paint.GLASS),
+        ("plunger:\npeels off", Paint.STEEL),
     ]
-    bonding = ["adhesive", "primer"] if uses_adhesive(data) else ["primer"]
-    tested.append((",\n".join(bonding) + ": must stick", Paint.GLASS))
-    if data["filling"]["syringe"]:
-        tested.append(("plunger:\npeels off", Paint.STEEL))
     shown, labels = [], []
     for i, (name, colour) in enumerate(tested):
         # In steps, so that no leader crosses another piece.
@@ -114,11 +112,13 @@ def seat_tape(bench: Bench, data: Data) -> Scene:
     seat, dims = data["fit"]["seat_tape"], bench.dims
     half = dims.bone_outline.section.half_width
     middle, floor = -(seat["from_mm"] + seat["to_mm"]) / 2, -dims.base_flat_depth
-    labels = [Label(f"one turn of tape,\n{seat['thickness_mm']:g} mm thick", (0.0, floor, middle))]
+    labels = [
+        Label(f"one turn of tape,\n{seat['thickness_mm']:g} mm thick", (0.0, floor, middle)),
+        # The runner lies on the other side.
+        Label("its ends meet here,\nwithout overlapping", (-half, 0.0, middle)),
+    ]
     shown = [*bench.in_mold(), *bench.seat_tape()]
     shown.append(bench.solid(tape(bench.design), Paint.TAPE))
-    if data["filling"]["syringe"]:  # the runner lies on the other side
-        labels.append(Label("its ends meet here,\nwithout overlapping", (-half, 0.0, middle)))
     if data["sensor_tail"] == "straight" and data["mold"]["tail_passes_collar"]:
         low = max(dims.tail_end_z, -seat["to_mm"] - 2.0)
         scrap = Box((-dims.tail_half_width, floor - 0.1, low), (dims.tail_half_width, floor + 0.1, -seat["from_mm"]))
@@ -126,14 +126,6 @@ def seat_tape(bench: Bench, data: Data) -> Scene:
         labels.append(Label("baking paper\non the bare film", (0.0, floor, low + 1.0)))
     labels.append(Label("the skin begins here", (0.0, -dims.flat_depth, 0.0)))
     return Scene(shown, View.PALMAR, *labels)
-
-
-def core_only(bench: Bench, data: Data) -> Scene:
-    return Scene(
-        (bench.part("core"), bench.part("mold_palmar")),
-        View.DORSAL,
-        Label("core, without sensor", (0.0, 2.0, bench.dims.base_end_z + 2.0)),
-    )
 
 
 def prime(bench: Bench, data: Data) -> Scene:
@@ -204,9 +196,10 @@ def open_(bench: Bench, data: Data) -> Scene:
     section, text = bench.dims.eyes, "push the finger out\nhere, on the base"
     if data["joint"] and data["joint"]["travel_deg"]:
         text = "lay wood across the joint\nhere, and lift the finger"
-    labels = [Label(text, (section.half_width, 0.0, m.proximal_z - 1.0))]
-    if m.inlet:
-        labels.append(Label("cut the runner\nflush here", (m.inlet.gate_x, 0.3, m.inlet.gate_z)))
+    labels = [
+        Label(text, (section.half_width, 0.0, m.proximal_z - 1.0)),
+        Label("cut the runner\nflush here", (m.inlet.gate_x, 0.3, m.inlet.gate_z)),
+    ]
     for vent in place_vents(bench.design):
         hidden = vent.kind == "side" and vent.point_mm[0] < 0.0  # the camera looks at the side of the runner
         labels.append(Label("cut the vent stub" + ("\non the far side" if hidden else ""), vent.point_mm))

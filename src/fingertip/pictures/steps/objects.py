@@ -15,7 +15,7 @@ from fingertip.catalogues.hardware import LUER_DEPTH_MM, LUER_MOUTH_MM, LUER_TAP
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Box, Cone, Point3, Solid, cylinder, difference, intersection, union
 from fingertip.pictures.raster import Colour
-from fingertip.pictures.steps.scene import Paint, Shown, given
+from fingertip.pictures.steps.scene import Paint, Shown
 
 _TOLERANCE_MM = 0.05
 _TAPE_SHOWN_MM = 0.2
@@ -105,7 +105,7 @@ class Bench:
 
     def syringe(self, fill_share: float = 0.0, lift_mm: float = 0.0, drawn_share: float = 0.0) -> list[Shown]:
         """Show the syringe over its cone, its barrel cut open, filled to a share, drawn to `drawn_share` or more."""
-        inlet = given(self.layout.inlet)
+        inlet = self.layout.inlet
         centre, kind = (inlet.z, inlet.x), inlet.syringe
         tip = self.layout.dorsal_height - NOZZLE_DEPTH_MM + lift_mm
         shoulder = tip + NOZZLE_LENGTH_MM

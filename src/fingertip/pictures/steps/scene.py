@@ -182,7 +182,6 @@ class View:
     """Camera on the side on which the runner lies, with distal to the left."""
     CAVITY_UP = Camera.looking_from((-1.0, 0.0, 0.0), (0.0, -1.0, 0.0))
     """Camera on a section of the dorsal half that lies with its cavity up, with distal to the left."""
-    FUNNEL_UP = Camera.looking_from((-1.0, 0.5, 0.3), (0.0, 0.0, 1.0))
 
 
 class Paint:

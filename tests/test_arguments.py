@@ -53,7 +53,7 @@ def stated() -> Design:
         (lambda folder: fingertip.detect_file("t.csv", columns={"voltage_v": "force_n"}), "calibrate_s: is missing"),
         (lambda folder: fingertip.Trial(speed_m_s=-1.0, seed=-1), "speed_m_s: -1 m/s is refused"),
         (lambda folder: fingertip.build(Design(), formats=["obj"]), "formats: 'obj'"),
-        (lambda folder: fingertip.build(Design(), folder, parts=["core"]), 'changes={"mold.method": "sleeve"}'),
+        (lambda folder: fingertip.build(Design(), folder, parts=["core"]), "only mold.method=plunge has"),
         (lambda folder: fingertip.write_board(Design(), folder / "t.csv"), "choose another folder with out"),
         (lambda folder: fingertip.check(Design(), tolerance_mm=9.0), "tolerance_mm: 9 mm"),
         (lambda folder: Design.load(changes=["bone"]), "changes bone: is not of the form"),

@@ -11,7 +11,6 @@ from tests.conftest import design_file
 
 TOLERANCE = 0.02
 SOCKET = ["bone.interface=socket", "bone.base_length_mm=32"]
-SLEEVE = ["mold.method=sleeve"]
 
 
 def run_checks(*changes: str, name: str = "fsr400") -> dict[str, Check]:

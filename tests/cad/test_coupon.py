@@ -26,10 +26,9 @@ from tests.tools import require_tool
 
 DESIGNS = sorted(list_bundled_files(DESIGN_KIND))
 VARIANTS = {
-    "gravity": ["mold.filling=gravity"],
     "no draft": ["mold.draft_deg=0"],
     "no text": ["mold.engraving_depth_mm=0"],
-    "key wider than the slice": ["mold.filling=gravity", "mold.key_diameter_mm=8.2", "mold.land_mm=4"],
+    "key wider than the slice": ["mold.key_diameter_mm=8.2", "mold.land_mm=4"],
     "small sensor": [
         "sensor.model=custom", "custom_sensor.head_diameter_mm=2.1", "custom_sensor.active_diameter_mm=2",
         "custom_sensor.tail_width_mm=3.6", "custom_sensor.length_mm=30",
@@ -57,7 +56,6 @@ def test_variants_are_sound(changes: list[str]) -> None:
     design = load("fsr400", *changes)
     assert failed(design) == []
     layout = lay_out(design)
-    assert (layout.luer is None) == (design.mold.filling == "gravity")
     assert (layout.socket is None) == ("mold.key_diameter_mm=8.2" in changes)
     assert (layout.text is None) == (design.mold.engraving_depth_mm == 0)
 
@@ -83,7 +81,7 @@ def test_kernels_agree(name: str) -> None:
 def test_pieces_are_closed_single_bodies_and_nothing_overhangs(name: str) -> None:
     """Only the bed lies under a face that looks down, so that no piece needs supports."""
     design = load(name)
-    assert failed(design) == failed(load(name, "mold.method=sleeve")) == []
+    assert failed(design) == []
     for part in COUPON_PARTS.values():
         mesh = FINE.mesh(part.solid(design))
         corners = mesh.vertices[mesh.triangles]

@@ -73,10 +73,9 @@ def placed_on(plate: bytes) -> dict[str, trimesh.Trimesh]:
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("method", ["overmold", "sleeve"])
 @pytest.mark.parametrize("name", [*DESIGNS, *PRESETS])
-def test_plates_of_bundled_designs_hold_all_printed_parts_apart_on_the_bed(name: str, method: str) -> None:
-    design, meshes, encoded, prints = make(f"mold.method={method}", name=name)
+def test_plates_of_bundled_designs_hold_all_printed_parts_apart_on_the_bed(name: str) -> None:
+    design, meshes, encoded, prints = make(name=name)
     assert failed(design, meshes, encoded, prints) == set()
     bed = np.array([design.printer.bed_x_mm, design.printer.bed_y_mm, design.printer.bed_z_mm])
     for kind in PLATE_KINDS:

@@ -43,7 +43,6 @@ def generate_accepted(seed: int) -> Iterator[Design]:
             section, key = path.split(".")
             changes.append(f"{path}={getattr(getattr(base, section), key) * rng.uniform(0.5, 2.0)}")
         changes.append(f"bone.base_length_mm={rng.uniform(8, 45)}")
-        changes.append(f"mold.method={rng.choice(('overmold', 'sleeve'))}")
         changes.append(f"bone.interface={rng.choice(('post', 'socket', 'flange', 'clevis'))}")
         with contextlib.suppress(DesignError):
             yield Design.load(file, changes=changes)

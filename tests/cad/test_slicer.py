@@ -84,19 +84,18 @@ def in_nut_traps(design: Design, items: list[threemf.Item], points: np.ndarray) 
 
 @pytest.mark.full
 @pytest.mark.parametrize(
-    ("name", "method", "kind"),
+    ("name", "kind"),
     [
-        *((name, "overmold", "fdm") for name in (*DESIGNS, "adult_thumb", "child_finger", "youth_thumb")),
-        *((name, "sleeve", "fdm") for name in ("fsr402", "adult_finger")),
-        ("fsr402", "overmold", "sla"),
-        ("adult_finger", "sleeve", "sla"),
+        *((name, "fdm") for name in (*DESIGNS, "adult_thumb", "child_finger", "youth_thumb")),
+        ("fsr402", "sla"),
+        ("adult_finger", "sla"),
     ],
 )
 def test_plate_slices_without_a_complaint_and_without_supports_in_the_mold(
-    slicer: Path, name: str, method: str, kind: str, tmp_path: Path
+    slicer: Path, name: str, kind: str, tmp_path: Path
 ) -> None:
     """With automatic supports at 45 degrees: none stands under a mold half, and some under the bone."""
-    design = Design.load(design_file(name), changes=[f"mold.method={method}", "strength.print_material=petg"])
+    design = Design.load(design_file(name), changes=["strength.print_material=petg"])
     plate = plate_of(design, kind)
     (tmp_path / "plate.3mf").write_bytes(plate)
     x, y = design.printer.bed_x_mm, design.printer.bed_y_mm

@@ -72,7 +72,7 @@ def test_nearby_distance_equals_the_full_distance_near_the_surface() -> None:
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("changes", [[], ["mold.method=sleeve"], ["skin.width_mm=18"]], ids=str)
+@pytest.mark.parametrize("changes", [[], ["skin.width_mm=18"]], ids=str)
 def test_thickness_equals_the_distance_between_points_of_both_surfaces(changes: list[str]) -> None:
     """Points on facets no longer than h are at most h^2 / (4 d) farther apart than the surfaces, d apart."""
     design, evaluator = Design.load(changes=changes), MeshEvaluator(0.05)

@@ -107,7 +107,6 @@ def test_importing_fingertip_imports_no_heavy_package() -> None:
 
 UNLIMITED = ["strength.min_grip_factor=0", "strength.min_shock_factor=0"]
 VARIANTS = {
-    "sleeve": ["mold.method=sleeve", "mold.silicone_shrinkage_percent=1.2"],
     "socket": ["bone.interface=socket", "bone.base_length_mm=31"],
     "round post": ["bone.post_width_mm=7", "bone.post_height_mm=7", *UNLIMITED],
     "flange with four bolts": [
@@ -122,15 +121,15 @@ VARIANTS = {
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("name", some_of(VARIANTS, "sleeve", "flange with four bolts", "short tail", "custom sensor"))
+@pytest.mark.parametrize("name", some_of(VARIANTS, "flange with four bolts", "short tail", "custom sensor"))
 def test_variant_builds_and_passes_all_checks(name: str, tmp_path: Path) -> None:
     result = build(Design.load(changes=VARIANTS[name]), tmp_path, formats=["stl", "step"], tolerance_mm=0.02)
     assert [check for check in result.checks if not check.passed] == []
     assert any(check.name.endswith("step.genus") for check in result.checks)
 
 
-def test_only_a_sleeve_has_a_core(tmp_path: Path) -> None:
-    with pytest.raises(DesignError, match=r"this design has no 'core'.*mold.method.: .sleeve"):
+def test_only_a_skin_that_is_made_apart_has_a_core(tmp_path: Path) -> None:
+    with pytest.raises(DesignError, match=r"this design has no 'core', which only mold\.method=plunge has"):
         build(Design(), tmp_path, parts=["core"], formats=["stl"])
-    build(Design.load(changes=["mold.method=sleeve"]), tmp_path, parts=["core"], formats=["stl"])
+    build(Design.load("first_finger"), tmp_path, parts=["core"], formats=["stl"])
     assert (tmp_path / "core.stl").exists()

@@ -129,10 +129,9 @@ def test_a_parameter_that_must_be_kept_is_found() -> None:
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("method", ["overmold", "sleeve"])
 @pytest.mark.parametrize("name", some_of(DESIGNS, "fsr400", "adult_finger", "child_finger"))
-def test_calibrated_design_passes_all_checks(name: str, method: str) -> None:
-    design = Design.load(name, changes=[f"mold.method={method}"])
+def test_calibrated_design_passes_all_checks(name: str) -> None:
+    design = Design.load(name)
     calibrated = apply_calibration(design, calibration_of(design).changes)
     checks = verify(calibrated, parts_by_name(calibrated), ("stl",), MeshEvaluator(0.01)).checks
     assert [check for check in checks if not check.passed] == []

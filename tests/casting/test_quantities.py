@@ -81,7 +81,7 @@ def test_syringe_is_loaded_with_half_as_much_again_or_filled() -> None:
     assert 1.5 * injected_cm3(predict_mold_filling(small)) > 3.0
     assert load_cm3(small) == 2.5, "the plunger needs room"
     assert "mold.syringe_volume" in {check.name for check in check_filling(small) if not check.passed}
-    assert load_cm3(fsr400("mold.filling=gravity")) == 0.0
+    assert load_cm3(Design.load("first_finger")) == 0.0
 
 
 def test_only_a_load_of_more_than_the_mold_holds_changes_the_batch() -> None:
@@ -117,26 +117,30 @@ def test_groove_holds_as_a_stretched_ring() -> None:
     assert pull("bone.groove_width_mm=6") == pytest.approx(2 * expected)
 
 
-def test_sleeve_is_held_by_friction_along_its_length() -> None:
-    tight, loose = (
-        pull("mold.method=sleeve", "bone.groove_depth_mm=0", f"mold.sleeve_interference_mm={i}") for i in (0.2, 0.0)
-    )
+def pull_apart(*changes: str) -> float:
+    return skin_pull_off_n(Design.load("first_finger", changes=changes), SILICONE)
+
+
+def test_a_skin_that_is_made_apart_is_held_by_friction_along_its_length() -> None:
+    tight, loose = (pull_apart("bone.groove_depth_mm=0", f"mold.sleeve_interference_mm={i}") for i in (0.2, 0.0))
     assert loose == 0.0
-    dims = Design().dimensions
-    radius = (6.6 + (5.5 + dims.flat_depth) / 2) / 2
+    dims = Design.load("first_finger").dimensions
+    section = dims.bone_outline.section
+    radius = (section.half_width + (section.dorsal + dims.flat_depth) / 2) / 2
     force = FRICTION * SILICONE.modulus_mpa.low * (0.2 / radius) * 1.5 * math.tau * dims.taper_end_z
     assert tight == pytest.approx(force)
 
 
-@pytest.mark.parametrize("method", ["overmold", "sleeve"])
+@pytest.mark.parametrize("name", ["fsr400", "first_finger"])
 @pytest.mark.parametrize("interference_mm", [0.0, 0.2])
 @pytest.mark.parametrize("depth_mm", [0.0, 0.6])
-def test_only_what_holds_is_named(depth_mm: float, interference_mm: float, method: str) -> None:
-    changes = [f"mold.method={method}", f"mold.sleeve_interference_mm={interference_mm}"]
-    held = name_retention(Design.load(changes=[*changes, f"bone.groove_depth_mm={depth_mm}"]))
+def test_only_what_holds_is_named(depth_mm: float, interference_mm: float, name: str) -> None:
+    changes = [f"mold.sleeve_interference_mm={interference_mm}", f"bone.groove_depth_mm={depth_mm}"]
+    design = Design.load(name, changes=changes)
+    held = name_retention(design)
     assert ("the groove" in held) == (depth_mm > 0.0)
-    assert ("the tightness of the sleeve" in held) == (method == "sleeve" and interference_mm > 0.0)
-    assert bool(held) == (pull(*changes, f"bone.groove_depth_mm={depth_mm}") > 0.0)
+    assert ("its tightness" in held) == (name == "first_finger" and interference_mm > 0.0)
+    assert bool(held) == (skin_pull_off_n(design, SILICONE) > 0.0)
 
 
 @pytest.mark.parametrize(("awg", "conductor_mm"), [(28, 0.3211), (30, 0.2546), (31, 0.2268), (32, 0.2019)])

@@ -25,7 +25,6 @@ from fingertip.design.new_design import PRESETS
 from fingertip.documents.acceptance import acceptance_data, render_acceptance
 from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet
 from fingertip.filling.mold_filling import MAX_AIR_MM3, find_pose, place_vents
-from fingertip.foundation.errors import DesignError
 from fingertip.tasks.build import build
 from tests.conftest import DESIGNS, design_file, run_fingertip
 from tests.drawing.test_printed_sizes import calibrated
@@ -67,11 +66,8 @@ def numbers_missing_from_data(page: str, data: dict[str, Any]) -> list[str]:
 @pytest.mark.every_case
 @pytest.mark.parametrize("prints", [None, PRINTS], ids=["unsliced", "sliced"])
 @pytest.mark.parametrize("material", SILICONES)
-@pytest.mark.parametrize("method", ["overmold", "sleeve"])
-def test_every_number_of_the_page_is_in_the_data(
-    method: str, material: str, prints: dict[str, PrintEstimate] | None
-) -> None:
-    data = casting_sheet_data(fsr400(f"mold.method={method}"), VOLUMES, SILICONES[material], prints)
+def test_every_number_of_the_page_is_in_the_data(material: str, prints: dict[str, PrintEstimate] | None) -> None:
+    data = casting_sheet_data(fsr400(), VOLUMES, SILICONES[material], prints)
     page = render_sheet(data)
     assert numbers_missing_from_data(page, data) == []
     assert numbers_missing_from_data(page + "\nand 98765 more", data) == ["98765"], "the helper finds a foreign number"
@@ -134,15 +130,9 @@ def test_tilt_within_the_tolerance_of_the_pose_traps_less_air_than_the_check_let
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("method", ["overmold", "sleeve"])
 @pytest.mark.parametrize("name", ["fsr400", "fsr402", "adult_finger", "child_thumb"])
-@pytest.mark.parametrize("filling", ["syringe", "gravity"])
-def test_list_to_buy_holds_what_the_procedure_uses_and_nothing_else(name: str, method: str, filling: str) -> None:
-    changes = [f"mold.method={method}", f"mold.filling={filling}", "silicone.product=sylgard_184"]
-    try:
-        design = Design.load(design_file(name), changes=changes)
-    except DesignError:
-        pytest.skip("no such design")
+def test_list_to_buy_holds_what_the_procedure_uses_and_nothing_else(name: str) -> None:
+    design = Design.load(design_file(name))
     data = casting_sheet_data(design, VOLUMES, SILICONES["sylgard_184"])
     slip = SimpleNamespace(detector="fast", memory_s=0.1, score=None)
     page = render_sheet(data)

@@ -123,8 +123,8 @@ def test_a_misspelt_name_beside_broken_rules_is_an_issue_like_others(
 @pytest.mark.full
 def test_refusals_in_python_and_without_remedies_blame_the_same_fields() -> None:
     with pytest.raises(DesignError) as caught:
-        Design(mold={"filling": "gravity", "land_mm": 13.0})
-    assert caught.value.issues == refuse(["mold.filling=gravity", "mold.land_mm=13.0"])
+        Design(mold={"nut_width_mm": 4.0, "recess_length_mm": 25.0})
+    assert caught.value.issues == refuse(["mold.nut_width_mm=4.0", "mold.recess_length_mm=25.0"])
     tables = {"bone": {"wall_mm": 4.0}, "board": {"capacitor_uf": 100.0}}
     with pytest.raises(DesignError) as quick:
         Design.without_remedies(**tables)

@@ -52,11 +52,12 @@ MAX_EDGES = 3
 """Parameters in which the edge of one rule is sought."""
 BASES = {
     "": "fsr400",
-    "bone.interface=socket bone.base_length_mm=32 mold.filling=gravity sensor.insert=mushroom": "fsr402",
-    "bone.interface=flange mold.method=sleeve sensor.insert=disc": "fsr400",
+    "bone.interface=socket bone.base_length_mm=32 sensor.insert=mushroom": "fsr402",
+    "bone.interface=flange sensor.insert=disc": "fsr400",
     "hand.tendon_diameter_mm=0.5": "adult_finger",
     "board.channels=3 detector.window_samples=100": "article",
-    "mold.method=sleeve mold.filling=gravity board.variant=comparator": "child_thumb",
+    "board.variant=comparator": "child_thumb",
+    "mold.method=plunge": "first_finger",
 }
 """Changes -> bundled design; between them, most rules apply to one."""
 

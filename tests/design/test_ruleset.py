@@ -166,10 +166,10 @@ def test_a_bound_refuses_values_beyond_it_in_the_unit_of_its_field() -> None:
 
 def test_a_rule_passes_where_it_does_not_apply_and_reads_what_that_depends_on() -> None:
     ruleset = Ruleset()
-    bound = ruleset.at_least("mold.draft_deg", when=lambda design: design.mold.filling == "gravity")
+    bound = ruleset.at_least("mold.draft_deg", when=lambda design: design.mold.method == "plunge")
     rule = bound(lambda design: Limit(90.0, "are flat"))
     assert rule.check(TABLES) is None
-    poured = TABLES.with_values({"mold.filling": "gravity"})
-    (found,) = find_violations(ruleset, poured)
+    lowered = TABLES.with_values({"mold.method": "plunge"})
+    (found,) = find_violations(ruleset, lowered)
     assert found.violation.problem == "3 degrees are flat"
-    assert found.own_reads == {"mold.filling", "mold.draft_deg"}
+    assert found.own_reads == {"mold.method", "mold.draft_deg"}

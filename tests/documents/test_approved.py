@@ -47,14 +47,7 @@ STRAIGHT = (
     "skin.crown_radius_mm=0 bone.platform_mm=0 skin.semi_axis_palmar_mm=6 skin.pulp_fullness=0.8845 "
     "bone.palmar_fullness=0.9422 skin.thickness_side_mm=2 skin.thickness_tip_mm=2.5 mold.chaplet_from_tip_mm=10"
 )
-STRAIGHT_FINGER = (
-    "skin.crown_radius_mm=0 bone.platform_mm=0 skin.semi_axis_palmar_mm=6.6 skin.pulp_fullness=0.8845 "
-    "bone.palmar_fullness=0.96 skin.thickness_side_mm=1.75 skin.thickness_tip_mm=2.5 skin.thickness_palmar_mm=3.4 "
-    "sensor.distance_from_tip_mm=9.5 hand.tendon_distance_mm=4.95 bone.anchor_diameter_mm=1.2 "
-    "hand.clearance_radius_mm=3.5 hand.axis_height_mm=7.6 bone.base_length_mm=10 bone.collar_length_mm=6 "
-    "mold.recess_length_mm=7.2"
-)
-"""The same fingers with a straight pad, whose tape and vents differ."""
+"""The same finger with a straight pad, whose tape and vents differ."""
 CALIBRATED_CURVE = (
     "force_curve.curve=calibrated force_curve.min_force_n=0.5 force_curve.max_force_n=3 force_curve.interval_factor=1.2"
 )
@@ -69,33 +62,23 @@ DESIGNS: dict[str, tuple[str, str, Silicone, dict[str, Any]]] = {
     "fsr400": ("fsr400", "", SILICONES["addition_40a"], {"weak": True}),
     "fsr402": ("fsr402", "board.channels=3", SILICONES["smooth_sil_940"], {"pictures": True}),
     "fsr400_compact": ("fsr400_compact", "", SILICONES["dragon_skin_30"], {"prints": ESTIMATES}),
-    "article": ("article", "", SILICONES["elastosil_m4641"], {}),
+    "article": ("article", "", HASTY, {"delays_s": ()}),
     "adult_finger": ("adult_finger", "", SILICONES["addition_40a"], {}),
-    "child_thumb": ("child_thumb", "", SILICONES["ecoflex_00_30"], {"volumes": SMALL}),
-    "david_finger": ("hands/david_finger", "", SILICONES["addition_40a"], {}),
-    "sleeve": (
-        "fsr400", "mold.method=sleeve strength.print_material=petg board.variant=comparator",
-        SILICONES["condensation_40a"], {},
+    "child_thumb": (
+        "child_thumb", f"{CALIBRATED_CURVE} {MOLD_WITHOUT_CHAPLET}",
+        SILICONES["mold_star_30"], {"volumes": SMALL},
     ),
-    "folded_sleeve": (
-        "adult_finger", f"mold.method=sleeve {CALIBRATED_CURVE} {MOLD_WITHOUT_CHAPLET} {STRAIGHT_FINGER}",
-        SILICONES["mold_star_30"], {},
-    ),
-    "poured": (
-        "fsr400",
-        f"name=mine mold.filling=gravity silicone.product=sylgard_184 bone.groove_depth_mm=0 {MOLD_WITHOUT_CHAPLET} "
-        "mold.engraving_depth_mm=0 mold.key_diameter_mm=8 mold.land_mm=6 detector.sample_rate_hz=20000",
-        HASTY, {"volumes": SMALL, "delays_s": ()},
-    ),
+    "david_finger": ("hands/david_finger", "", SILICONES["ecoflex_00_30"], {}),
     "socket": (
         "fsr400", "name=A_very-long_name_with-forty_characters_1 bone.interface=socket bone.base_length_mm=32 "
-        "sensor.insert=mushroom sensor.insert_height_mm=0.5",
+        "sensor.insert=mushroom sensor.insert_height_mm=0.5 mold.key_diameter_mm=8.2 mold.land_mm=4",
         WEIGHED, {"volumes": SMALL, "delays_s": (0.025, 0.01)},
     ),
     "flange": (
         "fsr400", "bone.interface=flange bone.base_length_mm=27 mold.fit_clearance_mm=0.1 mold.seat_tape_mm=0 "
-        f"printer.scale_percent=100.4 printer.offset_mm=0.06 bone.groove_depth_mm=0.9 bone.wall_mm=0.8 {STRAIGHT}",
-        SILICONES["addition_40a"], {"delays_s": (0.025, None)},
+        f"printer.scale_percent=100.4 printer.offset_mm=0.06 bone.groove_depth_mm=0.9 bone.wall_mm=0.8 {STRAIGHT} "
+        "strength.print_material=petg board.variant=comparator",
+        SILICONES["condensation_40a"], {"delays_s": (0.025, None)},
     ),
 }  # fmt: skip
 

@@ -10,12 +10,10 @@ from fingertip.pictures.drawing.primitives import Sheet
 from tests.conftest import ROOT, design_file, some_of
 
 FILES = sorted(path.stem for path in (ROOT / "params").glob("*.toml"))
-SLEEVES = ("fsr400", "adult_finger")
 CALIBRATED = ("printer.offset_mm=0.08", "printer.scale_percent=100.4", "mold.fit_clearance_mm=0.13")
 VARIANTS = some_of(
     [
         *((name, ()) for name in FILES),
-        *((name, ("mold.method=sleeve",)) for name in SLEEVES),
         ("fsr400", ("skin.length_mm=120",)),  # needs the largest paper
         ("adult_finger", CALIBRATED),
     ],

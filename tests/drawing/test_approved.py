@@ -30,8 +30,6 @@ WITHOUT_CHAPLET = ("mold.chaplet_diameter_mm=0", "mold.fit_clearance_mm=0.01", "
 DESIGNS = {
     "fsr400": ("fsr400", ()),
     "calibrated": ("adult_finger", CALIBRATED),
-    "sleeve": ("fsr402", ("mold.method=sleeve", "printer.scale_percent=100.3")),
-    "poured": ("fsr400", ("mold.filling=gravity", "mold.engraving_depth_mm=0", "printer.offset_mm=-0.02")),
     "socket": ("fsr400", ("bone.interface=socket", "bone.base_length_mm=32")),
     "flange": ("fsr400", ("bone.interface=flange", "bone.base_length_mm=27", *WITHOUT_CHAPLET)),
     "wide": ("fsr402", WITHOUT_CHAPLET),
@@ -75,13 +73,7 @@ def draw_box(design: Design, drawing: PartDrawing) -> dict[ViewName, ProjectedVi
     return views
 
 
-SHEETS = (
-    ("calibrated", "lid"),
-    ("sleeve", "core"),
-    ("fsr400", "mold_dorsal"),
-    ("socket", "mold_palmar"),
-    ("wide", "bone"),
-)
+SHEETS = (("calibrated", "lid"), ("fsr400", "mold_dorsal"), ("socket", "mold_palmar"), ("wide", "bone"))
 
 
 @pytest.mark.parametrize(("name", "part"), SHEETS)

@@ -146,7 +146,7 @@ VARIANTS = (
     ("adult_finger", ()),
     ("child_finger", ()),
     ("first_finger", ()),
-    ("fsr400", ("mold.method=sleeve", "bone.interface=socket", "bone.base_length_mm=31")),
+    ("fsr400", ("bone.interface=socket", "bone.base_length_mm=31")),
     ("fsr400", ("bone.interface=flange", "bone.base_length_mm=27")),
     ("adult_finger", ("hand.travel_deg=0", "bone.base_length_mm=13")),
 )

@@ -24,16 +24,14 @@ from tests.conftest import design_file
 
 DUCTS = (round_duct(2.1, 10.0), rectangular_duct(3.0, 2.5, 12.0))
 PRESSURE_PA = syringe_pressure_pa(30.0, 12.06)
-CASES = [(name, method) for name in ("fsr400", "adult_finger", "fsr402") for method in ("overmold", "sleeve")]
-
-
+NAMES = ("fsr400", "adult_finger", "fsr402")
 WITHOUT_CHAPLET = ("mold.chaplet_diameter_mm=0", "mold.fit_clearance_mm=0.01", "printer.surface_error_mm=0")
 """The grid neglects the facet; the rules accept a bone without chaplet if it has no play."""
 
 
 @cache
-def load(name: str, method: str = "overmold", *changes: str) -> Design:
-    return Design.load(design_file(name), changes=(f"mold.method={method}", *changes))
+def load(name: str, *changes: str) -> Design:
+    return Design.load(design_file(name), changes=changes)
 
 
 def on_cavity(design: Design, x: float, y: float, z: float) -> Point3:
@@ -54,9 +52,9 @@ def predict(
 
 
 @pytest.mark.full
-@pytest.mark.parametrize(("name", "method"), CASES)
-def test_volume_equals_that_of_the_solids(name: str, method: str) -> None:
-    design = load(name, method, *WITHOUT_CHAPLET)
+@pytest.mark.parametrize("name", NAMES)
+def test_volume_equals_that_of_the_solids(name: str) -> None:
+    design = load(name, *WITHOUT_CHAPLET)
     exact_mm3 = 1000.0 * measure_volumes(design, MeshEvaluator(0.005)).skin_cm3
     for rows, columns in ((24, 32), (40, 48)):
         assert build_skin_grid(design, rows, columns).layer.network.total_mm3 == pytest.approx(exact_mm3, rel=0.004)
@@ -80,11 +78,11 @@ def test_areas_and_thicknesses_are_those_of_the_design() -> None:
 
 
 @pytest.mark.full
-@pytest.mark.parametrize(("name", "method"), CASES)
+@pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("z", [1.5, 10.0])
-def test_errors_against_a_finer_grid(name: str, method: str, z: float) -> None:
+def test_errors_against_a_finer_grid(name: str, z: float) -> None:
     """Compare with a moderately finer grid; benchmarks/filling.py takes the time for one four times as fine."""
-    design = load(name, method)
+    design = load(name)
     coarse_grid, fine_grid = build_skin_grid(design), build_skin_grid(design, 80, 64)
     gate = on_cavity(design, 1.0, 0.0, z)
     coarse, fine = (predict(design, grid, gate) for grid in (coarse_grid, fine_grid))

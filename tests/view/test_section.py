@@ -26,20 +26,13 @@ from tests.figures import sum_up
 from tests.view.describe import PenRecord, describe_pixels
 
 APPROVED = Path(__file__).parent / "approved"
-DESIGNS = {
-    "fsr400": ("fsr400", ()),
-    "gravity": ("fsr400", ("mold.filling=gravity",)),
-    "sleeve": ("fsr402", ("mold.method=sleeve",)),
-    "folded": ("adult_thumb", ()),
-    "fork": ("child_finger", ()),
-}
+DESIGNS = {"fsr400": "fsr400", "folded": "adult_thumb", "fork": "child_finger"}
 EVALUATOR = MeshEvaluator(0.05)
 
 
 @cache
 def load(name: str) -> tuple[Design, tuple[Section, ...]]:
-    file, changes = DESIGNS[name]
-    design = Design.load(file, changes=changes)
+    design = Design.load(DESIGNS[name])
     return design, tuple(list_sections(design, EVALUATOR))
 
 
@@ -65,7 +58,7 @@ def test_section_is_the_approved_one(name: str) -> None:
     check_figures(APPROVED / f"section_{name}.txt", (line for each in sections for line in describe_section(each)))
 
 
-@pytest.mark.parametrize("name", ["sleeve", pytest.param("folded", marks=pytest.mark.full), "fork"])
+@pytest.mark.parametrize("name", [pytest.param("folded", marks=pytest.mark.full), "fork"])
 def test_picture_is_drawn_as_approved(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Names, marks and outlines of all panels, and the pixels without them. The parts are coarse."""
     pen = PenRecord(monkeypatch)

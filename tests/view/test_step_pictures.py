@@ -27,15 +27,7 @@ from tests.conftest import design_file, run_fingertip
 from tests.view.describe import PenRecord, describe_scene, join_lines
 
 APPROVED = Path(__file__).parent / "approved"
-DESIGNS = {
-    "fsr400": ("fsr400", ()),
-    "adult_finger": ("adult_finger", ("sensor.insert=disc",)),
-    "sleeve": ("fsr402", ("mold.method=sleeve",)),
-    "poured_sleeve": (
-        "child_finger",
-        ("mold.method=sleeve", "mold.filling=gravity", "silicone.product=sylgard_184", "mold.fit_clearance_mm=0.03"),
-    ),
-}  # fmt: skip
+DESIGNS = {"fsr400": ("fsr400", ()), "adult_finger": ("adult_finger", ("sensor.insert=disc",))}
 """Designs that have all scenes between them."""
 
 
@@ -81,9 +73,8 @@ def test_labels_and_arrows_are_drawn_as_approved(monkeypatch: pytest.MonkeyPatch
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("method", ["overmold", "sleeve"])
 @pytest.mark.parametrize("name", ["fsr400", "fsr402", "adult_finger", "first_finger"])
-def test_labels_stand_apart_inside_the_picture(name: str, method: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_labels_stand_apart_inside_the_picture(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     boxes: list[tuple[float, float, float, float]] = []
     original = ImageDraw.multiline_text
 
@@ -96,8 +87,7 @@ def test_labels_stand_apart_inside_the_picture(name: str, method: str, monkeypat
 
     monkeypatch.setattr(ImageDraw, "multiline_text", record)
     monkeypatch.setattr(Canvas, "draw", lambda *args: None)  # the text alone
-    changes = () if name == "first_finger" else (f"mold.method={method}",)
-    for picture, scene in scenes(name, *changes).items():
+    for picture, scene in scenes(name).items():
         boxes.clear()
         width, height = Image.open(io.BytesIO(draw_scene(scene))).size
         assert boxes, picture
@@ -109,7 +99,7 @@ def test_labels_stand_apart_inside_the_picture(name: str, method: str, monkeypat
                 assert apart, (picture, i)
 
 
-@pytest.mark.parametrize("name", ["fsr400", "adult_finger", "sleeve", "first_finger"])
+@pytest.mark.parametrize("name", ["fsr400", "adult_finger", "first_finger"])
 def test_labels_state_numbers_of_the_sheet_and_lie_on_what_is_drawn(name: str) -> None:
     """Each number with a unit stands in the text of the page too, but for levels in a drawn cup."""
     file, changes = DESIGNS.get(name, (name, ()))

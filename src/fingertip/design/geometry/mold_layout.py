@@ -164,12 +164,6 @@ class MoldLayout:
         return min(clear, key=lambda at: abs(at - z))
 
     @cached_property
-    def key_space(self) -> float:
-        """Length along z that the nut traps leave for the keys."""
-        low, high = self._bolts_z
-        return high - low - 2 * self.nut_circumradius
-
-    @cached_property
     def pry_z(self) -> float:
         low, high = self._bolts_z
         return (low + high) / 2
@@ -187,10 +181,11 @@ class MoldLayout:
         socket for either of them, so the halves close in one way only.
         """
         mold = self._design.mold
-        shift = (self.key_space - mold.key_diameter_mm - 2 * mold.land_mm) / 4
+        low, high = self._bolts_z
+        shift = (high - low - 2 * self.nut_circumradius - mold.key_diameter_mm - 2 * mold.land_mm) / 4
         # Beside the inlet the second key has no room, and beside the proximal half of the cavity vents open.
         second = max(self.pry_z + shift / 2, self._key_beside_inlet_z)
-        first = self._bolts_z[1] - self.nut_circumradius - mold.land_mm - self._key_reach(mold.key_diameter_mm)
+        first = high - self.nut_circumradius - mold.land_mm - self._key_reach(mold.key_diameter_mm)
         return ((-self._column_x, first, mold.key_diameter_mm), (self._column_x, second, 2 * self._small_key_radius))
 
 

@@ -121,11 +121,6 @@ def keys_keep_a_top(design: DesignTables) -> Limit | None:
     return Limit(maximum, "bring the registration keys to a point")
 
 
-@RULES.at_most("mold.key_diameter_mm")
-def keys_between_bolts(design: DesignTables) -> Limit | None:
-    return Limit(design.mold_layout.key_space - 2 * design.mold.land_mm, "does not fit between the bolts")
-
-
 @RULES.at_most("mold.key_height_mm")
 def key_socket_keeps_a_floor(design: DesignTables) -> Limit | None:
     maximum = design.skin.semi_axis_palmar_mm + design.mold.wall_mm - design.mold.key_clearance_mm - _SOCKET_FLOOR

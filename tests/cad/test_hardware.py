@@ -47,13 +47,13 @@ def test_hardware_overlaps_nothing_but_its_thread(name: str) -> None:
 
 
 @pytest.mark.every_case
-@pytest.mark.parametrize("name", FILES)
+@pytest.mark.parametrize("name", sorted({*FILES} - {"first_finger"}))  # whose list to buy is counted with its sheet
 def test_hardware_agrees_with_the_bill_of_materials(name: str) -> None:
     design = Design.load(design_file(name))
     bill = {entry["item"].partition(" (")[0]: entry["count"] for entry in bill_of_materials(design)}
     found = [item.name.rstrip("_0123456789") for item in hardware(design, parts_by_name(design))]
-    assert found.count("mold_bolt") == bill.get("mold bolt", 0)
-    assert found.count("mold_nut") == bill.get("mold nut", 0)
+    assert found.count("mold_bolt") == bill["mold bolt"]
+    assert found.count("mold_nut") == bill["mold nut"]
     assert found.count("chaplet_screw") == ("chaplet screw" in bill)
     assert found.count("joint_pin") == ("joint pin" in bill)
     assert found.count("sensor") == 1

@@ -124,10 +124,11 @@ def pull_apart(*changes: str) -> float:
 def test_a_skin_that_is_made_apart_is_held_by_friction_along_its_length() -> None:
     tight, loose = (pull_apart("bone.groove_depth_mm=0", f"mold.sleeve_interference_mm={i}") for i in (0.2, 0.0))
     assert loose == 0.0
-    dims = Design.load("first_finger").dimensions
-    section = dims.bone_outline.section
+    design = Design.load("first_finger")
+    dims, section = design.dimensions, design.dimensions.bone_outline.section
     radius = (section.half_width + (section.dorsal + dims.flat_depth) / 2) / 2
-    force = FRICTION * SILICONE.modulus_mpa.low * (0.2 / radius) * 1.5 * math.tau * dims.taper_end_z
+    thickness = min(design.skin.thickness_side_mm, design.skin.thickness_dorsal_mm)
+    force = FRICTION * SILICONE.modulus_mpa.low * (0.2 / radius) * thickness * math.tau * dims.taper_end_z
     assert tight == pytest.approx(force)
 
 

@@ -9,7 +9,6 @@ import math
 
 from fingertip.cad.printing.orientations import print_orientations
 from fingertip.cad.printing.overhang import bed_pose
-from fingertip.cad.printing.print_files import arrange
 from fingertip.cad.printing.settings import FDM
 from fingertip.cad.shapes.insert import cavity
 from fingertip.design.geometry.cup_layout import BELT_MM, GAP_MM, LIP_MM, PLATE_MM, STRAP_Y_MM
@@ -27,30 +26,26 @@ _FROM_BELOW = Camera.looking_from((0.4, -1.0, 0.12), _UP)
 _CUT = Camera.looking_from((-1.0, -0.35, -0.3), _UP)
 """Camera on a section of the standing cup, the half marked PAD at the left."""
 _FROM_PALM = Camera.from_angles(28, -42)
-_VARNISH, _WOOD, _BAND, _BOARD = (0.93, 0.80, 0.35), (0.80, 0.66, 0.45), (0.75, 0.35, 0.30), (0.20, 0.45, 0.30)
+_VARNISH, _WOOD, _BAND, _BLACK = (0.93, 0.80, 0.35), (0.80, 0.66, 0.45), (0.75, 0.35, 0.30), (0.15, 0.15, 0.17)
 _COAT_MM, _LIFT_MM, _TAB_PITCH_MM, _BAND_MM = 0.9, 20.0, 2.54, 1.0
 """Thickness with which a coat is drawn at the tip, height of the core above the cup, pitch of the legs, and thickness
 of a rubber band [mm]."""
 
 
 def print_(bench: Bench, data: Data) -> Scene:
-    """Show the plate as it is printed, with the names of its parts."""
+    """Show the parts as they lie on the plate, with their names."""
     names = {
         "bone": "bone", "stand": "stand", "core": "core: a plate with\nthree ridges and a\nfinger",
         "mold_palmar": "cup, half\nmarked PAD", "mold_dorsal": "cup, other half",
     }  # fmt: skip
-    lies, printer = print_orientations(bench.design), bench.design.printer
-    parts = {name: bench.part(name) for name in lies}
-    poses = {name: bed_pose(parts[name].mesh, lies[name].rotate_x_deg) for name in lies}
-    sizes = {name: pose.size(parts[name].mesh) for name, pose in poses.items()}
-    footprints = {name: size[:2] for name, size in sizes.items()}
-    shown, labels = [], []
-    for placed in arrange(footprints, (printer.bed_x_mm, printer.bed_y_mm), FDM.gap_mm)[0]:
-        pose, part = poses[placed.name], parts[placed.name]
-        pose = (pose.turned() if placed.is_turned else pose).on_bed(part.mesh, placed.x, placed.y)
+    shown, labels, x = list[Shown](), list[Label](), 0.0
+    for name, lies in print_orientations(bench.design).items():
+        part = bench.part(name)
+        pose = bed_pose(part.mesh, lies.rotate_x_deg).on_bed(part.mesh, x)
+        width, depth, height = pose.size(part.mesh)
         shown.append(Shown(pose.apply(part.mesh), part.colour))
-        middle = placed.x + placed.width / 2, placed.y + placed.depth / 2
-        labels.append(Label(names[placed.name], (*middle, sizes[placed.name][2] - 1.0)))
+        labels.append(Label(names[name], (x + width / 2, depth / 2, height - 1.0)))
+        x += width + FDM.gap_mm
     return Scene(shown, Camera.looking_from((-0.35, -1.0, 0.9), (0.0, 0.0, 1.0)), *labels)
 
 
@@ -80,29 +75,22 @@ def _stick(bench: Bench, at: tuple[float, float], low: float, high: float) -> Sh
 
 
 def try_core(bench: Bench, data: Data) -> Scene:
-    """Show the core above the cup, and beside it the core seated, with calipers over both."""
-    m = bench.design.cup_layout
-    beside, lift, face = 2 * m.half_width + 28.0, _LIFT_MM + 8.0, -m.palmar_height
-    x, low, high, top, foot = 4.0 - m.half_width, face + 3.5, face + 6.5, -PLATE_MM, m.foot_z
-    beam, reading = x - 14.0, f"{data['height_mm'][0]:g} to {data['height_mm'][1]:g} mm"
+    """Show the core seated in the closed cup, and calipers over both."""
+    m, face, top = bench.design.cup_layout, -bench.design.cup_layout.palmar_height, -PLATE_MM
+    foot, x, low, high, (least, most) = m.foot_z, 4.0 - m.half_width, face + 3.5, face + 6.5, data["height_mm"]
+    beam, reading = x - 14.0, f"{least:g} to {most:g} mm"
     calipers = union(
         Box((beam - 6.0, low, top - 16.0), (beam, high, foot + 10.0)),
         Box((beam - 1.0, low, top - 5.0), (x, high, top)), Box((beam - 1.0, low, foot), (x, high, foot + 5.0)),
     )  # fmt: skip
-    closed = _banded_cup(bench)
     return Scene(
-        (
-            *closed, bench.part("core"), bench.solid(calipers, Paint.STEEL),
-            *(item.moved((beside, 0.0, 0.0)) for item in closed), bench.part("core", (beside, 0.0, -lift)),
-        ),
-        _FROM_BELOW,
+        (*_banded_cup(bench), bench.part("core"), bench.solid(calipers, Paint.STEEL)), _FROM_BELOW,
         Label(f"calipers, from the foot\nto the top of the plate:\n{reading}", (beam - 3.0, low, top - 10.0)),
         Label("the same narrow gap\nall around", (-m.half_width * 0.6, face, GAP_MM / 2)),
         Label("foot", (-m.half_width * 0.5, face, foot - 0.5)),
-        Label("ridge, one of three", (beside + m.half_width - 1.0, 0.0, 1.0 - lift)),
-        Label("its groove", (beside + m.half_width, -0.5, 1.5)),
-        Label("two rubber bands", (beside + m.half_width / 2, face, m.belts_z[0])),
-        Arrow((beside, face, -lift * 0.65), (beside, face, -lift * 0.2)),
+        Label("core, by its plate", (m.half_width, face, top / 2)),
+        Label("ridge in its groove,\none of three", (m.half_width, 0.0, 1.2)),
+        Label("two rubber bands", (m.half_width / 2, face, m.belts_z[0])),
     )  # fmt: skip
 
 
@@ -254,41 +242,22 @@ def pull_on(bench: Bench, data: Data) -> Scene:
 
 
 def connect(bench: Bench, data: Data) -> Scene:
-    """Show the finger in its stand, pad up, beside a controller with the resistor where there is one."""
+    """Show the finger in its stand, pad up, with its wires, which come out of the back."""
     dims, z, post = bench.dims, bench.dims.channel_exit_z, bench.design.bone.post_width_mm / 2
-    axis_y, bolt_z = middle_y(dims), Post().cross_bolt_z(bench.design)
-    bolt = cylinder("x", (axis_y, bolt_z), -post - 6.0, post + 6.0, 1.5)
-    shown = [*bench.assembled_bone(), bench.part("skin"), bench.part("stand"), bench.solid(bolt, Paint.STEEL)]
-    labels = [
+    y, axis_y, bolt_z = dims.bone_outline.section.dorsal, middle_y(dims), Post().cross_bolt_z(bench.design)
+    far = dims.collar.section.half_width + 16.0
+    red, black = (cylinder("x", (y, z + beside), 0.0, far + 6.0 * beside, 0.6) for beside in (0.7, -0.7))
+    bolt = bench.solid(cylinder("x", (axis_y, bolt_z), -post - 6.0, post + 6.0, 1.5), Paint.STEEL)
+    kohm = data["divider_kohm"]
+    return Scene(
+        (
+            *bench.assembled_bone(), bench.part("skin"), bench.part("stand"), bolt, bench.solid(red, Paint.WIRE),
+            bench.solid(black, _BLACK),
+        ),
+        Camera.from_angles(18, -55),
+        Label("one wire to 3V3" if kohm else "to the board", (far + 4.0, y, z + 0.7)),
+        *([Label(f"the other one to A0;\n{kohm:g} kohm from A0 to GND", (far - 8.0, y, z - 0.7))] if kohm else []),
         Label("bolt with nut", (-post - 5.0, axis_y, bolt_z)),
         Label("stand, its flat\nback on the table", (0.0, axis_y, z - 40.0)),
         Label("pad", (0.0, -dims.outer.section.palmar, dims.sensor_z)),
-    ]  # fmt: skip
-    if data["divider_kohm"]:
-        solids, names = _draw_controller(bench, data)
-        shown, labels = shown + solids, labels + names
-    return Scene(shown, Camera.from_angles(18, -55), *labels)
-
-
-def _draw_controller(bench: Bench, data: Data) -> tuple[list[Shown], list[Label]]:
-    dims, z, edge = bench.dims, bench.dims.channel_exit_z, 30.0
-    y, beside = dims.bone_outline.section.dorsal, dims.collar.section.half_width + 4.0
-    supply, ground, pin = z, z - 12.0, z - 24.0
-    at, top, over, radius = edge + 1.5, y + 0.8, y - 0.8, 0.6
-    black = union(
-        cylinder("x", (y, pin), beside, at, radius), cylinder("z", (beside, y), pin, z - 2.0, radius),
-        cylinder("x", (y, z - 2.0), 0.0, beside, radius),
     )  # fmt: skip
-    drawn = (
-        (Box((edge, top, z - 45.0), (edge + 21.0, top + 1.6, z + 6.0)), _BOARD),
-        (Box((edge + 6.5, top - 2.6, z + 1.5), (edge + 14.5, top, z + 8.0)), Paint.STEEL),
-        (union(*(cylinder("y", (pad, at), y + 0.5, y + 1.3, 1.0) for pad in (supply, ground, pin))), Paint.SENSOR),
-        (cylinder("x", (y, supply), 0.0, at, radius), Paint.WIRE), (black, (0.15, 0.15, 0.17)),
-        (cylinder("z", (at, over), pin, ground, 0.4), Paint.STEEL),
-        (cylinder("z", (at, over), pin + 3.0, ground - 3.0, 1.4), _WOOD),
-    )  # fmt: skip
-    return [bench.solid(solid, colour) for solid, colour in drawn], [
-        Label("3V3", (at, y, supply)), Label("GND", (at, y, ground)), Label("A0 (GP26 on a Pico)", (at, y, pin)),
-        Label(f"resistor, {data['divider_kohm']:g} kohm", (at, y - 2.0, (pin + ground) / 2)),
-        Label("controller", (edge + 12.0, top, z - 35.0)),
-    ]  # fmt: skip

@@ -38,9 +38,6 @@ class Shown:
     mesh: Mesh
     colour: Colour
 
-    def moved(self, shift: Point3) -> Shown:
-        return Shown(Mesh(self.mesh.vertices + np.array(shift), self.mesh.triangles), self.colour)
-
     def turned(self, shift: Point3) -> Shown:
         """Turn by 180 degrees about z, and shift."""
         turned = self.mesh.vertices * np.array((-1.0, -1.0, 1.0))

@@ -122,7 +122,7 @@ def acceptance_data(design: Design, detection: Detection) -> dict[str, Any]:
     delays = detection.score.delays_s if detection.score else ()
     found = [delay for delay in delays if delay is not None]
     delay_ms = round(1000 * max(found), 1) if found and len(found) == len(delays) else None
-    data: dict[str, Any] = {
+    return {
         "design": design.name,
         "sensor": design.dimensions.sensor.label,
         "tail": design.sensor.tail,
@@ -161,11 +161,6 @@ def acceptance_data(design: Design, detection: Detection) -> dict[str, Any]:
         },
         "from_tip_mm": design.sensor.distance_from_tip_mm,
     }
-    if design.board.variant == "divider":
-        step_v = design.detector.adc_step_v
-        counts = {weight["mass_g"]: round(weight["tactile_v"] / step_v) for weight in data["weights"]}
-        data |= {"supply_v": design.board.supply_v, "counts": counts}
-    return data
 
 
 def render_acceptance(data: dict[str, Any]) -> str:

@@ -99,7 +99,7 @@ def render_drawing(sources: Sources) -> Markup:
     sheets = sorted(name for name in sources.links if name.startswith("drawing"))
     if sheets:
         return list_links(sheets, sources.links)
-    return note(
+    return Markup("") if sources.design.mold.method == "plunge" else note(
         "There is no drawing of these parts yet: in the folder of this page, ", element("code", COMMANDS["drawing"]),
         " makes a sheet with all dimensions and tolerances for each printed part, and ",
         element("code", COMMANDS["page"]), " then links them here.",

@@ -48,6 +48,7 @@ def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:
     prepared = prepared or prepare_page(design)
     cast = casting_section.render_casting(sources)
     verdict, kind = tell_verdict(sources.report)
+    drawing = casting_section.render_drawing(sources)
     steps, has_board = cast.count("data-tick="), design.board.variant != "divider"
     start = render_start(design, sources.report, measure_finger(items), sources.links, steps, verdict)
     picture = render_finger(prepared.finger, "The finished finger, computed: from the back, and from the palm.")
@@ -58,7 +59,7 @@ def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:
         )),
         ("print", "Print", (
             _title("Print the parts"), casting_section.render_printing(sources),
-            _title("Dimensioned drawing", "drawing"), casting_section.render_drawing(sources),
+            *((_title("Dimensioned drawing", "drawing"), drawing) if drawing else ()),
         )),
         ("buy", "Buy", (_title("What to buy"), casting_section.render_shopping(sources))),
         ("cast", "Cast", (_title("Cast the skin", "casting"), cast)),

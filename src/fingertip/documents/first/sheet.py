@@ -17,7 +17,6 @@ from fingertip.cad.printing.settings import FDM, Profile, choose_profile
 from fingertip.cad.verification.cup import LOWERING_S, palmar_limits
 from fingertip.casting import quantities
 from fingertip.casting.consumables import AIDS
-from fingertip.casting.hardware import size_wires
 from fingertip.catalogues.output_files import PRINT_FOLDER
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.catalogues.silicones import Silicone, find_example
@@ -29,8 +28,8 @@ from fingertip.foundation.tables import load_table, read_rows
 
 _MIN_COMPONENT_G = 2.0
 """Least mass of the lighter component, of which half a step of a scale that reads 0.1 g is 2.5 % [g]."""
-_EVENING_H = 2.0
-"""Work on the first day besides printing [h]. An assumption: nobody has made one."""
+_WORK_H = (4.0, 3.0)
+"""Work on both days besides printing, with what dries meanwhile [h]. An assumption: nobody has made one."""
 _STEP_G = 5
 """Step to which filament is rounded up [g]."""
 _ORDER_NUMBERS = {"fsr400_short": ", order number 34-00004"}
@@ -70,7 +69,7 @@ class FirstSheet:
     profile: Profile
     print_h: float
     printed_g: float
-    evening_h: float
+    work_h: tuple[float, float]
     days: int
     batch: Mixture
     divider_kohm: float | None
@@ -100,7 +99,7 @@ def first_sheet(design: Design, volumes: quantities.SiliconeVolumes, silicone: S
     batch, body, seat = _mix(silicone, volumes.total_cm3), design.dimensions.sensor, palmar_limits(design)
     sheet = FirstSheet(
         design.name, design.mold.method, f"{PRINT_FOLDER}/{FDM.file_names(1)[0]}", choose_profile(design),
-        round(estimate_print(design).minutes / 60.0, 1), _find_printed_g(design), _EVENING_H,
+        round(estimate_print(design).minutes / 60.0, 1), _find_printed_g(design), _WORK_H,
         days=1 + math.ceil(batch.cure_h / 24.0),
         batch=batch,
         divider_kohm=design.board.divider_ohm / 1e3 if design.board.variant == "divider" else None,
@@ -129,7 +128,7 @@ def _list_items(design: Design, silicone: Silicone, batch: Mixture) -> tuple[Ite
     }
     sizes = {
         "silicone_g": batch.total_g, "printed_g": _find_printed_g(design), "tie_mm": TIE_WIDTH_MM,
-        "divider_kohm": design.board.divider_ohm / 1e3, "wire_mm": size_wires(design).max_diameter_mm,
+        "divider_kohm": design.board.divider_ohm / 1e3, "wire_mm": design.sensor.wire_diameter_mm,
     }  # fmt: skip
     others = () if design.board.variant == "divider" else ("controller", "resistor")
     rows = (row for row in read_rows(Path(__file__).with_name("items.csv")) if row["key"] not in others)

@@ -36,7 +36,7 @@ def print_(bench: Bench, data: Data) -> Scene:
     """Show the parts as they lie on the plate, with their names."""
     names = {
         "bone": "bone", "stand": "stand", "core": "core: a plate with\nthree ridges and a\nfinger",
-        "mold_palmar": "cup, half\nmarked PAD", "mold_dorsal": "cup, other half",
+        "mold_palmar": "cup, half marked\nPAD (mold_palmar)", "mold_dorsal": "cup, other half\n(mold_dorsal)",
     }  # fmt: skip
     shown, labels, x = list[Shown](), list[Label](), 0.0
     for name, lies in print_orientations(bench.design).items():
@@ -169,7 +169,7 @@ def coat(bench: Bench, data: Data) -> Scene:
             bench.part("core", (0.0, 0.0, -lift)), _stick(bench, (0.5, 3.0), -24.0, m.foot_z - wall - 2.0),
         ),
         Camera.looking_from((-1.0, -0.5, 0.12), _UP),
-        Label("thin coat on all\nof the hollow", (0.0, wall - m.palmar_height, z)),
+        Label("thin coat on all of the\nhollow (cup drawn cut)", (0.0, wall - m.palmar_height, z)),
         Label("second stick", (0.5, 3.0, -20.0)),
         Label("round dent: coat it", (0.0, y, z - lift)),
         Label("ring groove: coat it", groove), Label("foot", (0.0, m.dorsal_height / 2, m.foot_z)),
@@ -184,8 +184,8 @@ def pour(bench: Bench, data: Data) -> Scene:
     return Scene(
         (*_cup(bench, cut=True), bench.solid(silicone, Paint.SILICONE, cut=True), stream), _CUT,
         Label("thin stream, from a\nhand's breadth above", (0.5, y, -25.0)),
-        Label("up to the notches in\nthe seam, one here", (m.pour_mark_x, -0.2, z)),
-        Label("half marked PAD", (0.0, -m.palmar_height, m.foot_z / 2)),
+        Label(f"until the scale\nreads {data['batch']['in_cup_g']:g} g", (0.0, 0.0, z)),
+        Label("half marked PAD\n(cup drawn cut)", (0.0, -m.palmar_height, m.foot_z / 2)),
     )  # fmt: skip
 
 
@@ -211,13 +211,16 @@ def lower(bench: Bench, data: Data) -> Scene:
 def open_(bench: Bench, data: Data) -> Scene:
     m, apart, lifted = bench.design.cup_layout, 16.0, (0.0, 0.0, -6.0)
     low, edge, tip = -m.palmar_height - apart, m.foot_z + 3.0, m.foot_z - bench.design.mold.wall_mm
+    seam, hollow = Box((-edge, -0.15, 2.0), (edge, 0.15, edge)), cavity(bench.design)
+    fins = difference(intersection(scaled(hollow, 1.06), seam), hollow)
     return Scene(
         (
             bench.part("mold_palmar", (0.0, -apart, 0.0)), bench.part("mold_dorsal", (0.0, apart / 2, 0.0)),
-            bench.part("core", lifted), bench.part("skin", lifted),
+            bench.part("core", lifted), bench.part("skin", lifted), bench.solid(fins, Paint.SILICONE, lifted),
         ),
         Camera.looking_from((1.0, -0.4, -0.25), _UP),
         Label("skin, still on the core", (0.0, -2.0, tip - 7.0)),
+        Label("fin: cut it off", (m.cavity_half_width + 0.4, 0.0, tip / 2 - 6.0)),
         Label("1: half marked PAD,\nstraight off", (m.half_width, low + 5.0, m.foot_z / 2)),
         Label("2: lift the core\nout of the groove", (m.half_width, m.dorsal_height, -PLATE_MM / 2 - 6.0)),
         Arrow((0.0, low + 4.0, edge), (0.0, low - 10.0, edge)),
@@ -233,7 +236,7 @@ def pull_on(bench: Bench, data: Data) -> Scene:
         (*bench.assembled_bone(), bench.part("skin", (0.0, 0.0, out), cut=True)), View.CUT_FROM_BELOW,
         Label("inner rib, comes to lie\nin the ring groove", (0.0, section.dorsal - 0.4, out + groove)),
         Label("bump, comes to lie\non the sensor's head", (0.0, y, out + z)),
-        Label("skin, cut open here", (0.0, dims.outer.section.dorsal - 0.5, out + z)),
+        Label("half of the skin, to\nshow its inside", (0.0, dims.outer.section.dorsal - 0.5, out + z)),
         Label("ring groove", (bone.groove_depth_mm - section.half_width, 1.0, groove)),
         Label("step, where the\nedge of the skin ends", (-dims.collar.section.half_width, 0.0, 0.0)),
         Label("keep the sensor dry", (0.0, y, z - 5.0)),
@@ -251,13 +254,13 @@ def connect(bench: Bench, data: Data) -> Scene:
     kohm = data["divider_kohm"]
     return Scene(
         (
-            *bench.assembled_bone(), bench.part("skin"), bench.part("stand"), bolt, bench.solid(red, Paint.WIRE),
+            *bench.assembled_bone(), bench.part("stand"), bolt, bench.solid(red, Paint.WIRE),
             bench.solid(black, _BLACK),
         ),
         Camera.from_angles(18, -55),
-        Label("one wire to 3V3" if kohm else "to the board", (far + 4.0, y, z + 0.7)),
-        *([Label(f"the other one to A0;\n{kohm:g} kohm from A0 to GND", (far - 8.0, y, z - 0.7))] if kohm else []),
+        Label("red wire to 3V3" if kohm else "to the board", (far + 4.0, y, z + 0.7)),
+        *([Label(f"black wire to A0, and\n{kohm:g} kohm from A0 to GND", (far - 8.0, y, z - 0.7))] if kohm else []),
         Label("bolt with nut", (-post - 5.0, axis_y, bolt_z)),
         Label("stand, its flat\nback on the table", (0.0, axis_y, z - 40.0)),
-        Label("pad", (0.0, -dims.outer.section.palmar, dims.sensor_z)),
+        Label("press here, to try it", bench.head),
     )  # fmt: skip

@@ -79,8 +79,8 @@ def test_ngspice_gives_the_expected_readings(tmp_path: Path) -> None:
     computed = sorted(float(volts) for _, _, volts in rows)
     readings = json.loads((tmp_path / "values.json").read_text(encoding="utf-8"))["readings"]
     assert [one["mass_g"] for one in readings] == [0.0, 100.0, 500.0]
-    assert computed == pytest.approx([one["tactile_v"] for one in readings[1:]], abs=1e-3)
-    assert [one["counts"] for one in readings] == [round(one["tactile_v"] / 3.3 * 4096) for one in readings]
+    assert [round(volts, 2) for volts in computed] == [one["tactile_v"] for one in readings[1:]]
+    assert [one["counts"] for one in readings] == [0, *(round(volts / 3.3 * 4096) for volts in computed)]
 
 
 def test_current_and_range_are_stated() -> None:
@@ -149,7 +149,7 @@ def test_readout_and_sweep_leave_out_the_board(monkeypatch: pytest.MonkeyPatch) 
     for group in ("board", "circuit", "noise"):
         assert all(map(math.isnan, GROUP_FUNCTIONS[group](context).values()))
     found = GROUP_FUNCTIONS["acceptance"](context)
-    assert found["tactile_100g_v"] == pytest.approx(list_readings(DESIGN)[1]["tactile_v"], abs=1e-3)
+    assert found["tactile_100g_v"] == pytest.approx(list_readings(DESIGN)[1]["tactile_v"], abs=5e-3)
 
 
 @pytest.mark.full

@@ -26,7 +26,7 @@ def divider_circuit(design: Design) -> Circuit:
     """Circuit of sensor, resistor, and the three pins of the controller."""
     ohm, converter = format_component_value(design.board.divider_ohm), design.detector
     sensor = Component("J1", "FSR", SYMBOLS["Conn_01x02"], HEADER_2, "sensor, either way round")
-    resistor = Component("R1", ohm, RESISTOR, _AXIAL, "from input to ground", "leads, 1 %, 0.25 W, any maker")
+    resistor = Component("R1", ohm, RESISTOR, _AXIAL, "input to ground", "metal film with leads, 1 %, 0.25 W")
     rating = f"analog input of {converter.adc_bits} bits, {converter.adc_range_text}; see fingertip firmware"
     pins = Component("J3", "controller", SYMBOLS["Conn_01x03"], HEADER_3, "supply, analog input, ground", rating)
     wiring = {sensor: (VCC, TACTILE), resistor: (TACTILE, GND), pins: (VCC, TACTILE, GND)}

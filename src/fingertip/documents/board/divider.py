@@ -7,13 +7,14 @@ from dataclasses import replace
 from typing import Any
 
 from fingertip.board.circuits.divider import compute_current_ratio, divider_circuit, divider_deck, divider_wiring
-from fingertip.board.fabrication.bom import bill_of_materials
+from fingertip.board.fabrication.bom import COLUMNS, list_bom
 from fingertip.board.kicad.netlist import kicad_netlist_file
 from fingertip.catalogues.output_files import BOM, DECK, NETLIST, README, VALUES, WIRING
 from fingertip.design import Design
 from fingertip.design.formulas.filter import find_preferred_neighbours
 from fingertip.documents.acceptance import IDLE_TOLERANCE_V, expect_open_v, expect_readings
 from fingertip.documents.template import WIDTH, render_page
+from fingertip.foundation.files import format_csv
 
 
 def list_readings(design: Design) -> list[dict[str, Any]]:
@@ -23,8 +24,8 @@ def list_readings(design: Design) -> list[dict[str, Any]]:
     return [
         {
             "mass_g": one.mass_g,
-            "tactile_v": round(one.tactile_v, 3),
-            "limits_v": [round(limit, 3) for limit in one.limits_v],
+            "tactile_v": round(one.tactile_v, 2),
+            "limits_v": [round(limit, 2) for limit in one.limits_v],
             "counts": round((one.tactile_v - design.detector.adc_low_v) / design.detector.adc_step_v),
         }
         for one in (idle, *weights)
@@ -43,6 +44,7 @@ def describe_readings(design: Design) -> list[str]:
 def divider_files(design: Design) -> dict[str, bytes]:
     circuit, current = divider_circuit(design), compute_current_ratio(design)
     low_ohm, high_ohm = sorted(one.sensor_ohm for one in expect_readings(design))
+    rows = [(str(len(one.components)), " ".join(one.references), one.value, one.rating) for one in list_bom(circuit)]
     values = {"parameters": design.board.model_dump(), "readings": list_readings(design)}
     readme = render_page(
         "board/divider.md", WIDTH, design=design, readings=describe_readings(design), current=current,
@@ -52,7 +54,7 @@ def divider_files(design: Design) -> dict[str, bytes]:
         NETLIST: kicad_netlist_file(circuit),
         DECK: divider_deck(design, low_ohm, high_ohm),
         WIRING: divider_wiring(design),
-        BOM: bill_of_materials(circuit),
+        BOM: format_csv((*COLUMNS[:3], "Rating"), rows),
         VALUES: (json.dumps(values | {"current_over_limit": round(current, 3)}, indent=2) + "\n").encode(),
         README: readme.encode(),
     }

@@ -1,9 +1,10 @@
 // Lights a lamp while something slips over the finger, and shows its force.
 //
 // Wire the sensor between $supply V and pin A0 (GP26 on a Pico, GPIO1 on an ESP32-S3), and a resistor of $resistor
-// between A0 and GND. Open this file in the Arduino IDE, choose board and port, and upload; a Pico needs the core of
-// Earle Philhower. Leave the finger alone for a second, then open the Serial Plotter (115200 baud). Press: force_n
-// rises. Let something slide over the skin: slip is 1, and the board's lamp is lit. "late" counts samples late or lost.
+// between A0 and GND. Open this file in the Arduino IDE, choose board and port, and upload. A Pico needs a core first:
+// github.com/earlephilhower/arduino-pico says how to add it to the Boards Manager. Leave the finger alone for a second,
+// then open the Serial Plotter (115200 baud). Press: force_n and volts rise. Let something slide over the skin: slip is
+// 1, and the board's lamp is lit. "late" counts samples late or lost.
 //
 // $forces
 #include <Arduino.h>

@@ -237,7 +237,7 @@ def test_large_strains_are_small_ones_under_a_small_force_and_friction_holds_the
 def test_tractions_follow_coulomb_and_have_the_slopes_of_newton_s_method() -> None:
     model = PadModel(pad(), COARSE, is_half=True)
     touch, _ = Touch.of_pose(model.form, Pose(3.0, object="sphere", radius_mm=9.0), model.fine_surface())
-    contact, random = FarContact(model, touch, 0.01), np.random.default_rng(3)
+    contact, random = FarContact(model, touch, 0.01).face, np.random.default_rng(3)
     still = contact.still
     into = touch.gaps(still)[1]
     places = still + (0.3 + touch.gaps(still)[0])[:, None] * into + random.uniform(-0.1, 0.1, still.shape)
@@ -253,7 +253,7 @@ def test_tractions_follow_coulomb_and_have_the_slopes_of_newton_s_method() -> No
     plate, _ = Touch.of_pose(
         model.form, Pose(3.0), model.fine_surface()
     )  # its normal does not change from place to place
-    contact = FarContact(model, plate, 0.01)
+    contact = FarContact(model, plate, 0.01).face
     tractions, slopes, _ = contact.press(places)
     way = random.uniform(-1e-6, 1e-6, places.shape)
     change = (contact.press(places + way)[0] - contact.press(places - way)[0]) / 2

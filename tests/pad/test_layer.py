@@ -37,7 +37,7 @@ def solve_layer(w, nu, normal, tangential, is_bonded):
 @pytest.mark.parametrize("nu", [0.3, 0.49, 0.4999])
 def test_kernels_solve_the_equations_of_a_layer(nu, is_bonded):
     h, young = 3.0, 0.8
-    compliance, normal, shear = layer._kernels([16, 24], h, young, nu, is_bonded)
+    compliance, normal, shear = layer._kernels([16, 24], h, young, nu, float(is_bonded))
     kz = 2 * math.pi * np.fft.rfftfreq(24, layer.GRID_MM)
     for j in range(1, 9):
         w = kz[j] * h

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import insert, mold
+from fingertip.cad.verification.lying_skin import pull_off_n
 from fingertip.catalogues.silicones import Silicone
 from fingertip.design import Design
 from fingertip.design.geometry.cup_layout import POURED
@@ -154,6 +155,8 @@ FRICTION = 0.5
 def skin_pull_off_n(design: Design, silicone: Silicone) -> float:
     """Estimate the pull-off force of the skin [N], with the lowest modulus of the silicone; 0 if nothing but adhesion
     holds it."""
+    if design.mold.method == "plunge":
+        return pull_off_n(design)
     section, bone, skin = design.dimensions.bone_outline.section, design.bone, design.skin
     radius = (section.half_width + (section.dorsal + design.dimensions.flat_depth) / 2) / 2
     thickness = min(skin.thickness_side_mm, skin.thickness_dorsal_mm)

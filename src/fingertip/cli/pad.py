@@ -48,7 +48,8 @@ def pad(
 ) -> None:
     """State what the sensor feels of a force on the pad: its share over tilt and roll, turn-on, stiffness and strain.
 
-    A layer model of the silicone on the bone computes the contact with a flat, rigid plate. With an insert finite
+    A layer model of the silicone on the bone computes the contact with a flat, rigid plate; a skin that was made apart
+    lies on the bone, with its tightest and its loosest fit. With an insert finite
     elements do, which takes half a minute the first time. At a tilt of 0 the straight part of the pad at its base is
     parallel to the plate; a positive tilt turns the tip down.
     `fingertip picture DESIGN --pad` draws the same over the place and the force.
@@ -67,6 +68,12 @@ def pad(
     data: dict[str, Any] = {"design": loaded.name, "young_mpa": round(form.young_mpa, 4), **survey.to_dict()}
     data["own_mode_hz"] = round(find_own_mode_hz(loaded), 1)
     lines = _list_lines(loaded.name, form, survey)
+    if not form.bonded:
+        loose = survey_pad(loaded, is_loose=True)
+        data["loose"] = loose.to_dict()
+        lines[4:4] = _list_row_lines(loose, "with the loosest fit: ")
+        at_rest = f"with the tightest fit {survey.rest_n:.2g} N press on the sensor at rest; shares leave that out"
+        lines.append(f"the skin lies on the bone without a bond (skin.bonded=true compares); {at_rest}")
     lines.append(f"silicone over the sensor resonates at {data['own_mode_hz']:.0f} Hz; simulations leave its mass out")
     for is_fine in (False, True)[: 1 + refine] if fem or refine else ():
         console.progress(ShareText(f"finite elements{', finer mesh' if is_fine else ''}", 0.5 * is_fine))
@@ -162,15 +169,21 @@ def _row(title: str, texts: list[str], width: int = 7) -> str:
     return f"{title:<30}" + "".join(f"{text:>{width}}" for text in texts)
 
 
+def _list_row_lines(survey: PadSurvey, fit: str = "") -> list[str]:
+    from fingertip.pad.survey import FORCE_N
+
+    turn_on = [f"{force:.2f}" if force < math.inf else "never" for force in survey.turn_on_n]
+    share = _row(f"{fit}share of {FORCE_N:g} N" if not fit else f"{fit}share", [f"{s:.2f}" for s in survey.shares])
+    return [share, _row("force at turn-on [N]", turn_on)]
+
+
 def _list_lines(name: str, form: PadForm, survey: PadSurvey) -> list[str]:
     from fingertip.pad.survey import FIRM_N, FORCE_N, ROLL_DEG, ROLLED_TILT_DEG, TILTS_DEG
 
-    turn_on = [f"{force:.2f}" if force < math.inf else "never" for force in survey.turn_on_n]
     return [
         f"{name}: what the sensor feels on a flat plate ({form.model}, {form.young_mpa:.2g} MPa)",
         _row("tilt, tip down [deg]", [f"{tilt:g}" for tilt in TILTS_DEG]),
-        _row(f"share of {FORCE_N:g} N", [f"{share:.2f}" for share in survey.shares]),
-        _row("force at turn-on [N]", turn_on),
+        *_list_row_lines(survey),
         f"share at a roll of {ROLL_DEG:g} deg and a tilt of {ROLLED_TILT_DEG:g}: {survey.rolled_share:.2f}",
         f"evenness, least over largest share at the tilts of 0 to 10 deg above: {survey.evenness:.2f}",
         f"at a tilt of {ROLLED_TILT_DEG:g} deg: slope of the force over the depth {survey.stiffness_n_per_mm:.1f} N/mm "

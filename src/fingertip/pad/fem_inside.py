@@ -6,6 +6,7 @@ A pressure acts on the skin along the normal of the bone, and never pulls. Gaps 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +25,7 @@ _BATCH = 64
 class InsideContact:
     """Places where the skin may touch the bone. Gap and compliance are integrals around the nodes, as outside."""
 
-    trace: NDArray[np.float64]
+    trace: Any
     into: Array
     """Unit vectors into the bone."""
     area: Array
@@ -41,13 +42,8 @@ class InsideContact:
     ) -> InsideContact:
         """Solve for a unit pressure at each node on the bone. `disc` are the triangles of the active area."""
         bond, top = sides
-        x, z, _ = bond.points.T
         nodes = find_loose(form, bond.points)
-        a, b, c = bond.points[mesh.triangles[:, :3]].transpose(1, 0, 2)
-        normals = np.zeros_like(bond.points)
-        np.add.at(normals, mesh.triangles, np.cross(c - a, b - a)[:, None])
-        normals = (normals / np.linalg.norm(normals, axis=1)[:, None])[nodes]
-        into, trace = -normals * np.sign(normals[:, [PALM]]), bond.trace[:, nodes]
+        trace, into, gap = find_bone_planes(form, bond, mesh.triangles)
         compliance, outside = np.zeros((len(nodes), len(nodes))), np.zeros((3, len(top.points), len(nodes)))
         for start in range(0, len(nodes), _BATCH):
             part = slice(start, start + _BATCH)
@@ -58,12 +54,23 @@ class InsideContact:
                 compliance[:, part] += (trace.T @ moved[: mesh.count, axis]) * into[:, [axis]]
                 outside[axis, :, part] = top.trace.T @ moved[-mesh.count :, axis]
         active = np.asarray(Surface.of_nodes(bond.points, disc).trace.sum(axis=0)).ravel()[nodes]
-        area, gap = np.asarray(trace.sum(axis=0)).ravel(), trace.T @ form.inner_gap_mm(x, z)
+        area = np.asarray(trace.sum(axis=0)).ravel()
         return cls(trace, into, area, gap, active * -into[:, PALM], compliance, outside)
 
     def push(self, pressure: Array) -> Array:
         """Return the integrals of the outer surface's displacements under pressures."""
         return -np.tensordot(self.outside, pressure, 1).T
+
+
+def find_bone_planes(form: PadForm, bond: Surface, triangles: NDArray[np.int64]) -> tuple[Any, Array, Array]:
+    """Find trace, unit vectors into the bone, and integrals of the gap of the nodes that lie on it without a bond."""
+    (x, z, _), nodes = bond.points.T, find_loose(form, bond.points)
+    a, b, c = bond.points[triangles[:, :3]].transpose(1, 0, 2)
+    normals = np.zeros_like(bond.points)
+    np.add.at(normals, triangles, np.cross(c - a, b - a)[:, None])
+    normals = (normals / np.linalg.norm(normals, axis=1)[:, None])[nodes]
+    trace = bond.trace[:, nodes]
+    return trace, -normals * np.sign(normals[:, [PALM]]), trace.T @ form.inner_gap_mm(x, z)
 
 
 def find_loose(form: PadForm, points: Array) -> NDArray[np.int64]:

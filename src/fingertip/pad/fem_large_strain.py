@@ -3,14 +3,16 @@
 The silicone is neo-Hookean, and the contact follows the deformed surface. Pressures are those of stiff springs between
 the surface and the object; they leave an overlap of some thousandths of the depth. Friction is Coulomb's: a node sticks
 with the same springs to the place of the object where it touched, or slides (T. A. Laursen, Computational Contact and
-Impact Mechanics, 2002, chapter 5). Each force is found by Newton's method from the one before.
+Impact Mechanics, 2002, chapter 5). Each force is found by Newton's method from the one before. The inside of a skin
+that lies on the bone meets it in the same way, each node the plane of the bone below it.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +20,7 @@ from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.pad.fem_contact import PadModel
 from fingertip.pad.fem_elastic import factorise
+from fingertip.pad.fem_inside import find_bone_planes
 from fingertip.pad.pose import Pose
 from fingertip.pad.touch import Touch
 
@@ -29,10 +32,15 @@ _MAX_STEPS, _CLOSE = 60, 1e-7
 """Largest number of Newton's steps for a force, and the error of the forces, relative to it, at which they end."""
 _FULL_STEPS = 4
 """Steps for a force that are not shortened."""
+_AWAY_MM = 10.0
+"""Distance of the object while nothing touches."""
 _FIRST_N, _FIRST_NODES = 0.05, 6
 """Force that is computed first, and the nodes that the object overlaps at the start of the search."""
 _GROWTH = 1.5
 """Growth of the force, from one that is computed to the next."""
+
+Gaps = Callable[[Array], tuple[Array, Array, Any]]
+"""Gaps at places, unit vectors into what is met, and what travel closes of them."""
 
 
 @dataclass(frozen=True)
@@ -45,10 +53,14 @@ class LargeContact:
 
 
 def press_far(model: PadModel, pose: Pose, forces_n: Sequence[float], friction: float = 0.0) -> Iterator[LargeContact]:
-    """Press with rising forces. Raises TraceError where no equilibrium is found."""
+    """Press with rising forces, with friction on the object and inside. Raises TraceError where nothing balances.
+
+    The share leaves out what a bump inside presses on the sensor at rest.
+    """
     touch, _ = Touch.of_pose(model.form, pose, model.fine_surface())
     contact = FarContact(model, touch, friction)
-    force, moved = _FIRST_N, contact.first_touch()
+    rest_n, moved = contact.first_touch()
+    force = _FIRST_N
     for target in forces_n:
         while True:
             force = min(force, target)
@@ -56,7 +68,7 @@ def press_far(model: PadModel, pose: Pose, forces_n: Sequence[float], friction: 
             if force == target:
                 break
             force *= _GROWTH
-        share = model.copies * float((model.step * held).sum()) / target
+        share = (model.copies * float((model.step * held).sum()) - rest_n) / target
         yield LargeContact(target, share, float(moved[-1]))
         force *= _GROWTH
 
@@ -65,57 +77,103 @@ class FarContact:
     """Pad and object. What is unknown are the displacements of all nodes, and behind them the travel of the object."""
 
     def __init__(self, model: PadModel, touch: Touch, friction: float) -> None:
-        from scipy.sparse import csr_array, eye_array, hstack, kron  # noqa: PLC0415
-
-        self._model, self._touch, self._friction = model, touch, friction
+        self._model, size = model, model.mesh.nodes.size
+        stiff = _SPRINGS * model.form.young_mpa / model.form.over_sensor_mm
         nodes = np.flatnonzero(model.area > 0.0)
-        self._area, self._into = model.area[nodes], touch.approach
-        spread = kron(model.top.trace.T.tocsr()[nodes], eye_array(3))
-        below = csr_array((spread.shape[0], model.mesh.nodes.size - spread.shape[1]))
-        travel = np.outer(self._area, self._into).reshape(-1, 1)
-        self._join = hstack([below, spread, travel]).tocsr()
-        self.still = (spread @ model.top.points.ravel()).reshape(-1, 3) / self._area[:, None]
-        self._springs = _SPRINGS * model.form.young_mpa / model.form.over_sensor_mm
-        self._anchors, self._free = self.still, np.append(np.flatnonzero(~model.body.is_fixed), model.mesh.nodes.size)
+        outer = model.top.trace.T.tocsr()[nodes], model.top.points
+        self.face = Face(*outer, model.area[nodes], size, touch.approach, touch.gaps, friction, stiff)
+        self._faces, self._free = [self.face], np.append(np.flatnonzero(~model.body.is_fixed), size)
+        if not model.form.bonded:
+            trace, into, gap = find_bone_planes(model.form, model.bond, model.mesh.triangles)
+            area = np.asarray(trace.sum(axis=0)).ravel()
 
-    def first_touch(self) -> Array:
-        gap, _, closing = self._touch.gaps(self.still)
-        unknown = np.zeros(self._join.shape[1])
+            def stand_off(places: Array) -> tuple[Array, Array, None]:
+                return gap / area - ((places - inner.still) * into).sum(axis=1), into, None
+
+            inner = Face(trace.T.tocsr(), model.bond.points, area, size, None, stand_off, friction, stiff)
+            self._faces.append(inner)
+
+    def first_touch(self) -> tuple[float, Array]:
+        """Return the force on the sensor at rest, and the unknowns when the object touches."""
+        rest_n, face = 0.0, self.face
+        unknown = np.zeros(self._model.mesh.nodes.size + 1)
+        if self._model.form.bump_height_mm:
+            unknown[-1] = -_AWAY_MM
+            unknown, held = self.balance(0.0, unknown)
+            rest_n, unknown[-1] = self._model.copies * float((self._model.step * held).sum()), 0.0
+        gap, _, closing = face.gaps(face.place(unknown))
         unknown[-1] = float(np.partition(gap / closing, _FIRST_NODES)[_FIRST_NODES])
-        return unknown
+        return rest_n, unknown
 
     def balance(self, force_n: float, unknown: Array) -> tuple[Array, Array]:
         """Return the unknowns under a force, from those under another, and the forces of the skin on its nodes."""
-        from scipy.sparse import block_array, block_diag  # noqa: PLC0415
+        from scipy.sparse import block_array  # noqa: PLC0415
 
         unknown, load, error = unknown.copy(), force_n / self._model.copies, math.inf
+        free = self._free if force_n else self._free[:-1]
         for step in range(_MAX_STEPS):
-            places = self.still + (self._join @ unknown).reshape(-1, 3) / self._area[:, None]
-            tractions, slopes, slid = self.press(places)
             with np.errstate(invalid="ignore"):
                 matrix, held = self._model.body.tangent(unknown[:-1].reshape(-1, 3))
-            residual = self._join.T @ tractions.ravel()
-            residual[:-1] += held.ravel()
-            residual[-1] -= load
-            before, error = error, float(np.abs(residual[self._free]).max()) / load
+            residual = np.append(held.ravel(), -load)
+            whole = block_array([[matrix, None], [None, np.zeros((1, 1))]]).tocsr()
+            for face in self._faces:
+                forces, stiffness = face.meet(unknown)
+                residual += forces
+                whole += stiffness
+            before, error = error, float(np.abs(residual[free]).max()) / (load or _FIRST_N)
             if error < _CLOSE:
-                self._anchors = places - slid
+                for face in self._faces:
+                    face.settle()
                 return unknown, held
             if not error < math.inf:
                 break  # an element is turned inside out
-            whole = block_array([[matrix, None], [None, np.zeros((1, 1))]]).tocsr()
-            whole += self._join.T @ block_diag(slopes / self._area[:, None, None], format="csr") @ self._join
-            whole = whole[self._free][:, self._free]
             # A node that sticks and slides in turn would go on for ever: half a step breaks the cycle.
             pace = 0.5 if step > _FULL_STEPS and error > 0.5 * before else 1.0
-            unknown[self._free] -= pace * factorise(whole).solve(residual[self._free])
+            unknown[free] -= pace * factorise(whole[free][:, free]).solve(residual[free])
         raise TraceError(Issue("force_n", f"{force_n:g} N: no equilibrium is found; use less force."))
+
+
+class Face:
+    """Nodes of a surface of the skin that may meet something rigid: the object, or the bone inside."""
+
+    def __init__(
+        self, trace: Any, points: Array, area: Array, size: int, approach: Array | None, gaps: Gaps, friction: float,
+        springs: float,
+    ) -> None:  # fmt: skip
+        """Join the nodes to the unknowns; `approach` is the way of the object, and None for the bone."""
+        from scipy.sparse import csr_array, eye_array, hstack, kron  # noqa: PLC0415
+
+        spread = kron(trace, eye_array(3))
+        rest = csr_array((spread.shape[0], size - spread.shape[1]))
+        travel = np.outer(area, np.zeros(3) if approach is None else approach).reshape(-1, 1)
+        self._join = hstack([*((spread, rest) if approach is None else (rest, spread)), travel]).tocsr()
+        self.still = (spread @ points.ravel()).reshape(-1, 3) / area[:, None]
+        self._area, self.gaps, self._friction, self._springs = area, gaps, friction, springs
+        self._anchors = self._next = self.still
+
+    def place(self, unknown: Array) -> Array:
+        return np.asarray(self.still + (self._join @ unknown).reshape(-1, 3) / self._area[:, None])
+
+    def meet(self, unknown: Array) -> tuple[Array, Any]:
+        """Return the forces on the unknowns and their slopes."""
+        from scipy.sparse import block_diag  # noqa: PLC0415
+
+        places = self.place(unknown)
+        tractions, slopes, slid = self.press(places)
+        self._next = places - slid
+        return self._join.T @ tractions.ravel(), self._join.T @ block_diag(
+            slopes / self._area[:, None, None], format="csr"
+        ) @ self._join
+
+    def settle(self) -> None:
+        """Let the springs along the surface begin where the nodes are now."""
+        self._anchors = self._next
 
     def press(self, places: Array) -> tuple[Array, Array, Array]:
         """Return tractions at places of the surface, their slopes by the place, and the slip that springs hold."""
-        gap, into, _ = self._touch.gaps(places)
+        gap, into, _ = self.gaps(places)
         pressure = self._springs * np.maximum(-gap, 0.0)
-        drag, touches = _DRAG * self._springs * (self._friction > 0.0), (pressure > 0.0)[:, None, None]
+        drag, touches = _DRAG * self._springs * (self._friction > 0.0), (gap <= 0.0)[:, None, None]
         slip = places - self._anchors
         slip = (slip - (slip * into).sum(axis=1, keepdims=True) * into) * touches[:, 0]
         length, limit = np.linalg.norm(slip, axis=1), self._friction * pressure / max(drag, 1e-300)

@@ -19,6 +19,8 @@ from fingertip.foundation.numerics import Array
 POISSON = 0.49
 """Poisson's ratio of silicone. Between 0.49 and 0.4999 the share of the sensor changes by 0.001 at the centre and 0.01
 beside it: a tenth of a degree of tilt does more."""
+INNER_FRICTION = 0.3
+"""Friction of a skin on the bone that it lies on, as of powdered silicone on a print. An assumption."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +54,8 @@ class PadForm:
     bump_radius_mm: float = 0.0
     bump_height_mm: float = 0.0
     """Bump inside that skin over the sensor; above the gap it presses on the sensor at rest."""
+    friction: float = INNER_FRICTION
+    """Coefficient of friction of a skin that lies on the bone."""
 
     @classmethod
     def of_design(cls, design: Design, *, is_loose: bool = False) -> PadForm:
@@ -76,6 +80,11 @@ class PadForm:
     @property
     def model(self) -> str:
         return "finite elements" if self.insert else "layer model"
+
+    @property
+    def held_part(self) -> float:
+        """How far the inside of the skin is held along the bone, from 0 without friction to 1 where it is bonded."""
+        return 1.0 if self.bonded else math.tanh(self.friction)
 
     @property
     def base_slope(self) -> float:

@@ -33,7 +33,7 @@ _FAR = (-0.00020033, 0.00113653, -0.00249511, 0.00017105, 0.01659667, 0.00000156
 _PHASE = (-0.00029166, 0.00079824, 0.00074348, -0.00637879, 0.0000565, 0.12499612, -2.35619449)
 """Bessel's function of order one below and above 3 (M. Abramowitz and I. A. Stegun, Handbook of Mathematical Functions,
 1964, 9.4.4 and 9.4.6), highest power first."""
-_FLOOR = 1e-3
+_FLOOR = 1e-5
 """Springs under the plate [MPa/mm], so soft that they only keep its longest waves finite."""
 _MAX_STEPS = 60
 

@@ -14,6 +14,9 @@ sides (K. L. Johnson, Contact Mechanics, 1985, section 5.8), and with D(w) = sin
 
     C(k) = 2 (1 - nu^2) / (E k) (cosh 2w - 1) / D,    T(k) = 2 (sinh w + w cosh w) / D,    S(k) = 2 w sinh w / D
 
+Friction mu lies between: tanh mu of the bonded, the rest of the free. By finite elements (1 N on first_finger, tilted
+by 2 degrees) the share goes 0.15, 0.30, 0.55 of the way for mu = 0.15, 0.3, 0.6, and the depth 0.16, 0.32, 0.55.
+
 The contact is found by conjugate gradients on the pressures that are not negative, at a given force (I. A. Polonsky
 and L. M. Keer, A numerical method for solving rough contact problems, Wear 231 (1999) 206). Small strain, no friction.
 """
@@ -145,7 +148,7 @@ def map_shares(form: PadForm) -> tuple[Array, Array, Array]:
     count = math.ceil(reach / GRID_MM)
     size = next(n for n in _SIZES if n >= 4 * count)
     line = GRID_MM * (np.arange(size, dtype=np.float64) - 2 * count)
-    _, to_bone, _ = _kernels([size, size], thickness, form.young_mpa, form.poisson, form.bonded)
+    _, to_bone, _ = _kernels([size, size], thickness, form.young_mpa, form.poisson, form.held_part)
     shares = _apply(_cover(line, line, form.active_radius_mm), to_bone)
     inside = slice(count, 3 * count + 1)
     return line[inside], line[inside], shares[inside, inside]
@@ -176,7 +179,7 @@ class _Approach:
             for line, (low, _), size, count in zip((self.x_mm, self.dz_mm), ends, sizes, counts, strict=True)
         )
         form = self.form
-        kernels = _kernels(sizes, self.thickness_mm, _FREE_SIDES * form.young_mpa, form.poisson, form.bonded)
+        kernels = _kernels(sizes, self.thickness_mm, _FREE_SIDES * form.young_mpa, form.poisson, form.held_part)
         return _Layout(gap, reach_mm, *kernels, _cover(x, dz, form.active_radius_mm), x, dz, self.thickness_mm)
 
 
@@ -211,7 +214,7 @@ def _cover(x: Array, dz: Array, radius: float) -> Array:
 
 
 def _kernels(
-    sizes: list[int], h: float, young: float, nu: float, is_bonded: bool = True
+    sizes: list[int], h: float, young: float, nu: float, held: float = 1.0
 ) -> tuple[Array, Array, NDArray[np.complex128]]:
     """Evaluate C, T and S on the waves of a grid. All terms are divided by exp(2 w), which overflows."""
     kx = 2.0 * math.pi * np.fft.fftfreq(sizes[0], GRID_MM)[:, None]
@@ -221,17 +224,18 @@ def _kernels(
     one, two = np.exp(-w), np.exp(-2.0 * w)
     cosh, sinh = 0.5 * one * (1.0 + two), 0.5 * one * (1.0 - two)
     whole = np.where(k > 0.0, k, 1.0)
-    if not is_bonded:
-        d = np.where(k > 0.0, 0.5 * (1.0 - two * two) + 2.0 * w * two, 1.0)
-        compliance = (1.0 - nu * nu) / (young * whole) * (1.0 - two) ** 2 / d
-        normal, shear = 2.0 * (sinh + w * cosh) / d, 2.0 * w * sinh / d
-        compliance[0, 0], normal[0, 0] = (1.0 - nu * nu) / young * h, 1.0
-        return compliance, normal, -1j * shear * kz / whole
     d = ka * (1.0 + two * two) + (1.0 + ka * ka + 4.0 * w * w) * two
     compliance = 2.0 * (1.0 - nu * nu) / (young * whole) * (ka * (1.0 - two * two) - 4.0 * w * two) / d
     compliance[0, 0] = (1.0 + nu) * (1.0 - 2.0 * nu) / (young * (1.0 - nu)) * h
     normal = (ka + 1.0) * ((ka + 1.0) * cosh + 2.0 * w * sinh) / d
     shear = (ka + 1.0) * ((ka - 1.0) * sinh + 2.0 * w * cosh) / d
+    if held < 1.0:
+        d = np.where(k > 0.0, 0.5 * (1.0 - two * two) + 2.0 * w * two, 1.0)
+        free = (1.0 - nu * nu) / (young * whole) * (1.0 - two) ** 2 / d
+        free[0, 0] = (1.0 - nu * nu) / young * h
+        compliance = held * compliance + (1.0 - held) * free
+        passed = np.where(k > 0.0, 2.0 * (sinh + w * cosh) / d, 1.0)
+        normal, shear = held * normal + (1.0 - held) * passed, held * shear + (1.0 - held) * 2.0 * w * sinh / d
     return compliance, normal, -1j * shear * kz / whole
 
 

@@ -201,16 +201,25 @@ def compute_strength(context: PointContext) -> OutputValues:
 def compute_pad(context: PointContext) -> OutputValues:
     from fingertip.pad.survey import GRASP_DEG, WIDE_DEG, find_own_mode_hz, survey_pad
 
-    found = survey_pad(context.design)
+    found, loose = survey_pad(context.design), survey_pad(context.design, is_loose=True)
+
+    def finite(force_n: float) -> float:
+        return force_n if math.isfinite(force_n) else math.nan
+
     return {
         "pad_share": found.least_share(*GRASP_DEG),
         "pad_share_wide": found.least_share(*WIDE_DEG),
         "pad_share_rolled": found.rolled_share,
         "pad_evenness": found.evenness,
-        "pad_turn_on_n": found.worst_turn_on_n if math.isfinite(found.worst_turn_on_n) else math.nan,
+        "pad_turn_on_n": finite(found.worst_turn_on_n),
         "pad_stiffness_n_per_mm": found.stiffness_n_per_mm,
         "pad_strain": found.strain,
         "pad_own_mode_hz": find_own_mode_hz(context.design),
+        "pad_rest_n": found.rest_n,
+        "pad_loose_share": loose.least_share(*GRASP_DEG),
+        "pad_loose_share_wide": loose.least_share(*WIDE_DEG),
+        "pad_dead_zone_n": finite(loose.dead_zone_n(*GRASP_DEG)),
+        "pad_dead_zone_wide_n": finite(loose.dead_zone_n(*WIDE_DEG)),
     }
 
 
@@ -221,13 +230,18 @@ def compute_mold(context: PointContext) -> OutputValues:
 
 
 def compute_casting(context: PointContext) -> OutputValues:
+    from fingertip.cad.verification.lying_skin import pull_off_n, slide_mm
     from fingertip.casting.quantities import compute_batch, load_cm3, measure_volumes, skin_pull_off_n
 
     volumes = measure_volumes(context.design, context.evaluator())
     silicone = context.design.silicone.material
     batch = compute_batch(silicone, volumes.total_cm3, load_cm3(context.design))
-    pull = skin_pull_off_n(context.design, silicone)
-    return {"silicone_in_mold_g": batch.in_mold_g, "silicone_g": batch.total_g, "skin_pull_off_n": pull}
+    pull, is_lying = skin_pull_off_n(context.design, silicone), not context.design.skin_is_bonded
+    lying = {
+        "skin_pull_off_glued_n": pull_off_n(context.design, is_glued=True) if is_lying else math.nan,
+        "skin_slide_mm": slide_mm(context.design) if is_lying else 0.0,
+    }
+    return {"silicone_in_mold_g": batch.in_mold_g, "silicone_g": batch.total_g, "skin_pull_off_n": pull, **lying}
 
 
 _CUP_CHECKS = {

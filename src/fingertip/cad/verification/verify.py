@@ -18,6 +18,7 @@ from fingertip.cad.verification.bone import check_air_vent, check_bone, check_st
 from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.cup import check_cup
 from fingertip.cad.verification.laid_in import check_laid_in
+from fingertip.cad.verification.lying_skin import check_lying_skin
 from fingertip.cad.verification.mold import check_filling, check_mold, check_seals
 from fingertip.cad.verification.printing import check_mesh_file, check_overhang, check_print_files
 from fingertip.cad.verification.skin import check_pad, check_skin
@@ -99,6 +100,7 @@ def check_parts(
     if "skin" in meshes:
         yield from check_skin(design, evaluator, meshes["skin"])
         yield from check_pad(design) if with_pad else ()
+        yield from check_lying_skin(design) if with_pad and not design.skin_is_bonded else ()
     if "bone" in meshes:
         yield from check_bone(design, evaluator)
     if "bone" in meshes and "skin" in meshes:

@@ -30,6 +30,7 @@ from fingertip.design.parameters.declaration import find_bounds, list_choices
 from fingertip.foundation.errors import FingertipError
 from fingertip.foundation.validation import raise_issues
 from fingertip.sim import ManipulationFile, SceneFile, Simulation, load_simulation
+from fingertip.sim.signal.parameters import FILTER_OUTPUTS
 from fingertip.sweep.outputs import load_outputs
 from tools.fuzz.cases import Case
 from tools.fuzz.remedies import as_changes
@@ -194,6 +195,7 @@ class _Drawing:
         short, name = SHORT_PHASES[names], rng.choice(sorted(list_bundled_files(names)))
         board = self.design.board
         lacking = {"slip_pin_v": board.variant != "comparator", "sampled_filtered_v": not board.is_for_controller}
+        lacking |= dict.fromkeys(FILTER_OUTPUTS, True) if not board.has_filter else {}
         outputs = [name for name in model.known_outputs() if not lacking.get(name) and rng.random() < 0.4]
         outputs = ["voltage_v", *(name for name in outputs if name != "voltage_v")]
         changes = [*short, f"outputs={json.dumps(outputs)}", *draw_changes(rng, list_parameters(model), LONG_S)]

@@ -255,8 +255,7 @@ _CUP_CHECKS = {
 def compute_cup(context: PointContext) -> OutputValues:
     from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.cad.verification.cup import check_cup
-    from fingertip.cad.verification.laid_in import check_laid_in
-    from fingertip.cad.verification.stand import check_stand
+    from fingertip.cad.verification.laid_in import check_laid_in, check_stand
 
     design, values = context.design, dict[str, float]()
     if design.mold.method == "plunge":

@@ -6,17 +6,13 @@ It lies on its flat back while the pad is loaded from above, and prints so too, 
 from __future__ import annotations
 
 from fingertip.design import Design
-from fingertip.design.geometry.solids import Box, Prism, Solid, cylinder, difference, intersection
+from fingertip.design.geometry.solids import Prism, Solid, difference
 from fingertip.design.interfaces.interface import MATING_PLAY_MM, middle_y
 from fingertip.design.interfaces.rigid import Post
 
-WALL_MM = 2.4
-"""Wall beside the post [mm]: six lines of a usual nozzle. An assumption."""
-_FLOOR_MM, _ABOVE_FLOOR_MM, _BELOW_FILLET_MM = 2.0, 0.5, 0.3
-"""Floor of the socket, room between it and the post, and gap below the fillet at the post's root [mm]."""
+_WALL_MM, _FLOOR_MM, _ABOVE_FLOOR_MM, _BELOW_FILLET_MM = 2.4, 2.0, 0.5, 0.3
+"""Wall beside the post, floor of its socket, room between both, and gap below the fillet at its root [mm]."""
 _HANDLE_MM, _HANDLE_HEIGHT_MM = 26.0, 6.0
-_OVERLAP_MM = 0.5
-"""Length by which solids reach into each other [mm]."""
 
 
 def post_gap_mm(design: Design) -> float:
@@ -24,37 +20,25 @@ def post_gap_mm(design: Design) -> float:
     return MATING_PLAY_MM / 2 + design.printer.surface_error_mm + max(0.0, design.printer.offset_mm)
 
 
-def _half_sizes(design: Design) -> tuple[float, float]:
-    """Return half the width and half the height of the socket's block [mm]."""
-    around, bone = post_gap_mm(design) + WALL_MM, design.bone
-    return bone.post_width_mm / 2 + around, min(bone.post_height_mm, bone.post_width_mm) / 2 + around
-
-
-def heights_mm(design: Design) -> tuple[float, float, float, float]:
-    """Return the heights at which handle, slope and block begin, and at which the block ends [mm]."""
-    top = -design.bone.base_length_mm - Post().foot_length(design) - _BELOW_FILLET_MM
-    block = Post().low_z(design) - _ABOVE_FLOOR_MM - _FLOOR_MM
-    slope = block - (2 * _half_sizes(design)[1] - _HANDLE_HEIGHT_MM)
-    return slope - _HANDLE_MM, slope, block, top
+def outline(design: Design) -> tuple[float, float, float, float]:
+    """Return low and high z of the stand, half the width of its block, and half its height around the post [mm]."""
+    bone, around = design.bone, post_gap_mm(design) + _WALL_MM
+    half_width, half_height = (size / 2 + around for size in (bone.post_width_mm, bone.post_height_mm))
+    low = Post().low_z(design) - _ABOVE_FLOOR_MM - _FLOOR_MM - 2 * half_height + _HANDLE_HEIGHT_MM - _HANDLE_MM
+    return low, -bone.base_length_mm - Post().foot_length(design) - _BELOW_FILLET_MM, half_width, half_height
 
 
 def stand(design: Design) -> Solid:
-    y, (half_width, half_height), bone = middle_y(design.dimensions), _half_sizes(design), design.bone
-    end, slope, block, top = heights_mm(design)
-    back, front = y + half_height, y - half_height
-    grip = back - _HANDLE_HEIGHT_MM
-    outline = Prism(
-        "x",
-        ((back, end), (back, top), (front, top), (front, block), (grip, slope), (grip, end)),
-        -half_width,
-        half_width,
-    )
-    gap, floor = post_gap_mm(design), block + _FLOOR_MM
-    socket: Solid = cylinder("z", (0.0, y), floor, top + _OVERLAP_MM, bone.post_width_mm / 2 + gap)
-    if bone.post_height_mm < bone.post_width_mm:
-        half, far = bone.post_height_mm / 2 + gap, 2 * half_width
-        socket = intersection(socket, Box((-far, y - half, floor - far), (far, y + half, top + far)))
-    return difference(outline, socket, Post().bolt_hole(design))
+    low, high, half_width, half_height = outline(design)
+    bone, y, wider = design.bone, middle_y(design.dimensions), 2 * post_gap_mm(design)
+    back, front, grip, slope = y + half_height, y - half_height, y + half_height - _HANDLE_HEIGHT_MM, low + _HANDLE_MM
+    corners = ((back, low), (back, high), (front, high), (front, slope + grip - front), (grip, slope), (grip, low))
+    sizes = {
+        "post_width_mm": bone.post_width_mm + wider, "post_height_mm": bone.post_height_mm + wider,
+        "post_length_mm": bone.post_length_mm + _ABOVE_FLOOR_MM,
+    }  # fmt: skip
+    (socket, _), _ = Post().shapes(design.model_copy(update={"bone": bone.model_copy(update=sizes)}))
+    return difference(Prism("x", corners, -half_width, half_width), socket, Post().bolt_hole(design))
 
 
 def genus(design: Design) -> int:

@@ -1,4 +1,4 @@
-"""Checks of a sensor that is laid into an open trough: room for what is sold, open vent, and a hold for its wires."""
+"""Checks of a sensor in an open trough: room for what is sold, an open vent, a hold for its wires; and of the stand."""
 
 from __future__ import annotations
 
@@ -8,48 +8,39 @@ from fingertip.cad.kernel.mesh import Manifold, MeshEvaluator
 from fingertip.cad.shapes import bone
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, complement
+from fingertip.catalogues.hardware import select_thread
 from fingertip.design import Design
-from fingertip.design.geometry.dimensions import (
-    HEAD_MM,
-    LONGER_MM,
-    SHORTER_MM,
-    TAIL_MM,
-    TIE_DEPTH_MM,
-    TIE_ROOM_MM,
-    TIE_WIDTH_MM,
-)
-from fingertip.design.geometry.solids import Box, union
+from fingertip.design.geometry.dimensions import HEAD_MM, LONGER_MM, TAIL_MM, TIE_DEPTH_MM, TIE_WIDTH_MM
+from fingertip.design.geometry.solids import Box, cylinder, union
+from fingertip.design.interfaces.interface import MATING_PLAY_MM, middle_y
+from fingertip.design.interfaces.rigid import Post
 
 _LEAST_OPEN_PERCENT = 50.0
 _GAP_MM = 0.1
 """Length of the space behind the tail's end that counts as the mouth of its vent [mm]."""
-_TIE_SAMPLES = 5
 
 
 def check_laid_in(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     """Check the trough of a sensor that is laid in; nothing for others."""
     if not design.dimensions.is_laid_in:
         return
-    solid = evaluator.manifold(PARTS["bone"].solid(design))
-    bodies = [evaluator.manifold(bone.sensor_body(other)) for other in _list_other_sensors(design)]
-    yield Check.zero_volume("sensor.room_overlap", max(float((body ^ solid).volume()) for body in bodies))
+    solid, largest = evaluator.manifold(PARTS["bone"].solid(design)), _with_largest_sensor(design)
+    overlap = (evaluator.manifold(bone.sensor_body(largest)) ^ solid).volume()
+    yield Check.zero_volume("sensor.room_overlap", float(overlap))
     yield Check("sensor.vent_open", _find_open_share(design, evaluator), _LEAST_OPEN_PERCENT, "%", "at least")
     yield Check("sensor.wires_held", _measure_shoulders(design, evaluator, solid), TIE_DEPTH_MM / 2, "mm", "at least")
 
 
-def _list_other_sensors(design: Design) -> Iterator[Design]:
-    """Yield copies of the design with the sensors of other sizes that its trough has to take, tabs included."""
-    body, tabs = design.dimensions.sensor, design.sensor.tab_length_mm
-    sensor = design.sensor.model_copy(update={"model": "custom"})
-    for longer in (-SHORTER_MM, LONGER_MM):
-        for wider in (-1.0, 1.0):
-            sizes = {
-                "active_diameter_mm": body.active_diameter_mm, "thickness_mm": body.thickness_mm,
-                "head_diameter_mm": body.head_diameter_mm + wider * HEAD_MM,
-                "tail_width_mm": body.tail_width_mm + wider * TAIL_MM, "length_mm": body.length_mm + longer + tabs,
-            }  # fmt: skip
-            own = design.custom_sensor.model_copy(update=sizes)
-            yield design.model_copy(update={"sensor": sensor, "custom_sensor": own})
+def _with_largest_sensor(design: Design) -> Design:
+    """Give the design the largest sensor that its trough has to take, with its tabs as more of its tail."""
+    body = design.dimensions.sensor
+    sizes = {
+        "active_diameter_mm": body.active_diameter_mm, "thickness_mm": body.thickness_mm,
+        "head_diameter_mm": body.head_diameter_mm + HEAD_MM, "tail_width_mm": body.tail_width_mm + TAIL_MM,
+        "length_mm": body.length_mm + LONGER_MM + design.sensor.tab_length_mm,
+    }  # fmt: skip
+    own, sensor = design.custom_sensor.model_copy(update=sizes), design.sensor.model_copy(update={"model": "custom"})
+    return design.model_copy(update={"sensor": sensor, "custom_sensor": own})
 
 
 def _find_open_share(design: Design, evaluator: MeshEvaluator) -> float:
@@ -79,11 +70,18 @@ def _measure_shoulders(design: Design, evaluator: MeshEvaluator, solid: Manifold
     mouth = evaluator.manifold(bone.cable_channel(design)).trim_by_plane((0.0, 1.0, 0.0), behind)
     if mouth.bounding_box()[2] < high:
         return 0.0
+    middle, half = (low + high) / 2, TIE_WIDTH_MM / 2
+    heights = (low - PLANE_OFFSET_MM, high + PLANE_OFFSET_MM, middle - half, middle, middle + half)
+    below, above, *within = (solid.slice(z).bounds()[2] for z in heights)
+    return float(min(below, above) - max(within))
 
-    def width(z: float) -> float:
-        low_x, _, high_x, _ = solid.slice(z).bounds()
-        return float(high_x - low_x)
 
-    begin = low + TIE_ROOM_MM / 2
-    within = max(width(begin + TIE_WIDTH_MM * i / (_TIE_SAMPLES - 1)) for i in range(_TIE_SAMPLES))
-    return (min(width(z) for z in (low - PLANE_OFFSET_MM, high + PLANE_OFFSET_MM)) - within) / 2
+def check_stand(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
+    """Check that the print's errors leave half the mating play beside the post, and that the bolt passes both."""
+    held, stand = (evaluator.manifold(PARTS[name].solid(design)) for name in ("bone", "stand"))
+    error = design.printer.surface_error_mm + max(0.0, design.printer.offset_mm)
+    yield Check.min_distance("stand.post_gap", held, stand, MATING_PLAY_MM / 2 + error - evaluator.tolerance_mm)
+    far, thread = design.skin.width_mm, select_thread(design.bone.cross_bolt_diameter_mm)
+    centre = (middle_y(design.dimensions), Post().cross_bolt_z(design))
+    bolt = evaluator.manifold(cylinder("x", centre, -far, far, thread.diameter_mm / 2))
+    yield Check.zero_volume("stand.bolt_overlap", (bolt ^ (held + stand)).volume())

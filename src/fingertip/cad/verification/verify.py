@@ -17,12 +17,11 @@ from fingertip.cad.verification.assembly import check_assembly, check_joint
 from fingertip.cad.verification.bone import check_air_vent, check_bone, check_strength
 from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.cup import check_cup
-from fingertip.cad.verification.laid_in import check_laid_in
+from fingertip.cad.verification.laid_in import check_laid_in, check_stand
 from fingertip.cad.verification.lying_skin import check_lying_skin
 from fingertip.cad.verification.mold import check_filling, check_mold, check_seals
 from fingertip.cad.verification.printing import check_mesh_file, check_overhang, check_print_files
 from fingertip.cad.verification.skin import check_pad, check_skin
-from fingertip.cad.verification.stand import check_stand
 from fingertip.cad.verification.strength import BoneStrength, assess_strength
 from fingertip.cad.verification.walls import check_walls
 from fingertip.design import Design

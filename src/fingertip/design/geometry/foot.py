@@ -19,29 +19,21 @@ _INTO_MM = 0.1
 """Length by which a foot reaches into the thin part [mm]."""
 
 
-def foot_line(radius_mm: float, root: float, way: float) -> list[tuple[float, float]]:
-    """List points (z, outward) of the arc, from the thin part to the root; the wide part lies towards `way` [mm]."""
-    angles = [math.pi / 2 * i / _CHORDS for i in range(_CHORDS + 1)]
-    arc = [(root - way * radius_mm * (1.0 - math.sin(a)), radius_mm * (1.0 - math.cos(a))) for a in angles]
-    (z0, out0), (z1, out1) = arc[:2]
-    return [(z0 - way * _INTO_MM, out0 - _INTO_MM * (out1 - out0) / abs(z1 - z0)), *arc[1:]]
+def foot_line(radius_mm: float, root: float, way: float, reach: float = 0.0) -> list[tuple[float, float]]:
+    """List points (z, outward) of the arc, from the thin part to the root; the wide part lies towards `way` [mm].
 
-
-def sloped_foot_line(radius_mm: float, root: float, reach: float) -> list[tuple[float, float]]:
-    """List points (z, outward) of a foot that prints without supports: an arc from the thin part, then 45 degrees [mm].
-
-    It lies proximal to the root, and ends there `reach` away from the thin part.
+    With a `reach`, half of the arc and 45 degrees from there on up to it, which prints without supports.
     """
-    angles = [math.pi / 2 * i / _CHORDS for i in range(_CHORDS // 2 + 1)]
-    begin = root - sloped_foot_length(radius_mm, reach)
-    arc = [(begin + radius_mm * math.sin(a), radius_mm * (1.0 - math.cos(a))) for a in angles]
+    angles = [math.pi / 2 * i / _CHORDS for i in range((_CHORDS // 2 if reach else _CHORDS) + 1)]
+    below = foot_length(radius_mm, reach) - radius_mm
+    arc = [(root - way * (below + radius_mm * (1.0 - math.sin(a))), radius_mm * (1.0 - math.cos(a))) for a in angles]
     (z0, out0), (z1, out1) = arc[:2]
-    return [(z0 - _INTO_MM, out0 - _INTO_MM * (out1 - out0) / (z1 - z0)), *arc[1:], (root, reach)]
+    top = [(root, reach)] if reach else []
+    return [(z0 - way * _INTO_MM, out0 - _INTO_MM * (out1 - out0) / abs(z1 - z0)), *arc[1:], *top]
 
 
-def sloped_foot_length(radius_mm: float, reach: float) -> float:
-    """Return the length of this foot along the finger [mm]."""
-    return reach + radius_mm * (math.sqrt(2.0) - 1.0)
+def foot_length(radius_mm: float, reach: float) -> float:
+    return reach + radius_mm * (math.sqrt(2.0) - 1.0) if reach else radius_mm
 
 
 def round_foot(centre: tuple[float, float], thin_radius: float, line: list[tuple[float, float]], top: float) -> Solid:

@@ -9,14 +9,7 @@ from typing import Any
 from fingertip.design.formulas.stress import StressFactors, at_foot
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.conic import TANGENT_STEP_MM, ConicBody, offset_section
-from fingertip.design.geometry.foot import (
-    LEDGE_MM,
-    flat_foot,
-    foot_line,
-    round_foot,
-    sloped_foot_length,
-    sloped_foot_line,
-)
+from fingertip.design.geometry.foot import LEDGE_MM, flat_foot, foot_length, foot_line, round_foot
 from fingertip.design.geometry.seat import quarter_outline
 from fingertip.design.geometry.sizes import ARROW_DEG, BEFORE_FACE, INNER, OUTER, STEP, Circle, Length, Size
 from fingertip.design.geometry.solids import Box, Solid, SuperconicSolid, cylinder, difference, intersection
@@ -65,9 +58,8 @@ class Post(CrossBolted):
         """Build the fillet at the post's root, within the outline of the base."""
         dims, bone, end = design.dimensions, design.bone, -design.bone.base_length_mm
         y, top, half = interface.middle_y(dims), end + bone.wall_mm / 2, bone.post_height_mm / 2
-        margin, line = dims.bone_outline.section.half_width, foot_line(bone.foot_radius_mm, end, 1.0)
-        if design.prints_without_supports:
-            line = sloped_foot_line(bone.foot_radius_mm, end, self._foot_reach(design))
+        margin = dims.bone_outline.section.half_width
+        line = foot_line(bone.foot_radius_mm, end, 1.0, self._foot_reach(design))
         low = end - self.foot_length(design) - margin
         # A step inside the outline, because both run along z and would share a face.
         section, flat = offset_section(dims.bone_outline.section, -TANGENT_STEP_MM), dims.base_flat_depth
@@ -82,7 +74,9 @@ class Post(CrossBolted):
         return intersection(*foot)
 
     def _foot_reach(self, design: DesignTables) -> float:
-        """Return how far the corners of the base stand out beside the post, but for a short ledge [mm]."""
+        """Return how far a foot without supports stands out: to the base's corners, but for a short ledge [mm]."""
+        if not design.prints_without_supports:
+            return 0.0
         dims, middle = design.dimensions, interface.middle_y(design.dimensions)
         section, flat = dims.bone_outline.section, -dims.base_flat_depth
         corners = [*quarter_outline(section, True, _OUTLINE_POINTS), (section.half_width_at(flat), flat)]
@@ -91,8 +85,7 @@ class Post(CrossBolted):
 
     def foot_length(self, design: DesignTables) -> float:
         """Return the length of the fillet at the post's root [mm], with the slope on which the base prints."""
-        radius = design.bone.foot_radius_mm
-        return sloped_foot_length(radius, self._foot_reach(design)) if design.prints_without_supports else radius
+        return foot_length(design.bone.foot_radius_mm, self._foot_reach(design))
 
     def genus(self, design: DesignTables) -> int:
         return 1

@@ -41,7 +41,7 @@ _PILOT = "narrow: drill it to size; wide: fill it with epoxy and drill again, or
 
 
 def bone_drawing(design: Design) -> PartDrawing:
-    dims, pilot = design.dimensions, _find_pilot(design)
+    dims, chaplet = design.dimensions, design.dimensions.chaplet
     tip, interface = dims.bone_outline.tip, interface_of(design)
     assert tip
     free = design.is_cast_apart  # nothing of the mold fits the bone
@@ -52,11 +52,14 @@ def bone_drawing(design: Design) -> PartDrawing:
         *(replace(size, tolerance=None, action="") if free else size for size in _base_sizes(design)),
         *_pocket_sizes(design),
         *_trough_sizes(design),
-        *_chaplet_sizes(design, pilot, (0.0, -dims.platform_depth, pocket_end)),
+        *_chaplet_sizes(design, (0.0, -dims.platform_depth, pocket_end)),
         *interface.sizes(design),
     ]
-    axes, notes = _pilot_axis(pilot), interface.notes(design)
-    return PartDrawing("bone", "Bone", "palmar", _material(design), tuple(sizes), axes, notes)
+    axes: tuple[AxisLine, ...] = ()
+    if chaplet:
+        above, below = chaplet.facet_y + 1.0, chaplet.facet_y - chaplet.pilot_depth - 1.0
+        axes = (AxisLine("section", (0.0, above, chaplet.z), (0.0, below, chaplet.z)),)
+    return PartDrawing("bone", "Bone", "palmar", _material(design), tuple(sizes), axes, interface.notes(design))
 
 
 def lid_drawing(design: Design) -> PartDrawing:
@@ -122,24 +125,17 @@ def jig_drawing(design: Design) -> PartDrawing:
 
 
 def stand_drawing(design: Design) -> PartDrawing:
-    end, _, _, top = stand.heights_mm(design)
-    gap, y, bolt_z = stand.post_gap_mm(design), middle_y(design.dimensions), Post().cross_bolt_z(design)
-    bone, left = design.bone, clearance(stand.post_gap_mm(design) - design.printer.offset_mm)
-    half, side = bone.post_height_mm / 2 + gap, bone.post_width_mm / 2 + gap + stand.WALL_MM
-    sizes: list[Size] = [
-        Length("overall length", OUTER, "front", "below", "z", (0.0, y, end), (0.0, y, top)),
-        Circle("socket of the post", INNER, "end", "z", (0.0, y, top), bone.post_width_mm / 2 + gap, left,
-               "narrow: file it until the post slides in"),
-        Circle("hole of the cross bolt", INNER, "front", "x", (side, y, bolt_z), bone.cross_bolt_diameter_mm / 2,
-               bolt_clearance(design, bone.cross_bolt_diameter_mm), "narrow: drill it to size"),
-        Length("axis of the cross bolt", BEHIND_FACE, "front", "above", "z", (side, y, top), (side, y, bolt_z)),
-    ]  # fmt: skip
-    if bone.post_height_mm < bone.post_width_mm:
-        sizes.append(
-            Length("height of the socket", INNER, "end", "left", "y", (0.0, y - half, top), (0.0, y + half, top), left,
-                   "narrow: file it until the post slides in")
-        )  # fmt: skip
-    return PartDrawing("stand", "Stand", "palmar", ANY_MATERIAL, tuple(sizes))
+    (low, high, side, _), bone, gap = stand.outline(design), design.bone, stand.post_gap_mm(design)
+    y, bolt_z, hole = middle_y(design.dimensions), Post().cross_bolt_z(design), bone.cross_bolt_diameter_mm
+    sizes = (
+        Length("overall length", OUTER, "front", "below", "z", (0.0, y, low), (0.0, y, high)),
+        Circle("socket of the post", INNER, "end", "z", (0.0, y, high), bone.post_width_mm / 2 + gap,
+               clearance(gap - design.printer.offset_mm), "narrow: file it until the post slides in"),
+        Circle("hole of the cross bolt", INNER, "front", "x", (side, y, bolt_z), hole / 2,
+               bolt_clearance(design, hole), "narrow: drill it to size"),
+        Length("axis of the cross bolt", BEHIND_FACE, "front", "above", "z", (side, y, high), (side, y, bolt_z)),
+    )  # fmt: skip
+    return PartDrawing("stand", "Stand", "palmar", ANY_MATERIAL, sizes)
 
 
 def _material(design: Design) -> str:
@@ -228,23 +224,12 @@ def platform_size(design: Design, inset: float = 0.0, scale: float = 1.0) -> Ite
                      "high: the skin over the sensor is thin; low: it is thick; print again")  # fmt: skip
 
 
-_Pilot = tuple[float, float, float, float]
-"""Pilot hole of the chaplet's screw: z of its axis, height of its facet and of its end, radius [mm]."""
-
-
-def _find_pilot(design: Design) -> _Pilot | None:
-    if (chaplet := design.dimensions.chaplet) is None:
-        return None
-    return chaplet.z, chaplet.facet_y, chaplet.facet_y - chaplet.pilot_depth, chaplet.pilot_radius
-
-
-def _chaplet_sizes(design: Design, pilot: _Pilot | None, on_flat: Point3) -> list[Size]:
+def _chaplet_sizes(design: Design, on_flat: Point3) -> list[Size]:
     """List the sizes of facet and pilot hole; `on_flat` is a point of the palmar flat."""
-    chaplet = design.dimensions.chaplet
-    if pilot is None or chaplet is None:
+    if (chaplet := design.dimensions.chaplet) is None:
         return []
-    z, facet, low, radius = pilot
-    bite = (chaplet.thread.diameter_mm - 2 * chaplet.pilot_radius) / 4.0
+    z, facet, radius = chaplet.z, chaplet.facet_y, chaplet.pilot_radius
+    bite = (chaplet.thread.diameter_mm - 2 * radius) / 4.0
     return [
         Length("axis of the screw", BEFORE_FACE, "section", "above", "z",
                (0.0, design.dimensions.collar.section.dorsal, 0.0), (0.0, facet, z)),
@@ -253,12 +238,6 @@ def _chaplet_sizes(design: Design, pilot: _Pilot | None, on_flat: Point3) -> lis
                located(design, facet - on_flat[1]), "thick: sand the facet; thin: lay film between bone and boss"),
         Length("pilot hole of the screw", FINISHED, "section", "above", "z", (0.0, facet, z - radius),
                (0.0, facet, z + radius), symmetric(bite), _PILOT, is_diameter=True),
-        Length("depth of the pilot hole", STEP, "section", "right", "y", (0.0, facet, z), (0.0, low, z)),
+        Length("depth of the pilot hole", STEP, "section", "right", "y", (0.0, facet, z),
+               (0.0, facet - chaplet.pilot_depth, z)),
     ]  # fmt: skip
-
-
-def _pilot_axis(pilot: _Pilot | None) -> tuple[AxisLine, ...]:
-    if pilot is None:
-        return ()
-    z, facet, low, _ = pilot
-    return (AxisLine("section", (0.0, facet + 1.0, z), (0.0, low - 1.0, z)),)

@@ -108,7 +108,9 @@ def test_terminal_names_values_as_the_set_takes_them(monkeypatch: pytest.MonkeyP
     warned = Check("pad.turn_on_force", 1.0, 2.0, "N", warning="it turns on with sensor.distance_from_tip_mm=10.35.")
     made = [
         SimpleNamespace(
-            parts=SimpleNamespace(checks=[check], strength=None, design=design, folder=Path("out"), parts=()),
+            parts=SimpleNamespace(
+                checks=[check], strength=None, design=design, folder=Path("out"), parts=(), casting=None
+            ),
             detection=SimpleNamespace(warnings=["set detector.adc_bits=12"]),
         )
         for check, design in ((failed, THUMB), (warned, FINGER))

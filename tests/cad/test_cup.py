@@ -118,7 +118,7 @@ def test_sums_over_sections_give_the_volume_of_the_skin() -> None:
     exact = EVALUATOR.manifold(insert.skin(FINGER)).volume() * FINGER.dimensions.shrinkage**3
     assert FINGER.cup_layout.skin_mm3 == pytest.approx(exact, rel=0.01)
     below = EVALUATOR.manifold(insert.cavity(FINGER)).trim_by_plane((0.0, 0.0, 1.0), FINGER.cup_layout.pour_z)
-    assert below.volume() == pytest.approx(1.1 * exact, rel=0.02), "the line holds what is poured"
+    assert below.volume() == pytest.approx(1.1 * exact, rel=0.02), "below the surface is what is poured"
 
 
 @pytest.mark.full

@@ -41,6 +41,8 @@ class Profile:
     infill_percent: int
     """Infill of what is not printed solid."""
     solid: tuple[str, ...]
+    has_wide_feet: bool = False
+    """True if all but the bone stand on faces so wide that they need no brim."""
 
 
 NOZZLE_MM = 0.4
@@ -58,7 +60,7 @@ _SOLID_PERCENT = 100
 UNDER_PRESSURE = Profile(LAYER_MM, WALLS, 40, ("bone", "lid", "core", "sensor_insert", "insert_jig"))
 """Profile of molds that silicone is pressed into; their infill is an assumption. The strength of bone, lid and core is
 that of solid prints."""
-POURED = Profile(0.15, 3, 15, ("bone",))
+POURED = Profile(0.15, 3, 15, ("bone",), has_wide_feet=True)
 """Profile of cups that are poured full."""
 
 
@@ -70,8 +72,8 @@ def infill_percent(part: str, profile: Profile = UNDER_PRESSURE) -> int:
     return _SOLID_PERCENT if part in profile.solid else profile.infill_percent
 
 
-def needs_brim(orientation: Orientation) -> bool:
-    return orientation.rotate_x_deg == 0.0
+def needs_brim(part: str, orientation: Orientation, profile: Profile) -> bool:
+    return orientation.rotate_x_deg == 0.0 and (part == "bone" or not profile.has_wide_feet)
 
 
 def slicer_settings(
@@ -91,7 +93,7 @@ def slicer_settings(
     settings.append(("fill_density", f"{infill}%"))
     if infill == _SOLID_PERCENT:
         settings.append(("fill_pattern", "rectilinear"))  # others refuse to fill all
-    if needs_brim(orientation):
+    if needs_brim(part, orientation, profile):
         settings += [("brim_type", "outer_only"), ("brim_width", f"{BRIM_MM:g}")]
     else:
         settings.append(("brim_type", "no_brim"))
@@ -113,7 +115,7 @@ def describe_part(
     if kind is FDM:
         text = f"Layers {profile.layer_mm:g} mm, {profile.walls} walls of a {NOZZLE_MM:g} mm nozzle, "
         text += f"infill {infill_percent(part, profile)} %, "
-        text += f"brim {BRIM_MM:g} mm. " if needs_brim(orientation) else "no brim. "
+        text += f"brim {BRIM_MM:g} mm. " if needs_brim(part, orientation, profile) else "no brim. "
     else:
         text = f"Layers {RESIN_LAYER_MM:g} mm, solid, not hollowed. "
     text += f"As it lies here: on {orientation.face_on_plate}. "
@@ -129,7 +131,7 @@ def print_settings(
 
     Parts that stand on end get a brim.
     """
-    upright = [name for name in on_filament if needs_brim(orientations[name])]
+    upright = [name for name in on_filament if needs_brim(name, orientations[name], profile)]
     lying = [name for name in on_filament if name not in upright]
     return {
         "fdm": {

@@ -135,11 +135,14 @@ def label(design: Design) -> tuple[Prism, ...]:
     return _engrave(design, "y", _LABEL, free, 2 * m.half_width, (low + high) / 2, -m.palmar_height)
 
 
-def name_plate(design: Design) -> tuple[Prism, ...]:
-    """Build the letters of the design's name in the top of the plate."""
+def plate_letters(design: Design) -> tuple[Prism, ...]:
+    """Build the design's name in the top of the plate, and over the label of the pad's half the same on its edge."""
     m = design.cup_layout
     depth, length = m.dorsal_height + m.palmar_height, 2 * (m.half_width + LIP_MM)
-    return _engrave(design, "z", design.name, depth, length, (m.dorsal_height - m.palmar_height) / 2, -PLATE_MM)
+    return (
+        *_engrave(design, "z", design.name, depth, length, (m.dorsal_height - m.palmar_height) / 2, -PLATE_MM),
+        *_engrave(design, "y", _LABEL, PLATE_MM, length, -PLATE_MM / 2, -m.palmar_height),
+    )
 
 
 def _engrave(
@@ -184,4 +187,4 @@ def core(design: Design) -> Solid:
     half = m.half_width + LIP_MM
     plate = Box((-half, -m.palmar_height, -PLATE_MM), (half, m.dorsal_height, 0.0))
     whole = union(core_within_skin(design), plate, *ridges(design))
-    return difference(whole, *name_plate(design), *strap_seats(design)[1:])
+    return difference(whole, *plate_letters(design), *strap_seats(design)[1:])

@@ -11,7 +11,6 @@ import math
 from fingertip.cad.shapes.bridged_ceiling import CEILING_STEPS_MM, bridge_ceiling
 from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody, add_groove, inset_body, offset_section
-from fingertip.design.geometry.cup_layout import POUR_MARK_MM
 from fingertip.design.geometry.features import INSERT_BASE_MM, Chaplet
 from fingertip.design.geometry.foot import LEDGE_MM
 from fingertip.design.geometry.seat import quarter_outline, sleeve_inset_mm, tape_span_mm
@@ -294,14 +293,8 @@ def skin(design: Design) -> Solid:
 
 
 def skin_outline(design: Design) -> Solid:
-    """Build the skin with all that lies in it, and with the print of the line to which its cup is filled."""
-    outer = SuperconicSolid(design.dimensions.outer)
-    if design.mold.method != "plunge":
-        return outer
-    z, x, (length, depth) = design.cup_layout.pour_z, design.cup_layout.pour_mark_x, POUR_MARK_MM
-    right = ((z, x), (z - 3 * depth, x - 3 * depth), (z + 3 * depth, x - 3 * depth))
-    left = tuple((along, -across) for along, across in reversed(right))
-    return union(outer, Prism("y", right, -length, 0.0), Prism("y", left, -length, 0.0))
+    """Build the skin with all that lies in it."""
+    return SuperconicSolid(design.dimensions.outer)
 
 
 def cavity(design: Design) -> Solid:

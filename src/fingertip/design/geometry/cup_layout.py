@@ -28,10 +28,8 @@ RIDGE_END_MM = 0.5
 """Distance of each end of a ridge from the end of its groove [mm], so that no end locates the core."""
 PLATE_MM, LIP_MM = 5.0, 3.0
 """Thickness of the plate, and width by which it stands out beyond the cup at both sides, to lift it by [mm]."""
-POUR_MARK_MM = (1.5, 0.4)
-"""Length and depth of the line inside the cup [mm], on both sides of the palmar half, from its edge on."""
 POURED = 1.1
-"""Silicone up to the line, over that of the skin: an error of 1 mm at the line still fills the cup."""
+"""Silicone that is poured, over that of the skin: what is too much overflows."""
 NOTCH_MM = (2.0, 1.0)
 """Width and depth of the overflow notches [mm]."""
 BELT_MM = (6.0, 1.0)
@@ -142,7 +140,7 @@ class CupLayout:
 
     @cached_property
     def pour_z(self) -> float:
-        """Height of the line to which the cup is filled, at the design's size of the skin."""
+        """Height of the silicone's surface before the core is lowered, at the design's size of the skin."""
         wanted, high = POURED * self.skin_mm3 / self._dims.shrinkage**3, self._design.skin.length_mm
         step, held = high / _STEPS, 0.0
         for above, z in pairwise(high - step * i for i in range(_STEPS + 1)):
@@ -151,11 +149,6 @@ class CupLayout:
                 return round(above - step * (wanted - held) / added, 2)
             held += added
         return 0.0
-
-    @cached_property
-    def pour_mark_x(self) -> float:
-        """Distance of the floor of this line from the middle plane, at the design's size of the skin."""
-        return self._dims.outer.half_width_at(0.0, self.pour_z) + POUR_MARK_MM[1]
 
     def _cavity_mm2(self, z: float) -> float:
         outer, section = self._dims.outer, self._dims.outer.section

@@ -1,10 +1,10 @@
 // Lights a lamp while something slips over the finger, and shows its force.
 //
-// Wire the sensor between $supply V and pin A0 (GP26 on a Pico, GPIO1 on an ESP32-S3), and a resistor of $resistor
-// between A0 and GND. Open this file in the Arduino IDE, choose board and port, and upload. A Pico needs a core first:
-// github.com/earlephilhower/arduino-pico says how to add it to the Boards Manager. Leave the finger alone for a second,
-// then open the Serial Plotter (115200 baud). Press: force_n and volts rise. Let something slide over the skin: slip is
-// 1, and the board's lamp is lit. "late" counts samples late or lost.
+// Wire the sensor between $supply V (on a Pico ADC_VREF, pin 35) and pin A0 (GP26 on a Pico, GPIO1 on an ESP32-S3), and a
+// resistor of $resistor between A0 and GND. Open this file in the Arduino IDE, choose board and port, and upload. A Pico
+// needs a core first: github.com/earlephilhower/arduino-pico says how to add it to the Boards Manager. The board's lamp
+// lights for half a second. Leave the finger alone for a second, then open the Serial Plotter (115200 baud). Press:
+// force_n and volts rise. Let something slide over the skin: slip is 1, and the lamp is lit. "late" counts lost samples.
 //
 // $forces
 #include <Arduino.h>
@@ -18,7 +18,7 @@
 
 static const uint32_t INPUTS[SLIP_FINGERS][1] = SLIP_INPUTS;  // pin of each finger
 static const char *const NAMES[SLIP_FINGERS] = SLIP_NAMES;
-static const int LAMP_PIN = LED_BUILTIN;
+static const int LAMP_PIN = LED_BUILTIN, LAMP_ON = HIGH;
 static const bool STREAM = false;  // true: each sample of the first finger, for `fingertip detect -`
 static const uint32_t RATE_HZ = SLIP_SAMPLE_RATE_MILLIHZ / 1000u, LINE_SAMPLES = RATE_HZ / 50u;
 
@@ -55,10 +55,14 @@ static volatile uint32_t late;
 
 // Convert all inputs, and store them as codes of the library's converter, whatever the range of this one is.
 static void take_sample() {
-  static uint32_t last_us;
+  static uint32_t last_us = micros(), number;
+  static uint64_t elapsed_us;
   const uint32_t now_us = micros();
-  late = late + (last_us != 0 && now_us - last_us > 1500000u / RATE_HZ);
+  elapsed_us += now_us - last_us;
   last_us = now_us;
+  number++;
+  const uint32_t due = (uint32_t)(elapsed_us * RATE_HZ / 1000000u);  // samples that a timer without delay had taken
+  late = due > number ? due - number : 0;
   slip_codes codes[SLIP_FINGERS] = {};
   for (unsigned i = 0; i < SLIP_FINGERS; i++) {
     uint32_t sum = 0;
@@ -72,6 +76,9 @@ static void take_sample() {
 
 void setup() {
   pinMode(LAMP_PIN, OUTPUT);
+  digitalWrite(LAMP_PIN, LAMP_ON);
+  delay(500);
+  digitalWrite(LAMP_PIN, !LAMP_ON);
   Serial.begin(STREAM ? 2000000 : 115200);
   analogReadResolution(BITS);
   for (const auto &input : INPUTS) {
@@ -79,7 +86,7 @@ void setup() {
   }
   slip_hand_init(&hand);
   while (!slip_start_timer(take_sample)) {
-    digitalWrite(LAMP_PIN, millis() / 100 % 2 ? HIGH : LOW);  // no timer is free: blink
+    digitalWrite(LAMP_PIN, millis() / 100 % 2);  // no timer is free: blink
   }
 }
 
@@ -117,14 +124,14 @@ void loop() {
   const unsigned on = slip_hand_step(&hand, sample.codes, sample.lost);
   if (on != lamp) {
     lamp = on;
-    digitalWrite(LAMP_PIN, on ? HIGH : LOW);
+    digitalWrite(LAMP_PIN, on ? LAMP_ON : !LAMP_ON);
   }
   slipped |= on;
   lost += sample.lost;
   for (unsigned i = 0; i < SLIP_FINGERS; i++) {
     sums[i] += sample.codes[i].tactile;
   }
-  if (STREAM) {
+  if (STREAM && Serial) {
     stream(sample);
   } else if (++count == LINE_SAMPLES) {
     if (Serial) {  // the lamp waits for no computer

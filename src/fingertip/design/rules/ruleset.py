@@ -218,6 +218,11 @@ class RecordingTables:
     def as_tables(self) -> DesignTables:
         return cast(DesignTables, self)
 
+    def model_copy(self, *, update: Mapping[str, Any]) -> RecordingTables:
+        copied = RecordingTables(self._design, self._invalid, self._prefix, self.reads)
+        vars(copied).update(update)
+        return copied
+
     def __getattr__(self, name: str) -> Any:
         model, path = type(self._design), self._prefix + name
         if name not in model.model_fields:  # a method or property reads through the stand-in

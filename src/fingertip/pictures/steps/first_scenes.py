@@ -252,14 +252,15 @@ def connect(bench: Bench, data: Data) -> Scene:
     red, black = (cylinder("x", (y, z + beside), 0.0, far + 6.0 * beside, 0.6) for beside in (0.7, -0.7))
     bolt = bench.solid(cylinder("x", (axis_y, bolt_z), -post - 6.0, post + 6.0, 1.5), Paint.STEEL)
     kohm = data["divider_kohm"]
+    black_to = f"black wire to A0 (Pico: GP26,\npin 31); {kohm or 0:g} kohm from\nA0 to GND (Pico: pin 33)"
     return Scene(
         (
             *bench.assembled_bone(), bench.part("stand"), bolt, bench.solid(red, Paint.WIRE),
             bench.solid(black, _BLACK),
         ),
         Camera.from_angles(18, -55),
-        Label("red wire to 3V3" if kohm else "to the board", (far + 4.0, y, z + 0.7)),
-        *([Label(f"black wire to A0, and\n{kohm:g} kohm from A0 to GND", (far - 8.0, y, z - 0.7))] if kohm else []),
+        Label("red wire to 3V3 (Pico:\nADC_VREF, pin 35)" if kohm else "to the board", (far + 4.0, y, z + 0.7)),
+        *([Label(black_to, (far - 8.0, y, z))] if kohm else []),
         Label("bolt with nut", (-post - 5.0, axis_y, bolt_z)),
         Label("stand, its flat\nback on the table", (0.0, axis_y, z - 40.0)),
         Label("press here, to try it", bench.head),

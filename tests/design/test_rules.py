@@ -45,6 +45,7 @@ CASES = [  # changes of the default design, or of the bundled one that is named 
     "skin.taper_ratio=0.4 skin.tip_length_mm=20",
     "sensor.distance_from_tip_mm=31",
     "sensor.insert=disc mold.method=plunge",
+    "fsr400_compact mold.method=plunge",
     "sensor.insert=disc sensor.insert_diameter_mm=6",
     "sensor.insert=mushroom sensor.insert_cap_diameter_mm=4",
     "sensor.insert=disc sensor.insert_height_mm=2.5",

@@ -161,6 +161,14 @@ def tail_long_enough_to_fold(design: DesignTables) -> Violation | None:
     )
 
 
+@RULES.rule("sensor.tail")
+def tail_laid_in(design: DesignTables) -> Violation | None:
+    """A skin that is made apart goes over a sensor that is laid in, whose tail is straight."""
+    if design.sensor.tail == "straight" or design.mold.method != "plunge":
+        return None
+    return Violation("folded needs mold.method=overmold", alternatives={"mold.method": "overmold"})
+
+
 @FOLD_RULES.rule("skin.semi_axis_dorsal_mm", bone_left_at_sides, bone_left_dorsally, tip_within_skin)
 def lid_thick_enough_over_film(design: DesignTables) -> Violation | None:
     """The lid keeps a wall above the film, also where the groove of the skin thins it."""

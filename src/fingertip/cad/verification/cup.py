@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -45,11 +43,11 @@ def check_cup(design: Design, evaluator: MeshEvaluator, parts: Collection[str]) 
     thickness, error = design.skin.thickness_palmar_mm, palmar_error_mm(design)
     share = _SHARE_PER_MM * min(max(design.printer.surface_error_mm, _ERRORS_MM[0]), _ERRORS_MM[1])
     yield Check("cup.palmar_error", error, share * thickness, "mm")
-    plunge = predict_plunge(design, evaluator)
+    pressure = plunge_pressure_kpa(design, evaluator)
     height = design.cup_layout.foot_z * design.cup_layout.cavity_half_width * 2
-    yield Check("cup.plunge_pressure", plunge.pressure_kpa, 4e3 * _BAND_N / height, "kPa")
-    yield Check("cup.core_bending", plunge.bending_mm, _MAX_BENDING_MM, "mm")
-    yield Check("cup.creep", seam_mm3(design, plunge), _notches_mm3(design), "mm3")
+    yield Check("cup.plunge_pressure", pressure, 4e3 * _BAND_N / height, "kPa")
+    yield Check("cup.core_bending", core_bending_mm(design, pressure), _MAX_BENDING_MM, "mm")
+    yield Check("cup.creep", seam_mm3(design, pressure), _notches_mm3(design), "mm3")
     yield Check("cup.seat_film", seat_film_mm(design), _MAX_FILM_MM, "mm")
     yield _check_wall(design, evaluator)
     yield check_fitting_stretch(design, evaluator)
@@ -115,43 +113,30 @@ def palmar_limits(design: Design) -> SeatLimits:
     return SeatLimits(height - _ERRORS_MM[1] * math.sqrt(2.0), height + _RISE_MM, (tilts[0], tilts[1]))
 
 
-@dataclass(frozen=True)
-class Plunge:
-    """Silicone and core while the core is lowered."""
-
-    pressure_kpa: float
-    """Pressure at the tip, the highest, at the end of the way."""
-    force_n: float
-    bending_mm: float
-    """Deflection of the core's tip if the pressure acted on one side of it only."""
-
-
-@lru_cache(maxsize=8)
-def predict_plunge(design: Design, evaluator: MeshEvaluator) -> Plunge:
-    """Predict pressure and force by lubrication: dp/dz = 12 mu v (A + g / 2) / c between core and cup.
+def plunge_pressure_kpa(design: Design, evaluator: MeshEvaluator) -> float:
+    """Compute the pressure at the tip at the end of the way by lubrication: dp/dz = 12 mu v (A + g / 2) / c.
 
     A is the area of the core's section, g and c the integrals of the gap and of its cube around it.
     """
     room, core = evaluator.manifold(cavity(design)), evaluator.manifold(core_within_skin(design))
-    length = core.bounding_box()[5]
-    speed = 1e-3 * (length - design.cup_layout.pour_z) / LOWERING_S
-    step = 1e-3 * length / _SECTIONS
-    pressure = force = bending = 0.0
-    section = design.dimensions.bone_outline.section
-    # Half of the section counts: its middle is infill.
-    stiffness = 1e6 * PRINT_MATERIALS[design.strength.print_material].modulus_mpa * (
-        0.5 * 2e-3 * section.half_width * (1e-3 * (section.dorsal + design.dimensions.flat_depth)) ** 3 / 12
-    )  # fmt: skip
+    length, pressure = core.bounding_box()[5], 0.0
+    speed = (length - design.cup_layout.pour_z) / LOWERING_S
     for i in range(_SECTIONS):
-        z = length * (i + 0.5) / _SECTIONS
-        around, length_mm, area_mm2 = _measure_gap_around(room, core, z)
-        gap, cube = 1e-6 * (around * length_mm).sum(), 1e-12 * (around**3 * length_mm).sum()
-        rise = 12.0 * design.silicone.material.viscosity_pa_s.high * speed * (1e-6 * area_mm2 + gap / 2) / cube * step
-        pressure += rise
-        force += rise * 1e-6 * area_mm2
-        at, whole = 1e-3 * z, 1e-3 * length
-        bending += pressure * 2e-3 * section.half_width * step * at**2 * (3 * whole - at) / (6 * stiffness)
-    return Plunge(1e-3 * pressure, force, 1e3 * bending)
+        gaps, along, area = _measure_gap_around(room, core, length * (i + 0.5) / _SECTIONS)
+        slope = 12.0 * speed * (area + (gaps * along).sum() / 2) / (gaps**3 * along).sum()
+        pressure += 1e-3 * design.silicone.material.viscosity_pa_s.high * slope * length / _SECTIONS
+    return pressure
+
+
+def core_bending_mm(design: Design, pressure_kpa: float) -> float:
+    """Compute the deflection of the core's tip if the pressure acted on all of one side, and none on the other.
+
+    Of its section half counts: the middle is infill.
+    """
+    section, dims = design.dimensions.bone_outline.section, design.dimensions
+    height, width = section.dorsal + dims.flat_depth, 2 * section.half_width
+    stiffness = PRINT_MATERIALS[design.strength.print_material].modulus_mpa * 0.5 * width * height**3 / 12
+    return 1e-3 * pressure_kpa * width * (design.skin.length_mm - design.skin.thickness_tip_mm) ** 4 / (8 * stiffness)
 
 
 def _measure_gap_around(room: Manifold, core: Manifold, z: float) -> tuple[Array, Array, float]:
@@ -170,13 +155,13 @@ def _edges(outlines: list[Array]) -> tuple[Array, Array]:
     return np.concatenate(rings), np.concatenate([np.roll(ring, -1, axis=0) for ring in rings])
 
 
-def seam_mm3(design: Design, plunge: Plunge) -> float:
+def seam_mm3(design: Design, pressure_kpa: float) -> float:
     """Compute how much silicone creeps into the seam until it sets [mm3]: while the core goes down, then by its head.
 
     The depth at the foot is taken at the tip; up the sides it falls with the root of the head.
     """
     silicone, layout, gap = design.silicone.material, design.cup_layout, 2 * design.printer.surface_error_mm
-    lowering = 1e3 * plunge.pressure_kpa * LOWERING_S / silicone.viscosity_pa_s.high
+    lowering = 1e3 * pressure_kpa * LOWERING_S / silicone.viscosity_pa_s.high
     head = head_pressure_pa(silicone.density_g_cm3.high, design.skin.length_mm)
     depth = creep_mm(lowering + head * 60 * silicone.planned_pot_life_min / silicone.viscosity_pa_s.low, gap, 0.0, None)
     return gap * depth * (2 * layout.cavity_half_width + 2 * design.skin.length_mm * 2 / 3)

@@ -20,7 +20,7 @@ from fingertip.design.geometry.solids import Solid
 from fingertip.foundation.errors import FingertipError, GeometryError, Issue
 from fingertip.foundation.files import temporary_folder
 from fingertip.foundation.processes import python_command, python_environment
-from fingertip.pictures.drawing import cup_sizes, mold_sizes, part_sizes
+from fingertip.pictures.drawing import mold_sizes, part_sizes
 from fingertip.pictures.drawing.layout import lay_out
 from fingertip.pictures.drawing.primitives import PROJECTIONS, ProjectedView, Sheet
 from fingertip.pictures.drawing.render import render_pdf, render_svg
@@ -37,8 +37,10 @@ _DRAWINGS: dict[str, Callable[[Design], PartDrawing]] = {
 }
 
 _OF_CUP: Mapping[str, Callable[[Design], PartDrawing]] = {
-    "mold_palmar": cup_sizes.palmar_drawing, "mold_dorsal": cup_sizes.dorsal_drawing, "core": cup_sizes.core_drawing
-}  # fmt: skip
+    "mold_palmar": mold_sizes.cup_palmar_drawing,
+    "mold_dorsal": mold_sizes.cup_dorsal_drawing,
+    "core": mold_sizes.core_drawing,
+}
 
 
 def part_drawings(design: Design) -> tuple[PartDrawing, ...]:
@@ -54,8 +56,7 @@ def part_drawings(design: Design) -> tuple[PartDrawing, ...]:
 
 def _notes(design: Design, drawing: PartDrawing) -> tuple[str, ...]:
     notes = [f"Curved surfaces and all other sizes: see {drawing.part}.step.", *drawing.notes]
-    drafted_parts = ("bone",) if design.is_cast_apart else ("mold", "bone")
-    if design.mold.draft_deg and not design.is_cast_apart and drawing.part.startswith(drafted_parts):
+    if design.mold.draft_deg and not design.is_cast_apart and drawing.part.startswith(("mold", "bone")):
         drafted = "Recess, keys and sockets" if drawing.part.startswith("mold") else "The collar's foot"
         notes.append(f"{drafted}: {design.mold.draft_deg:g} degrees of draft from the parting plane.")
     if drawing.part.startswith("mold") and design.mold.engraving_depth_mm:

@@ -1,4 +1,4 @@
-"""Sizes of the halves of the mold on their sheets."""
+"""Sizes of the halves of mold or cup on their sheets, and of the core of a cup."""
 
 from __future__ import annotations
 
@@ -9,6 +9,15 @@ from fingertip.cad.shapes.insert import axis_z, contact_y, head_y
 from fingertip.cad.shapes.mold import recess_half_width
 from fingertip.catalogues.hardware import LUER_MOUTH_MM, select_thread
 from fingertip.design import Design
+from fingertip.design.geometry.cup_layout import (
+    BELT_MM,
+    GAP_MM,
+    LIP_MM,
+    PLATE_MM,
+    RIDGE_END_MM,
+    RIDGE_HALF_CREST_MM,
+    RIDGE_HEIGHT_MM,
+)
 from fingertip.design.geometry.features import Chaplet
 from fingertip.design.geometry.sizes import (
     BEHIND_FACE,
@@ -29,7 +38,7 @@ from fingertip.design.geometry.sizes import (
     shared_clearance,
     symmetric,
 )
-from fingertip.pictures.drawing.part_sizes import ANY_MATERIAL
+from fingertip.pictures.drawing.part_sizes import ANY_MATERIAL, platform_size
 
 
 def palmar_drawing(design: Design) -> PartDrawing:
@@ -47,7 +56,7 @@ def palmar_drawing(design: Design) -> PartDrawing:
                (recess, floor, m.proximal_z),
                located(design, -floor), "shallow: sand the floor until the bone lies level; deep: print again"),
         Length(f"depth of the cavity{at_end}", STEP, "section", "left", "y", (0.0, 0.0, 0.0), (0.0, -deep, 0.0)),
-        *crown_size(design),
+        *_crown_size(design),
         Length("width of the nut traps across flats", INNER, "dorsal", "above", "z", (x, low, z - half),
                (x, low, z + half), nut_trap(thread, mold.nut_width_mm - design.printer.offset_mm),
                "narrow: file it until the nut drops in; wide: glue the nut in"),
@@ -57,7 +66,7 @@ def palmar_drawing(design: Design) -> PartDrawing:
     return PartDrawing("mold_palmar", "Mold, palmar half", "dorsal", ANY_MATERIAL, tuple(sizes), axes)
 
 
-def crown_size(design: Design) -> Iterator[Size]:
+def _crown_size(design: Design) -> Iterator[Size]:
     """Size the cavity at the apex of the crown, where it is deepest."""
     dims, growth = design.dimensions, design.dimensions.shrinkage
     if dims.crown:
@@ -166,3 +175,74 @@ def _mold_axes(design: Design, outer: float) -> Iterator[AxisLine]:
     if outer > 0.0 and design.dimensions.chaplet:
         z = axis_z(design)
         yield AxisLine("section", (0.0, contact_y(design) - 1.0, z), (0.0, outer + 1.0, z))
+
+
+def cup_palmar_drawing(design: Design) -> PartDrawing:
+    gap = 2.0**0.5 * design.mold.key_clearance_mm
+    sizes = (*_half_sizes(design, "dorsal", -1.0), *_cup_key_sizes(design, "dorsal", gap), *_crown_size(design))
+    return PartDrawing("mold_palmar", "Cup, half of the pad", "dorsal", ANY_MATERIAL, sizes)
+
+
+def cup_dorsal_drawing(design: Design) -> PartDrawing:
+    half, high = RIDGE_HALF_CREST_MM + RIDGE_HEIGHT_MM - GAP_MM, design.cup_layout.dorsal_height
+    groove = Length("width of the groove at the rim", INNER, "end", "above", "x", (half, high, GAP_MM),
+                    (-half, high, GAP_MM), located(design, 2 * half),
+                    "out of tolerance: the core leans, measure it as the sheet says")  # fmt: skip
+    sizes = (*_half_sizes(design, "palmar", 1.0), *_cup_key_sizes(design, "palmar", 0.0), groove)
+    return PartDrawing("mold_dorsal", "Cup, dorsal half", "palmar", ANY_MATERIAL, sizes)
+
+
+def _half_sizes(design: Design, plan: ViewName, way: float) -> Iterator[Size]:
+    m, dims = design.cup_layout, design.dimensions
+    outer, growth, half, z = dims.outer, dims.shrinkage, m.half_width, GAP_MM
+    face = m.dorsal_height if way > 0.0 else -m.palmar_height
+    at = z / growth
+    skin = outer.half_width_at(0.0, at) * growth
+    deep = (outer.dorsal_height_at(0.0, at) if way > 0.0 else -outer.palmar_height_at(0.0, at)) * growth
+    belt = m.belts_z[0] - BELT_MM[0] / 2
+    yield Length("height of the cup", OUTER, plan, "below", "z", (half, 0.0, z), (half, 0.0, m.foot_z),
+                 symmetric(0.2), f"{SCALE_REMEDY}: the skin is thin or thick at the tip")  # fmt: skip
+    yield Length("width of the cup", OUTER, plan, "right", "x", (half, 0.0, m.foot_z), (-half, 0.0, m.foot_z))
+    yield Length("depth of the half", OUTER, "end", "right", "y", (half, 0.0, z), (half, face, z))
+    yield Length("width of the cavity at the rim", INNER, plan, "left", "x", (skin, 0.0, z), (-skin, 0.0, z), None,
+                 f"{SCALE_REMEDY}: the skin follows from it")  # fmt: skip
+    yield Length("depth of the cavity at the rim", STEP, "section", "left", "y", (0.0, 0.0, z), (0.0, deep, z))
+    yield Length(
+        "rim to the first belt", STEP, "front", "above", "z", (0.0, face, z), (0.0, face - way * BELT_MM[1], belt)
+    )
+    yield Length(
+        "depth of the belts", STEP, "front", "right", "y", (0.0, face, z), (0.0, face - way * BELT_MM[1], belt)
+    )
+
+
+def _cup_key_sizes(design: Design, plan: ViewName, gap: float) -> Iterator[Size]:
+    kind, remedy = ("socket", "narrow: scrape it") if gap else ("key", "wide: sand it")
+    tolerance = shared_clearance(2 * (design.mold.key_clearance_mm - design.printer.offset_mm))
+    for key, label in zip(design.cup_layout.keys, ("larger", "smaller"), strict=True):
+        yield Circle(f"{label} {kind}, at the parting plane", INNER if gap else OUTER, plan, "y", (key.x, 0.0, key.z),
+                     key.root_mm / 2 + gap, tolerance, f"{remedy} until the halves close")  # fmt: skip
+
+
+def core_drawing(design: Design) -> PartDrawing:
+    m, dims, inset = design.cup_layout, design.dimensions, design.mold.sleeve_interference_mm
+    tip, half, growth = dims.bone_outline.tip, m.half_width + LIP_MM, dims.shrinkage
+    assert tip
+    apex, ridge = (0.0, 0.0, (tip.z - inset) * growth), RIDGE_HALF_CREST_MM + RIDGE_HEIGHT_MM
+    end = m.dorsal_height - RIDGE_END_MM
+    sizes = (
+        Length("plate to tip", STEP, "front", "above", "z", (0.0, m.dorsal_height, 0.0), apex, symmetric(0.2),
+               f"{SCALE_REMEDY}: the skin is thin or thick at the tip"),
+        Length("overall length", OUTER, "front", "below", "z", (0.0, -m.palmar_height, -PLATE_MM), apex),
+        Length("thickness of the plate", OUTER, "front", "below", "z", (0.0, -m.palmar_height, -PLATE_MM),
+               (0.0, -m.palmar_height, 0.0)),
+        Length("width of the plate", OUTER, "palmar", "right", "x", (half, -m.palmar_height, 0.0),
+               (-half, -m.palmar_height, 0.0)),
+        Length("depth of the plate", OUTER, "front", "left", "y", (0.0, -m.palmar_height, -PLATE_MM),
+               (0.0, m.dorsal_height, -PLATE_MM)),
+        Length("height of the ridges", STEP, "section", "above", "z", (0.0, m.dorsal_height, 0.0),
+               (0.0, end, RIDGE_HEIGHT_MM)),
+        Length("width of the ridges at the plate", OUTER, "end", "above", "x", (ridge, end, 0.0), (-ridge, end, 0.0),
+               located(design, 2 * ridge), "out of tolerance: the core leans, measure it as the sheet says"),
+        *platform_size(design, inset, growth),
+    )  # fmt: skip
+    return PartDrawing("core", "Core", "palmar", ANY_MATERIAL, sizes)

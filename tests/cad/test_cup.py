@@ -38,6 +38,8 @@ def failed(*changes: str) -> set[str]:
 def test_first_finger_passes_with_figures_near_those_of_the_study() -> None:
     assert not failed()
     assert checks.palmar_error_mm(FINGER) == pytest.approx(0.14, abs=0.005)
+    longer = FINGER.with_values({"skin.length_mm": 33.0})
+    assert checks.palmar_error_mm(longer) < 0.15, "the seat of a longer core is wider"
     assert 0.5 < checks.plunge_pressure_kpa(FINGER, EVALUATOR) < 2.0
 
 

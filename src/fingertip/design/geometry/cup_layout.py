@@ -22,7 +22,9 @@ if TYPE_CHECKING:
 GAP_MM = 0.3
 """Gap between plate and rim [mm], more than the core sinks by errors of 0.1 mm of every flank."""
 LAND_MM = 4.5
-"""Width of the rim between cavity and grooves [mm]: the farther out the ridges, the less their errors tilt the core."""
+"""Least width of the rim between cavity and grooves [mm]."""
+_OUT = 1.05
+"""Least distance of the dorsal ridge's middle from the parting plane, over that of the sensor from the skin's end."""
 RIDGE_HEIGHT_MM, RIDGE_HALF_CREST_MM, RIDGE_LENGTH_MM = 2.0, 0.4, 4.5
 RIDGE_END_MM = 0.5
 """Distance of each end of a ridge from the end of its groove [mm], so that no end locates the core."""
@@ -80,8 +82,8 @@ class CupLayout:
     @cached_property
     def dorsal_height(self) -> float:
         """Height of the dorsal half, on whose rim the third groove lies."""
-        beside = max(LAND_MM + RIDGE_LENGTH_MM, self._design.mold.wall_mm)
-        return self._design.skin.semi_axis_dorsal_mm * self._dims.shrinkage + beside
+        around_skin = self._design.skin.semi_axis_dorsal_mm * self._dims.shrinkage + self._design.mold.wall_mm
+        return max(self.ridge_begins[1] + RIDGE_LENGTH_MM, around_skin)
 
     @cached_property
     def foot_z(self) -> float:
@@ -95,9 +97,12 @@ class CupLayout:
 
     @cached_property
     def ridge_begins(self) -> tuple[float, float]:
-        """Distance from the axis at which the grooves begin: at the sides, and on the dorsal side."""
-        dorsal = self._design.skin.semi_axis_dorsal_mm * self._dims.shrinkage
-        return self.cavity_half_width + LAND_MM, dorsal + LAND_MM
+        """Distance from the axis at which the grooves begin: at the sides, and on the dorsal side.
+
+        The dorsal one lies as far out as the sensor is deep: its errors tilt the core.
+        """
+        beside = self._design.skin.semi_axis_dorsal_mm * self._dims.shrinkage + LAND_MM
+        return self.cavity_half_width + LAND_MM, max(beside, _OUT * self._dims.sensor_z - RIDGE_LENGTH_MM / 2)
 
     @cached_property
     def notch_x(self) -> float:

@@ -322,7 +322,7 @@ def test_loose_bone_leaves_too_thin_a_skin_and_is_refused(monkeypatch: pytest.Mo
     tight, loose = (find_losses(DESIGN, DESIGN.dimensions, clearance) for clearance in (0.05, 0.3))
     assert worst(loose, True).retained < worst(tight, True).retained + 1e-9
     assert worst(loose, False).retained < 0.8 < worst(tight, False).retained
-    with pytest.raises(DesignError, match=r"0\.3 mm lets bone or core lie off until .* are needed; at most 0\.\d+ mm"):
+    with pytest.raises(DesignError, match=r"0\.3 mm lets the bone lie off until .* are needed; at most 0\.\d+ mm"):
         Design.load(changes=["mold.fit_clearance_mm=0.3", "bone.collar_inset_mm=0.9"])
 
 

@@ -1,6 +1,6 @@
 """Consumables of a casting: what a design needs primer and adhesive for, and the tapes to buy and cut.
 
-One tape lies over the sensor, the other one around the seat of bone or core.
+One tape lies over the sensor, the other one around the seat of the bone.
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ def _round_down(size_mm: float) -> float:
 
 
 def seat_tape_data(design: Design) -> dict[str, Any] | None:
-    """Size the tape around bone or core in the recess; None without one."""
+    """Size the tape around the bone in the recess; None without one."""
     span = tape_span_mm(design)
     if span is None:
         return None

@@ -286,7 +286,7 @@ def compute_filling(context: PointContext) -> OutputValues:
 
 
 def compute_play(context: PointContext) -> OutputValues:
-    """Compute the skin that is left where bone or core lies off as far as its supports allow."""
+    """Compute the skin that is left where the bone lies off as far as its supports allow."""
     from fingertip.design.geometry.seat import worst
 
     if context.design.mold.method == "plunge":

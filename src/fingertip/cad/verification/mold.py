@@ -44,7 +44,7 @@ when they are pressed together."""
 def check_mold(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     yield from _check_openings(design, evaluator)
     yield from _check_recess(design, evaluator)
-    if design.mold.method == "overmold" and not design.dimensions.window_opens_into_gap:
+    if not design.dimensions.window_opens_into_gap:
         yield _check_cable_channel(design, evaluator)
     yield from _check_walls(design, evaluator)
     yield from _check_keys(design, evaluator)
@@ -95,7 +95,7 @@ def _check_recess(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     """
     fit, tolerance = design.mold.fit_clearance_mm, evaluator.tolerance_mm
     palmar, dorsal = (evaluator.manifold(half(design)) for half in (mold.mold_palmar, mold.mold_dorsal))
-    # The part of bone or core that lies in the recess, below the plane where the skin ends.
+    # The part of the bone that lies in the recess, below the plane where the skin ends.
     base = evaluator.manifold(mold_insert(design)).trim_by_plane((0.0, 0.0, -1.0), PLANE_OFFSET_MM)
     at_palmar, at_dorsal = (measure_gap(base, half, fit) for half in (palmar, dorsal))
     minimum = _FIT_RATIO * fit - tolerance
@@ -233,8 +233,7 @@ _DEEPER_MM = 0.1
 
 
 def check_seals(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
-    if design.mold.method == "overmold":
-        yield Check.zero_volume("mold.open_paths", flooded_mm3(design, evaluator))
+    yield Check.zero_volume("mold.open_paths", flooded_mm3(design, evaluator))
     yield Check("mold.leak_length", leak_mm(design), _MAX_LEAK_SHARE * design.mold.recess_length_mm, "mm")
 
 

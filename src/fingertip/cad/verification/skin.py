@@ -199,7 +199,7 @@ def _thickness(interior: Manifold, outside: Manifold) -> float:
 
 
 def _check_play(design: Design, interior: Manifold, outside: Manifold, minimum: float) -> Iterator[Check]:
-    """Check the silicone that is left where bone or core lies off as far as its supports allow."""
+    """Check the silicone that is left where the bone lies off as far as its supports allow."""
     losses = design.losses
     for name, over_sensor, limit in (
         ("over_sensor", True, MIN_RETAINED_OVER_SENSOR), ("elsewhere", False, MIN_RETAINED),

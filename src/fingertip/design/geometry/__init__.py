@@ -31,7 +31,7 @@ class DesignTables(Tables):
 
     @cached_property
     def losses(self) -> tuple[Loss, ...]:
-        """Worst losses of silicone where bone or core lies off as far as its supports allow."""
+        """Worst losses of silicone where the bone lies off as far as its supports allow."""
         return find_losses(self, self.dimensions)
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:

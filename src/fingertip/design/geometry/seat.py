@@ -1,4 +1,4 @@
-"""Seat of bone or core in the mold: the silicone over it, its play, and how far silicone creeps along it until it sets.
+"""Seat of the bone in the mold: the silicone over it, its play, and how far silicone creeps along it until it sets.
 
 Play: the bone is a rigid body. Base and collar lie in their recess with a clearance on all sides, and the screw of the
 chaplet pulls the facet against the boss. Each surface that locates the bone may be off by the error of the print. For
@@ -222,7 +222,7 @@ class Loss:
 
 
 def list_contacts(design: Tables, dims: Dimensions, fit_clearance_mm: float | None = None) -> tuple[Contact, ...]:
-    """List what limits the motion of bone or core."""
+    """List what limits the motion of the bone."""
     error = 2 * design.printer.surface_error_mm  # one surface of the bone, one of the mold
     drawn = design.mold.fit_clearance_mm if fit_clearance_mm is None else fit_clearance_mm
     gap = max(0.0, drawn - design.printer.offset_mm) + error

@@ -15,7 +15,7 @@ from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally, 
 from fingertip.foundation.numerics import bisect
 
 RULES = Ruleset(when=lambda design: design.mold.method != "plunge")
-"""Rules of a closed mold, in which bone or core is seated and clamped; a core that is lowered into a cup has none."""
+"""Rules of a closed mold, in which the bone is seated and clamped; a cup has none."""
 _MIN_COLLAR_LENGTH = 0.6
 """Minimum length of the collar [mm] where its draft has taken most of it."""
 _MIN_BEHIND_COLLAR = 1.0
@@ -183,7 +183,7 @@ def chaplet_stands_on_bone(design: DesignTables) -> Violation | None:
 
 @RULES.rule("mold.fit_clearance_mm", skin_is_thick_enough, collar_carries_skin, chaplet_stands_on_bone, takes_long=True)
 def bone_is_held(design: DesignTables) -> Violation | None:
-    """A bone or core that lies off as far as its supports allow leaves most of the skin, everywhere."""
+    """A bone that lies off as far as its supports allow leaves most of the skin, everywhere."""
     losses = design.losses
     sensor, elsewhere = worst(losses, over_sensor=True), worst(losses, over_sensor=False)
     least = min(loss.left_mm for loss in losses)
@@ -199,7 +199,7 @@ def bone_is_held(design: DesignTables) -> Violation | None:
 
     limit = bisect(holds, 0.0, clearance, halvings=_HALVINGS)[0] if holds(0.0) else 0.0
     return Violation(
-        f"{clearance:g} mm lets bone or core lie off until {100 * max(sensor.retained, 0.0):.0f} % of the skin are "
+        f"{clearance:g} mm lets the bone lie off until {100 * max(sensor.retained, 0.0):.0f} % of the skin are "
         f"left over the sensor, {100 * max(elsewhere.retained, 0.0):.0f} % elsewhere and {least:.2f} mm at the "
         f"thinnest place; {100 * MIN_RETAINED_OVER_SENSOR:g} %, {100 * MIN_RETAINED:g} % and "
         f"{design.skin.min_thickness_mm:g} mm are needed",

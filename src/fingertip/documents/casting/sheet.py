@@ -25,7 +25,7 @@ from fingertip.catalogues.silicones import WANTED_POT_LIFE_MIN, Silicone, find_e
 from fingertip.design import Design
 from fingertip.design.geometry.features import END_ROOM_MM
 from fingertip.design.geometry.mold_layout import size_clamp_bolts
-from fingertip.design.geometry.seat import min_skin_thickness, sleeve_inset_mm, worst
+from fingertip.design.geometry.seat import min_skin_thickness, worst
 from fingertip.design.interfaces import INTERFACES, interface_of
 from fingertip.design.interfaces.clevis import tendon_force_per_n
 from fingertip.design.interfaces.clevis_solids import stop_height_mm
@@ -172,7 +172,7 @@ def _chaplet_data(design: Design) -> dict[str, Any] | None:
 
 
 def _fit_data(design: Design) -> dict[str, Any]:
-    """Fit of the sensor in its pocket and of bone or core in the mold, and the skin that they leave."""
+    """Fit of the sensor in its pocket and of the bone in the mold, and the skin that they leave."""
     play = round(2 * (design.printed_fit_mm + 2 * design.printer.surface_error_mm), 2)
     room = design.dimensions.relief_half_length - _TAB_ROOM_MM
     losses = design.losses
@@ -192,7 +192,7 @@ def _fit_data(design: Design) -> dict[str, Any]:
         "crimped_mm": round(design.dimensions.sensor.thickness_mm + design.sensor.crimp_height_mm, 2),
         "end_room_mm": END_ROOM_MM,
         "clearance_mm": round(design.printed_fit_mm, 3),
-        "min_skin_design_mm": round(min_skin_thickness(design.dimensions, sleeve_inset_mm(design)), 2),
+        "min_skin_design_mm": round(min_skin_thickness(design.dimensions, 0.0), 2),
         "min_skin_held_mm": round(min(loss.left_mm for loss in losses), 2),
         "surface_error_mm": design.printer.surface_error_mm,
         "retained_over_sensor_percent": round(100 * worst(losses, over_sensor=True).retained),

@@ -93,7 +93,9 @@ def pad(
         stretch = loaded.silicone.material.elongation_percent.low
         lines += [
             f"worst of these at {FORCE_N:g} N: strain {worst['strain']:.0%} (the silicone breaks at {stretch:.0f} %), "
-            f"at the bond {worst['bond_shear_mpa']:.2f} MPa of shear, {worst['bond_tension_mpa']:.2f} MPa of tension,",
+            f"at the bond {worst['bond_shear_mpa']:.2f} MPa of shear, {worst['bond_tension_mpa']:.2f} MPa of tension,"
+            if form.bonded
+            else f"worst of these at {FORCE_N:g} N: strain {worst['strain']:.0%} (the silicone breaks at {stretch:.0f} %),",
             "on this mesh: at edges of the bone finer ones find more, so compare forms by them and no more",
         ]
         if worst["strain"] > _SMALL_STRAIN and not large_strain:
@@ -173,8 +175,8 @@ def _list_row_lines(survey: PadSurvey, fit: str = "") -> list[str]:
     from fingertip.pad.survey import FORCE_N
 
     turn_on = [f"{force:.2f}" if force < math.inf else "never" for force in survey.turn_on_n]
-    share = _row(f"{fit}share of {FORCE_N:g} N" if not fit else f"{fit}share", [f"{s:.2f}" for s in survey.shares])
-    return [share, _row("force at turn-on [N]", turn_on)]
+    title = f"{fit}share" if fit else f"share of {FORCE_N:g} N"
+    return [_row(title, [f"{share:.2f}" for share in survey.shares]), _row("force at turn-on [N]", turn_on)]
 
 
 def _list_lines(name: str, form: PadForm, survey: PadSurvey) -> list[str]:

@@ -59,7 +59,7 @@ def press_far(model: PadModel, pose: Pose, forces_n: Sequence[float], friction: 
     """
     touch, _ = Touch.of_pose(model.form, pose, model.fine_surface())
     contact = FarContact(model, touch, friction)
-    rest_n, moved = contact.first_touch()
+    rest_n, first_mm, moved = contact.first_touch()
     force = _FIRST_N
     for target in forces_n:
         while True:
@@ -69,7 +69,7 @@ def press_far(model: PadModel, pose: Pose, forces_n: Sequence[float], friction: 
                 break
             force *= _GROWTH
         share = (model.copies * float((model.step * held).sum()) - rest_n) / target
-        yield LargeContact(target, share, float(moved[-1]))
+        yield LargeContact(target, share, float(moved[-1]) - first_mm)
         force *= _GROWTH
 
 
@@ -77,7 +77,7 @@ class FarContact:
     """Pad and object. What is unknown are the displacements of all nodes, and behind them the travel of the object."""
 
     def __init__(self, model: PadModel, touch: Touch, friction: float) -> None:
-        self._model, size = model, model.mesh.nodes.size
+        self._model, self._friction, size = model, friction, model.mesh.nodes.size
         stiff = _SPRINGS * model.form.young_mpa / model.form.over_sensor_mm
         nodes = np.flatnonzero(model.area > 0.0)
         outer = model.top.trace.T.tocsr()[nodes], model.top.points
@@ -93,17 +93,22 @@ class FarContact:
             inner = Face(trace.T.tocsr(), model.bond.points, area, size, None, stand_off, friction, stiff)
             self._faces.append(inner)
 
-    def first_touch(self) -> tuple[float, Array]:
-        """Return the force on the sensor at rest, and the unknowns when the object touches."""
+    def first_touch(self) -> tuple[float, float, Array]:
+        """Return the force on the sensor at rest, how much nearer a bump brings the touch, and the unknowns there."""
         rest_n, face = 0.0, self.face
         unknown = np.zeros(self._model.mesh.nodes.size + 1)
         if self._model.form.bump_height_mm:
             unknown[-1] = -_AWAY_MM
+            for each in self._faces:
+                each.friction = 0.0  # what lies on slides to where it is at rest
             unknown, held = self.balance(0.0, unknown)
+            for each in self._faces:
+                each.friction = self._friction
             rest_n, unknown[-1] = self._model.copies * float((self._model.step * held).sum()), 0.0
         gap, _, closing = face.gaps(face.place(unknown))
-        unknown[-1] = float(np.partition(gap / closing, _FIRST_NODES)[_FIRST_NODES])
-        return rest_n, unknown
+        travel = np.partition(gap / closing, _FIRST_NODES)
+        unknown[-1] = float(travel[_FIRST_NODES])
+        return rest_n, float(travel[0]) if rest_n else 0.0, unknown
 
     def balance(self, force_n: float, unknown: Array) -> tuple[Array, Array]:
         """Return the unknowns under a force, from those under another, and the forces of the skin on its nodes."""
@@ -148,7 +153,7 @@ class Face:
         travel = np.outer(area, np.zeros(3) if approach is None else approach).reshape(-1, 1)
         self._join = hstack([*((spread, rest) if approach is None else (rest, spread)), travel]).tocsr()
         self.still = (spread @ points.ravel()).reshape(-1, 3) / area[:, None]
-        self._area, self.gaps, self._friction, self._springs = area, gaps, friction, springs
+        self._area, self.gaps, self.friction, self._springs = area, gaps, friction, springs
         self._anchors = self._next = self.still
 
     def place(self, unknown: Array) -> Array:
@@ -173,15 +178,15 @@ class Face:
         """Return tractions at places of the surface, their slopes by the place, and the slip that springs hold."""
         gap, into, _ = self.gaps(places)
         pressure = self._springs * np.maximum(-gap, 0.0)
-        drag, touches = _DRAG * self._springs * (self._friction > 0.0), (gap <= 0.0)[:, None, None]
+        drag, touches = _DRAG * self._springs * (self.friction > 0.0), (gap <= 0.0)[:, None, None]
         slip = places - self._anchors
         slip = (slip - (slip * into).sum(axis=1, keepdims=True) * into) * touches[:, 0]
-        length, limit = np.linalg.norm(slip, axis=1), self._friction * pressure / max(drag, 1e-300)
+        length, limit = np.linalg.norm(slip, axis=1), self.friction * pressure / max(drag, 1e-300)
         slides = (length > limit)[:, None, None]
         way = slip / np.maximum(length, 1e-300)[:, None]
         part = (np.minimum(limit, length) / np.maximum(length, 1e-300))[:, None]
         normal, ways = into[:, :, None] * into[:, None, :], way[:, :, None] * way[:, None, :]
         held = drag * np.where(slides, part[..., None], 1.0) * (np.eye(3) - normal - slides * ways)
-        held += slides * self._friction * self._springs * way[:, :, None] * into[:, None, :]
+        held += slides * self.friction * self._springs * way[:, :, None] * into[:, None, :]
         slip = part * slip
         return pressure[:, None] * into + drag * slip, touches * (self._springs * normal + held), slip

@@ -1,14 +1,13 @@
 """Contact of the pad with rigid objects, and what of the force reaches the sensor, by finite elements.
 
-Small strains, no friction, skin bonded to rigid bone or lying on it (`pad/fem_inside.py`). Where no bone is below,
-at the sides and the tip, the skin is held at the parting plane; its proximal end slides on the collar. Pressures are
-linear between the nodes of the surface and act along the normal of the object. With the compliance of the surface they
-solve a complementarity problem: pressure >= 0, gap >= 0, and one of both is 0 (N. Kikuchi and J. T. Oden, Contact
+Small strains, no friction, skin bonded to rigid bone; one that lies on it is pressed at large strain. Where there is no
+bone below, at the sides and the tip, it is held at the parting plane; its proximal end slides on the collar. Pressures
+are linear between the nodes of the surface and act along the normal of the object. With the compliance of the surface
+they solve a complementarity problem: pressure >= 0, gap >= 0, and one of both is 0 (N. Kikuchi and J. T. Oden, Contact
 Problems in Elasticity, 1988).
 
 The load on the sensor's active area is a linear functional of these pressures. By Betti's theorem its weights are the
 displacements of the surface that a unit displacement of the active area would cause: one solution serves all contacts.
-Of a skin that lies on the bone the pressures inside are unknowns too.
 """
 
 from __future__ import annotations
@@ -16,6 +15,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,6 @@ from numpy.typing import NDArray
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.pad.fem_elastic import Body, Surface, triangle_shapes
-from fingertip.pad.fem_inside import InsideContact, find_loose
 from fingertip.pad.fem_mesh import MeshSize, mesh_skin
 from fingertip.pad.form import PadForm
 from fingertip.pad.pose import Pose
@@ -88,7 +87,7 @@ class PadModel:
         nodes = self.mesh.nodes
         is_fixed = np.zeros(nodes.shape, bool)
         is_fixed[self._lower] = True
-        is_fixed[find_loose(self.form, self.bond.points)] = False
+        is_fixed[self._find_loose()] = False
         is_fixed[nodes[:, Z] <= 0.0, Z] = True
         is_fixed[nodes[:, X] <= 0.0, X] |= self.copies > 1.0
         stiff, silicone = self.form.insert, np.ones(len(self.mesh.wedges), bool)
@@ -101,6 +100,22 @@ class PadModel:
                 young[inside], poisson[inside] = PLASTIC_MPA, PLASTIC_POISSON
         return Body(self.mesh, young, poisson, is_fixed)
 
+    def _find_loose(self) -> NDArray[np.int64]:
+        """Find the nodes of the lower surface that lie on the bone without a bond."""
+        x, z, _ = self.bond.points.T
+        return np.flatnonzero(np.isfinite(self.form.bone_mm(x, z)) & (not self.form.bonded))
+
+    def find_bone_planes(self) -> tuple[Any, Array, Array]:
+        """Find trace, unit vectors into the bone, and mean gaps of the nodes that lie on it without a bond."""
+        points, nodes = self.bond.points, self._find_loose()
+        a, b, c = points[self._triangles[:, :3]].transpose(1, 0, 2)
+        normals = np.zeros_like(points)
+        np.add.at(normals, self._triangles, np.cross(c - a, b - a)[:, None])
+        normals = (normals / np.linalg.norm(normals, axis=1)[:, None])[nodes]
+        trace, gap = self.bond.trace[:, nodes], self.form.inner_gap_mm(points[:, X], points[:, Z])
+        mean = (trace.T @ gap) / np.asarray(trace.sum(axis=0)).ravel()
+        return trace, -normals * np.sign(normals[:, [PALM]]), mean
+
     @cached_property
     def step(self) -> Array:
         """Displacements of all nodes: 1 towards the skin on the active area, and 0 elsewhere.
@@ -108,34 +123,12 @@ class PadModel:
         The step is projected to the shape functions: the load is then the integral of the traction over the disc,
         without a part of the elements around it.
         """
-        inside = Surface.of_nodes(self.bond.points, self._find_disc()).mass.sum(axis=1)
+        arm = np.hypot(self.bond.points[:, X], self.bond.points[:, Z] - self.form.sensor_z_mm)
+        disc = (arm[self._triangles] <= self.form.active_radius_mm * (1.0 + 1e-9)).all(axis=1)
+        inside = Surface.of_nodes(self.bond.points, self._triangles[disc]).mass.sum(axis=1)
         step = np.zeros(self.mesh.nodes.shape)
         step[self._lower, PALM] = self.bond.project(np.asarray(inside).ravel())
         return step
-
-    def _find_disc(self) -> NDArray[np.int64]:
-        """Find the triangles of the lower surface on the active area."""
-        arm = np.hypot(self.bond.points[:, X], self.bond.points[:, Z] - self.form.sensor_z_mm)
-        return self._triangles[(arm[self._triangles] <= self.form.active_radius_mm * (1.0 + 1e-9)).all(axis=1)]
-
-    @cached_property
-    def inside(self) -> tuple[InsideContact, Array] | None:
-        """Inside of a skin that lies on the bone, and its pressures when nothing touches the finger."""
-        if self.form.bonded:
-            return None
-        inside = InsideContact.of_mesh(self.form, self.body, self.mesh, (self.bond, self.top), self._find_disc())
-        # A node of its own takes the force that a search for a patch needs.
-        one, area = np.ones(1), np.append(1.0, inside.area)
-        compliance = np.pad(inside.compliance, ((1, 0), (1, 0)))
-        compliance[0, 0] = 1.0
-        gap, touches = np.append(0.0, inside.gap), np.append(True, inside.gap < 0.0)
-        found = find_patch(compliance, gap, np.append(one, 0.0 * inside.area), 1.0, touches, area)[0]
-        return inside, np.maximum(found[1:], 0.0)
-
-    @property
-    def rest_n(self) -> float:
-        """Force on the active area when nothing touches the finger."""
-        return self.copies * float(self.inside[0].on_sensor @ self.inside[1]) if self.inside else 0.0
 
     @cached_property
     def _weights(self) -> Array:
@@ -183,19 +176,11 @@ class PadModel:
         shares = griddata((x, dz), self._weights[:, PALM], tuple(at), fill_value=0.0)
         return line, line, np.round(shares, 3)
 
-    def strain(self, tractions: Array, below: Array) -> tuple[float, float, float]:
-        """Return the largest strain, and shear and tension at the bond [MPa], under tractions of the surface.
-
-        Of a skin that lies on the bone `below` are the pressures inside.
-        """
+    def strain(self, tractions: Array) -> tuple[float, float, float]:
+        """Return the largest strain, and shear and tension at the bond [MPa], under tractions of the surface."""
         load = np.zeros((*self.mesh.nodes.shape, 1))
         load[self._upper, :, 0] = self.top.trace @ tractions
-        if self.inside:
-            inside = self.inside[0]
-            load[self._lower, :, 0] = -inside.trace @ (below[:, None] * inside.into)
         moved = self.body.move(load)[:, :, 0]
-        if self.inside:
-            return float(np.abs(self.body.strains(moved)).max()), 0.0, 0.0
         forces = self.body.support(moved)[self._lower]
         if self.copies > 1.0:
             forces[self.bond.points[:, X] <= 0.0, X] = 0.0  # of the other half, not of the bone
@@ -231,15 +216,7 @@ class Patch:
         self._weight = model.area * closing
         # The normal is that at the node, as in the work of its pressure; the distance is averaged around the node.
         self._gap = model.top.trace.T @ (gap / self._into[:, PALM]) * self._into[:, PALM]
-        self._active, self._first, self._below = self._travel <= self._reach, 0.0, np.zeros(0, bool)
-        if model.inside:
-            # A bump inside lifts the surface, which then touches elsewhere and before.
-            inside, rest = model.inside
-            self._travel = (self._gap - (inside.push(rest) * self._into).sum(axis=1)) / self._weight
-            self._first, self._below = float(self._travel.min()), rest > 0.0
-            self._travel -= self._first
-            self._reach = float(np.partition(self._travel, _SEED)[_SEED])
-            self._active = self._travel <= self._reach
+        self._active = self._travel <= self._reach
 
     def press(self, force_n: float, *, with_strain: bool = True) -> PadContact:
         """Press with a force, larger than the one before. Raises TraceError beyond small strains.
@@ -252,17 +229,11 @@ class Patch:
         while True:
             nodes = np.flatnonzero(self._travel <= self._reach)
             into = self._into[nodes]
-            compliance, gap, weight = model.compliance(nodes, into), self._gap[nodes], self._weight[nodes]
-            active, area = self._active[nodes], weight
-            if model.inside:
-                inside = model.inside[0]
-                across = np.einsum("ni,inj->nj", into, inside.outside[:, nodes])
-                compliance = np.block([[compliance, across], [across.T, inside.compliance]])
-                gap, area = np.append(gap, inside.gap), np.append(area, inside.area)
-                weight, active = np.append(weight, 0.0 * inside.gap), np.append(active, self._below)
-            pressure, depth, slope, active = find_patch(compliance, gap, weight, force_n / model.copies, active, area)
-            pressure, below, depth = pressure[: len(nodes)], pressure[len(nodes) :], depth - self._first
-            self._active[nodes], self._below = active[: len(nodes)], active[len(nodes) :]
+            pressure, depth, slope, active = find_patch(
+                model.compliance(nodes, into), self._gap[nodes], self._weight[nodes], force_n / model.copies,
+                self._active[nodes],
+            )  # fmt: skip
+            self._active[nodes] = active
             if depth <= self._reach:
                 break
             if self._reach >= self._limit:
@@ -270,7 +241,7 @@ class Patch:
             self._reach = min(_GROWTH * self._reach, depth, self._limit)
         tractions = np.zeros_like(self._into)
         tractions[nodes] = -pressure[:, None] * into
-        strain, shear, tension = model.strain(tractions, below) if with_strain else (math.nan,) * 3
+        strain, shear, tension = model.strain(tractions) if with_strain else (math.nan,) * 3
         if strain > MAX_STRAIN:
             raise _refuse(force_n, f"strains the skin by {strain:.2f}, beyond the {MAX_STRAIN:g} of small strains")
         flow = pressure * self._weight[nodes]
@@ -278,17 +249,8 @@ class Patch:
         along[nodes, Z] = pressure
         spread = model.copies * model.area[nodes]
         x, z = flow @ model.top.points[nodes][:, [X, Z]] / flow.sum()
-        if model.inside:
-            inside, on = model.inside[0], self._below
-            sensed = model.copies * float(inside.on_sensor @ below) - model.rest_n
-            moved = np.tensordot(along, inside.outside[..., on], ((1, 0), (0, 1)))
-            pushed = model.copies * float(
-                inside.on_sensor[on] @ np.linalg.solve(inside.compliance[np.ix_(on, on)], moved)
-            )
-        else:
-            sensed, pushed = model.sense(tractions), model.sense(along)
         return PadContact(
-            sensed / force_n, pushed / float(spread @ pressure), force_n, depth,
+            model.sense(tractions) / force_n, model.sense(along) / float(spread @ pressure), force_n, depth,
             model.copies / slope, (0.0 if model.copies > 1.0 else float(x), float(z) - model.form.sensor_z_mm),
             float(spread[pressure > 0.0].sum()), strain, shear, tension,
         )  # fmt: skip
@@ -299,15 +261,13 @@ def _refuse(force_n: float, problem: str) -> TraceError:
 
 
 def find_patch(
-    compliance: Array, gap: Array, weight: Array, force_n: float, active: NDArray[np.bool_], area: Array | None = None
+    compliance: Array, gap: Array, weight: Array, force_n: float, active: NDArray[np.bool_]
 ) -> tuple[Array, float, float, NDArray[np.bool_]]:
     """Find pressures, depth, its increase by force and the patch under a force, from a first guess of the patch.
 
-    Gap and weight are integrals around the nodes, of the distance and of what a unit depth takes of it: nothing inside
-    of the skin, where an area takes the weight's place. A primal-dual active set (M. Hintermueller, K. Ito and
-    K. Kunisch, SIAM J. Optim. 13 (2002) 865).
+    Gap and weight are integrals around the nodes, of the distance and of what a unit depth takes of it. A primal-dual
+    active set (M. Hintermueller, K. Ito and K. Kunisch, SIAM J. Optim. 13 (2002) 865).
     """
-    area = weight if area is None else area
     for step in range(_MAX_STEPS):
         index = np.flatnonzero(active)
         n = len(index)
@@ -318,7 +278,7 @@ def find_patch(
         solution = np.linalg.solve(system, right)
         pressure = np.zeros(len(gap))
         pressure[index], depth = solution[:n, 0], float(solution[n, 0])
-        rest = (gap + compliance[:, index] @ solution[:n, 0] - depth * weight) / area
+        rest = (gap + compliance[:, index] @ solution[:n, 0]) / weight - depth
         # By how much pressures pull and the rest overlaps, relative to the largest pressure and to the depth.
         wrong = np.where(active, -pressure / np.abs(pressure).max(), -rest / max(abs(depth), 1e-12))
         if wrong.max() <= 1e-9:

@@ -20,7 +20,6 @@ from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.pad.fem_contact import PadModel
 from fingertip.pad.fem_elastic import factorise
-from fingertip.pad.fem_inside import find_bone_planes
 from fingertip.pad.pose import Pose
 from fingertip.pad.touch import Touch
 
@@ -84,11 +83,11 @@ class FarContact:
         self.face = Face(*outer, model.area[nodes], size, touch.approach, touch.gaps, friction, stiff)
         self._faces, self._free = [self.face], np.append(np.flatnonzero(~model.body.is_fixed), size)
         if not model.form.bonded:
-            trace, into, gap = find_bone_planes(model.form, model.bond, model.mesh.triangles)
+            trace, into, gap = model.find_bone_planes()
             area = np.asarray(trace.sum(axis=0)).ravel()
 
             def stand_off(places: Array) -> tuple[Array, Array, None]:
-                return gap / area - ((places - inner.still) * into).sum(axis=1), into, None
+                return gap - ((places - inner.still) * into).sum(axis=1), into, None
 
             inner = Face(trace.T.tocsr(), model.bond.points, area, size, None, stand_off, friction, stiff)
             self._faces.append(inner)

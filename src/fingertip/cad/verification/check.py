@@ -72,7 +72,6 @@ _CAUSES: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("mold*.draft_clearance_gain*", ("mold.draft_deg",)),
     ("mold*.recess_clearance", ("mold.fit_clearance_mm",)),
     ("mold.cable*", ("mold.recess_length_mm", "bone.base_length_mm")),
-    ("mold.air_trap_height", ("mold.vent_diameter_mm",)),
     ("mold.air_trapped", ("mold.vent_diameter_mm", "mold.chaplet_from_tip_mm", "mold.runner_width_mm")),
     ("mold.fill_time", ("mold.nozzle_bore_mm", "mold.thumb_force_n", "silicone.viscosity_pa_s")),
     ("mold.syringe_force", ("mold.nozzle_bore_mm", "mold.syringe", "silicone.viscosity_pa_s")),

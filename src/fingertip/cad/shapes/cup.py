@@ -18,12 +18,15 @@ from fingertip.design.geometry.cup_layout import (
     RIDGE_END_MM,
     RIDGE_HALF_CREST_MM,
     RIDGE_HEIGHT_MM,
+    RIDGE_LENGTH_MM,
     STRAP_Y_MM,
 )
 from fingertip.design.geometry.solids import Axis, Box, Cone, Prism, Solid, difference, union
 
 _PAST_MM = 1.0
 """Length by which cuts reach past the face in which they open, and solids into those on which they stand [mm]."""
+_ROOT_MM = RIDGE_HEIGHT_MM + RIDGE_HALF_CREST_MM
+"""Half the width of a ridge at the plate [mm]."""
 _INTO_HALF_MM = 0.2
 """Depth of a key's root in its half [mm]."""
 _TEXT_SHARE = 0.85
@@ -44,29 +47,26 @@ def hollow(design: Design) -> Solid:
 
 def grooves(design: Design) -> tuple[Solid, ...]:
     """Build the grooves of the rim, open at the outside. Their flanks lie in the planes of the ridges' flanks."""
-    m, rise = design.cup_layout, RIDGE_HEIGHT_MM + RIDGE_HALF_CREST_MM
     floor = RIDGE_HEIGHT_MM + GAP_MM
-    profile = ((-_PAST_MM, rise + _PAST_MM), (floor, rise - floor))
-    (side, dorsal), far = m.ridge_begins, 2 * (m.half_width + m.dorsal_height)
-    return (
-        _wedge("x", profile, side, far), _wedge("x", profile, -far, -side), _wedge("y", profile, dorsal, far)
-    )  # fmt: skip
+    profile = ((-_PAST_MM, _ROOT_MM + _PAST_MM), (floor, _ROOT_MM - floor))
+    return _along_spokes(design, profile, 0.0, RIDGE_LENGTH_MM + _PAST_MM)
 
 
 def ridges(design: Design) -> tuple[Solid, ...]:
-    m, rise = design.cup_layout, RIDGE_HEIGHT_MM + RIDGE_HALF_CREST_MM
-    profile = ((-_PAST_MM, rise), (0.0, rise), (RIDGE_HEIGHT_MM, RIDGE_HALF_CREST_MM))
-    (side, dorsal), end = (begin + RIDGE_END_MM for begin in m.ridge_begins), m.half_width - RIDGE_END_MM
-    return (
-        _wedge("x", profile, side, end), _wedge("x", profile, -end, -side),
-        _wedge("y", profile, dorsal, m.dorsal_height - RIDGE_END_MM),
-    )  # fmt: skip
+    profile = ((-_PAST_MM, _ROOT_MM), (0.0, _ROOT_MM), (RIDGE_HEIGHT_MM, RIDGE_HALF_CREST_MM))
+    return _along_spokes(design, profile, RIDGE_END_MM, RIDGE_LENGTH_MM - RIDGE_END_MM)
 
 
-def _wedge(axis: Axis, profile: tuple[tuple[float, float], ...], low: float, high: float) -> Prism:
-    """Extrude a symmetric outline, given by heights z and half widths, along x or y."""
+def _along_spokes(
+    design: Design, profile: tuple[tuple[float, float], ...], begin: float, end: float
+) -> tuple[Solid, ...]:
+    """Extrude an outline, given by heights z and half widths, along the spokes at 3, 9 and 12 o'clock."""
     ring = [(z, -half) for z, half in profile] + [(z, half) for z, half in reversed(profile)]
-    return _extrude(axis, ring, low, high)
+    side, dorsal = design.cup_layout.ridge_begins
+    return (
+        _extrude("x", ring, side + begin, side + end), _extrude("x", ring, -side - end, -side - begin),
+        _extrude("y", ring, dorsal + begin, dorsal + end),
+    )  # fmt: skip
 
 
 def _extrude(axis: Axis, outline: Sequence[tuple[float, float]], low: float, high: float) -> Prism:
@@ -170,14 +170,14 @@ def _engrave(
 
 
 def mold_palmar(design: Design) -> Solid:
-    m = design.cup_layout
-    half = Box((-m.half_width, -m.palmar_height, GAP_MM), (m.half_width, 0.0, m.foot_z))
+    whole = block(design)
+    half = Box(whole.low, (whole.high[0], 0.0, whole.high[2]))
     return difference(half, hollow(design), *key_sockets(design), *label(design))
 
 
 def mold_dorsal(design: Design) -> Solid:
-    m = design.cup_layout
-    half = Box((-m.half_width, 0.0, GAP_MM), (m.half_width, m.dorsal_height, m.foot_z))
+    whole = block(design)
+    half = Box((whole.low[0], 0.0, whole.low[2]), whole.high)
     return difference(union(half, *key_frustums(design)), hollow(design))
 
 

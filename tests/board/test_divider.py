@@ -21,12 +21,14 @@ from fingertip.board.front_end import find_range_warnings, find_tactile_response
 from fingertip.board.parts.circuit import find_issues
 from fingertip.calibration.sensor import calibrate_sensor, read_weighings
 from fingertip.detection.files import detect_stream
+from fingertip.documents.acceptance import expect_readings
 from fingertip.documents.board.divider import list_readings
 from fingertip.lab.campaign.plan import CampaignPlan
 from fingertip.lab.campaign.run import run_campaign
 from fingertip.lab.divider import BOARD, DIVIDER, NOISY, compare_with_board
 from fingertip.lab.validation import validate
 from fingertip.sim import Trial, simulate
+from fingertip.sim.runs.grip import ForceCurve
 from fingertip.sim.signal import readout
 from fingertip.sim.signal.bridge import Bridge, ConductanceCurve
 from fingertip.slip.detectors.registry import DETECTORS, make_detector
@@ -65,9 +67,13 @@ def test_folder_states_one_circuit(tmp_path: Path) -> None:
     assert nets["VCC"] == {("J1", "1"), ("J3", "1")}
     assert nets["GND"] == {("R1", "2"), ("J3", "3")}
     words = {text.text for text in ElementTree.parse(tmp_path / "wiring.svg").iter("{http://www.w3.org/2000/svg}text")}
-    assert {"3V3", "A0", "GND", "10k ohm"} <= words
+    assert {"ADC_VREF (pin 35)", "A0: GP26 (pin 31)", "GND (pin 33)", "10k ohm"} <= words
+    assert all("pin 35" in (tmp_path / name).read_text(encoding="utf-8") for name in ("README.md", "slip_filter.net"))
+    assert ".kicad_sch" not in (tmp_path / "slip_filter.net").read_text(encoding="utf-8")
+    values = json.loads((tmp_path / "values.json").read_text(encoding="utf-8"))
+    assert values["parameters"] == {"variant": "divider", "divider_ohm": 10e3, "supply_v": 3.3}
     with (tmp_path / "bom.csv").open(encoding="utf-8") as file:
-        assert [row["References"] for row in csv.DictReader(file)] == ["J3", "R1"]
+        assert [row["References"] for row in csv.DictReader(file)] == ["J1", "J3", "R1"]
     assert len((tmp_path / "README.md").read_text(encoding="utf-8").split()) <= 140
 
 
@@ -81,6 +87,15 @@ def test_ngspice_gives_the_expected_readings(tmp_path: Path) -> None:
     assert [one["mass_g"] for one in readings] == [0.0, 100.0, 500.0]
     assert [round(volts, 2) for volts in computed] == [one["tactile_v"] for one in readings[1:]]
     assert [one["counts"] for one in readings] == [0, *(round(volts / 3.3 * 4096) for volts in computed)]
+
+
+@pytest.mark.parametrize("change", ["board.divider_ohm=10000", "force_curve.curve=calibrated"])
+def test_hand_reads_the_weight_off_the_expected_voltage(change: str) -> None:
+    """The skin carries a part of the weight, for the readings as for the forces of sketch and simulated hand."""
+    design = Design.load("fsr400", changes=[*CHANGES, change])
+    for reading in expect_readings(design):
+        found_n = ForceCurve.from_design(design).force_n(reading.tactile_v)
+        assert found_n == pytest.approx(reading.mass_g * 9.81e-3, rel=5e-3)
 
 
 def test_current_and_range_are_stated() -> None:

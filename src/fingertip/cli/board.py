@@ -133,8 +133,8 @@ def _write_divider(
     folder, written = _write(console, design, out, force, bring_up=False, fab=False)
     console.warn(find_range_warnings(design))
     first = f"{design.name}, divider of {design.board.divider_ohm:g} ohm on one analog input; files in {folder}"
-    text = "\n  ".join([first, *describe_readings(design)])
-    console.result(written | {"readings": list_readings(design)}, text)
+    readings = list_readings(design)
+    console.result(written | {"readings": readings}, "\n  ".join([first, *describe_readings(readings)]))
 
 
 def _compare(console: Console, design: Design, out: Path | None, fab: bool) -> None:

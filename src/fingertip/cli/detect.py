@@ -28,7 +28,7 @@ def detect(
         "filter board was recorded, envelope_v; - reads CSV lines from standard input as they arrive."
     ),
     design: Path | None = typer.Option(None, help="Design file or bundled name; the default design if left out."),
-    detector: str = typer.Option(DEFAULT, help=describe_detectors()),
+    detector: str | None = typer.Option(None, help=f"{describe_detectors()} Default: {DEFAULT}; on a divider, fast."),
     rate_hz: float | None = typer.Option(
         None, help="Sampling rate of the trace; if the file holds times, they must agree with it."
     ),
@@ -67,6 +67,7 @@ def detect(
         check_set(plot)
         extras.require("--plot", "matplotlib", alternative="leave --plot out")
     loaded = load_design(design, changes)
+    detector = detector or (DEFAULT if loaded.board.has_filter else "fast")
     settings: dict[str, Any] = {
         "rate_hz": rate_hz, "scale": scale, "columns": _parse_columns(columns or []),
         "time_scale": _parse_time_scale(time_scale), "progress": console.progress,

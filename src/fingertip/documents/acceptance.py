@@ -6,19 +6,20 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
 from fingertip.casting.hardware import OPEN_OHM, PRESSED_OHM, WEIGHTS_G, describe_plug_wires, size_wires
 from fingertip.design import Design
 from fingertip.documents.template import render_page
-from fingertip.sim.signal.bridge import Bridge
+from fingertip.pad.response import Pad
+from fingertip.sim.signal.bridge import Bridge, reads_whole_finger
 from fingertip.slip.detection import Detection
 from fingertip.slip.report import DETECTED, INTERVAL
 
 SPREAD = 4.0
-"""Factor by which the conductance of a good sensor may differ from the data sheet's curve, up or down.
-
-Single force-sensing resistors differ by a factor of two to eight at the same force, and a skin spreads the load.
-"""
+"""Factor by which the conductance of a good sensor may differ from the data sheet's curve, up or down, since single
+sensors differ by a factor of 2 to 8 at the same force. A board's sheet leaves out what the skin carries."""
 _RATIO_SPREAD = 1.3
 """Factor by which the exponent of single sensors and the place of the disc change the ratio. An assumption."""
 _GRAVITY = 9.81
@@ -70,15 +71,16 @@ def _spread_readings(design: Design) -> Iterator[WeightReading]:
     """Compute the readings with the limits that follow from the spread alone: from the factor by which the conductance
     of a good sensor may differ from the curve of the design.
 
-    A calibrated curve is as uncertain as its calibration, in the range of its forces. Beyond it, and without a
-    calibration, the factor is that of single sensors.
+    A calibrated curve is as uncertain as its calibration, in the range of its forces. Else the factor is `SPREAD`.
     """
     bridge, stated = Bridge.of_board(design), design.force_curve
-    for mass in WEIGHTS_G:
-        force_n = mass / 1000.0 * _GRAVITY
+    forces_n = sensed_n = np.array(WEIGHTS_G) / 1000.0 * _GRAVITY
+    if not design.board.has_filter:
+        sensed_n = Pad.from_design(design).sensed_n(forces_n, None, reads_whole_finger(design, "board"))
+    for mass, force_n, on_sensor_n in zip(WEIGHTS_G, forces_n.tolist(), sensed_n.tolist(), strict=True):
         is_calibrated = stated.curve == "calibrated" and stated.min_force_n <= force_n <= stated.max_force_n
         spread = min(stated.interval_factor, SPREAD) if is_calibrated else SPREAD
-        conductance = bridge.curve.conductance_s(force_n)
+        conductance = bridge.curve.conductance_s(on_sensor_n)
         low, high = sorted(
             _clip_v(design, bridge.response.tactile_v(conductance * factor)) for factor in (spread, 1.0 / spread)
         )

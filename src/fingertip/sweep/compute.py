@@ -171,7 +171,7 @@ def compute_simulation(context: PointContext) -> OutputValues:
     return {
         "simulation.force_error_mn": 1e3 * errors["force_n"],
         "simulation.voltage_error_mv": 1e3 * errors["voltage_v"],
-        "simulation.envelope_error_mv": 1e3 * errors["envelope_v"],
+        "simulation.envelope_error_mv": 1e3 * errors.get("envelope_v", math.nan),
         "simulation.delay_shift_samples": shifts_samples[detector],
     }
 

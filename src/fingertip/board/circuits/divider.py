@@ -10,8 +10,6 @@ steps of the converter are those of the signal.
 from __future__ import annotations
 
 import math
-from pathlib import Path
-from string import Template
 
 from fingertip.board.components.bridge import MAX_CURRENT_A_PER_CM2, MAX_FORCE_N, sensor_conductance_s
 from fingertip.board.parts.circuit import Circuit, Component, build_circuit, format_component_value
@@ -25,10 +23,12 @@ _AXIAL = "Resistor_THT:R_Axial_DIN0207_L6.3mm_D2.5mm_P10.16mm_Horizontal"
 def divider_circuit(design: Design) -> Circuit:
     """Circuit of sensor, resistor, and the three pins of the controller."""
     ohm, converter = format_component_value(design.board.divider_ohm), design.detector
-    sensor = Component("J1", "FSR", SYMBOLS["Conn_01x02"], HEADER_2, "sensor, either way round")
+    label, two_pins = design.dimensions.sensor.label, SYMBOLS["Conn_01x02"]
+    sensor = Component("J1", label, two_pins, HEADER_2, "sensor, either way round", "with solder tabs")
     resistor = Component("R1", ohm, RESISTOR, _AXIAL, "input to ground", "metal film with leads, 1 %, 0.25 W")
     rating = f"analog input of {converter.adc_bits} bits, {converter.adc_range_text}; see fingertip firmware"
-    pins = Component("J3", "controller", SYMBOLS["Conn_01x03"], HEADER_3, "supply, analog input, ground", rating)
+    role = "converter's reference (Pico: ADC_VREF, pin 35), analog input, ground"
+    pins = Component("J3", "controller", SYMBOLS["Conn_01x03"], HEADER_3, role, rating)
     wiring = {sensor: (VCC, TACTILE), resistor: (TACTILE, GND), pins: (VCC, TACTILE, GND)}
     return build_circuit(
         "divider", {part: {str(i): net for i, net in enumerate(nets, 1)} for part, nets in wiring.items()}
@@ -48,13 +48,6 @@ def divider_deck(design: Design, low_ohm: float, high_ohm: float) -> bytes:
         ".end",
     ]
     return ("\n".join(lines) + "\n").encode()
-
-
-def divider_wiring(design: Design) -> bytes:
-    """Wiring picture (SVG): controller, breadboard, resistor, and the two wires of the sensor."""
-    template = Template(Path(__file__).with_name("divider.svg").read_text(encoding="utf-8"))
-    volts, ohm = f"{design.board.supply_v:g}", divider_circuit(design).component("R1").value
-    return template.substitute(name=design.name, volts=volts, pin=volts.replace(".", "V"), ohm=ohm).encode()
 
 
 def compute_current_ratio(design: Design) -> float:

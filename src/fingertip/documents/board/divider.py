@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from fingertip.board.circuits.divider import compute_current_ratio, divider_circuit, divider_deck, divider_wiring
+from fingertip.board.circuits.divider import compute_current_ratio, divider_circuit, divider_deck
 from fingertip.board.fabrication.bom import COLUMNS, list_bom
 from fingertip.board.kicad.netlist import kicad_netlist_file
+from fingertip.casting.hardware import WEIGHTS_G
 from fingertip.catalogues.output_files import BOM, DECK, NETLIST, README, VALUES, WIRING
+from fingertip.catalogues.sensors import PART_TO_PART
 from fingertip.design import Design
 from fingertip.design.formulas.filter import find_preferred_neighbours
 from fingertip.documents.acceptance import IDLE_TOLERANCE_V, expect_open_v, expect_readings
-from fingertip.documents.template import WIDTH, render_page
+from fingertip.documents.template import WIDTH, render, render_page
 from fingertip.foundation.files import format_csv
+
+_PARAMETERS = {"variant", "divider_ohm", "supply_v"}
 
 
 def list_readings(design: Design) -> list[dict[str, Any]]:
@@ -32,28 +37,26 @@ def list_readings(design: Design) -> list[dict[str, Any]]:
     ]
 
 
-def describe_readings(design: Design) -> list[str]:
-    lines = []
-    for one in list_readings(design):
-        name = f"pressed by {one['mass_g']:g} g" if one["mass_g"] else "untouched"
-        low_v, high_v = one["limits_v"]
-        lines.append(f"{name}: {one['tactile_v']:.2f} V ({low_v:.2f} to {high_v:.2f}), {one['counts']} counts")
-    return lines
+def describe_readings(readings: Iterable[Mapping[str, Any]]) -> list[str]:
+    texts = ["untouched", *(f"pressed by {mass_g:g} g" for mass_g in WEIGHTS_G)]
+    form = "{}: {tactile_v:.2f} V ({limits_v[0]:.2f} to {limits_v[1]:.2f}), {counts} counts"
+    return [form.format(text, **one) for text, one in zip(texts, readings, strict=True)]
 
 
 def divider_files(design: Design) -> dict[str, bytes]:
-    circuit, current = divider_circuit(design), compute_current_ratio(design)
+    circuit, current, readings = divider_circuit(design), compute_current_ratio(design), list_readings(design)
     low_ohm, high_ohm = sorted(one.sensor_ohm for one in expect_readings(design))
     rows = [(str(len(one.components)), " ".join(one.references), one.value, one.rating) for one in list_bom(circuit)]
-    values = {"parameters": design.board.model_dump(), "readings": list_readings(design)}
+    values = {"parameters": design.board.model_dump(include=_PARAMETERS), "readings": readings}
     readme = render_page(
-        "board/divider.md", WIDTH, design=design, readings=describe_readings(design), current=current,
-        safe_ohm=find_preferred_neighbours(design.board.divider_ohm * current, "E24")[1],
+        "board/divider.md", WIDTH, design=design, readings=describe_readings(readings), current=current,
+        part_to_part=PART_TO_PART, safe_ohm=find_preferred_neighbours(design.board.divider_ohm * current, "E24")[1],
     )  # fmt: skip
     return {
-        NETLIST: kicad_netlist_file(circuit),
+        # The wiring picture stands for a schematic.
+        NETLIST: kicad_netlist_file(circuit).replace(b"divider.kicad_sch", WIRING.encode()),
         DECK: divider_deck(design, low_ohm, high_ohm),
-        WIRING: divider_wiring(design),
+        WIRING: render("board/divider.svg", design=design, ohm=circuit.component("R1").value).encode(),
         BOM: format_csv((*COLUMNS[:3], "Rating"), rows),
         VALUES: (json.dumps(values | {"current_over_limit": round(current, 3)}, indent=2) + "\n").encode(),
         README: readme.encode(),

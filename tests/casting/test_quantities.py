@@ -16,12 +16,10 @@ from fingertip.cad.shapes.mold import runners
 from fingertip.cad.verification.mold import check_filling
 from fingertip.casting.hardware import describe_plug_wires, size_wires
 from fingertip.casting.quantities import (
-    FRICTION,
     SiliconeVolumes,
     compute_batch,
     load_cm3,
     measure_volumes,
-    name_retention,
     skin_pull_off_n,
     volumes_data,
 )
@@ -115,33 +113,6 @@ def test_groove_holds_as_a_stretched_ring() -> None:
     assert pull() == pytest.approx(expected)
     assert pull("bone.groove_depth_mm=0") == 0.0
     assert pull("bone.groove_width_mm=6") == pytest.approx(2 * expected)
-
-
-def pull_apart(*changes: str) -> float:
-    return skin_pull_off_n(Design.load("first_finger", changes=changes), SILICONE)
-
-
-def test_a_skin_that_is_made_apart_is_held_by_friction_along_its_length() -> None:
-    tight, loose = (pull_apart("bone.groove_depth_mm=0", f"mold.sleeve_interference_mm={i}") for i in (0.2, 0.0))
-    assert loose == 0.0
-    design = Design.load("first_finger")
-    dims, section = design.dimensions, design.dimensions.bone_outline.section
-    radius = (section.half_width + (section.dorsal + dims.flat_depth) / 2) / 2
-    thickness = min(design.skin.thickness_side_mm, design.skin.thickness_dorsal_mm)
-    force = FRICTION * SILICONE.modulus_mpa.low * (0.2 / radius) * thickness * math.tau * dims.taper_end_z
-    assert tight == pytest.approx(force)
-
-
-@pytest.mark.parametrize("name", ["fsr400", "first_finger"])
-@pytest.mark.parametrize("interference_mm", [0.0, 0.2])
-@pytest.mark.parametrize("depth_mm", [0.0, 0.6])
-def test_only_what_holds_is_named(depth_mm: float, interference_mm: float, name: str) -> None:
-    changes = [f"mold.sleeve_interference_mm={interference_mm}", f"bone.groove_depth_mm={depth_mm}"]
-    design = Design.load(name, changes=changes)
-    held = name_retention(design)
-    assert ("the groove" in held) == (depth_mm > 0.0)
-    assert ("its tightness" in held) == (name == "first_finger" and interference_mm > 0.0)
-    assert bool(held) == (skin_pull_off_n(design, SILICONE) > 0.0)
 
 
 @pytest.mark.parametrize(("awg", "conductor_mm"), [(28, 0.3211), (30, 0.2546), (31, 0.2268), (32, 0.2019)])

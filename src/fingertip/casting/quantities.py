@@ -143,13 +143,10 @@ def _component_densities(silicone: Silicone) -> tuple[float, float] | None:
     return ((a.low + a.high) / 2, (b.low + b.high) / 2) if a and b else None
 
 
-# Force that pulls the skin off the bone, where a groove or its tightness holds it. A thin ring of silicone
-# is stretched: p = E e t / R, with the strain e, the thickness t and the radius R (thin-walled cylinder). Over a groove
-# the ring climbs a flank of 45 degrees without friction, so the pull is the force that presses it together; a tight
-# skin is held by friction. Adhesion is left out: it depends on how clean the bone is.
-
-FRICTION = 0.5
-"""Coefficient of friction of silicone on resin. An assumption, at the lower end of rubber's."""
+# Force that pulls the skin off the bone, where a groove holds it. A thin ring of silicone is stretched: p = E e t / R,
+# with the strain e, the thickness t and the radius R (thin-walled cylinder). Over the groove the ring climbs a flank of
+# 45 degrees without friction, so the pull is the force that presses it together. Adhesion is left out: it depends on
+# how clean the bone is.
 
 
 def skin_pull_off_n(design: Design, silicone: Silicone) -> float:
@@ -160,23 +157,8 @@ def skin_pull_off_n(design: Design, silicone: Silicone) -> float:
     section, bone, skin = design.dimensions.bone_outline.section, design.bone, design.skin
     radius = (section.half_width + (section.dorsal + design.dimensions.flat_depth) / 2) / 2
     thickness = min(skin.thickness_side_mm, skin.thickness_dorsal_mm)
-
-    def press(stretched_mm: float, width_mm: float) -> float:
-        pressure = silicone.modulus_mpa.low * (stretched_mm / radius) * thickness / radius
-        return pressure * math.tau * radius * width_mm
-
-    held = press(bone.groove_depth_mm, bone.groove_width_mm)
-    if design.is_cast_apart:
-        held += FRICTION * press(design.mold.sleeve_interference_mm, design.dimensions.taper_end_z)
-    return held
-
-
-def name_retention(design: Design) -> list[str]:
-    """Name what holds the skin besides adhesion: the groove, its tightness, or nothing."""
-    held = ["the groove"] if design.bone.groove_depth_mm else []
-    if design.is_cast_apart and design.mold.sleeve_interference_mm:
-        held.append("its tightness")
-    return held
+    pressure = silicone.modulus_mpa.low * (bone.groove_depth_mm / radius) * thickness / radius
+    return pressure * math.tau * radius * bone.groove_width_mm
 
 
 # Pose of the mold while it fills: how far it may tilt before more air stays beside the first vent than the check lets

@@ -96,7 +96,6 @@ def casting_sheet_data(
         "peel": _PEEL,
         "fit": _fit_data(design),
         "skin_pull_off_n": round(quantities.skin_pull_off_n(design, silicone), 1),
-        "skin_held_by": quantities.name_retention(design),
         "sensor_limits": {"open_mohm": OPEN_OHM / 1e6, "pressed_kohm": PRESSED_OHM / 1e3},
         "joint": joint if design.dimensions.joint else None,
         "grip_force_n": design.strength.grip_force_n,

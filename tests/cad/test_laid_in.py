@@ -20,7 +20,7 @@ from fingertip.foundation.errors import DesignError
 DESIGN = Design.load("first_finger")
 DIMS = DESIGN.dimensions
 STANDARD = (  # the words of the design's heading
-    "sensor.model=fsr400", "bone.base_length_mm=30", "strength.grip_force_n=15", "strength.shock_force_n=25",
+    "sensor.model=fsr400", "bone.base_length_mm=30", "strength.grip_force_n=14", "strength.shock_force_n=24",
 )  # fmt: skip
 LARGE = (
     "mold.method=plunge",
@@ -39,8 +39,8 @@ def find_failed(design: Design = DESIGN) -> set[str]:
 
 
 def shorten(solid: Any, *_: object) -> Any:
-    """End the trough 2 mm early."""
-    return difference(solid, Box((-9.0, -20.0, -20.0), (9.0, 20.0, DIMS.trough_low_z + 2.0)))
+    """End the trough before the longest tail, a millimetre into the room of its tabs."""
+    return difference(solid, Box((-9.0, -20.0, -20.0), (9.0, 20.0, -6.5)))
 
 
 def close(solid: Any, *_: object) -> Any:
@@ -84,6 +84,11 @@ def test_sensors_are_laid_in(name: str, changes: tuple[str, ...]) -> None:
     part = PARTS["bone"]
     assert find_failed(design) == set()
     assert MeshEvaluator(0.05).manifold(part.solid(design)).genus() == part.genus(design)
+
+
+def test_a_folded_tail_is_refused_with_its_remedy() -> None:
+    with pytest.raises(DesignError, match=r"sensor.tail: folded has no trough .*set sensor.tail=straight"):
+        Design.load("first_finger", changes=["sensor.tail=folded"])
 
 
 def test_a_trough_takes_no_less_than_sensors_differ() -> None:

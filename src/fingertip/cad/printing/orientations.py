@@ -44,7 +44,7 @@ def print_orientations(design: Design) -> dict[str, Orientation]:
         orientations["sensor_insert"] = Orientation(90.0, "the face away from the sensor", needs_supports=False)
         orientations["insert_jig"] = Orientation(90.0, "the face around the hole", needs_supports=False)
     if PARTS["stand"].exists_in(design):
-        orientations["stand"] = Orientation(-90.0, "its flat back", needs_supports=False)
+        orientations["stand"] = Orientation(-90.0, "a flat side", needs_supports=False)
     if design.dimensions.fold:
         orientations["lid"] = _orient_lid(design)
     if design.mold.method == "plunge":

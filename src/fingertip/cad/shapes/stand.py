@@ -1,18 +1,18 @@
-"""Stand of a first finger: a socket for the post of its bone, on a handle. The cross bolt of the post holds it there.
+"""Stand of a first finger: a bar with a socket for the post of its bone, which its cross bolt holds there.
 
-It lies on its flat back while the pad is loaded from above, and prints so too, without supports.
+It lies on the table, and prints lying, without supports. Either of its two flat sides is the lower one: the pad looks
+up.
 """
 
 from __future__ import annotations
 
 from fingertip.design import Design
-from fingertip.design.geometry.solids import Prism, Solid, difference
+from fingertip.design.geometry.solids import Box, Solid, difference
 from fingertip.design.interfaces.interface import MATING_PLAY_MM, middle_y
 from fingertip.design.interfaces.rigid import Post
 
-_WALL_MM, _FLOOR_MM, _ABOVE_FLOOR_MM, _BELOW_FILLET_MM = 2.4, 2.0, 0.5, 0.3
-"""Wall beside the post, floor of its socket, room between both, and gap below the fillet at its root [mm]."""
-_HANDLE_MM, _HANDLE_HEIGHT_MM = 26.0, 6.0
+_WALL_MM, _ABOVE_FLOOR_MM, _BELOW_FILLET_MM, _HANDLE_MM = 2.4, 0.5, 0.3, 26.0
+"""Wall beside the post, room below it, gap below the fillet at its root, and length below its socket [mm]."""
 
 
 def post_gap_mm(design: Design) -> float:
@@ -20,25 +20,21 @@ def post_gap_mm(design: Design) -> float:
     return MATING_PLAY_MM / 2 + design.printer.surface_error_mm + max(0.0, design.printer.offset_mm)
 
 
-def outline(design: Design) -> tuple[float, float, float, float]:
-    """Return low and high z of the stand, half the width of its block, and half its height around the post [mm]."""
+def outline(design: Design) -> Box:
     bone, around = design.bone, post_gap_mm(design) + _WALL_MM
-    half_width, half_height = (size / 2 + around for size in (bone.post_width_mm, bone.post_height_mm))
-    low = Post().low_z(design) - _ABOVE_FLOOR_MM - _FLOOR_MM - 2 * half_height + _HANDLE_HEIGHT_MM - _HANDLE_MM
-    return low, -bone.base_length_mm - Post().foot_length(design) - _BELOW_FILLET_MM, half_width, half_height
+    x, half, y = bone.post_width_mm / 2 + around, bone.post_height_mm / 2 + around, middle_y(design.dimensions)
+    high = -bone.base_length_mm - Post().foot_length(design) - _BELOW_FILLET_MM
+    return Box((-x, y - half, Post().low_z(design) - _ABOVE_FLOOR_MM - _HANDLE_MM), (x, y + half, high))
 
 
 def stand(design: Design) -> Solid:
-    low, high, half_width, half_height = outline(design)
-    bone, y, wider = design.bone, middle_y(design.dimensions), 2 * post_gap_mm(design)
-    back, front, grip, slope = y + half_height, y - half_height, y + half_height - _HANDLE_HEIGHT_MM, low + _HANDLE_MM
-    corners = ((back, low), (back, high), (front, high), (front, slope + grip - front), (grip, slope), (grip, low))
+    bone, wider = design.bone, 2 * post_gap_mm(design)
     sizes = {
         "post_width_mm": bone.post_width_mm + wider, "post_height_mm": bone.post_height_mm + wider,
         "post_length_mm": bone.post_length_mm + _ABOVE_FLOOR_MM,
     }  # fmt: skip
     (socket, _), _ = Post().shapes(design.model_copy(update={"bone": bone.model_copy(update=sizes)}))
-    return difference(Prism("x", corners, -half_width, half_width), socket, Post().bolt_hole(design))
+    return difference(outline(design), socket, Post().bolt_hole(design))
 
 
 def genus(design: Design) -> int:

@@ -73,7 +73,7 @@ def _check_channel_walls(design: Design, evaluator: MeshEvaluator, outside: Mani
     """Check the part of the channel that has bone on all sides: from the solder relief to short of its dorsal end."""
     dims = design.dimensions
     channel = evaluator.manifold(bone.cable_channel(design))
-    if dims.is_laid_in:  # its mouth lies in the floor of the trough, which opens in the flat
+    if design.is_cast_apart:  # its mouth lies in the floor of the trough, which opens in the flat
         buried = channel.trim_by_plane((0.0, 1.0, 0.0), dims.pocket_depth - dims.flat_depth + wall)
     else:
         buried = channel.trim_by_plane((0.0, 0.0, -1.0), -(dims.relief_proximal_z - 1e-3))
@@ -146,7 +146,7 @@ def _check_sensor_seat(design: Design, evaluator: MeshEvaluator) -> Iterator[Che
     if dims.fold:  # only its palmar side rests on a seat
         distal = above_z(body, dims.fold.nose_z + PLANE_OFFSET_MM).trim_by_plane((0.0, -1.0, 0.0), -dims.fold.nose_y)
     else:
-        relief = 0.0 if dims.is_laid_in else dims.relief_half_length
+        relief = 0.0 if design.is_cast_apart else dims.relief_half_length
         distal = above_z(body, dims.tail_end_z + relief + PLANE_OFFSET_MM)
     # Move the sensor into its seat by its own thickness. Where it then meets no bone, the seat does not support it.
     thickness = dims.sensor.thickness_mm

@@ -22,7 +22,7 @@ _GAP_MM = 0.1
 
 def check_laid_in(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     """Check the trough of a sensor that is laid in; nothing for others."""
-    if not design.dimensions.is_laid_in:
+    if not design.is_cast_apart:
         return
     solid, largest = evaluator.manifold(PARTS["bone"].solid(design)), _with_largest_sensor(design)
     overlap = (evaluator.manifold(bone.sensor_body(largest)) ^ solid).volume()

@@ -160,7 +160,7 @@ class Dimensions(SkinDimensions):
         in runs on in an open trough: proximal to the collar the base is stronger, as high as its cheeks beside window,
         trough and joint keep a wall, within the collar.
         """
-        if self.fold is None and not self.is_laid_in:
+        if self.fold is None and not self._design.is_cast_apart:
             return self.flat_depth
         section, joint = self.bone_outline.section, self.joint
         between = joint.half_width if joint and joint.is_fork else 0.0
@@ -218,28 +218,18 @@ class Dimensions(SkinDimensions):
         return self.sensor_z + self.sensor.head_diameter_mm / 2 - self.sensor.length_mm + self.ramp_excess
 
     @cached_property
-    def is_laid_in(self) -> bool:
-        """True if a straight tail lies in a trough that is open to the palm, also through the collar.
-
-        No bone lies in the mold of a skin that is made apart, so no silicone has to be kept out of the trough.
-        """
-        return self._design.sensor.tail == "straight" and self._design.is_cast_apart
-
-    @cached_property
     def tail_passes_collar(self) -> bool:
         """True if the tail leaves through a closed passage in the collar."""
-        return self.fold is not None or (self.tail_end_z < 0.0 and not self.is_laid_in)
-
-    @cached_property
-    def trough_low_z(self) -> float:
-        """Proximal end of the trough of a tail that is laid in, past the wires' hole."""
-        return self.channel_exit_z - self._design.bone.channel_diameter_mm / 2 - _PAST_HOLE_MM
+        return self.fold is not None or (self.tail_end_z < 0.0 and not self._design.is_cast_apart)
 
     @cached_property
     def tie_span(self) -> tuple[float, float] | None:
-        """Heights between which a cable tie around the base holds the wires of a tail that is laid in; else None."""
+        """Heights between which a cable tie around the base holds the wires of a tail that is laid in; else None.
+
+        The trough of the tail, which is open to the palm, ends there too: the head of the tie lies in it.
+        """
         high = self.wires_end_z - _PAST_HOLE_MM
-        return (high - TIE_WIDTH_MM - TIE_ROOM_MM, high) if self.is_laid_in else None
+        return (high - TIE_WIDTH_MM - TIE_ROOM_MM, high) if self._design.is_cast_apart else None
 
     @cached_property
     def relief_half_length(self) -> float:
@@ -263,7 +253,7 @@ class Dimensions(SkinDimensions):
         """
         bone = self._design.bone
         channel_radius = bone.channel_diameter_mm / 2
-        if self.is_laid_in:
+        if self._design.is_cast_apart:
             tabs_end = self.tail_end_z - self._design.sensor.tab_length_mm - LONGER_MM
             return min(tabs_end + channel_radius, -(bone.collar_length_mm + channel_radius + bone.wall_mm))
         covered = max(bone.collar_length_mm, self._design.mold.recess_length_mm)

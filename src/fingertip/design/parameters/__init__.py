@@ -57,7 +57,7 @@ class Tables(Frozen):
     @property
     def prints_without_supports(self) -> bool:
         """True for a bone on a post that lies in no mold: its collar and base may rise on slopes of 45 degrees."""
-        return self.mold.method == "plunge" and self.sensor.tail == "straight" and self.bone.interface == "post"
+        return self.is_cast_apart and self.bone.interface == "post"
 
     @property
     def skin_is_bonded(self) -> bool:

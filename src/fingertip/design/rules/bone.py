@@ -34,9 +34,7 @@ def walls_print(design: DesignTables) -> Limit | None:
     return Limit(minimum, f"is thinner than the {minimum:g} mm of printer.min_wall_mm")
 
 
-@RULES.at_most(
-    "bone.relief_length_mm", when=lambda design: not (design.dimensions.is_laid_in or design.dimensions.fold)
-)
+@RULES.at_most("bone.relief_length_mm", when=lambda design: not (design.is_cast_apart or design.dimensions.fold))
 def relief_clear_of_pocket(design: DesignTables) -> Limit:
     dims = design.dimensions
     pocket = dims.sensor_z - dims.sensor.head_diameter_mm / 2 - design.sensor.clearance_mm
@@ -57,14 +55,21 @@ def relief_clear_of_collar(design: DesignTables) -> Violation | None:
     )
 
 
-@RULES.at_least("bone.channel_diameter_mm", when=lambda design: design.dimensions.is_laid_in)
+@RULES.rule("sensor.tail")
+def plunge_takes_a_straight_tail(design: DesignTables) -> Violation | None:
+    if not design.is_cast_apart or design.sensor.tail == "straight":
+        return None
+    return Violation("folded has no trough for mold.method=plunge", alternatives={"sensor.tail": "straight"})
+
+
+@RULES.at_least("bone.channel_diameter_mm", plunge_takes_a_straight_tail, when=lambda design: design.is_cast_apart)
 def hole_takes_both_wires(design: DesignTables) -> Limit:
     """Two wires side by side leave half of the hole's area free, through which the sensor's vent breathes."""
     wires = 2 * design.sensor.wire_diameter_mm
     return Limit(wires + 2 * _BESIDE_WIRE_MM, f"does not take two wires of {design.sensor.wire_diameter_mm:g} mm")
 
 
-@RULES.at_least("sensor.clearance_mm", when=lambda design: design.dimensions.is_laid_in)
+@RULES.at_least("sensor.clearance_mm", plunge_takes_a_straight_tail, when=lambda design: design.is_cast_apart)
 def trough_takes_measured_sensors(design: DesignTables) -> Limit:
     return Limit(
         max(HEAD_MM, TAIL_MM) / 2,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import astuple, replace
 
 from fingertip.cad.shapes import stand
 from fingertip.cad.shapes.bone import FOOT_GAP_MM
@@ -125,7 +125,7 @@ def jig_drawing(design: Design) -> PartDrawing:
 
 
 def stand_drawing(design: Design) -> PartDrawing:
-    (low, high, side, _), bone, gap = stand.outline(design), design.bone, stand.post_gap_mm(design)
+    bone, gap, ((_, _, low), (side, _, high)) = design.bone, stand.post_gap_mm(design), astuple(stand.outline(design))
     y, bolt_z, hole = middle_y(design.dimensions), Post().cross_bolt_z(design), bone.cross_bolt_diameter_mm
     sizes = (
         Length("overall length", OUTER, "front", "below", "z", (0.0, y, low), (0.0, y, high)),

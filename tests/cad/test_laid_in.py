@@ -15,7 +15,6 @@ from fingertip.cad.verification.bone import check_bone
 from fingertip.cad.verification.laid_in import check_laid_in
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Box, difference, union
-from fingertip.foundation.errors import DesignError
 
 DESIGN = Design.load("first_finger")
 DIMS = DESIGN.dimensions
@@ -84,15 +83,3 @@ def test_sensors_are_laid_in(name: str, changes: tuple[str, ...]) -> None:
     part = PARTS["bone"]
     assert find_failed(design) == set()
     assert MeshEvaluator(0.05).manifold(part.solid(design)).genus() == part.genus(design)
-
-
-def test_a_folded_tail_is_refused_with_its_remedy() -> None:
-    with pytest.raises(DesignError, match=r"sensor.tail: folded has no trough .*set sensor.tail=straight"):
-        Design.load("first_finger", changes=["sensor.tail=folded"])
-
-
-def test_a_trough_takes_no_less_than_sensors_differ() -> None:
-    with pytest.raises(DesignError, match=r"sensor.clearance_mm: 0.2 mm does not take a tail 0.5 mm wider.*0.25 mm"):
-        Design.load("first_finger", changes=["sensor.clearance_mm=0.2"])
-    with pytest.raises(DesignError, match=r"bone.channel_diameter_mm: 2 mm does not take two wires of 1 mm.*2.2 mm"):
-        Design.load("first_finger", changes=["bone.channel_diameter_mm=2"])

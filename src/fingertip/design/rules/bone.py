@@ -56,20 +56,21 @@ def relief_clear_of_collar(design: DesignTables) -> Violation | None:
 
 
 @RULES.rule("sensor.tail")
-def plunge_takes_a_straight_tail(design: DesignTables) -> Violation | None:
-    if not design.is_cast_apart or design.sensor.tail == "straight":
+def tail_laid_in(design: DesignTables) -> Violation | None:
+    """A skin that is made apart goes over a sensor that is laid in, whose tail is straight."""
+    if design.sensor.tail == "straight" or design.mold.method != "plunge":
         return None
-    return Violation("folded has no trough for mold.method=plunge", alternatives={"sensor.tail": "straight"})
+    return Violation("folded needs mold.method=overmold", alternatives={"mold.method": "overmold"})
 
 
-@RULES.at_least("bone.channel_diameter_mm", plunge_takes_a_straight_tail, when=lambda design: design.is_cast_apart)
+@RULES.at_least("bone.channel_diameter_mm", tail_laid_in, when=lambda design: design.is_cast_apart)
 def hole_takes_both_wires(design: DesignTables) -> Limit:
     """Two wires side by side leave half of the hole's area free, through which the sensor's vent breathes."""
     wires = 2 * design.sensor.wire_diameter_mm
     return Limit(wires + 2 * _BESIDE_WIRE_MM, f"does not take two wires of {design.sensor.wire_diameter_mm:g} mm")
 
 
-@RULES.at_least("sensor.clearance_mm", plunge_takes_a_straight_tail, when=lambda design: design.is_cast_apart)
+@RULES.at_least("sensor.clearance_mm", tail_laid_in, when=lambda design: design.is_cast_apart)
 def trough_takes_measured_sensors(design: DesignTables) -> Limit:
     return Limit(
         max(HEAD_MM, TAIL_MM) / 2,
@@ -164,14 +165,6 @@ def tail_long_enough_to_fold(design: DesignTables) -> Violation | None:
         ((minimum, maximum),) if minimum <= maximum else (),
         alternatives={"sensor.tail": "straight"},
     )
-
-
-@RULES.rule("sensor.tail")
-def tail_laid_in(design: DesignTables) -> Violation | None:
-    """A skin that is made apart goes over a sensor that is laid in, whose tail is straight."""
-    if design.sensor.tail == "straight" or design.mold.method != "plunge":
-        return None
-    return Violation("folded needs mold.method=overmold", alternatives={"mold.method": "overmold"})
 
 
 @FOLD_RULES.rule("skin.semi_axis_dorsal_mm", bone_left_at_sides, bone_left_dorsally, tip_within_skin)

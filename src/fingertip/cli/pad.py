@@ -32,6 +32,8 @@ _FRICTION = 0.5
 _REFUSED = "-: the plate reaches the rigid collar, or the strain is too large for this computation"
 _COARSE_MM, _STRAINED_DEG = 1.2, (0.0, 10.0)
 """Edges of the mesh [mm] and tilts of large strains."""
+_LYING_MM = 1.8
+"""Edges of the mesh of a skin that lies on the bone [mm]."""
 _REFINED = 0.7
 """Length of the finer mesh's edges over those of the mesh."""
 
@@ -40,7 +42,7 @@ _REFINED = 0.7
 def pad(
     console: Console,
     design: Path = DESIGN_FILE,
-    fem: bool = flag("Compute the same by finite elements, some 5 s; 2 minutes for a skin that lies on the bone."),
+    fem: bool = flag("Compute the same by finite elements, some 5 s; 3 minutes for a skin that lies on the bone."),
     refine: bool = flag("Repeat them on a mesh with edges 0.7 times as long, some 20 s."),
     large_strain: bool = flag("Compare them with large strains and friction, some 2 minutes."),
     friction: float | None = typer.Option(None, help="Friction on the plate, 0 to 2, for --large-strain."),
@@ -125,7 +127,7 @@ def _press(form: PadForm, is_fine: bool) -> list[PadContact | LargeContact | Non
     from fingertip.pad.pose import Pose
     from fingertip.pad.survey import FORCE_N, TILTS_DEG
 
-    size = MeshSize() if form.bonded else MeshSize(_COARSE_MM)
+    size = MeshSize() if form.bonded else MeshSize(_LYING_MM)
     model = PadModel(form, replace(size, edge_mm=_REFINED * size.edge_mm) if is_fine else size, is_half=True)
     found: list[PadContact | LargeContact | None] = []
     for tilt in TILTS_DEG:

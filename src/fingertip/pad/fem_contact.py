@@ -79,6 +79,8 @@ class PadModel:
         self._upper, self._lower = slice(len(nodes) - count, None), slice(0, count)
         self.top, self.bond = (Surface.of_nodes(nodes[part], self._triangles) for part in (self._upper, self._lower))
         self.area = np.asarray(self.top.trace.sum(axis=0)).ravel()
+        self.at_rest: tuple[float, Array] | None = None
+        """Force on the sensor and displacements while nothing touches, once a contact at large strain needs them."""
         self._solved = np.full((3, len(self.area)), -1)
         self._columns = [np.zeros((3, len(self.area), 0)) for _ in range(3)]
 

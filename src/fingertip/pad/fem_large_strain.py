@@ -31,6 +31,8 @@ _MAX_STEPS, _CLOSE = 60, 1e-7
 """Largest number of Newton's steps for a force, and the error of the forces, relative to it, at which they end."""
 _FULL_STEPS = 4
 """Steps for a force that are not shortened."""
+_BULGES = (0.1, 0.25, 0.5, 1.0)
+"""Parts of a bump and its gap that are computed one after the other."""
 _AWAY_MM = 10.0
 """Distance of the object while nothing touches."""
 _FIRST_N, _FIRST_NODES = 0.05, 6
@@ -77,6 +79,7 @@ class FarContact:
 
     def __init__(self, model: PadModel, touch: Touch, friction: float) -> None:
         self._model, self._friction, size = model, friction, model.mesh.nodes.size
+        self._bulge = 1.0
         stiff = _SPRINGS * model.form.young_mpa / model.form.over_sensor_mm
         nodes = np.flatnonzero(model.area > 0.0)
         outer = model.top.trace.T.tocsr()[nodes], model.top.points
@@ -87,7 +90,7 @@ class FarContact:
             area = np.asarray(trace.sum(axis=0)).ravel()
 
             def stand_off(places: Array) -> tuple[Array, Array, None]:
-                return gap - ((places - inner.still) * into).sum(axis=1), into, None
+                return self._bulge * gap - ((places - inner.still) * into).sum(axis=1), into, None
 
             inner = Face(trace.T.tocsr(), model.bond.points, area, size, None, stand_off, friction, stiff)
             self._faces.append(inner)
@@ -97,17 +100,26 @@ class FarContact:
         rest_n, face = 0.0, self.face
         unknown = np.zeros(self._model.mesh.nodes.size + 1)
         if self._model.form.bump_height_mm:
-            unknown[-1] = -_AWAY_MM
+            rest_n, unknown = self._model.at_rest or self._rest(unknown)
+            unknown = np.append(unknown[:-1], 0.0)
             for each in self._faces:
-                each.friction = 0.0  # what lies on slides to where it is at rest
-            unknown, held = self.balance(0.0, unknown)
-            for each in self._faces:
-                each.friction = self._friction
-            rest_n, unknown[-1] = self._model.copies * float((self._model.step * held).sum()), 0.0
+                each.anchors = each.place(unknown)
         gap, _, closing = face.gaps(face.place(unknown))
         travel = np.partition(gap / closing, _FIRST_NODES)
         unknown[-1] = float(travel[_FIRST_NODES])
         return rest_n, float(travel[0]) if rest_n else 0.0, unknown
+
+    def _rest(self, unknown: Array) -> tuple[float, Array]:
+        """Find the same while nothing touches, once for all poses."""
+        unknown[-1] = -_AWAY_MM
+        for each in self._faces:
+            each.friction = 0.0  # what lies on slides to where it is at rest
+        for self._bulge in _BULGES:
+            unknown, held = self.balance(0.0, unknown)
+        for each in self._faces:
+            each.friction = self._friction
+        self._model.at_rest = self._model.copies * float((self._model.step * held).sum()), unknown
+        return self._model.at_rest
 
     def balance(self, force_n: float, unknown: Array) -> tuple[Array, Array]:
         """Return the unknowns under a force, from those under another, and the forces of the skin on its nodes."""
@@ -153,7 +165,7 @@ class Face:
         self._join = hstack([*((spread, rest) if approach is None else (rest, spread)), travel]).tocsr()
         self.still = (spread @ points.ravel()).reshape(-1, 3) / area[:, None]
         self._area, self.gaps, self.friction, self._springs = area, gaps, friction, springs
-        self._anchors = self._next = self.still
+        self.anchors = self._next = self.still
 
     def place(self, unknown: Array) -> Array:
         return np.asarray(self.still + (self._join @ unknown).reshape(-1, 3) / self._area[:, None])
@@ -171,14 +183,14 @@ class Face:
 
     def settle(self) -> None:
         """Let the springs along the surface begin where the nodes are now."""
-        self._anchors = self._next
+        self.anchors = self._next
 
     def press(self, places: Array) -> tuple[Array, Array, Array]:
         """Return tractions at places of the surface, their slopes by the place, and the slip that springs hold."""
         gap, into, _ = self.gaps(places)
         pressure = self._springs * np.maximum(-gap, 0.0)
         drag, touches = _DRAG * self._springs * (self.friction > 0.0), (gap <= 0.0)[:, None, None]
-        slip = places - self._anchors
+        slip = places - self.anchors
         slip = (slip - (slip * into).sum(axis=1, keepdims=True) * into) * touches[:, 0]
         length, limit = np.linalg.norm(slip, axis=1), self.friction * pressure / max(drag, 1e-300)
         slides = (length > limit)[:, None, None]

@@ -30,13 +30,13 @@ def check_lying_skin(design: Design) -> Iterator[Check]:
         return
     tight, loose = survey_pad(design), survey_pad(design, is_loose=True)
     yield Check("pad.rest_force", tight.rest_n, MAX_REST_N, "N")
-    for name, tilts, most_n, least in _RANGES:
+    for name, tilts, limit_n, least in _RANGES:
         dead, share = loose.dead_zone_n(*tilts), min(found.least_share(*tilts) for found in (tight, loose))
         where = f"on a plate tilted by {tilts[0]:g} to {tilts[1]:g} degrees"
-        warning = f"{where} a loose skin passes nothing on up to {dead:.2g} N, above {most_n:g} N; a higher bump helps."
+        warning = f"{where} a loose skin passes nothing on up to {dead:.2g} N, above {limit_n:g}; a higher bump helps."
         yield Check(
             f"pad.dead_zone.{name}", min(dead, MAX_TURN_ON_N), MAX_TURN_ON_N, "N",
-            warning=warning if dead > most_n else "", is_beyond=dead > MAX_TURN_ON_N,
+            warning=warning if dead > limit_n else "", is_beyond=dead > MAX_TURN_ON_N,
         )  # fmt: skip
         warning = f"{where} a loose skin passes {share:.0%} of {FORCE_N:g} N on, below {least:.0%}; a crown helps."
         yield Check(f"pad.loose_share.{name}", share, 0.0, "", "at least", warning if share < least else "")

@@ -68,10 +68,8 @@ def expect_readings(design: Design) -> tuple[WeightReading, ...]:
 
 
 def _spread_readings(design: Design) -> Iterator[WeightReading]:
-    """Compute the readings with the limits that follow from the spread alone: from the factor by which the conductance
-    of a good sensor may differ from the curve of the design.
-
-    A calibrated curve is as uncertain as its calibration, in the range of its forces. Else the factor is `SPREAD`.
+    """Compute the readings with the limits that follow from the spread alone. A calibrated curve is as uncertain as its
+    calibration, in the range of its forces; else the factor is `SPREAD`.
     """
     bridge, stated = Bridge.of_board(design), design.force_curve
     forces_n = sensed_n = np.array(WEIGHTS_G) / 1000.0 * _GRAVITY

@@ -91,8 +91,7 @@ def refuse_other_board(design: Design) -> None:
     finish_interrupted(folder)
     has_filter = design.board.has_filter
     circuit = board_circuit(board_values(design), channels) if has_filter else divider_circuit(design)
-    netlist = kicad_netlist_file(circuit)
-    refuse_other_circuit(folder, netlist, folder.with_name(f"board_{name}"))
+    refuse_other_circuit(folder, kicad_netlist_file(circuit), folder.with_name(f"board_{name}"))
 
 
 @dataclass(frozen=True)

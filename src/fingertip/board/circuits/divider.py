@@ -1,10 +1,7 @@
 """Divider in place of a board: the sensor from the supply to a controller's pin, and one resistor from there to ground.
 
-    T = Vs R / (R + 1 / G)
-
-for a sensor of the conductance G. It rises with the force from 0 V and scales with the supply Vs, so that a converter
-that takes its reference from the same supply measures the sensor alone. There is neither filter nor gain: noise and
-steps of the converter are those of the signal.
+T = Vs R / (R + 1 / G) for a sensor of the conductance G. It scales with the supply Vs, so that a converter that takes
+its reference from there measures the sensor alone. Noise and steps of the converter are those of the signal.
 """
 
 from __future__ import annotations
@@ -30,9 +27,7 @@ def divider_circuit(design: Design) -> Circuit:
     role = "converter's reference (Pico: ADC_VREF, pin 35), analog input, ground"
     pins = Component("J3", "controller", SYMBOLS["Conn_01x03"], HEADER_3, role, rating)
     wiring = {sensor: (VCC, TACTILE), resistor: (TACTILE, GND), pins: (VCC, TACTILE, GND)}
-    return build_circuit(
-        "divider", {part: {str(i): net for i, net in enumerate(nets, 1)} for part, nets in wiring.items()}
-    )
+    return build_circuit("divider", {part: dict(zip("123", nets, strict=False)) for part, nets in wiring.items()})
 
 
 def divider_deck(design: Design, low_ohm: float, high_ohm: float) -> bytes:

@@ -19,8 +19,6 @@ from fingertip.documents.acceptance import IDLE_TOLERANCE_V, expect_open_v, expe
 from fingertip.documents.template import WIDTH, render, render_page
 from fingertip.foundation.files import format_csv
 
-_PARAMETERS = {"variant", "divider_ohm", "supply_v"}
-
 
 def list_readings(design: Design) -> list[dict[str, Any]]:
     """List voltage, limits and counts of the pin: untouched, and under each weight, as a good sensor gives them."""
@@ -47,7 +45,8 @@ def divider_files(design: Design) -> dict[str, bytes]:
     circuit, current, readings = divider_circuit(design), compute_current_ratio(design), list_readings(design)
     low_ohm, high_ohm = sorted(one.sensor_ohm for one in expect_readings(design))
     rows = [(str(len(one.components)), " ".join(one.references), one.value, one.rating) for one in list_bom(circuit)]
-    values = {"parameters": design.board.model_dump(include=_PARAMETERS), "readings": readings}
+    parameters = design.board.model_dump(include={"variant", "divider_ohm", "supply_v"})
+    values = {"parameters": parameters, "readings": readings, "current_over_limit": round(current, 3)}
     readme = render_page(
         "board/divider.md", WIDTH, design=design, readings=describe_readings(readings), current=current,
         part_to_part=PART_TO_PART, safe_ohm=find_preferred_neighbours(design.board.divider_ohm * current, "E24")[1],
@@ -58,6 +57,6 @@ def divider_files(design: Design) -> dict[str, bytes]:
         DECK: divider_deck(design, low_ohm, high_ohm),
         WIRING: render("board/divider.svg", design=design, ohm=circuit.component("R1").value).encode(),
         BOM: format_csv((*COLUMNS[:3], "Rating"), rows),
-        VALUES: (json.dumps(values | {"current_over_limit": round(current, 3)}, indent=2) + "\n").encode(),
+        VALUES: (json.dumps(values, indent=2) + "\n").encode(),
         README: readme.encode(),
     }

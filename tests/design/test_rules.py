@@ -58,6 +58,7 @@ CASES = [  # changes of the default design, or of the bundled one that is named 
     "skin.thickness_side_mm=0.6 bone.palmar_fullness=0.998",
     "bone.wall_mm=4",
     "bone.channel_diameter_mm=9",
+    "first_finger bone.channel_diameter_mm=2",
     "bone.channel_bend_radius_mm=1.2",
     "bone.base_length_mm=15",
     "sensor.model=fsr402_short bone.relief_length_mm=18",

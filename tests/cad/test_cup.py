@@ -47,10 +47,10 @@ def test_first_finger_passes_with_figures_near_those_of_the_study() -> None:
 @pytest.mark.parametrize(
     ("changes", "wanted"),
     [
-        ("printer.surface_error_mm=0.11", {"cup.palmar_error", "cup.creep"}),
-        (THICK.format(300), {"cup.plunge_pressure"}),
+        ("printer.surface_error_mm=0.3", {"cup.palmar_error", "cup.creep"}),
+        (THICK.format(220), {"cup.plunge_pressure"}),
         (THICK.format(450), {"cup.plunge_pressure", "cup.core_bending"}),
-        (f"{THICK.format(150)} silicone.pot_life_min=1", {"cup.seat_film"}),
+        (f"{THICK.format(120)} silicone.pot_life_min=1", {"cup.seat_film"}),
         ("mold.wall_mm=1.2", {"cup.wall"}),
         ("silicone.product=own silicone.elongation_percent=60", {"skin.fitting_stretch"}),
     ],

@@ -8,20 +8,25 @@ from collections.abc import Sequence
 from fingertip.cad.shapes.engraving import HEIGHT, MIN_STROKE_MM, STROKE_WIDTH, letter_outlines, signed_area, text_width
 from fingertip.cad.shapes.insert import cavity, core_within_skin
 from fingertip.design import Design
+from fingertip.design.geometry.conic import ConicBody, offset_section
 from fingertip.design.geometry.cup_layout import (
     BELT_MM,
+    FOOT_CHAMFER_MM,
     GAP_MM,
     KEY_TOP_MM,
-    LIP_MM,
+    LEDGE_MM,
+    LIP_GAP_MM,
+    LIP_WIDTH_MM,
     NOTCH_MM,
     PLATE_MM,
+    PRY_MM,
     RIDGE_END_MM,
     RIDGE_HALF_CREST_MM,
     RIDGE_HEIGHT_MM,
     RIDGE_LENGTH_MM,
     STRAP_Y_MM,
 )
-from fingertip.design.geometry.solids import Axis, Box, Cone, Prism, Solid, difference, union
+from fingertip.design.geometry.solids import Axis, Box, Cone, Prism, Solid, SuperconicSolid, difference, union
 
 _PAST_MM = 1.0
 """Length by which cuts reach past the face in which they open, and solids into those on which they stand [mm]."""
@@ -35,14 +40,38 @@ _LABEL = "PAD"
 
 
 def block(design: Design) -> Box:
-    """Build the outer shape of the closed cup, up to its rim."""
+    """Build the outer shape of the closed cup, up to the lip around the cavity."""
     m = design.cup_layout
-    return Box((-m.half_width, -m.palmar_height, GAP_MM), (m.half_width, m.dorsal_height, m.foot_z))
+    return Box((-m.half_width, -m.palmar_height, LIP_GAP_MM), (m.half_width, m.dorsal_height, m.foot_z))
 
 
 def hollow(design: Design) -> Solid:
     """Build everything that is open in the closed cup but the letters and the keys' clearance."""
-    return union(cavity(design), *grooves(design), *notches(design), *belts(design), strap_seats(design)[0])
+    cuts = (*grooves(design), *notches(design), *belts(design), strap_seats(design)[0], *seam_cuts(design))
+    return union(cavity(design), _above_rim(design), *cuts)
+
+
+def _above_rim(design: Design) -> Solid:
+    """Build what the rim lies deeper than the lip around the cavity."""
+    m, section = design.cup_layout, offset_section(design.dimensions.outer.section, LIP_WIDTH_MM)
+    far = 2 * (m.half_width + m.dorsal_height)
+    lip = SuperconicSolid(ConicBody(section, ((-2 * _PAST_MM, 1.0), (_PAST_MM, 1.0))))
+    return difference(Box((-far, -far, -_PAST_MM), (far, far, GAP_MM)), lip)
+
+
+def seam_cuts(design: Design) -> tuple[Solid, ...]:
+    """Build the chamfer of the seam at the foot, and at its corners the slots in which a blade parts the halves."""
+    m, (height, depth, half) = design.cup_layout, PRY_MM
+    far, low, past = 2 * m.half_width, m.foot_z - FOOT_CHAMFER_MM, m.foot_z + _PAST_MM
+    wide, face = FOOT_CHAMFER_MM + _PAST_MM, m.half_width
+    slot = (
+        (past, face + _PAST_MM), (past, face - depth), (m.foot_z - height + depth, face - depth),
+        (m.foot_z - height - _PAST_MM, face + _PAST_MM),
+    )  # fmt: skip
+    return (
+        _extrude("x", ((low, 0.0), (past, -wide), (past, wide)), -far, far),
+        *(_extrude("y", [(z, way * x) for z, x in slot], -half, half) for way in (-1.0, 1.0)),
+    )
 
 
 def grooves(design: Design) -> tuple[Solid, ...]:
@@ -103,7 +132,7 @@ def strap_seats(design: Design) -> tuple[Solid, ...]:
     """Build the seats of the band that holds the core down: across the foot, and in both lips of the plate."""
     m, (width, depth) = design.cup_layout, BELT_MM
     low, high, far = STRAP_Y_MM - width / 2, STRAP_Y_MM + width / 2, 2 * m.half_width
-    lip = m.half_width + LIP_MM - depth
+    lip = m.half_width + LEDGE_MM - depth
     foot = Box((-far, low, m.foot_z - depth), (far, high, m.foot_z + _PAST_MM))
     return foot, *(Box((min(x, y), low, -far), (max(x, y), high, far)) for x, y in ((-far, -lip), (lip, far)))
 
@@ -138,7 +167,7 @@ def label(design: Design) -> tuple[Prism, ...]:
 def plate_letters(design: Design) -> tuple[Prism, ...]:
     """Build the design's name in the top of the plate, and over the label of the pad's half the same on its edge."""
     m = design.cup_layout
-    depth, length = m.dorsal_height + m.palmar_height, 2 * (m.half_width + LIP_MM)
+    depth, length = m.dorsal_height + m.palmar_height, 2 * (m.half_width + LEDGE_MM)
     return (
         *_engrave(design, "z", design.name, depth, length, (m.dorsal_height - m.palmar_height) / 2, -PLATE_MM),
         *_engrave(design, "y", _LABEL, PLATE_MM, length, -PLATE_MM / 2, -m.palmar_height),
@@ -184,7 +213,7 @@ def mold_dorsal(design: Design) -> Solid:
 def core(design: Design) -> Solid:
     """Build the core on its plate, whose lips stand out at both sides to lift it by."""
     m = design.cup_layout
-    half = m.half_width + LIP_MM
+    half = m.half_width + LEDGE_MM
     plate = Box((-half, -m.palmar_height, -PLATE_MM), (half, m.dorsal_height, 0.0))
     whole = union(core_within_skin(design), plate, *ridges(design))
     return difference(whole, *plate_letters(design), *strap_seats(design)[1:])

@@ -16,7 +16,10 @@ if TYPE_CHECKING:
     from fingertip.design.parameters import Tables
 
 GAP_MM = 0.3
-"""Gap between plate and rim [mm], more than the core sinks by errors of 0.1 mm of every flank."""
+"""Gap between plate and rim [mm]."""
+LIP_GAP_MM, LIP_WIDTH_MM = 0.15, 1.5
+"""Gap at the lip around the cavity, and width of the lip [mm]. The core sinks by 0.14 mm by errors of 0.1 mm of every
+flank; the narrow gap leaves most of what overflows to the notches."""
 LAND_MM = 4.5
 """Least width of the rim between cavity and grooves [mm]."""
 _OUT = 1.05
@@ -24,11 +27,11 @@ _OUT = 1.05
 RIDGE_HEIGHT_MM, RIDGE_HALF_CREST_MM, RIDGE_LENGTH_MM = 2.0, 0.4, 4.5
 RIDGE_END_MM = 0.5
 """Distance of each end of a ridge from the end of its groove [mm], so that no end locates the core."""
-PLATE_MM, LIP_MM = 5.0, 3.0
+PLATE_MM, LEDGE_MM = 5.0, 3.0
 """Thickness of the plate, and width by which it stands out beyond the cup at both sides, to lift it by [mm]."""
-POURED = 1.1
-"""Silicone that is poured, over that of the skin: what is too much overflows."""
-NOTCH_MM = (2.0, 1.0)
+POURED = 1.35
+"""Silicone in the cup, coats included, over that of the skin: what is too much shows in all notches."""
+NOTCH_MM = (3.0, 1.5)
 """Width and depth of the overflow notches [mm]."""
 BELT_MM = (6.0, 1.0)
 """Height of the belts for rubber bands at their floor, and depth [mm]."""
@@ -38,8 +41,12 @@ KEY_SIZES_MM = (5.0, 4.0)
 """Root diameters of both keys [mm]; their flanks rise at 45 degrees, so that they print on upright halves."""
 KEY_TOP_MM = 1.0
 """Diameter of a key at its end [mm]."""
+FOOT_CHAMFER_MM = 0.6
+"""Chamfer of the seam at the foot, where a print's first layers bulge [mm]."""
+PRY_MM = (6.5, 2.5, 1.2)
+"""Height, depth and half the width of the slots at the foot, in which a blade parts the halves [mm]."""
 _BESIDE_GROOVE_MM = 1.0
-_FREE = 0.45
+_FREE = 0.36
 """Length of the cup that is free above the silicone before the core is lowered, over that of the skin."""
 
 

@@ -12,7 +12,8 @@ from fingertip.design import Design
 from fingertip.design.geometry.cup_layout import (
     BELT_MM,
     GAP_MM,
-    LIP_MM,
+    LEDGE_MM,
+    LIP_GAP_MM,
     PLATE_MM,
     RIDGE_END_MM,
     RIDGE_HALF_CREST_MM,
@@ -196,7 +197,8 @@ def _half_sizes(design: Design, plan: ViewName, way: float) -> Iterator[Size]:
     m, dims = design.cup_layout, design.dimensions
     outer, growth, half, z = dims.outer, dims.shrinkage, m.half_width, GAP_MM
     face = m.dorsal_height if way > 0.0 else -m.palmar_height
-    at = z / growth
+    rim = LIP_GAP_MM
+    at = rim / growth
     skin = outer.half_width_at(0.0, at) * growth
     deep = (outer.dorsal_height_at(0.0, at) if way > 0.0 else -outer.palmar_height_at(0.0, at)) * growth
     belt = m.belts_z[0] - BELT_MM[0] / 2
@@ -204,9 +206,9 @@ def _half_sizes(design: Design, plan: ViewName, way: float) -> Iterator[Size]:
                  symmetric(0.2), f"{SCALE_REMEDY}: the skin is thin or thick at the tip")  # fmt: skip
     yield Length("width of the cup", OUTER, plan, "right", "x", (half, 0.0, m.foot_z), (-half, 0.0, m.foot_z))
     yield Length("depth of the half", OUTER, "end", "right", "y", (half, 0.0, z), (half, face, z))
-    yield Length("width of the cavity at the rim", INNER, plan, "left", "x", (skin, 0.0, z), (-skin, 0.0, z), None,
+    yield Length("width of the cavity at the rim", INNER, plan, "left", "x", (skin, 0.0, rim), (-skin, 0.0, rim), None,
                  f"{SCALE_REMEDY}: the skin follows from it")  # fmt: skip
-    yield Length("depth of the cavity at the rim", STEP, "section", "left", "y", (0.0, 0.0, z), (0.0, deep, z))
+    yield Length("depth of the cavity at the rim", STEP, "section", "left", "y", (0.0, 0.0, rim), (0.0, deep, rim))
     yield Length(
         "rim to the first belt", STEP, "front", "above", "z", (0.0, face, z), (0.0, face - way * BELT_MM[1], belt)
     )
@@ -225,7 +227,7 @@ def _cup_key_sizes(design: Design, plan: ViewName, gap: float) -> Iterator[Size]
 
 def core_drawing(design: Design) -> PartDrawing:
     m, dims, inset = design.cup_layout, design.dimensions, design.mold.sleeve_interference_mm
-    tip, half, growth = dims.bone_outline.tip, m.half_width + LIP_MM, dims.shrinkage
+    tip, half, growth = dims.bone_outline.tip, m.half_width + LEDGE_MM, dims.shrinkage
     assert tip
     apex, ridge = (0.0, 0.0, (tip.z - inset) * growth), RIDGE_HALF_CREST_MM + RIDGE_HEIGHT_MM
     end = m.dorsal_height - RIDGE_END_MM

@@ -11,7 +11,7 @@ from fingertip.cad.printing.orientations import print_orientations
 from fingertip.cad.printing.overhang import bed_pose
 from fingertip.cad.printing.settings import FDM
 from fingertip.cad.shapes.insert import cavity
-from fingertip.design.geometry.cup_layout import BELT_MM, GAP_MM, LIP_MM, PLATE_MM, STRAP_Y_MM
+from fingertip.design.geometry.cup_layout import BELT_MM, GAP_MM, LEDGE_MM, PLATE_MM, STRAP_Y_MM
 from fingertip.design.geometry.dimensions import TIE_DEPTH_MM, TIE_WIDTH_MM
 from fingertip.design.geometry.solids import Box, Solid, cylinder, difference, intersection, scaled, union
 from fingertip.design.interfaces.interface import middle_y
@@ -192,7 +192,7 @@ def pour(bench: Bench, data: Data) -> Scene:
 def lower(bench: Bench, data: Data) -> Scene:
     """Show the core seated under a third rubber band, and the silicone that comes out."""
     m, y, side, depth = bench.design.cup_layout, STRAP_Y_MM, 0.4 * BELT_MM[0], BELT_MM[1]
-    x, top, foot, face = m.half_width + LIP_MM - depth, -PLATE_MM, m.foot_z - depth, -m.palmar_height
+    x, top, foot, face = m.half_width + LEDGE_MM - depth, -PLATE_MM, m.foot_z - depth, -m.palmar_height
     outer = Box((-x - _BAND_MM, y - side, top - _BAND_MM), (x + _BAND_MM, y + side, foot + _BAND_MM))
     band = difference(outer, Box((-x, y - 2 * side, top), (x, y + 2 * side, foot)))
     places = [(across, out) for across in (-m.notch_x, m.notch_x) for out in (face - 0.4, m.dorsal_height + 0.4)]

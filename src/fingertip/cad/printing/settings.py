@@ -44,6 +44,11 @@ class Profile:
     has_wide_feet: bool = False
     """True if all but the bone stand on faces so wide that they need no brim."""
 
+    @property
+    def brim_mm(self) -> float:
+        """Width of a brim: those of neighbours on a plate do not meet."""
+        return FDM.gap_mm - 1.0 if self.has_wide_feet else FDM.gap_mm / 2 - 0.5
+
 
 NOZZLE_MM = 0.4
 """Bore of the usual nozzle, for which walls are counted in lines [mm]."""
@@ -54,8 +59,6 @@ WALLS = 4
 """Lines beside each surface: silicone finds its way through fewer. An assumption."""
 RESIN_LAYER_MM = 0.05
 """Usual layers of resin printers [mm]."""
-BRIM_MM = FDM.gap_mm / 2 - 0.5
-"""Width of a brim [mm]: the brims of neighbours on a plate do not meet."""
 _SOLID_PERCENT = 100
 UNDER_PRESSURE = Profile(LAYER_MM, WALLS, 40, ("bone", "lid", "core", "sensor_insert", "insert_jig"))
 """Profile of molds that silicone is pressed into; their infill is an assumption. The strength of bone, lid and core is
@@ -94,7 +97,7 @@ def slicer_settings(
     if infill == _SOLID_PERCENT:
         settings.append(("fill_pattern", "rectilinear"))  # others refuse to fill all
     if needs_brim(part, orientation, profile):
-        settings += [("brim_type", "outer_only"), ("brim_width", f"{BRIM_MM:g}")]
+        settings += [("brim_type", "outer_only"), ("brim_width", f"{profile.brim_mm:g}")]
     else:
         settings.append(("brim_type", "no_brim"))
     if not supports.places:
@@ -115,7 +118,7 @@ def describe_part(
     if kind is FDM:
         text = f"Layers {profile.layer_mm:g} mm, {profile.walls} walls of a {NOZZLE_MM:g} mm nozzle, "
         text += f"infill {infill_percent(part, profile)} %, "
-        text += f"brim {BRIM_MM:g} mm. " if needs_brim(part, orientation, profile) else "no brim. "
+        text += f"brim {profile.brim_mm:g} mm. " if needs_brim(part, orientation, profile) else "no brim. "
     else:
         text = f"Layers {RESIN_LAYER_MM:g} mm, solid, not hollowed. "
     text += f"As it lies here: on {orientation.face_on_plate}. "
@@ -141,7 +144,7 @@ def print_settings(
             "walls": profile.walls,
             "wall_mm": round(profile.walls * NOZZLE_MM, 2),
             "infill_percent": {name: infill_percent(name, profile) for name in on_filament},
-            "brim_mm": BRIM_MM,
+            "brim_mm": profile.brim_mm,
             "brim_on": upright,
             "no_brim_on": lying,
         },

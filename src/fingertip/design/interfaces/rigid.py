@@ -12,7 +12,16 @@ from fingertip.design.geometry.conic import TANGENT_STEP_MM, ConicBody, offset_s
 from fingertip.design.geometry.foot import LEDGE_MM, flat_foot, foot_length, foot_line, round_foot
 from fingertip.design.geometry.seat import quarter_outline
 from fingertip.design.geometry.sizes import ARROW_DEG, BEFORE_FACE, INNER, OUTER, STEP, Circle, Length, Size
-from fingertip.design.geometry.solids import Box, Solid, SuperconicSolid, cylinder, difference, intersection
+from fingertip.design.geometry.solids import (
+    Box,
+    Cone,
+    Prism,
+    Solid,
+    SuperconicSolid,
+    cylinder,
+    difference,
+    intersection,
+)
 from fingertip.design.interfaces import interface
 from fingertip.design.interfaces.interface import CrossBolted, Shapes
 from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_most
@@ -21,7 +30,7 @@ from fingertip.foundation.numerics import bisect
 
 RULES = Ruleset()
 
-_OUTLINE_POINTS = 16
+_OUTLINE_POINTS, _CHAMFER_MM = 16, 0.6
 _MIN_FLAT_MM = 0.02
 """Depth of a post's flat below which it is left out [mm]: both kernels fail on slivers."""
 
@@ -52,7 +61,15 @@ class Post(CrossBolted):
             post = intersection(
                 post, Box((-radius - margin, y - half, low - margin), (radius + margin, y + half, high + margin))
             )
+        if design.prints_without_supports:
+            post = intersection(post, *self._chamfer(y, low, high - low, radius, min(half, radius)))
         return (post, self._foot(design)), (self.bolt_hole(design),)
+
+    def _chamfer(self, y: float, low: float, up: float, radius: float, half: float) -> tuple[Solid, Solid]:
+        """Build what is left of the post by a chamfer of its end, on which it prints: the first layers spread."""
+        least, flat = radius - _CHAMFER_MM, half - _CHAMFER_MM
+        sides = ((y - flat, low), (y + flat, low), (y + flat + up, low + up), (y - flat - up, low + up))
+        return Cone("z", (0.0, y), low, low + up, least, least + up), Prism("x", sides, -2 * radius, 2 * radius)
 
     def _foot(self, design: DesignTables) -> Solid:
         """Build the fillet at the post's root, within the outline of the base."""

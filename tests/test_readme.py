@@ -82,7 +82,7 @@ def recordings() -> dict[str, str]:
 
 def test_pages_show_commands_to_copy_and_links_that_lead_to_files() -> None:
     shell = [block for language, block in BLOCKS if language == "sh"]
-    assert shell[0].startswith("sh install.sh && .venv/bin/fingertip make params/adult_finger.toml")
+    assert shell[0].startswith("sh install.sh && .venv/bin/fingertip make params/first_finger.toml")
     assert shell[1] == "sh install.sh test && .venv/bin/pytest -n auto --dist loadfile\n"
     assert all(block.count("\n") == 1 for block in shell[:2]), "one pasteable line each"
     others = {command for command in COMMANDS if command not in OURS}
@@ -110,14 +110,14 @@ def test_command_runs(command: str, clone: Path) -> None:
 def test_files_the_readme_promises(clone: Path) -> None:
     """After the commands above, in the order of this module."""
     made = {str(path.relative_to(clone)) for path in clone.rglob("*") if path.is_file()}
-    for part in ("bone", "lid", "skin", "mold_palmar", "mold_dorsal"):
-        assert {f"out/adult_finger/{part}.{kind}" for kind in ("stl", "3mf", "step")} <= made
-    named = {"assembly.step", "report.json", "design.toml"}
-    named |= {"signal/trace.csv", "signal/slip.png", "signal/detection.json"}
-    named |= {"print/plate_fdm.3mf", "print/plate_sla.3mf", "print/bone.stl", "print/mold_dorsal.stl"}
-    named |= {"board/slip_filter.net", "board/slip_filter.kicad_pcb", "board/bom.csv", "board/values.json"}
-    assert {f"out/adult_finger/{file}" for file in named} <= made
-    assert {"out/wider/exploded.png", "out/wider/bone.stl", "myfinger.toml"} <= made
+    for part in ("bone", "core", "skin", "mold_palmar", "mold_dorsal", "stand"):
+        assert {f"out/first_finger/{part}.{kind}" for kind in ("stl", "3mf", "step")} <= made
+    named = {"assembly.step", "report.json", "design.toml", "drawing.pdf", "acceptance.md", "casting.md"}
+    named |= {"signal/trace.csv", "signal/slip.png", "signal/detection.json", "steps/01-print.png"}
+    named |= {"print/plate_fdm.3mf", "print/bone.stl", "print/mold_dorsal.stl", "firmware/slip_lamp/slip_lamp.ino"}
+    named |= {"board/slip_filter.net", "board/slip_filter.cir", "board/bom.csv", "board/wiring.svg"}
+    assert {f"out/first_finger/{file}" for file in named} <= made
+    assert {"out/board/slip_filter.kicad_pcb", "out/wider/exploded.png", "out/wider/bone.stl", "myfinger.toml"} <= made
 
 
 @pytest.mark.full

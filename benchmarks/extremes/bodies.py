@@ -100,7 +100,7 @@ def pad(draw: Draw) -> float:
     errors.append(max(0.0, one[0].share - 1.0))
     stiffness = draw.log("stiffness at 1 N [N/m]", (300.0, 3e4), (1.0, 1e8))
     backing = Backing(0.035, draw.log("stiffness behind it [N/m]", (10.0, 1e5), (1e-3, 1e9)))
-    curve = Pad(stiffness, 1e-5, (0.5,), (0.0,), 0.5, backing)
+    curve = Pad(stiffness, 1e-5, (0.5,), (0.0,), 0.5, backing=backing)
     forces = np.logspace(-6, 1.7, 40) if draw.is_inside else np.logspace(-12, 6, 40)
     errors.append(float(np.abs(curve.force_n(np.array([curve.depth_m(f) for f in forces])) / forces - 1).max()))
     return max(errors) / 5e-3

@@ -89,7 +89,7 @@ def test_grid_of_few_nodes_fills():
 
 
 def test_stiff_pad_on_a_soft_hand_has_the_force_of_its_depth():
-    pad = Pad(3e4, 1e-5, (0.5,), (0.0,), 0.5, Backing(stiffness_n_per_m=10.0))
+    pad = Pad(3e4, 1e-5, (0.5,), (0.0,), 0.5, backing=Backing(stiffness_n_per_m=10.0))
     assert pad.force_n(np.array([pad.depth_m(50.0)]))[0] == pytest.approx(50.0)
 
 

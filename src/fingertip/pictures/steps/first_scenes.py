@@ -262,6 +262,6 @@ def connect(bench: Bench, data: Data) -> Scene:
         Label("red wire to 3V3 (Pico:\nADC_VREF, pin 35)" if kohm else "to the board", (far + 4.0, y, z + 0.7)),
         *([Label(black_to, (far - 8.0, y, z))] if kohm else []),
         Label("bolt with nut", (-post - 5.0, axis_y, bolt_z)),
-        Label("stand, its flat\nback on the table", (0.0, axis_y, z - 40.0)),
+        Label("stand, on the table", (0.0, axis_y, z - 40.0)),
         Label("press here, to try it", bench.head),
     )  # fmt: skip

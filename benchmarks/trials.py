@@ -22,9 +22,7 @@ from fingertip.lab.campaign.closed_loop import run_closed_loop
 from fingertip.lab.campaign.mix import MixSize, generate_mix, run_detector
 from fingertip.lab.campaign.plan import CampaignPlan, Case, generate_cases, generate_trials
 from fingertip.lab.campaign.run import SCALES, run_cases
-from fingertip.lab.studies.boards import with_article_board
-from fingertip.lab.studies.sensitivity import VARIATIONS
-from fingertip.lab.validation import SEED_RANGES, STUDY_TRIALS
+from fingertip.lab.validation import SEED_RANGES
 from fingertip.sim.runs.scene import SceneRun
 from fingertip.sim.signal.finger import FingerSignals
 from fingertip.sim.signal.grid import CostMeter, StageCost
@@ -79,17 +77,12 @@ def describe_stages(results: Sequence[Sequence[StageCost]]) -> list[str]:
 def measure_parts(design: Design, rounds: int) -> None:
     """Print the CPU time of the largest parts of a validation, for one case and for all of them."""
     cases = list(generate_cases(CampaignPlan()))
-    some, article = cases[::EVERY], with_article_board(design)
-    nominal: dict[str, Sequence[float]] = dict.fromkeys(DETECTORS, (1.0,))
+    some = cases[::EVERY]
     every: dict[str, Sequence[float]] = dict.fromkeys(DETECTORS, SCALES)
     whole = len(cases) / len(some)
-    varied = (1 + len(VARIATIONS)) * len(list(generate_cases(CampaignPlan(STUDY_TRIALS, 2.0)))) / len(some)
     parts: dict[str, tuple[float, Callable[[], object]]] = {
         "trials, all detectors and thresholds": (whole, lambda: run_cases(design, some, every)),
-        "further ranges and assumptions, fast alone": (
-            (SEED_RANGES - 1) * whole + varied, lambda: run_cases(design, some, {"fast": (1.0,)}),
-        ),
-        "article's board, all detectors": (whole, lambda: run_cases(article, some, nominal)),
+        "further ranges, fast alone": ((SEED_RANGES - 1) * whole, lambda: run_cases(design, some, {"fast": (1.0,)})),
         "wider mix": (24.0, lambda: run_detector("fast", design, generate_mix(design, MixSize(5, 2), 5_500_000))),
         "closed loops": (6.0 * 3, lambda: run_closed_loop(design, ("fast",), 1, uncontrolled=False)),
     }  # fmt: skip

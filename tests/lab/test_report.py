@@ -5,9 +5,7 @@ After a change that is meant, `FINGERTIP_APPROVE=1 pytest tests/lab/test_report.
 
 from __future__ import annotations
 
-import itertools
 import json
-import math
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -25,21 +23,8 @@ from fingertip.lab.campaign.mix import MixSummary, Outcome
 from fingertip.lab.campaign.plan import CampaignPlan, Case
 from fingertip.lab.campaign.run import CampaignResult, DetectorResult, TrialResult
 from fingertip.lab.report import trial_plots
-from fingertip.lab.report.tables import StudyResults
+from fingertip.lab.report.tables import FurtherResults
 from fingertip.lab.report.trial_plots import ExampleTrial
-from fingertip.lab.studies.article import DEVICES, MOVED_M, ProtocolResult, ProtocolStudy, Spectrum, WindowResult
-from fingertip.lab.studies.boards import BoardResult
-from fingertip.lab.studies.bounds import DiscriminationResult, KnockResult
-from fingertip.lab.studies.previous_works import PlainFftResult, PlateResult, PreviousWorks
-from fingertip.lab.studies.sensitivity import (
-    BOTH,
-    ELASTO_PLASTIC,
-    PATCH_AVERAGE,
-    STICK_SLIP,
-    AccelerationResult,
-    VariationResult,
-)
-from fingertip.lab.studies.steps import DelayShift, SamplingRateResult, SignalError, StepSensitivity
 from fingertip.lab.validation import RequirementLimits, Validation, check_closed_loop, check_detection
 from fingertip.sim.runs.grip import GripDecision
 from fingertip.sim.simulation import article_trials
@@ -107,77 +92,21 @@ def closed_loop() -> list[Any]:
     return [evaluate_manipulation(detector, run, made) for detector, run, made in runs]
 
 
-def protocol(summary: Any) -> ProtocolStudy:
-    results = [
-        ProtocolResult(
-            device, 0.01 + i / 1000, moved_m, 4, 4 - i, 3 - i, 4 - i, 0.03 - 100 * moved_m, 0.03, 0.05, 0.07, 0.012
-        )
-        for i, device in enumerate(DEVICES)
-        for moved_m in MOVED_M
-    ]
-    results[3] = replace(results[3], found=0, mean_s=math.nan, worst_object_s=math.nan)
-    return ProtocolStudy(results, {"article's board": summary, "precision board": replace(summary, unanswered=0)})
-
-
-def variation(label: str, shift_s: float, is_realistic: bool = True, found: float = 1.0) -> VariationResult:
-    figures = (24, found, 0.015 + shift_s, shift_s, 0.25, 0.0045, 0.001 * len(label), 0.04 + shift_s, 0.05)
-    return VariationResult(label, is_realistic, False, *figures, 0.0987, 0.1234)
-
-
-def studies() -> StudyResults:
-    summaries = summarise(closed_loop())
-    fast = campaign().at_nominal_threshold("fast")
+def further() -> FurtherResults:
     silent = DetectorResult(1.0, (TrialResult(Case("contact", SCENES[0], 9), 240.0, 0, (), 0.0, ()),))
-    unknown = (math.inf, math.nan, 0.0, math.nan, math.nan, math.inf, math.inf, math.nan, math.nan)
-    lost = VariationResult(STICK_SLIP, True, False, 30, 0.25, *unknown)
-    hz = np.arange(0.0, 500.0, 50.0)
-    shifts = (DelayShift("fast", 20, 1, 0, 0.0, 0.0, 0.001), DelayShift("digital", 20, 4, 1, 0.0, 0.008, math.inf))
     slip = Outcome("slip", 0.0, 0.5, 2, (0.01, 0.02), (0.03, 0.04), (0.95, 0.9), 1, (0.1,), 0, 0, 0.0)
     tap = Outcome("tap", 0.0, 2.0, 0, (), (), (), 0, (), 3, 1, 0.01)
-    delays_s = [(0.03,)] * 30 + [(0.05,)] * 9 + [()]  # in 20 minutes, with three alarms
-    slips = [TrialResult(Case("slip", SCENES[0], i), 30.0, 1, delay_s, 0.9, ("contact",) * (i < 3), 0.01)
-             for i, delay_s in enumerate(delays_s)]  # fmt: skip
     mix = {"slip": (slip,), "tap": (tap, replace(tap, minutes=1.0, events=5, alarms=2))}
-    return StudyResults(
-        bounds_s=[0.009, 0.012, math.inf, 0.004],
-        variations=[
-            variation("unchanged", 0.0, False), variation("half the force", 0.004, False),
-            variation("twice the noise", -0.006, False), replace(lost, label="half the speed", is_realistic=False),
-            replace(variation(PATCH_AVERAGE, 0.002, found=0.5), vibration_n=0.0005), lost, variation(BOTH, 0.001),
-            variation(ELASTO_PLASTIC, -0.001), variation("mains hum of 1 mV", 0.003),
-            replace(variation("load law hertz", 0.004, False), is_law=True, light_v=0.25, firm_v=0.0512),
-        ],
-        steps=StepSensitivity(20, 16, shifts, (SignalError("force_n", 1e-5, 2e-5, 4e-5),)),
-        patch_radius_m=2.05e-3,
-        windows=[WindowResult(0.01, 0.02, 1.0, 0.012, 0.02, 3.0), WindowResult(0.03, 0.015, 0.9, 0.03, math.inf, 1.5)],
-        spectra=[Spectrum(name, hz, 1e-6 / (1 + (hz / hz_3db) ** 2)) for name, hz_3db in (("soft", 90), ("bare", 230))],
-        accelerations=[
-            AccelerationResult(a, name, 1.0, 0.02 / a + late, 0.03 / a + late)
-            for a in (0.5, 1.0) for name, late in (("bound", 0.0), ("fast", 0.005), ("fft", math.inf))
-        ],
-        rates=[SamplingRateResult(rate, 10 / rate, 20 / rate, 1.0, 0.012, 0.02, 0.1) for rate in (1000.0, 2000.0)],
-        boards=[BoardResult("article", 0.023, False, 0.5, 0.04, math.inf, 0.25, 0.06, 0.1),
-                BoardResult("precision", 0.0049, True, 1.0, 0.02, 0.03, 0.75, 0.04, 0.2)],
-        article={"digital": DetectorResult(1.0, tuple(slips))},
-        protocol=protocol(summaries[1]),
-        previous=PreviousWorks(
-            [PlateResult("ridged_fine", 1.0, 15, 15, 0.012), PlateResult("ridged_fine", 5.0, 15, 0, math.nan)],
-            [PlainFftResult(0.0002, 4, 4, 4, 3), PlainFftResult(0.013, 4, 3, 2, 1)],
-        ),
-        motor=[DiscriminationResult(0.02, 3.0, 2.5, 0.25), DiscriminationResult(0.1, 2.0, 4.0, 1.0)],
-        knocks=[
-            KnockResult(name, force_n, rise_s, force_n / 4)
-            for name, rise_s, force_n in itertools.product(("digital", "fast"), (0.002, 0.01), (1.0, 2.0))
-        ],
-        closed_loop=summaries,
-        seed_ranges=[fast, silent],
+    return FurtherResults(
+        closed_loop=summarise(closed_loop()),
+        seed_ranges=[campaign().at_nominal_threshold("fast"), silent],
         wider_mix={kind: MixSummary(outcomes) for kind, outcomes in mix.items()},
-    )  # fmt: skip
+    )
 
 
 @pytest.fixture(scope="module")
 def validation() -> Validation:
-    result, known = campaign(), studies()
+    result, known = campaign(), further()
     limits = RequirementLimits()
     requirements = (*check_detection(result, "fast", limits), *check_closed_loop(known.closed_loop[1], limits))
     return Validation(Design.load("article"), "fast", result, tuple(closed_loop()), requirements, known)

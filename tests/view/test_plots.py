@@ -24,7 +24,6 @@ from fingertip.lab.campaign.plan import CampaignPlan, Case, generate_cases
 from fingertip.lab.campaign.run import CampaignResult, DetectorResult, TrialResult
 from fingertip.lab.report import plots, trial_plots
 from fingertip.lab.report.trial_plots import ExampleTrial
-from fingertip.lab.studies.article import Spectrum, WindowResult
 from fingertip.pictures.filling import draw_filling
 from fingertip.sim import report as sim_report
 from fingertip.sim.runs.grip import GripDecision
@@ -41,6 +40,8 @@ from tests.approved import check_figures
 from tests.figures import describe_figure, keep_figures
 from tests.slip.recordings import burst
 from tests.tools import require_module
+from tools.article import plots as study_plots
+from tools.article.protocol import Spectrum, WindowResult
 
 APPROVED = Path(__file__).parent / "approved"
 DESIGN = Design(board={"variant": "precision"})
@@ -80,11 +81,11 @@ def make_campaign() -> CampaignResult:
 def campaign() -> None:
     plots.plot_delays(make_campaign())
     plots.plot_surfaces(make_campaign(), "digital")
-    plots.plot_comparison(make_campaign(), 0.021)
+    plots.plot_comparison(make_campaign())
     rows = [(0.01, 0.012, 0.02, 9.0), (0.03, 0.02, 0.04, 1.0), (0.06, 0.035, math.inf, 0.0)]
-    plots.plot_windows([WindowResult(w, 0.01, 0.9, median, p90, rate) for w, median, p90, rate in rows])
+    study_plots.plot_windows([WindowResult(w, 0.01, 0.9, median, p90, rate) for w, median, p90, rate in rows])
     hz = np.linspace(0.0, 500.0, 51)
-    plots.plot_spectra([Spectrum("fsr", hz, 1e-8 / (1.0 + hz)), Spectrum("other", hz, 1e-9 * (1.0 + hz))])
+    study_plots.plot_spectra([Spectrum("fsr", hz, 1e-8 / (1.0 + hz)), Spectrum("other", hz, 1e-9 * (1.0 + hz))])
 
 
 # Traces
@@ -109,6 +110,7 @@ def trials() -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(trial_plots, "simulate_examples", lambda design: examples)
         trial_plots.plot_trials(DESIGN)
+        study_plots.plot_window_rows(DESIGN, study_plots.find_contact_alarm(DESIGN, examples))
 
 
 @plot

@@ -34,6 +34,11 @@ def render(name: str, /, **data: Any) -> str:
     return _environment().get_template(name).render(data)
 
 
+def render_text(template: str, /, **data: Any) -> str:
+    """Render a template that is given as text."""
+    return _environment().from_string(template).render(data)
+
+
 def render_page(name: str, width: int | None = None, /, **data: Any) -> str:
     """Render a template and lay it out, with a width of its lines or each block in one."""
     return lay_out_page(render(name, **data), width)
@@ -41,7 +46,12 @@ def render_page(name: str, width: int | None = None, /, **data: Any) -> str:
 
 def render_rows(name: str, data: Mapping[str, Any]) -> list[dict[str, str]]:
     """Render a template that is a table, as its rows: column -> cell."""
-    rows = (line for line in render_page(name, **data).splitlines() if line.startswith("|"))
+    return read_rows(render_page(name, **data))
+
+
+def read_rows(page: str) -> list[dict[str, str]]:
+    """Read the rows of a table in Markdown: column -> cell."""
+    rows = (line for line in page.splitlines() if line.startswith("|"))
     head, _, *cells = ([cell.strip() for cell in row[1:-1].split("|")] for row in rows)
     return [dict(zip(head, row, strict=True)) for row in cells]
 

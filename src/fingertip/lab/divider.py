@@ -8,13 +8,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from fingertip.board.components.values import BOARD_REMEDY
+from fingertip.board.components.values import BOARD_REMEDY, SUPPLIES
 from fingertip.design import Design
+from fingertip.design.formulas.amplifiers import BAND_CUTOFFS
 from fingertip.foundation.errors import DesignError
 from fingertip.lab.campaign.plan import CampaignPlan
 from fingertip.lab.campaign.run import CampaignResult, DetectorResult, run_campaign
 from fingertip.lab.report.numbers import format_ms, to_number
-from fingertip.lab.studies.boards import with_variant
 
 DIVIDER, NOISY, BOARD = "divider", "divider, twice the noise", "board"
 LEFT_OUT = (
@@ -61,6 +61,16 @@ class BoardComparison:
             f"median delay of {_ms(board, 0.5)} in place of {_ms(divider, 0.5)}, and 90 % within {_ms(board, 0.9)} in "
             f"place of {_ms(divider, 0.9)}."
         )
+
+
+def with_variant(design: Design, variant: str) -> Design:
+    """Copy of the design with another board on its own supply; its band limit is moved above the vibrations."""
+    tables = design.model_dump()
+    if design.board.variant != variant:
+        minimum = BAND_CUTOFFS * design.board.cutoff_hz
+        supply_v, limit_hz = SUPPLIES[variant].nominal_v, max(design.board.band_limit_hz, minimum)
+        tables["board"] |= {"variant": variant, "supply_v": supply_v, "band_limit_hz": limit_hz}
+    return Design(**tables)
 
 
 def compare_with_board(design: Design, result: CampaignResult, detector: str) -> BoardComparison:

@@ -1,4 +1,4 @@
-"""Validation of a design: the campaign, the closed loop, the studies, and whether the requirements are met."""
+"""Validation of a design: the campaign, the wider mix, the closed loop, and whether the requirements are met."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, TypeVar
+from typing import Any
 
 from fingertip.design import Design
 from fingertip.foundation.comparison import Comparison
@@ -17,35 +17,17 @@ from fingertip.foundation.side_by_side import side_by_side
 from fingertip.lab.campaign.closed_loop import ClosedLoopSummary, ClosedLoopTrial, run_closed_loop, summarise
 from fingertip.lab.campaign.mix import MixSize, generate_mix, run_detector
 from fingertip.lab.campaign.mix import summarise as summarise_mix
-from fingertip.lab.campaign.plan import (
-    HELD_OUT_FROM,
-    REPORTED_SEPARATELY,
-    CampaignPlan,
-    check_first_seed,
-    generate_trials,
-)
+from fingertip.lab.campaign.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, check_first_seed
 from fingertip.lab.campaign.run import CampaignResult, run_campaign, surface
 from fingertip.lab.divider import BoardComparison, compare_with_board
 from fingertip.lab.report import omissions, tables
 from fingertip.lab.report.numbers import format_ms, to_number
-from fingertip.lab.report.tables import StudyResults
-from fingertip.lab.studies.article import compute_spectra, study_article_protocol, study_windows
-from fingertip.lab.studies.boards import study_article_board, study_board_variants
-from fingertip.lab.studies.bounds import compute_bounds_s, study_knock_rejection, study_motor_discrimination
-from fingertip.lab.studies.previous_works import study_previous_works
-from fingertip.lab.studies.sensitivity import study_accelerations, study_assumptions
-from fingertip.lab.studies.steps import study_sampling_rates, study_steps
-from fingertip.pad.response import Pad
+from fingertip.lab.report.tables import FurtherResults
 from fingertip.slip.detectors.registry import check_detector
 
-T = TypeVar("T")
 SHOWN_TRIALS, SHOWN_MINUTES = 120, 40.0
 """Trials and minutes from which a validation shows its requirements: the article's trials, and 0 alarms in 40 min
 exclude 0.1 a minute with 95 %."""
-STUDY_TRIALS = 24
-"""Largest number of trials in each study beside the campaign: three for each surface and object."""
-MAX_STEP_TRIALS = 60
-"""Largest number of trials that are repeated with a finer time step, each in the time of ten."""
 SEED_RANGES = 4
 """Number of ranges of held-out seeds over which the alarms of a validation are counted."""
 RANGE_SEEDS = 1_000_000
@@ -54,8 +36,8 @@ MIX_SEED_OFFSET = 500_000
 """Distance of the wider mix's first seed from the campaign's."""
 FILES = (
     "validation.txt", "validation.json", "omissions.md", "delays.png", "surfaces.png", "surfaces_digital.png",
-    "spectra.png", "windows.png", "comparison.png", "trial.png", "trials_surfaces.png", "trials_objects.png",
-    "window_trial.png", "closed_loop_power.png", "closed_loop_pinch.png",
+    "comparison.png", "trial.png", "trials_surfaces.png", "trials_objects.png", "closed_loop_power.png",
+    "closed_loop_pinch.png",
 )  # fmt: skip
 
 
@@ -130,16 +112,16 @@ class Validation:
     campaign: CampaignResult
     closed_loop: tuple[ClosedLoopTrial, ...]
     requirements: tuple[Requirement, ...]
-    studies: StudyResults | BoardComparison
-    """Studies of the board and its detectors; of a divider, the comparison with a board."""
+    further: FurtherResults | BoardComparison
+    """Results beside the campaign; of a divider, the comparison with a board."""
 
     @property
     def passed(self) -> bool:
         return all(requirement.passed for requirement in self.requirements)
 
     def as_data(self) -> dict[str, Any]:
-        studies = self.studies
-        details = studies.as_data() if isinstance(studies, BoardComparison) else tables.as_data(self.campaign, studies)
+        further = self.further
+        details = further.as_data() if isinstance(further, BoardComparison) else tables.as_data(self.campaign, further)
         return {
             "detector": self.detector,
             "passed": self.passed,
@@ -148,9 +130,9 @@ class Validation:
         }
 
     def as_text(self) -> str:
-        if isinstance(self.studies, BoardComparison):
-            return self.studies.as_text()
-        return tables.as_text(self.campaign, self.detector, self.studies)
+        if isinstance(self.further, BoardComparison):
+            return self.further.as_text()
+        return tables.as_text(self.campaign, self.detector, self.further)
 
     def as_verdict(self) -> str:
         """Return whether the requirements are met, and each of them with its value, as text."""
@@ -163,8 +145,8 @@ class Validation:
             verdict += f", but {plan.trials} trials and {plan.negative_minutes:g} min are too few to show it: {enough}"
         lines = [f"{self.design.name}, detector {self.detector}: {verdict}"]
         lines += [f"  {'met   ' if one.passed else 'MISSED'}  {one.message}" for one in self.requirements]
-        if isinstance(self.studies, BoardComparison):
-            lines.append(self.studies.tell(self.passed))
+        if isinstance(self.further, BoardComparison):
+            lines.append(self.further.tell(self.passed))
         return "\n".join(lines)
 
     def files(self, with_plots: bool = True) -> dict[str, bytes]:
@@ -173,47 +155,36 @@ class Validation:
             "validation.txt": f"{self.as_verdict()}\n\n{self.as_text()}\n".encode(),
             "validation.json": (json.dumps(self.as_data(), indent=2, allow_nan=False) + "\n").encode(),
         }
-        if isinstance(self.studies, BoardComparison):
+        if isinstance(self.further, BoardComparison):
             return results
         missed = [requirement.message for requirement in self.requirements if not requirement.passed]
-        page = omissions.as_markdown(self.campaign, missed, self.closed_loop, self.studies, self.detector)
-        plots = self._draw_plots(self.studies) if with_plots else {}
+        page = omissions.as_markdown(self.campaign, missed, self.closed_loop)
+        plots = self._draw_plots() if with_plots else {}
         return results | plots | {"omissions.md": page.encode()}
 
-    def _draw_plots(self, studies: StudyResults) -> dict[str, bytes]:
+    def _draw_plots(self) -> dict[str, bytes]:
         from fingertip.lab.report import plots, trial_plots  # noqa: PLC0415
 
         return {
             "delays.png": plots.plot_delays(self.campaign),
             "surfaces.png": plots.plot_surfaces(self.campaign, self.detector),
             "surfaces_digital.png": plots.plot_surfaces(self.campaign, "digital"),
-            "spectra.png": plots.plot_spectra(studies.spectra),
-            "windows.png": plots.plot_windows(studies.windows),
-            "comparison.png": plots.plot_comparison(self.campaign, studies.bound_s(0.5)),
+            "comparison.png": plots.plot_comparison(self.campaign),
             **trial_plots.plot_trials(self.design),
             **trial_plots.plot_closed_loop(self.closed_loop, self.detector),
         }
 
 
-def estimate_stages_s(plan: CampaignPlan) -> dict[str, float]:
+def estimate_stages_s(plan: CampaignPlan, has_filter: bool) -> dict[str, float]:
     """Estimate the duration of each stage [s] for its share of the progress; measured on one core."""
     cases = plan.trials + 15 * plan.negative_minutes  # a scene takes some four seconds
+    if not has_filter:
+        return {"trials": 0.04 * cases, "closed loop": 4.0, "boards": 0.08 * cases}
     return {
         "trials": 0.2 * cases,
         "further ranges of seeds": 0.12 * cases,
         "wider mix": 0.4 * plan.trials,
         "closed loop": 17.0,
-        "bound": 0.02 * plan.trials,
-        "assumptions": 22.0,
-        "time step": 0.3 * min(MAX_STEP_TRIALS, plan.trials / 2),
-        "windows and spectra": 1.0,
-        "accelerations": 8.0,
-        "sampling rates": 0.2 * min(2 * STUDY_TRIALS, plan.trials),
-        "boards": 5.0,
-        "the article's board": 0.1 * cases,
-        "the article's protocol": 0.2 * plan.trials + 12.0,
-        "previous works": 0.1 * plan.trials,
-        "motors and knocks": 5.0,
     }
 
 
@@ -233,7 +204,7 @@ def validate(
     check_detector(design, detector)
     check_first_seed(first_seed)
     plan, limits = plan or CampaignPlan(), limits or RequirementLimits()
-    work = Work("validate", estimate_stages_s(plan), progress)
+    work = Work("validate", estimate_stages_s(plan, design.board.has_filter), progress)
     run = _validate if design.board.has_filter else _validate_divider
     with side_by_side(find_workers(jobs)):
         return run(design, plan, detector, limits, work, first_seed)
@@ -274,29 +245,5 @@ def _validate(
     summaries = summarise(manipulations)
     required = next(summary for summary in summaries if summary.detector == detector)
     requirements = (*check_detection(result, detector, limits), *check_closed_loop(required, limits))
-    trials = min(STUDY_TRIALS, plan.trials)
-
-    def run(stage: str, study: Callable[..., T], *arguments: Any) -> T:
-        work.begin(stage)
-        return study(design, *arguments)
-
-    studies = StudyResults(
-        bounds_s=run("bound", compute_bounds_s, generate_trials(plan.trials, first_seed)),
-        variations=run("assumptions", study_assumptions, detector, trials),
-        steps=run("time step", study_steps, min(MAX_STEP_TRIALS, (plan.trials + 1) // 2)),
-        patch_radius_m=Pad.from_design(design).patch_radius_m(1.0),
-        windows=run("windows and spectra", study_windows, trials),
-        spectra=compute_spectra(design),
-        accelerations=run("accelerations", study_accelerations, trials),
-        rates=run("sampling rates", study_sampling_rates, min(2 * STUDY_TRIALS, plan.trials)),
-        boards=run("boards", study_board_variants, trials),
-        article=run("the article's board", study_article_board, plan, first_seed),
-        protocol=run("the article's protocol", study_article_protocol, plan.trials, loop_repeats, first_seed),
-        previous=run("previous works", study_previous_works, plan.trials, first_seed),
-        motor=run("motors and knocks", study_motor_discrimination, trials),
-        knocks=study_knock_rejection(design),
-        closed_loop=summaries,
-        seed_ranges=ranges,
-        wider_mix=mix,
-    )
-    return Validation(design, detector, result, tuple(manipulations), requirements, studies)
+    further = FurtherResults(summaries, ranges, mix)
+    return Validation(design, detector, result, tuple(manipulations), requirements, further)

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from fingertip.foundation import plot_style as style
 from fingertip.lab.campaign.run import CampaignResult, speed_m_s, surface
-from fingertip.lab.studies.article import Spectrum, WindowResult
 from fingertip.slip.detectors.registry import DETECTORS
 from fingertip.slip.traces.truth import ENCODER_HZ, encoder_delay_band_s
 
@@ -96,7 +94,7 @@ def plot_surfaces(result: CampaignResult, detector: str) -> bytes:
     return style.to_png(figure)
 
 
-def plot_comparison(result: CampaignResult, bound_s: float) -> bytes:
+def plot_comparison(result: CampaignResult) -> bytes:
     """Plot the median (solid) and 90th percentile (dashed) of the delay over false alarms per minute; returns a PNG."""
     figure = style.new_figure(10, 6)
     axes = figure.subplots()
@@ -118,8 +116,6 @@ def plot_comparison(result: CampaignResult, bound_s: float) -> bytes:
         if math.isfinite(nominal.delay_s(0.5)):
             at = (max(nominal.alarms_per_minute, no_alarms), 1000 * nominal.delay_s(0.5))
             axes.plot(*at, "o", markersize=11, markerfacecolor="none", color=colour)
-    label = "estimate for one band's energy alone, median"
-    axes.axhline(1000 * bound_s, color=style.TEXT_COLOUR, linewidth=1, linestyle="-.", label=label)
     axes.axvline(0.1, color=style.TEXT_COLOUR, linewidth=1, linestyle=":", label="0.1 false alarms per minute")
     axes.set_xscale("log")
     axes.set_ylim(0, 160)
@@ -130,44 +126,4 @@ def plot_comparison(result: CampaignResult, bound_s: float) -> bytes:
     axes.set_title(title, loc="left", fontsize=10)
     figure.legend(frameon=False, ncols=3, fontsize=9, loc="outside lower left")
     style.style_axes(axes)
-    return style.to_png(figure)
-
-
-def plot_windows(rows: Sequence[WindowResult]) -> bytes:
-    """Plot delay and false alarms of the article's chain over its window length; returns a PNG."""
-    figure = style.new_figure(10, 5)
-    left, right = figure.subplots(1, 2)
-    ms = [1000 * row.window_s for row in rows]
-    for label, line, delays_s in (
-        ("median", "-", [row.median_s for row in rows]),
-        ("90th percentile", "--", [row.p90_s for row in rows]),
-    ):
-        kept = [(w, 1000 * d) for w, d in zip(ms, delays_s, strict=True) if math.isfinite(d)]
-        left.plot([w for w, _ in kept], [d for _, d in kept], line, marker=".", color=style.BLUE, label=label)
-    right.plot(ms, [row.contact_alarms_per_minute for row in rows], marker=".", color=style.RED)
-    left.set_ylabel("delay [ms]")
-    left.legend(frameon=False, fontsize=9)
-    right.set_ylabel("false alarms per minute from contact, release, load change")
-    left.set_title(f"digital, by window length ({NOTE})", loc="left", fontsize=10)
-    for axes in (left, right):
-        axes.axvline(30, color=style.TEXT_COLOUR, linestyle=":", linewidth=1)
-        axes.set_ylim(bottom=0)
-        axes.set_xlabel("window length [ms]; dotted: the article's")
-        style.style_axes(axes)
-    return style.to_png(figure)
-
-
-def plot_spectra(spectra: Sequence[Spectrum]) -> bytes:
-    """Plot the power spectral densities, one row per sensor; returns a PNG."""
-    figure = style.new_figure(10, 6)
-    rows = figure.subplots(len(spectra), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
-    for axes, one in zip(rows, spectra, strict=True):
-        axes.semilogy(one.frequency_hz, one.power_v2_hz, color=style.BLUE, linewidth=1)
-        shares = ", ".join(f"{100 * one.share_above(f):.1f} % above {f} Hz" for f in (67, 100, 200))
-        axes.set_title(f"{one.label}: power above 20 Hz: {shares}", loc="left", fontsize=10)
-        axes.set_ylabel("power density [V\u00b2/Hz]")
-        axes.axvline(67, color=style.TEXT_COLOUR, linestyle=":", linewidth=1)
-        style.style_axes(axes)
-    rows[-1].set_xlim(0, 400)
-    rows[-1].set_xlabel(f"frequency [Hz]; dotted: the article's cutoff ({NOTE})")
     return style.to_png(figure)

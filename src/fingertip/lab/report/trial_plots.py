@@ -1,7 +1,7 @@
 """Plots of single trials and manipulations like the article's.
 
-One trial with all its signals (figure 9), one for each surface (figure 12) and grasped object (figure 13), one trial by
-window length (figure 5), and manipulations in the closed loop (figures 16 and 17).
+One trial with all its signals (figure 9), one for each surface (figure 12) and grasped object (figure 13), and
+manipulations in the closed loop (figures 16 and 17).
 """
 
 from __future__ import annotations
@@ -19,7 +19,6 @@ from fingertip.lab.campaign.closed_loop import NO_CONTROL, ClosedLoopTrial, any_
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, Case
 from fingertip.lab.campaign.run import scene_surface, simulate_trace
 from fingertip.lab.report.plots import COLOURS, NOTE, OTHER_COLOUR, add_legend
-from fingertip.lab.studies.article import WINDOW_DETECTOR, WINDOWS_S, with_window
 from fingertip.sim import SceneFile
 from fingertip.sim.runs.scene import SceneRun
 from fingertip.sim.simulation import article_trials
@@ -34,8 +33,6 @@ if TYPE_CHECKING:
 
 _VOLTAGE, _ENVELOPE, _FORCE = style.BLUE, style.ORANGE, style.TEXT_COLOUR
 _FINGERS = dict(zip(("thumb", "index", "middle", "ring", "little"), style.SERIES, strict=True))
-SHORT_WINDOW_S = 0.01
-"""Window in which a contact is reported as slip in the article's figure 5 [s]."""
 DETECTORS_SHOWN = ("analog", "digital", "fast")
 CLOSED_LOOP_PLOTS = {"closed_loop_power.png": "parallelepiped", "closed_loop_pinch.png": "cylinder"}
 """File -> object, as in the article's figures 16 and 17; `select_pair` may take another one of the same grasp."""
@@ -81,19 +78,7 @@ def plot_trials(design: Design) -> dict[str, bytes]:
         "trial.png": plot_signals(design, wood),
         "trials_surfaces.png": plot_panels(design, surfaces),
         "trials_objects.png": plot_panels(design, objects),
-        "window_trial.png": plot_window_rows(design, _find_contact_alarm(design, examples)),
     }
-
-
-def _find_contact_alarm(design: Design, examples: Sequence[ExampleTrial]) -> ExampleTrial:
-    """First trial in which the article's short window takes the contact for slip; the first of all if none does."""
-    short = with_window(design, SHORT_WINDOW_S)
-    for example in examples:
-        assert example.trace.slip is not None
-        before = slice(0, int(np.flatnonzero(example.trace.slip)[0]))
-        if make_detector(WINDOW_DETECTOR, short).process(example.trace.voltage_v[before]).on.any():
-            return example
-    return examples[0]
 
 
 def plot_signals(design: Design, example: ExampleTrial) -> bytes:
@@ -117,9 +102,9 @@ def plot_signals(design: Design, example: ExampleTrial) -> bytes:
     envelope.set_ylim(0, 1.35 * highest)
     envelope.set_ylabel("envelope [mV]")
     flags = {name: make_detector(name, design).process(*select_inputs(trace, name)).on for name in DETECTORS_SHOWN}
-    _draw_flags(on, trace, flags)
+    draw_flags(on, trace, flags)
     for axes in (force, voltage, envelope):
-        _shade(axes, trace)
+        shade(axes, trace)
         style.style_axes(axes)
     touching = np.flatnonzero(np.asarray(trace.force_n) > 0.0)
     for axes in (force, voltage, envelope, on):
@@ -154,7 +139,7 @@ def plot_panels(design: Design, examples: Sequence[ExampleTrial]) -> bytes:
         twin.set_ylim(0, 2600 * max(0.04, float(np.max(slipping, initial=0.0))))
         twin.set_ylabel("envelope [mV]", color=_ENVELOPE)
         twin.spines["top"].set_visible(False)
-        _shade(axes, trace)
+        shade(axes, trace)
         spans = [(i.onset_s, i.end_s - i.onset_s) for i in intervals(t, chain.on)]
         axes.broken_barh(spans, (high + 0.1 * span, 0.1 * span), color=COLOURS["digital"], linewidth=0)
         axes.text(0.005, 0.985, "ON", color=COLOURS["digital"], fontsize=9, va="top", transform=axes.transAxes)
@@ -166,29 +151,6 @@ def plot_panels(design: Design, examples: Sequence[ExampleTrial]) -> bytes:
     figure.legend(*grid.flat[0].get_legend_handles_labels(), loc="outside upper right", frameon=False, fontsize=9)
     for axes in grid[-1]:
         axes.set_xlabel(f"time [s]; shaded: slip; digital chain ({NOTE})", fontsize=9)
-    return style.to_png(figure)
-
-
-def plot_window_rows(design: Design, example: ExampleTrial) -> bytes:
-    """Plot ON and OFF of the digital chain on one trial for each window, as figure 5; returns a PNG."""
-    figure = style.new_figure(10, 5.5)
-    voltage, on = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1.6))
-    t = example.trace.time_s
-    voltage.plot(t, example.trace.voltage_v, color=_VOLTAGE, linewidth=0.7)
-    voltage.set_ylabel("tactile voltage [V]")
-    _shade(voltage, example.trace)
-    add_legend(voltage)
-    windows = {f"{1000 * window_s:g} ms": with_window(design, window_s) for window_s in WINDOWS_S}
-    flags = {
-        name: make_detector(WINDOW_DETECTOR, windowed).process(example.trace.voltage_v).on
-        for name, windowed in windows.items()
-    }
-    _draw_flags(on, example.trace, flags)
-    on.set_ylabel("window")
-    voltage.set_title(f"{WINDOW_DETECTOR} by window length: {example.title} ({NOTE})", loc="left", fontsize=10)
-    on.set_xlabel("time [s]")
-    on.set_xlim(float(t[0]), float(t[-1]))
-    style.style_axes(voltage)
     return style.to_png(figure)
 
 
@@ -270,7 +232,7 @@ def plot_manipulation(trial: ClosedLoopTrial, uncontrolled: ClosedLoopTrial) -> 
     return style.to_png(figure)
 
 
-def _draw_flags(axes: Axes, trace: Trace, flags: Mapping[str, NDArray[np.bool_]]) -> None:
+def draw_flags(axes: Axes, trace: Trace, flags: Mapping[str, NDArray[np.bool_]]) -> None:
     """Draw one row of ON intervals per name, the true slip last."""
     assert trace.slip is not None
     rows = [(name, intervals(trace.time_s, on), COLOURS.get(name, style.BLUE)) for name, on in flags.items()]
@@ -278,7 +240,7 @@ def _draw_flags(axes: Axes, trace: Trace, flags: Mapping[str, NDArray[np.bool_]]
     style.style_axes(axes, "x")
 
 
-def _shade(axes: Axes, trace: Trace) -> None:
+def shade(axes: Axes, trace: Trace) -> None:
     """Shade true slip, and the readings of the encoders that show the motion first."""
     assert trace.slip is not None
     for slip in intervals(trace.time_s, trace.slip):

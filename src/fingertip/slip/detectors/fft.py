@@ -6,7 +6,7 @@ which a rectangular window does not. The band extends from the board's cutoff to
 threshold follows from the noise by the same rule as those of the other detectors.
 
 The plain form takes the article's words as they stand: windows side by side, without a taper, ON if any bin exceeds the
-threshold. It serves to compare with the article's figure (`fingertip.lab.studies.previous_works`).
+threshold. It serves to compare with the article's figure (`tools/article/previous_works.py`).
 """
 
 from __future__ import annotations

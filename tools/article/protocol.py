@@ -19,7 +19,7 @@ from fingertip.foundation.numerics import Array
 from fingertip.lab.campaign.closed_loop import ClosedLoopSummary, run_closed_loop, summarise
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_cases, generate_trials
 from fingertip.lab.campaign.run import DetectorResult, TrialResult, evaluate, run_detector_on, simulate_trace, surface
-from fingertip.lab.studies.boards import with_article_board, with_variant
+from fingertip.lab.divider import with_variant
 from fingertip.pad.response import Pad
 from fingertip.sim import run_scene
 from fingertip.sim.runs.timeline import TrapezoidalMove
@@ -28,6 +28,7 @@ from fingertip.sim.signal.grid import open_stream
 from fingertip.sim.simulation import article_trials
 from fingertip.slip.detectors.analog_and_digital import noise_level
 from fingertip.slip.traces.truth import ENCODER_HZ, encoder_band_s
+from tools.article.boards import with_article_board
 
 MOVED_M = (0.0, 1e-5, 1e-4)
 """Motions from which on the robot counts as moving [m], as a good and a common encoder show (assumption)."""

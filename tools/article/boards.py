@@ -11,12 +11,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fingertip.board.components.values import SUPPLIES
 from fingertip.design import Design
-from fingertip.design.formulas.amplifiers import BAND_CUTOFFS
 from fingertip.foundation.errors import DesignError
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_cases
 from fingertip.lab.campaign.run import DetectorResult, run_campaign, run_cases, surface
+from fingertip.lab.divider import with_variant
 from fingertip.sim.signal.converter import simulate_quiescent_level
 
 VARIANTS = ("article", "precision")
@@ -37,16 +36,6 @@ class BoardResult:
     worst_mean_s: float
     """Mean delay of the slips found on the worst surface [s]."""
     alarms_per_minute: float
-
-
-def with_variant(design: Design, variant: str) -> Design:
-    """Copy of the design with another board on its own supply; its band limit is moved above the vibrations."""
-    tables = design.model_dump()
-    if design.board.variant != variant:
-        minimum = BAND_CUTOFFS * design.board.cutoff_hz
-        supply_v, limit_hz = SUPPLIES[variant].nominal_v, max(design.board.band_limit_hz, minimum)
-        tables["board"] |= {"variant": variant, "supply_v": supply_v, "band_limit_hz": limit_hz}
-    return Design(**tables)
 
 
 def study_board_variants(design: Design, trials: int = 24, negative_minutes: float = 2.0) -> list[BoardResult]:

@@ -21,51 +21,17 @@ from fingertip.design import Design
 from fingertip.detection.adaptation import adapt_rate
 from fingertip.foundation.errors import DesignError
 from fingertip.foundation.side_by_side import call_each
-from fingertip.lab.campaign.plan import CampaignPlan, Case, generate_limited_cases, generate_trials
-from fingertip.lab.campaign.run import evaluate, quantile_s, run_detector_on, select_board_outputs
-from fingertip.lab.studies.bounds import compute_bounds_s
-from fingertip.sim import run_scene
-from fingertip.sim.runs.scene import SceneRun
-from fingertip.sim.signal.grid import Grid
+from fingertip.lab.campaign.grids import REFINEMENT, SIGNALS, compare_grids
+from fingertip.lab.campaign.plan import CampaignPlan, generate_limited_cases, generate_trials
+from fingertip.lab.campaign.run import quantile_s, run_detector_on
 from fingertip.slip.detectors.registry import DETECTORS
+from tools.article.bounds import compute_bounds_s
 
-REFINEMENT = 16
-"""Number of steps of the finer grid per step of the shipped one."""
 MAX_SHIFT_SAMPLES = 1.0
 """Shift of a delay that the goal permits [samples]: a sample is the resolution of every detector."""
 GOAL_SHARE = 0.95
 """Fraction of the trials whose delay must not shift by more than that. Goal of this project."""
-SIGNALS = ("force_n", "voltage_v", "envelope_v")
 _ROUNDING = 1e-6
-
-
-def compare_grids(
-    design: Design, case: Case, detectors: Sequence[str] = tuple(DETECTORS), refinement: int = REFINEMENT
-) -> tuple[dict[str, float], dict[str, float]]:
-    """Run one trial on the shipped grid and on a finer one, with the same noise.
-
-    Returns by signal the largest difference, in the signal's unit, and by detector the shift of the delay [samples]:
-    infinite if slips are found on one grid only, NaN if on neither.
-    """
-    sampled = select_board_outputs(design, detectors)
-    scene = case.scene.model_copy(update={"outputs": ["slip", *SIGNALS, *sampled]})
-    shipped = SceneRun(design, scene, case.seed).grid
-    assert shipped
-    pair = [run_scene(design, scene, case.seed, grid=Grid(parts * shipped.refinement)) for parts in (1, refinement)]
-    errors = {name: float(np.max(np.abs(pair[0].columns[name] - pair[1].columns[name]))) for name in SIGNALS}
-    rate = design.detector.sample_rate_hz
-    shifts = {}
-    for name in detectors:
-        coarse, fine = (evaluate(case, one.trace, name, design, [1.0])[0].delays_s for one in pair)
-        shifts[name] = rate * _find_shift_s(coarse, fine)
-    return errors, shifts
-
-
-def _find_shift_s(coarse_s: Sequence[float], fine_s: Sequence[float]) -> float:
-    """Largest shift of a delay [s]; infinite if the numbers of slips found differ, NaN if there are none."""
-    if len(coarse_s) != len(fine_s):
-        return math.inf
-    return max((abs(a - b) for a, b in zip(coarse_s, fine_s, strict=True)), default=math.nan)
 
 
 @dataclass(frozen=True)
@@ -136,7 +102,7 @@ DETECTOR = "fast"
 class SamplingRateResult:
     sample_rate_hz: float
     bound_median_s: float
-    """Median of Lorden's bound (`fingertip.lab.studies.bounds`) [s]."""
+    """Median of Lorden's bound (`tools.article.bounds`) [s]."""
     bound_p90_s: float
     """90th percentile of Lorden's bound [s]."""
     found_share: float

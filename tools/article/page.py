@@ -1,7 +1,6 @@
-"""Command `python -m tools.beside_article`: what this project finds beside the article, and under other laws.
+"""Page of the manual: what this project finds beside the article, and under other laws.
 
-Writes `src/fingertip/lab/report/beside_article.json`, which the page of omissions of a validation quotes, and from it
-`docs/beside_article.md`. It takes some minutes. Run it again after a change of simulation or detectors.
+The data stand in `tools/article/beside_article.json`, which the page of the studies quotes too.
 """
 
 from __future__ import annotations
@@ -14,15 +13,19 @@ from pathlib import Path
 from typing import Any
 
 from fingertip.design import Design
-from fingertip.documents.template import WIDTH, lay_out_page, render
+from fingertip.documents.template import WIDTH, lay_out_page, render_text
 from fingertip.foundation.jit import compiled
 from fingertip.lab.campaign.run import measure_vibration_n
-from fingertip.lab.report.robustness import variations_as_data
-from fingertip.lab.report.tables import PROTOCOL_COLUMNS, list_protocol_rows
-from fingertip.lab.studies.article import study_article_protocol
-from fingertip.lab.studies.boards import VARIANTS, with_variant
-from fingertip.lab.studies.previous_works import study_previous_works
-from fingertip.lab.studies.sensitivity import (
+from fingertip.lab.divider import with_variant
+from fingertip.sim import run_scene
+from fingertip.sim.contact.materials import ARTICLE_SURFACES, SURFACES
+from fingertip.sim.signal.converter import simulate_quiescent_level
+from tools.article.boards import VARIANTS
+from tools.article.previous_works import study_previous_works
+from tools.article.protocol import study_article_protocol
+from tools.article.protocol_table import PROTOCOL_COLUMNS, list_protocol_rows
+from tools.article.robustness import variations_as_data
+from tools.article.sensitivity import (
     LOADED_ON,
     LOADS_N,
     PATCH_AVERAGE,
@@ -31,13 +34,10 @@ from fingertip.lab.studies.sensitivity import (
     slide_at,
     study_assumptions,
 )
-from fingertip.sim import run_scene
-from fingertip.sim.contact.materials import ARTICLE_SURFACES, SURFACES
-from fingertip.sim.signal.converter import simulate_quiescent_level
+from tools.article.studies import DATA
 
-ROOT = Path(__file__).resolve().parents[1]
-DATA = ROOT / "src/fingertip/lab/report/beside_article.json"
-PAGE = ROOT / "docs/beside_article.md"
+PAGE = Path(__file__).resolve().parents[2] / "docs/beside_article.md"
+TEMPLATE = Path(__file__).with_name("beside_article.md")
 FORCES_N = (0.3, 0.5, 0.8, 1.2, 2.0)
 SEEDS = range(10)
 DESIGNS, DETECTORS = ("article", "fsr400"), ("digital", "fast")
@@ -94,15 +94,11 @@ def measure() -> dict[str, Any]:
 
 def render_page(data: Mapping[str, Any]) -> str:
     """Write the page from the data."""
-    return lay_out_page(render("validation/beside_article.md", **data), WIDTH)
+    return lay_out_page(render_text(TEMPLATE.read_text(encoding="utf-8"), **data), WIDTH)
 
 
-def main() -> None:
+def write_page() -> None:
     """Measure, and write both files."""
     data = json.loads(json.dumps(measure(), allow_nan=False))
     DATA.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
     PAGE.write_text(render_page(data), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main()

@@ -1,1 +1,0 @@
-"""Studies beside the campaign; each answers one question."""

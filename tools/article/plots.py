@@ -1,0 +1,93 @@
+"""Plots of the studies: delay by window length and one trial by it (figure 5), and spectra of slip (figure 2)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from fingertip.design import Design
+from fingertip.foundation import plot_style as style
+from fingertip.lab.report.plots import NOTE, add_legend
+from fingertip.lab.report.trial_plots import ExampleTrial, draw_flags, shade
+from fingertip.slip.detectors.registry import make_detector
+from tools.article.protocol import WINDOW_DETECTOR, WINDOWS_S, Spectrum, WindowResult, with_window
+
+_VOLTAGE = style.BLUE
+SHORT_WINDOW_S = 0.01
+"""Window in which a contact is reported as slip in the article's figure 5 [s]."""
+
+
+def plot_windows(rows: Sequence[WindowResult]) -> bytes:
+    """Plot delay and false alarms of the article's chain over its window length; returns a PNG."""
+    figure = style.new_figure(10, 5)
+    left, right = figure.subplots(1, 2)
+    ms = [1000 * row.window_s for row in rows]
+    for label, line, delays_s in (
+        ("median", "-", [row.median_s for row in rows]),
+        ("90th percentile", "--", [row.p90_s for row in rows]),
+    ):
+        kept = [(w, 1000 * d) for w, d in zip(ms, delays_s, strict=True) if math.isfinite(d)]
+        left.plot([w for w, _ in kept], [d for _, d in kept], line, marker=".", color=style.BLUE, label=label)
+    right.plot(ms, [row.contact_alarms_per_minute for row in rows], marker=".", color=style.RED)
+    left.set_ylabel("delay [ms]")
+    left.legend(frameon=False, fontsize=9)
+    right.set_ylabel("false alarms per minute from contact, release, load change")
+    left.set_title(f"digital, by window length ({NOTE})", loc="left", fontsize=10)
+    for axes in (left, right):
+        axes.axvline(30, color=style.TEXT_COLOUR, linestyle=":", linewidth=1)
+        axes.set_ylim(bottom=0)
+        axes.set_xlabel("window length [ms]; dotted: the article's")
+        style.style_axes(axes)
+    return style.to_png(figure)
+
+
+def plot_spectra(spectra: Sequence[Spectrum]) -> bytes:
+    """Plot the power spectral densities, one row per sensor; returns a PNG."""
+    figure = style.new_figure(10, 6)
+    rows = figure.subplots(len(spectra), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
+    for axes, one in zip(rows, spectra, strict=True):
+        axes.semilogy(one.frequency_hz, one.power_v2_hz, color=style.BLUE, linewidth=1)
+        shares = ", ".join(f"{100 * one.share_above(f):.1f} % above {f} Hz" for f in (67, 100, 200))
+        axes.set_title(f"{one.label}: power above 20 Hz: {shares}", loc="left", fontsize=10)
+        axes.set_ylabel("power density [V\u00b2/Hz]")
+        axes.axvline(67, color=style.TEXT_COLOUR, linestyle=":", linewidth=1)
+        style.style_axes(axes)
+    rows[-1].set_xlim(0, 400)
+    rows[-1].set_xlabel(f"frequency [Hz]; dotted: the article's cutoff ({NOTE})")
+    return style.to_png(figure)
+
+
+def find_contact_alarm(design: Design, examples: Sequence[ExampleTrial]) -> ExampleTrial:
+    """First trial in which the article's short window takes the contact for slip; the first of all if none does."""
+    short = with_window(design, SHORT_WINDOW_S)
+    for example in examples:
+        assert example.trace.slip is not None
+        before = slice(0, int(np.flatnonzero(example.trace.slip)[0]))
+        if make_detector(WINDOW_DETECTOR, short).process(example.trace.voltage_v[before]).on.any():
+            return example
+    return examples[0]
+
+
+def plot_window_rows(design: Design, example: ExampleTrial) -> bytes:
+    """Plot ON and OFF of the digital chain on one trial for each window, as figure 5; returns a PNG."""
+    figure = style.new_figure(10, 5.5)
+    voltage, on = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1.6))
+    t = example.trace.time_s
+    voltage.plot(t, example.trace.voltage_v, color=_VOLTAGE, linewidth=0.7)
+    voltage.set_ylabel("tactile voltage [V]")
+    shade(voltage, example.trace)
+    add_legend(voltage)
+    windows = {f"{1000 * window_s:g} ms": with_window(design, window_s) for window_s in WINDOWS_S}
+    flags = {
+        name: make_detector(WINDOW_DETECTOR, windowed).process(example.trace.voltage_v).on
+        for name, windowed in windows.items()
+    }
+    draw_flags(on, example.trace, flags)
+    on.set_ylabel("window")
+    voltage.set_title(f"{WINDOW_DETECTOR} by window length: {example.title} ({NOTE})", loc="left", fontsize=10)
+    on.set_xlabel("time [s]")
+    on.set_xlim(float(t[0]), float(t[-1]))
+    style.style_axes(voltage)
+    return style.to_png(figure)

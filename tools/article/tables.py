@@ -1,0 +1,163 @@
+"""Results of the studies as one JSON object and as text."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import partial
+from typing import Any
+
+from fingertip.lab.campaign.run import DetectorResult, quantile_s
+from fingertip.lab.report.numbers import format_ms, to_number
+from fingertip.slip.traces.truth import ENCODER_HZ, ENCODER_NOTE
+from tools.article import robustness
+from tools.article.boards import BoardResult
+from tools.article.bounds import DiscriminationResult, KnockResult
+from tools.article.previous_works import PreviousWorks
+from tools.article.protocol import ProtocolStudy, Spectrum, WindowResult
+from tools.article.protocol_table import list_protocol_rows, protocol_as_lines
+from tools.article.robustness import to_data
+from tools.article.sensitivity import ASSUMED_M_S2, AccelerationResult, VariationResult
+from tools.article.steps import SamplingRateResult, StepSensitivity
+
+BOUND_LABEL = (
+    "estimate for the energy of one band alone (asymptotic); a detector that sees the slow force may be sooner"
+)
+"""Label of Lorden's bound (`tools.article.bounds`) in the tables."""
+
+
+@dataclass(frozen=True)
+class StudyResults:
+    bounds_s: Sequence[float]
+    """Lower bound on the delay of each slip [s] (`tools.article.bounds`)."""
+    variations: Sequence[VariationResult]
+    steps: StepSensitivity
+    patch_radius_m: float
+    """Radius of the pad's contact patch at 1 N [m]."""
+    windows: Sequence[WindowResult]
+    spectra: Sequence[Spectrum]
+    accelerations: Sequence[AccelerationResult]
+    rates: Sequence[SamplingRateResult]
+    boards: Sequence[BoardResult]
+    article: Mapping[str, DetectorResult]
+    """Detectors of the same finger on the article's board and converter; empty if the design has them."""
+    protocol: ProtocolStudy
+    previous: PreviousWorks
+    motor: Sequence[DiscriminationResult]
+    knocks: Sequence[KnockResult]
+
+    def bound_s(self, fraction: float) -> float:
+        """Bound by which a fraction of the slips can be found [s]."""
+        return quantile_s(self.bounds_s, len(self.bounds_s), fraction)
+
+
+def as_data(studies: StudyResults) -> dict[str, Any]:
+    """Return all results for JSON, in seconds and fractions; an infinite delay is null."""
+    return {
+        "detection_bound": {"median_s": to_number(studies.bound_s(0.5)), "p90_s": to_number(studies.bound_s(0.9))},
+        "assumption_sensitivity": robustness.variations_as_data(studies.variations),
+        "step_sensitivity": robustness.steps_as_data(studies.steps),
+        "windows": [
+            to_data(row, {"threshold_v": 6, "found_share": 5, "contact_alarms_per_minute": 4})
+            for row in studies.windows
+        ],
+        "spectra": [
+            {"sensor": one.label, **{f"share_above_{f}_hz": round(one.share_above(f), 4) for f in (67, 100, 200)}}
+            for one in studies.spectra
+        ],
+        "acceleration_sensitivity": list(map(to_data, studies.accelerations)),
+        "sampling_rates": list(map(to_data, studies.rates)),
+        "board_variants": list(map(to_data, studies.boards)),
+        "article_board": [
+            {
+                "detector": name,
+                "found_share": to_number(found.found_share),
+                "median_s": to_number(found.delay_s(0.5)),
+                "p90_s": to_number(found.delay_s(0.9)),
+                "motion_p90_s": to_number(found.motion_delay_s(0.9)),
+                "alarms_per_minute": to_number(found.alarms_per_minute),
+            }
+            for name, found in studies.article.items()
+        ],
+        "article_protocol": {
+            "encoder_hz": ENCODER_HZ,
+            "rows": [asdict(row) for row in list_protocol_rows(studies.protocol, studies.previous)],
+            "results": list(map(to_data, studies.protocol.results)),
+            "ridged_plates": list(map(to_data, studies.previous.plates)),
+            "plain_fft": list(map(to_data, studies.previous.plain_fft)),
+        },
+        "motor_discrimination": list(map(to_data, studies.motor)),
+        "knock_rejection": list(map(to_data, studies.knocks)),
+    }
+
+
+_ms = partial(format_ms, otherwise="  missed ", form="6.1f")
+_short_ms = partial(format_ms, otherwise=" missed", form="7.1f", unit="")
+
+
+def as_text(detector: str, studies: StudyResults) -> str:
+    bound = f"median {_ms(studies.bound_s(0.5)).strip()}, 90th percentile {_ms(studies.bound_s(0.9)).strip()}"
+    lines = [f"bound: {bound}; {BOUND_LABEL}", *_study_tables(studies)]
+    lines += robustness.variation_table(studies.variations, detector)
+    lines += robustness.step_table(studies.steps)
+    lines += ["", "digital by window length: median delay, alarms per minute at contacts, releases and load changes:"]
+    lines += [
+        f"{1000 * row.window_s:7.0f} ms {format_ms(row.median_s):>10} {row.contact_alarms_per_minute:8.1f}"
+        for row in studies.windows
+    ]
+    return "\n".join(lines)
+
+
+def _study_tables(studies: StudyResults) -> list[str]:
+    """Tables of board variants, accelerations, sampling rates, motor tones and knocks."""
+    lines = [
+        "",
+        "analog by board and threshold; worst: mean delay on the worst surface:",
+        f"{'board':10} {'threshold':18} {'found':>6} {'median':>9} {'p90':>9} {'< 30 ms':>7} {'worst':>9} {'/min':>5}",
+    ]
+    lines += [
+        f"{b.variant:10} {1000 * b.threshold_v:6.2f} mV {'(noise) ' if b.by_rule else '(design)'} "
+        f"{100 * b.found_share:5.1f}% {_ms(b.median_s):>9} {_ms(b.p90_s):>9} {100 * b.below_30_ms:6.1f}% "
+        f"{_ms(b.worst_mean_s):>9} {b.alarms_per_minute:5.2f}"
+        for b in studies.boards
+    ]
+    if studies.article:
+        lines += [
+            "",
+            "the same finger on the article's board and converter (python -m tools.article article has the details);",
+            f"{ENCODER_NOTE}:",
+            f"{'detector':10} {'found':>8} {'median':>10} {'p90':>10} {'p90 from motion':>16} {'alarms/min':>12}",
+        ]
+    lines += [
+        f"{name:10} {100 * found.found_share:7.1f}% {_ms(found.delay_s(0.5)):>10} {_ms(found.delay_s(0.9)):>10} "
+        f"{_ms(found.motion_delay_s(0.9)):>16} {found.alarms_per_minute:12.2f}"
+        for name, found in studies.article.items()
+    ]
+    lines += protocol_as_lines(studies.protocol, studies.previous)
+    detectors = list(dict.fromkeys(row.detector for row in studies.accelerations))
+    lines += ["", "median / 90th percentile of the delay [ms] by acceleration of the surface (* assumed);"]
+    lines.append(f"bound: {BOUND_LABEL}:")
+    lines.append("m/s2    " + "".join(f"{name:>19}" for name in detectors))
+    for a in dict.fromkeys(row.acceleration_m_s2 for row in studies.accelerations):
+        rows = {row.detector: row for row in studies.accelerations if row.acceleration_m_s2 == a}
+        cells = "".join(f"  {_short_ms(rows[name].median_s)} / {_short_ms(rows[name].p90_s)}" for name in detectors)
+        lines.append(f"{a:4g}{'*' if a == ASSUMED_M_S2 else ' '}   {cells}")
+    lines += [
+        "",
+        f"detector fast by sampling rate; bound: {BOUND_LABEL}:",
+        f"{'rate':10}{'found':>7} {'median':>10} {'p90':>10} {'bound median':>13} {'bound p90':>11} {'alarms/min':>11}",
+    ]
+    lines += [
+        f"{r.sample_rate_hz:7g} Hz {100 * r.found_share:5.1f}% {_ms(r.median_s):>10} {_ms(r.p90_s):>10} "
+        f"{_ms(r.bound_median_s):>13} {_ms(r.bound_p90_s):>11} {r.alarms_per_minute:11.2f}"
+        for r in studies.rates
+    ]
+    lines += ["", "slips that can be distinguished from a motor's tones, by length of the segment:"]
+    lines += [f"{1000 * row.segment_s:7.0f} ms {100 * row.distinguished_share:6.0f}%" for row in studies.motor]
+    forces = list(dict.fromkeys(row.force_n for row in studies.knocks))
+    lines += ["", f"{'knocks reported as slip, by force [N]:':38}" + "".join(f"{force:6g}" for force in forces)]
+    for name, rise_s in dict.fromkeys((row.detector, row.rise_s) for row in studies.knocks):
+        group = [row for row in studies.knocks if (row.detector, row.rise_s) == (name, rise_s)]
+        label = f"{name}, rise time {1000 * rise_s:g} ms"
+        lines.append(f"{label:38}" + "".join(f"{100 * row.false_alarm_share:5.0f}%" for row in group))
+    return lines

@@ -23,7 +23,8 @@ from fingertip.calibration.sensor import calibrate_sensor, read_weighings
 from fingertip.detection.files import detect_stream
 from fingertip.documents.acceptance import expect_readings
 from fingertip.documents.board.divider import list_readings
-from fingertip.lab.campaign.plan import CampaignPlan
+from fingertip.lab.campaign.grids import compare_grids
+from fingertip.lab.campaign.plan import CampaignPlan, generate_trials
 from fingertip.lab.campaign.run import run_campaign
 from fingertip.lab.divider import BOARD, DIVIDER, NOISY, compare_with_board
 from fingertip.lab.validation import validate
@@ -165,6 +166,12 @@ def test_readout_and_sweep_leave_out_the_board(monkeypatch: pytest.MonkeyPatch) 
         assert all(map(math.isnan, GROUP_FUNCTIONS[group](context).values()))
     found = GROUP_FUNCTIONS["acceptance"](context)
     assert found["tactile_100g_v"] == pytest.approx(list_readings(DESIGN)[1]["tactile_v"], abs=5e-3)
+
+
+def test_time_step_is_compared_without_an_envelope() -> None:
+    errors, _ = compare_grids(DESIGN, next(generate_trials(1)), ("fast",), refinement=2)
+    assert 0.0 < errors["voltage_v"] < 0.05
+    assert "envelope_v" not in errors
 
 
 @pytest.mark.full

@@ -32,11 +32,12 @@ def compare_grids(
     infinite if slips are found on one grid only, NaN if on neither.
     """
     sampled = select_board_outputs(design, detectors)
-    scene = case.scene.model_copy(update={"outputs": ["slip", *SIGNALS, *sampled]})
+    signals = SIGNALS if design.board.has_filter else SIGNALS[:2]
+    scene = case.scene.model_copy(update={"outputs": ["slip", *signals, *sampled]})
     shipped = SceneRun(design, scene, case.seed).grid
     assert shipped
     pair = [run_scene(design, scene, case.seed, grid=Grid(parts * shipped.refinement)) for parts in (1, refinement)]
-    errors = {name: float(np.max(np.abs(pair[0].columns[name] - pair[1].columns[name]))) for name in SIGNALS}
+    errors = {name: float(np.max(np.abs(pair[0].columns[name] - pair[1].columns[name]))) for name in signals}
     rate = design.detector.sample_rate_hz
     shifts = {}
     for name in detectors:

@@ -67,6 +67,8 @@ class FirstSheet:
     method: str
     plate: str
     profile: Profile
+    brim_mm: float
+    """Brim of the bone alone [mm]."""
     print_h: float
     printed_g: float
     work_h: tuple[float, float]
@@ -98,8 +100,8 @@ def first_sheet(design: Design, volumes: quantities.SiliconeVolumes, silicone: S
     """Collect the data of the sheet, as a dictionary that JSON takes."""
     batch, body, seat = _mix(silicone, volumes.total_cm3), design.dimensions.sensor, palmar_limits(design)
     sheet = FirstSheet(
-        design.name, design.mold.method, f"{PRINT_FOLDER}/{FDM.file_names(1)[0]}", choose_profile(design),
-        round(estimate_print(design).minutes / 60.0, 1), _find_printed_g(design), _WORK_H,
+        design.name, design.mold.method, f"{PRINT_FOLDER}/{FDM.file_names(1)[0]}", (profile := choose_profile(design)),
+        profile.brim_mm, round(estimate_print(design).minutes / 60.0, 1), _find_printed_g(design), _WORK_H,
         days=1 + math.ceil(batch.cure_h / 24.0),
         batch=batch,
         divider_kohm=design.board.divider_ohm / 1e3 if design.board.variant == "divider" else None,

@@ -184,7 +184,7 @@ def pour(bench: Bench, data: Data) -> Scene:
     return Scene(
         (*_cup(bench, cut=True), bench.solid(silicone, Paint.SILICONE, cut=True), stream), _CUT,
         Label("thin stream, from a\nhand's breadth above", (0.5, y, -25.0)),
-        Label(f"until the scale\nreads {data['batch']['in_cup_g']:g} g", (0.0, 0.0, z)),
+        Label(f"until it weighs\n{data['batch']['in_cup_g']:g} g more", (0.0, 0.0, z)),
         Label("half marked PAD\n(cup drawn cut)", (0.0, -m.palmar_height, m.foot_z / 2)),
     )  # fmt: skip
 
@@ -222,6 +222,7 @@ def open_(bench: Bench, data: Data) -> Scene:
         Label("skin, still on the core", (0.0, -2.0, tip - 7.0)),
         Label("fin: cut it off", (m.cavity_half_width + 0.4, 0.0, tip / 2 - 6.0)),
         Label("1: half marked PAD,\nstraight off", (m.half_width, low + 5.0, m.foot_z / 2)),
+        Label("if it sticks, turn\nthe knife in here", (m.half_width, -apart - 0.6, m.foot_z - 3.0)),
         Label("2: lift the core\nout of the groove", (m.half_width, m.dorsal_height, -PLATE_MM / 2 - 6.0)),
         Arrow((0.0, low + 4.0, edge), (0.0, low - 10.0, edge)),
         Arrow((0.0, 0.0, -PLATE_MM - 8.0), (0.0, 0.0, -PLATE_MM - 18.0)),

@@ -2,8 +2,8 @@
 //
 // Wire the sensor between $supply V (on a Pico ADC_VREF, pin 35) and pin A0 (GP26 on a Pico, GPIO1 on an ESP32-S3), and a
 // resistor of $resistor between A0 and GND. Open this file in the Arduino IDE, choose board and port, and upload. A Pico
-// needs a core first: github.com/earlephilhower/arduino-pico says how to add it to the Boards Manager. The board's lamp
-// lights for half a second. Leave the finger alone for a second, then open the Serial Plotter (115200 baud). Press:
+// needs a core first: github.com/earlephilhower/arduino-pico says how to add it to the Boards Manager. Plug a new Pico in
+// with its button held, and choose "UF2 Board". The board's lamp lights for half a second. Leave the finger alone for a second, then open the Serial Plotter (115200 baud). Press:
 // force_n and volts rise. Let something slide over the skin: slip is 1, and the lamp is lit. "late" counts lost samples.
 //
 // $forces

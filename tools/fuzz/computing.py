@@ -169,9 +169,9 @@ class _Drawing:
         places: Mapping[str, Callable[[], list[str]]] = {
             "design": lambda: self.words,
             "detect": lambda: ["detect", self.trace, "--design", self._write_design(), "--json", "--detector",
-                               rng.choice(DETECTORS)],
+                               self._draw_detector()],
             "controller": lambda: [rng.choice(load_controllers()).key],
-            "detector": lambda: [rng.choice(DETECTORS)],
+            "detector": lambda: [self._draw_detector()],
             "figure": lambda: [rng.choice(("b.png", "b.svg"))],
             "fingers": lambda: [str(rng.randint(1, len(NAMES)))],
             "fitted": lambda: _set(draw_changes(rng, PARAMETERS)),
@@ -187,6 +187,9 @@ class _Drawing:
             "trace": lambda: [self.trace],
         }  # fmt: skip
         return places[place]()
+
+    def _draw_detector(self) -> str:
+        return self.rng.choice(DETECTORS if self.design.board.has_filter else ("fast",))
 
     def _draw_scene(self, kind: str, model: type[SceneFile | ManipulationFile]) -> list[str]:
         """Draw a scene and its design: changes of a bundled one, or a file with all of them."""
@@ -252,7 +255,9 @@ def draw_case(seed: int, number: int) -> Case:
     if drawing.is_refused:
         return Case("remedy", first, drawing.files, is_accepted=True, limit_s=LIMIT_S)
     then = [words for words in then if words[0] != "detect" or not drawing.has_converter]
+    lacks = {"coupon", "filling"} if drawing.design.is_cast_apart else set[str]()
+    lacks |= set() if drawing.design.board.has_filter else {"bring-up", "board, analysed"}
     return Case(
         family, first, drawing.files, "files", not _MAY_FAIL.isdisjoint(line.split()[0] for line in commands),
-        tuple(then), family not in _MAY_BE_REFUSED, LIMIT_S,
+        tuple(then), family not in _MAY_BE_REFUSED | lacks, LIMIT_S,
     )  # fmt: skip

@@ -167,6 +167,8 @@ def picture(
     if filling and pad:
         refuse([Issue("--pad", "draws another picture than --filling; give one of the two.")])
     loaded = load_design(design, changes, console)
+    if filling and loaded.is_cast_apart:
+        refuse([Issue("--filling", "needs a closed mold, and this cup is open; leave it out.")])
     file = _File(loaded, out, FILLING_VIEW if filling else PAD_VIEW if pad else EXPLODED_VIEW, force)
     if filling:
         file.write(draw_mold_filling(loaded))

@@ -28,13 +28,13 @@ def test_the_first_finger_reaches_what_is_wanted() -> None:
     ("changes", "name", "state"),
     [
         (("skin.bump_radius_mm=2.54",), "pad.rest_force", "failed"),
-        (("skin.bump_radius_mm=2.7",), "skin.slide", "warning"),
+        (("skin.bump_radius_mm=2.6",), "skin.slide", "warning"),
         (("skin.bump_height_mm=0",), "pad.dead_zone.grasp", "warning"),
         (("skin.bump_height_mm=0",), "pad.dead_zone.wide", "warning"),
         (("skin.crown_offset_mm=-1.5",), "pad.loose_share.wide", "warning"),
         (("skin.crown_radius_mm=20",), "pad.loose_share.grasp", "warning"),
         (("bone.groove_depth_mm=0",), "skin.pull_off", "warning"),
-        (("strength.grip_force_n=30", "strength.min_grip_factor=1"), "skin.pull_off_glued", "warning"),
+        (("strength.grip_force_n=40", "strength.min_grip_factor=1"), "skin.pull_off_glued", "warning"),
     ],
 )
 def test_each_check_finds_its_defect(changes: tuple[str, ...], name: str, state: str) -> None:

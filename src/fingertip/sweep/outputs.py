@@ -24,8 +24,9 @@ MOLD = CLOSED_MOLD | {"printer"}
 PARTS = MOLD | {"name", "strength", "silicone"}
 """Tables that the checks of the printed parts read: the mold halves carry the design's name, and the printer's scale
 and limits, the loads and the silicone decide on the checks."""
-SIMULATION = FINGER | {"board", "detector", "mold", "force_curve", "silicone"}
-"""Tables that a simulation can depend on; the pad's form is derived together with the mold's lengths."""
+PAD = MOLD | {"silicone", "force_curve"}
+"""Tables that the pad depends on; how a skin that is made apart fits depends on mold and printer."""
+SIMULATION = PAD | {"board", "detector"}
 
 
 @dataclass(frozen=True)
@@ -54,9 +55,9 @@ GROUPS = {
         OutputGroup("play", MOLD, 1),
         OutputGroup("board", frozenset({"board", "detector", "sensor", "custom_sensor"}), 1),
         OutputGroup("controller", frozenset({"detector"}), 1),
-        OutputGroup("acceptance", frozenset({"board", "detector", "sensor", "custom_sensor", "force_curve"}), 1),
+        OutputGroup("acceptance", SIMULATION, 1),
         OutputGroup("noise", frozenset({"board", "detector"}), 1),
-        OutputGroup("pad", FINGER | {"silicone", "force_curve"}, 1),
+        OutputGroup("pad", PAD, 1),
         OutputGroup("circuit", frozenset({"board", "detector", "sensor", "custom_sensor"}), 1),
         OutputGroup("detection", SIMULATION | {"scene"}, 2),
         OutputGroup("simulation", SIMULATION | {"scene"}, 3),

@@ -45,7 +45,7 @@ def check_lying_skin(design: Design) -> Iterator[Check]:
     ):  # fmt: skip
         warning = f"{held_n:.2g} N along the finger pull the skin off, less than {wanted_n:g} N of a grip that sticks."
         yield Check(f"skin.pull_off{name}", held_n, 0.0, "N", "at least", warning if held_n < wanted_n else "")
-    if design.mold.method == "plunge" and design.skin.bump_height_mm:
+    if design.skin.bump_height_mm:
         slide = slide_mm(design)
         room = design.skin.bump_radius_mm - design.dimensions.sensor.active_diameter_mm / 2
         warning = f"{FORCE_N:g} N along the finger moves the rim of the bump by {slide:.2g} mm onto the active area."

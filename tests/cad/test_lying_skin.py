@@ -52,5 +52,5 @@ def test_hold_and_slide_are_those_of_the_study() -> None:
     assert pull_off_n(design, is_glued=True) - pull_off_n(design) == pytest.approx(20.0, rel=0.05)
     assert skin_pull_off_n(design, design.silicone.material) == pull_off_n(design)
     assert slide_mm(design) == pytest.approx(0.16, abs=0.04)
-    tight = Design.load("first_finger", changes=["mold.sleeve_interference_mm=0.1"])
+    tight = Design.load("first_finger", changes=["mold.core_inset_mm=0.1"])
     assert 0.3 < pull_off_n(tight) - pull_off_n(Design.load("first_finger")) < 2.0

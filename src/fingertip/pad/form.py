@@ -65,7 +65,7 @@ class PadForm:
         proud by its whole height; a loose one stands off by both errors, less what it is made smaller by.
         """
         dims, modulus, bump = design.dimensions, design.silicone.material.modulus_mpa, design.skin.bump_height_mm
-        gap = max(0.0, 2.0 * design.printer.surface_error_mm - design.mold.sleeve_interference_mm) if is_loose else 0.0
+        gap = max(0.0, 2.0 * design.printer.surface_error_mm - design.mold.core_inset_mm) if is_loose else 0.0
         apart, has_bump = not design.skin_is_bonded, bump > 0.0 and design.mold.method == "plunge"
         return cls(
             dims.outer, dims.bone_outline, dims.flat_depth, dims.platform_depth,

@@ -237,7 +237,7 @@ def above_collar_foot(design: Design, gap_mm: float = 0.0) -> Solid:
 def core_within_skin(design: Design) -> Solid:
     """Build what of a core lies inside the skin, enlarged by the shrinkage; it reaches into collar or plate."""
     above, _, _ = design.dimensions.insert_body()
-    body = _cut_facets(design, above, design.mold.sleeve_interference_mm)
+    body = _cut_facets(design, above, design.mold.core_inset_mm)
     recess = bump_recess(design)
     return scaled(difference(body, *recess) if recess else body, design.dimensions.shrinkage)
 

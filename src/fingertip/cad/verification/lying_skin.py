@@ -66,7 +66,7 @@ def pull_off_n(design: Design, *, is_glued: bool = False) -> float:
     at = wave * (bone.groove_distance_mm + bone.groove_depth_mm + bone.groove_width_mm / 2)
     free = 1 + math.exp(-2 * at) * (1 + 2 * math.cos(at) ** 2 - 2 * math.sin(at) * math.cos(at))
     ring = 4 * math.pi * modulus * thickness * bone.groove_depth_mm / (radius * wave * free)
-    tight = modulus * design.mold.sleeve_interference_mm * thickness / radius * math.tau * design.dimensions.taper_end_z
+    tight = modulus * design.mold.core_inset_mm * thickness / radius * math.tau * design.dimensions.taper_end_z
     bead = _BEAD_MPA * BEAD_MM * math.tau * radius if is_glued else 0.0
     return ring * (1 + INNER_FRICTION) / (1 - INNER_FRICTION) + INNER_FRICTION * tight + bead
 

@@ -323,7 +323,7 @@ class Dimensions(SkinDimensions):
         mold, bone = self._design.mold, self._design.bone
         if not self._design.is_cast_apart:
             return add_groove(bone, self.bone_outline), self.flat_depth, 1.0
-        inset = mold.sleeve_interference_mm
+        inset = mold.core_inset_mm
         body = inset_body(self.bone_outline, inset)
         (_, scale), *stations = body.stations
         body = add_groove(bone, replace(body, stations=((-_BODY_OVERLAP_MM, scale), *stations)))

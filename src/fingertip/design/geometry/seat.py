@@ -314,7 +314,7 @@ def worst(losses: Sequence[Loss], over_sensor: bool) -> Loss:
 
 def sleeve_inset_mm(design: Tables) -> float:
     """Return the inset of the silicone's inside from the bone [mm]: the interference of a skin made apart, else 0."""
-    return design.mold.sleeve_interference_mm if design.is_cast_apart else 0.0
+    return design.mold.core_inset_mm if design.is_cast_apart else 0.0
 
 
 def _moment(point: Vector, normal: Vector) -> list[float]:

@@ -117,6 +117,7 @@ _MAX_COMPARED_LENGTH = 60
 
 _DUALS = ", ".join(f"{a.name} ({a.bandwidth_hz / 1e6:g} MHz)" for a in list_dual_amplifiers())
 REPLACED_PARAMETERS = {
+    "mold.sleeve_interference_mm": "this parameter was renamed; write mold.core_inset_mm.",
     "changes": 'is an argument of Design.load: Design.load("fsr400", changes={"skin.width_mm": 18}).',
     "board.gain_bandwidth_hz": (
         "this parameter was replaced, because a number alone buys no amplifier; remove it, and name the amplifier with "

@@ -147,7 +147,7 @@ class Mold(ParameterTable):
         "overmold: cast in place around bone and sensor; plunge: cast around a core that is lowered into the filled "
         "cup, then pulled over the bone.",
     )
-    sleeve_interference_mm: float = quantity(
+    core_inset_mm: float = quantity(
         0.15, "mm", (0, 1), "Inset of the core from the bone on every side, so that the skin fits tightly."
     )
     silicone_shrinkage_percent: float = quantity(

@@ -102,7 +102,7 @@ def _thickness_at_collar(design: DesignTables, half_mm: float, thickness_mm: flo
     """Compute the silicone [mm] that ends on the collar, around the bone or around an enlarged core."""
     if not design.is_cast_apart:
         return thickness_mm
-    core = (half_mm - thickness_mm - design.mold.sleeve_interference_mm) * design.dimensions.shrinkage
+    core = (half_mm - thickness_mm - design.mold.core_inset_mm) * design.dimensions.shrinkage
     return min(thickness_mm, half_mm - core)
 
 

@@ -226,7 +226,7 @@ def _cup_key_sizes(design: Design, plan: ViewName, gap: float) -> Iterator[Size]
 
 
 def core_drawing(design: Design) -> PartDrawing:
-    m, dims, inset = design.cup_layout, design.dimensions, design.mold.sleeve_interference_mm
+    m, dims, inset = design.cup_layout, design.dimensions, design.mold.core_inset_mm
     tip, half, growth = dims.bone_outline.tip, m.half_width + LEDGE_MM, dims.shrinkage
     assert tip
     apex, ridge = (0.0, 0.0, (tip.z - inset) * growth), RIDGE_HALF_CREST_MM + RIDGE_HEIGHT_MM

@@ -220,14 +220,14 @@ def inset_body(body: ConicBody, inset: float) -> ConicBody:
 def add_groove(bone: Bone, body: ConicBody) -> ConicBody:
     """Add a groove around the bone; silicone fills it and keeps the skin from slipping off.
 
-    The flanks rise at 45 degrees at the sides. Flanks and floor are four more stations of the superconic body, so that
-    no boolean is needed and both kernels represent the groove directly.
+    The flanks rise at 45 degrees at the sides or at the back, whichever is wider. Flanks and floor are four more
+    stations of the superconic body, so that no boolean is needed and both kernels represent the groove directly.
     """
     if bone.groove_depth_mm == 0.0:
         return body
     base, (z_a, s_a), (z_b, s_b) = body.stations
     taper = (s_a - s_b) / (z_b - z_a)
-    rise = 1.0 / body.section.half_width  # slope of a flank: scale per mm
+    rise = 1.0 / max(body.section.half_width, body.section.dorsal)  # slope of a flank: scale per mm
     z0 = bone.groove_distance_mm + bone.groove_depth_mm
     z1 = z0 + bone.groove_width_mm
     floor = 1.0 - bone.groove_depth_mm * rise

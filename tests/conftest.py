@@ -33,7 +33,7 @@ hypothesis.settings.load_profile("fingertip")
 typer.testing.__dict__["_get_command"] = functools.cache(typer.main.get_command)
 
 ROOT = Path(__file__).resolve().parent.parent
-DESIGNS = ("fsr400", "fsr402", "fsr400_compact")
+DESIGNS = ("fsr400", "fsr402", "first_finger")
 
 
 Case = TypeVar("Case")
@@ -96,7 +96,7 @@ def design_file(name: str) -> Path:
     return ROOT / "params" / f"{name}.toml"
 
 
-@pytest.fixture(scope="session", params=some_of(DESIGNS, "fsr400", "fsr400_compact"))
+@pytest.fixture(scope="session", params=some_of(DESIGNS, "fsr400", "first_finger"))
 def design(request: pytest.FixtureRequest) -> Design:
     """Each bundled design in turn, of which two stand for all outside `.ci/full`."""
     return Design.load(design_file(request.param))

@@ -248,7 +248,7 @@ _CUP_CHECKS = {
     "cup_trapped_air_mm3": "cup.trapped_air", "cup_palmar_error_mm": "cup.palmar_error",
     "cup_plunge_pressure_kpa": "cup.plunge_pressure", "cup_creep_mm3": "cup.creep",
     "cup_seat_film_mm": "cup.seat_film", "cup_stretch_percent": "skin.fitting_stretch",
-    "vent_open_percent": "sensor.vent_open", "wires_held_mm": "sensor.wires_held", "stand_gap_mm": "stand.post_gap",
+    "vent_open_percent": "sensor.vent_open", "stand_gap_mm": "stand.post_gap",
 }  # fmt: skip
 
 

@@ -10,19 +10,15 @@ from __future__ import annotations
 from fingertip.cad.shapes.insert import filled_bone, flat_slab, pilot_hole
 from fingertip.design import Design
 from fingertip.design.geometry.conic import TANGENT_STEP_MM
-from fingertip.design.geometry.dimensions import TIE_DEPTH_MM
 from fingertip.design.geometry.features import CHEEK_FOOT_MM, END_ROOM_MM, SLIDING_MM, TailFold
 from fingertip.design.geometry.foot import flat_foot, foot_line
 from fingertip.design.geometry.solids import Box, ElbowTube, Solid, cylinder, difference, intersection, union
 from fingertip.design.interfaces import interface_of
-from fingertip.design.interfaces.rigid import Post
 
 FOOT_GAP_MM = 0.05
 """Gap between the feet of the lid and the floor of the trough, for a bead of adhesive [mm]."""
 _ALONG_FLOOR_MM = 1.0
 """Length of the channel before its bend, in the floor of a trough [mm]."""
-_WIRES_DEPTH = 0.8
-"""Depth of the wires' groove over their diameter: the tie presses on what stands out."""
 _OVERLAP_MM = 0.2
 """Length by which passages reach into the window [mm]. Boxes that only touch would leave coincident faces."""
 
@@ -30,22 +26,8 @@ _OVERLAP_MM = 0.2
 def bone(design: Design) -> Solid:
     added, removed = interface_of(design).shapes(design)
     cables = () if design.dimensions.window_opens_into_gap else (cable_channel(design),)
-    hollows = (sensor_recess(design), *cables, *pilot_hole(design), *tie_notches(design), *removed)
+    hollows = (sensor_recess(design), *cables, *pilot_hole(design), *removed)
     return difference(union(filled_bone(design), *added), *hollows)
-
-
-def tie_notches(design: Design) -> tuple[Solid, ...]:
-    """Build the notches on both sides of the base for the tie of the wires, and their groove at the back."""
-    span, half = design.dimensions.tie_span, design.dimensions.bone_outline.section.half_width
-    if span is None:
-        return ()
-    inner, reach = half - TIE_DEPTH_MM, 2 * half + 2 * design.dimensions.bone_outline.section.dorsal
-    half_wires, low = design.bone.channel_diameter_mm / 2 + TANGENT_STEP_MM, -design.bone.base_length_mm
-    floor = design.dimensions.bone_outline.section.dorsal - _WIRES_DEPTH * design.sensor.wire_diameter_mm
-    low -= Post().foot_length(design) if design.bone.interface == "post" else 0.0
-    wires = Box((-half_wires, floor, low), (half_wires, reach, design.dimensions.channel_exit_z))
-    right = Box((inner, -reach, span[0]), (reach, reach, span[1]))
-    return wires, right, Box((-reach, -reach, span[0]), (-inner, reach, span[1]))
 
 
 def sensor_recess(design: Design) -> Solid:
@@ -65,9 +47,9 @@ def sensor_recess(design: Design) -> Solid:
             _head_pocket(design, outside), flat_slab(design, outside, dims.pocket_depth, tail, 0.0, top), passage,
             trough(design, dims.fold), _window(design, dims.fold, tail),
         )  # fmt: skip
-    if dims.tie_span:
+    if design.is_cast_apart:
         top = dims.sensor_z + design.sensor.clearance_mm
-        laid = flat_slab(design, outside, dims.pocket_depth, tail, dims.tie_span[0], top)
+        laid = flat_slab(design, outside, dims.pocket_depth, tail, dims.trough_end_z, top)
         return union(_head_pocket(design, outside), laid)
     # 0.1 mm deeper than the top of the channel: a plane tangent to it would leave a stray edge in the B-rep solid.
     relief_floor = flat + dims.channel_depth + bone.channel_diameter_mm / 2 + 0.1
@@ -172,7 +154,7 @@ def cable_channel(design: Design) -> Solid:
         return Box(
             (-half, floor, dims.cable_groove_end_z), (half, 2 * section.dorsal, dims.fold.window_low_z + _OVERLAP_MM)
         )
-    if dims.tie_span:  # its beginning lies half in the floor of the trough
+    if design.is_cast_apart:  # its beginning lies half in the floor of the trough
         begin_y, begin_z = dims.pocket_depth, dims.channel_exit_z + bone.channel_bend_radius_mm + _ALONG_FLOOR_MM
     else:
         begin_y, begin_z = dims.channel_depth, dims.relief_proximal_z + dims.relief_half_length

@@ -31,7 +31,7 @@ _SHARE_PER_MM, _ERRORS_MM = 1.0, (0.05, 0.1)
 """Share of the palmar skin that may be missing over the error of a flank: 5 % at 0.05 mm, 10 % at 0.1 mm."""
 _BAND_N = 1.0
 """Force of a rubber band [N]: two go twice across the seam, one holds the core down. An assumption."""
-_MAX_BENDING_MM, _MAX_FILM_MM, _MAX_AIR_MM3 = 0.005, 0.02, 0.05
+_MAX_BENDING_MM, _MAX_FILM_MM, _MAX_AIR_MM3 = 0.01, 0.02, 0.05
 _SECTIONS = 24
 
 

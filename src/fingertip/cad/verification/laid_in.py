@@ -1,16 +1,16 @@
-"""Checks of a sensor in an open trough: room for what is sold, an open vent, a hold for its wires; and of the stand."""
+"""Checks of a sensor in an open trough: room for what is sold, an open vent; and of the stand."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from fingertip.cad.kernel.mesh import Manifold, MeshEvaluator
+from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import bone
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, complement
 from fingertip.catalogues.hardware import select_thread
 from fingertip.design import Design
-from fingertip.design.geometry.dimensions import HEAD_MM, LONGER_MM, TAIL_MM, TIE_DEPTH_MM, TIE_WIDTH_MM
+from fingertip.design.geometry.dimensions import HEAD_MM, LONGER_MM, TAIL_MM
 from fingertip.design.geometry.solids import Box, cylinder, union
 from fingertip.design.interfaces.interface import MATING_PLAY_MM, middle_y
 from fingertip.design.interfaces.rigid import Post
@@ -28,7 +28,6 @@ def check_laid_in(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     overlap = (evaluator.manifold(bone.sensor_body(largest)) ^ solid).volume()
     yield Check.zero_volume("sensor.room_overlap", float(overlap))
     yield Check("sensor.vent_open", _find_open_share(design, evaluator), _LEAST_OPEN_PERCENT, "%", "at least")
-    yield Check("sensor.wires_held", _measure_shoulders(design, evaluator, solid), TIE_DEPTH_MM / 2, "mm", "at least")
 
 
 def _with_largest_sensor(design: Design) -> Design:
@@ -59,21 +58,6 @@ def _find_open_share(design: Design, evaluator: MeshEvaluator) -> float:
     mouth = evaluator.manifold(Box((-half, flat, end - _GAP_MM), (half, flat + dims.pocket_depth, end)))
     free = (mouth ^ air).volume() - sum((mouth ^ body).volume() for body in cut_off)
     return 100.0 * float(free / mouth.volume())
-
-
-def _measure_shoulders(design: Design, evaluator: MeshEvaluator, solid: Manifold) -> float:
-    """Measure the shoulders that keep a cable tie on the base, behind the hole of the wires [mm]; 0 without a place."""
-    dims = design.dimensions
-    assert dims.tie_span
-    low, high = dims.tie_span
-    behind = dims.bone_outline.section.dorsal - dims.channel_depth
-    mouth = evaluator.manifold(bone.cable_channel(design)).trim_by_plane((0.0, 1.0, 0.0), behind)
-    if mouth.bounding_box()[2] < high:
-        return 0.0
-    middle, half = (low + high) / 2, TIE_WIDTH_MM / 2
-    heights = (low - PLANE_OFFSET_MM, high + PLANE_OFFSET_MM, middle - half, middle, middle + half)
-    below, above, *within = (solid.slice(z).bounds()[2] for z in heights)
-    return float(min(below, above) - max(within))
 
 
 def check_stand(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:

@@ -199,8 +199,8 @@ _CutPlane: TypeAlias = tuple[float, Section, StressFactors]
 def _find_concentration(design: Design, z: float) -> StressFactors:
     """Find the stress concentration at a height: beside collar and notches, at the cable channel, of the joint."""
     dims, foot, radius = design.dimensions, -design.bone.collar_length_mm, design.bone.channel_diameter_mm / 2
-    factors, tie = StressFactors(), dims.tie_span
-    if foot - REACH_MM <= z <= foot or 0.0 <= z <= REACH_MM or (tie and tie[0] <= z <= tie[1]):
+    factors = StressFactors()
+    if foot - REACH_MM <= z <= foot or 0.0 <= z <= REACH_MM:
         factors = StressFactors(AT_COLLAR, AT_COLLAR)
     if dims.fold and not dims.window_opens_into_gap and 0.0 <= z - dims.fold.window_low_z <= CHEEK_FOOT_MM + REACH_MM:
         joint = dims.joint

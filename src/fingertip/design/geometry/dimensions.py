@@ -19,12 +19,8 @@ MIN_PASSAGE_HEIGHT_MM = 0.8
 """Minimum height of the passage through which the tail leaves the collar [mm]. Lower passages close up in printing. An
 assumption."""
 
-THREAD_MM = 0.5
-"""Greatest diameter of the thread that lashes the wires to the base [mm]."""
-LASHING_MM = 3 * THREAD_MM
-"""Length of the base that three turns of it take [mm]. A hole for it would weaken the base where it bends most."""
-TIE_WIDTH_MM, TIE_ROOM_MM, TIE_DEPTH_MM = 2.5, 0.3, 0.6
-"""Width of the smallest usual cable tie, room beside it, and depth of the notches in which it lies [mm]."""
+KNOT_WIRES = 3.0
+"""Least thickness of a knot in both wires, in diameters of one of them. An assumption."""
 SHORTER_MM, LONGER_MM, HEAD_MM, TAIL_MM = 2.0, 3.0, 0.2, 0.5
 """How much a sensor that is laid in may be shorter, longer, and wider at head and tail than its catalogue says [mm]."""
 _PAST_HOLE_MM = 0.2
@@ -223,13 +219,9 @@ class Dimensions(SkinDimensions):
         return self.fold is not None or (self.tail_end_z < 0.0 and not self._design.is_cast_apart)
 
     @cached_property
-    def tie_span(self) -> tuple[float, float] | None:
-        """Heights between which a cable tie around the base holds the wires of a tail that is laid in; else None.
-
-        The trough of the tail, which is open to the palm, ends there too: the head of the tie lies in it.
-        """
-        high = self.wires_end_z - _PAST_HOLE_MM
-        return (high - TIE_WIDTH_MM - TIE_ROOM_MM, high) if self._design.is_cast_apart else None
+    def trough_end_z(self) -> float:
+        """Proximal end of the trough of the tail, behind the hole of the wires: a knot in both lies on its mouth."""
+        return self.wires_end_z - _PAST_HOLE_MM
 
     @cached_property
     def relief_half_length(self) -> float:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from fingertip.design.geometry import DesignTables
-from fingertip.design.geometry.dimensions import LASHING_MM
 from fingertip.design.interfaces.clevis import Clevis
 from fingertip.design.interfaces.flange import Flange
 from fingertip.design.interfaces.interface import JointInterface
@@ -26,15 +25,12 @@ LENGTH_RULES = Ruleset()
 def base_holds_everything(design: DesignTables) -> Violation | None:
     dims, bone = design.dimensions, design.bone
     within = interface_of(design).depth(design)
-    lashed = -dims.tie_span[0] + bone.wall_mm if dims.tie_span else LASHING_MM - dims.wires_end_z
-    minimum = lashed + within
+    minimum = bone.wall_mm - dims.trough_end_z + within
     if bone.base_length_mm >= minimum - SLACK:
         return None
-    hole = "cable groove" if dims.fold else "posterior hole"
-    what = f"{hole}, lashing and {bone.interface}" if within else f"{hole} and lashing of the wires"
-    below = "" if dims.tie_span else " below the mold's recess"
+    what = f"the hole of the wires, a wall and the {bone.interface}" if within else "the hole of the wires and a wall"
     return Violation(
-        f"{bone.base_length_mm:g} mm does not hold {what}{below} (the {dims.sensor.label} is "
+        f"{bone.base_length_mm:g} mm does not hold {what} (the {dims.sensor.label} is "
         f"{dims.sensor.length_mm:g} mm long)",
         at_least(minimum),
     )

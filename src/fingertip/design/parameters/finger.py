@@ -30,8 +30,8 @@ class Sensor(ParameterTable):
     crimp_height_mm: float = quantity(
         0.6, "mm", (0.2, 5), "Height of crimps and solder above the film, for the space of a folded tail. (unverified)"
     )
-    wire_diameter_mm: float = quantity(0.5, "mm", (0.1, 3), "Outer diameter of the wires on the tabs of a folded tail.")
-    clearance_mm: float = quantity(0.15, "mm", (0.02, 1), "Gap around the sensor in its pocket and slot.")
+    wire_diameter_mm: float = quantity(1.0, "mm", (0.1, 3), "Outer diameter of the wires on the tabs of a folded tail.")
+    clearance_mm: float = quantity(0.3, "mm", (0.02, 1), "Gap around the sensor in its pocket and slot.")
     adhesive_thickness_mm: float = quantity(
         0.13, "mm", (0, 0.5), "Thickness of the adhesive film under the sensor; it deepens the pocket. (unverified)"
     )
@@ -63,7 +63,7 @@ class Skin(ParameterTable):
         7.4, "mm", (2, 40), "Height of the pad, at the apex of a crown, from the parting plane."
     )
     semi_axis_dorsal_mm: float = quantity(
-        7.0, "mm", (2, 40), "Height of the dorsal side, measured from the parting plane."
+        8.1, "mm", (2, 40), "Height of the dorsal side, measured from the parting plane."
     )
     length_mm: float = quantity(34.0, "mm", (8, 120), "Length from the proximal end to the tip.")
     tip_length_mm: float = quantity(10.0, "mm", (2, 60), "Length of the rounded tip, part of the length.")
@@ -131,7 +131,7 @@ class ChosenSilicone(ParameterTable):
     """Silicone of the skin. All figures below product are used only if it is "own"; copy them from your data sheet."""
 
     product: Literal[SiliconeName, "own"] = choice(
-        "addition_40a", "Silicone from the catalogue, or own: the figures below then describe it."
+        "smooth_sil_940", "Silicone from the catalogue, or own: the figures below then describe it."
     )
     label: str = text(
         "own silicone",

@@ -12,7 +12,7 @@ class Bone(ParameterTable):
     """Rigid part that carries the sensor, and its interface to the proximal phalanx."""
 
     base_length_mm: float = quantity(
-        20.0, "mm", (4, 60),
+        19.7, "mm", (4, 60),
         "Length of the base from the skin's proximal end to the interface, or to the joint axis of a clevis.",
     )  # fmt: skip
     palmar_fullness: float = quantity(
@@ -28,11 +28,11 @@ class Bone(ParameterTable):
         "Height of the platform under the sensor's head above the flat of the bone, down to which the tail runs.",
     )  # fmt: skip
     wall_mm: float = quantity(
-        1.0, "mm", (0.4, 5),
+        0.8, "mm", (0.4, 5),
         "Design wall between cable channel, sensor slot and outer surface; checks require printer.min_wall_mm.",
     )  # fmt: skip
     channel_diameter_mm: float = quantity(
-        2.4, "mm", (0.8, 10), "Diameter of the cable channel from the solder relief to the dorsal side of the base."
+        2.8, "mm", (0.8, 10), "Diameter of the cable channel from the solder relief to the dorsal side of the base."
     )
     channel_bend_radius_mm: float = quantity(3.0, "mm", (1, 20), "Bend radius of the channel's centre line.")
     relief_length_mm: float = quantity(
@@ -44,29 +44,29 @@ class Bone(ParameterTable):
     )  # fmt: skip
     collar_inset_mm: float = quantity(0.3, "mm", (0.1, 5), "Inset of the collar from the outline of the skin.")
     groove_depth_mm: float = quantity(
-        0.6, "mm", (0, 3), "Depth of the groove around the bone that retains the skin; 0: no groove."
+        0.8, "mm", (0, 3), "Depth of the groove around the bone that retains the skin; 0: no groove."
     )
-    groove_width_mm: float = quantity(3.0, "mm", (0.5, 15), "Width of the groove at its floor.")
-    groove_distance_mm: float = quantity(2.0, "mm", (0.5, 60), "Distance from the collar to the groove.")
+    groove_width_mm: float = quantity(1.6, "mm", (0.5, 15), "Width of the groove at its floor.")
+    groove_distance_mm: float = quantity(1.2, "mm", (0.5, 60), "Distance from the collar to the groove.")
     interface: Literal["post", "socket", "flange", "clevis"] = choice(
         "post",
         "Interface to the proximal phalanx. post: a post on the bone, with two flats; socket: a hole for the phalanx's "
         "post; flange: a plate with bolt holes; clevis: a joint with a pin, whose sizes stand in [hand].",
     )
-    post_width_mm: float = quantity(8.4, "mm", (2, 40), "Diameter of the post, which is its width (interface post).")
+    post_width_mm: float = quantity(10.8, "mm", (2, 40), "Diameter of the post, which is its width (interface post).")
     post_height_mm: float = quantity(
-        7.2, "mm", (2, 40),
+        8.0, "mm", (2, 40),
         "Height of the post between its two flats, which lock rotation; from post_width_mm on it is round.",
     )  # fmt: skip
-    post_length_mm: float = quantity(8.0, "mm", (2, 40), "Length of the post (interface post).")
+    post_length_mm: float = quantity(14.5, "mm", (2, 40), "Length of the post (interface post).")
     socket_diameter_mm: float = quantity(5.0, "mm", (2, 25), "Diameter of the socket (interface socket).")
     socket_depth_mm: float = quantity(8.0, "mm", (2, 40), "Depth of the socket (interface socket).")
     foot_radius_mm: float = quantity(
-        1.5, "mm", (0.2, 5),
+        2.5, "mm", (0.2, 5),
         "Radius of the fillet where post, flange or eyes stand on the base; none where they are as wide.",
     )  # fmt: skip
     cross_bolt_diameter_mm: float = quantity(
-        2.2, "mm", (MIN_HOLE_MM, 6), "Diameter of the cross bolt's hole through post or socket."
+        3.2, "mm", (MIN_HOLE_MM, 6), "Diameter of the cross bolt's hole through post or socket."
     )
     flange_width_mm: float = quantity(28.0, "mm", (4, 80), "Width of the flange (interface flange).")
     flange_height_mm: float = quantity(12.0, "mm", (4, 80), "Height of the flange.")
@@ -122,20 +122,20 @@ class Strength(ParameterTable):
     """Loads that the bone must carry, and what it is printed from; for its safety factors."""
 
     grip_force_n: float = quantity(
-        20.0, "N", (1, 200), "Force of a firm grip, at the pad, the apex and the side, in any direction."
+        8.0, "N", (1, 200), "Force of a firm grip, at the pad, the apex and the side, in any direction."
     )
-    shock_force_n: float = quantity(60.0, "N", (1, 500), "Force of a fall or a knock, at the same places. (unverified)")
+    shock_force_n: float = quantity(14.0, "N", (1, 500), "Force of a fall or a knock, at the same places. (unverified)")
     print_material: Literal["surgical_guide", "clear", "durable", "petg", "pa12"] = choice(
-        "surgical_guide", "Material of the bone: three SLA resins, PETG or nylon 12."
+        "petg", "Material of the bone: three SLA resins, PETG or nylon 12."
     )
     print_direction: Literal["lying", "upright"] = choice(
         "upright", "Direction of the print: layers along the finger (lying) or across it (upright, as the sheet says)."
     )
     min_grip_factor: float = quantity(
-        1.5, "", (0, 20), "Minimum safety factor of the bone at grip_force_n, for its check."
+        2.0, "", (0, 20), "Minimum safety factor of the bone at grip_force_n, for its check."
     )
     min_shock_factor: float = quantity(
-        0.5, "", (0, 20), "Minimum safety factor of the bone at shock_force_n, for its check."
+        1.2, "", (0, 20), "Minimum safety factor of the bone at shock_force_n, for its check."
     )
 
 
@@ -143,15 +143,15 @@ class Mold(ParameterTable):
     """Two-part mold, parted at the plane through the silhouette, and the casting method."""
 
     method: Literal["overmold", "plunge"] = choice(
-        "overmold",
+        "plunge",
         "overmold: cast in place around bone and sensor; plunge: cast around a core that is lowered into the filled "
         "cup, then pulled over the bone.",
     )
     core_inset_mm: float = quantity(
-        0.15, "mm", (0, 1), "Inset of the core from the bone on every side, so that the skin fits tightly."
+        0.0, "mm", (0, 1), "Inset of the core from the bone on every side, so that the skin fits tightly."
     )
     silicone_shrinkage_percent: float = quantity(
-        0.2, "%", (0, 5), "Linear shrinkage of the silicone, by which cavity and core are enlarged."
+        0.1, "%", (0, 5), "Linear shrinkage of the silicone, by which cavity and core are enlarged."
     )
     wall_mm: float = quantity(
         4.0, "mm", (1.2, 30), "Thickness of the mold on the palmar, dorsal and distal sides of the cavity."
@@ -163,11 +163,11 @@ class Mold(ParameterTable):
     fit_clearance_mm: float = quantity(0.05, "mm", (0.01, 1), "Gap between the bone's base and its recess in the mold.")
     recess_length_mm: float = quantity(8.0, "mm", (2, 60), "Length of the recess that holds the bone's base.")
     seat_tape_mm: float = quantity(
-        0.06, "mm", (0, 0.2),
+        0.0, "mm", (0, 0.2),
         "Thickness of the tape that is wound around the base or its collar and seals the recess; 0: none.",
     )  # fmt: skip
     chaplet_diameter_mm: float = quantity(
-        7.0, "mm", (0, 15),
+        0.0, "mm", (0, 15),
         "Diameter of the chaplet, the boss on the dorsal half that carries the bone near its tip; 0: none.",
     )  # fmt: skip
     chaplet_from_tip_mm: float = quantity(
@@ -216,9 +216,9 @@ class Printer(ParameterTable):
         0.0, "mm", (-0.5, 0.5),
         "Length by which printed solids are too long and hollows too short; gaps of the design close by as much.",
     )  # fmt: skip
-    bed_x_mm: float = quantity(120.0, "mm", (20, 2000), "Width of the bed.")
-    bed_y_mm: float = quantity(68.0, "mm", (20, 2000), "Depth of the bed.")
-    bed_z_mm: float = quantity(150.0, "mm", (20, 2000), "Maximum height of a print.")
+    bed_x_mm: float = quantity(180.0, "mm", (20, 2000), "Width of the bed.")
+    bed_y_mm: float = quantity(180.0, "mm", (20, 2000), "Depth of the bed.")
+    bed_z_mm: float = quantity(180.0, "mm", (20, 2000), "Maximum height of a print.")
     min_wall_mm: float = quantity(
         0.8, "mm", (0.1, 5),
         "Minimum wall that prints (SLA 0.6 to 0.8, FDM 0.8 to 1); checks of walls allow the mesh tolerance less.",

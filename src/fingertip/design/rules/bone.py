@@ -6,7 +6,7 @@ import math
 
 from fingertip.catalogues.sensors import MIN_FOLD_RADIUS_MM
 from fingertip.design.geometry import DesignTables
-from fingertip.design.geometry.dimensions import HEAD_MM, TAIL_MM
+from fingertip.design.geometry.dimensions import HEAD_MM, KNOT_WIRES, TAIL_MM
 from fingertip.design.geometry.features import TailFold
 from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_least, at_most
 from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally, tip_within_skin
@@ -68,6 +68,14 @@ def hole_takes_both_wires(design: DesignTables) -> Limit:
     """Two wires side by side leave half of the hole's area free, through which the sensor's vent breathes."""
     wires = 2 * design.sensor.wire_diameter_mm
     return Limit(wires + 2 * _BESIDE_WIRE_MM, f"does not take two wires of {design.sensor.wire_diameter_mm:g} mm")
+
+
+@RULES.at_most(
+    "bone.channel_diameter_mm", tail_laid_in, hole_takes_both_wires, when=lambda design: design.is_cast_apart
+)
+def hole_stops_the_knot(design: DesignTables) -> Limit:
+    knot = KNOT_WIRES * design.sensor.wire_diameter_mm
+    return Limit(knot, f"lets a knot in both wires of {design.sensor.wire_diameter_mm:g} mm through")
 
 
 @RULES.at_least("sensor.clearance_mm", tail_laid_in, when=lambda design: design.is_cast_apart)

@@ -21,7 +21,7 @@ from fingertip.catalogues.output_files import PRINT_FOLDER
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.catalogues.silicones import Silicone, find_example
 from fingertip.design import Design
-from fingertip.design.geometry.dimensions import HEAD_MM, LONGER_MM, SHORTER_MM, TIE_WIDTH_MM
+from fingertip.design.geometry.dimensions import HEAD_MM, LONGER_MM, SHORTER_MM
 from fingertip.design.interfaces import interface_of
 from fingertip.documents.template import render, render_page
 from fingertip.foundation.tables import load_table, read_rows
@@ -129,7 +129,7 @@ def _list_items(design: Design, silicone: Silicone, batch: Mixture) -> tuple[Ite
         "bolt": f"M{bolt['thread_mm']:g} x {bolt['length_mm']:g} mm" if bolt else "",
     }
     sizes = {
-        "silicone_g": batch.total_g, "printed_g": _find_printed_g(design), "tie_mm": TIE_WIDTH_MM,
+        "silicone_g": batch.total_g, "printed_g": _find_printed_g(design),
         "divider_kohm": design.board.divider_ohm / 1e3, "wire_mm": design.sensor.wire_diameter_mm,
     }  # fmt: skip
     others = () if design.board.variant == "divider" else ("controller", "resistor")

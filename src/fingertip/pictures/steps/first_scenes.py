@@ -12,13 +12,13 @@ from fingertip.cad.printing.overhang import bed_pose
 from fingertip.cad.printing.settings import FDM
 from fingertip.cad.shapes.insert import cavity
 from fingertip.design.geometry.cup_layout import BELT_MM, GAP_MM, LEDGE_MM, PLATE_MM, STRAP_Y_MM
-from fingertip.design.geometry.dimensions import TIE_DEPTH_MM, TIE_WIDTH_MM
+from fingertip.design.geometry.dimensions import KNOT_WIRES
 from fingertip.design.geometry.solids import Box, Solid, cylinder, difference, intersection, scaled, union
 from fingertip.design.interfaces.interface import middle_y
 from fingertip.design.interfaces.rigid import Post
 from fingertip.pictures.raster import Camera
 from fingertip.pictures.steps.objects import CUP_RADIUS_MM, Bench
-from fingertip.pictures.steps.scene import Arrow, Data, Label, Paint, Scene, Shown, View, given
+from fingertip.pictures.steps.scene import Arrow, Data, Label, Paint, Scene, Shown, View
 
 _UP = (0.0, 0.0, -1.0)
 _FROM_BELOW = Camera.looking_from((0.4, -1.0, 0.12), _UP)
@@ -127,20 +127,17 @@ def solder(bench: Bench, data: Data) -> Scene:
 
 
 def lay_in(bench: Bench, data: Data) -> Scene:
-    """Show the sensor above its bed, and the cable tie where it holds the wires."""
+    """Show the sensor above its bed, and the knot of its wires over their hole."""
     dims, lift, (x, y, z) = bench.dims, 12.0, bench.head
-    section, (low, _) = dims.bone_outline.section, given(dims.tie_span)
-    half, palmar, dorsal = section.half_width - TIE_DEPTH_MM, -dims.base_flat_depth, section.dorsal
-    high = low + TIE_WIDTH_MM
-    inner = Box((-half, palmar, low - 1.0), (half, dorsal, high + 1.0))
-    tie = difference(Box((-half - 1.0, palmar - 1.0, low), (half + 1.0, dorsal + 1.0, high)), inner)
+    radius = KNOT_WIRES * bench.design.sensor.wire_diameter_mm / 2
+    middle = (dims.pocket_depth - dims.flat_depth - radius, dims.channel_exit_z + radius)
+    knot = cylinder("x", middle, -radius, radius, radius)
     return Scene(
-        (bench.part("bone"), bench.sensor((0.0, -lift, 0.0)), bench.solid(tie, Paint.PAPER)), _FROM_PALM,
+        (bench.part("bone"), bench.sensor((0.0, -lift, 0.0)), bench.solid(knot, Paint.WIRE)), _FROM_PALM,
         Label("sensor, paper peeled\noff its other side", (x, y - lift, z)),
         Label("round bed", (x, y, z + dims.sensor.head_diameter_mm / 2)),
         Label("trough", (0.0, y + 1.0, dims.tail_end_z / 2)),
-        Label("hole to the back,\nfor both wires", (0.0, y + 1.0, dims.channel_exit_z + 1.0)),
-        Label("cable tie, over the wires\nat the back, in a notch\nat each side", (0.0, palmar - 1.0, low + 1.0)),
+        Label("knot in both wires,\nover their hole to the back", (0.0, *middle)),
         Arrow((x, y - 0.85 * lift, z), (x, y - 0.2 * lift, z)),
     )  # fmt: skip
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from fingertip.cad.shapes.bone import passage_seal, sensor_body, tape
-from fingertip.design.geometry.dimensions import LASHING_MM
 from fingertip.design.geometry.seat import tape_span_mm
 from fingertip.design.geometry.solids import Box, ElbowTube, Point3, Solid, cylinder, difference, intersection, union
 from fingertip.pictures.picture import HAND, place_on_hand
@@ -56,7 +55,6 @@ def wires(bench: Bench, data: Data) -> Scene:
         View.CUT_FROM_BELOW,
         Label("solder here", (0.0, -dims.flat_depth, dims.tail_end_z)),
         Label("thread the wires\nin here first", (0.0, dims.bone_outline.section.dorsal, dims.channel_exit_z)),
-        Label("lash them here", (0.0, dims.bone_outline.section.dorsal, dims.wires_end_z - LASHING_MM / 2)),
         Label("sensor", bench.head),
     )  # fmt: skip
 

@@ -6,11 +6,11 @@ import functools
 import re
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.casting.quantities import measure_volumes
+from fingertip.casting.sheet import casting_sheet
 from fingertip.catalogues.bundled import list_bundled_files
 from fingertip.catalogues.file_kinds import DESIGN
 from fingertip.design import Design
-from fingertip.documents.casting.sheet import casting_sheet_data, steps
+from fingertip.documents.casting import list_steps as steps_of
 from fingertip.pictures.picture import draw
 from fingertip.pictures.steps.pictures import draw_steps
 
@@ -48,9 +48,9 @@ def list_designs() -> str:
 def _draw_steps() -> dict[str, tuple[str, bytes]]:
     """File name -> text and picture of each casting step of the tutorial's design."""
     design = Design.load("adult_finger")
-    data = casting_sheet_data(design, measure_volumes(design, MeshEvaluator(_TOLERANCE_MM)), design.silicone.material)
-    listed = steps(data)
-    drawn = draw_steps(design, data, [step.picture for step in listed])
+    sheet = casting_sheet(design, MeshEvaluator(_TOLERANCE_MM))
+    listed = steps_of(sheet)
+    drawn = draw_steps(design, sheet, [step.picture for step in listed])
     return {name: (" ".join(step.text.split()), png) for (name, png), step in zip(drawn.items(), listed, strict=True)}
 
 

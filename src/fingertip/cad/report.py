@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -59,8 +59,8 @@ class Build:
     """Files for the printer, in a folder of their own."""
     checks: tuple[Check, ...]
     strength: BoneStrength | None
-    casting: Mapping[str, Any] | None
-    """Data of the casting sheet, from `casting.sheet.casting_sheet_data`; None unless all parts were built."""
+    casting: Any
+    """Casting sheet, a `CastingSheet` of `fingertip.casting.sheet`; None unless all parts were built."""
     removed: tuple[str, ...] = ()
     """Files of another design that were removed from the folder."""
 
@@ -142,7 +142,7 @@ class Build:
             report["strength"] = strength_data(self.strength)
         if any(built.part.name == "skin" for built in self.parts):
             report["pad"] = survey_pad(self.design).to_dict()
-        return report | ({"casting": self.casting} if self.casting else {})
+        return report | ({"casting": asdict(self.casting)} if self.casting else {})
 
     def _part_entry(self, built: BuiltPart) -> dict[str, Any]:
         entry: dict[str, Any] = {

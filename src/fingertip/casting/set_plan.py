@@ -144,4 +144,4 @@ def _fill_cups(castings: Sequence[Casting], unpatched: dict[str, list[str]]) -> 
             patch_cm3 = PATCH_CM3 * len(patched)
             volume_cm3 = sum(casting.mold.volume_cm3 for casting in taken) + patch_cm3
             loaded_cm3 = sum(casting.mold.load_cm3 for casting in taken) + patch_cm3
-            yield Cup(tuple(taken), patched, compute_batch(silicone, volume_cm3, loaded_cm3))
+            yield Cup(tuple(taken), patched, compute_batch(silicone, max(volume_cm3, loaded_cm3)))

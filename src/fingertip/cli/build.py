@@ -69,8 +69,8 @@ def _format_build(result: Build) -> list[str]:
 
     parts = ", ".join(f"{built.part.name} {built.mesh.volume() / 1000:.2f}" for built in result.parts)
     lines = [f"{result.design.name}: {count_checks(result.checks)}; in {result.folder}", f"parts, cm3: {parts}"]
-    if result.casting and "print_h" in result.casting:
-        lines.append(f"print: one plate, some {result.casting['print_h']:g} h, {result.casting['printed_g']:g} g")
+    if sheet := result.casting:
+        lines.append(f"print: one plate, some {sheet.print_h:g} h, {sheet.printed_g:g} g")
     if found := result.strength:
         factors = f"{found.grip_safety_factor:.2f} at the grip force, {found.shock_safety_factor:.2f} at the shock"
         lines.append(f"bone: safety factor {factors}; weakest at z = {found.weakest.z_mm:.1f} mm")

@@ -11,7 +11,6 @@ from fingertip.cli import options
 from fingertip.cli.console import Console
 from fingertip.cli.options import command, find_file_issues, flag, load_design, refuse
 from fingertip.foundation.errors import Issue
-from fingertip.foundation.progress import Work
 
 if TYPE_CHECKING:
     from fingertip.design import Design
@@ -45,22 +44,19 @@ def acceptance(
     force: bool = options.FORCE,
     changes: list[str] | None = options.CHANGES,
 ) -> None:
-    """Write the acceptance sheet: tests of the sensor and of the finished finger, with limits and causes of failure."""
+    """Write the acceptance sheet: tests of the finished finger, with limits and causes of failure."""
     from fingertip.catalogues.output_files import ACCEPTANCE
     from fingertip.documents.acceptance import acceptance_data, render_acceptance
-    from fingertip.tasks.trial import simulate_and_detect
 
     refuse(find_file_issues("--out", out, ".md"))
     loaded = load_design(design, changes, console)
     file = _File(loaded, out, ACCEPTANCE, force)
-    _, found = simulate_and_detect(loaded, console.progress)
-    data = acceptance_data(loaded, found.detection)
+    data = acceptance_data(loaded)
     file.write(render_acceptance(data).encode())
     console.result({**data, "page": str(file.path)}, f"acceptance sheet written to {file.path}")
 
 
 _MESH_TOLERANCE_MM = 0.01
-_SLICED_MESH_TOLERANCE_MM = 0.02
 
 
 @command
@@ -69,62 +65,36 @@ def sheet(
     design: Path = options.DESIGN_FILE,
     out: Path | None = typer.Option(None, help="Markdown file to write; out/NAME/casting.md by default."),
     material: str | None = options.MATERIAL,
-    slicer: bool = flag("Estimate print time and volume on a filament printer with PrusaSlicer."),
     pictures: bool = flag("Draw a picture of each step, into a folder beside the page."),
     force: bool = options.FORCE,
     changes: list[str] | None = options.CHANGES,
 ) -> None:
-    """Write the casting sheet: silicone quantities, warnings, procedure, print orientations and bill of materials."""
+    """Write the casting sheet: what to buy, and numbered steps from the print to the tested finger."""
+    from dataclasses import asdict
+
     from fingertip.cad.kernel.mesh import MeshEvaluator
-    from fingertip.cad.printing.orientations import print_orientations
-    from fingertip.cad.printing.settings import FDM
-    from fingertip.cad.printing.slicer import HOW_TO_INSTALL, PrintEstimate, find_slicer, slice_plate
-    from fingertip.cad.verification.bone import check_strength
-    from fingertip.cad.verification.check import list_warnings
-    from fingertip.cad.verification.skin import check_pad
-    from fingertip.cad.verification.strength import assess_strength
-    from fingertip.casting.quantities import measure_volumes
+    from fingertip.casting.sheet import casting_sheet
     from fingertip.catalogues.output_files import SHEET, STEPS, STEPS_FOLDER
-    from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet, steps
+    from fingertip.documents.casting import list_steps, render_sheet
 
     refuse(find_file_issues("--out", out, ".md"))
     loaded = load_design(design, changes, console).with_silicone(material)
-    silicone = loaded.silicone.material
     file = _File(loaded, out, SHEET, force)
     step_writer = STEPS.writer(loaded, file.path.parent / STEPS_FOLDER, force, file.path.parent)
     if pictures:
         step_writer.check(())
-    prints: dict[str, PrintEstimate] | None = None
-    program = find_slicer() if slicer else None
-    if slicer and program is None:
-        console.progress(f"no print times: PrusaSlicer is not installed ({HOW_TO_INSTALL})")
-    if program is not None:
-        from fingertip.cad.verification.verify import verify
-
-        files = verify(loaded, print_orientations(loaded), ("3mf",), MeshEvaluator(_SLICED_MESH_TOLERANCE_MM)).prints
-        prints = {}
-        plates = [name for name in files.plates if name.startswith(f"plate_{FDM.name}")]
-        work = Work("slicing", dict.fromkeys(plates, 1.0), console.progress)
-        for plate in plates:
-            work.begin(plate)
-            name = plate.removesuffix(".3mf")
-            prints[name] = slice_plate(program, name, files.contents[plate], loaded)
-    volumes = measure_volumes(loaded, MeshEvaluator(_MESH_TOLERANCE_MM))
-    strength = assess_strength(loaded, MeshEvaluator(_MESH_TOLERANCE_MM))
-    warnings = list_warnings([*check_strength(loaded, strength), *check_pad(loaded)], with_advice=True)
-    data = casting_sheet_data(loaded, volumes, silicone, prints, warnings)
+    data = casting_sheet(loaded, MeshEvaluator(_MESH_TOLERANCE_MM))
     drawn: dict[str, bytes] = {}
     if pictures:
         from fingertip.pictures.steps.pictures import draw_steps
 
-        drawn = draw_steps(loaded, data, [step.picture for step in steps(data)], console.progress)
+        drawn = draw_steps(loaded, data, [step.picture for step in list_steps(data)], console.progress)
         step_writer.write(drawn)
     drawn_files = [f"{STEPS_FOLDER}/{name}" for name in drawn]
     file.write(render_sheet(data, drawn_files).encode())
-    batch = data["batch"]
-    first, second = silicone.components
-    text = f"mix {batch['a_g']:g} g of {first} and {batch['b_g']:g} g of {second}; casting sheet written to {file.path}"
-    console.result({**data, "page": str(file.path), "pictures": drawn_files}, text)
+    batch, (first, second) = data.batch, data.batch.components
+    text = f"mix {batch.a_g:g} g of {first} and {batch.b_g:g} g of {second}; casting sheet written to {file.path}"
+    console.result({**asdict(data), "page": str(file.path), "pictures": drawn_files}, text)
 
 
 @command

@@ -27,7 +27,7 @@ def render_readme(design: Design, fingers: Fingers) -> str:
     shared = {"design": design, "fingers": fingers, "packaging": packaging, "capacity": capacity}
     shared["forces"] = _describe_forces(design, fingers)
     if not design.board.has_filter:
-        return render_page("first/firmware.md", WIDTH, **shared)
+        return render_page("board/divider_firmware.md", WIDTH, **shared)
     circuit = board_circuit(select_components(design), design.board.channels)
     pins = circuit.list_wires(circuit.component(HOST_CONNECTOR))
     signals = name_signals(circuit, design.board.supply_v)

@@ -13,9 +13,6 @@ from typing import Any
 from fingertip.board.analysis.board_values import board_values
 from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.fabrication.bom import estimate_cost, purchased_components
-from fingertip.cad.shapes.parts import PARTS
-from fingertip.catalogues.output_files import PRINT_FOLDER
-from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.design import Design
 from fingertip.documents.template import render_page
 
@@ -32,29 +29,17 @@ def render_start(
     verdict: str,
 ) -> str:
     """Render the first screen of a design; `files` are the paths that it may name, `steps` the number to cast."""
-    printed = {
-        name: part["volume_mm3"] / 1000.0 for name, part in report.get("parts", {}).items() if PARTS[name].is_printed
-    }
-    finger, mold = ([name for name in printed if PARTS[name].is_in_finger == kept] for kept in (True, False))
-    plates = {path: found["parts"] for path, found in report.get(PRINT_FOLDER, {}).items() if path.endswith(".3mf")}
-    casting = report.get("casting")
     told = [f"{one['name']}: {one['warning']}" for one in report["checks"] if one["passed"] and one.get("warning")]
-    shared = {"size_mm": [f"{size:.0f}" for size in size_mm], "casting": casting, "warnings": _tell_warnings(told)}
-    shared |= {"files": files, "steps": steps, "verdict": verdict}
-    if design.mold.method == "plunge":
-        loads, plate = _find_loads(design, report["checks"]), casting["plate"] if casting else ""
-        return render_page("first/start.md", **shared, loads=loads, plate=plate)
     return render_page(
         "start.md",
-        skin=design.skin,
-        material=PRINT_MATERIALS[design.strength.print_material],
-        filament=PRINT_MATERIALS["petg"],
-        finger_parts=finger,
-        finger_cm3=sum(printed[name] for name in finger),
-        mold_cm3=sum(printed[name] for name in mold),
-        plates={path: parts for path, parts in plates.items() if path in files},
-        waits=_count_waits(casting["plan"]) if casting else {},
-        **shared,
+        design=design,
+        size_mm=[f"{size:.0f}" for size in size_mm],
+        casting=report.get("casting"),
+        warnings=_tell_warnings(told),
+        loads=_find_loads(design, report["checks"]),
+        files=files,
+        steps=steps,
+        verdict=verdict,
         **_board_data(design),
     )
 

@@ -15,9 +15,7 @@ from fingertip.page.markdown import list_steps, render, split_sections
 from fingertip.page.parameters_and_checks import link_parameters
 from fingertip.page.sources import COMMANDS, Sources
 
-_BUY, _PRINTING, _PROCEDURE, _PLAN = "What to buy", "Printing", "Procedure", "Plan"
-_OPEN = (_PLAN, "Quantities", "Warnings")
-"""Sections that nobody should miss; others are folded up."""
+_BUY, _PROCEDURE = "What to buy", "Procedure"
 _TICKED = {"data_ticks": "shopping", "data_noun": "things at hand"}
 """Attributes by which `page.js` adds boxes to tick to the lines of a table."""
 _PLATE_KINDS = {"fdm": "filament", "sla": "resin"}
@@ -37,10 +35,8 @@ def render_printing(sources: Sources) -> Markup:
     files = table(
         ("file", "printer", "holds"), sorted(rows, key=lambda row: row[0].endswith("stl</a>")), "files to print"
     )
-    text = split_sections(sources.files[outputs.SHEET].decode()).get(_PRINTING, "")
     missing = note(element("code", COMMANDS[outputs.PRINT_FOLDER]), " makes plates and parts as they lie on the bed.")
-    how = fold("How to print", render(text, sources.links), state="roomy") if text else ""
-    return join((files if rows else missing, how))
+    return join((files if rows else missing,))
 
 
 def render_tests(sources: Sources) -> Markup:
@@ -52,11 +48,9 @@ def render_tests(sources: Sources) -> Markup:
 
 
 def render_shopping(sources: Sources) -> Markup:
-    """Render what to buy with boxes to tick: what goes into finger and mold, then supplies and tools, then plugs."""
+    """Render what to buy with boxes to tick: what the casting sheet lists, then the plugs of the board."""
     text = split_sections(sources.files[outputs.SHEET].decode()).get(_BUY, "")
-    casting = sources.report.get("casting") or {}
-    supplies = {supply["item"] for supply in casting.get("supplies", ())}
-    parts = [render_list(text, lambda line: line.split("|")[2].strip() in supplies, sources.links)]
+    parts = [render(text, sources.links, **_TICKED)]
     plugs = split_sections(sources.text(f"{outputs.BOARD_FOLDER}/{outputs.README}") or "").get("What else to buy")
     if plugs:
         parts.append(fold("Plugs and wires of the board", render(plugs, sources.links, **_TICKED)))
@@ -79,19 +73,12 @@ def render_list(text: str, is_bench: Callable[[str], bool], links: Mapping[str, 
 
 
 def render_casting(sources: Sources) -> Markup:
-    """Render the casting sheet without what to print and to buy, its procedure as steps with pictures."""
+    """Render the steps of the casting sheet with their pictures."""
     sections = split_sections(sources.files[outputs.SHEET].decode())
-    parts = [render(sections.pop("").partition("\n")[2])]
-    for heading, text in sections.items():
-        if heading == _PROCEDURE:
-            parts.append(element("h3", "Step by step"))
-            if outputs.STEPS_FOLDER in sources.remarks:
-                parts.append(note(sources.remarks[outputs.STEPS_FOLDER]))
-            parts.append(list_steps(text, sources.links))
-        elif heading not in (_BUY, _PRINTING):
-            state, name = ("roomy" if heading in _OPEN else ""), ("plan" if heading == _PLAN else "")
-            parts.append(fold(heading, render(text, sources.links), name=name, state=state))
-    return join(parts)
+    parts = [render(sections[""].partition("\n")[2]), element("h3", "Step by step")]
+    if outputs.STEPS_FOLDER in sources.remarks:
+        parts.append(note(sources.remarks[outputs.STEPS_FOLDER]))
+    return join((*parts, list_steps(sections[_PROCEDURE], sources.links)))
 
 
 def render_drawing(sources: Sources) -> Markup:

@@ -9,6 +9,7 @@ import io
 import math
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
 from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -25,7 +26,7 @@ from fingertip.cad.verification.bone import check_strength
 from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.strength import assess_strength, strength_data
 from fingertip.cad.verification.verify import check_parts, verify
-from fingertip.casting.quantities import measure_volumes
+from fingertip.casting.sheet import casting_sheet
 from fingertip.catalogues.output_files import DESIGN, PRINT_FOLDER
 from fingertip.design import Design
 from fingertip.design.bands import Band, describe_bands, find_bands
@@ -35,7 +36,6 @@ from fingertip.design.geometry.solids import Solid, scaled
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
 from fingertip.design.refusal import as_typed, is_number
-from fingertip.documents.casting.sheet import casting_sheet_data
 from fingertip.documents.start import render_start
 from fingertip.foundation.errors import DesignError, FingertipError, Issue
 from fingertip.pad.contacts import is_quick
@@ -92,9 +92,8 @@ def answer_parts(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
 def answer_figures(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
     """Tell size, masses, days and prices as the page of the design does, from meshes at the tolerance of the view."""
     items = make_items(design, still_wanted)
-    volumes = measure_volumes(design, AskingEvaluator(VIEW_TOLERANCE_MM, still_wanted))
     parts = {item.name: {"volume_mm3": item.mesh.volume()} for item in items if not item.is_bought}
-    casting = casting_sheet_data(design, volumes, design.silicone.material)
+    casting = asdict(casting_sheet(design, AskingEvaluator(VIEW_TOLERANCE_MM, still_wanted)))
     still_wanted()
     start = render_start(design, {"parts": parts, "checks": (), "casting": casting}, measure_finger(items), (), 0, "")
     sections = split_sections(start)

@@ -231,12 +231,11 @@ def compute_mold(context: PointContext) -> OutputValues:
 
 def compute_casting(context: PointContext) -> OutputValues:
     from fingertip.cad.verification.lying_skin import pull_off_n, slide_mm
-    from fingertip.casting.quantities import compute_batch, load_cm3, measure_volumes, skin_pull_off_n
+    from fingertip.casting.quantities import compute_batch, measure_poured_cm3
 
-    volumes = measure_volumes(context.design, context.evaluator())
-    silicone = context.design.silicone.material
-    batch = compute_batch(silicone, volumes.total_cm3, load_cm3(context.design))
-    pull, is_lying = skin_pull_off_n(context.design, silicone), not context.design.skin_is_bonded
+    poured_cm3 = measure_poured_cm3(context.design, context.evaluator())
+    batch = compute_batch(context.design.silicone.material, poured_cm3)
+    pull, is_lying = pull_off_n(context.design), not context.design.skin_is_bonded
     lying = {
         "skin_pull_off_glued_n": pull_off_n(context.design, is_glued=True) if is_lying else math.nan,
         "skin_slide_mm": slide_mm(context.design) if is_lying else 0.0,

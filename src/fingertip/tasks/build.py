@@ -15,16 +15,14 @@ from fingertip.cad.printing.settings import PLATE_KINDS
 from fingertip.cad.report import ALL_FORMATS, DESIGN_HEADING, FORMATS, Build, BuiltPart, part_file
 from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name, print_scale
 from fingertip.cad.verification.assembly import brep_balance_solids, check_brep_assembly
-from fingertip.cad.verification.bone import check_strength
-from fingertip.cad.verification.check import list_warnings
 from fingertip.cad.verification.printing import check_brep_solid
 from fingertip.cad.verification.verify import verify
-from fingertip.casting.quantities import measure_volumes
+from fingertip.casting.sheet import casting_sheet
 from fingertip.catalogues import output_files
 from fingertip.design import Design
 from fingertip.design.files import to_toml
 from fingertip.design.parameters.declaration import suggest_name
-from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet
+from fingertip.documents.casting import list_steps, render_sheet
 from fingertip.foundation import extras
 from fingertip.foundation.errors import DesignError, Issue
 from fingertip.foundation.output_set import SetWriter, read_manifest
@@ -140,11 +138,7 @@ def build(
         meshes, checks, strength = verified.meshes, list(verified.checks), verified.strength
         casting = None
         if all_built:
-            pad = (check for check in checks if check.name.startswith("pad."))
-            told = (*(check_strength(design, strength) if strength else ()), *pad)
-            warnings = list_warnings(told, with_advice=True)
-            volumes = measure_volumes(design, evaluator)
-            casting = casting_sheet_data(design, volumes, design.silicone.material, None, warnings)
+            casting = casting_sheet(design, evaluator)
         if meanwhile:
             meanwhile(work.within("rest"))
         work.begin("pictures")
@@ -193,12 +187,10 @@ def _replace_subset(writer: SetWriter, contents: Mapping[str, bytes], obsolete: 
 
 
 def _draw_steps(design: Design, tolerance_mm: float) -> dict[str, bytes]:
-    """Draw the steps of a sheet: without its warnings, which no picture shows, its data needs no checks."""
-    from fingertip.documents.casting.sheet import steps  # noqa: PLC0415
     from fingertip.pictures.steps.pictures import draw_steps  # noqa: PLC0415
 
-    casting = casting_sheet_data(design, measure_volumes(design, MeshEvaluator(tolerance_mm)), design.silicone.material)
-    return draw_steps(design, casting, [step.picture for step in steps(casting)])
+    sheet = casting_sheet(design, MeshEvaluator(tolerance_mm))
+    return draw_steps(design, sheet, [step.picture for step in list_steps(sheet)])
 
 
 def _file_names(parts: Iterable[str], formats: Iterable[str], is_whole: bool) -> list[str]:

@@ -104,7 +104,7 @@ def make(
         prepared = prepare_page(design) if "stl" in formats else None
         stages.begin("trial")
         signal_files, found, pad = beside()
-        sheet = render_acceptance(acceptance_data(design, found.detection)).encode()
+        sheet = render_acceptance(acceptance_data(design)).encode()
         rest.append((signal_files, found, sheet, prepared and replace(prepared, pad=pad)))
 
     report = work.within("parts")

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +20,8 @@ from fingertip.cad.printing.overhang import bed_pose
 from fingertip.cad.printing.print_files import Piece, PrintFiles, list_pieces, make_plates
 from fingertip.cad.shapes.parts import PARTS, print_scale
 from fingertip.cad.verification.check import count_checks, list_warnings
-from fingertip.casting.quantities import measure_volumes
 from fingertip.casting.set_plan import Mold, plan_castings
+from fingertip.casting.sheet import casting_sheet
 from fingertip.catalogues.output_files import (
     ACCEPTANCE,
     BOARD,
@@ -45,7 +45,6 @@ from fingertip.design.files import to_toml
 from fingertip.design.finger_set import FingerSet, Form
 from fingertip.design.geometry.solids import scaled
 from fingertip.documents.acceptance import acceptance_data
-from fingertip.documents.casting.sheet import casting_sheet_data
 from fingertip.documents.finger_set.sheets import FormSheets, render_sheet, set_data, write_parts_csv
 from fingertip.documents.start import render_set_start
 from fingertip.foundation.errors import DesignError, Issue, OutputError
@@ -177,9 +176,7 @@ def _refuse_early(fingers: FingerSet) -> None:
         raise DesignError(issues)
     molds = []
     for form in fingers.forms:
-        volumes = measure_volumes(form.design, evaluator)
-        sheet = casting_sheet_data(form.design, volumes, form.design.silicone.material)
-        molds.append(Mold.of_sheet(form.design, form.fingers, sheet))
+        molds.append(Mold.of_sheet(form.design, form.fingers, asdict(casting_sheet(form.design, evaluator))))
     plan_castings(molds)
 
 
@@ -212,10 +209,9 @@ def _arrange_prints(fingers: FingerSet, forms: Iterable[Made]) -> PrintFiles:
 def _collect(fingers: FingerSet, form: Form, made: Made) -> FormSheets:
     assert made.parts.casting is not None, "all parts are built"
     volumes = {part.part.name: part.mesh.volume() / 1000.0 for part in made.parts.parts}
-    detection = made.detection.detection
     calibrated = [name for name in form.fingers if name in fingers.calibrated]
-    own = {name: acceptance_data(fingers.calibrated[name], detection) for name in calibrated}
+    own = {name: acceptance_data(fingers.calibrated[name]) for name in calibrated}
     warnings = tuple(map(form.name_values, list_warnings(made.parts.checks)))
     verdict = count_checks(made.parts.checks)
-    acceptance = acceptance_data(form.design, detection)
-    return FormSheets(form, made.parts.casting, acceptance, volumes, verdict, warnings, own)
+    acceptance = acceptance_data(form.design)
+    return FormSheets(form, asdict(made.parts.casting), acceptance, volumes, verdict, warnings, own)

@@ -10,12 +10,11 @@ from typing import Any
 from fingertip.board.circuits.divider import compute_current_ratio, divider_circuit, divider_deck
 from fingertip.board.fabrication.bom import COLUMNS, list_bom
 from fingertip.board.kicad.netlist import kicad_netlist_file
-from fingertip.casting.hardware import WEIGHTS_G
 from fingertip.catalogues.output_files import BOM, DECK, NETLIST, README, VALUES, WIRING
 from fingertip.catalogues.sensors import PART_TO_PART
 from fingertip.design import Design
 from fingertip.design.formulas.filter import find_preferred_neighbours
-from fingertip.documents.acceptance import IDLE_TOLERANCE_V, expect_open_v, expect_readings
+from fingertip.documents.acceptance import IDLE_TOLERANCE_V, WEIGHTS_G, expect_open_v, expect_readings
 from fingertip.documents.template import WIDTH, render, render_page
 from fingertip.foundation.files import format_csv
 

@@ -24,7 +24,6 @@ from fingertip.board.parts import table
 from fingertip.board.parts.circuit import SENSOR_CONNECTOR, Circuit, Component
 from fingertip.board.parts.select_part import NO_LCSC
 from fingertip.board.parts.symbols import CAPACITOR, RESISTOR
-from fingertip.casting.hardware import describe_bought_wires
 from fingertip.catalogues.amplifiers import CATALOGUE
 from fingertip.catalogues.controllers import NAMES
 from fingertip.design import Design
@@ -55,7 +54,7 @@ def folder_readme(circuit: Circuit, stored: StoredProject, values: BoardValues, 
         all_unlabelled=not any(part.is_labelled for name, part in placement.parts.items() if name[0] in "RC"),
         name=circuit.name,
         project=project,
-        cables=list(_list_cables(circuit, "or_lead" in describe_bought_wires(design))),
+        cables=list(_list_cables(circuit, _takes_leads(circuit, design))),
         plug_wires=[
             (join_words(references), wire, table.load_sources()[wire.source].title)
             for wire, references in table.group_plug_wires(circuit).items()
@@ -106,6 +105,12 @@ def collect_board(values: BoardValues, design: Design) -> dict[str, Any]:
         "levels": values.comparator_levels,
         "formulas": formulas,
     }
+
+
+def _takes_leads(circuit: Circuit, design: Design) -> bool:
+    """Tell whether bought leads, which are as thick as their plug takes, pass the finger."""
+    plug = table.find_plug_wire(circuit.component(SENSOR_CONNECTOR))
+    return plug is not None and design.sensor.wire_diameter_mm >= plug.max_insulation_mm
 
 
 def _list_cables(circuit: Circuit, fingers_take_leads: bool) -> Iterator[tuple[str, ...]]:

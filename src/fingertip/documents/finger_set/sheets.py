@@ -7,21 +7,20 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from fingertip.board.circuits.channels import describe_sockets, list_pins
 from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
-from fingertip.casting.hardware import list_hardware
-from fingertip.casting.quantities import Batch, measure_volumes
+from fingertip.casting.quantities import Batch
 from fingertip.casting.set_plan import CHANGE_S, CastingPlan, Cup, Mold
+from fingertip.casting.sheet import casting_sheet
 from fingertip.catalogues.controllers import NAMES
 from fingertip.catalogues.output_files import BOARD_DESIGN, BOARD_FOLDER
 from fingertip.catalogues.silicones import Silicone
 from fingertip.design.finger_set import FingerSet, Form
-from fingertip.documents.casting.sheet import casting_sheet_data, round_component_g
 from fingertip.documents.template import render_page, render_rows
 from fingertip.firmware.fingers import find_controller
 from fingertip.foundation.files import format_csv
@@ -56,7 +55,7 @@ class FormSheets:
 def measure_form(form: Form, evaluator: MeshEvaluator) -> FormSheets:
     """Measure printed parts and castings of a form, without its checks and its acceptance."""
     design = form.design
-    casting = casting_sheet_data(design, measure_volumes(design, evaluator), design.silicone.material)
+    casting = asdict(casting_sheet(design, evaluator))
     printed = {name: part for name, part in parts_by_name(design).items() if part.is_printed}
     volumes = {name: evaluator.mesh(part.solid(design)).volume() / 1000.0 for name, part in printed.items()}
     return FormSheets(form, casting, {}, volumes)
@@ -171,10 +170,7 @@ def _sum_printed(sheets: Sequence[FormSheets], in_finger: bool) -> float:
 
 
 def _batch_data(silicone: Silicone, batch: Batch) -> dict[str, Any]:
-    masses = {
-        name: round_component_g(part_g, batch.total_g)
-        for name, part_g in zip(silicone.components, (batch.a_g, batch.b_g), strict=True)
-    }
+    masses = {name: round(part_g, 1) for name, part_g in zip(silicone.components, (batch.a_g, batch.b_g), strict=True)}
     return {"silicone": silicone.label, "components_g": masses}
 
 
@@ -206,7 +202,7 @@ def _list_parts(sheets: Sequence[FormSheets], plan: CastingPlan) -> list[dict[st
             for supply in each.casting["supplies"]
             for name in (supply["item"],)
         ]
-        for use, item in (*list_hardware(each.form.design), *supplies):
+        for use, item in supplies:
             sizes = found.setdefault(item["item"], {})
             row = sizes.setdefault(repr(item), {**item, "count": 0, "use": use, "designs": []})
             many = each.form.count if use == "finger" else 1

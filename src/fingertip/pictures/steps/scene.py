@@ -7,9 +7,9 @@ another label.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias, TypeVar
+from typing import TypeAlias
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
@@ -29,19 +29,12 @@ _FONT_PX, _LINE_PX = 16, 20
 _INK, _LEADER, _ARROW = (35, 35, 40), (115, 115, 120), (176, 44, 24)
 _HEAD_PX, _HEAD_ANGLE = 13.0, math.radians(24.0)
 """Length of an arrow's head, and the angle between its edge and the arrow."""
-_LEVEL, _ARC = 0.9, 0.7
-"""Length of the horizontal below a slope, and radius of its arc, over the length of its edge."""
 
 
 @dataclass(frozen=True)
 class Shown:
     mesh: Mesh
     colour: Colour
-
-    def turned(self, shift: Point3) -> Shown:
-        """Turn by 180 degrees about z, and shift."""
-        turned = self.mesh.vertices * np.array((-1.0, -1.0, 1.0))
-        return Shown(Mesh(turned + np.array(shift), self.mesh.triangles), self.colour)
 
 
 @dataclass(frozen=True)
@@ -59,40 +52,17 @@ class Arrow:
     end_mm: Point3
 
 
-@dataclass(frozen=True)
-class Slope:
-    """Angle between an edge that rises and the horizontal, drawn as an arc."""
-
-    corner_mm: Point3
-    edge_mm: Point3
-    """Edge from its lower corner."""
-    up: Point3
-    """Vertical, of length 1."""
-
-    def lines_mm(self) -> tuple[Array, Array]:
-        """Return the points of the horizontal below the edge, and of the arc from it to the edge [mm]."""
-        corner, edge, up = np.array(self.corner_mm), np.array(self.edge_mm), np.array(self.up)
-        level = edge - edge @ up * up
-        length = float(np.linalg.norm(edge))
-        level *= length / np.linalg.norm(level)
-        angle = math.asin(min(1.0, float(edge @ up) / length)) * np.linspace(0.0, 1.0, 25)[:, None]
-        arc = np.cos(angle) * level + np.sin(angle) * length * up
-        return corner + np.array([[0.0], [_LEVEL]]) * level, corner + _ARC * arc
-
-
 class Scene:
     """Content of a picture: meshes, the camera that sees them, and what is written and drawn beside them."""
 
-    def __init__(self, shown: Iterable[Shown], camera: Camera, *marks: Label | Arrow | Slope) -> None:
+    def __init__(self, shown: Iterable[Shown], camera: Camera, *marks: Label | Arrow) -> None:
         self.shown, self.camera = tuple(shown), camera
         self.labels = [mark for mark in marks if isinstance(mark, Label)]
         self.arrows = [mark for mark in marks if isinstance(mark, Arrow)]
-        self.slopes = [mark for mark in marks if isinstance(mark, Slope)]
 
 
 def draw_scene(scene: Scene) -> bytes:
     ends = np.array([end for arrow in scene.arrows for end in (arrow.start_mm, arrow.end_mm)]).reshape(-1, 3)
-    ends = np.concatenate([ends, *(line for slope in scene.slopes for line in slope.lines_mm())])
     arrows = Mesh(ends, np.zeros((0, 3), dtype=np.int32))
     centre, size = bounds([*(item.mesh for item in scene.shown), arrows], scene.camera)
     room = _WIDTH_PX - 2 * _MARGIN_PX, _MAX_HEIGHT_PX - 2 * _PADDING_PX
@@ -113,9 +83,6 @@ def draw_scene(scene: Scene) -> bytes:
 
     for arrow in scene.arrows:
         _draw_arrow(pen, place(arrow.start_mm), place(arrow.end_mm))
-    for slope in scene.slopes:
-        for line in slope.lines_mm():
-            pen.line([place(tuple(point)) for point in line.tolist()], fill=_ARROW, width=3)
     for side in (-1, 1):
         entries = [(place(label.point_mm), label.text) for label in _labels_on(scene, side, centre)]
         for y, (tip, text) in zip(_spread(entries, height), entries, strict=True):
@@ -164,36 +131,17 @@ def _draw_arrow(pen: Pen, start: Pixel, end: Pixel) -> None:
 
 
 class View:
-    """Cameras that several scenes share, with distal (z) to the right unless stated."""
+    """Cameras that several scenes share, with distal (z) to the right."""
 
     DORSAL = Camera.from_angles(28, 24)
     PALMAR = Camera.from_angles(28, -38)
     SIDE = Camera.from_angles(0, 0)
-    CUT_FROM_ABOVE = Camera.from_angles(24, 18)
-    """Camera on the cut face of a section and on the dorsal side."""
     CUT_FROM_BELOW = Camera.from_angles(24, -24)
     """Camera on the cut face of a section and on the palmar side, where the sensor lies."""
-    LOW = Camera.from_angles(28, 13)
-    """Camera that sees both halves of a mold, one above the other."""
-    RUNNER_SIDE = Camera.from_angles(152, 14)
-    """Camera on the side on which the runner lies, with distal to the left."""
-    CAVITY_UP = Camera.looking_from((-1.0, 0.0, 0.0), (0.0, -1.0, 0.0))
-    """Camera on a section of the dorsal half that lies with its cavity up, with distal to the left."""
 
 
 class Paint:
     """Colours of what lies beside the parts."""
 
-    SENSOR, TAPE, SEAL = (0.86, 0.68, 0.24), (0.85, 0.50, 0.15), (0.80, 0.25, 0.20)
-    WIRE, STEEL, GLASS, HAND = (0.72, 0.20, 0.16), (0.62, 0.63, 0.66), (0.80, 0.86, 0.90), (0.80, 0.80, 0.78)
-    SILICONE, PATCH, PAPER = PARTS["skin"].colour, (0.78, 0.48, 0.40), (0.93, 0.91, 0.86)
-
-
-Data = Mapping[str, Any]
-Given = TypeVar("Given")
-
-
-def given(value: Given | None) -> Given:
-    """Return what a design must have if a scene shows it."""
-    assert value is not None
-    return value
+    SENSOR, WIRE, STEEL = (0.86, 0.68, 0.24), (0.72, 0.20, 0.16), (0.62, 0.63, 0.66)
+    GLASS, SILICONE, PAPER = (0.80, 0.86, 0.90), PARTS["skin"].colour, (0.93, 0.91, 0.86)

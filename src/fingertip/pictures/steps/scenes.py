@@ -1,4 +1,4 @@
-"""Scenes of a first finger, whose skin is cast in a cup around a core that is lowered into it.
+"""Scenes of the steps: the skin is cast in a cup around a core that is lowered into it.
 
 The cup stands on its foot, tip down: distal (z) points down in all pictures of it.
 """
@@ -11,6 +11,7 @@ from fingertip.cad.printing.orientations import print_orientations
 from fingertip.cad.printing.overhang import bed_pose
 from fingertip.cad.printing.settings import FDM
 from fingertip.cad.shapes.insert import cavity
+from fingertip.casting.sheet import CastingSheet
 from fingertip.design.geometry.cup_layout import BELT_MM, GAP_MM, LEDGE_MM, PLATE_MM, STRAP_Y_MM
 from fingertip.design.geometry.dimensions import KNOT_WIRES
 from fingertip.design.geometry.solids import Box, Solid, cylinder, difference, intersection, scaled, union
@@ -18,7 +19,7 @@ from fingertip.design.interfaces.interface import middle_y
 from fingertip.design.interfaces.rigid import Post
 from fingertip.pictures.raster import Camera
 from fingertip.pictures.steps.objects import CUP_RADIUS_MM, Bench
-from fingertip.pictures.steps.scene import Arrow, Data, Label, Paint, Scene, Shown, View
+from fingertip.pictures.steps.scene import Arrow, Label, Paint, Scene, Shown, View
 
 _UP = (0.0, 0.0, -1.0)
 _FROM_BELOW = Camera.looking_from((0.4, -1.0, 0.12), _UP)
@@ -32,7 +33,7 @@ _COAT_MM, _LIFT_MM, _TAB_PITCH_MM, _BAND_MM = 0.9, 20.0, 2.54, 1.0
 of a rubber band [mm]."""
 
 
-def print_(bench: Bench, data: Data) -> Scene:
+def print_(bench: Bench, sheet: CastingSheet) -> Scene:
     """Show the parts as they lie on the plate, with their names."""
     names = {
         "bone": "bone", "stand": "stand", "core": "core: a plate with\nthree ridges and a\nfinger",
@@ -74,10 +75,10 @@ def _stick(bench: Bench, at: tuple[float, float], low: float, high: float) -> Sh
     return bench.solid(cylinder("z", at, low, high, 1.2), _WOOD)
 
 
-def try_core(bench: Bench, data: Data) -> Scene:
+def try_core(bench: Bench, sheet: CastingSheet) -> Scene:
     """Show the core seated in the closed cup, and calipers over both."""
     m, face, top = bench.design.cup_layout, -bench.design.cup_layout.palmar_height, -PLATE_MM
-    foot, x, low, high, (least, most) = m.foot_z, 4.0 - m.half_width, face + 3.5, face + 6.5, data["height_mm"]
+    foot, x, low, high, (least, most) = m.foot_z, 4.0 - m.half_width, face + 3.5, face + 6.5, sheet.height_mm
     beam, reading = x - 14.0, f"{least:g} to {most:g} mm"
     calipers = union(
         Box((beam - 6.0, low, top - 16.0), (beam, high, foot + 10.0)),
@@ -94,7 +95,7 @@ def try_core(bench: Bench, data: Data) -> Scene:
     )  # fmt: skip
 
 
-def varnish(bench: Bench, data: Data) -> Scene:
+def varnish(bench: Bench, sheet: CastingSheet) -> Scene:
     m, depth = bench.design.cup_layout, bench.design.cup_layout.palmar_height - bench.design.mold.wall_mm
     below = Box((-m.half_width, -2 * m.palmar_height, 0.5), (m.half_width, -0.1, 2 * m.foot_z))
     return Scene(
@@ -105,14 +106,14 @@ def varnish(bench: Bench, data: Data) -> Scene:
     )
 
 
-def solder(bench: Bench, data: Data) -> Scene:
+def solder(bench: Bench, sheet: CastingSheet) -> Scene:
     dims, thickness, half, wire = bench.dims, 0.3, _TAB_PITCH_MM / 2, 0.5
     (_, y, z), end, tail = bench.head, dims.tail_end_z, dims.sensor.tail_width_mm / 2
     legs_end = end - bench.design.sensor.tab_length_mm
     head = cylinder("y", (z, 0.0), y, y + thickness, dims.sensor.head_diameter_mm / 2)
     legs = union(*(Box((x - 0.3, y, legs_end), (x + 0.3, y + 0.4, end + 1.5)) for x in (-half, half)))
     leads = union(*(cylinder("z", (x, y + wire), legs_end - 16.0, legs_end + 2.5, wire) for x in (-half, half)))
-    lengths, heads = (" to ".join(f"{size:g}" for size in data[key]) for key in ("length_mm", "head_mm"))
+    lengths, heads = (" to ".join(f"{size:g}" for size in sizes) for sizes in (sheet.length_mm, sheet.head_mm))
     return Scene(
         (
             bench.solid(union(head, Box((-tail, y, end), (tail, y + thickness, z))), Paint.SENSOR),
@@ -126,7 +127,7 @@ def solder(bench: Bench, data: Data) -> Scene:
     )  # fmt: skip
 
 
-def lay_in(bench: Bench, data: Data) -> Scene:
+def lay_in(bench: Bench, sheet: CastingSheet) -> Scene:
     """Show the sensor above its bed, and the knot of its wires over their hole."""
     dims, lift, (x, y, z) = bench.dims, 12.0, bench.head
     radius = KNOT_WIRES * bench.design.sensor.wire_diameter_mm / 2
@@ -142,21 +143,21 @@ def lay_in(bench: Bench, data: Data) -> Scene:
     )  # fmt: skip
 
 
-def mix(bench: Bench, data: Data) -> Scene:
-    batch, (first, second) = data["batch"], data["batch"]["components"]
-    level = 1000.0 * batch["total_g"] / batch["density_g_cm3"] / (math.pi * CUP_RADIUS_MM**2)
-    share, scale = batch["a_g"] / batch["total_g"], Box((-40.0, -35.0, -10.0), (40.0, 35.0, 0.0))
+def mix(bench: Bench, sheet: CastingSheet) -> Scene:
+    batch, (first, second) = sheet.batch, sheet.batch.components
+    level = 1000.0 * batch.total_g / batch.density_g_cm3 / (math.pi * CUP_RADIUS_MM**2)
+    share, scale = batch.a_g / batch.total_g, Box((-40.0, -35.0, -10.0), (40.0, 35.0, 0.0))
     return Scene(
         (*bench.cup(level), bench.solid(scale, Paint.STEEL), _stick(bench, (8.0, 10.0), 2.0, 90.0)),
         Camera.looking_from((0.15, -1.0, 0.22), (0.0, 0.0, 1.0)),
-        Label(f"then {batch['b_g']:g} g of {second}:\n{batch['total_g']:g} g in all", (CUP_RADIUS_MM, 0.0, level)),
-        Label(f"first {batch['a_g']:g} g of {first}", (-CUP_RADIUS_MM, 0.0, share * level)),
+        Label(f"then {batch.b_g:g} g of {second}:\n{batch.total_g:g} g in all", (CUP_RADIUS_MM, 0.0, level)),
+        Label(f"first {batch.a_g:g} g of {first}", (-CUP_RADIUS_MM, 0.0, share * level)),
         Label("scale, set to zero\nwith the empty cup", (40.0, -35.0, -5.0)),
         Label("stir for three minutes", (8.0, 10.0, 60.0)),
     )
 
 
-def coat(bench: Bench, data: Data) -> Scene:
+def coat(bench: Bench, sheet: CastingSheet) -> Scene:
     m, bone, wall = bench.design.cup_layout, bench.design.bone, bench.design.mold.wall_mm
     lift, (_, y, z), waist = _LIFT_MM + m.foot_z, bench.head, bench.dims.bone_outline.section.half_width
     groove = (bone.groove_depth_mm - waist, 1.0, bone.groove_distance_mm + bone.groove_width_mm / 2 - lift)
@@ -173,7 +174,7 @@ def coat(bench: Bench, data: Data) -> Scene:
     )  # fmt: skip
 
 
-def pour(bench: Bench, data: Data) -> Scene:
+def pour(bench: Bench, sheet: CastingSheet) -> Scene:
     m, y = bench.design.cup_layout, 0.6 * bench.dims.outer.section.dorsal
     z, far = m.pour_z * bench.dims.shrinkage, 2 * m.foot_z
     silicone = intersection(cavity(bench.design), Box((-far, -far, z), (far, far, far)))
@@ -181,12 +182,12 @@ def pour(bench: Bench, data: Data) -> Scene:
     return Scene(
         (*_cup(bench, cut=True), bench.solid(silicone, Paint.SILICONE, cut=True), stream), _CUT,
         Label("thin stream, from a\nhand's breadth above", (0.5, y, -25.0)),
-        Label(f"until it weighs\n{data['batch']['in_cup_g']:g} g more", (0.0, 0.0, z)),
+        Label(f"until it weighs\n{sheet.batch.in_cup_g:g} g more", (0.0, 0.0, z)),
         Label("half marked PAD\n(cup drawn cut)", (0.0, -m.palmar_height, m.foot_z / 2)),
     )  # fmt: skip
 
 
-def lower(bench: Bench, data: Data) -> Scene:
+def lower(bench: Bench, sheet: CastingSheet) -> Scene:
     """Show the core seated under a third rubber band, and the silicone that comes out."""
     m, y, side, depth = bench.design.cup_layout, STRAP_Y_MM, 0.4 * BELT_MM[0], BELT_MM[1]
     x, top, foot, face = m.half_width + LEDGE_MM - depth, -PLATE_MM, m.foot_z - depth, -m.palmar_height
@@ -205,7 +206,7 @@ def lower(bench: Bench, data: Data) -> Scene:
     )  # fmt: skip
 
 
-def open_(bench: Bench, data: Data) -> Scene:
+def open_(bench: Bench, sheet: CastingSheet) -> Scene:
     m, apart, lifted = bench.design.cup_layout, 16.0, (0.0, 0.0, -6.0)
     low, edge, tip = -m.palmar_height - apart, m.foot_z + 3.0, m.foot_z - bench.design.mold.wall_mm
     seam, hollow = Box((-edge, -0.15, 2.0), (edge, 0.15, edge)), cavity(bench.design)
@@ -226,7 +227,7 @@ def open_(bench: Bench, data: Data) -> Scene:
     )  # fmt: skip
 
 
-def pull_on(bench: Bench, data: Data) -> Scene:
+def pull_on(bench: Bench, sheet: CastingSheet) -> Scene:
     dims, bone, (_, y, z) = bench.dims, bench.design.bone, bench.head
     out, groove = bench.design.skin.length_mm * 1.15, bone.groove_distance_mm + bone.groove_width_mm / 2
     section = dims.bone_outline.section
@@ -242,14 +243,14 @@ def pull_on(bench: Bench, data: Data) -> Scene:
     )  # fmt: skip
 
 
-def connect(bench: Bench, data: Data) -> Scene:
+def connect(bench: Bench, sheet: CastingSheet) -> Scene:
     """Show the finger in its stand, pad up, with its wires, which come out of the back."""
     dims, z, post = bench.dims, bench.dims.channel_exit_z, bench.design.bone.post_width_mm / 2
     y, axis_y, bolt_z = dims.bone_outline.section.dorsal, middle_y(dims), Post().cross_bolt_z(bench.design)
     far = dims.collar.section.half_width + 16.0
     red, black = (cylinder("x", (y, z + beside), 0.0, far + 6.0 * beside, 0.6) for beside in (0.7, -0.7))
     bolt = bench.solid(cylinder("x", (axis_y, bolt_z), -post - 6.0, post + 6.0, 1.5), Paint.STEEL)
-    kohm = data["divider_kohm"]
+    kohm = sheet.divider_kohm
     black_to = f"black wire to A0 (Pico: GP26,\npin 31); {kohm or 0:g} kohm from\nA0 to GND (Pico: pin 33)"
     return Scene(
         (

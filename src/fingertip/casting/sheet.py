@@ -1,0 +1,183 @@
+"""Data of a design's casting sheet: what to buy, and every figure that its steps and their pictures state.
+
+Values are rounded here, once, so that page, pictures and report agree.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+from fingertip.board.circuits.board_circuit import board_circuit
+from fingertip.board.components.values import select_components
+from fingertip.board.parts.circuit import SENSOR_CONNECTOR
+from fingertip.board.parts.table import find_plug_wire
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.printing.estimate import estimate_print
+from fingertip.cad.printing.settings import PLATE_KINDS, Profile, choose_profile
+from fingertip.cad.verification.cup import LOWERING_S, palmar_limits
+from fingertip.casting.quantities import Mixture, measure_poured_cm3, mix
+from fingertip.catalogues.output_files import PRINT_FOLDER
+from fingertip.catalogues.print_materials import PRINT_MATERIALS
+from fingertip.catalogues.silicones import find_example
+from fingertip.design import Design
+from fingertip.design.geometry.dimensions import HEAD_MM, LONGER_MM, SHORTER_MM
+from fingertip.design.interfaces import interface_of
+from fingertip.design.interfaces.clevis import tendon_force_per_n
+from fingertip.design.interfaces.interface import MATING_PLAY_MM
+from fingertip.foundation.tables import load_table, read_rows
+
+_WORK_H = (4.0, 3.0)
+"""Work on both days besides printing, with what dries meanwhile [h]. An assumption: nobody has made one."""
+_FILAMENT_STEP_G, _LINE_STEP_N, _KNOT = 5, 10.0, 4.0
+"""Steps to which filament and the strength of the tendon are rounded up [g, N], and its strength over its force."""
+_ORDER_NUMBERS = {"fsr400_short": ", order number 34-00004"}
+
+
+@dataclass(frozen=True)
+class Thing:
+    """Thing to buy or to have at hand, a row of `things.csv`."""
+
+    key: str
+    amount: str
+    label: str
+    price_usd: str
+    where: str
+    reason: str
+    each: bool
+    """True if every finger of a set takes this amount; else one serves the bench."""
+
+
+@dataclass(frozen=True)
+class Mount:
+    """How the finger is held by the hand."""
+
+    interface: str
+    bolt: str
+    """Bolt to buy; empty for a joint."""
+    bolts: int
+    post_mm: tuple[float, float]
+    """Diameter and greatest length of the hand's post that a socket takes [mm]."""
+    travel_deg: float
+    """Travel of a joint from straight to bent; 0 without stops."""
+    tendon_mm: float
+    """Diameter of the tendon; 0 without one."""
+    tendon_n: float
+    """Force of the tendon that the line to buy holds."""
+
+
+@dataclass(frozen=True)
+class CastingSheet:
+    design: str
+    process: str
+    material: str
+    plate: str
+    """Path of the plate to print; that of a folder if each part is printed alone."""
+    profile: Profile
+    brim_mm: float
+    """Brim of the bone alone [mm]."""
+    print_h: float
+    printed_g: float
+    work_h: tuple[float, float]
+    days: int
+    batch: Mixture
+    mount: Mount
+    divider_kohm: float | None
+    """Resistor of the divider; None for a sensor on a board [kohm]."""
+    lowering_s: float
+    height_mm: tuple[float, float]
+    """Least and largest height from the foot of the cup to the top of the seated core's plate [mm]."""
+    tilts_mm: tuple[float, float]
+    """Largest difference of this height between edge and edge, for a skin that is right to 5 % and to 10 % [mm]."""
+    length_mm: tuple[float, float]
+    head_mm: tuple[float, float]
+    """Least and largest length of the sensor's film, and width of its head, that this bone takes [mm]."""
+    things: tuple[Thing, ...]
+
+
+def casting_sheet(design: Design, evaluator: MeshEvaluator) -> CastingSheet:
+    """Collect the data of the sheet. Raises GeometryError."""
+    batch = mix(design.silicone.material, measure_poured_cm3(design, evaluator))
+    body, seat = design.dimensions.sensor, palmar_limits(design)
+    material, mount, printed_g = (
+        PRINT_MATERIALS[design.strength.print_material],
+        _mount(design),
+        _find_printed_g(design),
+    )
+    name, _, _ = material.label.partition(" (")
+    plates = [kind.file_names(1)[0] for kind in PLATE_KINDS if kind.name == material.process]
+    return CastingSheet(
+        design.name, material.process, f"{name} filament" if material.process == "fdm" else name,
+        f"{PRINT_FOLDER}/{''.join(plates)}", (profile := choose_profile(design)), profile.brim_mm,
+        round(estimate_print(design).minutes / 60.0, 1), printed_g, _WORK_H,
+        days=1 + math.ceil(batch.cure_h / 24.0),
+        batch=batch,
+        mount=mount,
+        divider_kohm=design.board.divider_ohm / 1e3 if design.board.variant == "divider" else None,
+        lowering_s=LOWERING_S,
+        height_mm=(math.ceil(10 * seat.low) / 10, math.floor(10 * seat.high) / 10),
+        tilts_mm=(math.floor(100 * seat.tilts[0]) / 100, math.floor(100 * seat.tilts[1]) / 100),
+        length_mm=(body.length_mm - SHORTER_MM, body.length_mm + LONGER_MM),
+        head_mm=(round(body.head_diameter_mm - HEAD_MM, 1), round(body.head_diameter_mm + HEAD_MM, 1)),
+        things=_list_things(design, batch, mount, printed_g),
+    )  # fmt: skip
+
+
+def _find_printed_g(design: Design) -> float:
+    density = PRINT_MATERIALS[design.strength.print_material].density_g_cm3
+    return float(_FILAMENT_STEP_G * math.ceil(estimate_print(design).filament_cm3 * density / _FILAMENT_STEP_G))
+
+
+def _mount(design: Design) -> Mount:
+    interface, bone, hand = interface_of(design), design.bone, design.hand
+    bolt, bolts, pull_n = "", 0, 0.0
+    if interface.name == "flange":
+        (found,) = interface.bolts(design)
+        bolts = found["count"]
+        bolt = f"M{found['thread_mm']:g}, longer than {found['crossed_mm']:g} mm by what your hand's part takes"
+    elif (mounting := interface.mounting(design)) and (found := mounting["bolt"]):
+        bolt, bolts = f"M{found['thread_mm']:g} x {found['length_mm']:g} mm, with its nut", 1
+    elif hand.tendon_distance_mm:
+        pull_n = design.strength.grip_force_n * tendon_force_per_n(design, design.skin.length_mm)
+    return Mount(
+        interface.name, bolt, bolts, (round(bone.socket_diameter_mm - MATING_PLAY_MM, 2), bone.socket_depth_mm),
+        hand.travel_deg, hand.tendon_diameter_mm if pull_n else 0.0,
+        _LINE_STEP_N * math.ceil(_KNOT * pull_n / _LINE_STEP_N),
+    )  # fmt: skip
+
+
+def _list_things(design: Design, batch: Mixture, mount: Mount, printed_g: float) -> tuple[Thing, ...]:
+    silicone, material, hand = design.silicone.material, PRINT_MATERIALS[design.strength.print_material], design.hand
+    example, (name, _, _) = find_example(silicone), material.label.partition(" (")
+    words = {
+        "sensor": f"{design.dimensions.sensor.label} with solder tabs{_ORDER_NUMBERS.get(design.sensor.model, '')}",
+        "silicone": f"{silicone.label}, such as {example['label']}" if example else silicone.label,
+        "material": f"{name} filament" if material.process == "fdm" else name,
+        "wire": _describe_wire(design),
+        "bolt": f"bolt {mount.bolt}",
+        "pin": f"pin of {hand.pin_diameter_mm:g} mm, {design.dimensions.pin_length:g} mm long",
+    }
+    sizes = {
+        "silicone_g": batch.total_g, "printed_g": printed_g, "divider_kohm": design.board.divider_ohm / 1e3,
+        "bolts": mount.bolts, "bands": 4 if mount.tendon_mm else 3, "tendon_mm": mount.tendon_mm,
+        "tendon_n": mount.tendon_n,
+    }  # fmt: skip
+    needs = {"board" if design.board.has_filter else "divider", mount.interface, "tendon" if mount.tendon_mm else ""}
+    rows = []
+    for row in read_rows(Path(__file__).with_name("things.csv")):
+        needed_by = set(row.pop("needed_by").split())
+        if not needed_by or needed_by & needs:
+            rows.append({name: cell.format(**words, **sizes) for name, cell in row.items()})
+    return load_table(Thing, rows)
+
+
+def _describe_wire(design: Design) -> str:
+    """Describe wires that pass the bone, and enter the plug of the board's sensor connector if it has one."""
+    widest = design.sensor.wire_diameter_mm
+    if design.board.has_filter:
+        plug = find_plug_wire(board_circuit(select_components(design)).component(SENSOR_CONNECTOR))
+        if plug and widest >= plug.min_insulation_mm:
+            most = min(widest, plug.max_insulation_mm)
+            return f"AWG {plug.min_awg} to {plug.max_awg}, {plug.min_insulation_mm:g} to {most:g} mm with insulation"
+    return f"{widest:g} mm with insulation"

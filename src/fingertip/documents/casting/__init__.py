@@ -1,1 +1,0 @@
-"""Casting sheet of a design: its data, and the procedure in Markdown."""

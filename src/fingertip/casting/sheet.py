@@ -45,8 +45,8 @@ class Thing:
     price_usd: str
     where: str
     reason: str
-    each: bool
-    """True if every finger of a set takes this amount; else one serves the bench."""
+    each: str
+    """What of a set takes this amount: every finger, or every mixture; empty if all share it."""
 
 
 @dataclass(frozen=True)
@@ -160,7 +160,7 @@ def _list_things(design: Design, batch: Mixture, mount: Mount, printed_g: float)
     }
     sizes = {
         "silicone_g": batch.total_g, "printed_g": printed_g, "divider_kohm": design.board.divider_ohm / 1e3,
-        "bolts": mount.bolts, "bands": 4 if mount.tendon_mm else 3, "tendon_mm": mount.tendon_mm,
+        "bolts": mount.bolts, "tendon_mm": mount.tendon_mm,
         "tendon_n": mount.tendon_n,
     }  # fmt: skip
     needs = {"board" if design.board.has_filter else "divider", mount.interface, "tendon" if mount.tendon_mm else ""}

@@ -16,9 +16,6 @@ from fingertip.board.fabrication.bom import estimate_cost, purchased_components
 from fingertip.design import Design
 from fingertip.documents.template import render_page
 
-_HARDER = {"bone.safety_factor.shock": "Keep harder knocks off.", "bone.safety_factor.grip": "Do not grip that hard."}
-"""Check that warns of a force -> what a user must know besides."""
-
 
 def render_start(
     design: Design,
@@ -29,14 +26,12 @@ def render_start(
     verdict: str,
 ) -> str:
     """Render the first screen of a design; `files` are the paths that it may name, `steps` the number to cast."""
-    told = [f"{one['name']}: {one['warning']}" for one in report["checks"] if one["passed"] and one.get("warning")]
     return render_page(
         "start.md",
         design=design,
         size_mm=[f"{size:.0f}" for size in size_mm],
         casting=report.get("casting"),
-        warnings=_tell_warnings(told),
-        loads=_find_loads(design, report["checks"]),
+        loads=(report.get("strength") or {}).get("loads"),
         files=files,
         steps=steps,
         verdict=verdict,
@@ -47,8 +42,7 @@ def render_start(
 def render_set_start(data: Mapping[str, Any], board_design: Design | None) -> str:
     """Render the first screen of a set, with the board of all its fingers if there is one."""
     board = _board_data(board_design) if board_design else {"cost_usd": None, "components": 0}
-    warnings = [(form["design"], told) for form in data["forms"] for told in _tell_warnings(form["warnings"])]
-    return render_page("finger_set/start.md", **data, waits=_count_waits(data["calendar"]), warnings=warnings, **board)
+    return render_page("finger_set/start.md", **data, waits=_count_waits(data["calendar"]), **board)
 
 
 def render_basis_table(design: Design) -> str:
@@ -57,17 +51,6 @@ def render_basis_table(design: Design) -> str:
     is_calibrated = printer.offset_mm != 0.0 or printer.scale_percent != 100.0
     is_weighed, sensor = curve.curve == "calibrated", curve.describe()
     return render_page("basis.md", printer=printer, is_calibrated=is_calibrated, is_weighed=is_weighed, sensor=sensor)
-
-
-def _find_loads(design: Design, checks: Sequence[Mapping[str, Any]]) -> dict[str, int]:
-    """Find the loads at which the bone has the safety factors that its checks want [N]; none if it was not checked."""
-    return {
-        (load := check["name"].rpartition(".")[2]): int(
-            design.value(f"strength.{load}_force_n") * check["value"] / check["limit"]
-        )
-        for check in checks
-        if check["name"] in _HARDER and "limit" in check
-    }
 
 
 def _board_data(design: Design) -> dict[str, Any]:
@@ -80,9 +63,3 @@ def _board_data(design: Design) -> dict[str, Any]:
 def _count_waits(plan: Sequence[Mapping[str, Any]]) -> dict[str, int]:
     """Count the waits of a plan, the most frequent first."""
     return dict(Counter(stage["wait"] for stage in plan if stage["wait"]).most_common())
-
-
-def _tell_warnings(warnings: Sequence[str]) -> list[str]:
-    """Tell what checks warn of and what helps, without names of checks and loads, and places on the bone."""
-    found = [warning.partition(", below strength.")[0].rstrip(".").partition(": ") for warning in warnings]
-    return [f"{said[0].upper()}{said[1:]}. {_HARDER.get(name, '')}".rstrip() for name, _, said in found]

@@ -96,7 +96,6 @@ REFUSED = {
     "acceptance": (("acceptance", "fsr400"), (".",)),
     "simulate": (("simulate",), ("signal",)),
     "validate": (("validate", "fsr400", "--out", f"{TOP}/new"), ("new",)),
-    "coupon": (("coupon", "fsr400", "--out", f"{TOP}/new"), ("new",)),
     "sheet": (("sheet", "fsr400"), (".",)),
 }
 """Commands that work for long, and folders in which they find a damaged plan before they begin."""

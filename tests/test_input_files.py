@@ -76,8 +76,9 @@ def test_an_error_of_the_reader_is_no_fault_of_the_file(tmp_path: Path) -> None:
 
 COMMANDS = (
     "params x", "detect x", "sweep x", "simulate x", "build x", "check x", "calibrate sensor fsr400 x",
-    "calibrate printer fsr400 x", "new my --hand x", "board fsr400 --readings x", "params --set skin.width_mm=17 x",
-    "validate x", "simulate hard_tap --design x", "detect y.csv --design x", "acceptance x",
+    "calibrate printer x --half-thickness-mm 10", "new my --hand x", "board fsr400 --readings x",
+    "params --set skin.width_mm=17 x", "validate x", "simulate hard_tap --design x", "detect y.csv --design x",
+    "acceptance x",
 )  # fmt: skip
 """Every way in which a command takes a file, as x."""
 

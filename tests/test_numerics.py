@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from fingertip.foundation import numerics
-from fingertip.foundation.numerics import bisect, bisect_arrays, find_maximum_arrays, maximise_linear
+from fingertip.foundation.numerics import bisect, bisect_arrays, find_maximum_arrays, maximise_linear, t_quantile
 
 MAXIMA: list[tuple[Callable[[float], float], float, float]] = [
     (lambda x: -((x - 0.3) ** 2), -1.0, 2.0),
@@ -126,3 +126,11 @@ def test_a_ray_meets_the_nearest_plane_that_it_approaches(
     plane, distance = numerics._find_first_hit(rates, slacks, active)
     assert plane == hit[0]
     assert distance == pytest.approx(hit[1], abs=2e-13)
+
+
+@pytest.mark.parametrize(
+    ("two_sided", "degrees", "quantile"),
+    [(0.5, 1, 1.0), (0.95, 2, 4.302653), (0.95, 5, 2.570582), (0.99, 30, 2.749996)],
+)
+def test_quantiles_of_students_t_are_those_of_the_tables(two_sided: float, degrees: int, quantile: float) -> None:
+    assert t_quantile(two_sided, degrees) == pytest.approx(quantile, rel=1e-6)

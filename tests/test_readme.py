@@ -11,8 +11,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fingertip.design import Design
-from tests.calibration.simulated import simulate, to_toml
 from tests.conftest import ROOT, run_fingertip, run_python
 from tests.tools import require_module
 
@@ -48,8 +46,6 @@ def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name, text in recordings().items():
         (folder / name).write_text(text)
     (folder / "my_weighings.csv").write_text(WEIGHINGS)
-    for name, design in {"my": Design(), "finger": Design.load("adult_finger")}.items():
-        (folder / f"{name}_readings.toml").write_text(to_toml(simulate(design, 0)))
     return folder
 
 

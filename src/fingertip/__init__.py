@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from fingertip.cad.report import Build
     from fingertip.cad.verification.verify import check
     from fingertip.calibration.printer import calibrate_printer
-    from fingertip.calibration.readings import read_readings
     from fingertip.calibration.sensor import calibrate_sensor, read_weighings
     from fingertip.design import Design
     from fingertip.detection.arrays import detect
@@ -43,7 +42,6 @@ if TYPE_CHECKING:
     from fingertip.sweep.table import run_sweep
     from fingertip.tasks.board import write_board
     from fingertip.tasks.build import build
-    from fingertip.tasks.coupon import write_coupon
     from fingertip.tasks.drawing import write_drawing
     from fingertip.tasks.firmware import write_firmware
     from fingertip.tasks.make import Made, make
@@ -55,7 +53,6 @@ _NAMES = {
     "cad.report": "Build",
     "cad.verification.verify": "check",
     "calibration.printer": "calibrate_printer",
-    "calibration.readings": "read_readings",
     "calibration.sensor": "calibrate_sensor read_weighings",
     "design": "Design",
     "detection.arrays": "detect",
@@ -74,7 +71,6 @@ _NAMES = {
     "sweep.table": "run_sweep",
     "tasks.board": "write_board",
     "tasks.build": "build",
-    "tasks.coupon": "write_coupon",
     "tasks.drawing": "write_drawing",
     "tasks.firmware": "write_firmware",
     "tasks.make": "Made make",
@@ -88,8 +84,8 @@ __all__ = [
     "ManipulationFile", "Picture", "Readout", "SceneFile", "SlipChain", "StreamDetection", "Trace", "Trial",
     "__version__", "assembly", "board_values", "build", "calibrate_printer", "calibrate_sensor", "check", "detect",
     "detect_file", "detect_stream", "frames", "make", "part_mesh", "part_solid", "part_trimesh", "part_workplane",
-    "picture", "read_readings", "read_trace", "read_weighings", "run_manipulation", "run_scene", "run_sweep",
-    "simulate", "validate", "write_board", "write_coupon", "write_drawing", "write_firmware", "write_robot",
+    "picture", "read_trace", "read_weighings", "run_manipulation", "run_scene", "run_sweep",
+    "simulate", "validate", "write_board", "write_drawing", "write_firmware", "write_robot",
 ]  # fmt: skip
 
 

@@ -13,8 +13,6 @@ import pytest
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.settings import FDM, slicer_settings
-from fingertip.cad.shapes.coupon import frame_with_fits, list_heights, loose_slice
-from fingertip.cad.shapes.coupon_layout import lay_out
 from fingertip.cad.shapes.engraving import engraved_lines, omitted_lines
 from fingertip.cad.shapes.insert import cavity
 from fingertip.cad.shapes.mold import runners
@@ -115,7 +113,7 @@ def list_solids(design: Design) -> Iterator[str]:
     parts = parts_by_name(design)
     solids = {name: part.solid(design) for name, part in parts.items()}
     solids |= {item.name: item.solid for item in hardware(design, list(parts))}
-    solids |= {"cavity": cavity(design), "frame": frame_with_fits(design), "slice": loose_slice(design)}
+    solids |= {"cavity": cavity(design)}
     solids |= {f"runner {number}": solid for number, solid in enumerate(runners(design))}
     for name, solid in solids.items():
         body, mesh = evaluator.manifold(solid), evaluator.mesh(solid)
@@ -125,8 +123,6 @@ def list_solids(design: Design) -> Iterator[str]:
         figures = mesh.volume(), mesh.area(), body.bounding_box(), moment.tolist()
         yield f"{name}: genus {body.genus()}, {render(figures)}"
     yield render(measure_volumes(design, evaluator))
-    yield render(lay_out(design))
-    yield from (render(height) for height in list_heights(design))
     yield from (render(line) for half in ("palmar", "dorsal") for line in engraved_lines(design, half))
     yield f"not engraved: {omitted_lines(design)}"
     supports = supports_by_part(design)

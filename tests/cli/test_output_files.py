@@ -32,7 +32,7 @@ FILES = (
     ("simulate", "--plot", ".png", "fingertip.sim.Simulation.run"),
     ("detect trace.csv", "--plot", ".png", "fingertip.detection.files.detect_file"),
     ("new tip", "--out", ".toml", "fingertip.foundation.files.write_file"),
-    ("calibrate printer fsr400 readings.toml", "--out", ".toml", "fingertip.cad.verification.verify.verify"),
+    ("calibrate printer fsr400 --half-thickness-mm 10.0", "--out", ".toml", "fingertip.foundation.files.write_file"),
     ("calibrate sensor weighings.csv", "--out", ".toml", "fingertip.calibration.sensor.calibrate_sensor"),
     ("bench extremes", "--report", ".md", "benchmarks.extremes.run.run"),
 )
@@ -43,7 +43,6 @@ FOLDERS = (
     ("board", "fingertip.foundation.output_set.SetWriter._write"),
     ("firmware fsr400", "fingertip.foundation.output_set.SetWriter._write"),
     ("robot fsr400", "fingertip.tasks.robot.build_finger"),
-    ("coupon fsr400", "fingertip.tasks.coupon.make_coupon"),
     ("validate", "fingertip.lab.validation.validate"),
     ("drawing fsr400", "fingertip.tasks.drawing.draw_files"),
     ("page fsr400", "fingertip.tasks.page.read_sources"),

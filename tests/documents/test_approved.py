@@ -19,13 +19,11 @@ from fingertip.cad.printing.print_files import parts_on_plates
 from fingertip.cad.printing.settings import PLATE_KINDS
 from fingertip.cad.printing.slicer import PrintEstimate
 from fingertip.casting.quantities import SiliconeVolumes
-from fingertip.catalogues.output_files import COUPON_READINGS
 from fingertip.catalogues.silicones import MaterialProperty, Silicone, load_silicones
 from fingertip.design import Design
 from fingertip.design.finger_set import load_set
 from fingertip.documents.acceptance import acceptance_data, render_acceptance
 from fingertip.documents.casting.sheet import casting_sheet_data, render_sheet, steps
-from fingertip.documents.coupon import render_instructions
 from fingertip.documents.firmware import render_readme
 from fingertip.documents.robot import describe_model, render_robot_readme, render_set_readme
 from fingertip.documents.start import render_basis_table, render_start
@@ -38,7 +36,7 @@ SILICONES = load_silicones()
 
 APPROVED = Path(__file__).parent / "approved"
 TEMPLATES = ROOT / "src/fingertip/documents"
-DOCUMENTS = ("casting", "acceptance", "coupon", "firmware", "robot", "start", "basis")
+DOCUMENTS = ("casting", "acceptance", "firmware", "robot", "start", "basis")
 ROBOTS = {"adult_finger": "urdf", "fsr400": "mjcf"}
 """Design whose model is built -> format."""
 
@@ -122,7 +120,6 @@ def render_documents(name: str) -> dict[str, str]:
         "basis": render_basis_table(design),
         "casting": render_sheet(data, pictures),
         "acceptance": render_acceptance(acceptance_data(design, detection)),
-        "coupon": render_instructions(design, COUPON_READINGS),
         "firmware": render_readme(design, plan_fingers(design, "5" if name == "adult_finger" else None)),
     }
 

@@ -475,7 +475,7 @@ def test_other_commands_name_those_that_take_a_set(tmp_path: Path) -> None:
     assert "`fingertip make` and `fingertip check` take a set file" in done.stderr
     path = tmp_path / "mine.toml"
     path.write_text('[fingers.index]\ndesign = "adult_finger"\n')
-    assert "give that of one finger, or the set to `fingertip make` or `check`" in run_fingertip("coupon", path).stderr
+    assert "give that of one finger, or the set to `fingertip make` or `check`" in run_fingertip("robot", path).stderr
 
 
 def test_a_set_is_compared_with_its_own_and_each_form_with_its_own(folder: Path) -> None:
@@ -524,11 +524,10 @@ def test_a_set_is_made_whole_and_again_with_the_same_bytes(folder: Path) -> None
     assert run_fingertip("make", "mine.toml", "--formats", "stl,3mf", "--quiet").returncode == 0
     assert {path: path.read_bytes() for path in out.rglob("*") if path.is_file()} == before
     commands = re.findall(r"`fingertip ([^`]+ --out [^`]+)`", (out / "set.md").read_text())
-    assert [command.split()[0] for command in commands] == ["board", "coupon", "drawing"]
+    assert [command.split()[0] for command in commands] == ["board", "drawing"]
     for command in commands[:1] * bool(shutil.which("kicad-cli")) + commands[1:]:
         done = run_fingertip(*shlex.split(command), PWD=str(out))
         assert done.returncode == 0, done.stderr
-    assert (out / "coupon/coupon.3mf").exists()
     assert not (out / "out").exists(), "nothing is written beside the set"
     (out / "casting_plan.md").write_text("mine\n")
     done = run_fingertip("make", "mine.toml", "--formats", "stl,3mf", "--quiet")

@@ -172,8 +172,11 @@ def reading_cases(draw: st.DrawFn) -> Case:
         file = draw(damaged(draw(st.sampled_from(originals.hands()))))
         return Case("hand", command, {"a.toml": file}, limit_s=_FITTED_S)  # `new` fits a finger and checks it
     if kind == 2:
-        calipers = ("calibrate", "printer", "fsr400", "a.toml")
-        return Case("calipers", calipers, {"a.toml": draw(damaged(originals.caliper_readings(), 8))}, may_fail=True)
+        readings = (draw(st.sampled_from((*ODD_NUMBERS, *ODD_TEXTS, "10.1"))) for _ in range(2))
+        options = [
+            f"--{name}={value}" for name, value in zip(("half-thickness-mm", "plate-width-mm"), readings, strict=True)
+        ]
+        return Case("calipers", _no_nul(["calibrate", "printer", "fsr400", *options]))
     board = ("board", "fsr400", "--readings", "a.toml")
     return Case("board readings", board, {"a.toml": draw(damaged(originals.board_readings(), 8))}, may_fail=True)
 

@@ -120,19 +120,6 @@ def weighings() -> bytes:
 
 
 @cache
-def caliper_readings() -> bytes:
-    """File of readings of the default design's coupon."""
-    from fingertip.calibration.readings import list_lengths, write_template
-    from fingertip.design import Design
-
-    text = write_template(Design())
-    for length in list_lengths(Design()):
-        reading = f"{length.nominal_mm + 0.013:.3f}"
-        text = text.replace(f"{length.name} = []", f"{length.name} = [{reading}, {reading}, {reading}]")
-    return text.encode()
-
-
-@cache
 def board_readings() -> bytes:
     """File of readings of the default design's board."""
     from fingertip.design import Design

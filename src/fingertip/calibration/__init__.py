@@ -1,1 +1,1 @@
-"""Calibration: of a printer from readings of the fit coupon, and of a sensor from weighings."""
+"""Calibration: of a printer from caliper readings of two printed parts, and of a sensor from weighings."""

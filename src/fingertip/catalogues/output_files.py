@@ -61,9 +61,6 @@ SET_PRINTS = OutputSet("set prints", PRINT_FOLDER)
 SET_REPORT, OVERVIEW, CASTING_PLAN = "set.json", "set.md", "casting_plan.md"
 PARTS_LIST, PARTS_CSV, BOARD_DESIGN = "parts_list.md", "parts_list.csv", "board_design.toml"
 
-COUPON = OutputSet("coupon", "coupon")
-COUPON_READINGS, COUPON_SHEET, PLAN = "coupon_readings.toml", "coupon.md", "coupon.png"
-
 BOARD_FOLDER, FAB_FOLDER = "board", "fab"
 BOARD = OutputSet("board", BOARD_FOLDER)
 NETLIST, VALUES, DECK, BOM = "slip_filter.net", "values.json", "slip_filter.cir", "bom.csv"

@@ -11,7 +11,7 @@ import typer
 
 from fingertip.cli.bench import bench
 from fingertip.cli.board import board
-from fingertip.cli.build import build, coupon, firmware, make, robot
+from fingertip.cli.build import build, firmware, make, robot
 from fingertip.cli.calibrate import calibrate
 from fingertip.cli.check import check
 from fingertip.cli.completion import VARIABLE, answer_shell
@@ -38,7 +38,7 @@ app = typer.Typer(
 )
 COMMANDS = {
     "Everything of a design": (new, make, check, params, page, studio),
-    "Parts and mold": (build, pad, sheet, acceptance, coupon, picture, drawing, calibrate),
+    "Parts and mold": (build, pad, sheet, acceptance, picture, drawing, calibrate),
     "Board and controller": (board, firmware),
     "Signal and slip": (simulate, detect, validate, robot),
     "Many designs, and measurements of the program": (sweep, bench),

@@ -1,4 +1,4 @@
-"""Commands that write a set of files of a design: `build`, `make`, `coupon`, `firmware` and `robot`."""
+"""Commands that write a set of files of a design: `build`, `make`, `firmware` and `robot`."""
 
 from __future__ import annotations
 
@@ -140,13 +140,13 @@ def make(
     score = made.detection.detection.score
     found = ", ".join(map(format_delay, score.delays_s)) if score else "of unknown time"
     drawings = f", and {made.drawings[-1].name}" if made.drawings else ""
-    has_board, coupon = loaded.board.has_filter, "" if loaded.mold.method == "plunge" else "the coupon, then "
+    has_board = loaded.board.has_filter
     sheets = (SHEET, f"{BOARD_FOLDER}/{README}", ACCEPTANCE) if has_board else (SHEET, ACCEPTANCE)
     electronics = f"board: {BOARD_FOLDER}/{BOM} lists what to buy" if has_board else f"wiring: {BOARD_FOLDER}/{WIRING}"
     last = [
         f"{electronics}; simulated trial: slip {found}",
         f"look at: {made.page or made.parts.folder}{' in a browser' if made.page else ''}{drawings}",
-        f"next: print {coupon}{printed}; follow {join_words(sheets, 'and')}",
+        f"next: print {printed}; follow {join_words(sheets, 'and')}",
     ]
     lines = _format_build(made.parts)
     lines += [*_list_remarks(made.parts, _MAX_LINES - len(lines) - len(last)), *last]
@@ -180,32 +180,6 @@ def _make_set(
         lines += [_format_build(each.parts)[0], *remarks]
     lines += last
     console.result({"folder": str(made.folder), "passed": made.passed, **made.data}, "\n".join(lines), made.passed)
-
-
-@command
-def coupon(
-    console: Console,
-    design: Path = DESIGN_FILE,
-    out: str | None = typer.Option(None, metavar="PATH", help="Output folder; out/NAME/coupon by default."),
-    formats: str = typer.Option("stl,3mf", help="File formats (stl, 3mf, step), separated by commas."),
-    force: bool = FORCE,
-    changes: list[str] | None = CHANGES,
-) -> None:
-    """Write the fit coupon of a design, a file for caliper readings of it, and a page on both.
-
-    The coupon is a frame and a loose piece with the fits of the real parts. It prints in some 20 minutes. `fingertip
-    calibrate printer` turns the readings into parameters.
-    """
-    from fingertip.catalogues.output_files import COUPON_READINGS
-    from fingertip.tasks.coupon import write_coupon
-
-    loaded = load_design(design, changes, console)
-    made = write_coupon(loaded, out, formats=split_names(formats) or [], force=force, progress=console.progress)
-    lines = [f"{name:12} {mesh.volume() / 1000:8.2f} cm3" for name, mesh in made.meshes.items()]
-    lines += format_failures(made.checks)
-    passed = sum(check.passed for check in made.checks)
-    lines.append(f"{passed} of {len(made.checks)} checks passed; written to {made.folder}; fill in {COUPON_READINGS}")
-    console.result(made.data(), "\n".join(lines), made.passed)
 
 
 @command

@@ -71,12 +71,6 @@ def _hands() -> Iterable[str]:
     return sorted(path.stem for path in (PARAMS / "hands").glob("*.toml"))
 
 
-def _parameters() -> Iterable[str]:
-    from fingertip.design.parameters import PARAMETERS
-
-    return PARAMETERS
-
-
 def _settings() -> Iterable[str]:
     """Parameters with =, and with each choice of those that have choices."""
     from fingertip.design.parameters import PARAMETERS
@@ -91,12 +85,10 @@ COMPLETIONS = {
     "simulate file": _files("DESIGN", "SCENE", "MANIPULATION"),
     "sweep file": _files("SWEEP"),
     "changes": _settings,
-    "keep": _parameters,
     "hand": _hands,
     "finger": _words(*(f"{name}=" for name in NAMES)),
     "preset": _words(*(f"{age}_{digit}" for age in ("adult", "child", "youth") for digit in ("finger", "thumb"))),
     "formats": _words("stl", "3mf", "step", "cq", "stl,3mf", "stl,3mf,step"),
-    "coupon formats": _words("stl", "3mf", "step", "stl,3mf", "stl,3mf,step"),
     "parts": _words(
         "bone", "skin", "mold_palmar", "mold_dorsal", "lid", "core", "sensor_insert", "insert_jig", "stand"
     ),

@@ -1,4 +1,4 @@
-"""Documents for people: casting sheet, acceptance, notes on the board, the firmware and the fit coupon.
+"""Documents for people: casting sheet, acceptance, notes on the board and the firmware.
 
 The templates of a validation stand here too; `fingertip.lab` collects their data.
 """

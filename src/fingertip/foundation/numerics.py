@@ -135,10 +135,8 @@ def find_maximum_arrays(function: Callable[[Array], Array], low: Array, high: Ar
     return np.where(at_left >= at_right, left, right), np.maximum(at_left, at_right)
 
 
-# Quantiles of Student's t and of the chi-square distribution, for whole degrees of freedom.
-#
-# Finite sums: M. Abramowitz and I. A. Stegun, Handbook of Mathematical Functions, 26.7.3 and 26.7.4 (Student's t),
-# 26.4.4 and 26.4.5 (chi-square).
+# Quantiles of Student's t for whole degrees of freedom, by finite sums: M. Abramowitz and I. A. Stegun, Handbook of
+# Mathematical Functions, 26.7.3 and 26.7.4.
 
 _LARGEST = 1e4
 
@@ -146,11 +144,6 @@ _LARGEST = 1e4
 def t_quantile(two_sided: float, degrees: int) -> float:
     """Return the t that |t| exceeds with probability 1 - `two_sided`, for some degrees of freedom."""
     return bisect(lambda t: t_probability(t, degrees) < two_sided, 0.0, _LARGEST)[0]
-
-
-def chi_square_quantile(below: float, degrees: int) -> float:
-    """Return the chi-square below which the probability is `below`, for some degrees of freedom."""
-    return bisect(lambda x: chi_square_probability(x, degrees) < below, 0.0, _LARGEST)[0]
 
 
 def t_probability(t: float, degrees: int) -> float:
@@ -161,17 +154,6 @@ def t_probability(t: float, degrees: int) -> float:
         total += term
         term *= (2 * i - 1 + odd) / (2 * i + odd) * cos2
     return 2.0 / math.pi * (angle + math.sin(angle) * total) if odd else math.sin(angle) * total
-
-
-def chi_square_probability(x: float, degrees: int) -> float:
-    """Return the probability that chi-square <= x."""
-    odd, term, above = degrees % 2, math.exp(-x / 2), 0.0
-    if odd:
-        term, above = math.sqrt(2.0 * x / math.pi) * term, math.erfc(math.sqrt(x / 2))
-    for i in range(1, degrees // 2 + 1):
-        above += term
-        term *= x / (2 * i + odd)
-    return 1.0 - above
 
 
 CONFIDENCE = 0.95

@@ -22,7 +22,7 @@ _MAX_ENTRIES = 50_000
 _COMMANDS = {
     "parts": ("make DESIGN", 0), "print": ("make DESIGN", 1), "steps": ("make DESIGN", 1),
     "signal": ("make DESIGN", 1), "board": ("board DESIGN", 0), "fabrication": ("board DESIGN --fab", 1),
-    "models": ("board DESIGN", 2), "firmware": ("firmware DESIGN", 0), "coupon": ("coupon DESIGN", 0),
+    "models": ("board DESIGN", 2), "firmware": ("firmware DESIGN", 0),
     "robot": ("robot DESIGN", 0),
     "validation": ("validate DESIGN", 0), "sweep report": ("sweep --show", 0), "benchmark": ("bench solvers", 0),
     "slip benchmark": ("bench slip", 0), "extreme cases": ("bench extremes", 0),

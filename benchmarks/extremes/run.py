@@ -29,10 +29,8 @@ FAMILIES = (
     ),
     Family("object in a hand", "parts / 16: 10 % of the forces (beyond: 25 %)", 0.03, grasp.grasp),
     Family("board", "tolerance / 10000: 10 tolerances and 5 % of the peak", 0.1, board.board),
-    Family("filling", "mass, and a closed form: 1e-6", 0.02, bodies.filling),
     Family("geometry", "all checks of the parts", 0.0003, bodies.geometry),
     Family("pad", "scaling, monotony, inverse: 5e-3", 0.009, bodies.pad),
-    Family("play of the bone", "scipy's HiGHS: 1e-6", 0.02, bodies.play),
 )
 FILES = "extremes.txt", "extremes.json"
 MAX_BLOCK = 8

@@ -65,7 +65,7 @@ _TASKS: tuple[tuple[str, float, tuple[str, ...]], ...] = (
     ("check", 4, ("check {design} --tolerance-mm {tolerance} --json",)),
     ("drawing", 0.3, ("drawing {design} --out d",)),
     ("picture", 0.6, ("picture {design} --out e.png --width-px 400",)),
-    ("filling", 0.6, ("picture {design} --filling --out e.png --width-px 400",)),
+    ("coupon", 0.3, ("coupon {design} --out c",)),
     ("new", 2, ("new mine --preset {preset} --out n.toml {fitted}", "check n.toml --tolerance-mm {tolerance}")),
     ("trial", 12, ("simulate {design} --out {trace} --seed {seed} --json", "{detect}", "{detect}")),
     ("trial, plotted", 1, ("simulate {design} --out {trace} --plot t.png", "{detect} --plot e.png")),
@@ -254,8 +254,7 @@ def draw_case(seed: int, number: int) -> Case:
     if drawing.is_refused:
         return Case("remedy", first, drawing.files, is_accepted=True, limit_s=LIMIT_S)
     then = [words for words in then if words[0] != "detect" or not drawing.has_converter]
-    lacks = {"filling"} if drawing.design.is_cast_apart else set[str]()
-    lacks |= set() if drawing.design.board.has_filter else {"bring-up", "board, analysed"}
+    lacks = set[str]() if drawing.design.board.has_filter else {"bring-up", "board, analysed"}
     return Case(
         family, first, drawing.files, "files", not _MAY_FAIL.isdisjoint(line.split()[0] for line in commands),
         tuple(then), family not in _MAY_BE_REFUSED | lacks, LIMIT_S,

@@ -136,7 +136,6 @@ class Build:
                 "file": ASSEMBLY,
                 "parts": names,
                 "hardware": [item.name for item in bought],
-                "threads": {item.name: list(item.thread_in) for item in bought if item.thread_in},
             }
         if self.strength:
             report["strength"] = strength_data(self.strength)

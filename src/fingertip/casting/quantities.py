@@ -8,7 +8,7 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import insert
 from fingertip.catalogues.silicones import Silicone
 from fingertip.design import Design
-from fingertip.design.geometry.cup_layout import POURED
+from fingertip.design.geometry.mold_layout import POURED
 
 WASTE_FRACTION = 0.25
 """Extra silicone, which stays on cup and stick, as a fraction of what is poured. A project choice."""

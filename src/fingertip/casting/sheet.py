@@ -15,8 +15,8 @@ from fingertip.board.parts.circuit import SENSOR_CONNECTOR
 from fingertip.board.parts.table import find_plug_wire
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.estimate import estimate_print
-from fingertip.cad.printing.settings import PLATE_KINDS, Profile, choose_profile
-from fingertip.cad.verification.cup import LOWERING_S, palmar_limits
+from fingertip.cad.printing.settings import PROFILE, Profile, choose_plate_kind
+from fingertip.cad.verification.mold import LOWERING_S, palmar_limits
 from fingertip.casting.quantities import Mixture, measure_poured_cm3, mix
 from fingertip.catalogues.output_files import PRINT_FOLDER
 from fingertip.catalogues.print_materials import PRINT_MATERIALS
@@ -106,10 +106,9 @@ def casting_sheet(design: Design, evaluator: MeshEvaluator) -> CastingSheet:
         _find_printed_g(design),
     )
     name, _, _ = material.label.partition(" (")
-    plates = [kind.file_names(1)[0] for kind in PLATE_KINDS if kind.name == material.process]
     return CastingSheet(
         design.name, material.process, f"{name} filament" if material.process == "fdm" else name,
-        f"{PRINT_FOLDER}/{''.join(plates)}", (profile := choose_profile(design)), profile.brim_mm,
+        f"{PRINT_FOLDER}/{choose_plate_kind(design).file_names(1)[0]}", PROFILE, PROFILE.brim_mm,
         round(estimate_print(design).minutes / 60.0, 1), printed_g, _WORK_H,
         days=1 + math.ceil(batch.cure_h / 24.0),
         batch=batch,

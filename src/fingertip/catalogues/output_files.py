@@ -45,7 +45,7 @@ class OutputSet:
 
 PART_FILES = OutputSet("parts")
 DESIGN, REPORT, SHEET, ASSEMBLY = "design.toml", "report.json", "casting.md", "assembly.step"
-ACCEPTANCE, EXPLODED_VIEW, FILLING_VIEW, PAGE = "acceptance.md", "exploded.png", "filling.png", "index.html"
+ACCEPTANCE, EXPLODED_VIEW, PAGE = "acceptance.md", "exploded.png", "index.html"
 PAD_VIEW = "pad.svg"
 SCRIPT_SUFFIX = ".cq.py"
 """End of the name of a part's CadQuery script."""

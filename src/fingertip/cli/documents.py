@@ -118,32 +118,23 @@ def picture(
     console: Console,
     design: Path = options.DESIGN_FILE,
     out: Path | None = typer.Option(
-        None, help="Output PNG, SVG with --pad; out/NAME/exploded.png, filling.png or pad.svg by default."
+        None, help="Output PNG, SVG with --pad; out/NAME/exploded.png or pad.svg by default."
     ),
-    filling: bool = flag("Draw when the silicone arrives where, with vents and last points."),
     pad: bool = flag("Draw what part of a force reaches the sensor, by place and by tilt."),
     width_px: int = typer.Option(1600, help="Width of the picture, in pixels: 400 to 6000."),
     force: bool = options.FORCE,
     changes: list[str] | None = options.CHANGES,
 ) -> None:
-    """Draw an exploded view and a section through the closed mold, how the mold fills, or what the sensor feels."""
-    from fingertip.catalogues.output_files import EXPLODED_VIEW, FILLING_VIEW, PAD_VIEW
+    """Draw an exploded view and sections through mold and bone, or what the sensor feels."""
+    from fingertip.catalogues.output_files import EXPLODED_VIEW, PAD_VIEW
     from fingertip.page.pad_section import draw_pad
     from fingertip.page.svg import write_svg
-    from fingertip.pictures.filling import draw_mold_filling
     from fingertip.pictures.picture import draw, find_width_issues
 
     refuse(find_file_issues("--out", out, ".svg" if pad else ".png"), find_width_issues(width_px))
-    if filling and pad:
-        refuse([Issue("--pad", "draws another picture than --filling; give one of the two.")])
     loaded = load_design(design, changes, console)
-    if filling and loaded.is_cast_apart:
-        refuse([Issue("--filling", "needs a closed mold, and this cup is open; leave it out.")])
-    file = _File(loaded, out, FILLING_VIEW if filling else PAD_VIEW if pad else EXPLODED_VIEW, force)
-    if filling:
-        file.write(draw_mold_filling(loaded))
-    else:
-        file.write(write_svg(draw_pad(loaded)) if pad else draw(loaded, width_px, console.progress))
+    file = _File(loaded, out, PAD_VIEW if pad else EXPLODED_VIEW, force)
+    file.write(write_svg(draw_pad(loaded)) if pad else draw(loaded, width_px, console.progress))
     console.result({"picture": str(file.path)}, f"drawn to {file.path}")
 
 

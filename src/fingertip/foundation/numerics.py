@@ -13,8 +13,7 @@ from __future__ import annotations
 
 import itertools
 import math
-import operator
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeAlias
 
 if TYPE_CHECKING:
@@ -26,13 +25,6 @@ Pair: TypeAlias = tuple[float, float]
 
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 """Inverse of the golden ratio: the share of the bracket that each golden-section step keeps."""
-_MAX_PIVOTS = 500
-"""Largest number of vertices that `maximise_linear` visits for one objective; some ten are usual."""
-_NO_GAIN, _PARALLEL, _TIE = 1e-12, 1e-9, 1e-13
-"""Gain of an edge, rate of approach to a plane, and difference of two distances that count as zero.
-
-A vertex on a plane that is met at a lower rate would be ill conditioned: its rounding errors reached 0.02 mm.
-"""
 
 
 def bisect(is_below: Callable[[float], bool], low: float, high: float, *, halvings: int | None = None) -> Pair:
@@ -43,67 +35,6 @@ def bisect(is_below: Callable[[float], bool], low: float, high: float, *, halvin
             break
         low, high = (middle, high) if is_below(middle) else (low, middle)
     return low, high
-
-
-def maximise_linear(
-    objectives: Sequence[Sequence[float]], rows: Sequence[Sequence[float]], bounds: Sequence[float], limit: float
-) -> list[tuple[float, list[float]]]:
-    """Maximise several linear functions c . x over the same polytope rows . x <= bounds, |x_i| <= limit.
-
-    The simplex method on the vertices of the polytope: as many constraints as unknowns are active at a time, and the
-    next objective starts from the vertex at which the last one ended. Written out for few unknowns, without numpy.
-    """
-    count = len(rows[0])
-    units = [[1.0 if i == j else 0.0 for j in range(count)] for i in range(count)]
-    normals = [*rows, *units, *([-value for value in unit] for unit in units)]
-    slacks = [*bounds, *([limit] * (2 * count))]
-    # Row i of `edges` is the direction in which constraint i is left while the other active ones stay active. At first
-    # the origin is held by planes that are no constraints, so that they may be left in both directions.
-    active: list[int | None] = [None] * count
-    edges, point = units, [0.0] * count
-    solutions: list[tuple[float, list[float]]] = []
-    vertices = [(point, slacks, edges, active)]
-    for objective in objectives:
-        # The best of the vertices found so far is close to the next solution.
-        best = max(vertices, key=lambda vertex: sum(map(operator.mul, objective, vertex[0])))
-        point, slacks, edges, active = best[0], best[1], best[2], [*best[3]]
-        for _ in range(_MAX_PIVOTS):
-            gains = [sum(map(operator.mul, objective, edge)) for edge in edges]
-            free = [i for i in range(count) if active[i] is None and gains[i] != 0.0]
-            leaving = free[0] if free else max(range(count), key=gains.__getitem__)
-            if not free and gains[leaving] <= _NO_GAIN:
-                break
-            length = math.copysign(max(map(abs, edges[leaving])), gains[leaving])
-            direction = [value / length for value in edges[leaving]]
-            rates = [sum(map(operator.mul, normal, direction)) for normal in normals]
-            entering, step = _find_first_hit(rates, slacks, active)
-            point = [p + step * d for p, d in zip(point, direction, strict=True)]
-            slacks = [slack - step * rate for slack, rate in zip(slacks, rates, strict=True)]
-            # The new edges stay on the plane that was hit; the one along which the point moved leaves it.
-            along = [-value / rates[entering] for value in direction]
-            hit = normals[entering]
-            edges = [
-                along
-                if i == leaving
-                else [e + sum(map(operator.mul, hit, edge)) * a for e, a in zip(edge, along, strict=True)]
-                for i, edge in enumerate(edges)
-            ]
-            active[leaving] = entering
-        solutions.append((sum(map(operator.mul, objective, point)), point))
-        vertices.append((point, slacks, edges, active))
-    return solutions
-
-
-def _find_first_hit(rates: Sequence[float], slacks: Sequence[float], active: Sequence[int | None]) -> tuple[int, float]:
-    """Find the plane that a ray meets first, and its distance; of equally near ones the one it meets most steeply."""
-    nearest, entering = math.inf, -1
-    for i, rate in enumerate(rates):
-        if rate <= _PARALLEL or i in active:
-            continue
-        distance = max(0.0, slacks[i]) / rate
-        if distance < nearest - _TIE or (distance < nearest + _TIE and rate > rates[entering]):
-            nearest, entering = min(distance, nearest), i
-    return entering, nearest
 
 
 def bisect_arrays(

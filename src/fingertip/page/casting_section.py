@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from fingertip.cad.printing.print_files import parts_on_plates
-from fingertip.cad.printing.settings import PLATE_KINDS
 from fingertip.catalogues import output_files as outputs
 from fingertip.design import Design
 from fingertip.design.files import list_parameters
@@ -18,22 +16,17 @@ from fingertip.page.sources import COMMANDS, Sources
 _BUY, _PROCEDURE = "What to buy", "Procedure"
 _TICKED = {"data_ticks": "shopping", "data_noun": "things at hand"}
 """Attributes by which `page.js` adds boxes to tick to the lines of a table."""
-_PLATE_KINDS = {"fdm": "filament", "sla": "resin"}
 
 
 def render_printing(sources: Sources) -> Markup:
     """Render the files for the printer with what each holds, and how to print them."""
-    rows, on_plates = [], {kind: set(parts_on_plates(sources.design, kind)) for kind in PLATE_KINDS}
+    rows = []
     for path, found in sources.report.get(outputs.PRINT_FOLDER, {}).items():
         if path in sources.links:
-            # A part alone is for any printer, but if its strength or the primer asks for one.
-            alone = [_PLATE_KINDS[kind.name] for kind in PLATE_KINDS if set(found["parts"]) <= on_plates[kind]]
-            kind = next((kind for mark, kind in _PLATE_KINDS.items() if f"_{mark}" in path), "")
-            kind = kind or ("any" if len(alone) > 1 else "".join(alone) or "another, see below")
             parts = ", ".join(part.replace("_", " ") for part in sorted(found["parts"]))
-            rows.append((element("a", path, href=sources.links[path]), kind, parts))
+            rows.append((element("a", path, href=sources.links[path]), parts))
     files = table(
-        ("file", "printer", "holds"), sorted(rows, key=lambda row: row[0].endswith("stl</a>")), "files to print"
+        ("file", "holds"), sorted(rows, key=lambda row: row[0].endswith("stl</a>")), "files to print"
     )
     missing = note(element("code", COMMANDS[outputs.PRINT_FOLDER]), " makes plates and parts as they lie on the bed.")
     return join((files if rows else missing,))

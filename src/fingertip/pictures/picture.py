@@ -112,7 +112,7 @@ def draw(design: Design, width_px: int, progress: Callable[[str], None] = lambda
     top[: len(dorsal), :half], top[: len(palmar), half:] = dorsal, palmar
     panels = [top]
     work.begin("sections")
-    for section in list_sections(design, evaluator):
+    for section in list_sections(design):
         panels.append(draw_section(section, evaluator, width_px))
     if design.dimensions.joint:
         title = f"finger on the hand: straight, and bent by {design.hand.travel_deg:g} degrees to its stop"

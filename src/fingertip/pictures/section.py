@@ -1,7 +1,7 @@
-"""Longitudinal section of the closed mold, or of a bone, with every feature named beside it.
+"""Longitudinal sections of the core in its closed cup and of the bone, with every feature named beside it.
 
-The cut is drawn as polygons: meshes that touch in the plane would fight for each pixel in a depth buffer. Runner, gate
-and vents that lie in other planes are drawn there as dashed outlines. Names stand above and below the parts, where no
+The cut is drawn as polygons: meshes that touch in the plane would fight for each pixel in a depth buffer. A notch
+that lies in another plane is drawn there as a dashed outline. Names stand above and below the parts, where no
 edge runs, with a line to what they name.
 """
 
@@ -18,15 +18,13 @@ from numpy.typing import NDArray
 from PIL import Image, ImageChops, ImageDraw, ImageFont
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes import cup
+from fingertip.cad.shapes import mold
 from fingertip.cad.shapes.bone import sensor_body
-from fingertip.cad.shapes.mold import block, luer_cone, runners
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.design import Design
-from fingertip.design.geometry.cup_layout import GAP_MM, PLATE_MM
-from fingertip.design.geometry.solids import Solid, intersection, union
+from fingertip.design.geometry.mold_layout import GAP_MM, PLATE_MM
+from fingertip.design.geometry.solids import Solid, intersection
 from fingertip.design.interfaces import interface_of
-from fingertip.filling.mold_filling import place_vents
 from fingertip.foundation.numerics import Array
 from fingertip.pictures.raster import Colour, Font, Pen
 
@@ -43,11 +41,8 @@ _CUT_SHADE = 0.88
 """Brightness of a cut, over that of the part's surface."""
 _INK, _NAME_INK = (40, 40, 40), (25, 45, 90)
 _FONT_PX, _ROW_PX, _GAP_PX, _LINE_PX = 17, 26, 14, 16
-_CHEEK_PLANES = 6
 _NEAR_MM = 1.3
 """Distance from an outline within which a feature counts as shown [mm]."""
-_BESIDE_MM = 0.05
-"""Distance of a dashed outline's plane from the axis of what it shows, whose facets end there [mm]."""
 
 
 @dataclass(frozen=True)
@@ -59,42 +54,19 @@ class Section:
     features: Sequence[Feature]
 
 
-def list_sections(design: Design, evaluator: MeshEvaluator) -> list[Section]:
-    """List the sections of a design: of the closed mold, and of the bone where it does not lie in it."""
+def list_sections(design: Design) -> list[Section]:
+    """List the sections of a design: of its closed mold and of its bone."""
     solids = {name: part.solid(design) for name, part in parts_by_name(design).items()}
     finger = {name: solids[name] for name in ("bone", "lid", "sensor_insert") if name in solids} | {
         "sensor": sensor_body(design)
     }
-    mold = {name: solids[name] for name in ("mold_dorsal", "mold_palmar", "skin")}
-    of_bone = list(_list_bone_features(design))
-    if design.mold.method == "plunge":
-        title = (
-            "longitudinal section of the closed cup and its core; it stands on its right end; dashed: an overflow notch"
-        )
-        notches = [
-            (intersection(solid, cup.block(design)), design.cup_layout.notch_x) for solid in cup.notches(design)[1:]
-        ]
-        return [
-            Section(title, mold | {"core": solids["core"]}, notches, list(_list_cup_features(design))),
-            Section("longitudinal section of the bone with its sensor", finger, [], of_bone),
-        ]
-    title = "longitudinal section of the closed mold; dashed: in front of or behind the plane of the section"
-    # The window of a folded tail leaves nothing of the base in the middle: a cheek beside it is shown.
-    dims = design.dimensions
-    cheeks = [(solids["bone"], _find_cheek(design, solids["bone"], evaluator))] if dims.fold else []
-    return [Section(title, mold | finger, [*_list_ways(design), *cheeks], [*_list_mold_features(design), *of_bone])]
-
-
-def _find_cheek(design: Design, bone: Solid, evaluator: MeshEvaluator) -> float:
-    """Find the plane x beside the window of a folded tail in which the bone is longest [mm]."""
-    low, high = design.dimensions.tail_half_width, design.dimensions.bone_outline.section.half_width
-    planes = [low + (high - low) * (i + 0.5) / _CHEEK_PLANES for i in range(_CHEEK_PLANES)]
-
-    def length(x: float) -> float:
-        corners = np.concatenate(slice_solid(evaluator, bone, x))[:, 0]
-        return round(float(np.ptp(corners)), 3)
-
-    return max(planes, key=length)
+    cast = {name: solids[name] for name in ("mold_dorsal", "mold_palmar", "skin", "core")}
+    notch = intersection(mold.notches(design)[1], mold.block(design))
+    title = "longitudinal section of the closed cup and its core; it stands on its right end; dashed: an overflow notch"
+    return [
+        Section(title, cast, [(notch, design.mold_layout.notch_x)], list(_list_mold_features(design))),
+        Section("longitudinal section of the bone with its sensor", finger, [], list(_list_bone_features(design))),
+    ]
 
 
 def draw_section(section: Section, evaluator: MeshEvaluator, width_px: int) -> NDArray[np.uint8]:
@@ -176,42 +148,8 @@ def draw_scale_bar(pen: Pen, corner: Point, pixels_per_mm: float) -> None:
     pen.text((end + 8, y), f"{length:g} mm", fill=_INK, font=font, anchor="lm")
 
 
-def _list_ways(design: Design) -> list[tuple[Solid, float]]:
-    """List what leads silicone in and air out beside the plane, each with its own plane."""
-    inlet, layout = design.mold_layout.inlet, design.mold_layout
-    sprue, runner, *vents = runners(design)
-    shown = [(union(sprue, luer_cone(design)), inlet.x), (runner, math.copysign(abs(inlet.gate_x), inlet.x))]
-    for vent, solid in zip(place_vents(design), vents, strict=True):
-        x = vent.point_mm[0]
-        if vent.kind == "side":  # leads along x: the plane is halfway to the face of the block
-            x = (x + math.copysign(layout.half_width, x)) / 2
-        shown.append((solid, x))
-    # Some reach past the block, so that they cut its faces.
-    return [(intersection(solid, block(design)), x + _BESIDE_MM) for solid, x in shown if abs(x) > _BESIDE_MM]
-
-
 def _list_mold_features(design: Design) -> Iterable[Feature]:
-    dims, layout = design.dimensions, design.mold_layout
-    outer, inlet, chaplet = dims.outer, layout.inlet, dims.chaplet
-    yield "gate", (inlet.gate_z, inlet.depth / 2)
-    yield "inlet for the syringe", (inlet.z, layout.dorsal_height - 2.0)
-    for i, vent in enumerate(place_vents(design)):
-        _, y, z = vent.point_mm
-        if vent.kind == "dorsal":
-            yield "vent", (z, (y + layout.dorsal_height) / 2 + 1.5 * i)
-        else:
-            yield "vent", (z, vent.diameter_mm / 4)
-    if chaplet:
-        height = (chaplet.facet_y + outer.section.dorsal) / 2
-        yield "chaplet", (chaplet.z - (chaplet.radius + chaplet.hole_radius) / 2, height)
-    middle = 0.45 * design.skin.length_mm
-    yield "skin", (middle, -(dims.flat_depth_at(middle) + outer.palmar_height_at(0.0, middle)) / 2 - 0.2)
-    yield "palmar half", (0.75 * design.skin.length_mm, -(outer.section.palmar + layout.palmar_height) / 2)
-    yield "dorsal half", (layout.distal_z - 3.0, 0.6 * layout.dorsal_height)
-
-
-def _list_cup_features(design: Design) -> Iterable[Feature]:
-    dims, layout, bone = design.dimensions, design.cup_layout, design.bone
+    dims, layout, bone = design.dimensions, design.mold_layout, design.bone
     yield "plate of the core", (-PLATE_MM / 2, layout.dorsal_height / 2)
     yield "ridge in its groove", (1.0, layout.dorsal_height - 2.0)
     yield "dorsal half", (0.5 * design.skin.length_mm, 0.75 * layout.dorsal_height)

@@ -17,8 +17,7 @@ from pydantic import ValidationError
 
 from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.printing.print_files import make_print_files, parts_on_plates
-from fingertip.cad.printing.settings import FDM, SLA, PlateKind
+from fingertip.cad.printing.print_files import make_print_files
 from fingertip.cad.report import DESIGN_HEADING
 from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale, shapes_of_parameters
 from fingertip.cad.verification.assembly import check_assembly
@@ -208,19 +207,17 @@ def download_parts(design: Design, still_wanted: StillWanted) -> Download:
     return Download(f"{design.name}_stl.zip", "application/zip", _pack(files))
 
 
-def download_plates(kind: PlateKind, design: Design, still_wanted: StillWanted) -> Download:
-    """Write the plate of a printer as 3MF, or a ZIP file of several plates; that of filament where it is the only."""
-    kind = kind if parts_on_plates(design, kind) else FDM
+def download_plates(design: Design, still_wanted: StillWanted) -> Download:
+    """Write the plate as 3MF, or a ZIP file of several plates."""
     meshes = _make_meshes(design, still_wanted)
     encoded = {name: threemf.encode_mesh(mesh) for name, mesh in meshes.items()}
     still_wanted()
     prints = make_print_files(design, meshes, encoded, with_stl=False)
-    count = sum(name.startswith(f"plate_{kind.name}") for name in prints.plates)
-    plates = {name: prints.contents[name] for name in kind.file_names(count)}
+    plates = {name: prints.contents[name] for name in prints.plates}
     if len(plates) == 1:
         ((name, data),) = plates.items()
         return Download(f"{design.name}_{name}", "model/3mf", data)
-    return Download(f"{design.name}_plates_{kind.name}.zip", "application/zip", _pack(plates))
+    return Download(f"{design.name}_plates.zip", "application/zip", _pack(plates))
 
 
 _draw_finger = lru_cache(maxsize=_MESHES_KEPT)(partial(draw_finger, width_px=_PICTURE_PX))
@@ -228,8 +225,7 @@ _draw_finger = lru_cache(maxsize=_MESHES_KEPT)(partial(draw_finger, width_px=_PI
 DOWNLOADS: Mapping[str, tuple[str, Callable[[Design, StillWanted], Download]]] = {
     "design": ("design.toml", download_design),
     "stl": ("parts.zip (STL)", download_parts),
-    "plate_fdm": ("filament plate (3MF)", partial(download_plates, FDM)),
-    "plate_sla": ("resin plate (3MF)", partial(download_plates, SLA)),
+    "plate": ("plate to print (3MF)", download_plates),
     "picture": ("", lambda design, _: Download(f"{design.name}.png", "image/png", _draw_finger(design))),
 }
 """Name in the address -> label of its button, "" if it has none, and function that makes the file."""

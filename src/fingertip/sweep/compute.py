@@ -46,14 +46,13 @@ class PointContext:
 
 def compute_lengths(context: PointContext) -> OutputValues:
     design = context.design
-    is_cup, block, cup = design.mold.method == "plunge", design.mold_layout, design.cup_layout
-    m = cup if is_cup else block
+    m = design.mold_layout
     return {
         "finger_length_mm": design.skin.length_mm + design.bone.base_length_mm,
         "sensor_rim_mm": design.dimensions.sensor_rim_margin(design.bone.rim_mm, design.sensor.clearance_mm),
         "mold_width_mm": 2 * m.half_width,
         "mold_height_mm": m.palmar_height + m.dorsal_height,
-        "mold_length_mm": cup.overall_height if is_cup else block.distal_z - block.proximal_z,
+        "mold_length_mm": m.overall_height,
     }
 
 
@@ -243,58 +242,24 @@ def compute_casting(context: PointContext) -> OutputValues:
     return {"silicone_in_mold_g": batch.in_mold_g, "silicone_g": batch.total_g, "skin_pull_off_n": pull, **lying}
 
 
-_CUP_CHECKS = {
-    "cup_trapped_air_mm3": "cup.trapped_air", "cup_palmar_error_mm": "cup.palmar_error",
-    "cup_plunge_pressure_kpa": "cup.plunge_pressure", "cup_creep_mm3": "cup.creep",
-    "cup_seat_film_mm": "cup.seat_film", "cup_stretch_percent": "skin.fitting_stretch",
+_CASTING_CHECKS = {
+    "mold_trapped_air_mm3": "mold.trapped_air", "mold_palmar_error_mm": "mold.palmar_error",
+    "mold_plunge_pressure_kpa": "mold.plunge_pressure", "mold_creep_mm3": "mold.creep",
+    "mold_seat_film_mm": "mold.seat_film", "mold_stretch_percent": "skin.fitting_stretch",
     "vent_open_percent": "sensor.vent_open", "stand_gap_mm": "stand.post_gap",
 }  # fmt: skip
 
 
-def compute_cup(context: PointContext) -> OutputValues:
+def compute_core(context: PointContext) -> OutputValues:
     from fingertip.cad.shapes.parts import parts_by_name
-    from fingertip.cad.verification.cup import check_cup
     from fingertip.cad.verification.laid_in import check_laid_in, check_stand
+    from fingertip.cad.verification.mold import check_mold
 
-    design, values = context.design, dict[str, float]()
-    if design.mold.method == "plunge":
-        parts, evaluator = parts_by_name(design), context.evaluator()
-        checks = [*check_cup(design, evaluator, parts), *check_laid_in(design, evaluator)]
-        checks += check_stand(design, evaluator) if "stand" in parts else ()
-        values = {check.name: check.value for check in checks}
-    return {output: values.get(check, math.nan) for output, check in _CUP_CHECKS.items()}
-
-
-def compute_filling(context: PointContext) -> OutputValues:
-    from fingertip.cad.verification.mold import PUSH_S, leak_mm
-    from fingertip.filling.mold_filling import injected_cm3, predict_mold_filling, trapped_mm3
-
-    if context.design.mold.method == "plunge":
-        names = ("fill_time_s", "thumb_force_n", "injected_cm3", "trapped_air_mm3", "gate_pressure_kpa")
-        return dict.fromkeys((*names, "opening_force_n", "leak_mm"), math.nan)
-    prediction, inlet = predict_mold_filling(context.design), context.design.mold_layout.inlet
-    return {
-        "fill_time_s": prediction.fill_s,
-        "thumb_force_n": prediction.force_for_time_n(PUSH_S, inlet.syringe.bore_mm),
-        "injected_cm3": injected_cm3(prediction),
-        "trapped_air_mm3": trapped_mm3(prediction),
-        "gate_pressure_kpa": 1e-3 * prediction.gate_pressure_pa,
-        "opening_force_n": prediction.static_opening_force_n,
-        "leak_mm": leak_mm(context.design),
-    }
-
-
-def compute_play(context: PointContext) -> OutputValues:
-    """Compute the skin that is left where the bone lies off as far as its supports allow."""
-    from fingertip.design.geometry.seat import worst
-
-    if context.design.mold.method == "plunge":
-        return dict.fromkeys(("retained_over_sensor_percent", "retained_elsewhere_percent"), math.nan)
-    losses = context.design.losses
-    return {
-        "retained_over_sensor_percent": 100 * worst(losses, over_sensor=True).retained,
-        "retained_elsewhere_percent": 100 * worst(losses, over_sensor=False).retained,
-    }
+    design, parts, evaluator = context.design, parts_by_name(context.design), context.evaluator()
+    checks = [*check_mold(design, evaluator, parts), *check_laid_in(design, evaluator)]
+    checks += check_stand(design, evaluator) if "stand" in parts else ()
+    values = {check.name: check.value for check in checks}
+    return {output: values.get(check, math.nan) for output, check in _CASTING_CHECKS.items()}
 
 
 def compute_thickness(context: PointContext) -> OutputValues:

@@ -52,7 +52,6 @@ GROUPS = {
     group.name: group
     for group in (
         OutputGroup("lengths", MOLD, 0),
-        OutputGroup("play", MOLD, 1),
         OutputGroup("board", frozenset({"board", "detector", "sensor", "custom_sensor"}), 1),
         OutputGroup("controller", frozenset({"detector"}), 1),
         OutputGroup("acceptance", SIMULATION, 1),
@@ -65,8 +64,7 @@ GROUPS = {
         OutputGroup("bone", CLOSED_MOLD, 4),
         OutputGroup("mold", MOLD | {"name"}, 4),
         OutputGroup("strength", CLOSED_MOLD | {"strength"}, 4),
-        OutputGroup("filling", MOLD | {"silicone"}, 4),
-        OutputGroup("cup", MOLD | {"name", "silicone", "strength"}, 5),
+        OutputGroup("core", MOLD | {"name", "silicone", "strength"}, 5),
         OutputGroup("walls", MOLD, 5),
         OutputGroup("printing", MOLD | {"name"}, 5),
         OutputGroup("thickness", CLOSED_MOLD, 4),

@@ -11,7 +11,7 @@ from pathlib import Path
 from fingertip.cad.files.cadquery_script import write_script
 from fingertip.cad.files.step_process import StepFiles, StepJob, StepProcess
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.printing.settings import PLATE_KINDS
+from fingertip.cad.printing.settings import FDM, SLA
 from fingertip.cad.report import ALL_FORMATS, DESIGN_HEADING, FORMATS, Build, BuiltPart, part_file
 from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name, print_scale
 from fingertip.cad.verification.assembly import brep_balance_solids, check_brep_assembly
@@ -200,9 +200,9 @@ def _file_names(parts: Iterable[str], formats: Iterable[str], is_whole: bool) ->
 
 
 def _print_names(parts: Iterable[str], formats: Iterable[str], is_whole: bool) -> list[str]:
-    """Names of the files for the printer that a build writes if each process needs one plate."""
+    """Names of the files for the printer that a build writes if it needs one plate, for either printer."""
     names = [f"{part}.stl" for part in parts if PARTS[part].is_printed] if "stl" in formats else []
-    plates = [name for kind in PLATE_KINDS for name in kind.file_names(1)]
+    plates = [name for kind in (FDM, SLA) for name in kind.file_names(1)]
     return [*names, *(plates if "3mf" in formats and is_whole else [])]
 
 
@@ -228,6 +228,6 @@ def select_names(option: str, requested: Iterable[str], known: tuple[str, ...]) 
 
 
 def _describe_unknown_name(name: str, known: tuple[str, ...]) -> str:
-    if name in PARTS:  # only the core is missing from some designs
-        return f"this design has no {name!r}, which only mold.method=plunge has."
+    if name in PARTS:  # a stand, or the hand's part of a joint
+        return f"this design has no {name!r}."
     return f"{name!r} is not one of the choices; {suggest_name(name, known)}"

@@ -17,6 +17,7 @@ from fingertip.cad.files import threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.printing.orientations import build_volume_excess, print_orientations
 from fingertip.cad.printing.overhang import bed_pose
+from fingertip.cad.printing.settings import choose_plate_kind
 from fingertip.cad.printing.print_files import Piece, PrintFiles, list_pieces, make_plates
 from fingertip.cad.shapes.parts import PARTS, print_scale
 from fingertip.cad.verification.check import count_checks, list_warnings
@@ -200,7 +201,8 @@ def _arrange_prints(fingers: FingerSet, forms: Iterable[Made]) -> PrintFiles:
             pieces[group] += (replace(piece, name=f"{name} {owner}") for owner in owners)
     contents, plates = dict[str, bytes](), dict[str, tuple[str, ...]]()
     for group, parts in pieces.items():
-        arranged = make_plates(f"{fingers.name} {group}", fingers.forms[0].design.printer, parts)
+        first, named = fingers.forms[0].design, {piece.name: piece for piece in parts}
+        arranged = make_plates(f"{fingers.name} {group}", choose_plate_kind(first), first.printer, named)
         contents |= {file.replace("plate", group): data for file, data in arranged.contents.items()}
         plates |= {file.replace("plate", group): names for file, names in arranged.plates.items()}
     return PrintFiles(contents, plates)

@@ -13,7 +13,6 @@ from fingertip.cad.kernel.primitive_calls import call_of
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Difference, Intersection, Placed, Primitive, Scaled, Solid, Union
-from fingertip.filling.mold_filling import place_vents
 
 _WIDTH = 110
 _WORD = re.compile(r"[a-zA-Z_]\w*")
@@ -49,7 +48,6 @@ else:
 
 def write_script(design: Design, part: str) -> bytes:
     """Write a part as a script: its dimensions by name, the functions of its primitives, and a statement for each."""
-    place_vents(design)  # kept for the copy: they come from a simulation, and have no names
     names = Names(design)
     solid, solids = build_with_names(PARTS[part].solid, names.design)
     definitions = names.confirmed(design)

@@ -14,7 +14,7 @@ import numpy as np
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import print_orientations
 from fingertip.cad.printing.overhang import bed_pose
-from fingertip.cad.printing.settings import choose_profile, infill_percent
+from fingertip.cad.printing.settings import PROFILE, infill_percent
 from fingertip.cad.printing.slicer import PrintEstimate
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.design import Design
@@ -32,7 +32,7 @@ _BESIDE_SURFACE, _WITHIN, _FITTED_LAYER_MM = 12.0, 4.0, 0.15
 @lru_cache(maxsize=8)
 def estimate_print(design: Design) -> PrintEstimate:
     """Estimate one plate with all parts, printed as the design's profile says."""
-    profile, evaluator, minutes, filament = choose_profile(design), MeshEvaluator(_COARSE_MM), 0.0, 0.0
+    evaluator, minutes, filament = MeshEvaluator(_COARSE_MM), 0.0, 0.0
     for name, lies in print_orientations(design).items():
         mesh = evaluator.mesh(PARTS[name].solid(design))
         mesh = bed_pose(mesh, lies.rotate_x_deg).apply(mesh)
@@ -40,9 +40,9 @@ def estimate_print(design: Design) -> PrintEstimate:
         areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2000.0
         upright, flat = (np.hypot(areas[:, 0], areas[:, 1]).sum(), np.abs(areas[:, 2]).sum())  # from beside, from above
         volume = mesh.volume() / 1000.0
-        beside = min(volume, float(upright) * profile.walls * _LINE_MM)
-        closed = min(volume - beside, float(flat) * _CLOSED_LAYERS * profile.layer_mm)
-        within = closed + (volume - beside - closed) * infill_percent(name, profile) / 100.0
-        minutes += (_BESIDE_SURFACE * beside + _WITHIN * within) * _FITTED_LAYER_MM / profile.layer_mm
+        beside = min(volume, float(upright) * PROFILE.walls * _LINE_MM)
+        closed = min(volume - beside, float(flat) * _CLOSED_LAYERS * PROFILE.layer_mm)
+        within = closed + (volume - beside - closed) * infill_percent(name) / 100.0
+        minutes += (_BESIDE_SURFACE * beside + _WITHIN * within) * _FITTED_LAYER_MM / PROFILE.layer_mm
         filament += beside + within
     return PrintEstimate(minutes, filament)

@@ -31,14 +31,15 @@ class Orientation:
 def print_orientations(design: Design) -> dict[str, Orientation]:
     """Choose the orientation of each printed part, such that no support touches a surface for silicone or sensor.
 
-    The mold halves lie on their outer faces, with the cavity facing up. Bone and core stand upright: their palmar flat
-    is then a wall, on which no layer ends. The foot of their collar overhangs the base and needs supports. So does the
-    base above a post. The lid lies as it overhangs least.
+    The halves of the cup stand on their foot, the core on its plate. The bone stands upright: its palmar flat is then a
+    wall, on which no layer ends.
     """
+    standing = Orientation(180.0, "the foot, rim up", needs_supports=False)
     orientations = {
         "bone": Orientation(0.0, interface_of(design).face_on_plate, not design.prints_without_supports),
-        "mold_palmar": Orientation(90.0, "the outer face, parting plane up", needs_supports=False),
-        "mold_dorsal": Orientation(-90.0, "the outer face, parting plane up", needs_supports=False),
+        "mold_palmar": standing,
+        "mold_dorsal": standing,
+        "core": Orientation(0.0, "the plate, with its name", needs_supports=False),
     }
     if design.dimensions.insert:
         orientations["sensor_insert"] = Orientation(90.0, "the face away from the sensor", needs_supports=False)
@@ -47,10 +48,6 @@ def print_orientations(design: Design) -> dict[str, Orientation]:
         orientations["stand"] = Orientation(-90.0, "a flat side", needs_supports=False)
     if design.dimensions.fold:
         orientations["lid"] = _orient_lid(design)
-    if design.mold.method == "plunge":
-        standing = Orientation(180.0, "the foot, rim up", needs_supports=False)
-        orientations |= {"mold_palmar": standing, "mold_dorsal": standing}
-        orientations["core"] = Orientation(0.0, "the plate, with its name", needs_supports=False)
     return orientations
 
 
@@ -96,20 +93,12 @@ _NONE = Supports((), "nowhere: nothing overhangs", "any face")
 
 def supports_by_part(design: Design) -> dict[str, Supports]:
     orientations = print_orientations(design)
-    bridges = "nowhere: all ceilings are short bridges"
-    every = {
-        "bone": _bone(design),
-        "mold_palmar": Supports((), bridges, "hollows, which silicone, bone, keys and nuts touch"),
-        "mold_dorsal": Supports((), bridges, "hollows, which silicone, bone, screw and syringe touch"),
-    }
-    if design.mold.method == "plunge":
-        every |= dict.fromkeys(("mold_palmar", "mold_dorsal", "core"), _NONE)
-    every |= dict.fromkeys(("sensor_insert", "insert_jig", "stand"), _NONE)
-    if design.prints_without_supports:
-        every["bone"] = _NONE
+    every = dict.fromkeys(orientations, _NONE)
+    if not design.prints_without_supports:
+        every["bone"] = _bone(design)
     if lies := orientations.get("lid"):
         every["lid"] = _lid(design, lies)
-    return {name: every[name] for name in orientations}
+    return every
 
 
 def _bone(design: Design) -> Supports:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice, product
 
@@ -12,11 +12,9 @@ from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.printing.orientations import Orientation, Supports, print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import Pose, bed_pose
 from fingertip.cad.printing.settings import (
-    PLATE_KINDS,
     SLA,
     PlateKind,
-    Profile,
-    choose_profile,
+    choose_plate_kind,
     describe_part,
     slicer_settings,
 )
@@ -108,18 +106,12 @@ class PrintFiles:
     """File name of each plate -> its parts."""
 
 
-def parts_on_plates(design: Design, kind: PlateKind) -> tuple[str, ...]:
-    """List the parts on the plates of a kind.
-
-    They hold the bone only if its strength is checked for their material, and in filament for layers as it stands.
-    The primer that bonds the skin holds on one material, so the lid goes with the bone. What a cup of filament needs
-    is on one plate, without one for resin.
-    """
-    if design.mold.method == "plunge" and PRINT_MATERIALS[design.strength.print_material].process != kind.name:
-        return ()
-    stands = kind is SLA or design.strength.print_direction == "upright"
-    bone_holds = stands and PRINT_MATERIALS[design.strength.print_material].process == kind.name
-    return tuple(name for name in print_orientations(design) if name not in ("bone", "lid") or bone_holds)
+def parts_on_plates(design: Design) -> tuple[str, ...]:
+    """List the parts on the plates: the bone only if its strength is checked for this printer, as it lies there."""
+    kind, strength = choose_plate_kind(design), design.strength
+    holds = PRINT_MATERIALS[strength.print_material].process == kind.name
+    stands = kind is SLA or strength.print_direction == "upright"
+    return tuple(name for name in print_orientations(design) if name != "bone" or (holds and stands))
 
 
 @dataclass(frozen=True)
@@ -133,41 +125,38 @@ class Piece:
     pose: Pose
     lies: Orientation
     stands: Supports
-    kinds: tuple[PlateKind, ...]
     material: PrintMaterial
-    profile: Profile
 
     def place(self, kind: PlateKind, placed: Placed) -> Item:
         """Place the part on a plate, with its settings for a slicer."""
         pose = (self.pose.turned() if placed.is_turned else self.pose).on_bed(self.mesh, placed.x, placed.y)
-        settings = slicer_settings(kind, self.part, self.lies, self.stands, self.profile)
-        note = describe_part(kind, self.part, self.lies, self.stands, self.material, self.profile)
+        settings = slicer_settings(kind, self.part, self.lies, self.stands)
+        note = describe_part(kind, self.part, self.lies, self.stands, self.material)
         return Item(self.name, self.encoded, note, pose.rotation, pose.shift, settings)
 
 
 def list_pieces(design: Design, meshes: Mapping[str, Mesh], encoded: Mapping[str, str]) -> dict[str, Piece]:
+    """List what lies on the plates of a design, by the names of the parts."""
     supports, material = supports_by_part(design), PRINT_MATERIALS[design.strength.print_material]
-    on_plates = {kind: parts_on_plates(design, kind) for kind in PLATE_KINDS}
+    lies = print_orientations(design)
     return {
         name: Piece(
-            name, name, meshes[name], encoded[name], bed_pose(meshes[name], lies.rotate_x_deg), lies, supports[name],
-            tuple(kind for kind in PLATE_KINDS if name in on_plates[kind]), material, choose_profile(design),
+            name, name, meshes[name], encoded[name], bed_pose(meshes[name], lies[name].rotate_x_deg), lies[name],
+            supports[name], material,
         )
-        for name, lies in print_orientations(design).items()
+        for name in parts_on_plates(design)
     }  # fmt: skip
 
 
-def make_plates(title: str, printer: Printer, pieces: Iterable[Piece]) -> PrintFiles:
-    """Arrange parts on the plates of each kind, on as few as a simple search finds."""
-    contents, plates, every = {}, {}, tuple(pieces)
-    for kind in PLATE_KINDS:
-        named = {piece.name: piece for piece in every if kind in piece.kinds}
-        footprints = {name: piece.pose.size(piece.mesh)[:2] for name, piece in named.items()}
-        arranged = arrange(footprints, (printer.bed_x_mm, printer.bed_y_mm), kind.gap_mm)
-        for file, plate in zip(kind.file_names(len(arranged)), arranged, strict=True):
-            items = [named[placed.name].place(kind, placed) for placed in plate]
-            contents[file] = write_items(f"{title} {file.removesuffix('.3mf')}", items)
-            plates[file] = tuple(placed.name for placed in plate)
+def make_plates(title: str, kind: PlateKind, printer: Printer, pieces: Mapping[str, Piece]) -> PrintFiles:
+    """Arrange parts on as few plates as a simple search finds."""
+    contents, plates = {}, {}
+    footprints = {name: piece.pose.size(piece.mesh)[:2] for name, piece in pieces.items()}
+    arranged = arrange(footprints, (printer.bed_x_mm, printer.bed_y_mm), kind.gap_mm)
+    for file, plate in zip(kind.file_names(len(arranged)), arranged, strict=True):
+        items = [pieces[placed.name].place(kind, placed) for placed in plate]
+        contents[file] = write_items(f"{title} {file.removesuffix('.3mf')}", items)
+        plates[file] = tuple(placed.name for placed in plate)
     return PrintFiles(contents, plates)
 
 
@@ -184,5 +173,6 @@ def make_print_files(
                 contents[f"{name}.stl"] = stl.to_bytes(mesh, name)
     if not set(orientations) <= set(encoded):
         return PrintFiles(contents, {})
-    arranged = make_plates(design.name, design.printer, list_pieces(design, meshes, encoded).values())
+    pieces = list_pieces(design, meshes, encoded)
+    arranged = make_plates(design.name, choose_plate_kind(design), design.printer, pieces)
     return PrintFiles({**contents, **arranged.contents}, arranged.plates)

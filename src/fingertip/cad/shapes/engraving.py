@@ -1,21 +1,17 @@
-"""Text engraved into the mold halves: stroke font, and size and position of each line.
+"""Stroke font of the text engraved into the mold.
 
 The font is made of straight strokes on a 4 x 6 grid. Both kernels therefore cut the same letters, and no system font is
-needed. Lower-case letters are engraved as capitals. A line for which there is no room at a legible size is omitted.
+needed. Lower-case letters are engraved as capitals.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
-
-from fingertip.design import Design
-from fingertip.filling.mold_filling import place_vents
 
 Point = tuple[float, float]
 Rings = tuple[tuple[Point, ...], ...]
@@ -28,10 +24,6 @@ STROKE_WIDTH = 0.8
 MIN_STROKE_MM = 0.4
 """Minimum stroke width [mm]. Narrower strokes close up in printing. The minimum letter height follows from it. An
 assumption."""
-_BASELINE = 2.0  # distance of each baseline from the centre line between the two lines of text [grid units]
-_NUT_DISTANCE_MM = 0.5  # minimum distance between letters and nut traps
-_MAX_LENGTH_RATIO = 0.85  # length of the longest line divided by the length of the block
-
 # A letter is a set of polylines, and a polyline a list of points "xy": x 0 to 4, y 0 (baseline) to 6 (cap height).
 # The letters have few strokes, because each one costs the B-rep kernel a boolean.
 _GLYPHS = {
@@ -45,45 +37,6 @@ _GLYPHS = {
     "U": "06 00 40 46", "V": "06 20 46", "W": "06 10 23 30 46", "X": "00 46|06 40", "Y": "06 23 46|23 20",
     "Z": "06 46 00 40", "-": "13 33", "_": "00 40",
 }  # fmt: skip
-
-
-@dataclass(frozen=True)
-class TextLine:
-    text: str
-    unit_mm: float
-    baseline_mm: float
-    """Signed distance of the baseline from the centre of the face [mm]."""
-    centre_z_mm: float
-    """Middle of the line, along the finger [mm]."""
-
-
-def engraved_lines(design: Design, half: str) -> Iterator[TextLine]:
-    """Lay out the lines of a mold half that are large enough to be legible."""
-    low, high = _find_free_length(design, half)
-    for text, baseline in ((design.name, _BASELINE), (half, -_BASELINE - HEIGHT)):
-        unit = _grid_unit_mm(design, text, high - low)
-        if design.mold.engraving_depth_mm and STROKE_WIDTH * unit >= MIN_STROKE_MM - 1e-9:
-            yield TextLine(text, unit, unit * baseline, (low + high) / 2)
-
-
-def _find_free_length(design: Design, half: str) -> tuple[float, float]:
-    """Find the heights [mm] between which no hole opens in the face of a half, but for those of the bolts."""
-    layout, wall = design.mold_layout, design.printer.min_wall_mm
-    low, high = layout.proximal_z, layout.distal_z
-    if half == "palmar":
-        return low, high
-    holes = [(vent.point_mm[2], vent.diameter_mm / 2) for vent in place_vents(design) if vent.kind == "dorsal"]
-    chaplet = design.dimensions.chaplet
-    holes += [(chaplet.z, chaplet.head_radius)] if chaplet else []
-    return low, min((z - radius - wall for z, radius in holes), default=high)
-
-
-def omitted_lines(design: Design) -> list[str]:
-    """List the lines of text for which there is no room; none if the design asks for no engraving."""
-    if not design.mold.engraving_depth_mm:
-        return []
-    engraved = {line.text for half in ("palmar", "dorsal") for line in engraved_lines(design, half)}
-    return [text for text in (design.name, "palmar", "dorsal") if text not in engraved]
 
 
 def text_width(text: str) -> float:
@@ -113,17 +66,6 @@ def stroke_rectangles(letter: str, stroke_width: float) -> list[tuple[Point, ...
     polylines = (polyline.split() for polyline in _GLYPHS[letter.upper()].split("|"))
     lines = ([(float(xy[0]), float(xy[1])) for xy in points] for points in polylines)
     return [_rectangle(a, b, stroke_width / 2) for line in lines for a, b in pairwise(line)]
-
-
-def _grid_unit_mm(design: Design, text: str, length_mm: float) -> float:
-    """Compute the grid unit [mm]: letters are smaller than requested where the face or the nut traps limit them."""
-    layout = design.mold_layout
-    across = layout.bolts[-1][0] - layout.nut_circumradius - _NUT_DISTANCE_MM
-    return min(
-        design.mold.engraving_height_mm / HEIGHT,
-        _MAX_LENGTH_RATIO * length_mm / text_width(text),
-        across / (_BASELINE + HEIGHT + STROKE_WIDTH / 2),
-    )
 
 
 def _rotate_to_minimum(ring: list[Point]) -> tuple[Point, ...]:

@@ -10,21 +10,18 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from itertools import combinations
-from types import ModuleType
 
 from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel.mesh import Manifold, MeshEvaluator
-from fingertip.cad.shapes import cup, insert, mold
-from fingertip.cad.shapes.bridged_ceiling import ceiling_steps_volume_mm3, disc_slot_area_mm2, hexagon_slot_area_mm2
+from fingertip.cad.shapes import insert, mold
 from fingertip.cad.shapes.engraving import signed_area
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.check import VOLUME_TOLERANCE_MM3, Check, complement, search_distance
 from fingertip.design import Design
-from fingertip.design.geometry.cup_layout import RIDGE_HEIGHT_MM
+from fingertip.design.geometry.mold_layout import RIDGE_HEIGHT_MM
 from fingertip.design.geometry.features import Joint
 from fingertip.design.geometry.solids import Box, Cone, Prism, Solid, cylinder, difference, intersection, scaled, union
 from fingertip.design.interfaces.clevis_solids import eye_profile, knuckle, pin_bore, space
-from fingertip.filling.mold_filling import place_vents
 
 HALVES = ("mold_palmar", "mold_dorsal")
 _PULL_DISTANCES_MM = (0.02, 0.2, 1.0, 4.0, 12.0)
@@ -34,35 +31,23 @@ _BREP_VOLUME_ERROR = 2e-6
 """Relative error allowed in volumes of the B-rep kernel, whose quadrature has a tolerance of 1e-6."""
 
 
-def _form(design: Design) -> ModuleType:
-    """Choose the module whose halves a design has: a cup, or a mold that is closed before it is filled."""
-    return cup if design.mold.method == "plunge" else mold
-
-
 def check_assembly(design: Design, evaluator: MeshEvaluator, parts: Mapping[str, Solid]) -> Iterator[Check]:
     parts = {name: solid for name, solid in parts.items() if not PARTS[name].is_tool}
     if "skin" in parts:
         yield Check.zero_volume("volume_balance.cavity", _cavity_imbalance(design, evaluator, parts["skin"]))
     inside = {name: solid for name, solid in parts.items() if name not in HALVES}
-    if design.is_cast_apart:
-        # The bone does not lie in the mold, and the skin is smaller than it by the interference.
-        inside.pop("bone", None)
-        inside.pop("lid", None)
-        if "skin" in inside:
-            inside["skin"] = scaled(inside["skin"], design.dimensions.shrinkage)
-    filled = dict(inside)
-    if "skin" in inside and design.mold.method == "overmold":
-        # Before it shrinks, the silicone fills the cavity, which is not larger everywhere: a crown has a hollow base.
-        cast = scaled(inside["skin"], design.dimensions.shrinkage)
-        filled["skin"] = difference(cast, insert.mold_insert(design), *insert.boss(design))
+    # The bone does not lie in the mold, and the skin that does is larger by its shrinkage.
+    inside.pop("bone", None)
+    if "skin" in inside:
+        inside["skin"] = scaled(inside["skin"], design.dimensions.shrinkage)
     halves = {name: solid for name, solid in parts.items() if name in HALVES}
-    yield from _check_overlaps(evaluator, inside, filled, halves)
+    yield from _check_overlaps(evaluator, inside, halves)
     if inside:
-        whole = evaluator.manifold(union(*filled.values()))
+        whole = evaluator.manifold(union(*inside.values()))
         for name, half in halves.items():
             solid, direction = evaluator.manifold(half), -1.0 if name == HALVES[0] else 1.0
             # The palmar half comes off first. Then core and skin are lifted, and the third ridge leaves its groove.
-            lift = LIFT_MM if design.mold.method == "plunge" and name == HALVES[1] else 0.0
+            lift = LIFT_MM if name == HALVES[1] else 0.0
             pulled = (solid.translate((0.0, direction * distance, lift)) for distance in _PULL_DISTANCES_MM)
             overlap = max(float((position ^ whole).volume()) for position in pulled)
             yield Check.zero_volume(f"demolding_overlap.{name}", overlap)
@@ -76,12 +61,8 @@ def brep_balance_solids(design: Design, parts: Collection[str]) -> tuple[tuple[s
     if "skin" in parts:
         cavity = insert.cavity(design)
         solids += [("cavity", cavity), ("core_in_cavity", intersection(cavity, insert.mold_insert(design)))]
-        if design.mold.method == "overmold":
-            for name, outline in (("skin", insert.skin_outline(design)), ("cavity", insert.cavity_outline(design))):
-                solids += [(f"boss_in_{name}", intersection(outline, solid)) for solid in insert.boss(design)]
     if set(HALVES) <= set(parts):
-        form = _form(design)
-        solids.append(("hollow", intersection(form.hollow(design), form.block(design))))
+        solids.append(("hollow", intersection(mold.hollow(design), mold.block(design))))
     return tuple(solids)
 
 
@@ -91,27 +72,21 @@ def check_brep_assembly(
     if "cavity" in volumes_mm3:
         growth = design.dimensions.shrinkage**3
         skin, whole = parts["skin"].volume_mm3, volumes_mm3["cavity"]
-        expected = growth * skin
-        if design.mold.method == "overmold":
-            # Bone and boss do not shrink, so silicone also fills what the cavity is larger than the skin around them.
-            expected += (growth - 1.0) * volumes_mm3["core_in_cavity"]
-            expected += growth * volumes_mm3.get("boss_in_skin", 0.0) - volumes_mm3.get("boss_in_cavity", 0.0)
-        imbalance = abs(whole - volumes_mm3["core_in_cavity"] - expected)
+        imbalance = abs(whole - volumes_mm3["core_in_cavity"] - growth * skin)
         yield Check("step.volume_balance.cavity", imbalance, _BREP_VOLUME_ERROR * whole, "mm3")
     if "hollow" in volumes_mm3:
-        outline = _form(design).block(design)
-        assert isinstance(outline, Box)
+        outline = mold.block(design)
         block = math.prod(high - low for low, high in zip(outline.low, outline.high, strict=True))
-        filled = volumes_mm3["hollow"] + _cutout_volume_mm3(design) + sum(parts[half].volume_mm3 for half in HALVES)
-        filled += sum(map(_volume_below_parting_plane_mm3, _form(design).key_sockets(design)))
-        filled -= sum(map(_volume_below_parting_plane_mm3, _form(design).key_frustums(design)))
+        filled = volumes_mm3["hollow"] + _letters_mm3(design) + sum(parts[half].volume_mm3 for half in HALVES)
+        filled += sum(map(_volume_below_parting_plane_mm3, mold.key_sockets(design)))
+        filled -= sum(map(_volume_below_parting_plane_mm3, mold.key_frustums(design)))
         yield Check("step.volume_balance.mold", abs(block - filled), _BREP_VOLUME_ERROR * block, "mm3")
 
 
 def _check_overlaps(
-    evaluator: MeshEvaluator, inside: Mapping[str, Solid], filled: Mapping[str, Solid], halves: Mapping[str, Solid]
+    evaluator: MeshEvaluator, inside: Mapping[str, Solid], halves: Mapping[str, Solid]
 ) -> Iterator[Check]:
-    """Check that no two parts overlap: those inside the mold at their own sizes, and as they are cast with a half.
+    """Check that no two parts overlap: those inside the mold, and these with a half.
 
     Parts inside the mold share surfaces. The intersection of such solids takes four times as long as their union, so
     their overlap is computed as |A & B| = |A| + |B| - |A + B|. Against a half they are tested all at once in the same
@@ -123,10 +98,10 @@ def _check_overlaps(
 
     for (first, one), (second, other) in combinations(inside.items(), 2):
         yield Check.zero_volume(f"overlap.{first}.{second}", volume(one) + volume(other) - volume(union(one, other)))
-    cast = union(*filled.values()) if filled else None
+    cast = union(*inside.values()) if inside else None
     for half, solid in halves.items():
         together = volume(cast) + volume(solid) - volume(union(cast, solid)) if cast else 0.0
-        for name, one in filled.items():
+        for name, one in inside.items():
             alone = together if together <= VOLUME_TOLERANCE_MM3 else volume(intersection(one, solid))
             yield Check.zero_volume(f"overlap.{name}.{half}", alone)
     if len(halves) == 2:
@@ -134,80 +109,27 @@ def _check_overlaps(
 
 
 def _cavity_imbalance(design: Design, evaluator: MeshEvaluator, skin: Solid) -> float:
-    """Compute |cavity - core - silicone that shrinks to the skin| [mm3].
-
-    A core and the skin around it are enlarged by the same factor. Overmolded silicone is not: the bone keeps its size,
-    so silicone also fills the space by which the cavity is enlarged around it. With the boss, the cavity then is the
-    enlarged outline of the skin and of what does not shrink within it.
-    """
+    """Compute |cavity - core - silicone that shrinks to the skin| [mm3]."""
     growth, silicone = design.dimensions.shrinkage**3, evaluator.manifold(skin).volume()
     room = evaluator.manifold(insert.cavity(design)).volume()
-    if design.is_cast_apart:
-        core = evaluator.manifold(intersection(insert.cavity(design), insert.mold_insert(design))).volume()
-        return abs(float(room - core - growth * silicone))
-    bosses = insert.boss(design)
-    if bosses:
-        room += evaluator.manifold(intersection(insert.cavity_outline(design), union(*bosses))).volume()
-    finished = evaluator.manifold(insert.skin_outline(design))
-    rigid = (finished ^ evaluator.manifold(union(insert.mold_insert(design), *bosses))).volume()
-    return abs(float(room - growth * (silicone + rigid)))
+    core = evaluator.manifold(intersection(insert.cavity(design), insert.mold_insert(design))).volume()
+    return abs(float(room - core - growth * silicone))
 
 
 def _mold_imbalance(design: Design, evaluator: MeshEvaluator, halves: Iterable[Solid]) -> float:
     """Compute |block - halves - hollow - cut-outs| [mm3]; hollow and cut-outs are evaluated apart from the halves."""
-    form = _form(design)
-    block = form.block(design)
-    # The hole of the chaplet's screw reaches into the hollow, so both are united first.
-    hollow = union(form.hollow(design), form.outer_cutouts_and_screw(design))
+    block, hollow = mold.block(design), union(mold.hollow(design), mold.outer_cutouts(design))
     filled = sum(evaluator.manifold(solid).volume() for solid in (intersection(hollow, block), *halves))
     below = evaluator.manifold(block).trim_by_plane((0.0, -1.0, 0.0), 0.0)
-    for socket, key in zip(form.key_sockets(design), form.key_frustums(design), strict=True):
+    for socket, key in zip(mold.key_sockets(design), mold.key_frustums(design), strict=True):
         filled += (evaluator.manifold(socket) ^ below).volume() - (evaluator.manifold(key) ^ below).volume()
     return abs(float(evaluator.manifold(block).volume() - filled))
 
 
-def _cutout_volume_mm3(design: Design) -> float:
-    """Compute bolt holes, traps, slots and letters [mm3] in closed form: exact, and forty B-rep booleans less."""
-    if design.mold.method == "plunge":
-        return _letters_mm3(design, cup.label(design))
-    d, m = design.mold, design.mold_layout
-    radius = d.bolt_diameter_mm / 2
-    bolt, slot = math.pi * radius**2, hexagon_slot_area_mm2(d.nut_width_mm, radius)
-    fastener = (
-        bolt * (m.palmar_height + m.dorsal_height) + (math.sqrt(0.75) * d.nut_width_mm**2 - bolt) * d.nut_depth_mm
-    ) + ceiling_steps_volume_mm3(slot, radius)
-    pry_slot = d.pry_width_mm * d.pry_depth_mm * 2.0 * d.pry_height_mm
-    letters = (prism for half in ("palmar", "dorsal") for prism in mold.engraved_text(design, half))
-    engraved = _letters_mm3(design, letters)
-    pried = 2.0 * pry_slot - _vents_in_pry_slots_mm3(design)
-    return len(m.bolts) * fastener + pried + engraved + _screw_hole_volume_mm3(design)
-
-
-def _letters_mm3(design: Design, letters: Iterable[Prism]) -> float:
-    rings = (ring for letter in letters for ring in (letter.corners, *letter.holes))
+def _letters_mm3(design: Design) -> float:
+    """Compute the letters of the cup [mm3] in closed form, which saves B-rep booleans."""
+    rings = (ring for letter in mold.label(design) for ring in (letter.corners, *letter.holes))
     return design.mold.engraving_depth_mm * sum(map(signed_area, rings))  # holes run clockwise, and count as negative
-
-
-def _vents_in_pry_slots_mm3(design: Design) -> float:
-    """Compute the volume [mm3] that grooves of side vents share with the pry slots in which they end."""
-    d, m, total = design.mold, design.mold_layout, 0.0
-    for vent in place_vents(design):
-        if vent.kind == "side":
-            apart = abs(m.clear_side_z(vent.point_mm[2], vent.diameter_mm) - mold.pry_slots_z(design))
-            along = min(vent.diameter_mm, d.pry_width_mm, (vent.diameter_mm + d.pry_width_mm) / 2 - apart)
-            total += d.pry_depth_mm * max(0.0, along) * min(vent.diameter_mm / 2, d.pry_height_mm)
-    return total
-
-
-def _screw_hole_volume_mm3(design: Design) -> float:
-    """Compute the volume [mm3] of the chaplet's screw hole above the hollow, with its counterbore."""
-    chaplet = design.dimensions.chaplet
-    if chaplet is None:
-        return 0.0
-    head, top = insert.head_y(design), design.mold_layout.dorsal_height
-    hole, counterbore, radius = head - insert.contact_y(design), top - head, chaplet.hole_radius
-    steps = ceiling_steps_volume_mm3(disc_slot_area_mm2(chaplet.head_radius, radius), radius)
-    return math.pi * (radius**2 * hole + chaplet.head_radius**2 * counterbore) + steps
 
 
 def _volume_below_parting_plane_mm3(key: Solid) -> float:

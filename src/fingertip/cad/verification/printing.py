@@ -16,7 +16,7 @@ from fingertip.cad.kernel.tessellate import Triangles
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import MAX_UNSUPPORTED_MM2, Ceiling, Pose, bed_pose, find_ceilings
 from fingertip.cad.printing.print_files import Placed, PrintFiles, parts_on_plates
-from fingertip.cad.printing.settings import PLATE_KINDS
+from fingertip.cad.printing.settings import choose_plate_kind
 from fingertip.cad.shapes.parts import PARTS, Part, print_scale
 from fingertip.cad.verification.check import Check
 from fingertip.design import Design
@@ -132,28 +132,23 @@ def check_print_files(
 def _check_plates(
     design: Design, meshes: Mapping[str, Mesh], encoded: Mapping[str, str], prints: PrintFiles
 ) -> Iterator[Check]:
-    """Check for each process that its plates hold each printed part once, apart from the others and within the bed."""
-    bed = (design.printer.bed_x_mm, design.printer.bed_y_mm, design.printer.bed_z_mm)
-    for kind in PLATE_KINDS:
-        if not parts_on_plates(design, kind):
-            continue
-        prefix = f"plate_{kind.name}"
-        plates = [threemf.read_items(prints.contents[file]) for file in prints.plates if file.startswith(prefix)]
-        held = sorted(item.name for items in plates for item in items if item.mesh == encoded.get(item.name))
-        wrong = set(parts_on_plates(design, kind)).symmetric_difference(held)
-        repeated = len(held) - len(set(held))
-        yield Check(f"{prefix}.wrong_parts", len(wrong) + repeated, 0, "parts", "exactly")
-        gaps, low, excess = [math.inf], [], []
-        for items in plates:
-            boxes = [_bounds(item, meshes[item.name]) for item in items]
-            low += [float(box[0, 2]) for box in boxes]
-            excess += [max(float((-box[0]).max()), float((box[1] - bed).max())) for box in boxes]
-            rectangles = [Placed("", False, *box[0, :2].tolist(), *(box[1] - box[0])[:2].tolist()) for box in boxes]
-            gaps += [one.distance(other) for one, other in combinations(rectangles, 2)]
-        yield Check(f"{prefix}.bed_distance", max(map(abs, low)), _ROUNDING_MM, "mm")
-        yield Check(f"{prefix}.bed_excess", max(excess), _ROUNDING_MM, "mm")
-        if math.isfinite(min(gaps)):
-            yield Check(f"{prefix}.gap", min(gaps), kind.gap_mm - _ROUNDING_MM, "mm", "at least")
+    """Check that the plates hold each of their parts once, apart from the others and within the bed."""
+    bed, kind = (design.printer.bed_x_mm, design.printer.bed_y_mm, design.printer.bed_z_mm), choose_plate_kind(design)
+    plates = [threemf.read_items(prints.contents[file]) for file in prints.plates]
+    held = sorted(item.name for items in plates for item in items if item.mesh == encoded.get(item.name))
+    wrong, repeated = set(parts_on_plates(design)).symmetric_difference(held), len(held) - len(set(held))
+    yield Check("plate.wrong_parts", len(wrong) + repeated, 0, "parts", "exactly")
+    gaps, low, excess = [math.inf], [], []
+    for items in plates:
+        boxes = [_bounds(item, meshes[item.name]) for item in items]
+        low += [float(box[0, 2]) for box in boxes]
+        excess += [max(float((-box[0]).max()), float((box[1] - bed).max())) for box in boxes]
+        rectangles = [Placed("", False, *box[0, :2].tolist(), *(box[1] - box[0])[:2].tolist()) for box in boxes]
+        gaps += [one.distance(other) for one, other in combinations(rectangles, 2)]
+    yield Check("plate.bed_distance", max(map(abs, low)), _ROUNDING_MM, "mm")
+    yield Check("plate.bed_excess", max(excess), _ROUNDING_MM, "mm")
+    if math.isfinite(min(gaps)):
+        yield Check("plate.gap", min(gaps), kind.gap_mm - _ROUNDING_MM, "mm", "at least")
 
 
 def _bounds(item: threemf.Item, mesh: Mesh) -> Array:

@@ -28,8 +28,6 @@ from fingertip.cad.verification.strength import assess_strength
 from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody
 from fingertip.design.geometry.profile import Span
-from fingertip.design.geometry.seat import Loss, Motion, worst
-from fingertip.design.rules.mold import MIN_RETAINED, MIN_RETAINED_OVER_SENSOR
 from fingertip.foundation.comparison import Relation
 from fingertip.foundation.errors import DesignError
 from fingertip.foundation.numerics import Array
@@ -149,10 +147,6 @@ def surface_patches(body: ConicBody) -> Iterator[Patch]:
             yield Patch(section.half_width, height, weight, span)
 
 
-_STEEP = 0.5
-"""Component of a normal from which on it points to the dorsal or palmar side, or to the tip."""
-_PERCENT_SLACK = 1e-3
-"""Rounding error of a share that the rules have accepted [%]."""
 MAX_STRETCH_SHARE = 0.2
 """Share of its elongation at break by which a skin may be stretched: tight ones split after weeks."""
 _SECTIONS = 24
@@ -163,8 +157,6 @@ def check_skin(design: Design, evaluator: MeshEvaluator, mesh: Mesh) -> Iterator
     interior, outside = _interior(design, evaluator), _outside(design, evaluator)
     minimum = design.skin.min_thickness_mm - evaluator.tolerance_mm
     yield Check("skin.min_thickness", _thickness(interior, outside), minimum, "mm", "at least")
-    if design.mold.method != "plunge":
-        yield from _check_play(design, interior, outside, minimum)
     deviation = max_facet_deviation(design.dimensions.outer, mesh.vertices, mesh.triangles)
     yield Check("skin.surface_deviation", deviation, evaluator.tolerance_mm, "mm")
 
@@ -196,36 +188,6 @@ def _outside(design: Design, evaluator: MeshEvaluator) -> Manifold:
 def _thickness(interior: Manifold, outside: Manifold) -> float:
     """Measure the smallest thickness [mm] between a skin's interior and its outside; 0 where they meet."""
     return measure_gap(interior, outside, 1.0)
-
-
-def _check_play(design: Design, interior: Manifold, outside: Manifold, minimum: float) -> Iterator[Check]:
-    """Check the silicone that is left where the bone lies off as far as its supports allow."""
-    losses = design.losses
-    for name, over_sensor, limit in (
-        ("over_sensor", True, MIN_RETAINED_OVER_SENSOR), ("elsewhere", False, MIN_RETAINED),
-    ):  # fmt: skip
-        retained = 100 * worst(losses, over_sensor).retained
-        yield Check(f"skin.retained_{name}", retained, 100 * limit - _PERCENT_SLACK, "%", "at least")
-    thickness = min(_thickness(_move(interior, loss.motion), outside) for loss in _worst_by_direction(design, losses))
-    yield Check("skin.min_thickness_misaligned", thickness, minimum, "mm", "at least")
-
-
-def _worst_by_direction(design: Design, losses: Iterable[Loss]) -> list[Loss]:
-    """Select the largest loss towards each side of the finger, in its proximal and in its distal half."""
-    worst_by: dict[tuple[int, int, bool], Loss] = {}
-    for loss in losses:
-        _, y, z = loss.point.normal
-        side = int(y > _STEEP) - int(y < -_STEEP), int(z > _STEEP), loss.point.point_mm[2] > design.skin.length_mm / 2
-        if side not in worst_by or loss.loss_mm > worst_by[side].loss_mm:
-            worst_by[side] = loss
-    return [*worst_by.values()]
-
-
-def _move(solid: Manifold, motion: Motion) -> Manifold:
-    """Move a solid by a shift and a small rotation, of which the order does not matter then."""
-    shift, rotation = motion[:3], motion[3:]
-    x, y, z = (math.degrees(angle) for angle in rotation)
-    return solid.rotate((x, 0.0, 0.0)).rotate((0.0, y, 0.0)).rotate((0.0, 0.0, z)).translate(shift)
 
 
 def _perimeter(solid: Manifold, z: float) -> float:

@@ -16,10 +16,9 @@ from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale
 from fingertip.cad.verification.assembly import check_assembly, check_joint
 from fingertip.cad.verification.bone import check_air_vent, check_bone, check_strength
 from fingertip.cad.verification.check import Check
-from fingertip.cad.verification.cup import check_cup
 from fingertip.cad.verification.laid_in import check_laid_in, check_stand
 from fingertip.cad.verification.lying_skin import check_lying_skin
-from fingertip.cad.verification.mold import check_filling, check_mold, check_seals
+from fingertip.cad.verification.mold import check_mold
 from fingertip.cad.verification.printing import check_mesh_file, check_overhang, check_print_files
 from fingertip.cad.verification.skin import check_pad, check_skin
 from fingertip.cad.verification.strength import BoneStrength, assess_strength
@@ -108,10 +107,4 @@ def check_parts(
         yield from check_joint(design, evaluator)
     if "bone" in meshes and "stand" in meshes:
         yield from check_stand(design, evaluator)
-    if design.mold.method == "plunge":
-        yield from check_cup(design, evaluator, meshes)
-        return
-    if "mold_palmar" in meshes and "mold_dorsal" in meshes:
-        yield from check_mold(design, evaluator)
-        yield from check_filling(design)
-        yield from check_seals(design, evaluator)
+    yield from check_mold(design, evaluator, meshes)

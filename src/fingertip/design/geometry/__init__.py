@@ -9,10 +9,8 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import Any, Self
 
-from fingertip.design.geometry.cup_layout import CupLayout
 from fingertip.design.geometry.dimensions import Dimensions
 from fingertip.design.geometry.mold_layout import MoldLayout
-from fingertip.design.geometry.seat import Loss, find_losses
 from fingertip.design.parameters import ELECTRONIC_TABLES, Tables
 
 
@@ -25,19 +23,10 @@ class DesignTables(Tables):
     def mold_layout(self) -> MoldLayout:
         return MoldLayout(self, self.dimensions)
 
-    @cached_property
-    def cup_layout(self) -> CupLayout:
-        return CupLayout(self, self.dimensions)
-
-    @cached_property
-    def losses(self) -> tuple[Loss, ...]:
-        """Worst losses of silicone where the bone lies off as far as its supports allow."""
-        return find_losses(self, self.dimensions)
-
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """Copy the tables with changes. What is derived is kept only if no table that it depends on changes."""
         copy = super().model_copy(update=update, deep=deep)
         if not ELECTRONIC_TABLES.issuperset(update or ()):
-            for name in ("dimensions", "mold_layout", "cup_layout", "losses", "printed_fit_mm"):
+            for name in ("dimensions", "mold_layout"):
                 copy.__dict__.pop(name, None)
         return copy

@@ -1,81 +1,83 @@
-"""Positions of inlet, bolts and keys around the mold's cavity, all derived from the parameters.
+"""Sizes of the mold, a cup and its core, all derived from the parameters.
 
-The mold is held with its proximal face down while it is filled, so that the apex of the tip is the cavity's highest
-point. A syringe fills it from below: it stands on the dorsal face, beside the collar. Sprue and runner lead to the side
-of the cavity. Its vents stand where the silicone arrives last, on the dorsal side near the tip
-(`fingertip.filling.mold_filling`). All of them open with the mold, so that the cured sprue lifts out, and none touches
-the pad.
+The cup stands on its foot, tip down, and is open at the proximal end of the skin. The core hangs on a plate, whose
+underside is the plane z = 0 in which the skin ends. Three radial ridges of the plate, at 3, 9 and 12 o'clock, seat in
+grooves of the rim: six flanks at 45 degrees, which hold it in all six directions. The rim stays a gap below the plate,
+so that the flanks alone decide where the core is; silicone that is too much leaves through gap and notches.
 """
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
-
-from fingertip.catalogues.hardware import LUER_DEPTH_MM, LUER_MOUTH_MM, SYRINGES, Syringe, Thread, select_thread
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from fingertip.design.geometry.dimensions import Dimensions
     from fingertip.design.parameters import Tables
-    from fingertip.design.parameters.parts import Mold
+
+GAP_MM = 0.3
+"""Gap between plate and rim [mm]."""
+LIP_GAP_MM, LIP_WIDTH_MM = 0.15, 1.5
+"""Gap at the lip around the cavity, and width of the lip [mm]. The core sinks by 0.14 mm by errors of 0.1 mm of every
+flank; the narrow gap leaves most of what overflows to the notches."""
+LAND_MM = 4.5
+"""Least width of the rim between cavity and grooves [mm]."""
+_OUT = 1.05
+"""Least distance of the dorsal ridge's middle from the parting plane, over that of the sensor from the skin's end."""
+RIDGE_HEIGHT_MM, RIDGE_HALF_CREST_MM, RIDGE_LENGTH_MM = 2.0, 0.4, 4.5
+RIDGE_END_MM = 0.5
+"""Distance of each end of a ridge from the end of its groove [mm], so that no end locates the core."""
+PLATE_MM, LEDGE_MM = 5.0, 3.0
+"""Thickness of the plate, and width by which it stands out beyond the cup at both sides, to lift it by [mm]."""
+POURED = 1.35
+"""Silicone in the cup, coats included, over that of the skin: what is too much shows in all notches."""
+NOTCH_MM = (3.0, 1.5)
+"""Width and depth of the overflow notches [mm]."""
+BELT_MM = (6.0, 1.0)
+"""Height of the belts for rubber bands at their floor, and depth [mm]."""
+STRAP_Y_MM = 5.0
+"""Middle of the seats of a third band, over plate and foot, between the ridges [mm]."""
+KEY_SIZES_MM = (5.0, 4.0)
+"""Root diameters of both keys [mm]; their flanks rise at 45 degrees, so that they print on upright halves."""
+KEY_CLEARANCE_MM = 0.15
+"""Gap around a printed key [mm]."""
+KEY_TOP_MM = 1.0
+"""Diameter of a key at its end [mm]."""
+FOOT_CHAMFER_MM = 0.6
+"""Chamfer of the seam at the foot, where a print's first layers bulge [mm]."""
+PRY_MM = (6.5, 2.5, 1.2)
+"""Height, depth and half the width of the slots at the foot, in which a blade parts the halves [mm]."""
+_BESIDE_GROOVE_MM = 1.0
+_FREE = 0.36
+"""Length of the cup that is free above the silicone before the core is lowered, over that of the skin."""
 
 
-_BESIDE_BARREL_MM = 0.5
-"""Gap between the barrel of the syringe and the heads of the bolts [mm]."""
-_ABOVE_COLLAR_MM = 0.5
-_GATE_END = 0.95
-"""End of the runner inside the cavity, relative to the cavity's half width at the top of the runner."""
-_ABOVE_RUNNER_MM = 1.0
-"""Least length of the sprue between Luer cone and runner [mm]."""
+class Flank(NamedTuple):
+    """Flank of a ridge, by the middle of the line in which it meets its groove and by its normal into the ridge."""
+
+    point_mm: tuple[float, float, float]
+    normal: tuple[float, float, float]
 
 
-@dataclass(frozen=True)
-class Inlet:
-    """Luer cone and sprue along y, and the runner along z, then x into the cavity: all in the dorsal half [mm]."""
-
-    syringe: Syringe
+class Key(NamedTuple):
     x: float
     z: float
-    """Axis of cone and sprue."""
-    gate_x: float
-    """End of the runner, inside the cavity."""
-    gate_z: float
-    """Centre of the gate, along the finger."""
-    width: float
-    depth: float
-    """Width and depth of the runner."""
+    root_mm: float
 
 
 class MoldLayout:
-    """Positions and outline of the mold [mm], computed when they are first read as in `Dimensions`."""
+    """Positions and outline of cup and core [mm], computed when they are first read as in `Dimensions`."""
 
     def __init__(self, design: Tables, dims: Dimensions) -> None:
         self._design, self._dims = design, dims
 
     @cached_property
-    def nut_circumradius(self) -> float:
-        return self._design.mold.nut_width_mm / math.sqrt(3)
-
-    @cached_property
-    def _half_column(self) -> float:
-        """Half the width that bolts, keys and inlet need beside the cavity."""
-        return max(self.nut_circumradius, self._design.mold.key_diameter_mm / 2, self.half_inlet)
-
-    @cached_property
-    def half_inlet(self) -> float:
-        """Half the width of the inlet: of its Luer cone, or of a wider runner."""
-        return max(LUER_MOUTH_MM, self._design.mold.runner_width_mm) / 2
-
-    @cached_property
-    def _column_x(self) -> float:
-        cavity = self._design.skin.width_mm / 2 * self._dims.shrinkage
-        return cavity + self._design.mold.land_mm + self._half_column
+    def cavity_half_width(self) -> float:
+        return self._design.skin.width_mm / 2 * self._dims.shrinkage
 
     @cached_property
     def half_width(self) -> float:
-        return self._column_x + self._half_column + self._design.mold.land_mm
+        return self.cavity_half_width + LAND_MM + RIDGE_LENGTH_MM
 
     @cached_property
     def palmar_height(self) -> float:
@@ -83,139 +85,61 @@ class MoldLayout:
 
     @cached_property
     def dorsal_height(self) -> float:
-        """Height of the dorsal half. It holds the Luer cone of the syringe above the runner."""
-        mold = self._design.mold
-        height = self._design.skin.semi_axis_dorsal_mm * self._dims.shrinkage + mold.wall_mm
-        return max(height, LUER_DEPTH_MM + _ABOVE_RUNNER_MM + mold.runner_depth_mm)
+        """Height of the dorsal half, on whose rim the third groove lies."""
+        around_skin = self._design.skin.semi_axis_dorsal_mm * self._dims.shrinkage + self._design.mold.wall_mm
+        return max(self.ridge_begins[1] + RIDGE_LENGTH_MM, around_skin)
 
     @cached_property
-    def proximal_z(self) -> float:
-        return -self._design.mold.recess_length_mm
-
-    @cached_property
-    def distal_z(self) -> float:
-        """Distal face of the mold. Inlet, key and bolts beside the cavity can make it longer than the skin."""
-        mold = self._design.mold
-        around_skin = self._design.skin.length_mm * self._dims.shrinkage + mold.wall_mm
-        beside_key = self._key_beside_inlet_z + self._small_key_reach + mold.land_mm + self.nut_circumradius
-        past_barrel = self.inlet.z + self._barrel_to_bolt
-        return max(around_skin, max(beside_key, past_barrel) + self._end_to_bolt)
-
-    @cached_property
-    def _end_to_bolt(self) -> float:
-        return self._design.mold.land_mm + self.nut_circumradius
-
-    @cached_property
-    def _small_key_radius(self) -> float:
-        return 0.4 * self._design.mold.key_diameter_mm
-
-    @cached_property
-    def _barrel_to_bolt(self) -> float:
-        """Distance of the syringe's axis from that of a bolt, whose head is about as wide as its nut."""
-        mold = self._design.mold
-        head = select_thread(mold.bolt_diameter_mm).nut_flats_mm
-        return (SYRINGES[mold.syringe].barrel_mm + head) / 2 + _BESIDE_BARREL_MM
-
-    @cached_property
-    def inlet(self) -> Inlet:
-        """Inlet for the syringe, in the column of the bolts at +x."""
-        mold = self._design.mold
-        bolt_z, half = self.proximal_z + self._end_to_bolt, mold.runner_width_mm / 2
-        # Silicone under pressure must not creep to the bolt, as it must not from the cavity.
-        gate_z = max(_ABOVE_COLLAR_MM, bolt_z + mold.bolt_diameter_mm / 2 + mold.land_mm) + half
-        z = max(bolt_z + self._barrel_to_bolt, gate_z + half + LUER_MOUTH_MM / 2)
-        # The runner ends where the cavity is as wide at its top, so that it enters the cavity over its whole depth.
-        end = self._dims.outer.half_width_at(mold.runner_depth_mm, gate_z + half)
-        return Inlet(
-            SYRINGES[mold.syringe], self._column_x, z, _GATE_END * end, gate_z, mold.runner_width_mm,
-            mold.runner_depth_mm,
-        )  # fmt: skip
-
-    @cached_property
-    def _bolts_z(self) -> tuple[float, float]:
-        return self.proximal_z + self._end_to_bolt, self.distal_z - self._end_to_bolt
-
-    @cached_property
-    def bolts(self) -> tuple[tuple[float, float], ...]:
-        return tuple((x, z) for x in (-self._column_x, self._column_x) for z in self._bolts_z)
-
-    def _key_reach(self, root: float) -> float:
-        """Reach of a key's socket from its axis, where its draft has widened it most."""
-        mold, slope = self._design.mold, self._dims.draft_slope
-        return root / 2 + slope * self.dorsal_height / 2 + mold.key_clearance_mm * math.hypot(1.0, slope)
+    def foot_z(self) -> float:
+        """Height of the face on which the cup stands."""
+        return self._design.skin.length_mm * self._dims.shrinkage + self._design.mold.wall_mm
 
     @property
-    def _small_key_reach(self) -> float:
-        return self._key_reach(2 * self._small_key_radius)
-
-    def clear_side_z(self, z: float, width: float) -> float:
-        """Find the height nearest to `z` [mm] at which a groove of this width passes the bolts and the key at -x."""
-        wall = self._design.printer.min_wall_mm + width / 2
-        key_z, root = self.keys[0][1], self._key_reach(self.keys[0][2])
-        bolt = self._design.mold.bolt_diameter_mm / 2
-        around = [(at - bolt - wall, at + bolt + wall) for at in self._bolts_z]
-        around.append((key_z - root - wall, key_z + root + wall))
-        candidates = [z, *(edge for interval in around for edge in interval)]
-        inside = (self.proximal_z + wall, self.distal_z - wall)
-        clear = [
-            at for at in candidates
-            if inside[0] <= at <= inside[1] and not any(low + 1e-9 < at < high - 1e-9 for low, high in around)
-        ]  # fmt: skip
-        return min(clear, key=lambda at: abs(at - z))
+    def overall_height(self) -> float:
+        """Height from the foot to the top of the seated plate: the one reading that tells how the core sits."""
+        return self.foot_z + PLATE_MM
 
     @cached_property
-    def pry_z(self) -> float:
-        low, high = self._bolts_z
-        return (low + high) / 2
+    def ridge_begins(self) -> tuple[float, float]:
+        """Distance from the axis at which the grooves begin: at the sides, and on the dorsal side.
 
-    @cached_property
-    def _key_beside_inlet_z(self) -> float:
-        """Least height of the key in the column of the inlet."""
-        return self.inlet.z + self.half_inlet + self._design.mold.land_mm + self._small_key_reach
-
-    @cached_property
-    def keys(self) -> tuple[tuple[float, float, float], ...]:
-        """(x, z, root diameter) of each registration key.
-
-        The keys have unequal diameters and sit off the middle by unequal amounts. A half that is turned round finds no
-        socket for either of them, so the halves close in one way only.
+        The dorsal one lies as far out as the sensor is deep: its errors tilt the core.
         """
-        mold = self._design.mold
-        low, high = self._bolts_z
-        shift = (high - low - 2 * self.nut_circumradius - mold.key_diameter_mm - 2 * mold.land_mm) / 4
-        # Beside the inlet the second key has no room, and beside the proximal half of the cavity vents open.
-        second = max(self.pry_z + shift / 2, self._key_beside_inlet_z)
-        first = high - self.nut_circumradius - mold.land_mm - self._key_reach(mold.key_diameter_mm)
-        return ((-self._column_x, first, mold.key_diameter_mm), (self._column_x, second, 2 * self._small_key_radius))
+        beside = self._design.skin.semi_axis_dorsal_mm * self._dims.shrinkage + LAND_MM
+        return self.cavity_half_width + LAND_MM, max(beside, _OUT * self._dims.sensor_z - RIDGE_LENGTH_MM / 2)
 
+    @cached_property
+    def notch_x(self) -> float:
+        """Distance of the notches from the middle plane, clear of the dorsal groove."""
+        clear = RIDGE_HALF_CREST_MM + RIDGE_HEIGHT_MM + _BESIDE_GROOVE_MM + NOTCH_MM[0] / 2
+        return max(clear, self.cavity_half_width / 2)
 
-_BOLT_LENGTHS_MM = (
-    5, 6, 8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 80, 90, 100, 110, 120, 130, 140, 150
-)  # fmt: skip
-"""Standard lengths of metric bolts (ISO 888)."""
+    @cached_property
+    def belts_z(self) -> tuple[float, float]:
+        """Middle of the belts for rubber bands."""
+        return self.foot_z / 4, 3 * self.foot_z / 4
 
+    @cached_property
+    def keys(self) -> tuple[Key, Key]:
+        """Keys of unequal sizes at unequal heights, so that no other way round closes the cup."""
+        x = (self.half_width - BELT_MM[1] + self.cavity_half_width) / 2
+        return Key(-x, 0.4 * self.foot_z, KEY_SIZES_MM[0]), Key(x, 0.7 * self.foot_z, KEY_SIZES_MM[1])
 
-@dataclass(frozen=True)
-class ClampBolts:
-    """Identical bolts that hold the mold halves together, each with a nut."""
+    @cached_property
+    def flanks(self) -> tuple[Flank, ...]:
+        """List the six flanks, each of which pushes the core up and sideways, away from its groove."""
+        half = RIDGE_HALF_CREST_MM + (RIDGE_HEIGHT_MM - GAP_MM) / 2
+        z, root = GAP_MM + (RIDGE_HEIGHT_MM - GAP_MM) / 2, 0.5**0.5
+        side, dorsal = self.ridge_begins
+        x, y = (side + self.half_width) / 2, (dorsal + self.dorsal_height) / 2
+        along_x = (
+            Flank((end * x, across * half, z), (0.0, -across * root, -root))
+            for end in (-1.0, 1.0) for across in (-1.0, 1.0)
+        )  # fmt: skip
+        along_y = (Flank((across * half, y, z), (-across * root, 0.0, -root)) for across in (-1.0, 1.0))
+        return (*along_x, *along_y)
 
-    count: int
-    thread: Thread
-    length_mm: float
-    """Length below the head."""
-
-    def stand_out_mm(self, layout: MoldLayout) -> float:
-        """Length by which they stand out of the palmar face; negative if they end below it."""
-        return self.length_mm - layout.dorsal_height - layout.palmar_height
-
-
-def size_clamp_bolts(mold: Mold, layout: MoldLayout) -> ClampBolts:
-    """Size the bolts: from the dorsal face through the nuts, at the bottom of their traps in the palmar face."""
-    thread = select_thread(mold.bolt_diameter_mm)
-    grip_mm = layout.dorsal_height + layout.palmar_height - mold.nut_depth_mm + thread.nut_height_mm
-    return ClampBolts(len(layout.bolts), thread, standard_length_mm(grip_mm))
-
-
-def standard_length_mm(wanted_mm: float) -> float:
-    """Return the shortest standard length of a bolt that is at least this long [mm], or the longest of all."""
-    return float(next((length for length in _BOLT_LENGTHS_MM if length >= wanted_mm), _BOLT_LENGTHS_MM[-1]))
+    @cached_property
+    def pour_z(self) -> float:
+        """About the height of the silicone's surface before the core is lowered, at the design's size of the skin."""
+        return _FREE * self._design.skin.length_mm

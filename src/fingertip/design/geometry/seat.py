@@ -1,13 +1,4 @@
-"""Seat of the bone in the mold: the silicone over it, its play, and how far silicone creeps along it until it sets.
-
-Play: the bone is a rigid body. Base and collar lie in their recess with a clearance on all sides, and the screw of the
-chaplet pulls the facet against the boss. Each surface that locates the bone may be off by the error of the print. For
-small motions, a shift t and a rotation w, a contact at r with the normal n allows n . (t + w x r) <= gap. The silicone
-lost at a point of the skin is the same expression, so its largest value is the solution of a linear program.
-
-References: H. Schlichting, Boundary-Layer Theory, chapter 6 (creeping flow between parallel walls); V. Chvatal, Linear
-Programming, 1983, chapter 3 (simplex method).
-"""
+"""Silicone over the bone at its outline, and how far it creeps into a gap until it sets."""
 
 from __future__ import annotations
 
@@ -18,7 +9,6 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, TypeAlias
 
 from fingertip.design.geometry.conic import ConicBody, CrossSection, arc_point
-from fingertip.foundation.numerics import maximise_linear
 
 if TYPE_CHECKING:
     from fingertip.design.geometry.dimensions import Dimensions
@@ -134,63 +124,21 @@ def _nearest_chord(point: tuple[float, float], polyline: list[Chord]) -> tuple[f
     return closest, nearest
 
 
-_RIM_MM = 0.5
-"""Distance that the tape keeps from the skin, from the foot of the collar and from the end of the recess [mm]."""
-_LEAST_GAP_MM = 0.01
-"""Gap that is left above the tape, because printed surfaces are not smooth [mm]. An assumption."""
+def creep_mm(integral: float, gap_mm: float) -> float:
+    """Compute how far silicone creeps into a gap: a flow q per width loses the pressure 12 mu q / h^3 per length.
 
-
-def tape_span_mm(design: Tables) -> tuple[float, float] | None:
-    """Return where the seat's tape lies [mm below the skin], on the collar or below its foot; None without."""
-    collar, recess = design.bone.collar_length_mm, design.mold.recess_length_mm
-    if design.mold.seat_tape_mm == 0.0:
-        return None
-    on_collar, on_base = (_RIM_MM, collar - _RIM_MM), (collar, recess - _RIM_MM)
-    return max(on_collar, on_base, key=lambda span: span[1] - span[0])
-
-
-def creep_mm(integral: float, gap_mm: float, tape_mm: float, span_mm: tuple[float, float] | None) -> float:
-    """Compute how far silicone creeps into a gap, of which a tape narrows the part from its beginning on [mm].
-
-    A flow q per width between plates at a distance h loses the pressure 12 mu q / h^3 per length. With x1 from the
-    opening to the tape, h1 and h2 the gaps there and above the tape, and x2 the length crept along the tape,
-
-        integral of p / mu over time = 6 (x1 / h1)^2 + 12 h2 x1 x2 / h1^3 + 6 (x2 / h2)^2,
-
-    or 6 (x / h1)^2 where the silicone does not reach the tape.
+    The integral is that of pressure over viscosity in time (H. Schlichting, Boundary-Layer Theory, chapter 6).
     """
-    free = gap_mm * math.sqrt(integral / 6.0)
-    if span_mm is None or free <= span_mm[0]:
-        return free
-    x1, h1, h2 = span_mm[0], gap_mm, min(gap_mm, max(gap_mm - tape_mm, _LEAST_GAP_MM))
-    # a x2^2 + b x2 = c, solved in the form that does not cancel.
-    a, b, c = 6.0 / h2**2, 12.0 * h2 * x1 / h1**3, integral - 6.0 * (x1 / h1) ** 2
-    return x1 + 2.0 * c / (b + math.sqrt(b * b + 4.0 * a * c))
+    return gap_mm * math.sqrt(integral / 6.0)
 
 
 Vector: TypeAlias = tuple[float, float, float]
-Motion: TypeAlias = tuple[float, ...]
-"""Shift in x, y, z [mm] and rotation about x, y, z [rad]."""
 
-_CHORDS = 5
-"""Contacts of a quarter of an outline."""
 _POINTS, _SURFACE_CHORDS = 5, 20
 """Points of a quarter of a section at which the silicone is measured, and chords of the outer surface."""
 _TIP_SECTIONS = 2
 _STEP_MM = 1e-3
 """Step over which the slope of the outer surface is taken."""
-_LIMIT = 100.0
-"""Bound of every component of a motion, which no support at all would leave unbounded [mm or rad]."""
-
-
-@dataclass(frozen=True)
-class Contact:
-    """Surface that limits the motion of the bone."""
-
-    point_mm: Vector
-    normal: Vector
-    """Direction in which the bone cannot move further than the gap; a unit vector."""
-    gap_mm: float
 
 
 @dataclass(frozen=True)
@@ -203,49 +151,6 @@ class SkinPoint:
     """Direction in which the silicone is thickness_mm thick; a unit vector."""
     thickness_mm: float
     over_sensor: bool = False
-
-
-@dataclass(frozen=True)
-class Loss:
-    point: SkinPoint
-    loss_mm: float
-    motion: Motion
-
-    @property
-    def retained(self) -> float:
-        """Thickness that is left, relative to the nominal one."""
-        return 1.0 - self.loss_mm / self.point.thickness_mm
-
-    @property
-    def left_mm(self) -> float:
-        return max(0.0, self.point.thickness_mm - self.loss_mm)
-
-
-def list_contacts(design: Tables, dims: Dimensions, fit_clearance_mm: float | None = None) -> tuple[Contact, ...]:
-    """List what limits the motion of the bone."""
-    error = 2 * design.printer.surface_error_mm  # one surface of the bone, one of the mold
-    drawn = design.mold.fit_clearance_mm if fit_clearance_mm is None else fit_clearance_mm
-    gap = max(0.0, drawn - design.printer.offset_mm) + error
-    foot = -design.bone.collar_length_mm
-    low = max(-design.mold.recess_length_mm, -dims.full_base_length)
-    contacts = [
-        *_around(dims.collar, 0.0, gap),
-        *_around(dims.collar, foot, gap),
-        *_around(dims.bone_outline, foot, gap, dims.base_flat_depth),
-        *_around(dims.bone_outline, low, gap, dims.base_flat_depth),
-    ]
-    chaplet = dims.chaplet
-    if chaplet is None:
-        # The collar's foot lies on its shelf, and nothing else holds the bone along the finger.
-        return (*contacts, *(Contact((0.0, 0.0, 0.0), (0.0, 0.0, sign), gap) for sign in (-1.0, 1.0)))
-    centre = (0.0, chaplet.facet_y, chaplet.z)
-    across = chaplet.play + error
-    for sign in (-1.0, 1.0):
-        contacts += [Contact(centre, (sign, 0.0, 0.0), across), Contact(centre, (0.0, 0.0, sign), across)]
-        # The screw presses the facet on the whole boss.
-        for x, z in ((chaplet.radius, 0.0), (-chaplet.radius, 0.0), (0.0, chaplet.radius), (0.0, -chaplet.radius)):
-            contacts.append(Contact((x, chaplet.facet_y, chaplet.z + z), (0.0, sign, 0.0), error))
-    return tuple(contacts)
 
 
 def list_skin_points(design: Tables, dims: Dimensions) -> tuple[SkinPoint, ...]:
@@ -280,62 +185,6 @@ def list_skin_points(design: Tables, dims: Dimensions) -> tuple[SkinPoint, ...]:
     return tuple(points)
 
 
-def list_insert_points(dims: Dimensions, lower_mm: float = 0.0) -> tuple[SkinPoint, ...]:
-    """List points on the edge of an insert, which may be lower, where the skin over it is thinnest; none without."""
-    if dims.insert is None:
-        return ()
-    r, palm, points = dims.insert.radius, dims.outer.palmar_height_at, []
-    depth = dims.platform_depth + dims.insert.height - lower_mm
-    for x, along in ((0.0, r), (r, 0.0), (0.0, -r)):
-        z = dims.sensor_z + along
-        by_x, by_z = ((palm(x + _STEP_MM, z) - palm(x, z)) / _STEP_MM, (palm(x, z + _STEP_MM) - palm(x, z)) / _STEP_MM)
-        cosine = 1.0 / math.hypot(1.0, by_x, by_z)
-        normal = (-by_x * cosine, -cosine, -by_z * cosine)
-        points.append(SkinPoint((x, -depth, z), normal, (palm(x, z) - depth) * cosine))
-    return tuple(points)
-
-
-def find_losses(
-    design: Tables, dims: Dimensions, fit_clearance_mm: float | None = None, points: Sequence[SkinPoint] | None = None
-) -> tuple[Loss, ...]:
-    """Find the worst loss of silicone at each point, over all positions that the contacts allow."""
-    contacts = list_contacts(design, dims, fit_clearance_mm)
-    rows = [_moment(contact.point_mm, contact.normal) for contact in contacts]
-    gaps = [contact.gap_mm for contact in contacts]
-    points = list_skin_points(design, dims) if points is None else points
-    solutions = maximise_linear([_moment(point.point_mm, point.normal) for point in points], rows, gaps, _LIMIT)
-    return tuple(Loss(point, value, tuple(m)) for point, (value, m) in zip(points, solutions, strict=True))
-
-
-def worst(losses: Sequence[Loss], over_sensor: bool) -> Loss:
-    """Select the point that keeps the smallest share of its thickness, over the sensor or elsewhere."""
-    return min((loss for loss in losses if loss.point.over_sensor == over_sensor), key=lambda loss: loss.retained)
-
-
 def sleeve_inset_mm(design: Tables) -> float:
-    """Return the inset of the silicone's inside from the bone [mm]: the interference of a skin made apart, else 0."""
-    return design.mold.core_inset_mm if design.is_cast_apart else 0.0
-
-
-def _moment(point: Vector, normal: Vector) -> list[float]:
-    """Return n and r x n, whose product with a motion is n . (t + w x r)."""
-    (x, y, z), (a, b, c) = point, normal
-    return [a, b, c, y * c - z * b, z * a - x * c, x * b - y * a]
-
-
-def _around(body: ConicBody, z: float, gap_mm: float, flat: float | None = None) -> Iterator[Contact]:
-    """List contacts around an outline at a height, cut at its palmar flat, on both sides."""
-    section = body.section
-    for dorsal in (True, False):
-        sign = 1.0 if dorsal else -1.0
-        for (x0, y0), (x1, y1) in pairwise(quarter_outline(section, dorsal, _CHORDS)):
-            x, y = (x0 + x1) / 2, (y0 + y1) / 2
-            if not dorsal and flat is not None and y > flat:
-                continue
-            length = math.hypot(x1 - x0, y1 - y0)
-            nx, ny = (y1 - y0) / length, (x0 - x1) / length
-            for side in (-1.0, 1.0):
-                yield Contact((side * x, sign * y, z), (side * nx, sign * ny, 0.0), gap_mm)
-    if flat is not None:
-        for side in (-1.0, 1.0):
-            yield Contact((side * section.half_width_at(-flat), -flat, z), (0.0, -1.0, 0.0), gap_mm)
+    """Return the inset of the silicone's inside from the bone [mm]."""
+    return design.mold.core_inset_mm

@@ -10,7 +10,6 @@ import math
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from fingertip.catalogues.hardware import MAX_TRAP_RATIO, Thread
 from fingertip.design.geometry.solids import Axis, Point3
 from fingertip.design.parameters import Tables
 
@@ -79,11 +78,6 @@ def shared_clearance(gap: float) -> Tolerance:
 def bore(design: Tables) -> Tolerance:
     """Tolerance of a bore that is reamed to its pin: never wider than the print's error on both sides."""
     return Tolerance(-2.0 * design.printer.surface_error_mm, 0.0) if design.printer.surface_error_mm else symmetric(0.1)
-
-
-def nut_trap(thread: Thread, width: float) -> Tolerance:
-    """Tolerance of a trap's width: the nut goes in, and does not turn."""
-    return Tolerance(thread.nut_flats_mm - width, MAX_TRAP_RATIO * thread.nut_flats_mm - width)
 
 
 ViewName = Literal["front", "dorsal", "palmar", "end", "section"]

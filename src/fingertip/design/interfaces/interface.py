@@ -9,11 +9,10 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from fingertip.catalogues.hardware import select_thread
+from fingertip.catalogues.hardware import select_thread, standard_length_mm
 from fingertip.design.formulas.stress import LocalStress, StressFactors, hole_in_tension
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.dimensions import Dimensions
-from fingertip.design.geometry.mold_layout import standard_length_mm
 from fingertip.design.geometry.sizes import BEHIND_FACE, INNER, OUTER, Circle, Length, Size, Tolerance, clearance
 from fingertip.design.geometry.solids import Solid, cylinder
 from fingertip.design.rules.ruleset import SLACK

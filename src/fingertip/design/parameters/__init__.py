@@ -6,7 +6,6 @@ The rules between parameters are checked later.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cached_property
 from typing import Any, Self
 
 from pydantic import ConfigDict, Field
@@ -44,15 +43,10 @@ class Tables(Frozen):
     board: Board = Board()
     detector: Detector = Detector()
 
-    @cached_property
-    def printed_fit_mm(self) -> float:
-        """Gap between base and recess as printed [mm]: that of the design less the growth of one surface of each."""
-        return max(0.0, self.mold.fit_clearance_mm - self.printer.offset_mm)
-
     @property
     def is_cast_apart(self) -> bool:
         """True for a skin that is cast around a core, then pulled over the bone: no bone lies in its mold."""
-        return self.mold.method != "overmold"
+        return True
 
     @property
     def prints_without_supports(self) -> bool:

@@ -33,21 +33,15 @@ _DRAWINGS: dict[str, Callable[[Design], PartDrawing]] = {
     "mold_dorsal": mold_sizes.dorsal_drawing,
     "sensor_insert": part_sizes.insert_drawing,
     "insert_jig": part_sizes.jig_drawing,
-    "stand": part_sizes.stand_drawing,
-}
-
-_OF_CUP: Mapping[str, Callable[[Design], PartDrawing]] = {
-    "mold_palmar": mold_sizes.cup_palmar_drawing,
-    "mold_dorsal": mold_sizes.cup_dorsal_drawing,
     "core": mold_sizes.core_drawing,
+    "stand": part_sizes.stand_drawing,
 }
 
 
 def part_drawings(design: Design) -> tuple[PartDrawing, ...]:
     printed = (name for name, part in parts_by_name(design).items() if part.is_printed)
     drawings = []
-    described = {**_DRAWINGS, **_OF_CUP} if design.is_cast_apart else _DRAWINGS
-    for drawing in (described[name](design) for name in printed):
+    for drawing in (_DRAWINGS[name](design) for name in printed):
         # Only the printer's offset is added: the scale of the files is there to give the design's size.
         sizes = tuple(replace(size, added_mm=size.growth * design.printer.offset_mm) for size in drawing.sizes)
         drawings.append(replace(drawing, sizes=sizes, notes=_notes(design, drawing)))
@@ -56,9 +50,6 @@ def part_drawings(design: Design) -> tuple[PartDrawing, ...]:
 
 def _notes(design: Design, drawing: PartDrawing) -> tuple[str, ...]:
     notes = [f"Curved surfaces and all other sizes: see {drawing.part}.step.", *drawing.notes]
-    if design.mold.draft_deg and not design.is_cast_apart and drawing.part.startswith(("mold", "bone")):
-        drafted = "Recess, keys and sockets" if drawing.part.startswith("mold") else "The collar's foot"
-        notes.append(f"{drafted}: {design.mold.draft_deg:g} degrees of draft from the parting plane.")
     if drawing.part.startswith("mold") and design.mold.engraving_depth_mm:
         notes.append("Engraved text is not shown.")
     offset, scale = design.printer.offset_mm, design.printer.scale_percent

@@ -12,7 +12,7 @@ from fingertip.cad.printing.overhang import bed_pose
 from fingertip.cad.printing.settings import FDM
 from fingertip.cad.shapes.insert import cavity
 from fingertip.casting.sheet import CastingSheet
-from fingertip.design.geometry.cup_layout import BELT_MM, GAP_MM, LEDGE_MM, PLATE_MM, STRAP_Y_MM
+from fingertip.design.geometry.mold_layout import BELT_MM, GAP_MM, LEDGE_MM, PLATE_MM, STRAP_Y_MM
 from fingertip.design.geometry.dimensions import KNOT_WIRES
 from fingertip.design.geometry.solids import Box, Solid, cylinder, difference, intersection, scaled, union
 from fingertip.design.interfaces.interface import middle_y
@@ -56,7 +56,7 @@ def _cup(bench: Bench, *, cut: bool = False) -> list[Shown]:
 
 def _banded_cup(bench: Bench) -> list[Shown]:
     """Show the closed cup with its two rubber bands."""
-    m, (height, depth) = bench.design.cup_layout, BELT_MM
+    m, (height, depth) = bench.design.mold_layout, BELT_MM
     shown, x, low, high = _cup(bench), m.half_width, -m.palmar_height, m.dorsal_height
     for z in m.belts_z:
         top, end = z - 0.4 * height, z + 0.4 * height
@@ -77,7 +77,7 @@ def _stick(bench: Bench, at: tuple[float, float], low: float, high: float) -> Sh
 
 def try_core(bench: Bench, sheet: CastingSheet) -> Scene:
     """Show the core seated in the closed cup, and calipers over both."""
-    m, face, top = bench.design.cup_layout, -bench.design.cup_layout.palmar_height, -PLATE_MM
+    m, face, top = bench.design.mold_layout, -bench.design.mold_layout.palmar_height, -PLATE_MM
     foot, x, low, high, (least, most) = m.foot_z, 4.0 - m.half_width, face + 3.5, face + 6.5, sheet.height_mm
     beam, reading = x - 14.0, f"{least:g} to {most:g} mm"
     calipers = union(
@@ -96,7 +96,7 @@ def try_core(bench: Bench, sheet: CastingSheet) -> Scene:
 
 
 def varnish(bench: Bench, sheet: CastingSheet) -> Scene:
-    m, depth = bench.design.cup_layout, bench.design.cup_layout.palmar_height - bench.design.mold.wall_mm
+    m, depth = bench.design.mold_layout, bench.design.mold_layout.palmar_height - bench.design.mold.wall_mm
     below = Box((-m.half_width, -2 * m.palmar_height, 0.5), (m.half_width, -0.1, 2 * m.foot_z))
     return Scene(
         (bench.part("mold_palmar"), bench.solid(intersection(_coated(bench), below), _VARNISH)),
@@ -158,7 +158,7 @@ def mix(bench: Bench, sheet: CastingSheet) -> Scene:
 
 
 def coat(bench: Bench, sheet: CastingSheet) -> Scene:
-    m, bone, wall = bench.design.cup_layout, bench.design.bone, bench.design.mold.wall_mm
+    m, bone, wall = bench.design.mold_layout, bench.design.bone, bench.design.mold.wall_mm
     lift, (_, y, z), waist = _LIFT_MM + m.foot_z, bench.head, bench.dims.bone_outline.section.half_width
     groove = (bone.groove_depth_mm - waist, 1.0, bone.groove_distance_mm + bone.groove_width_mm / 2 - lift)
     return Scene(
@@ -175,7 +175,7 @@ def coat(bench: Bench, sheet: CastingSheet) -> Scene:
 
 
 def pour(bench: Bench, sheet: CastingSheet) -> Scene:
-    m, y = bench.design.cup_layout, 0.6 * bench.dims.outer.section.dorsal
+    m, y = bench.design.mold_layout, 0.6 * bench.dims.outer.section.dorsal
     z, far = m.pour_z * bench.dims.shrinkage, 2 * m.foot_z
     silicone = intersection(cavity(bench.design), Box((-far, -far, z), (far, far, far)))
     stream = bench.solid(cylinder("z", (0.5, y), -35.0, z + 0.5, 0.8), Paint.SILICONE)
@@ -189,7 +189,7 @@ def pour(bench: Bench, sheet: CastingSheet) -> Scene:
 
 def lower(bench: Bench, sheet: CastingSheet) -> Scene:
     """Show the core seated under a third rubber band, and the silicone that comes out."""
-    m, y, side, depth = bench.design.cup_layout, STRAP_Y_MM, 0.4 * BELT_MM[0], BELT_MM[1]
+    m, y, side, depth = bench.design.mold_layout, STRAP_Y_MM, 0.4 * BELT_MM[0], BELT_MM[1]
     x, top, foot, face = m.half_width + LEDGE_MM - depth, -PLATE_MM, m.foot_z - depth, -m.palmar_height
     outer = Box((-x - _BAND_MM, y - side, top - _BAND_MM), (x + _BAND_MM, y + side, foot + _BAND_MM))
     band = difference(outer, Box((-x, y - 2 * side, top), (x, y + 2 * side, foot)))
@@ -207,7 +207,7 @@ def lower(bench: Bench, sheet: CastingSheet) -> Scene:
 
 
 def open_(bench: Bench, sheet: CastingSheet) -> Scene:
-    m, apart, lifted = bench.design.cup_layout, 16.0, (0.0, 0.0, -6.0)
+    m, apart, lifted = bench.design.mold_layout, 16.0, (0.0, 0.0, -6.0)
     low, edge, tip = -m.palmar_height - apart, m.foot_z + 3.0, m.foot_z - bench.design.mold.wall_mm
     seam, hollow = Box((-edge, -0.15, 2.0), (edge, 0.15, edge)), cavity(bench.design)
     fins = difference(intersection(scaled(hollow, 1.06), seam), hollow)

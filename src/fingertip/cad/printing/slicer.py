@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fingertip.cad.printing.overhang import OVERHANG_DEG
-from fingertip.cad.printing.settings import FIRST_LAYER_MM, LAYER_MM
+from fingertip.cad.printing.settings import FIRST_LAYER_MM, PROFILE
 from fingertip.design import Design
 from fingertip.foundation.errors import GeometryError, Issue
 from fingertip.foundation.files import temporary_folder
@@ -41,8 +41,8 @@ def find_slicer() -> Path | None:
 
 
 def slice_plate(program: Path, name: str, plate: bytes, design: Design) -> PrintEstimate:
-    """Slice a plate, given as 3MF, in layers of `LAYER_MM` on the design's bed. Raises GeometryError."""
-    return parse_gcode(name, slice_to_gcode(program, name, plate, design, LAYER_MM))
+    """Slice a plate, given as 3MF, in its layers on the design's bed. Raises GeometryError."""
+    return parse_gcode(name, slice_to_gcode(program, name, plate, design, PROFILE.layer_mm))
 
 
 def slice_to_gcode(program: Path, name: str, plate: bytes, design: Design, layer_mm: float) -> str:

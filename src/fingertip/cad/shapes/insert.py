@@ -13,7 +13,7 @@ from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody, add_groove, inset_body, offset_section
 from fingertip.design.geometry.features import INSERT_BASE_MM, Chaplet
 from fingertip.design.geometry.foot import LEDGE_MM
-from fingertip.design.geometry.seat import quarter_outline, sleeve_inset_mm, tape_span_mm
+from fingertip.design.geometry.seat import quarter_outline, sleeve_inset_mm
 from fingertip.design.geometry.solids import (
     Box,
     Cone,
@@ -269,20 +269,6 @@ def skin_interior(design: Design) -> Solid:
     bone, recess = filled_bone(design, sleeve_inset_mm(design)), bump_recess(design)
     bone = difference(bone, *recess) if recess else bone
     return union(bone, *sensor_insert(design, INSERT_BASE_MM + _INTO_BONE_MM)) if design.dimensions.insert else bone
-
-
-def seat_tape(design: Design, thickness_mm: float) -> tuple[Solid, ...]:
-    """Build the tape around the seat, on the collar or on the base below it; none without one. It is not printed."""
-    dims, span = design.dimensions, tape_span_mm(design)
-    if span is None:
-        return ()
-    on_collar = span[1] <= design.bone.collar_length_mm
-    section = offset_section((dims.collar if on_collar else dims.bone_outline).section, thickness_mm)
-    around: Solid = SuperconicSolid(ConicBody(section, ((-span[1], 1.0), (-span[0], 1.0))))
-    if not on_collar:
-        far, flat = 2 * section.half_width, -dims.base_flat_depth - thickness_mm
-        around = difference(around, Box((-far, -2 * section.palmar, -2 * span[1]), (far, flat, 0.0)))
-    return (difference(around, filled_bone(design)),)
 
 
 def skin(design: Design) -> Solid:

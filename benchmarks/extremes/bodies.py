@@ -20,7 +20,6 @@ from fingertip.pad.layer import find_contacts
 from fingertip.pad.pose import ObjectShape, Pose
 from fingertip.pad.response import Backing, Pad
 
-
 _TABLES = ("sensor.", "bone.", "hand.", "skin.", "mold.")
 _NOT_GEOMETRY = ("excess", "plunge_pressure", "core_bending", "creep", "seat_film", "palmar_error", "fitting_stretch")
 """Checks that a printer, a silicone or a load decides, not the shapes."""

@@ -132,11 +132,7 @@ class Build:
         if ASSEMBLY in self.contents:
             names = [built.part.name for built in self.parts]
             bought = hardware(self.design, names)
-            report["assembly"] = {
-                "file": ASSEMBLY,
-                "parts": names,
-                "hardware": [item.name for item in bought],
-            }
+            report["assembly"] = {"file": ASSEMBLY, "parts": names, "hardware": [item.name for item in bought]}
         if self.strength:
             report["strength"] = strength_data(self.strength)
         if any(built.part.name == "skin" for built in self.parts):

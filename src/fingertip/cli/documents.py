@@ -10,7 +10,6 @@ import typer
 from fingertip.cli import options
 from fingertip.cli.console import Console
 from fingertip.cli.options import command, find_file_issues, flag, load_design, refuse
-from fingertip.foundation.errors import Issue
 
 if TYPE_CHECKING:
     from fingertip.design import Design

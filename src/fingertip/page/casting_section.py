@@ -25,9 +25,7 @@ def render_printing(sources: Sources) -> Markup:
         if path in sources.links:
             parts = ", ".join(part.replace("_", " ") for part in sorted(found["parts"]))
             rows.append((element("a", path, href=sources.links[path]), parts))
-    files = table(
-        ("file", "holds"), sorted(rows, key=lambda row: row[0].endswith("stl</a>")), "files to print"
-    )
+    files = table(("file", "holds"), sorted(rows, key=lambda row: row[0].endswith("stl</a>")), "files to print")
     missing = note(element("code", COMMANDS[outputs.PRINT_FOLDER]), " makes plates and parts as they lie on the bed.")
     return join((files if rows else missing,))
 

@@ -17,8 +17,8 @@ from fingertip.cad.files import threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.printing.orientations import build_volume_excess, print_orientations
 from fingertip.cad.printing.overhang import bed_pose
-from fingertip.cad.printing.settings import choose_plate_kind
 from fingertip.cad.printing.print_files import Piece, PrintFiles, list_pieces, make_plates
+from fingertip.cad.printing.settings import choose_plate_kind
 from fingertip.cad.shapes.parts import PARTS, print_scale
 from fingertip.cad.verification.check import count_checks, list_warnings
 from fingertip.casting.set_plan import Mold, plan_castings

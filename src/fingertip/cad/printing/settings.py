@@ -71,8 +71,8 @@ def slicer_settings(
 ) -> tuple[tuple[str, str], ...]:
     """Set for PrusaSlicer how a part of a plate is printed. Other programs ignore these settings.
 
-    They are settings of the object, so that printer, filament and whatever else is chosen in the slicer stay. Supports of
-    the usual style spread to other parts and above the collar, which snug ones do not.
+    They are settings of the object, so that printer, filament and whatever else is chosen in the slicer stay.
+    Supports of the usual style spread to other parts and above the collar, which snug ones do not.
     """
     if kind is SLA:
         needed = f"{int(bool(supports.places))}"

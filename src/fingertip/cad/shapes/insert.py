@@ -10,7 +10,7 @@ import math
 
 from fingertip.cad.shapes.bridged_ceiling import CEILING_STEPS_MM, bridge_ceiling
 from fingertip.design import Design
-from fingertip.design.geometry.conic import ConicBody, add_groove, inset_body, offset_section
+from fingertip.design.geometry.conic import ConicBody, add_groove, inset_body
 from fingertip.design.geometry.features import INSERT_BASE_MM, Chaplet
 from fingertip.design.geometry.foot import LEDGE_MM
 from fingertip.design.geometry.seat import quarter_outline, sleeve_inset_mm

@@ -5,7 +5,7 @@ Threads of the hardware are cylinders of their nominal diameter. No check of a p
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import cast
 

@@ -18,9 +18,9 @@ from fingertip.cad.shapes.engraving import signed_area
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.check import VOLUME_TOLERANCE_MM3, Check, complement, search_distance
 from fingertip.design import Design
-from fingertip.design.geometry.mold_layout import RIDGE_HEIGHT_MM
 from fingertip.design.geometry.features import Joint
-from fingertip.design.geometry.solids import Box, Cone, Prism, Solid, cylinder, difference, intersection, scaled, union
+from fingertip.design.geometry.mold_layout import RIDGE_HEIGHT_MM
+from fingertip.design.geometry.solids import Box, Cone, Solid, cylinder, intersection, scaled, union
 from fingertip.design.interfaces.clevis_solids import eye_profile, knuckle, pin_bore, space
 
 HALVES = ("mold_palmar", "mold_dorsal")

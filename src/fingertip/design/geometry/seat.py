@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, TypeAlias
 
-from fingertip.design.geometry.conic import ConicBody, CrossSection, arc_point
+from fingertip.design.geometry.conic import CrossSection, arc_point
 
 if TYPE_CHECKING:
     from fingertip.design.geometry.dimensions import Dimensions

@@ -12,8 +12,8 @@ from fingertip.cad.printing.overhang import bed_pose
 from fingertip.cad.printing.settings import FDM
 from fingertip.cad.shapes.insert import cavity
 from fingertip.casting.sheet import CastingSheet
-from fingertip.design.geometry.mold_layout import BELT_MM, GAP_MM, LEDGE_MM, PLATE_MM, STRAP_Y_MM
 from fingertip.design.geometry.dimensions import KNOT_WIRES
+from fingertip.design.geometry.mold_layout import BELT_MM, GAP_MM, LEDGE_MM, PLATE_MM, STRAP_Y_MM
 from fingertip.design.geometry.solids import Box, Solid, cylinder, difference, intersection, scaled, union
 from fingertip.design.interfaces.interface import middle_y
 from fingertip.design.interfaces.rigid import Post

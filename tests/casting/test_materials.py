@@ -18,7 +18,8 @@ from fingertip.casting.quantities import (
 )
 from fingertip.catalogues.silicones import MaterialProperty, Silicone, SiliconeName, load_silicones, load_sources
 from fingertip.design import Design
-from fingertip.design.parameters.finger import OWN, ChosenSilicone
+from fingertip.design.parameters.declaration import OWN
+from fingertip.design.parameters.finger import ChosenSilicone
 from fingertip.foundation.errors import DesignError
 
 SILICONES = load_silicones()

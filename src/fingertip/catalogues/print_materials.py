@@ -21,18 +21,13 @@ class PrintMaterial:
     process: Process
     """Printer that it is for: resin, filament or powder bed."""
     strength_mpa: float
-    """Tensile strength within a layer [MPa]; the lower end where the source gives a range."""
-    across_mpa: float
+    """Tensile strength across the layers [MPa], as a bone prints; the lower end where the source gives a range."""
     modulus_mpa: float
     density_g_cm3: float
     """Density of a print without hollows; no document of a product was found for any."""
     source: str
     verified: tuple[str, ...]
     """Names of the figures that the source confirms."""
-
-    def strength_along_finger(self, print_direction: Literal["lying", "upright"]) -> float:
-        """Return the tensile strength along a bone that lies or stands while it prints [MPa]."""
-        return self.across_mpa if print_direction == "upright" else self.strength_mpa
 
 
 PRINT_MATERIALS = {

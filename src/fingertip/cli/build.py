@@ -66,26 +66,24 @@ _MAX_LINES, _MAX_WIDTH = 12, 100
 def _format_build(result: Build) -> list[str]:
     """Format verdict, parts and strength in three lines."""
     from fingertip.cad.verification.check import count_checks
+    from fingertip.cad.verification.strength import describe_loads
 
     parts = ", ".join(f"{built.part.name} {built.mesh.volume() / 1000:.2f}" for built in result.parts)
     lines = [f"{result.design.name}: {count_checks(result.checks)}; in {result.folder}", f"parts, cm3: {parts}"]
     if sheet := result.casting:
         lines.append(f"print: one plate, some {sheet.print_h:g} h, {sheet.printed_g:g} g")
     if found := result.strength:
-        factors = f"{found.grip_safety_factor:.2f} at the grip force, {found.shock_safety_factor:.2f} at the shock"
-        lines.append(f"bone: safety factor {factors}; weakest at z = {found.weakest.z_mm:.1f} mm")
+        lines.append(describe_loads(found))
     return lines
 
 
 def _list_remarks(result: Build, room: int, rewrite: Callable[[str], str] = str) -> list[str]:
     """List failed checks and warnings in so many lines: each is cut to its share, and those without one are counted."""
     from fingertip.cad.verification.check import list_warnings
-    from fingertip.cad.verification.strength import describe_strength
     from fingertip.catalogues.output_files import REPORT
 
     remarks = [" ".join(format_failures([check])) for check in result.checks if not check.passed]
     remarks += (f"warning: {text}" for text in list_warnings(result.checks))
-    remarks += describe_strength(result.strength)[1:] if result.strength else []
     shown = [rewrite(remark) for remark in (remarks if len(remarks) <= room else remarks[: room - 1])]
     share: dict[str, Any] = {"max_lines": room // max(1, len(shown)), "subsequent_indent": "  ", "placeholder": " ..."}
     lines = [line for remark in shown for line in textwrap.wrap(remark, _MAX_WIDTH, **share)]

@@ -41,7 +41,7 @@ def check(
 
     The checks read the STL file that each part would have. A wall must reach printer.min_wall_mm and the skin
     skin.min_thickness_mm, both less the tolerance of the mesh. The genus of a part is the number of its through holes.
-    A check that passes may warn of what is expected to go wrong, such as a bone that breaks at strength.shock_force_n.
+    A check that passes may warn of what is expected to go wrong.
     If any design is not valid, the errors of all designs are listed, no design is checked and no report is written.
 
     A folder that build, board or another command wrote is compared with its manifests: every file must be as written.

@@ -177,7 +177,7 @@ def _describe(path: Path, made: NewDesign) -> tuple[dict[str, Any], list[str]]:
 def _check(design: Design, data: dict[str, Any], progress: Callable[[str], None]) -> tuple[list[Check], list[str]]:
     """Check a design as a build does, and add its strength to the data. Return what failed, and its strength."""
     from fingertip.cad.verification.check import list_warnings
-    from fingertip.cad.verification.strength import describe_strength, strength_data
+    from fingertip.cad.verification.strength import describe_loads, strength_data
     from fingertip.cad.verification.verify import check as check_design
 
     verified = check_design(design, progress=progress)
@@ -185,7 +185,7 @@ def _check(design: Design, data: dict[str, Any], progress: Callable[[str], None]
     data["strength"] = strength_data(verified.strength)
     warnings = (f"warning: {text}" for text in list_warnings(verified.checks))
     failed = [check for check in verified.checks if not check.passed]
-    return failed, [*describe_strength(verified.strength), *warnings]
+    return failed, [describe_loads(verified.strength), *warnings]
 
 
 def _refuse(failed: Iterable[Check], remedy: str) -> Iterator[Issue]:
@@ -232,8 +232,8 @@ def _find_lighter_loads(weak: Iterable[Sequence[Check]], who: str) -> str:
     """Find loads that all bones hold which are too weak for theirs, as options to be typed; nothing if more fails."""
     held: dict[str, float] = {}
     for check in itertools.chain(*weak):
-        name, _, load = check.remedy.partition("=")
-        if not load:
+        if not check.remedy:
             return ""
-        held[name] = min(float(load), held.get(name, math.inf))
+        for name, load in (setting.split("=") for setting in check.remedy.split(" --set ")):
+            held[name] = min(float(load), held.get(name, math.inf))
     return f"{who} lighter loads: " + " ".join(f"--set {name}={load:g}" for name, load in held.items())

@@ -12,7 +12,6 @@ from typing import Any
 
 from fingertip.cad.shapes.parts import shapes_of_parameters
 from fingertip.cad.verification.check import list_causes
-from fingertip.cad.verification.strength import WANTED_AT_GRIP, WANTED_AT_SHOCK
 from fingertip.design import Design
 from fingertip.design.files import Parameter, format_value, list_parameters
 from fingertip.foundation.files import open_atomic
@@ -125,8 +124,6 @@ def render_checks(report: Mapping[str, Any], basis: str = EVERY_FILE) -> Markup:
     if warned:
         parts += [element("h3", "Warnings"), _tabulate(warned, "checks that warn")]
         parts += [note(code(check["name"]), f": {check['warning']}") for check in warned]
-    elif "strength" in report:
-        parts.append(_warn_of_strength(report["strength"]))
     if closest := _find_closest(checks):
         parts.append(fold("The checks closest to their limits", _tabulate(closest, "checks closest to their limits")))
     groups: dict[str, list[Check]] = {}
@@ -139,18 +136,6 @@ def render_checks(report: Mapping[str, Any], basis: str = EVERY_FILE) -> Markup:
         summary += f", {warnings} with a warning" if warnings else ""
         parts.append(fold(summary, _tabulate(group, f"checks of {subject}")))
     return join(parts)
-
-
-def _warn_of_strength(strength: Mapping[str, Any]) -> Markup:
-    """Warn of a bone that passes the limits but is weaker than wanted."""
-    grip, shock = strength["grip_safety_factor"], strength["shock_safety_factor"]
-    if grip >= WANTED_AT_GRIP and shock >= WANTED_AT_SHOCK:
-        return Markup("")
-    return note(
-        f"The bone is weaker than wanted: its safety factor is {grip:.2f} at the grip force and {shock:.2f} at the "
-        f"shock, where {WANTED_AT_GRIP:g} and {WANTED_AT_SHOCK:g} are wanted. It breaks first at the "
-        f"{strength['weakest']['place']} at z = {strength['weakest']['z_mm']:.1f} mm."
-    )
 
 
 def _find_closest(checks: Sequence[Check]) -> list[Check]:

@@ -13,7 +13,6 @@ import numpy as np
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.shapes.parts import find_frames, hardware, parts_by_name
 from fingertip.catalogues.hardware import STEEL_G_CM3
-from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.catalogues.sensors import FILM_G_CM3
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Point3, cylinder
@@ -81,7 +80,7 @@ class FingerModel:
 def build_finger(design: Design) -> FingerModel:
     """Build the model of a design's finger. Raises GeometryError or TraceError."""
     dims, evaluator, interface = design.dimensions, MeshEvaluator(TOLERANCE_MM), interface_of(design)
-    print_g_cm3 = PRINT_MATERIALS[design.strength.print_material].density_g_cm3
+    print_g_cm3 = design.strength.material.density_g_cm3
     silicone = design.silicone.material.density_g_cm3
     skin_g_cm3 = (silicone.low + silicone.high) / 2
     solids = [

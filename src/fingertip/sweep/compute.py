@@ -191,7 +191,7 @@ def compute_strength(context: PointContext) -> OutputValues:
     found = assess_strength(context.design, context.evaluator())
     return {
         "grip_safety_factor": found.grip_safety_factor,
-        "shock_safety_factor": found.shock_safety_factor,
+        "knock_safety_factor": found.knock_safety_factor,
         "weakest_z_mm": found.weakest.z_mm,
         "tendon_force_n": found.tendon_force_n,
     }

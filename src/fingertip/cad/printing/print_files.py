@@ -12,7 +12,7 @@ from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.printing.orientations import Orientation, Supports, print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import Pose, bed_pose
 from fingertip.cad.printing.settings import SLA, PlateKind, choose_plate_kind, describe_part, slicer_settings
-from fingertip.catalogues.print_materials import PRINT_MATERIALS, PrintMaterial
+from fingertip.catalogues.print_materials import PrintMaterial
 from fingertip.design import Design
 from fingertip.design.parameters.parts import Printer
 
@@ -101,11 +101,9 @@ class PrintFiles:
 
 
 def parts_on_plates(design: Design) -> tuple[str, ...]:
-    """List the parts on the plates: the bone only if its strength is checked for this printer, as it lies there."""
-    kind, strength = choose_plate_kind(design), design.strength
-    holds = PRINT_MATERIALS[strength.print_material].process == kind.name
-    stands = kind is SLA or strength.print_direction == "upright"
-    return tuple(name for name in print_orientations(design) if name != "bone" or (holds and stands))
+    """List the parts on the plates: the bone only if its strength is checked for this printer."""
+    holds = design.strength.material.process == choose_plate_kind(design).name
+    return tuple(name for name in print_orientations(design) if name != "bone" or holds)
 
 
 @dataclass(frozen=True)
@@ -131,7 +129,7 @@ class Piece:
 
 def list_pieces(design: Design, meshes: Mapping[str, Mesh], encoded: Mapping[str, str]) -> dict[str, Piece]:
     """List what lies on the plates of a design, by the names of the parts."""
-    supports, material = supports_by_part(design), PRINT_MATERIALS[design.strength.print_material]
+    supports, material = supports_by_part(design), design.strength.material
     lies = print_orientations(design)
     return {
         name: Piece(

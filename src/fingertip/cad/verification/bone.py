@@ -14,7 +14,7 @@ from fingertip.cad.shapes import bone
 from fingertip.cad.shapes.insert import filled_bone, flat_slab, sensor_insert
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.check import PLANE_OFFSET_MM, VOLUME_TOLERANCE_MM3, Check, above_z, complement
-from fingertip.cad.verification.strength import BoneStrength, Weakness
+from fingertip.cad.verification.strength import BoneStrength
 from fingertip.design import Design
 from fingertip.design.geometry.features import INSERT_BASE_MM, SLIDING_MM, TailFold
 from fingertip.design.geometry.skin_dimensions import RAMP_SLOPE
@@ -155,39 +155,28 @@ def _check_sensor_seat(design: Design, evaluator: MeshEvaluator) -> Iterator[Che
     yield Check("sensor.unsupported_area", unsupported, _AREA_TOLERANCE_MM2, "mm2")
 
 
-_BREAKS_BELOW = 1.0
-"""Safety factor below which the bone is expected to break at the load."""
-
-
 def check_strength(design: Design, strength: BoneStrength) -> Iterator[Check]:
-    yield _check_load(design, strength, strength.weakest, "grip", strength.grip_safety_factor)
-    yield _check_load(design, strength, strength.at_shock, "shock", strength.shock_safety_factor)
+    """Check the safety factors. If one is too small, the loads that both allow are the remedy."""
+    stated = design.strength
+    grip, knock = strength.grip_safety_factor, strength.knock_safety_factor
+    lighter = []
+    if grip < stated.min_grip_factor <= stated.grip_force_n * grip:  # the least grip of a design is 1 N
+        lighter.append(("grip_force_n", stated.grip_force_n * grip / stated.min_grip_factor))
+    if knock < stated.min_knock_factor:
+        held = strength.knock.held_speed_m_s(stated.hand_mass_kg, stated.min_knock_factor)
+        lighter.append(("knock_speed_m_s", held))
+    remedy = " --set ".join(f"strength.{name}={_round_down(value):g}" for name, value in lighter)
+    for load, factor in (("grip", grip), ("knock", knock)):
+        limit = design.value(f"strength.min_{load}_factor")
+        yield Check(
+            f"bone.safety_factor.{load}", factor, limit, "", "at least", remedy=remedy if factor < limit else ""
+        )
     if design.dimensions.anchor:
         bending = anchor_pin_stress_mpa(design, strength.tendon_force_n)
         yield Check("joint.anchor_pin_stress", bending, ANCHOR_PIN_MPA, "MPa")
 
 
-def _check_load(design: Design, strength: BoneStrength, place: Weakness, load: str, factor: float) -> Check:
-    """Check a load: it warns if the bone is expected to break at it, and if it fails, a lighter load is the remedy."""
-    force_n, limit = (design.value(f"strength.{name}") for name in (f"{load}_force_n", f"min_{load}_factor"))
-    warning = advice = remedy = ""
-    if limit <= force_n * factor < force_n * limit:  # the least load that a design may have is 1 N
-        remedy = f"strength.{load}_force_n={_round_down(force_n * factor / limit):g}"
-    if factor < _BREAKS_BELOW:
-        held = _round_down(force_n * factor)
-        warning = (
-            f"the bone is expected to break at {held:g} N, below strength.{load}_force_n = {force_n:g} N, at the "
-            f"{place.place} at z = {place.z_mm:.1f} mm."
-        )
-        advice = (
-            f"In {strength.material.label} (strength.print_material) its safety factor is {factor:.2f} under a load at "
-            f"the {place.load}. Keep harder loads off, and set strength.{load}_force_n={held:g} if there are none; "
-            f"strength.min_{load}_factor=1 makes the check fail."
-        )
-    return Check(f"bone.safety_factor.{load}", factor, limit, "", "at least", warning, advice, remedy)
-
-
-def _round_down(force_n: float) -> float:
-    """Round a force down to two digits [N]."""
-    step = 10.0 ** (math.floor(math.log10(force_n)) - 1)
-    return float(f"{math.floor(force_n / step) * step:.6g}")
+def _round_down(value: float) -> float:
+    """Round down to two digits."""
+    step = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return float(f"{math.floor(value / step) * step:.6g}")

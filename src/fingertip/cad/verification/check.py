@@ -124,7 +124,7 @@ class Check(Comparison):
     advice: str = ""
     """Sentences that add to the warning in reports. A terminal shows the warning alone."""
     remedy: str = ""
-    """Setting with which the check passes if it fails; empty if none is known."""
+    """Settings with which the check passes if it fails, joined by --set; empty if none is known."""
     is_beyond: bool = False
     """True if the value was looked for up to the limit only, and is larger."""
 

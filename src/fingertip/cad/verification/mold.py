@@ -15,7 +15,6 @@ from fingertip.cad.verification.assembly import HALVES, LIFT_MM
 from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, complement, measure_gap
 from fingertip.cad.verification.skin import check_fitting_stretch
 from fingertip.cad.verification.trapped_air import LEANS_DEG, trapped_mm3
-from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import GAP_MM, NOTCH_MM, RIDGE_END_MM, RIDGE_HEIGHT_MM, RIDGE_LENGTH_MM
 from fingertip.design.geometry.seat import creep_mm
@@ -135,7 +134,7 @@ def core_bending_mm(design: Design, pressure_kpa: float) -> float:
     """
     section, dims = design.dimensions.bone_outline.section, design.dimensions
     height, width = section.dorsal + dims.flat_depth, 2 * section.half_width
-    stiffness = PRINT_MATERIALS[design.strength.print_material].modulus_mpa * 0.5 * width * height**3 / 12
+    stiffness = design.strength.material.modulus_mpa * 0.5 * width * height**3 / 12
     return 1e-3 * pressure_kpa * width * (design.skin.length_mm - design.skin.thickness_tip_mm) ** 4 / (8 * stiffness)
 
 

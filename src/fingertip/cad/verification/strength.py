@@ -1,4 +1,4 @@
-"""Safety factor of the bone, by beam theory on cross-sections of its mesh.
+"""Loads that the bone holds, by beam theory on cross-sections of its mesh.
 
 The bone is a cantilever that is loaded at the pad's centre, at the apex and from the side. Its interface brings its own
 stresses, and the share of the bending moment that it carries (`fingertip.design.interfaces`).
@@ -26,8 +26,9 @@ import numpy as np
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
-from fingertip.catalogues.print_materials import PRINT_MATERIALS, PrintMaterial
+from fingertip.catalogues.print_materials import PrintMaterial
 from fingertip.design import Design
+from fingertip.design.formulas.knock import PRESSED_N, Springs, nylon_screw_breaks_n
 from fingertip.design.formulas.stress import LocalStress, StressFactors
 from fingertip.design.geometry.features import CHEEK_FOOT_MM
 from fingertip.design.geometry.solids import Point3
@@ -35,6 +36,9 @@ from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.clevis import tendon_force_per_n
 from fingertip.foundation.files import round_for_output
 from fingertip.foundation.numerics import Array
+from fingertip.pad.contacts import find_contacts
+from fingertip.pad.form import PadForm
+from fingertip.pad.response import REFERENCE_POSE
 
 STATIONS = 160
 AT_COLLAR, AT_CHANNEL_MOUTH, AT_WINDOW, AT_WINDOW_OF_TONGUE, REACH_MM = 1.6, 2.7, 2.7, 5.0, 1.0
@@ -47,8 +51,6 @@ would give 2 to 2.5 at collars: they hold for shafts that stay thick. Where the 
 narrower than the window it was 3.4 on the dorsal side, and 4.9 with elements of 0.5 mm at the palmar corner of window
 and collar, which is sharp: smaller elements find more.
 """
-WANTED_AT_GRIP, WANTED_AT_SHOCK = 2.0, 1.2
-"""Safety factors below which a build warns."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,15 +104,42 @@ class Weakness(LocalStress):
 
 
 @dataclass(frozen=True)
+class Knock:
+    """Knock at one place: what gives way to it, and the forces that break the bone and the joint's pin."""
+
+    weakest: Weakness
+    springs: Springs
+    bone_n: float
+    pin_n: float
+    """Infinite where no pin gives way first."""
+
+    @property
+    def breaks_n(self) -> float:
+        return min(self.bone_n, self.pin_n)
+
+    def safety_factor(self, mass_kg: float, speed_m_s: float) -> float:
+        """Return the force that breaks the bone over that of a knock, which the pin limits."""
+        return self.bone_n / min(self.springs.force_n(mass_kg, speed_m_s), self.pin_n)
+
+    def held_speed_m_s(self, mass_kg: float, factor: float) -> float:
+        return self.springs.speed_m_s(mass_kg, self.bone_n / factor)
+
+
+@dataclass(frozen=True)
 class BoneStrength:
     material: PrintMaterial
     weakest: Weakness
-    at_shock: Weakness
-    """Weakest place of those that a shock loads."""
+    knock: Knock
+    """Knock at the place where the bone has the least safety factor."""
+    breaks_n: float
+    """Least force on the fingertip that breaks something."""
+    drop_mm: float
+    """Height from which the stated mass may drop on the fingertip."""
+    pin: str
+    """What breaks before the bone; empty if nothing does."""
     grip_safety_factor: float
-    """Strength over the stress at the load of a firm grip."""
-    shock_safety_factor: float
-    """Strength over the stress at the load of a fall or knock."""
+    """Force that breaks bone or pin over that of a firm grip."""
+    knock_safety_factor: float
     tendon_force_n: float
     """Force of the tendon at the grip force on the apex; 0 without a tendon."""
 
@@ -126,22 +155,42 @@ def list_load_points(design: Design) -> dict[str, Point3]:
 
 
 def assess_strength(design: Design, evaluator: MeshEvaluator) -> BoneStrength:
-    """Find the weakest place of the bone, and its safety factors. Raises GeometryError."""
-    material = PRINT_MATERIALS[design.strength.print_material]
+    """Find the weakest place of the bone, and what it holds. Raises GeometryError."""
+    stated, interface, stress = design.strength, interface_of(design), attrgetter("stress_per_n")
+    material, mass_kg = stated.material, stated.hand_mass_kg
     cuts = [(z, section, _find_concentration(design, z)) for z, section in _cut(design, evaluator)]
+    (pressed,) = find_contacts(PadForm.of_design(design), REFERENCE_POSE, (PRESSED_N,), math.inf)
+    shears_n = nylon_screw_breaks_n(design.hand.pin_diameter_mm) if stated.pin == "nylon" else math.inf
     places: list[Weakness] = []
+    knocks: list[Knock] = []
+    gripped_n: list[float] = []
     for load, at in list_load_points(design).items():
-        in_sections = _find_weakest_section(design, at, [cut for cut in cuts if cut[0] < at[2]])
-        at_interface = interface_of(design).local_stresses(design, at[2])
-        places += (Weakness(**vars(found), load=load) for found in (*in_sections, *at_interface))
-    stress = attrgetter("stress_per_n")
-    weakest, at_shock = max(places, key=stress), max((place for place in places if place.at_shock), key=stress)
-    strength = material.strength_along_finger(design.strength.print_direction)
-    grip, shock = design.strength.grip_force_n, design.strength.shock_force_n
+        proximal = [cut for cut in cuts if cut[0] < at[2]]
+        found = (*_find_weakest_section(design, at, proximal), *interface.local_stresses(design, at[2]))
+        here = [Weakness(**vars(place), load=load) for place in found]
+        worst, pulls = max((place for place in here if place.at_knock), key=stress), interface.pin_pulls(design, at[2])
+        springs = Springs(pressed.depth_mm, _bending_stiffness(design, at[2], proximal, material))
+        pin_n = shears_n / pulls[0] if pulls else math.inf
+        knocks.append(Knock(worst, springs, material.strength_mpa / worst.stress_per_n, pin_n))
+        gripped_n += (shears_n / pull for pull in pulls)
+        places += here
+    weakest = max(places, key=stress)
+    knock = min(knocks, key=lambda one: one.safety_factor(mass_kg, stated.knock_speed_m_s))
+    breaks_n = min(material.strength_mpa / weakest.stress_per_n, *gripped_n, math.inf)
     return BoneStrength(
-        material, weakest, at_shock, strength / weakest.stress_per_n / grip, strength / at_shock.stress_per_n / shock,
-        grip * tendon_force_per_n(design, design.skin.length_mm),
+        material, weakest, knock, breaks_n, min(one.springs.drop_mm(mass_kg, one.breaks_n) for one in knocks),
+        f"nylon screw M{design.hand.pin_diameter_mm:g}" if math.isfinite(knock.pin_n) else "",
+        breaks_n / stated.grip_force_n, knock.safety_factor(mass_kg, stated.knock_speed_m_s),
+        stated.grip_force_n * tendon_force_per_n(design, design.skin.length_mm),
     )  # fmt: skip
+
+
+def _bending_stiffness(design: Design, load_z: float, cuts: Sequence[_CutPlane], material: PrintMaterial) -> float:
+    """Stiffness of the bone under a load from the side on which it is stiffer [N/mm]."""
+    step, interface = cuts[1][0] - cuts[0][0], interface_of(design)
+    bent = np.array([((load_z - z) * interface.moment_share(design, z)) ** 2 for z, _, _ in cuts])
+    seconds = np.array([(section.second_xx_mm4, section.second_yy_mm4) for _, section, _ in cuts])
+    return float(material.modulus_mpa / (step * (bent[:, None] / seconds).sum(axis=0).min()))
 
 
 def _cut(design: Design, evaluator: MeshEvaluator) -> Iterator[tuple[float, Section]]:
@@ -212,34 +261,36 @@ def _find_concentration(design: Design, z: float) -> StressFactors:
     return factors.combined_with(interface_of(design).stress_factors(design, z))
 
 
-def describe_strength(strength: BoneStrength) -> list[str]:
-    weakest = strength.weakest
-    lines = [
-        f"bone in {strength.material.label}: safety factor {strength.grip_safety_factor:.2f} at the grip force, "
-        f"{strength.shock_safety_factor:.2f} at the shock; weakest at the {weakest.place} at z = {weakest.z_mm:.1f} mm "
-        f"under a load at the {weakest.load}"
-    ]
-    factors = strength.grip_safety_factor, strength.shock_safety_factor
-    # Below 1 the checks warn.
-    if min(factors) >= 1.0 and (factors[0] < WANTED_AT_GRIP or factors[1] < WANTED_AT_SHOCK):
-        lines.append(
-            f"warning: {WANTED_AT_GRIP:g} and {WANTED_AT_SHOCK:g} are wanted; a larger "
-            "interface, a shorter finger or a stronger material raises them"
-        )
-    return lines
+def describe_loads(strength: BoneStrength) -> str:
+    """Say in a sentence what the finger holds."""
+    place = f"bone in {strength.material.label}, {strength.weakest.place} at z = {strength.weakest.z_mm:.0f} mm"
+    if strength.breaks_n == strength.knock.pin_n:
+        place = f"{strength.pin} in the joint; change it"
+    return (
+        f"breaks at {strength.breaks_n:.0f} N ({place}); survives a drop of {strength.drop_mm:.1f} mm; safety factors "
+        f"{strength.grip_safety_factor:.2f} at the grip, {strength.knock_safety_factor:.2f} of the bone at the knock"
+    )
 
 
 def strength_data(strength: BoneStrength) -> dict[str, Any]:
     """Return the entry of report.json."""
+    knock = strength.knock
     return {
+        "breaks_n": round_for_output(strength.breaks_n),
+        "survives_drop_mm": round_for_output(strength.drop_mm),
+        "pin": strength.pin,
+        "pin_breaks_n": round_for_output(knock.pin_n) if strength.pin else None,
+        "bone_breaks_n": round_for_output(knock.bone_n),
         "material": strength.material.name,
         "strength_mpa": strength.material.strength_mpa,
         "strength_verified": "strength_mpa" in strength.material.verified,
         "grip_safety_factor": round_for_output(strength.grip_safety_factor),
-        "shock_safety_factor": round_for_output(strength.shock_safety_factor),
+        "knock_safety_factor": round_for_output(strength.knock_safety_factor),
+        "pad_mm_at_50_n": round_for_output(knock.springs.pad_mm),
+        "bone_n_per_mm": round_for_output(knock.springs.bone_n_per_mm),
         "tendon_force_n": round_for_output(strength.tendon_force_n),
         "weakest": _weakness_data(strength.weakest),
-        "weakest_at_shock": _weakness_data(strength.at_shock),
+        "weakest_at_knock": _weakness_data(knock.weakest),
     }
 
 

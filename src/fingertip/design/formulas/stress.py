@@ -91,6 +91,6 @@ class LocalStress:
     stress_per_n: float
     """Stress with its concentration [MPa/N]."""
     concentration: float = 1.0
-    at_shock: bool = True
-    """False for what a shock does not load."""
+    at_knock: bool = True
+    """False for what a knock does not load."""
     direction: tuple[float, float, float] = (0.0, 1.0, 0.0)

@@ -12,7 +12,6 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.design.formulas.stress import PIN_IN_EYE, VON_MISES_SHEAR, LocalStress, StressFactors, at_foot, pin_peak
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.dimensions import Dimensions
@@ -113,12 +112,9 @@ class Clevis(JointInterface):
         joint, anchor = _joint_of(design), design.dimensions.anchor
         thickness = _eye_thickness(design.dimensions, joint)
         if joint.travel_deg:
-            # The stop pushes the finger away from the hand, and the pin holds it, besides the load itself. The pressure
-            # on the stop grows outwards, so its force acts at two thirds of the length.
-            lever = 2 / 3 * clevis_solids.stop_height_mm(design)
-            pull = (load_z - joint.axis_z) / lever + 1.0
+            pull = self.pin_pulls(design, load_z)[0]
             width, bore = 2 * joint.eye_radius, 2 * joint.pin_radius
-            modulus = PRINT_MATERIALS[design.strength.print_material].modulus_mpa
+            modulus = design.strength.material.modulus_mpa
             factor = PIN_IN_EYE * pin_peak(thickness / 2, bore, modulus)
             yield LocalStress("eye", joint.axis_z, factor * pull / (thickness * (width - bore)), factor)
             shear = pull / (2 * thickness * (joint.eye_radius - joint.pin_radius))
@@ -126,15 +122,28 @@ class Clevis(JointInterface):
         if anchor:
             force = tendon_force_per_n(design, load_z)
             yield LocalStress(
-                "bearing of the pin", joint.axis_z, (force + 1.0) / (thickness * 2 * joint.pin_radius), at_shock=False
+                "bearing of the pin", joint.axis_z, (force + 1.0) / (thickness * 2 * joint.pin_radius), at_knock=False
             )
             # The length of the anchor's hole in both cheeks together, and what of it carries the pin.
             outside = design.dimensions.collar.section.half_width_at(anchor.y) - anchor.inner_half_width
             length, closed = 2 * outside, min(outside, anchor.open_half_width - anchor.inner_half_width)
             bearing = force / (2 * min(closed, _CARRIES_MM) * 2 * anchor.radius)
-            yield LocalStress("hole of the anchor", anchor.z, bearing, at_shock=False)
+            yield LocalStress("hole of the anchor", anchor.z, bearing, at_knock=False)
             shear = force / (2 * length * design.bone.wall_mm)
-            yield LocalStress("wall at the anchor", anchor.z, VON_MISES_SHEAR * shear, at_shock=False)
+            yield LocalStress("wall at the anchor", anchor.z, VON_MISES_SHEAR * shear, at_knock=False)
+
+    def pin_pulls(self, design: DesignTables, load_z: float) -> tuple[float, ...]:
+        """Pull on the pin per newton of load: by the stop of a straight finger, and by the tendon of a bent one.
+
+        The stop pushes the finger away from the hand, and the pin holds it, besides the load itself. The pressure on
+        the stop grows outwards, so its force acts at two thirds of the length.
+        """
+        joint, pulls = _joint_of(design), []
+        if joint.travel_deg:
+            pulls.append((load_z - joint.axis_z) / (2 / 3 * clevis_solids.stop_height_mm(design)) + 1.0)
+        if design.dimensions.anchor:
+            pulls.append(tendon_force_per_n(design, load_z) + 1.0)
+        return tuple(pulls)
 
     def sizes(self, design: DesignTables) -> list[Size]:
         joint = _joint_of(design)
@@ -235,7 +244,7 @@ class Clevis(JointInterface):
         The wall could lose far more than prints err: the general tolerance is the limit then.
         """
         strength = design.strength
-        allowed = PRINT_MATERIALS[strength.print_material].strength_along_finger(strength.print_direction)
+        allowed = strength.material.strength_mpa
         stresses = {found.place: found.stress_per_n for found in self.local_stresses(design, design.skin.length_mm)}
         needed = carrying * stresses[place] * strength.grip_force_n * strength.min_grip_factor / allowed
         usual = general(size)

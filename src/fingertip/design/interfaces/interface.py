@@ -86,6 +86,10 @@ class JointInterface:
         """Yield stresses besides those of bent cross-sections, under a load at a height of the finger."""
         yield from ()
 
+    def pin_pulls(self, design: DesignTables, load_z: float) -> tuple[float, ...]:
+        """Pull on a joint's pin per newton of load at a height, of a knock first; none without a loaded pin."""
+        return ()
+
     def bolts(self, design: DesignTables) -> list[dict[str, Any]]:
         """List the items to buy that hold the bone to the proximal phalanx."""
         raise NotImplementedError

@@ -12,9 +12,18 @@ from pydantic import ConfigDict, Field
 from pydantic.fields import FieldInfo
 
 from fingertip.catalogues.silicones import load_silicones
-from fingertip.design.parameters.declaration import Above, Frozen, ParameterTable, choice, quantity, suggest_name, text
+from fingertip.design.parameters.declaration import (
+    OWN,
+    Above,
+    Frozen,
+    ParameterTable,
+    choice,
+    quantity,
+    suggest_name,
+    text,
+)
 from fingertip.design.parameters.electronics import Board, Detector
-from fingertip.design.parameters.finger import OWN, ChosenSilicone, CustomSensor, ForceCurve, Sensor, Skin
+from fingertip.design.parameters.finger import ChosenSilicone, CustomSensor, ForceCurve, Sensor, Skin
 from fingertip.design.parameters.parts import Bone, Hand, Mold, Printer, Strength
 from fingertip.foundation.errors import DesignError, Issue
 

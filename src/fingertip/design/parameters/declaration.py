@@ -69,9 +69,17 @@ def choice(default: str | bool, description: str) -> Any:
     return Field(default, description=description)
 
 
-def text(default: str, description: str, *, pattern: str, allowed: str) -> Any:
-    """Declare a text that matches a pattern; `allowed` says in a message what it may hold."""
-    return Field(default, pattern=pattern, description=description, json_schema_extra={"allowed": allowed})
+OWN = "own"
+"""Name that stands for a silicone or a printing material of the user's own."""
+_MARKUP = r"|`<>\[\]$\\\u0000-\u001f\u007f-\u009f\u00ad\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff"
+"""Characters that a file may take for more than text: marks of Markdown and of formulas, and those that control."""
+_LABEL = rf"^[^\s=+@\-{_MARKUP}][^{_MARKUP}]{{0,59}}$"
+_ALLOWED = "write up to 60 printable characters without | ` < > [ ] $ or a backslash, and none of = + - @ first"
+
+
+def text(default: str, description: str) -> Any:
+    """Declare a text that stands in sheets."""
+    return Field(default, pattern=_LABEL, description=description, json_schema_extra={"allowed": _ALLOWED})
 
 
 def find_extra(field: FieldInfo, key: str) -> str:

@@ -6,7 +6,7 @@ from typing import Literal
 
 from fingertip.catalogues.sensors import PART_TO_PART, SensorName
 from fingertip.catalogues.silicones import MaterialProperty, Silicone, SiliconeName, load_silicones
-from fingertip.design.parameters.declaration import Above, ParameterTable, choice, quantity, text
+from fingertip.design.parameters.declaration import OWN, Above, ParameterTable, choice, quantity, text
 
 
 class Sensor(ParameterTable):
@@ -112,8 +112,6 @@ class Skin(ParameterTable):
     )
 
 
-OWN = "own"
-"""Name that stands for the user's own silicone."""
 _COMPONENTS = {"addition": ("part A", "part B"), "condensation": ("base", "catalyst")}
 """Names of the components of a silicone of one's own, by its cure system."""
 _STATED = (
@@ -123,22 +121,13 @@ _STATED = (
 """Properties of a silicone of one's own, which the table states by the same names."""
 
 
-_MARKUP = r"|`<>\[\]$\\\u0000-\u001f\u007f-\u009f\u00ad\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff"
-"""Characters that a file may take for more than text: marks of Markdown and of formulas, and those that control."""
-
-
 class ChosenSilicone(ParameterTable):
     """Silicone of the skin. All figures below product are used only if it is "own"; copy them from your data sheet."""
 
     product: Literal[SiliconeName, "own"] = choice(
         "smooth_sil_940", "Silicone from the catalogue, or own: the figures below then describe it."
     )
-    label: str = text(
-        "own silicone",
-        "Name of the product, for the casting sheet.",
-        pattern=rf"^[^\s=+@\-{_MARKUP}][^{_MARKUP}]{{0,59}}$",
-        allowed="write up to 60 printable characters without | ` < > [ ] $ or a backslash, and none of = + - @ first",
-    )
+    label: str = text("own silicone", "Name of the product, for the casting sheet.")
     cure: Literal["addition", "condensation"] = choice(
         "addition", "Cure system: addition (platinum; inhibited by uncured resin) or condensation (tin)."
     )

@@ -5,7 +5,11 @@ from __future__ import annotations
 from typing import Literal
 
 from fingertip.catalogues.hardware import MIN_HOLE_MM
-from fingertip.design.parameters.declaration import ParameterTable, choice, quantity
+from fingertip.catalogues.print_materials import PRINT_MATERIALS, PrintMaterial
+from fingertip.design.parameters.declaration import OWN, ParameterTable, choice, quantity, text
+
+_OWN_G_CM3 = 1.2
+"""Density of a printing material of one's own [g/cm3]; the others have 1.01 to 1.27."""
 
 
 class Bone(ParameterTable):
@@ -119,24 +123,41 @@ class Hand(ParameterTable):
 
 
 class Strength(ParameterTable):
-    """Loads that the bone must carry, and what it is printed from; for its safety factors."""
+    """Loads that the bone must carry, and what it is printed from. The figures named own are used only with "own"."""
 
     grip_force_n: float = quantity(
         8.0, "N", (1, 200), "Force of a firm grip, at the pad, the apex and the side, in any direction."
     )
-    shock_force_n: float = quantity(14.0, "N", (1, 500), "Force of a fall or a knock, at the same places. (unverified)")
-    print_material: Literal["surgical_guide", "clear", "durable", "petg", "pa12"] = choice(
-        "petg", "Material of the bone: three SLA resins, PETG or nylon 12."
-    )
-    print_direction: Literal["lying", "upright"] = choice(
-        "upright", "Direction of the print: layers along the finger (lying) or across it (upright, as the sheet says)."
-    )
     min_grip_factor: float = quantity(
-        2.0, "", (0, 20), "Minimum safety factor of the bone at grip_force_n, for its check."
+        2.0, "", (0, 20), "Minimum safety factor of bone and pin at grip_force_n, for its check."
     )
-    min_shock_factor: float = quantity(
-        1.2, "", (0, 20), "Minimum safety factor of the bone at shock_force_n, for its check."
+    hand_mass_kg: float = quantity(
+        0.4, "kg", (0.01, 10), "Mass that moves with the fingertip when it knocks against something hard."
     )
+    knock_speed_m_s: float = quantity(0.15, "m/s", (0.01, 10), "Speed of that knock, at the same places.")
+    min_knock_factor: float = quantity(1.5, "", (0, 20), "Minimum safety factor of the bone at that knock.")
+    pin: Literal["nylon", "steel"] = choice(
+        "nylon",
+        "Pin of the joint (interface clevis): nylon, a screw that breaks at a knock before the bone does; or steel.",
+    )
+    print_material: Literal["surgical_guide", "clear", "durable", "petg", "pa12", "own"] = choice(
+        "petg", "Material of the bone: three SLA resins, PETG, nylon 12, or own: the figures below then describe it."
+    )
+    own_label: str = text("own material", "Name of the material, for the sheets.")
+    own_source: str = text("own test", "Where its figures come from.")
+    own_process: Literal["fdm", "sla", "powder"] = choice("fdm", "Its printer: filament, resin or powder bed.")
+    own_strength_mpa: float = quantity(25.0, "MPa", (1, 500), "Tensile strength across the layers.")
+    own_modulus_mpa: float = quantity(2000.0, "MPa", (50, 50000), "Young's modulus.")
+
+    @property
+    def material(self) -> PrintMaterial:
+        """Material of the catalogue, or the one that the user's own figures describe."""
+        if self.print_material != OWN:
+            return PRINT_MATERIALS[self.print_material]
+        return PrintMaterial(
+            OWN, self.own_label, self.own_process, self.own_strength_mpa, self.own_modulus_mpa, _OWN_G_CM3,
+            self.own_source, (),
+        )  # fmt: skip
 
 
 class Mold(ParameterTable):

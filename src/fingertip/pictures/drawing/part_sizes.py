@@ -8,7 +8,6 @@ from dataclasses import astuple, replace
 
 from fingertip.cad.shapes import stand
 from fingertip.cad.shapes.bone import FOOT_GAP_MM
-from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.design import Design
 from fingertip.design.geometry.features import INSERT_BASE_MM
 from fingertip.design.geometry.sizes import (
@@ -139,7 +138,7 @@ def stand_drawing(design: Design) -> PartDrawing:
 
 
 def _material(design: Design) -> str:
-    return PRINT_MATERIALS[design.strength.print_material].label
+    return design.strength.material.label
 
 
 def _base_sizes(design: Design) -> Iterator[Size]:

@@ -19,7 +19,6 @@ from fingertip.cad.printing.settings import PROFILE, Profile, choose_plate_kind
 from fingertip.cad.verification.mold import LOWERING_S, palmar_limits
 from fingertip.casting.quantities import Mixture, measure_poured_cm3, mix
 from fingertip.catalogues.output_files import PRINT_FOLDER
-from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.catalogues.silicones import find_example
 from fingertip.design import Design
 from fingertip.design.geometry.dimensions import HEAD_MM, LONGER_MM, SHORTER_MM
@@ -100,11 +99,7 @@ def casting_sheet(design: Design, evaluator: MeshEvaluator) -> CastingSheet:
     """Collect the data of the sheet. Raises GeometryError."""
     batch = mix(design.silicone.material, measure_poured_cm3(design, evaluator))
     body, seat = design.dimensions.sensor, palmar_limits(design)
-    material, mount, printed_g = (
-        PRINT_MATERIALS[design.strength.print_material],
-        _mount(design),
-        _find_printed_g(design),
-    )
+    material, mount, printed_g = (design.strength.material, _mount(design), _find_printed_g(design))
     name, _, _ = material.label.partition(" (")
     return CastingSheet(
         design.name, material.process, f"{name} filament" if material.process == "fdm" else name,
@@ -124,7 +119,7 @@ def casting_sheet(design: Design, evaluator: MeshEvaluator) -> CastingSheet:
 
 
 def _find_printed_g(design: Design) -> float:
-    density = PRINT_MATERIALS[design.strength.print_material].density_g_cm3
+    density = design.strength.material.density_g_cm3
     return float(_FILAMENT_STEP_G * math.ceil(estimate_print(design).filament_cm3 * density / _FILAMENT_STEP_G))
 
 
@@ -147,7 +142,7 @@ def _mount(design: Design) -> Mount:
 
 
 def _list_things(design: Design, batch: Mixture, mount: Mount, printed_g: float) -> tuple[Thing, ...]:
-    silicone, material, hand = design.silicone.material, PRINT_MATERIALS[design.strength.print_material], design.hand
+    silicone, material, hand = design.silicone.material, design.strength.material, design.hand
     example, (name, _, _) = find_example(silicone), material.label.partition(" (")
     words = {
         "sensor": f"{design.dimensions.sensor.label} with solder tabs{_ORDER_NUMBERS.get(design.sensor.model, '')}",

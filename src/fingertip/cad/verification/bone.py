@@ -156,21 +156,16 @@ def _check_sensor_seat(design: Design, evaluator: MeshEvaluator) -> Iterator[Che
 
 
 def check_strength(design: Design, strength: BoneStrength) -> Iterator[Check]:
-    """Check the safety factors. If one is too small, the loads that both allow are the remedy."""
-    stated = design.strength
+    """Check the safety factors. The loads that both allow are the remedy of one that is too small."""
+    stated, lighter = design.strength, []
     grip, knock = strength.grip_safety_factor, strength.knock_safety_factor
-    lighter = []
-    if grip < stated.min_grip_factor <= stated.grip_force_n * grip:  # the least grip of a design is 1 N
-        lighter.append(("grip_force_n", stated.grip_force_n * grip / stated.min_grip_factor))
+    if grip < stated.min_grip_factor <= strength.breaks_n:  # the least grip of a design is 1 N
+        lighter.append(f"strength.grip_force_n={_round_down(strength.breaks_n / stated.min_grip_factor):g}")
     if knock < stated.min_knock_factor:
-        held = strength.knock.held_speed_m_s(stated.hand_mass_kg, stated.min_knock_factor)
-        lighter.append(("knock_speed_m_s", held))
-    remedy = " --set ".join(f"strength.{name}={_round_down(value):g}" for name, value in lighter)
-    for load, factor in (("grip", grip), ("knock", knock)):
-        limit = design.value(f"strength.min_{load}_factor")
-        yield Check(
-            f"bone.safety_factor.{load}", factor, limit, "", "at least", remedy=remedy if factor < limit else ""
-        )
+        lighter.append(f"strength.knock_speed_m_s={_round_down(strength.knock.held_speed_m_s(stated)):g}")
+    for load, factor, limit in (("grip", grip, stated.min_grip_factor), ("knock", knock, stated.min_knock_factor)):
+        remedy = " --set ".join(lighter) if factor < limit else ""
+        yield Check(f"bone.safety_factor.{load}", factor, limit, "", "at least", remedy=remedy)
     if design.dimensions.anchor:
         bending = anchor_pin_stress_mpa(design, strength.tendon_force_n)
         yield Check("joint.anchor_pin_stress", bending, ANCHOR_PIN_MPA, "MPa")

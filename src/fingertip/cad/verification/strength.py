@@ -26,7 +26,6 @@ import numpy as np
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
-from fingertip.catalogues.print_materials import PrintMaterial
 from fingertip.design import Design
 from fingertip.design.formulas.knock import PRESSED_N, Springs, nylon_screw_breaks_n
 from fingertip.design.formulas.stress import LocalStress, StressFactors
@@ -34,6 +33,7 @@ from fingertip.design.geometry.features import CHEEK_FOOT_MM
 from fingertip.design.geometry.solids import Point3
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.clevis import tendon_force_per_n
+from fingertip.design.parameters.parts import Strength
 from fingertip.foundation.files import round_for_output
 from fingertip.foundation.numerics import Array
 from fingertip.pad.contacts import find_contacts
@@ -117,31 +117,37 @@ class Knock:
     def breaks_n(self) -> float:
         return min(self.bone_n, self.pin_n)
 
-    def safety_factor(self, mass_kg: float, speed_m_s: float) -> float:
-        """Return the force that breaks the bone over that of a knock, which the pin limits."""
-        return self.bone_n / min(self.springs.force_n(mass_kg, speed_m_s), self.pin_n)
+    def safety_factor(self, stated: Strength) -> float:
+        """Return the force that breaks the bone over that of the stated knock, which the pin limits."""
+        return self.bone_n / min(self.springs.force_n(stated.hand_mass_kg, stated.knock_speed_m_s), self.pin_n)
 
-    def held_speed_m_s(self, mass_kg: float, factor: float) -> float:
-        return self.springs.speed_m_s(mass_kg, self.bone_n / factor)
+    def held_speed_m_s(self, stated: Strength) -> float:
+        """Return the speed at which the bone has the safety factor that is wanted."""
+        return self.springs.speed_m_s(stated.hand_mass_kg, self.bone_n / stated.min_knock_factor)
 
 
 @dataclass(frozen=True)
 class BoneStrength:
-    material: PrintMaterial
+    stated: Strength
     weakest: Weakness
     knock: Knock
     """Knock at the place where the bone has the least safety factor."""
     breaks_n: float
-    """Least force on the fingertip that breaks something."""
+    """Least force on the fingertip that breaks bone or pin."""
+    pin: str
+    """Name of the joint's pin if it breaks first; else empty."""
     drop_mm: float
     """Height from which the stated mass may drop on the fingertip."""
-    pin: str
-    """What breaks before the bone; empty if nothing does."""
-    grip_safety_factor: float
-    """Force that breaks bone or pin over that of a firm grip."""
-    knock_safety_factor: float
     tendon_force_n: float
     """Force of the tendon at the grip force on the apex; 0 without a tendon."""
+
+    @property
+    def grip_safety_factor(self) -> float:
+        return self.breaks_n / self.stated.grip_force_n
+
+    @property
+    def knock_safety_factor(self) -> float:
+        return self.knock.safety_factor(self.stated)
 
 
 def list_load_points(design: Design) -> dict[str, Point3]:
@@ -157,7 +163,6 @@ def list_load_points(design: Design) -> dict[str, Point3]:
 def assess_strength(design: Design, evaluator: MeshEvaluator) -> BoneStrength:
     """Find the weakest place of the bone, and what it holds. Raises GeometryError."""
     stated, interface, stress = design.strength, interface_of(design), attrgetter("stress_per_n")
-    material, mass_kg = stated.material, stated.hand_mass_kg
     cuts = [(z, section, _find_concentration(design, z)) for z, section in _cut(design, evaluator)]
     (pressed,) = find_contacts(PadForm.of_design(design), REFERENCE_POSE, (PRESSED_N,), math.inf)
     shears_n = nylon_screw_breaks_n(design.hand.pin_diameter_mm) if stated.pin == "nylon" else math.inf
@@ -169,28 +174,27 @@ def assess_strength(design: Design, evaluator: MeshEvaluator) -> BoneStrength:
         found = (*_find_weakest_section(design, at, proximal), *interface.local_stresses(design, at[2]))
         here = [Weakness(**vars(place), load=load) for place in found]
         worst, pulls = max((place for place in here if place.at_knock), key=stress), interface.pin_pulls(design, at[2])
-        springs = Springs(pressed.depth_mm, _bending_stiffness(design, at[2], proximal, material))
+        springs = Springs(pressed.depth_mm, _bending_stiffness(design, at[2], proximal))
         pin_n = shears_n / pulls[0] if pulls else math.inf
-        knocks.append(Knock(worst, springs, material.strength_mpa / worst.stress_per_n, pin_n))
+        knocks.append(Knock(worst, springs, stated.material.strength_mpa / worst.stress_per_n, pin_n))
         gripped_n += (shears_n / pull for pull in pulls)
         places += here
     weakest = max(places, key=stress)
-    knock = min(knocks, key=lambda one: one.safety_factor(mass_kg, stated.knock_speed_m_s))
-    breaks_n = min(material.strength_mpa / weakest.stress_per_n, *gripped_n, math.inf)
+    bone_n, pin_n = stated.material.strength_mpa / weakest.stress_per_n, min(gripped_n, default=math.inf)
     return BoneStrength(
-        material, weakest, knock, breaks_n, min(one.springs.drop_mm(mass_kg, one.breaks_n) for one in knocks),
-        f"nylon screw M{design.hand.pin_diameter_mm:g}" if math.isfinite(knock.pin_n) else "",
-        breaks_n / stated.grip_force_n, knock.safety_factor(mass_kg, stated.knock_speed_m_s),
+        stated, weakest, min(knocks, key=lambda knock: knock.safety_factor(stated)), min(bone_n, pin_n),
+        f"nylon screw M{design.hand.pin_diameter_mm:g}" if pin_n < bone_n else "",
+        min(knock.springs.drop_mm(stated.hand_mass_kg, knock.breaks_n) for knock in knocks),
         stated.grip_force_n * tendon_force_per_n(design, design.skin.length_mm),
     )  # fmt: skip
 
 
-def _bending_stiffness(design: Design, load_z: float, cuts: Sequence[_CutPlane], material: PrintMaterial) -> float:
+def _bending_stiffness(design: Design, load_z: float, cuts: Sequence[_CutPlane]) -> float:
     """Stiffness of the bone under a load from the side on which it is stiffer [N/mm]."""
     step, interface = cuts[1][0] - cuts[0][0], interface_of(design)
     bent = np.array([((load_z - z) * interface.moment_share(design, z)) ** 2 for z, _, _ in cuts])
     seconds = np.array([(section.second_xx_mm4, section.second_yy_mm4) for _, section, _ in cuts])
-    return float(material.modulus_mpa / (step * (bent[:, None] / seconds).sum(axis=0).min()))
+    return float(design.strength.material.modulus_mpa / (step * (bent[:, None] / seconds).sum(axis=0).min()))
 
 
 def _cut(design: Design, evaluator: MeshEvaluator) -> Iterator[tuple[float, Section]]:
@@ -263,9 +267,12 @@ def _find_concentration(design: Design, z: float) -> StressFactors:
 
 def describe_loads(strength: BoneStrength) -> str:
     """Say in a sentence what the finger holds."""
-    place = f"bone in {strength.material.label}, {strength.weakest.place} at z = {strength.weakest.z_mm:.0f} mm"
-    if strength.breaks_n == strength.knock.pin_n:
-        place = f"{strength.pin} in the joint; change it"
+    weakest, label = strength.weakest, strength.stated.material.label
+    place = (
+        f"pin, a {strength.pin}: change it"
+        if strength.pin
+        else f"{label}, {weakest.place} at z = {weakest.z_mm:.0f} mm"
+    )
     return (
         f"breaks at {strength.breaks_n:.0f} N ({place}); survives a drop of {strength.drop_mm:.1f} mm; safety factors "
         f"{strength.grip_safety_factor:.2f} at the grip, {strength.knock_safety_factor:.2f} of the bone at the knock"
@@ -274,16 +281,19 @@ def describe_loads(strength: BoneStrength) -> str:
 
 def strength_data(strength: BoneStrength) -> dict[str, Any]:
     """Return the entry of report.json."""
-    knock = strength.knock
+    knock, stated = strength.knock, strength.stated
     return {
-        "breaks_n": round_for_output(strength.breaks_n),
-        "survives_drop_mm": round_for_output(strength.drop_mm),
-        "pin": strength.pin,
-        "pin_breaks_n": round_for_output(knock.pin_n) if strength.pin else None,
+        "loads": {
+            "breaks_n": round(strength.breaks_n),
+            "drop_mm": round(strength.drop_mm, 1),
+            "pin": strength.pin,
+            "grip_n": stated.grip_force_n,
+            "mass_kg": stated.hand_mass_kg,
+        },
         "bone_breaks_n": round_for_output(knock.bone_n),
-        "material": strength.material.name,
-        "strength_mpa": strength.material.strength_mpa,
-        "strength_verified": "strength_mpa" in strength.material.verified,
+        "material": stated.material.name,
+        "strength_mpa": stated.material.strength_mpa,
+        "strength_verified": "strength_mpa" in stated.material.verified,
         "grip_safety_factor": round_for_output(strength.grip_safety_factor),
         "knock_safety_factor": round_for_output(strength.knock_safety_factor),
         "pad_mm_at_50_n": round_for_output(knock.springs.pad_mm),

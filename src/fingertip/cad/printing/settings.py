@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from fingertip.cad.printing.orientations import Orientation, Supports
 from fingertip.cad.printing.overhang import OVERHANG_DEG
-from fingertip.catalogues.print_materials import PRINT_MATERIALS, PrintMaterial
+from fingertip.catalogues.print_materials import PrintMaterial
 from fingertip.design import Design
 
 
@@ -55,7 +55,7 @@ PROFILE = Profile()
 
 def choose_plate_kind(design: Design) -> PlateKind:
     """Choose the printer of the plate: that of the bone's material, or filament where a service prints the bone."""
-    return SLA if PRINT_MATERIALS[design.strength.print_material].process == SLA.name else FDM
+    return SLA if design.strength.material.process == SLA.name else FDM
 
 
 def infill_percent(part: str) -> int:

@@ -268,11 +268,9 @@ def _find_concentration(design: Design, z: float) -> StressFactors:
 def describe_loads(strength: BoneStrength) -> str:
     """Say in a sentence what the finger holds."""
     weakest, label = strength.weakest, strength.stated.material.label
-    place = (
-        f"pin, a {strength.pin}: change it"
-        if strength.pin
-        else f"{label}, {weakest.place} at z = {weakest.z_mm:.0f} mm"
-    )
+    place = f"{label}, {weakest.place} at z = {weakest.z_mm:.0f} mm"
+    if strength.pin:
+        place = f"pin, a {strength.pin}: change it"
     return (
         f"breaks at {strength.breaks_n:.0f} N ({place}); survives a drop of {strength.drop_mm:.1f} mm; safety factors "
         f"{strength.grip_safety_factor:.2f} at the grip, {strength.knock_safety_factor:.2f} of the bone at the knock"

@@ -17,8 +17,8 @@ PRESSED_N = 50.0
 _GRAVITY_M_S2 = 9.80665
 _STEPS = 60
 NYLON_SHEAR_MPA, ROOT_OF_THREAD = 54.0, 0.755
-"""Shear strength of screws of nylon 6.6 ("General information - plastic fasteners", T10-1025) [MPa], and the diameter at
-the root of an M2 thread over the outer one; 0.78 to 0.80 from M2.5 to M4."""
+"""Shear strength of screws of nylon 6.6 ("General information - plastic fasteners", T10-1025) [MPa], and the diameter
+at the root of an M2 thread over the outer one; 0.78 to 0.80 from M2.5 to M4."""
 
 
 @dataclass(frozen=True)

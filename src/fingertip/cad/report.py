@@ -12,7 +12,8 @@ from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.printing.print_files import PrintFiles
 from fingertip.cad.shapes.parts import Part, hardware
-from fingertip.cad.verification.check import Check, count_checks, list_warnings
+from fingertip.cad.verification.check import Check, count_checks
+from fingertip.cad.verification.lying_skin import describe_lying_skin
 from fingertip.cad.verification.strength import BoneStrength, strength_data
 from fingertip.catalogues.output_files import ASSEMBLY, PRINT_FOLDER, SCRIPT_SUFFIX
 from fingertip.design import Design
@@ -84,9 +85,7 @@ class Build:
             for check in self.checks
             if not check.passed
         ]
-        text += html_table("FAILED", ("check", "value", "limit", "unit"), failed) if failed else ""
-        warnings = [(warning,) for warning in list_warnings(self.checks)]
-        return text + (html_table("warnings", ("expected to go wrong",), warnings) if warnings else "")
+        return text + (html_table("FAILED", ("check", "value", "limit", "unit"), failed) if failed else "")
 
     def plot(self, width_px: int = 1600) -> Picture:
         """Draw the design that was built.
@@ -107,7 +106,7 @@ class Build:
             If pandas is not installed.
         """
         columns: dict[str, list[Any]] = {"check": [check.name for check in self.checks]}
-        for key in ("value", "sign", "limit", "unit", "passed", "state"):
+        for key in ("value", "sign", "limit", "unit", "passed"):
             columns[key] = [getattr(check, key) for check in self.checks]
         return to_dataframe(columns, "Build.to_dataframe")
 
@@ -126,7 +125,6 @@ class Build:
                 }
                 for file, data in self.prints.contents.items()
             },
-            "warnings": list_warnings(self.checks),
             "checks": [check.to_dict() for check in self.checks],
         }
         if ASSEMBLY in self.contents:
@@ -137,6 +135,8 @@ class Build:
             report["strength"] = strength_data(self.strength)
         if any(built.part.name == "skin" for built in self.parts):
             report["pad"] = survey_pad(self.design).to_dict()
+            if not self.design.skin_is_bonded:
+                report["skin"] = describe_lying_skin(self.design)
         return report | ({"casting": asdict(self.casting)} if self.casting else {})
 
     def _part_entry(self, built: BuiltPart) -> dict[str, Any]:

@@ -78,12 +78,10 @@ def _format_build(result: Build) -> list[str]:
 
 
 def _list_remarks(result: Build, room: int, rewrite: Callable[[str], str] = str) -> list[str]:
-    """List failed checks and warnings in so many lines: each is cut to its share, and those without one are counted."""
-    from fingertip.cad.verification.check import list_warnings
+    """List failed checks in so many lines: each is cut to its share, and those without one are counted."""
     from fingertip.catalogues.output_files import REPORT
 
     remarks = [" ".join(format_failures([check])) for check in result.checks if not check.passed]
-    remarks += (f"warning: {text}" for text in list_warnings(result.checks))
     shown = [rewrite(remark) for remark in (remarks if len(remarks) <= room else remarks[: room - 1])]
     share: dict[str, Any] = {"max_lines": room // max(1, len(shown)), "subsequent_indent": "  ", "placeholder": " ..."}
     lines = [line for remark in shown for line in textwrap.wrap(remark, _MAX_WIDTH, **share)]

@@ -79,7 +79,6 @@ def _check_folders(folders: Sequence[Path]) -> tuple[list[dict[str, Any]], list[
 def _check_designs(
     designs: Mapping[str, Design], tolerance_mm: float, junit: Path | None, console: Console, verbose: bool
 ) -> tuple[dict[str, Any], list[str]]:
-    from fingertip.cad.verification.check import list_warnings
     from fingertip.cad.verification.verify import check
 
     checks_by_design: dict[str, tuple[Check, ...]] = {}
@@ -92,10 +91,9 @@ def _check_designs(
 
         write_file(junit, to_bytes(checks_by_design), "--junit")
     found = [
-        {"design": label, "passed": all(c.passed for c in checks),
-         "warnings": list_warnings(checks, with_advice=True), "checks": [c.to_dict() for c in checks]}
+        {"design": label, "passed": all(c.passed for c in checks), "checks": [c.to_dict() for c in checks]}
         for label, checks in checks_by_design.items()
-    ]  # fmt: skip
+    ]
     data = {"passed": all(one["passed"] for one in found), "tolerance_mm": tolerance_mm, "designs": found}
     texts = [_format_table(label, checks, verbose) for label, checks in checks_by_design.items()]
     if not data["passed"] and tolerance_mm > FINE_MM:
@@ -129,24 +127,22 @@ def _load(files: Sequence[Path], changes: Sequence[str], console: Console) -> di
 
 
 def _format_table(label: str, checks: Sequence[Check], verbose: bool) -> str:
-    """Verdict on a design, then the checks that failed or warn, or all of them."""
-    from fingertip.cad.verification.check import count_checks, list_warnings
+    """Verdict on a design, then the checks that failed, or all of them."""
+    from fingertip.cad.verification.check import count_checks
     from fingertip.foundation.files import round_for_output
 
     verdict = f"{label}: {count_checks(checks)}"
-    shown = [c for c in checks if verbose or c.state != "passed"]
+    shown = [c for c in checks if verbose or not c.passed]
     if not shown:
         return verdict
-    words = {"passed": "ok", "warning": "WARNING", "failed": "FAILED"}
     rows = [("check", "value", "", "limit", "unit", "")]
     for c in shown:
         value, limit = f"{round_for_output(c.value):.5g}", f"{c.limit:.5g}"
         compared = (f">{value}", "", "") if c.is_beyond else (value, c.sign, limit)
-        rows.append((c.name, *compared, c.unit, words[c.state]))
+        rows.append((c.name, *compared, c.unit, "ok" if c.passed else "FAILED"))
     widths = [max(len(row[i]) for row in rows) for i in range(6)]
     aligned = ((f"{text:{'>' if i in (1, 3) else ''}{widths[i]}}" for i, text in enumerate(row)) for row in rows)
     lines = [verdict, *(" ".join(row).rstrip() for row in aligned)]
-    lines += (f"warning: {text}" for text in list_warnings(checks))
     return "\n".join([*lines, *(describe_cause(c) for c in shown if not c.passed)])
 
 
@@ -173,8 +169,8 @@ _INVALID_IN_XML = re.compile(r"[^\t\n\r\x20-\uD7FF\uE000-\uFFFD\U00010000-\U0010
 def to_bytes(suites: Mapping[str, Iterable[Check]]) -> bytes:
     """Write a JUnit XML report, in the dialect that Jenkins, GitLab and GitHub readers share.
 
-    Each design, given by its name, is a test suite and each check a test case. A warning stands in the output of its
-    test case, which passed. The report holds no times, dates or host names: the same designs give the same bytes.
+    Each design, given by its name, is a test suite and each check a test case. The report holds
+    no times, dates or host names: the same designs give the same bytes.
     """
     root = Element("testsuites", name="fingertip check")
     for name, checks in suites.items():
@@ -202,8 +198,7 @@ def _suite(root: Element, name: str, checks: tuple[Check, ...]) -> None:
         if not check.passed:
             failure = SubElement(case, "failure", type="check", message=message(check))
             failure.text = f"{name}: {check.name}: {message(check)}"
-        warning = f"; warning: {check.warning}" if check.state == "warning" else ""
-        SubElement(case, "system-out").text = _clean(message(check) + warning)
+        SubElement(case, "system-out").text = _clean(message(check))
 
 
 def _clean(text: str) -> str:

@@ -176,16 +176,14 @@ def _describe(path: Path, made: NewDesign) -> tuple[dict[str, Any], list[str]]:
 
 def _check(design: Design, data: dict[str, Any], progress: Callable[[str], None]) -> tuple[list[Check], list[str]]:
     """Check a design as a build does, and add its strength to the data. Return what failed, and its strength."""
-    from fingertip.cad.verification.check import list_warnings
     from fingertip.cad.verification.strength import describe_loads, strength_data
     from fingertip.cad.verification.verify import check as check_design
 
     verified = check_design(design, progress=progress)
     assert verified.strength
     data["strength"] = strength_data(verified.strength)
-    warnings = (f"warning: {text}" for text in list_warnings(verified.checks))
     failed = [check for check in verified.checks if not check.passed]
-    return failed, [describe_loads(verified.strength), *warnings]
+    return failed, [describe_loads(verified.strength)]
 
 
 def _refuse(failed: Iterable[Check], remedy: str) -> Iterator[Issue]:

@@ -101,11 +101,10 @@ EVERY_FILE = "Every file was read back and measured. A check that fails names th
 def tell_verdict(report: Mapping[str, Any], passed: str = "of the parts passed") -> tuple[str, str]:
     """Tell in a line whether the parts passed their checks, and its kind; `passed` ends the sentence if they did."""
     checks = report["checks"]
-    warned, failed = len(_find_warnings(checks)), sum(not check["passed"] for check in checks)
+    failed = sum(not check["passed"] for check in checks)
     if failed:
         return f"✗ {failed} of {len(checks)} checks failed: do not print these parts", "failed"
-    ending = f"; {warned} of them with a warning" if warned else ""
-    return f"✓ All {len(checks)} checks {passed}{ending}", "warned" if warned else "passed"
+    return f"✓ All {len(checks)} checks {passed}", "passed"
 
 
 def render_verdict(report: Mapping[str, Any], passed: str = "of the parts passed") -> Markup:
@@ -120,10 +119,6 @@ def render_checks(report: Mapping[str, Any], basis: str = EVERY_FILE) -> Markup:
     parts = [element("p", basis)]
     if failed:
         parts += [element("h3", "Failed"), _tabulate(failed, "failed checks")]
-    warned = _find_warnings(checks)
-    if warned:
-        parts += [element("h3", "Warnings"), _tabulate(warned, "checks that warn")]
-        parts += [note(code(check["name"]), f": {check['warning']}") for check in warned]
     if closest := _find_closest(checks):
         parts.append(fold("The checks closest to their limits", _tabulate(closest, "checks closest to their limits")))
     groups: dict[str, list[Check]] = {}
@@ -131,9 +126,7 @@ def render_checks(report: Mapping[str, Any], basis: str = EVERY_FILE) -> Markup:
         groups.setdefault(check["name"].split(".")[0], []).append(check)
     for subject, group in groups.items():
         passed = sum(check["passed"] for check in group)
-        warnings = len(_find_warnings(group))
         summary = f"{subject.replace('_', ' ')}: {passed} of {len(group)} passed"
-        summary += f", {warnings} with a warning" if warnings else ""
         parts.append(fold(summary, _tabulate(group, f"checks of {subject}")))
     return join(parts)
 
@@ -155,17 +148,11 @@ def _tabulate(checks: Sequence[Check], caption: str) -> Markup:
         said = element("span", "✓", class_="passed", title="passed")
         if not check["passed"]:
             said = element("span", "✗ FAILED", class_="failed")
-        elif check.get("warning"):
-            said = element("span", "⚠ warns", class_="warned")
         name = element("span", code(check["name"]), class_="code")
         value = quantity(check["value"], check["unit"])
         limit = quantity(check["limit"], check["unit"], check["relation"])
         rows.append((name, value, limit, said, link_parameters(list_causes(check["name"]))))
     return table(("check", "value", "must be", "passed", "set by"), rows, caption)
-
-
-def _find_warnings(checks: Sequence[Check]) -> list[Check]:
-    return [check for check in checks if check["passed"] and check.get("warning")]
 
 
 def link_parameters(paths: Iterable[str]) -> Markup:

@@ -18,7 +18,7 @@ from fingertip.cad.shapes.bone import sensor_body
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.assembly import turn_about_pin
 from fingertip.cad.verification.strength import assess_strength
-from fingertip.cad.verification.walls import MEASURED, find_thin_walls
+from fingertip.cad.verification.walls import find_thin_walls
 from fingertip.design import Design
 from fingertip.design.geometry.features import Joint
 from fingertip.design.geometry.solids import Point3, Solid
@@ -63,6 +63,8 @@ def place_on_hand(
 _TOLERANCE_MM = 0.02
 _MARGIN_PX, _CAPTION_PX, _FONT_PX, _CLEAR_PX = 36, 24, 17, 5
 _INK, _MARK_INK = (40, 40, 40), (150, 30, 20)
+_MEASURED = ("bone", "skin")
+"""Parts whose thin walls are marked."""
 _THIN, _THIN_COLOUR = "red: too thin", (0.85, 0.1, 0.1)
 _LABELS = (*PARTS, "sensor", _THIN)
 _COLOURS: Mapping[str, Colour] = {
@@ -130,7 +132,7 @@ def _mark_thin_walls(design: Design, evaluator: MeshEvaluator, exploded: list[Pl
     """Cover what is thinner than its minimum with red squares."""
     marks = []
     for item in exploded:
-        if item.label in MEASURED and (thin := find_thin_walls(design, evaluator, item.label)).matters:
+        if item.label in _MEASURED and (thin := find_thin_walls(design, evaluator, item.label)).matters:
             squares = thin.patches()
             moved = Mesh(squares.vertices + np.array(item.offset_mm), squares.triangles)
             marks.append(PlacedMesh(_THIN, moved, _THIN_COLOUR, item.offset_mm))

@@ -354,8 +354,7 @@ def _run_checks(context: PointContext, designs: Iterable[Design], prefix: str) -
     verified = (verify(design, parts_by_name(design), ("stl",), context.evaluator()) for design in designs)
     checks = [check for each in verified for check in each.checks]
     failed = [check for check in checks if not check.passed]
-    warned = sum(check.state == "warning" for check in checks)
-    counts = {"checks_failed": len(failed), "checks_warned": warned, "checks_run": len(checks)}
+    counts = {"checks_failed": len(failed), "checks_run": len(checks)}
     values: OutputValues = {prefix + name: count for name, count in counts.items()}
     if failed:
         first, *others = failed

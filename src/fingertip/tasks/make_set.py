@@ -20,7 +20,7 @@ from fingertip.cad.printing.overhang import bed_pose
 from fingertip.cad.printing.print_files import Piece, PrintFiles, list_pieces, make_plates
 from fingertip.cad.printing.settings import choose_plate_kind
 from fingertip.cad.shapes.parts import PARTS, print_scale
-from fingertip.cad.verification.check import count_checks, list_warnings
+from fingertip.cad.verification.check import count_checks
 from fingertip.casting.set_plan import Mold, plan_castings
 from fingertip.casting.sheet import casting_sheet
 from fingertip.catalogues.output_files import (
@@ -213,7 +213,6 @@ def _collect(fingers: FingerSet, form: Form, made: Made) -> FormSheets:
     volumes = {part.part.name: part.mesh.volume() / 1000.0 for part in made.parts.parts}
     calibrated = [name for name in form.fingers if name in fingers.calibrated]
     own = {name: acceptance_data(fingers.calibrated[name]) for name in calibrated}
-    warnings = tuple(map(form.name_values, list_warnings(made.parts.checks)))
     verdict = count_checks(made.parts.checks)
     acceptance = acceptance_data(form.design)
-    return FormSheets(form, asdict(made.parts.casting), acceptance, volumes, verdict, warnings, own)
+    return FormSheets(form, asdict(made.parts.casting), acceptance, volumes, verdict, (), own)

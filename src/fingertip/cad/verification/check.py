@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from typing import Any, Literal
+from typing import Any
 
 from fingertip.cad.kernel.mesh import Manifold, MeshEvaluator
 from fingertip.design.geometry.solids import Box, Solid, difference
@@ -17,76 +17,41 @@ _BUG = ()
 
 _CAUSES: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("*.build_volume_excess", ("printer.bed_x_mm", "printer.bed_y_mm", "printer.bed_z_mm", "skin.length_mm")),
-    ("plate_*.bed_excess", ("printer.bed_x_mm", "printer.bed_y_mm", "printer.bed_z_mm", "skin.length_mm")),
-    ("plate_*", _BUG),
-    ("mold*.overhang", ("mold.bolt_diameter_mm", "mold.chaplet_screw", "mold.engraving_height_mm")),
-    ("*.overhang", ("bone.groove_depth_mm", "bone.platform_mm", "bone.interface", "mold.chaplet_diameter_mm")),
-    ("skin.thin_walls", ("mold.chaplet_diameter_mm", "mold.chaplet_from_tip_mm")),
-    ("*.thin_walls", ("skin.width_mm", "skin.semi_axis_dorsal_mm", "bone.wall_mm", "bone.rim_mm")),
+    ("plate.bed_excess", ("printer.bed_x_mm", "printer.bed_y_mm", "printer.bed_z_mm", "skin.length_mm")),
+    ("plate.*", _BUG),
+    ("*.overhang", ("bone.groove_depth_mm", "bone.platform_mm", "skin.bump_height_mm", "bone.interface")),
     ("skin.min_thickness", ("skin.thickness_side_mm", "bone.palmar_fullness", "skin.min_thickness_mm")),
-    (
-        "skin.*retained*",
-        ("mold.fit_clearance_mm", "printer.surface_error_mm", "mold.chaplet_diameter_mm", "mold.chaplet_from_tip_mm"),
-    ),
-    ("skin.min_thickness_misaligned", ("mold.fit_clearance_mm", "mold.chaplet_from_tip_mm", "skin.min_thickness_mm")),
-    ("pad.strain", ("silicone.product", "skin.thickness_palmar_mm")),
+    ("skin.pull_off", ("bone.groove_depth_mm", "skin.thickness_side_mm", "silicone.product")),
+    ("skin.fitting_stretch", ("bone.groove_depth_mm", "mold.core_inset_mm")),
     ("pad.turn_on_force", ("sensor.distance_from_tip_mm", "bone.collar_inset_mm", "skin.crown_radius_mm")),
     ("pad.rest_force", ("skin.bump_height_mm", "skin.bump_radius_mm")),
-    ("pad.dead_zone.*", ("skin.bump_height_mm", "printer.surface_error_mm", "mold.core_inset_mm")),
-    ("skin.pull_off*", ("bone.groove_depth_mm", "silicone.product")),
-    ("skin.slide", ("skin.bump_radius_mm", "silicone.product")),
-    ("pad.*", ("skin.crown_radius_mm", "skin.crown_offset_mm", "sensor.insert", "silicone.product")),
-    ("cup.palmar_error", ("printer.surface_error_mm", "skin.thickness_palmar_mm")),
-    ("cup.plunge_pressure", ("silicone.product", "silicone.viscosity_pa_s")),
-    ("cup.core_bending", ("silicone.product", "silicone.viscosity_pa_s")),
-    ("cup.creep", ("printer.surface_error_mm", "silicone.product", "silicone.viscosity_pa_s")),
-    ("cup.seat_film", ("silicone.product", "silicone.viscosity_pa_s")),
-    ("cup.trapped_air", ("skin.bump_height_mm", "bone.groove_depth_mm")),
-    ("cup.wall", ("mold.wall_mm", "mold.engraving_depth_mm")),
-    ("cup.*", _BUG),
-    ("skin.fitting_stretch", ("bone.groove_depth_mm", "mold.core_inset_mm")),
+    ("mold.palmar_error", ("printer.surface_error_mm", "skin.thickness_palmar_mm")),
+    ("mold.plunge_pressure", ("silicone.product", "silicone.viscosity_pa_s")),
+    ("mold.core_bending", ("silicone.product", "silicone.viscosity_pa_s")),
+    ("mold.creep", ("printer.surface_error_mm", "silicone.product", "silicone.viscosity_pa_s")),
+    ("mold.seat_film", ("silicone.product", "silicone.viscosity_pa_s")),
+    ("mold.trapped_air", ("skin.bump_height_mm", "bone.groove_depth_mm")),
+    ("mold.wall", ("mold.wall_mm", "mold.engraving_depth_mm")),
     ("bone.wall.channel*", ("bone.channel_diameter_mm", "bone.wall_mm")),
     ("bone.wall.sensor*", ("bone.rim_mm", "bone.wall_mm", "skin.width_mm")),
-    ("bone.wall.trough*", ("skin.semi_axis_dorsal_mm", "skin.width_mm", "bone.wall_mm")),
-    ("lid.wall", ("skin.semi_axis_dorsal_mm", "sensor.crimp_height_mm", "bone.wall_mm")),
-    ("bone.wall.window*", ("bone.wall_mm", "skin.width_mm")),
-    ("bone.wall.groove*", ("bone.wall_mm",)),
     ("bone.wall.pin*", ("hand.pin_diameter_mm", "hand.clearance_radius_mm")),
-    ("bone.wall.anchor*", ("hand.tendon_distance_mm", "bone.anchor_diameter_mm")),
+    ("bone.wall.anchor*", ("hand.tendon_distance_mm",)),
     ("bone.wall.socket*", ("bone.socket_diameter_mm", "bone.socket_depth_mm")),
     ("bone.wall.cheek", ("hand.width_mm",)),
     ("bone.wall.tongue", ("hand.width_mm",)),
     ("joint.tendon_overlap", ("hand.tendon_distance_mm", "hand.tendon_diameter_mm")),
-    ("joint.anchor_pin_stress", ("bone.anchor_diameter_mm", "hand.tendon_diameter_mm", "hand.tendon_distance_mm")),
+    ("joint.anchor_pin_stress", ("hand.tendon_diameter_mm", "hand.tendon_distance_mm")),
     ("joint.*", ("hand.travel_deg", "bone.joint_clearance_mm", "hand.clearance_radius_mm")),
     ("sensor.pocket_clearance", ("sensor.clearance_mm", "sensor.adhesive_thickness_mm")),
     ("sensor.[rvw]*", ("sensor.clearance_mm", "bone.channel_diameter_mm", "bone.base_length_mm")),
-    ("sensor.*", ("sensor.distance_from_tip_mm", "bone.relief_length_mm")),
-    ("mold.wall.cavity_to_outside", ("mold.wall_mm",)),
-    ("mold.wall.cavity_to_cutouts", ("mold.wall_mm", "mold.engraving_depth_mm", "mold.nut_depth_mm")),
-    ("mold.land.*", ("mold.land_mm",)),
-    ("mold.wall.runners_to_outside", ("mold.wall_mm", "mold.runner_width_mm")),
-    ("mold.wall.runners*", ("mold.land_mm", "mold.runner_width_mm", "mold.vent_diameter_mm")),
-    ("mold.wall.side_vents*", ("mold.vent_diameter_mm", "mold.land_mm")),
-    ("mold.wall.*", ("mold.land_mm", "mold.key_diameter_mm")),
-    ("mold*.draft_clearance_gain*", ("mold.draft_deg",)),
-    ("mold*.recess_clearance", ("mold.fit_clearance_mm",)),
-    ("mold.cable*", ("mold.recess_length_mm", "bone.base_length_mm")),
-    ("mold.air_trapped", ("mold.vent_diameter_mm", "mold.chaplet_from_tip_mm", "mold.runner_width_mm")),
-    ("mold.fill_time", ("mold.nozzle_bore_mm", "mold.thumb_force_n", "silicone.viscosity_pa_s")),
-    ("mold.syringe_force", ("mold.nozzle_bore_mm", "mold.syringe", "silicone.viscosity_pa_s")),
-    ("mold.syringe_volume", ("mold.syringe",)),
-    ("mold.bone_load", ("mold.thumb_force_n", "mold.syringe", "mold.chaplet_screw")),
-    ("mold.opening_force", ("mold.thumb_force_n", "mold.syringe", "mold.bolt_diameter_mm")),
-    ("mold.leak_length", ("mold.seat_tape_mm", "mold.fit_clearance_mm", "printer.offset_mm", "bone.collar_length_mm")),
+    ("sensor.*", ("sensor.distance_from_tip_mm", "bone.base_length_mm")),
     (
         "bone.safety_factor.*",
         ("sensor.model", "bone.base_length_mm", "skin.length_mm", "skin.width_mm", "strength.print_material"),
     ),
     ("stand.*", ("printer.surface_error_mm", "printer.offset_mm", "bone.cross_bolt_diameter_mm")),
-    ("demolding_overlap.*", ("mold.draft_deg",)),
     *((pattern, _BUG) for pattern in ("*.stl.*", "*.3mf.*", "*.step.*", "step.*", "volume_balance.*", "overlap.*")),
-    *((pattern, _BUG) for pattern in ("skin.surface_deviation", "mold*")),
+    *((pattern, _BUG) for pattern in ("skin.surface_deviation", "mold.*", "demolding_overlap.*")),
 )
 """Pattern of names, and parameters; the first pattern that matches counts."""
 
@@ -98,8 +63,6 @@ def list_causes(check: str) -> tuple[str, ...]:
             return parameters
     raise LookupError(check)
 
-
-State = Literal["passed", "warning", "failed"]
 
 VOLUME_TOLERANCE_MM3 = 1e-3
 """Largest volume that counts as zero [mm3]. Rounding 10 000 mm2 of surface to a grid of 8 nm stays below it."""
@@ -119,10 +82,6 @@ _MAX_REACH_MM = 500.0
 class Check(Comparison):
     """Verified property of a built part."""
 
-    warning: str = ""
-    """Sentence on what is expected to go wrong although the value satisfies the limit; empty if nothing is."""
-    advice: str = ""
-    """Sentences that add to the warning in reports. A terminal shows the warning alone."""
     remedy: str = ""
     """Settings with which the check passes if it fails, joined by --set; empty if none is known."""
     is_beyond: bool = False
@@ -137,13 +96,6 @@ class Check(Comparison):
         """Check that two solids are at least `min_mm` apart: on both sides of a wall, they give its thickness."""
         return cls(name, measure_gap(first, second, 2.0 * min_mm), min_mm, "mm", "at least")
 
-    @property
-    def state(self) -> State:
-        """Result of the check. A warning is no failure: the limit is satisfied."""
-        if not self.passed:
-            return "failed"
-        return "warning" if self.warning else "passed"
-
     def to_dict(self) -> dict[str, Any]:
         """Return the entry of this check in report.json."""
         return {
@@ -153,29 +105,14 @@ class Check(Comparison):
             "unit": self.unit,
             "relation": self.relation,
             "passed": self.passed,
-            "state": self.state,
-            **({"warning": f"{self.warning} {self.advice}".rstrip()} if self.state == "warning" else {}),
-            **({} if self.state == "passed" else {"change": [*list_causes(self.name)]}),
+            **({} if self.passed else {"change": [*list_causes(self.name)]}),
         }
 
 
 def count_checks(checks: Sequence[Check]) -> str:
-    """Say how many checks failed, or that all passed, and how many of them with a warning."""
-    states = [check.state for check in checks]
-    warned, failed = states.count("warning"), len(states) - states.count("passed") - states.count("warning")
-    if failed:
-        return f"{failed} of {len(states)} checks failed"
-    return f"all {len(states)} checks passed" + (f", {warned} of them with a warning" if warned else "")
-
-
-def list_warnings(checks: Sequence[Check], *, with_advice: bool = False) -> list[str]:
-    """List the warnings, each with the name of its check; with advice, also the parameters to change."""
-    return [
-        f"{check.name}: {check.warning}"
-        + (f" {check.advice} It is set by {', '.join(list_causes(check.name))}." if with_advice else "")
-        for check in checks
-        if check.state == "warning"
-    ]
+    """Say how many checks failed, or that all passed."""
+    failed = sum(not check.passed for check in checks)
+    return f"{failed} of {len(checks)} checks failed" if failed else f"all {len(checks)} checks passed"
 
 
 def measure_gap(first: Manifold, second: Manifold, first_reach_mm: float) -> float:

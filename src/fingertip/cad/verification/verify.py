@@ -22,7 +22,6 @@ from fingertip.cad.verification.mold import check_mold
 from fingertip.cad.verification.printing import check_mesh_file, check_overhang, check_print_files
 from fingertip.cad.verification.skin import check_pad, check_skin
 from fingertip.cad.verification.strength import BoneStrength, assess_strength
-from fingertip.cad.verification.walls import check_walls
 from fingertip.design import Design
 from fingertip.design.geometry.solids import scaled
 from fingertip.foundation.progress import Work
@@ -94,10 +93,10 @@ def check_parts(
             excess = build_volume_excess(design, mesh, print_orientations(design)[name].rotate_x_deg)
             yield Check(f"{name}.build_volume_excess", excess, 0.0, "mm")
             yield check_overhang(design, evaluator, name, mesh)
-    yield from check_walls(design, evaluator, meshes)
     if "skin" in meshes:
         yield from check_skin(design, evaluator, meshes["skin"])
-        yield from check_pad(design) if with_pad else ()
+        if with_pad:
+            yield check_pad(design)
         yield from check_lying_skin(design) if with_pad and not design.skin_is_bonded else ()
     if "bone" in meshes:
         yield from check_bone(design, evaluator)

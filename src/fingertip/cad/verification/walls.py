@@ -5,18 +5,15 @@ The distance checks of the bone know which hollows they measure. Rays find what 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from fingertip.cad.kernel.mesh import Manifold, Mesh, MeshEvaluator, to_canonical_mesh
 from fingertip.cad.shapes.parts import PARTS
-from fingertip.cad.verification.check import Check
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 
-MEASURED = ("bone", "lid", "skin")
 SPACING_MM = 0.35
 """Distance between the points from which rays start, on average [mm]."""
 _ABOVE_MM = 0.03
@@ -28,7 +25,7 @@ _INSIDE_MM = 1e-4
 _R2 = (0.7548776662466927, 0.5698402909980532)
 """Steps of the R2 sequence, which spreads points evenly (M. Roberts, 2018)."""
 _NEGLIGIBLE_MM2 = 0.5
-"""Area of thin walls that is not worth a warning [mm2]: four points."""
+"""Area of thin walls that is not worth a mark [mm2]: four points."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,28 +91,3 @@ def measure_walls(solid: Manifold, limit_mm: float) -> ThinWalls:
     thin = np.isfinite(thickness)
     area, surface = float(sums[-1] / count * thin.sum()), float(sums[-1])
     return ThinWalls(points[thin], normals[thin], thickness[thin], area, surface)
-
-
-def check_walls(design: Design, evaluator: MeshEvaluator, parts: Iterable[str]) -> Iterator[Check]:
-    """Measure the walls of parts, and warn of those that are thinner than their minimum; no limit makes them fail."""
-    for part in parts:
-        if part not in MEASURED:
-            continue
-        found = find_thin_walls(design, evaluator, part)
-        warning = advice = ""
-        if found.matters:
-            least = int(np.argmin(found.thickness_mm))
-            field = "skin.min_thickness_mm" if part == "skin" else "printer.min_wall_mm"
-            x, y, z = (round(size, 1) + 0.0 for size in found.points[least].tolist())
-            where, follows = f"at x = {x}, y = {y}, z = {z} mm", "What does not print there is missing."
-            chaplet, (across, up, along) = design.dimensions.chaplet, found.points.T
-            reach_mm = 2 * design.skin.min_thickness_mm + (chaplet.radius if chaplet else 0.0)
-            if part == "skin" and chaplet and ((np.hypot(across, along - chaplet.z) < reach_mm) & (up > 0.0)).all():
-                where = "beside the chaplet's hole, until the patch fills it"
-                follows = "Open the mold with care: the patch closes what tears there."
-            warning = (
-                f"{found.area_mm2:.0f} mm2 of the {part} are thinner than {field}={design.value(field):g}, down to "
-                f"{found.thickness_mm[least]:.1f} mm {where}."
-            )
-            advice = f"`fingertip picture` marks the places in red. {follows}"
-        yield Check(f"{part}.thin_walls", found.area_mm2, found.surface_mm2, "mm2", "at most", warning, advice)

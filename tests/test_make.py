@@ -18,7 +18,6 @@ from fingertip.pictures.drawing.draw import file_names
 from fingertip.tasks import make as make_files
 from fingertip.tasks.board import write_board
 from fingertip.tasks.build import build
-from fingertip.tasks.trial import simulate_and_detect
 from fingertip.tasks.verification import verify_sets
 from tests.conftest import run_fingertip
 
@@ -49,7 +48,7 @@ def test_each_set_is_the_one_of_its_own_command(made: Path, tmp_path: Path) -> N
     design = Design.load("fsr400")
     build(design, tmp_path / "single", formats=["stl"], pictures=True)
     write_board(design, tmp_path / "single" / "board", bring_up=True)
-    page = render_acceptance(acceptance_data(design, simulate_and_detect(design, lambda message: None)[1].detection))
+    page = render_acceptance(acceptance_data(design))
     PART_FILES.writer(design, tmp_path / "single").add({ACCEPTANCE: page.encode()})
     trace = tmp_path / "trace.csv"
     assert run_fingertip("simulate", "fsr400", "--out", trace).returncode == 0

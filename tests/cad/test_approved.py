@@ -18,15 +18,14 @@ from fingertip.cad.shapes.insert import cavity
 from fingertip.cad.shapes.mold import runners
 from fingertip.cad.shapes.parts import hardware, parts_by_name
 from fingertip.cad.verification.check import list_causes, list_warnings
-from fingertip.casting.hardware import size_wires
-from fingertip.casting.quantities import measure_volumes, pose_tolerance_deg, skin_pull_off_n
+from fingertip.casting.quantities import measure_poured_cm3
 from fingertip.catalogues import amplifiers, print_materials, sensors, silicones
 from fingertip.catalogues.controllers import load_controllers
 from fingertip.catalogues.hardware import SYRINGES, THREADS, find_needle
 from fingertip.design import Design
 from fingertip.design.geometry.seat import list_contacts, tape_span_mm
 from fingertip.design.interfaces import interface_of
-from fingertip.filling.mold_filling import find_pose, gate_opening, list_ducts, predict_mold_filling, vent_cavity
+from fingertip.filling.mold_filling import gate_opening, list_ducts, predict_mold_filling, vent_cavity
 from tests.approved import check_figures
 from tests.cad.part_checks import run_all_checks
 from tests.conftest import design_file, some_of
@@ -103,8 +102,6 @@ def list_sizes(design: Design) -> Iterator[str]:
         yield from map(render, list_contacts(design, design.dimensions))
         yield from (f"{render(loss.point)} loses {render(loss.loss_mm)}" for loss in design.losses)
     yield f"tape span {render(tape_span_mm(design))}"
-    yield f"wires {render(size_wires(design))}"
-    yield f"pull-off force {render(skin_pull_off_n(design, design.silicone.material))}"
 
 
 def list_solids(design: Design) -> Iterator[str]:
@@ -122,7 +119,7 @@ def list_solids(design: Design) -> Iterator[str]:
         moment[abs(moment) < 1e-3] = 0.0  # what remains of two equal halves
         figures = mesh.volume(), mesh.area(), body.bounding_box(), moment.tolist()
         yield f"{name}: genus {body.genus()}, {render(figures)}"
-    yield render(measure_volumes(design, evaluator))
+    yield f"poured {render(measure_poured_cm3(design, evaluator))}"
     yield from (render(line) for half in ("palmar", "dorsal") for line in engraved_lines(design, half))
     yield f"not engraved: {omitted_lines(design)}"
     supports = supports_by_part(design)
@@ -134,7 +131,6 @@ def list_filling(design: Design) -> Iterator[str]:
     yield render(gate_opening(design))
     yield from (render(duct) for duct in list_ducts(design))
     yield render(vent_cavity(design))
-    yield f"pose {render(find_pose(design))}, tolerance {render(pose_tolerance_deg(design))}"
     found = predict_mold_filling(design)
     yield from list_properties(found)
     for field, value in vars(found).items():

@@ -16,6 +16,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from fingertip.casting.hardware import bill_of_materials
+from fingertip.documents.casting.sheet import casting_sheet_data
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from typer.testing import CliRunner
@@ -26,7 +28,6 @@ from fingertip.cad.printing.orientations import build_volume_excess, print_orien
 from fingertip.cad.printing.print_files import list_pieces, make_plates
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.verification.check import Check
-from fingertip.casting.hardware import bill_of_materials
 from fingertip.casting.quantities import compute_batch, measure_volumes
 from fingertip.casting.set_plan import CHANGE_S, PATCH_CM3, Mold, plan_castings
 from fingertip.catalogues.controllers import NAMES
@@ -35,7 +36,6 @@ from fingertip.design import Design
 from fingertip.design.files import to_toml
 from fingertip.design.finger_set import FingerSet, Form, load_set
 from fingertip.documents.acceptance import acceptance_data
-from fingertip.documents.casting.sheet import casting_sheet_data
 from fingertip.documents.finger_set.sheets import FormSheets, measure_form, render_sheet, set_data, write_parts_csv
 from fingertip.documents.start import render_set_start
 from fingertip.firmware.fingers import plan_set

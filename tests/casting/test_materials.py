@@ -97,9 +97,9 @@ def test_ratio_by_volume_is_converted_with_both_densities() -> None:
 
 
 def test_design_names_its_silicone_and_an_option_replaces_it() -> None:
-    assert Design().silicone.material == SILICONES["addition_40a"]
-    design = Design.load(changes=["silicone.product=smooth_sil_940"])
-    assert design.silicone.material == SILICONES["smooth_sil_940"]
+    assert Design().silicone.material == SILICONES["smooth_sil_940"]
+    design = Design.load(changes=["silicone.product=mold_star_30"])
+    assert design.silicone.material == SILICONES["mold_star_30"]
     assert design.with_silicone(None) is design
     replaced = design.with_silicone("sylgard_184")
     assert replaced.silicone.material is SILICONES["sylgard_184"]

@@ -16,6 +16,7 @@ from fingertip.catalogues.controllers import split_finger
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import ParameterTable
 from fingertip.design.parameters.declaration import find_similar_name, issues_from_pydantic, suggest_name
+from fingertip.design.parameters.retired import load_retired
 from fingertip.foundation.errors import Issue, SweepError, quote_value
 
 Value: TypeAlias = float | int | bool | str
@@ -138,6 +139,8 @@ def read_axis(name: str, entry: Any, sampled: bool) -> tuple[Axis, list[Issue]]:
             problem = "is a parameter of a manipulation, but a sweep simulates scenes of one finger"
             raise SweepError(Issue(field, f"{problem}; use `fingertip simulate` with --set for a manipulation."))
         known = list_parameter_names(DesignTables) + list_parameter_names(_load_scene_models()[0], "scene.")
+        if path in load_retired():
+            raise SweepError(Issue(field, load_retired()[path]))
         similar = find_similar_name(name, known)
         # The list of all names would be too long for a message.
         remedy = f"did you mean {similar}?" if similar else "`fingertip params` lists the names of a design."

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from fingertip.catalogues.controllers import split_finger
 from fingertip.design.parameters.declaration import suggest_name
+from fingertip.design.parameters.retired import describe_retired, load_retired
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.tables import load_table, read_rows
 
@@ -115,8 +116,11 @@ def find_shareable(outputs: Iterable[str]) -> tuple[OutputGroup, ...]:
 
 def check_outputs(names: Sequence[str], is_set: bool) -> list[Issue]:
     """Find outputs that are unknown or listed twice, and else those that cannot be computed for a set, or a finger."""
-    issues = []
+    retired = [name for name in dict.fromkeys(names) if name in load_retired()]
+    issues = [Issue("outputs", issue.typed) for issue in describe_retired(retired)]
     for name in dict.fromkeys(names):
+        if name in retired:
+            continue
         if name not in load_outputs():
             suggestion = suggest_name(name.lower(), tuple(load_outputs()))
             remedy = suggestion if suggestion.startswith("did you mean") else "see fingertip sweep --outputs."

@@ -13,7 +13,7 @@ from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_origin
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
 
-from fingertip.catalogues.amplifiers import AUTO, list_dual_amplifiers
+from fingertip.design.parameters.retired import describe_retired, load_retired
 from fingertip.foundation.errors import MAX_VALUE_LENGTH, DesignError, Issue, join_words, quote_value, shorten
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -123,39 +123,15 @@ _MAX_LISTED = 100
 _MAX_COMPARED_LENGTH = 60
 """Maximum length of a word that known names are compared with [characters]."""
 
-_DUALS = ", ".join(f"{a.name} ({a.bandwidth_hz / 1e6:g} MHz)" for a in list_dual_amplifiers())
-REPLACED_PARAMETERS = {
-    "mold.sleeve_interference_mm": "this parameter was renamed; write mold.core_inset_mm.",
-    "changes": 'is an argument of Design.load: Design.load("fsr400", changes={"skin.width_mm": 18}).',
-    "board.gain_bandwidth_hz": (
-        "this parameter was replaced, because a number alone buys no amplifier; remove it, and name the amplifier with "
-        f"board.amplifier={AUTO}, or one of {_DUALS}."
-    ),
-    "mold.max_stretch_percent": (
-        "this parameter was replaced by a fifth of the silicone's elongation at break; remove it."
-    ),
-    "mold.filling": (
-        "this parameter was removed, because a syringe fills every closed mold; remove it, or pour with "
-        "mold.method=plunge."
-    ),
-    **dict.fromkeys(
-        ("mold.gate_diameter_mm", "mold.funnel_diameter_mm", "mold.funnel_depth_mm"),
-        "this parameter was removed with the mold that gravity fills; remove it.",
-    ),
-    "board.supply": (
-        "this parameter was replaced, because each of the three boards has one supply; remove it, and name the board: "
-        "board.variant=article with board.supply_v=5, or board.variant=precision (or comparator) with "
-        "board.supply_v=3.3."
-    ),
-}
-"""Parameters of earlier versions, and what to write in their place."""
-
 
 def issues_from_pydantic(error: ValidationError, model: type[BaseModel]) -> list[Issue]:
     """Return one issue for each problem of a `model`; only the first are described, thousands would take hours."""
-    found = error.errors(include_url=False, include_context=True)
+    located = {".".join(map(str, each["loc"])): each for each in error.errors(include_url=False, include_context=True)}
+    retired = [name for name in located if located[name]["type"] == "extra_forbidden" and name in load_retired()]
+    found = [each for name, each in located.items() if name not in retired]
     rest = (".".join(map(str, details["loc"])) for details in found[_MAX_DESCRIBED:])
     return [
+        *describe_retired(retired),
         *(_describe(details, model) for details in found[:_MAX_DESCRIBED]),
         *(Issue(field, "is not valid either; correct what is listed above first.") for field in rest),
     ]
@@ -195,8 +171,6 @@ def _describe(details: Any, model: type[BaseModel]) -> Issue:
     field = ".".join(location)
     value, kind, context = details["input"], details["type"], details.get("ctx", {})
     shown = quote_value(value)
-    if kind == "extra_forbidden" and field in REPLACED_PARAMETERS:
-        return Issue(field, REPLACED_PARAMETERS[field])
     if kind == "extra_forbidden":
         return Issue(field, f"there is no such parameter; {_suggest_parameter(location, model)}")
     info = _find_table(location, model).model_fields.get(location[-1])

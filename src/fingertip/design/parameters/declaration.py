@@ -77,9 +77,9 @@ _LABEL = rf"^[^\s=+@\-{_MARKUP}][^{_MARKUP}]{{0,59}}$"
 _ALLOWED = "write up to 60 printable characters without | ` < > [ ] $ or a backslash, and none of = + - @ first"
 
 
-def text(default: str, description: str) -> Any:
+def text(default: str, description: str, *, pattern: str = _LABEL, allowed: str = _ALLOWED) -> Any:
     """Declare a text that stands in sheets."""
-    return Field(default, pattern=_LABEL, description=description, json_schema_extra={"allowed": _ALLOWED})
+    return Field(default, pattern=pattern, description=description, json_schema_extra={"allowed": allowed})
 
 
 def find_extra(field: FieldInfo, key: str) -> str:

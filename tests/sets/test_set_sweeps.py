@@ -10,8 +10,7 @@ import pytest
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.verify import verify
-from fingertip.casting.quantities import compute_batch, load_cm3, measure_volumes
-from fingertip.design import Design
+from fingertip.casting.quantities import measure_poured_cm3, mix
 from fingertip.design.finger_set import load_set
 from fingertip.foundation.errors import SweepError
 from fingertip.sweep.database import SweepDatabase
@@ -71,13 +70,13 @@ def test_outputs_of_a_set_and_of_one_finger_are_told_apart() -> None:
 
 def test_an_axis_or_a_change_of_one_finger_leaves_the_others_alone() -> None:
     axes = ("axes.silicone.product=[ecoflex_00_30]", "axes.mold.wall_mm=[4]", "axes.fingers.thumb.mold.wall_mm=[5]")
-    evaluator = PointEvaluator(load_plan(*axes, "fingers.ring.mold.land_mm=6.5"))
+    evaluator = PointEvaluator(load_plan(*axes, "fingers.ring.mold.engraving_depth_mm=0.4"))
     _, fingers, _ = evaluator._build_inputs(evaluator.plan.point(0))
     assert fingers
     assert {name: design.mold.wall_mm for name, design in fingers.designs.items()} == {
         "thumb": 5.0, "index": 4.0, "middle": 4.0, "ring": 4.0, "little": 4.0,
     }  # fmt: skip
-    assert [form.fingers for form in fingers.forms] == [("thumb",), ("index", "middle", "little"), ("ring",)]
+    assert fingers.designs["ring"].mold.engraving_depth_mm == 0.4 != fingers.designs["index"].mold.engraving_depth_mm
     # A board of its own parts a finger from its form, though no part depends on the board.
     assert GROUPS["set"].depends_on("fingers.ring.board.cutoff_hz")
     assert not GROUPS["set"].depends_on("board.cutoff_hz")
@@ -117,25 +116,22 @@ def row() -> dict[str, Any]:
 
 @pytest.mark.full
 def test_figures_of_a_set_are_the_sums_of_its_parts(row: dict[str, Any]) -> None:
-    assert (row["status"], row["set_forms"], row["set_cups"]) == ("ok", 2, 4)  # four rounds of one cup
-    evaluator, counts = MeshEvaluator(COARSE_MM), {"adult_thumb": 1, "adult_finger": 4}
-    masses, checks, mixed_g = {"fingers": 0.0, "molds": 0.0}, list[Any](), 0.0
-    for name, count in counts.items():
-        design = Design.load(name, changes=["silicone.product=ecoflex_00_30", "mold.wall_mm=4"])
+    fingers = load_set("adult_hand", ["silicone.product=ecoflex_00_30", "mold.wall_mm=4"])
+    assert (row["status"], row["set_forms"], row["set_mixtures"], row["set_days"]) == ("ok", 5, 1, 3)
+    evaluator, poured_cm3 = MeshEvaluator(COARSE_MM), 0.0
+    masses, checks = {"fingers": 0.0, "molds": 0.0}, list[Any]()
+    for design in fingers.designs.values():
         for part, shape in parts_by_name(design).items():
             if shape.is_printed:
-                group, times = ("fingers", count) if PARTS[part].is_in_finger else ("molds", 1)
-                masses[group] += times * 1.2e-3 * evaluator.mesh(shape.solid(design)).volume()
+                group = "fingers" if PARTS[part].is_in_finger else "molds"
+                masses[group] += 1.2e-3 * evaluator.mesh(shape.solid(design)).volume()
         checks += verify(design, parts_by_name(design), ("stl",), MeshEvaluator(COARSE_MM)).checks
-        volumes = measure_volumes(design, evaluator)
-        mixed_g += count * compute_batch(design.silicone.material, volumes.total_cm3, load_cm3(design)).total_g
+        poured_cm3 += measure_poured_cm3(design, evaluator)
     assert (row["set_fingers_g"], row["set_molds_g"]) == pytest.approx(tuple(masses.values()), abs=0.02)
-    failed, warned = (sum(check.state == state for check in checks) for state in ("failed", "warning"))
-    counted = (row["set_checks_failed"], row["set_checks_warned"], row["set_checks_run"])
-    assert counted == (failed, warned, len(checks))
-    # One cup for thumb and index saves the waste of one; a test and patches need some more.
-    assert mixed_g - 5.0 < row["set_silicone_g"] < mixed_g + 15.0
-    assert (row["set_mixtures"], row["set_cure_h"]) == (6, 6 * 4.0)  # test, four rounds, patches
+    failed = sum(not check.passed for check in checks)
+    assert (row["set_checks_failed"], row["set_checks_run"]) == (failed, len(checks))
+    silicone = fingers.forms[0].design.silicone.material
+    assert row["set_silicone_g"] == pytest.approx(mix(silicone, poured_cm3).total_g, abs=0.5)
 
 
 @pytest.mark.full

@@ -56,8 +56,6 @@ STEPS = OutputSet("steps", STEPS_FOLDER)
 """Pictures of the casting steps, beside the casting sheet."""
 
 SET_FILES = OutputSet("set")
-SET_PRINTS = OutputSet("set prints", PRINT_FOLDER)
-"""Plates of a set of fingers, whose forms have folders of their own."""
 SET_REPORT, OVERVIEW, CASTING_PLAN = "set.json", "set.md", "casting_plan.md"
 PARTS_LIST, PARTS_CSV, BOARD_DESIGN = "parts_list.md", "parts_list.csv", "board_design.toml"
 

@@ -106,8 +106,8 @@ def make(
 ) -> None:
     """Make parts, drawings, board or sketch, and a simulated trial with its slip. Exit code 1: a check failed.
 
-    A set of fingers, such as adult_hand, gives a folder for each of its forms, and plates, casting plan, parts list,
-    acceptance sheet and page of the set.
+    A set of fingers, such as adult_hand, gives a folder for each of its forms, and casting plan, parts list, acceptance
+    sheet and page of the set.
     """
     from fingertip.design.finger_set import is_set
 
@@ -158,14 +158,14 @@ def _make_set(
 
     fingers = load_set(file, changes)
     made = make_set(fingers, out, formats=formats, force=force, progress=console.progress)
-    totals, lines = made.data["totals"], list[str]()
+    totals, plan, lines = made.data["totals"], made.data["plan"], list[str]()
     silicone_g = sum(totals["silicone_g"].values())
-    boards = "one board for all fingers" if made.board else "a board for each form"
+    boards = "; one board for all fingers" if made.board else ""
     last = [
-        f"{totals['fingers']} fingers of {totals['molds']} forms; to print: {totals['fingers_cm3']:g} cm3 for them, "
-        f"{totals['molds_cm3']:g} cm3 for their molds",
-        f"{totals['castings']} castings, {silicone_g:g} g of silicone in {totals['mixtures']} mixtures, "
-        f"{totals['cure_h']:g} h to cure; {boards}",
+        f"{totals['fingers']} fingers of {len(made.forms)} forms; to print: {plan['print_h']:g} h, "
+        f"{totals['printed_g']:g} g; to buy: {len(made.data['things'])} things",
+        f"{silicone_g:g} g of silicone in {totals['mixtures']} mixtures on day {plan['cast_day']}, "
+        f"{plan['cure_h']:g} h to cure; {plan['days']} days{boards}",
         f"look at: {made.folder / PAGE}",
         f"next: {made.folder / OVERVIEW} says what to print, cast and build",
     ]

@@ -206,10 +206,9 @@ def _load_finger(path: Path, table: Mapping[str, Any], hand: Mapping[str, Any], 
 
 
 def _find_differences(designs: Mapping[str, Design]) -> Iterator[Issue]:
-    """Report what the fingers of a hand must share: interface, printer, and, but for the thumb, the joint."""
+    """Report what the fingers of a hand must share: interface and, but for the thumb, the joint."""
     shared: tuple[tuple[str, str, Callable[[Design], object]], ...] = (
         ("bone.interface", "interface", lambda design: design.bone.interface),
-        ("printer", "printer", lambda design: design.printer),
         ("hand", "joint of the hand", lambda design: design.hand if design.dimensions.joint else None),
     )
     for field, what, read in shared:

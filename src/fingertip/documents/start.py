@@ -6,7 +6,6 @@ board's README asks.
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
@@ -42,7 +41,7 @@ def render_start(
 def render_set_start(data: Mapping[str, Any], board_design: Design | None) -> str:
     """Render the first screen of a set, with the board of all its fingers if there is one."""
     board = _board_data(board_design) if board_design else {"cost_usd": None, "components": 0}
-    return render_page("finger_set/start.md", **data, waits=_count_waits(data["calendar"]), **board)
+    return render_page("finger_set/start.md", **data, **board)
 
 
 def render_basis_table(design: Design) -> str:
@@ -58,8 +57,3 @@ def _board_data(design: Design) -> dict[str, Any]:
         return {"cost_usd": None, "components": 0}
     circuit = board_circuit(board_values(design), design.board.channels)
     return {"cost_usd": estimate_cost(circuit), "components": len(purchased_components(circuit))}
-
-
-def _count_waits(plan: Sequence[Mapping[str, Any]]) -> dict[str, int]:
-    """Count the waits of a plan, the most frequent first."""
-    return dict(Counter(stage["wait"] for stage in plan if stage["wait"]).most_common())

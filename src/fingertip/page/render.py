@@ -99,7 +99,8 @@ def _render_source() -> Markup:
     )  # fmt: skip
 
 
-_TICKED = {"data_ticks": "casting", "data_noun": "stages and castings done"}
+_TICKED = {"data_ticks": "casting", "data_noun": "days and molds done"}
+_AT_HAND = {"data_ticks": "shopping", "data_noun": "things at hand"}
 
 
 def render_set_page(
@@ -130,18 +131,16 @@ def render_set_page(
     tabs: list[Tab] = [
         ("start", "Start", (
             render_first_screen(start, element("div", *drawn, class_="fingers"), links),
-            fold("Checks and joint", render(overview["Checks and joint"], links), state="roomy"),
+            fold("Checks", render(overview["Checks"], links), state="roomy"),
             fold("Every step in words", render(overview["What to do"], links), name="steps"),
         )),
         ("print", "Print", (element("h2", "Print the parts"), render(overview["To print"], links))),
         ("buy", "Buy", (
-            element("h2", "What to buy", id="parts-list"),
-            casting_section.render_list(shopping, lambda line: "| bench |" in line, links),
+            element("h2", "What to buy", id="parts-list"), render(shopping, links, **_AT_HAND),
         )),
         ("cast", "Cast", (
-            element("h2", "Cast the skins", id="casting-plan"), render(castings, links),
-            *(fold(title, render(text, links, **_TICKED), state="roomy" if title == "Days" else "")
-              for title, text in plan.items()),
+            element("h2", "Cast the skins", id="casting-plan"), render(castings, links, **_TICKED),
+            *(fold(title, render(text, links, **_TICKED), state="roomy") for title, text in plan.items()),
         )),
         ("board", "Board", (element("h2", "Fingers and their boards"), render(hand, links), boards)),
         ("test", "Test", (

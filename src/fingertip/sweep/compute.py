@@ -327,22 +327,25 @@ def compute_set_checks(context: PointContext) -> OutputValues:
 
 def compute_set(context: PointContext) -> OutputValues:
     """Compute what a whole set takes, as `fingertip make` states it."""
-    from fingertip.casting.set_plan import plan_castings
-    from fingertip.documents.finger_set.sheets import measure_form, plan_days, set_totals
+    from fingertip.cad.shapes.parts import PARTS, parts_by_name
+    from fingertip.casting.sheet import casting_sheet
+    from fingertip.documents.finger_set.sheets import FormSheets, plan_set
 
     assert context.fingers is not None
-    sheets = [measure_form(form, context.evaluator()) for form in context.fingers.forms]
-    plan = plan_castings([each.mold for each in sheets])
-    totals = set_totals(sheets, plan)
+    forms, evaluator = context.fingers.forms, context.evaluator()
+    plan = plan_set([FormSheets(form, casting_sheet(form.design, evaluator)) for form in forms])
+    cm3 = {"set_fingers_g": 0.0, "set_molds_g": 0.0}
+    for form in forms:
+        for name, part in parts_by_name(form.design).items():
+            if part.is_printed:
+                group = "set_fingers_g" if PARTS[name].is_in_finger else "set_molds_g"
+                cm3[group] += form.count * evaluator.mesh(part.solid(form.design)).volume() / 1000.0
     return {
-        "set_forms": len(sheets),
-        "set_cups": len(plan.cups),
-        "set_mixtures": totals["mixtures"],
-        "set_silicone_g": sum(totals["silicone_g"].values()),
-        "set_fingers_g": totals["fingers_cm3"] * context.file.print_density_g_cm3,
-        "set_molds_g": totals["molds_cm3"] * context.file.print_density_g_cm3,
-        "set_cure_h": totals["cure_h"],
-        "set_days": max(stage["day"] for stage in plan_days(sheets, plan)),
+        "set_forms": len(forms),
+        "set_mixtures": len(plan.cups),
+        "set_silicone_g": sum(cup.batch.total_g for cup in plan.cups),
+        "set_days": plan.days,
+        **{name: volume * context.file.print_density_g_cm3 for name, volume in cm3.items()},
     }
 
 

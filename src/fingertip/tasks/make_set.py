@@ -1,7 +1,7 @@
 """Everything of a set of fingers: each form once, as `make` makes it, and what the fingers share.
 
-The folder of a form stands below that of the set, whose own files say how often each part is printed and each mold is
-filled. The forms are written one after the other, the files of the set last.
+The folder of a form stands below that of the set, whose own files say what is printed, cast and bought for all of them.
+The forms are written one after the other, the files of the set last.
 """
 
 from __future__ import annotations
@@ -9,20 +9,16 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fingertip.cad.files import threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.printing.orientations import build_volume_excess, print_orientations
 from fingertip.cad.printing.overhang import bed_pose
-from fingertip.cad.printing.print_files import Piece, PrintFiles, list_pieces, make_plates
-from fingertip.cad.printing.settings import choose_plate_kind
 from fingertip.cad.shapes.parts import PARTS, print_scale
 from fingertip.cad.verification.check import count_checks
-from fingertip.casting.set_plan import Mold, plan_castings
-from fingertip.casting.sheet import casting_sheet
+from fingertip.casting.set_plan import find_short_pot_lives
 from fingertip.catalogues.output_files import (
     ACCEPTANCE,
     BOARD,
@@ -34,10 +30,8 @@ from fingertip.catalogues.output_files import (
     PART_FILES,
     PARTS_CSV,
     PARTS_LIST,
-    PRINT_FOLDER,
     README,
     SET_FILES,
-    SET_PRINTS,
     SET_REPORT,
     SHEET,
 )
@@ -84,24 +78,22 @@ def make_set(
     force: bool = False,
     progress: Callable[[str], None] = lambda message: None,
 ) -> MadeSet:
-    """Make every form of a set in a folder of its own, and the prints, plan and sheets of the set.
+    """Make every form of a set in a folder of its own, and the plan and sheets of the set.
 
-    Options are those of `make`. The folder is `out/<set name>` by default. The plates of the set need "3mf". Raises
-    FingertipError as `make` does for each form, or if a part is too large for the bed or a silicone thickens too soon.
-    Nothing has been written then, but for forms whose own files were complete.
+    Options are those of `make`. The folder is `out/<set name>` by default. Raises FingertipError as `make` does for
+    each form, or if a part is too large for the bed or a silicone thickens too soon. Nothing has been written then, but
+    for forms whose own files were complete.
     """
     folder = SET_FILES.folder(fingers, out)
     formats = None if formats is None else tuple(formats)
     writer = SET_FILES.writer(fingers, folder, force)
-    print_writer = SET_PRINTS.writer(fingers, folder / PRINT_FOLDER, force, folder)
     writer.check(_FILES)
-    print_writer.check(())
     places = {form.design.name: folder / form.design.name for form in fingers.forms}
     # A folder may come from a stranger, and links may lead anywhere.
     links = (link for place in places.values() if (link := find_link(folder, place)))
     issues = [Issue(str(link), "is a link; remove it.") for link in links]
-    taken = "is a folder of every set, and the name of a design in this one; rename it."
-    issues += (Issue("name", f"{name} {taken}") for name in places.keys() & {BOARD_FOLDER, PRINT_FOLDER})
+    if BOARD_FOLDER in places:
+        issues.append(Issue("name", f"{BOARD_FOLDER} is a folder of every set, and the name of a design; rename it."))
     if issues:
         raise OutputError(issues)
     for form in fingers.forms:
@@ -119,29 +111,24 @@ def make_set(
         report = work.within(label)
         forms.append(make(form.design, places[form.design.name], formats=formats, force=force, progress=report))
     work.begin("set")
-    is_printed = formats is None or "3mf" in formats
-    prints = _arrange_prints(fingers, forms) if is_printed else PrintFiles({}, {})
     sheets = [_collect(fingers, form, made) for form, made in zip(fingers.forms, forms, strict=True)]
-    plan = plan_castings([each.mold for each in sheets])
     board: tuple[Path, ...] = ()
     if board_design:
         planned = plan_board(board_design, folder / BOARD_FOLDER, force=force, bring_up=True, top=folder)
         board = planned.write(progress)
-    data = set_data(fingers, sheets, plan, prints.plates, has_board=board_design is not None)
+    data = set_data(fingers, sheets, has_board=board_design is not None)
     failed = [made.parts.design.name for made in forms if not made.parts.passed]
-    contents = _render_sheets(fingers, data, _list_files(fingers, prints, board, folder), failed)
+    contents = _render_sheets(fingers, data, _list_files(sheets, board, folder), failed)
     if board_design:
         contents[BOARD_DESIGN] = to_toml(board_design, "Design of the board for all fingers.").encode()
-    print_writer.write(prints.contents)
     writer.write(contents)
     return MadeSet(folder, tuple(forms), board, data)
 
 
-def _list_files(fingers: FingerSet, prints: PrintFiles, board: Iterable[Path], folder: Path) -> list[str]:
+def _list_files(sheets: Iterable[FormSheets], board: Iterable[Path], folder: Path) -> list[str]:
     """List the files of a set that its page links to, without those of the page's own making."""
     own = (SHEET, ACCEPTANCE, f"{BOARD_FOLDER}/{README}")
-    listed = [f"{form.design.name}/{file}" for form in fingers.forms for file in own]
-    listed += (f"{PRINT_FOLDER}/{name}" for name in prints.contents)
+    listed = [f"{each.form.design.name}/{file}" for each in sheets for file in (*own, each.casting.plate)]
     return [*listed, *(path.relative_to(folder).as_posix() for path in board if path.suffix in _SHOWN)]
 
 
@@ -162,12 +149,9 @@ def _render_sheets(
 
 def _refuse_early(fingers: FingerSet) -> None:
     """Refuse what a set can be refused for, before the work starts. Raises DesignError."""
-    issues, evaluator = list[Issue](), MeshEvaluator(_COARSE_MM)
-    for design in (form.design for form in fingers.forms if form.design.mold.method == "plunge"):
-        text = f"plunge of {design.name} is not planned for sets yet; make one finger: fingertip make {design.name}."
-        issues.append(Issue("mold.method", text))
-    for form in fingers.forms:
-        design = form.design
+    evaluator = MeshEvaluator(_COARSE_MM)
+    issues = list(find_short_pot_lives(form.design for form in fingers.forms))
+    for design in (form.design for form in fingers.forms):
         for name, lies in print_orientations(design).items():
             mesh = evaluator.mesh(scaled(PARTS[name].solid(design), print_scale(design, PARTS[name])))
             if (excess := build_volume_excess(design, mesh, lies.rotate_x_deg)) > 0.0:
@@ -175,10 +159,6 @@ def _refuse_early(fingers: FingerSet) -> None:
                 issues.append(Issue("printer.bed_x_mm", f"{text}; {_name_larger_bed(design, name, mesh)}."))
     if issues:
         raise DesignError(issues)
-    molds = []
-    for form in fingers.forms:
-        molds.append(Mold.of_sheet(form.design, form.fingers, asdict(casting_sheet(form.design, evaluator))))
-    plan_castings(molds)
 
 
 def _name_larger_bed(design: Design, part: str, mesh: Mesh) -> str:
@@ -190,29 +170,8 @@ def _name_larger_bed(design: Design, part: str, mesh: Mesh) -> str:
     return f"it fits with {' '.join(changes)}"
 
 
-def _arrange_prints(fingers: FingerSet, forms: Iterable[Made]) -> PrintFiles:
-    """Arrange the parts of all fingers on plates, and the tools of each form, once, on others."""
-    pieces: dict[str, list[Piece]] = {"fingers": [], "molds": []}
-    for form, made in zip(fingers.forms, forms, strict=True):
-        meshes = {part.part.name: part.mesh for part in made.parts.parts if part.part.is_printed}
-        encoded = {name: threemf.encode_mesh(mesh) for name, mesh in meshes.items()}
-        for name, piece in list_pieces(form.design, meshes, encoded).items():
-            group, owners = ("fingers", form.fingers) if PARTS[name].is_in_finger else ("molds", (form.design.name,))
-            pieces[group] += (replace(piece, name=f"{name} {owner}") for owner in owners)
-    contents, plates = dict[str, bytes](), dict[str, tuple[str, ...]]()
-    for group, parts in pieces.items():
-        first, named = fingers.forms[0].design, {piece.name: piece for piece in parts}
-        arranged = make_plates(f"{fingers.name} {group}", choose_plate_kind(first), first.printer, named)
-        contents |= {file.replace("plate", group): data for file, data in arranged.contents.items()}
-        plates |= {file.replace("plate", group): names for file, names in arranged.plates.items()}
-    return PrintFiles(contents, plates)
-
-
 def _collect(fingers: FingerSet, form: Form, made: Made) -> FormSheets:
     assert made.parts.casting is not None, "all parts are built"
-    volumes = {part.part.name: part.mesh.volume() / 1000.0 for part in made.parts.parts}
-    calibrated = [name for name in form.fingers if name in fingers.calibrated]
-    own = {name: acceptance_data(fingers.calibrated[name]) for name in calibrated}
+    own = {name: acceptance_data(fingers.calibrated[name]) for name in form.fingers if name in fingers.calibrated}
     verdict = count_checks(made.parts.checks)
-    acceptance = acceptance_data(form.design)
-    return FormSheets(form, asdict(made.parts.casting), acceptance, volumes, verdict, (), own)
+    return FormSheets(form, made.parts.casting, acceptance_data(form.design), verdict, own)

@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from fingertip.catalogues.output_files import PART_FILES, SET_FILES, SET_PRINTS
+from fingertip.catalogues.output_files import PART_FILES, SET_FILES
 from fingertip.foundation.errors import InputFileError, Issue, OutputError
 from fingertip.foundation.folder_swap import find_output_folder, is_folder, lock, read_plan, staging_folder
 from fingertip.foundation.input_files import OUTPUT_LIMIT, read_input
@@ -26,7 +26,7 @@ _COMMANDS = {
     "robot": ("robot DESIGN", 0),
     "validation": ("validate DESIGN", 0), "sweep report": ("sweep --show", 0), "benchmark": ("bench solvers", 0),
     "slip benchmark": ("bench slip", 0), "extreme cases": ("bench extremes", 0),
-    "set": ("make SET", 0), "set prints": ("make SET", 1),
+    "set": ("make SET", 0),
 }  # fmt: skip
 """Kind of a set -> command that writes it, and how many folders above the set the one is that the command names."""
 
@@ -132,12 +132,10 @@ def _compare(folder: Path) -> tuple[int, list[str]]:
 
 
 def _find_owner(place: Path, folder: Path, found: Mapping[Path, Manifest]) -> Path | None:
-    """Find the set whose parameters another one must have: that of its design, or of its fingers; None without."""
-    kind = found[place].kind
-    if kind not in _OF_ONE_DESIGN and kind != SET_PRINTS.kind:
+    """Find the set whose parameters another one must have: that of its design; None without."""
+    if found[place].kind not in _OF_ONE_DESIGN:
         return None
-    wanted = SET_FILES.kind if kind == SET_PRINTS.kind else PART_FILES.kind
-    owners = [other for other in place.parents if other in found and found[other].kind == wanted]
+    owners = [other for other in place.parents if other in found and found[other].kind == PART_FILES.kind]
     if owners:
         return owners[0]
     return folder if folder in found and found[folder].kind != SET_FILES.kind else None

@@ -1,1 +1,1 @@
-"""Sheets of a set of fingers: casting plan, parts list and acceptance."""
+"""Sheets of a set of fingers: what to do on which day, what to buy, and acceptance."""

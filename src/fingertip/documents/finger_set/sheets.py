@@ -5,82 +5,81 @@ Every figure is that of the forms' own sheets, multiplied or added up.
 
 from __future__ import annotations
 
+import math
+import re
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
+from itertools import pairwise
 from typing import Any
 
 from fingertip.board.circuits.channels import describe_sockets, list_pins
 from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE
-from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes.parts import PARTS, parts_by_name
-from fingertip.casting.quantities import Batch
-from fingertip.casting.set_plan import CHANGE_S, CastingPlan, Cup, Mold
-from fingertip.casting.sheet import casting_sheet
+from fingertip.casting.set_plan import MOLD_MIN, STIR_MIN, Cup, Pour, plan_cups
+from fingertip.casting.sheet import CastingSheet, Thing
 from fingertip.catalogues.controllers import NAMES
 from fingertip.catalogues.output_files import BOARD_DESIGN, BOARD_FOLDER
-from fingertip.catalogues.silicones import Silicone
 from fingertip.design.finger_set import FingerSet, Form
-from fingertip.documents.template import render_page, render_rows
-from fingertip.firmware.fingers import find_controller
+from fingertip.documents.casting import list_steps
+from fingertip.documents.template import render_page
 from fingertip.foundation.files import format_csv
 
-_FILLED = "mix and fill"
-"""Words of the stage of a casting sheet's plan that each round repeats."""
-_PATCH_SYRINGE = "syringe of 1 ml without rubber on its plunger, with a blunt needle, for the patch"
+_SPLIT = ("mix", "open")
+"""Steps of a casting sheet that begin the second and the third day of a set."""
+_COLUMNS = ("amount", "label", "fingers", "price_usd", "where", "reason")
 
 
 @dataclass(frozen=True)
 class FormSheets:
     form: Form
-    casting: Mapping[str, Any]
-    acceptance: Mapping[str, Any]
-    volumes_cm3: Mapping[str, float]
+    casting: CastingSheet
+    acceptance: Mapping[str, Any] = field(default_factory=dict)
     verdict: str = ""
-    warnings: tuple[str, ...] = ()
     calibrated: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     """Acceptance of each finger whose sensor has a force curve of its own."""
 
-    @property
-    def mold(self) -> Mold:
-        return Mold.of_sheet(self.form.design, self.form.fingers, self.casting)
 
-    def count_part(self, part: str) -> int:
-        """Count how often a part of this form is printed for the set: molds and other tools once."""
-        if not PARTS[part].is_printed:
-            return 0
-        return self.form.count if PARTS[part].is_in_finger else 1
-
-
-def measure_form(form: Form, evaluator: MeshEvaluator) -> FormSheets:
-    """Measure printed parts and castings of a form, without its checks and its acceptance."""
-    design = form.design
-    casting = asdict(casting_sheet(design, evaluator))
-    printed = {name: part for name, part in parts_by_name(design).items() if part.is_printed}
-    volumes = {name: evaluator.mesh(part.solid(design)).volume() / 1000.0 for name, part in printed.items()}
-    return FormSheets(form, casting, {}, volumes)
+@dataclass(frozen=True)
+class SetPlan:
+    cups: tuple[Cup, ...]
+    print_h: float
+    """Time of one printer for all plates [h]."""
+    cast_day: int
+    """Day of the mixtures: all is printed by then, on a printer that never waits."""
+    days: int
 
 
-def set_data(
-    fingers: FingerSet,
-    sheets: Sequence[FormSheets],
-    plan: CastingPlan,
-    plates: Mapping[str, Sequence[str]],
-    has_board: bool,
-) -> dict[str, Any]:
+def plan_set(sheets: Sequence[FormSheets]) -> SetPlan:
+    """Plan printing and castings: one plate and one mold for each finger, all molds filled on one day."""
+    pours = [
+        Pour(finger, each.form.design, each.casting.batch.in_cup_g / each.casting.batch.density_g_cm3)
+        for each in sheets
+        for finger in each.form.fingers
+    ]
+    cups = tuple(plan_cups(pours))
+    print_h = sum(each.form.count * each.casting.print_h for each in sheets)
+    cast_day = 1 + math.ceil(print_h / 24.0)
+    return SetPlan(
+        cups, round(print_h, 1), cast_day, cast_day + max(math.ceil(cup.batch.cure_h / 24.0) for cup in cups)
+    )
+
+
+def set_data(fingers: FingerSet, sheets: Sequence[FormSheets], has_board: bool) -> dict[str, Any]:
     """Collect the data of all sheets of a set, which has one board for all its fingers or none."""
     sockets, pins, slip_pins = (
         dict(zip(NAMES, each if has_board else [""] * len(NAMES), strict=True))
         for each in (describe_sockets(), list_pins(ADC_TACTILE), list_pins(ADC_FILTERED))
     )
+    castings = {each.form.design.name: each.casting for each in sheets}
     rows = [
         {
             "finger": finger,
             "design": form.design.name,
+            "plate": castings[form.design.name].plate,
+            "print_h": castings[form.design.name].print_h,
             "acceptance": f"sensor of {finger}" if finger in fingers.calibrated else form.design.name,
             "width_mm": form.design.skin.width_mm,
             "length_mm": form.design.skin.length_mm,
-            "shared": [other for other in form.fingers if other != finger],
             "socket": sockets[finger],
             "pin": pins[finger],
             "slip_pin": slip_pins[finger],
@@ -89,126 +88,93 @@ def set_data(
     ]
     acceptance = {each.form.design.name: dict(each.acceptance) for each in sheets}
     acceptance |= {f"sensor of {finger}": dict(own) for each in sheets for finger, own in each.calibrated.items()}
-    counts = {(each.form.design.name, part): each.count_part(part) for each in sheets for part in each.volumes_cm3}
-    first = sheets[0].form.design
-    printer, controller = first.printer, find_controller(first)
+    plan = plan_set(sheets)
+    things = list(merge_things(sheets, plan.cups, has_board))
+    silicone_g: dict[str, float] = defaultdict(float)
+    for cup in plan.cups:
+        silicone_g[cup.silicone.label] = round(silicone_g[cup.silicone.label] + cup.batch.total_g, 1)
     return {
         "name": fingers.name,
         "side": fingers.side,
         "board": {"folder": BOARD_FOLDER, "design_file": BOARD_DESIGN} if has_board else None,
-        "controller": controller.name if controller else "",
-        "bed_mm": [printer.bed_x_mm, printer.bed_y_mm, printer.bed_z_mm],
-        "printing": {"settings": sheets[0].casting["printing"]["settings"]},
         "fingers": rows,
         "forms": [
-            {"design": each.form.design.name, "fingers": list(each.form.fingers), "verdict": each.verdict,
-             "warnings": list(each.warnings), "bone_material": each.casting["print_material"],
-             "joint": each.casting["joint"], "from_tip_mm": each.form.design.sensor.distance_from_tip_mm}
+            {"design": each.form.design.name, "fingers": list(each.form.fingers), "verdict": each.verdict}
             for each in sheets
         ],
-        "prints": [
-            {"design": design, "part": part, "count": count} for (design, part), count in counts.items() if count
-        ],
-        "plates": {file: list(parts) for file, parts in plates.items()},
         "plan": {
-            "rounds": [[_cup_data(cup) for cup in cups] for cups in plan.rounds],
-            "change_min": CHANGE_S / 60.0,
-            "tests": [_batch_data(*mixture) for mixture in plan.tests],
-            "patches": [_batch_data(silicone, batch) | {"fingers": list(names)}
-                        for silicone, batch, names in plan.patches],
+            "print_h": plan.print_h, "cast_day": plan.cast_day, "days": plan.days, "mold_min": MOLD_MIN,
+            "cure_h": max(cup.batch.cure_h for cup in plan.cups),
+            "steps": _split_steps(sheets[0].casting),
+            "cups": [_cup_data(cup) for cup in plan.cups],
         },
-        "calendar": list(plan_days(sheets, plan)),
-        "parts": _list_parts(sheets, plan),
+        "stands": _list_stands(fingers),
+        "things": things,
         "acceptance": acceptance,
-        "totals": set_totals(sheets, plan),
+        "totals": {
+            "fingers": len(rows),
+            "mixtures": len(plan.cups),
+            "silicone_g": dict(silicone_g),
+            "printed_g": sum(each.form.count * each.casting.printed_g for each in sheets),
+        },
     }  # fmt: skip
 
 
-def set_totals(sheets: Sequence[FormSheets], plan: CastingPlan) -> dict[str, Any]:
-    """Add up what the forms and the castings of a set take."""
-    silicones_g: dict[str, float] = defaultdict(float)
-    for silicone, batch in plan.mixtures:
-        silicones_g[silicone.label] += batch.total_g
-    return {
-        "fingers": sum(each.form.count for each in sheets),
-        "molds": len(sheets),
-        "castings": sum(len(cup.castings) for cup in plan.cups),
-        "mixtures": len(plan.mixtures),
-        "silicone_g": {name: round(mass_g, 1) for name, mass_g in silicones_g.items()},
-        "examples": {each.casting["silicone"]["label"]: each.casting["silicone"]["example"] for each in sheets},
-        "cast_cm3": round(sum(each.form.count * each.casting["volumes_cm3"]["total"] for each in sheets), 2),
-        "fingers_cm3": _sum_printed(sheets, in_finger=True),
-        "molds_cm3": _sum_printed(sheets, in_finger=False),
-        "cure_h": plan.cure_h,
-    }
+def merge_things(sheets: Sequence[FormSheets], cups: Sequence[Cup], has_board: bool) -> Iterator[dict[str, Any]]:
+    """Add up what to buy: what each finger takes, what each mixture takes, and tools once."""
+    rows: dict[tuple[str, str], list[tuple[Form, Thing]]] = {}
+    for each in sheets:
+        for thing in each.casting.things:
+            rows.setdefault((thing.key, thing.label), []).append((each.form, thing))
+    for key in dict.fromkeys(key for key, _ in rows):  # sizes of one thing stand together
+        for found in (found for (other, _), found in rows.items() if other == key):
+            form, thing = found[0]
+            number, unit = _read_amount(thing.amount)
+            if key == "silicone":
+                number = sum(cup.batch.total_g for cup in cups if cup.silicone == form.design.silicone.material)
+            elif thing.each == "mixture":
+                number *= len(cups)
+            elif thing.each or (key == "board" and not has_board):
+                number = sum(_read_amount(own.amount)[0] * form.count for form, own in found)
+            names = [finger for form, _ in found for finger in form.fingers]
+            told = [] if len(found) == len(sheets) else names
+            yield asdict(thing) | {"amount": f"{number:.4g}{unit}" if number else thing.amount, "fingers": told}
 
 
-def plan_days(sheets: Sequence[FormSheets], plan: CastingPlan) -> Iterator[dict[str, Any]]:
-    """Plan the days of the set: those of the longest casting sheet, with its filling once for each round."""
-    stages = max((each.casting["plan"] for each in sheets), key=len)
-    assert sum(_FILLED in stage["work"] for stage in stages) == 1, "casting/plan.md names the stage that is repeated"
-    starts = [stage["day"] for stage in stages]
-    day = 1
-    for stage, start, after in zip(stages, starts, [*starts[1:], starts[-1]], strict=True):
-        is_filled = _FILLED in stage["work"]
-        for number in range(1, len(plan.rounds) + 1 if is_filled else 2):
-            name = f"round {number}: " if is_filled and len(plan.rounds) > 1 else ""
-            name += f"open and trim those of round {number - 1}; " if number > 1 else ""
-            yield {"day": day, "work": name + stage["work"], "wait": stage["wait"]}
-            day += after - start
+def _read_amount(amount: str) -> tuple[float, str]:
+    """Read an amount such as "2" or "5 g"; 0 without a number."""
+    found = re.fullmatch(r"(\d+(?:\.\d+)?)(.*)", amount)
+    return (float(found[1]), found[2]) if found else (0.0, amount)
 
 
-def _sum_printed(sheets: Sequence[FormSheets], in_finger: bool) -> float:
-    """Add up the volumes of the parts that stay in the fingers, or of the tools [cm3]."""
-    volumes = (
-        each.count_part(part) * volume
-        for each in sheets
-        for part, volume in each.volumes_cm3.items()
-        if PARTS[part].is_in_finger is in_finger
-    )
-    return round(sum(volumes), 2)
+def _split_steps(casting: CastingSheet) -> list[str]:
+    """Name the steps of a casting sheet for each day, such as "1 to 5"."""
+    pictures = [step.picture for step in list_steps(casting)]
+    starts = [0, *(pictures.index(name) for name in _SPLIT), len(pictures)]
+    return [f"{start + 1} to {end}" for start, end in pairwise(starts)]
 
 
-def _batch_data(silicone: Silicone, batch: Batch) -> dict[str, Any]:
-    masses = {name: round(part_g, 1) for name, part_g in zip(silicone.components, (batch.a_g, batch.b_g), strict=True)}
-    return {"silicone": silicone.label, "components_g": masses}
+def _list_stands(fingers: FingerSet) -> list[str]:
+    """List the fingers whose plates keep their stand, one for each joint; none without a joint."""
+    joints: dict[str, str] = {}
+    for finger, form in fingers.fingers:
+        if form.design.dimensions.joint:
+            joints.setdefault(repr(form.design.hand), finger)
+    return list(joints.values())
 
 
 def _cup_data(cup: Cup) -> dict[str, Any]:
-    silicone = cup.silicone
-    prepare_min = silicone.planned_pot_life_min - silicone.filling_limit_s / 60.0
-    return _batch_data(silicone, cup.batch) | {
-        "castings": [
-            {"finger": casting.finger, "design": casting.mold.design.name, "load_cm3": round(casting.mold.load_cm3, 1),
-             "full_min": round(prepare_min + full_s / 60.0, 1)}
-            for casting, full_s in zip(cup.castings, cup.full_s, strict=True)
+    masses = zip(cup.batch.components, (cup.batch.a_g, cup.batch.b_g), strict=True)
+    return {
+        "silicone": cup.silicone.label,
+        "components_g": dict(masses),
+        "pours": [
+            {"finger": pour.finger, "poured_g": round(cup.batch.density_g_cm3 * pour.poured_cm3, 1),
+             "closed_min": STIR_MIN + MOLD_MIN * number}
+            for number, pour in enumerate(cup.pours, 1)
         ],
-        "patched": list(cup.patched),
-        "pot_life_min": silicone.planned_pot_life_min,
-        "prepare_min": round(prepare_min, 1),
-        "cure_h": silicone.cure_h.high,
+        "pot_life_min": cup.batch.pot_life_min,
     }  # fmt: skip
-
-
-def _list_parts(sheets: Sequence[FormSheets], plan: CastingPlan) -> list[dict[str, Any]]:
-    """List what to buy, sizes of an item together: equal items added up, what serves the bench as often as planned."""
-    mixtures, patches = len(plan.mixtures), len(plan.patches) + sum(bool(cup.patched) for cup in plan.cups)
-    counted = {"cups": mixtures + len(plan.cups), "stirrers": mixtures, _PATCH_SYRINGE: patches}
-    counted["vise or stand"] = max(sum(len(cup.castings) for cup in cups) for cups in plan.rounds)
-    found: dict[str, dict[str, dict[str, Any]]] = {}
-    for each in sheets:
-        supplies = [
-            ("bench", {"item": name, "count": counted.get(name, supply["count"] or ""), "note": supply["size"]})
-            for supply in each.casting["supplies"]
-            for name in (supply["item"],)
-        ]
-        for use, item in supplies:
-            sizes = found.setdefault(item["item"], {})
-            row = sizes.setdefault(repr(item), {**item, "count": 0, "use": use, "designs": []})
-            many = each.form.count if use == "finger" else 1
-            row["count"] = item["count"] if use == "bench" else row["count"] + many * item["count"]
-            row["designs"].append(each.form.design.name)
-    return [row for sizes in found.values() for row in sizes.values()]
 
 
 def render_sheet(name: str, data: Mapping[str, Any]) -> str:
@@ -217,6 +183,6 @@ def render_sheet(name: str, data: Mapping[str, Any]) -> str:
 
 
 def write_parts_csv(data: Mapping[str, Any]) -> bytes:
-    """Write the parts list as CSV, as shops and spreadsheets read it."""
-    rows = render_rows("finger_set/parts_list.md", data)
-    return format_csv(rows[0], (row.values() for row in rows))
+    """Write the list to buy as CSV, as shops and spreadsheets read it."""
+    rows = ([" ".join(row[name]) if name == "fingers" else row[name] for name in _COLUMNS] for row in data["things"])
+    return format_csv(_COLUMNS, rows)

@@ -46,6 +46,8 @@ def print_orientations(design: Design) -> dict[str, Orientation]:
         orientations["insert_jig"] = Orientation(90.0, "the face around the hole", needs_supports=False)
     if PARTS["stand"].exists_in(design):
         orientations["stand"] = Orientation(-90.0, "a flat side", needs_supports=False)
+    if PARTS["hand_stub"].exists_in(design):
+        orientations["hand_stub"] = Orientation(-90.0, "its back, the tendon's slots up", needs_supports=False)
     if design.dimensions.fold:
         orientations["lid"] = _orient_lid(design)
     return orientations

@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import cast
 
-from fingertip.cad.shapes import bone, insert, mold, stand
+from fingertip.cad.shapes import bone, hand_stub, insert, mold, stand
 from fingertip.cad.shapes.bone import sensor_body
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Point3, Solid
@@ -68,6 +68,10 @@ PARTS: dict[str, Part] = {
         Part(
             "stand", stand.stand, stand.genus, (0.78, 0.72, 0.58), True,
             exists_in=lambda design: design.bone.interface == "post", is_tool=True,
+        ),
+        Part(
+            "hand_stub", hand_stub.hand_stub, hand_stub.genus, (0.74, 0.74, 0.70), True,
+            exists_in=lambda design: design.bone.interface == "clevis", is_tool=True,
         ),
     )
 }  # fmt: skip

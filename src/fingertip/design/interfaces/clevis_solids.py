@@ -159,8 +159,8 @@ def open_ends(design: DesignTables, anchor: TendonAnchor) -> tuple[Box, Box]:
     )
 
 
-def knuckle(design: DesignTables, joint: Joint) -> Solid:
-    """Build the hand's part of the joint as `[hand]` describes it, for checks and pictures: knuckle and shoulder."""
+def knuckle(design: DesignTables, joint: Joint, *added: Solid) -> Solid:
+    """Build the hand's part of the joint as `[hand]` describes it: shoulder and knuckle, with what is added to that."""
     hand, reach = design.hand, 4 * joint.radius
     y, z, half = joint.axis_y, joint.axis_z, hand.width_mm / 2
     # The hand ends on its palmar side at the height from which its axis is measured.
@@ -170,6 +170,7 @@ def knuckle(design: DesignTables, joint: Joint) -> Solid:
     neck = union(
         Box((-reach, y - flat, z - joint.radius - TANGENT_STEP_MM), (reach, y + flat, z)),
         cylinder("x", (y, z), -reach, reach, joint.radius),
+        *added,
     )
     inner = Box((-half, y - reach, z - reach), (half, y + reach, z + reach))
     return union(shoulder, intersection(neck, inner) if joint.is_fork else difference(neck, inner))

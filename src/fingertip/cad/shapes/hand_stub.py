@@ -18,9 +18,9 @@ from fingertip.design.geometry.features import Joint
 from fingertip.design.geometry.solids import Box, Cone, Prism, Solid, cylinder, difference, intersection, union
 from fingertip.design.interfaces.clevis_solids import knuckle, pin_bore, stop_top_y
 
-BAR_MM, _CHEEK_MM = 60.0, 2.5
+_BAR_MM, _CHEEK_MM = 60.0, 2.5
 """Length of the bar, and least thickness of the cheeks of its fork [mm]."""
-_GUIDE_MM, _BACK_MM, _SLACK_MM = 10.0, 3.0, 0.4
+GUIDE_MM, _BACK_MM, _SLACK_MM = 10.0, 3.0, 0.4
 """Length of the guide, its distance behind a shoulder that ends beside the tendon, and its gap around that [mm]."""
 _MAX_MOUTH_MM, _MIN_MOUTH_MM, _CHORDS = 1.2, 0.4, 4
 """Radius at which the mouth of the guide is rounded [mm], and chords of its arc."""
@@ -62,7 +62,7 @@ def bars(design: Design) -> tuple[Box, ...]:
     joint, way, width = joint_of(design), guide(design), design.hand.width_mm
     x = design.dimensions.collar.section.half_width
     half = x if joint.is_fork else max(x, width / 2 + _CHEEK_MM)
-    y, low = joint.axis_y - design.hand.axis_height_mm, joint.low_z - BAR_MM
+    y, low = joint.axis_y - design.hand.axis_height_mm, joint.low_z - _BAR_MM
     shoulder = Box((-half, y, low), (half, stop_top_y(design, joint), joint.low_z))
     if way is None or way.mouth_z == joint.low_z:
         return (shoulder,)
@@ -70,37 +70,41 @@ def bars(design: Design) -> tuple[Box, ...]:
     return shoulder, Box((-half, behind, low), (half, joint.axis_y, way.mouth_z))
 
 
-def hand_stub(design: Design) -> Solid:
+def without_ways(design: Design) -> Solid:
     joint, (bar, *higher) = joint_of(design), bars(design)
-    (_, palmar, low), (half, dorsal, root) = bar.low, bar.high
-    y, z, reach = joint.axis_y, joint.axis_z, 4 * joint.radius
+    (half, dorsal, root), y, z, reach = bar.high, joint.axis_y, joint.axis_z, 4 * joint.radius
     # The ramp touches the round of the knuckle at 45 degrees, above the bed on which its back lies.
     at = (joint.radius - TANGENT_STEP_MM) * math.sqrt(0.5)
     run = min(dorsal - y - at, at + joint.radius - TANGENT_STEP_MM)
     corners = ((y, root), (y + at + run, root), (y + at + run, z + at - run), (y + at, z + at), (y, z))
     ramp = Prism("x", corners, -reach, reach)
-    near = Box((-half, palmar, root - TANGENT_STEP_MM), (half, dorsal, z + reach))
+    near = Box((-half, bar.low[1], root - TANGENT_STEP_MM), (half, dorsal, z + reach))
     whole = union(bar, *higher, intersection(knuckle(design, joint, ramp), near))
     notches = [
         Box((x, y, root - far - _NOTCH_MM), (x + _NOTCH_DEPTH_MM + 1.0, dorsal + 1.0, root - far))
         for far in _NOTCHES_MM
         for x in (half - _NOTCH_DEPTH_MM, -half - 1.0)
     ]
-    way = guide(design)
-    ways = _ways(way, low - 1.0, z + reach, palmar - reach) if way else ()
-    return difference(whole, pin_bore(joint, half + 1.0), *notches, *ways)
+    return difference(whole, pin_bore(joint, half + 1.0), *notches)
 
 
-def _ways(way: Guide, low: float, high: float, palmar: float) -> Iterator[Solid]:
+def hand_stub(design: Design) -> Solid:
+    return difference(without_ways(design), *_ways(design))
+
+
+def _ways(design: Design) -> Iterator[Solid]:
     """Build what the strands pass: the guide with its mouth, and slots open to the palm on both sides of it."""
+    if not (way := guide(design)):
+        return
     y, z, radius, mouth = way.y, way.mouth_z, way.radius, way.mouth_radius
+    low, high, palmar = z - _BAR_MM - 1.0, z + _BAR_MM, y - _BAR_MM
     angles = [math.pi / 2 * i / _CHORDS for i in range(_CHORDS + 1)]
     arc = [(z - mouth * (1.0 - math.cos(a)), radius + mouth * (1.0 - math.sin(a))) for a in angles]
     for x in way.x:
         yield cylinder("z", (x, y), low, high, radius)
         for (top, wide), (bottom, narrow) in pairwise(arc):
             yield Cone("z", (x, y), bottom, top, narrow, wide)
-        for begin, end in ((low, z - _GUIDE_MM), (z, high)):
+        for begin, end in ((low, z - GUIDE_MM), (z, high)):
             yield Box((x - radius, palmar, begin), (x + radius, y, end))
 
 

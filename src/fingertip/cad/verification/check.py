@@ -49,6 +49,7 @@ _CAUSES: tuple[tuple[str, tuple[str, ...]], ...] = (
         "bone.safety_factor.*",
         ("sensor.model", "bone.base_length_mm", "skin.length_mm", "skin.width_mm", "strength.print_material"),
     ),
+    ("hand_stub.*", ("hand.travel_deg", "hand.axis_height_mm", "hand.tendon_distance_mm")),
     ("stand.*", ("printer.surface_error_mm", "printer.offset_mm", "bone.cross_bolt_diameter_mm")),
     *((pattern, _BUG) for pattern in ("*.stl.*", "*.3mf.*", "*.step.*", "step.*", "volume_balance.*", "overlap.*")),
     *((pattern, _BUG) for pattern in ("skin.surface_deviation", "mold.*", "demolding_overlap.*")),

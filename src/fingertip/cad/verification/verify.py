@@ -16,6 +16,7 @@ from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale
 from fingertip.cad.verification.assembly import check_assembly, check_joint
 from fingertip.cad.verification.bone import check_air_vent, check_bone, check_strength
 from fingertip.cad.verification.check import Check
+from fingertip.cad.verification.hand_stub import check_hand_stub
 from fingertip.cad.verification.laid_in import check_laid_in, check_stand
 from fingertip.cad.verification.lying_skin import check_lying_skin
 from fingertip.cad.verification.mold import check_mold
@@ -104,6 +105,7 @@ def check_parts(
         yield check_air_vent(design, evaluator)
         yield from check_laid_in(design, evaluator)
         yield from check_joint(design, evaluator)
+        yield from check_hand_stub(design, evaluator) if "hand_stub" in meshes else ()
     if "bone" in meshes and "stand" in meshes:
         yield from check_stand(design, evaluator)
     yield from check_mold(design, evaluator, meshes)

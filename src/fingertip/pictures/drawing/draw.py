@@ -35,6 +35,7 @@ _DRAWINGS: dict[str, Callable[[Design], PartDrawing]] = {
     "insert_jig": part_sizes.jig_drawing,
     "core": mold_sizes.core_drawing,
     "stand": part_sizes.stand_drawing,
+    "hand_stub": part_sizes.hand_stub_drawing,
 }
 
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import astuple, replace
 
-from fingertip.cad.shapes import stand
+from fingertip.cad.shapes import hand_stub, stand
 from fingertip.cad.shapes.bone import FOOT_GAP_MM
 from fingertip.design import Design
 from fingertip.design.geometry.features import INSERT_BASE_MM
@@ -25,6 +25,7 @@ from fingertip.design.geometry.sizes import (
     PartDrawing,
     Size,
     Tolerance,
+    bore,
     clearance,
     located,
     shared_clearance,
@@ -135,6 +136,30 @@ def stand_drawing(design: Design) -> PartDrawing:
         Length("axis of the cross bolt", BEHIND_FACE, "front", "above", "z", (side, y, high), (side, y, bolt_z)),
     )  # fmt: skip
     return PartDrawing("stand", "Stand", "palmar", ANY_MATERIAL, sizes)
+
+
+def hand_stub_drawing(design: Design) -> PartDrawing:
+    joint, (bar, *_), way = hand_stub.joint_of(design), hand_stub.bars(design), hand_stub.guide(design)
+    (side, _, root), y, half = bar.high, joint.axis_y, design.hand.width_mm / 2
+    place, growth, remedy = "width of the tongue", OUTER, "wide: sand it until the bone turns"
+    if not joint.is_fork:
+        place, growth, remedy = "gap of the fork", INNER, "narrow: file it until the bone turns"
+    pin: Point3 = (half if joint.is_fork else side, y, joint.axis_z)
+    sizes: list[Size] = [
+        Length("shoulder to the joint axis", BEFORE_FACE, "front", "above", "z", (side, y, root), pin),
+        Circle("bore of the joint's pin", FINISHED, "front", "x", pin, joint.pin_radius, bore(design),
+               "narrow: ream it to the pin; wide: take a thicker pin"),
+        Length(place, growth, "palmar", "above", "x", (-half, y, joint.axis_z), (half, y, joint.axis_z),
+               clearance(2 * joint.clearance - design.printer.offset_mm), remedy),
+    ]  # fmt: skip
+    if way:
+        mouth = way.x[0], way.y, way.mouth_z
+        sizes += [
+            Length("tendon to the joint axis", STEP, "front", "right", "y", mouth, pin, is_reference=True),
+            Length("width of the tendon's slot", INNER, "palmar", "below", "x",
+                   (mouth[0] - way.radius, way.y, bar.low[2]), (mouth[0] + way.radius, way.y, bar.low[2])),
+        ]  # fmt: skip
+    return PartDrawing("hand_stub", "Stub of the hand", "palmar", ANY_MATERIAL, tuple(sizes))
 
 
 def _material(design: Design) -> str:

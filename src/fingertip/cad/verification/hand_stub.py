@@ -1,4 +1,4 @@
-"""Checks of the stub of a hand: the finger turns on it from straight to bent, and the walls of its guides can be printed."""
+"""Checks of the stub of a hand: the finger turns on it from straight to bent, and its guides have walls."""
 
 from __future__ import annotations
 

@@ -149,14 +149,14 @@ def hand_stub_drawing(design: Design) -> PartDrawing:
         Length("shoulder to the joint axis", BEFORE_FACE, "front", "above", "z", (side, y, root), pin),
         Circle("bore of the joint's pin", FINISHED, "front", "x", pin, joint.pin_radius, bore(design),
                "narrow: ream it to the pin; wide: take a thicker pin"),
-        Length(place, growth, "palmar", "above", "x", (-half, y, joint.axis_z), (half, y, joint.axis_z),
+        Length(place, growth, "palmar", "right", "x", (-half, y, joint.axis_z), (half, y, joint.axis_z),
                clearance(2 * joint.clearance - design.printer.offset_mm), remedy),
     ]  # fmt: skip
     if way:
         mouth = way.x[0], way.y, way.mouth_z
         sizes += [
             Length("tendon to the joint axis", STEP, "front", "right", "y", mouth, pin, is_reference=True),
-            Length("width of the tendon's slot", INNER, "palmar", "below", "x",
+            Length("width of the tendon's slot", INNER, "palmar", "left", "x",
                    (mouth[0] - way.radius, way.y, bar.low[2]), (mouth[0] + way.radius, way.y, bar.low[2])),
         ]  # fmt: skip
     return PartDrawing("hand_stub", "Stub of the hand", "palmar", ANY_MATERIAL, tuple(sizes))

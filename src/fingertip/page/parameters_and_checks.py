@@ -16,7 +16,7 @@ from fingertip.design import Design
 from fingertip.design.files import Parameter, format_value, list_parameters
 from fingertip.foundation.files import open_atomic
 from fingertip.page import html
-from fingertip.page.html import Markup, button, code, element, fold, join, note, quantity, table
+from fingertip.page.html import Markup, button, code, element, fold, join, quantity, table
 from fingertip.page.model_section import label_item
 from fingertip.pictures.parameter_changes import AtlasPicture, draw_atlas
 

@@ -145,8 +145,8 @@ def _mark_weakest(design: Design, evaluator: MeshEvaluator, exploded: list[Place
     weakest, vertices = found.weakest, evaluator.mesh(PARTS["bone"].solid(design)).vertices
     (dx, dy, dz) = next(item.offset_mm for item in exploded if item.label == "bone")
     joint, anchor = design.dimensions.joint, design.dimensions.anchor
-    if anchor and "anchor" in weakest.place:
-        y = anchor.y
+    if anchor and "horn" in weakest.place:
+        y = anchor.horn_y
     elif joint and weakest.place != "cross-section":
         y = joint.axis_y
     else:

@@ -20,8 +20,8 @@ from fingertip.cad.verification.check import VOLUME_TOLERANCE_MM3, Check, comple
 from fingertip.design import Design
 from fingertip.design.geometry.features import Joint
 from fingertip.design.geometry.mold_layout import RIDGE_HEIGHT_MM
-from fingertip.design.geometry.solids import Box, Cone, Solid, cylinder, intersection, scaled, union
-from fingertip.design.interfaces.clevis_solids import eye_profile, knuckle, pin_bore, space
+from fingertip.design.geometry.solids import Box, Cone, Solid, intersection, scaled, union
+from fingertip.design.interfaces.clevis_solids import eye_profile, knuckle, pin_bore, space, strands
 
 HALVES = ("mold_palmar", "mold_dorsal")
 _PULL_DISTANCES_MM = (0.02, 0.2, 1.0, 4.0, 12.0)
@@ -154,13 +154,7 @@ def check_joint(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
     wall = design.printer.min_wall_mm - evaluator.tolerance_mm
     yield from _check_eyes(design, joint, evaluator, wall)
     if anchor:
-        length = max(wall, design.printer.min_wall_mm / 2)  # a coarse mesh leaves nothing of the wall
-        inner, outside = anchor.inner_half_width, complement(evaluator, insert.filled_bone(design))
-        hole = evaluator.manifold(cylinder("x", (anchor.y, anchor.z), inner, inner + length, anchor.radius))
-        yield Check.min_distance("bone.wall.anchor_to_outside", hole, outside, wall)
-        # The tendon leaves its anchor straight along the finger.
-        radius = min(design.hand.tendon_diameter_mm / 2, anchor.radius)
-        tendon = evaluator.manifold(cylinder("z", (0.0, anchor.y), joint.low_z - joint.radius, anchor.z, radius))
+        tendon = evaluator.manifold(union(*strands(design, anchor, joint.low_z - joint.radius)))
         bone = evaluator.manifold(PARTS["bone"].solid(design))
         yield Check.zero_volume("joint.tendon_overlap", (tendon ^ bone).volume())
     yield from _check_travel(design, joint, evaluator)

@@ -20,7 +20,6 @@ from fingertip.design.geometry.features import INSERT_BASE_MM, SLIDING_MM, TailF
 from fingertip.design.geometry.skin_dimensions import RAMP_SLOPE
 from fingertip.design.geometry.solids import union
 from fingertip.design.interfaces import interface_of
-from fingertip.design.interfaces.clevis import ANCHOR_PIN_MPA, anchor_pin_stress_mpa
 
 _CLOSED = {"bone", "lid", "skin", "sensor_insert"}
 """Parts that enclose the sensor."""
@@ -166,9 +165,6 @@ def check_strength(design: Design, strength: BoneStrength) -> Iterator[Check]:
     for load, factor, limit in (("grip", grip, stated.min_grip_factor), ("knock", knock, stated.min_knock_factor)):
         remedy = " --set ".join(lighter) if factor < limit else ""
         yield Check(f"bone.safety_factor.{load}", factor, limit, "", "at least", remedy=remedy)
-    if design.dimensions.anchor:
-        bending = anchor_pin_stress_mpa(design, strength.tendon_force_n)
-        yield Check("joint.anchor_pin_stress", bending, ANCHOR_PIN_MPA, "MPa")
 
 
 def _round_down(value: float) -> float:

@@ -12,6 +12,7 @@ from functools import cached_property
 
 from fingertip.design.geometry import features
 from fingertip.design.geometry.conic import ConicBody, CrossSection, Tip, add_groove, inset_body, weight_of_fullness
+from fingertip.design.geometry.foot import LEDGE_MM
 from fingertip.design.geometry.skin_dimensions import RAMP_SLOPE, SkinDimensions
 from fingertip.foundation.numerics import bisect
 
@@ -75,21 +76,15 @@ class Dimensions(SkinDimensions):
 
     @cached_property
     def stops_top_z(self) -> float | None:
-        """Height up to which a joint with stops is as wide and high as the collar: it lies outside the mold there.
-
-        None without stops.
-        """
-        joint = self.joint
-        if joint is None or not joint.travel_deg:
+        """Height up to which the base of a joint is as wide and high as the collar; None without a joint."""
+        if self.joint is None:
             return None
-        return min(-self._design.mold.recess_length_mm, joint.shoulder_z) - joint.clearance
+        return self.anchor.low_z if self.anchor else -self._design.bone.collar_length_mm
 
-    @cached_property
+    @property
     def eyes(self) -> CrossSection:
-        """Outline of the joint's eyes around the pin: the collar's if the stops reach past its bore, or the base's."""
-        joint, top = self.joint, self.stops_top_z
-        past_bore = joint is not None and top is not None and top >= joint.axis_z + joint.pin_radius
-        return self.collar.section if past_bore else self.bone_outline.section
+        """Outline of the joint's eyes around the pin."""
+        return self.collar.section if self.joint else self.bone_outline.section
 
     @cached_property
     def base_end_z(self) -> float:
@@ -102,16 +97,26 @@ class Dimensions(SkinDimensions):
 
     @cached_property
     def anchor(self) -> features.TendonAnchor | None:
-        """Anchor of the tendon, through the collar a wall above its foot; None without a tendon."""
-        bone, hand, joint = self._design.bone, self._design.hand, self.joint
+        """Anchor of the tendon; None without a tendon."""
+        hand, joint, section = self._design.hand, self.joint, self.collar.section
         if joint is None or hand.tendon_distance_mm == 0.0:
             return None
-        y, radius = joint.axis_y - hand.tendon_distance_mm, bone.anchor_diameter_mm / 2
-        foot = self.draft_slope * abs(y) - bone.collar_length_mm
-        inner = self.tail_half_width if self.fold else features.NOTCH_WIDTH_MM / 2
-        wall = self._design.printer.min_wall_mm
-        open_from = max(self.collar.section.half_width_at(y - radius - wall), inner + wall)
-        return features.TendonAnchor(y, foot + bone.wall_mm + radius, radius, hand.tendon_distance_mm, inner, open_from)
+        line, half = hand.tendon_diameter_mm, self.joint_half_width - 1.5 * hand.tendon_diameter_mm
+        corner = max(
+            math.hypot(section.half_width_at(y), y)
+            for y in (section.dorsal * i / _RIM_POINTS for i in range(_RIM_POINTS + 1))
+        )
+        slope = corner * (1.0 - min(1.0, (half + LEDGE_MM) / section.half_width))
+        high = -self._design.bone.collar_length_mm - slope
+        return features.TendonAnchor(
+            joint.axis_y - hand.tendon_distance_mm, hand.tendon_distance_mm, line, half,
+            high - line - features.BESIDE_LINE_MM, high,
+        )  # fmt: skip
+
+    @property
+    def joint_half_width(self) -> float:
+        """Half the width of a joint's base at its palmar corners, which stand out of the collar's outline."""
+        return self.collar.section.half_width_at(-self.base_flat_depth)
 
     @cached_property
     def window_opens_into_gap(self) -> bool:
@@ -241,13 +246,15 @@ class Dimensions(SkinDimensions):
     def channel_exit_z(self) -> float:
         """Centre of the channel's dorsal opening: outside the mold, which is closed with the cables in place.
 
-        That of a tail that is laid in lies behind the tabs of a sensor longer than stated, and behind the collar.
+        That of a tail that is laid in lies behind the tabs of a sensor longer than stated, and behind the collar
+        or the tendon's loop.
         """
         bone = self._design.bone
         channel_radius = bone.channel_diameter_mm / 2
         if self._design.is_cast_apart:
             tabs_end = self.tail_end_z - self._design.sensor.tab_length_mm - LONGER_MM
-            return min(tabs_end + channel_radius, -(bone.collar_length_mm + channel_radius + bone.wall_mm))
+            behind = self.anchor.low_z if self.anchor else -bone.collar_length_mm
+            return min(tabs_end + channel_radius, behind - channel_radius - bone.wall_mm)
         covered = max(bone.collar_length_mm, self._design.mold.recess_length_mm)
         exit_below_skin = -(covered + channel_radius + bone.wall_mm)
         after_bend = self.tail_end_z - bone.relief_length_mm / 2 - bone.channel_bend_radius_mm

@@ -131,10 +131,6 @@ def place_chaplet(outline: ConicBody, z: float, diameter: float, screw_mm: float
     return Chaplet(z, lowest - _FACET_DEPTH_MM, radius, facet, flat_z, find_thread(screw_mm))
 
 
-NOTCH_WIDTH_MM = 2.5
-"""Width of the notch in which the tendon reaches its anchor, where no window does [mm]."""
-
-
 @dataclass(frozen=True)
 class Joint:
     """Joint of a clevis [mm]. All positions are (y, z), in the middle plane of the finger."""
@@ -194,18 +190,49 @@ class Joint:
         return tuple((self.axis_y + y, self.axis_z + z) for y, z in corners)
 
 
+HORN_RADIUS_MM = 4.0
+"""Radius of the shoulders over which the tendon turns from around the base towards the hand [mm]."""
+BESIDE_LINE_MM = 0.4
+"""Room along the finger beside the tendon in its groove [mm]."""
+
+
 @dataclass(frozen=True)
 class TendonAnchor:
-    """Hole across the finger for the pin or thread that holds the tendon [mm]."""
+    """Loop of the tendon around the base, in a groove behind the collar [mm].
+
+    Its strands come down both sides, turn over a round shoulder, the horn, and leave along the palmar corners.
+    """
 
     y: float
-    z: float
-    radius: float
+    """Middle of both strands where they leave towards the hand."""
     distance: float
-    inner_half_width: float
-    """Half the width of the notch or window that it crosses; beyond it lie the cheeks that hold it."""
-    open_half_width: float
-    """Half the width from which it is a slot, open towards the palm: the wall there would be too thin to print."""
+    line: float
+    """Diameter of the tendon."""
+    half_width: float
+    """Half the width of the base in the groove, on whose sides both strands lie."""
+    low_z: float
+    """Proximal wall of the groove, where the horns begin."""
+    high_z: float
+    """Height at which the foot of the collar begins to slope outwards, so that it prints without supports."""
+
+    @property
+    def z(self) -> float:
+        """Middle of the loop."""
+        return self.low_z + self.line / 2
+
+    @property
+    def strand_x(self) -> float:
+        """Distance of the middle of each strand from the middle plane."""
+        return self.half_width + self.line / 2
+
+    @property
+    def horn_y(self) -> float:
+        """Height of the horns' palmar side, on which the strands lie."""
+        return self.y + self.line / 2
+
+    @property
+    def horn_low_z(self) -> float:
+        return self.low_z - HORN_RADIUS_MM
 
 
 SLIDING_MM = 0.3

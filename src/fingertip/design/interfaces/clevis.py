@@ -1,9 +1,9 @@
 """Clevis: the eyes of the bone about the joint's pin, their hard stops, and the anchor of the tendon.
 
 A load on the fingertip turns it about the pin. On a straight finger a hard stop holds it, and the pin then pulls at
-the ends of the eyes. On a bent one the tendon holds it: it pulls at its anchor, and the eyes press on the pin.
-Forces are those of statics; stresses are nominal ones of a lug with a pin (net section, bearing, shear-out), the
-first with the concentration that finite elements with contact found at its bore.
+the ends of the eyes. On a bent one the tendon holds it: each strand presses on the horn over which it turns, and the
+eyes press on the pin. Forces are those of statics; stresses are nominal ones of a lug with a pin (net section, bearing,
+shear-out), the first with the concentration that finite elements with contact found at its bore.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Any
 from fingertip.design.formulas.stress import PIN_IN_EYE, VON_MISES_SHEAR, LocalStress, StressFactors, at_foot, pin_peak
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.dimensions import Dimensions
-from fingertip.design.geometry.features import Joint, TendonAnchor
+from fingertip.design.geometry.features import BESIDE_LINE_MM, HORN_RADIUS_MM, Joint, TendonAnchor
 from fingertip.design.geometry.sizes import (
     ARROW_DEG,
     BEFORE_FACE,
@@ -27,27 +27,17 @@ from fingertip.design.geometry.sizes import (
     Circle,
     Length,
     Size,
-    Tolerance,
     bore,
     clearance,
     general,
     size_text,
 )
-from fingertip.design.geometry.solids import Point3, cylinder
+from fingertip.design.geometry.solids import Point3, Solid
 from fingertip.design.interfaces import clevis_solids
-from fingertip.design.interfaces.interface import JointInterface, Shapes, base_size
+from fingertip.design.interfaces.interface import JointInterface, Shapes
 
-_PIN_PLAY_MM = 0.2
-"""Play of the anchor pin in its printed hole [mm]."""
-_CARRIES_MM = 1.15
-"""Longest part of the anchor's hole in a cheek that carries the pin [mm], which bends beside its knots.
-
-Own finite elements of six fingers, with the pin glued into its hole as a beam on its bed, found the bearing pressure on
-this part as the largest tension beside the hole: 0.88 to 1.02 times it.
-"""
-_WRONG_PLACE = "fill the hole with epoxy and drill it again: the joint's torque and walls follow from its place"
-ANCHOR_PIN_MPA = 1500.0
-"""Stress up to which spring steel wire springs back [MPa]: three quarters of its tensile strength (EN 10270-1)."""
+_AT_GROOVE, _REACH_MM = 1.6, 1.0
+"""Stress concentration at the proximal corner of the groove, as found beside collars, and how far it acts [mm]."""
 
 
 class Clevis(JointInterface):
@@ -58,22 +48,20 @@ class Clevis(JointInterface):
     supports_below = "under the foot of the collar; around the eyes of the joint"
 
     def shapes(self, design: DesignTables) -> Shapes:
-        """Build the palmar stop, which stands out below the base, and what is removed: the joint's space, holes."""
-        joint, anchor = _joint_of(design), design.dimensions.anchor
-        top = design.dimensions.stops_top_z
-        added = () if top is None else (clevis_solids.stops(design, joint, top),)
+        """Build the base, and what is removed: the joint's space, the bore of its pin and the way of the tendon."""
+        joint, anchor, top = _joint_of(design), design.dimensions.anchor, design.dimensions.stops_top_z
+        assert top is not None
+        added: list[Solid] = [clevis_solids.joint_base(design, joint, top)]
         across = 2 * design.dimensions.collar.section.half_width
         removed = [clevis_solids.space(design, joint), clevis_solids.pin_bore(joint, across)]
         if anchor:
-            removed.append(cylinder("x", (anchor.y, anchor.z), -across, across, anchor.radius))
-            removed += clevis_solids.open_ends(design, anchor)
-            if not design.dimensions.window_opens_into_gap:
-                removed.append(clevis_solids.notch(design, anchor))
-        return added, tuple(removed)
+            added.append(clevis_solids.collar_slope(design, anchor))
+            removed += clevis_solids.tendon_way(design, anchor, joint)
+        return tuple(added), tuple(removed)
 
     def genus(self, design: DesignTables) -> int:
-        """Count a hole in each cheek of a fork, and two of the anchor, on either side of the notch that it crosses."""
-        return (2 if _joint_of(design).is_fork else 1) + (2 if design.dimensions.anchor else 0)
+        """Count a hole in each cheek of a fork, or that of a tongue."""
+        return 2 if _joint_of(design).is_fork else 1
 
     def depth(self, design: DesignTables) -> float:
         joint = _joint_of(design)
@@ -96,16 +84,15 @@ class Clevis(JointInterface):
         return joint.axis_z + joint.pin_radius
 
     def stress_factors(self, design: DesignTables, z: float) -> StressFactors:
-        """Find the factors at the root of the eyes, which are as high as the base if they have stops."""
-        joint, base, top = _joint_of(design), base_size(design.dimensions), design.dimensions.stops_top_z
+        """Find the factors at the root of the eyes, and at the groove of the tendon."""
+        joint, anchor, section = _joint_of(design), design.dimensions.anchor, design.dimensions.collar.section
+        base = 2 * section.half_width, section.dorsal + section.palmar
         width = base[0] if joint.is_fork else 2 * joint.half_width
         height = base[1] if joint.travel_deg else 2 * joint.eye_radius
         factors = at_foot(base, (width, height), joint.foot, joint.shoulder_z - z)
-        if top is None:
-            return factors
-        collar, radius = design.dimensions.collar.section, clevis_solids.eye_radius_mm(design, joint, top)
-        eyes = 2 * collar.half_width, collar.dorsal + collar.palmar
-        return factors.combined_with(at_foot(eyes, base, radius, z - (top - radius)))
+        if anchor and 0.0 <= z - anchor.low_z <= _REACH_MM:
+            return factors.combined_with(StressFactors(_AT_GROOVE, _AT_GROOVE))
+        return factors
 
     def local_stresses(self, design: DesignTables, load_z: float) -> Iterator[LocalStress]:
         """Yield the stresses of eyes and anchor, in the plane in which the finger bends."""
@@ -113,7 +100,8 @@ class Clevis(JointInterface):
         thickness = _eye_thickness(design.dimensions, joint)
         if joint.travel_deg:
             pull = self.pin_pulls(design, load_z)[0]
-            width, bore = 2 * joint.eye_radius, 2 * joint.pin_radius
+            palmar = min(joint.eye_radius, anchor.distance - anchor.line / 2) if anchor else joint.eye_radius
+            width, bore = joint.eye_radius + palmar, 2 * joint.pin_radius
             modulus = design.strength.material.modulus_mpa
             factor = PIN_IN_EYE * pin_peak(thickness / 2, bore, modulus)
             yield LocalStress("eye", joint.axis_z, factor * pull / (thickness * (width - bore)), factor)
@@ -124,13 +112,8 @@ class Clevis(JointInterface):
             yield LocalStress(
                 "bearing of the pin", joint.axis_z, (force + 1.0) / (thickness * 2 * joint.pin_radius), at_knock=False
             )
-            # The length of the anchor's hole in both cheeks together, and what of it carries the pin.
-            outside = design.dimensions.collar.section.half_width_at(anchor.y) - anchor.inner_half_width
-            length, closed = 2 * outside, min(outside, anchor.open_half_width - anchor.inner_half_width)
-            bearing = force / (2 * min(closed, _CARRIES_MM) * 2 * anchor.radius)
-            yield LocalStress("hole of the anchor", anchor.z, bearing, at_knock=False)
-            shear = force / (2 * length * design.bone.wall_mm)
-            yield LocalStress("wall at the anchor", anchor.z, VON_MISES_SHEAR * shear, at_knock=False)
+            line_load = force / 2 / HORN_RADIUS_MM / anchor.line
+            yield LocalStress("horn of the tendon", anchor.low_z, line_load, at_knock=False)
 
     def pin_pulls(self, design: DesignTables, load_z: float) -> tuple[float, ...]:
         """Pull on the pin per newton of load: by the stop of a straight finger, and by the tendon of a bent one.
@@ -180,17 +163,13 @@ class Clevis(JointInterface):
         if (top := design.dimensions.stops_top_z) is not None:
             sizes += self._stop_sizes(design, joint, top)
         if anchor := design.dimensions.anchor:
-            sizes += self._anchor_sizes(design, anchor, (across, anchor.y, anchor.z), pin)
+            sizes += self._anchor_sizes(design, anchor, pin)
         return sizes
 
     def _stop_sizes(self, design: DesignTables, joint: Joint, top: float) -> list[Size]:
-        """List the sizes of the eyes outside the mold, and of their stops."""
-        half, y, foot = design.dimensions.collar.section.half_width, joint.axis_y, -design.bone.collar_length_mm
-        bore, eyes = joint.axis_z - joint.pin_radius, top - clevis_solids.eye_radius_mm(design, joint, top)
+        """List the sizes of eyes and stops."""
+        half, y, bore = design.dimensions.collar.section.half_width, joint.axis_y, joint.axis_z - joint.pin_radius
         sizes: list[Size] = [
-            Length("groove between collar and joint", INNER, "front", "above", "z", (half, 0.0, foot),
-                   (half, 0.0, eyes), clearance(joint.clearance),
-                   "narrow: sand the side of the joint, the mold's end lies in it"),
             Length("edge of the bore to the straight stop", OUTER, "front", "above", "z", (half, y, bore),
                    (half, y, joint.low_z), general(bore - joint.low_z),
                    "long: file both flats alike; short: it stops too late, print again"),
@@ -213,42 +192,20 @@ class Clevis(JointInterface):
             f"one, and turned towards the palm by {joint.travel_deg:g} degrees.",
         )
 
-    def _anchor_sizes(self, design: DesignTables, anchor: TendonAnchor, at: Point3, pin: Point3) -> list[Size]:
-        """List place and size of the anchor's hole, and the two lengths that hold its pin."""
-        collar, wall = design.dimensions.collar.section, design.bone.wall_mm
-        edge, closed = anchor.z - anchor.radius, anchor.open_half_width - anchor.inner_half_width
-        # The collar's foot stands out beside the base there. The other one is read in the slot, below the hole.
-        beside = (design.dimensions.bone_outline.section.half_width_at(anchor.y) + collar.half_width_at(anchor.y)) / 2
-        under = anchor.y - anchor.radius - design.printer.min_wall_mm / 2
+    def _anchor_sizes(self, design: DesignTables, anchor: TendonAnchor, pin: Point3) -> list[Size]:
+        """List the sizes of the tendon's groove and horns."""
+        side, low = (anchor.half_width, 0.0, anchor.low_z), design.dimensions.stops_top_z
+        assert low is not None
         return [
-            Circle("hole of the tendon's anchor", INNER, "front", "x", at, anchor.radius,
-                   clearance(_PIN_PLAY_MM - design.printer.offset_mm),
-                   f"narrow: ream it to {design.bone.anchor_diameter_mm:.1f} mm; wide: take a thicker pin"),
-            Length("anchor to joint axis", STEP, "front", "right", "y", at, pin, is_reference=True),
-            Length("skin's end to the anchor's axis", BEHIND_FACE, "front", "below", "z", (at[0], at[1], 0.0), at,
-                   None, _WRONG_PLACE),
-            Length("palmar side to the anchor's axis", BEHIND_FACE, "front", "right", "y", (0.0, -collar.palmar, 0.0),
-                   at, None, _WRONG_PLACE),
-            Length("wall at the anchor's hole", OUTER, "front", "below", "z", (beside, anchor.y, edge),
-                   (beside, anchor.y, edge - wall), self._thinner_by(design, "wall at the anchor", wall, wall),
-                   "thin: the tendon tears it out, print again"),
-            Length("closed part of the anchor's hole", OUTER, "palmar", "left", "x",
-                   (anchor.inner_half_width, under, anchor.z), (anchor.open_half_width, under, anchor.z),
-                   self._thinner_by(design, "hole of the anchor", closed, min(closed, _CARRIES_MM)),
-                   "short: drill the hole for a thicker pin, or print again"),
+            Length("groove of the tendon", INNER, "front", "above", "z", side, (side[0], 0.0, anchor.high_z),
+                   clearance(BESIDE_LINE_MM), "narrow: file it until the tendon lies in it"),
+            Length("base between the strands", OUTER, "end", "below", "x", side, (-side[0], 0.0, anchor.low_z)),
+            Length("horns to the joint axis", STEP, "front", "right", "y", (pin[0], anchor.horn_y, anchor.horn_low_z),
+                   pin, general(anchor.distance)),
+            Circle("horns of the tendon", BEHIND_FACE, "front", "x",
+                   (pin[0], anchor.horn_y + HORN_RADIUS_MM, anchor.horn_low_z), HORN_RADIUS_MM, is_radius=True,
+                   hidden_deg=((-180.0, 90.0),), action="sharp: round it with fine paper, or it cuts the tendon"),
         ]  # fmt: skip
-
-    def _thinner_by(self, design: DesignTables, place: str, size: float, carrying: float) -> Tolerance:
-        """Find how much shorter a size may be, of which a part carries, for the safety factor at the grip.
-
-        The wall could lose far more than prints err: the general tolerance is the limit then.
-        """
-        strength = design.strength
-        allowed = strength.material.strength_mpa
-        stresses = {found.place: found.stress_per_n for found in self.local_stresses(design, design.skin.length_mm)}
-        needed = carrying * stresses[place] * strength.grip_force_n * strength.min_grip_factor / allowed
-        usual = general(size)
-        return Tolerance(min(max(needed - size, usual.low), 0.0), usual.high)
 
     def bolts(self, design: DesignTables) -> list[dict[str, Any]]:
         """List the pin, and what holds the tendon."""
@@ -259,17 +216,12 @@ class Clevis(JointInterface):
             pin["length_mm"] = design.dimensions.pin_length
         items = [pin]
         if anchor:
-            items.append({
-                "item": "anchor pin of the tendon (spring steel wire)",
-                "diameter_mm": _anchor_pin_mm(design),
-                "length_mm": round(2 * design.dimensions.collar.section.half_width_at(anchor.y), 1), "count": 1,
-            })  # fmt: skip
             held_n = design.strength.grip_force_n * tendon_force_per_n(design, design.skin.length_mm)
             items.append({
-                "item": "tendon (braided line, as long as the hand needs)",
+                "item": "tendon (braided line, twice as long as the hand needs)",
                 "diameter_mm": design.hand.tendon_diameter_mm, "count": 1,
-                "note": f"it breaks at {10.0 * math.ceil(0.4 * held_n):.0f} N or more, four times its force at the "
-                "grip: a knot takes half",
+                "note": f"it breaks at {10.0 * math.ceil(0.2 * held_n):.0f} N or more, four times the force of each of "
+                "its two strands at the grip: a knot takes half",
             })  # fmt: skip
         return items
 
@@ -292,15 +244,6 @@ def tendon_force_per_n(design: DesignTables, load_z_mm: float) -> float:
     """Force of the tendon per newton of load on the pad or apex, by their levers about the pin; 0 without a tendon."""
     joint, anchor = design.dimensions.joint, design.dimensions.anchor
     return (load_z_mm - joint.axis_z) / anchor.distance if joint and anchor else 0.0
-
-
-def anchor_pin_stress_mpa(design: DesignTables, force_n: float) -> float:
-    """Bending stress of the anchor pin [MPa], whose tendon pulls by half its force at a knot beside each cheek [N]."""
-    return 0.5 * force_n * design.hand.tendon_diameter_mm / (math.pi * _anchor_pin_mm(design) ** 3 / 32)
-
-
-def _anchor_pin_mm(design: DesignTables) -> float:
-    return round(design.bone.anchor_diameter_mm - _PIN_PLAY_MM, 1)
 
 
 def _eye_thickness(dims: Dimensions, joint: Joint) -> float:

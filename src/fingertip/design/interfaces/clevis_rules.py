@@ -5,39 +5,32 @@ from __future__ import annotations
 import math
 
 from fingertip.design.geometry import DesignTables
-from fingertip.design.geometry.features import SLIDING_MM, Joint, TendonAnchor
+from fingertip.design.geometry.features import Joint
 from fingertip.design.rules.bone import collar_carries_skin
 from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_most
 from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally
-from fingertip.foundation.numerics import bisect
 
 LENGTH_RULES, RULES = Ruleset(), Ruleset()
 
 _MIN_SHOULDER = 0.1
 """Minimum distance of the hand's knuckle from the collar [mm]."""
-_BELOW_SEAL_MM = 0.2
-"""Gap between the anchor and the sealing part of the collar at a folded tail [mm]."""
 _MIN_SLOPE = 0.05
 """Least sine or cosine by which a length is divided."""
-_DIRECTIONS, _ANGLES = 16, 120
-"""Directions in which walls are measured, and angles of the joint that are tried."""
+_ANGLES = 120
+"""Angles of the joint that are tried."""
 
 _SOUND_BASE = (bone_left_at_sides, bone_left_dorsally)
 
 
 @LENGTH_RULES.at_least("bone.base_length_mm")
-def joint_clear_of_collar_and_tail(design: DesignTables) -> Limit | None:
-    """The hand's knuckle is clear of the collar, and of a tail that is folded in the gap of a fork."""
-    dims, bone = design.dimensions, design.bone
-    joint, fold = dims.joint, dims.fold
+def joint_clear_of_collar_and_horns(design: DesignTables) -> Limit | None:
+    """The hand's knuckle is clear of the collar, and of the horns over which the tendon turns."""
+    joint, anchor = design.dimensions.joint, design.dimensions.anchor
     if joint is None:
         return None
-    above, what = bone.collar_length_mm + _MIN_SHOULDER, "collar"
-    if fold and dims.window_opens_into_gap:
-        film = -fold.nose_z + fold.radius + dims.sensor.thickness_mm + SLIDING_MM
-        above, what = max((above, what), (film, "folded tail"))
-    below = joint.shoulder_z - joint.axis_z
-    return Limit(above + below, f"brings the hand's knuckle into the {what} of the finger")
+    above = -anchor.horn_low_z if anchor else design.bone.collar_length_mm + _MIN_SHOULDER
+    what = "way of the tendon around" if anchor else "collar of"
+    return Limit(above + joint.shoulder_z - joint.axis_z, f"brings the hand's knuckle into the {what} the finger")
 
 
 @RULES.rule("skin.length_mm")
@@ -72,7 +65,7 @@ def axis_within_base(design: DesignTables) -> Violation | None:
     if joint is None:
         return None
     around, palmar = joint.pin_radius + design.bone.wall_mm, dims.base_palmar_height
-    low, high = palmar - dims.base_flat_depth + around, palmar + dims.bone_outline.section.dorsal - around
+    low, high = palmar - dims.eyes.palmar + around, palmar + dims.eyes.dorsal - around
     if low - SLACK <= height <= high + SLACK:
         return None
     side = "palmar" if height < low else "dorsal"
@@ -90,7 +83,7 @@ def cheeks_print(design: DesignTables) -> Violation | None:
     if joint is None:
         return None
     around = joint.pin_radius + bone.wall_mm
-    room = min(dims.bone_outline.section.half_width_at(joint.axis_y + side * around) for side in (-1.0, 1.0))
+    room = min(dims.eyes.half_width_at(joint.axis_y + side * around) for side in (-1.0, 1.0))
     gap = 2 * bone.joint_clearance_mm
     if joint.is_fork:
         low, high, what = 0.0, 2 * (room - bone.wall_mm) - gap, "no wall beside the hand's tongue"
@@ -101,35 +94,36 @@ def cheeks_print(design: DesignTables) -> Violation | None:
     return Violation(f"{width:g} mm leaves {what}", ((low, high),) if low <= high else ())
 
 
-@RULES.at_least("bone.collar_length_mm")
-def collar_holds_anchor(design: DesignTables) -> Limit | None:
-    dims, bone = design.dimensions, design.bone
-    anchor = dims.anchor
-    if anchor is None:
+@RULES.at_most("hand.tendon_diameter_mm", *_SOUND_BASE, collar_carries_skin)
+def base_between_the_strands(design: DesignTables) -> Limit | None:
+    """The base between both strands of the tendon holds the trough and the gap, with a wall on either side."""
+    dims, joint = design.dimensions, design.dimensions.joint
+    if joint is None or dims.anchor is None:
         return None
-    highest = dims.fold.nose_z - _BELOW_SEAL_MM if dims.fold else -bone.wall_mm
-    minimum = bone.collar_length_mm + anchor.z + anchor.radius - highest
-    return Limit(minimum, "does not hold the anchor of the tendon", alternatives={"hand.tendon_distance_mm": 0.0})
+    inner = max(dims.tail_half_width, joint.half_width if joint.is_fork else 0.0) + design.bone.wall_mm
+    widest = (dims.joint_half_width - inner) / 1.5
+    what = "leaves no wall between the tendon's strands and the trough or the joint"
+    return Limit(widest, what, alternatives={"hand.tendon_distance_mm": 0.0})
 
 
-@RULES.rule("hand.tendon_distance_mm", *_SOUND_BASE, collar_carries_skin, collar_holds_anchor)
-def anchor_within_collar(design: DesignTables) -> Violation | None:
-    """The collar keeps a wall palmar of the tendon's anchor, which lies clear of the sensor's tail."""
-    dims, distance = design.dimensions, design.hand.tendon_distance_mm
+@RULES.rule("hand.tendon_distance_mm", *_SOUND_BASE, collar_carries_skin)
+def strands_beside_the_eyes(design: DesignTables) -> Violation | None:
+    """The strands leave a wall palmar of the pin, pass the hand's fork, and lie on horns within the collar's height."""
+    dims, hand, distance = design.dimensions, design.hand, design.hand.tendon_distance_mm
     joint, anchor = dims.joint, dims.anchor
     if joint is None or anchor is None:
         return None
-    highest = _find_highest_anchor(design, anchor)
-    palmar = dims.collar.section.palmar
-    lowest = bisect(lambda y: not _keeps_wall(design, anchor, y), -palmar, max(highest, -palmar), halvings=40)[1]
-    if lowest - SLACK <= anchor.y <= highest + SLACK:
+    low = joint.pin_radius + design.bone.wall_mm + anchor.line / 2
+    if not joint.is_fork and anchor.half_width + anchor.line > joint.half_width - joint.clearance:
+        low = hand.clearance_radius_mm + anchor.line
+    high = joint.axis_y + dims.collar.section.palmar
+    if low - SLACK <= distance <= high + SLACK:
         return None
-    what = "no wall of the collar around its anchor" if anchor.y < lowest else "its anchor no room beside the tail"
-    low, high = joint.axis_y - highest, joint.axis_y - lowest
-    fits = low <= high and _keeps_wall(design, anchor, highest)
+    what = "no room for its strands beside pin and hand" if distance < low else "its strands no horn to turn over"
     return Violation(
-        f"{distance:g} mm leaves {what}", ((low, high),) if fits else (), alternatives={"hand.tendon_distance_mm": 0.0}
-    )
+        f"{distance:g} mm leaves {what}", ((low, high),) if low <= high else (),
+        alternatives={"hand.tendon_distance_mm": 0.0},
+    )  # fmt: skip
 
 
 @RULES.rule("hand.travel_deg")
@@ -155,7 +149,8 @@ def bent_stop_long_enough(design: DesignTables) -> Violation | None:
         return None
 
     def holds(angle_deg: float) -> bool:
-        return _stop_length(design, joint, angle_deg) >= joint.pin_radius - SLACK
+        is_long = _stop_length(design, joint, angle_deg) >= joint.pin_radius - SLACK
+        return is_long and _leaves_horns(design, joint, angle_deg)
 
     if holds(travel):
         return None
@@ -168,41 +163,22 @@ def bent_stop_long_enough(design: DesignTables) -> Violation | None:
 
 
 def _stop_length(design: DesignTables, joint: Joint, angle_deg: float) -> float:
-    """Length [mm] of the palmar stop that lies within the base, or in the chin below it, outside the mold."""
+    """Length [mm] of the palmar stop that lies within the base."""
     dims, angle = design.dimensions, math.radians(angle_deg)
     palmar, proximal = joint.radius * math.sin(angle), joint.radius * math.cos(angle)
     across, along = max(math.cos(angle), _MIN_SLOPE), max(math.sin(angle), _MIN_SLOPE)
     assert dims.stops_top_z is not None
     top = dims.stops_top_z - design.bone.wall_mm - joint.axis_z  # of the blunt toe
-    in_base = (dims.base_flat_depth + joint.axis_y - palmar) / across
-    in_chin = min((dims.collar.section.palmar + joint.axis_y - palmar) / across, (top + proximal) / along)
-    return max(in_base, in_chin)
+    return min((dims.collar.section.palmar + joint.axis_y - palmar) / across, (top + proximal) / along)
 
 
-def _find_highest_anchor(design: DesignTables, anchor: TendonAnchor) -> float:
-    """Find the height y up to which the anchor is clear of the film, or of the tail's passage."""
-    dims, fold = design.dimensions, design.dimensions.fold
-    if fold:
-        line = design.hand.tendon_diameter_mm
-        reach = fold.radius + dims.sensor.thickness_mm + SLIDING_MM + line + anchor.radius
-        return fold.nose_y - math.sqrt(max(0.0, reach**2 - (fold.nose_z - anchor.z) ** 2))
-    if dims.tail_passes_collar:
-        floor = dims.pocket_depth - dims.flat_depth
-        return floor - dims.passage_height - design.bone.wall_mm - anchor.radius
-    return -dims.flat_depth - anchor.radius
-
-
-def _keeps_wall(design: DesignTables, anchor: TendonAnchor, y: float) -> bool:
-    """Return whether the collar is a wall thick around an anchor at the height `y`, along its first millimetres."""
-    dims, wall = design.dimensions, design.bone.wall_mm
-    section = dims.collar.section
-    x = anchor.inner_half_width
-    for i in range(_DIRECTIONS + 1):
-        angle = math.pi / 2 * i / _DIRECTIONS
-        low = y - anchor.radius - wall * math.sin(angle)
-        if low < -section.palmar or section.half_width_at(low) < x + wall + wall * math.cos(angle):
-            return False
-    return True
+def _leaves_horns(design: DesignTables, joint: Joint, angle_deg: float) -> bool:
+    """Return whether the hand's shoulder, turned by an angle, is clear of the horns of the tendon."""
+    anchor, angle = design.dimensions.anchor, math.radians(angle_deg)
+    if anchor is None:
+        return True
+    y, z = anchor.horn_y - joint.axis_y, anchor.horn_low_z - joint.axis_z
+    return -y * math.sin(angle) - z * math.cos(angle) <= joint.radius + SLACK
 
 
 def _is_clear(design: DesignTables, joint: Joint, angle_deg: float) -> bool:
@@ -210,10 +186,9 @@ def _is_clear(design: DesignTables, joint: Joint, angle_deg: float) -> bool:
     dims = design.dimensions
     angle = math.radians(angle_deg)
     sine, cosine = math.sin(angle), math.cos(angle)
-    # The finger as nested outlines, each from one height on: the palmar edge of base, collar and skin.
-    foot = dims.draft_slope * dims.collar.section.palmar - design.bone.collar_length_mm
+    # The finger as nested outlines, each from one height on: the palmar edge of collar and skin.
+    foot = -design.bone.collar_length_mm
     outline = (
-        (joint.shoulder_z, -dims.base_flat_depth),
         (foot, -dims.collar.section.palmar),
         (0.0, -dims.base_palmar_height),
         *([(dims.crown.z, -design.skin.semi_axis_palmar_mm)] if dims.crown else []),

@@ -1,7 +1,7 @@
-"""Solids of a clevis: eyes with their hard stops, the space that the hand needs, and the anchor of the tendon.
+"""Solids of a clevis: the base with eyes and hard stops, the space that the hand needs, and the way of the tendon.
 
-With stops the eyes are as wide and high as the collar where they lie outside the mold: the wider the cheeks and the
-longer the stop, the less the pin pulls at its bore at a knock.
+The base is as wide and high as the collar: the wider the cheeks and the longer the stop, the less the pin pulls at its
+bore at a knock.
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ import math
 
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.conic import TANGENT_STEP_MM, ConicBody
-from fingertip.design.geometry.features import NOTCH_WIDTH_MM, Joint, TendonAnchor
-from fingertip.design.geometry.foot import conic_foot, flat_foot, foot_line
+from fingertip.design.geometry.features import HORN_RADIUS_MM, Joint, TendonAnchor
+from fingertip.design.geometry.foot import LEDGE_MM, flat_foot, foot_line
 from fingertip.design.geometry.solids import (
     Box,
     Prism,
@@ -23,39 +23,21 @@ from fingertip.design.geometry.solids import (
     union,
 )
 
+_HORN_CHORDS = 12
+"""Chords of a horn's quarter circle."""
 
-def stops(design: DesignTables, joint: Joint, top: float) -> Solid:
-    """Build eyes and stops as wide and high as the collar, outside the mold.
 
-    The stop of the bent finger is as wide as the base at its flat, down to its blunt toe: it stands out of the outline.
-    """
+def joint_base(design: DesignTables, joint: Joint, top: float) -> Solid:
+    """Build the base up to a height with its hard stops; palmar it is as wide down to the end of the bent stop."""
     dims, collar = design.dimensions, design.dimensions.collar.section
-    section = dims.bone_outline.section
-    low, foot = joint.low_z - joint.radius, eye_foot(design, joint, top)
-    end = foot[-1][0] - TANGENT_STEP_MM if foot else top
-    outline: Solid = SuperconicSolid(ConicBody(collar, ((low, 1.0), (end, 1.0))))
-    if foot:
-        along = SuperconicSolid(ConicBody(collar, ((low, 1.0), (top, 1.0))))
-        outline = union(outline, intersection(along, conic_foot(section, foot, low)))
-    half = min(section.half_width_at(joint.axis_y), section.half_width_at(-dims.base_flat_depth))
-    below = Box((-half, -collar.palmar, joint.low_z - 1.0), (half, joint.axis_y, top))
+    low, half = joint.low_z - joint.radius, dims.joint_half_width
+    outline = SuperconicSolid(ConicBody(collar, ((low, 1.0), (top, 1.0))))
+    base = union(outline, Box((-half, -collar.palmar, joint.low_z - 1.0), (half, joint.axis_y, top)))
+    if not joint.travel_deg:
+        return base
     reach = 2 * (collar.half_width + collar.dorsal + collar.palmar)
     within = Box((-reach, stop_toe_y(design, joint, top), -reach), (reach, reach, reach))
-    return intersection(union(outline, below), eye_profile(joint, reach), within)
-
-
-def eye_radius_mm(design: DesignTables, joint: Joint, top: float) -> float:
-    """Radius of the fillet where the base stands on the eyes, which leaves a wall beside the bore of the pin."""
-    dims = design.dimensions
-    rise = dims.collar.section.half_width - dims.bone_outline.section.half_width
-    wall = design.printer.min_wall_mm + TANGENT_STEP_MM
-    return max(0.0, min(rise, top - joint.axis_z - joint.pin_radius - wall))
-
-
-def eye_foot(design: DesignTables, joint: Joint, top: float) -> list[tuple[float, float]]:
-    """List points (z, outward) of that fillet, from the base to the eyes [mm]; none without room."""
-    radius = eye_radius_mm(design, joint, top)
-    return foot_line(radius, top - radius, -1.0) if radius else []
+    return intersection(base, eye_profile(joint, reach), within)
 
 
 def stop_toe_y(design: DesignTables, joint: Joint, top: float) -> float:
@@ -82,8 +64,7 @@ def stop_height_mm(design: DesignTables) -> float:
 
 def space(design: DesignTables, joint: Joint) -> Solid:
     """Build the space that the hand needs: all but the eyes proximal to the base, and the gap between them."""
-    dims = design.dimensions
-    section = dims.collar.section
+    section = design.dimensions.collar.section
     reach = 2 * (section.half_width + section.palmar + section.dorsal)
     low, high = joint.low_z - reach, joint.shoulder_z
     beyond = Box((-reach, -reach, low), (reach, reach, high))
@@ -96,30 +77,8 @@ def space(design: DesignTables, joint: Joint) -> Solid:
     if not joint.is_fork:
         tongue = Box((-half, -2 * reach, low - reach), (half, 2 * reach, end))
         return union(around, difference(beyond, tongue, flat_foot("y", -half, half, line, end, 2 * reach)))
-    # The window of a folded tail lies above the gap, and opens into it.
-    top = max(high, dims.fold.window_low_z + TANGENT_STEP_MM) if dims.fold else high
-    gap: Solid = Box((-half, -reach, low), (half, reach, top))
-    edges: list[Solid] = []
-    cut_y, from_z = reach, low if dims.stops_top_z is None else dims.stops_top_z
-    if (blunt := dims.blunt_up_to_y(half, 0.0)) is not None:
-        # Beside the window of a folded tail the cheeks are lower still.
-        cut_y, end_z = (min(blunt, dims.cheek_top_y), dims.fold.nose_z) if dims.fold else (blunt, top)
-        edges.append(Box((-reach, cut_y, from_z), (reach, reach, end_z)))
-    if from_z > low:
-        # The fillet goes on along the cut edges of the cheeks.
-        stop_y = stop_top_y(design, joint)
-        foot = (eye_foot(design, joint, from_z) if cut_y < stop_y else []) or [(from_z, 0.0)]
-        rise = [(cut_y + out, z) for z, out in foot if out > 0.0 and cut_y + out < stop_y - TANGENT_STEP_MM]
-        end = foot[min(len(rise) + 1, len(foot) - 1)][0]
-        ring = ((reach, low), (reach, from_z), (min(cut_y, stop_y), from_z), *rise, (stop_y, end), (stop_y, low))
-        edges.append(Prism("x", tuple(dict.fromkeys(ring)), -reach, reach))
-    if dims.fold and half > dims.tail_half_width:
-        # The window is narrower than the gap. A fillet of the step weakens the cheeks less; its axis is the edge of the
-        # hand's tongue, so that all of the clearance remains.
-        line = foot_line(joint.clearance, top, 1.0)
-        sides = ((half, reach), (-reach, -half))
-        gap = difference(gap, *(flat_foot("y", *side, line, top + reach, 2 * reach) for side in sides))
-    return union(around, gap, *edges)
+    gap = Box((-half, -reach, low), (half, reach, high))
+    return union(around, gap, Box((-reach, stop_top_y(design, joint), low), (reach, reach, high)))
 
 
 def eye_profile(joint: Joint, reach: float) -> Solid:
@@ -136,26 +95,40 @@ def pin_bore(joint: Joint, half_length: float) -> Solid:
     return cylinder("x", (joint.axis_y, joint.axis_z), -half_length, half_length, joint.pin_radius)
 
 
-def notch(design: DesignTables, anchor: TendonAnchor) -> Solid:
-    """Build the notch of the tendon, from its anchor to the palmar and the proximal side."""
-    section, joint = design.dimensions.collar.section, design.dimensions.joint
-    assert joint
-    half = NOTCH_WIDTH_MM / 2
-    return Box(
-        (-half, -2 * section.palmar, joint.low_z - section.palmar),
-        (half, anchor.y + anchor.radius, anchor.z + 2 * anchor.radius),
-    )
+def collar_slope(design: DesignTables, anchor: TendonAnchor) -> Solid:
+    """Build the slope of 45 degrees between the tendon's groove and the collar, which prints without supports."""
+    section, foot = design.dimensions.collar.section, -design.bone.collar_length_mm
+    share = min(1.0 - TANGENT_STEP_MM, (anchor.half_width + LEDGE_MM) / section.half_width)
+    return SuperconicSolid(ConicBody(section, ((anchor.high_z, share), (foot, 1.0), (foot / 2, 1.0))))
 
 
-def open_ends(design: DesignTables, anchor: TendonAnchor) -> tuple[Box, Box]:
-    """Build the slots that open the anchor's hole towards the palm where the wall there would be too thin to print."""
-    section, begin = design.dimensions.collar.section, anchor.open_half_width
-    reach, high = 2 * section.half_width, anchor.z + anchor.radius
-    # The foot of the collar rises towards the palm.
-    low = anchor.z - anchor.radius + design.dimensions.draft_slope * (section.palmar + anchor.y)
-    return (
-        Box((begin, -2 * section.palmar, low), (reach, anchor.y, high)),
-        Box((-reach, -2 * section.palmar, low), (-begin, anchor.y, high)),
+def tendon_way(design: DesignTables, anchor: TendonAnchor, joint: Joint) -> tuple[Solid, ...]:
+    """Build what is removed on both sides for the tendon: the sides of its groove, and the corners below its horns."""
+    section, foot = design.dimensions.collar.section, -design.bone.collar_length_mm
+    reach, inner = 2 * (section.half_width + section.palmar + section.dorsal), anchor.half_width
+    low, y, z = joint.low_z - reach, anchor.horn_y + HORN_RADIUS_MM, anchor.horn_low_z
+    angles = [math.pi / 2 * i / _HORN_CHORDS for i in range(_HORN_CHORDS + 1)]
+    horn = tuple((y - HORN_RADIUS_MM * math.cos(a), z + HORN_RADIUS_MM * math.sin(a)) for a in angles)
+    up = anchor.low_z + anchor.line / 2
+    corners = ((-reach, low), (anchor.horn_y, low), *horn, (y, up), (-reach, up))
+    slope, removed = collar_slope(design, anchor), []
+    for side in ((inner, reach), (-reach, -inner)):
+        groove = Box((side[0], -reach, anchor.low_z), (side[1], reach, foot))
+        removed += [difference(groove, slope), Prism("x", corners, *side)]
+    return tuple(removed)
+
+
+def strands(design: DesignTables, anchor: TendonAnchor, low_z: float) -> tuple[Solid, ...]:
+    """Build both strands of the tendon beside the base, and straight from their horns to `low_z`, for checks."""
+    radius, top = anchor.line / 2, design.dimensions.bone_outline.section.dorsal_height_at(anchor.half_width)
+    beside, along = (anchor.z, anchor.horn_y + HORN_RADIUS_MM), (anchor.horn_low_z, low_z)
+    return tuple(
+        solid
+        for x in (-anchor.strand_x, anchor.strand_x)
+        for solid in (
+            cylinder("y", (beside[0], x), beside[1], top, radius),
+            cylinder("z", (x, anchor.y), along[1], along[0], radius),
+        )
     )
 
 

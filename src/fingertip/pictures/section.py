@@ -57,9 +57,7 @@ class Section:
 def list_sections(design: Design) -> list[Section]:
     """List the sections of a design: of its closed mold and of its bone."""
     solids = {name: part.solid(design) for name, part in parts_by_name(design).items()}
-    finger = {name: solids[name] for name in ("bone", "lid", "sensor_insert") if name in solids} | {
-        "sensor": sensor_body(design)
-    }
+    finger = {"bone": solids["bone"], "sensor": sensor_body(design)}
     cast = {name: solids[name] for name in ("mold_dorsal", "mold_palmar", "skin", "core")}
     notch = intersection(mold.notches(design)[1], mold.block(design))
     title = "longitudinal section of the closed cup and its core; it stands on its right end; dashed: an overflow notch"
@@ -167,25 +165,14 @@ def _list_mold_features(design: Design) -> Iterable[Feature]:
 def _list_bone_features(design: Design) -> Iterable[Feature]:
     dims, bone = design.dimensions, design.bone
     section, collar = dims.bone_outline.section, dims.collar
-    dorsal, palmar = (section.dorsal + collar.section.dorsal) / 2, (dims.base_flat_depth + collar.section.palmar) / 2
-    # A folded tail takes the collar's dorsal side for its trough, and its proximal end for the window.
-    if dims.fold:
-        yield "collar", (-bone.collar_length_mm / 4, -palmar)
-    else:
-        yield "collar", (-bone.collar_length_mm / 2, dorsal)
+    dorsal = (section.dorsal + collar.section.dorsal) / 2
+    yield "collar", (-bone.collar_length_mm / 2, dorsal)
     if bone.groove_depth_mm > 0 and bone.groove_width_mm > 0:
         groove_z = bone.groove_distance_mm + bone.groove_width_mm / 2
         yield "groove", (groove_z, section.dorsal - bone.groove_depth_mm / 2)
     yield "sensor", (dims.sensor_z, -dims.platform_depth + dims.pocket_depth - dims.sensor.thickness_mm / 2)
-    if dims.fold:
-        fold = dims.fold
-        yield "window of the tail", ((fold.window_low_z + fold.nose_z) / 2, 0.0)
-        yield "lid", ((fold.nose_z + fold.trough_end_z) / 2, fold.floor_y + 0.7 * (section.dorsal - fold.floor_y))
-        if not dims.window_opens_into_gap:
-            yield "cable groove", (dims.cable_groove_end_z + 1.0, section.dorsal - dims.cable_groove_depth / 2)
-    else:
-        yield "relief of the solder joints", (dims.tail_end_z, -dims.flat_depth + dims.pocket_depth + 0.6)
-        yield "cable channel", (dims.channel_exit_z, section.dorsal - bone.channel_diameter_mm / 2)
+    yield "solder joints", (dims.tail_end_z, -dims.flat_depth + dims.pocket_depth + 0.6)
+    yield "cable channel", (dims.channel_exit_z, section.dorsal - bone.channel_diameter_mm / 2)
     yield from interface_of(design).features(design)
 
 

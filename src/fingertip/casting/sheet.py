@@ -18,6 +18,7 @@ from fingertip.cad.printing.estimate import estimate_print
 from fingertip.cad.printing.settings import PROFILE, Profile, choose_plate_kind
 from fingertip.cad.verification.mold import LOWERING_S, palmar_limits
 from fingertip.casting.quantities import Mixture, measure_poured_cm3, mix
+from fingertip.catalogues.hardware import select_thread, standard_length_mm
 from fingertip.catalogues.output_files import PRINT_FOLDER
 from fingertip.catalogues.silicones import find_example
 from fingertip.design import Design
@@ -31,6 +32,8 @@ _WORK_H = (4.0, 3.0)
 """Work on both days besides printing, with what dries meanwhile [h]. An assumption: nobody has made one."""
 _FILAMENT_STEP_G, _LINE_STEP_N, _KNOT = 5, 10.0, 4.0
 """Steps to which filament and the strength of the tendon are rounded up [g, N], and its strength over its force."""
+_PINS, _SCREWS = {"nylon": "nylon screw M{:g}", "steel": "steel pin of {:g} mm"}, 5
+"""Pins of a joint in words, and how many nylon screws to buy: they break at knocks."""
 _ORDER_NUMBERS = {"fsr400_short": ", order number 34-00004"}
 
 
@@ -56,14 +59,18 @@ class Mount:
     bolt: str
     """Bolt to buy; empty for a joint."""
     bolts: int
+    pin: str
+    """Pin of the joint in words."""
     post_mm: tuple[float, float]
     """Diameter and greatest length of the hand's post that a socket takes [mm]."""
     travel_deg: float
     """Travel of a joint from straight to bent; 0 without stops."""
     tendon_mm: float
     """Diameter of the tendon; 0 without one."""
+    pull_n: float
+    """Force of the tendon at the grip."""
     tendon_n: float
-    """Force of the tendon that the line to buy holds."""
+    """Force that the line to buy holds."""
 
 
 @dataclass(frozen=True)
@@ -135,14 +142,20 @@ def _mount(design: Design) -> Mount:
     elif hand.tendon_distance_mm:
         pull_n = design.strength.grip_force_n * tendon_force_per_n(design, design.skin.length_mm)
     return Mount(
-        interface.name, bolt, bolts, (round(bone.socket_diameter_mm - MATING_PLAY_MM, 2), bone.socket_depth_mm),
-        hand.travel_deg, hand.tendon_diameter_mm if pull_n else 0.0,
-        _LINE_STEP_N * math.ceil(_KNOT * pull_n / _LINE_STEP_N),
-    )  # fmt: skip
+        interface=interface.name,
+        bolt=bolt,
+        bolts=bolts,
+        pin=_PINS[design.strength.pin].format(hand.pin_diameter_mm),
+        post_mm=(round(bone.socket_diameter_mm - MATING_PLAY_MM, 2), bone.socket_depth_mm),
+        travel_deg=hand.travel_deg,
+        tendon_mm=hand.tendon_diameter_mm if pull_n else 0.0,
+        pull_n=float(round(pull_n)),
+        tendon_n=_LINE_STEP_N * math.ceil(_KNOT * pull_n / _LINE_STEP_N),
+    )
 
 
 def _list_things(design: Design, batch: Mixture, mount: Mount, printed_g: float) -> tuple[Thing, ...]:
-    silicone, material, hand = design.silicone.material, design.strength.material, design.hand
+    silicone, material = design.silicone.material, design.strength.material
     example, (name, _, _) = find_example(silicone), material.label.partition(" (")
     words = {
         "sensor": f"{design.dimensions.sensor.label} with solder tabs{_ORDER_NUMBERS.get(design.sensor.model, '')}",
@@ -150,11 +163,12 @@ def _list_things(design: Design, batch: Mixture, mount: Mount, printed_g: float)
         "material": f"{name} filament" if material.process == "fdm" else name,
         "wire": _describe_wire(design),
         "bolt": f"bolt {mount.bolt}",
-        "pin": f"pin of {hand.pin_diameter_mm:g} mm, {design.dimensions.pin_length:g} mm long",
+        "pin": _describe_pin(design, mount),
     }
     sizes = {
         "silicone_g": batch.total_g, "printed_g": printed_g, "divider_kohm": design.board.divider_ohm / 1e3,
-        "bolts": mount.bolts, "tendon_mm": mount.tendon_mm,
+        "bolts": mount.bolts, "pins": _SCREWS if design.strength.pin == "nylon" else 1,
+        "tendon_mm": mount.tendon_mm,
         "tendon_n": mount.tendon_n,
     }  # fmt: skip
     needs = {"board" if design.board.has_filter else "divider", mount.interface, "tendon" if mount.tendon_mm else ""}
@@ -164,6 +178,13 @@ def _list_things(design: Design, batch: Mixture, mount: Mount, printed_g: float)
         if not needed_by or needed_by & needs:
             rows.append({name: cell.format(**words, **sizes) for name, cell in row.items()})
     return load_table(Thing, rows)
+
+
+def _describe_pin(design: Design, mount: Mount) -> str:
+    if design.strength.pin == "steel":
+        return f"{mount.pin}, {design.dimensions.pin_length:g} mm long"
+    thread = select_thread(design.hand.pin_diameter_mm)
+    return f"{mount.pin} x {standard_length_mm(design.dimensions.pin_length + thread.nut_height_mm):g} mm, with its nut"
 
 
 def _describe_wire(design: Design) -> str:

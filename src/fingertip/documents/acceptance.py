@@ -110,7 +110,7 @@ def expect_change_ratio(design: Design) -> ChangeRatio:
 
 IDLE_TOLERANCE_V = 0.1
 """Largest difference of an untouched finger from its expected voltage [V]. An assumption."""
-_HOLDERS = {"post": "stand", "clevis": "handle"}
+_HOLDERS = {"post": "stand", "clevis": "stub"}
 
 
 def acceptance_data(design: Design) -> dict[str, Any]:

@@ -9,7 +9,6 @@ from pathlib import Path
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.tables import read_rows
 
-
 _FEW = 2
 """Number of groups up to which lines are soon mended by hand."""
 

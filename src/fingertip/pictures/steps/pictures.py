@@ -12,16 +12,17 @@ from fingertip.casting.sheet import CastingSheet
 from fingertip.design import Design
 from fingertip.foundation.progress import Work
 from fingertip.pictures.raster import Canvas, bounds, to_png
-from fingertip.pictures.steps import scenes
+from fingertip.pictures.steps import joint_scenes, scenes
 from fingertip.pictures.steps.objects import Bench
 from fingertip.pictures.steps.scene import Scene, View, draw_scene
 
 SCENES: dict[str, Callable[[Bench, CastingSheet], Scene]] = {
     name.rstrip("_"): scene
-    for name, scene in inspect.getmembers(scenes, inspect.isfunction)
-    if scene.__module__ == scenes.__name__ and not name.startswith("_")
+    for module in (scenes, joint_scenes)
+    for name, scene in inspect.getmembers(module, inspect.isfunction)
+    if scene.__module__ == module.__name__ and not name.startswith("_")
 }
-"""Scenes by the names of their steps: every public function of the module is one."""
+"""Scenes by the names of their steps: every public function of both modules is one."""
 
 
 def draw_steps(

@@ -16,7 +16,7 @@ from fingertip.design.geometry.dimensions import KNOT_WIRES
 from fingertip.design.geometry.mold_layout import BELT_MM, GAP_MM, LEDGE_MM, PLATE_MM, STRAP_Y_MM
 from fingertip.design.geometry.solids import Box, Solid, cylinder, difference, intersection, scaled, union
 from fingertip.design.interfaces.interface import middle_y
-from fingertip.design.interfaces.rigid import Post
+from fingertip.design.interfaces.rigid import Post, Socket
 from fingertip.pictures.raster import Camera
 from fingertip.pictures.steps.objects import CUP_RADIUS_MM, Bench
 from fingertip.pictures.steps.scene import Arrow, Label, Paint, Scene, Shown, View
@@ -36,7 +36,8 @@ of a rubber band [mm]."""
 def print_(bench: Bench, sheet: CastingSheet) -> Scene:
     """Show the parts as they lie on the plate, with their names."""
     names = {
-        "bone": "bone", "stand": "stand", "core": "core: a plate with\nthree ridges and a\nfinger",
+        "bone": "bone", "stand": "stand", "hand_stub": "stub of a hand",
+        "core": "core: a plate with\nthree ridges and a\nfinger",
         "mold_palmar": "cup, half marked\nPAD (mold_palmar)", "mold_dorsal": "cup, other half\n(mold_dorsal)",
     }  # fmt: skip
     shown, labels, x = list[Shown](), list[Label](), 0.0
@@ -244,23 +245,50 @@ def pull_on(bench: Bench, sheet: CastingSheet) -> Scene:
 
 
 def connect(bench: Bench, sheet: CastingSheet) -> Scene:
-    """Show the finger in its stand, pad up, with its wires, which come out of the back."""
-    dims, z, post = bench.dims, bench.dims.channel_exit_z, bench.design.bone.post_width_mm / 2
-    y, axis_y, bolt_z = dims.bone_outline.section.dorsal, middle_y(dims), Post().cross_bolt_z(bench.design)
-    far = dims.collar.section.half_width + 16.0
+    """Show the finger as it is held, pad up, with its wires, which come out of the back."""
+    dims, z, kohm = bench.dims, bench.dims.channel_exit_z, sheet.divider_kohm
+    y, far = dims.bone_outline.section.dorsal, dims.collar.section.half_width + 16.0
     red, black = (cylinder("x", (y, z + beside), 0.0, far + 6.0 * beside, 0.6) for beside in (0.7, -0.7))
-    bolt = bench.solid(cylinder("x", (axis_y, bolt_z), -post - 6.0, post + 6.0, 1.5), Paint.STEEL)
-    kohm = sheet.divider_kohm
     black_to = f"black wire to A0 (Pico: GP26,\npin 31); {kohm or 0:g} kohm from\nA0 to GND (Pico: pin 33)"
+    held, labels = _held(bench, sheet)
     return Scene(
-        (
-            *bench.assembled_bone(), bench.part("stand"), bolt, bench.solid(red, Paint.WIRE),
-            bench.solid(black, _BLACK),
-        ),
+        (*bench.assembled_bone(), *held, bench.solid(red, Paint.WIRE), bench.solid(black, _BLACK)),
         Camera.from_angles(18, -55),
         Label("red wire to 3V3 (Pico:\nADC_VREF, pin 35)" if kohm else "to the board", (far + 4.0, y, z + 0.7)),
         *([Label(black_to, (far - 8.0, y, z))] if kohm else []),
-        Label("bolt with nut", (-post - 5.0, axis_y, bolt_z)),
-        Label("stand, on the table", (0.0, axis_y, z - 40.0)),
+        *labels,
         Label("press here, to try it", bench.head),
-    )  # fmt: skip
+    )
+
+
+def _held(bench: Bench, sheet: CastingSheet) -> tuple[list[Shown], list[Label]]:
+    """Show what holds the bone: a stand, or a plain part of the hand; nothing yet of a joint."""
+    design, y, bone, mount = bench.design, middle_y(bench.dims), bench.design.bone, sheet.mount
+    end, half = -bone.base_length_mm, bench.dims.bone_outline.section.half_width
+    match mount.interface:
+        case "post":
+            z, held, text = Post().cross_bolt_z(design), bench.part("stand"), "stand, on the table"
+            at, half = (0.0, y, end - bone.post_length_mm - 20.0), bone.post_width_mm / 2
+        case "socket":
+            z, post = (
+                Socket().cross_bolt_z(design),
+                cylinder("z", (0.0, y), end - 25.0, end + 6.0, mount.post_mm[0] / 2),
+            )
+            held, text, at = bench.solid(post, Paint.PAPER), "post of your hand", (0.0, y, end - 20.0)
+        case "flange":
+            x, low = bone.flange_width_mm / 2, end - 8.0
+            plate = Box((-x, y - bone.flange_height_mm / 2, low), (x, y + bone.flange_height_mm / 2, end))
+            top, (bolt_x, row) = (
+                end + bone.flange_thickness_mm + 2.5,
+                (bone.flange_spacing_x_mm / 2, bone.flange_spacing_y_mm / 2),
+            )
+            heads = union(*(cylinder("z", (side, y - row), low, top, 2.5) for side in (-bolt_x, bolt_x)))
+            shown = [bench.solid(plate, Paint.PAPER), bench.solid(heads, Paint.STEEL)]
+            return shown, [
+                Label("your hand", (0.0, y, low + 2.0)),
+                Label("bolt, one of several", (-bolt_x, y - row, top)),
+            ]
+        case _:
+            return [], []
+    bolt = bench.solid(cylinder("x", (y, z), -half - 6.0, half + 6.0, 1.5), Paint.STEEL)
+    return [held, bolt], [Label("bolt with nut", (-half - 5.0, y, z)), Label(text, at)]

@@ -270,24 +270,16 @@ def _held(bench: Bench, sheet: CastingSheet) -> tuple[list[Shown], list[Label]]:
             z, held, text = Post().cross_bolt_z(design), bench.part("stand"), "stand, on the table"
             at, half = (0.0, y, end - bone.post_length_mm - 20.0), bone.post_width_mm / 2
         case "socket":
-            z, post = (
-                Socket().cross_bolt_z(design),
-                cylinder("z", (0.0, y), end - 25.0, end + 6.0, mount.post_mm[0] / 2),
-            )
-            held, text, at = bench.solid(post, Paint.PAPER), "post of your hand", (0.0, y, end - 20.0)
+            z, post = Socket().cross_bolt_z(design), (end - 25.0, end + 6.0, mount.post_mm[0] / 2)
+            held, text = bench.solid(cylinder("z", (0.0, y), *post), Paint.PAPER), "post of your hand"
+            at = (0.0, y, end - 20.0)
         case "flange":
-            x, low = bone.flange_width_mm / 2, end - 8.0
-            plate = Box((-x, y - bone.flange_height_mm / 2, low), (x, y + bone.flange_height_mm / 2, end))
-            top, (bolt_x, row) = (
-                end + bone.flange_thickness_mm + 2.5,
-                (bone.flange_spacing_x_mm / 2, bone.flange_spacing_y_mm / 2),
-            )
-            heads = union(*(cylinder("z", (side, y - row), low, top, 2.5) for side in (-bolt_x, bolt_x)))
-            shown = [bench.solid(plate, Paint.PAPER), bench.solid(heads, Paint.STEEL)]
-            return shown, [
-                Label("your hand", (0.0, y, low + 2.0)),
-                Label("bolt, one of several", (-bolt_x, y - row, top)),
-            ]
+            half, deep, low, top = bone.flange_width_mm / 2, bone.flange_height_mm / 2, end - 8.0, end + 7.0
+            x, row = bone.flange_spacing_x_mm / 2, y - bone.flange_spacing_y_mm / 2
+            heads = union(*(cylinder("z", (side, row), low, top, 2.5) for side in (-x, x)))
+            plate = bench.solid(Box((-half, y - deep, low), (half, y + deep, end)), Paint.PAPER)
+            labels = [Label("your hand", (0.0, y, low + 2.0)), Label("bolt", (-x, row, top))]
+            return [plate, bench.solid(heads, Paint.STEEL)], labels
         case _:
             return [], []
     bolt = bench.solid(cylinder("x", (y, z), -half - 6.0, half + 6.0, 1.5), Paint.STEEL)

@@ -100,9 +100,11 @@ def test_values_in_a_text_are_written_for_each_finger_of_a_form() -> None:
 
 
 def test_terminal_names_values_as_the_set_takes_them(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The thumb fails, the fingers warn, and the trial of both has a warning."""
-    failed = Check("bone.safety_factor.grip", 0.5, 1.0, "", "at least", remedy="strength.grip_force_n=9")
-    warned = Check("pad.turn_on_force", 1.0, 2.0, "N", warning="it turns on with sensor.distance_from_tip_mm=10.35.")
+    """Thumb and fingers fail, and the trial of both has a warning."""
+    found = [
+        Check("bone.safety_factor.grip", 0.5, 1.0, "", "at least", remedy="strength.grip_force_n=9"),
+        Check("pad.turn_on_force", 2.0, 1.0, "N", remedy="sensor.distance_from_tip_mm=10.35"),
+    ]
     made = [
         SimpleNamespace(
             parts=SimpleNamespace(
@@ -110,7 +112,7 @@ def test_terminal_names_values_as_the_set_takes_them(monkeypatch: pytest.MonkeyP
             ),
             detection=SimpleNamespace(warnings=["set detector.adc_bits=12"]),
         )
-        for check, design in ((failed, THUMB), (warned, FINGER))
+        for check, design in zip(found, (THUMB, FINGER), strict=True)
     ]
     totals = {"fingers": 5, "mixtures": 2, "silicone_g": {"soft": 1.0}, "printed_g": 200.0}
     plan = {"print_h": 20.0, "cast_day": 2, "days": 3, "cure_h": 24.0}
@@ -121,8 +123,7 @@ def test_terminal_names_values_as_the_set_takes_them(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr("fingertip.design.finger_set.load_set", lambda *args: fingers)
     text = CliRunner().invoke(app, ["make", "adult_hand"]).output
     assert "--set fingers.thumb.strength.grip_force_n=9;" in text
-    each = " ".join(f"fingers.{finger}.sensor.distance_from_tip_mm=10.35" for finger in NAMES[1:])
-    assert each in " ".join(text.split())
+    assert "--set fingers.index.sensor.distance_from_tip_mm=10.35" in text
     assert "warning: set fingers.thumb.detector.adc_bits=12" in text
     assert " ".join(f"fingers.{finger}.detector.adc_bits=12" for finger in NAMES[1:]) in text
 
@@ -346,21 +347,18 @@ def test_boards_that_differ_or_cannot_be_shared_stay_apart() -> None:
 # Commands
 
 
-@pytest.mark.parametrize(
-    ("small", "parts"), [("printer.bed_x_mm=30", ("core", "mold_palmar")), ("printer.bed_z_mm=20", ("bone",))]
-)
+@pytest.mark.parametrize(("small", "part"), [("printer.bed_x_mm=30", "core"), ("printer.bed_z_mm=20", "bone")])
 def test_a_bed_that_is_too_small_is_refused_before_work_with_a_remedy_that_holds(
-    small: str, parts: tuple[str, ...], folder: Path
+    small: str, part: str, folder: Path
 ) -> None:
     done = run_fingertip("make", "adult_hand", "--set", small, "--quiet")
     assert done.returncode == 2
     assert not (folder / "out").exists()
     remedy = done.stderr.splitlines()[0].rpartition("it fits with --set ")[2]
-    assert f"{parts[0]} of adult_thumb exceeds the build volume by" in done.stderr
-    thumb = Design.load("adult_thumb", changes=[remedy])
-    for name in parts:
-        mesh, lies = MeshEvaluator(0.05).mesh(PARTS[name].solid(thumb)), print_orientations(thumb)[name]
-        assert -1.2 < build_volume_excess(thumb, mesh, lies.rotate_x_deg) <= 0.0
+    assert f"{part} of adult_thumb exceeds the build volume by" in done.stderr
+    thumb = load_set("adult_hand", [remedy]).designs["thumb"]
+    mesh, lies = MeshEvaluator(0.05).mesh(PARTS[part].solid(thumb)), print_orientations(thumb)[part]
+    assert -1.2 < build_volume_excess(thumb, mesh, lies.rotate_x_deg) <= 0.0
 
 
 def test_a_folder_that_leads_elsewhere_or_has_two_uses_is_refused(folder: Path) -> None:

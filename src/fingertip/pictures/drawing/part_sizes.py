@@ -139,8 +139,8 @@ def stand_drawing(design: Design) -> PartDrawing:
 
 
 def hand_stub_drawing(design: Design) -> PartDrawing:
-    joint, (bar, *_), way = hand_stub.joint_of(design), hand_stub.bars(design), hand_stub.guide(design)
-    (side, _, root), y, half = bar.high, joint.axis_y, design.hand.width_mm / 2
+    joint, (shoulder, bar), way = hand_stub.joint_of(design), hand_stub.bars(design), hand_stub.guide(design)
+    (side, _, root), y, half = shoulder.high, joint.axis_y, design.hand.width_mm / 2
     place, growth, remedy = "width of the tongue", OUTER, "wide: sand it until the bone turns"
     if not joint.is_fork:
         place, growth, remedy = "gap of the fork", INNER, "narrow: file it until the bone turns"

@@ -13,7 +13,7 @@ from fingertip.design.rules import amplifiers, board, bone, mold, skin
 
 PART_RULES = (
     *skin.RULES, *bone.WALL_RULES, *interfaces.LENGTH_RULES, *clevis_rules.LENGTH_RULES, *bone.RULES, *rigid.RULES,
-    *flange.RULES, *bone.FOLD_RULES, *clevis_rules.RULES, *mold.RULES,
+    *flange.RULES, *clevis_rules.RULES, *mold.RULES,
 )  # fmt: skip
 """Rules of the printed parts and the skin. They read no electronic table."""
 ELECTRONIC_RULES = (

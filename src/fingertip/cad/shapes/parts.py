@@ -45,26 +45,10 @@ PARTS: dict[str, Part] = {
     part.name: part
     for part in (
         Part("bone", bone.bone, bone.genus, (0.93, 0.89, 0.80), True, is_in_finger=True),
-        Part(
-            "lid", bone.lid, lambda design: 0, (0.80, 0.74, 0.62), True,
-            exists_in=lambda design: design.dimensions.fold is not None, is_in_finger=True,
-        ),
-        Part(
-            "skin", insert.skin, lambda design: 0, (0.87, 0.62, 0.52), False, is_in_finger=True,
-        ),
+        Part("skin", insert.skin, lambda design: 0, (0.87, 0.62, 0.52), False, is_in_finger=True),
         Part("mold_palmar", mold.mold_palmar, lambda design: 0, (0.45, 0.58, 0.70), True),
         Part("mold_dorsal", mold.mold_dorsal, lambda design: 0, (0.62, 0.72, 0.80), True),
-        Part(
-            "core", mold.core, lambda design: 0, (0.70, 0.78, 0.62), True,
-        ),
-        Part(
-            "sensor_insert", lambda design: insert.sensor_insert(design)[0], lambda design: 0, (0.36, 0.55, 0.42), True,
-            exists_in=lambda design: design.dimensions.insert is not None, is_in_finger=True,
-        ),
-        Part(
-            "insert_jig", insert.insert_jig, lambda design: 1, (0.55, 0.70, 0.58), True,
-            exists_in=lambda design: design.dimensions.insert is not None, is_tool=True,
-        ),
+        Part("core", mold.core, lambda design: 0, (0.70, 0.78, 0.62), True),
         Part(
             "stand", stand.stand, stand.genus, (0.78, 0.72, 0.58), True,
             exists_in=lambda design: design.bone.interface == "post", is_tool=True,

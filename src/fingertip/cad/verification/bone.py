@@ -11,18 +11,15 @@ from collections.abc import Iterator
 
 from fingertip.cad.kernel.mesh import Manifold, MeshEvaluator
 from fingertip.cad.shapes import bone
-from fingertip.cad.shapes.insert import filled_bone, flat_slab, sensor_insert
-from fingertip.cad.shapes.parts import PARTS, parts_by_name
+from fingertip.cad.shapes.insert import filled_bone, flat_slab
+from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.verification.check import PLANE_OFFSET_MM, VOLUME_TOLERANCE_MM3, Check, above_z, complement
 from fingertip.cad.verification.strength import BoneStrength
 from fingertip.design import Design
-from fingertip.design.geometry.features import INSERT_BASE_MM, SLIDING_MM, TailFold
 from fingertip.design.geometry.skin_dimensions import RAMP_SLOPE
 from fingertip.design.geometry.solids import union
 from fingertip.design.interfaces import interface_of
 
-_CLOSED = {"bone", "lid", "skin", "sensor_insert"}
-"""Parts that enclose the sensor."""
 _AREA_TOLERANCE_MM2 = 0.01
 """Largest area that counts as zero [mm2]: a strip along the sensor as narrow as the rounding to the vertex grid."""
 
@@ -33,24 +30,18 @@ def check_air_vent(design: Design, evaluator: MeshEvaluator) -> Check:
     The check counts the connected volumes of air in and around bone and skin. A pocket that is cut off from the outside
     is a second one.
     """
-    solid = union(*(part.solid(design) for name, part in parts_by_name(design).items() if name in _CLOSED))
-    # Tape and film fill what an insert leaves free above the sensor.
-    filled = union(bone.sensor_body(design), *sensor_insert(design, INSERT_BASE_MM))
-    air = complement(evaluator, solid) - evaluator.manifold(filled)
+    solid = union(*(PARTS[name].solid(design) for name in ("bone", "skin")))
+    air = complement(evaluator, solid) - evaluator.manifold(bone.sensor_body(design))
     # Inner walls have a negative volume, and surfaces that touch leave slivers.
     volumes = [body for body in air.decompose() if body.volume() > VOLUME_TOLERANCE_MM3]
     return Check("sensor.air_volumes", len(volumes), 1, "volumes", "exactly")
 
 
 def check_bone(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
-    dims, wall = design.dimensions, design.printer.min_wall_mm - evaluator.tolerance_mm
+    wall = design.printer.min_wall_mm - evaluator.tolerance_mm
     whole, outside = evaluator.manifold(filled_bone(design)), complement(evaluator, filled_bone(design))
     recess = evaluator.manifold(bone.sensor_recess(design))
-    if dims.fold:
-        yield from _check_folded_walls(design, dims.fold, evaluator, outside, wall)
-        recess = _cover_trough(recess, dims.fold)
-    else:
-        yield from _check_channel_walls(design, evaluator, outside, wall)
+    yield from _check_channel_walls(design, evaluator, outside, wall)
 
     # Pocket and slot open in the flat, so only what lies above flat, ramp and platform is measured.
     low_x, _, low_z, high_x, high_y, high_z = outside.bounding_box()
@@ -69,61 +60,15 @@ def check_bone(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
 
 
 def _check_channel_walls(design: Design, evaluator: MeshEvaluator, outside: Manifold, wall: float) -> Iterator[Check]:
-    """Check the part of the channel that has bone on all sides: from the solder relief to short of its dorsal end."""
+    """Check the part of the channel that has bone on all sides: from the trough's floor to short of its dorsal end."""
     dims = design.dimensions
     channel = evaluator.manifold(bone.cable_channel(design))
-    if design.is_cast_apart:  # its mouth lies in the floor of the trough, which opens in the flat
-        buried = channel.trim_by_plane((0.0, 1.0, 0.0), dims.pocket_depth - dims.flat_depth + wall)
-    else:
-        buried = channel.trim_by_plane((0.0, 0.0, -1.0), -(dims.relief_proximal_z - 1e-3))
+    buried = channel.trim_by_plane((0.0, 1.0, 0.0), dims.pocket_depth - dims.flat_depth + wall)
     mouth = dims.bone_outline.section.dorsal - wall - design.bone.channel_diameter_mm
     buried = buried.trim_by_plane((0.0, -1.0, 0.0), -mouth)
     yield Check.min_distance("bone.wall.channel_to_outside", buried, outside, wall)
-    yield Check.min_distance("bone.wall.channel_to_interface", buried, _interface_hole(design, evaluator), wall)
-
-
-def _check_folded_walls(
-    design: Design, fold: TailFold, evaluator: MeshEvaluator, outside: Manifold, wall: float
-) -> Iterator[Check]:
-    dims, recess = design.dimensions, evaluator.manifold(bone.sensor_recess(design))
-    trough = _cover_trough(recess, fold).trim_by_plane((0.0, 1.0, 0.0), fold.nose_y)
-    yield Check.min_distance("bone.wall.trough_to_outside", trough, outside, wall)
-    yield Check.min_distance("lid.wall", *_lid_faces(design, evaluator, outside), wall)
-    # The window is open on both sides: walls matter beside it.
-    low, high = PLANE_OFFSET_MM - dims.base_flat_depth, dims.cheek_top_y - PLANE_OFFSET_MM
-    window, beside = (
-        body.trim_by_plane((0.0, 1.0, 0.0), low).trim_by_plane((0.0, -1.0, 0.0), -high)
-        for body in (recess.trim_by_plane((0.0, 0.0, -1.0), -fold.nose_z), outside)
-    )
-    yield Check.min_distance("bone.wall.window_to_outside", window, beside, wall)
-    if dims.window_opens_into_gap:
-        return
-    groove = evaluator.manifold(bone.cable_channel(design)).trim_by_plane((0.0, 0.0, -1.0), -fold.window_low_z)
-    hole = _interface_hole(design, evaluator)
-    yield Check.min_distance("bone.wall.groove_to_interface", groove, hole, wall)
-    yield Check.min_distance("bone.wall.window_to_interface", window, hole, wall)
-
-
-def _interface_hole(design: Design, evaluator: MeshEvaluator) -> Manifold:
-    return evaluator.manifold(interface_of(design).shapes(design)[1][0])
-
-
-def _cover_trough(recess: Manifold, fold: TailFold) -> Manifold:
-    """Cut off what lies proximal to the nose, and what the lid closes: the trough is open on the dorsal side."""
-    covered = fold.floor_y + fold.film_space_mm
-    return above_z(recess, fold.nose_z + PLANE_OFFSET_MM).trim_by_plane((0.0, -1.0, 0.0), -covered)
-
-
-def _lid_faces(design: Design, evaluator: MeshEvaluator, outside: Manifold) -> tuple[Manifold, Manifold]:
-    """Space below the lid, and what lies above it, both as wide and as long as the lid."""
-    low_x, _, low_z, high_x, _, high_z = evaluator.manifold(PARTS["lid"].solid(design)).bounding_box()
-    return tuple(
-        body.trim_by_plane((1.0, 0.0, 0.0), low_x)
-        .trim_by_plane((-1.0, 0.0, 0.0), -high_x)
-        .trim_by_plane((0.0, 0.0, 1.0), low_z)
-        .trim_by_plane((0.0, 0.0, -1.0), -high_z)
-        for body in (evaluator.manifold(bone.tail_space(design)), outside)
-    )
+    hole = evaluator.manifold(interface_of(design).shapes(design)[1][0])
+    yield Check.min_distance("bone.wall.channel_to_interface", buried, hole, wall)
 
 
 def _check_sensor_seat(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
@@ -133,20 +78,10 @@ def _check_sensor_seat(design: Design, evaluator: MeshEvaluator) -> Iterator[Che
     # The depth of the slot is measured along y, so the gap under a film on the ramp is thinner.
     oblique = math.hypot(1.0, RAMP_SLOPE) if design.bone.platform_mm else 1.0
     clearance = min(design.sensor.clearance_mm, design.sensor.adhesive_thickness_mm / oblique) - evaluator.tolerance_mm
-    in_pocket = body.trim_by_plane((0.0, -1.0, 0.0), -dims.fold.nose_y) if dims.fold else body
     if clearance > 0.0:
-        yield Check.min_distance("sensor.pocket_clearance", in_pocket, solid, clearance)
-    if dims.fold:
-        # Beyond the nose a folded tail has a clearance of its own, which does not grow with that of the pocket.
-        beyond = body.trim_by_plane((0.0, 1.0, 0.0), dims.fold.nose_y)
-        gap = min(SLIDING_MM / 2, design.sensor.clearance_mm)  # above and below it, and at its sides
-        yield Check.min_distance("sensor.tail_clearance", beyond, solid, gap - evaluator.tolerance_mm)
+        yield Check.min_distance("sensor.pocket_clearance", body, solid, clearance)
     yield Check.zero_volume("overlap.bone.sensor", (body ^ solid).volume())
-    if dims.fold:  # only its palmar side rests on a seat
-        distal = above_z(body, dims.fold.nose_z + PLANE_OFFSET_MM).trim_by_plane((0.0, -1.0, 0.0), -dims.fold.nose_y)
-    else:
-        relief = 0.0 if design.is_cast_apart else dims.relief_half_length
-        distal = above_z(body, dims.tail_end_z + relief + PLANE_OFFSET_MM)
+    distal = above_z(body, dims.tail_end_z + PLANE_OFFSET_MM)
     # Move the sensor into its seat by its own thickness. Where it then meets no bone, the seat does not support it.
     thickness = dims.sensor.thickness_mm
     sunk = distal.translate((0.0, thickness + design.sensor.adhesive_thickness_mm, 0.0))

@@ -21,9 +21,7 @@ _GAP_MM = 0.1
 
 
 def check_laid_in(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
-    """Check the trough of a sensor that is laid in; nothing for others."""
-    if not design.is_cast_apart:
-        return
+    """Check the trough in which the sensor is laid."""
     solid, largest = evaluator.manifold(PARTS["bone"].solid(design)), _with_largest_sensor(design)
     overlap = (evaluator.manifold(bone.sensor_body(largest)) ^ solid).volume()
     yield Check.zero_volume("sensor.room_overlap", float(overlap))

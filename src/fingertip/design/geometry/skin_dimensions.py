@@ -1,4 +1,4 @@
-"""Dimensions of the skin and of the seat of its sensor: outer form with its crown, platform and ramp, and an insert.
+"""Dimensions of the skin and of the seat of its sensor: outer form with its crown, platform and ramp.
 
 They are those of `Dimensions` that do not depend on the rest of the bone.
 """
@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 
 from fingertip.catalogues.sensors import CATALOGUE, ForceSensor
 from fingertip.design.geometry.conic import ConicBody, CrossSection, Tip, weight_of_fullness
-from fingertip.design.geometry.features import INSERT_BASE_MM, SensorInsert
 from fingertip.design.geometry.profile import Crown
 
 if TYPE_CHECKING:
@@ -115,14 +114,6 @@ class SkinDimensions:
         """Depth of the bone's palmar flat, on which the tail lies, at y = -flat_depth."""
         return self.platform_depth - self._design.bone.platform_mm
 
-    @cached_property
-    def insert(self) -> SensorInsert | None:
-        sensor = self._design.sensor
-        if sensor.insert == "none":
-            return None
-        stem = (sensor.insert_diameter_mm / 2, INSERT_BASE_MM + sensor.insert_height_mm)
-        cap = (sensor.insert_cap_diameter_mm / 2, stem[1] + sensor.insert_cap_height_mm)
-        return SensorInsert((stem, cap) if sensor.insert == "mushroom" else (stem,))
 
     @cached_property
     def tail_half_width(self) -> float:

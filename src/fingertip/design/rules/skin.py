@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.dimensions import TAB_WIDTH_MM
-from fingertip.design.geometry.seat import list_skin_points, min_skin_thickness, sleeve_inset_mm
+from fingertip.design.geometry.seat import list_skin_points, min_skin_thickness
 from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_most
 
 RULES = Ruleset()
@@ -37,8 +37,6 @@ _MIN_FLAT_CUT = 0.2
 """Minimum height that the flat cuts off the bone's palmar half [mm]."""
 _BEHIND_SENSOR = 1.0
 """Minimum distance of the sensor's head from the skin's proximal end [mm]."""
-_JIG_PLATFORM = 0.5
-"""Minimum height of a platform around which the jig of an insert is slipped [mm]."""
 _BEND_MARGIN = 0.3
 """Minimum radius of the channel's inner wall at its bend [mm]."""
 _MIN_TIP_CONTROL = 0.05
@@ -78,27 +76,6 @@ def taper_reaches_tip(design: DesignTables) -> Violation | None:
 def sensor_within_skin(design: DesignTables) -> Limit | None:
     length, head = design.skin.length_mm, design.dimensions.sensor.head_diameter_mm
     return Limit(length - head / 2 - _BEHIND_SENSOR, f"puts the sensor's head outside the skin of {length:g} mm")
-
-
-@RULES.rule("sensor.insert")
-def insert_has_its_place(design: DesignTables) -> Violation | None:
-    """An insert stands on a platform, by which its jig is centred, and silicone is cast around it."""
-    is_cast, is_high = design.mold.method == "overmold", design.bone.platform_mm >= _JIG_PLATFORM
-    if design.sensor.insert == "none" or (is_cast and is_high):
-        return None
-    lacking = f"a platform of at least bone.platform_mm={_JIG_PLATFORM:g}" if is_cast else "mold.method=overmold"
-    return Violation(f"{design.sensor.insert} needs {lacking}")
-
-
-@RULES.at_most("sensor.insert_diameter_mm", when=lambda design: design.sensor.insert != "none")
-def insert_within_active_area(design: DesignTables) -> Limit:
-    """The insert stands on the active area only, as Interlink advises for its sensors."""
-    return Limit(design.dimensions.sensor.active_diameter_mm, "is wider than the sensor's active area")
-
-
-@RULES.at_least("sensor.insert_cap_diameter_mm", when=lambda design: design.sensor.insert == "mushroom")
-def cap_covers_stem(design: DesignTables) -> Limit:
-    return Limit(design.sensor.insert_diameter_mm, "is narrower than its stem")
 
 
 @RULES.rule("skin.crown_offset_mm", tip_within_skin)
@@ -155,7 +132,7 @@ def flat_within_bone(design: DesignTables) -> Violation | None:
 @RULES.at_most("bone.platform_mm", tip_within_skin)
 def ramp_on_flat(design: DesignTables) -> Limit | None:
     """The ramp of the platform begins on the flat, where nothing else is cut into the bone."""
-    return Limit(design.dimensions.max_platform, "leaves no room for the ramp between platform and collar, or relief")
+    return Limit(design.dimensions.max_platform, "leaves no room for the ramp between platform and collar, or end of the tail")
 
 
 @RULES.rule("skin.width_mm", flat_within_bone, bone_left_at_sides, tip_within_skin, sensor_within_skin)
@@ -198,7 +175,7 @@ _SOUND_SECTIONS = (
 @RULES.at_most("skin.min_thickness_mm", *_SOUND_SECTIONS, active_area_within_head, slack=_THICKNESS_SLACK)
 def skin_is_thick_enough(design: DesignTables) -> Limit | None:
     thinnest = min(
-        min_skin_thickness(design.dimensions, sleeve_inset_mm(design)), design.skin.thickness_tip_mm,
+        min_skin_thickness(design.dimensions, design.mold.core_inset_mm), design.skin.thickness_tip_mm,
         *(point.thickness_mm for point in list_skin_points(design, design.dimensions)),
     )  # fmt: skip
     return Limit(thinnest, f"is more than the {thinnest:.2f} mm at the skin's thinnest place")

@@ -31,7 +31,7 @@ class Batch:
 
 def measure_poured_cm3(design: Design, evaluator: MeshEvaluator) -> float:
     """Measure the silicone to pour, with what overflows, on meshes. Raises GeometryError."""
-    room, core = (evaluator.manifold(each(design)) for each in (insert.cavity, insert.mold_insert))
+    room, core = (evaluator.manifold(each(design)) for each in (insert.cavity, insert.core_within_skin))
     return POURED * float(room.volume() - (room ^ core).volume()) / 1000.0
 
 

@@ -188,7 +188,7 @@ def _list_lines(name: str, form: PadForm, survey: PadSurvey) -> list[str]:
     from fingertip.pad.survey import FIRM_N, FORCE_N, ROLL_DEG, ROLLED_TILT_DEG, TILTS_DEG
 
     return [
-        f"{name}: what the sensor feels on a flat plate ({form.model}, {form.young_mpa:.2g} MPa)",
+        f"{name}: what the sensor feels on a flat plate (layer model, {form.young_mpa:.2g} MPa)",
         _row("tilt, tip down [deg]", [f"{tilt:g}" for tilt in TILTS_DEG]),
         *_list_row_lines(survey),
         f"share at a roll of {ROLL_DEG:g} deg and a tilt of {ROLLED_TILT_DEG:g}: {survey.rolled_share:.2f}",

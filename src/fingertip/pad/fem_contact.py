@@ -30,9 +30,6 @@ from fingertip.pad.touch import PALM, Touch, X, Z
 
 MAX_DEPTH, MAX_STRAIN = 0.45, 0.3
 """Depth relative to the skin's thickness at first touch, and principal strain, to which small strains are trusted."""
-PLASTIC_MPA, PLASTIC_POISSON = 2000.0, 0.38
-"""Modulus and Poisson's ratio of an insert: printed plastics have 1500 to 3000 MPa, and from some 100 times that of the
-silicone on, the share rises by less than 0.02."""
 _BATCH = 64
 """Columns of the compliance that are solved for at a time."""
 _ALONG = 0.025
@@ -92,14 +89,8 @@ class PadModel:
         is_fixed[self._find_loose()] = False
         is_fixed[nodes[:, Z] <= 0.0, Z] = True
         is_fixed[nodes[:, X] <= 0.0, X] |= self.copies > 1.0
-        stiff, silicone = self.form.insert, np.ones(len(self.mesh.wedges), bool)
-        young, poisson = self.form.young_mpa * silicone, self.form.poisson * silicone
-        if stiff:
-            arm = np.hypot(self.bond.points[:, X], self.bond.points[:, Z] - self.form.sensor_z_mm)[self._triangles]
-            # Layers of the mesh are those of the insert, from below, and the skin over it.
-            for layer, (radius, _) in enumerate(stiff.parts):
-                inside = layer * len(arm) + np.flatnonzero((arm <= radius * (1.0 + 1e-9)).all(axis=1))
-                young[inside], poisson[inside] = PLASTIC_MPA, PLASTIC_POISSON
+        everywhere = np.ones(len(self.mesh.wedges))
+        young, poisson = self.form.young_mpa * everywhere, self.form.poisson * everywhere
         return Body(self.mesh, young, poisson, is_fixed)
 
     def _find_loose(self) -> NDArray[np.int64]:
@@ -205,9 +196,6 @@ class Patch:
         touch, point = Touch.of_pose(model.form, pose, model.fine_surface())
         nearest = int(np.argmin(np.linalg.norm(surface - point, axis=1)))
         thickness = float(surface[nearest, PALM] - model.bond.points[nearest, PALM])
-        if stiff := model.form.insert:
-            arm = math.hypot(surface[nearest, X], surface[nearest, Z] - model.form.sensor_z_mm)
-            thickness -= max((top for radius, top in stiff.parts if arm <= radius), default=0.0)
         self._limit, self._reason = min(
             (MAX_DEPTH * thickness, f"{MAX_DEPTH:g} of the skin's {thickness:.2g} mm"),
             (touch.rigid_mm, "where the object reaches bone or collar"),

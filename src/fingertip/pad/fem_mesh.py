@@ -102,21 +102,12 @@ def mesh_skin(form: PadForm, size: MeshSize, is_half: bool) -> tuple[WedgeMesh, 
     # Where the bone has a kink within an element, a curved lower face would bulge: its middles lie between its corners.
     bottom[t[:, 3:]] = 0.5 * (bottom[t[:, :3]] + bottom[t[:, [1, 2, 0]]])
     faces = bottom + np.linspace(0.0, 1.0, size.layers + 1)[:, None] * (surface - bottom)
-    if form.insert:
-        # The faces of the layers are an insert's within its radius, and beside it the same part of the skin.
-        beside = np.hypot(x, z - form.sensor_z_mm) > form.insert.radius * (1.0 + 1e-9)
-        levels = [
-            np.where(beside, bottom + top / form.over_sensor_mm * (surface - bottom), form.platform_mm + top)
-            for _, top in form.insert.parts
-        ]
-        faces = np.stack([bottom, *levels, surface])
     return extrude(points, t, faces), np.asarray(np.isfinite(bone[t]).all(axis=1))
 
 
 def _circles(form: PadForm) -> list[float]:
-    """Radii around the sensor on which edges lie: that of the active area, and those of an insert or a bump."""
-    radii = {form.active_radius_mm, *(radius for radius, _ in (form.insert.parts if form.insert else ()))}
-    return sorted(radii | ({form.bump_radius_mm} if form.bump_height_mm else set()))
+    """Radii around the sensor on which edges lie: that of the active area, and that of a bump."""
+    return sorted({form.active_radius_mm} | ({form.bump_radius_mm} if form.bump_height_mm else set()))
 
 
 def _outline(form: PadForm) -> Array:

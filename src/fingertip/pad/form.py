@@ -13,7 +13,6 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody
-from fingertip.design.geometry.features import SensorInsert
 from fingertip.foundation.numerics import Array
 
 POISSON = 0.49
@@ -46,7 +45,6 @@ class PadForm:
     """Proximal end z of the collar, which is rigid, and its palmar height [mm]."""
     young_mpa: float
     poisson: float = POISSON
-    insert: SensorInsert | None = None
     bonded: bool = True
     """False: the skin was made apart and lies on the bone."""
     gap_mm: float = 0.0
@@ -66,20 +64,16 @@ class PadForm:
         """
         dims, modulus, bump = design.dimensions, design.silicone.material.modulus_mpa, design.skin.bump_height_mm
         gap = max(0.0, 2.0 * design.printer.surface_error_mm - design.mold.core_inset_mm) if is_loose else 0.0
-        apart, has_bump = not design.skin_is_bonded, bump > 0.0 and design.mold.method == "plunge"
+        apart = not design.skin_is_bonded
         return cls(
             dims.outer, dims.bone_outline, dims.flat_depth, dims.platform_depth,
             dims.platform_radius if design.bone.platform_mm else 0.0, dims.neck_half_width, dims.ramp, dims.sensor_z,
             dims.sensor.active_diameter_mm / 2, design.force_curve.turn_on_n,
             (-design.bone.collar_length_mm, dims.collar.section.palmar), math.sqrt(modulus.low * modulus.high),
-            insert=dims.insert, bonded=not apart, gap_mm=gap if apart else 0.0,
-            bump_radius_mm=design.skin.bump_radius_mm if apart and has_bump else 0.0,
-            bump_height_mm=bump if apart and has_bump else 0.0,
+            bonded=not apart, gap_mm=gap if apart else 0.0,
+            bump_radius_mm=design.skin.bump_radius_mm if apart and bump else 0.0,
+            bump_height_mm=bump if apart and bump else 0.0,
         )  # fmt: skip
-
-    @property
-    def model(self) -> str:
-        return "finite elements" if self.insert else "layer model"
 
     @property
     def held_part(self) -> float:
@@ -94,7 +88,7 @@ class PadForm:
 
     @property
     def over_sensor_mm(self) -> float:
-        """Thickness of the silicone over the middle of the sensor, an insert included."""
+        """Thickness of the silicone over the middle of the sensor."""
         return float(self.skin_mm(np.zeros(1), np.array([self.sensor_z_mm]))[0]) - self.platform_mm
 
     def skin_mm(self, x: Array, z: Array) -> Array:

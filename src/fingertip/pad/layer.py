@@ -25,7 +25,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -199,6 +201,14 @@ def bring(form: PadForm, pose: Pose) -> _Approach:
     gap[on_skin] = touch.clear_mm(points)
     thickness = float(height - max(form.bone_mm(at_x[None], at_z[None])[0], 0.0))
     return _Approach(form, x, dz, gap, thickness)
+
+
+@lru_cache(maxsize=1024)
+def is_possible(form: PadForm, pose: Pose) -> bool:
+    with suppress(TraceError):
+        bring(form, pose)
+        return True
+    return False
 
 
 def _unwrap(start: float, size: int, used: int) -> Array:

@@ -16,9 +16,8 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
-from fingertip.pad.contacts import find_contacts
 from fingertip.pad.form import PadForm
-from fingertip.pad.layer import find_rest_n
+from fingertip.pad.layer import find_contacts, find_rest_n
 from fingertip.pad.pose import Pose
 
 REFERENCE_POSE = Pose(tilt_deg=2.0)

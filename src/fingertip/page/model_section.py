@@ -24,7 +24,7 @@ from fingertip.page.html import Markup, button, element, join
 
 Offset = tuple[float, float, float]
 
-_IN_FINGER = ("bone", "lid", "skin")
+_IN_FINGER = ("bone", "skin")
 _TOLERANCE_MM = 0.02
 """Tolerance of the meshes of bought items, which are in no file."""
 _GAP_MM = 6.0
@@ -92,27 +92,20 @@ _STAY: tuple[Offset, Offset] = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 def _find_offsets(sizes: Mapping[str, Any]) -> dict[str, tuple[Offset, Offset]]:
     """Find the offsets of each kind of item [mm]: y points dorsally, z to the tip.
 
-    Opening moves the halves of the mold with their bolts and nuts. Taking apart then pulls the skin off the bone
-    towards the tip, and the screws out of what they hold.
+    Opening moves the halves of the mold. Taking apart then pulls the skin off the bone towards the tip.
     """
     thickness = float(sizes["bone"][1])
     up = round(thickness + _GAP_MM, 3)
     pull = round(float(sizes["skin"][2]) + _GAP_MM, 3)
     beyond = round(float(sizes["bone"][2]) + _GAP_MM, 3)
-    out = round(float(sizes["mold_dorsal"][1]) + _GAP_MM, 3)
     return {
         "mold_dorsal": ((0.0, up, 0.0), (0.0, up / 2, 0.0)),
         "mold_palmar": ((0.0, -up, 0.0), (0.0, -up / 2, 0.0)),
-        "mold_bolt": ((0.0, up, 0.0), (0.0, up / 2 + out, 0.0)),
-        "mold_nut": ((0.0, -up, 0.0), (0.0, -up / 2 - out / 2, 0.0)),
-        "chaplet_screw": ((0.0, up, 0.0), (0.0, up / 2 + out, 0.0)),
         "skin": ((0.0, 0.0, 0.0), (0.0, 0.0, pull / 2)),
         "bone": ((0.0, 0.0, 0.0), (0.0, 0.0, -pull / 2)),
         "core": ((0.0, 0.0, 0.0), (0.0, 0.0, -pull / 2 - beyond)),
-        "lid": ((0.0, 0.0, 0.0), (0.0, _GAP_MM, -pull / 2)),
         "joint_pin": ((0.0, 0.0, 0.0), (pull / 2, 0.0, -pull / 2)),
         "sensor": ((0.0, 0.0, 0.0), (0.0, -_GAP_MM, -pull / 2)),
-        "sensor_insert": ((0.0, 0.0, 0.0), (0.0, -2 * _GAP_MM, -pull / 2)),
     }
 
 
@@ -161,15 +154,10 @@ _USE = (
     "Drag to turn, wheel or two fingers to zoom, right button or two fingers to shift. On a touch screen, tap the view "
     "first: until then a swipe up or down scrolls the page."
 )
-_HOLE = (
-    "The open hole in the back of the finger is where a screw held the bone while the skin cured; the casting step "
-    '"Patch" closes it.'
-)
 
 
 def render_model(items: Sequence[Item], origin: str = _EXPORTED, *, preset: str = "finger") -> Markup:
     """Render the 3D view, which shows a state of the mold or the finger first. Only exported parts can be saved."""
-    hole = f" {_HOLE}" if any(item.name == "chaplet_screw" for item in items) else ""
     is_exported = origin == _EXPORTED
     rows = _rows(items, preset, saves_files=is_exported)
     return element(
@@ -180,7 +168,7 @@ def render_model(items: Sequence[Item], origin: str = _EXPORTED, *, preset: str 
         ),
         element(
             "details", element("summary", "Parts, sections, directions and saving"), *rows[1:],
-            element("p", f"{_USE} {origin}{hole}", class_="status"), class_="controls roomy", open=is_exported,
+            element("p", f"{_USE} {origin}", class_="status"), class_="controls roomy", open=is_exported,
         ),
         id="view",
     )  # fmt: skip

@@ -8,9 +8,8 @@ from collections.abc import Callable
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.pad.contacts import map_shares
 from fingertip.pad.form import PadForm
-from fingertip.pad.layer import Contact
+from fingertip.pad.layer import Contact, map_shares
 from fingertip.pad.pose import Pose
 from fingertip.pad.survey import FORCE_N, GRASP_DEG, ROLL_DEG, TILTS_DEG, PadSurvey, survey_pad, try_contacts
 from fingertip.page.html import Markup, element, figure, join
@@ -37,7 +36,7 @@ def render_pad(design: Design, still_wanted: Callable[[], None] = lambda: None) 
         f"At tilts of {grasp} degrees at least {survey.least_share(*GRASP_DEG):.0%} of a force of {FORCE_N:g} N on a "
         f"flat plate reaches the sensor; it turns on at {f'{turn_on:.2g} N' if turn_on < math.inf else 'no force'} "
         f"at the worst of them. Rolled by {ROLL_DEG:g} degrees it gets {survey.rolled_share:.0%}. "
-        f"Computed by the {form.model}, with silicone of {form.young_mpa:.2g} MPa on rigid bone."
+        f"Computed by the layer model, with silicone of {form.young_mpa:.2g} MPa on rigid bone."
     )
     return join((element("p", said), figure(draw_pad(design, still_wanted), "", "what the sensor feels")))
 
@@ -49,7 +48,7 @@ def draw_pad(design: Design, still_wanted: Callable[[], None] = lambda: None) ->
         still_wanted()
         by_tilt[tilt] = try_contacts(form, Pose(tilt), *_COLOURS)
         rolled[tilt] = try_contacts(form, Pose(tilt, ROLL_DEG), FORCE_N)
-    title = f"{design.name}: what the sensor feels on a flat plate ({form.model}, {form.young_mpa:.2g} MPa)"
+    title = f"{design.name}: what the sensor feels on a flat plate (layer model, {form.young_mpa:.2g} MPa)"
     parts = [*_draw_places(form, by_tilt), *_draw_tilts(survey_pad(design), by_tilt, rolled), *_draw_depths(form)]
     return figure_svg(_WIDTH, _HEIGHT, title, text(_LEFT, _LINE, title, weight="bold"), *parts)
 

@@ -119,7 +119,7 @@ def draw(design: Design, width_px: int, progress: Callable[[str], None] = lambda
     if design.dimensions.joint:
         title = f"finger on the hand: straight, and bent by {design.hand.travel_deg:g} degrees to its stop"
         work.begin("on the hand")
-        names = ("bone", "lid", "skin")
+        names = ("bone", "skin")
         solids = {name: part.solid(design) for name, part in parts_by_name(design).items() if name in names}
         solids["sensor"] = sensor_body(design)
         placed = place_on_hand(design, design.dimensions.joint, evaluator, solids)
@@ -168,8 +168,6 @@ def _explode(parts: Mapping[str, Mesh]) -> list[PlacedMesh]:
         "bone": (0.0, 2.0, behind),
         "sensor": (0.0, 2.0 - gap, behind),
         "mold_palmar": (0.0, -spread, 0.0),
-        "lid": (0.0, 2.0 + gap, behind),
-        "sensor_insert": (0.0, 2.0 - 2 * gap, behind),
         "core": (0.0, 2.0, behind - size["bone"][2] - 2 * gap),
     }
     return [

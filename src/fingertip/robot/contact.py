@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.pad.contacts import find_contacts
 from fingertip.pad.form import PadForm
+from fingertip.pad.layer import find_contacts
 from fingertip.pad.response import REFERENCE_POSE, Pad
 from fingertip.sim.contact.materials import SURFACES
 
@@ -70,7 +70,7 @@ class ContactLaw:
 
 
 def fit_contact(design: Design) -> ContactLaw:
-    """Fit the contact to the pad in its reference pose. Raises TraceError, and MissingLibraryError with an insert."""
+    """Fit the contact to the pad in its reference pose. Raises TraceError."""
     contacts = find_contacts(PadForm.of_design(design), REFERENCE_POSE, FORCES_N, math.inf)
     depth_m, force_n = 1e-3 * np.array([contact.depth_mm for contact in contacts]), np.array(FORCES_N)
     pad, friction, fits = Pad.from_design(design), SURFACES[_SLIPPERIEST].friction.mu_c, []

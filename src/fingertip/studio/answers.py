@@ -37,9 +37,6 @@ from fingertip.design.parameters.declaration import find_bounds
 from fingertip.design.refusal import as_typed, is_number
 from fingertip.documents.start import render_start
 from fingertip.foundation.errors import DesignError, FingertipError, Issue
-from fingertip.pad.contacts import is_quick
-from fingertip.pad.form import PadForm
-from fingertip.page.html import note
 from fingertip.page.markdown import split_sections
 from fingertip.page.model_section import Item, measure_finger, place_items, render_boxes, scene_data
 from fingertip.page.pad_section import render_pad
@@ -119,8 +116,7 @@ def answer_checks(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
     evaluator = AskingEvaluator(VIEW_TOLERANCE_MM, still_wanted)
     solids = {name: part.solid(design) for name, part in parts_by_name(design).items()}
     meshes = {name: evaluator.mesh(solid) for name, solid in solids.items()}
-    with_pad = is_quick(PadForm.of_design(design))
-    checks = [*check_assembly(design, evaluator, solids), *check_parts(design, evaluator, meshes, with_pad=with_pad)]
+    checks = [*check_assembly(design, evaluator, solids), *check_parts(design, evaluator, meshes)]
     strength = assess_strength(design, evaluator)
     checks += check_strength(design, strength)
     still_wanted()
@@ -135,14 +131,8 @@ def answer_checks(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
 
 
 def answer_pad(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
-    """Draw what the sensor feels. With an insert that takes half a minute, for which the button of all checks asks."""
-    return {"pad": render_pad(design, still_wanted) if is_quick(PadForm.of_design(design)) else note(_SLOW_PAD)}
-
-
-_SLOW_PAD = (
-    "What the sensor feels with this insert takes finite elements, ten to forty seconds. The button 'make the files "
-    "and check all' asks for it, and for the checks of the pad, which are not among those that follow each change."
-)
+    """Draw what the sensor feels."""
+    return {"pad": render_pad(design, still_wanted)}
 
 
 def answer_all_checks(design: Design, still_wanted: StillWanted) -> dict[str, Any]:

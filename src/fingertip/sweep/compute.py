@@ -274,7 +274,7 @@ def compute_walls(context: PointContext) -> OutputValues:
     from fingertip.cad.verification.bone import check_bone
 
     checks = (*check_bone(context.design, context.evaluator()), *check_joint(context.design, context.evaluator()))
-    walls = [check.value for check in checks if check.name.startswith(("bone.wall.", "lid.wall"))]
+    walls = [check.value for check in checks if check.name.startswith("bone.wall.")]
     return {"min_bone_wall_mm": min(walls)}
 
 

@@ -28,7 +28,6 @@ from fingertip.foundation.errors import DesignError, Issue
 from fingertip.foundation.output_set import SetWriter, read_manifest
 from fingertip.foundation.processes import in_background
 from fingertip.foundation.progress import ReportProgress, Work
-from fingertip.pad.survey import survey_pad
 from fingertip.pictures.drawing.draw import file_names, render_sheets, sheet_jobs
 
 
@@ -101,9 +100,6 @@ def build(
     file_formats = select_names("--formats", default_formats(progress) if formats is None else formats, ALL_FORMATS)
     if "step" in file_formats:
         extras.require("--formats", "OCP", subject="step", alternative="leave step out with --formats stl,3mf")
-    presses = design.dimensions.insert is not None and "skin" in names
-    if presses:
-        extras.require("sensor.insert", "scipy", alternative="set sensor.insert=none")
     design, evaluator, all_built = design.with_silicone(material), MeshEvaluator(tolerance_mm), names == [*known]
     writer = output_files.PART_FILES.writer(design, folder, force)
     writer.check([*_file_names(names, file_formats, all_built), *(file_names(design) if drawings else ())])
@@ -113,7 +109,7 @@ def build(
     picture_writer.check(())
 
     stages = {
-        "parts": 2.0, "pad by finite elements": 30.0 * presses, "rest": 3.0 * (meanwhile is not None),
+        "parts": 2.0, "rest": 3.0 * (meanwhile is not None),
         "pictures": 1.0 * pictures, "STEP files": (4.0 + 6.0 * drawings) * ("step" in file_formats),
     }  # fmt: skip
     work = Work("", stages, progress)
@@ -131,9 +127,6 @@ def build(
         drawing: Callable[[], dict[str, bytes]] = dict
         if pictures and all_built:
             drawing = stack.enter_context(in_background(_draw_steps, design, tolerance_mm))
-        if presses:
-            work.begin("pad by finite elements")
-            survey_pad(design)
         verified = verify(design, names, file_formats, evaluator, work.within("parts"))
         meshes, checks, strength = verified.meshes, list(verified.checks), verified.strength
         casting = None

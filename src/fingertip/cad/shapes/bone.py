@@ -17,15 +17,13 @@ def bone(design: Design) -> Solid:
 
 
 def sensor_recess(design: Design) -> Solid:
-    """Build the recess of the sensor, open on the palmar side: head pocket, and trough of the tail to its wires' hole."""
+    """Build the recess of the sensor, open to the palm: head pocket, and trough of the tail to the wires' hole."""
     dims, gap = design.dimensions, design.sensor.clearance_mm
     outside = -dims.collar.section.palmar - dims.bone_outline.section.palmar  # below the palmar surface of every solid
     radius, floor = dims.sensor.head_diameter_mm / 2 + gap, dims.pocket_depth - dims.platform_depth
     pocket = cylinder("y", (dims.sensor_z, 0.0), outside, floor, radius, dims.platform_radius)
     top = dims.sensor_z + gap  # also clears a tail that is wider than the head
-    return union(
-        pocket, flat_slab(design, outside, dims.pocket_depth, dims.tail_half_width, dims.trough_end_z, top)
-    )
+    return union(pocket, flat_slab(design, outside, dims.pocket_depth, dims.tail_half_width, dims.trough_end_z, top))
 
 
 def cable_channel(design: Design) -> Solid:

@@ -60,7 +60,7 @@ def brep_balance_solids(design: Design, parts: Collection[str]) -> tuple[tuple[s
     solids: list[tuple[str, Solid]] = []
     if "skin" in parts:
         cavity = insert.cavity(design)
-        solids += [("cavity", cavity), ("core_in_cavity", intersection(cavity, insert.mold_insert(design)))]
+        solids += [("cavity", cavity), ("core_in_cavity", intersection(cavity, insert.core_within_skin(design)))]
     if set(HALVES) <= set(parts):
         solids.append(("hollow", intersection(mold.hollow(design), mold.block(design))))
     return tuple(solids)
@@ -112,7 +112,7 @@ def _cavity_imbalance(design: Design, evaluator: MeshEvaluator, skin: Solid) -> 
     """Compute |cavity - core - silicone that shrinks to the skin| [mm3]."""
     growth, silicone = design.dimensions.shrinkage**3, evaluator.manifold(skin).volume()
     room = evaluator.manifold(insert.cavity(design)).volume()
-    core = evaluator.manifold(intersection(insert.cavity(design), insert.mold_insert(design))).volume()
+    core = evaluator.manifold(intersection(insert.cavity(design), insert.core_within_skin(design))).volume()
     return abs(float(room - core - growth * silicone))
 
 
@@ -144,7 +144,7 @@ _FREE_ANGLES = 8
 """Angles at which the joint is tried, besides straight."""
 _BEYOND_STOP_DEG = 4.0
 """Angle beyond a stop at which it must block [degrees]."""
-_FINGER = ("bone", "lid", "skin")
+_FINGER = ("bone", "skin")
 
 
 def check_joint(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:

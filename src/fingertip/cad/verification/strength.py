@@ -29,15 +29,14 @@ from fingertip.cad.shapes.parts import PARTS
 from fingertip.design import Design
 from fingertip.design.formulas.knock import PRESSED_N, Springs, nylon_screw_breaks_n
 from fingertip.design.formulas.stress import LocalStress, StressFactors
-from fingertip.design.geometry.features import CHEEK_FOOT_MM
 from fingertip.design.geometry.solids import Point3
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.clevis import tendon_force_per_n
 from fingertip.design.parameters.parts import Strength
 from fingertip.foundation.files import round_for_output
 from fingertip.foundation.numerics import Array
-from fingertip.pad.contacts import find_contacts
 from fingertip.pad.form import PadForm
+from fingertip.pad.layer import find_contacts
 from fingertip.pad.response import REFERENCE_POSE
 
 STATIONS = 160
@@ -255,12 +254,7 @@ def _find_concentration(design: Design, z: float) -> StressFactors:
     factors = StressFactors()
     if foot - REACH_MM <= z <= foot or 0.0 <= z <= REACH_MM:
         factors = StressFactors(AT_COLLAR, AT_COLLAR)
-    if dims.fold and not dims.window_opens_into_gap and 0.0 <= z - dims.fold.window_low_z <= CHEEK_FOOT_MM + REACH_MM:
-        joint = dims.joint
-        narrow = joint is not None and not joint.is_fork and joint.half_width < dims.tail_half_width
-        at_window = AT_WINDOW_OF_TONGUE if narrow else AT_WINDOW
-        factors = StressFactors(at_window, at_window)
-    if not dims.fold and abs(z - dims.channel_exit_z) <= radius:
+    if abs(z - dims.channel_exit_z) <= radius:
         factors = factors.combined_with(StressFactors(height=AT_CHANNEL_MOUTH))
     return factors.combined_with(interface_of(design).stress_factors(design, z))
 

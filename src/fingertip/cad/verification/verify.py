@@ -85,9 +85,7 @@ def verify(
     return VerifiedParts(meshes, contents, prints, tuple(checks), strength)
 
 
-def check_parts(
-    design: Design, evaluator: MeshEvaluator, meshes: Mapping[str, Mesh], *, with_pad: bool = True
-) -> Iterator[Check]:
+def check_parts(design: Design, evaluator: MeshEvaluator, meshes: Mapping[str, Mesh]) -> Iterator[Check]:
     """Check print size, walls, clearances and mold function of those parts that have a mesh in `meshes`."""
     for name, mesh in meshes.items():
         if PARTS[name].is_printed:
@@ -96,9 +94,8 @@ def check_parts(
             yield check_overhang(design, evaluator, name, mesh)
     if "skin" in meshes:
         yield from check_skin(design, evaluator, meshes["skin"])
-        if with_pad:
-            yield check_pad(design)
-        yield from check_lying_skin(design) if with_pad and not design.skin_is_bonded else ()
+        yield check_pad(design)
+        yield from () if design.skin_is_bonded else check_lying_skin(design)
     if "bone" in meshes:
         yield from check_bone(design, evaluator)
     if "bone" in meshes and "skin" in meshes:

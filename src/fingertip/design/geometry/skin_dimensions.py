@@ -114,7 +114,6 @@ class SkinDimensions:
         """Depth of the bone's palmar flat, on which the tail lies, at y = -flat_depth."""
         return self.platform_depth - self._design.bone.platform_mm
 
-
     @cached_property
     def tail_half_width(self) -> float:
         """Half the width of the tail's slot, and of everything else in which it lies."""

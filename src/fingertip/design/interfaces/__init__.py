@@ -21,7 +21,7 @@ def interface_of(design: DesignTables) -> JointInterface:
 LENGTH_RULES = Ruleset()
 
 
-@LENGTH_RULES.rule("bone.base_length_mm", when=lambda design: not design.dimensions.window_opens_into_gap)
+@LENGTH_RULES.rule("bone.base_length_mm")
 def base_holds_everything(design: DesignTables) -> Violation | None:
     dims, bone = design.dimensions, design.bone
     within = interface_of(design).depth(design)

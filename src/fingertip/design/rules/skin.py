@@ -132,7 +132,9 @@ def flat_within_bone(design: DesignTables) -> Violation | None:
 @RULES.at_most("bone.platform_mm", tip_within_skin)
 def ramp_on_flat(design: DesignTables) -> Limit | None:
     """The ramp of the platform begins on the flat, where nothing else is cut into the bone."""
-    return Limit(design.dimensions.max_platform, "leaves no room for the ramp between platform and collar, or end of the tail")
+    return Limit(
+        design.dimensions.max_platform, "leaves no room for the ramp between platform and collar, groove or tail's end"
+    )
 
 
 @RULES.rule("skin.width_mm", flat_within_bone, bone_left_at_sides, tip_within_skin, sensor_within_skin)

@@ -190,7 +190,7 @@
   }
   let items = JSON.parse(byId('scene').textContent).map(make);
   const hasCore = () => items.some((item) => item.name === 'core');
-  const OF_FINGER = ['bone', 'lid', 'skin', 'sensor', 'joint_pin'];
+  const OF_FINGER = ['bone', 'skin', 'sensor', 'joint_pin'];
   const isInMold = ({ name }) =>
     name !== 'joint_pin' && (!hasCore() || !OF_FINGER.includes(name) || name === 'skin');
   const PRESETS = {

@@ -28,11 +28,8 @@ from fingertip.pictures.drawing.title_block import Heading
 
 _DRAWINGS: dict[str, Callable[[Design], PartDrawing]] = {
     "bone": part_sizes.bone_drawing,
-    "lid": part_sizes.lid_drawing,
     "mold_palmar": mold_sizes.palmar_drawing,
     "mold_dorsal": mold_sizes.dorsal_drawing,
-    "sensor_insert": part_sizes.insert_drawing,
-    "insert_jig": part_sizes.jig_drawing,
     "core": mold_sizes.core_drawing,
     "stand": part_sizes.stand_drawing,
     "hand_stub": part_sizes.hand_stub_drawing,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import astuple, replace
+from dataclasses import astuple
 
 from fingertip.cad.shapes import hand_stub, stand
 from fingertip.design import Design
@@ -15,19 +15,14 @@ from fingertip.design.geometry.sizes import (
     FINISHED,
     INNER,
     OUTER,
-    SCALE_REMEDY,
     STEP,
-    AxisLine,
     Circle,
     Length,
     PartDrawing,
     Size,
-    Tolerance,
     bore,
     clearance,
     located,
-    shared_clearance,
-    symmetric,
 )
 from fingertip.design.geometry.solids import Point3
 from fingertip.design.interfaces import interface_of

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 from fingertip.design.parameters import ParameterTable, choice, quantity
 from fingertip.foundation.errors import Issue, TraceError
-from fingertip.pad.contacts import check_pose, is_possible
 from fingertip.pad.form import PadForm
+from fingertip.pad.layer import bring, is_possible
 from fingertip.pad.pose import ObjectShape, Pose
 from fingertip.pad.response import REFERENCE_POSE
 from fingertip.sim.signal.parameters import assumption
@@ -37,7 +37,7 @@ class ScenePose(ParameterTable):
         if is_possible(form, self._turned(0.0, 0.0)):
             return
         try:
-            check_pose(form, self._turned(0.0, 0.0))
+            bring(form, self._turned(0.0, 0.0))
         except TraceError as error:
             (issue,) = error.issues
             for step in range(1, _STEPS + 1):

@@ -107,7 +107,7 @@ def write_new_design(
         fitted = CATALOGUE.get(sensor or "fsr400", CATALOGUE["fsr400"])  # a custom sensor begins as an FSR 400
         base, own = fitted.bundled_design, [f"sensor.model={sensor or 'fsr400'}", *fitted.changes, *changes]
         design = Design(**load_tables([list_bundled_files(DESIGN)[base]], own).tables | {"name": name})
-        return NewDesign("\n".join([*_list_lines(design, base), ""]), base, {}, {}, design)
+        return NewDesign("\n".join([*list_lines(design, base), ""]), base, {}, {}, design)
     return fit_start(start_design(name, sensor, preset, hand, changes), progress)
 
 
@@ -167,7 +167,7 @@ def fit_start(start: Start, progress: Callable[[str], None]) -> NewDesign:
     place, fitted = design.value(_PLACE), dict(fit.changes)
     if _PLACE not in start.given and place != was:
         fitted[_PLACE] = was, place
-    return NewDesign("\n".join([*_list_lines(design, start.base), ""]), start.base, fitted, fit.reasons, design)
+    return NewDesign("\n".join([*list_lines(design, start.base), ""]), start.base, fitted, fit.reasons, design)
 
 
 def find_lost_travel(made: NewDesign) -> list[Issue]:
@@ -181,7 +181,7 @@ def find_lost_travel(made: NewDesign) -> list[Issue]:
     return issues
 
 
-def _list_lines(design: Design, base: str) -> Iterator[str]:
+def list_lines(design: Design, base: str) -> Iterator[str]:
     parameters = {parameter.path: parameter for parameter in list_parameters()}
     name = parameters.pop("name")
     joint = _JOINT_PARAMETERS if design.dimensions.joint else ()

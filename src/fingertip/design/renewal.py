@@ -1,0 +1,137 @@
+"""Design of an earlier version, written anew: it begins from the nearest bundled design and keeps the sizes that pass.
+
+Skin, hand, interface, board, detector, printer and loads are those of the old file as far as the rules allow, tried in
+halves down to single parameters. The bone behind them and the mold are those of the bundled design, and its free
+lengths are fitted where a size of the old file needs it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from fingertip.catalogues.bundled import list_bundled_files
+from fingertip.catalogues.file_kinds import DESIGN
+from fingertip.design.all_rules import RULES
+from fingertip.design.files import flatten, load_tables
+from fingertip.design.fit import fit_design
+from fingertip.design.geometry import DesignTables
+from fingertip.design.model import Design
+from fingertip.design.new_design import NewDesign, list_lines
+from fingertip.design.parameters import PARAMETERS
+from fingertip.design.parameters.declaration import parse_tables
+from fingertip.design.parameters.retired import load_retired
+from fingertip.design.refusal import cheapest_first
+from fingertip.design.rules.ruleset import RuleChecker
+from fingertip.foundation.errors import DesignError, Issue, gather
+from fingertip.foundation.progress import ShareText
+
+_MADE_ANEW = (
+    "mold.", "bone.base_", "bone.channel_", "bone.collar_", "bone.groove_", "bone.palmar_", "bone.platform_",
+    "bone.rim_", "bone.wall_", "sensor.clearance_", "sensor.wire_", "skin.bonded", "skin.bump_",
+)  # fmt: skip
+"""Beginnings of parameters that are those of the bundled design: its bone and its mold are other ones."""
+_NEEDED = ("bone.interface", "sensor.model", "hand.")
+"""Beginnings of parameters without which the new design does not fit the hand and the sensor that somebody has."""
+_OLD_DEFAULTS = {
+    "bone.post_width_mm": 8.4, "bone.post_height_mm": 7.2, "bone.post_length_mm": 8.0, "bone.foot_radius_mm": 1.5,
+    "bone.cross_bolt_diameter_mm": 2.2, "skin.semi_axis_dorsal_mm": 7.0,
+}  # fmt: skip
+"""Sizes that an old file may leave out, where its default was another."""
+_NOT_SIZES = ("silicone", "printer", "strength", "mold")
+"""Tables of which an old file gives what it holds, and no defaults."""
+_FITTED = ("sensor", "bone", "hand", "skin")
+"""Tables whose sizes are worth a fit of the lengths that nobody measures."""
+_SHORT = {"fsr400": "fsr400_short", "fsr402": "fsr402_short"}
+"""Sensor -> that which takes its place where its tail was folded."""
+
+
+@dataclass(frozen=True)
+class Renewal:
+    made: NewDesign
+    old: Mapping[str, Any]
+    """Parameter of the old design -> value, those that went included."""
+
+    @property
+    def changed(self) -> dict[str, tuple[Any, Any]]:
+        """Parameter -> value in the old and in the new design, where they differ."""
+        known = {name: was for name, was in self.old.items() if name in PARAMETERS and name != "name"}
+        return {name: (was, now) for name, was in known.items() if (now := self.made.design.value(name)) != was}
+
+    @property
+    def retired(self) -> list[str]:
+        return [name for name in self.old if name in load_retired() and name not in PARAMETERS]
+
+
+def renew_design(
+    name: str, file: str | Path, changes: Sequence[str] = (), progress: Callable[[str], None] = lambda message: None
+) -> Renewal:
+    """Write a design file with the sizes of an old one; `changes` are made to the new one. Raises DesignError."""
+    given = dict(flatten(load_tables([file], []).tables))
+    defaults = {path: field.default for path, field in PARAMETERS.items() if path.partition(".")[0] not in _NOT_SIZES}
+    old = defaults | _OLD_DEFAULTS | given
+    kept = {path: value for path, value in old.items() if path not in load_retired()} | {"name": name}
+    if old.get("sensor.tail") == "folded":
+        kept["sensor.model"] = _SHORT.get(old["sensor.model"], old["sensor.model"])
+    wanted = parse_tables(DesignTables, _nest(kept))
+    base = min(list_bundled_files(DESIGN), key=lambda one: _measure_distance(wanted, one))
+    tables = parse_tables(DesignTables, load_tables([base], changes).tables | {"name": name})
+    fixed = tuple(path for path, _ in flatten(load_tables([], changes).tables))
+    sizes = {path: wanted.value(path) for path in kept if not path.startswith((*_MADE_ANEW, *fixed))}
+    tables = _fit(_adopt_all(tables, sizes), sizes, fixed, progress)
+    design = Design(**tables.model_dump())
+    return Renewal(NewDesign("\n".join([*list_lines(design, base), ""]), base, {}, {}, design), given)
+
+
+def _nest(values: Mapping[str, Any]) -> dict[str, Any]:
+    tables: dict[str, Any] = {}
+    for path, value in values.items():
+        *table, key = path.split(".", 1)
+        (tables.setdefault(table[0], {}) if table else tables)[key] = value
+    return tables
+
+
+def _measure_distance(wanted: DesignTables, base: str) -> tuple[bool, bool, float]:
+    other = DesignTables(**load_tables([base], []).tables)
+    differ = (wanted.value(path) != other.value(path) for path in ("bone.interface", "sensor.model"))
+    return (*differ, abs(wanted.skin.width_mm - other.skin.width_mm))
+
+
+def _adopt_all(tables: DesignTables, sizes: Mapping[str, Any]) -> DesignTables:
+    """Take over all sizes with which the rules pass. What needs another size first is tried again after it."""
+    left = -1
+    while left != len(rest := [(path, value) for path, value in sizes.items() if tables.value(path) != value]):
+        left, tables = len(rest), _adopt(tables, rest)
+    return tables
+
+
+def _adopt(tables: DesignTables, sizes: Sequence[tuple[str, Any]]) -> DesignTables:
+    trial = tables.with_values(dict(sizes))
+    if not any(True for _ in RuleChecker(trial).find_broken(cheapest_first(RULES))):
+        return trial
+    if len(sizes) < 2:
+        return tables
+    middle = len(sizes) // 2
+    return _adopt(_adopt(tables, sizes[:middle]), sizes[middle:])
+
+
+def _fit(
+    tables: DesignTables, sizes: Mapping[str, Any], fixed: Sequence[str], progress: Callable[[str], None]
+) -> DesignTables:
+    """Fit the free lengths to sizes that the rules refuse with those of the bundled design. Raises DesignError."""
+    rest = {path for path, value in sizes.items() if tables.value(path) != value and path.startswith(_FITTED)}
+    needed = {path for path in rest if path.startswith(_NEEDED)}
+    issues: list[Issue] = []
+    for some, given in ((rest, {*sizes}), (rest, needed), (needed, needed)):
+        if not some:
+            break
+        trial = tables.with_values({path: sizes[path] for path in some})
+        with gather(issues):
+            return fit_design(
+                trial, (*given, *fixed), lambda share: progress(ShareText("fitting lengths", share)), tables
+            ).tables
+    if needed:
+        raise DesignError(dict.fromkeys(issues))
+    return tables

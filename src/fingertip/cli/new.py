@@ -54,6 +54,9 @@ def new(
         help="Finger of a hand (thumb, index, middle, ring, little) with its skin's width at the edge and length "
         "from tip to edge, in mm, such as index=18x25; repeatable. Writes a set and a design for each size.",
     ),
+    old: Path | None = typer.Option(
+        None, "--from", metavar="FILE", help="Design file of an earlier version, whose sizes the new design keeps."
+    ),
     out: Path | None = typer.Option(None, "--out", "-o", metavar="FILE", help="File to write; NAME.toml by default."),
     allow_shorter_travel: bool = flag("Let the finger bend less, or its tendon lie nearer the joint."),
     changes: list[str] | None = CHANGES,
@@ -66,6 +69,9 @@ def new(
 
     With --finger, once for each finger of a hand, it writes a set of fingers on one joint, and beside it a design for
     each size. The preset is then that whose widths are nearest.
+
+    With --from, skin, hand, board, detector and printer are those of a design of an earlier version, as far as the
+    rules allow; a table says what changed. Loads that its bone does not hold become those that it holds.
     """
     from fingertip.catalogues.bundled import list_bundled_files
     from fingertip.catalogues.file_kinds import DESIGN, SET
@@ -79,6 +85,12 @@ def new(
             taken = f"{name} is the name of a bundled {kind.name}"
             issues.append(Issue("NAME", f"{taken}; choose another, such as my_{name}."))
     path = out or Path(f"{name}.toml")
+    if old:
+        others = {"--sensor": sensor, "--preset": preset, "--hand": hand, "--finger": finger}
+        for option in (option for option, value in others.items() if value):
+            issues.append(Issue(option, "says otherwise what --from takes from the old design; give one of both."))
+        _write_renewed(console, name, old, given, path, issues)
+        return
     if finger:
         from fingertip.design.new_set import start_set
 
@@ -112,6 +124,37 @@ def new(
     console.result(data | {"next": following}, "\n".join([*lines, f"wrote {path}; edit it, then run: {following}"]))
 
 
+def _write_renewed(
+    console: Console, name: str, old: Path, given: Sequence[str], path: Path, issues: list[Issue]
+) -> None:
+    from fingertip.design.renewal import LEFT_OUT, renew_design
+    from fingertip.foundation.files import write_file
+
+    issues += find_file_issues("--out", path, ".toml", inputs=(old,), kept="give another name")
+    if issues:
+        raise FingertipError(dict.fromkeys(issues))
+    for left in LEFT_OUT:
+        renewed = renew_design(name, old, given, left, console.progress)
+        data, lines = _describe(path, renewed.made)
+        failed, strength = _check(renewed.made.design, data, console.progress)
+        if lighter := _find_lighter_loads([failed]):
+            loads = [f"{load}={value:g}" for load, value in lighter.items()]
+            renewed = renew_design(name, old, [*given, *loads], left, console.progress)
+            failed, strength = _check(renewed.made.design, data, console.progress)
+        if not failed:
+            break
+    else:
+        raise FingertipError(_refuse(failed, ""))
+    write_file(path, renewed.made.text.encode())
+    columns = max(map(len, renewed.changed), default=0)
+    lines += (f"{parameter:{columns}}  {was} -> {now}" for parameter, (was, now) in renewed.changed.items())
+    lines.append(f"{len(renewed.retired)} parameters went; begun from {renewed.made.base}")
+    following = f"fingertip make {shlex.quote(path.as_posix())}"
+    data |= {"changed": {key: list(both) for key, both in renewed.changed.items()}, "retired": renewed.retired}
+    lines += [*strength, f"wrote {path}; edit it, then run: {following}"]
+    console.result(data | {"next": following}, "\n".join(lines))
+
+
 def _write_set(
     console: Console, name: str, start: Callable[[], Starts], may_change_joint: bool, path: Path, issues: list[Issue]
 ) -> None:
@@ -141,7 +184,7 @@ def _write_set(
             said += strength
         told.append(data | {"design": form.file, "fingers": list(form.fingers)})
         lines += [f"{label}: {form.file}, begun from {form.design.base}", *(f"  {line}" for line in said)]
-    loads = _find_lighter_loads(weak.values(), "all fingers hold")
+    loads = _offer_lighter_loads(weak.values(), "all fingers hold")
     for label, failed in weak.items():
         issues += (Issue(f"{label}: {issue.field}", issue.message) for issue in _refuse(failed, loads))
     if issues:
@@ -223,15 +266,21 @@ def _find_passing(
             factors = [check for check in failed if check.name.startswith("bone.safety_factor.")]
             if any(one.value + steps * (found[one.name].value - one.value) < one.limit for one in factors):
                 break
-    return _find_lighter_loads([failed], "it holds")
+    return _offer_lighter_loads([failed], "it holds")
 
 
-def _find_lighter_loads(weak: Iterable[Sequence[Check]], who: str) -> str:
-    """Find loads that all bones hold which are too weak for theirs, as options to be typed; nothing if more fails."""
+def _find_lighter_loads(weak: Iterable[Sequence[Check]]) -> dict[str, float]:
+    """Find loads that all bones hold which are too weak for theirs; none if more fails."""
     held: dict[str, float] = {}
     for check in itertools.chain(*weak):
         if not check.remedy:
-            return ""
+            return {}
         for name, load in (setting.split("=") for setting in check.remedy.split(" --set ")):
             held[name] = min(float(load), held.get(name, math.inf))
-    return f"{who} lighter loads: " + " ".join(f"--set {name}={load:g}" for name, load in held.items())
+    return held
+
+
+def _offer_lighter_loads(weak: Iterable[Sequence[Check]], who: str) -> str:
+    """Offer loads that all bones hold, as options to be typed; nothing if there are none."""
+    settings = " ".join(f"--set {name}={load:g}" for name, load in _find_lighter_loads(weak).items())
+    return f"{who} lighter loads: {settings}" if settings else ""

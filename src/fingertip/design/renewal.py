@@ -33,8 +33,13 @@ _MADE_ANEW = (
     "bone.rim_", "bone.wall_", "sensor.clearance_", "sensor.wire_", "skin.bonded", "skin.bump_",
 )  # fmt: skip
 """Beginnings of parameters that are those of the bundled design: its bone and its mold are other ones."""
-_NEEDED = ("bone.interface", "sensor.model", "hand.")
-"""Beginnings of parameters without which the new design does not fit the hand and the sensor that somebody has."""
+_NEEDED = ("bone.interface", "sensor.model")
+"""Parameters without which the new design is another thing."""
+LEFT_OUT: tuple[tuple[str, ...], ...] = (
+    (), ("bone.", "skin.crown_", "skin.semi_axis_palmar_", "skin.thickness_", "skin.pulp_", "sensor.distance_"),
+    ("bone.", "skin.", "sensor.distance_"),
+)  # fmt: skip
+"""Beginnings of sizes that become those of the bundled design where a check fails with them, tried in this order."""
 _OLD_DEFAULTS = {
     "bone.post_width_mm": 8.4, "bone.post_height_mm": 7.2, "bone.post_length_mm": 8.0, "bone.foot_radius_mm": 1.5,
     "bone.cross_bolt_diameter_mm": 2.2, "skin.semi_axis_dorsal_mm": 7.0,
@@ -57,18 +62,25 @@ class Renewal:
     @property
     def changed(self) -> dict[str, tuple[Any, Any]]:
         """Parameter -> value in the old and in the new design, where they differ."""
-        known = {name: was for name, was in self.old.items() if name in PARAMETERS and name != "name"}
+        known = {name: was for name, was in self.old.items() if name not in (*load_retired(), "name")}
         return {name: (was, now) for name, was in known.items() if (now := self.made.design.value(name)) != was}
 
     @property
     def retired(self) -> list[str]:
-        return [name for name in self.old if name in load_retired() and name not in PARAMETERS]
+        return [name for name in self.old if name in load_retired()]
 
 
 def renew_design(
-    name: str, file: str | Path, changes: Sequence[str] = (), progress: Callable[[str], None] = lambda message: None
+    name: str,
+    file: str | Path,
+    changes: Sequence[str] = (),
+    left_out: tuple[str, ...] = (),
+    progress: Callable[[str], None] = lambda message: None,
 ) -> Renewal:
-    """Write a design file with the sizes of an old one; `changes` are made to the new one. Raises DesignError."""
+    """Write a design file with the sizes of an old one, but for some of `LEFT_OUT`; `changes` are made to the new one.
+
+    Raises DesignError.
+    """
     given = dict(flatten(load_tables([file], []).tables))
     defaults = {path: field.default for path, field in PARAMETERS.items() if path.partition(".")[0] not in _NOT_SIZES}
     old = defaults | _OLD_DEFAULTS | given
@@ -79,7 +91,8 @@ def renew_design(
     base = min(list_bundled_files(DESIGN), key=lambda one: _measure_distance(wanted, one))
     tables = parse_tables(DesignTables, load_tables([base], changes).tables | {"name": name})
     fixed = tuple(path for path, _ in flatten(load_tables([], changes).tables))
-    sizes = {path: wanted.value(path) for path in kept if not path.startswith((*_MADE_ANEW, *fixed))}
+    without = (*_MADE_ANEW, *fixed, *left_out)
+    sizes = {path: wanted.value(path) for path in kept if path in _NEEDED or not path.startswith(without)}
     tables = _fit(_adopt_all(tables, sizes), sizes, fixed, progress)
     design = Design(**tables.model_dump())
     return Renewal(NewDesign("\n".join([*list_lines(design, base), ""]), base, {}, {}, design), given)
@@ -122,9 +135,9 @@ def _fit(
 ) -> DesignTables:
     """Fit the free lengths to sizes that the rules refuse with those of the bundled design. Raises DesignError."""
     rest = {path for path, value in sizes.items() if tables.value(path) != value and path.startswith(_FITTED)}
-    needed = {path for path in rest if path.startswith(_NEEDED)}
+    needed = {path for path in rest if path in _NEEDED}
     issues: list[Issue] = []
-    for some, given in ((rest, {*sizes}), (rest, needed), (needed, needed)):
+    for some, given in ((rest, {*sizes}), (needed, needed)):
         if not some:
             break
         trial = tables.with_values({path: sizes[path] for path in some})

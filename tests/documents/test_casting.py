@@ -31,7 +31,7 @@ NAMES = ("first_finger", "article", "fsr400", "fsr402", *PRESETS)
 MOUNTED = {
     "first_finger": "the stand",
     "first_finger bone.interface=socket bone.base_length_mm=32": "onto the post of your hand, of 4.8 mm",
-    "first_finger bone.interface=flange bone.foot_radius_mm=0.45 bone.base_length_mm=27": "Screw the flange to your hand with the bolts",
+    "first_finger bone.interface=flange bone.foot_radius_mm=0.45 bone.base_length_mm=27": "Screw the flange to your hand with 2 bolts",
 }
 """Designs with another way to hold the finger -> words of the step that says it."""
 TOOLS = (
@@ -39,7 +39,7 @@ TOOLS = (
     "primer|reamer|ruler|sandpaper|scissors|screw|screwdriver|sealant|shim|soap|syringe|tape|thread|tie|towel|tweezers|"
     "vacuum|vise|voltmeter|washer|water|wax|wedges?|weights?"
 )
-"""Words of tools and materials that are not in the list."""
+"""Words of tools and materials that most lists do not hold."""
 PRIVATE = "trough|dent|ridge|rib|bump|ring groove|bed|step|foot|notches in the seam|tongue|eyes|horn"
 """Words of this project's own: where a step says one, its picture names it."""
 
@@ -102,7 +102,8 @@ def test_steps_are_short_and_every_thing_they_name_is_in_the_list(name: str) -> 
         assert len(re.findall(r"[.!?](?=\s|$)", step.text)) <= 4, step.text
     assert {key for step in found for key in step.uses} == {thing.key for thing in sheet.things}
     said = " ".join([*(step.text for step in found), to_read(name)["acceptance"]])
-    assert not re.findall(rf"\b(?:{TOOLS})\b", said)
+    listed = " ".join(thing.label for thing in sheet.things)
+    assert {word for word in re.findall(rf"\b(?:{TOOLS})\b", said) if word not in listed} == set()
     with pytest.raises(KeyError, match="scale"):
         list_steps(replace(sheet, things=tuple(thing for thing in sheet.things if thing.key != "scale")))
 

@@ -31,7 +31,9 @@ from fingertip.foundation.tables import load_table, read_rows
 _WORK_H = (4.0, 3.0)
 """Work on both days besides printing, with what dries meanwhile [h]. An assumption: nobody has made one."""
 _FILAMENT_STEP_G, _LINE_STEP_N, _KNOT = 5, 10.0, 4.0
-"""Steps to which filament and the strength of the tendon are rounded up [g, N], and its strength over its force."""
+"""Steps to which filament and the line's strength are rounded up [g, N], and that strength over a strand's force."""
+_LEAST_KNOT_MM = 8
+"""Least distance of a knot from the joints of the solder at which fingers can tie it [mm]. An assumption."""
 _PINS, _SCREWS = {"nylon": "nylon screw M{:g}", "steel": "steel pin of {:g} mm"}, 5
 """Pins of a joint in words, and how many nylon screws to buy: they break at knocks."""
 _ORDER_NUMBERS = {"fsr400_short": ", order number 34-00004"}
@@ -99,6 +101,8 @@ class CastingSheet:
     length_mm: tuple[float, float]
     head_mm: tuple[float, float]
     """Least and largest length of the sensor's film, and width of its head, that this bone takes [mm]."""
+    knot_mm: int
+    """Distance of the knot in both wires from the sensor's legs."""
     things: tuple[Thing, ...]
 
 
@@ -121,6 +125,7 @@ def casting_sheet(design: Design, evaluator: MeshEvaluator) -> CastingSheet:
         tilts_mm=(math.floor(100 * seat.tilts[0]) / 100, math.floor(100 * seat.tilts[1]) / 100),
         length_mm=(body.length_mm - SHORTER_MM, body.length_mm + LONGER_MM),
         head_mm=(round(body.head_diameter_mm - HEAD_MM, 1), round(body.head_diameter_mm + HEAD_MM, 1)),
+        knot_mm=_find_knot_mm(design),
         things=_list_things(design, batch, mount, printed_g),
     )  # fmt: skip
 
@@ -130,27 +135,26 @@ def _find_printed_g(design: Design) -> float:
     return float(_FILAMENT_STEP_G * math.ceil(estimate_print(design).filament_cm3 * density / _FILAMENT_STEP_G))
 
 
+def _find_knot_mm(design: Design) -> int:
+    """Find where to tie the wires, with some slack between the legs and the hole that the knot lies on."""
+    way_mm = design.dimensions.tail_end_z - design.sensor.tab_length_mm - design.dimensions.channel_exit_z
+    return max(_LEAST_KNOT_MM, math.ceil(way_mm + 1.0))
+
+
 def _mount(design: Design) -> Mount:
     interface, bone, hand = interface_of(design), design.bone, design.hand
-    bolt, bolts, pull_n = "", 0, 0.0
-    if interface.name == "flange":
-        (found,) = interface.bolts(design)
-        bolts = found["count"]
-        bolt = f"M{found['thread_mm']:g}, longer than {found['crossed_mm']:g} mm by what your hand's part takes"
-    elif (mounting := interface.mounting(design)) and (found := mounting["bolt"]):
-        bolt, bolts = f"M{found['thread_mm']:g} x {found['length_mm']:g} mm, with its nut", 1
-    elif hand.tendon_distance_mm:
-        pull_n = design.strength.grip_force_n * tendon_force_per_n(design, design.skin.length_mm)
+    bolt, anchor = interface.bolt(design), design.dimensions.anchor
+    pull_n = design.strength.grip_force_n * tendon_force_per_n(design, design.skin.length_mm) if anchor else 0.0
     return Mount(
         interface=interface.name,
-        bolt=bolt,
-        bolts=bolts,
+        bolt=f"M{bolt.thread_mm:g} x {bolt.length_mm:g} mm, with its nut" if bolt else "",
+        bolts=bolt.count if bolt else 0,
         pin=_PINS[design.strength.pin].format(hand.pin_diameter_mm),
         post_mm=(round(bone.socket_diameter_mm - MATING_PLAY_MM, 2), bone.socket_depth_mm),
         travel_deg=hand.travel_deg,
-        tendon_mm=hand.tendon_diameter_mm if pull_n else 0.0,
+        tendon_mm=hand.tendon_diameter_mm if anchor else 0.0,
         pull_n=float(round(pull_n)),
-        tendon_n=_LINE_STEP_N * math.ceil(_KNOT * pull_n / _LINE_STEP_N),
+        tendon_n=_LINE_STEP_N * math.ceil(_KNOT * pull_n / 2 / _LINE_STEP_N),
     )
 
 

@@ -91,9 +91,9 @@ def build_finger(design: Design) -> FingerModel:
     for item in hardware(design, ("bone",)):
         solids.append((item.name, item.solid, FILM_G_CM3 if item.name == "sensor" else STEEL_G_CM3, item.colour))
     if isinstance(interface, CrossBolted):
-        (bolt, *_), at = interface.bolts(design), (middle_y(dims), interface.cross_bolt_z(design))
-        half = bolt["crossed_mm"] / 2
-        solids.append(("cross_bolt", cylinder("x", at, -half, half, bolt["thread_mm"] / 2), STEEL_G_CM3, _STEEL))
+        bolt, at = interface.bolt(design), (middle_y(dims), interface.cross_bolt_z(design))
+        half = bolt.crossed_mm / 2
+        solids.append(("cross_bolt", cylinder("x", at, -half, half, bolt.thread_mm / 2), STEEL_G_CM3, _STEEL))
     bodies = tuple(Body(name, evaluator.mesh(solid), density, colour) for name, solid, density, colour in solids)
     joint, (pieces, error_mm), frames = dims.joint, cut_skin(design), find_frames(design)
     (_, y, z) = frames["interface"]

@@ -8,9 +8,7 @@ shear-out), the first with the concentration that finite elements with contact f
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
-from typing import Any
 
 from fingertip.design.formulas.stress import PIN_IN_EYE, VON_MISES_SHEAR, LocalStress, StressFactors, at_foot, pin_peak
 from fingertip.design.geometry import DesignTables
@@ -206,24 +204,6 @@ class Clevis(JointInterface):
                    (pin[0], anchor.horn_y + HORN_RADIUS_MM, anchor.horn_low_z), HORN_RADIUS_MM, is_radius=True,
                    hidden_deg=((-180.0, 90.0),), action="sharp: round it with fine paper, or it cuts the tendon"),
         ]  # fmt: skip
-
-    def bolts(self, design: DesignTables) -> list[dict[str, Any]]:
-        """List the pin, and what holds the tendon."""
-        anchor = design.dimensions.anchor
-        item = "joint pin (hardened steel, such as a dowel pin)"
-        pin: dict[str, Any] = {"item": item, "diameter_mm": design.hand.pin_diameter_mm, "count": 1}
-        if design.hand.knuckle == "tongue":  # else it is as long as the hand's fork is wide
-            pin["length_mm"] = design.dimensions.pin_length
-        items = [pin]
-        if anchor:
-            held_n = design.strength.grip_force_n * tendon_force_per_n(design, design.skin.length_mm)
-            items.append({
-                "item": "tendon (braided line, twice as long as the hand needs)",
-                "diameter_mm": design.hand.tendon_diameter_mm, "count": 1,
-                "note": f"it breaks at {10.0 * math.ceil(0.2 * held_n):.0f} N or more, four times the force of each of "
-                "its two strands at the grip: a knot takes half",
-            })  # fmt: skip
-        return items
 
 
 def _joint_of(design: DesignTables) -> Joint:

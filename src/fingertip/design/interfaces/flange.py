@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any
 
-from fingertip.catalogues.hardware import select_thread
+from fingertip.catalogues.hardware import select_thread, standard_length_mm
 from fingertip.design.formulas.stress import LocalStress, StressFactors, at_foot
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.foot import conic_foot, flat_foot, foot_line
@@ -105,22 +104,10 @@ class Flange(JointInterface):
         direction = (round(per_n[0] / stress, 6), round(per_n[1] / stress, 6), 0.0) if stress else (0.0, 1.0, 0.0)
         yield LocalStress("flange", -bone.base_length_mm + bone.flange_thickness_mm, stress, direction=direction)
 
-    def bolts(self, design: DesignTables) -> list[dict[str, Any]]:
-        bone = design.bone
-        return [
-            {
-                "item": "flange bolt (machine screw)",
-                "thread_mm": select_thread(bone.flange_hole_diameter_mm).diameter_mm,
-                "crossed_mm": bone.flange_thickness_mm, "count": self.genus(design),
-            }
-        ]  # fmt: skip
-
-    def mounting(self, design: DesignTables) -> dict[str, Any]:
-        fit = (
-            "The flange lies flat on the mating part: file the lip of the first layers off its face. Its bolts pass "
-            f"{design.bone.flange_thickness_mm:g} mm of it and enter threads or nuts in the mating part."
-        )
-        return {"fit": fit, "bolt": None, "play_mm": interface.MATING_PLAY_MM}
+    def bolt(self, design: DesignTables) -> interface.Bolt:
+        thread, across_mm = select_thread(design.bone.flange_hole_diameter_mm), design.bone.flange_thickness_mm
+        length_mm = standard_length_mm(across_mm + interface.MATING_WALL_MM + thread.nut_height_mm)
+        return interface.Bolt(thread.diameter_mm, length_mm, across_mm, self.genus(design))
 
 
 @RULES.at_least("bone.flange_spacing_x_mm")

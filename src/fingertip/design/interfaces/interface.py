@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any
+from dataclasses import dataclass
 
 from fingertip.catalogues.hardware import select_thread, standard_length_mm
 from fingertip.design.formulas.stress import LocalStress, StressFactors, hole_in_tension
@@ -19,12 +19,23 @@ from fingertip.design.rules.ruleset import SLACK
 
 _CIRCLE_POINTS = 64
 """Intervals at which half a circle is sampled."""
-MATING_PLAY_MM, _MATING_WALL_MM = 0.2, 2.5
-"""Play between the interface and a printed mating part, and the wall of the example [mm]. Recommendations."""
+MATING_PLAY_MM, MATING_WALL_MM = 0.2, 2.5
+"""Play between the interface and a printed mating part, and the wall of that [mm]. Recommendations."""
 MIN_SHOULDER_MM = 0.1
 """Least height of the step from a post to the base, or from the base to a flange [mm]."""
 Shapes = tuple[tuple[Solid, ...], tuple[Solid, ...]]
 """Solids that are added to the filled bone, and those that are removed from it."""
+
+
+@dataclass(frozen=True)
+class Bolt:
+    """Machine screw with a nut [mm]."""
+
+    thread_mm: float
+    length_mm: float
+    crossed_mm: float
+    """Length of the bone that it passes."""
+    count: int = 1
 
 
 class JointInterface:
@@ -90,12 +101,8 @@ class JointInterface:
         """Pull on a joint's pin per newton of load at a height, of a knock first; none without a loaded pin."""
         return ()
 
-    def bolts(self, design: DesignTables) -> list[dict[str, Any]]:
-        """List the items to buy that hold the bone to the proximal phalanx."""
-        raise NotImplementedError
-
-    def mounting(self, design: DesignTables) -> dict[str, Any] | None:
-        """Describe the mating part, with a recommended clearance; None for a joint, which the casting steps fit."""
+    def bolt(self, design: DesignTables) -> Bolt | None:
+        """Return what holds the bone to the proximal phalanx; None for a joint, which has a pin."""
         return None
 
 
@@ -137,6 +144,9 @@ def base_holds_circle(design: DesignTables, radius: float, half_height: float = 
 class CrossBolted(JointInterface):
     """Interface that a bolt across it holds in place."""
 
+    def bolt(self, design: DesignTables) -> Bolt:
+        raise NotImplementedError
+
     def cross_bolt_z(self, design: DesignTables) -> float:
         raise NotImplementedError
 
@@ -164,26 +174,8 @@ class CrossBolted(JointInterface):
         factor = hole_in_tension(diameter, across_mm)
         return StressFactors(factor, factor)
 
-    def list_bolt(self, design: DesignTables, crossed_mm: float) -> list[dict[str, Any]]:
-        """List bolt and nut to buy; `crossed_mm` is what the bolt passes of the bone."""
-        thread_mm = select_thread(design.bone.cross_bolt_diameter_mm).diameter_mm
-        return [
-            {
-                "item": "cross bolt (machine screw)", "thread_mm": thread_mm,
-                "crossed_mm": round(crossed_mm, 1), "count": 1,
-            },
-            {"item": "cross bolt nut (hexagon nut)", "thread_mm": thread_mm, "count": 1},
-        ]  # fmt: skip
-
-    def mount(
-        self, design: DesignTables, fit: str, crossed_mm: float, walls: int, from_mm: float, start: str
-    ) -> dict[str, Any]:
-        """Describe the fit, and the bolt: it crosses the interface or its bore, and walls of a mating part."""
-        thread, wall_mm = select_thread(design.bone.cross_bolt_diameter_mm), _MATING_WALL_MM if walls else 0.0
-        needed = crossed_mm + walls * wall_mm + thread.nut_height_mm
-        bolt = {
-            "crossed_mm": crossed_mm, "walls": walls, "wall_mm": wall_mm,
-            "item": "cross bolt", "thread_mm": thread.diameter_mm, "nut_mm": thread.nut_height_mm,
-            "length_mm": standard_length_mm(needed), "from_mm": round(from_mm, 2), "from": start,
-        }  # fmt: skip
-        return {"fit": fit, "bolt": bolt, "play_mm": MATING_PLAY_MM}
+    def choose_bolt(self, design: DesignTables, crossed_mm: float, beside_mm: float) -> Bolt:
+        """Choose a bolt with its nut that crosses the interface, and `beside_mm` of its mating part."""
+        thread = select_thread(design.bone.cross_bolt_diameter_mm)
+        length_mm = standard_length_mm(crossed_mm + beside_mm + thread.nut_height_mm)
+        return Bolt(thread.diameter_mm, length_mm, round(crossed_mm, 1))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any
 
 from fingertip.design.formulas.stress import StressFactors, at_foot
 from fingertip.design.geometry import DesignTables
@@ -23,7 +22,7 @@ from fingertip.design.geometry.solids import (
     intersection,
 )
 from fingertip.design.interfaces import interface
-from fingertip.design.interfaces.interface import CrossBolted, Shapes
+from fingertip.design.interfaces.interface import Bolt, CrossBolted, Shapes
 from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_most
 from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally
 from fingertip.foundation.numerics import bisect
@@ -141,22 +140,9 @@ class Post(CrossBolted):
         factors = at_foot(interface.base_size(design.dimensions), size, bone.foot_radius_mm, end - z)
         return factors.combined_with(self.hole_factors(design, z, across))
 
-    def bolts(self, design: DesignTables) -> list[dict[str, Any]]:
-        return self.list_bolt(design, design.bone.post_width_mm)
-
-    def mounting(self, design: DesignTables) -> dict[str, Any]:
-        bone, play = design.bone, interface.MATING_PLAY_MM
-        flats = f" with two flats, {bone.post_height_mm + play:g} mm apart"
-        fit = (
-            f"The post goes into a bore of {round(bone.post_width_mm + play, 2):g} mm"
-            f"{flats if bone.post_height_mm < bone.post_width_mm else ''}, at least "
-            f"{bone.post_length_mm:g} mm deep: {play:g} mm of play, recommended for prints. Chamfer its mouth by "
-            f"{round(self.foot_length(design), 2):g} mm at 45 degrees, for the fillet at the root of the post. The "
-            "bone stands on the end of its post while it prints: file the lip of the first layers off that end before "
-            "you try it."
-        )
-        from_mm = -bone.base_length_mm - self.cross_bolt_z(design)
-        return self.mount(design, fit, round(bone.post_width_mm + play, 2), 2, from_mm, "the shoulder of the post")
+    def bolt(self, design: DesignTables) -> Bolt:
+        beside_mm = interface.MATING_PLAY_MM + 2 * interface.MATING_WALL_MM
+        return self.choose_bolt(design, design.bone.post_width_mm, beside_mm)
 
 
 @RULES.at_most("bone.foot_radius_mm", when=lambda design: design.bone.interface == "post")
@@ -235,19 +221,8 @@ class Socket(CrossBolted):
     def stress_factors(self, design: DesignTables, z: float) -> StressFactors:
         return self.hole_factors(design, z, design.bone.socket_diameter_mm + 2 * design.bone.wall_mm)
 
-    def bolts(self, design: DesignTables) -> list[dict[str, Any]]:
-        return self.list_bolt(design, design.dimensions.bone_outline.section.half_width * 2)
-
-    def mounting(self, design: DesignTables) -> dict[str, Any]:
-        bone, play = design.bone, interface.MATING_PLAY_MM
-        fit = (
-            f"The socket takes a post of {round(bone.socket_diameter_mm - play, 2):g} mm, at most "
-            f"{bone.socket_depth_mm:g} mm long: {play:g} mm of play, recommended for prints. Ream the socket, or sand "
-            "the post, until it slides in."
-        )
-        across = round(2 * design.dimensions.bone_outline.section.half_width, 1)
-        from_mm = self.cross_bolt_z(design) + bone.base_length_mm
-        return self.mount(design, fit, across, 0, from_mm, "the rim of the socket")
+    def bolt(self, design: DesignTables) -> Bolt:
+        return self.choose_bolt(design, 2 * design.dimensions.bone_outline.section.half_width, 0.0)
 
 
 @RULES.rule("bone.socket_diameter_mm", bone_left_at_sides, bone_left_dorsally)

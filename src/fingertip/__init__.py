@@ -4,7 +4,7 @@ The public names follow the commands of the command line::
 
     from fingertip import Design, build, write_board, simulate, detect
 
-    design = Design.load("fsr400", changes=["mold.draft_deg=2"])
+    design = Design.load("fsr400", changes=["skin.width_mm=18"])
     build(design, formats=["stl"])  # -> out/fsr400
     write_board(design)  # -> out/fsr400/board
     detect(simulate(design), design).intervals

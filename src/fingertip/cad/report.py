@@ -135,7 +135,7 @@ class Build:
             report["strength"] = strength_data(self.strength)
         if any(built.part.name == "skin" for built in self.parts):
             report["pad"] = survey_pad(self.design).to_dict()
-            if not self.design.skin_is_bonded:
+            if not self.design.skin.bonded:
                 report["skin"] = describe_lying_skin(self.design)
         return report | ({"casting": asdict(self.casting)} if self.casting else {})
 

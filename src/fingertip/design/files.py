@@ -26,11 +26,11 @@ class LoadedTables:
     tables: dict[str, Any]
     before: dict[str, Any]
     changed: tuple[str, ...]
-    """Names of the changed parameters, such as "mold.draft_deg"."""
+    """Names of the changed parameters, such as "skin.width_mm"."""
 
 
 Changes = Iterable[str] | Mapping[str, Any]
-"""Changes of parameters: texts such as "mold.draft_deg=2", or {"mold.draft_deg": 2}, or nested tables."""
+"""Changes of parameters: texts such as "skin.width_mm=18", or {"skin.width_mm": 18}, or nested tables."""
 
 
 def list_changes(changes: Changes) -> Sequence[str]:
@@ -80,7 +80,7 @@ def load_tables(
 
 
 def parse_change(change: str) -> dict[str, Any]:
-    """Parse "mold.draft_deg=2" as ``{"mold": {"draft_deg": 2}}``.
+    """Parse "skin.width_mm=18" as ``{"skin": {"width_mm": 18}}``.
 
     A value that is not TOML is taken as text, and words in square brackets as a list of texts, because a shell takes
     their quotes away.
@@ -89,7 +89,7 @@ def parse_change(change: str) -> dict[str, Any]:
     steps = [step.strip() for step in key.split(".")]
     field = f"--set {shorten(change, MAX_VALUE_LENGTH)}"
     if not equals or not all(steps):
-        raise DesignError(Issue(field, "is not of the form table.key=value, such as mold.draft_deg=2."))
+        raise DesignError(Issue(field, "is not of the form table.key=value, such as skin.width_mm=18."))
     if len(steps) > MAX_DEPTH:
         raise DesignError(Issue(field, "names tables in too many tables; write table.key=value."))
     if re.search(r",\s*[a-z_]+\.[a-z0-9_.]+\s*=", text):
@@ -131,7 +131,7 @@ _MAX_COLUMN_WIDTH = 60
 @dataclass(frozen=True)
 class Parameter:
     path: str
-    """Dotted name, such as "mold.draft_deg"."""
+    """Dotted name, such as "skin.width_mm"."""
     default: Any
     unit: str
     bounds: str

@@ -44,7 +44,7 @@ class Design(DesignTables):
     def load(cls, *files: str | Path, changes: Changes = ()) -> Self:
         """Read a design: the defaults, then each file, then changes; later values win.
 
-        A change is a text such as "mold.draft_deg=2"; a mapping such as {"mold.draft_deg": 2} holds several, each once.
+        A change is a text such as "skin.width_mm=18"; a mapping such as {"skin.width_mm": 18} holds several, each once.
 
         Raises
         ------

@@ -62,7 +62,7 @@ def _find_fault(path: Path, example: str) -> str:
 _SENSORS = (*CATALOGUE, "custom")
 _MAIN_PARAMETERS = (
     "sensor.model", "skin.width_mm", "skin.length_mm", "skin.semi_axis_palmar_mm", "skin.semi_axis_dorsal_mm",
-    "skin.thickness_palmar_mm", "bone.base_length_mm", "bone.interface", "mold.method", "board.variant",
+    "skin.thickness_palmar_mm", "bone.base_length_mm", "bone.interface", "board.variant",
 )  # fmt: skip
 """Parameters that a user changes first. They stand at the top."""
 

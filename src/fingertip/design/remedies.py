@@ -3,14 +3,14 @@
 What is promised
 ----------------
 - Every message ends in a remedy: a bound of the blamed field ("at least 3.2 mm", "at most", "between"), or values of
-  other fields ("set mold.land_mm=6.3").
+  other fields ("set mold.wall_mm=6.3").
 - The remedies of one refusal, all applied together at the values they print, give a design that passes every rule.
   `find_remedies` checks all rules with exactly these values before it prints them.
 - Where one parameter that was changed resolves several issues, its issue comes first, with the nearest value that
   resolves all of them.
 - Where no single value helps, the messages name a combination. The last resort is to return changed parameters towards
   their values before the change, as far as necessary.
-- An alternative ("or sensor.tail=straight") resolves the refusal by itself, and also beside the other remedy.
+- An alternative ("or hand.tendon_distance_mm=0") resolves the refusal by itself, and also beside the other remedy.
 
 Rules that read a parameter which is not valid by itself are not checked. They may find more once it is valid.
 """

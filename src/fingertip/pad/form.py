@@ -64,7 +64,7 @@ class PadForm:
         """
         dims, modulus, bump = design.dimensions, design.silicone.material.modulus_mpa, design.skin.bump_height_mm
         gap = max(0.0, 2.0 * design.printer.surface_error_mm - design.mold.core_inset_mm) if is_loose else 0.0
-        apart = not design.skin_is_bonded
+        apart = not design.skin.bonded
         return cls(
             dims.outer, dims.bone_outline, dims.flat_depth, dims.platform_depth,
             dims.platform_radius if design.bone.platform_mm else 0.0, dims.neck_half_width, dims.ramp, dims.sensor_z,

@@ -73,15 +73,8 @@ def render_casting(sources: Sources) -> Markup:
 
 
 def render_drawing(sources: Sources) -> Markup:
-    """Render links to the dimensioned sheets, whose data would be a sixth of the page, or say how to make them."""
-    sheets = sorted(name for name in sources.links if name.startswith("drawing"))
-    if sheets:
-        return list_links(sheets, sources.links)
-    return Markup("") if sources.design.mold.method == "plunge" else note(
-        "There is no drawing of these parts yet: in the folder of this page, ", element("code", COMMANDS["drawing"]),
-        " makes a sheet with all dimensions and tolerances for each printed part, and ",
-        element("code", COMMANDS["page"]), " then links them here.",
-    )  # fmt: skip
+    """Render links to the dimensioned sheets, whose data would be a sixth of the page."""
+    return list_links(sorted(name for name in sources.links if name.startswith("drawing")), sources.links)
 
 
 def render_basis(design: Design) -> Markup:

@@ -24,7 +24,7 @@ _LOGARITHMIC_STEP = 0.002
 """Step of a logarithmic slider, half a percent of the value."""
 _MAIN = (
     "sensor.model", "skin.width_mm", "skin.length_mm", "skin.semi_axis_palmar_mm", "skin.thickness_palmar_mm",
-    "skin.thickness_side_mm", "silicone.product", "bone.interface", "bone.base_length_mm", "mold.method",
+    "skin.thickness_side_mm", "silicone.product", "bone.interface", "bone.base_length_mm",
 )  # fmt: skip
 """Parameters that people change first. They stand above all tables, with their whole names."""
 

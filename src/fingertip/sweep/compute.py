@@ -234,7 +234,7 @@ def compute_casting(context: PointContext) -> OutputValues:
 
     poured_cm3 = measure_poured_cm3(context.design, context.evaluator())
     batch = compute_batch(context.design.silicone.material, poured_cm3)
-    pull, is_lying = pull_off_n(context.design), not context.design.skin_is_bonded
+    pull, is_lying = pull_off_n(context.design), not context.design.skin.bonded
     lying = {
         "skin_pull_off_glued_n": pull_off_n(context.design, is_glued=True) if is_lying else math.nan,
         "skin_slide_mm": slide_mm(context.design) if is_lying else 0.0,

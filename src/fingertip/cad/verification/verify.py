@@ -95,7 +95,7 @@ def check_parts(design: Design, evaluator: MeshEvaluator, meshes: Mapping[str, M
     if "skin" in meshes:
         yield from check_skin(design, evaluator, meshes["skin"])
         yield check_pad(design)
-        yield from () if design.skin_is_bonded else check_lying_skin(design)
+        yield from () if design.skin.bonded else check_lying_skin(design)
     if "bone" in meshes:
         yield from check_bone(design, evaluator)
     if "bone" in meshes and "skin" in meshes:

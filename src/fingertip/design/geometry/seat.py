@@ -157,7 +157,7 @@ def list_skin_points(design: Tables, dims: Dimensions) -> tuple[SkinPoint, ...]:
     """List points of one side: where skin and tip begin, along the tip, at the apex, over the sensor."""
     assert dims.bone_outline.tip is not None
     join, apex = dims.bone_outline.stations[-1][0], dims.bone_outline.tip.z
-    inset = sleeve_inset_mm(design)
+    inset = design.mold.core_inset_mm
     points = []
     tip = (join + (apex - join) * (i + 1) / (_TIP_SECTIONS + 1) for i in range(_TIP_SECTIONS))
     # A crown and a platform bend the palmar side alone.
@@ -183,8 +183,3 @@ def list_skin_points(design: Tables, dims: Dimensions) -> tuple[SkinPoint, ...]:
         point = (x, -dims.platform_depth, dims.sensor_z + z)
         points.append(SkinPoint(point, (0.0, -1.0, 0.0), thickness, over_sensor=True))
     return tuple(points)
-
-
-def sleeve_inset_mm(design: Tables) -> float:
-    """Return the inset of the silicone's inside from the bone [mm]."""
-    return design.mold.core_inset_mm

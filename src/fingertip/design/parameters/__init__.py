@@ -53,26 +53,16 @@ class Tables(Frozen):
     detector: Detector = Detector()
 
     @property
-    def is_cast_apart(self) -> bool:
-        """True for a skin that is cast around a core, then pulled over the bone: no bone lies in its mold."""
-        return True
-
-    @property
     def prints_without_supports(self) -> bool:
-        """True for a bone on a post that lies in no mold: its collar and base may rise on slopes of 45 degrees."""
-        return self.is_cast_apart and self.bone.interface == "post"
-
-    @property
-    def skin_is_bonded(self) -> bool:
-        """True if the pad's physics takes the skin as bonded to the bone; a skin that is made apart lies on it."""
-        return self.skin.bonded or not self.is_cast_apart
+        """True for a bone on a post: its collar and base rise on slopes of 45 degrees."""
+        return self.bone.interface == "post"
 
     def value(self, path: str) -> Any:
         table, _, key = path.rpartition(".")
         return getattr(getattr(self, table), key) if table else getattr(self, key)
 
     def with_values(self, values: Mapping[str, Any]) -> Self:
-        """Copy the tables with other values of some parameters, such as {"mold.draft_deg": 2.0}, unchecked."""
+        """Copy the tables with other values of some parameters, such as {"skin.width_mm": 18.0}, unchecked."""
         update: dict[str, Any] = {}
         for path, value in values.items():
             table, _, key = path.rpartition(".")

@@ -18,31 +18,14 @@ class Sensor(ParameterTable):
     distance_from_tip_mm: float = quantity(
         11.5, "mm", (3, 60), "Distance from the tip of the skin to the centre of the active area."
     )
-    tail: Literal["straight", "folded"] = choice(
-        "straight", "straight: out through the base; folded: once around the bone, its end in a trough under a lid."
-    )
-    fold_radius_mm: float = quantity(
-        2.5, "mm", (0.8, 6), "Radius at which a folded tail bends; Interlink allows no less than 2.5."
-    )
     tab_length_mm: float = quantity(
         4.3, "mm", (0, 15), "Length by which the crimped tabs stick out of the film. (unverified)"
     )
-    crimp_height_mm: float = quantity(
-        0.6, "mm", (0.2, 5), "Height of crimps and solder above the film, for the space of a folded tail. (unverified)"
-    )
-    wire_diameter_mm: float = quantity(1.0, "mm", (0.1, 3), "Outer diameter of the wires on the tabs of a folded tail.")
-    clearance_mm: float = quantity(0.3, "mm", (0.02, 1), "Gap around the sensor in its pocket and slot.")
+    wire_diameter_mm: float = quantity(1.0, "mm", (0.1, 3), "Outer diameter of the wires on the sensor's tabs.")
+    clearance_mm: float = quantity(0.3, "mm", (0.02, 1), "Gap around the sensor in its pocket and trough.")
     adhesive_thickness_mm: float = quantity(
         0.13, "mm", (0, 0.5), "Thickness of the adhesive film under the sensor; it deepens the pocket. (unverified)"
     )
-    insert: Literal["none", "disc", "mushroom"] = choice(
-        "none",
-        "Stiff print between sensor and silicone: a disc, or a mushroom, whose cap gathers force from around it.",
-    )
-    insert_diameter_mm: float = quantity(4.5, "mm", (1, 20), "Diameter of the disc, or of the mushroom's stem.")
-    insert_height_mm: float = quantity(1.3, "mm", (0.4, 8), "Height of the disc, or of the mushroom's stem: 0.5.")
-    insert_cap_diameter_mm: float = quantity(5.6, "mm", (1, 40), "Diameter of the mushroom's cap.")
-    insert_cap_height_mm: float = quantity(0.6, "mm", (0.4, 8), "Height of the mushroom's cap.")
 
 
 class CustomSensor(ParameterTable):
@@ -101,11 +84,10 @@ class Skin(ParameterTable):
         0.8, "mm", (0.2, 10), "Minimum skin thickness anywhere, measured from bone to surface."
     )
     bonded: bool = choice(
-        False,
-        "true: a skin that is made apart counts as bonded to the bone, for comparison; one cast around it always is.",
+        False, "true: the skin counts as bonded to the bone, for comparison; as it is made, it lies on it."
     )
     bump_radius_mm: float = quantity(
-        3.2, "mm", (1, 30), "Radius of the bump inside a skin that is made apart, which presses on the sensor."
+        3.2, "mm", (1, 30), "Radius of the bump inside the skin, which presses on the sensor."
     )
     bump_height_mm: float = quantity(
         0.2, "mm", (0, 1), "Height by which this bump is proud of the bone's shape; 0: no bump."

@@ -33,18 +33,18 @@ class Bone(ParameterTable):
     )  # fmt: skip
     wall_mm: float = quantity(
         0.8, "mm", (0.4, 5),
-        "Design wall between cable channel, sensor slot and outer surface; checks require printer.min_wall_mm.",
+        "Design wall between cable channel, trough and outer surface; checks require printer.min_wall_mm.",
     )  # fmt: skip
     channel_diameter_mm: float = quantity(
-        2.8, "mm", (0.8, 10), "Diameter of the cable channel from the solder relief to the dorsal side of the base."
+        2.8,
+        "mm",
+        (0.8, 10),
+        "Diameter of the hole for both wires, from the trough of the tail to the back of the base.",
     )
     channel_bend_radius_mm: float = quantity(3.0, "mm", (1, 20), "Bend radius of the channel's centre line.")
-    relief_length_mm: float = quantity(
-        5.0, "mm", (2, 20), "Length of the solder relief, the recess for the solder joints at the end of the tail."
-    )
     collar_length_mm: float = quantity(
         2.0, "mm", (0.8, 10),
-        "Length of the collar on which the skin ends, at the parting plane, where its drafted foot makes it longest.",
+        "Length of the collar on which the skin ends.",
     )  # fmt: skip
     collar_inset_mm: float = quantity(0.3, "mm", (0.1, 5), "Inset of the collar from the outline of the skin.")
     groove_depth_mm: float = quantity(
@@ -86,9 +86,6 @@ class Bone(ParameterTable):
     )
     joint_clearance_mm: float = quantity(
         0.3, "mm", (0.05, 2), "Gap between bone and hand on every side of the joint (interface clevis)."
-    )
-    anchor_diameter_mm: float = quantity(
-        1.2, "mm", (0.8, 4), "Diameter of the hole for the pin or thread that holds the tendon."
     )
 
 
@@ -161,13 +158,8 @@ class Strength(ParameterTable):
 
 
 class Mold(ParameterTable):
-    """Two-part mold, parted at the plane through the silhouette, and the casting method."""
+    """Cup of two halves, parted at the plane through the silhouette, and the core that is lowered into it."""
 
-    method: Literal["overmold", "plunge"] = choice(
-        "plunge",
-        "overmold: cast in place around bone and sensor; plunge: cast around a core that is lowered into the filled "
-        "cup, then pulled over the bone.",
-    )
     core_inset_mm: float = quantity(
         0.0, "mm", (0, 1), "Inset of the core from the bone on every side, so that the skin fits tightly."
     )
@@ -177,49 +169,6 @@ class Mold(ParameterTable):
     wall_mm: float = quantity(
         4.0, "mm", (1.2, 30), "Thickness of the mold on the palmar, dorsal and distal sides of the cavity."
     )
-    land_mm: float = quantity(3.0, "mm", (1, 20), "Width of the flat land between the cavity and the bolts or keys.")
-    draft_deg: float = quantity(
-        3.0, "degree", (0, 15), "Draft angle of the registration keys and of the recess's walls."
-    )
-    fit_clearance_mm: float = quantity(0.05, "mm", (0.01, 1), "Gap between the bone's base and its recess in the mold.")
-    recess_length_mm: float = quantity(8.0, "mm", (2, 60), "Length of the recess that holds the bone's base.")
-    seat_tape_mm: float = quantity(
-        0.0, "mm", (0, 0.2),
-        "Thickness of the tape that is wound around the base or its collar and seals the recess; 0: none.",
-    )  # fmt: skip
-    chaplet_diameter_mm: float = quantity(
-        0.0, "mm", (0, 15),
-        "Diameter of the chaplet, the boss on the dorsal half that carries the bone near its tip; 0: none.",
-    )  # fmt: skip
-    chaplet_from_tip_mm: float = quantity(
-        10.3, "mm", (1, 100), "Distance of the chaplet from the tip of the skin, along the finger."
-    )
-    chaplet_screw: Literal["M1.6", "M2", "M2.5", "M3"] = choice(
-        "M2", "Screw that holds the bone on the chaplet; it cuts its own thread in the bone."
-    )
-    syringe: Literal["3ml", "5ml", "10ml"] = choice("5ml", "Syringe with a Luer slip tip, which fills the mold.")
-    thumb_force_n: float = quantity(30.0, "N", (1, 150), "Force of the thumb on the plunger; 20 to 40 are usual.")
-    nozzle_bore_mm: float = quantity(
-        2.1, "mm", (0.3, 3.5), "Bore of the syringe's nozzle: measure it, 0.1 mm changes the time by 20 %. (unverified)"
-    )
-    runner_width_mm: float = quantity(
-        3.0, "mm", (1, 8), "Width of the runner from the sprue to the side of the cavity."
-    )
-    runner_depth_mm: float = quantity(2.5, "mm", (0.8, 8), "Depth of the runner, in the dorsal half.")
-    vent_diameter_mm: float = quantity(
-        1.2, "mm", (0.4, 5), "Diameter of the mold's vents, and width of those in the parting plane."
-    )
-    bolt_diameter_mm: float = quantity(
-        3.4, "mm", (MIN_HOLE_MM, 9), "Diameter of the clamp bolts' clearance holes (3.4: M3)."
-    )
-    nut_width_mm: float = quantity(5.8, "mm", (2, 16), "Width of the nut traps across flats, with clearance.")
-    nut_depth_mm: float = quantity(2.6, "mm", (0.5, 10), "Depth of the nut traps.")
-    key_diameter_mm: float = quantity(5.0, "mm", (1.5, 20), "Diameter of the larger registration key at its root.")
-    key_height_mm: float = quantity(2.5, "mm", (0.5, 10), "Height of the registration keys.")
-    key_clearance_mm: float = quantity(0.15, "mm", (0.02, 1), "Gap around the registration keys.")
-    pry_width_mm: float = quantity(8.0, "mm", (2, 40), "Width of the slots for prying the halves apart.")
-    pry_depth_mm: float = quantity(2.5, "mm", (0.5, 15), "Depth of the pry slots.")
-    pry_height_mm: float = quantity(1.2, "mm", (0.4, 6), "Height of the pry slots at their mouth.")
     engraving_height_mm: float = quantity(5.0, "mm", (3, 20), "Height of the engraved letters, where they fit.")
     engraving_depth_mm: float = quantity(0.5, "mm", (0, 2), "Depth of the engraved letters; 0: no engraving.")
 

@@ -1,4 +1,7 @@
-"""Random designs: each one that the rules accept must build in both kernels and pass every check."""
+"""Random designs: each one that the rules accept must build in both kernels and pass every check.
+
+`.ci/long` makes 300 of them, `FINGERTIP_RANDOM_DESIGNS`.
+"""
 
 from __future__ import annotations
 
@@ -21,53 +24,43 @@ from fingertip.foundation.errors import DesignError
 from tests.conftest import DESIGNS, design_file
 
 TOLERANCE = 0.03
-MANY = int(os.environ.get("FINGERTIP_RANDOM_DESIGNS", "0"))
-"""Number of designs of each kind; 0 selects as many as half a minute allows."""
+MANY = int(os.environ.get("FINGERTIP_RANDOM_DESIGNS", "12"))
 TABLES = ("sensor.", "bone.", "hand.", "skin.", "mold.")
 VARIED = [p.path for p in list_parameters() if p.path.startswith(TABLES) and p.unit]
-NOT_GEOMETRY = (
-    "build_volume_excess", "mold.fill_time", "mold.syringe_force", "mold.syringe_volume", "mold.leak_length",
-    "joint.anchor_pin_stress",
-)  # fmt: skip
-UNLIMITED = ["strength.min_grip_factor=0", "strength.min_shock_factor=0"]
+NOT_GEOMETRY = "build_volume_excess"
+UNLIMITED = ["strength.min_grip_factor=0", "strength.min_knock_factor=0"]
 
 
 def generate_accepted(seed: int) -> Iterator[Design]:
-    """Generate designs that the rules accept: a bundled one with some parameters scaled by 0.5 to 2."""
+    """Generate designs that the rules accept: a bundled one, some of whose parameters are scaled by 0.5 to 2."""
     rng = random.Random(seed)
     while True:
         file = design_file(rng.choice((*DESIGNS, *PRESETS)))
-        base = Design.load(file)
+        base, near = Design.load(file), rng.choice((1.03, 1.2, 2.0))
         changes = [*UNLIMITED]
         for path in rng.sample(VARIED, rng.randint(3, 12)):
-            section, key = path.split(".")
-            changes.append(f"{path}={getattr(getattr(base, section), key) * rng.uniform(0.5, 2.0)}")
-        changes.append(f"bone.base_length_mm={rng.uniform(8, 45)}")
-        changes.append(f"bone.interface={rng.choice(('post', 'socket', 'flange', 'clevis'))}")
+            changes.append(f"{path}={base.value(path) * rng.uniform(1.0 / near, near)}")
+        if rng.random() < 0.7:
+            changes.append(f"bone.base_length_mm={rng.uniform(8, 45)}")
+            changes.append(f"bone.interface={rng.choice(('post', 'socket', 'flange', 'clevis'))}")
         with contextlib.suppress(DesignError):
             yield Design.load(file, changes=changes)
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("seed", range(MANY or 12))
-def test_random_design_passes_every_mesh_check(seed: int) -> None:
-    design = next(generate_accepted(seed))
-    found = verify(design, list(parts_by_name(design)), ("stl",), MeshEvaluator(TOLERANCE)).checks
-    names = {check.name.rsplit(".", 1)[-1] for check in found}
-    assert {"open_edges", "min_thickness_misaligned", "undercut"} <= names
-    # A part that exceeds the default printer, and a syringe that suits the mold badly, are no errors of the geometry.
-    assert [check for check in found if not check.passed and not check.name.endswith(NOT_GEOMETRY)] == []
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("seed", range(100, 100 + (MANY or 5)))
-def test_kernels_agree_on_a_random_design(seed: int) -> None:
+@pytest.mark.parametrize("seed", range(MANY))
+def test_random_design_passes_every_check_in_both_kernels(seed: int) -> None:
     from fingertip.cad.kernel import brep
 
     design, evaluator, exact = next(generate_accepted(seed)), MeshEvaluator(TOLERANCE), brep.BrepEvaluator()
-    for part in parts_by_name(design).values():
+    parts = parts_by_name(design)
+    found = [*verify(design, list(parts), ("stl",), evaluator).checks]
+    names = {check.name.rsplit(".", 1)[-1] for check in found}
+    assert {"open_edges", "min_thickness_misaligned", "undercut"} <= names
+    for part in parts.values():
         solid = part.solid(design)
         brep_solid = exact.solid(solid)
         measured = BrepMeasurements(brep.volume(brep_solid), brep.genus(brep_solid))
-        found = check_brep_solid(design, part, evaluator.mesh(solid), measured, 1.0, TOLERANCE)
-        assert [check for check in found if not check.passed] == []
+        found += check_brep_solid(design, part, evaluator.mesh(solid), measured, 1.0, TOLERANCE)
+    # A part that exceeds the printer is no error of the geometry.
+    assert [check for check in found if not check.passed and not check.name.endswith(NOT_GEOMETRY)] == []

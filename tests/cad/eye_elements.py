@@ -77,7 +77,7 @@ def solve_eye(design: Design, folder: Path, fine_mm: float, force_n: float) -> t
         "around": joint.pin_radius + AROUND_MM, "radius": joint.pin_radius - PLAY_MM, "top": joint.shoulder_z + 1.0,
     }  # fmt: skip
     (nodes, tetrahedra), (pin_nodes, pin) = (
-        _mesh(folder, name, (text + MESH).format(**sizes)) for name, text in (("bone", BONE), ("pin", PIN))
+        mesh(folder, name, (text + MESH).format(**sizes)) for name, text in (("bone", BONE), ("pin", PIN))
     )
     shift = max(nodes)
     nodes |= {number + shift: point for number, point in pin_nodes.items()}
@@ -94,7 +94,7 @@ def solve_eye(design: Design, folder: Path, fine_mm: float, force_n: float) -> t
     return points[near], tension[near], float(np.mean([nodes[number][2] for number in loaded]))
 
 
-def _mesh(folder: Path, name: str, geo: str) -> tuple[dict, np.ndarray]:
+def mesh(folder: Path, name: str, geo: str) -> tuple[dict, np.ndarray]:
     (folder / f"{name}.geo").write_text(geo)
     subprocess.run(["gmsh", "-3", f"{name}.geo", "-o", f"{name}.msh"], cwd=folder, capture_output=True, check=True)
     return read_mesh((folder / f"{name}.msh").read_text().splitlines())

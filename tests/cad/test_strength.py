@@ -106,8 +106,10 @@ def test_factors_at_their_limits():
     assert hole_in_tension(3.5, 7.0) == pytest.approx(3 - 1.565 + 0.915 - 0.19125)
 
 
-ROUND = {"post_width_mm": 7.0, "post_height_mm": 7.0}
-"""The round post that the default finger once had."""
+ROUND = {"post_width_mm": 7.0, "post_height_mm": 7.0, "post_length_mm": 8.0} | {
+    "cross_bolt_diameter_mm": 2.2, "foot_radius_mm": 1.5
+}  # fmt: skip
+"""A thin round post."""
 
 
 def test_knock_on_the_bone_alone_on_the_pad_alone_and_on_both() -> None:
@@ -193,7 +195,7 @@ def test_safety_factor_follows_load_holes_and_fillets():
 
 def test_flange_bends_as_a_plate_between_base_and_bolts():
     """Under a load from the side one bolt pulls and the other presses; both strips bend at the base."""
-    flange = {"interface": "flange", "base_length_mm": 26.0, "flange_thickness_mm": 1.5}
+    flange = {"interface": "flange", "base_length_mm": 26.0, "flange_thickness_mm": 1.5, "foot_radius_mm": 1.5}
     found = strength_of(bone=flange)
     arm = 34.0 + 26.0
     sideways = arm / 22.0 * (22.0 - 13.2) / 2 / (12.0 * 1.5**2 / 6)

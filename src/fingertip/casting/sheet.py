@@ -18,7 +18,6 @@ from fingertip.cad.printing.estimate import estimate_print
 from fingertip.cad.printing.settings import PROFILE, Profile, choose_plate_kind
 from fingertip.cad.verification.mold import LOWERING_S, palmar_limits
 from fingertip.casting.quantities import Mixture, measure_poured_cm3, mix
-from fingertip.catalogues.hardware import select_thread, standard_length_mm
 from fingertip.catalogues.output_files import PRINT_FOLDER
 from fingertip.catalogues.silicones import find_example
 from fingertip.design import Design
@@ -34,8 +33,6 @@ _FILAMENT_STEP_G, _LINE_STEP_N, _KNOT = 5, 10.0, 4.0
 """Steps to which filament and the line's strength are rounded up [g, N], and that strength over a strand's force."""
 _LEAST_KNOT_MM = 8
 """Least distance of a knot from the joints of the solder at which fingers can tie it [mm]. An assumption."""
-_PINS, _SCREWS = {"nylon": "nylon screw M{:g}", "steel": "steel pin of {:g} mm"}, 5
-"""Pins of a joint in words, and how many nylon screws to buy: they break at knocks."""
 _ORDER_NUMBERS = {"fsr400_short": ", order number 34-00004"}
 
 
@@ -149,7 +146,7 @@ def _mount(design: Design) -> Mount:
         interface=interface.name,
         bolt=f"M{bolt.thread_mm:g} x {bolt.length_mm:g} mm, with its nut" if bolt else "",
         bolts=bolt.count if bolt else 0,
-        pin=_PINS[design.strength.pin].format(hand.pin_diameter_mm),
+        pin=f"steel pin of {hand.pin_diameter_mm:g} mm",
         post_mm=(round(bone.socket_diameter_mm - MATING_PLAY_MM, 2), bone.socket_depth_mm),
         travel_deg=hand.travel_deg,
         tendon_mm=hand.tendon_diameter_mm if anchor else 0.0,
@@ -167,13 +164,11 @@ def _list_things(design: Design, batch: Mixture, mount: Mount, printed_g: float)
         "material": f"{name} filament" if material.process == "fdm" else name,
         "wire": _describe_wire(design),
         "bolt": f"bolt {mount.bolt}",
-        "pin": _describe_pin(design, mount),
+        "pin": f"{mount.pin}, {design.dimensions.pin_length:g} mm long",
     }
     sizes = {
         "silicone_g": batch.total_g, "printed_g": printed_g, "divider_kohm": design.board.divider_ohm / 1e3,
-        "bolts": mount.bolts, "pins": _SCREWS if design.strength.pin == "nylon" else 1,
-        "tendon_mm": mount.tendon_mm,
-        "tendon_n": mount.tendon_n,
+        "bolts": mount.bolts, "tendon_mm": mount.tendon_mm, "tendon_n": mount.tendon_n,
     }  # fmt: skip
     needs = {"board" if design.board.has_filter else "divider", mount.interface, "tendon" if mount.tendon_mm else ""}
     rows = []
@@ -182,13 +177,6 @@ def _list_things(design: Design, batch: Mixture, mount: Mount, printed_g: float)
         if not needed_by or needed_by & needs:
             rows.append({name: cell.format(**words, **sizes) for name, cell in row.items()})
     return load_table(Thing, rows)
-
-
-def _describe_pin(design: Design, mount: Mount) -> str:
-    if design.strength.pin == "steel":
-        return f"{mount.pin}, {design.dimensions.pin_length:g} mm long"
-    thread = select_thread(design.hand.pin_diameter_mm)
-    return f"{mount.pin} x {standard_length_mm(design.dimensions.pin_length + thread.nut_height_mm):g} mm, with its nut"
 
 
 def _describe_wire(design: Design) -> str:

@@ -27,7 +27,7 @@ import numpy as np
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.design import Design
-from fingertip.design.formulas.knock import PRESSED_N, Springs, nylon_screw_breaks_n
+from fingertip.design.formulas.knock import PRESSED_N, Springs
 from fingertip.design.formulas.stress import LocalStress, StressFactors
 from fingertip.design.geometry.solids import Point3
 from fingertip.design.interfaces import interface_of
@@ -104,25 +104,18 @@ class Weakness(LocalStress):
 
 @dataclass(frozen=True)
 class Knock:
-    """Knock at one place: what gives way to it, and the forces that break the bone and the joint's pin."""
+    """Knock at one place: what gives way to it, and the force that breaks the bone."""
 
     weakest: Weakness
     springs: Springs
-    bone_n: float
-    pin_n: float
-    """Infinite where no pin gives way first."""
-
-    @property
-    def breaks_n(self) -> float:
-        return min(self.bone_n, self.pin_n)
+    breaks_n: float
 
     def safety_factor(self, stated: Strength) -> float:
-        """Return the force that breaks the bone over that of the stated knock, which the pin limits."""
-        return self.bone_n / min(self.springs.force_n(stated.hand_mass_kg, stated.knock_speed_m_s), self.pin_n)
+        return self.breaks_n / self.springs.force_n(stated.hand_mass_kg, stated.knock_speed_m_s)
 
     def held_speed_m_s(self, stated: Strength) -> float:
         """Return the speed at which the bone has the safety factor that is wanted."""
-        return self.springs.speed_m_s(stated.hand_mass_kg, self.bone_n / stated.min_knock_factor)
+        return self.springs.speed_m_s(stated.hand_mass_kg, self.breaks_n / stated.min_knock_factor)
 
 
 @dataclass(frozen=True)
@@ -132,9 +125,7 @@ class BoneStrength:
     knock: Knock
     """Knock at the place where the bone has the least safety factor."""
     breaks_n: float
-    """Least force on the fingertip that breaks bone or pin."""
-    pin: str
-    """Name of the joint's pin if it breaks first; else empty."""
+    """Least force on the fingertip that breaks the bone."""
     drop_mm: float
     """Height from which the stated mass may drop on the fingertip."""
     tendon_force_n: float
@@ -164,25 +155,20 @@ def assess_strength(design: Design, evaluator: MeshEvaluator) -> BoneStrength:
     stated, interface, stress = design.strength, interface_of(design), attrgetter("stress_per_n")
     cuts = [(z, section, _find_concentration(design, z)) for z, section in _cut(design, evaluator)]
     (pressed,) = find_contacts(PadForm.of_design(design), REFERENCE_POSE, (PRESSED_N,), math.inf)
-    shears_n = nylon_screw_breaks_n(design.hand.pin_diameter_mm) if stated.pin == "nylon" else math.inf
     places: list[Weakness] = []
     knocks: list[Knock] = []
-    gripped_n: list[float] = []
     for load, at in list_load_points(design).items():
         proximal = [cut for cut in cuts if cut[0] < at[2]]
         found = (*_find_weakest_section(design, at, proximal), *interface.local_stresses(design, at[2]))
         here = [Weakness(**vars(place), load=load) for place in found]
-        worst, pulls = max((place for place in here if place.at_knock), key=stress), interface.pin_pulls(design, at[2])
+        worst = max((place for place in here if place.at_knock), key=stress)
         springs = Springs(pressed.depth_mm, _bending_stiffness(design, at[2], proximal))
-        pin_n = shears_n / pulls[0] if pulls else math.inf
-        knocks.append(Knock(worst, springs, stated.material.strength_mpa / worst.stress_per_n, pin_n))
-        gripped_n += (shears_n / pull for pull in pulls)
+        knocks.append(Knock(worst, springs, stated.material.strength_mpa / worst.stress_per_n))
         places += here
     weakest = max(places, key=stress)
-    bone_n, pin_n = stated.material.strength_mpa / weakest.stress_per_n, min(gripped_n, default=math.inf)
     return BoneStrength(
-        stated, weakest, min(knocks, key=lambda knock: knock.safety_factor(stated)), min(bone_n, pin_n),
-        f"nylon screw M{design.hand.pin_diameter_mm:g}" if pin_n < bone_n else "",
+        stated, weakest, min(knocks, key=lambda knock: knock.safety_factor(stated)),
+        stated.material.strength_mpa / weakest.stress_per_n,
         min(knock.springs.drop_mm(stated.hand_mass_kg, knock.breaks_n) for knock in knocks),
         stated.grip_force_n * tendon_force_per_n(design, design.skin.length_mm),
     )  # fmt: skip
@@ -261,13 +247,10 @@ def _find_concentration(design: Design, z: float) -> StressFactors:
 
 def describe_loads(strength: BoneStrength) -> str:
     """Say in a sentence what the finger holds."""
-    weakest, label = strength.weakest, strength.stated.material.label
-    place = f"{label}, {weakest.place} at z = {weakest.z_mm:.0f} mm"
-    if strength.pin:
-        place = f"pin, a {strength.pin}: change it"
     return (
-        f"breaks at {strength.breaks_n:.0f} N ({place}); survives a drop of {strength.drop_mm:.1f} mm; safety factors "
-        f"{strength.grip_safety_factor:.2f} at the grip, {strength.knock_safety_factor:.2f} of the bone at the knock"
+        f"breaks at {strength.breaks_n:.0f} N ({strength.stated.material.label}, {strength.weakest.place} at "
+        f"z = {strength.weakest.z_mm:.0f} mm); survives a drop of {strength.drop_mm:.1f} mm; safety factors "
+        f"{strength.grip_safety_factor:.2f} at the grip, {strength.knock_safety_factor:.2f} at the knock"
     )
 
 
@@ -278,11 +261,10 @@ def strength_data(strength: BoneStrength) -> dict[str, Any]:
         "loads": {
             "breaks_n": round(strength.breaks_n),
             "drop_mm": round(strength.drop_mm, 1),
-            "pin": strength.pin,
             "grip_n": stated.grip_force_n,
             "mass_kg": stated.hand_mass_kg,
         },
-        "bone_breaks_n": round_for_output(knock.bone_n),
+        "breaks_at_knock_n": round_for_output(knock.breaks_n),
         "material": stated.material.name,
         "strength_mpa": stated.material.strength_mpa,
         "strength_verified": "strength_mpa" in stated.material.verified,

@@ -1,4 +1,4 @@
-"""Force of a knock, and of what breaks a joint's pin.
+"""Force of a knock.
 
 A mass that hits something hard is stopped by the pad and by the bone behind it, two springs in series. At a force F
 they have taken the energy F d / 3 + F^2 / (2 k), which is m v^2 / 2 at the largest force (W. C. Young, R. G. Budynas,
@@ -16,9 +16,6 @@ PRESSED_N = 50.0
 """Force at which the pad's indentation is taken [N]."""
 _GRAVITY_M_S2 = 9.80665
 _STEPS = 60
-NYLON_SHEAR_MPA, ROOT_OF_THREAD = 54.0, 0.755
-"""Shear strength of screws of nylon 6.6 ("General information - plastic fasteners", T10-1025) [MPa], and the diameter
-at the root of an M2 thread over the outer one; 0.78 to 0.80 from M2.5 to M4."""
 
 
 @dataclass(frozen=True)
@@ -50,8 +47,3 @@ class Springs:
     def drop_mm(self, mass_kg: float, force_n: float) -> float:
         """Return the height from which a mass drops to a knock with this largest force."""
         return 1e3 * self.energy_j(force_n) / (mass_kg * _GRAVITY_M_S2)
-
-
-def nylon_screw_breaks_n(diameter_mm: float) -> float:
-    """Return the force that shears a nylon screw across at both sides of the middle part of a joint."""
-    return 2 * NYLON_SHEAR_MPA * math.pi / 4 * (ROOT_OF_THREAD * diameter_mm) ** 2

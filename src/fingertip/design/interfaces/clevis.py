@@ -97,7 +97,10 @@ class Clevis(JointInterface):
         joint, anchor = _joint_of(design), design.dimensions.anchor
         thickness = _eye_thickness(design.dimensions, joint)
         if joint.travel_deg:
-            pull = self.pin_pulls(design, load_z)[0]
+            # The stop pushes the finger away from the hand, and the pin holds it, besides the load itself. The pressure
+            # on the stop grows outwards, so its force acts at two thirds of the length.
+            lever = 2 / 3 * clevis_solids.stop_height_mm(design)
+            pull = (load_z - joint.axis_z) / lever + 1.0
             palmar = min(joint.eye_radius, anchor.distance - anchor.line / 2) if anchor else joint.eye_radius
             width, bore = joint.eye_radius + palmar, 2 * joint.pin_radius
             modulus = design.strength.material.modulus_mpa
@@ -112,19 +115,6 @@ class Clevis(JointInterface):
             )
             line_load = force / 2 / HORN_RADIUS_MM / anchor.line
             yield LocalStress("horn of the tendon", anchor.low_z, line_load, at_knock=False)
-
-    def pin_pulls(self, design: DesignTables, load_z: float) -> tuple[float, ...]:
-        """Pull on the pin per newton of load: by the stop of a straight finger, and by the tendon of a bent one.
-
-        The stop pushes the finger away from the hand, and the pin holds it, besides the load itself. The pressure on
-        the stop grows outwards, so its force acts at two thirds of the length.
-        """
-        joint, pulls = _joint_of(design), []
-        if joint.travel_deg:
-            pulls.append((load_z - joint.axis_z) / (2 / 3 * clevis_solids.stop_height_mm(design)) + 1.0)
-        if design.dimensions.anchor:
-            pulls.append(tendon_force_per_n(design, load_z) + 1.0)
-        return tuple(pulls)
 
     def sizes(self, design: DesignTables) -> list[Size]:
         joint = _joint_of(design)

@@ -97,10 +97,6 @@ class JointInterface:
         """Yield stresses besides those of bent cross-sections, under a load at a height of the finger."""
         yield from ()
 
-    def pin_pulls(self, design: DesignTables, load_z: float) -> tuple[float, ...]:
-        """Pull on a joint's pin per newton of load at a height, of a knock first; none without a loaded pin."""
-        return ()
-
     def bolt(self, design: DesignTables) -> Bolt | None:
         """Return what holds the bone to the proximal phalanx; None for a joint, which has a pin."""
         return None

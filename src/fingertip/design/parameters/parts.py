@@ -125,18 +125,12 @@ class Strength(ParameterTable):
     grip_force_n: float = quantity(
         8.0, "N", (1, 200), "Force of a firm grip, at the pad, the apex and the side, in any direction."
     )
-    min_grip_factor: float = quantity(
-        2.0, "", (0, 20), "Minimum safety factor of bone and pin at grip_force_n, for its check."
-    )
+    min_grip_factor: float = quantity(2.0, "", (0, 20), "Minimum safety factor of the bone at grip_force_n.")
     hand_mass_kg: float = quantity(
         0.4, "kg", (0.01, 10), "Mass that moves with the fingertip when it knocks against something hard."
     )
     knock_speed_m_s: float = quantity(0.15, "m/s", (0.01, 10), "Speed of that knock, at the same places.")
     min_knock_factor: float = quantity(1.5, "", (0, 20), "Minimum safety factor of the bone at that knock.")
-    pin: Literal["nylon", "steel"] = choice(
-        "nylon",
-        "Pin of the joint (interface clevis): nylon, a screw that breaks at a knock before the bone does; or steel.",
-    )
     print_material: Literal["surgical_guide", "clear", "durable", "petg", "pa12", "own"] = choice(
         "petg", "Material of the bone: three SLA resins, PETG, nylon 12, or own: the figures below then describe it."
     )

@@ -13,12 +13,15 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from fingertip.robot.model import FingerModel
+from fingertip.design.geometry.solids import Point3
+from fingertip.robot.model import Body, FingerModel
 
 TIMESTEP_S = 0.0005
 MAX_SPEED_RAD_S = 10.0
 """Speed that a joint of URDF has to state. An assumption: no part of the finger limits it."""
 _SCALE = "0.001 0.001 0.001"
+_HORN_M = 5e-4
+"""Half the length of a horn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +42,7 @@ def render_model(name: str, fingers: Sequence[Placed], file_format: str, comment
         # Friction creeps otherwise, and a contact of many points would be as many times as stiff.
         option = SubElement(root, "option", timestep=f"{TIMESTEP_S:g}", cone="elliptic", impratio="10000")
         SubElement(option, "flag", multiccd="disable")
-        asset, world, sensor = (SubElement(root, tag) for tag in ("asset", "worldbody", "sensor"))
+        asset, world, tendon, sensor = (SubElement(root, tag) for tag in ("asset", "worldbody", "tendon", "sensor"))
         for form, prefix in {placed.finger: placed.prefix for placed in fingers}.items():
             for mesh in form.meshes:
                 place = {"name": f"{form.name}_{mesh}", "file": f"{prefix}{mesh}.stl", "scale": _SCALE}
@@ -51,6 +54,8 @@ def render_model(name: str, fingers: Sequence[Placed], file_format: str, comment
             )  # fmt: skip
         for placed in fingers:
             _add_to_mjcf(placed, world, sensor)
+            if placed.finger.stub:
+                _add_stub_to_mjcf(placed, placed.finger.stub, world, tendon)
     else:
         root = Element("robot", name=name)
         SubElement(root, "link", name=f"{name}_interface")
@@ -81,7 +86,7 @@ def _add_to_mjcf(placed: Placed, world: Element, sensor: Element) -> None:
         "solref": _text(contact.solref(contact.inverse_mass_per_kg)), "solimp": _text(contact.solimp), "group": "3",
     }  # fmt: skip
     colours = {part.name: {**seen, "rgba": _text((*part.colour, 1.0))} for part in finger.bodies}
-    for mesh in finger.meshes:
+    for mesh in finger.parts:
         shape = {"name": f"{name}_{mesh}", "type": "mesh", "mesh": f"{finger.name}_{mesh}"}
         SubElement(body, "geom", {**shape, "pos": _text(finger.offset_m), "mass": "0", **colours.get(mesh, touched)})
     to_palm, (x, y, z), through_m = f"{_text([math.pi / 2])} 0 0", finger.sensor_m, finger.over_sensor_m
@@ -100,6 +105,29 @@ def _add_to_mjcf(placed: Placed, world: Element, sensor: Element) -> None:
         SubElement(sensor, "touch", name=f"{name}_{site}", site=f"{name}_{site}")
 
 
+def _add_stub_to_mjcf(placed: Placed, stub: Body, world: Element, tendon: Element) -> None:
+    """Add the stub of the hand as a body that stands still, and the strands of the tendon, which lie on the horns."""
+    name, finger = placed.name, placed.finger
+    held, moved = SubElement(world, "body", name=f"{name}_{stub.name}"), world.find(f"body[@name='{name}']")
+    assert moved is not None
+    held.set("pos", _text((placed.x_m, 0.0, 0.0)))
+    seen = {"contype": "0", "conaffinity": "0", "group": "2", "mass": "0", "rgba": _text((*stub.colour, 1.0))}
+    shape = {"name": f"{name}_{stub.name}", "type": "mesh", "mesh": f"{finger.name}_{stub.name}"}
+    SubElement(held, "geom", {**shape, "pos": _text(finger.offset_m), **seen})
+    for i, strand in enumerate(finger.strands, 1):
+        path, unseen = f"{name}_strand_{i}", {"contype": "0", "conaffinity": "0", "group": "4", "mass": "0"}
+        (x, y, z), radius = strand.horn_m, strand.radius_m
+        ends = f"{_text((x - _HORN_M, y, z))} {_text((x + _HORN_M, y, z))}"
+        SubElement(held, "site", name=f"{path}_guide", pos=_text(strand.guide_m), size="5e-4", group="4")
+        SubElement(moved, "site", name=f"{path}_end", pos=_text(strand.end_m), size="5e-4", group="4")
+        horn = {"name": f"{path}_horn", "type": "cylinder", "fromto": ends, "size": _text([radius]), **unseen}
+        SubElement(moved, "geom", horn)
+        spatial = SubElement(tendon, "spatial", name=path, width="4e-4")
+        SubElement(spatial, "site", site=f"{path}_guide")
+        SubElement(spatial, "geom", geom=f"{path}_horn")
+        SubElement(spatial, "site", site=f"{path}_end")
+
+
 def _add_to_urdf(placed: Placed, robot: Element, parent: str) -> None:
     name, finger = placed.name, placed.finger
     link, inertia = SubElement(robot, "link", name=name), finger.inertia
@@ -109,15 +137,18 @@ def _add_to_urdf(placed: Placed, robot: Element, parent: str) -> None:
     moments = zip(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), inertia.moments_kg_m2, strict=True)
     SubElement(inertial, "inertia", {key: _text([value]) for key, value in moments})
     colours = {part.name: part.colour for part in finger.bodies}
-    for mesh in finger.meshes:
-        shape = SubElement(link, "visual" if mesh in colours else "collision", name=f"{name}_{mesh}")
-        _place(shape, finger.offset_m)
-        SubElement(SubElement(shape, "geometry"), "mesh", filename=f"{placed.prefix}{mesh}.stl", scale=_SCALE)
-        if mesh in colours:
-            material = SubElement(shape, "material", name=f"{name}_{mesh}")
-            SubElement(material, "color", rgba=_text((*colours[mesh], 1.0)))
-    kind = ("revolute" if finger.travel_deg else "continuous") if finger.turns else "fixed"
-    joint = _join(robot, kind, parent, name, (placed.x_m, 0.0, 0.0))
+    for mesh in finger.parts:
+        _add_mesh(link, "visual" if mesh in colours else "collision", placed, mesh, colours.get(mesh))
+    kind, at_m = (
+        ("revolute" if finger.travel_deg else "continuous") if finger.turns else "fixed",
+        (placed.x_m, 0.0, 0.0),
+    )
+    if stub := finger.stub:
+        held = SubElement(robot, "link", name=f"{name}_{stub.name}")
+        _add_mesh(held, "visual", placed, stub.name, stub.colour)
+        _join(robot, "fixed", parent, f"{name}_{stub.name}", at_m)
+        parent, at_m = f"{name}_{stub.name}", (0.0, 0.0, 0.0)
+    joint = _join(robot, kind, parent, name, at_m)
     if finger.turns:
         SubElement(joint, "axis", xyz="1 0 0")
     if finger.travel_deg:
@@ -127,6 +158,15 @@ def _add_to_urdf(placed: Placed, robot: Element, parent: str) -> None:
     for frame, position_m, turn in (("tip", finger.tip_m, 0.0), ("sensor", finger.sensor_m, math.pi / 2)):
         SubElement(robot, "link", name=f"{name}_{frame}")
         _join(robot, "fixed", name, f"{name}_{frame}", position_m, turn)
+
+
+def _add_mesh(link: Element, kind: str, placed: Placed, mesh: str, colour: Point3 | None) -> None:
+    shape = SubElement(link, kind, name=f"{placed.name}_{mesh}")
+    _place(shape, placed.finger.offset_m)
+    SubElement(SubElement(shape, "geometry"), "mesh", filename=f"{placed.prefix}{mesh}.stl", scale=_SCALE)
+    if colour:
+        material = SubElement(shape, "material", name=f"{placed.name}_{mesh}")
+        SubElement(material, "color", rgba=_text((*colour, 1.0)))
 
 
 def _text(values: Iterable[float]) -> str:

@@ -11,10 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.shapes.parts import find_frames, hardware, parts_by_name
+from fingertip.cad.shapes import hand_stub
+from fingertip.cad.shapes.parts import PARTS, find_frames, hardware, parts_by_name
 from fingertip.catalogues.hardware import STEEL_G_CM3
 from fingertip.catalogues.sensors import FILM_G_CM3
 from fingertip.design import Design
+from fingertip.design.geometry.features import HORN_RADIUS_MM
 from fingertip.design.geometry.solids import Point3, cylinder
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.interface import CrossBolted, middle_y
@@ -45,6 +47,17 @@ class Inertia:
     """Inertia about the centre: xx, yy, zz, xy, xz, yz."""
 
 
+@dataclass(frozen=True)
+class Strand:
+    """Strand of the tendon: from its guide in the stub around a horn of the bone, and up its side [m]."""
+
+    guide_m: Point3
+    horn_m: Point3
+    """Middle of the horn, whose axis is parallel to x."""
+    radius_m: float
+    """Radius of the horn at the middle of the strand."""
+
+
 @dataclass(frozen=True, eq=False)
 class FingerModel:
     name: str
@@ -69,12 +82,20 @@ class FingerModel:
     """Greatest distance between the pieces together and the skin."""
     contact: ContactLaw
     taxels: TactileMesh
+    stub: Body | None
+    """Stub of the hand, which carries a finger that turns."""
+    strands: tuple[Strand, ...]
+
+    @property
+    def parts(self) -> dict[str, Mesh]:
+        """Meshes of the finger by the names of their files, without suffix, then collision pieces from the hand on."""
+        parts = {body.name: body.mesh for body in self.bodies}
+        return parts | {f"collision_{i}": piece for i, piece in enumerate(self.pieces, 1)}
 
     @property
     def meshes(self) -> dict[str, Mesh]:
-        """Meshes by the names of their files, without suffix: parts, then collision pieces from the hand on."""
-        parts = {body.name: body.mesh for body in self.bodies}
-        return parts | {f"collision_{i}": piece for i, piece in enumerate(self.pieces, 1)}
+        """Meshes of the finger, and of the stub of the hand."""
+        return {**self.parts, **({self.stub.name: self.stub.mesh} if self.stub else {})}
 
 
 def build_finger(design: Design) -> FingerModel:
@@ -99,15 +120,22 @@ def build_finger(design: Design) -> FingerModel:
     (_, y, z) = frames["interface"]
 
     def place(at_mm: Point3) -> Point3:
-        return 0.0, 1e-3 * (at_mm[1] - y), 1e-3 * (at_mm[2] - z)
+        return 1e-3 * at_mm[0], 1e-3 * (at_mm[1] - y), 1e-3 * (at_mm[2] - z)
 
-    tip, offset = place(frames["tip"]), place((0.0, 0.0, 0.0))
+    tip, offset, stub, strands = place(frames["tip"]), place((0.0, 0.0, 0.0)), None, list[Strand]()
+    if joint:
+        part = PARTS["hand_stub"]
+        stub = Body(part.name, evaluator.mesh(part.solid(design)), print_g_cm3, part.colour)
+    if (anchor := dims.anchor) and (way := hand_stub.guide(design)):
+        for x in way.x:
+            horn, radius = (x, anchor.horn_y + HORN_RADIUS_MM, anchor.horn_low_z), HORN_RADIUS_MM + anchor.line / 2
+            strands.append(Strand(place((x, way.y, way.mouth_z)), place(horn), 1e-3 * radius))
     return FingerModel(
         design.name, bodies, measure_inertia(bodies, offset), offset, joint is not None,
         joint.travel_deg if joint else 0.0, tip[2] * design.strength.grip_force_n, tip,
         place(frames["sensor"]),
         5e-4 * dims.sensor.active_diameter_mm, 1e-3 * design.skin.thickness_palmar_mm, pieces, error_mm,
-        fit_contact(design), mesh_active_area(PadForm.of_design(design)),
+        fit_contact(design), mesh_active_area(PadForm.of_design(design)), stub, tuple(strands),
     )  # fmt: skip
 
 

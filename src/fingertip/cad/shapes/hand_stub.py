@@ -60,7 +60,7 @@ def bars(design: Design) -> tuple[Box, Box]:
     palmar, dorsal = joint.axis_y - design.hand.axis_height_mm, stop_top_y(design, joint)
     root, low, behind, begin = joint.low_z, joint.low_z - _BAR_MM, palmar, joint.low_z
     if way:
-        half, begin = max(half, way.x[-1] + way.radius + wall), way.mouth_z
+        half, begin = max(half, way.x[-1] + way.radius + MOUTH_MM + wall), way.mouth_z
         behind = min(palmar, way.y - way.radius - MOUTH_MM - wall)
     return Box((-half, palmar, begin - 1.0), (half, dorsal, root)), Box((-half, behind, low), (half, dorsal, begin))
 

@@ -14,7 +14,7 @@ from fingertip import Design, write_robot
 INSTALL = "run `sh .ci/install-robot-readers` as root on Debian"
 READERS = f"/opt/robot-readers/lib/python{sys.version_info.major}.{sys.version_info.minor}/site-packages"
 DESIGNS = ("adult_finger", "fsr400")
-"""One that turns on its pin, with a lid, and a rigid one with a cross bolt."""
+"""One that turns on its pin, and a rigid one with a cross bolt."""
 
 
 @dataclass(frozen=True)

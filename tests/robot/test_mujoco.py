@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fingertip import write_robot
+from fingertip import Design, write_robot
 from fingertip.design.finger_set import load_set
-from fingertip.pad.contacts import find_contacts
+from fingertip.pad.layer import find_contacts
 from fingertip.pad.form import PadForm
 from fingertip.pad.pose import Pose
 from fingertip.robot.contact import FORCES_N
@@ -43,6 +43,26 @@ def test_both_formats_load_without_a_warning(model: Model, capfd, monkeypatch: p
         assert not any(warning.number for warning in data.warning)
     assert capfd.readouterr() == ("", "")
     assert not any(tmp_path.iterdir())
+
+
+def test_both_strands_pull_at_the_distance_of_the_tendon(tmp_path: Path) -> None:
+    """A strand on the straight finger lies tendon_distance_mm from the axis; a bent one goes around the horn outside."""
+    mujoco, design = require_module("mujoco", INSTALL), Design.load("adult_finger")
+    write_robot(design, tmp_path / "robot")
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot/finger.xml"))
+    data, anchor, joint = mujoco.MjData(model), design.dimensions.anchor, design.dimensions.joint
+    mujoco.mj_forward(model, data)
+    assert 1e3 * data.ten_J.ravel() == pytest.approx([-5.0, -5.0], abs=1e-4)
+    data.qpos[:] = angle = math.radians(design.hand.travel_deg)
+    mujoco.mj_forward(model, data)
+    # The lever of the tangent from the guide to the circle about the horn, in the frame of the hand
+    radius, y, z = 4.0 + anchor.line / 2, anchor.horn_y + 4.0 - joint.axis_y, anchor.horn_low_z - joint.axis_z
+    horn = np.array([y * math.cos(angle) - z * math.sin(angle), y * math.sin(angle) + z * math.cos(angle)])
+    guide = np.array([-5.0, -joint.radius - 3.0])
+    away = horn - guide
+    along = math.atan2(*away) - math.asin(radius / math.hypot(*away))
+    lever = guide[1] * math.sin(along) - guide[0] * math.cos(along)
+    assert 1e3 * data.ten_J.ravel() == pytest.approx([-lever, -lever], abs=1e-3)
 
 
 def press(mujoco: Any, model: Model, tilt_deg: float, force_n: float) -> tuple[Any, Any, float]:

@@ -37,7 +37,10 @@ def describe_model(finger: FingerModel, file_format: str) -> dict[str, Any]:
             f" Contact: force within {100 * contact.error:.1f} percent of that of the layer model of the pad over its "
             f"depth, from {low_n:g} to {high_n:g} N."
         )
-    return {"design": finger.name, "format": file_format, "turns": finger.turns, "errors": errors, **_round(figures)}
+    return {
+        "design": finger.name, "format": file_format, "turns": finger.turns, "errors": errors, **_round(figures),
+        "has_tendon": bool(finger.strands),
+    }  # fmt: skip
 
 
 def render_robot_readme(figures: Mapping[str, Any], fingers: Sequence[str]) -> str:

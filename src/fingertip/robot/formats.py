@@ -118,13 +118,16 @@ def _add_stub_to_mjcf(placed: Placed, stub: Body, world: Element, tendon: Elemen
         path, unseen = f"{name}_strand_{i}", {"contype": "0", "conaffinity": "0", "group": "4", "mass": "0"}
         (x, y, z), radius = strand.horn_m, strand.radius_m
         ends = f"{_text((x - _HORN_M, y, z))} {_text((x + _HORN_M, y, z))}"
-        SubElement(held, "site", name=f"{path}_guide", pos=_text(strand.guide_m), size="5e-4", group="4")
-        SubElement(moved, "site", name=f"{path}_end", pos=_text(strand.end_m), size="5e-4", group="4")
+        for body, site, at_m in (
+            (held, "guide", strand.guide_m), (moved, "side", (x, y - radius, z + radius)),
+            (moved, "end", (x, y + radius, z + radius)),
+        ):  # fmt: skip
+            SubElement(body, "site", name=f"{path}_{site}", pos=_text(at_m), size="5e-4", group="4")
         horn = {"name": f"{path}_horn", "type": "cylinder", "fromto": ends, "size": _text([radius]), **unseen}
         SubElement(moved, "geom", horn)
         spatial = SubElement(tendon, "spatial", name=path, width="4e-4")
         SubElement(spatial, "site", site=f"{path}_guide")
-        SubElement(spatial, "geom", geom=f"{path}_horn")
+        SubElement(spatial, "geom", geom=f"{path}_horn", sidesite=f"{path}_side")
         SubElement(spatial, "site", site=f"{path}_end")
 
 
@@ -139,10 +142,8 @@ def _add_to_urdf(placed: Placed, robot: Element, parent: str) -> None:
     colours = {part.name: part.colour for part in finger.bodies}
     for mesh in finger.parts:
         _add_mesh(link, "visual" if mesh in colours else "collision", placed, mesh, colours.get(mesh))
-    kind, at_m = (
-        ("revolute" if finger.travel_deg else "continuous") if finger.turns else "fixed",
-        (placed.x_m, 0.0, 0.0),
-    )
+    kind = ("revolute" if finger.travel_deg else "continuous") if finger.turns else "fixed"
+    at_m = placed.x_m, 0.0, 0.0
     if stub := finger.stub:
         held = SubElement(robot, "link", name=f"{name}_{stub.name}")
         _add_mesh(held, "visual", placed, stub.name, stub.colour)

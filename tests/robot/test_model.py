@@ -55,7 +55,7 @@ def test_mass_and_inertia_are_the_integrals_of_trimesh_over_the_written_files(mo
 
 def test_densities_are_those_of_the_catalogues_and_volumes_those_of_the_parts(model: Model) -> None:
     parts = model.figures["parts"]
-    for name, density_g_cm3 in (("bone", 1.2), ("skin", 1.08)):
+    for name, density_g_cm3 in (("bone", 1.27), ("skin", 1.18)):
         assert parts[name][0] == density_g_cm3
         exact_g = 1e-3 * parts[name][0] * part_mesh(model.design, name, 0.005).volume()
         assert parts[name][1] == pytest.approx(exact_g, rel=5e-3)

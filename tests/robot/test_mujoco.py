@@ -14,8 +14,8 @@ import pytest
 
 from fingertip import Design, write_robot
 from fingertip.design.finger_set import load_set
-from fingertip.pad.layer import find_contacts
 from fingertip.pad.form import PadForm
+from fingertip.pad.layer import find_contacts
 from fingertip.pad.pose import Pose
 from fingertip.robot.contact import FORCES_N
 from tests.conftest import ROOT
@@ -46,7 +46,7 @@ def test_both_formats_load_without_a_warning(model: Model, capfd, monkeypatch: p
 
 
 def test_both_strands_pull_at_the_distance_of_the_tendon(tmp_path: Path) -> None:
-    """A strand on the straight finger lies tendon_distance_mm from the axis; a bent one goes around the horn outside."""
+    """A strand on the straight finger lies tendon_distance_mm from the axis; a bent one farther out, on its horn."""
     mujoco, design = require_module("mujoco", INSTALL), Design.load("adult_finger")
     write_robot(design, tmp_path / "robot")
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot/finger.xml"))
@@ -162,7 +162,8 @@ def test_a_set_is_one_model_whose_fingers_stand_side_by_side_and_feel_by_themsel
     data = mujoco.MjData(loaded)
     mujoco.mj_forward(loaded, data)
     names = [name for name, _ in loaded_set.fingers]
-    assert [loaded.body(i).name for i in range(1, loaded.nbody)] == names
+    bodies = [loaded.body(i).name for i in range(1, loaded.nbody)]
+    assert bodies == [body for name in names for body in (name, f"{name}_hand_stub")]
     places = [float(data.body(name).xpos[0]) for name in names]
     assert places == sorted(places, reverse=side == "right")  # seen from the palm, the right thumb is on the right
     assert list(figures["places_m"].values()) == pytest.approx(places)

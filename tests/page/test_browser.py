@@ -398,14 +398,7 @@ def test_a_phone_scrolls_over_the_view_and_enlarges_pictures(opened: Any) -> Non
 @pytest.mark.full
 def test_page_of_a_set_is_laid_out_alike(driver: Any, tmp_path: Path) -> None:
     data = collect_data("hand", [make_sheets(THUMB, NAMES[:1]), make_sheets(FINGER, NAMES[1:])], has_board=True)
-    data |= {"plates": {"fingers_sla.3mf": ("bone thumb",), "molds_sla.3mf": ("mold",), "molds_fdm.3mf": ("mold",)}}
-    files = {
-        "board/README.md",
-        "parts_list.csv",
-        "adult_thumb/casting.md",
-        "adult_finger/acceptance.md",
-        *(f"print/{plate}" for plate in data["plates"]),
-    }
+    files = {"board/README.md", "parts_list.csv", *(f"{row['design']}/{row['plate']}" for row in data["fingers"])}
     sheets = [render_sheet(name, data) for name in ("overview", "casting_plan", "parts_list", "acceptance")]
     pictures = {design.name: draw_finger(design, 320) for design in (THUMB, FINGER)}
     start = render_set_start(data, Design(name="hand", board={"channels": 5}))

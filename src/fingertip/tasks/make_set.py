@@ -33,7 +33,6 @@ from fingertip.catalogues.output_files import (
     README,
     SET_FILES,
     SET_REPORT,
-    SHEET,
 )
 from fingertip.design import Design
 from fingertip.design.files import to_toml
@@ -127,8 +126,8 @@ def make_set(
 
 def _list_files(sheets: Iterable[FormSheets], board: Iterable[Path], folder: Path) -> list[str]:
     """List the files of a set that its page links to, without those of the page's own making."""
-    own = (SHEET, ACCEPTANCE, f"{BOARD_FOLDER}/{README}")
-    listed = [f"{each.form.design.name}/{file}" for each in sheets for file in (*own, each.casting.plate)]
+    own = f"{BOARD_FOLDER}/{README}"
+    listed = [f"{each.form.design.name}/{file}" for each in sheets for file in (own, each.casting.plate)]
     return [*listed, *(path.relative_to(folder).as_posix() for path in board if path.suffix in _SHOWN)]
 
 

@@ -44,8 +44,7 @@ from tests.approved import check_text
 from tests.conftest import ROOT, run_fingertip
 
 APPROVED = ROOT / "tests/documents/approved"
-FINGER = Design.load("adult_finger")
-THUMB = Design.load("adult_finger", changes=["name=adult_thumb", "skin.width_mm=22", "skin.length_mm=27"])
+FINGER, THUMB = Design.load("adult_finger"), Design.load("adult_thumb")
 
 
 @pytest.fixture

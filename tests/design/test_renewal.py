@@ -12,7 +12,7 @@ import tomlkit
 from fingertip.design import Design
 from fingertip.design.all_rules import RULES
 from fingertip.design.parameters import PARAMETERS
-from fingertip.design.parameters.retired import load_retired
+from fingertip.design.parameters.declaration import load_retired
 from fingertip.design.renewal import LEFT_OUT, renew_design
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.foundation.errors import DesignError

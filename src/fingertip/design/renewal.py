@@ -21,8 +21,7 @@ from fingertip.design.geometry import DesignTables
 from fingertip.design.model import Design
 from fingertip.design.new_design import NewDesign, list_lines
 from fingertip.design.parameters import PARAMETERS
-from fingertip.design.parameters.declaration import parse_tables
-from fingertip.design.parameters.retired import load_retired
+from fingertip.design.parameters.declaration import load_retired, parse_tables
 from fingertip.design.refusal import cheapest_first
 from fingertip.design.rules.ruleset import RuleChecker
 from fingertip.foundation.errors import DesignError, Issue, gather

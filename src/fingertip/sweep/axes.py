@@ -15,8 +15,7 @@ from pydantic import BaseModel, ValidationError
 from fingertip.catalogues.controllers import split_finger
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import ParameterTable
-from fingertip.design.parameters.declaration import find_similar_name, issues_from_pydantic, suggest_name
-from fingertip.design.parameters.retired import load_retired
+from fingertip.design.parameters.declaration import find_similar_name, issues_from_pydantic, load_retired, suggest_name
 from fingertip.foundation.errors import Issue, SweepError, quote_value
 
 Value: TypeAlias = float | int | bool | str

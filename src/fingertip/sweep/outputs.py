@@ -13,8 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fingertip.catalogues.controllers import split_finger
-from fingertip.design.parameters.declaration import suggest_name
-from fingertip.design.parameters.retired import describe_retired, load_retired
+from fingertip.design.parameters.declaration import describe_retired, load_retired, suggest_name
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.tables import load_table, read_rows
 

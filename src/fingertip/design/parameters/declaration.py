@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import difflib
+import functools
 import itertools
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
 
-from fingertip.design.parameters.retired import describe_retired, load_retired
 from fingertip.foundation.errors import MAX_VALUE_LENGTH, DesignError, Issue, join_words, quote_value, shorten
+from fingertip.foundation.tables import read_rows
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -122,6 +124,28 @@ _MAX_LISTED = 100
 """Maximum number of known names that are listed. A sweep of a design has more outputs, a table fewer parameters."""
 _MAX_COMPARED_LENGTH = 60
 """Maximum length of a word that known names are compared with [characters]."""
+
+
+_FEW = 2
+"""Number of groups up to which lines are soon mended by hand."""
+
+
+@functools.cache
+def load_retired() -> Mapping[str, str]:
+    """Load what to do with lines that name a parameter, or an output of a sweep, that went."""
+    rows = read_rows(Path(__file__).with_name("retired.csv"))
+    return {name: row["instead"] for row in rows for name in row["names"].split()}
+
+
+def describe_retired(names: Iterable[str]) -> list[Issue]:
+    """Return one issue for each group of names that went, and for many the command that removes them."""
+    groups: dict[str, list[str]] = {}
+    for name in names:
+        groups.setdefault(load_retired()[name], []).append(name)
+    issues = [Issue(", ".join(group), instead) for instead, group in groups.items()]
+    if len(groups) > _FEW:
+        issues.append(Issue("design", "`fingertip new NAME --from FILE` writes such a design anew, with its sizes."))
+    return issues
 
 
 def issues_from_pydantic(error: ValidationError, model: type[BaseModel]) -> list[Issue]:

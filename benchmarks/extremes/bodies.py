@@ -27,11 +27,11 @@ _NOT_GEOMETRY = ("excess", "plunge_pressure", "core_bending", "creep", "seat_fil
 
 def geometry(draw: Draw) -> float:
     """Bound: no failed check. Inside the bounds is what the rules accept; beyond, refusals are part of the answer."""
-    name = draw.choose("design", ("fsr400", "fsr402", "fsr400_compact", *PRESETS))
+    name = draw.choose("design", ("fsr400", "fsr402", "first_finger", *PRESETS))
     base = Design.load(name)
     varied = [p.path for p in list_parameters() if p.path.startswith(_TABLES) and p.unit]
     while True:
-        changes = ["strength.min_grip_factor=0", "strength.min_shock_factor=0"]
+        changes = ["strength.min_grip_factor=0", "strength.min_knock_factor=0"]
         for path in draw.rng.sample(varied, draw.rng.randint(3, 12)):
             table, key = path.split(".")
             scale = draw.log("parameter / its value", (0.5, 2.0), (0.05, 20.0))

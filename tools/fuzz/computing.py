@@ -65,7 +65,6 @@ _TASKS: tuple[tuple[str, float, tuple[str, ...]], ...] = (
     ("check", 4, ("check {design} --tolerance-mm {tolerance} --json",)),
     ("drawing", 0.3, ("drawing {design} --out d",)),
     ("picture", 0.6, ("picture {design} --out e.png --width-px 400",)),
-    ("coupon", 0.3, ("coupon {design} --out c",)),
     ("new", 2, ("new mine --preset {preset} --out n.toml {fitted}", "check n.toml --tolerance-mm {tolerance}")),
     ("trial", 12, ("simulate {design} --out {trace} --seed {seed} --json", "{detect}", "{detect}")),
     ("trial, plotted", 1, ("simulate {design} --out {trace} --plot t.png", "{detect} --plot e.png")),

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fingertip.filling.mold_filling import gate_opening, list_ducts, predict_mold_filling, vent_cavity
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
@@ -25,7 +26,6 @@ from fingertip.catalogues.hardware import SYRINGES, THREADS, find_needle
 from fingertip.design import Design
 from fingertip.design.geometry.seat import list_contacts, tape_span_mm
 from fingertip.design.interfaces import interface_of
-from fingertip.filling.mold_filling import gate_opening, list_ducts, predict_mold_filling, vent_cavity
 from tests.approved import check_figures
 from tests.cad.part_checks import run_all_checks
 from tests.conftest import design_file, some_of

@@ -7,6 +7,7 @@ from itertools import product
 
 import numpy as np
 import pytest
+from fingertip.design.geometry.cup_layout import POURED
 
 from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel import brep
@@ -16,7 +17,6 @@ from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification import assembly, trapped_air
 from fingertip.cad.verification import cup as checks
 from fingertip.design import Design
-from fingertip.design.geometry.cup_layout import POURED
 from fingertip.design.geometry.solids import Box, cylinder, difference, union
 from tests.cad.part_checks import TOLERANCE
 

@@ -227,9 +227,9 @@ DEFECTS = {
         clevis_solids, "eye_profile", lambda _, joint, reach: EYE(replace(joint, travel_deg=0.0), reach),
         {"joint.stop_straight_overlap", "joint.stop_bent_overlap"}, design="adult_finger",
     ),
-    "missing notch of the tendon": Defect(
-        clevis_solids, "notch", lambda _, design, anchor: clevis_solids.pin_bore(design.dimensions.joint, 1.0),
-        {"joint.tendon_overlap"}, TONGUE, "adult_finger",
+    "missing way of the tendon": Defect(
+        clevis_solids, "tendon_way", lambda _, design, anchor, joint: (), {"joint.tendon_overlap"},
+        design="adult_finger",
     ),
     "narrow joint": Defect(
         clevis_solids, "space",

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from fingertip.catalogues.print_materials import PRINT_MATERIALS
 from fingertip.design import Design
-from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.sizes import FIT, MIN_TOLERANCE_MM, PartDrawing, Size, general
-from fingertip.design.interfaces import interface_of
 from fingertip.pictures.drawing.draw import part_drawings
 from tests.drawing.conftest import FILES, load_variant
 
@@ -95,16 +92,6 @@ def test_tolerances_of_two_mating_parts_leave_half_of_their_play(name: str, is_c
     for hole, shaft in mates:
         (least, stated_hole, _), (_, stated_shaft, largest) = limits_mm(hole), limits_mm(shaft)
         assert least - largest >= (stated_hole - stated_shaft) / 2 - 1e-9 > 0.0, (hole, shaft)
-
-
-def test_thinnest_wall_at_the_anchor_has_the_least_safety_factor_unless_prints_err_less() -> None:
-    plain, design = (load_variant(("adult_finger", (f"strength.min_grip_factor={least}",))) for least in (2.0, 3.5))
-    assert by_name(part_drawings(plain)[0])["wall at the anchor's hole"].text() == "0.8 ±0.1"
-    wall = by_name(part_drawings(design)[0])["wall at the anchor's hole"]
-    thin = DesignTables(**design.model_dump()).with_values({"bone.wall_mm": wall.value + wall.tolerance.low})
-    (stress,) = (s for s in interface_of(thin).local_stresses(thin, thin.skin.length_mm) if "wall" in s.place)
-    strength = PRINT_MATERIALS["surgical_guide"].strength_mpa
-    assert strength / (stress.stress_per_n * 20.0) == pytest.approx(thin.strength.min_grip_factor)
 
 
 def test_general_tolerances_are_those_of_the_standard() -> None:

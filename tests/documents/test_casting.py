@@ -28,10 +28,11 @@ from fingertip.tasks.firmware import firmware_files
 from tests.conftest import design_file
 
 NAMES = ("first_finger", "article", "fsr400", "fsr402", *PRESETS)
+FLANGE = "first_finger bone.interface=flange bone.foot_radius_mm=0.45"
 MOUNTED = {
     "first_finger": "the stand",
     "first_finger bone.interface=socket bone.base_length_mm=32": "onto the post of your hand, of 4.8 mm",
-    "first_finger bone.interface=flange bone.foot_radius_mm=0.45 bone.base_length_mm=27": "Screw the flange to your hand with 2 bolts",
+    f"{FLANGE} bone.base_length_mm=27": "Screw the flange to your hand with 2 bolts",
 }
 """Designs with another way to hold the finger -> words of the step that says it."""
 TOOLS = (

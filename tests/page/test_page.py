@@ -49,7 +49,7 @@ def test_asks_nothing_of_the_network(page: Page) -> None:
     outside = {value for value in page.attributes("href") if not value.startswith(("#", "https://doi.org/"))}
     sources = make_sources()
     assert outside <= {*sources.files, *sources.unread}, "a link leads to a file of the folder"
-    assert {"print/plate_sla.3mf", "casting.md", "acceptance.md", "board/bom.csv"} <= outside
+    assert {"print/plate_fdm.3mf", "casting.md", "acceptance.md", "board/bom.csv"} <= outside
     assert not {"link", "iframe", "object", "embed", "base", "form"} & {tag for tag, _ in page.elements}
     assert "url(" not in page.source.split("</style>")[0]
 

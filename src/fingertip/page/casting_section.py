@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-
 from fingertip.catalogues import output_files as outputs
 from fingertip.design import Design
 from fingertip.design.files import list_parameters
@@ -19,7 +17,7 @@ _TICKED = {"data_ticks": "shopping", "data_noun": "things at hand"}
 
 
 def render_printing(sources: Sources) -> Markup:
-    """Render the files for the printer with what each holds, and how to print them."""
+    """Render the files for the printer with what each holds."""
     rows = []
     for path, found in sources.report.get(outputs.PRINT_FOLDER, {}).items():
         if path in sources.links:
@@ -27,7 +25,7 @@ def render_printing(sources: Sources) -> Markup:
             rows.append((element("a", path, href=sources.links[path]), parts))
     files = table(("file", "holds"), sorted(rows, key=lambda row: row[0].endswith("stl</a>")), "files to print")
     missing = note(element("code", COMMANDS[outputs.PRINT_FOLDER]), " makes plates and parts as they lie on the bed.")
-    return join((files if rows else missing,))
+    return files if rows else missing
 
 
 def render_tests(sources: Sources) -> Markup:
@@ -49,18 +47,6 @@ def render_shopping(sources: Sources) -> Markup:
         said = ("The parts on the board stand ", element("a", "with its pictures", href="#board"), ".")
         parts.append(element("p", *said))
     return join(parts)
-
-
-def render_list(text: str, is_bench: Callable[[str], bool], links: Mapping[str, str]) -> Markup:
-    """Render a list to buy with boxes to tick, the lines of supplies and tools folded up."""
-    lines = text.strip().splitlines()
-    rows = [line for line in lines if line.startswith("|")]
-    bench = [row for row in rows[2:] if is_bench(row)]
-    listed = render("\n".join(line for line in lines if line not in bench), links, **_TICKED)
-    if not bench:
-        return listed
-    rest = render("\n".join([*rows[:2], *bench]), links, **_TICKED)
-    return join((listed, fold(f"Supplies and tools of the bench: {len(bench)}", rest)))
 
 
 def render_casting(sources: Sources) -> Markup:

@@ -67,7 +67,11 @@ def _deck(design: Design, nodes: dict, tetrahedra: np.ndarray, numbers: np.ndarr
     def on_horn(at: np.ndarray) -> bool:
         away = np.hypot(at[:, 1] - axis_y, at[:, 2] - axis_z)
         turns = at[:, 1].mean() < axis_y and at[:, 2].mean() > axis_z
-        return bool(turns and abs(away - HORN_RADIUS_MM).max() < 0.02 and abs(at[:, 0].mean() - anchor.strand_x) < anchor.line / 2)
+        return bool(
+            turns
+            and abs(away - HORN_RADIUS_MM).max() < 0.02
+            and abs(at[:, 0].mean() - anchor.strand_x) < anchor.line / 2
+        )
 
     def on_back(at: np.ndarray) -> bool:
         within = anchor.low_z - 0.1 < at[:, 2].mean() < anchor.low_z + anchor.line + 0.2

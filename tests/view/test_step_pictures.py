@@ -16,9 +16,8 @@ from fingertip.casting.sheet import casting_sheet
 from fingertip.design import Design
 from fingertip.documents.casting import list_steps
 from fingertip.pictures.raster import Canvas
-from fingertip.pictures.steps.objects import Bench
 from fingertip.pictures.steps.pictures import SCENES
-from fingertip.pictures.steps.scene import draw_scene
+from fingertip.pictures.steps.scene import Bench, draw_scene
 from tests.conftest import design_file, run_fingertip
 
 

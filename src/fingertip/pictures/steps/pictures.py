@@ -13,8 +13,7 @@ from fingertip.design import Design
 from fingertip.foundation.progress import Work
 from fingertip.pictures.raster import Canvas, bounds, to_png
 from fingertip.pictures.steps import joint_scenes, scenes
-from fingertip.pictures.steps.objects import Bench
-from fingertip.pictures.steps.scene import Scene, View, draw_scene
+from fingertip.pictures.steps.scene import Bench, Scene, View, draw_scene
 
 SCENES: dict[str, Callable[[Bench, CastingSheet], Scene]] = {
     name.rstrip("_"): scene

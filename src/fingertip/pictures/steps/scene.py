@@ -1,4 +1,4 @@
-"""Scenes of the casting steps, drawn as PNG: shaded meshes with arrows and labels.
+"""Scenes of the casting steps, drawn as PNG: parts and tools as shaded meshes, with arrows and labels.
 
 Labels stand in the margins, on the side of what they name, one below the other, so that none covers the parts or
 another label.
@@ -14,9 +14,11 @@ from typing import TypeAlias
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from fingertip.cad.kernel.mesh import Mesh
+from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
+from fingertip.cad.shapes.bone import sensor_body
 from fingertip.cad.shapes.parts import PARTS
-from fingertip.design.geometry.solids import Point3
+from fingertip.design import Design
+from fingertip.design.geometry.solids import Box, Point3, Solid, cylinder, difference
 from fingertip.foundation.numerics import Array
 from fingertip.pictures.raster import Camera, Canvas, Colour, Pen, bounds, to_png
 
@@ -145,3 +147,49 @@ class Paint:
 
     SENSOR, WIRE, STEEL = (0.86, 0.68, 0.24), (0.72, 0.20, 0.16), (0.62, 0.63, 0.66)
     GLASS, SILICONE, PAPER = (0.80, 0.86, 0.90), PARTS["skin"].colour, (0.93, 0.91, 0.86)
+
+
+_TOLERANCE_MM, _WALL_MM = 0.05, 0.8
+"""Tolerance of the meshes, and wall of drawn cups [mm]."""
+CUP_RADIUS_MM, _CUP_HEIGHT_MM = 22.0, 45.0
+
+
+class Bench:
+    """Parts of one design and what lies with them, as meshes."""
+
+    def __init__(self, design: Design) -> None:
+        self.design, self.dims = design, design.dimensions
+        self.evaluator = MeshEvaluator(_TOLERANCE_MM)
+        self._meshes: dict[tuple[Solid, bool], Mesh] = {}
+
+    @property
+    def head(self) -> Point3:
+        """Middle of the sensor's head, on the flat or its platform."""
+        return 0.0, -self.dims.platform_depth, self.dims.sensor_z
+
+    def solid(self, solid: Solid, colour: Colour, shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False) -> Shown:
+        """Show a solid, shifted, and cut open along x = 0 if asked for."""
+        mesh = self._meshes.get((solid, cut))
+        if mesh is None:
+            manifold = self.evaluator.manifold(solid)
+            mesh = to_canonical_mesh(manifold.trim_by_plane((1.0, 0.0, 0.0), 0.0) if cut else manifold)
+            self._meshes[solid, cut] = mesh
+        return Shown(Mesh(mesh.vertices + np.array(shift), mesh.triangles), colour)
+
+    def part(self, name: str, shift: Point3 = (0.0, 0.0, 0.0), *, cut: bool = False) -> Shown:
+        return self.solid(PARTS[name].solid(self.design), PARTS[name].colour, shift, cut=cut)
+
+    def sensor(self, shift: Point3 = (0.0, 0.0, 0.0)) -> Shown:
+        return self.solid(sensor_body(self.design), Paint.SENSOR, shift)
+
+    def assembled_bone(self) -> list[Shown]:
+        return [self.part("bone"), self.sensor()]
+
+    def cup(self, level: float) -> list[Shown]:
+        """Show a cup that stands on z = 0, cut open, filled to a level [mm]."""
+        middle, reach = (0.0, 0.0), 2 * CUP_RADIUS_MM
+        outside = cylinder("z", middle, 0.0, _CUP_HEIGHT_MM, CUP_RADIUS_MM + _WALL_MM)
+        inside = cylinder("z", middle, _WALL_MM, _CUP_HEIGHT_MM + 1.0, CUP_RADIUS_MM)
+        front = Box((-reach, -reach, _WALL_MM), (reach, 0.0, _CUP_HEIGHT_MM + 1.0))
+        content = cylinder("z", middle, _WALL_MM, _WALL_MM + level, 0.99 * CUP_RADIUS_MM)
+        return [self.solid(difference(outside, inside, front), Paint.GLASS), self.solid(content, Paint.SILICONE)]

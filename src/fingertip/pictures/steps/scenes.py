@@ -18,8 +18,7 @@ from fingertip.design.geometry.solids import Box, Solid, cylinder, difference, i
 from fingertip.design.interfaces.interface import middle_y
 from fingertip.design.interfaces.rigid import Post, Socket
 from fingertip.pictures.raster import Camera
-from fingertip.pictures.steps.objects import CUP_RADIUS_MM, Bench
-from fingertip.pictures.steps.scene import Arrow, Label, Paint, Scene, Shown, View
+from fingertip.pictures.steps.scene import CUP_RADIUS_MM, Arrow, Bench, Label, Paint, Scene, Shown, View
 
 _UP = (0.0, 0.0, -1.0)
 _FROM_BELOW = Camera.looking_from((0.4, -1.0, 0.12), _UP)

@@ -36,7 +36,7 @@ MOUNTED = {
 """Designs with another way to hold the finger -> words of the step that says it."""
 TOOLS = (
     "adhesive|baking|breadboard|brush|cloth|drill|epoxy|felt|glue|goggles|jumper|key|lacquer|needle|oven|pen|pliers|pot|"
-    "primer|reamer|ruler|sandpaper|scissors|screw|screwdriver|sealant|shim|soap|syringe|tape|thread|tie|towel|tweezers|"
+    "primer|reamer|ruler|sandpaper|scissors|screw|screwdriver|sealant|shim|soap|syringe|tape|thread|cable tie|towel|tweezers|"
     "vacuum|vise|voltmeter|washer|water|wax|wedges?|weights?"
 )
 """Words of tools and materials that most lists do not hold."""

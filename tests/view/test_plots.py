@@ -17,14 +17,11 @@ import pytest
 
 from fingertip.board.analysis.tolerance import ResponseBand, compute_response_band, draw_response
 from fingertip.design import Design
-from fingertip.filling.predict import AirPocket, LastPoint, Opening
-from fingertip.filling.surface_links import build_skin_grid
 from fingertip.lab.campaign.closed_loop import NO_CONTROL
 from fingertip.lab.campaign.plan import CampaignPlan, Case, generate_cases
 from fingertip.lab.campaign.run import CampaignResult, DetectorResult, TrialResult
 from fingertip.lab.report import plots, trial_plots
 from fingertip.lab.report.trial_plots import ExampleTrial
-from fingertip.pictures.filling import draw_filling
 from fingertip.sim import report as sim_report
 from fingertip.sim.runs.grip import GripDecision
 from fingertip.sim.runs.manipulation import ManipulationResult
@@ -190,23 +187,6 @@ def board() -> None:
     )
     draw_response(band, "board", ".svg")
     draw_response(compute_response_band(DESIGN, 20), "20 boards", ".png")
-
-
-# Filling
-
-
-@plot
-def filling() -> None:
-    grid = build_skin_grid(Design(), 12, 16, lambda points: (points[..., 1] > 4.0) & (points[..., 2] > 20.0))
-    points = grid.layer.points_mm
-    arrival_s = np.where((points[:, 1] > 4.0) & (points[:, 2] > 20.0), np.nan, points[:, 2] + 0.1 * points[:, 0])
-    last = LastPoint((-9.0, 0.0, 20.0), 3000.0, 31.5)
-    pockets = (AirPocket((0.0, 5.0, 10.0), 12.0, 1500.0, 11.0), AirPocket((0.5, 5.0, 10.2), 3.0, 1500.0, 12.0))
-    prediction: Any = SimpleNamespace(
-        arrival_s=arrival_s, fill_s=32.5, last_points=(last,), air_pockets=pockets, volume_mm3=9876.0,
-        pressure_pa=2e6, viscosity_pa_s=3.0,
-    )  # fmt: skip
-    draw_filling(grid, prediction, Opening((9.0, 0.0, 1.5), 2.7), (Opening((0.0, 5.0, 33.0), 1.2),), "filling")
 
 
 # Sweeps

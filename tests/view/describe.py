@@ -1,9 +1,9 @@
-"""Description of a picture or a scene as text: what is drawn where, in pixels or mm."""
+"""Description of a picture as text: what is drawn where, in pixels."""
 
 from __future__ import annotations
 
 import io
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -44,23 +44,3 @@ def describe_pixels(picture: bytes, columns: int = 8, rows: int = 12) -> Iterato
     pixels = np.asarray(Image.open(io.BytesIO(picture)).convert("RGB"), dtype=float)
     for row in np.array_split(pixels, rows):
         yield "cells " + " | ".join(sum_up(cell.mean(axis=(0, 1))) for cell in np.array_split(row, columns, axis=1))
-
-
-def describe_scene(scene: Any) -> Iterator[str]:
-    """Camera, colours and sizes of the bodies, labels, slopes and arrows of a scene [mm]."""
-    yield f"  seen from {sum_up(scene.camera.axes[2])}, right {sum_up(scene.camera.axes[0])}"
-    for item in scene.shown:
-        corners = item.mesh.vertices if len(item.mesh.vertices) else np.zeros((1, 3))  # cut away as a whole
-        ends = f"from {sum_up(corners.min(axis=0))} to {sum_up(corners.max(axis=0))}"
-        yield f"  body {sum_up(item.colour)} {ends}, {item.mesh.volume():.4g} mm3"
-    yield from (f"  label {label.text!r} {sum_up(label.point_mm)}" for label in scene.labels)
-    slopes = ((slope.corner_mm, slope.edge_mm, slope.up) for slope in scene.slopes)
-    yield from (f"  slope from {sum_up(corner)} by {sum_up(edge)}, up {sum_up(up)}" for corner, edge, up in slopes)
-    yield from (f"  arrow {sum_up(arrow.start_mm)} to {sum_up(arrow.end_mm)}" for arrow in scene.arrows)
-
-
-def join_lines(parts: Iterable[tuple[str, Iterable[str]]]) -> Iterator[str]:
-    """Descriptions below their names."""
-    for name, lines in parts:
-        yield name
-        yield from lines

@@ -25,9 +25,7 @@ GENERIC: frozenset[SiliconeName] = frozenset(("addition_40a", "condensation_40a"
 """Names that stand for a kind of silicone, not for a product."""
 
 WANTED_POT_LIFE_MIN = 20.0
-"""Pot life that leaves time to stir, degas, load the syringe and fill [min]. An assumption."""
-FILLING_SHARE = 0.5
-"""Share of the pot life in which the mold must be full: stirring, degassing and loading take the rest."""
+"""Pot life that leaves time to stir, coat, pour and lower the core [min]. An assumption."""
 
 
 @dataclass(frozen=True)
@@ -81,17 +79,8 @@ class Silicone:
 
     @property
     def planned_pot_life_min(self) -> float:
-        """Pot life that checks and casting sheet plan with [min].
-
-        Of a range it is the least, but no less than `WANTED_POT_LIFE_MIN`, which the casting sheet asks for when the
-        silicone is bought.
-        """
+        """Pot life that the casting sheet plans with [min]: the least of a range, or that of the example to buy."""
         return min(max(self.pot_life_min.low, WANTED_POT_LIFE_MIN), self.pot_life_min.high)
-
-    @property
-    def filling_limit_s(self) -> float:
-        """Time that the filling may take [s]: `FILLING_SHARE` of the planned pot life."""
-        return FILLING_SHARE * self.planned_pot_life_min * 60.0
 
     def properties(self) -> dict[str, MaterialProperty]:
         """All known properties by field name, which carries the unit."""

@@ -36,10 +36,6 @@ MIN_HOLE_MM = THREADS[0].hole_mm
 """Smallest clearance hole [mm] that a bolt of the table passes."""
 
 
-def find_thread(diameter_mm: float) -> Thread:
-    return next(thread for thread in THREADS if thread.diameter_mm == diameter_mm)
-
-
 def select_thread(hole_mm: float) -> Thread:
     """Select the thickest thread whose bolt passes a hole [mm], which is at least `MIN_HOLE_MM`."""
     return max((t for t in THREADS if t.hole_mm <= hole_mm + 1e-9), key=lambda thread: thread.diameter_mm)

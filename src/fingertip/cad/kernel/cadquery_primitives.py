@@ -11,7 +11,7 @@ from typing import Any
 
 import cadquery as cq
 
-from fingertip.cad.kernel.bezier import bezier_edge, sew_superconic
+from fingertip.cad.kernel.bezier import sew_superconic
 
 # Functions
 
@@ -73,9 +73,3 @@ def superconic(
         return cq.Face.makeFromWires(cq.Wire.assembleEdges([cq.Edge(edge) for edge in edges])).wrapped
 
     return cq.Solid(sew_superconic((half_width, palmar, dorsal, palmar_weight, dorsal_weight), spans, make_face))
-
-
-def drafted_extrusion(outline: Any, low: float, high: float) -> Any:
-    """Extrude an outline of lines and conic arcs along z; each is a list of control points (x, y, weight)."""
-    wire = cq.Wire.assembleEdges([cq.Edge(bezier_edge(piece, low)) for piece in outline])
-    return cq.Solid.extrudeLinear(wire, [], cq.Vector(0.0, 0.0, high - low))

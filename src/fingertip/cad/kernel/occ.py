@@ -35,8 +35,7 @@ from OCP.TopExp import TopExp
 from OCP.TopoDS import TopoDS, TopoDS_Face, TopoDS_Iterator, TopoDS_Shape, TopoDS_Wire
 from OCP.TopTools import TopTools_IndexedMapOfShape, TopTools_ListOfShape
 
-from fingertip.cad.kernel.bezier import bezier_edge, sew_superconic
-from fingertip.cad.kernel.primitive_calls import ControlPoint
+from fingertip.cad.kernel.bezier import sew_superconic
 from fingertip.design.geometry.solids import Axis, Point3, axis_point
 
 Point2 = tuple[float, float]
@@ -174,8 +173,3 @@ def elbow_tube(
 def superconic(*form: Any) -> TopoDS_Shape:
     *section, spans = form
     return sew_superconic(section, spans, lambda edges: make_face(make_wire(edges)))
-
-
-def drafted_extrusion(outline: Sequence[Sequence[ControlPoint]], low: float, high: float) -> TopoDS_Shape:
-    """Extrude the outline of a drafted section: arcs, and straight walls between them."""
-    return extrude(make_face(make_wire([bezier_edge(row, low) for row in outline])), (0.0, 0.0, high - low))

@@ -39,8 +39,6 @@ def tessellate(solid: solids.Primitive, tolerance_mm: float) -> tuple[Array, Tri
             return _elbow(solid, tolerance_mm)
         case solids.SuperconicSolid(body):
             return _superconic(body, tolerance_mm)
-        case solids.DraftedExtrusion():
-            return _drafted_extrusion(solid, tolerance_mm)
 
 
 def arc_segments(a: float, b: float, weight: float, tolerance: float) -> int:
@@ -156,25 +154,6 @@ def _count_rows(section: CrossSection, span: Span, tolerance: float) -> int:
     """Count the chords needed on a curved span so that none of its profiles deviates by more than `tolerance` [mm]."""
     profiles = (section.half_width, span.scale), (section.dorsal, span.scale), (section.palmar, span.palmar)
     return max(_count_chords((r * s[0], r * s[1], r * s[2]), span.z, span.weight, tolerance) for r, s in profiles)
-
-
-def _drafted_extrusion(extrusion: solids.DraftedExtrusion, tolerance: float) -> tuple[Array, Triangles]:
-    section, half_width = extrusion.section.section, extrusion.section.half_width
-    a, starts = section.half_width, extrusion.section
-    dorsal = _arc_from(a, section.dorsal, section.dorsal_weight, starts.dorsal_start, tolerance)
-    palmar = _arc_from(a, section.palmar, section.palmar_weight, starts.palmar_start, tolerance)
-    outline = [
-        (half_width, 0.0), *dorsal, *((-x, y) for x, y in dorsal[-2::-1]),
-        (-half_width, 0.0), *((-x, -y) for x, y in palmar), *((x, -y) for x, y in palmar[-2::-1]),
-    ]  # fmt: skip
-    return _connect_rings([[(x, y, z) for x, y in outline] for z in (extrusion.low, extrusion.high)])
-
-
-def _arc_from(a: float, b: float, weight: float, start: float, tolerance: float) -> list[Point2]:
-    """Sample the arc from parameter `start` to its end (0, `b`), with as many chords as the whole arc would need."""
-    n = arc_segments(a, b, weight, tolerance)
-    points = (arc_point(start + (1.0 - start) * i / n, weight) for i in range(n + 1))
-    return [(a * x, b * y) for x, y in points]
 
 
 def _connect_rings(

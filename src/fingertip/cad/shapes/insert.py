@@ -9,9 +9,8 @@ import math
 from dataclasses import replace
 
 from fingertip.design import Design
-from fingertip.design.geometry.conic import ConicBody, add_groove, inset_body
+from fingertip.design.geometry.conic import ConicBody, add_groove, inset_body, quarter_outline
 from fingertip.design.geometry.foot import LEDGE_MM
-from fingertip.design.geometry.seat import quarter_outline
 from fingertip.design.geometry.solids import (
     Box,
     Cone,

@@ -17,7 +17,6 @@ from fingertip.cad.verification.skin import check_fitting_stretch
 from fingertip.cad.verification.trapped_air import LEANS_DEG, trapped_mm3
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import GAP_MM, NOTCH_MM, RIDGE_END_MM, RIDGE_HEIGHT_MM, RIDGE_LENGTH_MM
-from fingertip.design.geometry.seat import creep_mm
 from fingertip.design.geometry.solids import Solid, difference, scaled, union
 from fingertip.foundation.numerics import Array
 
@@ -162,7 +161,9 @@ def seam_mm3(design: Design, pressure_kpa: float) -> float:
     silicone, layout, gap = design.silicone.material, design.mold_layout, 2 * design.printer.surface_error_mm
     lowering = 1e3 * pressure_kpa * LOWERING_S / silicone.viscosity_pa_s.high
     head = silicone.density_g_cm3.high * _GRAVITY_M_S2 * design.skin.length_mm
-    depth = creep_mm(lowering + head * 60 * silicone.planned_pot_life_min / silicone.viscosity_pa_s.low, gap)
+    # A flow q per width loses the pressure 12 mu q / h^3 per length (H. Schlichting, Boundary-Layer Theory, chapter 6).
+    spent = lowering + head * 60 * silicone.planned_pot_life_min / silicone.viscosity_pa_s.low
+    depth = gap * math.sqrt(spent / 6.0)
     return gap * depth * (2 * layout.cavity_half_width + 2 * design.skin.length_mm * 2 / 3)
 
 

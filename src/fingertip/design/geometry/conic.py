@@ -39,24 +39,6 @@ def arc_point(t: Parameter, w: float) -> tuple[Parameter, Parameter]:
     return (side + middle) / d, (top + middle) / d
 
 
-def arc_parameter_at_slope(a: float, b: float, w: float, slope: float) -> float:
-    """Return the parameter t of the arc from (a, 0) to (0, b) at which -dx/dy = `slope` >= 0.
-
-    With r = t / (1 - t) and u = 1 - t, the arc's derivatives are proportional to -2 t (u + w t) and 2 u (t + w u). That
-    makes the condition a quadratic equation in r.
-    """
-    c = slope * b
-    r = (c - a + math.sqrt((c - a) ** 2 + 4.0 * a * c * w * w)) / (2.0 * a * w)
-    return r / (1.0 + r)
-
-
-def arc_parameter_at_height(y: float, w: float) -> float:
-    """Return t of the unit arc at height y in [0, 1); r = t / (1 - t) solves (1 - y) r^2 + 2 w (1 - y) r = y."""
-    v = w * (1.0 - y)
-    r = y / (v + math.sqrt(v * v + y * (1.0 - y)))
-    return r / (1.0 + r)
-
-
 def arc_abscissa(y: float, w: float) -> float:
     """Return the x of the unit arc at height y in [0, 1], whose X = 1 - x satisfies (y - X)^2 = 4 w^2 X (1 - y)."""
     if y >= 1.0:
@@ -172,11 +154,6 @@ class ConicBody:
             return s1
         return s1 + (s1 - s0) / (z1 - z0) * (self.tip.z - z1)
 
-    def tip_point(self, t: Parameter) -> tuple[Parameter, Parameter]:
-        """Return (z, scale) on the tip's conic, with t in [0, 1] from the last station to the apex."""
-        z, scale, _ = self.tip_span.evaluate(t)
-        return z, scale
-
     def scale_at(self, z: float) -> float:
         """Return the scale of the section at height z [mm]; 0 outside the body."""
         for (z0, s0), (z1, s1) in zip(self.stations, self.stations[1:], strict=False):
@@ -217,6 +194,12 @@ def inset_body(body: ConicBody, inset: float) -> ConicBody:
     return replace(body, section=offset_section(body.section, -inset), tip=replace(body.tip, z=body.tip.z - inset))
 
 
+def quarter_outline(section: CrossSection, dorsal: bool, count: int) -> list[tuple[float, float]]:
+    """Return `count` + 1 points [mm] of the dorsal or palmar quarter of an outline, from its side; both with y >= 0."""
+    height, weight = (section.dorsal, section.dorsal_weight) if dorsal else (section.palmar, section.palmar_weight)
+    return [(section.half_width * x, height * y) for x, y in (arc_point(i / count, weight) for i in range(count + 1))]
+
+
 def add_groove(bone: Bone, body: ConicBody) -> ConicBody:
     """Add a groove around the bone; silicone fills it and keeps the skin from slipping off.
 
@@ -237,36 +220,3 @@ def add_groove(bone: Bone, body: ConicBody) -> ConicBody:
     high = (s_a + taper * z_a - s1 + rise * z1) / (rise + taper)
     edges = ((low, s_a - taper * (low - z_a)), (z0, s0), (z1, s1), (high, s_a - taper * (high - z_a)))
     return replace(body, stations=(base, (z_a, s_a), *edges, (z_b, s_b)))
-
-
-@dataclass(frozen=True)
-class DraftedSection:
-    """Section whose arcs are replaced by straight walls beside the parting plane y = 0.
-
-    Each wall is tangent to its arc where the arc's slope equals the draft. It runs on to the parting plane outside the
-    arc, and slopes by at least the draft. Both sides meet the plane at the same half width, the wider of the two, so
-    that the edges of the halves coincide.
-    """
-
-    section: CrossSection
-    half_width: float
-    palmar_start: float
-    dorsal_start: float
-    """Parameters of the palmar and the dorsal arcs at which they take over from the straight walls."""
-
-
-def add_draft(section: CrossSection, slope: float, flat: float | None = None) -> DraftedSection:
-    """Replace the steep parts of a section's outline by straight walls with draft; `flat` is a depth [mm]."""
-    a = section.half_width
-    dorsal = arc_parameter_at_slope(a, section.dorsal, section.dorsal_weight, slope)
-    palmar = arc_parameter_at_slope(a, section.palmar, section.palmar_weight, slope)
-    if flat is not None:
-        palmar = min(palmar, arc_parameter_at_height(flat / section.palmar, section.palmar_weight))
-    reach = []
-    for height, weight, t in (
-        (section.dorsal, section.dorsal_weight, dorsal),
-        (section.palmar, section.palmar_weight, palmar),
-    ):
-        x, y = arc_point(t, weight)
-        reach.append(a * x + slope * height * y)
-    return DraftedSection(section, max(reach), palmar, dorsal)

@@ -173,15 +173,6 @@ Size: TypeAlias = Length | Circle
 
 
 @dataclass(frozen=True)
-class AxisLine:
-    """Axis of a hole that a view shows from its side."""
-
-    view: ViewName
-    start: Point3
-    end: Point3
-
-
-@dataclass(frozen=True)
 class PartDrawing:
     """Content of the sheet of a part, besides its edges."""
 
@@ -191,7 +182,6 @@ class PartDrawing:
     """View from the dorsal or the palmar side."""
     material: str
     sizes: tuple[Size, ...]
-    axes: tuple[AxisLine, ...] = ()
     notes: tuple[str, ...] = ()
 
     @property

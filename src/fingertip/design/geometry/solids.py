@@ -7,11 +7,10 @@ and all axes are parallel to x, y or z. Solids compare and hash by value, so tha
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from fingertip.design.geometry.conic import ConicBody, DraftedSection
+from fingertip.design.geometry.conic import ConicBody
 
 Axis = Literal["x", "y", "z"]
 Point3: TypeAlias = tuple[float, float, float]
@@ -69,14 +68,6 @@ class Prism:
     holes: tuple[tuple[tuple[float, float], ...], ...] = ()
 
 
-def hexagon(z: float, x: float, width: float, low: float, high: float) -> Prism:
-    """Create a hexagonal prism along y around (`z`, `x`), `width` [mm] across flats, with corners at +x and -x."""
-    r = width / math.sqrt(3.0)
-    half, side = r / 2, width / 2
-    ring = ((0.0, r), (-side, half), (-side, -half), (0.0, -r), (side, -half), (side, half))
-    return Prism("y", tuple((z + dz, x + dx) for dz, dx in ring), low, high)
-
-
 @dataclass(frozen=True)
 class ElbowTube:
     """Round tube at x = 0 from (`start_y`, `start_z`) along -z, a bend, then along +y to (`end_y`, `exit_z`) [mm]."""
@@ -94,15 +85,6 @@ class SuperconicSolid:
     """Solid bounded by a superconic surface, as `design.geometry.conic` defines it."""
 
     body: ConicBody
-
-
-@dataclass(frozen=True)
-class DraftedExtrusion:
-    """Cross-section with draft, extruded along z from `low` to `high` [mm]."""
-
-    section: DraftedSection
-    low: float
-    high: float
 
 
 @dataclass(frozen=True)
@@ -137,7 +119,7 @@ class Placed:
     shift: Point3
 
 
-Primitive: TypeAlias = Box | Cone | Prism | ElbowTube | SuperconicSolid | DraftedExtrusion
+Primitive: TypeAlias = Box | Cone | Prism | ElbowTube | SuperconicSolid
 Solid: TypeAlias = Primitive | Union | Difference | Intersection | Scaled | Placed
 
 

@@ -7,9 +7,8 @@ from collections.abc import Iterator
 
 from fingertip.design.formulas.stress import StressFactors, at_foot
 from fingertip.design.geometry import DesignTables
-from fingertip.design.geometry.conic import TANGENT_STEP_MM, ConicBody, offset_section
+from fingertip.design.geometry.conic import TANGENT_STEP_MM, ConicBody, offset_section, quarter_outline
 from fingertip.design.geometry.foot import LEDGE_MM, flat_foot, foot_length, foot_line, round_foot
-from fingertip.design.geometry.seat import quarter_outline
 from fingertip.design.geometry.sizes import ARROW_DEG, BEFORE_FACE, INNER, OUTER, STEP, Circle, Length, Size
 from fingertip.design.geometry.solids import (
     Box,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.dimensions import TAB_WIDTH_MM
-from fingertip.design.geometry.seat import list_skin_points, min_skin_thickness
+from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_most
 
 RULES = Ruleset()
@@ -176,10 +176,7 @@ _SOUND_SECTIONS = (
 
 @RULES.at_most("skin.min_thickness_mm", *_SOUND_SECTIONS, active_area_within_head, slack=_THICKNESS_SLACK)
 def skin_is_thick_enough(design: DesignTables) -> Limit | None:
-    thinnest = min(
-        min_skin_thickness(design.dimensions, design.mold.core_inset_mm), design.skin.thickness_tip_mm,
-        *(point.thickness_mm for point in list_skin_points(design, design.dimensions)),
-    )  # fmt: skip
+    thinnest = min_skin_thickness(design, design.dimensions)
     return Limit(thinnest, f"is more than the {thinnest:.2f} mm at the skin's thinnest place")
 
 

@@ -205,10 +205,6 @@ def _centre_lines(views: Mapping[ViewName, PlacedView], part: PartDrawing) -> It
             yield line((x, bottom - _PAST_VIEW_MM), (x, top + _PAST_VIEW_MM), Styles.CENTRE)
         else:
             yield line((left - _PAST_VIEW_MM, y), (right + _PAST_VIEW_MM, y), Styles.CENTRE)
-    for axis in part.axes:
-        view = views[axis.view]
-        start, end = (view.place(p) for p in (axis.start, axis.end))
-        yield line(start, end, Styles.CENTRE)
     for size in part.sizes:
         if isinstance(size, Circle):
             view = views[size.view]

@@ -15,7 +15,7 @@ import numpy as np
 from fingertip.cad.kernel.brep import BrepEvaluator
 from fingertip.cad.shapes.bone import bone
 from fingertip.design import Design
-from fingertip.design.geometry.features import HORN_RADIUS_MM
+from fingertip.design.geometry.joint import HORN_RADIUS_MM
 from fingertip.design.geometry.solids import Box, intersection
 from fingertip.design.interfaces.clevis import tendon_force_per_n
 from tests.cad.bone_elements import COARSE_MM, LOADED_MM, POISSON, YOUNG_MPA, read_stresses

@@ -15,7 +15,7 @@ import numpy as np
 from fingertip.cad.kernel.brep import BrepEvaluator
 from fingertip.cad.shapes.bone import bone
 from fingertip.design import Design
-from fingertip.design.geometry.features import Joint
+from fingertip.design.geometry.joint import Joint
 from fingertip.design.geometry.solids import Box, intersection
 from tests.cad.bone_elements import COARSE_MM, LOADED_MM, POISSON, YOUNG_MPA, read_mesh, read_stresses
 

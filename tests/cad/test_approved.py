@@ -15,7 +15,7 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.settings import FDM, slicer_settings
 from fingertip.cad.shapes.engraving import engraved_lines, omitted_lines
-from fingertip.cad.shapes.insert import cavity
+from fingertip.cad.shapes.skin import cavity
 from fingertip.cad.shapes.mold import runners
 from fingertip.cad.shapes.parts import hardware, parts_by_name
 from fingertip.cad.verification.check import list_causes, list_warnings

@@ -13,7 +13,7 @@ from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.shapes import bone
 from fingertip.cad.shapes.bone import seals
-from fingertip.cad.shapes.insert import filled_bone
+from fingertip.cad.shapes.skin import filled_bone
 from fingertip.cad.shapes.parts import PARTS, Part, parts_by_name
 from fingertip.cad.verification import mold as verification
 from fingertip.cad.verification.assembly import check_assembly

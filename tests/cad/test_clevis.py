@@ -14,7 +14,7 @@ from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.verification import assembly as joint_checks
 from fingertip.design import Design
 from fingertip.design.formulas.stress import pin_peak
-from fingertip.design.geometry.features import Joint
+from fingertip.design.geometry.joint import Joint
 from fingertip.design.geometry.solids import cylinder, union
 from fingertip.design.interfaces import clevis, clevis_solids, interface_of
 from fingertip.design.new_design import PRESETS

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.bone import bone, sensor_body, sensor_recess, tape
-from fingertip.cad.shapes.insert import filled_bone
+from fingertip.cad.shapes.skin import filled_bone
 from fingertip.design import Design
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.conic import ConicBody

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes.insert import insert_jig, mold_insert, sensor_insert, skin
+from fingertip.cad.shapes.skin import insert_jig, mold_insert, sensor_insert, skin
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.design import Design
-from fingertip.design.geometry.features import INSERT_BASE_MM
+from fingertip.design.geometry.joint import INSERT_BASE_MM
 from fingertip.design.geometry.solids import union
 from fingertip.foundation.errors import DesignError, TraceError
 from fingertip.pad import contacts

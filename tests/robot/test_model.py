@@ -11,7 +11,7 @@ import pytest
 from fingertip import Design
 from fingertip.cad.convert import part_mesh
 from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays, to_manifold
-from fingertip.cad.shapes.insert import skin_outline
+from fingertip.cad.shapes.skin import skin_outline
 from fingertip.pad.form import PadForm
 from fingertip.robot.contact import fit_contact
 from fingertip.robot.skin_meshes import cut_skin

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes import insert
+from fingertip.cad.shapes.skin import cavity, core_within_skin
 from fingertip.catalogues.silicones import Silicone
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import POURED
@@ -31,7 +31,7 @@ class Batch:
 
 def measure_poured_cm3(design: Design, evaluator: MeshEvaluator) -> float:
     """Measure the silicone to pour, with what overflows, on meshes. Raises GeometryError."""
-    room, core = (evaluator.manifold(each(design)) for each in (insert.cavity, insert.core_within_skin))
+    room, core = (evaluator.manifold(each(design)) for each in (cavity, core_within_skin))
     return POURED * float(room.volume() - (room ^ core).volume()) / 1000.0
 
 

@@ -20,7 +20,7 @@ from fingertip.cad.verification.assembly import turn_about_pin
 from fingertip.cad.verification.strength import assess_strength
 from fingertip.cad.verification.walls import find_thin_walls
 from fingertip.design import Design
-from fingertip.design.geometry.features import Joint
+from fingertip.design.geometry.joint import Joint
 from fingertip.design.geometry.solids import Point3, Solid
 from fingertip.design.interfaces.clevis_solids import knuckle
 from fingertip.foundation.argument_types import checked

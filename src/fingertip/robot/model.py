@@ -16,7 +16,7 @@ from fingertip.cad.shapes.parts import PARTS, find_frames, hardware, parts_by_na
 from fingertip.catalogues.hardware import STEEL_G_CM3
 from fingertip.catalogues.sensors import FILM_G_CM3
 from fingertip.design import Design
-from fingertip.design.geometry.features import HORN_RADIUS_MM
+from fingertip.design.geometry.joint import HORN_RADIUS_MM
 from fingertip.design.geometry.solids import Point3, cylinder
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.interface import CrossBolted, middle_y

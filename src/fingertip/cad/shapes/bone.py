@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fingertip.cad.shapes.insert import filled_bone, flat_slab
+from fingertip.cad.shapes.skin import filled_bone, flat_slab
 from fingertip.design import Design
 from fingertip.design.geometry.solids import ElbowTube, Solid, cylinder, difference, union
 from fingertip.design.interfaces import interface_of

@@ -14,7 +14,7 @@ from itertools import pairwise
 
 from fingertip.design import Design
 from fingertip.design.geometry.conic import TANGENT_STEP_MM
-from fingertip.design.geometry.features import Joint
+from fingertip.design.geometry.joint import Joint
 from fingertip.design.geometry.solids import Box, Cone, Prism, Solid, cylinder, difference, intersection, union
 from fingertip.design.interfaces.clevis_solids import knuckle, pin_bore, stop_top_y
 

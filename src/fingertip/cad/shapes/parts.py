@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import cast
 
-from fingertip.cad.shapes import bone, hand_stub, insert, mold, stand
+from fingertip.cad.shapes import bone, hand_stub, mold, skin, stand
 from fingertip.cad.shapes.bone import sensor_body
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Point3, Solid
@@ -45,7 +45,7 @@ PARTS: dict[str, Part] = {
     part.name: part
     for part in (
         Part("bone", bone.bone, bone.genus, (0.93, 0.89, 0.80), True, is_in_finger=True),
-        Part("skin", insert.skin, lambda design: 0, (0.87, 0.62, 0.52), False, is_in_finger=True),
+        Part("skin", skin.skin, lambda design: 0, (0.87, 0.62, 0.52), False, is_in_finger=True),
         Part("mold_palmar", mold.mold_palmar, lambda design: 0, (0.45, 0.58, 0.70), True),
         Part("mold_dorsal", mold.mold_dorsal, lambda design: 0, (0.62, 0.72, 0.80), True),
         Part("core", mold.core, lambda design: 0, (0.70, 0.78, 0.62), True),

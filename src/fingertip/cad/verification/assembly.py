@@ -13,12 +13,13 @@ from itertools import combinations
 
 from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel.mesh import Manifold, MeshEvaluator
-from fingertip.cad.shapes import insert, mold
+from fingertip.cad.shapes import mold
 from fingertip.cad.shapes.engraving import signed_area
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
+from fingertip.cad.shapes.skin import cavity, core_within_skin, filled_bone
 from fingertip.cad.verification.check import VOLUME_TOLERANCE_MM3, Check, complement, search_distance
 from fingertip.design import Design
-from fingertip.design.geometry.features import Joint
+from fingertip.design.geometry.joint import Joint
 from fingertip.design.geometry.mold_layout import RIDGE_HEIGHT_MM
 from fingertip.design.geometry.solids import Box, Cone, Solid, intersection, scaled, union
 from fingertip.design.interfaces.clevis_solids import eye_profile, knuckle, pin_bore, space, strands
@@ -59,8 +60,8 @@ def brep_balance_solids(design: Design, parts: Collection[str]) -> tuple[tuple[s
     """List the solids, besides the parts, whose volumes `check_brep_assembly` needs, by name."""
     solids: list[tuple[str, Solid]] = []
     if "skin" in parts:
-        cavity = insert.cavity(design)
-        solids += [("cavity", cavity), ("core_in_cavity", intersection(cavity, insert.core_within_skin(design)))]
+        room = cavity(design)
+        solids += [("cavity", room), ("core_in_cavity", intersection(room, core_within_skin(design)))]
     if set(HALVES) <= set(parts):
         solids.append(("hollow", intersection(mold.hollow(design), mold.block(design))))
     return tuple(solids)
@@ -111,8 +112,8 @@ def _check_overlaps(
 def _cavity_imbalance(design: Design, evaluator: MeshEvaluator, skin: Solid) -> float:
     """Compute |cavity - core - silicone that shrinks to the skin| [mm3]."""
     growth, silicone = design.dimensions.shrinkage**3, evaluator.manifold(skin).volume()
-    room = evaluator.manifold(insert.cavity(design)).volume()
-    core = evaluator.manifold(intersection(insert.cavity(design), insert.core_within_skin(design))).volume()
+    room = evaluator.manifold(cavity(design)).volume()
+    core = evaluator.manifold(intersection(cavity(design), core_within_skin(design))).volume()
     return abs(float(room - core - growth * silicone))
 
 
@@ -177,7 +178,7 @@ def _check_eyes(design: Design, joint: Joint, evaluator: MeshEvaluator, wall: fl
     if joint.is_fork:
         gap = evaluator.manifold(intersection(space(design, joint), beside))
         gap = gap.trim_by_plane((1.0, 0.0, 0.0), -joint.half_width).trim_by_plane((-1.0, 0.0, 0.0), -joint.half_width)
-        outside = complement(evaluator, insert.filled_bone(design)) ^ evaluator.manifold(beside)
+        outside = complement(evaluator, filled_bone(design)) ^ evaluator.manifold(beside)
         yield Check.min_distance("bone.wall.cheek", gap, outside, wall)
     else:
         box = (evaluator.manifold(PARTS["bone"].solid(design)) ^ evaluator.manifold(beside)).bounding_box()

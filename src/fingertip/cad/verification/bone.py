@@ -11,8 +11,8 @@ from collections.abc import Iterator
 
 from fingertip.cad.kernel.mesh import Manifold, MeshEvaluator
 from fingertip.cad.shapes import bone
-from fingertip.cad.shapes.insert import filled_bone, flat_slab
 from fingertip.cad.shapes.parts import PARTS
+from fingertip.cad.shapes.skin import filled_bone, flat_slab
 from fingertip.cad.verification.check import PLANE_OFFSET_MM, VOLUME_TOLERANCE_MM3, Check, above_z, complement
 from fingertip.cad.verification.strength import BoneStrength
 from fingertip.design import Design

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.cad.kernel.mesh import Manifold, Mesh, MeshEvaluator
-from fingertip.cad.shapes.insert import filled_bone, skin_interior, skin_outline
+from fingertip.cad.shapes.skin import filled_bone, skin_interior, skin_outline
 from fingertip.cad.verification.bone import check_strength
 from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, above_z, complement, measure_gap
 from fingertip.cad.verification.strength import assess_strength

@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 from functools import cached_property
 
-from fingertip.design.geometry import features
 from fingertip.design.geometry.conic import ConicBody, CrossSection, Tip, weight_of_fullness
 from fingertip.design.geometry.foot import LEDGE_MM
+from fingertip.design.geometry.joint import BESIDE_LINE_MM, Joint, TendonAnchor
 from fingertip.design.geometry.skin_dimensions import RAMP_SLOPE, SkinDimensions
 from fingertip.foundation.numerics import bisect
 
@@ -43,12 +43,12 @@ class Dimensions(SkinDimensions):
     """
 
     @cached_property
-    def joint(self) -> features.Joint | None:
+    def joint(self) -> Joint | None:
         bone, hand = self._design.bone, self._design.hand
         if bone.interface != "clevis":
             return None
         is_fork = hand.knuckle == "tongue"
-        return features.Joint(
+        return Joint(
             hand.axis_height_mm - self.base_palmar_height, -bone.base_length_mm,
             hand.pin_diameter_mm / 2, hand.clearance_radius_mm, bone.joint_clearance_mm, is_fork,
             hand.width_mm / 2 + (bone.joint_clearance_mm if is_fork else -bone.joint_clearance_mm), hand.travel_deg,
@@ -85,7 +85,7 @@ class Dimensions(SkinDimensions):
         return -self.joint.shoulder_z if self.joint else self._design.bone.base_length_mm
 
     @cached_property
-    def anchor(self) -> features.TendonAnchor | None:
+    def anchor(self) -> TendonAnchor | None:
         """Anchor of the tendon; None without a tendon."""
         hand, joint, section = self._design.hand, self.joint, self.collar.section
         if joint is None or hand.tendon_distance_mm == 0.0:
@@ -97,9 +97,9 @@ class Dimensions(SkinDimensions):
         )
         slope = corner * (1.0 - min(1.0, (half + LEDGE_MM) / section.half_width))
         high = -self._design.bone.collar_length_mm - slope
-        return features.TendonAnchor(
+        return TendonAnchor(
             joint.axis_y - hand.tendon_distance_mm, hand.tendon_distance_mm, line, half,
-            high - line - features.BESIDE_LINE_MM, high,
+            high - line - BESIDE_LINE_MM, high,
         )  # fmt: skip
 
     @property

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from fingertip.design.formulas.stress import PIN_IN_EYE, VON_MISES_SHEAR, LocalStress, StressFactors, at_foot, pin_peak
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.dimensions import Dimensions
-from fingertip.design.geometry.features import BESIDE_LINE_MM, HORN_RADIUS_MM, Joint, TendonAnchor
+from fingertip.design.geometry.joint import BESIDE_LINE_MM, HORN_RADIUS_MM, Joint, TendonAnchor
 from fingertip.design.geometry.sizes import (
     ARROW_DEG,
     BEFORE_FACE,

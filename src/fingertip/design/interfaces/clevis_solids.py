@@ -10,8 +10,8 @@ import math
 
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.conic import TANGENT_STEP_MM, ConicBody
-from fingertip.design.geometry.features import HORN_RADIUS_MM, Joint, TendonAnchor
 from fingertip.design.geometry.foot import LEDGE_MM, flat_foot, foot_line
+from fingertip.design.geometry.joint import HORN_RADIUS_MM, Joint, TendonAnchor
 from fingertip.design.geometry.solids import (
     Box,
     Prism,

@@ -8,7 +8,7 @@ import numpy as np
 
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.casting.sheet import CastingSheet
-from fingertip.design.geometry.features import Joint, TendonAnchor
+from fingertip.design.geometry.joint import Joint, TendonAnchor
 from fingertip.design.geometry.solids import Box, Point3, cylinder, difference, union
 from fingertip.pictures.raster import Camera
 from fingertip.pictures.steps.scene import Arrow, Bench, Label, Paint, Scene, Shown

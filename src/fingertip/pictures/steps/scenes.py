@@ -10,7 +10,7 @@ import math
 from fingertip.cad.printing.orientations import print_orientations
 from fingertip.cad.printing.overhang import bed_pose
 from fingertip.cad.printing.settings import FDM
-from fingertip.cad.shapes.insert import cavity
+from fingertip.cad.shapes.skin import cavity
 from fingertip.casting.sheet import CastingSheet
 from fingertip.design.geometry.dimensions import KNOT_WIRES
 from fingertip.design.geometry.mold_layout import BELT_MM, GAP_MM, LEDGE_MM, PLATE_MM, STRAP_Y_MM

@@ -28,7 +28,7 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.design import Design
 from fingertip.design.formulas.knock import PRESSED_N, Springs
-from fingertip.design.formulas.stress import LocalStress, StressFactors
+from fingertip.design.formulas.stress import PIN, LocalStress, StressFactors
 from fingertip.design.geometry.solids import Point3
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.clevis import tendon_force_per_n
@@ -104,18 +104,21 @@ class Weakness(LocalStress):
 
 @dataclass(frozen=True)
 class Knock:
-    """Knock at one place: what gives way to it, and the force that breaks the bone."""
+    """Knock at one place: what gives way to it, and the forces that break the bone and the joint's pin."""
 
     weakest: Weakness
     springs: Springs
-    breaks_n: float
+    bone_n: float
+    pin_n: float
+    """Infinite without a pin."""
 
     def safety_factor(self, stated: Strength) -> float:
-        return self.breaks_n / self.springs.force_n(stated.hand_mass_kg, stated.knock_speed_m_s)
+        """Return the force that breaks the bone over that of the stated knock, which the pin limits."""
+        return self.bone_n / min(self.springs.force_n(stated.hand_mass_kg, stated.knock_speed_m_s), self.pin_n)
 
     def held_speed_m_s(self, stated: Strength) -> float:
         """Return the speed at which the bone has the safety factor that is wanted."""
-        return self.springs.speed_m_s(stated.hand_mass_kg, self.breaks_n / stated.min_knock_factor)
+        return self.springs.speed_m_s(stated.hand_mass_kg, self.bone_n / stated.min_knock_factor)
 
 
 @dataclass(frozen=True)
@@ -125,11 +128,15 @@ class BoneStrength:
     knock: Knock
     """Knock at the place where the bone has the least safety factor."""
     breaks_n: float
-    """Least force on the fingertip that breaks the bone."""
+    """Least force on the fingertip that breaks bone or pin."""
     drop_mm: float
     """Height from which the stated mass may drop on the fingertip."""
     tendon_force_n: float
     """Force of the tendon at the grip force on the apex; 0 without a tendon."""
+
+    @property
+    def pin_first(self) -> bool:
+        return self.weakest.place.startswith(PIN)
 
     @property
     def grip_safety_factor(self) -> float:
@@ -163,13 +170,14 @@ def assess_strength(design: Design, evaluator: MeshEvaluator) -> BoneStrength:
         here = [Weakness(**vars(place), load=load) for place in found]
         worst = max((place for place in here if place.at_knock), key=stress)
         springs = Springs(pressed.depth_mm, _bending_stiffness(design, at[2], proximal))
-        knocks.append(Knock(worst, springs, stated.material.strength_mpa / worst.stress_per_n))
+        held_n = {place.place: stated.material.strength_mpa / place.stress_per_n for place in here}
+        knocks.append(Knock(worst, springs, held_n[worst.place], held_n.get(PIN, math.inf)))
         places += here
     weakest = max(places, key=stress)
     return BoneStrength(
         stated, weakest, min(knocks, key=lambda knock: knock.safety_factor(stated)),
         stated.material.strength_mpa / weakest.stress_per_n,
-        min(knock.springs.drop_mm(stated.hand_mass_kg, knock.breaks_n) for knock in knocks),
+        min(one.springs.drop_mm(stated.hand_mass_kg, min(one.bone_n, one.pin_n)) for one in knocks),
         stated.grip_force_n * tendon_force_per_n(design, design.skin.length_mm),
     )  # fmt: skip
 
@@ -261,10 +269,11 @@ def strength_data(strength: BoneStrength) -> dict[str, Any]:
         "loads": {
             "breaks_n": round(strength.breaks_n),
             "drop_mm": round(strength.drop_mm, 1),
+            "pin_first": strength.pin_first,
             "grip_n": stated.grip_force_n,
             "mass_kg": stated.hand_mass_kg,
         },
-        "breaks_at_knock_n": round_for_output(knock.breaks_n),
+        "breaks_at_knock_n": round_for_output(knock.bone_n),
         "material": stated.material.name,
         "strength_mpa": stated.material.strength_mpa,
         "strength_verified": "strength_mpa" in stated.material.verified,

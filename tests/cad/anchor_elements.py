@@ -21,40 +21,47 @@ from fingertip.design.interfaces.clevis import tendon_force_per_n
 from tests.cad.bone_elements import COARSE_MM, LOADED_MM, POISSON, YOUNG_MPA, read_stresses
 from tests.cad.eye_elements import FACES, FAR_MM, MESH, mesh
 
-AROUND_MM = 1.5
-"""Depth of the fine mesh around the horn, within which the elements must find the largest tension [mm]."""
+INSIDE_MM, ABOUT_MM = 0.2, 0.05
+"""Distance from the sharp inner corner of the horn at which tension is taken: half a line of the printer."""
+BALL_MM, BALLS = 1.0, 9
+BALL = """Field[{i}] = Ball; Field[{i}].VIn = {fine}; Field[{i}].VOut = {coarse}; Field[{i}].Radius = {radius};
+Field[{i}].Thickness = 3; Field[{i}].XCenter = {x}; Field[{i}].YCenter = {y}; Field[{i}].ZCenter = {z};
+"""
 BONE = """SetFactory("OpenCASCADE");
 Merge "bone.step";
-Field[1] = Cylinder; Field[1].VIn = {fine}; Field[1].VOut = {coarse}; Field[1].XCenter = {x}; Field[1].XAxis = 1.5;
-Field[1].YAxis = 0; Field[1].ZAxis = 0; Field[1].YCenter = {y}; Field[1].ZCenter = {z}; Field[1].Radius = {around};
-Background Field = 1;
+{balls}Field[100] = Min; Field[100].FieldsList = {{{fields}}};
+Background Field = 100;
 """
 
 
-def solve_anchor(design: Design, folder: Path, fine_mm: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return points around the horn, and their largest principal stress per newton at the apex [MPa/N]."""
+def solve_anchor(design: Design, folder: Path, fine_mm: float) -> float:
+    """Return the largest principal stress just inside the inner corner of the horn, per newton at the apex [MPa/N]."""
     import cadquery as cq
 
-    anchor, joint = design.dimensions.anchor, design.dimensions.joint
+    anchor = design.dimensions.anchor
     assert anchor
-    assert joint
     half = intersection(bone(design), Box((0.0, -FAR_MM, -FAR_MM), (FAR_MM, FAR_MM, FAR_MM)))
     cq.exporters.export(cq.Workplane(obj=cq.Solid(BrepEvaluator().solid(half))), str(folder / "bone.step"))
-    axis = np.array([anchor.horn_y + HORN_RADIUS_MM, anchor.horn_low_z])
-    sizes = {
-        "fine": fine_mm, "coarse": COARSE_MM, "x": anchor.strand_x, "y": axis[0], "z": axis[1],
-        "around": HORN_RADIUS_MM + AROUND_MM,
-    }  # fmt: skip
-    nodes, tetrahedra = mesh(folder, "bone", (BONE + MESH).format(**sizes))
+    axis_y, axis_z = anchor.horn_y + HORN_RADIUS_MM, anchor.horn_low_z
+    turns = [np.pi / 2 * i / (BALLS - 1) for i in range(BALLS)]
+    balls = "".join(
+        BALL.format(
+            i=i + 1, fine=fine_mm, coarse=COARSE_MM, radius=BALL_MM, x=anchor.half_width,
+            y=axis_y - HORN_RADIUS_MM * np.cos(turn), z=axis_z + HORN_RADIUS_MM * np.sin(turn),
+        )
+        for i, turn in enumerate(turns)
+    )  # fmt: skip
+    geo = BONE.format(balls=balls, fields=", ".join(str(i + 1) for i in range(BALLS)))
+    nodes, tetrahedra = mesh(folder, "bone", geo + MESH)
     numbers = np.unique(tetrahedra)
     (folder / "anchor.inp").write_text("\n".join(_deck(design, nodes, tetrahedra, numbers)))
     subprocess.run(["ccx", "-i", "anchor"], cwd=folder, capture_output=True, check=True)
     found, stresses = read_stresses((folder / "anchor.frd").read_text().splitlines())
-    points = np.array([nodes[number] for number in found])
-    away = np.hypot(*(points[:, 1:] - axis).T)
-    near = (abs(away - HORN_RADIUS_MM) < AROUND_MM) & (abs(points[:, 0] - anchor.strand_x) < AROUND_MM)
-    near &= (points[:, 1] < axis[0]) & (points[:, 2] > axis[1])
-    return points[near], np.linalg.eigvalsh(stresses[-1][near])[:, -1]
+    x, y, z = np.array([nodes[number] for number in found]).T
+    off = np.hypot(y - axis_y, z - axis_z) - HORN_RADIUS_MM
+    inside = abs(np.hypot(x - anchor.half_width, off) - INSIDE_MM) < ABOUT_MM
+    inside &= (y < axis_y) & (z > axis_z)
+    return float(np.linalg.eigvalsh(stresses[-1][inside])[:, -1].max())
 
 
 def _deck(design: Design, nodes: dict, tetrahedra: np.ndarray, numbers: np.ndarray) -> Iterator[str]:

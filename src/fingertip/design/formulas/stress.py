@@ -38,8 +38,8 @@ def hole_in_tension(hole_mm: float, width_mm: float) -> float:
 
 
 PIN, PIN_IN_EYE = "pin of the joint", 2.8
-"""Name of the place, and the factor at the bore of an eye on which a pin of its own material pulls, on the stress of the
-section beside it at the end where the pin presses most. Own finite elements with contact
+"""Name of the place, and the factor at the bore of an eye on which a pin of its own material pulls, on the stress of
+the section beside it at the end where the pin presses most. Own finite elements with contact
 (tests/cad/test_bone_elements.py) found 2.7 at a bore of 0.31 times the height."""
 
 

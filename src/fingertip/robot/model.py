@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.shapes import hand_stub
+from fingertip.cad.shapes import bench
 from fingertip.cad.shapes.parts import PARTS, find_frames, hardware, parts_by_name
 from fingertip.catalogues.hardware import STEEL_G_CM3
 from fingertip.catalogues.sensors import FILM_G_CM3
@@ -126,7 +126,7 @@ def build_finger(design: Design) -> FingerModel:
     if joint:
         part = PARTS["hand_stub"]
         stub = Body(part.name, evaluator.mesh(part.solid(design)), print_g_cm3, part.colour)
-    if (anchor := dims.anchor) and (way := hand_stub.guide(design)):
+    if (anchor := dims.anchor) and (way := bench.guide(design)):
         for x in way.x:
             horn, radius = (x, anchor.horn_y + HORN_RADIUS_MM, anchor.horn_low_z), HORN_RADIUS_MM + anchor.line / 2
             strands.append(Strand(place((x, way.y, way.mouth_z)), place(horn), 1e-3 * radius))

@@ -252,7 +252,8 @@ _CASTING_CHECKS = {
 
 def compute_core(context: PointContext) -> OutputValues:
     from fingertip.cad.shapes.parts import parts_by_name
-    from fingertip.cad.verification.laid_in import check_laid_in, check_stand
+    from fingertip.cad.verification.bench import check_stand
+    from fingertip.cad.verification.laid_in import check_laid_in
     from fingertip.cad.verification.mold import check_mold
 
     design, parts, evaluator = context.design, parts_by_name(context.design), context.evaluator()

@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import cast
 
-from fingertip.cad.shapes import bone, hand_stub, mold, skin, stand
+from fingertip.cad.shapes import bench, bone, mold, skin
 from fingertip.cad.shapes.bone import sensor_body
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Point3, Solid
@@ -50,11 +50,11 @@ PARTS: dict[str, Part] = {
         Part("mold_dorsal", mold.mold_dorsal, lambda design: 0, (0.62, 0.72, 0.80), True),
         Part("core", mold.core, lambda design: 0, (0.70, 0.78, 0.62), True),
         Part(
-            "stand", stand.stand, stand.genus, (0.78, 0.72, 0.58), True,
+            "stand", bench.stand, lambda design: 2, (0.78, 0.72, 0.58), True,
             exists_in=lambda design: design.bone.interface == "post", is_tool=True,
         ),
         Part(
-            "hand_stub", hand_stub.hand_stub, hand_stub.genus, (0.74, 0.74, 0.70), True,
+            "hand_stub", bench.hand_stub, bench.stub_genus, (0.74, 0.74, 0.70), True,
             exists_in=lambda design: design.bone.interface == "clevis", is_tool=True,
         ),
     )

@@ -8,12 +8,9 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import bone
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, complement
-from fingertip.catalogues.hardware import select_thread
 from fingertip.design import Design
 from fingertip.design.geometry.dimensions import HEAD_MM, LONGER_MM, TAIL_MM
-from fingertip.design.geometry.solids import Box, cylinder, union
-from fingertip.design.interfaces.interface import MATING_PLAY_MM, middle_y
-from fingertip.design.interfaces.rigid import Post
+from fingertip.design.geometry.solids import Box, union
 
 _LEAST_OPEN_PERCENT = 50.0
 _GAP_MM = 0.1
@@ -56,14 +53,3 @@ def _find_open_share(design: Design, evaluator: MeshEvaluator) -> float:
     mouth = evaluator.manifold(Box((-half, flat, end - _GAP_MM), (half, flat + dims.pocket_depth, end)))
     free = (mouth ^ air).volume() - sum((mouth ^ body).volume() for body in cut_off)
     return 100.0 * float(free / mouth.volume())
-
-
-def check_stand(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
-    """Check that the print's errors leave half the mating play beside the post, and that the bolt passes both."""
-    held, stand = (evaluator.manifold(PARTS[name].solid(design)) for name in ("bone", "stand"))
-    error = design.printer.surface_error_mm + max(0.0, design.printer.offset_mm)
-    yield Check.min_distance("stand.post_gap", held, stand, MATING_PLAY_MM / 2 + error - evaluator.tolerance_mm)
-    far, thread = design.skin.width_mm, select_thread(design.bone.cross_bolt_diameter_mm)
-    centre = (middle_y(design.dimensions), Post().cross_bolt_z(design))
-    bolt = evaluator.manifold(cylinder("x", centre, -far, far, thread.diameter_mm / 2))
-    yield Check.zero_volume("stand.bolt_overlap", (bolt ^ (held + stand)).volume())

@@ -14,10 +14,10 @@ from fingertip.cad.printing.orientations import build_volume_excess, print_orien
 from fingertip.cad.printing.print_files import PrintFiles, make_print_files
 from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale
 from fingertip.cad.verification.assembly import check_assembly, check_joint
+from fingertip.cad.verification.bench import check_hand_stub, check_stand
 from fingertip.cad.verification.bone import check_air_vent, check_bone, check_strength
 from fingertip.cad.verification.check import Check
-from fingertip.cad.verification.hand_stub import check_hand_stub
-from fingertip.cad.verification.laid_in import check_laid_in, check_stand
+from fingertip.cad.verification.laid_in import check_laid_in
 from fingertip.cad.verification.lying_skin import check_lying_skin
 from fingertip.cad.verification.mold import check_mold
 from fingertip.cad.verification.printing import check_mesh_file, check_overhang, check_print_files

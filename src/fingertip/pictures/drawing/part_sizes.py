@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import astuple
 
-from fingertip.cad.shapes import hand_stub, stand
+from fingertip.cad.shapes import bench
 from fingertip.design import Design
 from fingertip.design.geometry.sizes import (
     ARROW_DEG,
@@ -46,7 +46,8 @@ def bone_drawing(design: Design) -> PartDrawing:
 
 
 def stand_drawing(design: Design) -> PartDrawing:
-    bone, gap, ((_, _, low), (side, _, high)) = design.bone, stand.post_gap_mm(design), astuple(stand.outline(design))
+    bone, gap = design.bone, bench.post_gap_mm(design)
+    (_, _, low), (side, _, high) = astuple(bench.stand_outline(design))
     y, bolt_z, hole = middle_y(design.dimensions), Post().cross_bolt_z(design), bone.cross_bolt_diameter_mm
     sizes = (
         Length("overall length", OUTER, "front", "below", "z", (0.0, y, low), (0.0, y, high)),
@@ -60,7 +61,7 @@ def stand_drawing(design: Design) -> PartDrawing:
 
 
 def hand_stub_drawing(design: Design) -> PartDrawing:
-    joint, (shoulder, bar), way = hand_stub.joint_of(design), hand_stub.bars(design), hand_stub.guide(design)
+    joint, (shoulder, bar), way = bench.joint_of(design), bench.bars(design), bench.guide(design)
     (side, _, root), y, half = shoulder.high, joint.axis_y, design.hand.width_mm / 2
     place, growth, remedy = "width of the tongue", OUTER, "wide: sand it until the bone turns"
     if not joint.is_fork:

@@ -1,8 +1,11 @@
-"""Stub of a hand: the counterpart of a clevis on a bar, on which a finished finger is pinned, bent and held on a bench.
+"""Parts that hold a finger on a bench, printed without supports: the stand of a post, the stub of a hand for a joint.
 
-Its knuckle is that of the hand, with a ramp behind the pin: it prints lying on its back, without supports. The strands
-of the tendon pass the shoulder in a guide with a rounded mouth, and run in open slots to the end of the bar. A rubber
-band from the back of the bone lies around the bar, in one of its pairs of notches, and straightens the finger.
+The stand is a bar with a socket, in which the cross bolt holds the post. Either of its flat sides lies on the table and
+on the printer's bed: the pad looks up.
+
+The stub is the counterpart of a clevis on a bar. Its knuckle is that of the hand, with a ramp behind the pin: it prints
+lying on its back. The strands of the tendon run in slots to a guide with a rounded mouth, and on to the end of the bar.
+A rubber band from the back of the bone lies around the bar, in one of its pairs of notches, and straightens the finger.
 """
 
 from __future__ import annotations
@@ -17,6 +20,35 @@ from fingertip.design.geometry.conic import TANGENT_STEP_MM
 from fingertip.design.geometry.joint import Joint
 from fingertip.design.geometry.solids import Box, Cone, Prism, Solid, cylinder, difference, intersection, union
 from fingertip.design.interfaces.clevis_solids import knuckle, pin_bore, stop_top_y
+from fingertip.design.interfaces.interface import MATING_PLAY_MM, middle_y
+from fingertip.design.interfaces.rigid import Post
+
+_WALL_MM, _ABOVE_FLOOR_MM, _BELOW_FILLET_MM, _HANDLE_MM = 2.4, 0.5, 0.3, 26.0
+"""Wall beside the post, room below it, gap below the fillet at its root, and length below its socket [mm]."""
+
+
+def post_gap_mm(design: Design) -> float:
+    """Return the gap beside the post in the design: what the print's errors leave of it is half the mating play."""
+    return MATING_PLAY_MM / 2 + design.printer.surface_error_mm + max(0.0, design.printer.offset_mm)
+
+
+def stand_outline(design: Design) -> Box:
+    bone, around = design.bone, post_gap_mm(design) + _WALL_MM
+    x, half, y = bone.post_width_mm / 2 + around, bone.post_height_mm / 2 + around, middle_y(design.dimensions)
+    high = -bone.base_length_mm - Post().foot_length(design) - _BELOW_FILLET_MM
+    return Box((-x, y - half, Post().low_z(design) - _ABOVE_FLOOR_MM - _HANDLE_MM), (x, y + half, high))
+
+
+def stand(design: Design) -> Solid:
+    """Build the stand, with a blind socket and the hole of the cross bolt, which opens into it on both sides."""
+    bone, wider = design.bone, 2 * post_gap_mm(design)
+    sizes = {
+        "post_width_mm": bone.post_width_mm + wider, "post_height_mm": bone.post_height_mm + wider,
+        "post_length_mm": bone.post_length_mm + _ABOVE_FLOOR_MM,
+    }  # fmt: skip
+    (socket, _), _ = Post().shapes(design.model_copy(update={"bone": bone.model_copy(update=sizes)}))
+    return difference(stand_outline(design), socket, Post().bolt_hole(design))
+
 
 _BAR_MM, _CHEEK_MM = 60.0, 2.5
 """Length of the bar, and least thickness of the cheeks of its fork [mm]."""
@@ -103,7 +135,7 @@ def _ways(design: Design) -> Iterator[Solid]:
             yield Box((x - radius, palmar, begin), (x + radius, y, end))
 
 
-def genus(design: Design) -> int:
+def stub_genus(design: Design) -> int:
     """Count the bore, in each cheek of a fork, and the guides."""
     way = guide(design)
     return (1 if joint_of(design).is_fork else 2) + (len(way.x) if way else 0)

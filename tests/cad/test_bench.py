@@ -1,0 +1,114 @@
+"""Stand and stub: bodies that print without supports, into which post and bolt go, and on which a joint turns."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.shapes import bench
+from fingertip.cad.shapes.parts import PARTS, parts_by_name
+from fingertip.cad.verification import verify
+from fingertip.design import Design
+from fingertip.design.geometry.solids import cylinder, union
+
+DESIGN = Design.load("first_finger")
+
+
+JOINTED = {
+    "tongue": Design.load("adult_finger"),
+    "fork": Design.load("adult_finger", changes=["hand.knuckle=fork", "bone.base_length_mm=15"]),
+}
+
+
+def run(design: Design = DESIGN, part: str = "stand") -> dict[str, Any]:
+    parts = ("bone", part) if part == "stand" else ("bone", "skin", part)
+    checks = verify.verify(design, parts, ("stl",), MeshEvaluator(0.02)).checks
+    return {check.name: check for check in checks if part in check.name}
+
+
+def test_every_check_of_the_stand_passes() -> None:
+    checks = run()
+    assert [name for name, check in checks.items() if not check.passed] == []
+    assert {"stand.stl.bodies", "stand.stl.genus", "stand.overhang", "stand.post_gap"} <= set(checks)
+    assert checks["stand.post_gap"].value == pytest.approx(0.15, abs=0.02), "half the mating play and the surface error"
+
+
+def test_its_volume_is_that_of_its_outline_without_socket_and_hole() -> None:
+    """Post of 11 x 10 x 14.5 mm, gap 0.15, wall 2.4; 0.5 below the post, handle 26, hole 3.2 mm."""
+    (low, high), r, h = (bench.stand_outline(DESIGN).low, bench.stand_outline(DESIGN).high), 5.65, 5.15
+    whole = (11 + 0.3 + 4.8) * (10 + 0.3 + 4.8) * (high[2] - low[2])
+    socket = 2 * (h * math.sqrt(r * r - h * h) + r * r * math.asin(h / r)) * (high[2] - low[2] - 26.0)
+    volume = MeshEvaluator(0.005).manifold(bench.stand(DESIGN)).volume()
+    assert volume == pytest.approx(whole - socket - math.pi * 1.6**2 * 4.8, rel=1e-3)
+    assert low[2] == pytest.approx(-DESIGN.bone.base_length_mm - 14.5 - 0.5 - 26.0)
+
+
+@pytest.mark.parametrize(
+    ("change", "failed"),
+    [
+        (lambda solid: union(solid, cylinder("y", (-20.0, 0.0), -4.0, -2.9, 1.0)), {"stand.post_gap"}),
+        (lambda solid: union(solid, cylinder("x", (2.1, -22.9), 6.0, 7.0, 2.0)), {"stand.bolt_overlap"}),
+    ],
+)  # fmt: skip
+def test_a_stand_that_does_not_fit_is_found(change: Any, failed: set[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(PARTS, "stand", replace(PARTS["stand"], solid=lambda design: change(bench.stand(design))))
+    assert failed <= {name for name, check in run().items() if not check.passed}
+
+
+def test_a_post_has_a_stand_a_joint_a_stub_and_a_socket_neither() -> None:
+    socket = Design.load("first_finger", changes=["bone.interface=socket", "bone.base_length_mm=20"])
+    found = [{"stand", "hand_stub"} & set(parts_by_name(design)) for design in (DESIGN, JOINTED["tongue"], socket)]
+    assert found == [{"stand"}, {"hand_stub"}, set()]
+
+
+@pytest.mark.parametrize("knuckle", JOINTED)
+def test_every_check_of_the_stub_passes(knuckle: str) -> None:
+    checks = run(JOINTED[knuckle], "hand_stub")
+    assert [name for name, check in checks.items() if not check.passed] == []
+    assert {f"hand_stub.{name}" for name in ("overhang", "travel_overlap", "clearance", "wall.guide")} <= set(checks)
+    assert checks["hand_stub.clearance"].value == pytest.approx(JOINTED[knuckle].bone.joint_clearance_mm, abs=0.03)
+
+
+@pytest.mark.parametrize("knuckle", JOINTED)
+def test_the_stub_is_the_same_in_both_kernels(knuckle: str) -> None:
+    brep = pytest.importorskip("fingertip.cad.kernel.brep")
+    solid, evaluator = bench.hand_stub(JOINTED[knuckle]), MeshEvaluator(0.005)
+    measured = brep.BrepEvaluator().solid(solid)
+    assert brep.volume(measured) == pytest.approx(evaluator.manifold(solid).volume(), rel=1e-4)
+
+
+def test_the_stub_has_the_sizes_of_the_hand() -> None:
+    """A section through the pin shows the tongue, one behind the mouth of the guide both ways of the tendon."""
+    design = JOINTED["tongue"]
+    hand, joint, anchor = design.hand, design.dimensions.joint, design.dimensions.anchor
+    solid = MeshEvaluator(0.005).manifold(bench.hand_stub(design))
+    tongue = solid.trim_by_plane((0.0, 0.0, 1.0), joint.low_z + 0.1)
+    low, high = np.split(np.array(tongue.bounding_box()), 2)
+    assert high[0] - low[0] == pytest.approx(hand.width_mm)
+    assert high[2] - joint.axis_z == pytest.approx(hand.clearance_radius_mm, abs=0.01)
+    for z, radius in ((joint.low_z - 8.0, hand.tendon_diameter_mm / 2 + 0.4), (joint.low_z - 3.01, 2.0)):
+        contours = [np.array(points) for points in solid.slice(z).to_polygons()]
+        ways = sorted((ring for ring in contours if len(ring) > 10), key=lambda ring: ring[0, 0])
+        middles = [(ring.min(axis=0) + ring.max(axis=0)) / 2 for ring in ways]
+        assert np.array(middles) == pytest.approx(np.array([(-anchor.strand_x, anchor.y), (anchor.strand_x, anchor.y)]))
+        assert [np.ptp(ring[:, 1]) / 2 for ring in ways] == pytest.approx([radius] * 2, abs=0.2)
+
+
+@pytest.mark.parametrize(
+    ("change", "failed"),
+    [
+        (lambda stub, joint: union(stub, cylinder("x", (0.0, joint.axis_z), -3.0, 3.0, 4.4)), "clearance"),
+        (lambda stub, joint: union(stub, cylinder("x", (3.0, joint.low_z), 5.0, 7.0, 1.0)), "travel_overlap"),
+    ],
+)  # fmt: skip
+def test_a_stub_that_does_not_fit_is_found(change: Any, failed: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    def changed(design: Design) -> Any:
+        return change(bench.hand_stub(design), bench.joint_of(design))
+
+    monkeypatch.setitem(PARTS, "hand_stub", replace(PARTS["hand_stub"], solid=changed))
+    assert not run(JOINTED["tongue"], "hand_stub")[f"hand_stub.{failed}"].passed

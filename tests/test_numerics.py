@@ -8,8 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from fingertip.foundation import numerics
-from fingertip.foundation.numerics import bisect, bisect_arrays, find_maximum_arrays, maximise_linear, t_quantile
+from fingertip.foundation.numerics import bisect, bisect_arrays, find_maximum_arrays, t_quantile
 
 MAXIMA: list[tuple[Callable[[float], float], float, float]] = [
     (lambda x: -((x - 0.3) ** 2), -1.0, 2.0),
@@ -67,65 +66,6 @@ def test_equal_values_on_both_sides_give_the_left_one() -> None:
     assert (location[0], value[0]) == (pytest.approx(1 - golden), 0.0)
     location, _ = find_maximum_arrays(lambda x: 0.0 * x, np.zeros(1), np.ones(1), 5)
     assert location[0] == pytest.approx((1 - golden) * golden**5)
-
-
-def test_corners_at_which_many_planes_meet() -> None:
-    """Ten planes touch the corner of a cube, and cut nothing off."""
-    rows = [[1.0, 1.0 + i / 10, 1.0] for i in range(10)]
-    bounds = [3.0 + i / 10 for i in range(10)]
-    for objective in ([1.0, 1.0, 1.0], [3.0, 1.0, 2.0], [1.0, 0.0, 0.0]):
-        ((value, _),) = maximise_linear([objective], rows, bounds, 1.0)
-        assert value == pytest.approx(sum(objective))
-    sides = [[1.0, 0.0, 1.0], [-1.0, 0.0, 1.0], [0.0, 1.0, 1.0], [0.0, -1.0, 1.0]]  # of a pyramid
-    ((value, point),) = maximise_linear([[0.2, -0.1, 1.0]], sides, [1.0] * 4, 50.0)
-    assert (value, *point) == pytest.approx((1.0, 0.0, 0.0, 1.0), abs=1e-12)
-    assert maximise_linear([[0.0, 0.0]], [[1.0, 1.0]], [1.0], 5.0) == [(0.0, [0.0, 0.0])]
-
-
-@pytest.mark.parametrize("size", [1, 2, 3, 4, 6])
-def test_linear_programs_have_the_maxima_of_a_library(size: int) -> None:
-    from scipy.optimize import linprog
-
-    rng = np.random.default_rng(size)
-    for count in (3, 9, 24):
-        rows, bounds = rng.normal(size=(count, size)), rng.uniform(0.01, 2.0, count)
-        objectives = [*rng.normal(size=(4, size)), *rows[:2], np.eye(size)[0]]
-        found = maximise_linear([c.tolist() for c in objectives], rows.tolist(), bounds.tolist(), 5.0)
-        for c, (value, point) in zip(objectives, found, strict=True):
-            oracle = linprog(-c, A_ub=rows, b_ub=bounds, bounds=[(-5.0, 5.0)] * size)
-            assert value == pytest.approx(-oracle.fun, rel=1e-9, abs=1e-12)
-            assert value == pytest.approx(float(c @ point), rel=1e-12)
-            assert np.all(rows @ point <= bounds + 1e-9)
-            assert np.max(np.abs(point)) <= 5.0 + 1e-9
-            ((alone, _),) = maximise_linear([c.tolist()], rows.tolist(), bounds.tolist(), 5.0)
-            assert alone == pytest.approx(value, rel=1e-9, abs=1e-12)
-
-
-@pytest.mark.every_case
-@pytest.mark.parametrize(
-    ("rates", "slacks", "active", "hit"),
-    [
-        ([1.0, 1.0, 1.0], [3.0, 2.0, 2.5], [], (1, 2.0)),
-        ([1.0, 4.0], [3.0, 8.0], [], (1, 2.0)),
-        ([1.0, 1.0, 1.0], [3.0, 2.0, 2.5], [1], (2, 2.5)),
-        ([-1.0, 0.0, 1e-13, 1.0], [0.1, 0.1, 0.1, 9.0], [None], (3, 9.0)),
-        ([1.0, 1.0], [2.0, -1e-9], [], (1, 0.0)),  # a plane that rounding errors have passed is at a distance of 0
-        # Of equally near planes, in either order, the one that is met most steeply.
-        ([1.0, 2.0, 1.5], [1.0, 2.0, 1.5], [], (1, 1.0)),
-        ([2.0, 1.0], [2.0, 1.0], [], (0, 1.0)),
-        ([1.0, 2.0], [1.0, 2.0 + 1e-13], [], (1, 1.0)),
-        ([1.0, 2.0], [1.0 + 5e-14, 2.0], [], (1, 1.0)),
-        ([2.0, 1.0], [2.0 + 1e-13, 1.0], [], (0, 1.0)),
-        ([1.0, 2.0], [1.0, 2.0 + 1e-12], [], (0, 1.0)),
-        ([2.0, 1.0], [2.0 + 1e-12, 1.0], [], (1, 1.0)),
-    ],
-)
-def test_a_ray_meets_the_nearest_plane_that_it_approaches(
-    rates: list[float], slacks: list[float], active: list[int | None], hit: tuple[int, float]
-) -> None:
-    plane, distance = numerics._find_first_hit(rates, slacks, active)
-    assert plane == hit[0]
-    assert distance == pytest.approx(hit[1], abs=2e-13)
 
 
 @pytest.mark.parametrize(

@@ -8,12 +8,9 @@ from collections.abc import Sequence
 
 import pytest
 
-from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes import engraving, mold
+from fingertip.cad.shapes import engraving
 from fingertip.cad.shapes.engraving import STROKE_WIDTH, letter_outlines, stroke_rectangles
-from fingertip.design import Design
 from fingertip.design.files import list_parameters
-from fingertip.design.geometry.solids import intersection, union
 
 ALLOWED = string.ascii_letters + string.digits + "-_"
 LETTERS = string.ascii_uppercase + string.digits + "-_"
@@ -60,21 +57,6 @@ def test_all_letters_differ_and_follow_each_other_at_a_constant_distance() -> No
     moved = [tuple(tuple((x + engraving.ADVANCE, y) for x, y in ring) for ring in rings) for rings in first]
     assert second == (*first, *moved)
     assert engraving.text_width("II") == pytest.approx(10.0)
-
-
-LARGE = ["name=a", "mold.engraving_height_mm=20"]
-
-
-@pytest.mark.parametrize("changes", [[], LARGE, ["skin.length_mm=50", *LARGE], ["name=thirteen_long"]], ids=str)
-def test_text_stays_on_the_block_and_clear_of_the_nut_traps(changes: list[str]) -> None:
-    design, evaluator = Design.load(changes=changes), MeshEvaluator(0.02)
-    m = design.mold_layout
-    letters = union(*mold.engraved_text(design, "palmar"), *mold.engraved_text(design, "dorsal"))
-    low_x, _, low_z, high_x, _, high_z = evaluator.manifold(letters).bounding_box()
-    assert -m.half_width < low_x < high_x < m.half_width
-    assert m.proximal_z < low_z < high_z < m.distal_z
-    fasteners = union(*mold.nut_traps(design), *mold.bolt_holes(design))
-    assert evaluator.manifold(intersection(letters, fasteners)).volume() == 0.0
 
 
 def test_min_height_in_the_parameters_corresponds_to_the_min_stroke() -> None:

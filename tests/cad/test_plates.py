@@ -21,11 +21,12 @@ from fingertip.cad.files import stl, threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.printing.overhang import bed_pose
 from fingertip.cad.printing.print_files import PrintFiles, arrange, make_print_files, parts_on_plates
-from fingertip.cad.printing.settings import FDM, PLATE_KINDS, SLA
+from fingertip.cad.printing.settings import FDM, SLA, choose_plate_kind
 from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale
 from fingertip.cad.verification.printing import check_print_files
 from fingertip.catalogues.output_files import PRINT_FOLDER
 from fingertip.design import Design
+from fingertip.design.geometry.mold_layout import LIP_GAP_MM
 from fingertip.design.geometry.solids import scaled
 from fingertip.design.new_design import PRESETS
 from fingertip.foundation.errors import OutputError
@@ -78,26 +79,25 @@ def test_plates_of_bundled_designs_hold_all_printed_parts_apart_on_the_bed(name:
     design, meshes, encoded, prints = make(name=name)
     assert failed(design, meshes, encoded, prints) == set()
     bed = np.array([design.printer.bed_x_mm, design.printer.bed_y_mm, design.printer.bed_z_mm])
-    for kind in PLATE_KINDS:
-        assert f"plate_{kind.name}.3mf" in prints.plates, "one plate is enough for each bundled design"
-        placed = placed_on(prints.contents[f"plate_{kind.name}.3mf"])
-        printed = {n for n in meshes if PARTS[n].is_printed} - ({"bone", "lid"} if kind is FDM else set())
-        assert set(placed) == printed == set(parts_on_plates(design, kind))
-        for part, mesh in placed.items():
-            assert mesh.volume == pytest.approx(meshes[part].volume(), rel=1e-9)
-            assert mesh.bounds[0, 2] == pytest.approx(0.0, abs=1e-9)
-            assert (mesh.bounds[0] > -1e-6).all()
-            assert (mesh.bounds[1] < bed + 1e-6).all()
-        for (_, one), (_, other) in combinations(placed.items(), 2):
-            gap = np.maximum(one.bounds[0] - other.bounds[1], other.bounds[0] - one.bounds[1])[:2].max()
-            assert gap >= kind.gap_mm - 1e-6
+    kind = choose_plate_kind(design)
+    (plate,) = prints.plates  # one is enough for each bundled design
+    placed = placed_on(prints.contents[plate])
+    assert set(placed) == {n for n in meshes if PARTS[n].is_printed} == set(parts_on_plates(design))
+    for part, mesh in placed.items():
+        assert mesh.volume == pytest.approx(meshes[part].volume(), rel=1e-9)
+        assert mesh.bounds[0, 2] == pytest.approx(0.0, abs=1e-9)
+        assert (mesh.bounds[0] > -1e-6).all()
+        assert (mesh.bounds[1] < bed + 1e-6).all()
+    for (_, one), (_, other) in combinations(placed.items(), 2):
+        gap = np.maximum(one.bounds[0] - other.bounds[1], other.bounds[0] - one.bounds[1])[:2].max()
+        assert gap >= kind.gap_mm - 1e-6
 
 
 @pytest.mark.full
 def test_part_lies_alike_in_its_own_file_and_on_a_plate() -> None:
-    """Halves lie on their outer faces, the bone stands upright, and all have the scale of the printer."""
-    design, _, _, prints = make("strength.print_material=petg")
-    larger = make("printer.scale_percent=102", "strength.print_material=petg")[3]
+    """Halves stand on their feet, the bone stands upright, and all have the scale of the printer."""
+    design, _, _, prints = make()
+    larger = make("printer.scale_percent=102")[3]
     placed, heights = placed_on(prints.contents["plate_fdm.3mf"]), {}
     for name, mesh in placed.items():
         alone = stl.from_bytes(prints.contents[f"{name}.stl"])
@@ -110,32 +110,28 @@ def test_part_lies_alike_in_its_own_file_and_on_a_plate() -> None:
         assert turned or np.allclose(np.sort(shifted[:, 2]), np.sort(alone.vertices[:, 2]), atol=1e-6)
         scaled_up = stl.from_bytes(larger.contents[f"{name}.stl"]).vertices.max(axis=0)
         assert scaled_up == pytest.approx(1.02 * extents, abs=0.05)
-    layout = design.mold_layout
-    assert heights["mold_palmar"] == pytest.approx(layout.palmar_height, abs=1e-4)
-    assert heights["mold_dorsal"] == pytest.approx(layout.dorsal_height + design.mold.key_height_mm, abs=1e-4)
+    height = design.mold_layout.foot_z - LIP_GAP_MM
+    assert heights["mold_palmar"] == heights["mold_dorsal"] == pytest.approx(height, abs=1e-4)
     with pytest.raises(ValueError, match="30 degrees are no quarter turns"):
         bed_pose(make()[1]["bone"], 30.0)
 
 
-def test_plate_holds_bone_and_lid_only_if_the_strength_is_checked_as_the_bone_stands_there() -> None:
-    for strength, holds in ({}, SLA), ({"print_material": "petg"}, FDM), ({"print_material": "pa12"}, None), (
-        {"print_material": "petg", "print_direction": "lying"}, None
-    ):  # fmt: skip
-        design = Design.load(design_file("adult_finger"), changes=[f"strength.{k}={v}" for k, v in strength.items()])
-        for kind in FDM, SLA:
-            expected = {"bone", "lid"} if kind is holds else set()
-            assert {"bone", "lid"} & set(parts_on_plates(design, kind)) == expected, strength
+@pytest.mark.parametrize(
+    ("material", "plate", "holds"),
+    [("petg", "plate_fdm.3mf", True), ("clear", "plate_sla.3mf", True), ("pa12", "plate_fdm.3mf", False)],
+)
+def test_plate_is_for_the_printer_of_the_bone_if_there_is_one(material: str, plate: str, holds: bool) -> None:
+    prints = make(f"strength.print_material={material}")[3]
+    assert {plate: "bone" in parts for plate, parts in prints.plates.items()} == {plate: holds}
 
 
 def test_small_bed_takes_several_plates() -> None:
-    design, meshes, encoded, prints = make("printer.bed_x_mm=60", "printer.bed_y_mm=60", "strength.print_material=petg")
-    assert list(prints.plates) == [f"plate_{kind}_{number}.3mf" for kind in ("fdm", "sla") for number in (1, 2)]
+    design, meshes, encoded, prints = make("printer.bed_x_mm=60", "printer.bed_y_mm=60")
+    assert list(prints.plates)[:2] == ["plate_fdm_1.3mf", "plate_fdm_2.3mf"]
     assert failed(design, meshes, encoded, prints) == set()
-    for kind in ("fdm", "sla"):
-        held = [part for file, parts in prints.plates.items() if kind in file for part in parts]
-        assert sorted(held) == sorted(parts_on_plates(design, FDM if kind == "fdm" else SLA))
+    assert sorted(part for parts in prints.plates.values() for part in parts) == sorted(parts_on_plates(design))
     found = failed(*make("printer.bed_x_mm=40", "printer.bed_y_mm=40"))
-    assert found == {"plate_fdm.bed_excess", "plate_sla.bed_excess"}, "a part is larger than the bed"
+    assert found == {"plate.bed_excess"}, "a part is larger than the bed"
 
 
 def change_plate(prints: PrintFiles, change: object) -> PrintFiles:
@@ -158,7 +154,7 @@ def change_plate(prints: PrintFiles, change: object) -> PrintFiles:
 )
 def test_broken_plate_fails(change: object, check: str) -> None:
     design, meshes, encoded, prints = make()
-    assert f"plate_fdm.{check}" in failed(design, meshes, encoded, change_plate(prints, change))
+    assert f"plate.{check}" in failed(design, meshes, encoded, change_plate(prints, change))
 
 
 def test_broken_part_for_the_printer_fails() -> None:
@@ -204,7 +200,7 @@ def test_folder_for_the_printer_is_a_set_with_the_parts(tmp_path: Path) -> None:
     assert {name.removeprefix("print/") for name in report} == files == set(result.prints.contents)
     for name, entry in report.items():
         assert entry["sha256"] == hashlib.sha256((tmp_path / name).read_bytes()).hexdigest()
-    assert sorted(report["print/plate_sla.3mf"]["parts"]) == ["bone", "mold_dorsal", "mold_palmar"]
+    assert sorted(report["print/plate_fdm.3mf"]["parts"]) == ["bone", "core", "mold_dorsal", "mold_palmar", "stand"]
     assert report["print/bone.stl"]["parts"] == ["bone"]
     # The skin says that it is not to be printed.
     assert NOTE in (tmp_path / "skin.stl").read_bytes()[:80].decode()

@@ -15,8 +15,7 @@ from manifold3d import Manifold
 from fingertip.cad.files import stl
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import parts_by_name
-from fingertip.cad.verification import walls
-from fingertip.cad.verification.walls import MEASURED, check_walls, find_thin_walls, measure_walls
+from fingertip.cad.verification.walls import find_thin_walls, measure_walls
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from tests.cad.test_random_designs import generate_accepted
@@ -84,7 +83,7 @@ def check_against_second_caster(design: Design) -> None:
     """
     evaluator, dims = MeshEvaluator(0.02), design.dimensions
     for name, part in parts_by_name(design).items():
-        if name not in MEASURED:
+        if name not in ("bone", "skin"):
             continue
         limit = design.skin.min_thickness_mm if name == "skin" else design.printer.min_wall_mm
         written = stl.to_bytes(evaluator.mesh(part.solid(design)), name, "")
@@ -114,25 +113,7 @@ def test_second_ray_caster_finds_no_other_thin_walls_in_a_random_design(seed: in
     check_against_second_caster(next(itertools.islice(generate_accepted(7000 + seed), 1)))
 
 
-@pytest.mark.parametrize("name", ["adult_finger", "child_finger"])  # the second has a lid as wide as its bone
+@pytest.mark.parametrize("name", ["adult_finger", "fsr400"])
 def test_bundled_fingers_have_no_thin_walls(name: str) -> None:
     design, evaluator = Design.load(design_file(name)), MeshEvaluator(0.05)
-    assert (design.dimensions.lips_top_y is None) == (name == "adult_finger")
-    assert [find_thin_walls(design, evaluator, part).area_mm2 for part in ("bone", "lid", "skin")] == [0.0, 0.0, 0.0]
-
-
-def test_silicone_between_lid_and_chaplet_can_be_thin() -> None:
-    design = Design.load(design_file("child_finger"), changes=["sensor.distance_from_tip_mm=9.55"])
-    found = find_thin_walls(design, MeshEvaluator(0.05), "skin")
-    assert found.area_mm2 > 10.0
-    assert found.patches().triangles.shape == (2 * len(found.points), 3)
-    (skin,) = check_walls(design, MeshEvaluator(0.05), ["skin"])
-    assert "beside the chaplet's hole, until the patch fills it" in skin.warning
-    assert "the patch closes what tears there" in skin.advice
-
-
-def test_a_thin_wall_elsewhere_is_named_by_its_axes_and_unit(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = walls.ThinWalls(np.array([[-0.04, 7.0, 12.7]]), np.zeros((1, 3)), np.array([0.6]), 1.0, 500.0)
-    monkeypatch.setattr(walls, "find_thin_walls", lambda *_: found)
-    (lid,) = check_walls(Design.load(design_file("adult_finger")), MeshEvaluator(0.05), ["lid"])
-    assert lid.warning.endswith("down to 0.6 mm at x = 0.0, y = 7.0, z = 12.7 mm.")
+    assert [find_thin_walls(design, evaluator, part).area_mm2 for part in ("bone", "skin")] == [0.0, 0.0]

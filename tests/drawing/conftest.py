@@ -10,7 +10,7 @@ from fingertip.pictures.drawing.primitives import Sheet
 from tests.conftest import ROOT, design_file, some_of
 
 FILES = sorted(path.stem for path in (ROOT / "params").glob("*.toml"))
-CALIBRATED = ("printer.offset_mm=0.08", "printer.scale_percent=100.4", "mold.fit_clearance_mm=0.13")
+CALIBRATED = ("printer.offset_mm=0.08", "printer.scale_percent=100.4")
 VARIANTS = some_of(
     [
         *((name, ()) for name in FILES),

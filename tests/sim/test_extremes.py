@@ -11,8 +11,6 @@ from typer.testing import CliRunner
 from benchmarks.extremes import contact, grasp, run
 from benchmarks.extremes.draw import Draw
 from fingertip.cli import app
-from fingertip.filling.hele_shaw import fill
-from fingertip.filling.network import FlowNetwork
 from fingertip.foundation.errors import TraceError
 from fingertip.foundation.jit import compiled
 from fingertip.pad.response import Backing, Pad
@@ -77,15 +75,6 @@ def test_motion_that_is_no_number_is_refused():
     far = np.array([0.0, 1e308])
     with pytest.raises(TraceError, match=r"step_s: 0.0001 s leads to .* choose less than 5e-05 s, or use coupled"):
         pad.process(far, far, np.ones(2))
-
-
-def test_grid_of_few_nodes_fills():
-    """The first guess once left no dry node where one node held more than the last front."""
-    ones = np.ones((3, 4))
-    network = FlowNetwork(np.append(ones, 0.0), ones[1:], ones, 0 * ones[1:], 0 * ones[1:], np.zeros(4))
-    for front in fill(network, np.append(ones[0] / 4, np.zeros(9))).fronts:
-        assert front.filled @ network.volume_mm3 == pytest.approx(front.injected_mm3)
-        assert front.filled.max() < 1 + 1e-6
 
 
 def test_stiff_pad_on_a_soft_hand_has_the_force_of_its_depth():

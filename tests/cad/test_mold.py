@@ -1,34 +1,38 @@
-"""Cup, core and their checks: values against closed forms, and each check with a defect that it finds."""
+"""Mold of a cup and a core, and its checks: values against closed forms, and each check with its defect."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
 import pytest
-from fingertip.design.geometry.cup_layout import POURED
 
 from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel import brep
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes import cup, insert
+from fingertip.cad.shapes import insert, mold
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification import assembly, trapped_air
-from fingertip.cad.verification import cup as checks
+from fingertip.cad.verification import mold as checks
 from fingertip.design import Design
+from fingertip.design.geometry.mold_layout import POURED
 from fingertip.design.geometry.solids import Box, cylinder, difference, union
+from fingertip.design.new_design import PRESETS
+from fingertip.foundation.errors import DesignError
 from tests.cad.part_checks import TOLERANCE
+from tests.conftest import DESIGNS
 
 EVALUATOR = MeshEvaluator(TOLERANCE)
 FINGER = Design.load("first_finger")
 THICK = "silicone.product=own silicone.viscosity_pa_s={}"
 
 
-def run(*changes: str) -> dict[str, float]:
+def run(*changes: str, name: str = "first_finger") -> dict[str, float]:
     """Return the excess of each check's value over its limit; negative if it passes."""
-    design = Design.load("first_finger", changes=" ".join(changes).split())
-    found = checks.check_cup(design, MeshEvaluator(TOLERANCE), parts_by_name(design))
+    design = Design.load(name, changes=" ".join(changes).split())
+    found = checks.check_mold(design, MeshEvaluator(TOLERANCE), parts_by_name(design))
     return {check.name: (check.value - check.limit) * (-1 if check.relation == "at least" else 1) for check in found}
 
 
@@ -44,19 +48,33 @@ def test_first_finger_passes_with_figures_near_those_of_the_study() -> None:
     assert 0.5 < checks.plunge_pressure_kpa(FINGER, EVALUATOR) < 2.0
 
 
+@pytest.mark.every_case
+@pytest.mark.parametrize("name", sorted({*DESIGNS, *PRESETS} - {"first_finger"}))
+def test_mold_of_every_preset_passes(name: str) -> None:
+    assert [check for check, excess in run(name=name).items() if excess > 0.0] == []
+
+
 @pytest.mark.parametrize(
     ("changes", "wanted"),
     [
-        ("printer.surface_error_mm=0.3", {"cup.palmar_error", "cup.creep"}),
-        (THICK.format(220), {"cup.plunge_pressure"}),
-        (THICK.format(450), {"cup.plunge_pressure", "cup.core_bending"}),
-        (f"{THICK.format(120)} silicone.pot_life_min=1", {"cup.seat_film"}),
-        ("mold.wall_mm=1.2", {"cup.wall"}),
+        ("printer.surface_error_mm=0.3", {"mold.palmar_error", "mold.creep"}),
+        (THICK.format(220), {"mold.plunge_pressure"}),
+        (THICK.format(900), {"mold.plunge_pressure", "mold.core_bending"}),
+        (f"{THICK.format(120)} silicone.pot_life_min=1", {"mold.seat_film"}),
         ("silicone.product=own silicone.elongation_percent=60", {"skin.fitting_stretch"}),
     ],
 )
 def test_checks_find_their_defects(changes: str, wanted: set[str]) -> None:
     assert failed(changes) == wanted
+
+
+def test_thin_wall_behind_letters_is_found_and_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert failed("mold.wall_mm=1.8") == set()
+    with pytest.raises(DesignError, match=r"mold\.wall_mm: 1\.7 mm leaves less than .* at least 1\.8 mm"):
+        Design.load("first_finger", changes=["mold.wall_mm=1.7"])
+    deep = tuple(replace(letter, high=letter.high + 3.0) for letter in mold.label(FINGER))
+    monkeypatch.setattr(mold, "label", lambda design: deep)
+    assert failed() == {"mold.wall"}
 
 
 def test_film_on_the_seat_grows_with_the_root_of_the_viscosity() -> None:
@@ -66,11 +84,11 @@ def test_film_on_the_seat_grows_with_the_root_of_the_viscosity() -> None:
 
 def test_core_and_halves_that_catch_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
     """A core wider than its cavity, and a dorsal half that is pulled off before the core is lifted."""
-    core, barb = cup.core, Box((-9.3, 0.0, 14.0), (9.3, 1.0, 15.0))
+    core, barb = mold.core, Box((-9.3, 0.0, 14.0), (9.3, 1.0, 15.0))
     with monkeypatch.context() as patch:
-        patch.setattr(cup, "core", lambda design: union(core(design), barb))
+        patch.setattr(mold, "core", lambda design: union(core(design), barb))
         found = {check.name for check in checks._check_motions(FINGER, EVALUATOR) if not check.passed}
-        assert found == {"cup.lowering_overlap", "cup.lifting_overlap"}
+        assert found == {"mold.lowering_overlap", "mold.lifting_overlap"}
     with monkeypatch.context() as patch:
         patch.setattr(assembly, "LIFT_MM", 0.0)
         halves = {name: PARTS[name].solid(FINGER) for name in ("core", "skin", *assembly.HALVES)}
@@ -96,7 +114,7 @@ def test_air_in_a_pocket_is_found_whole_and_none_in_the_design(monkeypatch: pyte
 
 
 def test_palmar_error_is_the_worst_of_all_signs_and_a_common_error_only_lifts() -> None:
-    flanks, dims = FINGER.cup_layout.flanks, FINGER.dimensions
+    flanks, dims = FINGER.mold_layout.flanks, FINGER.dimensions
     rows = [[*normal, *np.cross(point, normal)] for point, normal in flanks]
     sensor = np.array((0.0, -dims.platform_depth, dims.sensor_z))
     shifts = []
@@ -119,7 +137,7 @@ def test_pressure_between_cylinders_is_that_of_an_annular_gap() -> None:
 
 def test_silicone_stands_where_pictures_show_it_before_the_core_is_lowered() -> None:
     exact = EVALUATOR.manifold(insert.skin(FINGER)).volume() * FINGER.dimensions.shrinkage**3
-    below = EVALUATOR.manifold(insert.cavity(FINGER)).trim_by_plane((0.0, 0.0, 1.0), FINGER.cup_layout.pour_z)
+    below = EVALUATOR.manifold(insert.cavity(FINGER)).trim_by_plane((0.0, 0.0, 1.0), FINGER.mold_layout.pour_z)
     assert below.volume() == pytest.approx(POURED * exact, rel=0.03)
 
 

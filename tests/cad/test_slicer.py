@@ -18,14 +18,12 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.estimate import ERROR_PERCENT, estimate_print
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import Pose
-from fingertip.cad.printing.settings import FDM, slicer_settings
-from fingertip.cad.printing.settings import LAYER_MM as SETTINGS_LAYER_MM
-from fingertip.cad.printing.slicer import parse_gcode, slice_to_gcode
-from fingertip.cad.shapes.bridged_ceiling import CEILING_STEPS_MM
+from fingertip.cad.printing.settings import FDM, PROFILE, slicer_settings
 from fingertip.cad.verification.verify import verify
 from fingertip.design import Design
+from fingertip.design.new_design import PRESETS
 from fingertip.tasks.build import build
-from tests.conftest import DESIGNS, design_file, some_of
+from tests.conftest import DESIGNS, design_file
 from tests.tools import require_tool
 
 COARSE = 0.05
@@ -69,109 +67,76 @@ def support_moves(gcode: str) -> np.ndarray:
     return np.array(found).reshape(-1, 3)
 
 
-def in_nut_traps(design: Design, items: list[threemf.Item], points: np.ndarray) -> int:
-    """Count the points that lie in a nut trap of the palmar half on its plate."""
-    item = next(item for item in items if item.name == "mold_palmar")
-    assert item.rotation is not None
-    layout, depth = design.mold_layout, design.mold.nut_depth_mm + CEILING_STEPS_MM
-    count = 0
-    for x, z in layout.bolts:
-        axis = item.rotation @ np.array([x, -layout.palmar_height, z]) + np.array(item.shift)
-        across = np.hypot(*(points - axis)[:, :2].T)
-        count += int(((across < layout.nut_circumradius) & (points[:, 2] <= depth + LAYER_MM)).sum())
-    return count
-
-
-@pytest.mark.full
-@pytest.mark.parametrize(
-    ("name", "kind"),
-    [
-        *((name, "fdm") for name in (*DESIGNS, "adult_thumb", "child_finger", "youth_thumb")),
-        ("fsr402", "sla"),
-        ("adult_finger", "sla"),
-    ],
-)
-def test_plate_slices_without_a_complaint_and_without_supports_in_the_mold(
-    slicer: Path, name: str, kind: str, tmp_path: Path
-) -> None:
-    """With automatic supports at 45 degrees: none stands under a mold half, and some under the bone."""
-    design = Design.load(design_file(name), changes=["strength.print_material=petg"])
-    plate = plate_of(design, kind)
-    (tmp_path / "plate.3mf").write_bytes(plate)
+def slice_to_gcode(program: Path, folder: Path, plate: bytes, design: Design) -> str:
+    """Slice a plate with automatic supports, unless its objects ask for none. Its settings come before these."""
     x, y = design.printer.bed_x_mm, design.printer.bed_y_mm
+    (folder / "plate.3mf").write_bytes(plate)
     command = [
-        slicer, "--export-gcode", "--dont-arrange", "--bed-shape", f"0x0,{x:g}x0,{x:g}x{y:g},0x{y:g}", "--layer-height",
+        program, "--export-gcode", "--dont-arrange", "--bed-shape", f"0x0,{x:g}x0,{x:g}x{y:g},0x{y:g}", "--layer-height",
         f"{LAYER_MM}", "--first-layer-height", f"{LAYER_MM}", "--support-material", "--support-material-threshold",
-        "45", "-o", tmp_path / "plate.gcode", tmp_path / "plate.3mf",
+        "45", "-o", folder / "plate.gcode", folder / "plate.3mf",
     ]  # fmt: skip
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert not re.search(r"\[(warning|error|fatal)\]|warning:|error:", done.stdout + done.stderr, re.IGNORECASE)
-    code = (tmp_path / "plate.gcode").read_text()
+    return (folder / "plate.gcode").read_text()
+
+
+def read_estimate(gcode: str) -> tuple[float, float]:
+    """Print time [min] and filament [cm3], as the comments at the end of the G-code state them."""
+    (time,) = re.findall(r"^; estimated printing time \(normal mode\) = (.+)$", gcode, re.MULTILINE)
+    (filament,) = re.findall(r"^; filament used \[cm3\] = ([\d.]+)$", gcode, re.MULTILINE)
+    units = {"d": 1440.0, "h": 60.0, "m": 1.0, "s": 1.0 / 60.0}
+    return sum(float(word[:-1]) * units[word[-1]] for word in time.split()), float(filament)
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("name", [*DESIGNS, *PRESETS])
+def test_plate_slices_without_a_complaint(slicer: Path, name: str, tmp_path: Path) -> None:
+    """With automatic supports at 45 degrees: none stands beside a part that needs none."""
+    design = Design.load(design_file(name))
+    plate = plate_of(design)
+    code = slice_to_gcode(slicer, tmp_path, plate, design)
     items, points = threemf.read_items(plate), support_moves(code)
-    assert parse_gcode("plate", code).minutes > 60
-    assert len(points) > 100
-    if kind == "fdm":
-        assert in_nut_traps(design, items, points) == 0
-        halves = [item for item in items if item.name.startswith("mold")]
-        meshes = {item.name: threemf.from_bytes(threemf.write_items("one", [item])) for item in halves}
-        for item in halves:
+    assert read_estimate(code)[0] > 60
+    lies = print_orientations(design)
+    assert (len(points) > 100) == any(lies[item.name].needs_supports for item in items)
+    for item in items:
+        if not lies[item.name].needs_supports:
+            mesh = threemf.from_bytes(threemf.write_items("one", [item]))
             assert item.rotation is not None
-            placed = Pose(item.rotation, item.shift).apply(meshes[item.name]).vertices
+            placed = Pose(item.rotation, item.shift).apply(mesh).vertices
             inside = ((points > placed.min(axis=0)) & (points < placed.max(axis=0)))[:, :2].all(axis=1)
             assert not inside.any(), item.name
 
 
-def plate_of(design: Design, kind: str = "fdm") -> bytes:
+def plate_of(design: Design) -> bytes:
     prints = verify(design, print_orientations(design), ("3mf",), MeshEvaluator(COARSE)).prints
-    return prints.contents[f"plate_{kind}.3mf"]
+    (plate,) = prints.plates
+    return prints.contents[plate]
 
 
 @pytest.mark.full
-def test_supports_would_stand_in_the_nut_traps_without_the_settings_of_the_plate(slicer: Path) -> None:
-    """The measure of the test above finds supports in nut traps where the plate does not switch them off.
-
-    With the settings a bridge is printed in each layer of the first two steps of a trap that is wide enough for one.
-    """
-    design = Design()
-    items = threemf.read_items(plate_of(design))
-    bare = [replace(item, settings=()) for item in items]
-    code = slice_to_gcode(slicer, "plate", threemf.write_items("plate", bare), design, LAYER_MM)
-    assert in_nut_traps(design, bare, support_moves(code)) > 100
-    half = [item for item in items if item.name == "mold_palmar"]
-    code = slice_to_gcode(slicer, "plate", threemf.write_items("plate", half), design, LAYER_MM)
-    heights, z = set(), 0.0
-    for line in code.splitlines():
-        if line.startswith(";Z:"):
-            z = float(line[3:])
-        elif line in (";TYPE:Bridge infill", ";TYPE:Overhang perimeter"):
-            heights.add(round(z, 2))
-    depth = design.mold.nut_depth_mm
-    assert {round(depth + LAYER_MM, 2), round(depth + 2 * LAYER_MM, 2)} <= heights
-
-
-@pytest.mark.full
-def test_slicer_takes_layers_brim_and_infill_from_the_filament_plate(slicer: Path) -> None:
+def test_slicer_takes_layers_brim_and_infill_from_the_filament_plate(slicer: Path, tmp_path: Path) -> None:
     """The command asks for layers of 0.2 mm without a brim, and for the usual infill of 20 %."""
-    design = Design.from_tables({"strength": {"print_material": "petg"}})
+    design = Design()
     (bone,) = (item for item in threemf.read_items(plate_of(design)) if item.name == "bone")
     settings = slicer_settings(FDM, "bone", print_orientations(design)["bone"], supports_by_part(design)["bone"])
     heights, infills, brims = [], [], []
     for item in (bone, replace(bone, settings=settings)):
-        code = slice_to_gcode(slicer, "plate", threemf.write_items("plate", [item]), design, LAYER_MM)
-        found = Counter(round(float(z), 1) for z in re.findall(r"^;HEIGHT:([\d.]+)$", code, re.MULTILINE))
+        code = slice_to_gcode(slicer, tmp_path, threemf.write_items("plate", [item]), design)
+        found = Counter(round(float(z), 2) for z in re.findall(r"^;HEIGHT:([\d.]+)$", code, re.MULTILINE))
         heights.append(found.most_common(1)[0][0])
         infills.append(code.count(";TYPE:Internal infill"))
         brims.append(code.partition(";TYPE:Skirt/Brim\n")[2].partition(";TYPE:")[0].count("\nG1 X"))
-    assert heights == [LAYER_MM, SETTINGS_LAYER_MM]
+    assert heights == [LAYER_MM, PROFILE.layer_mm]
     assert infills[0] > 0
     assert infills[1] == 0, "it is solid"
     assert brims[1] > brims[0], "a brim beside the usual skirt"
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("name", some_of(("fsr400", "adult_thumb"), "fsr400"))
-def test_resin_plate_slices_for_a_resin_printer(slicer: Path, name: str, tmp_path: Path) -> None:
-    (tmp_path / "plate.3mf").write_bytes(plate_of(Design.load(design_file(name)), "sla"))
+def test_resin_plate_slices_for_a_resin_printer(slicer: Path, tmp_path: Path) -> None:
+    (tmp_path / "plate.3mf").write_bytes(plate_of(Design.load(changes=["strength.print_material=clear"])))
     command = [
         slicer, "--export-sla", "--printer-technology", "SLA", "--dont-arrange", "--layer-height", "0.1", "-o",
         tmp_path / "plate.sl1", tmp_path / "plate.3mf",
@@ -188,15 +153,15 @@ def test_resin_plate_slices_for_a_resin_printer(slicer: Path, name: str, tmp_pat
 @pytest.mark.full
 @pytest.mark.every_case
 @pytest.mark.parametrize("changes", [(), ("skin.length_mm=30",)])
-def test_print_time_is_estimated_within_its_error(slicer: Path, changes: tuple[str, ...]) -> None:
+def test_print_time_is_estimated_within_its_error(slicer: Path, changes: tuple[str, ...], tmp_path: Path) -> None:
     """All that a first finger needs lies on one plate, in layers of 0.15 mm with 3 walls, and prints in an evening."""
     design = Design.load("first_finger", changes=changes)
     prints = verify(design, print_orientations(design), ("3mf",), MeshEvaluator(COARSE)).prints
     assert set(prints.plates["plate_fdm.3mf"]) == {"bone", "mold_palmar", "mold_dorsal", "core", "stand"}
-    code = slice_to_gcode(slicer, "plate", prints.contents["plate_fdm.3mf"], design, 0.15)
-    sliced, estimated = parse_gcode("plate", code), estimate_print(design)
-    assert estimated.minutes == pytest.approx(sliced.minutes, rel=ERROR_PERCENT / 100.0)
-    assert estimated.filament_cm3 == pytest.approx(sliced.filament_cm3, rel=0.06)
+    code = slice_to_gcode(slicer, tmp_path, prints.contents["plate_fdm.3mf"], design)
+    (minutes, filament_cm3), estimated = read_estimate(code), estimate_print(design)
+    assert estimated.minutes == pytest.approx(minutes, rel=ERROR_PERCENT / 100.0)
+    assert estimated.filament_cm3 == pytest.approx(filament_cm3, rel=0.06)
     if not changes:
-        assert max(estimated.minutes, sliced.minutes) <= 270.0
+        assert max(estimated.minutes, minutes) <= 270.0
     assert not len(support_moves(code)), "nothing stands on supports"

@@ -7,6 +7,7 @@ two rates are fitted to eight plates of five designs, sliced by PrusaSlicer 2.5 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -15,7 +16,6 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import print_orientations
 from fingertip.cad.printing.overhang import bed_pose
 from fingertip.cad.printing.settings import PROFILE, infill_percent
-from fingertip.cad.printing.slicer import PrintEstimate
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.design import Design
 
@@ -27,6 +27,13 @@ _LINE_MM, _CLOSED_LAYERS = 0.45, 3
 """Width of a line, and layers without infill above and below [mm]: the slicer's defaults."""
 _BESIDE_SURFACE, _WITHIN, _FITTED_LAYER_MM = 12.0, 4.0, 0.15
 """Minutes per cm3 of lines beside surfaces and of what lies between them, in layers of this height."""
+
+
+@dataclass(frozen=True)
+class PrintEstimate:
+    minutes: float
+    filament_cm3: float
+    """Volume of the filament, without supports."""
 
 
 @lru_cache(maxsize=8)

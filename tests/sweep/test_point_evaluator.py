@@ -176,14 +176,12 @@ def test_outputs_have_the_units_of_their_names() -> None:
     design, evaluator = Design(), CachedEvaluator(COARSE_MM)
     context = PointContext(design, None, make_plan().file, lambda: evaluator)
     values: dict[str, Any] = {}
-    for group in ("lengths", "board", "bone", "mold", "casting", "filling", "play"):
+    for group in ("lengths", "board", "bone", "mold", "casting"):
         values |= compute.GROUP_FUNCTIONS[group](context)
     halves = [evaluator.mesh(PARTS[f"mold_{half}"].solid(design)).vertices for half in ("palmar", "dorsal")]
-    (width, height, length) = np.ptp(np.vstack([halves[0], halves[1][halves[1][:, 1] > 0]]), axis=0)
-    assert [values[f"mold_{name}_mm"] for name in ("width", "height", "length")] == pytest.approx(
-        [width, height, length], abs=1e-4
-    )
-    assert values["finger_length_mm"] == 34.0 + 20.0, "skin, and base of the bone"
+    (width, height, _) = np.ptp(np.vstack([halves[0], halves[1][halves[1][:, 1] > 0]]), axis=0)
+    assert [values["mold_width_mm"], values["mold_height_mm"]] == pytest.approx([width, height], abs=1e-4)
+    assert values["finger_length_mm"] == 34.0 + design.bone.base_length_mm, "skin, and base of the bone"
     assert 67.0 * (1 + values["cutoff_error_percent"] / 100) == pytest.approx(values["cutoff_3db_hz"])
     assert 10 ** (values["gain_db"] / 20) == pytest.approx(values["gain"])
     assert values["envelope_pole_hz"] == pytest.approx(36.17), "software has the pole that the design asks for"
@@ -194,15 +192,10 @@ def test_outputs_have_the_units_of_their_names() -> None:
     assert on_board["envelope_decay_ms"] == pytest.approx(1e3 * decay_s)
     assert on_board["envelope_pole_hz"] == pytest.approx(1 / (2 * math.pi * decay_s))
     assert values["board.c_uf"] == design.board.capacitor_uf
-    assert values["bone_mass_g"] == pytest.approx(4.61 * 1.2, rel=0.01), "4.61 cm3 of 1.2 g/cm3"
-    assert values["mold_mass_g"] == pytest.approx((18.7 + 17.7) * 1.2, rel=0.01)
-    assert values["silicone_in_mold_g"] == pytest.approx(1.05 * values["injected_cm3"], rel=0.1), "waste is apart"
-    assert values["silicone_g"] > 2 * values["silicone_in_mold_g"], "a cup, a syringe and a nozzle keep some"
-    # 30 N of a thumb on a bore of 12.06 mm, closed vents: the cavity's shadow, nearly 17 mm x 34 mm, opens the mold.
-    thumb_mpa = 30.0 / (math.pi / 4 * 12.06**2)
-    assert 0.85 < values["opening_force_n"] / (thumb_mpa * 17.0 * 34.0) < 1.0
-    assert 1.0 < values["gate_pressure_kpa"] < 1e3 * thumb_mpa
-    assert 50.0 < values["retained_elsewhere_percent"] < values["retained_over_sensor_percent"] < 100.0
+    for mass, names in {"bone": ("bone",), "mold": ("mold_palmar", "mold_dorsal")}.items():
+        volume_mm3 = sum(evaluator.mesh(PARTS[name].solid(design)).volume() for name in names)
+        assert values[f"{mass}_mass_g"] == pytest.approx(volume_mm3 / 1000 * 1.2), "1.2 g/cm3"
+    assert values["silicone_g"] > values["silicone_in_mold_g"], "a cup keeps some"
 
 
 def test_outputs_of_a_design_are_the_approved_ones() -> None:
@@ -327,7 +320,7 @@ def list_outputs(group: str) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    "group", ["lengths", "board", "noise", "pad", "simulation", "skin", "bone", "mold", "thickness", "casting"]
+    "group", ["lengths", "board", "noise", "pad", "simulation", "skin", "bone", "mold", "core", "casting"]
 )
 def test_output_group_reads_only_its_declared_tables(group: str) -> None:
     base = Design()

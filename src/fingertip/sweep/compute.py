@@ -7,7 +7,7 @@ kernel.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -45,15 +45,13 @@ class PointContext:
 
 
 def compute_lengths(context: PointContext) -> OutputValues:
-    design = context.design
-    m = design.mold_layout
+    design, m = context.design, context.design.mold_layout
     return {
         "finger_length_mm": design.skin.length_mm + design.bone.base_length_mm,
         "sensor_rim_mm": design.dimensions.sensor_rim_margin(design.bone.rim_mm, design.sensor.clearance_mm),
-        "mold_width_mm": 2 * m.half_width,
-        "mold_height_mm": m.palmar_height + m.dorsal_height,
+        "mold_width_mm": 2 * m.half_width, "mold_height_mm": m.palmar_height + m.dorsal_height,
         "mold_length_mm": m.overall_height,
-    }
+    }  # fmt: skip
 
 
 def compute_board(context: PointContext) -> OutputValues:
@@ -64,21 +62,15 @@ def compute_board(context: PointContext) -> OutputValues:
     fitted = selection.preferred
     resistors = ("r1_ohm", "r2_ohm", "r3_ohm", "r4_ohm", "r5_ohm")
     r_lp_ohm, c_lp_uf = (fitted.r_lp_ohm, 1e6 * fitted.c_lp_f) if board.has_envelope else (math.nan, math.nan)
-    return {f"board.{name}": getattr(fitted, name) for name in resistors} | {
-        "board.r_lp_ohm": r_lp_ohm,
-        "board.c_uf": 1e6 * fitted.c_f,
-        "board.c_lp_uf": c_lp_uf,
-        "gain": achieved.passband_gain,
-        "gain_db": achieved.passband_gain_db,
-        "first_pole_hz": achieved.first_pole_hz,
-        "section_hz": achieved.section_hz,
-        "q": achieved.section_quality,
+    values = {f"board.{name}": getattr(fitted, name) for name in resistors}
+    values |= {"board.r_lp_ohm": r_lp_ohm, "board.c_uf": 1e6 * fitted.c_f, "board.c_lp_uf": c_lp_uf}
+    values |= {"gain": achieved.passband_gain, "gain_db": achieved.passband_gain_db, "q": achieved.section_quality}
+    same = ("first_pole_hz", "section_hz", "upper_cutoff_hz", "envelope_pole_hz", "amplifier_bandwidth_hz")
+    values |= {name: getattr(achieved, name) for name in same}
+    return values | {
         "cutoff_3db_hz": achieved.cutoff_hz,
-        "upper_cutoff_hz": achieved.upper_cutoff_hz,
         "cutoff_error_percent": 100.0 * (achieved.cutoff_hz / board.cutoff_hz - 1.0),
-        "envelope_pole_hz": achieved.envelope_pole_hz,
         "envelope_decay_ms": 1e3 * achieved.envelope_decay_s,
-        "amplifier_bandwidth_hz": achieved.amplifier_bandwidth_hz,
     }
 
 
@@ -88,30 +80,30 @@ def compute_circuit(context: PointContext) -> OutputValues:
     from fingertip.board.fabrication.bom import count_unconfirmed
 
     values = board_values(context.design)
-    spread = values.threshold_spread
-    return {
-        "filter_noise_v": values.noise.filtered_v,
-        "max_ripple_v": values.supply_ripple.max_v,
-        "max_envelope_offset_v": values.output_offset.max_v if values.output_offset else math.nan,
-        "vibration_peak_v": values.voltage_limits.vibration_peak_v,
-        "sensor_amplifier_margin_v": values.voltage_limits.sensor_amplifier_margin_v,
-        "filter_load_ohm": values.filter_load_ohm,
-        "gate_margin": gate.find_smallest_margin(values.gate),
-        "output_current_margin": gate.find_smallest_margin(values.gate, gate.CURRENT),
-        "offset_margin": gate.find_smallest_margin(values.gate, gate.OFFSET),
-        "gain_bandwidth_margin": gate.find_smallest_margin(values.gate, gate.BANDWIDTH),
+    spread, limits = values.threshold_spread, values.voltage_limits
+    margins = {
+        "gate_margin": (), "output_current_margin": (gate.CURRENT,), "offset_margin": (gate.OFFSET,),
+        "gain_bandwidth_margin": (gate.BANDWIDTH,), "adc_margin": (gate.HIGHEST, gate.CLAMP),
+    }  # fmt: skip
+
+    def known(part: Any, figure: str) -> float:
+        return math.nan if part is None else getattr(part, figure)
+
+    return {name: gate.find_smallest_margin(values.gate, *checks) for name, checks in margins.items()} | {
+        "filter_noise_v": values.noise.filtered_v, "max_ripple_v": values.supply_ripple.max_v,
+        "max_envelope_offset_v": known(values.output_offset, "max_v"),
+        "vibration_peak_v": limits.vibration_peak_v, "filter_load_ohm": values.filter_load_ohm,
+        "sensor_amplifier_margin_v": limits.sensor_amplifier_margin_v,
         "phase_margin_deg": min(c.value for c in values.gate if c.name == gate.MARGIN),
         "peaking_db": max(c.value for c in values.gate if c.name == gate.PEAKING),
-        "adc_margin": gate.find_smallest_margin(values.gate, gate.HIGHEST, gate.CLAMP),
         "filter_yield": min(c.value for c in values.gate if c.name == gate.YIELD),
         "unconfirmed_lines": count_unconfirmed(board_circuit(values, context.design.board.channels)),
-        "board_current_a": values.shared.supply_current_a if values.shared else math.nan,
-        "crosstalk_db": values.shared.crosstalk_db if values.shared else math.nan,
+        "board_current_a": known(values.shared, "supply_current_a"),
+        "crosstalk_db": known(values.shared, "crosstalk_db"),
         "odd_capacitors": max(c.value for c in values.gate if c.name == gate.SERIES),
-        "mean_threshold_v": spread.mean_v if spread else math.nan,
-        "min_threshold_worst_v": spread.min_v if spread else math.nan,
-        "max_threshold_worst_v": spread.max_v if spread else math.nan,
-    }
+        "mean_threshold_v": known(spread, "mean_v"), "min_threshold_worst_v": known(spread, "min_v"),
+        "max_threshold_worst_v": known(spread, "max_v"),
+    }  # fmt: skip
 
 
 def compute_noise(context: PointContext) -> OutputValues:
@@ -129,32 +121,28 @@ def compute_detection(context: PointContext) -> OutputValues:
 
     assert context.scene is not None
     detector, design = context.file.detector, context.design
-    results, onsets_s, vibrations_n, shares = [], [], [], []
+    measures: dict[str, Callable[[Case, Trace], float]] = {
+        "slip_onset_ms": lambda case, trace: 1e3 * run.find_onset_s(design, case, trace),
+        "slip_vibration_n": lambda _, trace: run.measure_vibration_n(trace),
+        "out_of_contact_share": lambda _, trace: run.measure_out_of_contact_share(trace),
+    }
+    results, measured = [], {name: list[float]() for name in measures}
     with compiled():
         for seed in range(context.file.first_seed, context.file.first_seed + context.file.trials):
             case = Case("slip", context.scene, seed)
             trace = context.load_trial(seed, partial(run.simulate_trace, design, case, [detector]))
             results += run.evaluate(case, trace, detector, design, [1.0])
-            if "slip_onset_ms" in context.file.outputs:
-                onsets_s.append(run.find_onset_s(design, case, trace))
-            if "slip_vibration_n" in context.file.outputs:
-                vibrations_n.append(run.measure_vibration_n(trace))
-            if "out_of_contact_share" in context.file.outputs:
-                shares.append(run.measure_out_of_contact_share(trace))
+            for name in measures.keys() & set(context.file.outputs):
+                measured[name].append(measures[name](case, trace))
     pooled = run.DetectorResult(1.0, tuple(results))
     minutes = sum(result.duration_s for result in results) / 60.0
     return {
-        "delay_ms": 1e3 * pooled.delay_s(0.5),
-        "delay_p90_ms": 1e3 * pooled.delay_s(0.9),
-        "motion_delay_ms": 1e3 * pooled.motion_delay_s(0.5),
-        "motion_delay_p90_ms": 1e3 * pooled.motion_delay_s(0.9),
-        "found_share": pooled.found_share,
+        "delay_ms": 1e3 * pooled.delay_s(0.5), "delay_p90_ms": 1e3 * pooled.delay_s(0.9),
+        "motion_delay_ms": 1e3 * pooled.motion_delay_s(0.5), "motion_delay_p90_ms": 1e3 * pooled.motion_delay_s(0.9),
+        "found_share": pooled.found_share, "slips": pooled.slips,
         "false_alarms_per_min": sum(pooled.alarms().values()) / minutes,
-        "slips": pooled.slips,
-        "slip_onset_ms": 1e3 * run.median_of_known(onsets_s),
-        "slip_vibration_n": run.median_of_known(vibrations_n),
-        "out_of_contact_share": run.median_of_known(shares),
-    }
+        **{name: run.median_of_known(values) for name, values in measured.items()},
+    }  # fmt: skip
 
 
 def compute_simulation(context: PointContext) -> OutputValues:
@@ -176,8 +164,10 @@ def compute_simulation(context: PointContext) -> OutputValues:
 
 
 def compute_skin(context: PointContext) -> OutputValues:
-    mesh = _mesh(context, "skin")
-    return {"skin_volume_mm3": mesh.volume(), "skin_area_mm2": mesh.area()}
+    from fingertip.cad.verification.skin import min_thickness
+
+    mesh, thinnest_mm = _mesh(context, "skin"), min_thickness(context.design, context.evaluator())
+    return {"skin_volume_mm3": mesh.volume(), "skin_area_mm2": mesh.area(), "min_skin_thickness_mm": thinnest_mm}
 
 
 def compute_bone(context: PointContext) -> OutputValues:
@@ -189,12 +179,8 @@ def compute_strength(context: PointContext) -> OutputValues:
     from fingertip.cad.verification.strength import assess_strength
 
     found = assess_strength(context.design, context.evaluator())
-    return {
-        "grip_safety_factor": found.grip_safety_factor,
-        "knock_safety_factor": found.knock_safety_factor,
-        "weakest_z_mm": found.weakest.z_mm,
-        "tendon_force_n": found.tendon_force_n,
-    }
+    same = ("grip_safety_factor", "knock_safety_factor", "tendon_force_n")
+    return {name: getattr(found, name) for name in same} | {"weakest_z_mm": found.weakest.z_mm}
 
 
 def compute_pad(context: PointContext) -> OutputValues:
@@ -206,20 +192,14 @@ def compute_pad(context: PointContext) -> OutputValues:
         return force_n if math.isfinite(force_n) else math.nan
 
     return {
-        "pad_share": found.least_share(*GRASP_DEG),
-        "pad_share_wide": found.least_share(*WIDE_DEG),
-        "pad_share_rolled": found.rolled_share,
-        "pad_evenness": found.evenness,
-        "pad_turn_on_n": finite(found.worst_turn_on_n),
-        "pad_stiffness_n_per_mm": found.stiffness_n_per_mm,
-        "pad_strain": found.strain,
-        "pad_own_mode_hz": find_own_mode_hz(context.design),
-        "pad_rest_n": found.rest_n,
-        "pad_loose_share": loose.least_share(*GRASP_DEG),
-        "pad_loose_share_wide": loose.least_share(*WIDE_DEG),
+        "pad_share": found.least_share(*GRASP_DEG), "pad_share_wide": found.least_share(*WIDE_DEG),
+        "pad_loose_share": loose.least_share(*GRASP_DEG), "pad_loose_share_wide": loose.least_share(*WIDE_DEG),
         "pad_dead_zone_n": finite(loose.dead_zone_n(*GRASP_DEG)),
         "pad_dead_zone_wide_n": finite(loose.dead_zone_n(*WIDE_DEG)),
-    }
+        "pad_share_rolled": found.rolled_share, "pad_evenness": found.evenness, "pad_strain": found.strain,
+        "pad_stiffness_n_per_mm": found.stiffness_n_per_mm, "pad_own_mode_hz": find_own_mode_hz(context.design),
+        "pad_turn_on_n": finite(found.worst_turn_on_n), "pad_rest_n": found.rest_n,
+    }  # fmt: skip
 
 
 def compute_mold(context: PointContext) -> OutputValues:
@@ -234,12 +214,13 @@ def compute_casting(context: PointContext) -> OutputValues:
 
     poured_cm3 = measure_poured_cm3(context.design, context.evaluator())
     batch = compute_batch(context.design.silicone.material, poured_cm3)
-    pull, is_lying = pull_off_n(context.design), not context.design.skin.bonded
-    lying = {
-        "skin_pull_off_glued_n": pull_off_n(context.design, is_glued=True) if is_lying else math.nan,
-        "skin_slide_mm": slide_mm(context.design) if is_lying else 0.0,
-    }
-    return {"silicone_in_mold_g": batch.in_mold_g, "silicone_g": batch.total_g, "skin_pull_off_n": pull, **lying}
+    is_bonded = context.design.skin.bonded
+    return {
+        "silicone_in_mold_g": batch.in_mold_g, "silicone_g": batch.total_g,
+        "skin_pull_off_n": pull_off_n(context.design),
+        "skin_pull_off_glued_n": math.nan if is_bonded else pull_off_n(context.design, is_glued=True),
+        "skin_slide_mm": 0.0 if is_bonded else slide_mm(context.design),
+    }  # fmt: skip
 
 
 _CASTING_CHECKS = {
@@ -263,20 +244,12 @@ def compute_core(context: PointContext) -> OutputValues:
     return {output: values.get(check, math.nan) for output, check in _CASTING_CHECKS.items()}
 
 
-def compute_thickness(context: PointContext) -> OutputValues:
-    """Compute the minimum thickness of the skin above the plane where it is cut square."""
-    from fingertip.cad.verification.skin import min_thickness
-
-    return {"min_skin_thickness_mm": min_thickness(context.design, context.evaluator())}
-
-
 def compute_walls(context: PointContext) -> OutputValues:
     from fingertip.cad.verification.assembly import check_joint
     from fingertip.cad.verification.bone import check_bone
 
     checks = (*check_bone(context.design, context.evaluator()), *check_joint(context.design, context.evaluator()))
-    walls = [check.value for check in checks if check.name.startswith("bone.wall.")]
-    return {"min_bone_wall_mm": min(walls)}
+    return {"min_bone_wall_mm": min(check.value for check in checks if check.name.startswith("bone.wall."))}
 
 
 def compute_printing(context: PointContext) -> OutputValues:
@@ -287,11 +260,9 @@ def compute_printing(context: PointContext) -> OutputValues:
     printed = [name for name, part in parts_by_name(context.design).items() if part.is_printed]
     meshes = {name: _mesh(context, name) for name in printed}
     overhangs = [check_overhang(context.design, context.evaluator(), name, mesh) for name, mesh in meshes.items()]
-    estimate = estimate_print(context.design)
-    return {
-        "max_overhang_mm2": max(check.value for check in overhangs),
-        "print_h": estimate.minutes / 60.0, "filament_cm3": estimate.filament_cm3,
-    }  # fmt: skip
+    estimate, overhang_mm2 = estimate_print(context.design), max(check.value for check in overhangs)
+    estimated = {"print_h": estimate.minutes / 60.0, "filament_cm3": estimate.filament_cm3}
+    return {"max_overhang_mm2": overhang_mm2, **estimated}
 
 
 def compute_acceptance(context: PointContext) -> OutputValues:
@@ -310,25 +281,14 @@ def compute_controller(context: PointContext) -> OutputValues:
     board, rate_hz = find_controller(context.design), context.design.detector.sample_rate_hz
     assert board
     load = find_load(board, rate_hz, len(NAMES))
-    return {
-        "controller_fingers": count_fingers(board, rate_hz, not context.design.board.has_filter),
-        "controller_load_percent": 100 * load.mean / load.available,
-        "controller_peak_percent": 100 * load.longest / load.available,
-    }
-
-
-def compute_checks(context: PointContext) -> OutputValues:
-    return _run_checks(context, [context.design], "")
-
-
-def compute_set_checks(context: PointContext) -> OutputValues:
-    assert context.fingers is not None
-    return _run_checks(context, [form.design for form in context.fingers.forms], "set_")
+    fingers = count_fingers(board, rate_hz, not context.design.board.has_filter)
+    percent = {"load": 100 * load.mean / load.available, "peak": 100 * load.longest / load.available}
+    return {"controller_fingers": fingers} | {f"controller_{name}_percent": value for name, value in percent.items()}
 
 
 def compute_set(context: PointContext) -> OutputValues:
     """Compute what a whole set takes, as `fingertip make` states it."""
-    from fingertip.cad.shapes.parts import PARTS, parts_by_name
+    from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.casting.sheet import casting_sheet
     from fingertip.documents.finger_set.sheets import FormSheets, plan_set
 
@@ -336,30 +296,28 @@ def compute_set(context: PointContext) -> OutputValues:
     forms, evaluator = context.fingers.forms, context.evaluator()
     plan = plan_set([FormSheets(form, casting_sheet(form.design, evaluator)) for form in forms])
     cm3 = {"set_fingers_g": 0.0, "set_molds_g": 0.0}
-    for form in forms:
-        for name, part in parts_by_name(form.design).items():
-            if part.is_printed:
-                group = "set_fingers_g" if PARTS[name].is_in_finger else "set_molds_g"
-                cm3[group] += form.count * evaluator.mesh(part.solid(form.design)).volume() / 1000.0
+    parts = [(form, part) for form in forms for part in parts_by_name(form.design).values() if part.is_printed]
+    for form, part in parts:
+        group = "set_fingers_g" if part.is_in_finger else "set_molds_g"
+        cm3[group] += form.count * evaluator.mesh(part.solid(form.design)).volume() / 1000.0
     return {
-        "set_forms": len(forms),
-        "set_mixtures": len(plan.cups),
+        "set_forms": len(forms), "set_mixtures": len(plan.cups), "set_days": plan.days,
         "set_silicone_g": sum(cup.batch.total_g for cup in plan.cups),
-        "set_days": plan.days,
         **{name: volume * context.file.print_density_g_cm3 for name, volume in cm3.items()},
-    }
+    }  # fmt: skip
 
 
-def _run_checks(context: PointContext, designs: Iterable[Design], prefix: str) -> OutputValues:
-    """Run every check of `fingertip check`, at the sweep's tolerance."""
+def compute_checks(context: PointContext) -> OutputValues:
+    """Run every check of `fingertip check` on the design, or all of a set, at the sweep's tolerance."""
     from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.cad.verification.verify import verify
 
+    designs = [form.design for form in context.fingers.forms] if context.fingers else [context.design]
+    prefix = "set_" if context.fingers else ""
     verified = (verify(design, parts_by_name(design), ("stl",), context.evaluator()) for design in designs)
     checks = [check for each in verified for check in each.checks]
     failed = [check for check in checks if not check.passed]
-    counts = {"checks_failed": len(failed), "checks_run": len(checks)}
-    values: OutputValues = {prefix + name: count for name, count in counts.items()}
+    values: OutputValues = {f"{prefix}checks_failed": len(failed), f"{prefix}checks_run": len(checks)}
     if failed:
         first, *others = failed
         more = f" (and {len(others)} more: {', '.join(check.name for check in others)})" if others else ""
@@ -367,6 +325,9 @@ def _run_checks(context: PointContext, designs: Iterable[Design], prefix: str) -
         message = f"is {first.value:.6g}{unit}, but must be {first.relation} {first.limit:.6g}{unit}{more}."
         values[ISSUE] = Issue(first.name, message)
     return values
+
+
+compute_set_checks = compute_checks
 
 
 def _mesh(context: PointContext, part: str) -> Mesh:

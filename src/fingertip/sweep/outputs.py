@@ -67,7 +67,6 @@ GROUPS = {
         OutputGroup("core", MOLD | {"name", "silicone", "strength"}, 5),
         OutputGroup("walls", MOLD, 5),
         OutputGroup("printing", MOLD | {"name"}, 5),
-        OutputGroup("thickness", CLOSED_MOLD, 4),
         OutputGroup("casting", MOLD | {"name", "silicone"}, 5),
         OutputGroup("checks", PARTS, 6),
         OutputGroup("set", PARTS, 6),

@@ -43,7 +43,7 @@ def test_everything_that_is_wrong_is_said_at_once_before_a_fit(folder: Path) -> 
 
 
 def test_sizes_of_presets_give_a_set_of_presets_and_equal_fingers_one_form() -> None:
-    sizes = ["ring=14x23", "index=14x23", "thumb=15.5x24"]
+    sizes = ["ring=14.5x23", "index=14.5x23", "thumb=15.5x24"]
     forms = fit_set(start_set("mine", sizes, None, None, None, ()), False, print, [])
     assert [(form.fingers, form.file) for form in forms] == [
         (("thumb",), "child_thumb"),

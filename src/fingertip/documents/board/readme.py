@@ -109,7 +109,8 @@ def collect_board(values: BoardValues, design: Design) -> dict[str, Any]:
 
 def _takes_leads(circuit: Circuit, design: Design) -> bool:
     """Tell whether bought leads, which are as thick as their plug takes, pass the finger."""
-    plug = table.find_plug_wire(circuit.component(SENSOR_CONNECTOR))
+    socket = SENSOR_CONNECTOR if design.board.channels == 1 else list_sockets()[0]
+    plug = table.find_plug_wire(circuit.component(socket))
     return plug is not None and design.sensor.wire_diameter_mm >= plug.max_insulation_mm
 
 

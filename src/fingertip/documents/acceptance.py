@@ -18,7 +18,7 @@ WEIGHTS_G = (100.0, 500.0)
 """Readings of a scale that the pad is pressed on [g]."""
 SPREAD = 4.0
 """Factor by which the conductance of a good sensor may differ from the data sheet's curve, up or down, since single
-sensors differ by a factor of 2 to 8 at the same force. A board's sheet leaves out what the skin carries."""
+sensors differ by a factor of 2 to 8 at the same force."""
 _RATIO_SPREAD = 1.3
 """Factor by which the exponent of single sensors and the place of the disc change the ratio. An assumption."""
 _GRAVITY = 9.81
@@ -71,9 +71,8 @@ def _spread_readings(design: Design) -> Iterator[WeightReading]:
     calibration, in the range of its forces; else the factor is `SPREAD`.
     """
     bridge, stated = Bridge.of_board(design), design.force_curve
-    forces_n = sensed_n = np.array(WEIGHTS_G) / 1000.0 * _GRAVITY
-    if not design.board.has_filter:
-        sensed_n = Pad.from_design(design).sensed_n(forces_n, None, reads_whole_finger(design, "board"))
+    forces_n = np.array(WEIGHTS_G) / 1000.0 * _GRAVITY
+    sensed_n = Pad.from_design(design).sensed_n(forces_n, None, reads_whole_finger(design, "board"))
     for mass, force_n, on_sensor_n in zip(WEIGHTS_G, forces_n.tolist(), sensed_n.tolist(), strict=True):
         is_calibrated = stated.curve == "calibrated" and stated.min_force_n <= force_n <= stated.max_force_n
         spread = min(stated.interval_factor, SPREAD) if is_calibrated else SPREAD

@@ -138,7 +138,7 @@ def lay_in(bench: Bench, sheet: CastingSheet) -> Scene:
         Label("sensor, paper peeled\noff its other side", (x, y - lift, z)),
         Label("round bed", (x, y, z + dims.sensor.head_diameter_mm / 2)),
         Label("trough", (0.0, y + 1.0, dims.tail_end_z / 2)),
-        Label("knot in both wires,\nover their hole to the back", (0.0, *middle)),
+        Label("knot in both wires,\nover their hole\nto the back", (0.0, *middle)),
         Arrow((x, y - 0.85 * lift, z), (x, y - 0.2 * lift, z)),
     )  # fmt: skip
 

@@ -1,7 +1,8 @@
 """Finite elements of the eye of a joint: pin and hand's shoulder touch half a bone with contact, in CalculiX.
 
-The pin is steel, 0.01 mm thinner in radius than its bore, and held where the hand's tongue or fork holds it. The hand's
-shoulder is rigid, and the finger straight. All contact is free of friction. The bone is symmetric to x = 0.
+The pin is of the bone's material, 0.01 mm thinner in radius than its bore, and held where the hand's tongue or fork
+holds it. The hand's shoulder is rigid, and the finger straight. All contact is free of friction. The bone is symmetric
+to x = 0.
 """
 
 from __future__ import annotations
@@ -48,7 +49,7 @@ SOLVE = f"""*MATERIAL, NAME=RESIN
 *ELASTIC
 200000, 0.3
 *SOLID SECTION, ELSET=BONE, MATERIAL=RESIN
-*SOLID SECTION, ELSET=PIN, MATERIAL=STEEL
+*SOLID SECTION, ELSET=PIN, MATERIAL=RESIN
 *SOLID SECTION, ELSET=HAND, MATERIAL=STEEL
 *SURFACE INTERACTION, NAME=TOUCH
 *SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR

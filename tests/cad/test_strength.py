@@ -21,8 +21,11 @@ from fingertip.cad.verification.strength import (
 )
 from fingertip.cli.check import describe_cause
 from fingertip.design import Design
-from fingertip.design.formulas.knock import PRESSED_N, Springs, nylon_screw_breaks_n
-from fingertip.design.formulas.stress import StressFactors, hole_in_tension, shoulder_in_bending
+from fingertip.design.formulas.knock import PRESSED_N, Springs
+from fingertip.design.formulas.stress import PIN, StressFactors, hole_in_tension, shoulder_in_bending
+from fingertip.design.interfaces import interface_of
+from fingertip.design.interfaces.clevis_solids import stop_height_mm
+from fingertip.design.interfaces.interface import base_size
 from tests.conftest import run_fingertip
 
 DESIGN = Design()
@@ -136,13 +139,17 @@ def test_stiffness_of_the_post_is_that_of_a_beam() -> None:
     assert found == pytest.approx(3 * 2000.0 * math.pi / 4 * 4.0**4 / 40.0**3, rel=1e-4)
 
 
-def test_pin_limits_a_knock_and_breaks_in_double_shear() -> None:
+def test_pin_limits_a_knock_and_shears_across_both_ends() -> None:
     stated = DESIGN.strength.model_copy(update={"knock_speed_m_s": 1.0})
     weak, springs = assess.Weakness("eye", 0.0, 1.0), Springs(1.2, 100.0)
     held = assess.Knock(weak, springs, 30.0, 20.0)
     assert held.safety_factor(stated) == 1.5
     assert assess.Knock(weak, springs, 30.0, math.inf).safety_factor(stated) < 0.5
-    assert nylon_screw_breaks_n(2.0) == pytest.approx(2 * 54.0 * math.pi * 0.755**2)
+    joint = Design.load("adult_finger")
+    (shear,) = (found.stress_per_n for found in interface_of(joint).local_stresses(joint, 25.0) if found.place == PIN)
+    lever = 2 / 3 * stop_height_mm(joint)
+    pull = (25.0 + joint.bone.base_length_mm) / lever + 1.0
+    assert shear == pytest.approx(math.sqrt(3.0) * pull / (2 * math.pi / 4 * joint.hand.pin_diameter_mm**2))
 
 
 @pytest.mark.parametrize("material", ["petg", "durable"])
@@ -173,24 +180,22 @@ def test_nominal_stress_of_the_post_is_that_of_the_beam():
     design = Design(bone=ROUND)
     sections = dict(assess._cut(design, MeshEvaluator(0.005)))
     bone = design.bone
-    z = max(z for z in sections if z < -bone.base_length_mm - bone.foot_radius_mm)
+    foot = interface_of(design).foot_length(design)
+    z = max(z for z in sections if z < -bone.base_length_mm - foot)
     apex, cut = assess.list_load_points(design)["apex"], (z, sections[z], assess._find_concentration(design, z))
     (weakness,) = assess._find_weakest_section(design, apex, [cut])
-    share = (z + bone.base_length_mm + bone.post_length_mm) / (bone.post_length_mm - bone.foot_radius_mm)
+    share = (z + bone.base_length_mm + bone.post_length_mm) / (bone.post_length_mm - foot)
     nominal = (34.0 - z) * share * 32 / (math.pi * 7.0**3)
     assert weakness.stress_per_n / weakness.concentration == pytest.approx(nominal, rel=0.02)
     assert 1.4 < weakness.concentration < 2.0
 
 
 @pytest.mark.full
-def test_safety_factor_follows_load_holes_and_fillets():
+def test_safety_factor_follows_load_and_holes():
     base = strength_of()
     assert strength_of(strength={"grip_force_n": 4.0}).grip_safety_factor == pytest.approx(2 * base.grip_safety_factor)
     thin = {"cross_bolt_diameter_mm": 1.7}
     assert strength_of(bone=ROUND | thin).grip_safety_factor > strength_of(bone=ROUND).grip_safety_factor
-    sharp, weak_post = {"foot_radius_mm": 0.5}, {"post_width_mm": 7.0, "post_height_mm": 6.0}
-    ratio = strength_of(bone=weak_post).grip_safety_factor / strength_of(bone=weak_post | sharp).grip_safety_factor
-    assert ratio > 1.2
 
 
 def test_flange_bends_as_a_plate_between_base_and_bolts():
@@ -198,8 +203,9 @@ def test_flange_bends_as_a_plate_between_base_and_bolts():
     flange = {"interface": "flange", "base_length_mm": 26.0, "flange_thickness_mm": 1.5, "foot_radius_mm": 1.5}
     found = strength_of(bone=flange)
     arm = 34.0 + 26.0
-    sideways = arm / 22.0 * (22.0 - 13.2) / 2 / (12.0 * 1.5**2 / 6)
-    upwards = arm / 6.0 * (12.0 - 5.5 - Design().dimensions.flat_depth) / 2 / (28.0 * 1.5**2 / 6)
+    width, height = base_size(Design().dimensions)
+    sideways = arm / 22.0 * (22.0 - width) / 2 / (12.0 * 1.5**2 / 6)
+    upwards = arm / 6.0 * (12.0 - height) / 2 / (28.0 * 1.5**2 / 6)
     assert found.weakest.z_mm == -24.5
     assert found.weakest.stress_per_n == pytest.approx(math.hypot(sideways, upwards))
     thick = strength_of(bone=flange | {"flange_thickness_mm": 4.0})

@@ -25,7 +25,6 @@ from fingertip.cad.printing.orientations import build_volume_excess, print_orien
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.verification.check import Check
 from fingertip.casting.quantities import mix
-from fingertip.casting.set_plan import MOLD_MIN, STIR_MIN, Pour, find_short_pot_lives, plan_cups
 from fingertip.casting.sheet import casting_sheet
 from fingertip.catalogues.controllers import NAMES
 from fingertip.cli import app
@@ -33,7 +32,17 @@ from fingertip.design import Design
 from fingertip.design.files import to_toml
 from fingertip.design.finger_set import FingerSet, Form, load_set
 from fingertip.documents.acceptance import acceptance_data
-from fingertip.documents.finger_set.sheets import FormSheets, render_sheet, set_data, write_parts_csv
+from fingertip.documents.finger_set import (
+    MOLD_MIN,
+    STIR_MIN,
+    FormSheets,
+    Pour,
+    find_short_pot_lives,
+    plan_cups,
+    render_sheet,
+    set_data,
+    write_parts_csv,
+)
 from fingertip.documents.start import render_set_start
 from fingertip.firmware.fingers import plan_set
 from fingertip.firmware.sources import GRIP_SOURCE, library_sources
@@ -295,8 +304,7 @@ def test_a_hand_takes_three_days_one_list_and_few_words(data: dict[str, Any]) ->
     poured = [pour["finger"] for cup in plan["cups"] for pour in cup["pours"]]
     assert poured == list(NAMES), "one pour for each mold"
     assert len(data["things"]) <= 40
-    pages = {"overview": "overview", "plan": "casting_plan", "parts": "parts_list", "acceptance": "acceptance"}
-    texts = {page: render_sheet(sheet, data) for page, sheet in pages.items()}
+    texts = {page: render_sheet(page, data) for page in ("overview", "plan", "parts", "acceptance")}
     texts["start"] = render_set_start(data, Design(name="hand", board={"channels": 5}))
     for page, text in texts.items():
         check_text(APPROVED / f"set_hand_{page}.md", text)

@@ -54,7 +54,7 @@ def render_robot_readme(figures: Mapping[str, Any], fingers: Sequence[str]) -> s
 
 def render_set_readme(fingers: FingerSet, file: str, places_m: Mapping[str, float]) -> str:
     rows = [(name, form.design.name, places_m[name]) for name, form in fingers.fingers]
-    return render_page("robot_set.md", WIDTH, name=fingers.name, side=fingers.side, file=file, rows=rows, readme=README)
+    return render_page("set_robot.md", WIDTH, name=fingers.name, side=fingers.side, file=file, rows=rows, readme=README)
 
 
 def _round(value: Any) -> Any:

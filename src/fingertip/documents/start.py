@@ -41,7 +41,7 @@ def render_start(
 def render_set_start(data: Mapping[str, Any], board_design: Design | None) -> str:
     """Render the first screen of a set, with the board of all its fingers if there is one."""
     board = _board_data(board_design) if board_design else {"cost_usd": None, "components": 0}
-    return render_page("finger_set/start.md", **data, **board)
+    return render_page("set_start.md", **data, **board)
 
 
 def render_basis_table(design: Design) -> str:

@@ -290,7 +290,7 @@ def compute_set(context: PointContext) -> OutputValues:
     """Compute what a whole set takes, as `fingertip make` states it."""
     from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.casting.sheet import casting_sheet
-    from fingertip.documents.finger_set.sheets import FormSheets, plan_set
+    from fingertip.documents.finger_set import FormSheets, plan_set
 
     assert context.fingers is not None
     forms, evaluator = context.fingers.forms, context.evaluator()

@@ -18,7 +18,6 @@ from fingertip.cad.printing.orientations import build_volume_excess, print_orien
 from fingertip.cad.printing.overhang import bed_pose
 from fingertip.cad.shapes.parts import PARTS, print_scale
 from fingertip.cad.verification.check import count_checks
-from fingertip.casting.set_plan import find_short_pot_lives
 from fingertip.catalogues.output_files import (
     ACCEPTANCE,
     BOARD,
@@ -39,7 +38,7 @@ from fingertip.design.files import to_toml
 from fingertip.design.finger_set import FingerSet, Form
 from fingertip.design.geometry.solids import scaled
 from fingertip.documents.acceptance import acceptance_data
-from fingertip.documents.finger_set.sheets import FormSheets, render_sheet, set_data, write_parts_csv
+from fingertip.documents.finger_set import FormSheets, find_short_pot_lives, render_sheet, set_data, write_parts_csv
 from fingertip.documents.start import render_set_start
 from fingertip.foundation.errors import DesignError, Issue, OutputError
 from fingertip.foundation.input_files import find_link
@@ -134,7 +133,7 @@ def _list_files(sheets: Iterable[FormSheets], board: Iterable[Path], folder: Pat
 def _render_sheets(
     fingers: FingerSet, data: Mapping[str, Any], files: Sequence[str], failed: Sequence[str]
 ) -> dict[str, bytes]:
-    names = {OVERVIEW: "overview", CASTING_PLAN: "casting_plan", PARTS_LIST: "parts_list", ACCEPTANCE: "acceptance"}
+    names = {OVERVIEW: "overview", CASTING_PLAN: "plan", PARTS_LIST: "parts", ACCEPTANCE: "acceptance"}
     pages = {file: render_sheet(name, data) for file, name in names.items()}
     pictures = {form.design.name: draw_finger(form.design, _PICTURE_PX) for form in fingers.forms}
     start = render_set_start(data, fingers.board_design)

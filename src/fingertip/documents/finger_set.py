@@ -1,6 +1,6 @@
-"""Sheets of a set of fingers as plain data, and the pages that show them.
+"""Plan and sheets of a set of fingers: every mold is filled once, all on one day.
 
-Every figure is that of the forms' own sheets, multiplied or added up.
+Mixtures are as few as the pot life allows. Every other figure is that of the forms' own sheets, multiplied or added up.
 """
 
 from __future__ import annotations
@@ -8,22 +8,28 @@ from __future__ import annotations
 import math
 import re
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from itertools import pairwise
 from typing import Any
 
 from fingertip.board.circuits.channels import describe_sockets, list_pins
 from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE
-from fingertip.casting.set_plan import MOLD_MIN, STIR_MIN, Cup, Pour, plan_cups
+from fingertip.casting.quantities import Mixture, mix
 from fingertip.casting.sheet import CastingSheet, Thing
 from fingertip.catalogues.controllers import NAMES
 from fingertip.catalogues.output_files import BOARD_DESIGN, BOARD_FOLDER
+from fingertip.catalogues.silicones import Silicone
+from fingertip.design import Design
 from fingertip.design.finger_set import FingerSet, Form
 from fingertip.documents.casting import list_steps
 from fingertip.documents.template import render_page
+from fingertip.foundation.errors import Issue
 from fingertip.foundation.files import format_csv
 
+STIR_MIN, MOLD_MIN = 4.0, 6.0
+"""Time to stir a mixture, and to coat one mold, fill it and lower its core [min]. Assumptions: nobody has made one."""
+_LONG_LIVED = "smooth_sil_940"
 _SPLIT = ("mix", "open")
 """Steps of a casting sheet that begin the second and the third day of a set."""
 _COLUMNS = ("amount", "label", "fingers", "price_usd", "where", "reason")
@@ -37,6 +43,52 @@ class FormSheets:
     verdict: str = ""
     calibrated: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     """Acceptance of each finger whose sensor has a force curve of its own."""
+
+
+@dataclass(frozen=True)
+class Pour:
+    finger: str
+    design: Design
+    poured_cm3: float
+
+
+@dataclass(frozen=True)
+class Cup:
+    """Silicone that is mixed at once, and the molds that it fills, in their order."""
+
+    silicone: Silicone
+    pours: tuple[Pour, ...]
+    batch: Mixture
+
+
+def plan_cups(pours: Sequence[Pour]) -> Iterator[Cup]:
+    """Plan the mixtures of a set, none of which fills many more molds than another of its silicone."""
+    silicones: dict[str, list[Pour]] = {}
+    for pour in pours:
+        silicones.setdefault(repr(pour.design.silicone), []).append(pour)
+    for waiting in silicones.values():
+        silicone = waiting[0].design.silicone.material
+        count = math.ceil(len(waiting) / _count_molds(silicone))
+        ends = [round(len(waiting) * number / count) for number in range(count + 1)]
+        for start, end in pairwise(ends):
+            taken = tuple(waiting[start:end])
+            yield Cup(silicone, taken, mix(silicone, sum(pour.poured_cm3 for pour in taken)))
+
+
+def find_short_pot_lives(designs: Iterable[Design]) -> Iterator[Issue]:
+    """Report the silicones that thicken before they have filled one mold."""
+    for design in designs:
+        silicone = design.silicone.material
+        if _count_molds(silicone) < 1:
+            told = f"{silicone.name} thickens after {silicone.planned_pot_life_min:g} min, and to fill the mold of "
+            told += (
+                f"{design.name} takes {STIR_MIN + MOLD_MIN:g} min; it passes with --set silicone.product={_LONG_LIVED}."
+            )
+            yield Issue("silicone.product", told)
+
+
+def _count_molds(silicone: Silicone) -> int:
+    return max(0, math.floor((silicone.planned_pot_life_min - STIR_MIN) / MOLD_MIN))
 
 
 @dataclass(frozen=True)
@@ -178,8 +230,8 @@ def _cup_data(cup: Cup) -> dict[str, Any]:
 
 
 def render_sheet(name: str, data: Mapping[str, Any]) -> str:
-    """Render overview, casting_plan, parts_list or acceptance of a set as Markdown."""
-    return render_page(f"finger_set/{name}.md", **data)
+    """Render overview, plan, parts or acceptance of a set as Markdown."""
+    return render_page(f"set_{name}.md", **data)
 
 
 def write_parts_csv(data: Mapping[str, Any]) -> bytes:

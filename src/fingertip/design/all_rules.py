@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from fingertip.design import interfaces
 from fingertip.design.interfaces import clevis_rules, flange, rigid
-from fingertip.design.rules import amplifiers, board, bone, mold, skin
+from fingertip.design.rules import amplifiers, board, bone, skin
 
 PART_RULES = (
     *skin.RULES, *bone.WALL_RULES, *interfaces.LENGTH_RULES, *clevis_rules.LENGTH_RULES, *bone.RULES, *rigid.RULES,
-    *flange.RULES, *clevis_rules.RULES, *mold.RULES,
+    *flange.RULES, *clevis_rules.RULES, *bone.MOLD_RULES,
 )  # fmt: skip
 """Rules of the printed parts and the skin. They read no electronic table."""
 ELECTRONIC_RULES = (

@@ -1,14 +1,15 @@
-"""Rules of the bone: hole of the wires, trough of the tail, collar and groove."""
+"""Rules of the bone: hole of the wires, trough of the tail, collar and groove; and of the walls of its mold."""
 
 from __future__ import annotations
 
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.dimensions import HEAD_MM, KNOT_WIRES, TAIL_MM
+from fingertip.design.geometry.mold_layout import BELT_MM
 from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_most
 from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally, tip_within_skin
 from fingertip.foundation.numerics import bisect
 
-WALL_RULES, RULES = Ruleset(), Ruleset()
+WALL_RULES, RULES, MOLD_RULES = Ruleset(), Ruleset(), Ruleset()
 
 _BESIDE_WIRE_MM = 0.1
 """Gap between the wires and their hole [mm]."""
@@ -101,3 +102,9 @@ def groove_clear_of_sensor(design: DesignTables) -> Violation | None:
     # The flat narrows faster than the groove deepens, so the bound has no closed form.
     maximum = bisect(keeps_wall, 0.0, depth, halvings=_DEPTH_HALVINGS)[0] if keeps_wall(0.0) else 0.0
     return Violation(f"{depth:g} mm cuts into the wall beside the tail's slot", at_most(maximum))
+
+
+@MOLD_RULES.at_least("mold.wall_mm")
+def mold_wall_holds_cuts(design: DesignTables) -> Limit:
+    depth, wall = max(BELT_MM[1], design.mold.engraving_depth_mm), design.printer.min_wall_mm
+    return Limit(depth + wall, f"leaves less than printer.min_wall_mm={wall:g} behind belts and letters")

@@ -89,7 +89,7 @@ COMPLETIONS = {
     "finger": _words(*(f"{name}=" for name in NAMES)),
     "preset": _words(*(f"{age}_{digit}" for age in ("adult", "child", "youth") for digit in ("finger", "thumb"))),
     "formats": _words("stl", "3mf", "step", "cq", "stl,3mf", "stl,3mf,step"),
-    "parts": _words("bone", "skin", "mold_palmar", "mold_dorsal", "core", "stand", "hand_stub"),
+    "parts": _words("bone", "skin", "mold_palmar", "mold_dorsal", "core", "stand", "pin", "hand_stub"),
     "material": _words(*get_args(SiliconeName), "own"),
     "detector": _words("digital", "analog", "fft", "fast", "incipient"),
     "grip": _words("fast", "incipient", "digital", "analog"),

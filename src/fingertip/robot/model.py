@@ -110,7 +110,7 @@ def build_finger(design: Design) -> FingerModel:
         if part.is_in_finger
     ]
     for item in hardware(design, ("bone",)):
-        solids.append((item.name, item.solid, FILM_G_CM3 if item.name == "sensor" else STEEL_G_CM3, item.colour))
+        solids.append((item.name, item.solid, FILM_G_CM3 if item.name == "sensor" else print_g_cm3, item.colour))
     if isinstance(interface, CrossBolted):
         bolt, at = interface.bolt(design), (middle_y(dims), interface.cross_bolt_z(design))
         half = bolt.crossed_mm / 2

@@ -37,9 +37,9 @@ class Profile:
     """Lines beside each surface."""
     infill_percent: int = 15
     """Infill of what is not printed solid."""
-    solid: tuple[str, ...] = ("bone",)
+    solid: tuple[str, ...] = ("bone", "pin")
     brim_mm: float = 4.0
-    """Width of the brim of the bone, the only part on a narrow foot: brims of neighbours on a plate do not meet."""
+    """Width of the brim of bone and pin, which stand on narrow feet: brims of neighbours on a plate do not meet."""
 
 
 NOZZLE_MM = 0.4
@@ -63,7 +63,7 @@ def infill_percent(part: str) -> int:
 
 
 def needs_brim(part: str, orientation: Orientation) -> bool:
-    return orientation.rotate_x_deg == 0.0 and part == "bone"
+    return orientation.rotate_x_deg == 0.0 and part in PROFILE.solid
 
 
 def slicer_settings(

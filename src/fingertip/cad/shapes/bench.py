@@ -1,7 +1,9 @@
-"""Parts that hold a finger on a bench, printed without supports: the stand of a post, the stub of a hand for a joint.
+"""Parts that hold a finger, printed without supports: the stand of a post, the pin of a joint and the stub of a hand.
 
 The stand is a bar with a socket, in which the cross bolt holds the post. Either of its flat sides lies on the table and
 on the printer's bed: the pad looks up.
+
+The pin prints standing: layers across it shear before the bone breaks. It stands out of the eyes, to be pushed out.
 
 The stub is the counterpart of a clevis on a bar. Its knuckle is that of the hand, with a ramp behind the pin: it prints
 lying on its back. The strands of the tendon run in slots to a guide with a rounded mouth, and on to the end of the bar.
@@ -50,6 +52,8 @@ def stand(design: Design) -> Solid:
     return difference(stand_outline(design), socket, Post().bolt_hole(design))
 
 
+PIN_PLAY_MM, _CHAMFER_MM = 0.1, 0.4
+"""Play of the pin in its bore, and the chamfer at its ends [mm]."""
 _BAR_MM, _CHEEK_MM = 60.0, 2.5
 """Length of the bar, and least thickness of the cheeks of its fork [mm]."""
 GUIDE_MM, _BACK_MM, _SLACK_MM = 10.0, 3.0, 0.4
@@ -74,6 +78,17 @@ def joint_of(design: Design) -> Joint:
     joint = design.dimensions.joint
     assert joint, "only a clevis has a stub"
     return joint
+
+
+def pin(design: Design) -> Solid:
+    """Build the pin as it stands on the bed, along z."""
+    radius, length = joint_of(design).pin_radius - PIN_PLAY_MM / 2, design.dimensions.pin_length
+    end, at = radius - _CHAMFER_MM, (0.0, 0.0)
+    return union(
+        Cone("z", at, 0.0, _CHAMFER_MM, end, radius),
+        cylinder("z", at, _CHAMFER_MM, length - _CHAMFER_MM, radius),
+        Cone("z", at, length - _CHAMFER_MM, length, radius, end),
+    )
 
 
 def guide(design: Design) -> Guide | None:

@@ -12,8 +12,7 @@ from typing import cast
 from fingertip.cad.shapes import bench, bone, mold, skin
 from fingertip.cad.shapes.bone import sensor_body
 from fingertip.design import Design
-from fingertip.design.geometry.solids import Point3, Solid
-from fingertip.design.interfaces.clevis_solids import pin_bore
+from fingertip.design.geometry.solids import Point3, Solid, cylinder
 from fingertip.design.interfaces.interface import middle_y
 from fingertip.design.rules.ruleset import RecordingTables
 
@@ -41,6 +40,7 @@ class Part:
         return "" if self.is_printed else "cast in silicone, not to be printed"
 
 
+_PIN, _FILM = (0.88, 0.80, 0.45), (0.20, 0.22, 0.25)
 PARTS: dict[str, Part] = {
     part.name: part
     for part in (
@@ -52,6 +52,10 @@ PARTS: dict[str, Part] = {
         Part(
             "stand", bench.stand, lambda design: 2, (0.78, 0.72, 0.58), True,
             exists_in=lambda design: design.bone.interface == "post", is_tool=True,
+        ),
+        Part(
+            "pin", bench.pin, lambda design: 0, _PIN, True,
+            exists_in=lambda design: design.bone.interface == "clevis", is_tool=True,
         ),
         Part(
             "hand_stub", bench.hand_stub, bench.stub_genus, (0.74, 0.74, 0.70), True,
@@ -70,9 +74,6 @@ def print_scale(design: Design, part: Part) -> float:
     return design.printer.scale_percent / 100.0 if part.is_printed else 1.0
 
 
-_STEEL, _FILM = (0.55, 0.56, 0.58), (0.20, 0.22, 0.25)
-
-
 @dataclass(frozen=True)
 class HardwareItem:
     name: str
@@ -82,13 +83,13 @@ class HardwareItem:
 
 
 def hardware(design: Design, parts: Collection[str]) -> tuple[HardwareItem, ...]:
-    """List the hardware of the given parts: the sensor, and in a hand's fork a pin as long as the base is wide."""
+    """List what lies in the given parts: the sensor, and the pin of a joint."""
     items: list[HardwareItem] = []
     if "bone" in parts:
         items.append(HardwareItem("sensor", sensor_body(design), _FILM))
     if "bone" in parts and (joint := design.dimensions.joint):
-        pin = pin_bore(joint, design.dimensions.pin_length / 2)
-        items.append(HardwareItem("joint_pin", pin, _STEEL))
+        radius, half = joint.pin_radius - bench.PIN_PLAY_MM / 2, design.dimensions.pin_length / 2
+        items.append(HardwareItem("joint_pin", cylinder("x", (joint.axis_y, joint.axis_z), -half, half, radius), _PIN))
     return tuple(items)
 
 

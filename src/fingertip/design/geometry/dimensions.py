@@ -22,8 +22,8 @@ SHORTER_MM, LONGER_MM, HEAD_MM, TAIL_MM = 2.0, 3.0, 0.2, 0.5
 _PAST_HOLE_MM = 0.2
 TAB_WIDTH_MM = 1.0
 """Width of a solder tab [mm]: an assumption."""
-PIN_LENGTHS_MM = (4, 5, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 28, 32)
-"""Standard lengths of dowel pins (ISO 8734)."""
+_PIN_ENDS_MM = 2.0
+"""Length by which a pin stands out of the eyes, both ends together [mm]."""
 _MIN_COLLAR_STEP_MM = 0.4
 """Least step from the base of a bone below a crown to its collar [mm]."""
 _SHARP = 0.8
@@ -57,11 +57,11 @@ class Dimensions(SkinDimensions):
 
     @cached_property
     def pin_length(self) -> float:
-        """Length of the joint's pin through the cheeks of a fork: the longest on sale that does not stand out [mm]."""
+        """Length of the joint's pin through the eyes [mm]: it stands out on both sides, to be pushed out."""
         section, joint = self.eyes, self.joint
         axis_y, radius = (joint.axis_y, joint.pin_radius) if joint else (0.0, 0.0)
         across = 2 * min(section.half_width_at(axis_y + side * radius) for side in (-1.0, 1.0))
-        return float(max((length for length in PIN_LENGTHS_MM if length <= across), default=PIN_LENGTHS_MM[0]))
+        return float(math.ceil(across)) + _PIN_ENDS_MM
 
     @cached_property
     def stops_top_z(self) -> float | None:

@@ -32,6 +32,7 @@ _DRAWINGS: dict[str, Callable[[Design], PartDrawing]] = {
     "mold_dorsal": mold_sizes.dorsal_drawing,
     "core": mold_sizes.core_drawing,
     "stand": part_sizes.stand_drawing,
+    "pin": part_sizes.pin_drawing,
     "hand_stub": part_sizes.hand_stub_drawing,
 }
 

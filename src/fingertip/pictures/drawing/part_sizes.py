@@ -14,6 +14,7 @@ from fingertip.design.geometry.sizes import (
     BEHIND_FACE,
     FINISHED,
     INNER,
+    MIN_TOLERANCE_MM,
     OUTER,
     STEP,
     Circle,
@@ -23,6 +24,7 @@ from fingertip.design.geometry.sizes import (
     bore,
     clearance,
     located,
+    symmetric,
 )
 from fingertip.design.geometry.solids import Point3
 from fingertip.design.interfaces import interface_of
@@ -58,6 +60,18 @@ def stand_drawing(design: Design) -> PartDrawing:
         Length("axis of the cross bolt", BEHIND_FACE, "front", "above", "z", (side, y, high), (side, y, bolt_z)),
     )  # fmt: skip
     return PartDrawing("stand", "Stand", "palmar", ANY_MATERIAL, sizes)
+
+
+def pin_drawing(design: Design) -> PartDrawing:
+    joint, length = bench.joint_of(design), design.dimensions.pin_length
+    radius, middle = joint.pin_radius - bench.PIN_PLAY_MM / 2, length / 2
+    sizes = (
+        Length("length of the pin", OUTER, "front", "below", "z", (0.0, 0.0, 0.0), (0.0, 0.0, length)),
+        Length("diameter of the pin", OUTER, "front", "left", "y", (0.0, -radius, middle), (0.0, radius, middle),
+               symmetric(MIN_TOLERANCE_MM), "thick: sand it until it slides; thin: it falls out, print again",
+               is_diameter=True),
+    )  # fmt: skip
+    return PartDrawing("pin", "Pin of the joint", "palmar", design.strength.material.label, sizes)
 
 
 def hand_stub_drawing(design: Design) -> PartDrawing:

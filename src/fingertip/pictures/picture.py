@@ -157,7 +157,7 @@ def _mark_weakest(design: Design, evaluator: MeshEvaluator, exploded: list[Place
 
 
 def _explode(parts: Mapping[str, Mesh]) -> list[PlacedMesh]:
-    """Move the parts apart: mold halves above and below, and between them the bone with its sensor and the skin."""
+    """Move the parts apart: mold halves above and below, between them bone, sensor and skin, what holds them behind."""
     size = {name: np.ptp(mesh.vertices, axis=0) for name, mesh in parts.items()}
     gap, behind = 6.0, -0.55 * size["skin"][2]
     # So far that no half hides the bone, from above or from the palm
@@ -169,6 +169,8 @@ def _explode(parts: Mapping[str, Mesh]) -> list[PlacedMesh]:
         "sensor": (0.0, 2.0 - gap, behind),
         "mold_palmar": (0.0, -spread, 0.0),
         "core": (0.0, 2.0, behind - size["bone"][2] - 2 * gap),
+        **dict.fromkeys(("stand", "hand_stub"), (0.0, -1.2 * spread, behind)),
+        "pin": (0.0, -spread / 2, 2 * behind),
     }
     return [
         PlacedMesh(name, Mesh(parts[name].vertices + np.array(offset), parts[name].triangles), _COLOURS[name], offset)

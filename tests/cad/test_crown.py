@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from fingertip.design.geometry.seat import list_skin_points, min_skin_thickness
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -17,7 +18,6 @@ from fingertip.cad.shapes.skin import filled_bone
 from fingertip.design import Design
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.conic import ConicBody
-from fingertip.design.geometry.seat import list_skin_points, min_skin_thickness
 from fingertip.design.geometry.skin_dimensions import RAMP_SLOPE
 from fingertip.design.geometry.solids import Box, SuperconicSolid, difference
 from fingertip.design.new_design import PRESETS

@@ -14,7 +14,7 @@ from fingertip.cad.verification import skin as skin_checks
 from fingertip.cad.verification.check import search_distance
 from fingertip.cad.verification.skin import check_fitting_stretch
 from fingertip.design import Design
-from fingertip.design.geometry.seat import min_skin_thickness
+from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.design.geometry.solids import Box, cylinder, difference, union
 from fingertip.design.interfaces import INTERFACES, clevis_solids
 from tests.cad.part_checks import SOCKET, TOLERANCE, failed_checks, run_checks

@@ -4,44 +4,26 @@ from __future__ import annotations
 
 import pytest
 
-from fingertip.cad.verification.lying_skin import MAX_REST_N, check_lying_skin, pull_off_n, slide_mm
+from fingertip.cad.verification.lying_skin import MAX_REST_N, check_rest_force, describe_lying_skin, pull_off_n, slide_mm
 from fingertip.design import Design
-
-
-def states(*changes: str) -> dict[str, str]:
-    return {check.name: check.state for check in check_lying_skin(Design.load("first_finger", changes=changes))}
+from fingertip.pad.survey import GRASP_DEG, WIDE_DEG, survey_pad
 
 
 def test_the_first_finger_reaches_what_is_wanted() -> None:
-    checks = {check.name: check for check in check_lying_skin(Design.load("first_finger"))}
-    assert len(checks) == 8
-    assert {check.state for check in checks.values()} == {"passed"}
-    assert checks["pad.rest_force"].value < 0.5 * MAX_REST_N
-    assert checks["pad.dead_zone.grasp"].value <= 0.30
-    assert checks["pad.dead_zone.wide"].value <= 0.40
-    assert checks["pad.loose_share.grasp"].value >= 0.60
-    assert checks["pad.loose_share.wide"].value >= 0.52
+    design = Design.load("first_finger")
+    loose = survey_pad(design, is_loose=True)
+    assert check_rest_force(design).value < 0.5 * MAX_REST_N
+    assert loose.dead_zone_n(*GRASP_DEG) <= 0.30
+    assert loose.dead_zone_n(*WIDE_DEG) <= 0.40
+    assert loose.least_share(*GRASP_DEG) >= 0.60
+    assert loose.least_share(*WIDE_DEG) >= 0.52
+    told = describe_lying_skin(design)
+    assert told["pull_off_n"] < told["pull_off_glued_n"]
+    assert told["loose"]["tilts"][0]["share"] == pytest.approx(loose.shares[0], abs=1e-4)
 
 
-@pytest.mark.parametrize(
-    ("changes", "name", "state"),
-    [
-        (("skin.bump_radius_mm=2.54",), "pad.rest_force", "failed"),
-        (("skin.bump_radius_mm=2.6",), "skin.slide", "warning"),
-        (("skin.bump_height_mm=0",), "pad.dead_zone.grasp", "warning"),
-        (("skin.bump_height_mm=0",), "pad.dead_zone.wide", "warning"),
-        (("skin.crown_offset_mm=-1.5",), "pad.loose_share.wide", "warning"),
-        (("skin.crown_radius_mm=20",), "pad.loose_share.grasp", "warning"),
-        (("bone.groove_depth_mm=0",), "skin.pull_off", "warning"),
-        (("strength.grip_force_n=40", "strength.min_grip_factor=1"), "skin.pull_off_glued", "warning"),
-    ],
-)
-def test_each_check_finds_its_defect(changes: tuple[str, ...], name: str, state: str) -> None:
-    assert states(*changes)[name] == state
-
-
-def test_a_bonded_or_another_skin_is_not_checked_so() -> None:
-    assert not [*check_lying_skin(Design.load("fsr400_compact"))]
+def test_bump_that_presses_on_the_sensor_at_rest_fails() -> None:
+    assert not check_rest_force(Design.load("first_finger", changes=["skin.bump_radius_mm=2.54"])).passed
 
 
 def test_hold_and_slide_are_those_of_the_study() -> None:

@@ -131,6 +131,17 @@ def test_palmar_error_is_the_worst_of_all_signs_and_a_common_error_only_lifts() 
     assert lifted == pytest.approx([0.0, 0.0, -0.1 * math.sqrt(2.0), 0.0, 0.0, 0.0], abs=1e-12)
 
 
+def test_seam_fills_to_the_depth_of_creeping_flow() -> None:
+    """x = h sqrt(integral of p / (6 mu)): twice the gap of 0.1 mm is filled twice as deep, over twice the gap."""
+    wide = FINGER.with_values({"printer.surface_error_mm": 2 * FINGER.printer.surface_error_mm})
+    assert checks.seam_mm3(wide, 1.5) == pytest.approx(4 * checks.seam_mm3(FINGER, 1.5))
+    silicone, length = FINGER.silicone.material, FINGER.skin.length_mm
+    head = silicone.density_g_cm3.high * 9.81 * length * 60 * silicone.planned_pot_life_min
+    integral = head / silicone.viscosity_pa_s.low + 1500 * checks.LOWERING_S / silicone.viscosity_pa_s.high
+    seam = 2 * FINGER.mold_layout.cavity_half_width + 4 / 3 * length
+    assert checks.seam_mm3(FINGER, 1.5) == pytest.approx(0.1**2 * math.sqrt(integral / 6) * seam)
+
+
 def test_pressure_between_cylinders_is_that_of_an_annular_gap() -> None:
     """Between cylinders of radii 5 and 6 mm the slot formula is near the exact one for an annulus (Bird, 2.4)."""
     outer, core = (EVALUATOR.manifold(cylinder("z", (0.0, 0.0), -1.0, 9.0, radius)) for radius in (6.0, 5.0))

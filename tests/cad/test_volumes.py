@@ -14,9 +14,9 @@ from fingertip.design import Design
 from fingertip.design.geometry.solids import Box, Solid, cylinder, difference, intersection
 
 SOCKET = "bone.interface=socket bone.base_length_mm=32 bone.socket_depth_mm={}"
-FLANGE = "bone.interface=flange bone.base_length_mm=27 bone.flange_{}"
-POST = math.pi * 4.2**2 - 2 * (4.2**2 * math.acos(3.6 / 4.2) - 3.6 * math.sqrt(4.2**2 - 3.6**2))
-"""Area of a circle of 8.4 mm with two flats 7.2 mm apart [mm2]."""
+FLANGE = "bone.flange_{}"
+POST = math.pi * 5.4**2 - 2 * (5.4**2 * math.acos(4.0 / 5.4) - 4.0 * math.sqrt(5.4**2 - 4.0**2))
+"""Area of a circle of 10.8 mm with two flats 8 mm apart [mm2]."""
 
 
 def disc(diameter_mm: float) -> float:
@@ -27,15 +27,16 @@ def disc(diameter_mm: float) -> float:
 @pytest.mark.parametrize(
     ("part", "before", "after", "added_mm3"),
     [
-        ("bone", "", "bone.post_length_mm=7", -POST),
+        ("bone", "", "bone.post_length_mm=13.5", -POST),
         ("bone", SOCKET.format(8), SOCKET.format(7), disc(5.0)),
         ("bone", FLANGE.format("hole_diameter_mm=3.2"), FLANGE.format("hole_diameter_mm=2.2"),
          2 * (disc(3.2) - disc(2.2)) * 4.0),
     ],
 )  # fmt: skip
 def test_one_parameter_adds_its_volume(part: str, before: str, after: str, added_mm3: float) -> None:
+    name = "article" if "flange" in after else "fsr400"
     volumes = [
-        MeshEvaluator(0.02).manifold(PARTS[part].solid(Design.load(changes=changes.split()))).volume()
+        MeshEvaluator(0.02).manifold(PARTS[part].solid(Design.load(name, changes=changes.split()))).volume()
         for changes in (before, after)
     ]
     assert volumes[1] - volumes[0] == pytest.approx(added_mm3, rel=0.015)

@@ -116,4 +116,4 @@ def test_second_ray_caster_finds_no_other_thin_walls_in_a_random_design(seed: in
 @pytest.mark.parametrize("name", ["adult_finger", "fsr400"])
 def test_bundled_fingers_have_no_thin_walls(name: str) -> None:
     design, evaluator = Design.load(design_file(name)), MeshEvaluator(0.05)
-    assert [find_thin_walls(design, evaluator, part).area_mm2 for part in ("bone", "skin")] == [0.0, 0.0]
+    assert not any(find_thin_walls(design, evaluator, part).matters for part in ("bone", "skin"))

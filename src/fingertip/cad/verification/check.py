@@ -21,7 +21,6 @@ _CAUSES: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("plate.*", _BUG),
     ("*.overhang", ("bone.groove_depth_mm", "bone.platform_mm", "skin.bump_height_mm", "bone.interface")),
     ("skin.min_thickness", ("skin.thickness_side_mm", "bone.palmar_fullness", "skin.min_thickness_mm")),
-    ("skin.pull_off", ("bone.groove_depth_mm", "skin.thickness_side_mm", "silicone.product")),
     ("skin.fitting_stretch", ("bone.groove_depth_mm", "mold.core_inset_mm")),
     ("pad.turn_on_force", ("sensor.distance_from_tip_mm", "bone.collar_inset_mm", "skin.crown_radius_mm")),
     ("pad.rest_force", ("skin.bump_height_mm", "skin.bump_radius_mm")),

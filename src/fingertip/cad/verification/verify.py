@@ -18,7 +18,7 @@ from fingertip.cad.verification.bench import check_hand_stub, check_stand
 from fingertip.cad.verification.bone import check_air_vent, check_bone, check_strength
 from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.laid_in import check_laid_in
-from fingertip.cad.verification.lying_skin import check_lying_skin
+from fingertip.cad.verification.lying_skin import check_rest_force
 from fingertip.cad.verification.mold import check_mold
 from fingertip.cad.verification.printing import check_mesh_file, check_overhang, check_print_files
 from fingertip.cad.verification.skin import check_pad, check_skin
@@ -95,7 +95,8 @@ def check_parts(design: Design, evaluator: MeshEvaluator, meshes: Mapping[str, M
     if "skin" in meshes:
         yield from check_skin(design, evaluator, meshes["skin"])
         yield check_pad(design)
-        yield from () if design.skin.bonded else check_lying_skin(design)
+        if not design.skin.bonded:
+            yield check_rest_force(design)
     if "bone" in meshes:
         yield from check_bone(design, evaluator)
     if "bone" in meshes and "skin" in meshes:

@@ -29,8 +29,8 @@ from tests.conftest import ROOT, design_file
 
 APPROVED = Path(__file__).parent / "approved"
 TEMPLATES = ROOT / "src/fingertip/documents"
-ROBOTS = {"adult_finger": "urdf", "fsr400": "mjcf"}
-"""Design whose model is built -> format."""
+ROBOTS = {"adult_finger_robot": "urdf", "adult_finger_mjcf": "mjcf", "fsr400_robot": "urdf"}
+"""File of a model's README, which begins with the design's name -> format."""
 CALIBRATED = (
     "force_curve.curve=calibrated force_curve.min_force_n=0.5 force_curve.max_force_n=3 printer.scale_percent=100.4"
 )
@@ -71,9 +71,9 @@ def test_documents_are_the_approved_ones(name: str) -> None:
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_readme_of_a_model_is_the_approved_one(name: str) -> None:
-    design = Design.load(design_file(name))
+    design = Design.load(design_file(name.rpartition("_")[0]))
     model = describe_model(build_finger(design), ROBOTS[name])
-    check_text(APPROVED / f"{name}_robot.md", render_robot_readme(model, [design.name]))
+    check_text(APPROVED / f"{name}.md", render_robot_readme(model, [design.name]))
 
 
 def test_readme_of_the_model_of_a_set_is_the_approved_one() -> None:

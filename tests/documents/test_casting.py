@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from fingertip.board import board_circuit, board_values
+from fingertip.board.bringup.wiring import wiring_diagram
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.casting.sheet import CastingSheet, casting_sheet
@@ -36,8 +38,8 @@ MOUNTED = {
 """Designs with another way to hold the finger -> words of the step that says it."""
 TOOLS = (
     "adhesive|baking|breadboard|brush|cloth|drill|epoxy|felt|glue|goggles|jumper|key|lacquer|needle|oven|pen|pliers|pot|"
-    "primer|reamer|ruler|sandpaper|scissors|screw|screwdriver|sealant|shim|soap|syringe|tape|thread|cable tie|towel|tweezers|"
-    "vacuum|vise|voltmeter|washer|water|wax|wedges?|weights?"
+    "primer|reamer|ruler|sandpaper|scissors|screw|screwdriver|sealant|shim|soap|syringe|tape|thread|cable tie|towel|"
+    "tweezers|vacuum|vise|voltmeter|washer|water|wax|wedges?|weights?"
 )
 """Words of tools and materials that most lists do not hold."""
 PRIVATE = "trough|dent|ridge|rib|bump|ring groove|bed|step|foot|notches in the seam|tongue|eyes|horn"
@@ -59,7 +61,7 @@ def scenes(words: str) -> dict[str, Scene]:
 
 
 def to_read(words: str) -> dict[str, str]:
-    """Everything that a builder must read; of the sketch its head."""
+    """Everything that a builder must read besides the README of a board; of the sketch its head."""
     design, sheet = load(words)
     report: dict[str, Any] = {"parts": {}, "checks": [], "casting": sheet}
     steps = list_steps(sheet)
@@ -68,7 +70,10 @@ def to_read(words: str) -> dict[str, str]:
         "start": render_start(design, report, [19.0, 16.0, 49.0], {"acceptance.md"}, len(steps), "All checks passed"),
         "acceptance": render_acceptance(acceptance_data(design)),
     }
-    if design.board.variant == "divider":
+    if design.board.has_filter:
+        circuit = board_circuit(board_values(design), design.board.channels)
+        pages["wiring"] = wiring_diagram(circuit, design.board.supply_v, design.name).decode()
+    else:
         pages["wiring"] = board_files(design)["wiring.svg"].decode()
         files = [file for group in firmware_files(design).values() for file in group.items()]
         (sketch,) = (data.decode() for name, data in files if name.endswith("slip_lamp.ino"))

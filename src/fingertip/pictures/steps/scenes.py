@@ -35,7 +35,7 @@ of a rubber band [mm]."""
 def print_(bench: Bench, sheet: CastingSheet) -> Scene:
     """Show the parts as they lie on the plate, with their names."""
     names = {
-        "bone": "bone", "stand": "stand", "hand_stub": "stub of a hand",
+        "bone": "bone", "stand": "stand", "hand_stub": "stub of a hand", "pin": "pin of the joint",
         "core": "core: a plate with\nthree ridges and a\nfinger",
         "mold_palmar": "cup, half marked\nPAD (mold_palmar)", "mold_dorsal": "cup, other half\n(mold_dorsal)",
     }  # fmt: skip

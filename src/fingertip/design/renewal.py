@@ -35,9 +35,12 @@ _MADE_ANEW = (
 _NEEDED = ("bone.interface", "sensor.model")
 """Parameters without which the new design is another thing."""
 LEFT_OUT: tuple[tuple[str, ...], ...] = (
-    (), ("bone.", "skin.crown_", "skin.semi_axis_palmar_", "skin.thickness_", "skin.pulp_", "sensor.distance_"),
+    (),
+    ("bone.", "skin.crown_", "skin.semi_axis_palmar_", "skin.thickness_", "skin.pulp_", "sensor.distance_"),
     ("bone.", "skin.", "sensor.distance_"),
-)  # fmt: skip
+    ("bone.", "skin.", "sensor.distance_", "strength."),
+    ("bone.", "skin.", "sensor.distance_", "strength.", "hand."),
+)
 """Beginnings of sizes that become those of the bundled design where a check fails with them, tried in this order."""
 _OLD_DEFAULTS = {
     "bone.post_width_mm": 8.4, "bone.post_height_mm": 7.2, "bone.post_length_mm": 8.0, "bone.foot_radius_mm": 1.5,

@@ -15,7 +15,7 @@ from fingertip.cad.verification import assembly as joint_checks
 from fingertip.cad.verification.strength import assess_strength
 from fingertip.design import Design
 from fingertip.design.formulas.stress import pin_peak
-from fingertip.design.geometry.joint import Joint
+from fingertip.design.geometry.joint import HORN_RADIUS_MM, Joint
 from fingertip.design.geometry.solids import cylinder, union
 from fingertip.design.interfaces import clevis, clevis_solids, interface_of
 from fingertip.design.new_design import PRESETS
@@ -78,13 +78,14 @@ def test_forces_of_the_joint_follow_from_its_levers() -> None:
     assert found["eye"].stress_per_n == pytest.approx(at_bore)
 
 
-def test_line_load_of_a_strand_balances_its_two_ends() -> None:
-    """The pressure of a strand on its horn, summed up over the quarter circle, is the pull at both of its ends."""
-    force, radius = 3.85, 4.0
+def test_pressure_on_a_horn_balances_the_pull_at_both_ends_of_its_strand() -> None:
+    """Summed up over the quarter circle it is half of the tendon's force, along the finger and across it."""
+    design = load("adult_finger", "hand.tendon_diameter_mm=0.7")
+    (horn,) = (each for each in interface_of(design).local_stresses(design, 25.0) if "horn" in each.place)
     angles = (np.arange(1000) + 0.5) * math.pi / 2 / 1000
-    pressed = force / radius * radius * math.pi / 2 / 1000  # on each part of the arc [N]
-    assert pressed * np.cos(angles).sum() == pytest.approx(force, rel=1e-5)
-    assert pressed * np.sin(angles).sum() == pytest.approx(force, rel=1e-5)
+    on_part = horn.stress_per_n * 0.7 * HORN_RADIUS_MM * math.pi / 2 / 1000
+    for share in (np.cos(angles), np.sin(angles)):
+        assert on_part * share.sum() == pytest.approx(clevis.tendon_force_per_n(design, 25.0) / 2, rel=1e-5)
 
 
 @pytest.mark.parametrize("name", ["adult_finger", "child_finger"])
@@ -116,7 +117,7 @@ def test_strands_lie_in_groove_and_on_horns(name: str) -> None:
     ("change", "remedy"),
     [
         ("hand.tendon_diameter_mm=1.6", "hand.tendon_diameter_mm=0.82"),
-        ("hand.tendon_distance_mm=1.5", "hand.tendon_distance_mm=2.2"),
+        ("hand.tendon_distance_mm=1.5", "hand.tendon_distance_mm=2.63"),
         ("hand.tendon_distance_mm=6", "hand.tendon_distance_mm=5.34"),
         ("bone.base_length_mm=11", "bone.base_length_mm=14.5"),
         ("sensor.model=fsr400", "sensor.model=fsr400_short"),

@@ -103,7 +103,7 @@ def test_mesh_kernel_rejects_an_inverted_primitive(evaluator: MeshEvaluator) -> 
 
 
 def test_failed_check_is_reported_and_files_are_written(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(PARTS, "skin", replace(PARTS["skin"], genus=lambda design: 0))
+    monkeypatch.setitem(PARTS, "skin", replace(PARTS["skin"], genus=lambda design: 1))
     result = build(FINGER, tmp_path, parts=["skin"], formats=["stl"])
     assert not result.passed
     assert {c.name for c in result.checks if not c.passed} == {"skin.stl.genus"}
@@ -164,7 +164,11 @@ def test_part_of_another_topology_fails(evaluator: MeshEvaluator) -> None:
     ("part", "change", "failed"),
     [
         ("skin", lambda skin: difference(skin, cylinder("y", (20.0, 0.0), 0.0, 20.0, 1.0)), "volume_balance.cavity"),
-        ("core", lambda core: union(core, Box((-1.0, 3.0, 15.0), (1.0, 6.0, 17.0))), "overlap.core.skin"),
+        (
+            "core",
+            lambda core: union(core, Box((-1.0, 3.0, 15.0), (1.0, FINGER.skin.semi_axis_dorsal_mm - 0.8, 17.0))),
+            "overlap.skin.core",
+        ),
         ("mold_dorsal", lambda half: difference(half, Box((15.0, 9.0, 0.0), (30.0, 30.0, 5.0))), "volume_balance.mold"),
     ],
 )

@@ -41,7 +41,7 @@ DESIGNS = {
     "fsr402": ("board.channels=3", ("firmware", "basis")),
 }
 FILES = {"acceptance.md", "board/README.md", "print/plate_fdm.3mf"}
-LOADS = {"breaks_n": 24.0, "drop_mm": 51.0, "pin": "nylon screw M2", "grip_n": 10.0, "mass_kg": 0.4}
+LOADS = {"breaks_n": 24.0, "drop_mm": 51.0, "pin_first": True, "grip_n": 10.0, "mass_kg": 0.4}
 
 
 @functools.cache

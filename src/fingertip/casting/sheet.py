@@ -16,7 +16,6 @@ from fingertip.board.parts.table import find_plug_wire
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.estimate import estimate_print
 from fingertip.cad.printing.settings import PROFILE, Profile, choose_plate_kind
-from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.verification.mold import LOWERING_S, palmar_limits
 from fingertip.casting.quantities import Mixture, measure_poured_cm3, mix
 from fingertip.catalogues.output_files import PRINT_FOLDER
@@ -59,8 +58,6 @@ class Mount:
     bolt: str
     """Bolt to buy; empty for a joint."""
     bolts: int
-    pin: str
-    """Pin of a joint to buy; empty if it is printed."""
     post_mm: tuple[float, float]
     """Diameter and greatest length of the hand's post that a socket takes [mm]."""
     travel_deg: float
@@ -147,7 +144,6 @@ def _mount(design: Design) -> Mount:
         interface=interface.name,
         bolt=f"M{bolt.thread_mm:g} x {bolt.length_mm:g} mm, with its nut" if bolt else "",
         bolts=bolt.count if bolt else 0,
-        pin="" if "pin" in parts_by_name(design) else f"steel pin of {hand.pin_diameter_mm:g} mm",
         post_mm=(round(bone.socket_diameter_mm - MATING_PLAY_MM, 2), bone.socket_depth_mm),
         travel_deg=hand.travel_deg,
         tendon_mm=hand.tendon_diameter_mm if anchor else 0.0,
@@ -165,18 +161,12 @@ def _list_things(design: Design, batch: Mixture, mount: Mount, printed_g: float)
         "material": f"{name} filament" if material.process == "fdm" else name,
         "wire": _describe_wire(design),
         "bolt": f"bolt {mount.bolt}",
-        "pin": f"{mount.pin}, {design.dimensions.pin_length:g} mm long",
     }
     sizes = {
         "silicone_g": batch.total_g, "printed_g": printed_g, "divider_kohm": design.board.divider_ohm / 1e3,
         "bolts": mount.bolts, "tendon_mm": mount.tendon_mm, "tendon_n": mount.tendon_n,
     }  # fmt: skip
-    needs = {
-        "steel_pin" if mount.interface == "clevis" and mount.pin else "",
-        "board" if design.board.has_filter else "divider",
-        mount.interface,
-        "tendon" if mount.tendon_mm else "",
-    }
+    needs = {"board" if design.board.has_filter else "divider", mount.interface, "tendon" if mount.tendon_mm else ""}
     rows = []
     for row in read_rows(Path(__file__).with_name("things.csv")):
         needed_by = set(row.pop("needed_by").split())

@@ -7,11 +7,12 @@ import math
 import numpy as np
 
 from fingertip.cad.kernel.mesh import Mesh
+from fingertip.cad.shapes.parts import PARTS
 from fingertip.casting.sheet import CastingSheet
 from fingertip.design.geometry.joint import Joint, TendonAnchor
 from fingertip.design.geometry.solids import Box, Point3, cylinder, difference, union
 from fingertip.pictures.raster import Camera
-from fingertip.pictures.steps.scene import Arrow, Bench, Label, Paint, Scene, Shown
+from fingertip.pictures.steps.scene import Arrow, Bench, Label, Scene, Shown
 
 _FROM_BACK, _FROM_PALM = Camera.from_angles(28, 30), Camera.from_angles(28, -35)
 _LINE, _BAND = (0.20, 0.30, 0.65), (0.75, 0.35, 0.30)
@@ -42,8 +43,8 @@ def _finger(bench: Bench, *, bent_deg: float = 0.0) -> list[Shown]:
 
 def _pin(bench: Bench, out_mm: float = 0.0) -> Shown:
     joint, half = _joint(bench), bench.dims.pin_length / 2
-    shaft = cylinder("x", (joint.axis_y, joint.axis_z), -half - 1.0, half + 1.0, joint.pin_radius)
-    return bench.solid(shaft, Paint.PAPER, (-out_mm, 0.0, 0.0))
+    shaft = cylinder("x", (joint.axis_y, joint.axis_z), -half, half, joint.pin_radius)
+    return bench.solid(shaft, PARTS["pin"].colour, (-out_mm, 0.0, 0.0))
 
 
 def _end_z(bench: Bench) -> float:
@@ -75,7 +76,7 @@ def pin(bench: Bench, sheet: CastingSheet) -> Scene:
     out = 2 * half + 10.0
     return Scene(
         (*_finger(bench), bench.part("hand_stub", (0.0, 0.0, -_APART_MM)), _pin(bench, out)), _FROM_BACK,
-        Label(sheet.mount.pin or "printed pin", (-half - out, joint.axis_y, joint.axis_z)),
+        Label("printed pin", (-half - out, joint.axis_y, joint.axis_z)),
         Label("stub", (0.0, back, joint.low_z - _APART_MM - 20.0)),
         Label("wires (not drawn) leave\nhere, in a loose loop", (0.0, back, bench.dims.channel_exit_z)),
         Arrow((-half - 0.8 * out, joint.axis_y + 4.0, joint.axis_z), (-half - 2.0, joint.axis_y + 4.0, joint.axis_z)),
@@ -130,10 +131,10 @@ def travel(bench: Bench, sheet: CastingSheet) -> Scene:
 
 def knock(bench: Bench, sheet: CastingSheet) -> Scene:
     joint, half, tip = _joint(bench), bench.dims.pin_length / 2, bench.design.skin.length_mm
-    at: Point3 = (-half - 1.5, joint.axis_y, joint.axis_z)
+    at: Point3 = (-half, joint.axis_y, joint.axis_z)
     return Scene(
         (*_finger(bench), bench.part("hand_stub"), _pin(bench)), _FROM_PALM,
-        Label("the bone breaks here,\nbeside the pin" if sheet.mount.pin else "breaks first:\nput another one in", at),
+        Label("breaks first:\nput another one in", at),
         Label("knock", (0.0, -4.0, tip - 2.0)),
         Arrow((0.0, -20.0, tip - 4.0), (0.0, -9.0, tip - 4.0)),
     )  # fmt: skip

@@ -52,7 +52,7 @@ class Clevis(JointInterface):
 
     name = "clevis"
     face_on_plate = weakest = "the eyes of the joint"
-    supports_below = "under the foot of the collar; around the eyes of the joint"
+    supports_below = "around the eyes of the joint"
 
     def shapes(self, design: DesignTables) -> Shapes:
         """Build the base, and what is removed: the joint's space, the bore of its pin and the way of the tendon."""
@@ -83,7 +83,7 @@ class Clevis(JointInterface):
         joint, anchor = _joint_of(design), design.dimensions.anchor
         yield "joint", (joint.axis_z, joint.axis_y)
         if anchor:
-            yield "tendon's anchor", (anchor.z, anchor.y)
+            yield "tendon's groove", (anchor.z, design.dimensions.bone_outline.section.dorsal)
 
     def beam_begin_z(self, design: DesignTables, low_z: float) -> float:
         """Past the pin only the joint's own forces act, which are assessed for themselves."""

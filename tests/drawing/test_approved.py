@@ -27,16 +27,17 @@ from tests.tools import require_module
 
 APPROVED = Path(__file__).parent / "approved"
 DESIGNS = {
-    "fsr400": ("fsr400", ()),
     "calibrated": ("adult_finger", CALIBRATED),
-    "flange": ("fsr400", ("bone.interface=flange", "bone.base_length_mm=27", "printer.surface_error_mm=0")),
+    "flange": (
+        "fsr400",
+        ("bone.interface=flange", "bone.base_length_mm=27", "bone.foot_radius_mm=1.65", "printer.surface_error_mm=0"),
+    ),
 }
 
 
 def describe_drawing(drawing: PartDrawing) -> Iterator[str]:
     yield f"{drawing.part}: {drawing.title}, plan {drawing.plan}, {drawing.material}"
     yield from (f"  {line}" for size in drawing.sizes for line in describe_size(size))
-    yield from (f"  axis in {axis.view}: {sum_up(axis.start)} to {sum_up(axis.end)}" for axis in drawing.axes)
     yield from (f"  {note}" for note in drawing.notes)
 
 

@@ -118,7 +118,7 @@ def measure(features: StepFeatures, size: Size) -> float:
     if size.is_diameter:
         centre: Point3 = tuple((a + b) / 2 for a, b in zip(size.start, size.end, strict=True))  # type: ignore[assignment]
         return 2.0 * features.radius("y", centre, size.value / 2)[0]
-    if "anchor's hole" in size.name or "thickness of each eye" in size.name:  # whose outer side is curved or drafted
+    if "thickness of each eye" in size.name:  # whose outer side is curved
         return features.material(size.start, size.end)
     i = AXES[size.axis]
     ends = [0.0 if at[i] == 0.0 else features.station(size.axis, at) for at in (size.start, size.end)]
@@ -147,8 +147,8 @@ VARIANTS = (
     ("child_finger", ()),
     ("first_finger", ()),
     ("fsr400", ("bone.interface=socket", "bone.base_length_mm=31")),
-    ("fsr400", ("bone.interface=flange", "bone.base_length_mm=27")),
-    ("adult_finger", ("hand.travel_deg=0", "bone.base_length_mm=13")),
+    ("fsr400", ("bone.interface=flange", "bone.base_length_mm=27", "bone.foot_radius_mm=1.65")),
+    ("adult_finger", ("hand.travel_deg=0",)),
 )
 
 

@@ -24,6 +24,7 @@ from fingertip.design.geometry.sizes import (
     bore,
     clearance,
     located,
+    shared_clearance,
     symmetric,
 )
 from fingertip.design.geometry.solids import Point3
@@ -86,7 +87,7 @@ def hand_stub_drawing(design: Design) -> PartDrawing:
         Circle("bore of the joint's pin", FINISHED, "front", "x", pin, joint.pin_radius, bore(design),
                "narrow: ream it to the pin; wide: take a thicker pin"),
         Length(place, growth, "palmar", "right", "x", (-half, y, joint.axis_z), (half, y, joint.axis_z),
-               clearance(2 * joint.clearance - design.printer.offset_mm), remedy),
+               shared_clearance(2 * (joint.clearance - design.printer.offset_mm)), remedy),
     ]  # fmt: skip
     if way:
         mouth = way.x[0], way.y, way.mouth_z

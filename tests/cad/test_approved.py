@@ -33,7 +33,7 @@ CHANGES = {
     "fsr402": "",
     "adult_finger": "",
     "socket": "bone.interface=socket bone.base_length_mm=32 name=forty_" + 34 * "x",
-    "flange": "bone.interface=flange bone.base_length_mm=26 bone.flange_spacing_y_mm=12 bone.flange_height_mm=18",
+    "article": "",
 }
 """Changes of each design; those without are bundled ones."""
 

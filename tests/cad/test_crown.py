@@ -13,12 +13,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes.bone import bone, sensor_body, sensor_recess, tape
+from fingertip.cad.shapes.bone import bone, sensor_body, sensor_recess
 from fingertip.cad.shapes.skin import filled_bone
 from fingertip.design import Design
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.conic import ConicBody
 from fingertip.design.geometry.skin_dimensions import RAMP_SLOPE
+from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.design.geometry.solids import Box, SuperconicSolid, difference
 from fingertip.design.new_design import PRESETS
 from fingertip.foundation.errors import DesignError
@@ -141,10 +142,9 @@ def test_the_rule_finds_the_thinnest_place_of_the_straight_part(name: str, platf
     beside = evaluator.manifold(
         difference(Box((-reach, -reach, 0.02), (reach, reach, dims.taper_end_z)), SuperconicSolid(dims.outer))
     )
-    points = [point.thickness_mm for point in list_skin_points(design, dims)]
     found = interior.min_gap(beside, 5.0)
-    least = min(min_skin_thickness(dims, 0.0), *points)
-    assert least - 0.03 < found < least + 0.1, "what the rules measure in sections is rather too thin than too thick"
+    least = min_skin_thickness(design, dims)
+    assert least - 0.03 < found < least + 0.12, "what the rules measure in sections is rather too thin than too thick"
     assert found > design.skin.min_thickness_mm
 
 
@@ -159,8 +159,6 @@ def test_the_film_lies_in_its_slot_along_the_ramp(name: str) -> None:
     over = film.trim_by_plane((0.0, 0.0, 1.0), max(0.5, dims.tail_end_z))
     recess = evaluator.manifold(sensor_recess(design)) ^ evaluator.manifold(filled_bone(design))
     assert (over - recess).volume() < 1e-3 * over.volume()
-    cover = evaluator.manifold(tape(design))
-    assert (cover ^ solid).volume() < 0.03 * cover.volume() + 0.02 * cover.surface_area() / 2
     sheet = over.volume() / dims.sensor.thickness_mm
     lifted = film.translate((0.0, design.sensor.adhesive_thickness_mm * 0.9, 0.0)) ^ solid
     assert lifted.volume() < 0.02 * sheet, "the floor follows the film"

@@ -21,7 +21,6 @@ from tests.cad.part_checks import SOCKET, TOLERANCE, failed_checks, run_checks
 
 DESIGN = Design()
 EYE, SPACE = clevis_solids.eye_profile, clevis_solids.space
-TONGUE = ["hand.knuckle=fork", "bone.base_length_mm=14.9", "strength.min_shock_factor=0"]
 
 
 @dataclass(frozen=True)

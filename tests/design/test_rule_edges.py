@@ -37,8 +37,6 @@ LOOSE = {
     "skin_is_thick_enough": 0.002,  # leaves the slack of the section's measurement
     "travel_free": 0.03,  # whole degrees, found in steps of the travel
     "bent_stop_long_enough": 0.03,  # whole degrees
-    "chaplet_stands_on_bone": 0.025,  # found in steps of the height
-    "bone_is_held": 0.02,  # found by search, on the safe side
     "filter_resistors_in_range": 0.2,  # preferred values
     "envelope_resistor_in_range": 0.2,  # preferred values
     "amplifier_drives_the_filter": 0.1,  # preferred values
@@ -52,12 +50,11 @@ MAX_EDGES = 3
 """Parameters in which the edge of one rule is sought."""
 BASES = {
     "": "fsr400",
-    "bone.interface=socket bone.base_length_mm=32 sensor.insert=mushroom": "fsr402",
-    "bone.interface=flange sensor.insert=disc": "fsr400",
+    "bone.interface=socket bone.base_length_mm=32": "fsr402",
+    "bone.foot_radius_mm=1.5": "article",
     "hand.tendon_diameter_mm=0.5": "adult_finger",
     "board.channels=3 detector.window_samples=100": "article",
     "board.variant=comparator": "child_thumb",
-    "mold.method=plunge": "first_finger",
 }
 """Changes -> bundled design; between them, most rules apply to one."""
 

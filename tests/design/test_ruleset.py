@@ -138,7 +138,6 @@ def test_stand_in_has_the_values_of_the_tables_and_refuses_invalid_ones() -> Non
     [
         (lambda tables: tables.value("skin.width_mm"), {"skin.width_mm"}),
         (lambda tables: tables.value("name"), {"name"}),
-        (lambda tables: tables.printed_fit_mm, {"mold.fit_clearance_mm", "printer.offset_mm"}),
         (lambda tables: tables.detector.adc_low_v, {"detector.adc_polarity"}),
         (lambda tables: tables.detector.adc_step_v, {"detector.adc_polarity", *ADC}),
     ],
@@ -153,25 +152,25 @@ def test_what_a_method_or_property_reads_is_recorded(read: Callable[[DesignTable
 
 def test_a_bound_refuses_values_beyond_it_in_the_unit_of_its_field() -> None:
     ruleset = Ruleset()
-    most = ruleset.at_most("mold.draft_deg")(lambda design: Limit(2.0, "are steep", "so far", {"mold.wall_mm": 1.0}))
-    least = ruleset.at_least("bone.wall_mm", most, slack=0.0)(lambda design: Limit(1.0 + 1e-9, "is thin"))
+    most = ruleset.at_most("mold.wall_mm")(lambda design: Limit(2.0, "are steep", "so far", {"bone.rim_mm": 1.0}))
+    least = ruleset.at_least("bone.wall_mm", most, slack=0.0)(lambda design: Limit(0.8 + 1e-9, "is thin"))
     absent = ruleset.at_most("bone.wall_mm")(lambda design: None)
     assert list(ruleset) == [most, least, absent]
     assert least.prerequisites == (most,)
     assert at_least(2.0) == ((2.0, math.inf),)
     assert at_most(2.0) == ((-math.inf, 2.0),)
-    assert most.check(TABLES) == Violation("3 degrees are steep", at_most(2.0), "so far", {"mold.wall_mm": 1.0})
-    assert most.check(TABLES.with_values({"mold.draft_deg": 2.0 + SLACK})) is None
-    assert least.check(TABLES) == Violation("1 mm is thin", at_least(1.0 + 1e-9))
+    assert most.check(TABLES) == Violation("4 mm are steep", at_most(2.0), "so far", {"bone.rim_mm": 1.0})
+    assert most.check(TABLES.with_values({"mold.wall_mm": 2.0 + SLACK})) is None
+    assert least.check(TABLES) == Violation("0.8 mm is thin", at_least(0.8 + 1e-9))
     assert absent.check(TABLES) is None
 
 
 def test_a_rule_passes_where_it_does_not_apply_and_reads_what_that_depends_on() -> None:
     ruleset = Ruleset()
-    bound = ruleset.at_least("mold.draft_deg", when=lambda design: design.mold.method == "plunge")
+    bound = ruleset.at_least("mold.wall_mm", when=lambda design: design.bone.interface == "socket")
     rule = bound(lambda design: Limit(90.0, "are flat"))
     assert rule.check(TABLES) is None
-    lowered = TABLES.with_values({"mold.method": "plunge"})
+    lowered = TABLES.with_values({"bone.interface": "socket"})
     (found,) = find_violations(ruleset, lowered)
-    assert found.violation.problem == "3 degrees are flat"
-    assert found.own_reads == {"mold.method", "mold.draft_deg"}
+    assert found.violation.problem == "4 mm are flat"
+    assert found.own_reads == {"bone.interface", "mold.wall_mm"}

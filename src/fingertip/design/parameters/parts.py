@@ -72,11 +72,11 @@ class Bone(ParameterTable):
     cross_bolt_diameter_mm: float = quantity(
         3.2, "mm", (MIN_HOLE_MM, 6), "Diameter of the cross bolt's hole through post or socket."
     )
-    flange_width_mm: float = quantity(28.0, "mm", (4, 80), "Width of the flange (interface flange).")
+    flange_width_mm: float = quantity(30.0, "mm", (4, 80), "Width of the flange (interface flange).")
     flange_height_mm: float = quantity(12.0, "mm", (4, 80), "Height of the flange.")
     flange_thickness_mm: float = quantity(4.0, "mm", (1, 15), "Thickness of the flange, the proximal part of the base.")
     flange_spacing_x_mm: float = quantity(
-        22.0, "mm", (4, 70), "Distance between the flange's bolt holes across the finger."
+        24.0, "mm", (4, 70), "Distance between the flange's bolt holes across the finger."
     )
     flange_spacing_y_mm: float = quantity(
         0.0, "mm", (0, 70), "Distance of their two rows from dorsal to palmar; 0: one row of two holes."

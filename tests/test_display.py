@@ -120,6 +120,6 @@ def test_assembly_holds_parts_and_hardware_in_place() -> None:
     design = Design()
     made: Any = fingertip.assembly(design)
     names = {child.name for child in made.children}
-    assert {"bone", "skin", "mold_palmar", "mold_dorsal", "sensor", "chaplet_screw"} <= names
+    assert {"bone", "skin", "mold_palmar", "mold_dorsal", "core", "sensor"} <= names
     volumes = {child.name: child.obj.Volume() for child in made.children}
     assert volumes["bone"] == pytest.approx(fingertip.part_solid(design, "bone").Volume(), rel=1e-9)

@@ -87,9 +87,9 @@ def test_files_as_windows_saves_them(tmp_path: Path) -> None:
 
 def test_changes_go_to_the_file_that_knows_their_name() -> None:
     changes = ["tap.force_n=1", "knock.at_s=1", "outputs=[]"]
-    assert split_changes([*changes, "mold.draft_deg=2"], [SCENE]) == (changes, ["mold.draft_deg=2"])
+    assert split_changes([*changes, "mold.wall_mm=5"], [SCENE]) == (changes, ["mold.wall_mm=5"])
     others = ["cable.hum_v=1", *changes[1:]]
-    assert split_changes([*others, "mold.draft_deg=2"], [MANIPULATION]) == (others, ["mold.draft_deg=2"])
+    assert split_changes([*others, "mold.wall_mm=5"], [MANIPULATION]) == (others, ["mold.wall_mm=5"])
     assert split_changes(changes, [SCENE, MANIPULATION]) == (changes, [])
     # A manipulation has a table `hand` too: without one, the name is the design's.
     assert split_changes([*changes, "hand.width_mm=6"], []) == (changes, ["hand.width_mm=6"])

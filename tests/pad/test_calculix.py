@@ -81,12 +81,11 @@ def test_pad_yields_at_large_strain_as_by_calculix(tmp_path: Path) -> None:
 
 
 @pytest.mark.full
-@pytest.mark.parametrize(("changes", "poisson", "stiffer"), [("", 0.3, 0.0), ("insert", 0.3, 0.0), ("", 0.49, 0.05)])
-def test_pad_yields_as_by_calculix(tmp_path: Path, changes: str, poisson: float, stiffer: float) -> None:
+@pytest.mark.parametrize(("poisson", "stiffer"), [(0.3, 0.0), (0.49, 0.05)])
+def test_pad_yields_as_by_calculix(tmp_path: Path, poisson: float, stiffer: float) -> None:
     """A smooth pressure beside the sensor with some shear. Nearly incompressible, the wedges of CalculiX lock."""
     ccx = require_tool("ccx", "as root on Debian, sh .ci/install-calculix")
-    design = Design.load(changes=["sensor.insert=disc"] if changes else [])
-    model = PadModel(replace(PadForm.of_design(design), poisson=poisson), MeshSize(1.0), is_half=True)
+    model = PadModel(replace(PadForm.of_design(Design.load(changes=["skin.bonded=true"])), poisson=poisson), MeshSize(1.0), is_half=True)
     loads = smooth_load(model)
     ours = model.body.move(loads[..., None])[..., 0]
     used = write_deck(model, loads, tmp_path / "pad.inp")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from fingertip.design.geometry import DesignTables
-from fingertip.design.geometry.joint import Joint
+from fingertip.design.geometry.joint import HORN_RADIUS_MM, Joint
 from fingertip.design.rules.bone import collar_carries_skin
 from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_most
 from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally
@@ -108,14 +108,15 @@ def base_between_the_strands(design: DesignTables) -> Limit | None:
 
 @RULES.rule("hand.tendon_distance_mm", *_SOUND_BASE, collar_carries_skin)
 def strands_beside_the_eyes(design: DesignTables) -> Violation | None:
-    """The strands leave a wall palmar of the pin, pass the hand's fork, and lie on horns within the collar's height."""
+    """The strands leave a wall palmar of the pin, pass the hand's fork, and lie on horns within the base's height."""
     dims, hand, distance = design.dimensions, design.hand, design.hand.tendon_distance_mm
     joint, anchor = dims.joint, dims.anchor
     if joint is None or anchor is None:
         return None
-    low = joint.pin_radius + design.bone.wall_mm + anchor.line / 2
+    back_y = dims.bone_outline.section.dorsal_height_at(anchor.half_width) - anchor.line
+    low = max(joint.pin_radius + design.bone.wall_mm, joint.axis_y + HORN_RADIUS_MM - back_y) + anchor.line / 2
     if not joint.is_fork and anchor.half_width + anchor.line > joint.half_width - joint.clearance:
-        low = hand.clearance_radius_mm + anchor.line
+        low = max(low, hand.clearance_radius_mm + anchor.line)
     high = joint.axis_y + dims.collar.section.palmar
     if low - SLACK <= distance <= high + SLACK:
         return None

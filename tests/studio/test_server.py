@@ -23,7 +23,6 @@ from fingertip import Design
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.foundation.errors import StudioError
-from fingertip.pad import contacts
 from fingertip.studio.answers import DOWNLOADS, VIEW_TOLERANCE_MM
 from fingertip.studio.server import StudioServer
 from fingertip.tasks.build import build
@@ -97,19 +96,6 @@ def test_the_picture_of_the_pad_holds_the_figures_of_the_command(server: StudioS
     shares = [(f"{row['share']:.4f}", f"{row['tilt_deg']:g}") for row in found["tilts"]]
     assert re.findall(r"<title>share (\S+) at a tilt of (\S+)°</title>", drawn) == shares
     assert f"Rolled by 10 degrees it gets {found['rolled_share']:.0%}" in drawn
-
-
-@pytest.mark.full
-def test_no_change_waits_for_the_finite_elements_of_an_insert(
-    server: StudioServer, tables: dict[str, Any], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    computed: list[object] = []
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(contacts, "_compute_table", computed.append)
-    disc = change(tables, sensor__insert="disc")
-    assert "ten to forty seconds" in post(server, "pad", disc).content["pad"]
-    assert "pad.share" not in strip_elements(post(server, "checks", disc).content["checks"])
-    assert computed == []
 
 
 @pytest.mark.every_case

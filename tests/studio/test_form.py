@@ -13,10 +13,10 @@ from fingertip.studio.page import MAIN, Field, make_form
 FIELDS = {field.parameter.path: field for fields in make_form().values() for field in fields}
 
 
-def test_ten_fields_come_first_and_the_others_in_the_order_of_the_file() -> None:
+def test_nine_fields_come_first_and_the_others_in_the_order_of_the_file() -> None:
     groups = make_form()
     main, *others = ([field.parameter.path for field in fields] for fields in groups.values())
-    assert (next(iter(groups)), len(main)) == (MAIN, 10)
+    assert (next(iter(groups)), len(main)) == (MAIN, 9)
     assert [path for paths in others for path in paths] == [path for path in PARAMETERS if path not in main]
     assert set(main) <= set(PARAMETERS)
 

@@ -240,7 +240,7 @@ def test_junit_report_replaces_invalid_characters_and_prints_warnings() -> None:
     assert root[0].get("name") == 'a<&"??.toml'
     (case,) = root.iter("testcase")
     assert case.get("classname", "").count(".") == 1, "readers group test cases by the dots in the class name"
-    warned = Check("bone.safety_factor.shock", 0.59, 0.5, "", "at least", "breaks at 60 N\x00")
+    warned = Check("bone.safety_factor.knock", 0.59, 0.5, "", "at least", "breaks at 60 N\x00")
     root = ElementTree.fromstring(to_bytes({"one": [PASSED, warned]}))
     assert root.get("failures") == "0"
     outputs = [case.findtext("system-out") for case in root.iter("testcase")]

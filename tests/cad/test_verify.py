@@ -105,7 +105,7 @@ def test_importing_fingertip_imports_no_heavy_package() -> None:
     assert done.stdout.strip() == "0", done.stderr
 
 
-UNLIMITED = ["strength.min_grip_factor=0", "strength.min_shock_factor=0"]
+UNLIMITED = ["strength.min_grip_factor=0", "strength.min_knock_factor=0"]
 VARIANTS = {
     "socket": ["bone.interface=socket", "bone.base_length_mm=31"],
     "round post": ["bone.post_width_mm=7", "bone.post_height_mm=7", *UNLIMITED],

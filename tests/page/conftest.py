@@ -102,7 +102,7 @@ def make_report(**strength: Any) -> dict[str, Any]:
     printed = {f"print/plate_{kind}.3mf": {"parts": names} for kind, names in plates.items()}
     printed |= {f"print/{name}.stl": {"parts": [name]} for name in ("bone", "mold_palmar")}
     found = {
-        "material": "surgical_guide", "grip_safety_factor": 3.456, "shock_safety_factor": 2.0,
+        "material": "petg", "grip_safety_factor": 3.456, "knock_safety_factor": 2.0,
         "weakest": {"place": "cross-section", "z_mm": -12.34}, **strength,
     }  # fmt: skip
     return {"checks": checks, "parts": parts, "print": printed, "casting": CASTING, "strength": found}

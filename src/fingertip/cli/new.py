@@ -149,10 +149,22 @@ def _write_renewed(
     columns = max(map(len, renewed.changed), default=0)
     lines += (f"{parameter:{columns}}  {was} -> {now}" for parameter, (was, now) in renewed.changed.items())
     lines.append(f"{len(renewed.retired)} parameters went; begun from {renewed.made.base}")
+    lines += _tell_other_joint(renewed.made)
     following = f"fingertip make {shlex.quote(path.as_posix())}"
     data |= {"changed": {key: list(both) for key, both in renewed.changed.items()}, "retired": renewed.retired}
     lines += [*strength, f"wrote {path}; edit it, then run: {following}"]
     console.result(data | {"next": following}, "\n".join(lines))
+
+
+def _tell_other_joint(made: NewDesign) -> Iterator[str]:
+    """Tell with which joint of the hand the bundled design holds more than the new one."""
+    from fingertip.design import Design
+
+    base, design = Design.load(made.base), made.design
+    paths = (f"hand.{name}" for name in type(base.hand).model_fields)
+    others = [f"{path}={base.value(path)}" for path in paths if design.value(path) != base.value(path)]
+    if others and design.dimensions.joint and design.strength.grip_force_n < base.strength.grip_force_n:
+        yield f"note: {made.base} holds {base.strength.grip_force_n:g} N, on a joint of {', '.join(others)}"
 
 
 def _write_set(

@@ -32,7 +32,7 @@ CHANGES = {
     "fsr400": "",
     "fsr402": "",
     "adult_finger": "",
-    "socket": "bone.interface=socket bone.base_length_mm=32 name=forty_" + 34 * "x",
+    "socket": "bone.interface=socket bone.base_length_mm=28 strength.knock_speed_m_s=0.1 name=forty_" + 34 * "x",
     "article": "",
 }
 """Changes of each design; those without are bundled ones."""

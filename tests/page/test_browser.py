@@ -136,11 +136,11 @@ def test_parts_are_hidden_and_shown(opened: Any) -> None:
 def test_a_parameter_highlights_its_parts(opened: Any) -> None:
     click(opened, "[data-preset=opened]")
     before = picture(opened)
-    button = opened.find_element("id", "p-mold.nut_depth_mm")
+    button = opened.find_element("id", "p-mold.wall_mm")
     opened.execute_script("arguments[0].closest('details').open = true", button)
     opened.execute_script("arguments[0].click()", button)
     said = opened.find_element("id", "view-status").text
-    assert said.startswith("mold.nut_depth_mm shapes: mold palmar")
+    assert said.startswith("mold.wall_mm shapes: mold palmar")
     assert button.get_attribute("aria-pressed") == "true"
     assert not np.array_equal(picture(opened), before)
     opened.execute_script("arguments[0].click()", button)
@@ -342,15 +342,15 @@ def test_one_tab_is_laid_out_and_nothing_is_cut(opened: Any) -> None:
 
 @pytest.mark.full
 def test_an_address_selects_the_tab_that_holds_it(opened: Any) -> None:
-    tabs = {"checks": "more", "board": "board", "casting": "cast", "p-mold.nut_depth_mm": "more", "model": "start"}
+    tabs = {"checks": "more", "board": "board", "casting": "cast", "p-mold.wall_mm": "more", "model": "start"}
     for anchor, tab in tabs.items():
         opened.execute_script("location.hash = arguments[0]", anchor)
         wait(lambda tab=tab: opened.execute_script(SHOWN) == [tab])
         assert opened.find_element("id", anchor).is_displayed()
     # A parameter shapes parts that stand in another tab; going back leads to it again.
-    opened.execute_script("location.hash = 'p-mold.nut_depth_mm'")
+    opened.execute_script("location.hash = 'p-mold.wall_mm'")
     wait(lambda: opened.execute_script(SHOWN) == ["more"])
-    click(opened, "[id='p-mold.nut_depth_mm']")
+    click(opened, "[id='p-mold.wall_mm']")
     wait(lambda: opened.execute_script(SHOWN) == ["start"])
     opened.back()
     wait(lambda: opened.execute_script(SHOWN) == ["more"])

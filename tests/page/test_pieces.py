@@ -144,8 +144,8 @@ def test_pins_of_the_schematic_meet_its_wires() -> None:
 
 
 CHANGED = (
-    "skin.width_mm", "bone.channel_diameter_mm", "mold.fit_clearance_mm", "mold.nut_depth_mm", "mold.wall_mm",
-    "sensor.clearance_mm", "bone.post_width_mm", "mold.chaplet_from_tip_mm", "board.cutoff_hz", "mold.runner_depth_mm",
+    "skin.width_mm", "bone.channel_diameter_mm", "mold.core_inset_mm", "mold.wall_mm", "skin.bump_height_mm",
+    "sensor.clearance_mm", "bone.post_width_mm", "bone.groove_depth_mm", "board.cutoff_hz", "mold.engraving_height_mm",
 )  # fmt: skip
 
 

@@ -76,7 +76,7 @@ def test_each_set_is_the_one_of_its_own_command(made: Path, tmp_path: Path) -> N
 
 @pytest.mark.full
 def test_own_file_in_any_set_is_found_before_anything_is_written(tmp_path: Path) -> None:
-    for name in ("bone.stl", "print/bone.stl", "steps/01-cure_test.png", "board/bom.csv", "signal/trace.csv"):
+    for name in ("bone.stl", "print/bone.stl", "steps/01-print.png", "board/bom.csv", "signal/trace.csv"):
         folder = tmp_path / name.replace("/", "_")
         (folder / name).parent.mkdir(parents=True)
         (folder / name).write_bytes(b"mine")

@@ -144,7 +144,7 @@ def test_pins_of_the_schematic_meet_its_wires() -> None:
 
 
 CHANGED = (
-    "skin.width_mm", "bone.channel_diameter_mm", "mold.core_inset_mm", "mold.wall_mm", "skin.bump_height_mm",
+    "skin.width_mm", "bone.channel_diameter_mm", "bone.collar_length_mm", "mold.wall_mm", "skin.bump_height_mm",
     "sensor.clearance_mm", "bone.post_width_mm", "bone.groove_depth_mm", "board.cutoff_hz", "mold.engraving_height_mm",
 )  # fmt: skip
 

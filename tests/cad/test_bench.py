@@ -21,7 +21,7 @@ DESIGN = Design.load("first_finger")
 
 JOINTED = {
     "tongue": Design.load("adult_finger"),
-    "fork": Design.load("adult_finger", changes=["hand.knuckle=fork", "bone.base_length_mm=15"]),
+    "fork": Design.load("adult_finger", changes=["hand.knuckle=fork", "bone.base_length_mm=17", "hand.tendon_distance_mm=0"]),
 }
 
 

@@ -160,7 +160,7 @@ class Clevis(JointInterface):
             sizes.append(
                 Length("height of the joint axis", STEP, "front", "left", "y", (across, 0.0, z), pin, is_reference=True)
             )
-        if (top := design.dimensions.stops_top_z) is not None:
+        if joint.travel_deg and (top := design.dimensions.stops_top_z) is not None:
             sizes += self._stop_sizes(design, joint, top)
         if anchor := design.dimensions.anchor:
             sizes += self._anchor_sizes(design, anchor, pin)

@@ -65,12 +65,11 @@ def stand_drawing(design: Design) -> PartDrawing:
 
 def pin_drawing(design: Design) -> PartDrawing:
     joint, length = bench.joint_of(design), design.dimensions.pin_length
-    radius, middle = joint.pin_radius - bench.PIN_PLAY_MM / 2, length / 2
+    radius = joint.pin_radius - bench.PIN_PLAY_MM / 2
     sizes = (
         Length("length of the pin", OUTER, "front", "below", "z", (0.0, 0.0, 0.0), (0.0, 0.0, length)),
-        Length("diameter of the pin", OUTER, "front", "left", "y", (0.0, -radius, middle), (0.0, radius, middle),
-               symmetric(MIN_TOLERANCE_MM), "thick: sand it until it slides; thin: it falls out, print again",
-               is_diameter=True),
+        Circle("diameter of the pin", OUTER, "end", "z", (0.0, 0.0, length), radius, symmetric(MIN_TOLERANCE_MM),
+               "thick: sand it until it slides; thin: it falls out, print again"),
     )  # fmt: skip
     return PartDrawing("pin", "Pin of the joint", "palmar", design.strength.material.label, sizes)
 

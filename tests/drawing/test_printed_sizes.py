@@ -70,7 +70,7 @@ def test_tolerances_of_two_mating_parts_leave_half_of_their_play(name: str, is_c
         mates.append((gap, design.hand.width_mm))
         assert limits_mm(gap)[0] > limits_mm(tongue)[2], "the finger turns on its stub"
         bores = {part["bore of the joint's pin"].text() for part in (bone, drawings["hand_stub"])}
-        assert bores == {"Ø2.85 0/-0.1"}, "they are reamed, never wider than the pin"
+        assert bores == {f"Ø{design.hand.pin_diameter_mm:g} 0/-0.1"}, "they are reamed, never wider than the pin"
     else:
         mates.append((bone["hole of the cross bolt"], 3.0))
     for hole, shaft in mates:

@@ -83,7 +83,6 @@ def _members(shape: TopoDS_Shape) -> list[TopoDS_Shape]:
 def _combine(operation: Any, arguments: Iterable[TopoDS_Shape], tools: Iterable[TopoDS_Shape]) -> TopoDS_Shape:
     operation.SetArguments(_list_of_shapes(arguments))
     operation.SetTools(_list_of_shapes(tools))
-    operation.SetRunParallel(True)
     operation.Build()
     return operation.Shape()
 

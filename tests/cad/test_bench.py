@@ -15,13 +15,16 @@ from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification import verify
 from fingertip.design import Design
 from fingertip.design.geometry.solids import cylinder, union
+from fingertip.design.interfaces.clevis_solids import pin_bore
 
 DESIGN = Design.load("first_finger")
 
 
 JOINTED = {
     "tongue": Design.load("adult_finger"),
-    "fork": Design.load("adult_finger", changes=["hand.knuckle=fork", "bone.base_length_mm=17", "hand.tendon_distance_mm=0"]),
+    "fork": Design.load(
+        "adult_finger", changes=["hand.knuckle=fork", "bone.base_length_mm=17", "hand.tendon_distance_mm=0"]
+    ),
 }
 
 
@@ -103,7 +106,7 @@ def test_the_stub_has_the_sizes_of_the_hand() -> None:
 @pytest.mark.parametrize(
     ("change", "failed"),
     [
-        (lambda stub, joint: union(stub, cylinder("x", (0.0, joint.axis_z), -3.0, 3.0, joint.radius + 0.2)), "clearance"),
+        (lambda stub, joint: union(stub, pin_bore(replace(joint, pin_radius=joint.radius + 0.2), 3.0)), "clearance"),
         (lambda stub, joint: union(stub, cylinder("x", (3.0, joint.low_z), 5.0, 7.0, 1.0)), "travel_overlap"),
     ],
 )  # fmt: skip

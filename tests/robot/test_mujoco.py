@@ -52,13 +52,14 @@ def test_both_strands_pull_at_the_distance_of_the_tendon(tmp_path: Path) -> None
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot/finger.xml"))
     data, anchor, joint = mujoco.MjData(model), design.dimensions.anchor, design.dimensions.joint
     mujoco.mj_forward(model, data)
-    assert 1e3 * data.ten_J.ravel() == pytest.approx([-5.0, -5.0], abs=1e-4)
+    distance = design.hand.tendon_distance_mm
+    assert 1e3 * data.ten_J.ravel() == pytest.approx([-distance] * 2, abs=1e-4)
     data.qpos[:] = angle = math.radians(design.hand.travel_deg)
     mujoco.mj_forward(model, data)
     # The lever of the tangent from the guide to the circle about the horn, in the frame of the hand
     radius, y, z = 4.0 + anchor.line / 2, anchor.horn_y + 4.0 - joint.axis_y, anchor.horn_low_z - joint.axis_z
     horn = np.array([y * math.cos(angle) - z * math.sin(angle), y * math.sin(angle) + z * math.cos(angle)])
-    guide = np.array([-5.0, -joint.radius - 3.0])
+    guide = np.array([-distance, -joint.radius - 3.0])
     away = horn - guide
     along = math.atan2(*away) - math.asin(radius / math.hypot(*away))
     lever = guide[1] * math.sin(along) - guide[0] * math.cos(along)

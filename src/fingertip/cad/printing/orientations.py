@@ -36,8 +36,9 @@ def print_orientations(design: Design) -> dict[str, Orientation]:
     }
     if PARTS["stand"].exists_in(design):
         orientations["stand"] = Orientation(-90.0, "a flat side", needs_supports=False)
-    if PARTS["hand_stub"].exists_in(design):
+    if PARTS["pin"].exists_in(design):
         orientations["pin"] = Orientation(0.0, "one end", needs_supports=False)
+    if PARTS["hand_stub"].exists_in(design):
         orientations["hand_stub"] = Orientation(-90.0, "its back, the tendon's slots up", needs_supports=False)
     return orientations
 

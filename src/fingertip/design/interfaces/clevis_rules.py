@@ -187,9 +187,13 @@ def _is_clear(design: DesignTables, joint: Joint, angle_deg: float) -> bool:
     dims = design.dimensions
     angle = math.radians(angle_deg)
     sine, cosine = math.sin(angle), math.cos(angle)
-    # The finger as nested outlines, each from one height on: the palmar edge of collar and skin.
+    # The knuckle is round on its distal side alone: the corner of its root rises above it beyond a right angle.
+    if joint.radius * (sine - cosine) > joint.shoulder_z - joint.axis_z + SLACK:
+        return False
+    # The finger as nested outlines, each from one height on: the palmar edge of base, collar and skin.
     foot = -design.bone.collar_length_mm
     outline = (
+        (joint.shoulder_z, -dims.base_flat_depth),
         (foot, -dims.collar.section.palmar),
         (0.0, -dims.base_palmar_height),
         *([(dims.crown.z, -design.skin.semi_axis_palmar_mm)] if dims.crown else []),

@@ -8,7 +8,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from fingertip.design.geometry.seat import list_skin_points, min_skin_thickness
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

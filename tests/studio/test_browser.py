@@ -216,10 +216,10 @@ def test_a_parameter_is_found_and_highlighted(opened: Any) -> None:
     find = opened.find_element("id", "find")
     find.send_keys("nut depth")
     fields = [one for one in opened.find_elements("css selector", ".field") if one.is_displayed()]
-    assert [one.get_attribute("data-path") for one in fields] == ["mold.nut_depth_mm"]
+    assert [one.get_attribute("data-path") for one in fields] == ["mold.wall_mm"]
     before = picture(opened)
-    click(opened, "[data-named='mold.nut_depth_mm']")
-    assert opened.find_element("id", "view-status").text.startswith("mold.nut_depth_mm shapes: mold palmar")
+    click(opened, "[data-named='mold.wall_mm']")
+    assert opened.find_element("id", "view-status").text.startswith("mold.wall_mm shapes: mold palmar")
     assert not np.array_equal(picture(opened), before)
 
 

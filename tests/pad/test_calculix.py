@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fingertip.design import Design
 from fingertip.pad.fem_contact import PadModel
 from fingertip.pad.fem_elastic import factorise
 from fingertip.pad.fem_mesh import MeshSize
 from fingertip.pad.form import PadForm
 from fingertip.pad.touch import X, Z
+from tests.pad.bonded import CROWNED
 from tests.tools import require_tool
 
 C3D15 = [0, 1, 2, 12, 13, 14, 3, 4, 5, 15, 16, 17, 6, 7, 8]
@@ -66,7 +66,7 @@ def smooth_load(model: PadModel) -> np.ndarray:
 @pytest.mark.full
 def test_pad_yields_at_large_strain_as_by_calculix(tmp_path: Path) -> None:
     ccx = require_tool("ccx", "as root on Debian, sh .ci/install-calculix")
-    model = PadModel(replace(PadForm.of_design(Design.load()), poisson=0.3), MeshSize(1.0), is_half=True)
+    model = PadModel(replace(PadForm.of_design(CROWNED), poisson=0.3), MeshSize(1.0), is_half=True)
     loads, free = 12.0 * smooth_load(model), np.flatnonzero(~model.body.is_fixed)
     ours, small = np.zeros_like(loads), model.body.move(loads[..., None])[..., 0]
     for part in np.linspace(0.1, 1.0, 10):
@@ -85,7 +85,7 @@ def test_pad_yields_at_large_strain_as_by_calculix(tmp_path: Path) -> None:
 def test_pad_yields_as_by_calculix(tmp_path: Path, poisson: float, stiffer: float) -> None:
     """A smooth pressure beside the sensor with some shear. Nearly incompressible, the wedges of CalculiX lock."""
     ccx = require_tool("ccx", "as root on Debian, sh .ci/install-calculix")
-    model = PadModel(replace(PadForm.of_design(Design.load(changes=["skin.bonded=true"])), poisson=poisson), MeshSize(1.0), is_half=True)
+    model = PadModel(replace(PadForm.of_design(CROWNED), poisson=poisson), MeshSize(1.0), is_half=True)
     loads = smooth_load(model)
     ours = model.body.move(loads[..., None])[..., 0]
     used = write_deck(model, loads, tmp_path / "pad.inp")

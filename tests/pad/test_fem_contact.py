@@ -11,7 +11,6 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError
 from fingertip.foundation.numerics import Array
 from fingertip.pad.fem_contact import PadContact, PadModel, Patch, find_patch
@@ -20,7 +19,7 @@ from fingertip.pad.fem_mesh import MeshSize
 from fingertip.pad.form import PadForm
 from fingertip.pad.pose import Pose
 from fingertip.pad.touch import PALM, Touch
-from tests.conftest import design_file
+from tests.pad.bonded import STRAIGHT
 
 COARSE = MeshSize(1.5)
 
@@ -34,7 +33,8 @@ def solve(form: PadForm, poses: list[Pose], forces_n: list[float], mesh: MeshSiz
 
 @cache
 def pad(*changes: str) -> PadForm:
-    return replace(PadForm.of_design(Design.load(design_file("article"), changes=changes)), young_mpa=1.0)
+    values = {name: float(value) for name, value in (change.split("=") for change in changes)}
+    return replace(PadForm.of_design(STRAIGHT.with_values(values)), young_mpa=1.0)
 
 
 @cache
@@ -53,7 +53,6 @@ class Slab:
     poisson: float = 0.4999
     base_slope: float = 0.0
     collar: tuple[float, float] = (0.0, -math.inf)
-    insert: None = None
 
     @property
     def sensor_z_mm(self) -> float:

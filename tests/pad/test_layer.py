@@ -6,14 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
 from fingertip.pad import layer
 from fingertip.pad.form import PadForm
 from fingertip.pad.layer import find_contacts
 from fingertip.pad.pose import Pose
+from tests.pad import bonded
 
-STRAIGHT = PadForm.of_design(Design.load("article"))
+STRAIGHT = PadForm.of_design(bonded.STRAIGHT)
 
 
 def solve_layer(w, nu, normal, tangential, is_bonded):

@@ -50,7 +50,7 @@ def test_every_parameter_has_a_description_and_its_unit_in_its_name() -> None:
     suffix = {
         "mm": "_mm", "degree": "_deg", "Hz": "_hz", "uF": "_uf", "ohm": "_ohm", "V": "_v",
         "samples": "_samples", "bit": "_bits", "%": "_percent", "N": "_n", "Pa s": "_pa_s",
-        "g/cm3": "_g_cm3", "m": "_m", "min": "_min", "h": "_h", "MPa": "_mpa", "uS": "_us",
+        "g/cm3": "_g_cm3", "m": "_m", "min": "_min", "h": "_h", "MPa": "_mpa", "uS": "_us", "kg": "_kg", "m/s": "_m_s",
     }  # fmt: skip
     for parameter in list_parameters():
         assert parameter.description, parameter.path
@@ -61,7 +61,7 @@ def test_every_parameter_has_a_description_and_its_unit_in_its_name() -> None:
 def test_all_issues_are_reported_at_once() -> None:
     found = load_issues(
         changes=(
-            "skin.widht_mm=17", "mold.wall_mm=nan", "bone.rim_mm=-1", "sensor.model=fsr4o2", "bone.core_inset_mm=1",
+            "skin.widht_mm=17", "mold.wall_mm=nan", "bone.rim_mm=-1", "sensor.model=fsr4o2", "sensor.core_inset_mm=1",
             "detector.window_samples=2.5", "board.cutoff_hz=-67", "bone.channel_diameter_mm=9", "name=a/b", "mould.x=1",
             "skin.length_mm='long'",
         )
@@ -70,7 +70,7 @@ def test_all_issues_are_reported_at_once() -> None:
     assert found["mold.wall_mm"] == "nan is not a finite number; give one in mm."
     assert found["bone.rim_mm"] == "-1 mm is too small; at least 0.2 mm."
     assert "choose 'fsr400'" in found["sensor.model"]
-    assert found["bone.core_inset_mm"] == "there is no such parameter; did you mean mold.core_inset_mm?"
+    assert found["sensor.core_inset_mm"] == "there is no such parameter; did you mean mold.core_inset_mm?"
     assert "whole number" in found["detector.window_samples"]
     assert found["board.cutoff_hz"].startswith("-67 Hz is too small")
     assert found["mould"] == "there is no such parameter; did you mean mold?"

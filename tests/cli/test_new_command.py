@@ -17,6 +17,7 @@ import pytest
 
 from fingertip.cad.verification import verify
 from fingertip.cad.verification.check import Check
+from fingertip.catalogues.sensors import CATALOGUE
 from fingertip.design import Design
 from fingertip.design.files import list_parameters
 from fingertip.design.new_design import PRESETS, write_new_design
@@ -32,9 +33,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def base(sensor: str) -> Design:
-    lengths = {"fsr402": ["bone.base_length_mm=37"], "fsr400_short": ["bone.base_length_mm=13"]}
-    changes = [f"sensor.model={sensor}", "name=mine", *lengths.get(sensor, [])]
-    return Design.load("fsr402" if sensor.startswith("fsr402") else "fsr400", changes=changes)
+    known = CATALOGUE.get(sensor, CATALOGUE["fsr400"])
+    return Design.load(known.bundled_design, changes=[f"sensor.model={sensor}", "name=mine", *known.changes])
 
 
 @pytest.mark.parametrize("sensor", SENSORS)
@@ -90,64 +90,41 @@ def test_pages_state_the_sizes_of_the_presets_and_what_to_measure() -> None:
     assert -adult.dimensions.joint.axis_z == adult.bone.base_length_mm
 
 
-@pytest.mark.full
-def test_preset_and_hand_give_a_design_that_passes(folder: Path) -> None:
-    """The command names each length that it fitted, and the file holds the hand's own sizes."""
-    done = run_fingertip(
-        "new",
-        "mine",
-        "--preset",
-        "adult_finger",
-        "--hand",
-        "david_finger",
-        "--allow-shorter-travel",
-        "--set",
-        "strength.grip_force_n=14",
-    )
-    assert done.returncode == 0, done.stderr
-    fitted = [line for line in done.stdout.splitlines() if line.startswith("fitted: ")]
-    assert fitted[0].startswith("fitted: bone.base_length_mm 11.2 -> ")
-    design = Design.load("mine.toml")
-    assert design.bone.interface == "clevis"
-    assert (design.hand.width_mm, design.hand.pin_diameter_mm) == (4.4, 5.0)
-    assert f"-> {design.bone.base_length_mm:g}" in fitted[0]
-    to_axis_mm = design.skin.length_mm + design.bone.base_length_mm
-    assert f"\n{to_axis_mm:.1f} mm from the tip to the axis of the joint\n" in f"\n{done.stdout}"
-    lines = Path("mine.toml").read_text().splitlines()
-    top = lines[: lines.index("")] + lines[: next(i for i, line in enumerate(lines) if line.startswith("# Other"))]
-    assert any(line.startswith("hand.width_mm = 4.4") for line in top)
+def write_hand(folder: Path, **sizes: float) -> None:
+    """Write the hand of the adult finger with other sizes."""
+    hand = Design.load("adult_finger").hand.model_dump() | sizes
+    rows = (f"{key} = {json.dumps(value)}" for key, value in hand.items())
+    (folder / "hand.toml").write_text("\n".join(["[hand]", *rows, ""]))
 
 
 @pytest.mark.full
-def test_lost_travel_is_asked_for(folder: Path) -> None:
-    command = ("new", "mine", "--hand", "david_finger")
+def test_lost_travel_is_asked_for_and_the_file_holds_the_hands_own_sizes(folder: Path) -> None:
+    write_hand(folder, travel_deg=90.0, width_mm=6.9)
+    command = ("new", "mine", "--preset", "adult_finger", "--hand", "hand.toml")
     refused = run_fingertip(*command)
     assert refused.returncode == 2
-    assert "hand.travel_deg: 85 would become 47.3: 85 degrees leave" in refused.stderr
-    assert "hand.tendon_distance_mm: 5.46 would become" in refused.stderr
-    heavy = run_fingertip(*command, "--allow-shorter-travel")
-    assert heavy.returncode == 2
-    offered = re.search(r"it holds lighter loads: (--set .*)", heavy.stderr)
-    assert offered, heavy.stderr
-    assert run_fingertip(*command, "--allow-shorter-travel", *shlex.split(offered[1])).returncode == 0
+    assert re.search(r"hand.travel_deg: 90 would become \S+: 90 degrees leave", refused.stderr)
+    assert not (folder / "mine.toml").exists()
+    done = run_fingertip(*command, "--allow-shorter-travel")
+    assert done.returncode == 0, done.stderr
+    design = Design.load("mine.toml")
+    assert (design.bone.interface, design.hand.width_mm) == ("clevis", 6.9)
+    assert f"fitted: hand.travel_deg 90 -> {design.hand.travel_deg:g}" in done.stdout
+    to_axis_mm = design.skin.length_mm + design.bone.base_length_mm
+    assert done.stdout.startswith(f"{to_axis_mm:.1f} mm from the tip to the axis of the joint\n")
+    lines = Path("mine.toml").read_text().splitlines()
+    top = lines[: next(i for i, line in enumerate(lines) if line.startswith("# Other"))]
+    assert any(line.startswith("hand.width_mm = 6.9") for line in top)
     made = run_fingertip("build", "mine.toml", "--formats", "stl", "--out", "out")
     assert made.returncode == 0, made.stderr
 
 
-WEAK_HAND = """[hand]
-knuckle = "tongue"
-width_mm = 8.0
-axis_height_mm = 7.0
-pin_diameter_mm = 3.0
-clearance_radius_mm = 5.0
-tendon_distance_mm = 4.4
-travel_deg = 60.0
-"""
-
-
 @pytest.mark.full
 def test_a_design_that_make_refuses_is_not_written_and_one_that_passes_is_offered(folder: Path) -> None:
-    (folder / "hand.toml").write_text(WEAK_HAND)
+    write_hand(
+        folder, width_mm=8.0, axis_height_mm=7.0, pin_diameter_mm=3.0, clearance_radius_mm=5.0, tendon_distance_mm=4.4,
+        travel_deg=60.0,
+    )  # fmt: skip
     command = ("new", "mine", "--hand", "hand.toml")
     weak = run_fingertip(*command)
     assert weak.returncode == 2

@@ -96,7 +96,7 @@ def check_strength(design: Design, strength: BoneStrength) -> Iterator[Check]:
     if grip < stated.min_grip_factor <= strength.breaks_n:  # the least grip of a design is 1 N
         lighter.append(f"strength.grip_force_n={_round_down(strength.breaks_n / stated.min_grip_factor):g}")
     if knock < stated.min_knock_factor:
-        lighter.append(f"strength.knock_speed_m_s={_round_down(strength.knock.held_speed_m_s(stated)):g}")
+        lighter.append(f"strength.knock_speed_m_s={_round_down(strength.held_speed_m_s):g}")
     for load, factor, limit in (("grip", grip, stated.min_grip_factor), ("knock", knock, stated.min_knock_factor)):
         remedy = " --set ".join(lighter) if factor < limit else ""
         yield Check(f"bone.safety_factor.{load}", factor, limit, "", "at least", remedy=remedy)

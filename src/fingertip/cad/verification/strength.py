@@ -117,7 +117,9 @@ class Knock:
         return self.bone_n / min(self.springs.force_n(stated.hand_mass_kg, stated.knock_speed_m_s), self.pin_n)
 
     def held_speed_m_s(self, stated: Strength) -> float:
-        """Return the speed at which the bone has the safety factor that is wanted."""
+        """Return the speed up to which the bone has the safety factor that is wanted; infinite if the pin saves it."""
+        if self.bone_n >= stated.min_knock_factor * self.pin_n:
+            return math.inf
         return self.springs.speed_m_s(stated.hand_mass_kg, self.bone_n / stated.min_knock_factor)
 
 
@@ -127,6 +129,8 @@ class BoneStrength:
     weakest: Weakness
     knock: Knock
     """Knock at the place where the bone has the least safety factor."""
+    held_speed_m_s: float
+    """Speed up to which it has the safety factor that is wanted at all places."""
     breaks_n: float
     """Least force on the fingertip that breaks bone or pin."""
     drop_mm: float
@@ -176,6 +180,7 @@ def assess_strength(design: Design, evaluator: MeshEvaluator) -> BoneStrength:
     weakest = max(places, key=stress)
     return BoneStrength(
         stated, weakest, min(knocks, key=lambda knock: knock.safety_factor(stated)),
+        min(knock.held_speed_m_s(stated) for knock in knocks),
         stated.material.strength_mpa / weakest.stress_per_n,
         min(one.springs.drop_mm(stated.hand_mass_kg, min(one.bone_n, one.pin_n)) for one in knocks),
         stated.grip_force_n * tendon_force_per_n(design, design.skin.length_mm),

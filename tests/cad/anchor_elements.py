@@ -18,8 +18,8 @@ from fingertip.design import Design
 from fingertip.design.geometry.joint import HORN_RADIUS_MM
 from fingertip.design.geometry.solids import Box, intersection
 from fingertip.design.interfaces.clevis import tendon_force_per_n
-from tests.cad.bone_elements import COARSE_MM, LOADED_MM, POISSON, YOUNG_MPA, read_stresses
-from tests.cad.eye_elements import FACES, FAR_MM, MESH, mesh
+from tests.cad.bone_elements import COARSE_MM, LOADED_MM, describe_solid, read_stresses
+from tests.cad.eye_elements import FAR_MM, MESH, find_faces, mesh
 
 INSIDE_MM, ABOUT_MM = 0.2, 0.05
 """Distance from the sharp inner corner of the horn at which tension is taken: half a line of the printer."""
@@ -82,16 +82,11 @@ def _deck(design: Design, nodes: dict, tetrahedra: np.ndarray, numbers: np.ndarr
 
     def on_back(at: np.ndarray) -> bool:
         within = anchor.low_z - 0.1 < at[:, 2].mean() < anchor.low_z + anchor.line + 0.2
-        return bool(within and at[:, 1].mean() > 0.0 and _normal(at)[1] > 0.7)
+        across = np.cross(at[1] - at[0], at[2] - at[0])
+        return bool(within and at[:, 1].mean() > 0.0 and across[1] > 0.7 * np.linalg.norm(across))
 
-    horn, back = (list(_faces(tetrahedra, nodes, keeps)) for keeps in (on_horn, on_back))
-    yield "*NODE, NSET=ALL"
-    for number in numbers:
-        yield f"{number}, " + ", ".join(f"{value:.9g}" for value in nodes[number])
-    yield "*ELEMENT, TYPE=C3D10, ELSET=BONE"
-    for i, corners in enumerate(tetrahedra):
-        yield f"{i + 1}, " + ", ".join(map(str, corners))
-    yield f"*MATERIAL, NAME=RESIN\n*ELASTIC\n{YOUNG_MPA}, {POISSON}\n*SOLID SECTION, ELSET=BONE, MATERIAL=RESIN"
+    horn, back = (list(find_faces(tetrahedra, nodes, keeps)) for keeps in (on_horn, on_back))
+    yield from describe_solid(nodes, tetrahedra)
     yield "*BOUNDARY"
     points = np.array([nodes[number] for number in numbers])
     yield from (f"{number}, 1" for number in numbers[abs(points[:, 0]) < 1e-5])
@@ -103,28 +98,6 @@ def _deck(design: Design, nodes: dict, tetrahedra: np.ndarray, numbers: np.ndarr
     yield "*DLOAD"
     # The strand pulls its horn towards the hand and towards the back; it pushes the back as much.
     for faces, axis in ((horn, 2), (back, 1)):
-        projected = sum(abs(_area(at)[axis]) for _, _, at in faces)
-        yield from (f"{element}, P{side}, {strand_n / projected:.9g}" for element, side, _ in faces)
+        projected = sum(abs(np.cross(at[1] - at[0], at[2] - at[0])[axis]) / 2 for _, _, at in faces)
+        yield from (f"{i + 1}, P{side}, {strand_n / projected:.9g}" for i, side, _ in faces)
     yield "*EL FILE\nS\n*END STEP\n"
-
-
-def _area(at: np.ndarray) -> np.ndarray:
-    return np.cross(at[1] - at[0], at[2] - at[0]) / 2
-
-
-def _normal(at: np.ndarray) -> np.ndarray:
-    area = _area(at)
-    return area / np.linalg.norm(area)
-
-
-def _faces(elements: np.ndarray, nodes: dict, keeps) -> Iterator[tuple[int, int, np.ndarray]]:
-    found: dict[tuple[int, ...], list[tuple[int, int, tuple[int, ...]]]] = {}
-    for i, corners in enumerate(elements):
-        for side, face in enumerate(FACES, 1):
-            ordered = tuple(corners[list(face)])
-            found.setdefault(tuple(sorted(ordered)), []).append((i + 1, side, ordered))
-    for same in found.values():
-        if len(same) == 1:
-            at = np.array([nodes[number] for number in same[0][2]])
-            if keeps(at):
-                yield same[0][0], same[0][1], at

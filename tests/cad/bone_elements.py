@@ -92,8 +92,7 @@ def is_held(design: Design, points: np.ndarray) -> np.ndarray:
     return z < design.dimensions.joint.axis_z
 
 
-def deck(nodes: dict, tetrahedra: np.ndarray, held: np.ndarray, loaded: np.ndarray) -> Iterator[str]:
-    """Yield the lines of the input file: three steps with a force of 1 N along x, y and z."""
+def describe_solid(nodes: dict, tetrahedra: np.ndarray) -> Iterator[str]:
     yield "*NODE, NSET=ALL"
     for number in np.unique(tetrahedra):
         yield f"{number}, " + ", ".join(f"{value:.9g}" for value in nodes[number])
@@ -101,6 +100,11 @@ def deck(nodes: dict, tetrahedra: np.ndarray, held: np.ndarray, loaded: np.ndarr
     for i, corners in enumerate(tetrahedra):
         yield f"{i + 1}, " + ", ".join(map(str, corners))
     yield f"*MATERIAL, NAME=RESIN\n*ELASTIC\n{YOUNG_MPA}, {POISSON}\n*SOLID SECTION, ELSET=BONE, MATERIAL=RESIN"
+
+
+def deck(nodes: dict, tetrahedra: np.ndarray, held: np.ndarray, loaded: np.ndarray) -> Iterator[str]:
+    """Yield the lines of the input file: three steps with a force of 1 N along x, y and z."""
+    yield from describe_solid(nodes, tetrahedra)
     yield "*BOUNDARY"
     yield from (f"{number}, 1, 3" for number in held)
     for axis in (1, 2, 3):

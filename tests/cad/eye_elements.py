@@ -145,13 +145,19 @@ def _deck(
     yield "*EL FILE, FREQUENCY=100\nS\n*END STEP\n"
 
 
-def _surface(name: str, elements: np.ndarray, nodes: dict, first: int, keeps: Callable) -> Iterator[str]:
-    """Yield the faces of tetrahedra that belong to one only and whose corners are where they should be."""
-    found: dict[tuple[int, ...], list[tuple[int, int]]] = {}
+def find_faces(elements: np.ndarray, nodes: dict, keeps: Callable) -> Iterator[tuple[int, int, np.ndarray]]:
+    """Find the faces that belong to one tetrahedron only and are where they should be: element, side and corners."""
+    found: dict[tuple[int, ...], list[tuple[int, int, list[int]]]] = {}
     for i, corners in enumerate(elements):
         for side, face in enumerate(FACES, 1):
-            found.setdefault(tuple(sorted(corners[list(face)])), []).append((i + first, side))
+            ordered = [int(corners[at]) for at in face]
+            found.setdefault(tuple(sorted(ordered)), []).append((i, side, ordered))
+    for same in found.values():
+        at = np.array([nodes[number] for number in same[0][2]])
+        if len(same) == 1 and keeps(at):
+            yield same[0][0], same[0][1], at
+
+
+def _surface(name: str, elements: np.ndarray, nodes: dict, first: int, keeps: Callable) -> Iterator[str]:
     yield f"*SURFACE, NAME={name}, TYPE=ELEMENT"
-    for face, at in found.items():
-        if len(at) == 1 and keeps(np.array([nodes[number] for number in face])):
-            yield f"{at[0][0]}, S{at[0][1]}"
+    yield from (f"{first + i}, S{side}" for i, side, _ in find_faces(elements, nodes, keeps))

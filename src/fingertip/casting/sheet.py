@@ -60,6 +60,8 @@ class Mount:
     bolts: int
     post_mm: tuple[float, float]
     """Diameter and greatest length of the hand's post that a socket takes [mm]."""
+    pin_mm: float
+    """Diameter of a steel pin; 0 without one."""
     travel_deg: float
     """Travel of a joint from straight to bent; 0 without stops."""
     tendon_mm: float
@@ -145,6 +147,7 @@ def _mount(design: Design) -> Mount:
         bolt=f"M{bolt.thread_mm:g} x {bolt.length_mm:g} mm, with its nut" if bolt else "",
         bolts=bolt.count if bolt else 0,
         post_mm=(round(bone.socket_diameter_mm - MATING_PLAY_MM, 2), bone.socket_depth_mm),
+        pin_mm=hand.pin_diameter_mm if design.dimensions.joint and hand.pin == "steel" else 0.0,
         travel_deg=hand.travel_deg,
         tendon_mm=hand.tendon_diameter_mm if anchor else 0.0,
         pull_n=float(round(pull_n)),
@@ -164,9 +167,10 @@ def _list_things(design: Design, batch: Mixture, mount: Mount, printed_g: float)
     }
     sizes = {
         "silicone_g": batch.total_g, "printed_g": printed_g, "divider_kohm": design.board.divider_ohm / 1e3,
-        "bolts": mount.bolts, "tendon_mm": mount.tendon_mm, "tendon_n": mount.tendon_n,
+        "bolts": mount.bolts, "pin_mm": mount.pin_mm, "tendon_mm": mount.tendon_mm, "tendon_n": mount.tendon_n,
     }  # fmt: skip
-    needs = {"board" if design.board.has_filter else "divider", mount.interface, "tendon" if mount.tendon_mm else ""}
+    needs = {"board" if design.board.has_filter else "divider", mount.interface}
+    needs |= {name for name, size in (("tendon", mount.tendon_mm), ("pin", mount.pin_mm)) if size}
     rows = []
     for row in read_rows(Path(__file__).with_name("things.csv")):
         needed_by = set(row.pop("needed_by").split())

@@ -25,7 +25,7 @@ from fingertip.foundation.errors import DesignError, Issue, TomlFileError, gathe
 from fingertip.foundation.progress import ShareText
 from fingertip.foundation.toml_files import read_toml
 
-_OPTIONAL = ("length_limit_mm", "tendon_diameter_mm")
+_OPTIONAL = ("length_limit_mm", "tendon_diameter_mm", "pin")
 
 
 def list_hands() -> dict[str, Path]:

@@ -40,7 +40,7 @@ class Part:
         return "" if self.is_printed else "cast in silicone, not to be printed"
 
 
-_PIN, _FILM = (0.88, 0.80, 0.45), (0.20, 0.22, 0.25)
+_PIN, _STEEL, _FILM = (0.88, 0.80, 0.45), (0.55, 0.56, 0.58), (0.20, 0.22, 0.25)
 PARTS: dict[str, Part] = {
     part.name: part
     for part in (
@@ -55,7 +55,7 @@ PARTS: dict[str, Part] = {
         ),
         Part(
             "pin", bench.pin, lambda design: 0, _PIN, True,
-            exists_in=lambda design: design.bone.interface == "clevis", is_tool=True,
+            exists_in=lambda design: design.bone.interface == "clevis" and design.hand.pin == "printed", is_tool=True,
         ),
         Part(
             "hand_stub", bench.hand_stub, bench.stub_genus, (0.74, 0.74, 0.70), True,
@@ -89,7 +89,8 @@ def hardware(design: Design, parts: Collection[str]) -> tuple[HardwareItem, ...]
         items.append(HardwareItem("sensor", sensor_body(design), _FILM))
     if "bone" in parts and (joint := design.dimensions.joint):
         radius, half = joint.pin_radius - bench.PIN_PLAY_MM / 2, design.dimensions.pin_length / 2
-        items.append(HardwareItem("joint_pin", cylinder("x", (joint.axis_y, joint.axis_z), -half, half, radius), _PIN))
+        solid = cylinder("x", (joint.axis_y, joint.axis_z), -half, half, radius)
+        items.append(HardwareItem("joint_pin", solid, _PIN if design.hand.pin == "printed" else _STEEL))
     return tuple(items)
 
 

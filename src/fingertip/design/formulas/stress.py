@@ -37,19 +37,21 @@ def hole_in_tension(hole_mm: float, width_mm: float) -> float:
     return 3.0 - 3.13 * s + 3.66 * s * s - 1.53 * s**3
 
 
-PIN, PIN_IN_EYE = "pin of the joint", 2.8
-"""Name of the place, and the factor at the bore of an eye on which a pin of its own material pulls, on the stress of
-the section beside it at the end where the pin presses most. Own finite elements with contact
-(tests/cad/test_bone_elements.py) found 2.7 at a bore of 0.31 times the height."""
+PIN, PIN_IN_EYE, STEEL_IN_EYE, STEEL_MPA = "pin of the joint", 2.8, 3.65, 200e3
+"""Name of the place, the factors at the bore of an eye on which a pin of its own material pulls, and one of steel, on
+the stress of the section beside it at the end where the pin presses most, and the modulus of steel [MPa]. Own finite
+elements with contact (tests/cad/test_bone_elements.py) found 2.7 at a bore of 0.31 times the height, and with steel 2.7
+to 3.6 at bores of 0.27 to 0.31 times it."""
 
 
-def pin_peak(thickness_mm: float, pin_mm: float) -> float:
-    """Largest pressure of a pin along a cheek of the same material that it pulls at one end, over the mean one.
+def pin_peak(thickness_mm: float, pin_mm: float, stiffness: float = 1.0) -> float:
+    """Largest pressure of a pin along a cheek that it pulls at one end, over the mean one.
 
     The pin is a beam on an elastic bed, whose end stays straight in the part between the cheeks (M. Hetenyi, Beams on
-    elastic foundation, 1946, chapter 3). The bed is as stiff as the material.
+    elastic foundation, 1946, chapter 3). The bed is as stiff as the cheek's material; `stiffness` is the modulus of the
+    pin over that of the cheek.
     """
-    x: float = 2 * thickness_mm / pin_mm * (16 / math.pi) ** 0.25
+    x: float = 2 * thickness_mm / pin_mm * (16 / math.pi / stiffness) ** 0.25
     return x / 2 * (math.cosh(x) + math.cos(x) + 2) / (math.sinh(x) + math.sin(x))
 
 

@@ -14,6 +14,8 @@ from collections.abc import Iterator
 from fingertip.design.formulas.stress import (
     PIN,
     PIN_IN_EYE,
+    STEEL_IN_EYE,
+    STEEL_MPA,
     VON_MISES_SHEAR,
     LocalStress,
     StressFactors,
@@ -105,7 +107,8 @@ class Clevis(JointInterface):
         """Yield the stresses of eyes and anchor, in the plane in which the finger bends."""
         joint, anchor = _joint_of(design), design.dimensions.anchor
         thickness = _eye_thickness(design.dimensions, joint)
-        # The pin, printed standing of the bone's material, shears across its layers on both sides of the middle part.
+        # A pin that is printed standing of the bone's material shears across its layers beside both cheeks.
+        is_printed = design.hand.pin == "printed"
         shears = VON_MISES_SHEAR / (2 * math.pi * joint.pin_radius**2)
         if joint.travel_deg:
             # The stop pushes the finger away from the hand, and the pin holds it, besides the load itself. The pressure
@@ -114,14 +117,19 @@ class Clevis(JointInterface):
             pull = (load_z - joint.axis_z) / lever + 1.0
             palmar = min(joint.eye_radius, anchor.distance - anchor.line / 2) if anchor else joint.eye_radius
             width, bore = joint.eye_radius + palmar, 2 * joint.pin_radius
-            factor = PIN_IN_EYE * pin_peak(thickness / 2, bore)
-            yield LocalStress(PIN, joint.axis_z, shears * pull, at_knock=False)
+            if is_printed:
+                factor = PIN_IN_EYE * pin_peak(thickness / 2, bore)
+                yield LocalStress(PIN, joint.axis_z, shears * pull, at_knock=False)
+            else:
+                stiffness = STEEL_MPA / design.strength.material.modulus_mpa
+                factor = STEEL_IN_EYE * pin_peak(thickness / 2, bore, stiffness)
             yield LocalStress("eye", joint.axis_z, factor * pull / (thickness * (width - bore)), factor)
             shear = pull / (2 * thickness * (joint.eye_radius - joint.pin_radius))
             yield LocalStress("end of the eye", joint.low_z, VON_MISES_SHEAR * shear)
         if anchor:
             force = tendon_force_per_n(design, load_z)
-            yield LocalStress(f"{PIN}, by the tendon", joint.axis_z, shears * (force + 1.0), at_knock=False)
+            if is_printed:
+                yield LocalStress(f"{PIN}, by the tendon", joint.axis_z, shears * (force + 1.0), at_knock=False)
             yield LocalStress(
                 "bearing of the pin", joint.axis_z, (force + 1.0) / (thickness * 2 * joint.pin_radius), at_knock=False
             )

@@ -99,6 +99,9 @@ class Hand(ParameterTable):
     axis_height_mm: float = quantity(
         7.0, "mm", (1, 60), "Height of the joint axis above the palmar side of the finger, at the base of its pad."
     )
+    pin: Literal["printed", "steel"] = choice(
+        "printed", "Pin of the joint: printed of the bone's material, so that it breaks first at a knock; or of steel."
+    )
     pin_diameter_mm: float = quantity(2.0, "mm", (1, 8), "Diameter of the bore for the joint's pin.")
     clearance_radius_mm: float = quantity(
         4.0, "mm", (1.5, 20),
@@ -108,7 +111,7 @@ class Hand(ParameterTable):
         4.5, "mm", (0, 30), "Distance of the tendon from the joint axis, on the palmar side; 0: no tendon."
     )
     tendon_diameter_mm: float = quantity(
-        0.8, "mm", (0.1, 3), "Diameter of the tendon, which is knotted around its anchor."
+        0.8, "mm", (0.1, 3), "Diameter of the tendon, a loop around the bone."
     )
     travel_deg: float = quantity(
         80.0, "degree", (0, 110), "Travel of the joint from straight to bent, between hard stops; 0: no stops."

@@ -76,7 +76,7 @@ def pin(bench: Bench, sheet: CastingSheet) -> Scene:
     out = 2 * half + 10.0
     return Scene(
         (*_finger(bench), bench.part("hand_stub", (0.0, 0.0, -_APART_MM)), _pin(bench, out)), _FROM_BACK,
-        Label("printed pin", (-half - out, joint.axis_y, joint.axis_z)),
+        Label("pin", (-half - out, joint.axis_y, joint.axis_z)),
         Label("stub", (0.0, back, joint.low_z - _APART_MM - 20.0)),
         Label("wires (not drawn) leave\nhere, in a loose loop", (0.0, back, bench.dims.channel_exit_z)),
         Arrow((-half - 0.8 * out, joint.axis_y + 4.0, joint.axis_z), (-half - 2.0, joint.axis_y + 4.0, joint.axis_z)),

@@ -7,9 +7,6 @@ from typing import Any
 from fingertip.design.geometry.conic import ConicBody
 from fingertip.design.geometry.solids import Box, Cone, ElbowTube, Primitive, Prism, SuperconicSolid
 
-ControlPoint = tuple[float, float, float]
-"""Control point of a plane rational Bezier curve: (x, y, weight)."""
-
 
 def call_of(primitive: Primitive) -> tuple[str, tuple[Any, ...]]:
     """Return name and arguments of the function that makes a primitive."""

@@ -40,15 +40,12 @@ from fingertip.pad.layer import find_contacts
 from fingertip.pad.response import REFERENCE_POSE
 
 STATIONS = 160
-AT_COLLAR, AT_CHANNEL_MOUTH, AT_WINDOW, AT_WINDOW_OF_TONGUE, REACH_MM = 1.6, 2.7, 2.7, 5.0, 1.0
-"""Stress concentration beside the collar, at the mouth of the cable channel and at the proximal end of a closed window,
-also above a narrower tongue, and how far those of collar and window act [mm].
+AT_COLLAR, AT_CHANNEL_MOUTH, REACH_MM = 1.6, 2.7, 1.0
+"""Stress concentration beside the collar and at the mouth of the cable channel, and how far that of the collar acts [mm].
 
 Own finite elements (tests/cad/test_bone_elements.py) found 1.4 to 1.6 at collars of 2 and 6 mm, whose corners are not
-rounded, 2.5 to 2.7 at mouths, and 2.3 to 2.65 at windows, whose cheeks bend each on its own. Formulas of shoulders
-would give 2 to 2.5 at collars: they hold for shafts that stay thick. Where the load moves from the cheeks to a tongue
-narrower than the window it was 3.4 on the dorsal side, and 4.9 with elements of 0.5 mm at the palmar corner of window
-and collar, which is sharp: smaller elements find more.
+rounded, and 2.5 to 2.7 at mouths. Formulas of shoulders would give 2 to 2.5 at collars: they hold for shafts that stay
+thick.
 """
 
 

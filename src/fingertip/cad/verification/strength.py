@@ -41,7 +41,7 @@ from fingertip.pad.response import REFERENCE_POSE
 
 STATIONS = 160
 AT_COLLAR, AT_CHANNEL_MOUTH, REACH_MM = 1.6, 2.7, 1.0
-"""Stress concentration beside the collar and at the mouth of the cable channel, and how far that of the collar acts [mm].
+"""Stress concentration beside the collar and at the channel's mouth, and how far that of the collar acts [mm].
 
 Own finite elements (tests/cad/test_bone_elements.py) found 1.4 to 1.6 at collars of 2 and 6 mm, whose corners are not
 rounded, and 2.5 to 2.7 at mouths. Formulas of shoulders would give 2 to 2.5 at collars: they hold for shafts that stay

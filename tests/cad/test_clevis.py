@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes.parts import PARTS
+from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification import assembly as joint_checks
 from fingertip.cad.verification.strength import assess_strength
 from fingertip.design import Design
@@ -76,6 +76,19 @@ def test_forces_of_the_joint_follow_from_its_levers() -> None:
     # The strands pass the eye 0.4 mm nearer to the pin than the tendon's middle: it is 5.1 mm and 4.9 mm high there.
     at_bore = 2.8 * pin_peak(cheek, 2.82) * pull / (2 * cheek * (5.1 + 4.9 - 2.82))
     assert found["eye"].stress_per_n == pytest.approx(at_bore)
+
+
+def test_a_steel_pin_presses_more_evenly_and_never_breaks_first() -> None:
+    printed, steel = load("adult_finger"), load("adult_finger", "hand.pin=steel")
+    found = {each.place: each for each in interface_of(printed).local_stresses(printed, 25.0)}
+    places = {each.place: each for each in interface_of(steel).local_stresses(steel, 25.0)}
+    assert set(found) - set(places) == {"pin of the joint", "pin of the joint, by the tendon"}
+    # A beam on an elastic bed: rigid in a thin cheek, and in a thick one its end alone presses.
+    assert pin_peak(0.1, 2.0, 100.0) == pytest.approx(1.0, abs=1e-3)
+    assert pin_peak(30.0, 2.0, 200e3 / 2900.0) == pytest.approx(30.0 * (2900.0 / (200e3 * math.pi)) ** 0.25, rel=1e-3)
+    assert places["eye"].stress_per_n < found["eye"].stress_per_n
+    assert assess_strength(steel, MeshEvaluator(0.05)).knock.pin_n == math.inf
+    assert "pin" not in parts_by_name(steel)
 
 
 def test_pressure_on_a_horn_balances_the_pull_at_both_ends_of_its_strand() -> None:

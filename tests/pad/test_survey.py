@@ -1,4 +1,4 @@
-"""Survey of a pad: what the bundled designs feel, turn-on, and the checks that warn of a deaf sensor."""
+"""Survey of a pad: what the bundled designs feel, turn-on, and the check of a deaf sensor."""
 
 import json
 import math
@@ -18,7 +18,7 @@ from fingertip.pad.pose import Pose
 from fingertip.pad.survey import TILTS_DEG, find_own_mode_hz, survey_pad
 from fingertip.page.pad_section import render_pad
 from tests.conftest import run_fingertip
-from tests.pad.bonded import CROWNED, STRAIGHT
+from tests.pad.bonded import CROWNED
 
 
 def test_a_crown_makes_the_sensor_feel_in_every_grasp():
@@ -45,10 +45,12 @@ def test_a_sensor_that_is_on_at_once_turns_on_at_once(turn_on_n):
     assert 0.0 <= survey_pad(design).worst_turn_on_n < 1e-5
 
 
-def test_a_straight_pad_is_deaf_at_some_tilts_and_the_check_says_so():
-    assert survey_pad(STRAIGHT).worst_turn_on_n == math.inf
-    assert not check_pad(STRAIGHT).passed
-    assert check_pad(CROWNED).passed
+def test_a_pad_without_a_crown_is_deaf_at_some_tilts_and_its_check_fails():
+    flat = Design.load("article", changes=["skin.crown_radius_mm=0"])
+    check = check_pad(flat)
+    assert (check.name, check.passed, check.is_beyond, check.value) == ("pad.turn_on_force", False, True, 20.0)
+    assert survey_pad(flat).worst_turn_on_n == math.inf
+    assert check_pad(crowned()).passed
 
 
 @pytest.mark.full

@@ -135,12 +135,11 @@ def compute_detection(context: PointContext) -> OutputValues:
             for name in measures.keys() & set(context.file.outputs):
                 measured[name].append(measures[name](case, trace))
     pooled = run.DetectorResult(1.0, tuple(results))
-    minutes = sum(result.duration_s for result in results) / 60.0
     return {
         "delay_ms": 1e3 * pooled.delay_s(0.5), "delay_p90_ms": 1e3 * pooled.delay_s(0.9),
         "motion_delay_ms": 1e3 * pooled.motion_delay_s(0.5), "motion_delay_p90_ms": 1e3 * pooled.motion_delay_s(0.9),
         "found_share": pooled.found_share, "slips": pooled.slips,
-        "false_alarms_per_min": sum(pooled.alarms().values()) / minutes,
+        "false_alarms_per_min": 60.0 * sum(pooled.alarms().values()) / sum(result.duration_s for result in results),
         **{name: run.median_of_known(values) for name, values in measured.items()},
     }  # fmt: skip
 

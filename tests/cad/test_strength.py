@@ -203,7 +203,7 @@ def test_flange_bends_as_a_plate_between_base_and_bolts():
     flange = {"interface": "flange", "base_length_mm": 26.0, "flange_thickness_mm": 1.5, "foot_radius_mm": 1.5}
     found = strength_of(bone=flange)
     arm = 34.0 + 26.0
-    width, height = base_size(Design().dimensions)
+    width, height = base_size(Design(bone=flange).dimensions)
     sideways = arm / 22.0 * (22.0 - width) / 2 / (12.0 * 1.5**2 / 6)
     upwards = arm / 6.0 * (12.0 - height) / 2 / (28.0 * 1.5**2 / 6)
     assert found.weakest.z_mm == -24.5

@@ -21,7 +21,7 @@ from fingertip.casting.quantities import Mixture, measure_poured_cm3, mix
 from fingertip.catalogues.output_files import PRINT_FOLDER
 from fingertip.catalogues.silicones import find_example
 from fingertip.design import Design
-from fingertip.design.geometry.dimensions import HEAD_MM, LONGER_MM, SHORTER_MM
+from fingertip.design.geometry.dimensions import HEAD_MM, KNOT_WIRES, LONGER_MM, SHORTER_MM
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.clevis import tendon_force_per_n
 from fingertip.design.interfaces.interface import MATING_PLAY_MM
@@ -184,7 +184,7 @@ def _describe_wire(design: Design) -> str:
     widest = design.sensor.wire_diameter_mm
     if design.board.has_filter:
         plug = find_plug_wire(board_circuit(select_components(design)).component(SENSOR_CONNECTOR))
-        if plug and widest >= plug.min_insulation_mm:
-            most = min(widest, plug.max_insulation_mm)
-            return f"AWG {plug.min_awg} to {plug.max_awg}, {plug.min_insulation_mm:g} to {most:g} mm with insulation"
+        least = design.bone.channel_diameter_mm / KNOT_WIRES  # a knot of thinner ones slips into the hole
+        if plug and widest >= max(least, plug.min_insulation_mm):
+            return f"AWG {plug.min_awg}, {min(widest, plug.max_insulation_mm):g} mm with insulation"
     return f"{widest:g} mm with insulation"

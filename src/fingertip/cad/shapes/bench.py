@@ -54,13 +54,13 @@ def stand(design: Design) -> Solid:
 
 PIN_PLAY_MM, _CHAMFER_MM = 0.1, 0.4
 """Play of the pin in its bore, and the chamfer at its ends [mm]."""
-_BAR_MM, _CHEEK_MM = 60.0, 2.5
+BAR_MM, _CHEEK_MM = 50.0, 2.5
 """Length of the bar, and least thickness of the cheeks of its fork [mm]."""
-GUIDE_MM, _BACK_MM, _SLACK_MM = 10.0, 3.0, 0.4
+GUIDE_MM, _BACK_MM, _SLACK_MM = 10.0, 3.0, 0.7
 """Length of the guide, its distance behind the shoulder, and its gap around the tendon [mm]."""
 MOUTH_MM, _CHORDS = 1.2, 4
 """Radius at which the mouth of the guide is rounded [mm], and chords of its arc."""
-_NOTCHES_MM, _NOTCH_MM, _NOTCH_DEPTH_MM = (20.0, 28.0, 36.0), 3.0, 1.5
+_NOTCHES_MM, _NOTCH_MM, _NOTCH_DEPTH_MM = (26.0, 34.0), 3.0, 1.5
 """Distances of the notches from the shoulder, their width and depth [mm]."""
 
 
@@ -105,7 +105,7 @@ def bars(design: Design) -> tuple[Box, Box]:
     joint, way, wall = joint_of(design), guide(design), design.printer.min_wall_mm
     half = max(design.dimensions.collar.section.half_width, design.hand.width_mm / 2 + _CHEEK_MM)
     palmar, dorsal = joint.axis_y - design.hand.axis_height_mm, stop_top_y(design, joint)
-    root, low, behind, begin = joint.low_z, joint.low_z - _BAR_MM, palmar, joint.low_z
+    root, low, behind, begin = joint.low_z, joint.low_z - BAR_MM, palmar, joint.low_z
     if way:
         half, begin = max(half, way.x[-1] + way.radius + MOUTH_MM + wall), way.mouth_z
         behind = min(palmar, way.y - way.radius - MOUTH_MM - wall)
@@ -139,7 +139,7 @@ def _ways(design: Design) -> Iterator[Solid]:
     if not (way := guide(design)):
         return
     y, z, radius = way.y, way.mouth_z, way.radius
-    low, high, palmar = z - _BAR_MM - 1.0, z + _BAR_MM, y - _BAR_MM
+    low, high, palmar = z - BAR_MM - 1.0, z + BAR_MM, y - BAR_MM
     angles = [math.pi / 2 * i / _CHORDS for i in range(_CHORDS + 1)]
     arc = [(z - MOUTH_MM * (1.0 - math.cos(a)), radius + MOUTH_MM * (1.0 - math.sin(a))) for a in angles]
     for x in way.x:

@@ -110,9 +110,7 @@ class Hand(ParameterTable):
     tendon_distance_mm: float = quantity(
         4.5, "mm", (0, 30), "Distance of the tendon from the joint axis, on the palmar side; 0: no tendon."
     )
-    tendon_diameter_mm: float = quantity(
-        0.8, "mm", (0.1, 3), "Diameter of the tendon, a loop around the bone."
-    )
+    tendon_diameter_mm: float = quantity(0.8, "mm", (0.1, 3), "Diameter of the tendon, a loop around the bone.")
     travel_deg: float = quantity(
         80.0, "degree", (0, 110), "Travel of the joint from straight to bent, between hard stops; 0: no stops."
     )

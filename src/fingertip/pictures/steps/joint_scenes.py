@@ -7,17 +7,18 @@ import math
 import numpy as np
 
 from fingertip.cad.kernel.mesh import Mesh
+from fingertip.cad.shapes.bench import BAR_MM
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.casting.sheet import CastingSheet
 from fingertip.design.geometry.joint import Joint, TendonAnchor
-from fingertip.design.geometry.solids import Box, Point3, cylinder, difference, union
+from fingertip.design.geometry.solids import Box, cylinder, difference, union
 from fingertip.pictures.raster import Camera
 from fingertip.pictures.steps.scene import Arrow, Bench, Label, Scene, Shown
 
 _FROM_BACK, _FROM_PALM = Camera.from_angles(28, 30), Camera.from_angles(28, -35)
 _LINE, _BAND = (0.20, 0.30, 0.65), (0.75, 0.35, 0.30)
-_APART_MM, _BAR_MM, _BAND_MM = 18.0, 60.0, 2.0
-"""Distance of the stub from the finger before it is pinned, length of its bar, and width of the band [mm]."""
+_APART_MM, _BAND_MM = 18.0, 2.0
+"""Distance of the stub from the finger before it is pinned, and width of the band [mm]."""
 
 
 def _joint(bench: Bench) -> Joint:
@@ -48,7 +49,7 @@ def _pin(bench: Bench, out_mm: float = 0.0) -> Shown:
 
 
 def _end_z(bench: Bench) -> float:
-    return _joint(bench).low_z - _BAR_MM
+    return _joint(bench).low_z - BAR_MM
 
 
 def _tendon(bench: Bench) -> Shown:
@@ -99,9 +100,9 @@ def tendon(bench: Bench, sheet: CastingSheet) -> Scene:
 def band(bench: Bench, sheet: CastingSheet) -> Scene:
     back = bench.dims.bone_outline.section.dorsal
     return Scene(
-        (*_finger(bench), bench.part("hand_stub"), _pin(bench), _tendon(bench), _band(bench, 24.0)), _FROM_BACK,
+        (*_finger(bench), bench.part("hand_stub"), _pin(bench), _tendon(bench), _band(bench, 28.0)), _FROM_BACK,
         Label("band, over the back\nof the joint", (0.0, back + _BAND_MM, _joint(bench).axis_z)),
-        Label("around the stub, in a\npair of notches", (0.0, back, _joint(bench).low_z - 24.0)),
+        Label("around the stub, in a\npair of notches", (0.0, back, _joint(bench).low_z - 28.0)),
         Arrow((0.0, back + 8.0, _joint(bench).axis_z), (0.0, back + 8.0, _joint(bench).axis_z - 18.0)),
     )  # fmt: skip
 
@@ -112,7 +113,7 @@ def zero(bench: Bench, sheet: CastingSheet) -> Scene:
     return Scene(
         (*_finger(bench), bench.part("hand_stub"), _pin(bench), _tendon(bench), knot), _FROM_PALM,
         Label("held straight", bench.head),
-        Label("knot: the zero", (0.0, y, end)),
+        Label("knot close behind the stub", (0.0, y, end)),
         Label(f"pull here, with at most\n{sheet.mount.pull_n:g} N", (0.0, y, end - 1.0)),
         Arrow((0.0, y, end - 3.0), (0.0, y, end - 14.0)),
     )  # fmt: skip
@@ -126,15 +127,4 @@ def travel(bench: Bench, sheet: CastingSheet) -> Scene:
         Label(bent, (0.0, joint.axis_y - joint.radius, joint.low_z)),
         Label("comes back by\nits band (not drawn)", (0.0, joint.axis_y + joint.radius, joint.axis_z)),
         Arrow((0.0, joint.axis_y - joint.radius, end - 2.0), (0.0, joint.axis_y - joint.radius, end - 14.0)),
-    )  # fmt: skip
-
-
-def knock(bench: Bench, sheet: CastingSheet) -> Scene:
-    joint, half, tip = _joint(bench), bench.dims.pin_length / 2, bench.design.skin.length_mm
-    at: Point3 = (-half, joint.axis_y, joint.axis_z)
-    return Scene(
-        (*_finger(bench), bench.part("hand_stub"), _pin(bench)), _FROM_PALM,
-        Label("breaks first:\nput another one in", at),
-        Label("knock", (0.0, -4.0, tip - 2.0)),
-        Arrow((0.0, -20.0, tip - 4.0), (0.0, -9.0, tip - 4.0)),
     )  # fmt: skip

@@ -201,6 +201,7 @@ def test_safety_factor_follows_load_and_holes():
 def test_flange_bends_as_a_plate_between_base_and_bolts():
     """Under a load from the side one bolt pulls and the other presses; both strips bend at the base."""
     flange = {"interface": "flange", "base_length_mm": 26.0, "flange_thickness_mm": 1.5, "foot_radius_mm": 1.5}
+    flange |= {"flange_width_mm": 28.0, "flange_spacing_x_mm": 22.0}
     found = strength_of(bone=flange)
     arm = 34.0 + 26.0
     width, height = base_size(Design(bone=flange).dimensions)

@@ -115,7 +115,7 @@ class Knock:
 
     def held_speed_m_s(self, stated: Strength) -> float:
         """Return the speed up to which the bone has the safety factor that is wanted; infinite if the pin saves it."""
-        if self.bone_n >= stated.min_knock_factor * self.pin_n:
+        if not stated.min_knock_factor or self.bone_n >= stated.min_knock_factor * self.pin_n:
             return math.inf
         return self.springs.speed_m_s(stated.hand_mass_kg, self.bone_n / stated.min_knock_factor)
 

@@ -40,8 +40,8 @@ def hole_in_tension(hole_mm: float, width_mm: float) -> float:
 PIN, PIN_IN_EYE, STEEL_IN_EYE, STEEL_MPA = "pin of the joint", 2.8, 3.65, 200e3
 """Name of the place, the factors at the bore of an eye on which a pin of its own material pulls, and one of steel, on
 the stress of the section beside it at the end where the pin presses most, and the modulus of steel [MPa]. Own finite
-elements with contact (tests/cad/test_bone_elements.py) found 2.7 at bores of 0.29 to 0.31 times the height, with steel 2.7
-to 3.6 at bores of 0.27 to 0.31 times it."""
+elements with contact (tests/cad/test_bone_elements.py) found 2.7 at bores of 0.29 to 0.31 times the height, and with
+steel 2.7 to 3.6 at those of 0.27 to 0.31."""
 
 
 def pin_peak(thickness_mm: float, pin_mm: float, stiffness: float = 1.0) -> float:

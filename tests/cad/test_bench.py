@@ -95,7 +95,7 @@ def test_the_stub_has_the_sizes_of_the_hand() -> None:
     low, high = np.split(np.array(tongue.bounding_box()), 2)
     assert high[0] - low[0] == pytest.approx(hand.width_mm)
     assert high[2] - joint.axis_z == pytest.approx(hand.clearance_radius_mm, abs=0.01)
-    for z, radius in ((joint.low_z - 8.0, hand.tendon_diameter_mm / 2 + 0.4), (joint.low_z - 3.01, 2.0)):
+    for z, radius in ((joint.low_z - 8.0, hand.tendon_diameter_mm / 2 + 0.7), (joint.low_z - 3.01, 2.3)):
         contours = [np.array(points) for points in solid.slice(z).to_polygons()]
         ways = sorted((ring for ring in contours if np.ptp(ring[:, 0]) < 6.0), key=lambda ring: ring[0, 0])
         middles = [(ring.min(axis=0) + ring.max(axis=0)) / 2 for ring in ways]

@@ -23,8 +23,8 @@ from fingertip.design.geometry.solids import (
     union,
 )
 
-_HORN_CHORDS = 12
-"""Chords of a horn's quarter circle."""
+_HORN_CHORDS, _BACK_WAY_MM = 12, 3.0
+"""Chords of a horn's quarter circle, and half the width of the way of wires and rubber band on the back [mm]."""
 
 
 def joint_base(design: DesignTables, joint: Joint, top: float) -> Solid:
@@ -103,7 +103,10 @@ def collar_slope(design: DesignTables, anchor: TendonAnchor) -> Solid:
 
 
 def tendon_way(design: DesignTables, anchor: TendonAnchor, joint: Joint) -> tuple[Solid, ...]:
-    """Build what is removed on both sides for the tendon: the sides of its groove, and the corners below its horns."""
+    """Build what is removed for the tendon: the sides of its groove, the corners below its horns, and a way on the back.
+
+    On the back wires and rubber band run to the joint at the height of the groove's floor.
+    """
     section, foot = design.dimensions.collar.section, -design.bone.collar_length_mm
     reach, inner = 2 * (section.half_width + section.palmar + section.dorsal), anchor.half_width
     low, y, z = joint.low_z - reach, anchor.horn_y + HORN_RADIUS_MM, anchor.horn_low_z
@@ -111,11 +114,21 @@ def tendon_way(design: DesignTables, anchor: TendonAnchor, joint: Joint) -> tupl
     horn = tuple((y - HORN_RADIUS_MM * math.cos(a), z + HORN_RADIUS_MM * math.sin(a)) for a in angles)
     up = anchor.low_z + anchor.line / 2
     corners = ((-reach, low), (anchor.horn_y, low), *horn, (y, up), (-reach, up))
-    slope, removed = collar_slope(design, anchor), []
+    slope, removed = collar_slope(design, anchor), [_back_way(design, anchor, joint)]
     for side in ((inner, reach), (-reach, -inner)):
         groove = Box((side[0], -reach, anchor.low_z), (side[1], reach, foot))
         removed += [difference(groove, slope), Prism("x", corners, *side)]
     return tuple(removed)
+
+
+def _back_way(design: DesignTables, anchor: TendonAnchor, joint: Joint) -> Solid:
+    section, half = design.dimensions.bone_outline.section, _BACK_WAY_MM
+    low, high = joint.shoulder_z, anchor.low_z + anchor.line / 2
+    if joint.is_fork:  # it opens into the gap
+        half, low = min(half, joint.half_width - TANGENT_STEP_MM), low - TANGENT_STEP_MM
+    scale = 1.0 - TANGENT_STEP_MM / section.half_width
+    floor = SuperconicSolid(ConicBody(section, ((low - 1.0, scale), (high + 1.0, scale))))
+    return difference(Box((-half, 0.0, low), (half, 4 * section.dorsal, high)), floor)
 
 
 def strands(design: DesignTables, anchor: TendonAnchor, low_z: float) -> tuple[Solid, ...]:

@@ -116,3 +116,14 @@ def test_a_stub_that_does_not_fit_is_found(change: Any, failed: str, monkeypatch
 
     monkeypatch.setitem(PARTS, "hand_stub", replace(PARTS["hand_stub"], solid=changed))
     assert not run(JOINTED["tongue"], "hand_stub")[f"hand_stub.{failed}"].passed
+
+
+def test_pin_wedges_in_a_cheek_and_turns_in_the_tongue() -> None:
+    """The taper begins wider than the bore of the cheek, and ends as thin as the pin."""
+    design = JOINTED["tongue"]
+    joint, pin = bench.joint_of(design), MeshEvaluator(0.005).manifold(bench.pin(design))
+    areas = [pin.slice(z).area() for z in (0.5, 1.01, 5.5)]
+    radii = [joint.pin_radius + out for out in (1.0, 0.1, -0.05)]
+    assert areas == pytest.approx([math.pi * radius**2 for radius in radii], rel=0.01)
+    assert radii[1] > joint.pin_radius > radii[2]
+    assert bench.stub_bore_radius(joint) - radii[2] == pytest.approx(0.15)

@@ -21,7 +21,7 @@ from fingertip.design import Design
 from fingertip.design.geometry.conic import TANGENT_STEP_MM
 from fingertip.design.geometry.joint import Joint
 from fingertip.design.geometry.solids import Box, Cone, Prism, Solid, cylinder, difference, intersection, union
-from fingertip.design.interfaces.clevis_solids import knuckle, pin_bore, stop_top_y
+from fingertip.design.interfaces.clevis_solids import knuckle, stop_top_y
 from fingertip.design.interfaces.interface import MATING_PLAY_MM, middle_y
 from fingertip.design.interfaces.rigid import Post
 
@@ -52,8 +52,10 @@ def stand(design: Design) -> Solid:
     return difference(stand_outline(design), socket, Post().bolt_hole(design))
 
 
-PIN_PLAY_MM, _CHAMFER_MM = 0.1, 0.4
-"""Play of the pin in its bore, and the chamfer at its ends [mm]."""
+PIN_PLAY_MM, LOOSE_MM, _CHAMFER_MM = 0.1, 0.1, 0.4
+"""Play of the pin in the bone's bore, how much wider in radius a tongue's is, and the chamfer at its end [mm]."""
+_HEAD_MM, _WEDGE_MM, _WEDGED_MM = 1.0, 4.0, 0.1
+"""Height and overhang of the pin's head, length of the taper below it, and its radius over the bore's there [mm]."""
 BAR_MM, _CHEEK_MM = 50.0, 2.5
 """Length of the bar, and least thickness of the cheeks of its fork [mm]."""
 GUIDE_MM, _BACK_MM, _SLACK_MM = 10.0, 3.0, 0.7
@@ -81,13 +83,14 @@ def joint_of(design: Design) -> Joint:
 
 
 def pin(design: Design) -> Solid:
-    """Build the pin as it stands on the bed, along z."""
-    radius, length = joint_of(design).pin_radius - PIN_PLAY_MM / 2, design.dimensions.pin_length
-    end, at = radius - _CHAMFER_MM, (0.0, 0.0)
+    """Build the pin as it stands on its head on the bed, along z; below the head it wedges in a cheek of the bone."""
+    bore, length, at = joint_of(design).pin_radius, design.dimensions.pin_length, (0.0, 0.0)
+    radius = bore - PIN_PLAY_MM / 2
     return union(
-        Cone("z", at, 0.0, _CHAMFER_MM, end, radius),
-        cylinder("z", at, _CHAMFER_MM, length - _CHAMFER_MM, radius),
-        Cone("z", at, length - _CHAMFER_MM, length, radius, end),
+        cylinder("z", at, 0.0, _HEAD_MM, bore + _HEAD_MM),
+        Cone("z", at, _HEAD_MM, _HEAD_MM + _WEDGE_MM, bore + _WEDGED_MM, radius),
+        cylinder("z", at, _HEAD_MM + _WEDGE_MM, length - _CHAMFER_MM, radius),
+        Cone("z", at, length - _CHAMFER_MM, length, radius, radius - _CHAMFER_MM),
     )
 
 
@@ -127,7 +130,13 @@ def without_ways(design: Design) -> Solid:
         for far in _NOTCHES_MM
         for x in (half - _NOTCH_DEPTH_MM, -half - 1.0)
     ]
-    return difference(whole, pin_bore(joint, half + 1.0), *notches)
+    bore = cylinder("x", (joint.axis_y, joint.axis_z), -half - 1.0, half + 1.0, stub_bore_radius(joint))
+    return difference(whole, bore, *notches)
+
+
+def stub_bore_radius(joint: Joint) -> float:
+    """Radius of the stub's bore: the pin wedges in a cheek, and turns in the tongue between both [mm]."""
+    return joint.pin_radius + (LOOSE_MM if joint.is_fork else 0.0)
 
 
 def hand_stub(design: Design) -> Solid:

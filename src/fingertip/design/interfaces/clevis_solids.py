@@ -103,7 +103,7 @@ def collar_slope(design: DesignTables, anchor: TendonAnchor) -> Solid:
 
 
 def tendon_way(design: DesignTables, anchor: TendonAnchor, joint: Joint) -> tuple[Solid, ...]:
-    """Build what is removed for the tendon: the sides of its groove, the corners below its horns, and a way on the back.
+    """Build what is removed for the tendon: sides of its groove, corners below its horns, and a way on the back.
 
     On the back wires and rubber band run to the joint at the height of the groove's floor.
     """

@@ -83,7 +83,7 @@ def hand_stub_drawing(design: Design) -> PartDrawing:
     pin: Point3 = (half if joint.is_fork else side, y, joint.axis_z)
     sizes: list[Size] = [
         Length("shoulder to the joint axis", BEFORE_FACE, "front", "above", "z", (side, y, root), pin),
-        Circle("bore of the joint's pin", FINISHED, "front", "x", pin, joint.pin_radius, bore(design),
+        Circle("bore of the joint's pin", FINISHED, "front", "x", pin, bench.stub_bore_radius(joint), bore(design),
                "narrow: ream it to the pin; wide: take a thicker pin"),
         Length(place, growth, "palmar", "right", "x", (-half, y, joint.axis_z), (half, y, joint.axis_z),
                shared_clearance(2 * (joint.clearance - design.printer.offset_mm)), remedy),

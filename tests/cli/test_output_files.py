@@ -52,7 +52,7 @@ FOLDERS = (
     ("sweep board", "fingertip.sweep.run.run_sweep"),
 )
 """Words of a command whose --out is a folder, and what must not be called."""
-READ = {"--design", "--hand", "--readings", "--own"}
+READ = {"--design", "--hand", "--readings", "--own", "--from"}
 """Options that name a file to read."""
 
 

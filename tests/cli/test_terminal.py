@@ -38,7 +38,7 @@ def test_a_program_without_words_prints_its_help(words: tuple[str, ...]) -> None
             ("board", "--bode"),
             "fingertip board: option '--bode' requires an argument; `fingertip board --help` lists what it takes.",
         ),
-        (("calibrate", "printer", "fsr400"), "fingertip calibrate printer: missing argument 'READINGS'; "),
+        (("calibrate", "printer", "fsr400"), "fingertip calibrate printer: missing option '--half-thickness-mm'; "),
         (("params", "--foo"), "fingertip params: no such option: --foo"),
         (
             ("sweep", "board", "--jobs", "x"),
@@ -80,8 +80,8 @@ def test_a_summary_has_twelve_lines_of_a_hundred_characters(
 
 def test_many_remarks_are_cut_and_counted(tmp_path: Path) -> None:
     """A design of which many checks fail still gives a summary, which names the file with all of them."""
-    small = ("printer.bed_x_mm=20", "printer.bed_y_mm=20", "printer.bed_z_mm=20")
-    words = [word for change in small for word in ("--set", change)]
+    weak = ("printer.bed_x_mm=20", "printer.bed_y_mm=20", "printer.bed_z_mm=20", "strength.grip_force_n=40")
+    words = [word for change in weak for word in ("--set", change)]
     done = run_fingertip("build", "article", "--formats", "stl,3mf", *words, PWD=str(tmp_path))
     lines = done.stdout.splitlines()
     assert done.returncode == 1

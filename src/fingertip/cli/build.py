@@ -53,7 +53,8 @@ def build(
         progress=console.progress,
     )
     data = json.loads(result.contents[REPORT]) | {"folder": str(result.folder), "removed": list(result.removed)}
-    lines = [*_format_build(result), *_list_remarks(result, _MAX_LINES - 4)]
+    lines = _format_build(result)
+    lines += _list_remarks(result, _MAX_LINES - len(lines) - 1)
     if result.casting:
         lines.append(f"next: {result.folder / SHEET} says what to print, and how to cast the skin")
     console.result(data, "\n".join(lines), result.passed)
@@ -64,7 +65,7 @@ _MAX_LINES, _MAX_WIDTH = 12, 100
 
 
 def _format_build(result: Build) -> list[str]:
-    """Format verdict, parts and strength in three lines."""
+    """Format verdict, parts, time to print and strength in five lines."""
     from fingertip.cad.verification.check import count_checks
     from fingertip.cad.verification.strength import describe_loads
 
@@ -73,7 +74,7 @@ def _format_build(result: Build) -> list[str]:
     if sheet := result.casting:
         lines.append(f"print: one plate, some {sheet.print_h:g} h, {sheet.printed_g:g} g")
     if found := result.strength:
-        lines.append(describe_loads(found))
+        lines += textwrap.wrap(describe_loads(found), _MAX_WIDTH, subsequent_indent="  ")
     return lines
 
 

@@ -52,8 +52,8 @@ def stand(design: Design) -> Solid:
     return difference(stand_outline(design), socket, Post().bolt_hole(design))
 
 
-PIN_PLAY_MM, LOOSE_MM, _CHAMFER_MM = 0.1, 0.1, 0.4
-"""Play of the pin in the bone's bore, how much wider in radius a tongue's is, and the chamfer at its end [mm]."""
+LOOSE_MM, _CHAMFER_MM = 0.1, 0.4
+"""How much wider in radius than the bone's bore that of a tongue is, and the chamfer at the pin's end [mm]."""
 _HEAD_MM, _WEDGE_MM, _WEDGED_MM = 1.0, 4.0, 0.1
 """Height and overhang of the pin's head, length of the taper below it, and its radius over the bore's there [mm]."""
 BAR_MM, _CHEEK_MM = 50.0, 2.5
@@ -84,8 +84,8 @@ def joint_of(design: Design) -> Joint:
 
 def pin(design: Design) -> Solid:
     """Build the pin as it stands on its head on the bed, along z; below the head it wedges in a cheek of the bone."""
-    bore, length, at = joint_of(design).pin_radius, design.dimensions.pin_length, (0.0, 0.0)
-    radius = bore - PIN_PLAY_MM / 2
+    joint, length, at = joint_of(design), design.dimensions.pin_length, (0.0, 0.0)
+    bore, radius = joint.pin_radius, joint.printed_pin_radius
     return union(
         cylinder("z", at, 0.0, _HEAD_MM, bore + _HEAD_MM),
         Cone("z", at, _HEAD_MM, _HEAD_MM + _WEDGE_MM, bore + _WEDGED_MM, radius),

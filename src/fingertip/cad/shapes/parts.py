@@ -88,7 +88,7 @@ def hardware(design: Design, parts: Collection[str]) -> tuple[HardwareItem, ...]
     if "bone" in parts:
         items.append(HardwareItem("sensor", sensor_body(design), _FILM))
     if "bone" in parts and (joint := design.dimensions.joint):
-        radius, half = joint.pin_radius - bench.PIN_PLAY_MM / 2, design.dimensions.pin_length / 2
+        radius, half = joint.printed_pin_radius, design.dimensions.pin_length / 2
         solid = cylinder("x", (joint.axis_y, joint.axis_z), -half, half, radius)
         items.append(HardwareItem("joint_pin", solid, _PIN if design.hand.pin == "printed" else _STEEL))
     return tuple(items)

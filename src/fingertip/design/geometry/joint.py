@@ -14,6 +14,9 @@ from dataclasses import dataclass
 
 from fingertip.design.geometry.conic import TANGENT_STEP_MM
 
+PIN_PLAY_MM = 0.1
+"""Play of a printed pin in the bone's bore [mm]."""
+
 
 @dataclass(frozen=True)
 class Joint:
@@ -23,6 +26,7 @@ class Joint:
     axis_z: float
     """Axis of the pin."""
     pin_radius: float
+    """Radius of the bone's bore, and of a pin of steel."""
     radius: float
     """Radius within which the hand's knuckle lies, and distance of its shoulder behind the axis."""
     clearance: float
@@ -34,6 +38,10 @@ class Joint:
     """Angle between the hard stops; 0 without stops."""
     foot: float
     """Radius of the fillet at the root of the eyes; 0 where they are as wide and as high as the base."""
+
+    @property
+    def printed_pin_radius(self) -> float:
+        return self.pin_radius - PIN_PLAY_MM / 2
 
     @property
     def eye_radius(self) -> float:

@@ -109,7 +109,7 @@ class Clevis(JointInterface):
         thickness = _eye_thickness(design.dimensions, joint)
         # A pin that is printed standing of the bone's material shears across its layers beside both cheeks.
         is_printed = design.hand.pin == "printed"
-        shears = VON_MISES_SHEAR / (2 * math.pi * joint.pin_radius**2)
+        shears = VON_MISES_SHEAR / (2 * math.pi * joint.printed_pin_radius**2)
         if joint.travel_deg:
             # The stop pushes the finger away from the hand, and the pin holds it, besides the load itself. The pressure
             # on the stop grows outwards, so its force acts at two thirds of the length.

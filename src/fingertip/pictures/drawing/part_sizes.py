@@ -64,8 +64,7 @@ def stand_drawing(design: Design) -> PartDrawing:
 
 
 def pin_drawing(design: Design) -> PartDrawing:
-    joint, length = bench.joint_of(design), design.dimensions.pin_length
-    radius = joint.pin_radius - bench.PIN_PLAY_MM / 2
+    radius, length = bench.joint_of(design).printed_pin_radius, design.dimensions.pin_length
     sizes = (
         Length("length of the pin", OUTER, "front", "below", "z", (0.0, 0.0, 0.0), (0.0, 0.0, length)),
         Circle("diameter of the pin", OUTER, "end", "z", (0.0, 0.0, length), radius, symmetric(MIN_TOLERANCE_MM),

@@ -23,7 +23,7 @@ from tests.lab.test_campaign import far_design
 from tools.article import bounds, page
 from tools.article import protocol as article_protocol
 from tools.article.boards import study_article_board, study_board_variants, with_article_board
-from tools.article.bounds import study_knock_rejection, study_motor_discrimination
+from tools.article.bounds import RISES_S, study_knock_rejection, study_motor_discrimination
 from tools.article.previous_works import FFT_SHARE, PLATE_FACTORS, RIDGED, study_previous_works
 from tools.article.protocol import (
     DEVICES,
@@ -313,12 +313,12 @@ def test_motor_is_distinguished_from_slip_by_a_longer_segment_only():
 
 
 def test_fast_rejects_knocks_where_digital_does_not():
-    rows = {
-        (t.detector, t.force_n): t.false_alarm_share
-        for t in study_knock_rejection(ARTICLE, scenes=1, forces_n=(0.05, 2.0))
-    }
-    assert rows["fast", 0.05] == rows["fast", 2.0] == 0.0
-    assert rows["digital", 2.0] == 1.0
+    rows: dict[tuple[str, float], list[float]] = {}
+    for row in study_knock_rejection(ARTICLE, scenes=1, forces_n=(0.05, 2.0)):
+        rows.setdefault((row.detector, row.force_n), []).append(row.false_alarm_share)
+    assert rows["fast", 2.0] == [0.0] * len(RISES_S)
+    assert np.mean(rows["fast", 0.05]) < 0.25  # of soft knocks it takes one in ten for a slip
+    assert rows["digital", 0.05] == rows["digital", 2.0] == [1.0] * len(RISES_S)
 
 
 @pytest.mark.full

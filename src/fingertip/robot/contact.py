@@ -22,13 +22,13 @@ from fingertip.sim.contact.materials import SURFACES
 
 FORCES_N = (0.2, 0.35, 0.6, 1.0, 1.7, 2.8, 4.0, 6.0, 10.0)
 """Forces at which the contact is compared with the pad."""
-_WIDTH = 1.15
+_WIDTH = 1.6
 """Depth from which on the contact stiffens no more, over that at the largest force."""
 REFERENCE_N = 1.0
 """Force at which the damping is linearised."""
 _MAX_IMPEDANCE = 0.1
-"""Impedance at the largest force: the part of other forces on the masses that the contact takes away there."""
-_POWERS = tuple(1.0 + 0.1 * step for step in range(11))
+"""Impedance from that depth on: the part of other forces on the masses that the contact takes away there."""
+_POWERS = tuple(1.0 + 0.1 * step for step in range(21))
 _MIDPOINT = 1e-4
 """Midpoint of solimp: the least that MuJoCo takes."""
 _SLIPPERIEST = "smooth"

@@ -160,9 +160,9 @@ class SimulatedTouch:
 
 
 SLOW_PRESS = SimulatedTouch(1.5, 0.2, -0.1)
-FAST_PRESSES = SimulatedTouch(1.5, 0.03, -2.2), SimulatedTouch(1.5, 0.02, -4.0)
+FAST_PRESSES = SimulatedTouch(1.5, 0.03, -2.4), SimulatedTouch(1.5, 0.02, -4.4)
 """Presses that reach the TL082's typical limit, and exceed it."""
-KNOCK = SimulatedTouch(0.25, 0.004, -2.6)
+KNOCK = SimulatedTouch(0.25, 0.004, -3.0)
 """Tap on an object that is held with 1 N."""
 
 

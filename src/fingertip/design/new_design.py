@@ -67,6 +67,8 @@ _MAIN_PARAMETERS = (
 """Parameters that a user changes first. They stand at the top."""
 
 _PLACE = "sensor.distance_from_tip_mm"
+_AS_MEASURED = 0.1
+"""Millimetres, or degrees, that no joint is measured to."""
 _JOINT_PARAMETERS = tuple(f"hand.{name}" for name in Hand.model_fields)
 """Parameters that stand at the top of a design with a clevis: what is measured on the hand."""
 PRESETS = ("adult_finger", "adult_thumb", "youth_finger", "youth_thumb", "child_finger", "child_thumb")
@@ -175,7 +177,7 @@ def find_lost_travel(made: NewDesign) -> list[Issue]:
     issues = []
     for name, reason in made.reasons.items():
         before, after = made.fitted[name]
-        if after < before:
+        if after < before - _AS_MEASURED:
             lost = f"{before:g} would become {after:g}: {reason}"
             issues.append(Issue(name, f"{lost}; allow it with --allow-shorter-travel"))
     return issues

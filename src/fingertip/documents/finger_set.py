@@ -160,7 +160,6 @@ def set_data(fingers: FingerSet, sheets: Sequence[FormSheets], has_board: bool) 
             "steps": _split_steps(sheets[0].casting),
             "cups": [_cup_data(cup) for cup in plan.cups],
         },
-        "stands": _list_stands(fingers),
         "things": things,
         "acceptance": acceptance,
         "totals": {
@@ -204,15 +203,6 @@ def _split_steps(casting: CastingSheet) -> list[str]:
     pictures = [step.picture for step in list_steps(casting)]
     starts = [0, *(pictures.index(name) for name in _SPLIT), len(pictures)]
     return [f"{start + 1} to {end}" for start, end in pairwise(starts)]
-
-
-def _list_stands(fingers: FingerSet) -> list[str]:
-    """List the fingers whose plates keep their stand, one for each joint; none without a joint."""
-    joints: dict[str, str] = {}
-    for finger, form in fingers.fingers:
-        if form.design.dimensions.joint:
-            joints.setdefault(repr(form.design.hand), finger)
-    return list(joints.values())
 
 
 def _cup_data(cup: Cup) -> dict[str, Any]:

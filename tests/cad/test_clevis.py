@@ -67,14 +67,14 @@ def test_forces_of_the_joint_follow_from_its_levers() -> None:
     section, joint = design.dimensions.collar.section, design.dimensions.joint
     assert joint
     pull = 39.6 / (2 / 3 * (section.dorsal_height_at(3.8) - joint.axis_y)) + 1.0
-    cheek = section.half_width_at(joint.axis_y - 1.41) - joint.half_width
-    assert found["end of the eye"].stress_per_n == pytest.approx(math.sqrt(3) * pull / (4 * cheek * (5.1 - 1.41)))
-    assert found["bearing of the pin"].stress_per_n == pytest.approx((39.6 / 5.3 + 1.0) / (2 * cheek * 2.82))
+    cheek = section.half_width_at(joint.axis_y - 1.46) - joint.half_width
+    assert found["end of the eye"].stress_per_n == pytest.approx(math.sqrt(3) * pull / (4 * cheek * (5.1 - 1.46)))
+    assert found["bearing of the pin"].stress_per_n == pytest.approx((39.6 / 5.3 + 1.0) / (2 * cheek * 2.92))
     # Each strand of 0.8 mm turns by a right angle over a radius of 4 mm.
     assert found["horn of the tendon"].stress_per_n == pytest.approx(39.6 / 5.3 / 2 / 4.0 / 0.8)
     assert not found["horn of the tendon"].at_knock
     # The strands pass the eye 0.4 mm nearer to the pin than the tendon's middle: it is 5.1 mm and 4.9 mm high there.
-    at_bore = 2.8 * pin_peak(cheek, 2.82) * pull / (2 * cheek * (5.1 + 4.9 - 2.82))
+    at_bore = 2.8 * pin_peak(cheek, 2.92) * pull / (2 * cheek * (5.1 + 4.9 - 2.92))
     assert found["eye"].stress_per_n == pytest.approx(at_bore)
 
 
@@ -130,7 +130,7 @@ def test_strands_lie_in_groove_and_on_horns(name: str) -> None:
     ("change", "remedy"),
     [
         ("hand.tendon_diameter_mm=1.6", "hand.tendon_diameter_mm=0.82"),
-        ("hand.tendon_distance_mm=1.5", "hand.tendon_distance_mm=2.61"),
+        ("hand.tendon_distance_mm=1.5", "hand.tendon_distance_mm=2.66"),
         ("hand.tendon_distance_mm=6", "hand.tendon_distance_mm=5.34"),
         ("bone.base_length_mm=11", "bone.base_length_mm=14.5"),
         ("sensor.model=fsr400", "sensor.model=fsr400_short"),
@@ -152,7 +152,7 @@ def test_step_file_holds_pin_and_eye_where_they_belong(tmp_path: Path) -> None:
     joint = design.dimensions.joint
     assert joint
     along_x = {(round(r, 6), round(y, 6), round(z, 6)) for r, (_, y, z), axis in cylinders if abs(axis[0]) > 0.999}
-    pin = (1.41, round(joint.axis_y, 6) + 0.0, -14.6)
+    pin = (1.46, round(joint.axis_y, 6) + 0.0, -14.6)
     assert {pin, (5.1, *pin[1:])} <= along_x
     # The apex is the highest point that the skin's file names.
     apex = max(z for _, _, z in read_points((tmp_path / "skin.step").read_text()).values())

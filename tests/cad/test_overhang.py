@@ -88,10 +88,10 @@ def test_fin_above_the_collar_fails_and_below_it_where_supports_may_stand_does_n
 
     assert overhang("bone", added=fin(10.0)) > 5.0
     assert overhang("bone", added=fin(-12.0)) > 5.0
-    assert overhang("bone", added=fin(10.0), name="article") > 5.0
-    assert overhang("bone", added=fin(-12.0), name="article") <= MAX_UNSUPPORTED_MM2
+    assert overhang("bone", added=fin(10.0), name="adult_finger") > 5.0
+    assert overhang("bone", added=fin(-12.0), name="adult_finger") <= MAX_UNSUPPORTED_MM2
     for scale in (98, 103):  # the places of supports follow the scale of the print
-        assert overhang("bone", f"printer.scale_percent={scale}", name="article") <= MAX_UNSUPPORTED_MM2
+        assert overhang("bone", f"printer.scale_percent={scale}", name="adult_finger") <= MAX_UNSUPPORTED_MM2
 
 
 def test_points_are_inside_a_hollow_block_as_its_sizes_say() -> None:

@@ -333,7 +333,6 @@ def test_alike_fingers_have_a_mold_each_and_those_without_a_board_a_board_each()
     (cup,) = found["plan"]["cups"]
     assert [pour["finger"] for pour in cup["pours"]] == ["index", "ring"]
     assert {thing["key"]: thing["amount"] for thing in found["things"]}["board"] == "2"
-    assert found["stands"] == ["index"]
 
 
 def test_boards_that_differ_or_cannot_be_shared_stay_apart() -> None:

@@ -73,8 +73,8 @@ def slice_to_gcode(program: Path, folder: Path, plate: bytes, design: Design) ->
     (folder / "plate.3mf").write_bytes(plate)
     command = [
         program, "--export-gcode", "--dont-arrange", "--bed-shape", f"0x0,{x:g}x0,{x:g}x{y:g},0x{y:g}",
-        "--layer-height", f"{LAYER_MM}", "--first-layer-height", f"{LAYER_MM}", "--support-material", "--support-material-threshold",
-        "45", "-o", folder / "plate.gcode", folder / "plate.3mf",
+        "--layer-height", f"{LAYER_MM}", "--first-layer-height", f"{LAYER_MM}", "--support-material",
+        "--support-material-threshold", "45", "-o", folder / "plate.gcode", folder / "plate.3mf",
     ]  # fmt: skip
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert not re.search(r"\[(warning|error|fatal)\]|warning:|error:", done.stdout + done.stderr, re.IGNORECASE)

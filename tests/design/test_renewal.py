@@ -37,7 +37,9 @@ def test_what_went_is_declared_no_more_and_what_takes_its_place_is() -> None:
     assert not load_retired().keys() & (PARAMETERS.keys() | load_outputs().keys())
     named = {name for instead in load_retired().values() for name in re.findall(r"\b[a-z]+\.[a-z_0-9]+", instead)}
     assert named - {"toml"} <= PARAMETERS.keys()
-    outputs = {name for instead in load_retired().values() for name in re.findall(r"\bmold_\w+|\bknock_safety\w+", instead)}
+    outputs = {
+        name for instead in load_retired().values() for name in re.findall(r"\bmold_\w+|\bknock_safety\w+", instead)
+    }
     assert outputs <= load_outputs().keys()
 
 

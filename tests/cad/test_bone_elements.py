@@ -22,7 +22,7 @@ DESIGNS = {
     "post, wide": ("fsr402", "", 1.15),
     "post, short": ("first_finger", "", 1.15),
     "socket": ("fsr402", "bone.interface=socket bone.base_length_mm=32", 1.15),
-    "flange": ("article", "", 1.25),
+    "flange": ("fsr400", "bone.interface=flange bone.base_length_mm=27 bone.foot_radius_mm=1.65", 1.25),
     "cheeks of a joint": ("adult_finger", "", 1.25),
 }
 """Bundled design, its changes, and the largest stress of beam theory over that of the elements."""

@@ -84,10 +84,8 @@ def renew_design(
     Raises DesignError.
     """
     given = dict(flatten(load_tables([file], []).tables))
-    if not given.keys() & load_retired().keys():
-        raise DesignError(Issue("--from", f"{file} holds nothing of an earlier version; use it as it is."))
     defaults = {path: field.default for path, field in PARAMETERS.items() if path.partition(".")[0] not in _NOT_SIZES}
-    old = defaults | _OLD_DEFAULTS | given
+    old = defaults | (_OLD_DEFAULTS if given.keys() & load_retired().keys() else {}) | given
     kept = {path: value for path, value in old.items() if path not in load_retired()} | {"name": name}
     if old.get("sensor.tail") == "folded":
         kept["sensor.model"] = _SHORT.get(old["sensor.model"], old["sensor.model"])

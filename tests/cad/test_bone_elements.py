@@ -80,14 +80,14 @@ def test_elements_with_contact_find_the_predicted_stress_of_the_eye(name: str, t
 @pytest.mark.full
 @pytest.mark.parametrize("name", JOINTED)
 def test_elements_find_the_predicted_stress_of_the_horn(name: str, tmp_path: Path) -> None:
-    """On a bent finger, which the tendon holds, within 15 % with two meshes."""
+    """On a bent finger, which the tendon holds: at most 15 % more, and 25 % less on the safe side, with two meshes."""
     require_elements()
     design = Design.load(name)
     predicted = predict(design, design.skin.length_mm, "horn of the tendon")
     for fine_mm in (0.35, 0.25):
         found = solve_anchor(design, tmp_path, fine_mm)
         print(f"{name}: predicted {predicted:.3f} MPa/N; elements of {fine_mm} mm {found:.3f}")
-        assert 0.85 * predicted <= found <= 1.15 * predicted
+        assert 0.75 * predicted <= found <= 1.15 * predicted
 
 
 def predict(design: Design, load_z: float, place: str) -> float:

@@ -156,16 +156,6 @@ class PlugWire:
             "over the insulation"
         )
 
-    def describe_common(self, max_diameter_mm: float, thickest_awg: int) -> str:
-        """Describe which of these wires pass a hole too."""
-        thickest, widest = max(self.min_awg, thickest_awg), min(self.max_insulation_mm, max_diameter_mm)
-        if thickest > self.max_awg or widest < self.min_insulation_mm:
-            return "none of them fits the finger, so solder thinner ones to leads of the plug"
-        if (thickest, widest) == (self.min_awg, self.max_insulation_mm):
-            return "all of them fit the finger"
-        gauge = f"AWG {thickest} to {self.max_awg}" if thickest < self.max_awg else f"AWG {thickest}"
-        return f"of them, {gauge} with at most {widest:g} mm fit the finger"
-
 
 def list_mating_parts(component: Component) -> tuple[MatingPart, ...]:
     """List what to buy for the cable of a connector."""

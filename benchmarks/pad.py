@@ -23,7 +23,7 @@ from fingertip.pad.fem_contact import PadModel, Patch
 from fingertip.pad.fem_mesh import MeshSize
 from fingertip.pad.form import PadForm
 from fingertip.pad.layer import find_contacts
-from fingertip.pad.pose import Pose
+from fingertip.pad.touch import Pose
 
 FORCES_N = (1.0, 5.0)
 _AROUND = (0.5, 0.75, 1.0, 1.3, 1.7, 2.2, 3.0)

@@ -17,8 +17,8 @@ from fingertip.design.new_design import PRESETS
 from fingertip.foundation.errors import DesignError
 from fingertip.pad.form import PadForm
 from fingertip.pad.layer import find_contacts
-from fingertip.pad.pose import ObjectShape, Pose
 from fingertip.pad.response import Backing, Pad
+from fingertip.pad.touch import ObjectShape, Pose
 
 _TABLES = ("sensor.", "bone.", "hand.", "skin.", "mold.")
 _NOT_GEOMETRY = ("excess", "plunge_pressure", "core_bending", "creep", "seat_film", "palmar_error", "fitting_stretch")

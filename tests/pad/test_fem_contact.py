@@ -14,11 +14,10 @@ import pytest
 from fingertip.foundation.errors import FingertipError
 from fingertip.foundation.numerics import Array
 from fingertip.pad.fem_contact import PadContact, PadModel, Patch, find_patch
-from fingertip.pad.fem_large_strain import FarContact, press_far
+from fingertip.pad.fem_large_strain import LargeStrainSolver, press_large_strain
 from fingertip.pad.fem_mesh import MeshSize
 from fingertip.pad.form import PadForm
-from fingertip.pad.pose import Pose
-from fingertip.pad.touch import PALM, Touch
+from fingertip.pad.touch import PALM, Pose, Touch
 from tests.pad.bonded import STRAIGHT
 
 COARSE = MeshSize(1.5)
@@ -223,12 +222,12 @@ def test_object_over_the_sensor_is_felt_and_one_beside_it_less() -> None:
 @pytest.mark.full
 def test_large_strains_are_small_ones_under_a_small_force_and_friction_holds_the_pad() -> None:
     model, pose = PadModel(pad(), COARSE, is_half=True), Pose(3.0)
-    far = list(press_far(model, pose, [0.01, 1.0]))
+    far = list(press_large_strain(model, pose, [0.01, 1.0]))
     patch = Patch(model, pose)
     small, firm = (patch.press(force, with_strain=False) for force in (0.01, 1.0))
     assert (far[0].share, far[0].depth_mm) == pytest.approx((small.share, small.depth_mm), rel=0.01)
     assert 0.9 * firm.depth_mm < far[1].depth_mm < 0.99 * firm.depth_mm
-    rough = next(press_far(model, pose, [1.0], friction=1.0))
+    rough = next(press_large_strain(model, pose, [1.0], friction=1.0))
     assert 0.98 * far[1].depth_mm < rough.depth_mm < 0.997 * far[1].depth_mm
     assert rough.share > 1.01 * far[1].share
 
@@ -236,7 +235,7 @@ def test_large_strains_are_small_ones_under_a_small_force_and_friction_holds_the
 def test_tractions_follow_coulomb_and_have_the_slopes_of_newton_s_method() -> None:
     model = PadModel(pad(), COARSE, is_half=True)
     touch, _ = Touch.of_pose(model.form, Pose(3.0, object="sphere", radius_mm=9.0), model.fine_surface())
-    contact, random = FarContact(model, touch, 0.01).face, np.random.default_rng(3)
+    contact, random = LargeStrainSolver(model, touch, 0.01).face, np.random.default_rng(3)
     still = contact.still
     into = touch.gaps(still)[1]
     places = still + (0.3 + touch.gaps(still)[0])[:, None] * into + random.uniform(-0.1, 0.1, still.shape)
@@ -252,7 +251,7 @@ def test_tractions_follow_coulomb_and_have_the_slopes_of_newton_s_method() -> No
     plate, _ = Touch.of_pose(
         model.form, Pose(3.0), model.fine_surface()
     )  # its normal does not change from place to place
-    contact = FarContact(model, plate, 0.01).face
+    contact = LargeStrainSolver(model, plate, 0.01).face
     tractions, slopes, _ = contact.press(places)
     way = random.uniform(-1e-6, 1e-6, places.shape)
     change = (contact.press(places + way)[0] - contact.press(places - way)[0]) / 2

@@ -10,7 +10,7 @@ from fingertip.foundation.errors import TraceError
 from fingertip.pad import layer
 from fingertip.pad.form import PadForm
 from fingertip.pad.layer import find_contacts
-from fingertip.pad.pose import Pose
+from fingertip.pad.touch import Pose
 from tests.pad import bonded
 
 STRAIGHT = PadForm.of_design(bonded.STRAIGHT)

@@ -12,14 +12,13 @@ import pytest
 from fingertip.design import Design
 from fingertip.pad import inside, layer
 from fingertip.pad.fem_contact import PadModel
-from fingertip.pad.fem_large_strain import FarContact, press_far
+from fingertip.pad.fem_large_strain import LargeStrainSolver, press_large_strain
 from fingertip.pad.fem_mesh import MeshSize
 from fingertip.pad.form import PadForm
 from fingertip.pad.layer import find_contacts, map_shares
-from fingertip.pad.pose import Pose
 from fingertip.pad.response import Pad
 from fingertip.pad.survey import survey_pad
-from fingertip.pad.touch import Touch
+from fingertip.pad.touch import Pose, Touch
 from tests.pad.test_calculix import solve, write_deck
 from tests.tools import require_tool
 
@@ -81,8 +80,10 @@ def test_layer_and_finite_elements_agree(form: PadForm) -> None:
     """Large strain adds up to 5 % to the share, coarse edges some more."""
     model, forces = PadModel(form, MeshSize(1.8), is_half=True), (0.3, 1.0)
     touch, _ = Touch.of_pose(form, Pose(2.0), model.fine_surface())
-    assert FarContact(model, touch, 0.0).first_touch()[0] == pytest.approx(layer.find_rest_n(form), abs=0.01)
-    for ours, theirs in zip(find_contacts(form, Pose(2.0), forces), press_far(model, Pose(2.0), forces), strict=True):
+    assert LargeStrainSolver(model, touch, 0.0).first_touch()[0] == pytest.approx(layer.find_rest_n(form), abs=0.01)
+    for ours, theirs in zip(
+        find_contacts(form, Pose(2.0), forces), press_large_strain(model, Pose(2.0), forces), strict=True
+    ):
         assert ours.share == pytest.approx(theirs.share, abs=0.09 if form.gap_mm > form.bump_height_mm else 0.045)
         assert ours.depth_mm == pytest.approx(theirs.depth_mm, rel=0.15)
 
@@ -103,7 +104,7 @@ def test_friction_inside_holds_the_skin_between_free_and_bonded() -> None:
 def test_calculix_finds_the_gap_closed_where_the_bump_presses(tmp_path: Path) -> None:
     ccx = require_tool("ccx", "as root on Debian, sh .ci/install-calculix")
     model = PadModel(replace(FIRST, poisson=0.3), MeshSize(1.8), is_half=True)
-    contact = FarContact(model, Touch.of_pose(FIRST, Pose(2.0), model.fine_surface())[0], 0.0)
+    contact = LargeStrainSolver(model, Touch.of_pose(FIRST, Pose(2.0), model.fine_surface())[0], 0.0)
     moved, held = contact.balance(0.0, np.append(np.zeros(model.mesh.nodes.size), -10.0))
     loads = np.where(model.body.is_fixed, 0.0, held)
     used = write_deck(model, loads, tmp_path / "pad.inp", is_large=True)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
-from fingertip.pad.pose import Pose
 from fingertip.pad.response import REFERENCE_POSE, Pad
+from fingertip.pad.touch import Pose
 from fingertip.sim import SceneFile, run_scene
 from tests.pad.bonded import CROWNED
 

@@ -14,8 +14,8 @@ from fingertip.pad.fem_elastic import stiffness
 from fingertip.pad.fem_mesh import extrude, quadratic_plan
 from fingertip.pad.form import PadForm
 from fingertip.pad.layer import find_contacts
-from fingertip.pad.pose import Pose
 from fingertip.pad.survey import TILTS_DEG, find_own_mode_hz, survey_pad
+from fingertip.pad.touch import Pose
 from fingertip.page.pad_section import render_pad
 from tests.conftest import run_fingertip
 from tests.pad.bonded import CROWNED

@@ -10,8 +10,8 @@ import pytest
 
 from fingertip import Design, FingertipError, Readout
 from fingertip.foundation import jit
-from fingertip.pad.pose import Pose
 from fingertip.pad.response import Pad
+from fingertip.pad.touch import Pose
 from fingertip.sim.contact.materials import SURFACES
 from fingertip.sim.signal import bridge
 from fingertip.sim.signal import readout as module

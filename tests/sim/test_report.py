@@ -18,7 +18,7 @@ from fingertip.catalogues.bundled import list_bundled_files
 from fingertip.catalogues.file_kinds import MANIPULATION, SCENE
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
-from fingertip.pad.pose import Pose
+from fingertip.pad.touch import Pose
 from fingertip.sim import ManipulationFile, SceneFile, load_simulation, run_manipulation, run_scene
 from fingertip.sim.plan import plan_simulation
 from fingertip.sim.report import as_data, as_text, draw

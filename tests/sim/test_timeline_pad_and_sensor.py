@@ -13,12 +13,12 @@ from fingertip.board.components.bridge import sensor_conductance_s
 from fingertip.design import Design
 from fingertip.pad.form import PadForm
 from fingertip.pad.layer import find_contacts, find_rest_n
-from fingertip.pad.pose import Pose
 from fingertip.pad.response import REFERENCE_POSE, Backing, Pad
+from fingertip.pad.touch import Pose
 from fingertip.sim.contact.materials import SURFACES
-from fingertip.sim.contact.mounts import MOUNTS, MountTable
 from fingertip.sim.contact.surfaces import SurfaceProfile, generate_profile
 from fingertip.sim.contact.vibration import ContactResonance, ProfileForce, high_pass
+from fingertip.sim.runs.pose import MOUNTS, MountTable
 from fingertip.sim.runs.timeline import LIFT_M, TrapezoidalMove, build_timeline
 from fingertip.sim.signal.bridge import TURN_ON_WIDTH_N, Bridge, ForceSensor, fit_conductance_curve, turn_on_power
 from fingertip.sim.signal.converter import AdcRange

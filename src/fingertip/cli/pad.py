@@ -19,13 +19,13 @@ from fingertip.foundation.progress import ShareText
 
 if TYPE_CHECKING:
     from fingertip.pad.fem_contact import PadContact
-    from fingertip.pad.fem_large_strain import LargeContact
+    from fingertip.pad.fem_large_strain import LargeStrainContact
     from fingertip.pad.form import PadForm
     from fingertip.pad.survey import PadSurvey
 
 _WORST = ("strain", "bond_shear_mpa", "bond_tension_mpa")
 """Figures of which the largest over all tilts is stated."""
-_SMALL_STRAIN, _FAR_STRAIN = 0.1, 0.3
+_SMALL_STRAIN, _DEPTH = 0.1, 0.3
 """Strain of the elements, and indentation over thickness, up to which small strains are not commented on."""
 _FRICTION = 0.5
 """Friction of silicone on a dry plate. An assumption."""
@@ -102,7 +102,7 @@ def pad(
             lines.append("such strains are not small: --large-strain states what they change")
     if large_strain:
         friction = _FRICTION if friction is None else friction
-        data["large_strain"] = rows = _strain_far(console, form, friction)
+        data["large_strain"] = rows = _compare_large_strain(console, form, friction)
         titles = "share and depth [mm]", "small strain", "large strain", f"with friction of {friction:g}"
         lines += [
             f"finite elements, edges of {_COARSE_MM:g} mm:",
@@ -116,22 +116,22 @@ def pad(
     console.result(data, "\n".join(lines))
 
 
-def _press(form: PadForm, is_fine: bool) -> list[PadContact | LargeContact | None]:
+def _press(form: PadForm, is_fine: bool) -> list[PadContact | LargeStrainContact | None]:
     """Press the pad by finite elements at all tilts of the survey; None where they refuse the contact.
 
     A skin that lies on the bone is pressed at large strain, with its friction inside and on the plate.
     """
     from fingertip.pad.fem_contact import PadModel, Patch
-    from fingertip.pad.fem_large_strain import press_far
+    from fingertip.pad.fem_large_strain import press_large_strain
     from fingertip.pad.fem_mesh import MeshSize
-    from fingertip.pad.pose import Pose
     from fingertip.pad.survey import FORCE_N, TILTS_DEG
+    from fingertip.pad.touch import Pose
 
     size = MeshSize() if form.bonded else MeshSize(_LYING_MM)
     model = PadModel(form, replace(size, edge_mm=_REFINED * size.edge_mm) if is_fine else size, is_half=True)
-    found: list[PadContact | LargeContact | None] = []
+    found: list[PadContact | LargeStrainContact | None] = []
     for tilt in TILTS_DEG:
-        far = press_far(model, Pose(tilt), (FORCE_N,), form.friction)
+        far = press_large_strain(model, Pose(tilt), (FORCE_N,), form.friction)
         try:
             found.append(Patch(model, Pose(tilt)).press(FORCE_N) if form.bonded else next(far))
         except TraceError:
@@ -139,13 +139,13 @@ def _press(form: PadForm, is_fine: bool) -> list[PadContact | LargeContact | Non
     return found
 
 
-def _strain_far(console: Console, form: PadForm, friction: float) -> list[dict[str, Any]]:
+def _compare_large_strain(console: Console, form: PadForm, friction: float) -> list[dict[str, Any]]:
     """Press with a usual and a firm force, at small and at large strain; None where that is refused."""
     from fingertip.pad.fem_contact import PadModel, Patch
-    from fingertip.pad.fem_large_strain import press_far
+    from fingertip.pad.fem_large_strain import press_large_strain
     from fingertip.pad.fem_mesh import MeshSize
-    from fingertip.pad.pose import Pose
     from fingertip.pad.survey import FIRM_N, FORCE_N
+    from fingertip.pad.touch import Pose
 
     model, forces = PadModel(form, MeshSize(_COARSE_MM), is_half=True), (FORCE_N, FIRM_N)
     rows: list[dict[str, Any]] = []
@@ -154,8 +154,8 @@ def _strain_far(console: Console, form: PadForm, friction: float) -> list[dict[s
         patch = Patch(model, Pose(tilt))
         ways = {
             "small": _collect(patch.press(force, with_strain=False) for force in forces) if form.bonded else [],
-            "large": _collect(press_far(model, Pose(tilt), forces)),
-            "friction": _collect(press_far(model, Pose(tilt), forces, friction)),
+            "large": _collect(press_large_strain(model, Pose(tilt), forces)),
+            "friction": _collect(press_large_strain(model, Pose(tilt), forces, friction)),
         }
         for index, force in enumerate(forces):
             found = {name: way[index] if index < len(way) else None for name, way in ways.items()}
@@ -163,7 +163,7 @@ def _strain_far(console: Console, form: PadForm, friction: float) -> list[dict[s
     return rows
 
 
-def _collect(contacts: Iterator[PadContact | LargeContact]) -> list[list[float]]:
+def _collect(contacts: Iterator[PadContact | LargeStrainContact]) -> list[list[float]]:
     """Share and depth of contacts, up to the first that is refused."""
     found: list[list[float]] = []
     with suppress(TraceError):
@@ -196,5 +196,5 @@ def _list_lines(name: str, form: PadForm, survey: PadSurvey) -> list[str]:
         f"at a tilt of {ROLLED_TILT_DEG:g} deg: slope of the force over the depth {survey.stiffness_n_per_mm:.1f} N/mm "
         f"at {FORCE_N:g} N, depth {survey.strain:.0%} of the silicone there at {FIRM_N:g} N",
         f"turn-on: {form.turn_on_n:g} N on the active area of a typical sensor; others differ by a factor of 2 to 8",
-        *(["such a strain is not small: --large-strain states what it changes"] if survey.strain > _FAR_STRAIN else []),
+        *(["such a strain is not small: --large-strain states what it changes"] if survey.strain > _DEPTH else []),
     ]

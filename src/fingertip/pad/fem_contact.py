@@ -25,8 +25,7 @@ from fingertip.foundation.numerics import Array
 from fingertip.pad.fem_elastic import Body, Surface, triangle_shapes
 from fingertip.pad.fem_mesh import MeshSize, mesh_skin
 from fingertip.pad.form import PadForm
-from fingertip.pad.pose import Pose
-from fingertip.pad.touch import PALM, Touch, X, Z
+from fingertip.pad.touch import PALM, Pose, Touch, X, Z
 
 MAX_DEPTH, MAX_STRAIN = 0.45, 0.3
 """Depth relative to the skin's thickness at first touch, and principal strain, to which small strains are trusted."""

@@ -20,8 +20,7 @@ from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.pad.fem_contact import PadModel
 from fingertip.pad.fem_elastic import factorise
-from fingertip.pad.pose import Pose
-from fingertip.pad.touch import Touch
+from fingertip.pad.touch import Pose, Touch
 
 _SPRINGS = 1000.0
 """Stiffness of the springs of the contact over that of a layer of silicone in tension."""
@@ -45,7 +44,7 @@ Gaps = Callable[[Array], tuple[Array, Array, Any]]
 
 
 @dataclass(frozen=True)
-class LargeContact:
+class LargeStrainContact:
     """Contact of the pad under a force: share on the active area, and travel of the object."""
 
     force_n: float
@@ -53,13 +52,15 @@ class LargeContact:
     depth_mm: float
 
 
-def press_far(model: PadModel, pose: Pose, forces_n: Sequence[float], friction: float = 0.0) -> Iterator[LargeContact]:
+def press_large_strain(
+    model: PadModel, pose: Pose, forces_n: Sequence[float], friction: float = 0.0
+) -> Iterator[LargeStrainContact]:
     """Press with rising forces, with friction on the object and inside. Raises TraceError where nothing balances.
 
     The share leaves out what a bump inside presses on the sensor at rest.
     """
     touch, _ = Touch.of_pose(model.form, pose, model.fine_surface())
-    contact = FarContact(model, touch, friction)
+    contact = LargeStrainSolver(model, touch, friction)
     rest_n, first_mm, moved = contact.first_touch()
     force = _FIRST_N
     for target in forces_n:
@@ -70,11 +71,11 @@ def press_far(model: PadModel, pose: Pose, forces_n: Sequence[float], friction: 
                 break
             force *= _GROWTH
         share = (model.copies * float((model.step * held).sum()) - rest_n) / target
-        yield LargeContact(target, share, float(moved[-1]) - first_mm)
+        yield LargeStrainContact(target, share, float(moved[-1]) - first_mm)
         force *= _GROWTH
 
 
-class FarContact:
+class LargeStrainSolver:
     """Pad and object. What is unknown are the displacements of all nodes, and behind them the travel of the object."""
 
     def __init__(self, model: PadModel, touch: Touch, friction: float) -> None:

@@ -36,8 +36,7 @@ from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.pad.form import PadForm
 from fingertip.pad.inside import Inside, lay_rings
-from fingertip.pad.pose import Pose
-from fingertip.pad.touch import Touch
+from fingertip.pad.touch import Pose, Touch
 
 GRID_MM = 0.25
 _FIRST_REACH_MM, _MAX_REACH_MM = 0.8, 6.4

@@ -18,7 +18,7 @@ from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.pad.form import PadForm
 from fingertip.pad.layer import find_contacts, find_rest_n
-from fingertip.pad.pose import Pose
+from fingertip.pad.touch import Pose
 
 REFERENCE_POSE = Pose(tilt_deg=2.0)
 """Pose of the article's protocol, and of a finger on which weights are put. An assumption: where a straight pad feels

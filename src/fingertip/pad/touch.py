@@ -1,4 +1,4 @@
-"""Rigid objects at their first touch with the pad, and poses in which they would miss the skin.
+"""Pose of the finger on a rigid object, the object at its first touch, and poses in which it would miss the skin.
 
 An object approaches along the normal of a plate in the same pose. At no tilt that plate is parallel to the straight
 part of the pad at its base, not to the finger's axis. Positive tilt presses with the tip, positive roll with x < 0.
@@ -9,14 +9,17 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Literal
 
 import numpy as np
 
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.pad.form import PadForm
-from fingertip.pad.pose import EDGE_RADIUS_MM, Pose
 
+ObjectShape = Literal["plate", "cylinder", "edge", "sphere"]
+EDGE_RADIUS_MM = 0.5
+"""Radius of a sharp edge [mm]. An assumption: edges of things for the hand are broken."""
 X, Z, PALM = range(3)
 """Axes of points, nodes and displacements."""
 MAX_ANGLE_DEG = 60.0
@@ -27,6 +30,25 @@ _ROUND = 0.8
 """Part of its radius up to which an object is round. Beyond, it goes on along the tangent."""
 _BONE_MM = np.arange(-60.0, 60.0, 0.5)
 """Grid on which the bone is looked up, both ways from the proximal end of the skin [mm]."""
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Tilt about x (tip down is positive) and roll about z, and what the pad lies on.
+
+    At no tilt and no roll a plate is parallel to the pad's straight part at the base. A cylinder or an edge lies across
+    the finger.
+    """
+
+    tilt_deg: float = 0.0
+    roll_deg: float = 0.0
+    object: ObjectShape = "plate"
+    radius_mm: float = 0.0
+    """Radius of a cylinder or a sphere."""
+    place_mm: float = 0.0
+    """Distance from the sensor's centre, distal, at which a cylinder, an edge or a sphere stands."""
+    across_mm: float = 0.0
+    """Distance from the middle plane at which a sphere stands."""
 
 
 @dataclass(frozen=True, eq=False)

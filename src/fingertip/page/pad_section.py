@@ -10,8 +10,8 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.pad.form import PadForm
 from fingertip.pad.layer import Contact, map_shares
-from fingertip.pad.pose import Pose
 from fingertip.pad.survey import FORCE_N, GRASP_DEG, ROLL_DEG, TILTS_DEG, PadSurvey, survey_pad, try_contacts
+from fingertip.pad.touch import Pose
 from fingertip.page.html import Markup, element, figure, join
 from fingertip.page.svg import Axis, Frame, figure_svg, legend, number, text
 

@@ -22,12 +22,11 @@ from fingertip.design.parameters import Above, ParameterTable, choice, quantity
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.validation import round_down, round_up
 from fingertip.pad.form import PadForm
-from fingertip.pad.pose import Pose
 from fingertip.pad.response import Pad
+from fingertip.pad.touch import Pose
 from fingertip.sim.contact.materials import ARTICLE_SURFACES, SurfaceTable, find_pitch_issues, find_surface_issues
-from fingertip.sim.contact.mounts import MountTable
 from fingertip.sim.runs.hand_motion import Servo, Tremor
-from fingertip.sim.runs.pose import ScenePose
+from fingertip.sim.runs.pose import MountTable, ScenePose
 from fingertip.sim.signal.parameters import ACCELERATION_M_S2, PathTables, SimulationFile, assumption
 
 MIN_STIFFNESS_N_PER_M = 100.0

@@ -24,8 +24,8 @@ from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.progress import ReportProgress
 from fingertip.foundation.validation import raise_issues
-from fingertip.pad.pose import Pose
 from fingertip.pad.response import Pad
+from fingertip.pad.touch import Pose
 from fingertip.sim.contact.friction import ELASTO_PLASTIC, Friction
 from fingertip.sim.contact.materials import SurfaceTable
 from fingertip.sim.contact.surfaces import SurfaceProfile

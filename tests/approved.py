@@ -1,6 +1,9 @@
 """Comparison of a text with an approved file: exact, or words and quotations exactly and numbers within a tolerance.
 
-After a change that is meant, `FINGERTIP_APPROVE=1 FINGERTIP_FULL=1 pytest FILE` writes them; then read the difference.
+A text that stands beside another, the whole of its kind, is stored as its differences: `@@ -12,3 @@` are three lines of
+the whole from line 12 on, which the lines below replace. After a change that is meant, `FINGERTIP_APPROVE=1
+FINGERTIP_FULL=1 pytest -n 0 FILE` writes both, in any order; then read the difference. Wholes of the folder `pcb` are
+written by `fingertip board`, before.
 """
 
 from __future__ import annotations
@@ -8,6 +11,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable
+from difflib import SequenceMatcher
 from itertools import zip_longest
 from pathlib import Path
 
@@ -19,16 +23,18 @@ _QUOTED = re.compile(r"'[^']*'")
 _NUMBER = re.compile(r"(?<![\w#.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 
-def check_text(path: Path, text: str | bytes) -> None:
-    """Compare a text with an approved file, or approve it."""
+def check_text(path: Path, text: str | bytes, beside: Path | None = None) -> None:
+    """Compare a text with an approved file, or with its differences from a whole, or approve it."""
     text = text if isinstance(text, str) else text.decode()
-    assert text == _read(path, text)
+    assert text == _read(path, text, beside)
 
 
-def check_figures(path: Path, lines: Iterable[str], rel: float = 2e-3, abs_: float = 0.02) -> None:
+def check_figures(
+    path: Path, lines: Iterable[str], rel: float = 2e-3, abs_: float = 0.02, beside: Path | None = None
+) -> None:
     """Compare lines with those of an approved file, numbers within a tolerance, or approve them."""
     text = "\n".join(lines).replace(__version__, "VERSION") + "\n"
-    for line, approved in zip_longest(text.splitlines(), _read(path, text).splitlines()):
+    for line, approved in zip_longest(text.splitlines(), _read(path, text, beside).splitlines()):
         if line != approved:
             assert _NUMBER.sub("0", line or "") == _NUMBER.sub("0", approved or ""), f"{line} | {approved}"
             assert _QUOTED.findall(line or "") == _QUOTED.findall(approved or ""), f"{line} | {approved}"
@@ -36,8 +42,49 @@ def check_figures(path: Path, lines: Iterable[str], rel: float = 2e-3, abs_: flo
             assert found == pytest.approx(wanted, rel=rel, abs=abs_), f"{line} | {approved}"
 
 
-def _read(path: Path, text: str) -> str:
+def _read(path: Path, text: str, beside: Path | None) -> str:
     if os.environ.get("FINGERTIP_APPROVE"):
-        path.parent.mkdir(exist_ok=True)
-        path.write_text(text, encoding="utf-8")
-    return path.read_text(encoding="utf-8")
+        _approve(path, text, beside)
+    return _load(path) if beside is None else _patch(_load(beside), _load(path))
+
+
+def _load(path: Path) -> str:
+    return path.read_text(encoding="utf-8") if path.exists() else ""
+
+
+def _approve(path: Path, text: str, beside: Path | None) -> None:
+    """Write a text, and the differences of others from it anew."""
+    path.parent.mkdir(exist_ok=True)
+    for other in path.parent.iterdir():
+        if _load(other).startswith(_heading(path)):
+            kept = _patch(_load(path), _load(other))
+            other.write_text(_heading(path) + _differ(text, kept), encoding="utf-8")
+    if beside is not None:
+        text = _heading(beside) + _differ(_load(beside), text)
+    path.write_text(text, encoding="utf-8")
+
+
+def _heading(whole: Path) -> str:
+    return f"Differences from {whole.parent.name}/{whole.name}:\n"
+
+
+def _differ(whole: str, text: str) -> str:
+    """Return the lines of a text that are not those of a whole."""
+    old, new, lines = whole.split("\n"), text.split("\n"), list[str]()
+    for kind, start, end, first, last in SequenceMatcher(None, old, new, autojunk=False).get_opcodes():
+        if kind != "equal":
+            lines += (f"@@ -{start + 1},{end - start} @@", *(f"+{line}" for line in new[first:last]))
+    return "".join(f"{line}\n" for line in lines)
+
+
+def _patch(whole: str, differences: str) -> str:
+    """Return the text whose differences from a whole are stored."""
+    old, new, at = whole.split("\n"), list[str](), 0
+    for line in differences.split("\n")[1:-1]:
+        if line.startswith("+"):
+            new.append(line[1:])
+        else:
+            start, count = map(int, line.strip("@ -").split(","))
+            new += old[at : start - 1]
+            at = start - 1 + count
+    return "\n".join([*new, *old[at:]])

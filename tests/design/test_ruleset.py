@@ -13,7 +13,6 @@ from fingertip.design.rules.ruleset import (
     SLACK,
     InvalidParameterError,
     Limit,
-    RecordingTables,
     Rule,
     RuleChecker,
     Ruleset,
@@ -21,6 +20,7 @@ from fingertip.design.rules.ruleset import (
     at_least,
     at_most,
     find_violations,
+    record_reads,
 )
 
 TABLES = DesignTables()
@@ -113,24 +113,23 @@ def test_what_decides_a_violation_is_recorded() -> None:
     assert item.reads == item.own_reads | {"skin.length_mm"}
 
 
-def test_stand_in_has_the_values_of_the_tables_and_refuses_invalid_ones() -> None:
-    recorder = RecordingTables(TABLES, frozenset({"skin.width_mm", "board", "name"}))
-    tables = recorder.as_tables()
+def test_copy_has_the_values_of_the_tables_and_refuses_invalid_ones() -> None:
+    tables, reads = record_reads(TABLES, frozenset({"skin.width_mm", "board", "name"}))
     assert tables.bone.wall_mm == TABLES.bone.wall_mm
-    assert recorder.reads == {"bone.wall_mm"}
-    for read in (lambda: tables.skin.width_mm, lambda: tables.board, lambda: tables.name):
+    assert reads == {"bone.wall_mm"}
+    for read in (lambda: tables.skin.width_mm, lambda: tables.board.variant, lambda: tables.name):
         with pytest.raises(InvalidParameterError):
             read()
-    assert recorder.reads == {"bone.wall_mm", "skin.width_mm", "board", "name"}
-    free = RecordingTables(TABLES)
-    assert free.as_tables().dimensions.sensor_z == TABLES.dimensions.sensor_z
-    assert free.as_tables().dimensions is free.as_tables().dimensions
-    assert free.as_tables().mold_layout.half_width == TABLES.mold_layout.half_width
-    assert {"skin.length_mm", "sensor.distance_from_tip_mm"} <= free.reads
-    changed = free.as_tables().with_values({"skin.width_mm": 10.0})
+    assert reads == {"bone.wall_mm", "skin.width_mm", "board.variant", "name"}
+    free, reads = record_reads(TABLES)
+    assert free.dimensions.sensor_z == TABLES.dimensions.sensor_z
+    assert free.dimensions is free.dimensions
+    assert free.mold_layout.half_width == TABLES.mold_layout.half_width
+    assert {"skin.length_mm", "sensor.distance_from_tip_mm"} <= reads
+    changed = free.with_values({"skin.width_mm": 10.0})
     assert changed.skin.width_mm == 10.0
     assert changed.bone.rim_mm == TABLES.bone.rim_mm
-    assert "bone.rim_mm" in free.reads, "a copy records with its original"
+    assert "bone.rim_mm" in reads, "a copy records with its original"
 
 
 @pytest.mark.parametrize(
@@ -143,11 +142,11 @@ def test_stand_in_has_the_values_of_the_tables_and_refuses_invalid_ones() -> Non
     ],
 )
 def test_what_a_method_or_property_reads_is_recorded(read: Callable[[DesignTables], object], names: set[str]) -> None:
-    recorder = RecordingTables(TABLES)
-    assert read(recorder.as_tables()) == read(TABLES)
-    assert recorder.reads == names
+    tables, reads = record_reads(TABLES)
+    assert read(tables) == read(TABLES)
+    assert reads == names
     with pytest.raises(InvalidParameterError):
-        read(RecordingTables(TABLES, frozenset(names)).as_tables())
+        read(record_reads(TABLES, frozenset(names))[0])
 
 
 def test_a_bound_refuses_values_beyond_it_in_the_unit_of_its_field() -> None:

@@ -5,7 +5,7 @@ Threads of the hardware are cylinders of their nominal diameter. No check of a p
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import cast
 
@@ -14,7 +14,7 @@ from fingertip.cad.shapes.bone import sensor_body
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Point3, Solid, cylinder
 from fingertip.design.interfaces.interface import middle_y
-from fingertip.design.rules.ruleset import RecordingTables
+from fingertip.design.rules.ruleset import record_reads
 
 
 @dataclass(frozen=True)
@@ -111,16 +111,16 @@ def shapes_of_parameters(design: Design) -> Mapping[str, tuple[str, ...]]:
     What is read is recorded while a shape is made: a parameter that this design does not use moves nothing, and is left
     out.
     """
-    read: dict[str, set[str]] = {}
+    moved: dict[str, tuple[str, ...]] = {}
+
+    def add(name: str, reads: Iterable[str]) -> None:
+        moved.update({parameter: (*moved.get(parameter, ()), name) for parameter in sorted(reads)})
+
     for name, part in parts_by_name(design).items():
-        recorder = RecordingTables(design)
-        part.solid(cast(Design, recorder))
-        read[name] = recorder.reads
-    recorder = RecordingTables(design)
-    for item in hardware(cast(Design, recorder), ("bone",)):
-        read[item.name] = recorder.reads
-    moved: dict[str, list[str]] = {}
-    for item_name, parameters in read.items():
-        for parameter in sorted(parameters):
-            moved.setdefault(parameter, []).append(item_name)
-    return {parameter: tuple(items) for parameter, items in moved.items()}
+        tables, reads = record_reads(design)
+        part.solid(cast(Design, tables))
+        add(name, reads)
+    tables, reads = record_reads(design)
+    for item in hardware(cast(Design, tables), ("bone",)):
+        add(item.name, reads)
+    return moved

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import functools
-import inspect
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple, TypeVar
 
-from pydantic import BaseModel
+from pydantic import BaseModel, create_model
 
 from fingertip.design.geometry import DesignTables
-from fingertip.design.parameters import PARAMETERS
+from fingertip.design.parameters import PARAMETERS, ParameterTable
 from fingertip.design.parameters.declaration import find_unit, format_unit
+
+Model = TypeVar("Model", bound=BaseModel)
 
 SLACK = 1e-6
 """Slack of the rules for lengths. A bound that is computed from other lengths carries rounding errors, and a design at
@@ -147,16 +149,16 @@ class BrokenRule:
     @cached_property
     def reads(self) -> frozenset[str]:
         """Parameters that decide the violation: all designs with the same values of these break the rule alike."""
-        recorder = RecordingTables(self.design)
-        RuleChecker(recorder.as_tables()).passes(self.rule)
-        return frozenset(recorder.reads)
+        tables, reads = record_reads(self.design)
+        RuleChecker(tables).passes(self.rule)
+        return frozenset(reads)
 
     @cached_property
     def own_reads(self) -> frozenset[str]:
         """Parameters that the rule itself reads. One of these must change to repair it: the prerequisites pass."""
-        recorder = RecordingTables(self.design)
-        self.rule.check(recorder.as_tables())
-        return frozenset(recorder.reads)
+        tables, reads = record_reads(self.design)
+        self.rule.check(tables)
+        return frozenset(reads)
 
 
 class InvalidParameterError(Exception):
@@ -168,7 +170,7 @@ class RuleChecker:
 
     def __init__(self, design: DesignTables, invalid: frozenset[str] = frozenset()) -> None:
         self._design = design
-        self._invalid = invalid
+        self._checked = record_reads(design, invalid)[0] if invalid else design
         self._passed: dict[Rule, bool] = {}
         self.violations: dict[Rule, Violation] = {}
         """Violations found so far."""
@@ -185,9 +187,8 @@ class RuleChecker:
                 yield BrokenRule(rule, self.violations[rule], self._design)
 
     def _check(self, rule: Rule) -> bool:
-        tables = RecordingTables(self._design, self._invalid).as_tables() if self._invalid else self._design
         try:
-            violation = rule.check(tables)
+            violation = rule.check(self._checked)
         except InvalidParameterError:
             return False
         if violation:
@@ -202,35 +203,42 @@ def find_violations(
     return RuleChecker(design, invalid).find_broken(rules)
 
 
-class RecordingTables:
-    """Stand-in for a design's tables that records which parameters are read, as "table.key".
+def record_reads(design: DesignTables, invalid: frozenset[str] = frozenset()) -> tuple[DesignTables, AbstractSet[str]]:
+    """Copy the tables of a design, and return with them a set that names each parameter that is read of the copy.
 
-    What is derived, such as `dimensions` and `value`, is derived through the stand-in, so that the parameters behind it
-    are recorded too.
+    What is derived, such as `dimensions`, is derived from the copy, so that the parameters behind it are named too. To
+    read a parameter that is `invalid`, by itself or with its whole table, raises InvalidParameterError.
     """
+    reads = set[str]()
 
-    def __init__(
-        self, design: BaseModel, invalid: frozenset[str] = frozenset(), prefix: str = "", reads: set[str] | None = None
-    ) -> None:
-        self._design, self._invalid, self._prefix = design, invalid, prefix
-        self.reads = set[str]() if reads is None else reads
-
-    def as_tables(self) -> DesignTables:
-        return cast(DesignTables, self)
-
-    def model_copy(self, *, update: Mapping[str, Any]) -> RecordingTables:
-        copied = RecordingTables(self._design, self._invalid, self._prefix, self.reads)
-        vars(copied).update(update)
-        return copied
-
-    def __getattr__(self, name: str) -> Any:
-        model, path = type(self._design), self._prefix + name
-        if name not in model.model_fields:  # a method or property reads through the stand-in
-            return inspect.getattr_static(model, name).__get__(self, model)
-        value = getattr(self._design, name)
-        is_table = isinstance(value, BaseModel)
-        if path in self._invalid or not is_table:
-            self.reads.add(path)
-        if path in self._invalid:
+    def note(path: str) -> None:
+        reads.add(path)
+        if not invalid.isdisjoint((path, path.partition(".")[0])):
             raise InvalidParameterError(path)
-        return RecordingTables(value, self._invalid, f"{path}.", self.reads) if is_table else value
+
+    fields = {name: getattr(design, name) for name in DesignTables.model_fields}
+    for name, value in fields.items():
+        if isinstance(value, ParameterTable):
+            fields[name] = _derive_noting(type(value), f"{name}.").model_construct(**vars(value))
+            vars(fields[name])[_NOTE] = note
+    copy = _derive_noting(DesignTables, "").model_construct(**fields)
+    vars(copy)[_NOTE] = note
+    return copy, reads
+
+
+_NOTE = "note"
+"""Key of the function that tables call with the name of each parameter that is read."""
+
+
+@functools.cache
+def _derive_noting(model: type[Model], prefix: str) -> type[Model]:
+    """Derive a class of tables, of which each parameter is a property that notes that it is read."""
+    noting = create_model(f"Noting{model.__name__}", __base__=model)
+    for path in PARAMETERS.keys() & {f"{prefix}{key}" for key in model.model_fields}:
+        setattr(noting, path.removeprefix(prefix), property(functools.partial(_note_and_read, path)))
+    return noting
+
+
+def _note_and_read(path: str, table: BaseModel) -> Any:
+    vars(table)[_NOTE](path)
+    return vars(table)[path.rpartition(".")[2]]

@@ -12,14 +12,14 @@ import pytest
 
 import fingertip
 from fingertip.cad import convert
-from fingertip.cad.report import FORMATS
+from fingertip.catalogues.output_files import default_formats
 from fingertip.design import Design
 from fingertip.foundation import extras
 from fingertip.foundation.errors import MissingLibraryError
 from fingertip.foundation.plot_style import new_figure
 from fingertip.lab import validation as campaign
 from fingertip.sweep.plan import SweepPlan
-from fingertip.tasks.build import build, default_formats
+from fingertip.tasks.build import build, find_formats
 from tests.conftest import design_file, run_fingertip, run_python
 
 DESIGN = str(design_file("fsr400"))
@@ -41,7 +41,7 @@ def test_build_makes_stl_and_3mf_and_says_what_step_needs(tmp_path: Path) -> Non
     assert dict(found.parts[0].files) == {"stl": "bone.stl", "3mf": "bone.3mf"}
     assert messages.count(sentence) == 1
     with pytest.raises(MissingLibraryError) as caught:
-        build(Design(), tmp_path / "step", formats=FORMATS)
+        build(Design(), tmp_path / "step", formats=default_formats())
     assert str(caught.value) == STEP
     assert not (tmp_path / "step").exists()
 
@@ -89,7 +89,7 @@ def test_samples_of_a_sweep_made_elsewhere_cannot_be_repeated() -> None:
 
 
 def test_package_that_cannot_be_imported_is_not_called_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert default_formats(pytest.fail) == FORMATS
+    assert find_formats(pytest.fail) == default_formats()
     extras.require("field", *extras.EXTRAS)
     (tmp_path / "trimesh.py").write_text("import no_such_module\n", encoding="utf-8")
     monkeypatch.syspath_prepend(tmp_path)

@@ -6,8 +6,8 @@ import re
 
 import pytest
 
-from fingertip.cad.report import FORMATS
 from fingertip.cad.shapes.parts import parts_by_name
+from fingertip.catalogues.output_files import PART_FORMATS
 from fingertip.catalogues.sensors import CATALOGUE
 from fingertip.design import Design
 from fingertip.design.formulas.filter import ideal_components
@@ -19,7 +19,7 @@ from tests.conftest import ROOT, run_fingertip
 @pytest.mark.parametrize("name", ["fsr400", "fsr402", "article", "first_finger"])
 def test_bone_skin_and_two_mold_halves_are_parts_of_every_design(name: str) -> None:
     assert {"bone", "skin", "mold_palmar", "mold_dorsal"} <= set(parts_by_name(Design.load(name)))
-    assert {"stl", "step"} <= set(FORMATS)
+    assert {"stl", "step"} <= set(PART_FORMATS)
 
 
 def test_cable_channel_and_pockets_keep_their_parameters() -> None:

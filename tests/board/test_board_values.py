@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from typing import get_args
 
 import numpy as np
 import pytest
@@ -35,7 +34,7 @@ from fingertip.board.components.selection import (
     select_filter_capacitor,
     values_in_range,
 )
-from fingertip.catalogues.amplifiers import AmplifierName
+from fingertip.catalogues.amplifiers import AUTO, CATALOGUE
 from fingertip.design import Design
 from fingertip.design.formulas.filter import FilterComponents, find_preferred_neighbours, ideal_components
 from fingertip.design.parameters.electronics import Board
@@ -101,7 +100,7 @@ def decades(low: float, high: float) -> st.SearchStrategy[float]:
 
 
 PREFERRED_UF = decades(-6.0, 3.0).map(lambda value: find_preferred_neighbours(value)[0])
-AMPLIFIERS = st.sampled_from(get_args(AmplifierName))
+AMPLIFIERS = st.sampled_from((AUTO, *CATALOGUE))
 
 
 REFUSED = {

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import get_args
 
 import pytest
 
@@ -15,10 +14,8 @@ from fingertip.casting.quantities import (
     parts_by_weight,
     split_by_mix_ratio,
 )
-from fingertip.catalogues.silicones import MaterialProperty, Silicone, SiliconeName, load_silicones, load_sources
+from fingertip.catalogues.silicones import MaterialProperty, Silicone, load_silicones, load_sources
 from fingertip.design import Design
-from fingertip.design.parameters.declaration import OWN
-from fingertip.design.parameters.finger import ChosenSilicone
 from fingertip.foundation.errors import DesignError
 
 SILICONES = load_silicones()
@@ -56,11 +53,6 @@ class TestEachSilicone:
         least_g = max(MIN_COMPONENT_G, MIN_MIX_G / (1 + ratio))
         assert batch.b_g == pytest.approx(least_g) == {10.0: 2.0, 1.0: 5.0}[ratio]
         assert batch.a_g == pytest.approx(ratio * least_g)
-
-
-def test_the_design_offers_the_catalogue_and_ones_own() -> None:
-    assert get_args(SiliconeName) == tuple(SILICONES)
-    assert get_args(ChosenSilicone.model_fields["product"].annotation) == (*SILICONES, OWN)
 
 
 def test_upper_end_of_the_modulus_follows_ruess_relation() -> None:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import get_args
 
 import pytest
 
-from fingertip.catalogues.sensors import CATALOGUE, SensorName
+from fingertip.catalogues.sensors import CATALOGUE
 from fingertip.design import Design
 from fingertip.design.files import list_parameters, to_toml
 from fingertip.foundation.errors import DesignError
@@ -111,7 +110,6 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     assert Design.load(marked).skin.width_mm == 18
 
 
-def test_names_of_sensors_are_those_of_the_catalogue_and_each_fits_a_bundled_design() -> None:
-    assert get_args(SensorName) == tuple(CATALOGUE)
+def test_each_sensor_of_the_catalogue_fits_a_bundled_design() -> None:
     for name, sensor in CATALOGUE.items():
         Design.load(design_file(sensor.bundled_design), changes=[f"sensor.model={name}", *sensor.changes])

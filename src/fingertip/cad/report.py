@@ -15,7 +15,7 @@ from fingertip.cad.shapes.parts import Part, hardware
 from fingertip.cad.verification.check import Check, count_checks
 from fingertip.cad.verification.lying_skin import describe_lying_skin
 from fingertip.cad.verification.strength import BoneStrength, strength_data
-from fingertip.catalogues.output_files import ASSEMBLY, PRINT_FOLDER, SCRIPT_SUFFIX
+from fingertip.catalogues.output_files import ASSEMBLY, PRINT_FOLDER
 from fingertip.design import Design
 from fingertip.foundation.display import Picture, html_table, to_dataframe
 from fingertip.foundation.files import round_for_output
@@ -25,14 +25,7 @@ from fingertip.pad.survey import survey_pad
 if TYPE_CHECKING:
     import pandas
 
-FORMATS = ("stl", "3mf", "step")
-ALL_FORMATS = (*FORMATS, "cq")
-"""Formats of a part's files; a CadQuery script is written where it is named only."""
 DESIGN_HEADING = "Design from which these files were built. `fingertip build` accepts this file."
-
-
-def part_file(part: str, file_format: str) -> str:
-    return f"{part}{SCRIPT_SUFFIX if file_format == 'cq' else f'.{file_format}'}"
 
 
 @dataclass(frozen=True)

@@ -15,12 +15,9 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar, Literal
+from typing import ClassVar
 
 from fingertip.foundation.tables import load_table, read_rows
-
-AmplifierName = Literal["auto", "TL082", "TLV2372", "MCP6022", "OPA2376", "OPA2197"]
-"""Names that the parameter board.amplifier accepts. A test holds them and `CATALOGUE` together."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +53,8 @@ class Amplifier:
     """Names of the figures that no document read confirms."""
     input_from_lower_v: tuple[float, float]
     """Distance from the lower rail that the inputs must keep [V]: typical and guaranteed."""
+    preference: int
+    """Place in the order in which a remedy offers them, from 1."""
     source: str
     """Documents of the other figures."""
     units: ClassVar[Mapping[str, tuple[str, str, str]]] = {"a": ("3", "2", "1"), "b": ("5", "6", "7")}
@@ -81,12 +80,11 @@ CATALOGUE: dict[str, Amplifier] = {
 }
 """Dual amplifiers by the name that `board.amplifier` gives them."""
 
-AUTO: AmplifierName = "auto"
+AUTO = "auto"
 ARTICLE_AMPLIFIER, RAIL_TO_RAIL_AMPLIFIER, LOW_OFFSET_AMPLIFIER = "TL082", "MCP6022", "OPA2376"
 LOW_POWER_AMPLIFIER = "TLV2372"
 
 
 def list_dual_amplifiers() -> tuple[Amplifier, ...]:
     """List the amplifiers that board.amplifier can name, the preferred ones first."""
-    names = (RAIL_TO_RAIL_AMPLIFIER, "OPA2197", LOW_OFFSET_AMPLIFIER, LOW_POWER_AMPLIFIER, ARTICLE_AMPLIFIER)
-    return tuple(CATALOGUE[name] for name in names)
+    return tuple(sorted(CATALOGUE.values(), key=lambda amplifier: amplifier.preference))

@@ -53,3 +53,7 @@ class ControllerBoard:
 @functools.cache
 def load_controllers() -> tuple[ControllerBoard, ...]:
     return load_table(ControllerBoard, read_rows(Path(__file__).with_name("controllers.csv")))
+
+
+def list_keys() -> tuple[str, ...]:
+    return tuple(board.key for board in load_controllers())

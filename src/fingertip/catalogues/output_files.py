@@ -47,8 +47,33 @@ PART_FILES = OutputSet("parts")
 DESIGN, REPORT, SHEET, ASSEMBLY = "design.toml", "report.json", "casting.md", "assembly.step"
 ACCEPTANCE, EXPLODED_VIEW, PAGE = "acceptance.md", "exploded.png", "index.html"
 PAD_VIEW = "pad.svg"
-SCRIPT_SUFFIX = ".cq.py"
-"""End of the name of a part's CadQuery script."""
+
+
+@dataclass(frozen=True)
+class PartFormat:
+    suffix: str
+    code: str = ""
+    """Module that writes a mesh with `to_bytes(mesh, name, note)` and reads it with `from_bytes`; none for a solid."""
+    is_default: bool = True
+    """False if it is written only where it is named."""
+
+
+PART_FORMATS = {
+    "stl": PartFormat(".stl", "fingertip.cad.files.stl"),
+    "3mf": PartFormat(".3mf", "fingertip.cad.files.threemf"),
+    "step": PartFormat(".step"),
+    "cq": PartFormat(".cq.py", is_default=False),
+}
+"""Formats of a part's files."""
+
+
+def part_file(part: str, file_format: str) -> str:
+    return f"{part}{PART_FORMATS[file_format].suffix}"
+
+
+def default_formats() -> tuple[str, ...]:
+    return tuple(name for name, each in PART_FORMATS.items() if each.is_default)
+
 
 PRINT_FOLDER, STEPS_FOLDER = "print", "steps"
 PRINTS = OutputSet("print", PRINT_FOLDER)

@@ -9,12 +9,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
 from fingertip.foundation.tables import load_table, read_rows
 
-SensorName = Literal["fsr400", "fsr400_short", "fsr402", "fsr402_short"]
-"""Names of the catalogue, for the parameter sensor.model. A test holds them and `CATALOGUE` together."""
 PART_TO_PART = (2.0, 8.0)
 """Factors by which the readings of real sensors of one model differ at the same force, from usual to bad. Source: three
 sensors under 2.6 N in a divider with a converter of 10 bits gave 341 to 373 counts, and 45 to 54."""

@@ -10,18 +10,13 @@ from typing import Any, Literal, Self, cast
 
 from fingertip.foundation.tables import load_table
 
-SiliconeName = Literal[
-    "addition_40a", "condensation_40a", "smooth_sil_940", "mold_star_30", "dragon_skin_30", "elastosil_m4641",
-    "sylgard_184", "ecoflex_00_30",
-]  # fmt: skip
-"""Names of the catalogue, for the parameter silicone.product. A test holds them and `silicones.toml` together."""
 Cure = Literal["addition", "condensation"]
 """Cure system: addition (platinum) or condensation (tin). Addition cure shrinks least, but uncured resin inhibits it.
 Condensation cure is not inhibited."""
 RatioBasis = Literal["weight", "volume", "weight or volume"]
 """Basis on which the maker states the mix ratio; "weight or volume" if both are allowed."""
 
-GENERIC: frozenset[SiliconeName] = frozenset(("addition_40a", "condensation_40a"))
+GENERIC = frozenset(("addition_40a", "condensation_40a"))
 """Names that stand for a kind of silicone, not for a product."""
 
 WANTED_POT_LIFE_MIN = 20.0

@@ -27,7 +27,7 @@ def build(
     parts: str | None = typer.Option(None, help="Parts (bone, skin, ...), separated by commas; all by default."),
     formats: str | None = typer.Option(
         None,
-        help="File formats (stl, 3mf, step, cq), separated by commas; cq: CadQuery scripts. By default all others, "
+        help="File formats ({formats}), separated by commas; cq: CadQuery scripts. By default all others, "
         "step if it can be made.",
     ),
     tolerance_mm: float = typer.Option(0.01, help="Largest distance of a facet from the exact surface, in mm."),
@@ -100,7 +100,7 @@ def make(
     design: Path = DESIGN_FILE,
     out: Path | None = typer.Option(None, "--out", "-o", help="Output folder; out/NAME by default."),
     formats: str | None = typer.Option(
-        None, help="File formats of the parts (stl, 3mf, step, cq), separated by commas; as for build."
+        None, help="File formats of the parts ({formats}), separated by commas; as for build."
     ),
     force: bool = FORCE,
     changes: list[str] | None = CHANGES,

@@ -5,12 +5,15 @@ At the tab key the shell starts the program with the line before the cursor, and
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+import glob
+from collections.abc import Callable, Iterable, Mapping
+from importlib import import_module
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 from fingertip.catalogues.controllers import NAMES
-from fingertip.catalogues.silicones import SiliconeName
+from fingertip.foundation.errors import join_words
+from fingertip.slip.detectors.registry import describe_detectors, list_detectors
 
 VARIABLE = "_FINGERTIP_COMPLETE"
 """Environment variable by which a shell asks for completions."""
@@ -33,7 +36,7 @@ def answer_shell(root: Any) -> None:
 
     shell = FishComplete(root, {}, "fingertip", VARIABLE)
     for item in shell.get_completions(*shell.get_completion_args()):
-        print(item.value, *([first_sentence(item.help)] if item.help else []), sep="\t")
+        print(item.value, *([first_sentence(fill_lists(item.help))] if item.help else []), sep="\t")
 
 
 def first_sentence(text: str) -> str:
@@ -42,33 +45,52 @@ def first_sentence(text: str) -> str:
     return first if end < 0 else first[: end + 1]
 
 
-# Words that a parameter of a command takes. Functions import what they need when a shell asks.
+# Words that a parameter of a command takes, each list from the table that decides. Functions import what they need when
+# a shell asks, or a help page is written.
 
 
 def _words(*words: str) -> Callable[[], Iterable[str]]:
     return lambda: words
 
 
+def _bundled(*kinds: str) -> Iterable[str]:
+    from fingertip.catalogues import file_kinds
+    from fingertip.catalogues.bundled import list_bundled_files
+
+    return list_bundled_files(*(getattr(file_kinds, kind) for kind in kinds))
+
+
 def _files(*kinds: str) -> Callable[[str], Iterable[str]]:
     """Bundled files of some kinds, and files of the user, of any kind."""
 
     def complete(incomplete: str) -> Iterable[str]:
-        import glob
-
-        from fingertip.catalogues import file_kinds
-        from fingertip.catalogues.bundled import list_bundled_files
-
-        bundled = list_bundled_files(*(getattr(file_kinds, kind) for kind in kinds))
         own = glob.glob(f"{glob.escape(incomplete)}*.toml")
-        return [*bundled, *sorted(name for name in own if name.isprintable())]  # others would control the terminal
+        return [*_bundled(*kinds), *sorted(name for name in own if name.isprintable())]  # others control the terminal
 
     return complete
 
 
-def _hands() -> Iterable[str]:
-    from fingertip.catalogues.bundled import PARAMS
+def _table(code: str) -> Callable[[], Iterable[str]]:
+    """Names of a table, or those that a function lists, given as "module:name"; it is imported when they are asked."""
 
-    return sorted(path.stem for path in (PARAMS / "hands").glob("*.toml"))
+    def names() -> Iterable[str]:
+        module, _, name = code.partition(":")
+        found = getattr(import_module(f"fingertip.{module}"), name)
+        return [*(found() if callable(found) else found)]
+
+    return names
+
+
+def _choices(parameter: str) -> Callable[[], Iterable[str]]:
+    """Names that a parameter of the design takes."""
+
+    def names() -> Iterable[str]:
+        from fingertip.design.parameters import PARAMETERS
+        from fingertip.design.parameters.declaration import list_choices
+
+        return list_choices(PARAMETERS[parameter])
+
+    return names
 
 
 def _settings() -> Iterable[str]:
@@ -79,23 +101,52 @@ def _settings() -> Iterable[str]:
     return [f"{path}={choice}" for path, field in PARAMETERS.items() for choice in list_choices(field) or ("",)]
 
 
-COMPLETIONS = {
+def _sets_of_formats() -> Iterable[str]:
+    """Formats, and the first two, three and so on of those that are written where none is named."""
+    from fingertip.catalogues.output_files import PART_FORMATS, default_formats
+
+    names = default_formats()
+    return [*PART_FORMATS, *(",".join(names[: i + 1]) for i in range(1, len(names)))]
+
+
+COMPLETIONS: Mapping[str, Callable[..., Iterable[str]]] = {
     "design": _files("DESIGN"),
     "designs": _files("DESIGN"),
     "simulate file": _files("DESIGN", "SCENE", "MANIPULATION"),
     "sweep file": _files("SWEEP"),
     "changes": _settings,
-    "hand": _hands,
+    "sensor": _choices("sensor.model"),
+    "hand": _table("design.new_design:list_hands"),
     "finger": _words(*(f"{name}=" for name in NAMES)),
-    "preset": _words(*(f"{age}_{digit}" for age in ("adult", "child", "youth") for digit in ("finger", "thumb"))),
-    "formats": _words("stl", "3mf", "step", "cq", "stl,3mf", "stl,3mf,step"),
-    "parts": _words("bone", "skin", "mold_palmar", "mold_dorsal", "core", "stand", "pin", "hand_stub"),
-    "material": _words(*get_args(SiliconeName), "own"),
-    "detector": _words("digital", "analog", "fft", "fast", "incipient"),
-    "grip": _words("fast", "incipient", "digital", "analog"),
+    "preset": _table("design.new_design:PRESETS"),
+    "formats": _sets_of_formats,
+    "parts": _table("cad.shapes.parts:PARTS"),
+    "material": _choices("silicone.product"),
+    "detector": list_detectors,
+    "grip": list_detectors,
     "surface": _files("SURFACE"),
-    "time_scale": _words("s", "ms", "us", "ns"),
-    "kind": _words("design", "set", "scene", "manipulation", "surface", "sweep"),
+    "controller": _table("catalogues.controllers:list_keys"),
+    "time_scale": _table("slip.traces.sampling:TIME_UNITS_S"),
     "shell": _words(*SHELLS),
 }
 """Parameter of all commands, or of one, -> words that it takes."""
+
+_LISTS: Mapping[str, Callable[[], Iterable[str]]] = {
+    "sensors": COMPLETIONS["sensor"],
+    "silicones": COMPLETIONS["material"],
+    "hands": COMPLETIONS["hand"],
+    "presets": COMPLETIONS["preset"],
+    "fingers": _words(*NAMES),
+    "formats": lambda: [", ".join(_table("catalogues.output_files:PART_FORMATS")())],
+    "sweeps": lambda: _bundled("SWEEP"),
+    "detectors": describe_detectors,
+}
+"""Name in braces in the text of a help page -> words that take its place."""
+
+
+def fill_lists(text: str) -> str:
+    """Put lists of names into a text for the help page, which says where: "Preset: {presets}"."""
+    for name, find in _LISTS.items():
+        if f"{{{name}}}" in text:
+            text = text.replace(f"{{{name}}}", join_words(find(), "or"))
+    return text

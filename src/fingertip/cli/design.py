@@ -13,7 +13,7 @@ from fingertip.cli import options
 from fingertip.cli.completion import SHELLS, read_script
 from fingertip.cli.console import Console
 from fingertip.cli.options import command, find_file_issues, find_idle_issues, flag, load_design, refuse
-from fingertip.foundation.errors import DesignError, Issue
+from fingertip.foundation.errors import DesignError, Issue, join_words
 
 
 @command
@@ -68,7 +68,10 @@ KINDS = tuple(_MODELS)
 
 
 @command
-def schema(kind: str = typer.Argument(help=f"Kind of file: {', '.join(KINDS)}."), quiet: bool = options.QUIET) -> None:
+def schema(
+    kind: str = typer.Argument(help=f"Kind of file: {', '.join(KINDS)}.", autocompletion=lambda: KINDS),
+    quiet: bool = options.QUIET,
+) -> None:
     """Print the JSON schema of a kind of TOML file, for editors. Bundled files name theirs in their first line."""
     Console(False, quiet).write(json.dumps(make_schema(kind), indent=2))
 
@@ -102,7 +105,9 @@ def _normalise(value: Any) -> Any:
 
 
 @command
-def completion(shell: str = typer.Argument(help="Shell: bash, zsh or fish."), quiet: bool = options.QUIET) -> None:
+def completion(
+    shell: str = typer.Argument(help=f"Shell: {join_words(SHELLS, 'or')}."), quiet: bool = options.QUIET
+) -> None:
     """Print a completion script for a shell: commands, options, bundled names and parameters after --set.
 
     For bash, add this line to ~/.bashrc: eval "$(fingertip completion bash)". For zsh, add eval "$(fingertip completion

@@ -14,7 +14,7 @@ from fingertip.cli.console import BAD_INPUT, Console
 from fingertip.cli.options import CHANGES, command, find_file_issues, load_design, refuse
 from fingertip.foundation.errors import FingertipError, Issue, TraceError
 from fingertip.foundation.interruption import INTERRUPTIONS, exit_code
-from fingertip.slip.detectors.registry import DEFAULT, describe_detectors
+from fingertip.slip.detectors.registry import DEFAULT
 
 if TYPE_CHECKING:
     from fingertip.design import Design
@@ -28,7 +28,7 @@ def detect(
         "filter board was recorded, envelope_v; - reads CSV lines from standard input as they arrive."
     ),
     design: Path | None = typer.Option(None, help="Design file or bundled name; the default design if left out."),
-    detector: str | None = typer.Option(None, help=f"{describe_detectors()} Default: {DEFAULT}; on a divider, fast."),
+    detector: str | None = typer.Option(None, help=f"{{detectors}}. Default: {DEFAULT}; on a divider, fast."),
     rate_hz: float | None = typer.Option(
         None, help="Sampling rate of the trace; if the file holds times, they must agree with it."
     ),

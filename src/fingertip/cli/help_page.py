@@ -17,7 +17,7 @@ from typing import Any, NoReturn, cast
 
 from typer.core import TyperCommand, TyperGroup
 
-from fingertip.cli.completion import first_sentence
+from fingertip.cli.completion import fill_lists, first_sentence
 from fingertip.cli.console import BAD_INPUT, Console
 from fingertip.cli.options import COMMON
 from fingertip.foundation.errors import FingertipError, Issue
@@ -143,7 +143,7 @@ def _term(parameter: Any) -> str:
 
 
 def _describe(parameter: Any) -> str:
-    text, default = parameter.help or "", parameter.default
+    text, default = fill_lists(parameter.help or ""), parameter.default
     if isinstance(default, Path):
         default = default.as_posix()
     is_shown = isinstance(default, int | float | str) and not isinstance(default, bool) and default != ""

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from fingertip.catalogues.controllers import NAMES
-from fingertip.catalogues.sensors import CATALOGUE
 from fingertip.cli.console import Console
 from fingertip.cli.options import CHANGES, command, find_file_issues, flag
 from fingertip.foundation.errors import DesignError, FingertipError, Issue, gather, join_words
@@ -34,19 +33,10 @@ _LARGER_MM = (1.0, 2.0, 3.0, 4.0)
 def new(
     console: Console,
     name: str = typer.Argument(help="Name of the design: up to 40 letters, digits, - and _."),
-    sensor: str | None = typer.Option(
-        None, help=f"Sensor: {', '.join(CATALOGUE)} or custom (see the file); fsr400 by default."
-    ),
-    preset: str | None = typer.Option(
-        None,
-        help="Anatomical size, with a joint: adult_finger, adult_thumb, youth_finger, youth_thumb, child_finger or "
-        "child_thumb.",
-    ),
+    sensor: str | None = typer.Option(None, help="Sensor: {sensors} (see the file); fsr400 by default."),
+    preset: str | None = typer.Option(None, help="Anatomical size, with a joint: {presets}."),
     hand: str | None = typer.Option(
-        None,
-        metavar="FILE",
-        help="File with the sizes of your hand's joint, or a bundled hand: amazing_hand, david_finger, "
-        "flexible_flyer, inmoov or orca_hand.",
+        None, metavar="FILE", help="File with the sizes of your hand's joint, or a bundled hand: {hands}."
     ),
     finger: list[str] | None = typer.Option(
         None,

@@ -7,11 +7,10 @@ import inspect
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, Any
 
 import typer
 
-from fingertip.catalogues.silicones import SiliconeName
 from fingertip.cli.completion import COMPLETIONS
 from fingertip.cli.console import BAD_INPUT, FAULT, Console, describe_fault, describe_path_error, discard_stdout
 from fingertip.foundation import interruption
@@ -35,9 +34,7 @@ JOBS = typer.Option(None, help="Number of worker processes. Default: one per pro
 CHANGES = typer.Option(None, "--set", metavar="TABLE.KEY=VALUE", help="Change a parameter of the design; repeatable.")
 DESIGN_FILE = typer.Argument(help="Design file, or a bundled design such as fsr400 or adult_finger.")
 OPTIONAL_DESIGN = typer.Argument(None, help="Design file or bundled name; the default design if left out.")
-MATERIAL = typer.Option(
-    None, help=f"Silicone: {', '.join(get_args(SiliconeName))} or own; the design's silicone.product if omitted."
-)
+MATERIAL = typer.Option(None, help="Silicone: {silicones}; the design's silicone.product if omitted.")
 CALIBRATED_DESIGN = typer.Option(
     None, "--out", "-o", metavar="FILE", help="File for the calibrated design, a complete design file."
 )
@@ -75,7 +72,9 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
             option.metavar = name.upper()
         if option.default is False and not option.param_decls:
             option.param_decls = (f"--{name.replace('_', '-')}",)
-        option.autocompletion = COMPLETIONS.get(f"{function.__name__} {name}") or COMPLETIONS.get(name)
+        option.autocompletion = (
+            option.autocompletion or COMPLETIONS.get(f"{function.__name__} {name}") or COMPLETIONS.get(name)
+        )
 
     @functools.wraps(function)
     def run(**words: Any) -> None:

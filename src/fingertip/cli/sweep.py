@@ -25,9 +25,7 @@ if TYPE_CHECKING:
 @command
 def sweep(
     console: Console,
-    file: Path | None = typer.Argument(
-        None, metavar="SWEEP", help="Sweep file, or a bundled one: board, delay, geometry, hand, map or pad."
-    ),
+    file: Path | None = typer.Argument(None, metavar="SWEEP", help="Sweep file, or a bundled one: {sweeps}."),
     out: Path | None = typer.Option(None, "--out", "-o", help="Folder for the rows. Default: out/sweeps/NAME."),
     jobs: int | None = JOBS,
     cluster: str | None = typer.Option(

@@ -23,7 +23,7 @@ from fingertip.lab.divider import BoardComparison, compare_with_board
 from fingertip.lab.report import omissions, tables
 from fingertip.lab.report.numbers import format_ms, to_number
 from fingertip.lab.report.tables import FurtherResults
-from fingertip.slip.detectors.registry import check_detector
+from fingertip.slip.detectors.registry import DETECTORS, check_detector
 
 SHOWN_TRIALS, SHOWN_MINUTES = 120, 40.0
 """Trials and minutes from which a validation shows its requirements: the article's trials, and 0 alarms in 40 min
@@ -228,7 +228,8 @@ def _validate(
     design: Design, plan: CampaignPlan, detector: str, limits: RequirementLimits, work: Work, first_seed: int
 ) -> Validation:
     work.begin("trials")
-    result = run_campaign(design, plan, first_seed=first_seed, advance=work.advance)
+    compared = tuple(dict.fromkeys((*DETECTORS, detector)))
+    result = run_campaign(design, plan, compared, first_seed=first_seed, advance=work.advance)
     ranges = [result.at_nominal_threshold(detector)]
     work.begin("further ranges of seeds")
     for i in range(1, SEED_RANGES):

@@ -12,7 +12,7 @@ from fingertip.slip.detection import Detection, find_ratio
 from fingertip.slip.detectors.analog_and_digital import ChainOutput
 from fingertip.slip.detectors.fast import FastOutput
 from fingertip.slip.detectors.noise import NoiseLevel
-from fingertip.slip.detectors.registry import DETECTORS
+from fingertip.slip.detectors.registry import find_detector_type
 from fingertip.slip.traces.trace import Trace
 from fingertip.slip.traces.truth import (
     BAND_LABEL,
@@ -254,7 +254,7 @@ def _draw_statistic(axes: Axes, trace: Trace, detection: Detection) -> None:
     output, label, envelope = detection.output, "statistic", None
     if isinstance(output, ChainOutput):
         envelope = output.envelope_v
-    elif DETECTORS[detection.detector].takes_envelope:
+    elif find_detector_type(detection.detector).takes_envelope:
         envelope = trace.envelope_v
     if envelope is not None:
         axes.plot(trace.time_s, 1000 * envelope, color=style.ORANGE, linewidth=0.7, label="envelope")

@@ -11,11 +11,18 @@ from typing import Any, Literal, TypeAlias, get_args, get_origin
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
 
 from fingertip.catalogues.controllers import split_finger
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import ParameterTable
-from fingertip.design.parameters.declaration import find_similar_name, issues_from_pydantic, load_retired, suggest_name
+from fingertip.design.parameters.declaration import (
+    find_similar_name,
+    issues_from_pydantic,
+    list_choices,
+    load_retired,
+    suggest_name,
+)
 from fingertip.foundation.errors import Issue, SweepError, quote_value
 
 Value: TypeAlias = float | int | bool | str
@@ -144,7 +151,7 @@ def read_axis(name: str, entry: Any, sampled: bool) -> tuple[Axis, list[Issue]]:
         # The list of all names would be too long for a message.
         remedy = f"did you mean {similar}?" if similar else "`fingertip params` lists the names of a design."
         raise SweepError(Issue(field, f"there is no such parameter; {remedy}"))
-    axis = _parse_axis(name, field, entry, sampled, _get_annotation(model, path))
+    axis = _parse_axis(name, field, entry, sampled, _find_declaration(model, path))
     # A parameter's own bounds hold between the ends of a range, or of a list of numbers, if they hold there.
     values = axis.listed or (axis.low, axis.high)
     if all(type(value) in (float, int) and _is_finite(value) for value in axis.listed) and axis.listed:
@@ -156,7 +163,8 @@ def read_axis(name: str, entry: Any, sampled: bool) -> tuple[Axis, list[Issue]]:
     return axis, list(found.values())
 
 
-def _parse_axis(name: str, field: str, entry: Any, sampled: bool, annotation: Any) -> Axis:
+def _parse_axis(name: str, field: str, entry: Any, sampled: bool, declared: FieldInfo) -> Axis:
+    annotation = declared.annotation
     if isinstance(entry, list):
         if not entry:
             raise SweepError(Issue(field, "is an empty list; give at least one value."))
@@ -177,12 +185,13 @@ def _parse_axis(name: str, field: str, entry: Any, sampled: bool, annotation: An
     if not isinstance(entry, Mapping):
         remedy = "write a list of values, or {low = 1, high = 2, steps = 5}"
         raise SweepError(Issue(field, f"{quote_value(entry)} is not an axis; {remedy}."))
-    return _parse_range(name, field, entry, sampled, annotation)
+    return _parse_range(name, field, entry, sampled, declared)
 
 
-def _parse_range(name: str, field: str, entry: Mapping[str, Any], sampled: bool, annotation: Any) -> Axis:
+def _parse_range(name: str, field: str, entry: Mapping[str, Any], sampled: bool, declared: FieldInfo) -> Axis:
+    annotation = declared.annotation
     if annotation not in (float, int):
-        remedy = f"list its values, such as {list(get_args(annotation) or ('its values',))}"
+        remedy = f"list its values, such as {list(list_choices(declared) or ('its values',))}"
         raise SweepError(Issue(field, f"is not a number, so it has no range; {remedy}."))
     # Keys and types of their values
     unknown = [key for key in entry if key not in RANGE_KEYS]
@@ -242,12 +251,12 @@ def _load_scene_models() -> tuple[type[BaseModel], type[BaseModel]]:
     return SceneFile, ManipulationFile
 
 
-def _get_annotation(model: type[BaseModel], path: str) -> Any:
+def _find_declaration(model: type[BaseModel], path: str) -> FieldInfo:
     table, _, key = path.rpartition(".")
     section = model.model_fields[table].annotation if table else model
     assert isinstance(section, type)
     assert issubclass(section, BaseModel)
-    return section.model_fields[key].annotation
+    return section.model_fields[key]
 
 
 def _check_value(model: type[BaseModel], path: str, field: str, value: Value) -> list[Issue]:

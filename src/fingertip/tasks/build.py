@@ -12,13 +12,14 @@ from fingertip.cad.files.cadquery_script import write_script
 from fingertip.cad.files.step_process import StepFiles, StepJob, StepProcess
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.settings import FDM, SLA
-from fingertip.cad.report import ALL_FORMATS, DESIGN_HEADING, FORMATS, Build, BuiltPart, part_file
+from fingertip.cad.report import DESIGN_HEADING, Build, BuiltPart
 from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name, print_scale
 from fingertip.cad.verification.assembly import brep_balance_solids, check_brep_assembly
 from fingertip.cad.verification.printing import check_brep_solid
 from fingertip.cad.verification.verify import verify
 from fingertip.casting.sheet import casting_sheet
 from fingertip.catalogues import output_files
+from fingertip.catalogues.output_files import PART_FORMATS, part_file
 from fingertip.design import Design
 from fingertip.design.files import to_toml
 from fingertip.design.parameters.declaration import suggest_name
@@ -64,7 +65,7 @@ def build(
     parts
         Names from `PARTS`; all parts of the design if None.
     formats
-        Any of "stl", "3mf", "step" and "cq", a CadQuery script; `default_formats` if None.
+        Any of "stl", "3mf", "step" and "cq", a CadQuery script; `find_formats` if None.
     tolerance_mm
         Largest distance of a facet from the exact surface [mm], 0.0005 to 1.
     material
@@ -97,7 +98,9 @@ def build(
     folder = output_files.PART_FILES.folder(design, out)
     known = tuple(parts_by_name(design))
     names = select_names("--parts", known if parts is None else parts, known)
-    file_formats = select_names("--formats", default_formats(progress) if formats is None else formats, ALL_FORMATS)
+    file_formats = select_names(
+        "--formats", find_formats(progress) if formats is None else formats, tuple(PART_FORMATS)
+    )
     if "step" in file_formats:
         extras.require("--formats", "OCP", subject="step", alternative="leave step out with --formats stl,3mf")
     design, evaluator, all_built = design.with_silicone(material), MeshEvaluator(tolerance_mm), names == [*known]
@@ -199,12 +202,12 @@ def _print_names(parts: Iterable[str], formats: Iterable[str], is_whole: bool) -
     return [*names, *(plates if "3mf" in formats and is_whole else [])]
 
 
-def default_formats(progress: Callable[[str], None] = lambda message: None) -> tuple[str, ...]:
+def find_formats(progress: Callable[[str], None] = lambda message: None) -> tuple[str, ...]:
     """Return the formats of a build that names none: STL and 3MF, and STEP where its kernel is installed."""
     if extras.is_installed("OCP"):
-        return FORMATS
+        return output_files.default_formats()
     extras.say_left_out({"OCP": "STEP files and checks against exact solids"}, progress)
-    return tuple(name for name in FORMATS if name != "step")
+    return tuple(name for name in output_files.default_formats() if name != "step")
 
 
 def select_names(option: str, requested: Iterable[str], known: tuple[str, ...]) -> list[str]:

@@ -26,7 +26,7 @@ from fingertip.page.pad_section import render_pad
 from fingertip.page.render import Prepared, prepare_page
 from fingertip.pictures.drawing.draw import file_names
 from fingertip.tasks.board import BRING_UP_FILES, plan_board
-from fingertip.tasks.build import build, default_formats
+from fingertip.tasks.build import build, find_formats
 from fingertip.tasks.firmware import plan_firmware
 from fingertip.tasks.page import write_page
 from fingertip.tasks.trial import simulate_and_detect
@@ -86,7 +86,7 @@ def make(
     signal = output_files.SIGNAL.writer(design, folder / output_files.SIGNAL_FOLDER, force, folder)
     sheets = output_files.PART_FILES.writer(design, folder, force)
     named = None if formats is None else tuple(formats)
-    formats = default_formats() if named is None else named
+    formats = find_formats() if named is None else named
     draws = "step" in formats and extras.is_installed("reportlab")
     sheets.check((output_files.ACCEPTANCE, output_files.PAGE))
     output_files.BOARD.writer(design, board_folder, force, folder).check(BRING_UP_FILES)

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from importlib import import_module
 
-from fingertip.cad.files import stl, threemf
+from fingertip.cad.files import threemf
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.printing.orientations import build_volume_excess, print_orientations
 from fingertip.cad.printing.print_files import PrintFiles, make_print_files
@@ -23,11 +24,10 @@ from fingertip.cad.verification.mold import check_mold
 from fingertip.cad.verification.printing import check_mesh_file, check_overhang, check_print_files
 from fingertip.cad.verification.skin import check_pad, check_skin
 from fingertip.cad.verification.strength import BoneStrength, assess_strength
+from fingertip.catalogues.output_files import PART_FORMATS, part_file
 from fingertip.design import Design
 from fingertip.design.geometry.solids import scaled
 from fingertip.foundation.progress import Work
-
-MESH_FORMATS = {"stl": stl, "3mf": threemf}
 
 
 @dataclass(frozen=True)
@@ -56,27 +56,20 @@ def verify(
     progress: Callable[[str], None] = lambda message: None,
 ) -> VerifiedParts:
     """Make the mesh files of the parts, read them back, and check parts and assembly. Raises GeometryError."""
-    mesh_formats = [file_format for file_format in formats if file_format in MESH_FORMATS]
+    codes = {name: import_module(code) for name in formats if (code := PART_FORMATS[name].code)}
     solids = {name: PARTS[name].solid(design) for name in parts}
     meshes, work = {}, Work("", {**{f"mesh of {name}": 1.0 for name in solids}, "checks": 2.0 * len(solids)}, progress)
     for name, solid in solids.items():
         work.begin(f"mesh of {name}")
         meshes[name] = evaluator.mesh(scaled(solid, print_scale(design, PARTS[name])))
-    # Part files and plates hold the same mesh, so its text is made once.
-    encoded = {name: threemf.encode_mesh(mesh) for name, mesh in meshes.items()} if "3mf" in mesh_formats else {}
-    contents = {}
-    for name, mesh in meshes.items():
-        note = PARTS[name].note
-        if "stl" in mesh_formats:
-            contents[f"{name}.stl"] = stl.to_bytes(mesh, name, note)
-        if name in encoded:
-            contents[f"{name}.3mf"] = threemf.write_items(name, [threemf.Item(name, encoded[name], note)])
-    prints = make_print_files(design, meshes, encoded, "stl" in mesh_formats)
+    files = [(part_file(name, each), name, each) for name in meshes for each in codes]
+    contents = {file: codes[each].to_bytes(meshes[name], name, PARTS[name].note) for file, name, each in files}
+    encoded = {name: threemf.encode_mesh(mesh) for name, mesh in meshes.items()} if "3mf" in codes else {}
+    prints = make_print_files(design, meshes, encoded, "stl" in codes)
     work.begin("checks")
     checks: list[Check] = []
-    for file, data in contents.items():
-        name, file_format = file.rsplit(".", 1)
-        checks += check_mesh_file(design, PARTS[name], MESH_FORMATS[file_format].from_bytes(data), file_format)
+    for file, name, each in files:
+        checks += check_mesh_file(design, PARTS[name], codes[each].from_bytes(contents[file]), each)
     checks += check_print_files(design, meshes, encoded, prints)
     checks += check_assembly(design, evaluator, solids)
     checks += check_parts(design, evaluator, meshes)

@@ -14,6 +14,7 @@ from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
+from pydantic_core.core_schema import CoreSchema, literal_schema
 
 from fingertip.foundation.errors import MAX_VALUE_LENGTH, DesignError, Issue, join_words, quote_value, shorten
 from fingertip.foundation.tables import read_rows
@@ -67,6 +68,16 @@ def quantity(default: float, unit: str, bounds: tuple[float | Above, float], des
     return Field(default, ge=ge, gt=gt, le=high, description=description, json_schema_extra={"unit": unit})
 
 
+class OneOf:
+    """Annotation of a text that is a name of a table; schema and messages are those of a `Literal` of these names."""
+
+    def __init__(self, *names: str) -> None:
+        self.names = names
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
+        return literal_schema([*self.names])
+
+
 def choice(default: str | bool, description: str) -> Any:
     return Field(default, description=description)
 
@@ -105,7 +116,9 @@ def find_bounds(field: FieldInfo) -> Bounds:
 
 def list_choices(field: FieldInfo) -> tuple[str, ...]:
     """Return the words that a parameter accepts; none for a number or free text."""
-    return get_args(field.annotation) if get_origin(field.annotation) is Literal else ()
+    if get_origin(field.annotation) is Literal:
+        return get_args(field.annotation)
+    return next((each.names for each in field.metadata if isinstance(each, OneOf)), ())
 
 
 def format_unit(unit: str) -> str:

@@ -6,11 +6,11 @@ article's own circuit, supply and converter.
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from fingertip.catalogues.amplifiers import AmplifierName
+from fingertip.catalogues.amplifiers import AUTO, CATALOGUE
 from fingertip.catalogues.controllers import NAMES
-from fingertip.design.parameters.declaration import Above, ParameterTable, choice, quantity
+from fingertip.design.parameters.declaration import Above, OneOf, ParameterTable, choice, quantity
 
 
 class Board(ParameterTable):
@@ -63,8 +63,8 @@ class Board(ParameterTable):
         1000.0, "Hz", (10, 1e5),
         "Low-pass cutoff of the first stage against amplifier noise (precision, comparator; article has none).",
     )  # fmt: skip
-    amplifier: AmplifierName = choice(
-        "auto",
+    amplifier: Annotated[str, OneOf(AUTO, *CATALOGUE)] = choice(
+        AUTO,
         "Dual amplifiers of the board; auto: TL082 (article), MCP6022 (precision; from 2 channels on TLV2372, which "
         "draw less), OPA2376 (comparator).",
     )

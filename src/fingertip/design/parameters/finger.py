@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from fingertip.catalogues.sensors import PART_TO_PART, SensorName
-from fingertip.catalogues.silicones import MaterialProperty, Silicone, SiliconeName, load_silicones
-from fingertip.design.parameters.declaration import OWN, Above, ParameterTable, choice, quantity, text
+from fingertip.catalogues.sensors import CATALOGUE, PART_TO_PART
+from fingertip.catalogues.silicones import MaterialProperty, Silicone, load_silicones
+from fingertip.design.parameters.declaration import OWN, Above, OneOf, ParameterTable, choice, quantity, text
 
 
 class Sensor(ParameterTable):
     """Force-sensing resistor, and its pocket in the bone."""
 
-    model: Literal[SensorName, "custom"] = choice(
+    model: Annotated[str, OneOf(*CATALOGUE, "custom")] = choice(
         "fsr400", "Force-sensing resistor from the catalogue, or custom: [custom_sensor] then holds its outline."
     )
     distance_from_tip_mm: float = quantity(
@@ -106,7 +106,7 @@ _STATED = (
 class ChosenSilicone(ParameterTable):
     """Silicone of the skin. All figures below product are used only if it is "own"; copy them from your data sheet."""
 
-    product: Literal[SiliconeName, "own"] = choice(
+    product: Annotated[str, OneOf(*load_silicones(), OWN)] = choice(
         "smooth_sil_940", "Silicone from the catalogue, or own: the figures below then describe it."
     )
     label: str = text("own silicone", "Name of the product, for the casting sheet.")

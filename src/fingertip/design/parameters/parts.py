@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from fingertip.catalogues.hardware import MIN_HOLE_MM
 from fingertip.catalogues.print_materials import PRINT_MATERIALS, PrintMaterial
-from fingertip.design.parameters.declaration import OWN, ParameterTable, choice, quantity, text
+from fingertip.design.parameters.declaration import OWN, OneOf, ParameterTable, choice, quantity, text
 
 _OWN_G_CM3 = 1.2
 """Density of a printing material of one's own [g/cm3]; the others have 1.01 to 1.27."""
@@ -132,7 +132,7 @@ class Strength(ParameterTable):
     )
     knock_speed_m_s: float = quantity(0.15, "m/s", (0.01, 10), "Speed of that knock, at the same places.")
     min_knock_factor: float = quantity(1.5, "", (0, 20), "Minimum safety factor of the bone at that knock.")
-    print_material: Literal["surgical_guide", "clear", "durable", "petg", "pa12", "own"] = choice(
+    print_material: Annotated[str, OneOf(*PRINT_MATERIALS, OWN)] = choice(
         "petg", "Material of the bone: three SLA resins, PETG, nylon 12, or own: the figures below then describe it."
     )
     own_label: str = text("own material", "Name of the material, for the sheets.")

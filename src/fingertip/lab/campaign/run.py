@@ -63,7 +63,7 @@ def simulate_trace(design: Design, case: Case, detectors: Sequence[str]) -> Trac
 
 def select_board_outputs(design: Design, detectors: Sequence[str]) -> list[str]:
     """Select the sampled outputs of the board that detectors read, beside the tactile voltage."""
-    columns = {registry.DETECTORS[name].input_column for name in detectors}
+    columns = {registry.find_detector_type(name).input_column for name in detectors}
     columns |= {registry.find_second_column(design, name) or "voltage_v" for name in detectors}
     return [f"sampled_{name}" for name in sorted(columns - {"voltage_v"})]
 
@@ -306,7 +306,7 @@ def run_campaign(
 ) -> CampaignResult:
     """Simulate every case once and evaluate every detector on it."""
     scales = sorted({1.0, *scales})
-    low = {name: LOW_SCALES if registry.DETECTORS[name].takes_envelope else () for name in detectors}
+    low = {name: LOW_SCALES if registry.find_detector_type(name).takes_envelope else () for name in detectors}
     factors = {name: sorted({*low[name], *scales}) for name in detectors}
     results = run_cases(design, list(generate_cases(plan, first_seed)), factors, advance)
     return CampaignResult(plan, first_seed, results)

@@ -26,7 +26,7 @@ from fingertip.pad.response import Pad
 from fingertip.sim.runs.motion import Observation
 from fingertip.sim.signal.bridge import reads_whole_finger
 from fingertip.sim.signal.converter import compute_bridge_v
-from fingertip.slip.detectors.registry import DETECTORS, make_detector, select_inputs
+from fingertip.slip.detectors.registry import find_detector_type, make_detector, select_inputs
 
 LONGEST_STEP_S = 0.02
 """Time of a step that counts at most for the speed of a command [s]: a late step makes no jump."""
@@ -193,7 +193,7 @@ class GripController:
         """Return the commanded closing [m]: the planned closing, and what detections have added to it."""
         detector, now = self.settings.detector, observation.time_s
         samples = select_inputs(observation, detector)
-        assert samples, f"the scene's outputs do not include {DETECTORS[detector].input_column}"
+        assert samples, f"the scene's outputs do not include {find_detector_type(detector).input_column}"
         detected = self._detect(samples)
         volts = [float(v.mean()) for v in observation.voltage_v]
         suppressed, tightened = self.law.step(_whole_us(now), detected, volts, observation.closing_m.tolist())

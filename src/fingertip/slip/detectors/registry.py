@@ -1,18 +1,21 @@
 """Detectors: the interface that all share, and by name what each one takes and judges.
 
-The code of a detector is loaded when one is made, so that the command line can name the detectors without numpy.
+The code of a detector is loaded when one is made, so that the command line can name the detectors without numpy. Other
+packages bring detectors by entry points of the group `fingertip.detectors`, each of which is a `DetectorType`.
 """
 
 from __future__ import annotations
 
+import functools
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, cast
 
-from fingertip.foundation.errors import Issue, TraceError, join_words
+from fingertip.foundation.errors import Issue, TraceError, quote_value
 from fingertip.foundation.plot_style import BLUE, ORANGE, RED, TEAL
+from fingertip.foundation.plugins import blame_plugin, find_plugins, load_plugin
 
 if TYPE_CHECKING:
     import numpy as np
@@ -84,11 +87,13 @@ class DetectorType:
     quantity: str
     """Quantity that its threshold applies to. The design's threshold applies to the mean of the envelope."""
     code: str
-    """Module of this folder and class in it, a subclass of `Detector`."""
+    """Module, from this folder if it begins with a dot, and class in it, a subclass of `Detector`."""
     colour: str
     marker: str
     second_column: str | None = None
     """Column that the detector takes beside it, where a recording has it."""
+    not_on_divider: str = ""
+    """What is wrong with it on a divider, as the end of a sentence; nothing if it works there."""
 
     @property
     def takes_envelope(self) -> bool:
@@ -103,24 +108,33 @@ class DetectorType:
     @property
     def implementation(self) -> type[Detector]:
         module, name = self.code.split(":")
-        return cast("type[Detector]", getattr(import_module(f"{__package__}.{module}"), name))
+        return cast("type[Detector]", getattr(import_module(module, __package__), name))
 
 
+_LOUD = "takes contacts and changes of force for slip on a divider, whose voltage moves more with them than a board's"
 DETECTORS: dict[str, DetectorType] = {
     "analog": DetectorType(
-        "on the board's output", "envelope_v", ENVELOPE_MEAN, "analog_and_digital:AnalogDetector", BLUE, "s"
+        "on the board's output", "envelope_v", ENVELOPE_MEAN, ".analog_and_digital:AnalogDetector", BLUE, "s",
+        not_on_divider="takes the filter board's output, and a divider has none",
     ),
     "digital": DetectorType(
-        "the article's chain in software", "voltage_v", ENVELOPE_MEAN, "analog_and_digital:SlipChain", TEAL, "o"
+        "the article's chain in software", "voltage_v", ENVELOPE_MEAN, ".analog_and_digital:SlipChain", TEAL, "o",
+        not_on_divider=_LOUD,
     ),
-    "fft": DetectorType("the article's baseline", "voltage_v", "statistic of fft", "fft:FftDetector", ORANGE, "^"),
+    "fft": DetectorType(
+        "the article's baseline", "voltage_v", "statistic of fft", ".fft:FftDetector", ORANGE, "^",
+        not_on_divider=_LOUD,
+    ),
     "incipient": DetectorType(
-        "fast at its early point", "voltage_v", "statistic of fast", "fast:IncipientDetector", RED, "o", "filtered_v"
+        "fast at its early point", "voltage_v", "statistic of fast", ".fast:IncipientDetector", RED, "o", "filtered_v",
+        "takes knocks for slip on a divider, which gives no filtered signal",
     ),
     "fast": DetectorType(
-        "short-time energy", "voltage_v", "statistic of fast", "fast:FastDetector", RED, "D", "filtered_v"
+        "short-time energy", "voltage_v", "statistic of fast", ".fast:FastDetector", RED, "D", "filtered_v"
     ),
-}
+}  # fmt: skip
+GROUP = "fingertip.detectors"
+"""Group of entry points by which other packages bring detectors."""
 DEFAULT = "digital"
 """Detector of `detect` and of its command, unless another one is named: the article's."""
 
@@ -130,10 +144,16 @@ def make_detector(name: str, design: Design, noise_v: float | None = None, thres
     return check_detector(design, name).implementation.for_design(design, noise_v, threshold_scale)
 
 
-def describe_detectors() -> str:
+def list_detectors() -> tuple[str, ...]:
+    """List the names of all detectors, those of other packages last."""
+    return (*DETECTORS, *(name for name in find_plugins(GROUP) if name not in DETECTORS))
+
+
+def describe_detectors() -> list[str]:
     """List the names with few words on each, the default first."""
-    words = (f"{name} ({DETECTORS[name].words})" for name in sorted(DETECTORS, key=lambda name: name != DEFAULT))
-    return f"{join_words(words, 'or')}."
+    words = {name: kind.words for name, kind in DETECTORS.items()}
+    names = sorted(list_detectors(), key=lambda name: name != DEFAULT)
+    return [f"{name} ({words.get(name, 'of another package')})" for name in names]
 
 
 def select_inputs(source: object, name: str) -> tuple[Array, ...]:
@@ -175,29 +195,33 @@ def find_second_column(design: Design, name: str) -> str | None:
     return second if filtered_range_v(design.board, design.detector.adc_range_v) is not None else None
 
 
-_LOUD = "takes contacts and changes of force for slip on a divider, whose voltage moves more with them than a board's"
-_NOT_ON_A_DIVIDER = {
-    "analog": "takes the filter board's output, and a divider has none",
-    "digital": _LOUD,
-    "fft": _LOUD,
-    "incipient": "takes knocks for slip on a divider, which gives no filtered signal",
-}
-"""Detector -> reason why it does not work on a divider; `fast` alone does."""
-
-
 def check_detector(design: Design, name: str, field: str = "--detector") -> DetectorType:
     """Look up a type of detector, and refuse one that does not work on a divider. Raises TraceError, about a field."""
     kind = find_detector_type(name, field)
-    if name in _NOT_ON_A_DIVIDER and not design.board.has_filter:
+    if kind.not_on_divider and not design.board.has_filter:
         remedy = f"use {field} fast, or a board with --set board.variant=precision --set board.supply_v=3.3"
-        raise TraceError(Issue(field, f"{name} {_NOT_ON_A_DIVIDER[name]}; {remedy}."))
+        raise TraceError(Issue(field, f"{name} {kind.not_on_divider}; {remedy}."))
     return kind
 
 
 def find_detector_type(name: str, field: str = "--detector") -> DetectorType:
     """Look up a type of detector by name. Raises TraceError, about a field."""
+    if name in find_plugins(GROUP):
+        return _load_type(name)
     if name not in DETECTORS:
         from fingertip.design.parameters.declaration import suggest_name  # noqa: PLC0415
 
-        raise TraceError(Issue(field, f"{name!r} is not a detector; {suggest_name(name, list(DETECTORS))}"))
+        raise TraceError(Issue(field, f"{name!r} is not a detector; {suggest_name(name, list_detectors())}"))
     return DETECTORS[name]
+
+
+@functools.cache
+def _load_type(name: str) -> DetectorType:
+    found = load_plugin(GROUP, name, DETECTORS)
+    if not isinstance(found, DetectorType):
+        raise TraceError(
+            Issue(f"{GROUP}, {name}", f"is no DetectorType but {quote_value(found)}; correct the package.")
+        )
+    with blame_plugin(GROUP, name):
+        found.implementation  # noqa: B018 (its code is imported here, where its package is named)
+    return found

@@ -15,7 +15,7 @@ import pytest
 
 from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.kicad.netlist import CircuitRecord, Part, describe_structure_changes
-from fingertip.board.kicad.sexpr import Node, find_word, read_expression, replace_words
+from fingertip.board.kicad.sexpr import Node, find_word, quote, read_expression, replace_spans
 from fingertip.catalogues.output_files import LAYOUT, NETLIST, PROJECT, SCHEMATIC
 from fingertip.foundation.errors import OutputError
 from fingertip.foundation.output_set import read_manifest
@@ -359,14 +359,14 @@ def leading_words(node: Node) -> list[tuple[Node, int, str]]:
 
 @pytest.mark.parametrize("text", TEXTS)
 def test_words_are_found_in_their_place(text: str) -> None:
-    assert replace_words(text, {}) == text
+    assert replace_spans(text, {}) == text
     for node, index, word in leading_words(read_expression(text)):
         start, end = find_word(text, node, index)
         found = text[start:end].strip('"').replace("\\n", "\n").replace('\\"', '"').replace("\\\\", "\\")
         assert found == word
         assert text[node.start] == "("
         assert text[node.end - 1] == ")"
-        changed = replace_words(text, {(start, end): 'new "word"'})
+        changed = replace_spans(text, {(start, end): quote('new "word"')})
         assert changed == text[:start] + '"new \\"word\\""' + text[end:]
         assert 'new "word"' in [w for *_, w in leading_words(read_expression(changed))]
 

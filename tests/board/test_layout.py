@@ -17,7 +17,7 @@ import pytest
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.components.values import VARIANT_CHANGES
-from fingertip.board.kicad.back_print import find_text_box, list_back_texts, list_values, print_values
+from fingertip.board.kicad.back_print import find_text_box, list_back_texts, list_values
 from fingertip.board.kicad.netlist import REVISION
 from fingertip.board.kicad.placement import PlacedPart, Placement
 from fingertip.board.kicad.project import MODEL_FOLDER, MODEL_FOLDER_OF_KICAD, MODEL_VARIABLE, load_project, model_files
@@ -351,10 +351,10 @@ def test_list_that_does_not_fit_is_refused() -> None:
 
 
 def test_layout_that_prints_no_value_of_a_part_is_refused() -> None:
-    circuit, placement = long_values("article")
+    circuit, _ = long_values("article")
     layout = load_project("article").layout.replace('(gr_text "R4 ', '(gr_text "R44 ')
     with pytest.raises(BoardError, match=r"prints no value of R4 on its back; add a text there in KiCad"):
-        print_values(layout, circuit, placement)
+        replace(load_project("article"), layout=layout).enter(circuit)
 
 
 @pytest.mark.every_case

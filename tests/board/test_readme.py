@@ -29,7 +29,7 @@ from fingertip.board.bringup.prediction import is_tone, predict
 from fingertip.board.bringup.readings import Readings, assess_readings, format_assessment
 from fingertip.board.bringup.wiring import wiring_diagram
 from fingertip.board.components.values import VARIANT_CHANGES
-from fingertip.board.kicad.placement import list_pads, name_part
+from fingertip.board.kicad.placement import list_pads, read_reference
 from fingertip.board.kicad.sexpr import read_expression
 from fingertip.design import Design
 from fingertip.documents.board.analysis import analysis_text
@@ -249,7 +249,7 @@ def test_the_wiring_diagram_has_connectors_and_pins_where_the_board_has_them(cha
     pads = [
         (*pad.centre, f"{reference}.{pad.name}")
         for footprint in layout.children("footprint")
-        if re.fullmatch(r"J\d+", reference := name_part(footprint))
+        if re.fullmatch(r"J\d+", reference := read_reference(footprint))
         for pad in list_pads(footprint)
         if pad.name.isdigit()
     ]

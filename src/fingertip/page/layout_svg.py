@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fingertip.board.kicad.placement import find_reference, list_pads, name_part
+from fingertip.board.kicad.placement import find_reference, list_pads, read_reference
 from fingertip.board.kicad.sexpr import Node, Point, find_place, first, numbers, points, turn
 from fingertip.page.html import Markup, element
 from fingertip.page.schematic_svg import draw_frame, is_hidden
@@ -35,7 +35,7 @@ def render_placement(board: Node, title: str) -> Markup:
     parts: list[Markup] = []
     for footprint in board.children("footprint"):
         drawn = [*_draw_pads(footprint), *_draw_graphics(footprint, "F.SilkS"), *_draw_name(footprint)]
-        parts.append(_mark_part(name_part(footprint), drawn))
+        parts.append(_mark_part(read_reference(footprint), drawn))
     for item in board.children("gr_text"):
         if item.word("layer").startswith("F."):
             parts.append(_draw_text(item.words[1], item, (0.0, 0.0)))
@@ -57,7 +57,7 @@ def render_copper(board: Node, title: str) -> Markup:
                 parts.append(
                     element("path", d=data, stroke=colour, stroke_width=width, stroke_linecap="round", fill="none")
                 )
-    parts += [_mark_part(name_part(footprint), _draw_pads(footprint)) for footprint in board.children("footprint")]
+    parts += [_mark_part(read_reference(footprint), _draw_pads(footprint)) for footprint in board.children("footprint")]
     for via in board.children("via"):
         x, y, _ = find_place(via)
         parts += _draw_ring((x, y), float(via.word("size")), float(via.word("drill")))
@@ -69,7 +69,7 @@ def render_back(board: Node, title: str) -> Markup:
     parts: list[Markup] = []
     for footprint in board.children("footprint"):
         if shapes := [*_draw_place(footprint), *_draw_pins(footprint)]:
-            parts.append(_mark_part(name_part(footprint), shapes))
+            parts.append(_mark_part(read_reference(footprint), shapes))
     for item in board.children("gr_text"):
         if item.word("layer") == "B.SilkS":
             content = item.words[1]
@@ -142,7 +142,7 @@ def _draw_pads(footprint: Node) -> list[Markup]:
         centre = f"{number(x, 3)} {number(y, 3)}"
         parts.append(
             element(
-                "rect", element("title", f"{name_part(footprint)} pin {pad.name}"), x=number(x - pad.width / 2, 3),
+                "rect", element("title", f"{read_reference(footprint)} pin {pad.name}"), x=number(x - pad.width / 2, 3),
                 y=number(y - pad.height / 2, 3), width=number(pad.width, 3), height=number(pad.height, 3),
                 rx=number((0.5 if pad.shape == "oval" else pad.rounding) * min(pad.width, pad.height), 3), fill=_PAD,
                 transform=f"rotate({number(-pad.turned_deg, 3)} {centre})" if pad.turned_deg else None,
@@ -217,7 +217,7 @@ def _draw_place(footprint: Node) -> list[Markup]:
     right, bottom = max(rights) + _BACK_MARGIN_MM, max(bottoms) + _BACK_MARGIN_MM
     return [
         element(
-            "rect", element("title", name_part(footprint)), x=f"{-right:.3f}", y=f"{top:.3f}",
+            "rect", element("title", read_reference(footprint)), x=f"{-right:.3f}", y=f"{top:.3f}",
             width=f"{right - left:.3f}", height=f"{bottom - top:.3f}", class_="place",
         )
     ]  # fmt: skip

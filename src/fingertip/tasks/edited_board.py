@@ -13,7 +13,8 @@ from pathlib import Path
 
 from fingertip.board.circuits.channels import find_symbol
 from fingertip.board.kicad.netlist import CircuitRecord, describe_structure_changes, join_names, read_netlist
-from fingertip.board.kicad.sexpr import Node, Span, find_word, read_expression, replace_words
+from fingertip.board.kicad.placement import read_reference
+from fingertip.board.kicad.sexpr import Node, Span, find_word, quote, read_expression, replace_spans
 from fingertip.catalogues.output_files import (
     ASSEMBLY_DRAWING,
     BOM,
@@ -140,7 +141,7 @@ def enter_values(data: bytes, kind: str, old: CircuitRecord, new: CircuitRecord)
     # Further units of a symbol have identifiers of their own, but the reference of the first.
     items = list(root.children(kind))
     known = [item for item in items if _identifier(item) in by_identifier]
-    references = {by_identifier[_identifier(item)]: _reference(item) for item in known}
+    references = {by_identifier[_identifier(item)]: read_reference(item) for item in known}
     changes: dict[Span, str] = {}
     changed, problems = [], []
     for name, part in new.parts.items():
@@ -152,7 +153,7 @@ def enter_values(data: bytes, kind: str, old: CircuitRecord, new: CircuitRecord)
             problems.append(f"lacks {name}, whose {join_names(sorted(wanted))} this design changes; {_REMEDY}")
             continue
         changed.append(references[name])
-        entries = [entry for item in items if _reference(item) == references[name] for entry in _properties(item)]
+        entries = [entry for item in items if read_reference(item) == references[name] for entry in _properties(item)]
         for field, found, entry in entries:
             if field not in wanted or found == wanted[field]:
                 continue
@@ -162,8 +163,8 @@ def enter_values(data: bytes, kind: str, old: CircuitRecord, new: CircuitRecord)
                     f"{before.get(field, '')!r} to {wanted[field]!r}; enter either in KiCad, or {_REMEDY}"
                 )
             else:
-                changes[find_word(text, entry, 2)] = wanted[field]
-    return replace_words(text, changes).encode(), changed, problems
+                changes[find_word(text, entry, 2)] = quote(wanted[field])
+    return replace_spans(text, changes).encode(), changed, problems
 
 
 def list_own_values(data: bytes, kind: str, circuit: CircuitRecord) -> list[str]:
@@ -171,7 +172,7 @@ def list_own_values(data: bytes, kind: str, circuit: CircuitRecord) -> list[str]
     parts = {part.identifier: part for part in circuit.parts.values()}
     items = (item for item in read_expression(data.decode()).children(kind) if _identifier(item) in parts)
     return [
-        _reference(item)
+        read_reference(item)
         for item in items
         for field, text, _ in _properties(item)
         if field == "Value" and text != parts[_identifier(item)].fields["Value"]
@@ -183,13 +184,13 @@ def enter_texts(data: bytes, old_layout: bytes, new_layout: bytes) -> tuple[byte
     text = data.decode()
     old, new = (_printed_texts(read_expression(layout.decode())) for layout in (old_layout, new_layout))
     changes = {
-        find_word(text, item, 1): new[identifier].words[1]
+        find_word(text, item, 1): quote(new[identifier].words[1])
         for identifier, item in _printed_texts(read_expression(text)).items()
         if identifier in old
         and identifier in new
         and item.words[1] == old[identifier].words[1] != new[identifier].words[1]
     }
-    return replace_words(text, changes).encode(), old.keys() == new.keys()
+    return replace_spans(text, changes).encode(), old.keys() == new.keys()
 
 
 def _printed_texts(root: Node) -> dict[str, Node]:
@@ -199,10 +200,6 @@ def _printed_texts(root: Node) -> dict[str, Node]:
 
 def _identifier(item: Node) -> str:
     return item.word("path") if item.head == "footprint" else item.word("uuid")
-
-
-def _reference(item: Node) -> str:
-    return next((text for field, text, _ in _properties(item) if field == "Reference"), "")
 
 
 def _properties(item: Node) -> Iterator[tuple[str, str, Node]]:

@@ -8,7 +8,6 @@ board that fails KiCad's own checks is not exported.
 from __future__ import annotations
 
 import io
-import re
 import shutil
 import subprocess
 import zipfile
@@ -27,7 +26,8 @@ from fingertip.foundation.progress import Work
 
 _LAYERS = "F.Cu,B.Cu,F.Paste,F.SilkS,B.SilkS,F.Mask,B.Mask,Edge.Cuts"
 _PICTURE = "--width 1600 --height 1100"
-_DATE = re.compile(rb"^(%TF\.CreationDate.*|G04 Created by KiCad.*|; DRILL file.*|; #@! TF\.CreationDate.*)\r?\n", re.M)
+_DATED = (b"%TF.CreationDate", b"G04 Created by KiCad", b"; DRILL file", b"; #@! TF.CreationDate")
+"""Beginnings of the lines of gerbers and drill files that hold a date."""
 _ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 """Date of all files in a zip: the earliest that the format allows."""
 
@@ -116,7 +116,8 @@ def export_gerbers(folder: Path, run: RunKicad, name: str) -> bytes:
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
         for path in exported:
-            data = _DATE.sub(b"", path.read_bytes())
+            lines = path.read_bytes().splitlines(keepends=True)
+            data = b"".join(line for line in lines if not line.startswith(_DATED))
             archive.writestr(zipfile.ZipInfo(path.name, _ZIP_DATE), data, zipfile.ZIP_DEFLATED)
     return buffer.getvalue()
 

@@ -6,13 +6,12 @@ belongs where.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from fingertip.board.circuits.channels import split_name
 from fingertip.board.kicad.placement import Box, Placement, PrintedText
-from fingertip.board.kicad.sexpr import number, quote
+from fingertip.board.kicad.sexpr import Node, Span, find_word, first, number, quote
 from fingertip.board.parts.circuit import Circuit, format_component_value, parse_component_value, reference_sort_key
 from fingertip.foundation.errors import BoardError
 
@@ -40,25 +39,21 @@ _CENTRING_MM = 0.045
 """Distance by which KiCad must print a text lower, so that its strokes are inside its box. KiCad centres a line of text
 with more room below than above; only Q reaches down there, and is not printed here."""
 
-_PRINTED = re.compile(r'\(gr_text "((?:C|R|RV)\d+) [^"]*"(\s+)\(at [^()]*\)')
-"""Value that is printed on a layout, with its place."""
 
-
-def print_values(layout: str, circuit: Circuit, placement: Placement) -> str:
-    """Print the values of a circuit on the back of a layout, in place of those that it has. Raises BoardError."""
+def print_values(layout: str, board: Node, circuit: Circuit, placement: Placement) -> dict[Span, str]:
+    """Change the values printed on the back of a layout, and their places, to a circuit's. Raises BoardError."""
     texts = {item.text.partition(" ")[0]: item for item in list_back_texts(circuit, placement)}
-
-    def print_value(match: re.Match[str]) -> str:
-        item = texts.pop(match[1], None)
-        if item is None:
-            return match[0]
-        x, y = placement.corner[0] + item.x, placement.corner[1] + item.y + _CENTRING_MM
-        return f"(gr_text {quote(item.text)}{match[2]}(at {number(x)} {number(y)} 0)"
-
-    printed = _PRINTED.sub(print_value, layout)
+    changes: dict[Span, str] = {}
+    for printed in board.children("gr_text"):
+        reference, _, value = printed.words[1].partition(" ")
+        if value and (item := texts.pop(reference, None)):
+            x, y = placement.corner[0] + item.x, placement.corner[1] + item.y + _CENTRING_MM
+            place = first(printed, "at")
+            changes[find_word(layout, printed, 1)] = quote(item.text)
+            changes[place.start, place.end] = f"(at {number(x)} {number(y)} 0)"
     if texts:
         raise BoardError(f"the layout prints no value of {', '.join(texts)} on its back; add a text there in KiCad.")
-    return printed
+    return changes
 
 
 def list_back_texts(circuit: Circuit, placement: Placement) -> list[PrintedText]:

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from fingertip.board.circuits.channels import split_name, split_net
-from fingertip.board.kicad.sexpr import Node, Point, find_place, first, numbers, read_expression, turn
+from fingertip.board.kicad.sexpr import Node, Point, find_place, first, numbers, turn
 
 Box = tuple[float, float, float, float]
 """Left, top, right and bottom edge [mm]."""
@@ -119,10 +119,8 @@ def view_channel(placement: Placement, channel: int) -> Placement:
     return replace(placement, parts=parts)
 
 
-def read_placement(layout: str) -> Placement:
-    """Read the placement from the text of a layout."""
-    # Zones come last. Their fills are a third of the file, and tell nothing of the placement.
-    board = read_expression(layout.partition("(zone")[0] + ")")
+def read_placement(board: Node) -> Placement:
+    """Read the placement from a layout."""
     edges = [item for item in board.children("gr_line", "gr_arc") if item.word("layer") == "Edge.Cuts"]
     ends = [numbers(first(item, end)) for item in edges for end in ("start", "end")]
     left, top = (min(end[axis] for end in ends) for axis in (0, 1))
@@ -132,7 +130,7 @@ def read_placement(layout: str) -> Placement:
         if "board_only" in first(footprint, "attr").words:
             fiducials += 1
         else:
-            parts[name_part(footprint)] = _read_part(footprint, (left, top))
+            parts[read_reference(footprint)] = _read_part(footprint, (left, top))
     back = [
         PrintedText(item.words[1], round(x - left, 6), round(y - top, 6))
         for item in board.children("gr_text")
@@ -196,12 +194,12 @@ def list_pads(footprint: Node, corner: Point = (0.0, 0.0)) -> Iterator[Pad]:
         yield Pad(name, kind, shape, centre, width, height, own, rounding, drill, net)
 
 
-def name_part(footprint: Node) -> str:
-    """Return the reference of a component."""
-    text = find_reference(footprint)
+def read_reference(part: Node) -> str:
+    """Read the reference of a footprint or a symbol; empty if it has none."""
+    text = find_reference(part)
     return text.words[2] if text else ""
 
 
-def find_reference(footprint: Node) -> Node | None:
-    """Find the property of a component that states its reference."""
-    return next((text for text in footprint.children("property") if text.words[1] == "Reference"), None)
+def find_reference(part: Node) -> Node | None:
+    """Find the property of a footprint or a symbol that states its reference."""
+    return next((text for text in part.children("property") if text.words[1] == "Reference"), None)

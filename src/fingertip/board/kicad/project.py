@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import functools
 import json
-import re
 import zipfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -19,8 +18,17 @@ from pathlib import Path
 from fingertip.board.circuits.channels import PLACES, find_symbol, name_part, name_sheet, split_name
 from fingertip.board.kicad.back_print import print_values
 from fingertip.board.kicad.netlist import CircuitRecord, Part, describe_structure_changes
-from fingertip.board.kicad.placement import Placement, read_placement
-from fingertip.board.kicad.sexpr import MAX_LINE, quote, read_expression, unquote
+from fingertip.board.kicad.placement import Placement, read_placement, read_reference
+from fingertip.board.kicad.sexpr import (
+    Node,
+    Span,
+    change_property,
+    find_word,
+    first,
+    quote,
+    read_expression,
+    replace_spans,
+)
 from fingertip.board.parts.circuit import Circuit, Component, Symbol
 from fingertip.board.parts.select_part import symbol_fields
 from fingertip.board.parts.symbols import DUAL_AMPLIFIERS
@@ -71,19 +79,6 @@ def model_files() -> dict[str, bytes]:
     return read_archive("models")
 
 
-# A field of a footprint or a symbol. In a stored schematic it stands on one line, which is divided where it is long.
-_WORD = r'"(?:[^"\\]|\\.)*"'
-_PROPERTY = re.compile(rf"\(property ({_WORD}) ({_WORD})(?:( \(at [^()]*\))( \(effects .*))?")
-_FOOTPRINT = re.compile(r'(?=\(footprint ")')
-_SYMBOL = re.compile(r'(?=\(symbol\s+\(lib_id ")')
-_REFERENCE = re.compile(r'\(property "Reference" "([^"]*)"')
-_ROLE = re.compile(rf"\(descr {_WORD}\)")
-_SHEET = re.compile(r"(?=\(sheet\s+\(at )")
-_SHEET_NAME = re.compile(r'\(property "Sheetname" "([^"]*)"')
-_ATTRIBUTES = re.compile(r"\(attr ([^()]*)\)")
-_LIBRARY_ID = re.compile(r'\(lib_id "([^"]*)"\)')
-
-
 @dataclass(frozen=True)
 class StoredProject:
     """Routed project of a board, with the values of the default design."""
@@ -96,9 +91,19 @@ class StoredProject:
     """Content of the project file, which no design changes."""
 
     @functools.cached_property
+    def board(self) -> Node:
+        """Lists of the layout without its zones, which come last: their fills are a third of the file."""
+        return read_expression(self.layout.partition("(zone")[0] + ")")
+
+    @functools.cached_property
+    def sheets(self) -> Mapping[str, Node]:
+        """Lists of each schematic by the name of its file."""
+        return {file: read_expression(text) for file, text in self.schematics.items()}
+
+    @functools.cached_property
     def placement(self) -> Placement:
         """Positions of the parts on the layout."""
-        return read_placement(self.layout)
+        return read_placement(self.board)
 
     @property
     def clearance_mm(self) -> float:
@@ -109,11 +114,11 @@ class StoredProject:
     def symbols(self) -> dict[str, str]:
         """Symbol of each component in the schematic, as library:name. A channel's sheet has those of the first one."""
         symbols = dict[str, str]()
-        for piece in (piece for text in self.schematics.values() for piece in _SYMBOL.split(text)[1:]):
-            if not (reference := _find(_REFERENCE, piece)).startswith("#"):
-                symbol, (channel, own) = _find(_LIBRARY_ID, piece), find_symbol(reference)
+        for part in (part for sheet in self.sheets.values() for part in sheet.children("symbol")):
+            if not (reference := read_reference(part)).startswith("#"):
+                channel, own = find_symbol(reference)
                 names = [name_part(own, k + 1) for k in range(PLACES)] if channel else [own]
-                symbols |= dict.fromkeys(names, symbol)
+                symbols |= dict.fromkeys(names, part.word("lib_id"))
         return symbols
 
     def enter(self, circuit: Circuit) -> dict[str, bytes]:
@@ -126,15 +131,17 @@ class StoredProject:
                 f"the stored KiCad project {self.name} is not that of its circuit ({'; '.join(found)}). Unpack it with "
                 "python -m tools.boards in the repository, edit it in KiCad, and store it again."
             )
-        layout = print_values(_enter_fields(self.layout, _FOOTPRINT, circuit), circuit, self.placement)
+        changes = _enter_fields(self.layout, self.board, circuit)
+        changes |= print_values(self.layout, self.board, circuit, self.placement)
+        files = {LAYOUT: replace_spans(self.layout, changes).encode()}
         drawn = {component.reference: _library_id(component.symbol) for component in circuit.components}
-        files = {LAYOUT: layout.encode()}
-        for file, stored in self.schematics.items():
-            text = _leave_out(_enter_fields(stored, _SYMBOL, circuit), circuit)
+        for file, sheet in self.sheets.items():
+            text = self.schematics[file]
+            changes = _enter_fields(text, sheet, circuit) | _leave_out(text, sheet, circuit)
             if drawn != self.symbols:
-                parts = [name for piece in _SYMBOL.split(stored) if (name := _find(_REFERENCE, piece)) in drawn]
-                text = _draw_symbols(text, {drawn[part]: self.symbols[part] for part in parts})
-            files[file] = text.encode()
+                parts = [name for part in sheet.children("symbol") if (name := read_reference(part)) in drawn]
+                changes |= _draw_symbols(text, sheet, {drawn[part]: self.symbols[part] for part in parts})
+            files[file] = replace_spans(text, changes).encode()
         return files | {PROJECT: self.project}
 
     def find_differences(self, circuit: Circuit) -> Iterator[str]:
@@ -175,86 +182,69 @@ def make_project(name: str, files: Mapping[str, bytes]) -> StoredProject:
     return StoredProject(name, files[LAYOUT].decode(), sheets, files[PROJECT])
 
 
-def _find(pattern: re.Pattern[str], piece: str) -> str:
-    match = pattern.search(piece)
-    return match[1] if match else ""
-
-
 def _library_id(symbol: Symbol) -> str:
     return f"{symbol.library}:{symbol.name}"
 
 
-def _enter_fields(text: str, part: re.Pattern[str], circuit: Circuit) -> str:
-    """Enter the fields of all components into the parts of a layout or a schematic, each of which begins with `part`.
+def _enter_fields(text: str, root: Node, circuit: Circuit) -> dict[Span, str]:
+    """Enter the fields of all components into the parts of a layout or a schematic.
 
     Raises BoardError if a part lacks a field.
     """
     components = {component.reference: component for component in circuit.components}
-    head, *pieces = part.split(text)
-    for i, piece in enumerate(pieces):
-        if component := components.get(_find(_REFERENCE, piece)):
-            pieces[i] = _enter_part(piece, component)
-    return "".join((head, *pieces))
+    changes: dict[Span, str] = {}
+    for part in root.children("footprint", "symbol"):
+        if component := components.get(read_reference(part)):
+            changes |= _enter_part(text, part, component)
+    return changes
 
 
-def _enter_part(piece: str, component: Component) -> str:
-    fields = {
-        "Value": component.value, "Description": component.symbol.description, **symbol_fields(component)
-    }  # fmt: skip
-    missing = set(fields)
-
-    def enter(match: re.Match[str]) -> str:
-        name = unquote(match[1])
-        if name not in fields:
-            return match[0]
-        missing.discard(name)
-        words, at, effects = f"(property {match[1]} {quote(fields[name])}", match[3], match[4]
-        if not effects:
-            return words
-        indent = match.start() - piece.rfind("\n", 0, match.start()) - 1
-        if indent + len(words + at + effects) > MAX_LINE:
-            line = "\n" + " " * (indent + 1)
-            return f"{words}{line}{at}{line}{effects}"
-        return f"{words}{at}{effects}"
-
-    entered = _PROPERTY.sub(enter, piece)
-    if missing:
-        raise BoardError(f"{component.reference} has no field {', '.join(sorted(missing))} in its KiCad project.")
+def _enter_part(text: str, part: Node, component: Component) -> dict[Span, str]:
+    fields = {"Value": component.value, "Description": component.symbol.description, **symbol_fields(component)}
+    changes: dict[Span, str] = {}
+    for entry in part.children("property"):
+        if entry.words[1] in fields:
+            changes |= change_property(text, entry, fields.pop(entry.words[1]))
+    if fields:
+        raise BoardError(f"{component.reference} has no field {', '.join(sorted(fields))} in its KiCad project.")
+    for item in part.children("descr"):
+        changes[find_word(text, item, 1)] = quote(component.role)
+    for item in part.children("lib_id"):
+        changes[find_word(text, item, 1)] = quote(_library_id(component.symbol))
     if not component.is_fitted:
-        entered = _ATTRIBUTES.sub(lambda match: f"(attr {match[1]} dnp)", entered, count=1)
-        entered = entered.replace("(dnp no)", "(dnp yes)", 1)
-    entered = _ROLE.sub(lambda match: f"(descr {quote(component.role)})", entered, count=1)
-    return _LIBRARY_ID.sub(lambda match: f"(lib_id {quote(_library_id(component.symbol))})", entered, count=1)
+        changes |= _mark_empty(text, part)
+        changes |= {(item.end - 1, item.end - 1): " dnp" for item in part.children("attr")}
+    return changes
 
 
-def _leave_out(schematic: str, circuit: Circuit) -> str:
+def _mark_empty(text: str, item: Node) -> dict[Span, str]:
+    """Mark a symbol or a sheet as not fitted (KiCad: do not populate)."""
+    return {find_word(text, mark, 1): "yes" for mark in item.children("dnp")}
+
+
+def _leave_out(text: str, schematic: Node, circuit: Circuit) -> dict[Span, str]:
     """Mark the sheets of the channels that are not fitted."""
     empty = {name_sheet(split_name(part.reference)[0]) for part in circuit.components if not part.is_fitted}
-    head, *sheets = _SHEET.split(schematic)
-    for i, sheet in enumerate(sheets):
-        if _find(_SHEET_NAME, sheet) in empty:
-            sheets[i] = sheet.replace("(dnp no)", "(dnp yes)", 1)
-    return "".join((head, *sheets))
+    changes: dict[Span, str] = {}
+    for sheet in schematic.children("sheet"):
+        if any(entry.words[1] == "Sheetname" and entry.words[2] in empty for entry in sheet.children("property")):
+            changes |= _mark_empty(text, sheet)
+    return changes
 
 
-def _draw_symbols(schematic: str, drawn_as: dict[str, str]) -> str:
+def _draw_symbols(text: str, schematic: Node, drawn_as: dict[str, str]) -> dict[Span, str]:
     """Draw the symbols that a schematic uses in its library: each as the stored one that it stands in for."""
-    start = schematic.index("(lib_symbols")
-    nodes = list(read_expression(schematic[start:]).children("symbol"))
-    texts = {node.words[1]: schematic[start + node.start : start + node.end] for node in nodes}
-    used = {new: _rename_symbol(texts[old], old, new) for new, old in drawn_as.items()}
-    used |= {name: text for name, text in texts.items() if name.startswith(_POWER)}
+    nodes = list(first(schematic, "lib_symbols").children("symbol"))
+    stored = {node.words[1]: text[node.start : node.end] for node in nodes}
+    used = {name: symbol for name, symbol in stored.items() if name.startswith(_POWER)}
+    for new, old in drawn_as.items():
+        old_name, new_name = old.partition(":")[2], new.partition(":")[2]
+        # The units and the value in the library bear the name too.
+        used[new] = stored[old].replace(f'"{old}"', f'"{new}"').replace(f'"{old_name}', f'"{new_name}')
     # As in the stored projects, the power symbols come last.
     ordered = sorted(used, key=lambda name: (name.startswith(_POWER), name.split(":")))
-    gap = schematic[start + nodes[0].end : start + nodes[1].start]
-    first, last = start + nodes[0].start, start + nodes[-1].end
-    return schematic[:first] + gap.join(used[name] for name in ordered) + schematic[last:]
+    gap = text[nodes[0].end : nodes[1].start]
+    return {(nodes[0].start, nodes[-1].end): gap.join(used[name] for name in ordered)}
 
 
 _POWER = "power:"
-
-
-def _rename_symbol(text: str, old: str, new: str) -> str:
-    """Rename a symbol with its units and the value that it has in the library."""
-    old_name, new_name = old.partition(":")[2], new.partition(":")[2]
-    return text.replace(f'"{old}"', f'"{new}"').replace(f'"{old_name}', f'"{new_name}')

@@ -121,11 +121,11 @@ def read_expression(text: str) -> Node:
         elif token == '"':
             break
         else:
-            node.items.append(unquote(token) if token[0] == '"' else token)
+            node.items.append(_unquote(token) if token[0] == '"' else token)
     raise ValueError("it has no complete list")
 
 
-def unquote(quoted: str) -> str:
+def _unquote(quoted: str) -> str:
     """Return the word within double quotes, without its escapes."""
     word = quoted[1:-1]
     return _ESCAPE.sub(lambda match: _ESCAPED.get(match[1], match[1]), word) if "\\" in word else word
@@ -136,13 +136,24 @@ def find_word(text: str, node: Node, index: int) -> Span:
     return next(islice(_TOKEN.finditer(text, node.start + 1), index, None)).span()
 
 
-def replace_words(text: str, changes: Mapping[Span, str]) -> str:
-    """Replace some words of a text, each by a quoted one."""
+def replace_spans(text: str, changes: Mapping[Span, str]) -> str:
+    """Replace some pieces of a text."""
     pieces, position = [], 0
     for (start, end), new in sorted(changes.items()):
-        pieces += [text[position:start], quote(new)]
+        pieces += [text[position:start], new]
         position = end
     return "".join([*pieces, text[position:]])
+
+
+def change_property(text: str, entry: Node, word: str) -> dict[Span, str]:
+    """Change the text of a field, and divide a list that stood on one line where that becomes too long."""
+    (start, end), line = find_word(text, entry, 2), text.rfind("\n", 0, entry.start) + 1
+    changes = {(start, end): quote(word)}
+    length = len(text[line:].partition("\n")[0]) + len(quote(word)) - (end - start)
+    if length > MAX_LINE and "\n" not in text[entry.start : entry.end]:
+        indent = "\n" + " " * (entry.start - line + 2)
+        changes |= {(item.start - 1, item.start): indent for item in entry.items if isinstance(item, Node)}
+    return changes
 
 
 # Numbers and positions in the lists of KiCad's files [mm]; the y axis points down.

@@ -8,12 +8,14 @@ written by `fingertip board`, before.
 
 from __future__ import annotations
 
+import json
 import os
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from difflib import SequenceMatcher
 from itertools import zip_longest
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -40,6 +42,16 @@ def check_figures(
             assert _QUOTED.findall(line or "") == _QUOTED.findall(approved or ""), f"{line} | {approved}"
             found, wanted = ([float(number) for number in _NUMBER.findall(one)] for one in (line, approved))
             assert found == pytest.approx(wanted, rel=rel, abs=abs_), f"{line} | {approved}"
+
+
+def list_data(data: Any, name: str = "") -> Iterator[str]:
+    """Lines of data of a JSON file: what is long is split into its parts."""
+    line = f"{name}: {json.dumps(data)}"
+    if len(line) <= 400 or not isinstance(data, dict | list):
+        yield line
+    else:
+        for key, value in data.items() if isinstance(data, dict) else enumerate(data):
+            yield from list_data(value, f"{name}.{key}" if name else f"{key}")
 
 
 def _read(path: Path, text: str, beside: Path | None) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -79,18 +79,25 @@ def describe_figure(figure: Any) -> Iterator[str]:
             sizes = sum_up([*(mark.get_sizes()[:1] if hasattr(mark, "get_sizes") else ()), *mark.get_linewidths()[:2]])
             clip += f"{sizes} {_describe_layer(mark)} "
             yield f"  area {clip}{_label(mark)} {' '.join(colours[:9])} at {sum_up(mark.get_offsets())} {shape}{values}"
+        alike: dict[str, list[float]] = {}
         for patch in axes.patches:
             corners = patch.get_path().transformed(patch.get_patch_transform()).vertices
-            ends = (*corners.min(axis=0), *corners.max(axis=0))
-            look = (
-                f"{to_hex(patch.get_facecolor(), True)} {to_hex(patch.get_edgecolor(), True)} {_describe_layer(patch)}"
-            )
-            yield f"  patch {_label(patch)} {look} {patch.get_linewidth():g} {sum_up(ends)}"
+            colours = " ".join(to_hex(colour, True) for colour in (patch.get_facecolor(), patch.get_edgecolor()))
+            look = f"{_label(patch)} {colours} {_describe_layer(patch)} {patch.get_linewidth():g}"
+            alike.setdefault(look, []).extend((*corners.min(axis=0), *corners.max(axis=0)))
+        yield from (f"  {len(ends) // 4} patches {look} {sum_up(ends)}" for look, ends in alike.items())
         for image in axes.images:
             yield f"  image {sum_up(image.get_array())} in {image.get_cmap().name} from {sum_up(image.get_clim())}"
         yield from (f"  {_describe_text(text)}" for text in axes.texts)
         if axes.get_legend():
             yield from _describe_legend(axes.get_legend())
+
+
+def list_words(figures: Iterable[Any]) -> Iterator[str]:
+    """Sizes, texts, titles, legends and named axes and lines of figures, those that are alike once."""
+    kinds = ("figure", "text '", 'text "', "  title", "  plain legend", "  x '", "  y '", "  line '")
+    found = dict.fromkeys(line for figure in figures for line in describe_figure(figure))
+    return (line for line in found if line.startswith(kinds) and not line.startswith(("  x ''", "  y ''", "text ''")))
 
 
 def _name(colours: Any) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import json
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -16,8 +17,8 @@ from fingertip.lab.campaign.closed_loop import summarise
 from fingertip.lab.campaign.plan import Case
 from fingertip.lab.campaign.run import DetectorResult, TrialResult
 from fingertip.lab.report import trial_plots
-from tests.approved import check_figures, check_text
-from tests.figures import describe_figure, keep_figures
+from tests.approved import check_figures, check_text, list_data
+from tests.figures import keep_figures, list_words
 from tests.lab.test_report import SCENES, closed_loop, example
 from tests.tools import require_module
 from tools.article.boards import BoardResult
@@ -109,15 +110,15 @@ def files() -> dict[str, bytes]:
             files = Studies(Design.load("article"), "fast", results()).files()
     finally:
         patch.undo()
-    names = [name for name in files if name.endswith(".png")]
-    lines = [line for name, one in zip(names, figures, strict=True) for line in (name, *describe_figure(one))]
-    return files | {"figures": "\n".join(lines).encode()}
+    lines = list_data(json.loads(files["studies.json"]))
+    return files | {"figures": "\n".join(list_words(figures)).encode(), "data": "\n".join(lines).encode()}
 
 
-@pytest.mark.parametrize("name", ["studies.txt", "studies.json", "studies.md"])
+@pytest.mark.parametrize("name", ["studies.txt", "studies.md"])
 def test_report_is_the_approved_one(files: dict[str, bytes], name: str) -> None:
-    check_text(APPROVED / name, files[name].decode())
+    check_text(APPROVED / name, files[name])
 
 
-def test_figures_are_the_approved_ones(files: dict[str, bytes]) -> None:
-    check_figures(APPROVED / "study_figures.txt", files["figures"].decode().splitlines(), 1e-3, 1e-9)
+@pytest.mark.parametrize("name", ["figures", "data"])
+def test_figures_and_data_are_the_approved_ones(files: dict[str, bytes], name: str) -> None:
+    check_figures(APPROVED / f"study_{name}.txt", files[name].decode().splitlines(), 1e-3, 1e-9)

@@ -94,8 +94,8 @@ def describe_figure(figure: Any) -> Iterator[str]:
 
 
 def list_words(figures: Iterable[Any]) -> Iterator[str]:
-    """Sizes, texts, titles, legends and named axes and lines of figures, those that are alike once."""
-    kinds = ("figure", "text '", 'text "', "  title", "  plain legend", "  x '", "  y '", "  line '")
+    """Sizes, texts, titles, legends, lines and named axes of figures, those that are alike once."""
+    kinds = ("figure", "text '", 'text "', "  title", "  plain legend", "  x '", "  y '", "  line")
     found = dict.fromkeys(line for figure in figures for line in describe_figure(figure))
     return (line for line in found if line.startswith(kinds) and not line.startswith(("  x ''", "  y ''", "text ''")))
 

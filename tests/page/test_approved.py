@@ -11,6 +11,7 @@ import json
 import re
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -33,30 +34,53 @@ from tests.page.conftest import INPUTS, Page, make_check, make_report, make_sour
 APPROVED = Path(__file__).parent / "approved"
 
 
+BREAKS = (
+    "head|meta|title|style|body|header|nav|main|section|figure|h[123]|p|li|table|tr|details|fieldset|label|svg class"
+)
+
+
 def list_lines(markup: str) -> list[str]:
-    """Elements of a page on lines of their own, without styles, scripts and the digits of data."""
+    """Blocks of a page on lines of their own, plots and data summed up, without styles, scripts and line breaks."""
     plain = re.sub(r"(<style>|<script[^>]*>).*?(</style>|</script>)", r"\1\2", markup, flags=re.DOTALL)
     plain = re.sub(r"sha256-[A-Za-z0-9+/=]*", "sha256", plain)
     plain = re.sub(r";base64,([A-Za-z0-9+/=]*)", lambda found: f"; {len(found[1])} characters", plain)
-    plain = re.sub(r'd="(M[^"]{200,})"', lambda found: f'd="{sum_up_path(found[1])}"', plain)
-    return plain.replace("><", ">\n<").splitlines()
+    plain = re.sub(r'<svg [^>]*class="plot".*?</svg>', lambda found: describe_plot(found[0]), plain, flags=re.DOTALL)
+    return re.sub(rf"(?<!^)(?<!\n)(?=<({BREAKS})\b)", "\n", plain.replace("<wbr>", "")).splitlines()
 
 
-def sum_up_path(path: str) -> str:
-    x, y = np.array([[float(word) for word in pair.split()] for pair in re.split("[ML]", path.strip("Z"))[1:]]).T
-    return f"x {sum_up(x)} y {sum_up(y)}"
+PLACES = ("x", "y", "x1", "y1", "x2", "y2", "cx", "cy", "r", "width", "height", "d", "fill-opacity")
+
+
+def describe_plot(markup: str) -> str:
+    """Elements of a plot that look alike on one line: all texts, and the sum of places and sizes."""
+    texts: dict[str, list[str]] = {}
+    places: dict[str, dict[str, list[float]]] = {}
+    for element in ElementTree.fromstring(markup).iter():
+        look = " ".join([element.tag, *(f"{key}={value}" for key, value in element.items() if key not in PLACES)])
+        texts.setdefault(look, []).extend([element.text] if element.text and element.text.strip() else [])
+        found = places.setdefault(look, {})
+        for key, value in element.items():
+            numbers = [float(number) for number in re.findall(r"-?[\d.]+", value)] if key in PLACES else []
+            for name, part in (("x", numbers[::2]), ("y", numbers[1::2])) if key == "d" else ((key, numbers),):
+                found.setdefault(name, []).extend(part)
+    lines = []
+    for look, found in places.items():
+        summed = ", ".join(f"{key} {sum_up(values)}" for key, values in found.items() if values)
+        lines.append(f"{look}: {' | '.join(texts[look])} {summed}")
+    return "\n" + "\n".join(lines) + "\n"
+
+
+def draw_board() -> dict[str, str]:
+    board, sheet = (read_expression((INPUTS / f"slip_filter.kicad_{end}").read_text()) for end in ("pcb", "sch"))
+    return {
+        "schematic": render_schematic(sheet, "schematic"), "placement": render_placement(board, "placement"),
+        "copper": render_copper(board, "copper"), "back": render_back(board, "back"),
+    }  # fmt: skip
 
 
 def test_pictures_of_the_board_are_the_approved_ones() -> None:
-    board, sheet = (read_expression((INPUTS / f"slip_filter.kicad_{end}").read_text()) for end in ("pcb", "sch"))
-    pictures = {
-        "schematic": render_schematic(sheet, "schematic"),
-        "placement": render_placement(board, "placement"),
-        "copper": render_copper(board, "copper"),
-        "back": render_back(board, "back"),
-    }
-    for name, picture in pictures.items():
-        check_figures(APPROVED / f"{name}.svg", list_lines(picture))
+    for name, picture in draw_board().items():
+        check_figures(APPROVED / f"{name}.svg", picture.replace("><", ">\n<").replace("\n</", "</").splitlines())
 
 
 def describe_item(item: dict[str, Any]) -> str:
@@ -68,9 +92,14 @@ def describe_item(item: dict[str, Any]) -> str:
 
 
 def test_page_is_the_approved_one(page: Page, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The table of parameters and the meshes stand in files of their own, the meshes for two designs more."""
+    """The table of parameters, pictures of the board, and the meshes of three designs stand in files of their own."""
     start, end = (page.source.index(mark) for mark in ("<p>Press the name", '<h2 id="pad">'))
-    check_figures(APPROVED / "page.html", list_lines(page.source[:start] + page.source[end:]), abs_=0.11)
+    source = page.source[:start] + page.source[end:]
+    for picture in draw_board().values():
+        inside = picture[picture.index("</title>") :]
+        assert source.count(inside) == 1
+        source = source.replace(inside, "</title></svg>")
+    check_figures(APPROVED / "page.html", list_lines(source), abs_=0.11)
     others = (("child_finger", ("printer.scale_percent=100.4",)), ("adult_thumb", ()))
     scenes = [page.scene]
     for name, changes in others:
@@ -81,12 +110,23 @@ def test_page_is_the_approved_one(page: Page, monkeypatch: pytest.MonkeyPatch) -
 
 def test_effects_of_parameters_are_the_approved_ones() -> None:
     """Values, changes and what each parameter moves; a description stands where the parameter is declared."""
-    design = Design.load(design_file("adult_finger"))
-    drawn = list_lines(render_parameters(design))
-    text = Page(render_parameters(design)).text
+    markup = render_parameters(Design.load(design_file("adult_finger")))
+    text = Page(markup).text
     assert all(f"{one.path}{one.description}" in text and one.bounds in text for one in list_parameters())
-    wanted = ("<summary", "<button", "<small", '<span class="code"', '<span class="num"')
-    check_figures(APPROVED / "parameters.html", (line for line in drawn if line.startswith(wanted)))
+    rows = re.findall(r'<tr><td data-label="parameter">.*?</tr>', markup, re.DOTALL)
+    assert len(rows) == len([*list_parameters()])
+    check_figures(APPROVED / "parameters.txt", map(describe_parameter, rows))
+
+
+def describe_parameter(row: str) -> str:
+    """Path, value, default, and the parts that are named and highlighted."""
+    path, value = (re.search(f'{name}([^<"]*)', row) for name in ('id="p-', 'class="num">'))
+    assert path
+    assert value
+    moves = re.findall('data-moves="([^"]*)"', row)
+    shapes, *default = re.findall("<small>(.*?)</small>", row)
+    assert not moves or shapes == f"Shapes {moves[0].replace(' ', ', ').replace('_', ' ')}."
+    return ", ".join((f"{path[1]}: {value[1]}", *default, shapes))
 
 
 FAILED = make_check("mold.palmar_error", 0.3, 0.2, passed=False)
@@ -99,7 +139,10 @@ CHECKS: dict[str, dict[str, Any]] = {
 
 
 def test_sections_of_other_folders_are_the_approved_ones() -> None:
-    """Nothing but what must be there, old sets, checks that fail or warn, and where the figures of designs are from."""
+    """Nothing but what must be there, old sets, checks that fail or warn, and where the figures of designs are from.
+
+    Of checks and figures those lines that differ from the page's.
+    """
     bare = make_sources(
         replaced=dict.fromkeys(key for key in make_sources().files if "/" in key or key == "acceptance.md")
     )
@@ -111,12 +154,16 @@ def test_sections_of_other_folders_are_the_approved_ones() -> None:
     sections = {
         "bare board": render_board(bare), "bare casting": render_casting(bare), "bare trial": render_trial(bare),
         "old board": render_board(old), "old casting": render_casting(old),
-        "old trial": render_trial(old), "no drawing": render_drawing(old), "weighed": render_basis(weighed),
+        "old trial": render_trial(old), "no drawing": render_drawing(old),
     }  # fmt: skip
     lines = [line for name, markup in sections.items() for line in (f"== {name}", *list_lines(markup))]
-    passed = list_lines(render_checks(CHECKS["passed"], "basis"))
+    basis, passed = render_basis(Design.load("fsr400")), render_checks(CHECKS["passed"], "basis")
+    lines += ("== weighed", *list_changes(basis, render_basis(weighed)))
     for name, report in CHECKS.items():
-        found = list_lines(render_checks(report, "basis"))
-        changes = [line for line in difflib.ndiff(passed, found) if line[0] in "+-"] if name != "passed" else found
+        changes = list_changes(passed, render_checks(report, "basis"))
         lines += (f"== {name}", *list_lines(render_verdict(report)), *changes)
     check_figures(APPROVED / "sections.html", lines, abs_=0.11)
+
+
+def list_changes(old: str, new: str) -> list[str]:
+    return [line for line in difflib.ndiff(list_lines(old), list_lines(new)) if line[0] in "+-"]

@@ -1,0 +1,76 @@
+"""A package of somebody else brings a detector and a check by the entry points in its metadata."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import ROOT, run_python
+from tests.test_one_file import run_lines
+
+EXAMPLE = ROOT / "examples/own_detector_and_check"
+
+
+def install(package: str, entry_points: str, site: Path) -> None:
+    """What pip leaves of a package: its module, and the metadata beside it."""
+    shutil.copy(EXAMPLE / "own_detector_and_check.py", site)
+    metadata = site / f"{package}-1.dist-info"
+    metadata.mkdir()
+    (metadata / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {package}\nVersion: 1\n")
+    (metadata / "entry_points.txt").write_text(entry_points)
+
+
+def read_entry_points() -> str:
+    project = tomllib.loads((EXAMPLE / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    groups = project["entry-points"].items()
+    return "".join(f"[{group}]\n" + "".join(f"{k} = {v}\n" for k, v in names.items()) for group, names in groups)
+
+
+def run_beside(site: Path, *lines: str) -> subprocess.CompletedProcess[str]:
+    folder = site.parent / "work"
+    folder.mkdir(exist_ok=True)
+    return run_lines(folder, f"{ROOT / 'src'}{os.pathsep}{site}", *lines)
+
+
+def test_an_installed_package_brings_a_detector_and_a_check(tmp_path: Path) -> None:
+    site = tmp_path / "site"
+    site.mkdir()
+    install("own_detector_and_check", read_entry_points(), site)
+    lines = ["complete fingertip detect --detector o", "detect --help", "simulate --out a.csv"]
+    done = run_beside(site, *lines, "detect a.csv --detector own")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[0] == "own"
+    for text in ("own (of another package)", "detector own, on voltage_v"):
+        assert text in " ".join(done.stdout.split())
+
+
+@pytest.mark.parametrize(
+    ("entry", "problem"),
+    [
+        ("fast = own_detector_and_check:OWN", "bring a name that exists already"),
+        ("own = own_detector_and_check:NOTHING", "failed (AttributeError"),
+        ("own = own_detector_and_check:ChangeDetector", "is no DetectorType"),
+    ],
+)
+def test_a_broken_package_is_one_sentence(entry: str, problem: str, tmp_path: Path) -> None:
+    site = tmp_path / "site"
+    site.mkdir()
+    install("broken", f"[fingertip.detectors]\n{entry}\n", site)
+    done = run_beside(site, "detect nothing.csv --detector " + entry.split()[0])
+    assert (done.returncode, done.stdout) == (2, "")
+    assert len(done.stderr.splitlines()) == 1
+    assert problem in done.stderr
+
+
+@pytest.mark.full
+def test_pip_installs_the_example(tmp_path: Path) -> None:
+    options = ("--quiet", "--no-deps", "--no-build-isolation", "--no-index", "--target", str(tmp_path / "site"))
+    done = run_python("-m", "pip", "install", *options, str(EXAMPLE))
+    assert done.returncode == 0, done.stderr
+    done = run_beside(tmp_path / "site", "complete fingertip detect --detector o")
+    assert done.stdout == "own\n"

@@ -15,7 +15,7 @@ import pytest
 
 FULL = bool(os.environ.get("FINGERTIP_FULL"))
 """True in `.ci/full`, where every test runs with all its cases."""
-MOST_CASES = 3
+MOST_CASES = 2
 """Number of cases of a test of the first set."""
 
 

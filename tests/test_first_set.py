@@ -2,31 +2,32 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
 
-import pytest
-
-from tests.conftest import ROOT, run_python
-
-TESTS = """
-import pytest
-
-@pytest.mark.full
-def test_full(): pass
-
-@pytest.mark.parametrize("case", range(20))
-def test_many(case): pass
-
-@pytest.mark.every_case
-@pytest.mark.parametrize("case", range(20))
-def test_every(case): pass
-"""
+from tests.first_set import pytest_collection_modifyitems, select
 
 
-@pytest.mark.parametrize(("full", "expected"), [("", 23), ("1", 41)], ids=["first", "all"])
-def test_cases(tmp_path: Path, full: str, expected: int) -> None:
-    (tmp_path / "test_some.py").write_text(TESTS, encoding="utf-8")
-    marks = ("-o", "markers=full\nevery_case")
-    words = ("-m", "pytest", "-q", "-p", "tests.first_set", "-p", "no:cacheprovider", *marks, str(tmp_path))
-    done = run_python(*words, FINGERTIP_FULL=full, PYTHONPATH=f"{ROOT}:{ROOT / 'src'}")
-    assert f"{expected} passed" in done.stdout
+@dataclass(frozen=True)
+class Item:
+    nodeid: str
+    marks: tuple[str, ...] = ()
+
+    def get_closest_marker(self, name: str) -> bool:
+        return name in self.marks
+
+
+def test_a_few_cases_run_evenly_spread_or_all_that_are_asked_for(monkeypatch: Any) -> None:
+    many = [Item(f"a.py::test_many[{i}]") for i in range(20)]
+    every = [Item(f"a.py::test_every[{i}]", ("every_case",)) for i in range(20)]
+    items: list[Any] = [Item("a.py::test_full", ("full",)), *many, *every]
+    assert select(items) == {many[0], many[10], *every}
+    deselected: list[Any] = []
+    hook = SimpleNamespace(pytest_deselected=lambda items: deselected.extend(items))
+    named: Any = SimpleNamespace(args=["a.py::test_full"], hook=hook)
+    pytest_collection_modifyitems(named, items)
+    assert len(items) == 41
+    monkeypatch.setattr("tests.first_set.FULL", False)
+    pytest_collection_modifyitems(SimpleNamespace(args=["a.py"], hook=hook), items)  # type: ignore[arg-type]
+    assert (len(items), len(deselected)) == (22, 19)

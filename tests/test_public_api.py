@@ -101,6 +101,7 @@ def test_faces_of_a_part_are_tagged_and_frames_are_places_of_cadquery(name: str)
     assert 0.2 < parts["bone"].val().Volume() - drilled.val().Volume() < 1.6
 
 
+@pytest.mark.full
 def test_checks_are_those_of_the_command() -> None:
     design = fingertip.Design()
     checks = verify(design, parts_by_name(design), ("stl",), MeshEvaluator(0.05)).checks

@@ -35,7 +35,6 @@ def test_voltage_is_that_of_the_loaded_front_end_by_hand() -> None:
         assert reading.limits_v[1] == pytest.approx(highest_v, abs=0.005)
 
 
-@pytest.mark.every_case
 @pytest.mark.parametrize("name", [*NAMES, "article"])
 def test_a_short_circuit_is_not_accepted(name: str) -> None:
     design = load(name)

@@ -119,6 +119,7 @@ def test_empty_places_are_neither_bought_nor_counted(channels: int) -> None:
     assert 0.0 < shared_a < 0.1e-3, "what is there once counts once"
 
 
+@pytest.mark.full
 def test_kicad_finds_no_fault_and_the_same_circuit(folder: Path) -> None:
     assert run_erc(folder) == []
     assert run_drc(folder) == NO_VIOLATIONS
@@ -236,6 +237,7 @@ def test_readings_of_several_fingers_are_refused_with_all_faults(tmp_path: Path)
         assess_board(load(2), path)
 
 
+@pytest.mark.full
 def test_edited_sheet_of_a_channel_keeps_its_edits(tmp_path: Path) -> None:
     write_board(load(2), tmp_path)
     sheet = tmp_path / CHANNEL_SHEET

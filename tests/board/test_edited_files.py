@@ -120,6 +120,7 @@ def test_values_are_entered_and_every_other_byte_stays(
         assert text.sub(r"\1", old) == text.sub(r"\1", new)
 
 
+@pytest.mark.full
 def test_all_other_files_follow_the_design(folder: Path, tmp_path: Path) -> None:
     edited = move_r1(folder)
     write_board(load_article(OTHER_VALUES), folder)
@@ -209,6 +210,7 @@ def test_value_changed_by_hand_stays_where_the_design_does_not_change_it(folder:
     assert found["R1"]["Value"] == "2k"
 
 
+@pytest.mark.full
 def test_renumbered_part_keeps_its_value(folder: Path) -> None:
     """R1 is called R6 and R6 R1: the identifiers tell which is which."""
     for name in (LAYOUT, SCHEMATIC):

@@ -168,6 +168,7 @@ def test_a_loop_that_never_reaches_a_gain_of_one_has_no_phase_margin() -> None:
     assert "U1a" not in {c.subject for c in conditions if c.name == MARGIN}
 
 
+@pytest.mark.full
 def test_parts_of_wide_tolerances_are_warned_of_with_a_remedy_that_passes() -> None:
     """Oracle: another draw, of the filter's formulas with ideal amplifiers."""
     wide = ("board.capacitor_tolerance_percent=20", "board.resistor_tolerance_percent=5")

@@ -81,7 +81,6 @@ def test_values_parts_and_amplifier_are_entered_everywhere(name: str) -> None:
     assert {symbol for symbol in library if not symbol.startswith("power:")} == used
 
 
-@pytest.mark.every_case
 @pytest.mark.parametrize("name", [*VARIANT_CHANGES, SEVERAL])
 def test_project_states_revision_title_rules_and_models(name: str) -> None:
     """KiCad's title block holds about 107 mm: 45 characters of 2 mm behind the word Title."""

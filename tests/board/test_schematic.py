@@ -49,6 +49,7 @@ def test_kicads_netlist_of_the_drawing_equals_ours(board_folder: BoardFolder, ch
     assert export_netlist(board_folder(*changes)) == read_netlist(board_folder(*changes) / NETLIST)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_kicads_bill_of_materials_has_our_numbers(board_folder: BoardFolder, name: str) -> None:
     folder, fields = board_folder(*VARIANT_CHANGES[name]), "Reference,Manufacturer,MPN,LCSC"

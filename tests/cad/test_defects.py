@@ -123,6 +123,7 @@ def test_defect_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert found == defect.failed
 
 
+@pytest.mark.full
 def test_closed_air_vent_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     """With the tail's passage through the collar filled, air is trapped behind the sensor."""
     part = parts.PARTS["bone"]

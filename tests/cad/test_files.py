@@ -182,6 +182,7 @@ def test_fault_of_either_process_is_reported(
         make_step_files(*solids)
 
 
+@pytest.mark.full
 def test_no_process_outlives_the_context_manager() -> None:
     job = StepJob("test", (("a", BOX, GREY), ("b", BOX, GREY)))
     with StepProcess.start(job) as process:

@@ -55,7 +55,6 @@ def test_each_defect_is_found(name: str, change: Callable[..., object], failed: 
     assert find_failed() == failed
 
 
-@pytest.mark.every_case
 @pytest.mark.parametrize(
     ("name", "changes"),
     [

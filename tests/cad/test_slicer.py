@@ -38,6 +38,7 @@ def slicer() -> Path:
     return require_tool("prusa-slicer", "apt-get install prusa-slicer")
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     "name", ["bone", *(pytest.param(n, marks=pytest.mark.full) for n in ("skin", "mold_palmar", "mold_dorsal"))]
 )

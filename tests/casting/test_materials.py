@@ -94,7 +94,7 @@ def test_design_names_its_silicone_and_an_option_replaces_it() -> None:
     assert design.silicone.material == SILICONES["mold_star_30"]
     assert design.with_silicone(None) is design
     replaced = design.with_silicone("sylgard_184")
-    assert replaced.silicone.material is SILICONES["sylgard_184"]
+    assert replaced.silicone.material == SILICONES["sylgard_184"]
     assert replaced == Design.load(changes=["silicone.product=sylgard_184"])
     assert replaced.dimensions.sensor == design.dimensions.sensor
 

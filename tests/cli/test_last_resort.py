@@ -94,6 +94,7 @@ def test_a_program_that_cannot_be_loaded_is_a_fault_too(tmp_path: Path) -> None:
     )
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("limit", [6, 12])
 def test_few_open_files(limit: int, tmp_path: Path) -> None:
     """The commands need few files; with too few of them there is a sentence."""

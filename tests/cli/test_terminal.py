@@ -90,6 +90,7 @@ def test_many_remarks_are_cut_and_counted(tmp_path: Path) -> None:
     assert re.fullmatch(r"and \d+ more, in report.json", lines[-2])
 
 
+@pytest.mark.full
 def test_a_terminal_shows_one_line_that_is_drawn_again() -> None:
     try:
         reader, writer = os.openpty()

@@ -135,6 +135,7 @@ def test_refusals_in_python_and_without_remedies_blame_the_same_fields() -> None
     assert Design.without_remedies(skin={"width_mm": 18.0}) == Design(skin={"width_mm": 18.0})
 
 
+@pytest.mark.full
 def test_a_refusal_imports_no_heavy_package() -> None:
     script = (
         "import sys\n"

@@ -86,7 +86,6 @@ def count_words(text: str) -> int:
     return sum(any(character.isalnum() for character in word) for word in plain.split())
 
 
-@pytest.mark.every_case
 @pytest.mark.parametrize("name", NAMES)
 def test_builder_reads_little_buys_little_and_waits_little(name: str) -> None:
     design, sheet = load(name)
@@ -113,7 +112,6 @@ def test_steps_are_short_and_every_thing_they_name_is_in_the_list(name: str) -> 
         list_steps(replace(sheet, things=tuple(thing for thing in sheet.things if thing.key != "scale")))
 
 
-@pytest.mark.every_case
 @pytest.mark.parametrize("name", ["first_finger", "article", "adult_finger", "child_thumb"])
 def test_every_step_has_a_picture_that_names_what_the_step_names_by_a_word_of_its_own(name: str) -> None:
     design, sheet = load(name)

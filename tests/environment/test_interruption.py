@@ -131,6 +131,7 @@ def find_step_processes(folder: Path) -> list[str]:
     return found
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("number", [signal.SIGTERM, pytest.param(signal.SIGINT, marks=pytest.mark.full)])
 def test_an_interrupted_build_leaves_no_temporary_folder(number: signal.Signals, tmp_path: Path) -> None:
     """SIGTERM once left the folder of the STEP process, and the process at work."""

@@ -253,6 +253,7 @@ def undefined(image: Path) -> list[str]:
     return [line.split()[-1] for line in done.stdout.splitlines() if line.strip()]
 
 
+@pytest.mark.full
 def test_products_and_sums_are_not_contracted_as_arduino_compiles(library: Library, tmp_path: Path) -> None:
     """Arduino's options leave out -ffp-contract=off, so the source itself forbids it."""
     require_arm()

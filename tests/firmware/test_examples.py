@@ -213,6 +213,7 @@ def test_the_example_of_a_hand_tells_which_finger_slips_and_which_has_a_fault(ma
     assert [level for _, level in changes[:2]] == [0, 1]
 
 
+@pytest.mark.full
 def test_the_example_of_a_hand_shows_the_codes_of_all_fingers_twice_a_second(tmp_path: Path) -> None:
     fingers = plan_fingers(Design(), "thumb,little", "teensy40")
     program = make_hand_sketch(tmp_path, "TEENSYDUINO", fingers, change=("SHOW_CODES = false", "SHOW_CODES = true"))
@@ -222,6 +223,7 @@ def test_the_example_of_a_hand_shows_the_codes_of_all_fingers_twice_a_second(tmp
     assert shown == ["thumb: T 174, S 2040", "little: T 300, S 2060"] * 2
 
 
+@pytest.mark.full
 def test_a_scan_that_the_converter_did_not_finish_is_lost_and_the_next_one_is_not(tmp_path: Path) -> None:
     """Each tenth scan of an STM32F4 overruns from 1 s on: every finger reports it, and slip at index is found."""
     design = Design()

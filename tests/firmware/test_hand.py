@@ -273,6 +273,7 @@ class RecordedGrip(GripController):
         return command
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("repeats", [1, pytest.param(3, marks=pytest.mark.full)])
 def test_the_grip_law_has_the_bits_of_python_in_every_manipulation(repeats: int, tmp_path: Path) -> None:
     require_gcc()

@@ -420,6 +420,7 @@ def test_page_of_a_set_is_laid_out_alike(driver: Any, tmp_path: Path) -> None:
     assert [entry for entry in driver.get_log("browser") if entry["level"] != "INFO"] == []
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("scheme", some_of(["light", "dark"], "dark"))
 def test_atlas_is_accessible(driver: Any, scheme: str, tmp_path: Path) -> None:
     design = Design.load("fsr400")

@@ -101,6 +101,7 @@ def test_pieces_are_convex_and_as_near_to_the_skin_as_stated(name: str) -> None:
     assert max(found) > error_mm - 0.03
 
 
+@pytest.mark.full
 @pytest.mark.usefixtures("readers")
 def test_urdf_and_mjcf_hold_the_same_finger_for_three_readers(model: Model, capfd: pytest.CaptureFixture[str]) -> None:
     yourdfpy, urdf = require_module("yourdfpy", INSTALL), require_module("urdf_parser_py.urdf", INSTALL)

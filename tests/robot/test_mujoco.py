@@ -22,7 +22,7 @@ from tests.conftest import ROOT
 from tests.robot.conftest import INSTALL, Model
 from tests.tools import require_module
 
-pytestmark = pytest.mark.usefixtures("readers")
+pytestmark = [pytest.mark.usefixtures("readers"), pytest.mark.full]
 OBJECT_KG, STEPS = 0.035, 3000
 
 
@@ -154,7 +154,7 @@ def test_snippets_of_the_readme_attach_the_finger_and_correct_its_contact(
     assert (loaded.opt.timestep, loaded.opt.impratio) == (0.0005, 10000)
 
 
-@pytest.mark.parametrize("side", [pytest.param("left", marks=pytest.mark.full), "right"])
+@pytest.mark.parametrize("side", ["left", "right"])
 def test_a_set_is_one_model_whose_fingers_stand_side_by_side_and_feel_by_themselves(tmp_path: Path, side: str) -> None:
     mujoco = require_module("mujoco", INSTALL)
     every = load_set("adult_hand")
@@ -203,7 +203,6 @@ def test_a_block_on_the_pad_swings_at_the_resonance_and_damping_of_the_pad(model
     assert decrement / math.hypot(1.0, decrement) == pytest.approx(0.15, rel=0.1)
 
 
-@pytest.mark.full
 def test_example_holds_the_block_with_the_detector_and_loses_it_without() -> None:
     require_module("mujoco", INSTALL)
     example = runpy.run_path(str(ROOT / "examples/hold_a_slipping_block.py"))

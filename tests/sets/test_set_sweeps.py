@@ -34,6 +34,7 @@ def evaluate(plan: SweepPlan, point: int) -> dict[str, Any]:
     return {"status": status, "field": field, "reason": reason, **dict(zip(plan.outputs, outputs, strict=True))}
 
 
+@pytest.mark.full
 def test_set_in_a_sweep_is_the_set_of_its_file_and_survives_a_round_trip() -> None:
     plan = load_plan("board.cutoff_hz=80")
     fingers = load_set("adult_hand", ["board.cutoff_hz=80"]).designs

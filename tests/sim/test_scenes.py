@@ -41,7 +41,6 @@ def held_s(scene: SceneFile, seed: int = 0) -> float:
     return SceneRun(DESIGN, scene, seed).timeline.held_s
 
 
-@pytest.mark.every_case
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_bundled_scene_runs_and_slips_if_named_so(path):
     scene = SceneFile.load(path)
@@ -63,6 +62,7 @@ def test_slide_begins_one_second_after_the_voltage_has_dropped(bridge):
     assert SceneRun(DESIGN, late, 3).timeline.slide.start_s == pytest.approx(held_s(late, 3) + 1.0)
 
 
+@pytest.mark.full
 def test_sliding_finger_scene_equals_the_trial():
     scene = load_scene("sliding_finger")
     result, trial = run_scene(DESIGN, scene, 7), simulate(DESIGN, Trial(seed=7))

@@ -200,6 +200,7 @@ def list_bad_values(count: int) -> dict[str, float]:
     return bad
 
 
+@pytest.mark.full
 def test_many_refusals_stand_beside_their_fields(opened: Any) -> None:
     bad = list_bad_values(55)
     script = "for (const [path, value] of arguments[0]) document.getElementById(`f-${path}`).value = value"

@@ -21,7 +21,6 @@ from fingertip.pictures.steps.scene import Bench, draw_scene
 from tests.conftest import design_file, run_fingertip
 
 
-@pytest.mark.every_case
 @pytest.mark.parametrize("name", ["first_finger", "article", "adult_finger"])
 def test_labels_stand_apart_inside_the_picture(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     boxes: list[tuple[float, float, float, float]] = []

@@ -17,7 +17,7 @@ from fingertip.cad.shapes.parts import hardware, parts_by_name
 from fingertip.cad.shapes.skin import cavity
 from fingertip.cad.verification.check import list_causes
 from fingertip.cad.verification.lying_skin import pull_off_n
-from fingertip.casting.quantities import measure_poured_cm3
+from fingertip.casting.sheet import measure_poured_cm3
 from fingertip.catalogues import amplifiers, print_materials, sensors, silicones
 from fingertip.catalogues.controllers import load_controllers
 from fingertip.catalogues.hardware import THREADS

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from fingertip.casting.quantities import (
+from fingertip.casting.sheet import (
     MIN_COMPONENT_G,
     MIN_MIX_G,
     WASTE_FRACTION,

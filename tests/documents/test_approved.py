@@ -18,10 +18,9 @@ from fingertip.casting.sheet import casting_sheet
 from fingertip.design import Design
 from fingertip.design.finger_set import load_set
 from fingertip.documents.acceptance import acceptance_data, render_acceptance
-from fingertip.documents.casting import list_steps, render_sheet
+from fingertip.documents.finger import list_steps, render_basis_table, render_sheet, render_start
 from fingertip.documents.firmware import render_readme
 from fingertip.documents.robot import describe_model, render_robot_readme, render_set_readme
-from fingertip.documents.start import render_basis_table, render_start
 from fingertip.firmware.fingers import plan_fingers
 from fingertip.robot.model import build_finger
 from tests.approved import check_text

@@ -20,10 +20,9 @@ from fingertip.casting.sheet import CastingSheet, casting_sheet
 from fingertip.design import Design
 from fingertip.design.new_design import PRESETS
 from fingertip.documents.acceptance import acceptance_data, render_acceptance
-from fingertip.documents.casting import list_steps, render_sheet
-from fingertip.documents.start import render_start
-from fingertip.pictures.steps.pictures import SCENES, draw_steps
+from fingertip.documents.finger import list_steps, render_sheet, render_start
 from fingertip.pictures.steps.scene import Bench, Scene
+from fingertip.pictures.steps.scenes import SCENES, draw_steps
 from fingertip.tasks.board import board_files
 from fingertip.tasks.firmware import firmware_files
 from tests.conftest import design_file

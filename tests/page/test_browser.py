@@ -18,12 +18,12 @@ from fingertip import Design
 from fingertip.cad.files import stl
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.catalogues.output_files import PAGE
+from fingertip.documents.finger import render_set_start
 from fingertip.documents.finger_set import render_sheet
-from fingertip.documents.start import render_set_start
 from fingertip.page.parameters_and_checks import render_atlas
 from fingertip.page.render import render_set_page
 from fingertip.pictures.parameter_changes import draw_parameter
-from fingertip.pictures.steps.pictures import draw_finger
+from fingertip.pictures.steps.scenes import draw_finger
 from tests.browser import HOW, click, drawn_ms, find_barriers, open_browser, picture, wait
 from tests.conftest import ROOT, some_of
 from tests.page.conftest import Page

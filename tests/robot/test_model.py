@@ -14,8 +14,7 @@ from fingertip.cad.convert import part_mesh
 from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays, to_manifold
 from fingertip.cad.shapes.skin import skin_outline
 from fingertip.pad.form import PadForm
-from fingertip.robot.contact import fit_contact
-from fingertip.robot.skin_meshes import cut_skin
+from fingertip.robot.contact import cut_skin, fit_contact
 from tests.conftest import ROOT, run_fingertip, some_of
 from tests.robot.conftest import DESIGNS, INSTALL, Model
 from tests.tools import require_module

@@ -24,14 +24,14 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import build_volume_excess, print_orientations
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.verification.check import Check
-from fingertip.casting.quantities import mix
-from fingertip.casting.sheet import casting_sheet
+from fingertip.casting.sheet import casting_sheet, mix
 from fingertip.catalogues.controllers import NAMES
 from fingertip.cli import app
 from fingertip.design import Design
 from fingertip.design.files import to_toml
 from fingertip.design.finger_set import FingerSet, Form, load_set
 from fingertip.documents.acceptance import acceptance_data
+from fingertip.documents.finger import render_set_start
 from fingertip.documents.finger_set import (
     MOLD_MIN,
     STIR_MIN,
@@ -43,7 +43,6 @@ from fingertip.documents.finger_set import (
     set_data,
     write_parts_csv,
 )
-from fingertip.documents.start import render_set_start
 from fingertip.firmware.fingers import plan_set
 from fingertip.firmware.sources import GRIP_SOURCE, library_sources
 from fingertip.foundation.errors import DesignError, FingertipError

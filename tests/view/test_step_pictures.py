@@ -14,10 +14,10 @@ from PIL.ImageDraw import ImageDraw
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.casting.sheet import casting_sheet
 from fingertip.design import Design
-from fingertip.documents.casting import list_steps
+from fingertip.documents.finger import list_steps
 from fingertip.pictures.raster import Canvas
-from fingertip.pictures.steps.pictures import SCENES
 from fingertip.pictures.steps.scene import Bench, draw_scene
+from fingertip.pictures.steps.scenes import SCENES
 from tests.conftest import design_file, run_fingertip
 
 

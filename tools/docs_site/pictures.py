@@ -10,9 +10,9 @@ from fingertip.casting.sheet import casting_sheet
 from fingertip.catalogues.bundled import list_bundled_files
 from fingertip.catalogues.file_kinds import DESIGN
 from fingertip.design import Design
-from fingertip.documents.casting import list_steps as steps_of
+from fingertip.documents.finger import list_steps as steps_of
 from fingertip.pictures.picture import draw
-from fingertip.pictures.steps.pictures import draw_steps
+from fingertip.pictures.steps.scenes import draw_steps
 
 WIDTH_PX = 1200
 """Width of a design's picture in the gallery [pixels]."""

@@ -74,7 +74,7 @@ def sheet(
     from fingertip.cad.kernel.mesh import MeshEvaluator
     from fingertip.casting.sheet import casting_sheet
     from fingertip.catalogues.output_files import SHEET, STEPS, STEPS_FOLDER
-    from fingertip.documents.casting import list_steps, render_sheet
+    from fingertip.documents.finger import list_steps, render_sheet
 
     refuse(find_file_issues("--out", out, ".md"))
     loaded = load_design(design, changes, console).with_silicone(material)
@@ -85,7 +85,7 @@ def sheet(
     data = casting_sheet(loaded, MeshEvaluator(_MESH_TOLERANCE_MM))
     drawn: dict[str, bytes] = {}
     if pictures:
-        from fingertip.pictures.steps.pictures import draw_steps
+        from fingertip.pictures.steps.scenes import draw_steps
 
         drawn = draw_steps(loaded, data, [step.picture for step in list_steps(data)], console.progress)
         step_writer.write(drawn)

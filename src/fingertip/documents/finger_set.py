@@ -15,14 +15,13 @@ from typing import Any
 
 from fingertip.board.circuits.channels import describe_sockets, list_pins
 from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE
-from fingertip.casting.quantities import Mixture, mix
-from fingertip.casting.sheet import CastingSheet, Thing
+from fingertip.casting.sheet import CastingSheet, Mixture, Thing, mix
 from fingertip.catalogues.controllers import NAMES
 from fingertip.catalogues.output_files import BOARD_DESIGN, BOARD_FOLDER
 from fingertip.catalogues.silicones import Silicone
 from fingertip.design import Design
 from fingertip.design.finger_set import FingerSet, Form
-from fingertip.documents.casting import list_steps
+from fingertip.documents.finger import list_steps
 from fingertip.documents.template import render_page
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.files import format_csv

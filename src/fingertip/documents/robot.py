@@ -8,10 +8,9 @@ from typing import Any
 from fingertip.catalogues.output_files import README, ROBOT_FILES
 from fingertip.design.finger_set import FingerSet
 from fingertip.documents.template import WIDTH, render_page
-from fingertip.robot.contact import FORCES_N, REFERENCE_N
+from fingertip.robot.contact import FACET_MM, FORCES_N, REFERENCE_N, SPACING_MM
 from fingertip.robot.formats import MAX_SPEED_RAD_S, TIMESTEP_S
 from fingertip.robot.model import TOLERANCE_MM, FingerModel
-from fingertip.robot.skin_meshes import FACET_MM, SPACING_MM
 
 
 def describe_model(finger: FingerModel, file_format: str) -> dict[str, Any]:

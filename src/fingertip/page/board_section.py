@@ -23,8 +23,8 @@ from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.page.html import Markup, element, embed, figure, fold, join, list_links, note, quantity, scrolling, table
 from fingertip.page.layout_svg import render_back, render_copper, render_placement
-from fingertip.page.markdown import render, split_sections
 from fingertip.page.schematic_svg import render_schematic
+from fingertip.page.sheets import render_markdown, split_sections
 from fingertip.page.sources import COMMANDS, Sources
 from fingertip.page.svg import Axis, Frame, figure_svg, legend, line
 
@@ -78,9 +78,9 @@ def render_board(sources: Sources) -> Markup:
             folded.append((title, figure(render_schematic(read_expression(sheet), title), caption, title, "wide")))
     if values:
         parts.append(_render_gate(json.loads(values).get("gate", [])))
-    folded += [(heading, render(sections[heading], links)) for heading in _NOTES if heading in sections]
+    folded += [(heading, render_markdown(sections[heading], links)) for heading in _NOTES if heading in sections]
     if bring_up:
-        folded.append(("Bring-up with a multimeter", render(bring_up.partition("\n")[2], links)))
+        folded.append(("Bring-up with a multimeter", render_markdown(bring_up.partition("\n")[2], links)))
     if wiring := _draw_wiring(sources):
         folded.append(("How to connect it", wiring))
     parts += [fold(title, content) for title, content in folded]

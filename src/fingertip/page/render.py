@@ -1,26 +1,98 @@
-"""Page of a design, or of a set, as one HTML file: every style, script, mesh and picture is within it."""
+"""Page of a design, or of a set, as one HTML file: every style, script, mesh and picture is within it.
+
+Without a script the panels of its tabs stand one below the other; `page.js` makes tabs of them.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 from urllib.parse import quote
 
 from fingertip.catalogues.output_files import PAGE
 from fingertip.design import Design
-from fingertip.documents.start import render_start
-from fingertip.page import casting_section
+from fingertip.documents.finger import render_start
+from fingertip.foundation.version import __version__
 from fingertip.page.board_section import draw_response, render_board
-from fingertip.page.html import Markup, element, fold, join, list_links, read_asset, read_viewer_library
-from fingertip.page.markdown import render, split_sections
+from fingertip.page.html import (
+    Markup,
+    element,
+    embed,
+    fold,
+    join,
+    list_links,
+    read_asset,
+    read_viewer_library,
+    render_document,
+)
 from fingertip.page.model_section import list_items, measure_finger, render_model, render_no_view, scene_json
 from fingertip.page.pad_section import render_pad
 from fingertip.page.parameters_and_checks import render_checks, render_parameters, render_verdict, tell_verdict
+from fingertip.page.sheets import (
+    render_basis,
+    render_casting,
+    render_drawing,
+    render_facts,
+    render_markdown,
+    render_printing,
+    render_shopping,
+    render_tests,
+    split_sections,
+)
 from fingertip.page.sources import Sources
-from fingertip.page.tabs import Tab, render_finger, render_first_screen, render_tabs
 from fingertip.page.trial_section import render_trial
-from fingertip.pictures.steps.pictures import draw_finger
+from fingertip.pictures.steps.scenes import draw_finger
+
+_BEFORE = "Before you begin"
+
+
+Tab = tuple[str, str, tuple[Markup, ...]]
+"""Name of a panel, by which links lead to it, its label and its content."""
+
+
+def render_tabs(
+    name: str, title: str, tabs: Sequence[Tab], scripts: Iterable[str] = (), banner: str = "", end: str = ""
+) -> bytes:
+    """Render a page of tabs; `banner` stands above all of them, `end` below."""
+    links = (element("li", element("a", label, href=f"#{to}", id=f"tab-{to}")) for to, label, _ in tabs)
+    panels = (
+        element("section", *content, id=to, class_="panel", aria_labelledby=f"tab-{to}") for to, _, content in tabs
+    )
+    body = (
+        element("a", "Skip to the content", href="#content", class_="skip"),
+        element("header", element("h1", title), banner),
+        element("nav", element("ul", *links, id="tabs"), aria_label="sections"),
+        element("main", *panels, id="content"),
+        element("footer", end, element("p", f"Made by fingertip {__version__}. This page needs no network.")),
+    )
+    every = (read_asset("page.js"), *scripts)
+    return render_document(f"{name}: fingertip", body, read_asset("page.css"), every, data_design=name)
+
+
+def render_first_screen(text: str, pictures: Markup, links: Mapping[str, str]) -> Markup:
+    """Render the first screen from its Markdown: a section is a box, or a step if its heading begins with a number."""
+    sections = split_sections(text)
+    lead, before = sections.pop(""), sections.pop(_BEFORE)
+    steps = [
+        element("li", element("h3", heading), render_markdown(sections.pop(heading), links))
+        for heading in [*sections]
+        if heading[0].isdigit()
+    ]
+    about = element(
+        "div", element("div", render_markdown(lead), class_="lead"), element("h2", _BEFORE),
+        render_markdown(before, links), render_facts(sections, links), class_="about",
+    )  # fmt: skip
+    return join((
+        element("div", pictures, about, class_="hero"), element("h2", "The next three steps"),
+        element("ol", *steps, class_="next"),
+    ))  # fmt: skip
+
+
+def render_finger(picture: bytes, caption: Markup | str) -> Markup:
+    image = element("img", src=embed(picture, "image/png"), alt="The finished finger, from the back and from the palm")
+    return element("figure", image, element("figcaption", caption), class_="finger")
+
 
 ARTICLE_DOI = "10.1109/TMRB.2021.3060032"
 
@@ -46,9 +118,9 @@ def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:
     """Render the page of a design. The same files give the same bytes."""
     design, items = sources.design, list_items(sources.design, sources.files)
     prepared = prepared or prepare_page(design)
-    cast = casting_section.render_casting(sources)
+    cast = render_casting(sources)
     verdict, kind = tell_verdict(sources.report)
-    drawing = casting_section.render_drawing(sources)
+    drawing = render_drawing(sources)
     steps, has_board = cast.count("data-tick="), design.board.variant != "divider"
     start = render_start(design, sources.report, measure_finger(items), sources.links, steps, verdict)
     picture = render_finger(prepared.finger, "The finished finger, computed: from the back, and from the palm.")
@@ -58,19 +130,19 @@ def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:
             element("h2", "In three dimensions", id="model"), render_no_view(), render_model(items),
         )),
         ("print", "Print", (
-            _title("Print the parts"), casting_section.render_printing(sources),
+            _title("Print the parts"), render_printing(sources),
             *((_title("Dimensioned drawing", "drawing"), drawing) if drawing else ()),
         )),
-        ("buy", "Buy", (_title("What to buy"), casting_section.render_shopping(sources))),
+        ("buy", "Buy", (_title("What to buy"), render_shopping(sources))),
         ("cast", "Cast", (_title("Cast the skin", "casting"), cast)),
         ("board", "Board" if has_board else "Wire", (
             _title("The board" if has_board else "The wiring"), render_board(sources),
         )),
-        ("test", "Test", (_title("Test the sensor and the finished finger"), casting_section.render_tests(sources))),
+        ("test", "Test", (_title("Test the sensor and the finished finger"), render_tests(sources))),
         ("more", "More", tuple(
             fold(title, content, name=name, state="roomy" if name in ("checks", "basis") else "", level=2)
             for name, title, content in (
-                ("basis", "What is simulated and what is measured", casting_section.render_basis(design)),
+                ("basis", "What is simulated and what is measured", render_basis(design)),
                 ("checks", "Checks", render_checks(sources.report)),
                 ("parameters", "Parameters", prepared.parameters),
                 ("pad", "What the sensor feels", prepared.pad or render_pad(design)),
@@ -131,20 +203,20 @@ def render_set_page(
     tabs: list[Tab] = [
         ("start", "Start", (
             render_first_screen(start, element("div", *drawn, class_="fingers"), links),
-            fold("Checks", render(overview["Checks"], links), state="roomy"),
-            fold("Every step in words", render(overview["What to do"], links), name="steps"),
+            fold("Checks", render_markdown(overview["Checks"], links), state="roomy"),
+            fold("Every step in words", render_markdown(overview["What to do"], links), name="steps"),
         )),
-        ("print", "Print", (element("h2", "Print the parts"), render(overview["To print"], links))),
+        ("print", "Print", (element("h2", "Print the parts"), render_markdown(overview["To print"], links))),
         ("buy", "Buy", (
-            element("h2", "What to buy", id="parts-list"), render(shopping, links, **_AT_HAND),
+            element("h2", "What to buy", id="parts-list"), render_markdown(shopping, links, **_AT_HAND),
         )),
         ("cast", "Cast", (
-            element("h2", "Cast the skins", id="casting-plan"), render(castings, links, **_TICKED),
-            *(fold(title, render(text, links, **_TICKED), state="roomy") for title, text in plan.items()),
+            element("h2", "Cast the skins", id="casting-plan"), render_markdown(castings, links, **_TICKED),
+            *(fold(title, render_markdown(text, links, **_TICKED), state="roomy") for title, text in plan.items()),
         )),
-        ("board", "Board", (element("h2", "Fingers and their boards"), render(hand, links), boards)),
+        ("board", "Board", (element("h2", "Fingers and their boards"), render_markdown(hand, links), boards)),
         ("test", "Test", (
-            element("h2", "Test the fingers", id="acceptance"), render(tests, links),
+            element("h2", "Test the fingers", id="acceptance"), render_markdown(tests, links),
         )),
     ]  # fmt: skip
     said = f"✗ Checks of {', '.join(failed)} failed: do not print these parts"

@@ -21,8 +21,7 @@ from fingertip.design.geometry.solids import Point3, cylinder
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.interface import CrossBolted, middle_y
 from fingertip.pad.form import PadForm
-from fingertip.robot.contact import ContactLaw, fit_contact
-from fingertip.robot.skin_meshes import TactileMesh, cut_skin, mesh_active_area
+from fingertip.robot.contact import ContactLaw, TactileMesh, cut_skin, fit_contact, mesh_active_area
 
 TOLERANCE_MM = 0.02
 """Largest distance of a facet of the parts from the exact surface [mm]."""

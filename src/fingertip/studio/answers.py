@@ -35,14 +35,13 @@ from fingertip.design.geometry.solids import Solid, scaled
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
 from fingertip.design.refusal import as_typed, is_number
-from fingertip.documents.start import render_start
+from fingertip.documents.finger import render_start
 from fingertip.foundation.errors import DesignError, FingertipError, Issue
-from fingertip.page.markdown import split_sections
 from fingertip.page.model_section import Item, measure_finger, place_items, render_boxes, scene_data
 from fingertip.page.pad_section import render_pad
 from fingertip.page.parameters_and_checks import EVERY_FILE, render_checks, render_verdict
-from fingertip.page.tabs import render_facts
-from fingertip.pictures.steps.pictures import draw_finger
+from fingertip.page.sheets import render_facts, split_sections
+from fingertip.pictures.steps.scenes import draw_finger
 from fingertip.studio.worker import StillWanted
 
 if TYPE_CHECKING:

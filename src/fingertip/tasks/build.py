@@ -23,7 +23,7 @@ from fingertip.catalogues.output_files import PART_FORMATS, part_file
 from fingertip.design import Design
 from fingertip.design.files import to_toml
 from fingertip.design.parameters.declaration import suggest_name
-from fingertip.documents.casting import list_steps, render_sheet
+from fingertip.documents.finger import list_steps, render_sheet
 from fingertip.foundation import extras
 from fingertip.foundation.errors import DesignError, Issue
 from fingertip.foundation.output_set import SetWriter, read_manifest
@@ -183,7 +183,7 @@ def _replace_subset(writer: SetWriter, contents: Mapping[str, bytes], obsolete: 
 
 
 def _draw_steps(design: Design, tolerance_mm: float) -> dict[str, bytes]:
-    from fingertip.pictures.steps.pictures import draw_steps  # noqa: PLC0415
+    from fingertip.pictures.steps.scenes import draw_steps  # noqa: PLC0415
 
     sheet = casting_sheet(design, MeshEvaluator(tolerance_mm))
     return draw_steps(design, sheet, [step.picture for step in list_steps(sheet)])

@@ -38,13 +38,13 @@ from fingertip.design.files import to_toml
 from fingertip.design.finger_set import FingerSet, Form
 from fingertip.design.geometry.solids import scaled
 from fingertip.documents.acceptance import acceptance_data
+from fingertip.documents.finger import render_set_start
 from fingertip.documents.finger_set import FormSheets, find_short_pot_lives, render_sheet, set_data, write_parts_csv
-from fingertip.documents.start import render_set_start
 from fingertip.foundation.errors import DesignError, Issue, OutputError
 from fingertip.foundation.input_files import find_link
 from fingertip.foundation.progress import Work
 from fingertip.page.render import render_set_page
-from fingertip.pictures.steps.pictures import draw_finger
+from fingertip.pictures.steps.scenes import draw_finger
 from fingertip.tasks.board import BRING_UP_FILES, plan_board
 from fingertip.tasks.make import Made, make
 

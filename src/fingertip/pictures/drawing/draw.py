@@ -20,7 +20,7 @@ from fingertip.design.geometry.solids import Solid
 from fingertip.foundation.errors import FingertipError, GeometryError, Issue
 from fingertip.foundation.files import temporary_folder
 from fingertip.foundation.processes import python_command, python_environment
-from fingertip.pictures.drawing import mold_sizes, part_sizes
+from fingertip.pictures.drawing import part_sizes
 from fingertip.pictures.drawing.layout import lay_out
 from fingertip.pictures.drawing.primitives import PROJECTIONS, ProjectedView, Sheet
 from fingertip.pictures.drawing.render import render_pdf, render_svg
@@ -28,9 +28,9 @@ from fingertip.pictures.drawing.title_block import Heading
 
 _DRAWINGS: dict[str, Callable[[Design], PartDrawing]] = {
     "bone": part_sizes.bone_drawing,
-    "mold_palmar": mold_sizes.palmar_drawing,
-    "mold_dorsal": mold_sizes.dorsal_drawing,
-    "core": mold_sizes.core_drawing,
+    "mold_palmar": part_sizes.palmar_drawing,
+    "mold_dorsal": part_sizes.dorsal_drawing,
+    "core": part_sizes.core_drawing,
     "stand": part_sizes.stand_drawing,
     "pin": part_sizes.pin_drawing,
     "hand_stub": part_sizes.hand_stub_drawing,

@@ -128,3 +128,7 @@ def travel(bench: Bench, sheet: CastingSheet) -> Scene:
         Label("comes back by\nits band (not drawn)", (0.0, joint.axis_y + joint.radius, joint.axis_z)),
         Arrow((0.0, joint.axis_y - joint.radius, end - 2.0), (0.0, joint.axis_y - joint.radius, end - 14.0)),
     )  # fmt: skip
+
+
+JOINT_SCENES = {"pin": pin, "tendon": tendon, "band": band, "zero": zero, "travel": travel}
+"""Scenes of the steps of a joint by the names of these steps."""

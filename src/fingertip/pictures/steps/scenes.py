@@ -1,4 +1,4 @@
-"""Scenes of the steps: the skin is cast in a cup around a core that is lowered into it.
+"""Pictures of the casting steps and of the finished finger: the skin is cast around a core that is lowered into a cup.
 
 The cup stands on its foot, tip down: distal (z) points down in all pictures of it.
 """
@@ -6,19 +6,26 @@ The cup stands on its foot, tip down: distal (z) points down in all pictures of 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from PIL import Image
 
 from fingertip.cad.printing.orientations import print_orientations
 from fingertip.cad.printing.overhang import bed_pose
 from fingertip.cad.printing.settings import FDM
 from fingertip.cad.shapes.skin import cavity
 from fingertip.casting.sheet import CastingSheet
+from fingertip.design import Design
 from fingertip.design.geometry.dimensions import KNOT_WIRES
 from fingertip.design.geometry.mold_layout import BELT_MM, GAP_MM, LEDGE_MM, PLATE_MM, STRAP_Y_MM
 from fingertip.design.geometry.solids import Box, Solid, cylinder, difference, intersection, scaled, union
 from fingertip.design.interfaces.interface import middle_y
 from fingertip.design.interfaces.rigid import Post, Socket
-from fingertip.pictures.raster import Camera
-from fingertip.pictures.steps.scene import CUP_RADIUS_MM, Arrow, Bench, Label, Paint, Scene, Shown, View
+from fingertip.foundation.progress import Work
+from fingertip.pictures.raster import Camera, Canvas, bounds, to_png
+from fingertip.pictures.steps.joint_scenes import JOINT_SCENES
+from fingertip.pictures.steps.scene import CUP_RADIUS_MM, Arrow, Bench, Label, Paint, Scene, Shown, View, draw_scene
 
 _UP = (0.0, 0.0, -1.0)
 _FROM_BELOW = Camera.looking_from((0.4, -1.0, 0.12), _UP)
@@ -32,7 +39,7 @@ _COAT_MM, _LIFT_MM, _TAB_PITCH_MM, _BAND_MM = 0.9, 20.0, 2.54, 1.0
 of a rubber band [mm]."""
 
 
-def print_(bench: Bench, sheet: CastingSheet) -> Scene:
+def print_parts(bench: Bench, sheet: CastingSheet) -> Scene:
     """Show the parts as they lie on the plate, with their names."""
     names = {
         "bone": "bone", "stand": "stand", "hand_stub": "stub of a hand", "pin": "pin of the joint",
@@ -206,7 +213,7 @@ def lower(bench: Bench, sheet: CastingSheet) -> Scene:
     )  # fmt: skip
 
 
-def open_(bench: Bench, sheet: CastingSheet) -> Scene:
+def open_cup(bench: Bench, sheet: CastingSheet) -> Scene:
     m, apart, lifted = bench.design.mold_layout, 16.0, (0.0, 0.0, -6.0)
     low, edge, tip = -m.palmar_height - apart, m.foot_z + 3.0, m.foot_z - bench.design.mold.wall_mm
     seam, hollow = Box((-edge, -0.15, 2.0), (edge, 0.15, edge)), cavity(bench.design)
@@ -283,3 +290,42 @@ def _held(bench: Bench, sheet: CastingSheet) -> tuple[list[Shown], list[Label]]:
             return [], []
     bolt = bench.solid(cylinder("x", (y, z), -half - 6.0, half + 6.0, 1.5), Paint.STEEL)
     return [held, bolt], [Label("bolt with nut", (-half - 5.0, y, z)), Label(text, at)]
+
+
+SCENES: dict[str, Callable[[Bench, CastingSheet], Scene]] = {
+    "print": print_parts, "varnish": varnish, "solder": solder, "lay_in": lay_in, "try_core": try_core, "mix": mix,
+    "coat": coat, "pour": pour, "lower": lower, "open": open_cup, "connect": connect, "pull_on": pull_on,
+    **JOINT_SCENES,
+}  # fmt: skip
+"""Scenes by the names of their steps."""
+
+
+def draw_steps(
+    design: Design, sheet: CastingSheet, names: Sequence[str], progress: Callable[[str], None] = lambda message: None
+) -> dict[str, bytes]:
+    bench, pictures = Bench(design), dict[str, bytes]()
+    work = Work("", {"pictures of the steps": 1.0}, progress)
+    work.begin("pictures of the steps")
+    for number, name in enumerate(names, 1):
+        work.advance((number - 1) / len(names))
+        pictures[f"{number:02}-{name}.png"] = draw_scene(SCENES[name](bench, sheet))
+    return pictures
+
+
+_EDGE_PX = 4
+"""Distance of the finished finger from the edge of its picture."""
+
+
+def draw_finger(design: Design, width_px: int = 640) -> bytes:
+    """Draw the finished finger from the back and below from the palm, on a clear ground."""
+    bench = Bench(design)
+    shown = [*bench.assembled_bone(), bench.part("skin")]
+    views = []
+    for camera in (View.DORSAL, View.PALMAR):
+        centre, size = bounds([item.mesh for item in shown], camera)
+        scale = (width_px - 2 * _EDGE_PX) / float(size[0])
+        canvas = Canvas(width_px, int(size[1] * scale) + 2 * _EDGE_PX, scale, camera)
+        for item in shown:
+            canvas.draw(item.mesh, item.colour, centre)
+        views.append(np.dstack([canvas.image(), canvas.cover()]))
+    return to_png(Image.fromarray(np.concatenate(views)))

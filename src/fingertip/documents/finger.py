@@ -1,19 +1,49 @@
-"""First screen of a page in plain words: what a finger or a set is, what it takes, and the next three steps.
+"""Documents of one finger: casting sheet with its steps, first screen of its page, and where its figures come from.
 
-Every figure is that of the sheets: it comes from the report, from the data of a set, or from the function that the
+The templates hold no figure. Every figure is that of the casting sheet, of the report, or of the function that the
 board's README asks.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from fingertip.board.analysis.board_values import board_values
 from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.fabrication.bom import estimate_cost, purchased_components
+from fingertip.casting.sheet import CastingSheet
 from fingertip.design import Design
-from fingertip.documents.template import render_page
+from fingertip.documents.template import render, render_page
+
+_REFERENCE = re.compile(r"\[([^\]]+)\]\(#(\w+)\)")
+"""Words of a step, and the key of the thing that they name."""
+
+
+@dataclass(frozen=True)
+class Step:
+    picture: str
+    """Name of the scene in `fingertip.pictures.steps` that shows the step."""
+    text: str
+    uses: tuple[str, ...]
+    """Keys of the things that it names."""
+
+
+def list_steps(sheet: CastingSheet) -> list[Step]:
+    """List the steps. Raises KeyError if one names a thing that is not in the list to buy."""
+    known = {thing.key: thing for thing in sheet.things}
+    _, *pages = render("steps.md", **vars(sheet)).split("## ")
+    steps = []
+    for name, _, text in (page.partition("\n") for page in pages):
+        uses = dict.fromkeys(known[key].key for _, key in _REFERENCE.findall(text))
+        steps.append(Step(name, " ".join(_REFERENCE.sub(r"\1", text).split()), tuple(uses)))
+    return steps
+
+
+def render_sheet(sheet: CastingSheet, pictures: Sequence[str] = ()) -> str:
+    return render_page("casting.md", **vars(sheet), steps=list_steps(sheet), pictures=pictures)
 
 
 def render_start(

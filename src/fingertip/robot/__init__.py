@@ -1,1 +1,10 @@
-"""Models of a fingertip for simulators of robots: masses, frames, collision pieces and contact, as MJCF and URDF."""
+"""Model of a finger for simulators of robots: inertia, collision pieces, contact, and the formats MJCF and URDF.
+
+In: a design. Out: meshes, and figures in m, kg and N in the frame of the interface to the hand.
+
+>>> from fingertip.design import Design
+>>> from fingertip.pad.form import PadForm
+>>> from fingertip.robot.contact import mesh_active_area
+>>> len(mesh_active_area(PadForm.of_design(Design())).points_mm)  # points of the tactile sensor
+121
+"""

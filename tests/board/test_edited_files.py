@@ -14,13 +14,21 @@ from pathlib import Path
 import pytest
 
 from fingertip.board.components.values import VARIANT_CHANGES
-from fingertip.board.kicad.netlist import CircuitRecord, Part, describe_structure_changes
+from fingertip.board.kicad.netlist import (
+    CircuitRecord,
+    Part,
+    describe_structure_changes,
+    kicad_netlist_file,
+    read_netlist,
+)
 from fingertip.board.kicad.sexpr import Node, find_word, quote, read_expression, replace_spans
-from fingertip.catalogues.output_files import LAYOUT, NETLIST, PROJECT, SCHEMATIC
+from fingertip.board.parts.circuit import Component, Symbol, build_circuit
+from fingertip.board.parts.symbols import CAPACITOR, R_0603, RESISTOR
+from fingertip.catalogues.output_files import BOARD, LAYOUT, NETLIST, PROJECT, SCHEMATIC
 from fingertip.foundation.errors import OutputError
-from fingertip.foundation.output_set import read_manifest
+from fingertip.foundation.output_set import Revision, read_manifest
 from fingertip.tasks.board import write_board, write_fabrication
-from fingertip.tasks.edited_board import enter_texts
+from fingertip.tasks.edited_board import enter_texts, find_edited, refuse_other_circuit, revise_edited
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.board.test_layout import NO_VIOLATIONS, run_drc
 from tests.conftest import run_fingertip
@@ -130,6 +138,64 @@ def test_all_other_files_follow_the_design(folder: Path, tmp_path: Path) -> None
     )
     assert found.pop(Path(LAYOUT)) not in (edited, wanted.pop(Path(LAYOUT)))
     assert found == wanted  # the manifest too: the layout stays the user's own
+
+
+@pytest.fixture
+def small_board(tmp_path: Path) -> Path:
+    """Folder with the files of a board of two resistors, as this program wrote them."""
+    files = small_files("1k")
+    BOARD.writer(ARTICLE, tmp_path).write(files)
+    return tmp_path
+
+
+def small_files(value: str, symbol: Symbol = RESISTOR) -> dict[str, bytes]:
+    """Netlist, layout, schematic and project of two parts of a value."""
+    parts = [Component(name, value, symbol, R_0603, "of a divider") for name in ("R1", "R2")]
+    netlist = kicad_netlist_file(build_circuit("small", {part: {"1": "A", "2": "B"} for part in parts}))
+    items = [
+        (f'(path "{part.identifier}") (uuid "{part.identifier[1:]}")', name, part.fields["Value"])
+        for name, part in read_netlist(netlist).parts.items()
+    ]
+    fields = [f'{ends} (property "Reference" "{name}") (property "Value" "{word}")' for ends, name, word in items]
+    layout, schematic = (
+        f"(kicad {' '.join(f'({kind} {each})' for each in fields)})".encode() for kind in ("footprint", "symbol")
+    )
+    return {NETLIST: netlist, LAYOUT: layout, SCHEMATIC: schematic, PROJECT: b"{}"}
+
+
+def revise_small(folder: Path, new: Mapping[str, bytes]) -> tuple[dict[str, Revision], list[str]]:
+    return revise_edited(folder, new, lambda values: small_files(values["R1"])[LAYOUT])
+
+
+def test_guard_revises_what_somebody_edited_and_nothing_else(small_board: Path) -> None:
+    assert revise_small(small_board, small_files("2k")) == ({}, [])
+    for name in (LAYOUT, PROJECT):
+        (small_board / name).write_bytes((small_board / name).read_bytes() + b" by hand")
+    revisions, notes = revise_small(small_board, small_files("2k"))
+    assert revisions[LAYOUT].after == small_files("2k")[LAYOUT] + b" by hand"
+    assert revisions.keys() == {LAYOUT, PROJECT}
+    assert revisions[PROJECT].after == b"{} by hand"
+    assert [note.partition(": ")[2].partition(", and")[0] for note in notes] == [
+        "was changed in KiCad", "was edited; the values of R1 and R2 are updated"
+    ]  # fmt: skip
+
+
+def test_guard_refuses_what_an_edited_file_cannot_follow(small_board: Path) -> None:
+    others = small_files("2k", CAPACITOR)
+    with pytest.raises(OutputError, match=r"holds a board of 'fsr400' with another circuit.*with out beside"):
+        refuse_other_circuit(small_board, others[NETLIST], Path("beside"))
+    refuse_other_circuit(small_board, small_files("2k")[NETLIST], Path("beside"))
+    schematic = small_board / SCHEMATIC
+    schematic.write_bytes(schematic.read_bytes().replace(b'"1k"', b'"3k"', 1))
+    refuse_other_circuit(small_board, others[NETLIST], Path("beside"))  # what is edited is left to the other guard
+    assert find_edited(small_board) == [SCHEMATIC]
+    with pytest.raises(OutputError, match="R1 has Value '3k' by hand, and this design changes it from '1k' to '2k'"):
+        revise_small(small_board, small_files("2k"))
+    with pytest.raises(OutputError, match="was edited, and this design changes more than values"):
+        revise_small(small_board, others)
+    (small_board / NETLIST).write_bytes(b"")
+    with pytest.raises(OutputError, match="which states its circuit, is missing or was changed"):
+        revise_small(small_board, small_files("2k"))
 
 
 @pytest.mark.full

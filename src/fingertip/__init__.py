@@ -42,10 +42,10 @@ if TYPE_CHECKING:
     from fingertip.sweep.table import run_sweep
     from fingertip.tasks.board import write_board
     from fingertip.tasks.build import build
-    from fingertip.tasks.drawing import write_drawing
     from fingertip.tasks.firmware import write_firmware
     from fingertip.tasks.make import Made, make
     from fingertip.tasks.robot import write_robot
+    from fingertip.tasks.views import write_drawing
 
 _NAMES = {
     "board": "BoardValues board_values",
@@ -71,7 +71,7 @@ _NAMES = {
     "sweep.table": "run_sweep",
     "tasks.board": "write_board",
     "tasks.build": "build",
-    "tasks.drawing": "write_drawing",
+    "tasks.views": "write_drawing",
     "tasks.firmware": "write_firmware",
     "tasks.make": "Made make",
     "tasks.robot": "write_robot",

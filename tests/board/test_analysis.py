@@ -37,11 +37,11 @@ from fingertip.board.components.values import SUPPLIES, VARIANT_CHANGES
 from fingertip.board.parts import symbols
 from fingertip.board.parts.circuit import Circuit, Component, Net, parse_component_value
 from fingertip.catalogues.amplifiers import CATALOGUE
+from fingertip.cli.board_tables import analysis_text
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.design.formulas.filter import FilterComponents, ideal_components
 from fingertip.design.parameters.electronics import Board
-from fingertip.documents.board.analysis import analysis_text
 from fingertip.foundation.numerics import Array
 from tests.conftest import run_fingertip
 from tests.designs import ARTICLE, ARTICLE_OPTIONS, load_article

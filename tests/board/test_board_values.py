@@ -13,10 +13,9 @@ from hypothesis import strategies as st
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.board_values import load_errata
-from fingertip.board.analysis.interference import DEAD_ZONE_V
+from fingertip.board.analysis.interference import DEAD_ZONE_V, compute_supply_current_a
 from fingertip.board.analysis.response import decibel
-from fingertip.board.analysis.shared import compute_supply_current_a
-from fingertip.board.components.bridge import (
+from fingertip.board.components.front_end import (
     ARTICLE_POINTS,
     INTERLINK_CURVE,
     MAX_FORCE_N,

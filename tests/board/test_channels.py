@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.analysis import shared
-from fingertip.board.analysis.shared import compute_supply_current_a
+from fingertip.board.analysis import interference
+from fingertip.board.analysis.interference import compute_supply_current_a
 from fingertip.board.bringup.bench import HOST, Fault, list_faults
 from fingertip.board.bringup.plan import BringUp, plan_bring_up
 from fingertip.board.bringup.prediction import Board, predict
@@ -136,18 +136,18 @@ def test_kicad_agrees_on_empty_places(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("wire_f", "least_db", "most_db"), [(shared.WIRE_F_PER_M, -69.0, -68.0), (1e-18, -110.0, -95.0)]
+    ("wire_f", "least_db", "most_db"), [(interference.WIRE_F_PER_M, -69.0, -68.0), (1e-18, -110.0, -95.0)]
 )
 def test_crosstalk_is_that_of_ngspice(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, wire_f: float, least_db: float, most_db: float
 ) -> None:
     """With wires that touch, and with supply, ground and references alone."""
-    monkeypatch.setattr(shared, "WIRE_F_PER_M", wire_f)
+    monkeypatch.setattr(interference, "WIRE_F_PER_M", wire_f)
     circuit = board_circuit(board_values(load(PLACES)), PLACES)
     bandwidth_hz = find_gain_bandwidth_hz(board := load(PLACES).board)
-    deck = spice_deck(shared.connect_cables(circuit, board), bandwidth_hz, 3.3).decode()
+    deck = spice_deck(interference.connect_cables(circuit, board), bandwidth_hz, 3.3).decode()
     pins = " ".join(f"vm(f{k}_adc_filtered,host_ground)" for k in range(1, PLACES + 1))
-    found_db, hz = shared.find_crosstalk(circuit, board, bandwidth_hz)
+    found_db, hz = interference.find_crosstalk(circuit, board, bandwidth_hz)
     (row,) = run_ngspice(tmp_path, deck, f"ac lin 1 {hz} {hz}\nwrdata out {pins}")
     levels = np.array(row[1:])
     # The deck has one force on the sensors, between those that are searched.
@@ -160,7 +160,7 @@ def test_long_cables_warn_with_a_length_that_does_not() -> None:
         design = Design.load("fsr400", changes=["board.channels=5", *changes])
         values = board_values(design)
         assert values.shared
-        return shared.crosstalk_warning(values.shared, design.board)
+        return interference.crosstalk_warning(values.shared, design.board)
 
     assert not warn()
     warning = warn("board.cable_m=5")

@@ -16,13 +16,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fingertip import Design, FingertipError, Readout, board_values, detect
-from fingertip.board.circuits.divider import compute_current_ratio, divider_circuit
-from fingertip.board.front_end import find_range_warnings, find_tactile_response
+from fingertip.board.analysis.board_values import find_range_warnings, find_tactile_response
+from fingertip.board.circuits.board_circuit import divider_circuit
 from fingertip.board.parts.circuit import find_issues
 from fingertip.calibration.sensor import calibrate_sensor, read_weighings
 from fingertip.detection.files import detect_stream
 from fingertip.documents.acceptance import expect_readings
-from fingertip.documents.board.divider import list_readings
+from fingertip.documents.board.divider import compute_current_ratio, list_readings
 from fingertip.lab.campaign.grids import compare_grids
 from fingertip.lab.campaign.plan import CampaignPlan, generate_trials
 from fingertip.lab.campaign.run import run_campaign

@@ -12,7 +12,7 @@ from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.loads import compute_phase_margins_deg
 from fingertip.board.circuits.network import build_network
 from fingertip.board.circuits.spice import spice_deck
-from fingertip.board.components.bridge import sensor_conductance_s
+from fingertip.board.components.front_end import sensor_conductance_s
 from fingertip.board.parts import symbols
 from fingertip.board.parts.circuit import Component
 from fingertip.catalogues.amplifiers import CATALOGUE

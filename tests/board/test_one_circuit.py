@@ -112,11 +112,11 @@ def test_rectifier_changed_in_one_place_scales_envelope_noise_and_ripple(
 
 
 def test_front_end_changed_in_one_place_moves_the_tactile_voltage(monkeypatch: pytest.MonkeyPatch) -> None:
-    from fingertip.board.components import transimpedance
+    from fingertip.board.components import front_end
     from fingertip.sim.signal.converter import compute_bridge_v
 
     before, before_v = board_values(DESIGN), compute_bridge_v(DESIGN, np.ones(1))[0]
-    monkeypatch.setattr(transimpedance, "VALUES", {**transimpedance.VALUES, "R32": 20e3})
+    monkeypatch.setattr(front_end, "STAGE_VALUES", {**front_end.STAGE_VALUES, "R32": 20e3})
     board_values.cache_clear()
     after = board_values(DESIGN)
     assert after.tactile_response.open_v > 1.9 * before.tactile_response.open_v

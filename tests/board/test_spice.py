@@ -15,7 +15,7 @@ from fingertip.board.analysis.limits import adc_range_warnings, describe_adc_ran
 from fingertip.board.analysis.loads import load_warnings
 from fingertip.board.analysis.response import decibel
 from fingertip.board.circuits.network import MAX_SWITCH_OHM, build_network
-from fingertip.board.components.bridge import sensor_conductance_s
+from fingertip.board.components.front_end import sensor_conductance_s
 from fingertip.board.components.values import SUPPLIES, VARIANT_CHANGES
 from fingertip.board.parts.circuit import Circuit
 from fingertip.design import Design

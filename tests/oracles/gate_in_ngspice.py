@@ -13,7 +13,7 @@ from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.board_values import BoardValues
 from fingertip.board.analysis.gate import OFFSET
 from fingertip.board.circuits.spice import spice_deck
-from fingertip.board.components.bridge import AMPLIFIERS
+from fingertip.board.components.front_end import AMPLIFIERS
 from fingertip.board.components.values import SUPPLIES
 from fingertip.board.parts.circuit import Circuit
 from fingertip.design import Design

@@ -17,7 +17,7 @@ from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.catalogues.output_files import PAGE, PART_FILES
 from fingertip.page.render import render_page
 from fingertip.page.sources import Sources
-from fingertip.tasks.page import write_page
+from fingertip.tasks.views import write_page
 from tests.conftest import design_file
 from tests.slip.recordings import burst
 

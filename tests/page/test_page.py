@@ -18,7 +18,7 @@ from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.catalogues.output_files import PAGE
 from fingertip.foundation.errors import OutputError
 from fingertip.page.render import ARTICLE_DOI
-from fingertip.tasks.page import write_page
+from fingertip.tasks.views import write_page
 from tests.conftest import run_fingertip
 from tests.page.conftest import Page, make_sources
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fingertip.board.components.bridge import sensor_conductance_s
+from fingertip.board.components.front_end import sensor_conductance_s
 from fingertip.design import Design
 from fingertip.pad.form import PadForm
 from fingertip.pad.layer import find_contacts, find_rest_n

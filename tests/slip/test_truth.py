@@ -25,7 +25,7 @@ from fingertip.slip.traces.truth import (
     read_origin,
     score,
 )
-from fingertip.tasks.trial import simulate_and_detect
+from fingertip.tasks.make import simulate_and_detect
 from tests.slip.recordings import T, V
 
 STEP_S = 1 / 64  # times and gaps are exact

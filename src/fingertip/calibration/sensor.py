@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from fingertip.board.analysis.board_values import find_tactile_response
 from fingertip.board.analysis.limits import TactileResponse
-from fingertip.board.components.bridge import NEWTON_PER_GRAM
-from fingertip.board.front_end import find_tactile_response
+from fingertip.board.components.front_end import NEWTON_PER_GRAM
 from fingertip.design import Design
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import InputFileError, Issue, TraceError, quote_value

@@ -109,7 +109,7 @@ def board(
     lines += ["", f"wrote {' and '.join(responses)}"] if responses else []
     if analysis:
         from fingertip.board.analysis.report import analyse
-        from fingertip.documents.board.analysis import analysis_text
+        from fingertip.cli.board_tables import analysis_text
 
         analysis_result = analyse(loaded)
         data["analysis"] = analysis_result.as_data()
@@ -121,8 +121,8 @@ def _write_divider(
     console: Console, design: Design, out: Path | None, force: bool, check: bool, needing_a_board: Sequence[str]
 ) -> None:
     """Write or compare the files of a divider, and print what its voltage must be."""
+    from fingertip.board.analysis.board_values import find_range_warnings
     from fingertip.board.components.values import BOARD_REMEDY
-    from fingertip.board.front_end import find_range_warnings
     from fingertip.documents.board.divider import describe_readings, list_readings
 
     message = f"needs a board, and a divider is none; leave it out, or {BOARD_REMEDY}."
@@ -196,9 +196,9 @@ def _write_responses(design: Design, values: BoardValues, bode: Path | None, plo
 def _find_warnings(design: Design, values: BoardValues) -> Iterator[str]:
     """Find settings that are valid but make a board that performs badly."""
     from fingertip.board.analysis.gate import gate_warnings
+    from fingertip.board.analysis.interference import crosstalk_warning
     from fingertip.board.analysis.loads import load_warnings
     from fingertip.board.analysis.noise import noise_warning
-    from fingertip.board.analysis.shared import crosstalk_warning
 
     if warning := noise_warning(values.noise, design.detector.threshold_v):
         yield warning

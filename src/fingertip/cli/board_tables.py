@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from fingertip.board.analysis.board_values import BoardValues
+    from fingertip.board.analysis.report import Analysis
     from fingertip.design import Design
 
 _FORCES_N = (0.0, 0.2, 0.8, 1.3, 3.0, 8.0, 20.0)
@@ -168,7 +169,7 @@ def load_lines(design: Design, values: BoardValues) -> list[str]:
 
 def _force_lines(design: Design, values: BoardValues) -> list[str]:
     """Sensor resistance and tactile voltage at a few forces, and what they assume of the sensor."""
-    from fingertip.board.components.bridge import sensor_conductance_s
+    from fingertip.board.components.front_end import sensor_conductance_s
 
     conductance_of = sensor_conductance_s
     if design.force_curve.curve == "calibrated":
@@ -185,3 +186,51 @@ def _force_lines(design: Design, values: BoardValues) -> list[str]:
         tactile_v = values.tactile_response.tactile_v(conductance_s)
         lines.append(f"{force_n:6g} N {resistance:>10} {tactile_v:14.2f} V")
     return [*lines, design.force_curve.describe()]
+
+
+_LABELS = {
+    "cutoff_hz": "lower -3 dB [Hz]",
+    "section_quality": "Sallen-Key Q",
+    "passband_gain": "maximum gain",
+    "first_pole_hz": "first pole [Hz]",
+    "section_hz": "Sallen-Key f0 [Hz]",
+}
+
+
+def analysis_text(analysis: Analysis) -> str:
+    """Tables of the analysis of a board, whose text is the template `analysis.txt`."""
+    from fingertip.board.analysis import interference, limits, noise
+    from fingertip.board.analysis.tolerance import ARTICLE_CAPACITOR_PERCENT, CUTOFF_CAPACITORS
+    from fingertip.board.components.front_end import LOW_NOISE_NAME
+    from fingertip.catalogues.amplifiers import CATALOGUE
+    from fingertip.design.formulas import filter as formulas
+    from fingertip.documents.template import render
+
+    text = render(
+        "board/analysis.txt",
+        analysis=analysis,
+        labels=_LABELS,
+        noise=noise,
+        interference=interference,
+        limits=limits,
+        formulas=formulas,
+        low_noise_name=LOW_NOISE_NAME,
+        amplifier=CATALOGUE[analysis.amplifier],
+        has_bridge=not analysis.voltage_limits.has_filtered_output,
+        is_in_software=analysis.voltage_limits.max_envelope_v is None,
+        tolerances=_group_tolerances(analysis.component_percent),
+        cutoff_percent=max(analysis.component_percent[name] for name in CUTOFF_CAPACITORS),
+        article_percent=ARTICLE_CAPACITOR_PERCENT,
+    )
+    return text.rstrip("\n")
+
+
+def _group_tolerances(percent: Mapping[str, float]) -> str:
+    """List the tolerances: the resistors' in one, the capacitors' one by one where they differ."""
+    groups: dict[tuple[str, float], list[str]] = {}
+    for name, value in percent.items():
+        groups.setdefault(("filter resistors" if name.startswith("R") else "capacitors", value), []).append(name)
+    kinds = [kind for kind, _ in groups]
+    return ", ".join(
+        f"{kind if kinds.count(kind) == 1 else ' '.join(names)} {value:g} %" for (kind, value), names in groups.items()
+    )

@@ -180,7 +180,7 @@ def validate(
     changes: list[str] | None = CHANGES,
 ) -> None:
     """Test a design's detectors on simulated slips and on scenes without slip. Exit code 1: a requirement is missed."""
-    from fingertip.board.front_end import find_range_warnings
+    from fingertip.board.analysis.board_values import find_range_warnings
     from fingertip.detection.warnings import settings_warnings
     from fingertip.foundation import extras
     from fingertip.foundation.output_set import SetWriter, hash_parameters

@@ -105,7 +105,7 @@ def drawing(
     changes: list[str] | None = options.CHANGES,
 ) -> None:
     """Draw each printed part to scale with its dimensions, tolerances and sizes to check, as SVG and as one PDF."""
-    from fingertip.tasks.drawing import write_drawing
+    from fingertip.tasks.views import write_drawing
 
     paths = write_drawing(load_design(design, changes, console), out, force=force, progress=console.progress)
     data = {"drawings": [str(path) for path in paths]}
@@ -146,7 +146,7 @@ def page(
     changes: list[str] | None = options.CHANGES,
 ) -> None:
     """Write index.html beside a design's files: 3D view, checks, casting guide, board and trial in one offline page."""
-    from fingertip.tasks.page import write_page
+    from fingertip.tasks.views import write_page
 
     path, size, remarks = write_page(load_design(design, changes, console), out, force=force)
     for remark in remarks:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
+from fingertip.board.components.front_end import MAX_FORCE_N, sensor_conductance_s
 from fingertip.design import Design
 from fingertip.documents.template import render_page
 from fingertip.pad.response import Pad

@@ -7,7 +7,7 @@ import math
 from fingertip.board import board_circuit
 from fingertip.board.bringup.wiring import SKETCH_PINS, list_notes, name_signals
 from fingertip.board.circuits.channels import split_net
-from fingertip.board.components.bridge import POWER_UP_S
+from fingertip.board.components.front_end import POWER_UP_S
 from fingertip.board.components.values import select_components
 from fingertip.board.parts.circuit import HOST_CONNECTOR
 from fingertip.board.parts.nets import GND, VMID_OUT

@@ -11,7 +11,7 @@ from importlib import resources
 from string import Template
 from typing import Any
 
-from fingertip.board.front_end import find_tactile_response
+from fingertip.board.analysis.board_values import find_tactile_response
 from fingertip.catalogues.output_files import BUFFER, HAND, SCAN, TIMER
 from fingertip.design import Design
 from fingertip.design.formulas.filter import filtered_range_v, signal_ground_ratio

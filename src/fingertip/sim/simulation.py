@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from fingertip.board.front_end import find_range_warnings, find_tactile_range_v
+from fingertip.board.analysis.board_values import find_range_warnings, find_tactile_range_v
 from fingertip.catalogues.bundled import find_file
 from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, identify_kind, split_changes
 from fingertip.design import Design

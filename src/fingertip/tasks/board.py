@@ -11,15 +11,14 @@ from typing import Any
 
 from fingertip.board.analysis.board_values import BoardValues, board_values
 from fingertip.board.analysis.gate import find_refusals
-from fingertip.board.analysis.shared import connect_cables
+from fingertip.board.analysis.interference import connect_cables
 from fingertip.board.bringup.plan import BringUp, plan_bring_up
 from fingertip.board.bringup.prediction import Board
 from fingertip.board.bringup.readings import assess_readings, read_readings, readings_template
 from fingertip.board.bringup.several import assess_fingers, read_fingers, write_template
 from fingertip.board.bringup.wiring import wiring_diagram
-from fingertip.board.circuits.board_circuit import board_circuit
+from fingertip.board.circuits.board_circuit import board_circuit, divider_circuit
 from fingertip.board.circuits.channels import extract_channel, leave_out_empty
-from fingertip.board.circuits.divider import divider_circuit
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.fabrication.bom import bill_of_materials
 from fingertip.board.fabrication.fabrication_files import find_outdated_files, provenance_record

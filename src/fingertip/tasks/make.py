@@ -9,30 +9,34 @@ page is made last, from what was written.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from fingertip.cad.report import Build
 from fingertip.catalogues import output_files
 from fingertip.design import Design
+from fingertip.detection.files import FileDetection, detect_file
 from fingertip.documents.acceptance import acceptance_data, render_acceptance
 from fingertip.foundation import extras
+from fingertip.foundation.files import temporary_folder
 from fingertip.foundation.processes import in_background
 from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.page.html import Markup
 from fingertip.page.pad_section import render_pad
 from fingertip.page.render import Prepared, prepare_page
 from fingertip.pictures.drawing.draw import file_names
+from fingertip.sim.runs.files import SceneFile
+from fingertip.sim.runs.scene import run_scene
+from fingertip.sim.simulation import load_simulation
+from fingertip.sim.trace_file import encode_trace
+from fingertip.slip.detectors.registry import find_second_column
+from fingertip.slip.report import as_data, draw
 from fingertip.tasks.board import BRING_UP_FILES, plan_board
 from fingertip.tasks.build import build, find_formats
 from fingertip.tasks.firmware import plan_firmware
-from fingertip.tasks.page import write_page
-from fingertip.tasks.trial import simulate_and_detect
-
-if TYPE_CHECKING:
-    from fingertip.detection.files import FileDetection
+from fingertip.tasks.views import write_page
 
 
 @dataclass(frozen=True)
@@ -134,3 +138,32 @@ def make(
 
 def _simulate_and_draw(design: Design, has_page: bool) -> tuple[dict[str, bytes], FileDetection, Markup | None]:
     return *simulate_and_detect(design), render_pad(design) if has_page else None
+
+
+DETECTOR = "fast"
+"""Detector of the trial: the best there is."""
+
+
+def simulate_and_detect(
+    design: Design, progress: ReportProgress = lambda message: None
+) -> tuple[dict[str, bytes], FileDetection]:
+    """Simulate a trial, and detect slip in its trace as it is read back from a file."""
+
+    work = Work("", {"simulated trial": 3.0, "detection of slip in it": 2.0}, progress)
+    work.begin("simulated trial")
+    scene = load_simulation().scene
+    assert isinstance(scene, SceneFile)
+    if second := find_second_column(design, DETECTOR):
+        scene = scene.model_copy(update={"outputs": [*scene.outputs, f"sampled_{second}"]})
+    result = run_scene(design, scene)
+    contents = {output_files.TRACE: encode_trace(result.time_s, result.columns, Path(output_files.TRACE))}
+    work.begin("detection of slip in it")
+    with temporary_folder() as temporary:
+        path = temporary / output_files.TRACE
+        path.write_bytes(contents[output_files.TRACE])
+        found = detect_file(path, design, DETECTOR, origin=result.trace.origin)
+    data = as_data(found.detection, found.noise)
+    contents[output_files.DETECTION] = (json.dumps(data, indent=2, allow_nan=False) + "\n").encode()
+    if extras.is_installed("matplotlib"):
+        contents[output_files.PLOT] = draw(found.trace, found.detection, f"{design.name}: simulated trial")
+    return contents, found

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import functools
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
 from fingertip.board.analysis import interference, limits, response, thresholds
 from fingertip.board.analysis.gate import GateCondition, check_gate, check_yields
+from fingertip.board.analysis.interference import SharedFigures, compute_shared_figures
+from fingertip.board.analysis.limits import TactileResponse, adc_range_warnings
 from fingertip.board.analysis.loads import AmplifierLoad, compute_amplifier_loads, find_filter_load_ohm
 from fingertip.board.analysis.noise import NoiseLevels, compute_noise_levels
-from fingertip.board.analysis.shared import SharedFigures, compute_shared_figures
 from fingertip.board.analysis.tolerance import compute_yields
 from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import Value, build_network, filter_quantities
+from fingertip.board.components.front_end import MAX_FORCE_N, sensor_conductance_s
 from fingertip.board.components.selection import FilterSelection, select_filter
 from fingertip.board.components.values import SUPPLIES, ComponentValues, select_components
 from fingertip.board.parts.nets import GND, VCC, VEE
@@ -143,6 +145,36 @@ def board_values(design: Design) -> BoardValues:
             else None
         ),
     )
+
+
+# Front end of any design, a board's or a divider: the tactile voltage over the sensor's conductance.
+
+
+def find_tactile_response(design: Design) -> TactileResponse:
+    board = design.board
+    if board.has_filter:
+        return board_values(design).tactile_response
+    # The supply behind the resistor drives the sensor, whose current is read across that resistor.
+    return TactileResponse(0.0, board.supply_v, board.divider_ohm, -board.divider_ohm)
+
+
+def find_tactile_range_v(design: Design) -> tuple[float, float]:
+    """Smallest and largest tactile voltage [V], from an open sensor to its maximum force."""
+    response = find_tactile_response(design)
+    ends_v = response.open_v, response.tactile_v(sensor_conductance_s(MAX_FORCE_N))
+    return min(ends_v), max(ends_v)
+
+
+def find_range_warnings(design: Design) -> Iterator[str]:
+    """Find a converter that clips the tactile voltage."""
+    board, converter = design.board, design.detector
+    if board.has_filter:
+        yield from adc_range_warnings(board_values(design).voltage_limits)
+    elif board.supply_v > converter.adc_range_v:
+        yield (
+            f"the divider's voltage, up to {board.supply_v:g} V, exceeds the converter's {converter.adc_range_text}; "
+            f"use --set board.supply_v={converter.adc_range_v:g}, from the pin of the converter's reference."
+        )
 
 
 # Touches of the finger, and how far down each drives the filtered signal: results of simulations, stored as data.

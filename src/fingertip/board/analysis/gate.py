@@ -21,7 +21,7 @@ from fingertip.board.analysis.response import RECTIFYING_DIODE
 from fingertip.board.analysis.thresholds import BLOCKING_DIODE, OutputOffset, ThresholdSpread
 from fingertip.board.analysis.tolerance import LEAST_YIELD
 from fingertip.board.circuits.network import build_network, list_amplifiers
-from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
+from fingertip.board.components.front_end import MAX_FORCE_N, sensor_conductance_s
 from fingertip.board.components.values import CLAMP as CLAMP_DIODES
 from fingertip.board.components.values import LOW_LEAKAGE_CLAMP, SUPPLIES
 from fingertip.board.parts.circuit import Circuit, parse_component_value

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from fingertip.board.analysis.response import RECTIFYING_DIODE, find_envelope_pin, find_rectifier
 from fingertip.board.circuits.network import build_network
-from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
+from fingertip.board.components.front_end import MAX_FORCE_N, sensor_conductance_s
 from fingertip.board.components.values import Supply
 from fingertip.board.parts.circuit import SENSOR_CONNECTOR, Circuit
 from fingertip.board.parts.nets import ADC_TACTILE, BIAS, GND, REFERENCE, SENSOR, TACTILE, VCC, VEE, VMID

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.board.circuits.network import Network, build_network, list_amplifiers
-from fingertip.board.components import bridge
-from fingertip.board.components.bridge import BOLTZMANN_J_PER_K, TEMPERATURE_K, sensor_conductance_s
+from fingertip.board.components import front_end
+from fingertip.board.components.front_end import BOLTZMANN_J_PER_K, TEMPERATURE_K, sensor_conductance_s
 from fingertip.board.components.selection import nearest_value
 from fingertip.board.parts import symbols
 from fingertip.board.parts.circuit import Circuit, Component, format_component_value, parse_component_value
@@ -119,7 +119,7 @@ def _sources(circuit: Circuit, network: Network) -> Iterator[Source]:
     amplifiers = tuple(list_amplifiers(circuit))
     for component in circuit.components:
         symbol, reference = component.symbol.name, component.reference
-        if component.value == "FSR" or (symbol == "R" and reference != bridge.GAIN_RESISTOR):
+        if component.value == "FSR" or (symbol == "R" and reference != front_end.GAIN_RESISTOR):
             own = [t.equation for t in network.terms if t.quantity == reference and t.equation == t.net]
             entries = dict(zip(own, (1.0, -1.0), strict=False))  # a current from one net to the other
             yield Source(reference, entries, _thermal_noise(float(network.values[reference])), 0.0)
@@ -127,12 +127,12 @@ def _sources(circuit: Circuit, network: Network) -> Iterator[Source]:
             if data:
                 yield Source(name, {out: -1.0}, data.noise_v, data.offset_v)
                 continue
-            resistor_ohm = parse_component_value(circuit.component(bridge.GAIN_RESISTOR).value)
-            gain = 1.0 + bridge.GAIN_CONSTANT_OHM / resistor_ohm
-            noise_v = math.hypot(bridge.AD623_NOISE_V, bridge.AD623_OUTPUT_NOISE_V / gain)
-            yield Source(reference, {out: -gain}, noise_v, bridge.AD623_OFFSET_V)
+            resistor_ohm = parse_component_value(circuit.component(front_end.GAIN_RESISTOR).value)
+            gain = 1.0 + front_end.GAIN_CONSTANT_OHM / resistor_ohm
+            noise_v = math.hypot(front_end.AD623_NOISE_V, front_end.AD623_OUTPUT_NOISE_V / gain)
+            yield Source(reference, {out: -gain}, noise_v, front_end.AD623_OFFSET_V)
             # The gain resistor carries the input voltage, so its noise is amplified as noise at the input is.
-            yield Source(bridge.GAIN_RESISTOR, {out: 1.0 - gain}, _thermal_noise(resistor_ohm), 0.0)
+            yield Source(front_end.GAIN_RESISTOR, {out: 1.0 - gain}, _thermal_noise(resistor_ohm), 0.0)
 
 
 def _thermal_noise(value: float) -> float:
@@ -192,9 +192,9 @@ def compare_noise_alternatives(
         squares = board.squares(FILTERED)
         cases = {"": np.ones(len(squares))}
         if has_bridge:
-            ratio = bridge.LOW_NOISE_V / bridge.AD623_NOISE_V
+            ratio = front_end.LOW_NOISE_V / front_end.AD623_NOISE_V
             low_noise = np.array([ratio if source.name == "U2" else 1.0 for source in board.sources])
-            cases[f", {bridge.LOW_NOISE_NAME} for U2"] = low_noise**2
+            cases[f", {front_end.LOW_NOISE_NAME} for U2"] = low_noise**2
         for suffix, factors in cases.items():
             total_v = math.sqrt(float(squares @ factors))
             alternatives.append(

@@ -19,7 +19,7 @@ from fingertip.board.analysis.thresholds import ComparatorLevels, OutputOffset
 from fingertip.board.analysis.tolerance import Spread
 from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.network import Network, Value, build_network
-from fingertip.board.components.bridge import MAX_FORCE_N, sensor_conductance_s
+from fingertip.board.components.front_end import MAX_FORCE_N, sensor_conductance_s
 from fingertip.board.components.values import Tolerance, select_components
 from fingertip.board.parts.circuit import Circuit
 from fingertip.board.parts.nets import ADC_TACTILE, FILTERED, STAGE1_OUT, TACTILE, VCC, VEE

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from fingertip.board.analysis.response import RECTIFYING_DIODE
 from fingertip.board.circuits.network import Network, Value, build_network, list_amplifiers
 from fingertip.board.circuits.transfer_function import find_stages
-from fingertip.board.components.bridge import AMPLIFIERS
+from fingertip.board.components.front_end import AMPLIFIERS
 from fingertip.board.components.values import MAX_CLAMP_A
 from fingertip.board.parts.circuit import Circuit
 from fingertip.board.parts.nets import ADC_ENVELOPE, ADC_TACTILE, ENVELOPE, MEAN, SLIP, THRESHOLD

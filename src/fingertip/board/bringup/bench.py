@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fingertip.board.circuits.network import Network, build_network, list_amplifiers
-from fingertip.board.components.bridge import ARTICLE_POINTS, sensor_conductance_s
+from fingertip.board.components.front_end import ARTICLE_POINTS, sensor_conductance_s
 from fingertip.board.components.selection import nearest_value
 from fingertip.board.parts import nets
 from fingertip.board.parts.circuit import HOST_CONNECTOR, Circuit, Component, Net, parse_component_value

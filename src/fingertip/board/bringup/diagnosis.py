@@ -16,7 +16,7 @@ from fingertip.board.bringup.bench import HOST, Fault, list_exchanges, list_faul
 from fingertip.board.bringup.plan import METER_AC, BringUp, Limits, find_failed, resistance_limits
 from fingertip.board.bringup.prediction import POINTS, Board, is_tone, name_voltage, predict
 from fingertip.board.circuits.network import build_network
-from fingertip.board.components.bridge import AMPLIFIERS
+from fingertip.board.components.front_end import AMPLIFIERS
 from fingertip.board.parts.nets import ENVELOPE, RECT_OUT, STAGE1_OUT, VMID
 from fingertip.foundation.errors import join_words
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 from fingertip.board.bringup.plan import Limits, resistance_between
-from fingertip.board.components.bridge import GAIN_RESISTOR
+from fingertip.board.components.front_end import GAIN_RESISTOR
 from fingertip.board.parts.circuit import Circuit
 
 TOP_OHM = 1e7

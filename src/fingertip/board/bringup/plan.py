@@ -9,11 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.board.analysis.board_values import BoardValues
-from fingertip.board.analysis.shared import compute_supply_current_a
+from fingertip.board.analysis.interference import compute_supply_current_a
 from fingertip.board.bringup import bench, prediction
 from fingertip.board.bringup.prediction import Board, name_tone, name_voltage
 from fingertip.board.circuits.network import Network, Value, build_network, list_amplifiers
-from fingertip.board.components.bridge import AD623_OFFSET_V, GAIN_CONSTANT_OHM, GAIN_RESISTOR
+from fingertip.board.components.front_end import AD623_OFFSET_V, GAIN_CONSTANT_OHM, GAIN_RESISTOR
 from fingertip.board.parts.circuit import Circuit, parse_component_value
 from fingertip.board.parts.nets import ENVELOPE, FILTERED, GND, RECT_OUT, SENSOR, TACTILE, VCC, VEE
 from fingertip.foundation.numerics import Array

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.board.circuits.network import build_network, list_amplifiers
-from fingertip.board.components.bridge import EMISSION, SATURATION_A, SERIES_OHM, THERMAL_V
+from fingertip.board.components.front_end import EMISSION, SATURATION_A, SERIES_OHM, THERMAL_V
 from fingertip.board.parts.circuit import Circuit
 from fingertip.board.parts.nets import ENVELOPE, FILTERED, RAILS, RECT_OUT
 from fingertip.foundation.numerics import Array

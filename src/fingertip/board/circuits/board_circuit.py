@@ -1,4 +1,4 @@
-"""Circuit of a board from the table of its components, `components.csv`, with the values that are selected.
+"""Circuit of a board from the table of its components, `components.csv`, with the selected values, or of a divider.
 
 A row of the table holds for the boards whose properties (`_PROPERTIES`) it names. Its pins lead to nets, of which
 SGND and VNEG stand for the signal ground and the amplifiers' negative rail.
@@ -7,7 +7,7 @@ Variant `article` is the article's circuit (figure 3) with its references, excep
 because KiCad requires references that end in a digit: a first-order high-pass with gain 1 + R5/R4 (eqs. 1, 2), a
 unity-gain Sallen-Key high-pass (eqs. 3, 4), a diode, and R_LP parallel to C_LP (eq. 11).
 
-`precision` has a transimpedance stage in place of the bridge (`fingertip.board.components.transimpedance`). Its filter
+`precision` has a transimpedance stage in place of the bridge (`fingertip.board.components.front_end`). Its filter
 equals that of `article` except for two capacitors. C14 couples R4 to signal ground for AC only, so that the first stage
 does not amplify its own offset. C20 across R5 is a low-pass above the band of the vibrations. The circuit ends with
 FILTERED: the controller's software computes the envelope.
@@ -22,6 +22,10 @@ otherwise. R24 isolates the buffer of VMID from the cable, whose capacitance it 
 Both run on the 3.3 V of a controller. U2b buffers VMID. Q1 blocks a reversed supply: its body diode lets the first
 current through, and its channel then bridges the diode, because its gate is at ground. With a reversed supply the gate
 is at the positive end, and both block.
+
+A divider stands in place of a board: the sensor from the supply to a controller's pin, and one resistor from there to
+ground. T = Vs R / (R + 1 / G) for a sensor of the conductance G. It scales with the supply Vs, so that a converter that
+takes its reference from there measures the sensor alone. Noise and steps of the converter are those of the signal.
 """
 
 from __future__ import annotations
@@ -40,8 +44,10 @@ from fingertip.board.parts.circuit import (
     build_circuit,
     format_component_value,
 )
+from fingertip.board.parts.nets import GND, TACTILE, VCC
 from fingertip.board.parts.select_part import BULK_CAPACITOR, SUPPLY_CAPACITOR, find_package, require_capacitor
 from fingertip.catalogues.amplifiers import CATALOGUE
+from fingertip.design import Design
 from fingertip.design.formulas.filter import VMID_BOTTOM_OHM, VMID_TOP_OHM
 from fingertip.foundation.tables import parse_value, read_rows
 
@@ -137,3 +143,19 @@ def _find_value(row: dict[str, str], values: ComponentValues) -> float:
 def _make_passive(reference: str, value: float, role: str, footprint: str, requirement: Requirement) -> Component:
     symbol = symbols.RESISTOR if reference.startswith("R") else symbols.CAPACITOR
     return Component(reference, format_component_value(value), symbol, footprint, role, requirement.rating, requirement)
+
+
+_AXIAL = "Resistor_THT:R_Axial_DIN0207_L6.3mm_D2.5mm_P10.16mm_Horizontal"
+
+
+def divider_circuit(design: Design) -> Circuit:
+    """Circuit of sensor, resistor, and the three pins of the controller."""
+    ohm, converter = format_component_value(design.board.divider_ohm), design.detector
+    label, two_pins = design.dimensions.sensor.label, symbols.SYMBOLS["Conn_01x02"]
+    sensor = Component("J1", label, two_pins, symbols.HEADER_2, "sensor, either way round", "with solder tabs")
+    resistor = Component("R1", ohm, symbols.RESISTOR, _AXIAL, "input to ground", "metal film with leads, 1 %, 0.25 W")
+    rating = f"analog input of {converter.adc_bits} bits, {converter.adc_range_text}; see fingertip firmware"
+    role = "converter's reference (Pico: ADC_VREF, pin 35), analog input, ground"
+    pins = Component("J3", "controller", symbols.SYMBOLS["Conn_01x03"], symbols.HEADER_3, role, rating)
+    wiring = {sensor: (VCC, TACTILE), resistor: (TACTILE, GND), pins: (VCC, TACTILE, GND)}
+    return build_circuit("divider", {part: dict(zip("123", nets, strict=False)) for part, nets in wiring.items()})

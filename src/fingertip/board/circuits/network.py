@@ -24,8 +24,13 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.board.components.bridge import AD623_BANDWIDTH_HZ, AMPLIFIERS, GAIN_CONSTANT_OHM, GAIN_RESISTOR
-from fingertip.board.components.transimpedance import SUPPRESSOR_F
+from fingertip.board.components.front_end import (
+    AD623_BANDWIDTH_HZ,
+    AMPLIFIERS,
+    GAIN_CONSTANT_OHM,
+    GAIN_RESISTOR,
+    SUPPRESSOR_F,
+)
 from fingertip.board.parts.circuit import Circuit, parse_component_value
 from fingertip.board.parts.nets import GND, RAILS, UNCONNECTED, VCC
 from fingertip.catalogues.amplifiers import OPEN_LOOP_GAIN, Amplifier

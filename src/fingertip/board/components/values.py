@@ -7,8 +7,8 @@ import itertools
 import math
 from dataclasses import dataclass
 
-from fingertip.board.components import selection, transimpedance
-from fingertip.board.components.bridge import Bridge, size_bridge
+from fingertip.board.components import front_end, selection
+from fingertip.board.components.front_end import Bridge, size_bridge
 from fingertip.board.parts.nets import GND, VEE, VMID
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import choose_amplifier
@@ -142,7 +142,7 @@ class ComponentValues:
         values = selection.FilterSelection(
             self.ideal, self.preferred, self.first_stage_capacitors, self.rectifier_ohm
         ).by_reference()
-        values |= self.bridge.by_reference() if self.bridge else transimpedance.VALUES
+        values |= self.bridge.by_reference() if self.bridge else front_end.STAGE_VALUES
         values |= self.adc_interface.by_reference()
         return values | (self.comparator_stage.by_reference() if self.comparator_stage else {})
 

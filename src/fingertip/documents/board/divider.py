@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from fingertip.board.circuits.divider import compute_current_ratio, divider_circuit, divider_deck
+from fingertip.board.circuits.board_circuit import divider_circuit
+from fingertip.board.circuits.spice import divider_deck
+from fingertip.board.components.front_end import MAX_CURRENT_A_PER_CM2, MAX_FORCE_N, sensor_conductance_s
 from fingertip.board.fabrication.bom import COLUMNS, list_bom
 from fingertip.board.kicad.netlist import kicad_netlist_file
 from fingertip.catalogues.output_files import BOM, DECK, NETLIST, README, VALUES, WIRING
@@ -53,9 +56,16 @@ def divider_files(design: Design) -> dict[str, bytes]:
     return {
         # The wiring picture stands for a schematic.
         NETLIST: kicad_netlist_file(circuit).replace(b"divider.kicad_sch", WIRING.encode()),
-        DECK: divider_deck(design, low_ohm, high_ohm),
+        DECK: divider_deck(circuit, design.board.supply_v, low_ohm, high_ohm),
         WIRING: render("board/divider.svg", design=design, ohm=circuit.component("R1").value).encode(),
         BOM: format_csv((*COLUMNS[:3], "Rating"), rows),
         VALUES: (json.dumps(values, indent=2) + "\n").encode(),
         README: readme.encode(),
     }
+
+
+def compute_current_ratio(design: Design) -> float:
+    """Largest current through the sensor, over what its maker allows for its active area."""
+    board, area_cm2 = design.board, math.pi / 4 * (design.dimensions.sensor.active_diameter_mm / 10) ** 2
+    ohm = board.divider_ohm + 1.0 / sensor_conductance_s(MAX_FORCE_N)
+    return board.supply_v / ohm / (MAX_CURRENT_A_PER_CM2 * area_cm2)

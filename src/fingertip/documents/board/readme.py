@@ -16,7 +16,7 @@ from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.channels import PLACES, describe_sockets, list_sockets
 from fingertip.board.circuits.network import MAX_SWITCH_OHM
 from fingertip.board.components import values as ratings
-from fingertip.board.components.bridge import MAX_FORCE_N, POWER_UP_S, Bridge, sensor_conductance_s
+from fingertip.board.components.front_end import MAX_FORCE_N, POWER_UP_S, Bridge, sensor_conductance_s
 from fingertip.board.fabrication import bom
 from fingertip.board.kicad import project
 from fingertip.board.kicad.project import StoredProject

@@ -22,7 +22,7 @@ import numpy as np
 from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.response import EnvelopeModel, find_rectifier, model_envelope, model_software_envelope
 from fingertip.board.circuits.network import Network, Value, build_network
-from fingertip.board.components.bridge import EMISSION, SATURATION_A, SERIES_OHM, THERMAL_V
+from fingertip.board.components.front_end import EMISSION, SATURATION_A, SERIES_OHM, THERMAL_V
 from fingertip.board.components.values import select_components
 from fingertip.board.parts.nets import FILTERED, STAGE1_OUT, TACTILE, VMID
 from fingertip.design import Design

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fingertip.board.analysis.board_values import find_tactile_response
 from fingertip.board.analysis.limits import TactileResponse
-from fingertip.board.components.bridge import ARTICLE_POINTS, sensor_conductance_s
-from fingertip.board.front_end import find_tactile_response
+from fingertip.board.components.front_end import ARTICLE_POINTS, sensor_conductance_s
 from fingertip.design import Design
 from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats
 from fingertip.foundation.numerics import Array

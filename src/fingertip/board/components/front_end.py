@@ -1,4 +1,4 @@
-"""The article's bridge and its amplifier: resistances, and the tactile voltage over the sensor's conductance.
+"""Front ends of the boards: the article's bridge with its amplifier, and the transimpedance stage of the others.
 
 The article mentions a Wheatstone bridge and an instrumentation amplifier without showing them. The resistances are
 selected to reproduce its voltages. The sensor is parallel to the lower resistor of one arm, and the other arm supplies
@@ -6,9 +6,17 @@ the reference:
 
     V = A Vs [1 / (1 + R_top (1 / R_shunt + G)) - R_low / (R_high + R_low)],  A = 1 + 100 kohm / R_gain
 
+The voltage falls with the force, as in the article. On the boards for 3.3 V the sensor lies between ground and the
+inverting input of U2a, which holds it at the bias voltage. Its current flows through the feedback resistor R30,
+
+    T = V_bias [1 + R30 G / (1 + (R28 + R29) G)],  V_bias = Vs R32 / (R31 + R32)
+
+so that T rises with the force, from V_bias with an open sensor. The article's bridge with its AD623 has ten to twenty
+times the noise: it amplifies the 35 nV/sqrt(Hz) of the AD623 by its gain, where this stage amplifies those of U2a by
+little more than 1, because the sensor's resistance is large.
+
 All voltages scale with the supply Vs. An ADC that takes its reference from the same supply therefore measures the
-sensor alone (ratiometric measurement). The voltage falls with the force, as in the article. The boards on 3.3 V have
-another front end, `transimpedance`.
+sensor alone (ratiometric measurement).
 """
 
 from __future__ import annotations
@@ -121,6 +129,22 @@ def article_error_v(bridge: Bridge, supply_v: float) -> float:
     """RMS error [V] of a bridge's tactile voltage against the article's voltages."""
     errors = (bridge.tactile_v(sensor_conductance_s(f), supply_v) - v for f, v in ARTICLE_POINTS)
     return math.sqrt(sum(e * e for e in errors) / len(ARTICLE_POINTS))
+
+
+# Transimpedance stage behind a protected cable.
+#
+# D6 takes a discharge into the cable, R28 and C26 what D6 leaves of it, and R29 limits the current into the amplifier's
+# own clamps. A shorted sensor draws Vs / (R28 + R29 + R30). C27 makes the stage stable with the capacitance of a cable
+# at its input, and ends its band above that of the vibrations. Two poles keep the supply's ripple off the bias.
+
+SUPPRESSOR_F = 35e-12
+"""Capacitance of D6 [F], that of its kind; not measured."""
+STAGE_VALUES = {
+    "R28": 100.0, "R29": 220.0, "R30": 15e3, "C26": 100e-12, "C27": 1e-9,
+    # The bias: 143 mV of 3.3 V, above what any amplifier's output keeps from the lower rail.
+    "R31": 220e3, "R32": 10e3, "C28": 10e-6, "R33": 10e3, "C29": 10e-6,
+}  # fmt: skip
+"""Value of each component [ohm, F] by its reference. They do not depend on the design: the sensor's curve is one."""
 
 
 # Amplifiers of the board as its circuit names them, and data-sheet values of the bridge's AD623.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import hashlib
+import itertools
 import json
 import os
 import resource
@@ -70,30 +71,24 @@ def assert_no_litter(folder: Path) -> None:
     assert verify_sets(folder) == (len(files_in(folder)) + 1, [])
 
 
-def run_and_kill_before(operation: int, action: Callable[[], object]) -> bool:
-    """Run an action in a child that kills itself before the n-th change of the file system; True if it got there."""
+def run_in_child(action: Callable[[], object], before: Callable[[str], None]) -> int:
+    """Run an action in a child, with a call before each change of the file system; return its exit status.
+
+    It is 2 for a refusal, and 1 for another error.
+    """
     child = os.fork()
     if child == 0:
-        count = 0
-
-        def step() -> None:
-            nonlocal count
-            if count == operation:
-                os.kill(os.getpid(), signal.SIGKILL)
-            count += 1
 
         def hook(event: str, arguments: tuple[object, ...]) -> None:
-            if event == "open" and isinstance(arguments[1], str) and not set(arguments[1]) & set("wax+"):
-                return
-            if event in OPERATIONS:
-                step()
+            if event in OPERATIONS and (event != "open" or int(str(arguments[2])) & (os.O_WRONLY | os.O_RDWR)):
+                before(event)
 
         swap = folder_swap._swap
 
         def counted_swap(first: Path, second: Path) -> bool:
-            step()
+            before("swap")
             swapped = swap(first, second)
-            step()
+            before("swap")
             return swapped
 
         folder_swap._swap = counted_swap
@@ -101,10 +96,18 @@ def run_and_kill_before(operation: int, action: Callable[[], object]) -> bool:
         status = 0
         try:
             action()
+        except OutputError:
+            status = 2
         except BaseException:
             status = 1
         os._exit(status)
-    _, status = os.waitpid(child, 0)
+    return os.waitpid(child, 0)[1]
+
+
+def run_and_kill_before(operation: int, action: Callable[[], object]) -> bool:
+    """Run an action in a child that kills itself before the n-th change of the file system; True if it got there."""
+    left = itertools.count(operation, -1)
+    status = run_in_child(action, lambda event: next(left) or os.kill(os.getpid(), signal.SIGKILL))
     assert status in (0, signal.SIGKILL), "the writer failed without being killed"
     return status == signal.SIGKILL
 
@@ -163,6 +166,31 @@ def test_sets_in_subfolders_are_recovered_by_their_own_writer(tmp_path: Path) ->
         fabrication.write({"gerbers.zip": b"new"})
         assert verify_sets(folder) == (4, [])
         assert_no_litter(folder)
+
+
+@pytest.mark.parametrize("in_place", [False, True])
+def test_a_disk_that_is_full_from_any_change_on_keeps_the_old_set(tmp_path: Path, in_place: bool) -> None:
+    """What takes room fails, and what gives room does not; the writer says so, and leaves nothing behind."""
+    folder, refused = tmp_path / "area" / "board", 0
+    prepare(folder)
+    for operation in itertools.count():
+        left = itertools.count(operation, -1)
+
+        def fill(event: str, left: Iterator[int] = left) -> None:
+            if event in ("os.mkdir", "open", "os.link", "os.symlink", "shutil.copyfile") and next(left) <= 0:
+                raise OSError(errno.ENOSPC, "No space left on device")
+
+        status = run_in_child(lambda: writer(folder, "new", in_place=in_place).write(NEW), fill)
+        if status == 0:
+            break
+        assert os.waitstatus_to_exitcode(status) == 2, "a full disk is a sentence"
+        assert_whole(folder)
+        assert files_in(folder) == OLD
+        assert_no_litter(folder)
+        refused += 1
+    assert refused >= 4
+    assert files_in(folder) == NEW
+    assert_no_litter(folder)
 
 
 def test_what_is_unfinished_names_the_command_that_completes_it(tmp_path: Path) -> None:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import parts_by_name
-from fingertip.cad.verification.check import Check
-from fingertip.cad.verification.verify import check_parts, verify
+from fingertip.cad.verification import verify
+from fingertip.cad.verification.check import Check, Solids
 from fingertip.design import Design
 from tests.conftest import design_file
 
@@ -15,9 +15,9 @@ SOCKET = ["bone.interface=socket", "bone.base_length_mm=32"]
 
 def run_checks(*changes: str, name: str = "fsr400") -> dict[str, Check]:
     """Return the checks of a design with these changes, by name."""
-    design, evaluator = Design.load(design_file(name), changes=changes), MeshEvaluator(TOLERANCE)
-    meshes = {name: evaluator.mesh(part.solid(design)) for name, part in parts_by_name(design).items()}
-    return {check.name: check for check in check_parts(design, evaluator, meshes)}
+    design = Design.load(design_file(name), changes=changes)
+    solids = Solids.of(design, MeshEvaluator(TOLERANCE), parts_by_name(design))
+    return {check.name: check for check in verify.run_checks(design, solids)}
 
 
 def failed_checks(*changes: str, name: str = "fsr400") -> set[str]:
@@ -27,5 +27,5 @@ def failed_checks(*changes: str, name: str = "fsr400") -> set[str]:
 
 def run_all_checks(design: Design) -> dict[str, Check]:
     """Return the checks of a design by name, with those of its files for the printer and of its strength."""
-    found = verify(design, list(parts_by_name(design)), ("stl",), MeshEvaluator(TOLERANCE)).checks
+    found = verify.verify(design, list(parts_by_name(design)), ("stl",), MeshEvaluator(TOLERANCE)).checks
     return {check.name: check for check in found}

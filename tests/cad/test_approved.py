@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterator, Mapping
+from fnmatch import fnmatchcase
 from functools import cache, cached_property
 from pathlib import Path
 
@@ -15,8 +16,7 @@ from fingertip.cad.printing.orientations import print_orientations, supports_by_
 from fingertip.cad.printing.settings import FDM, slicer_settings
 from fingertip.cad.shapes.parts import hardware, parts_by_name
 from fingertip.cad.shapes.skin import cavity
-from fingertip.cad.verification.check import list_causes
-from fingertip.cad.verification.lying_skin import pull_off_n
+from fingertip.cad.verification.skin import pull_off_n
 from fingertip.casting.sheet import measure_poured_cm3
 from fingertip.catalogues import amplifiers, print_materials, sensors, silicones
 from fingertip.catalogues.controllers import load_controllers
@@ -111,6 +111,9 @@ def test_figures_of_designs_are_the_approved_ones(name: str, list_figures: Calla
     check_figures(APPROVED / f"{name}_{kind}.txt", list_figures(load(name)), 1e-4, 1e-4)
 
 
+FAULTS = ("*.stl.*", "*_balance.*", "overlap.*", "demolding_overlap.*", "skin.surface_deviation", "mold.*ing_overlap")
+
+
 @pytest.mark.every_case
 @pytest.mark.parametrize("name", some_of(sorted(CHANGES), "adult_finger", "fsr400"))
 def test_values_of_checks_are_the_approved_ones(name: str) -> None:
@@ -119,7 +122,7 @@ def test_values_of_checks_are_the_approved_ones(name: str) -> None:
     assert [check.name for check in checks.values() if not check.passed] == []
     for check in checks.values():
         lines.append(f"{check.name}: {render(check.value)} {check.sign} {render(check.limit)} {check.unit}")
-        assert isinstance(list_causes(check.name), tuple)
+        assert bool(check.change) != any(fnmatchcase(check.name, pattern) for pattern in FAULTS), check.name
     check_figures(APPROVED / f"{name}_checks.txt", lines, 1e-3, 1e-3)
 
 

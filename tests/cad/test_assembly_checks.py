@@ -14,6 +14,7 @@ from fingertip.cad.shapes import bone
 from fingertip.cad.shapes.parts import PARTS, Part, parts_by_name
 from fingertip.cad.shapes.skin import filled_bone
 from fingertip.cad.verification.assembly import check_assembly
+from fingertip.cad.verification.check import Solids
 from fingertip.cad.verification.printing import check_brep_solid, check_mesh_file, count_open_edges
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Box, Solid, SuperconicSolid, cylinder, difference, scaled, union
@@ -36,7 +37,7 @@ def mesh_failures(part: Part, mesh: Mesh) -> set[str]:
 
 def assembly_failures(design: Design, evaluator: MeshEvaluator, **changed: Solid) -> set[str]:
     parts = {name: changed.get(name, part.solid(design)) for name, part in parts_by_name(design).items()}
-    return {check.name for check in check_assembly(design, evaluator, parts) if not check.passed}
+    return {check.name for check in check_assembly(design, Solids(design, evaluator, parts)) if not check.passed}
 
 
 def brep_failures(design: Design, part: Part, mesh: Mesh, exact: BrepMeasurements, tolerance_mm: float) -> set[str]:

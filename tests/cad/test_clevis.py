@@ -11,7 +11,8 @@ import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
-from fingertip.cad.verification import assembly as joint_checks
+from fingertip.cad.verification import joint as joint_checks
+from fingertip.cad.verification.check import Solids
 from fingertip.cad.verification.strength import assess_strength
 from fingertip.design import Design
 from fingertip.design.formulas.stress import pin_peak
@@ -160,7 +161,9 @@ def test_step_file_holds_pin_and_eye_where_they_belong(tmp_path: Path) -> None:
 
 
 def test_joint_can_be_checked_on_a_coarse_mesh() -> None:
-    found = {check.name: check for check in joint_checks.check_joint(load("child_thumb"), MeshEvaluator(1.0))}
+    design = load("child_thumb")
+    solids = Solids.of(design, MeshEvaluator(1.0), ("bone", "skin"))
+    found = {check.name: check for check in joint_checks.check_joint(design, solids)}
     assert found["bone.wall.pin_to_outside"].passed
 
 

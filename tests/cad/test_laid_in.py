@@ -10,8 +10,8 @@ import pytest
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import bone
 from fingertip.cad.shapes.parts import PARTS
-from fingertip.cad.verification.bone import check_bone
-from fingertip.cad.verification.laid_in import check_laid_in
+from fingertip.cad.verification.bone import check_bone, check_laid_in
+from fingertip.cad.verification.check import Solids
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Box, difference, union
 
@@ -22,8 +22,8 @@ STANDARD = ["sensor.model=fsr400", "bone.base_length_mm=27", "strength.grip_forc
 
 
 def find_failed(design: Design = DESIGN) -> set[str]:
-    evaluator = MeshEvaluator(0.02)
-    checks = (*check_bone(design, evaluator), *check_laid_in(design, evaluator))
+    solids = Solids.of(design, MeshEvaluator(0.02), ("bone", "skin"))
+    checks = (*check_bone(design, solids), *check_laid_in(design, solids))
     return {check.name for check in checks if not check.passed}
 
 

@@ -4,13 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from fingertip.cad.verification.lying_skin import (
-    MAX_REST_N,
-    check_rest_force,
-    describe_lying_skin,
-    pull_off_n,
-    slide_mm,
-)
+from fingertip.cad.verification.skin import MAX_REST_N, check_rest_force, describe_lying_skin, pull_off_n, slide_mm
 from fingertip.design import Design
 from fingertip.pad.survey import GRASP_DEG, WIDE_DEG, survey_pad
 

@@ -16,6 +16,7 @@ from fingertip.cad.shapes import mold, skin
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification import assembly, trapped_air
 from fingertip.cad.verification import mold as checks
+from fingertip.cad.verification.check import Solids
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import POURED
 from fingertip.design.geometry.solids import Box, cylinder, difference, union
@@ -32,7 +33,7 @@ THICK = "silicone.product=own silicone.viscosity_pa_s={}"
 def run(*changes: str, name: str = "first_finger") -> dict[str, float]:
     """Return the excess of each check's value over its limit; negative if it passes."""
     design = Design.load(name, changes=" ".join(changes).split())
-    found = checks.check_mold(design, MeshEvaluator(TOLERANCE), parts_by_name(design))
+    found = checks.check_mold(design, Solids.of(design, MeshEvaluator(TOLERANCE), parts_by_name(design)))
     return {check.name: (check.value - check.limit) * (-1 if check.relation == "at least" else 1) for check in found}
 
 
@@ -94,8 +95,8 @@ def test_core_and_halves_that_catch_are_found(monkeypatch: pytest.MonkeyPatch) -
         assert found == {"mold.lowering_overlap", "mold.lifting_overlap"}
     with monkeypatch.context() as patch:
         patch.setattr(assembly, "LIFT_MM", 0.0)
-        halves = {name: PARTS[name].solid(FINGER) for name in ("core", "skin", *assembly.HALVES)}
-        found = {check.name for check in assembly.check_assembly(FINGER, EVALUATOR, halves) if not check.passed}
+        solids = Solids.of(FINGER, EVALUATOR, ("core", "skin", *assembly.HALVES))
+        found = {check.name for check in assembly.check_assembly(FINGER, solids) if not check.passed}
         assert found == {"demolding_overlap.mold_dorsal"}, "the third ridge catches unless the core is lifted"
 
 

@@ -9,10 +9,11 @@ import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays
 from fingertip.cad.printing.overhang import MAX_BRIDGE_MM, MAX_LEDGE_MM, MAX_UNSUPPORTED_MM2, find_ceilings
-from fingertip.cad.shapes.parts import PARTS, print_scale
+from fingertip.cad.shapes.parts import PARTS
+from fingertip.cad.verification.check import Solids
 from fingertip.cad.verification.printing import _is_inside, check_overhang
 from fingertip.design import Design
-from fingertip.design.geometry.solids import Box, Cone, Prism, Solid, cylinder, difference, scaled, union
+from fingertip.design.geometry.solids import Box, Cone, Prism, Solid, cylinder, difference, union
 
 TOLERANCE = 0.02
 WIDTH = 6.0
@@ -73,10 +74,10 @@ def test_small_horizontal_bore_needs_no_supports() -> None:
 
 def overhang(part: str, *changes: str, added: Solid | None = None, name: str = "fsr400") -> float:
     """Value of the check for a part of a design, with something added to it."""
-    design, evaluator = Design.load(name, changes=changes), MeshEvaluator(TOLERANCE)
+    design = Design.load(name, changes=changes)
     solid = PARTS[part].solid(design)
-    mesh = evaluator.mesh(scaled(union(solid, added) if added else solid, print_scale(design, PARTS[part])))
-    check = check_overhang(design, evaluator, part, mesh)
+    solids = Solids(design, MeshEvaluator(TOLERANCE), {part: union(solid, added) if added else solid})
+    check = check_overhang(design, solids, part)
     assert check.name == f"{part}.overhang"
     assert check.passed == (check.value <= MAX_UNSUPPORTED_MM2)
     return check.value

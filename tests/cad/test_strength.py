@@ -12,6 +12,7 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.verification import strength as assess
 from fingertip.cad.verification.bone import check_strength
+from fingertip.cad.verification.check import Solids
 from fingertip.cad.verification.strength import (
     assess_strength,
     describe_loads,
@@ -156,13 +157,13 @@ def test_pin_limits_a_knock_and_shears_across_both_ends() -> None:
 def test_loads_that_a_weak_material_holds_pass_as_one_line(material: str) -> None:
     heavy = ["strength.grip_force_n=60", "strength.knock_speed_m_s=2", f"strength.print_material={material}"]
     design = Design.load("first_finger", changes=heavy)
-    grip, knock = check_strength(design, assess_strength(design, MeshEvaluator(0.02)))
+    grip, knock = check_strength(design, Solids.of(design, MeshEvaluator(0.02), ("bone",)))
     assert not grip.passed
     assert not knock.passed
     assert grip.remedy == knock.remedy
     assert f"it passes with --set {grip.remedy}; or" in describe_cause(grip)
     lighter = Design.load("first_finger", changes=[*heavy, *grip.remedy.split(" --set ")])
-    for check in check_strength(lighter, assess_strength(lighter, MeshEvaluator(0.02))):
+    for check in check_strength(lighter, Solids.of(lighter, MeshEvaluator(0.02), ("bone",))):
         assert check.limit <= check.value < 1.12 * check.limit
 
 

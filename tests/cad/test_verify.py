@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,13 +11,14 @@ import pytest
 from fingertip.cad.files import stl
 from fingertip.cad.kernel.mesh import MIN_TOLERANCE_MM, MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
-from fingertip.cad.verification import check as causes
-from fingertip.cad.verification.check import Check
-from fingertip.cad.verification.verify import verify
+from fingertip.cad.verification import verify as checks
+from fingertip.cad.verification.check import Check, Solids
+from fingertip.cad.verification.verify import CHECKS, list_causes, verify
+from fingertip.cli.check import describe_cause
 from fingertip.design import Design
 from fingertip.design.geometry.solids import SuperconicSolid
 from fingertip.design.parameters import PARAMETERS
-from fingertip.foundation.errors import DesignError
+from fingertip.foundation.errors import DesignError, FingertipError
 from fingertip.tasks.build import build
 from tests.conftest import design_file, run_python, some_of
 
@@ -52,13 +53,31 @@ def test_tolerance_out_of_bounds_is_rejected(tolerance: float) -> None:
 
 
 def test_report_names_what_to_change() -> None:
-    failed = Check("mold.creep", 200.0, 150.0, "mm3")
-    assert failed.to_dict()["change"][0] == "printer.surface_error_mm"
-    assert "change" not in Check("mold.creep", 20.0, 150.0, "mm3").to_dict()
-    assert causes.list_causes("bone.stl.open_edges") == ()
-    with pytest.raises(LookupError):
-        causes.list_causes("unknown")
-    assert {parameter for _, parameters in causes._CAUSES for parameter in parameters} <= set(PARAMETERS)
+    change = list_causes("mold.creep")
+    assert change[0] == "printer.surface_error_mm"
+    assert Check("mold.creep", 200.0, 150.0, "mm3", change=change).to_dict()["change"] == list(change)
+    assert "change" not in Check("mold.creep", 20.0, 150.0, "mm3", change=change).to_dict()
+    assert list_causes("bone.stl.open_edges") == list_causes("unknown") == ()
+    assert {name for one in CHECKS for change in one.change.values() for name in change} <= set(PARAMETERS)
+
+
+@pytest.mark.parametrize("name", ["bone.colour", "skin.min_thickness"])
+def test_check_of_another_package_joins_the_others_under_a_name_of_its_own(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def call(group: str, design: Design, solids: Solids) -> Iterator[Check]:
+        assert group == "fingertip.checks"
+        yield Check(name, solids["skin"].volume(), 0.0, "mm3", change=("skin.width_mm",), source="mine")
+
+    monkeypatch.setattr(checks, "call_plugins", call)
+    solids = Solids.of(Design(), MeshEvaluator(TOLERANCE), ["skin"])
+    if name == "bone.colour":
+        *_, last = checks.run_checks(Design(), solids)
+        assert describe_cause(last) == "  bone.colour: change skin.width_mm"
+        assert describe_cause(replace(last, change=())) == "  bone.colour: this is a bug in mine"
+    else:
+        with pytest.raises(FingertipError, match="no Check with a name of its own"):
+            list(checks.run_checks(Design(), solids))
 
 
 OTHERS = {"design.toml", "manifest.json", "report.json"}

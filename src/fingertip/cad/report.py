@@ -13,7 +13,7 @@ from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.printing.print_files import PrintFiles
 from fingertip.cad.shapes.parts import Part, hardware
 from fingertip.cad.verification.check import Check, count_checks
-from fingertip.cad.verification.lying_skin import describe_lying_skin
+from fingertip.cad.verification.skin import describe_lying_skin
 from fingertip.cad.verification.strength import BoneStrength, strength_data
 from fingertip.catalogues.output_files import ASSEMBLY, PRINT_FOLDER
 from fingertip.design import Design

@@ -156,11 +156,9 @@ def format_failures(checks: Iterable[Check]) -> list[str]:
 
 
 def describe_cause(check: Check) -> str:
-    from fingertip.cad.verification.check import list_causes
-
     remedy = f"it passes with --set {check.remedy}; or " if check.remedy else ""
-    causes = ", ".join(list_causes(check.name))
-    return f"  {check.name}: {remedy}change {causes}" if causes else f"  {check.name}: this is a bug in fingertip"
+    cause = f"change {', '.join(check.change)}" if check.change else f"this is a bug in {check.source}"
+    return f"  {check.name}: {remedy}{cause}"
 
 
 _INVALID_IN_XML = re.compile(r"[^\t\n\r\x20-\uD7FF\uE000-\uFFFD\U00010000-\U0010FFFF]")

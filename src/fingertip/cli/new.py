@@ -232,11 +232,9 @@ def _check(design: Design, data: dict[str, Any], progress: Callable[[str], None]
 
 
 def _refuse(failed: Iterable[Check], remedy: str) -> Iterator[Issue]:
-    from fingertip.cad.verification.check import list_causes
-
     for check in failed:
         problem = f"{check.value:.3g} {check.unit} must be {check.relation} {check.limit:g}, or `make` fails"
-        change = f"change {' or '.join(list_causes(check.name))} with --set"
+        change = f"change {' or '.join(check.change)} with --set"
         yield Issue(check.name, f"{problem}; {remedy or change}")
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from fingertip.cad.shapes.parts import shapes_of_parameters
-from fingertip.cad.verification.check import list_causes
+from fingertip.cad.verification.verify import list_causes
 from fingertip.design import Design
 from fingertip.design.files import Parameter, format_value, list_parameters
 from fingertip.foundation.files import open_atomic

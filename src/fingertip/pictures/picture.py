@@ -16,7 +16,7 @@ from PIL import Image, ImageDraw, ImageFont
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
 from fingertip.cad.shapes.bone import sensor_body
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
-from fingertip.cad.verification.assembly import turn_about_pin
+from fingertip.cad.verification.joint import turn_about_pin
 from fingertip.cad.verification.strength import assess_strength
 from fingertip.cad.verification.walls import find_thin_walls
 from fingertip.design import Design

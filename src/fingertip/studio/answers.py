@@ -20,11 +20,9 @@ from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.printing.print_files import make_print_files
 from fingertip.cad.report import DESIGN_HEADING
 from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale, shapes_of_parameters
-from fingertip.cad.verification.assembly import check_assembly
-from fingertip.cad.verification.bone import check_strength
-from fingertip.cad.verification.check import Check
-from fingertip.cad.verification.strength import assess_strength, strength_data
-from fingertip.cad.verification.verify import check_parts, verify
+from fingertip.cad.verification.check import Check, Solids
+from fingertip.cad.verification.strength import strength_data
+from fingertip.cad.verification.verify import run_checks, verify
 from fingertip.casting.sheet import casting_sheet
 from fingertip.catalogues.output_files import DESIGN, PRINT_FOLDER
 from fingertip.design import Design
@@ -113,11 +111,8 @@ def make_items(design: Design, still_wanted: StillWanted = lambda: None) -> tupl
 def answer_checks(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
     """Check the parts at the tolerance of the view, and find what each parameter shapes."""
     evaluator = AskingEvaluator(VIEW_TOLERANCE_MM, still_wanted)
-    solids = {name: part.solid(design) for name, part in parts_by_name(design).items()}
-    meshes = {name: evaluator.mesh(solid) for name, solid in solids.items()}
-    checks = [*check_assembly(design, evaluator, solids), *check_parts(design, evaluator, meshes)]
-    strength = assess_strength(design, evaluator)
-    checks += check_strength(design, strength)
+    solids = Solids.of(design, evaluator, parts_by_name(design))
+    checks, strength = [*run_checks(design, solids)], solids.strength
     still_wanted()
     moved = shapes_of_parameters(design)
     basis = (

@@ -208,7 +208,7 @@ def compute_mold(context: PointContext) -> OutputValues:
 
 
 def compute_casting(context: PointContext) -> OutputValues:
-    from fingertip.cad.verification.lying_skin import pull_off_n, slide_mm
+    from fingertip.cad.verification.skin import pull_off_n, slide_mm
     from fingertip.casting.sheet import compute_batch, measure_poured_cm3
 
     poured_cm3 = measure_poured_cm3(context.design, context.evaluator())
@@ -232,33 +232,36 @@ _CASTING_CHECKS = {
 
 def compute_core(context: PointContext) -> OutputValues:
     from fingertip.cad.shapes.parts import parts_by_name
-    from fingertip.cad.verification.bench import check_stand
-    from fingertip.cad.verification.laid_in import check_laid_in
+    from fingertip.cad.verification.bone import check_laid_in, check_stand
+    from fingertip.cad.verification.check import Solids
     from fingertip.cad.verification.mold import check_mold
 
-    design, parts, evaluator = context.design, parts_by_name(context.design), context.evaluator()
-    checks = [*check_mold(design, evaluator, parts), *check_laid_in(design, evaluator)]
-    checks += check_stand(design, evaluator) if "stand" in parts else ()
+    design, solids = context.design, Solids.of(context.design, context.evaluator(), parts_by_name(context.design))
+    checks = [*check_mold(design, solids), *check_laid_in(design, solids)]
+    checks += check_stand(design, solids) if "stand" in solids.parts else ()
     values = {check.name: check.value for check in checks}
     return {output: values.get(check, math.nan) for output, check in _CASTING_CHECKS.items()}
 
 
 def compute_walls(context: PointContext) -> OutputValues:
-    from fingertip.cad.verification.assembly import check_joint
     from fingertip.cad.verification.bone import check_bone
+    from fingertip.cad.verification.check import Solids
+    from fingertip.cad.verification.joint import check_joint
 
-    checks = (*check_bone(context.design, context.evaluator()), *check_joint(context.design, context.evaluator()))
+    solids = Solids.of(context.design, context.evaluator(), ("bone", "skin"))
+    checks = (*check_bone(context.design, solids), *check_joint(context.design, solids))
     return {"min_bone_wall_mm": min(check.value for check in checks if check.name.startswith("bone.wall."))}
 
 
 def compute_printing(context: PointContext) -> OutputValues:
     from fingertip.cad.printing.estimate import estimate_print
     from fingertip.cad.shapes.parts import parts_by_name
+    from fingertip.cad.verification.check import Solids
     from fingertip.cad.verification.printing import check_overhang
 
     printed = [name for name, part in parts_by_name(context.design).items() if part.is_printed]
-    meshes = {name: _mesh(context, name) for name in printed}
-    overhangs = [check_overhang(context.design, context.evaluator(), name, mesh) for name, mesh in meshes.items()]
+    solids = Solids.of(context.design, context.evaluator(), printed)
+    overhangs = [check_overhang(context.design, solids, name) for name in printed]
     estimate, overhang_mm2 = estimate_print(context.design), max(check.value for check in overhangs)
     estimated = {"print_h": estimate.minutes / 60.0, "filament_cm3": estimate.filament_cm3}
     return {"max_overhang_mm2": overhang_mm2, **estimated}

@@ -64,6 +64,7 @@ class MeshEvaluator:
             raise DesignError(Issue("--tolerance-mm", message))
         self.tolerance_mm = tolerance_mm
         self._evaluated: dict[Solid, Manifold] = {}
+        self._canonical: dict[Solid, Mesh] = {}
 
     def manifold(self, solid: Solid) -> Manifold:
         """Evaluate a solid as a `manifold3d.Manifold`. Raises GeometryError."""
@@ -73,8 +74,11 @@ class MeshEvaluator:
         return found
 
     def mesh(self, solid: Solid) -> Mesh:
-        """Evaluate a solid as a mesh on the vertex grid, in canonical order."""
-        return to_canonical_mesh(self.manifold(solid))
+        """Evaluate a solid as a mesh on the vertex grid, in canonical order. Raises GeometryError."""
+        manifold = self.manifold(solid)
+        if solid not in self._canonical:
+            self._canonical[solid] = to_canonical_mesh(manifold)
+        return self._canonical[solid]
 
     def _evaluate(self, solid: Solid) -> Manifold:
         load_manifold()

@@ -1,8 +1,7 @@
-"""Checks of the assembly: overlaps, demolding, volume balances between the parts, and the joint of a clevis.
+"""Checks of the assembly: overlaps, demolding, and volume balances between the parts.
 
 A volume balance states that volumes which must add up do so, such as core + skin = cavity. The balances are checked on
-the meshes, and again on the volumes of the B-rep solids, which involve no mesh. The joint is moved: the finger is
-rotated about the pin against the hand's part of the joint as `[hand]` describes it.
+the meshes, and again on the volumes of the B-rep solids, which involve no mesh.
 """
 
 from __future__ import annotations
@@ -12,17 +11,17 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from itertools import combinations
 
 from fingertip.cad.files.step_process import BrepMeasurements
-from fingertip.cad.kernel.mesh import Manifold, MeshEvaluator
+from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import mold
 from fingertip.cad.shapes.engraving import signed_area
-from fingertip.cad.shapes.parts import PARTS, parts_by_name
-from fingertip.cad.shapes.skin import cavity, core_within_skin, filled_bone
-from fingertip.cad.verification.check import VOLUME_TOLERANCE_MM3, Check, complement, search_distance
+from fingertip.cad.shapes.parts import PARTS
+from fingertip.cad.shapes.skin import cavity, core_within_skin
+from fingertip.cad.verification.check import VOLUME_TOLERANCE_MM3, Check, Checks, Solids
 from fingertip.design import Design
-from fingertip.design.geometry.joint import Joint
 from fingertip.design.geometry.mold_layout import RIDGE_HEIGHT_MM
-from fingertip.design.geometry.solids import Box, Cone, Solid, intersection, scaled, union
-from fingertip.design.interfaces.clevis_solids import eye_profile, knuckle, pin_bore, space, strands
+from fingertip.design.geometry.solids import Cone, Solid, intersection, scaled, union
+
+CHECKS = Checks()
 
 HALVES = ("mold_palmar", "mold_dorsal")
 _PULL_DISTANCES_MM = (0.02, 0.2, 1.0, 4.0, 12.0)
@@ -32,8 +31,10 @@ _BREP_VOLUME_ERROR = 2e-6
 """Relative error allowed in volumes of the B-rep kernel, whose quadrature has a tolerance of 1e-6."""
 
 
-def check_assembly(design: Design, evaluator: MeshEvaluator, parts: Mapping[str, Solid]) -> Iterator[Check]:
-    parts = {name: solid for name, solid in parts.items() if not PARTS[name].is_tool}
+@CHECKS.register()
+def check_assembly(design: Design, solids: Solids) -> Iterator[Check]:
+    evaluator = solids.evaluator
+    parts = {name: solid for name, solid in solids.parts.items() if not PARTS[name].is_tool}
     if "skin" in parts:
         yield Check.zero_volume("volume_balance.cavity", _cavity_imbalance(design, evaluator, parts["skin"]))
     inside = {name: solid for name, solid in parts.items() if name not in HALVES}
@@ -139,87 +140,3 @@ def _volume_below_parting_plane_mm3(key: Solid) -> float:
     top, height = key.low_radius, -key.low
     root = top + (key.high_radius - top) * height / (key.high - key.low)
     return math.pi * height / 3.0 * (top * top + top * root + root * root)
-
-
-_FREE_ANGLES = 8
-"""Angles at which the joint is tried, besides straight."""
-_BEYOND_STOP_DEG = 4.0
-"""Angle beyond a stop at which it must block [degrees]."""
-_FINGER = ("bone", "skin")
-
-
-def check_joint(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
-    joint, anchor = design.dimensions.joint, design.dimensions.anchor
-    if joint is None:
-        return
-    wall = design.printer.min_wall_mm - evaluator.tolerance_mm
-    yield from _check_eyes(design, joint, evaluator, wall)
-    if anchor:
-        tendon = evaluator.manifold(union(*strands(design, anchor, joint.low_z - joint.radius)))
-        bone = evaluator.manifold(PARTS["bone"].solid(design))
-        yield Check.zero_volume("joint.tendon_overlap", (tendon ^ bone).volume())
-    yield from _check_travel(design, joint, evaluator)
-
-
-def _check_eyes(design: Design, joint: Joint, evaluator: MeshEvaluator, wall: float) -> Iterator[Check]:
-    dims, half_length = design.dimensions, 1.0
-    reach = 2 * (joint.radius + dims.collar.section.dorsal + dims.collar.section.palmar)
-    heights = Box(
-        (-reach, -dims.base_flat_depth, -reach + joint.axis_z), (reach, dims.bone_outline.section.dorsal, reach)
-    )
-    around = complement(evaluator, intersection(eye_profile(joint, 2 * reach), heights))
-    bore = evaluator.manifold(pin_bore(joint, half_length))
-    yield Check.min_distance("bone.wall.pin_to_outside", bore, around, wall)
-    # Cheeks, or a tongue, beside the pin.
-    edge = joint.pin_radius + wall
-    beside = Box(
-        (-reach, joint.axis_y - edge, joint.axis_z), (reach, joint.axis_y + edge, joint.shoulder_z - joint.clearance)
-    )
-    if joint.is_fork:
-        gap = evaluator.manifold(intersection(space(design, joint), beside))
-        gap = gap.trim_by_plane((1.0, 0.0, 0.0), -joint.half_width).trim_by_plane((-1.0, 0.0, 0.0), -joint.half_width)
-        outside = complement(evaluator, filled_bone(design)) ^ evaluator.manifold(beside)
-        yield Check.min_distance("bone.wall.cheek", gap, outside, wall)
-    else:
-        box = (evaluator.manifold(PARTS["bone"].solid(design)) ^ evaluator.manifold(beside)).bounding_box()
-        yield Check("bone.wall.tongue", box[3] - box[0], wall, "mm", "at least")
-
-
-def _check_travel(design: Design, joint: Joint, evaluator: MeshEvaluator) -> Iterator[Check]:
-    """Check that the finger turns freely from straight to bent, and that the stops block it beyond both ends."""
-    hand = evaluator.manifold(knuckle(design, joint))
-    present = parts_by_name(design)
-    finger = [evaluator.manifold(present[name].solid(design)) for name in _FINGER if name in present]
-    travel = design.hand.travel_deg
-    angles = [travel * i / _FREE_ANGLES for i in range(_FREE_ANGLES + 1)] if travel else [0.0]
-    worst = max(_overlap(finger, hand, joint, angle) for angle in angles)
-    # Surfaces in contact may share a volume, because meshes deviate by up to the tolerance.
-    contact_mm2 = 4 * joint.radius * design.dimensions.bone_outline.section.half_width
-    allowed = VOLUME_TOLERANCE_MM3 + 0.05 * contact_mm2 * evaluator.tolerance_mm
-    yield Check("joint.travel_overlap", worst, allowed, "mm3")
-    halfway = [turn_about_pin(part, joint, travel / 2) for part in finger]
-    ahead = hand.trim_by_plane((0.0, 0.0, 1.0), joint.axis_z)  # without the shoulder, which the stops meet
-    clearance = search_distance(lambda reach: min(part.min_gap(ahead, reach) for part in halfway), 2 * joint.clearance)
-    yield Check("joint.clearance", clearance, 0.9 * joint.clearance - evaluator.tolerance_mm, "mm", "at least")
-    if travel:
-        for name, angle in (("straight", -_BEYOND_STOP_DEG), ("bent", travel + _BEYOND_STOP_DEG)):
-            blocked = _overlap(finger[:1], hand, joint, angle)
-            yield Check(f"joint.stop_{name}_overlap", blocked, _wedge(design, joint), "mm3", "at least")
-
-
-def _overlap(finger: list[Manifold], hand: Manifold, joint: Joint, angle_deg: float) -> float:
-    return float(sum((turn_about_pin(part, joint, angle_deg) ^ hand).volume() for part in finger))
-
-
-def turn_about_pin(part: Manifold, joint: Joint, angle_deg: float) -> Manifold:
-    """Turn a part of the finger about the pin: its tip (+z) to the palmar side (-y), a positive rotation about x."""
-    at_origin = part.translate((0.0, -joint.axis_y, -joint.axis_z))
-    return at_origin.rotate((angle_deg, 0.0, 0.0)).translate((0.0, joint.axis_y, joint.axis_z))
-
-
-def _wedge(design: Design, joint: Joint) -> float:
-    """Half the volume of a stop as long as the pin's radius, pressed past the shoulder by the angle beyond it [mm3]."""
-    section = design.dimensions.bone_outline.section
-    width = 2 * (section.half_width - joint.half_width if joint.is_fork else joint.half_width)
-    depth = math.tan(math.radians(_BEYOND_STOP_DEG))
-    return 0.25 * width * depth * joint.pin_radius**2

@@ -1,4 +1,4 @@
-"""Checks of the bone: walls, seat and air vent of the sensor, and safety factors.
+"""Checks of the bone: walls, seat, room and air vent of the sensor, its post in the stand, and safety factors.
 
 The mesh kernel computes the distance between two meshes exactly. Facets deviate from the exact surface by up to the
 tolerance, so the limits are relaxed by the tolerance.
@@ -11,33 +11,47 @@ from collections.abc import Iterator
 
 from fingertip.cad.kernel.mesh import Manifold, MeshEvaluator
 from fingertip.cad.shapes import bone
-from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.shapes.skin import filled_bone, flat_slab
-from fingertip.cad.verification.check import PLANE_OFFSET_MM, VOLUME_TOLERANCE_MM3, Check, above_z, complement
-from fingertip.cad.verification.strength import BoneStrength
+from fingertip.cad.verification.check import (
+    PLANE_OFFSET_MM,
+    VOLUME_TOLERANCE_MM3,
+    Check,
+    Checks,
+    Solids,
+    above_z,
+    complement,
+)
+from fingertip.catalogues.hardware import select_thread
 from fingertip.design import Design
+from fingertip.design.geometry.dimensions import HEAD_MM, LONGER_MM, TAIL_MM
 from fingertip.design.geometry.skin_dimensions import RAMP_SLOPE
-from fingertip.design.geometry.solids import union
+from fingertip.design.geometry.solids import Box, cylinder, union
 from fingertip.design.interfaces import interface_of
+from fingertip.design.interfaces.interface import MATING_PLAY_MM, middle_y
+from fingertip.design.interfaces.rigid import Post
+
+CHECKS, STRENGTH_CHECKS = Checks(), Checks()
 
 _AREA_TOLERANCE_MM2 = 0.01
 """Largest area that counts as zero [mm2]: a strip along the sensor as narrow as the rounding to the vertex grid."""
+_LEAST_OPEN_PERCENT = 50.0
+_GAP_MM = 0.1
+"""Length of the space behind the tail's end that counts as the mouth of its vent [mm]."""
 
 
-def check_air_vent(design: Design, evaluator: MeshEvaluator) -> Check:
-    """Check that the air vent of the sensor, which lies in its tail, is open to the outside.
-
-    The check counts the connected volumes of air in and around bone and skin. A pocket that is cut off from the outside
-    is a second one.
-    """
-    solid = union(*(PARTS[name].solid(design) for name in ("bone", "skin")))
-    air = complement(evaluator, solid) - evaluator.manifold(bone.sensor_body(design))
-    # Inner walls have a negative volume, and surfaces that touch leave slivers.
-    volumes = [body for body in air.decompose() if body.volume() > VOLUME_TOLERANCE_MM3]
-    return Check("sensor.air_volumes", len(volumes), 1, "volumes", "exactly")
-
-
-def check_bone(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
+@CHECKS.register(
+    "bone",
+    change={
+        "bone.wall.channel*": ("bone.channel_diameter_mm", "bone.wall_mm"),
+        "bone.wall.sensor*": ("bone.rim_mm", "bone.wall_mm", "skin.width_mm"),
+        "bone.wall.socket*": ("bone.socket_diameter_mm", "bone.socket_depth_mm"),
+        "sensor.pocket_clearance": ("sensor.clearance_mm", "sensor.adhesive_thickness_mm"),
+        "sensor.unsupported_area": ("sensor.distance_from_tip_mm", "bone.base_length_mm"),
+        "overlap.bone.sensor": (),
+    },
+)
+def check_bone(design: Design, solids: Solids) -> Iterator[Check]:
+    evaluator = solids.evaluator
     wall = design.printer.min_wall_mm - evaluator.tolerance_mm
     whole, outside = evaluator.manifold(filled_bone(design)), complement(evaluator, filled_bone(design))
     recess = evaluator.manifold(bone.sensor_recess(design))
@@ -56,7 +70,7 @@ def check_bone(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
         deep = above_z(hollow, -design.bone.base_length_mm + 2 * wall)
         yield Check.min_distance(f"bone.wall.{name}_to_outside", deep, outside, wall)
         yield Check.min_distance(f"bone.wall.{name}_to_sensor", deep, recess, wall)
-    yield from _check_sensor_seat(design, evaluator)
+    yield from _check_sensor_seat(design, solids)
 
 
 def _check_channel_walls(design: Design, evaluator: MeshEvaluator, outside: Manifold, wall: float) -> Iterator[Check]:
@@ -71,13 +85,13 @@ def _check_channel_walls(design: Design, evaluator: MeshEvaluator, outside: Mani
     yield Check.min_distance("bone.wall.channel_to_interface", buried, hole, wall)
 
 
-def _check_sensor_seat(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
+def _check_sensor_seat(design: Design, solids: Solids) -> Iterator[Check]:
     """Check clearance and flat seat of the sensor: one that bends over an unsupported area reads a false force."""
-    dims = design.dimensions
-    solid, body = evaluator.manifold(PARTS["bone"].solid(design)), evaluator.manifold(bone.sensor_body(design))
+    dims, solid, body = design.dimensions, solids["bone"], solids.evaluator.manifold(bone.sensor_body(design))
     # The depth of the slot is measured along y, so the gap under a film on the ramp is thinner.
     oblique = math.hypot(1.0, RAMP_SLOPE) if design.bone.platform_mm else 1.0
-    clearance = min(design.sensor.clearance_mm, design.sensor.adhesive_thickness_mm / oblique) - evaluator.tolerance_mm
+    clearance = min(design.sensor.clearance_mm, design.sensor.adhesive_thickness_mm / oblique)
+    clearance -= solids.evaluator.tolerance_mm
     if clearance > 0.0:
         yield Check.min_distance("sensor.pocket_clearance", body, solid, clearance)
     yield Check.zero_volume("overlap.bone.sensor", (body ^ solid).volume())
@@ -89,9 +103,87 @@ def _check_sensor_seat(design: Design, evaluator: MeshEvaluator) -> Iterator[Che
     yield Check("sensor.unsupported_area", unsupported, _AREA_TOLERANCE_MM2, "mm2")
 
 
-def check_strength(design: Design, strength: BoneStrength) -> Iterator[Check]:
+@CHECKS.register("bone", "skin", change={"sensor.air_volumes": ("sensor.distance_from_tip_mm", "bone.base_length_mm")})
+def check_air_vent(design: Design, solids: Solids) -> Iterator[Check]:
+    """Check that the air vent of the sensor, which lies in its tail, is open to the outside.
+
+    The check counts the connected volumes of air in and around bone and skin. A pocket that is cut off from the outside
+    is a second one.
+    """
+    evaluator, solid = solids.evaluator, union(solids.parts["bone"], solids.parts["skin"])
+    air = complement(evaluator, solid) - evaluator.manifold(bone.sensor_body(design))
+    # Inner walls have a negative volume, and surfaces that touch leave slivers.
+    volumes = [body for body in air.decompose() if body.volume() > VOLUME_TOLERANCE_MM3]
+    yield Check("sensor.air_volumes", len(volumes), 1, "volumes", "exactly")
+
+
+@CHECKS.register(
+    "bone", "skin", change={"sensor.[rv]*": ("sensor.clearance_mm", "bone.channel_diameter_mm", "bone.base_length_mm")}
+)
+def check_laid_in(design: Design, solids: Solids) -> Iterator[Check]:
+    """Check the trough in which the sensor is laid: room for what is sold, and an open vent."""
+    largest = solids.evaluator.manifold(bone.sensor_body(_with_largest_sensor(design)))
+    yield Check.zero_volume("sensor.room_overlap", float((largest ^ solids["bone"]).volume()))
+    yield Check("sensor.vent_open", _find_open_share(design, solids), _LEAST_OPEN_PERCENT, "%", "at least")
+
+
+def _with_largest_sensor(design: Design) -> Design:
+    """Give the design the largest sensor that its trough has to take, with its tabs as more of its tail."""
+    body = design.dimensions.sensor
+    sizes = {
+        "active_diameter_mm": body.active_diameter_mm, "thickness_mm": body.thickness_mm,
+        "head_diameter_mm": body.head_diameter_mm + HEAD_MM, "tail_width_mm": body.tail_width_mm + TAIL_MM,
+        "length_mm": body.length_mm + LONGER_MM + design.sensor.tab_length_mm,
+    }  # fmt: skip
+    own, sensor = design.custom_sensor.model_copy(update=sizes), design.sensor.model_copy(update={"model": "custom"})
+    return design.model_copy(update={"sensor": sensor, "custom_sensor": own})
+
+
+def _find_open_share(design: Design, solids: Solids) -> float:
+    """Find how much of the mouth of the vent, at the end of the tail, is open to the outside [%].
+
+    The skin lies over the trough, and a bead of adhesive around the collar fills it down to the tail.
+    """
+    dims, half = design.dimensions, design.dimensions.sensor.tail_width_mm / 2
+    far, flat = 2 * design.skin.width_mm, -dims.flat_depth
+    bead = Box((-far, -far, -design.bone.collar_length_mm), (far, flat, 0.0))
+    filled = union(solids.parts["bone"], solids.parts["skin"], bone.sensor_body(design), bead)
+    air = complement(solids.evaluator, filled)
+    # Surfaces come apart here: the largest surrounds all, those of parts enclose negative volumes, the rest is cut off.
+    _, *cut_off = sorted((body for body in air.decompose() if body.volume() > 0.0), key=lambda body: -body.volume())
+    end = dims.tail_end_z - PLANE_OFFSET_MM
+    mouth = solids.evaluator.manifold(Box((-half, flat, end - _GAP_MM), (half, flat + dims.pocket_depth, end)))
+    free = (mouth ^ air).volume() - sum((mouth ^ body).volume() for body in cut_off)
+    return 100.0 * float(free / mouth.volume())
+
+
+@CHECKS.register(
+    "bone",
+    "stand",
+    change={"stand.*": ("printer.surface_error_mm", "printer.offset_mm", "bone.cross_bolt_diameter_mm")},
+)
+def check_stand(design: Design, solids: Solids) -> Iterator[Check]:
+    """Check that the print's errors leave half the mating play beside the post, and that the bolt passes both."""
+    error = design.printer.surface_error_mm + max(0.0, design.printer.offset_mm)
+    gap = MATING_PLAY_MM / 2 + error - solids.evaluator.tolerance_mm
+    yield Check.min_distance("stand.post_gap", solids["bone"], solids["stand"], gap)
+    far, thread = design.skin.width_mm, select_thread(design.bone.cross_bolt_diameter_mm)
+    centre = (middle_y(design.dimensions), Post().cross_bolt_z(design))
+    bolt = solids.evaluator.manifold(cylinder("x", centre, -far, far, thread.diameter_mm / 2))
+    yield Check.zero_volume("stand.bolt_overlap", (bolt ^ (solids["bone"] + solids["stand"])).volume())
+
+
+@STRENGTH_CHECKS.register(
+    "bone",
+    change={
+        "bone.safety_factor.*": (
+            "sensor.model", "bone.base_length_mm", "skin.length_mm", "skin.width_mm", "strength.print_material",
+        ),
+    },
+)  # fmt: skip
+def check_strength(design: Design, solids: Solids) -> Iterator[Check]:
     """Check the safety factors. The loads that both allow are the remedy of one that is too small."""
-    stated, lighter = design.strength, []
+    stated, strength, lighter = design.strength, solids.strength, []
     grip, knock = strength.grip_safety_factor, strength.knock_safety_factor
     if grip < stated.min_grip_factor <= strength.breaks_n:  # the least grip of a design is 1 N
         lighter.append(f"strength.grip_force_n={_round_down(strength.breaks_n / stated.min_grip_factor):g}")

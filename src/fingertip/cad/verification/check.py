@@ -1,66 +1,26 @@
-"""The `Check` record with the parameters to change if it fails, and checks of the distance between two solids."""
+"""What a check takes and answers, how checks register, and measurements that several of them need.
+
+A check is a function of a design and its solids that yields records of a value and its limit. It registers by the
+decorator of the `Checks` of its module, which `cad.verification.verify` lists; checks of other packages come by the
+entry point `fingertip.checks`.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from functools import cached_property
+from types import MappingProxyType
 from typing import Any
 
-from fingertip.cad.kernel.mesh import Manifold, MeshEvaluator
-from fingertip.design.geometry.solids import Box, Solid, difference
+from fingertip.cad.kernel.mesh import Manifold, Mesh, MeshEvaluator
+from fingertip.cad.shapes.parts import PARTS, print_scale
+from fingertip.cad.verification.strength import BoneStrength, assess_strength
+from fingertip.design import Design
+from fingertip.design.geometry.solids import Box, Solid, difference, scaled
 from fingertip.foundation.comparison import Comparison
 from fingertip.foundation.files import round_for_output
-
-_BUG = ()
-"""A design that the rules accept never fails these checks: it would be a fault of the program."""
-
-_CAUSES: tuple[tuple[str, tuple[str, ...]], ...] = (
-    ("*.build_volume_excess", ("printer.bed_x_mm", "printer.bed_y_mm", "printer.bed_z_mm", "skin.length_mm")),
-    ("plate.bed_excess", ("printer.bed_x_mm", "printer.bed_y_mm", "printer.bed_z_mm", "skin.length_mm")),
-    ("plate.*", _BUG),
-    ("*.overhang", ("bone.groove_depth_mm", "bone.platform_mm", "skin.bump_height_mm", "bone.interface")),
-    ("skin.min_thickness", ("skin.thickness_side_mm", "bone.palmar_fullness", "skin.min_thickness_mm")),
-    ("skin.fitting_stretch", ("bone.groove_depth_mm", "mold.core_inset_mm")),
-    ("pad.turn_on_force", ("sensor.distance_from_tip_mm", "bone.collar_inset_mm", "skin.crown_radius_mm")),
-    ("pad.rest_force", ("skin.bump_height_mm", "skin.bump_radius_mm")),
-    ("mold.palmar_error", ("printer.surface_error_mm", "skin.thickness_palmar_mm")),
-    ("mold.plunge_pressure", ("silicone.product", "silicone.viscosity_pa_s")),
-    ("mold.core_bending", ("silicone.product", "silicone.viscosity_pa_s")),
-    ("mold.creep", ("printer.surface_error_mm", "silicone.product", "silicone.viscosity_pa_s")),
-    ("mold.seat_film", ("silicone.product", "silicone.viscosity_pa_s")),
-    ("mold.trapped_air", ("skin.bump_height_mm", "bone.groove_depth_mm")),
-    ("mold.wall", ("mold.wall_mm", "mold.engraving_depth_mm")),
-    ("bone.wall.channel*", ("bone.channel_diameter_mm", "bone.wall_mm")),
-    ("bone.wall.sensor*", ("bone.rim_mm", "bone.wall_mm", "skin.width_mm")),
-    ("bone.wall.pin*", ("hand.pin_diameter_mm", "hand.clearance_radius_mm")),
-    ("bone.wall.socket*", ("bone.socket_diameter_mm", "bone.socket_depth_mm")),
-    ("bone.wall.cheek", ("hand.width_mm",)),
-    ("bone.wall.tongue", ("hand.width_mm",)),
-    ("joint.tendon_overlap", ("hand.tendon_distance_mm", "hand.tendon_diameter_mm")),
-    ("joint.*", ("hand.travel_deg", "bone.joint_clearance_mm", "hand.clearance_radius_mm")),
-    ("sensor.pocket_clearance", ("sensor.clearance_mm", "sensor.adhesive_thickness_mm")),
-    ("sensor.[rvw]*", ("sensor.clearance_mm", "bone.channel_diameter_mm", "bone.base_length_mm")),
-    ("sensor.*", ("sensor.distance_from_tip_mm", "bone.base_length_mm")),
-    (
-        "bone.safety_factor.*",
-        ("sensor.model", "bone.base_length_mm", "skin.length_mm", "skin.width_mm", "strength.print_material"),
-    ),
-    ("hand_stub.*", ("hand.travel_deg", "hand.axis_height_mm", "hand.tendon_distance_mm")),
-    ("stand.*", ("printer.surface_error_mm", "printer.offset_mm", "bone.cross_bolt_diameter_mm")),
-    *((pattern, _BUG) for pattern in ("*.stl.*", "*.3mf.*", "*.step.*", "step.*", "volume_balance.*", "overlap.*")),
-    *((pattern, _BUG) for pattern in ("skin.surface_deviation", "mold.*", "demolding_overlap.*")),
-)
-"""Pattern of names, and parameters; the first pattern that matches counts."""
-
-
-def list_causes(check: str) -> tuple[str, ...]:
-    """List the parameters behind a failing check; none if it were a fault of the program. Raises LookupError."""
-    for pattern, parameters in _CAUSES:
-        if fnmatchcase(check, pattern):
-            return parameters
-    raise LookupError(check)
-
 
 VOLUME_TOLERANCE_MM3 = 1e-3
 """Largest volume that counts as zero [mm3]. Rounding 10 000 mm2 of surface to a grid of 8 nm stays below it."""
@@ -80,6 +40,10 @@ _MAX_REACH_MM = 500.0
 class Check(Comparison):
     """Verified property of a built part."""
 
+    change: tuple[str, ...] = ()
+    """Parameters to change if it fails; none if that were a fault of the program."""
+    source: str = "fingertip"
+    """Program that the check is of."""
     remedy: str = ""
     """Settings with which the check passes if it fails, joined by --set; empty if none is known."""
     is_beyond: bool = False
@@ -103,8 +67,63 @@ class Check(Comparison):
             "unit": self.unit,
             "relation": self.relation,
             "passed": self.passed,
-            **({} if self.passed else {"change": [*list_causes(self.name)]}),
+            **({} if self.passed else {"change": [*self.change]}),
         }
+
+
+@dataclass(frozen=True)
+class Solids:
+    """Parts of a design that are checked together, by their names."""
+
+    design: Design
+    evaluator: MeshEvaluator
+    parts: Mapping[str, Solid]
+
+    @classmethod
+    def of(cls, design: Design, evaluator: MeshEvaluator, parts: Iterable[str]) -> Solids:
+        return cls(design, evaluator, {name: PARTS[name].solid(design) for name in parts})
+
+    def __getitem__(self, part: str) -> Manifold:
+        """Evaluate a part as a `manifold3d.Manifold`. Raises GeometryError."""
+        return self.evaluator.manifold(self.parts[part])
+
+    def mesh(self, part: str) -> Mesh:
+        """Evaluate a part as a mesh as its files hold it. Raises GeometryError."""
+        return self.evaluator.mesh(scaled(self.parts[part], print_scale(self.design, PARTS[part])))
+
+    @cached_property
+    def strength(self) -> BoneStrength:
+        return assess_strength(self.design, self.evaluator)
+
+
+CheckFunction = Callable[[Design, Solids], Iterable[Check]]
+
+
+@dataclass(frozen=True)
+class RegisteredCheck:
+    run: CheckFunction
+    parts: frozenset[str]
+    """Parts without which there is nothing to check."""
+    change: Mapping[str, tuple[str, ...]]
+    """Pattern of names -> parameters to change if one fails; the first pattern that matches counts."""
+
+    def find_change(self, name: str) -> tuple[str, ...]:
+        return next((change for names, change in self.change.items() if fnmatchcase(name, names)), ())
+
+
+class Checks(list[RegisteredCheck]):
+    """Checks of one subject, in the order in which they are written."""
+
+    def register(
+        self, *parts: str, change: Mapping[str, tuple[str, ...]] = MappingProxyType({})
+    ) -> Callable[[CheckFunction], CheckFunction]:
+        """Register the decorated function, for builds with these parts, and what to change if a check of it fails."""
+
+        def add(run: CheckFunction) -> CheckFunction:
+            self.append(RegisteredCheck(run, frozenset(parts), change))
+            return run
+
+        return add
 
 
 def count_checks(checks: Sequence[Check]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -12,13 +12,16 @@ from fingertip.cad.kernel.mesh import Manifold, MeshEvaluator
 from fingertip.cad.shapes import mold
 from fingertip.cad.shapes.skin import cavity, core_within_skin, skin
 from fingertip.cad.verification.assembly import HALVES, LIFT_MM
-from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, complement, measure_gap
+from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, Checks, Solids, complement, measure_gap
 from fingertip.cad.verification.skin import check_fitting_stretch
 from fingertip.cad.verification.trapped_air import LEANS_DEG, trapped_mm3
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import GAP_MM, NOTCH_MM, RIDGE_END_MM, RIDGE_HEIGHT_MM, RIDGE_LENGTH_MM
 from fingertip.design.geometry.solids import Solid, difference, scaled, union
 from fingertip.foundation.numerics import Array
+
+CHECKS = Checks()
+_THINNER = ("silicone.product", "silicone.viscosity_pa_s")
 
 _RISE_MM = 0.5
 """Rise of the core by a print that is too large by 0.3 mm at each seat, which costs no skin [mm]."""
@@ -33,9 +36,22 @@ _MAX_BENDING_MM, _MAX_FILM_MM, _MAX_AIR_MM3 = 0.01, 0.02, 0.05
 _SECTIONS = 24
 
 
-def check_mold(design: Design, evaluator: MeshEvaluator, parts: Collection[str]) -> Iterator[Check]:
-    if not {"core", *HALVES} <= set(parts):
-        return
+@CHECKS.register(
+    "core",
+    *HALVES,
+    change={
+        "mold.trapped_air": ("skin.bump_height_mm", "bone.groove_depth_mm"),
+        "mold.palmar_error": ("printer.surface_error_mm", "skin.thickness_palmar_mm"),
+        "mold.plunge_pressure": _THINNER,
+        "mold.core_bending": _THINNER,
+        "mold.creep": ("printer.surface_error_mm", *_THINNER),
+        "mold.seat_film": _THINNER,
+        "mold.wall": ("mold.wall_mm", "mold.engraving_depth_mm"),
+        "skin.fitting_stretch": ("bone.groove_depth_mm", "mold.core_inset_mm"),
+    },
+)
+def check_mold(design: Design, solids: Solids) -> Iterator[Check]:
+    evaluator = solids.evaluator
     yield from _check_motions(design, evaluator)
     yield Check("mold.trapped_air", worst_air_mm3(design, evaluator), _MAX_AIR_MM3, "mm3")
     thickness, error = design.skin.thickness_palmar_mm, palmar_error_mm(design)

@@ -13,12 +13,12 @@ from fingertip.cad.files import stl, threemf
 from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, find_degenerate_triangles, to_arrays, to_manifold
 from fingertip.cad.kernel.tessellate import Triangles
-from fingertip.cad.printing.orientations import print_orientations, supports_by_part
+from fingertip.cad.printing.orientations import build_volume_excess, print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import MAX_UNSUPPORTED_MM2, Ceiling, Pose, bed_pose, find_ceilings
 from fingertip.cad.printing.print_files import Placed, PrintFiles, parts_on_plates
 from fingertip.cad.printing.settings import choose_plate_kind
 from fingertip.cad.shapes.parts import PARTS, Part, print_scale
-from fingertip.cad.verification.check import Check
+from fingertip.cad.verification.check import Check, Checks, Solids
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Solid
 from fingertip.foundation.numerics import Array
@@ -59,6 +59,9 @@ def count_open_edges(mesh: Mesh) -> int:
     return int(len(keys) - matched.sum())
 
 
+CHECKS = Checks()
+
+_BED = ("printer.bed_x_mm", "printer.bed_y_mm", "printer.bed_z_mm", "skin.length_mm")
 _INTO_AIR_MM = 0.02
 """Distance from a facet at which it is found in a place for supports [mm]."""
 _RAY_AXES = np.array([[0.0, -0.6, 0.8], [-0.8, 0.48, 0.36], [0.6, 0.64, 0.48]])
@@ -67,9 +70,25 @@ _ROUNDING_MM = 1e-5
 """Rounding of positions on a plate [mm]."""
 
 
-def check_overhang(design: Design, evaluator: MeshEvaluator, name: str, mesh: Mesh) -> Check:
+@CHECKS.register(
+    change={
+        "*.build_volume_excess": _BED,
+        "*.overhang": ("bone.groove_depth_mm", "bone.platform_mm", "skin.bump_height_mm", "bone.interface"),
+        "plate.bed_excess": _BED,
+    }
+)
+def check_on_bed(design: Design, solids: Solids) -> Iterator[Check]:
+    """Check that each printed part fits the printer as it lies on the bed, and its overhangs."""
+    for name in solids.parts:
+        if PARTS[name].is_printed:
+            excess = build_volume_excess(design, solids.mesh(name), print_orientations(design)[name].rotate_x_deg)
+            yield Check(f"{name}.build_volume_excess", excess, 0.0, "mm")
+            yield check_overhang(design, solids, name)
+
+
+def check_overhang(design: Design, solids: Solids, name: str) -> Check:
     """Check the largest unsupported overhang of a part that lies on the bed, away from the places of supports."""
-    places = supports_by_part(design)[name].places
+    places, mesh, evaluator = supports_by_part(design)[name].places, solids.mesh(name), solids.evaluator
     pose, scale = bed_pose(mesh, print_orientations(design)[name].rotate_x_deg), print_scale(design, PARTS[name])
     largest = 0.0
     for ceiling in find_ceilings(pose.apply(mesh)):
@@ -146,7 +165,7 @@ def _check_plates(
         rectangles = [Placed("", False, *box[0, :2].tolist(), *(box[1] - box[0])[:2].tolist()) for box in boxes]
         gaps += [one.distance(other) for one, other in combinations(rectangles, 2)]
     yield Check("plate.bed_distance", max(map(abs, low)), _ROUNDING_MM, "mm")
-    yield Check("plate.bed_excess", max(excess), _ROUNDING_MM, "mm")
+    yield Check("plate.bed_excess", max(excess), _ROUNDING_MM, "mm", change=_BED)
     if math.isfinite(min(gaps)):
         yield Check("plate.gap", min(gaps), kind.gap_mm - _ROUNDING_MM, "mm", "at least")
 

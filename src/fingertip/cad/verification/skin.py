@@ -1,148 +1,29 @@
-"""Checks of the skin: thickness, deviation of its mesh from the exact surface, stretch as it is put on, and its pad.
+"""Checks of the skin: thickness, deviation of its mesh, stretch as it is put on, its pad; and what holds a loose one.
 
-Thickness is measured above the plane z = 0, where the skin is cut square: the least gap between bone and outside.
-
-The exact surface consists of patches (tapered side and tip, each palmar and dorsal) and the flat end. Points are
-reflected to x >= 0 by symmetry. On each patch the nearest point is found by damped Gauss-Newton steps in the two
-parameters of the patch, which are clamped to it. The distance is the smallest from any patch.
+Thickness is measured above the plane z = 0, where the skin is cut square: the least gap between bone and outside. A
+skin that lies on the bone without a bond fits as `PadForm.of_design` says: the tightest fit presses most on the sensor
+at rest, the loosest leaves the largest dead zone.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
-from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from fingertip.cad.kernel.mesh import Manifold, Mesh, MeshEvaluator
+from fingertip.cad.kernel.mesh import Manifold, MeshEvaluator
 from fingertip.cad.shapes.skin import filled_bone, skin_interior, skin_outline
 from fingertip.cad.verification.bone import check_strength
-from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, above_z, complement, measure_gap
-from fingertip.cad.verification.strength import assess_strength
+from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, Checks, Solids, above_z, complement, measure_gap
+from fingertip.cad.verification.deviation import max_facet_deviation
 from fingertip.design import Design
-from fingertip.design.geometry.conic import ConicBody
-from fingertip.design.geometry.profile import Span
 from fingertip.foundation.errors import DesignError
-from fingertip.foundation.numerics import Array
-from fingertip.pad.survey import MAX_TURN_ON_N, survey_pad
+from fingertip.pad.form import INNER_FRICTION
+from fingertip.pad.survey import FORCE_N, MAX_TURN_ON_N, survey_pad
 
-_NEARBY_STEPS = 3
-"""Gauss-Newton steps that suffice for points very near the surface."""
-_REACH_MM = 1.5  # exceeds the deviation of every facet, since the tolerance is at most 1 mm
-_PARAMETERS = np.linspace(0.0, 1.0, 4001)
-"""Parameters at which curves are sampled for a first estimate of the nearest point."""
-_ON_SURFACE_MM = 1e-4  # vertices nearer than this lie on the surface; the vertex grid is ten times finer
-
-
-def max_facet_deviation(body: ConicBody, vertices: Array, triangles: NDArray[np.int64]) -> float:
-    """Measure the largest distance [mm] of facet centres from the surface.
-
-    Only facets whose corners lie on the surface are measured. A surface of constant curvature is farthest from a facet
-    at its centre. Few Gauss-Newton steps are needed so near the surface.
-    """
-    corners, patches = vertices[triangles], [*surface_patches(body)]
-    on_surface = (_nearby_distance(patches, vertices) < _ON_SURFACE_MM)[triangles].all(axis=1)
-    level = np.ptp(corners[:, :, 2], axis=1) == 0.0  # facets of the flat end are exact
-    centres = corners[on_surface & ~level].mean(axis=1)
-    return float(_nearby_distance(patches, centres).max()) if len(centres) else 0.0
-
-
-def _nearby_distance(patches: Iterable[Patch], points: Array) -> Array:
-    """Measure the distance [mm] of points near the surface, without its end; an upper bound for others."""
-    folded = points.copy()
-    folded[:, 0] = np.abs(folded[:, 0])
-    best = np.full(len(points), np.inf)
-    for patch in patches:
-        nearby = patch.in_range(folded, _REACH_MM)
-        best[nearby] = np.minimum(best[nearby], patch.distance(folded[nearby], steps=_NEARBY_STEPS))
-    return best
-
-
-class Patch:
-    """Patch of one quadrant of a taper or of the tip: tensor product of a section arc (t) and a profile [mm] (v)."""
-
-    def __init__(self, a: float, b: float, weight: float, span: Span) -> None:
-        self.a, self.b, self._z = a, b, (span.z[0], span.z[2])
-        self._section = (weight, (1.0, 1.0, 0.0), (0.0, 1.0, 1.0))
-        # Height, scale of the width, and scale of this side's height.
-        self._profile = (span.weight, span.z, span.scale, span.scale if b > 0 else span.palmar)
-
-    def evaluate(self, t: Array, v: Array) -> tuple[Array, Array, Array]:
-        """Evaluate points of the patch and their derivatives by t and v, each of shape (n, 3)."""
-        (x, dx), (y, dy) = _rational(t, *self._section)
-        (z, dz), (s, ds), (c, dc) = _rational(v, *self._profile)
-        x, dx, y, dy = self.a * x, self.a * dx, self.b * y, self.b * dy
-        zero = np.zeros_like(z)
-        return (
-            np.column_stack((s * x, c * y, z)),
-            np.column_stack((s * dx, c * dy, zero)),
-            np.column_stack((ds * x, dc * y, dz)),
-        )
-
-    def in_range(self, points: Array, reach_mm: float) -> NDArray[np.bool_]:
-        """Select points by a mask: those within the height and side of the patch, extended by `reach_mm`."""
-        low, high = self._z
-        y, z = points[:, 1] * np.sign(self.b), points[:, 2]
-        return np.asarray((y >= -reach_mm) & (z >= low - reach_mm) & (z <= high + reach_mm))
-
-    def distance(self, points: Array, steps: int) -> Array:
-        if not len(points):
-            return np.zeros(0)
-        t, v = self._start(points)
-        position, by_t, by_v = self.evaluate(t, v)
-        best: Array = np.linalg.norm(position - points, axis=1)
-        for _ in range(steps):
-            # Solve the normal equations of the linearised distance for the step in (t, v), by Cramer's rule.
-            r = points - position
-            tt, tv, vv = (np.einsum("ij,ij->i", p, q) for p, q in ((by_t, by_t), (by_t, by_v), (by_v, by_v)))
-            rt, rv = np.einsum("ij,ij->i", by_t, r), np.einsum("ij,ij->i", by_v, r)
-            # The section has zero width at the apex. A small ridge term keeps the step finite there.
-            tt, vv = tt + 1e-9 * tt.max(), vv + 1e-9 * vv.max()
-            det = tt * vv - tv * tv
-            t = np.clip(t + (vv * rt - tv * rv) / det, 0.0, 1.0)
-            v = np.clip(v + (tt * rv - tv * rt) / det, 0.0, 1.0)
-            position, by_t, by_v = self.evaluate(t, v)
-            best = np.minimum(best, np.linalg.norm(position - points, axis=1))
-        return best
-
-    def _start(self, points: Array) -> tuple[Array, Array]:
-        """Estimate the parameters of the nearest point: same height, and about the same direction from the axis."""
-        heights, scales, angles = self._samples
-        v = np.interp(points[:, 2], heights, _PARAMETERS)
-        wide, high = (np.maximum(np.interp(v, _PARAMETERS, values), 1e-9) for values in scales)
-        angle = np.arctan2(np.maximum(points[:, 1] / (self.b * high), 0.0), points[:, 0] / (self.a * wide))
-        return np.interp(angle, angles, _PARAMETERS), v
-
-    @cached_property
-    def _samples(self) -> tuple[Array, tuple[Array, Array], Array]:
-        """Height [mm] and both scales along the profile, and angle [rad] along the section arc, at `_PARAMETERS`."""
-        (x, _), (y, _) = _rational(_PARAMETERS, *self._section)
-        (z, _), (s, _), (c, _) = _rational(_PARAMETERS, *self._profile)
-        return z, (s, c), np.arctan2(y, x)
-
-
-def _rational(t: Array, weight: float, *coordinates: tuple[float, float, float]) -> Iterator[tuple[Array, Array]]:
-    """Evaluate each coordinate of a rational quadratic Bezier curve, and its derivative."""
-    u, weights = 1.0 - t, np.array((1.0, weight, 1.0))
-    basis, slope = np.array((u * u, 2.0 * u * t, t * t)), np.array((-2.0 * u, 2.0 * (u - t), 2.0 * t))
-    d, dd = weights @ basis, weights @ slope
-    for poles in coordinates:
-        value = (poles * weights) @ basis / d
-        yield value, ((poles * weights) @ slope - value * dd) / d
-
-
-def surface_patches(body: ConicBody) -> Iterator[Patch]:
-    """List the patches of the side x >= 0 of a body with a tip, dorsal and palmar."""
-    assert body.tip is not None
-    section = body.section
-    for height, weight in ((section.dorsal, section.dorsal_weight), (-section.palmar, section.palmar_weight)):
-        for span in body.spans:
-            yield Patch(section.half_width, height, weight, span)
-
+CHECKS = Checks()
 
 MAX_STRETCH_SHARE = 0.2
 """Share of its elongation at break by which a skin may be stretched: tight ones split after weeks."""
@@ -150,16 +31,31 @@ _SECTIONS = 24
 """Sections along the straight part of a skin whose perimeters are measured."""
 
 
-def check_skin(design: Design, evaluator: MeshEvaluator, mesh: Mesh) -> Iterator[Check]:
-    interior, outside = _interior(design, evaluator), _outside(design, evaluator)
-    minimum = design.skin.min_thickness_mm - evaluator.tolerance_mm
-    yield Check("skin.min_thickness", _thickness(interior, outside), minimum, "mm", "at least")
+@CHECKS.register(
+    "skin",
+    change={
+        "skin.min_thickness": ("skin.thickness_side_mm", "bone.palmar_fullness", "skin.min_thickness_mm"),
+        "pad.turn_on_force": ("sensor.distance_from_tip_mm", "bone.collar_inset_mm", "skin.crown_radius_mm"),
+        "pad.rest_force": ("skin.bump_height_mm", "skin.bump_radius_mm"),
+    },
+)
+def check_skin(design: Design, solids: Solids) -> Iterator[Check]:
+    tolerance_mm, mesh = solids.evaluator.tolerance_mm, solids.mesh("skin")
+    minimum = design.skin.min_thickness_mm - tolerance_mm
+    yield Check("skin.min_thickness", min_thickness(design, solids.evaluator), minimum, "mm", "at least")
     deviation = max_facet_deviation(design.dimensions.outer, mesh.vertices, mesh.triangles)
-    yield Check("skin.surface_deviation", deviation, evaluator.tolerance_mm, "mm")
+    yield Check("skin.surface_deviation", deviation, tolerance_mm, "mm")
+    yield check_pad(design)
+    if not design.skin.bonded:
+        yield check_rest_force(design)
 
 
 def min_thickness(design: Design, evaluator: MeshEvaluator) -> float:
-    return _thickness(_interior(design, evaluator), _outside(design, evaluator))
+    """Measure the smallest thickness [mm] between a skin's interior and its outside; 0 where they meet."""
+    interior = above_z(evaluator.manifold(skin_interior(design)), PLANE_OFFSET_MM)
+    # Everything around the skin, but not beyond its flat end, where the skin is open.
+    outside = above_z(complement(evaluator, skin_outline(design)), PLANE_OFFSET_MM)
+    return measure_gap(interior, outside, 1.0)
 
 
 def check_fitting_stretch(design: Design, evaluator: MeshEvaluator) -> Check:
@@ -171,20 +67,6 @@ def check_fitting_stretch(design: Design, evaluator: MeshEvaluator) -> Check:
     widest = max(_perimeter(whole, z) for z in heights)
     stretch, limit = widest / narrowest - 1.0, MAX_STRETCH_SHARE * design.silicone.material.elongation_percent.low
     return Check("skin.fitting_stretch", 100 * stretch, limit, "%")
-
-
-def _interior(design: Design, evaluator: MeshEvaluator) -> Manifold:
-    return above_z(evaluator.manifold(skin_interior(design)), PLANE_OFFSET_MM)
-
-
-def _outside(design: Design, evaluator: MeshEvaluator) -> Manifold:
-    """Everything around the skin, but not beyond its flat end, where the skin is open."""
-    return above_z(complement(evaluator, skin_outline(design)), PLANE_OFFSET_MM)
-
-
-def _thickness(interior: Manifold, outside: Manifold) -> float:
-    """Measure the smallest thickness [mm] between a skin's interior and its outside; 0 where they meet."""
-    return measure_gap(interior, outside, 1.0)
 
 
 def _perimeter(solid: Manifold, z: float) -> float:
@@ -216,6 +98,55 @@ def _find_mend(design: Design) -> str:
             tried = Design.without_remedies(**design.with_values({name: value}).model_dump())
             if survey_pad(tried).worst_turn_on_n > WANTED_TURN_ON_N:
                 continue
-            if all(one.passed for one in check_strength(tried, assess_strength(tried, MeshEvaluator(0.02)))):
+            if all(one.passed for one in check_strength(tried, Solids.of(tried, MeshEvaluator(0.02), ("bone",)))):
                 return f"{name}={value:g}"
     return ""
+
+
+MAX_REST_N = 0.1
+"""Force on the sensor that nothing touches: half of what turns a typical one on."""
+BEAD_MM, _BEAD_MPA = 2.0, 0.25
+"""Width of the bead of neutral silicone adhesive between skin and collar, and the shear that it holds. Assumptions."""
+_SLIDE, _SLIDE_FLAT = 0.23, 0.33
+"""Slide of the skin over the sensor under a force along the finger, times modulus over force [1/mm], by finite elements
+without friction: 0.18 to 0.23 in four designs with a platform, which is a key, and 0.33 without one."""
+
+
+def check_rest_force(design: Design) -> Check:
+    return Check("pad.rest_force", survey_pad(design).rest_n, MAX_REST_N, "N")
+
+
+def describe_lying_skin(design: Design) -> dict[str, Any]:
+    """Describe the skin in the report: what its loosest fit feels, and how it holds and slides."""
+    loose = survey_pad(design, is_loose=True)
+    return {
+        "loose": loose.to_dict(),
+        "pull_off_n": round(pull_off_n(design), 1),
+        "pull_off_glued_n": round(pull_off_n(design, is_glued=True), 1),
+        "slide_mm": round(slide_mm(design), 2),
+    }
+
+
+def pull_off_n(design: Design, *, is_glued: bool = False) -> float:
+    """Estimate the force along the finger that pulls the skin off [N], a lower bound, with its softest silicone.
+
+    The skin is a tube on an elastic foundation, its own hoops, and a rib must stretch it by the groove's depth to come
+    out: a ring load near a free end (M. Hetenyi, Beams on Elastic Foundation, 1946, chapter 2), which climbs a flank of
+    45 degrees with friction. A tight skin adds friction, a bead of adhesive its shear.
+    """
+    bone, skin, section = design.bone, design.skin, design.dimensions.bone_outline.section
+    modulus, thickness = design.silicone.material.modulus_mpa.low, min(skin.thickness_side_mm, skin.thickness_dorsal_mm)
+    radius = (section.half_width + (section.dorsal + design.dimensions.flat_depth) / 2) / 2
+    wave = math.sqrt(math.sqrt(3 * (1 - 0.5**2)) / (radius * thickness))
+    at = wave * (bone.groove_distance_mm + bone.groove_depth_mm + bone.groove_width_mm / 2)
+    free = 1 + math.exp(-2 * at) * (1 + 2 * math.cos(at) ** 2 - 2 * math.sin(at) * math.cos(at))
+    ring = 4 * math.pi * modulus * thickness * bone.groove_depth_mm / (radius * wave * free)
+    tight = modulus * design.mold.core_inset_mm * thickness / radius * math.tau * design.dimensions.taper_end_z
+    bead = _BEAD_MPA * BEAD_MM * math.tau * radius if is_glued else 0.0
+    return ring * (1 + INNER_FRICTION) / (1 - INNER_FRICTION) + INNER_FRICTION * tight + bead
+
+
+def slide_mm(design: Design) -> float:
+    """Estimate how far 1 N along the finger moves the skin over the sensor, without friction [mm]."""
+    modulus, factor = design.silicone.material.modulus_mpa, _SLIDE if design.bone.platform_mm else _SLIDE_FLAT
+    return factor * FORCE_N / math.sqrt(modulus.low * modulus.high)

@@ -41,11 +41,16 @@ def test_an_installed_package_brings_a_detector_and_a_check(tmp_path: Path) -> N
     site = tmp_path / "site"
     site.mkdir()
     install("own_detector_and_check", read_entry_points(), site)
-    lines = ["complete fingertip detect --detector o", "detect --help", "simulate --out a.csv"]
+    lines = [
+        "complete fingertip detect --detector o",
+        "detect --help",
+        "simulate --out a.csv",
+        "check article --tolerance-mm 0.1 -v",
+    ]
     done = run_beside(site, *lines, "detect a.csv --detector own")
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines()[0] == "own"
-    for text in ("own (of another package)", "detector own, on voltage_v"):
+    for text in ("own (of another package)", "detector own, on voltage_v", "own.bone_mass 7.9"):
         assert text in " ".join(done.stdout.split())
 
 

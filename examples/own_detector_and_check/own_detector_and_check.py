@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.verification.check import Check
+from fingertip.cad.verification.check import Check, Solids
 from fingertip.design import Design
 from fingertip.slip.detectors.noise import input_noise_v
 from fingertip.slip.detectors.registry import Detector, DetectorOutput, DetectorType
@@ -53,7 +52,7 @@ class ChangeDetector(Detector):
 OWN = DetectorType("own", "voltage_v", "statistic of own", "own_detector_and_check:ChangeDetector", "black", "x")
 
 
-def check_mass(design: Design, evaluator: MeshEvaluator, meshes: Mapping[str, Mesh]) -> Iterator[Check]:
-    if "bone" in meshes:
-        mass_g = meshes["bone"].volume() / 1000.0 * design.strength.material.density_g_cm3
-        yield Check("own.bone_mass", mass_g, MAX_BONE_G, "g")
+def check_mass(design: Design, solids: Solids) -> Iterator[Check]:
+    if "bone" in solids.parts:
+        mass_g = solids["bone"].volume() / 1000.0 * design.strength.material.density_g_cm3
+        yield Check("own.bone_mass", mass_g, MAX_BONE_G, "g", change=("bone.base_length_mm",), source=__name__)

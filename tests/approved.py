@@ -21,6 +21,7 @@ import pytest
 
 from fingertip.foundation.version import __version__
 
+_HEADING = re.compile(r"Differences from (.+):\n")
 _QUOTED = re.compile(r"'[^']*'")
 _NUMBER = re.compile(r"(?<![\w#.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
@@ -54,30 +55,33 @@ def list_data(data: Any, name: str = "") -> Iterator[str]:
             yield from list_data(value, f"{name}.{key}" if name else f"{key}")
 
 
+def read_text(path: Path) -> str:
+    """Read an approved text, of differences the text that has them."""
+    stored = path.read_text(encoding="utf-8") if path.exists() else ""
+    heading = _HEADING.match(stored)
+    return _patch(read_text(path.parent / heading[1]), stored) if heading else stored
+
+
 def _read(path: Path, text: str, beside: Path | None) -> str:
     if os.environ.get("FINGERTIP_APPROVE"):
-        _approve(path, text, beside)
-    return _load(path) if beside is None else _patch(_load(beside), _load(path))
+        path.parent.mkdir(exist_ok=True)
+        others = [other for other in path.parent.iterdir() if _name_whole(other) == path]
+        kept = {other: read_text(other) for other in others if other != path}
+        _write(path, text, beside)
+        for other, content in kept.items():
+            _write(other, content, path)
+    return read_text(path)
 
 
-def _load(path: Path) -> str:
-    return path.read_text(encoding="utf-8") if path.exists() else ""
+def _name_whole(path: Path) -> Path | None:
+    heading = _HEADING.match(path.read_text(encoding="utf-8"))
+    return path.parent / heading[1] if heading else None
 
 
-def _approve(path: Path, text: str, beside: Path | None) -> None:
-    """Write a text, and the differences of others from it anew."""
-    path.parent.mkdir(exist_ok=True)
-    for other in path.parent.iterdir():
-        if _load(other).startswith(_heading(path)):
-            kept = _patch(_load(path), _load(other))
-            other.write_text(_heading(path) + _differ(text, kept), encoding="utf-8")
+def _write(path: Path, text: str, beside: Path | None) -> None:
     if beside is not None:
-        text = _heading(beside) + _differ(_load(beside), text)
+        text = f"Differences from {os.path.relpath(beside, path.parent)}:\n{_differ(read_text(beside), text)}"
     path.write_text(text, encoding="utf-8")
-
-
-def _heading(whole: Path) -> str:
-    return f"Differences from {whole.parent.name}/{whole.name}:\n"
 
 
 def _differ(whole: str, text: str) -> str:

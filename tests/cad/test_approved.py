@@ -44,7 +44,7 @@ def render(value: object) -> str:
         case bool() | None | str():
             return repr(value)
         case float():
-            return f"{value:.6g}" if abs(value) > 1e-12 else "0"
+            return f"{value:.6g}" if abs(value) > 1e-9 else "0"
         case int():
             return str(value)
         case tuple() | list():
@@ -104,11 +104,12 @@ def list_solids(design: Design) -> Iterator[str]:
 
 
 @pytest.mark.every_case
-@pytest.mark.parametrize("name", CHANGES)
+@pytest.mark.parametrize("name", [name for name in CHANGES if name != "fsr402"])
 @pytest.mark.parametrize("list_figures", [list_sizes, list_solids])
 def test_figures_of_designs_are_the_approved_ones(name: str, list_figures: Callable[[Design], Iterator[str]]) -> None:
     kind = list_figures.__name__.removeprefix("list_")
-    check_figures(APPROVED / f"{name}_{kind}.txt", list_figures(load(name)), 1e-4, 1e-4)
+    whole = APPROVED / f"fsr400_{kind}.txt" if name in ("socket", "article") else None
+    check_figures(APPROVED / f"{name}_{kind}.txt", list_figures(load(name)), 1e-4, 1e-4, whole)
 
 
 FAULTS = ("*.stl.*", "*_balance.*", "overlap.*", "demolding_overlap.*", "skin.surface_deviation", "mold.*ing_overlap")
@@ -117,13 +118,22 @@ FAULTS = ("*.stl.*", "*_balance.*", "overlap.*", "demolding_overlap.*", "skin.su
 @pytest.mark.every_case
 @pytest.mark.parametrize("name", some_of(sorted(CHANGES), "adult_finger", "fsr400"))
 def test_values_of_checks_are_the_approved_ones(name: str) -> None:
-    """Each check names the parameters to change, or none where its failure would be a fault of the program."""
-    lines, checks = [], run_all_checks(load(name))
+    """Each check names the parameters to change, or none where its failure would be a fault of the program.
+
+    Those that want an exact value, and have it as they pass, are listed by that value.
+    """
+    lines, exact, checks = [], dict[str, list[str]](), run_all_checks(load(name))
     assert [check.name for check in checks.values() if not check.passed] == []
     for check in checks.values():
-        lines.append(f"{check.name}: {render(check.value)} {check.sign} {render(check.limit)} {check.unit}")
+        wanted = f"{check.sign} {render(check.limit)} {check.unit}"
+        if check.sign == "=":
+            exact.setdefault(f"{check.name.rpartition('.')[2]} {wanted}", []).append(check.name.rpartition(".")[0])
+        else:
+            lines.append(f"{check.name}: {render(check.value)} {wanted}")
         assert bool(check.change) != any(fnmatchcase(check.name, pattern) for pattern in FAULTS), check.name
-    check_figures(APPROVED / f"{name}_checks.txt", lines, 1e-3, 1e-3)
+    lines += (f"{wanted}: {' '.join(files)}" for wanted, files in exact.items())
+    whole = APPROVED / "fsr400_checks.txt" if name != "fsr400" else None
+    check_figures(APPROVED / f"{name}_checks.txt", lines, 1e-3, 1e-3, whole)
 
 
 def test_catalogues_are_the_approved_ones() -> None:

@@ -37,8 +37,11 @@ def test_every_public_name_is_documented_and_has_the_approved_defaults() -> None
         for key, method in inspect.getmembers(value, inspect.isroutine)
         if not key.startswith("_") and str(getattr(method, "__module__", "")).startswith("fingertip")
     }  # fmt: skip
-    arguments = [(name, one) for name, value in values.items() for one in inspect.signature(value).parameters.values()]
-    lines = [f"{name} {describe_argument(one)}\n" for name, one in arguments]
+    lines = []
+    for name, value in values.items():
+        arguments = [describe_argument(one) for one in inspect.signature(value).parameters.values()]
+        between = ", " if sum(map(len, arguments)) < 300 else ",\n    "
+        lines.append(f"{name}({between.join(arguments)})\n")
     check_text(ROOT / "tests/approved/arguments.txt", "".join(lines))
     assert set(fingertip.__all__) <= set(dir(fingertip))
     assert fingertip.__version__

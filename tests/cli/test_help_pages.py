@@ -35,7 +35,11 @@ def describe_option(option: Any) -> str:
     default = option.default.as_posix() if isinstance(option.default, Path) else option.default
     kind = getattr(option, "type", option)  # of typer before 0.29, which has the bounds
     low, high = (getattr(kind, name, None) for name in ("min", "max"))
-    return f"{option.opts[0]}={default!r}" + (f" from {low} to {high}" if (low, high) != (None, None) else "")
+    return (
+        option.opts[0]
+        + ("" if default is None or default is False else f"={default!r}")
+        + (f" from {low} to {high}" if (low, high) != (None, None) else "")
+    )
 
 
 def test_help_pages_fit_and_show_every_option_and_examples() -> None:
@@ -46,7 +50,7 @@ def test_help_pages_fit_and_show_every_option_and_examples() -> None:
         done = run_fingertip(*name.split(), "--help")
         page = done.stdout
         listed = [each for each in command.params if each.param_type_name == "option"]
-        defaults += [f"{name} {describe_option(each)}\n" for each in listed if each.name != "help"]
+        defaults.append(f"{name} {', '.join(describe_option(each) for each in listed if each.name != 'help')}\n")
         options = [one for each in listed for one in each.opts]
         wrong += [(name, one) for one in options if not re.search(rf"(^|[ ,]){one}([ ,]|$)", page, re.MULTILINE)]
         wrong += [(name, line) for line in page.splitlines() if len(line) > MAX_WIDTH]

@@ -3,7 +3,9 @@
 After a change that is meant, `FINGERTIP_APPROVE=1 pytest tests/cli/test_transcripts.py` writes them; then read the
 difference. In a transcript, `== ` begins a heading, `--- NAME` the content of a file, and `$ ` a command. Below it
 stand its output, what it says on stderr after `! `, the files that it made (`+`), changed (`~`) or removed (`-`), and
-its exit code.
+its exit code unless that is 0, or 2 after an error. `... 12` are 12 lines that such a command has printed above too.
+Ahead of `fingertip`, `head 9` prints the first lines alone and `json` its data. `cat` prints a file (of JSON, its
+data), `edit` replaces a text in one, and `complete` is the tab key.
 """
 
 from __future__ import annotations
@@ -11,10 +13,12 @@ from __future__ import annotations
 import importlib
 import io
 import itertools
+import json
 import os
 import re
 import shlex
 from contextlib import redirect_stdout
+from difflib import SequenceMatcher
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -25,6 +29,7 @@ import typer
 
 from fingertip.cli import app
 from fingertip.cli.completion import answer_shell
+from tests.approved import check_text, list_data
 from tests.conftest import run_fingertip
 from tests.sweep.examples import InlineEngine
 
@@ -44,7 +49,8 @@ def run(words: list[str]) -> str:
     """Run a command in the working folder, and return what it prints, writes and ends with."""
     program, *words = words
     if program == "cat":
-        return Path(*words).read_text(encoding="utf-8")
+        text = Path(*words).read_text(encoding="utf-8")
+        return "\n".join([*list_data(json.loads(text)), ""]) if words[0].endswith(".json") else text
     if program == "edit":
         path, old, new = words
         Path(path).write_text(Path(path).read_text(encoding="utf-8").replace(old, new, 1), encoding="utf-8")
@@ -53,6 +59,8 @@ def run(words: list[str]) -> str:
         with patch.dict(os.environ, _TYPER_COMPLETE_ARGS=words[0]), redirect_stdout(io.StringIO()) as offered:
             answer_shell(COMMAND)
         return offered.getvalue()
+    count, words = (int(words[0]), words[2:]) if program == "head" else (None, words)
+    words = words[1:] if program == "json" else words
     before = files_below(Path())
     done = run_fingertip(*words)
     after = files_below(Path())
@@ -60,16 +68,33 @@ def run(words: list[str]) -> str:
     names = [name for name in names if ".3dshapes/" not in name]  # of the packages on a board, some dozen
     files = [f"{'-' if name not in after else '~' if name in before else '+'} {name}\n" for name in names]
     said = [f"! {line}\n" for line in done.stderr.splitlines()]
-    return "".join([done.stdout, *said, *files, f"[{done.returncode}]\n"])
+    is_usual = done.returncode == (2 if "error: " in done.stderr else 0)
+    code = "" if is_usual else f"[{done.returncode}]\n"
+    lines = list_data(json.loads(done.stdout)) if program == "json" else done.stdout.splitlines()[:count]
+    return "".join([*(f"{line}\n" for line in lines), *said, *files, code])
+
+
+def leave_out(text: str, earlier: list[str]) -> str:
+    """Replace runs of four lines and more by their number, as the most similar of earlier outputs has them."""
+    new, shortest = text.splitlines(keepends=True), text.splitlines(keepends=True)
+    for old in earlier:
+        lines = list[str]()
+        for kind, _, _, first, end in SequenceMatcher(None, old.splitlines(True), new, False).get_opcodes():
+            lines += [f"... {end - first}\n"] if kind == "equal" and end - first >= 4 else new[first:end]
+        shortest = min(shortest, lines, key=len)
+    return "".join(shortest)
 
 
 def replay(transcript: str) -> str:
     """Run the commands of a transcript anew, and return it with what they do now."""
-    done = []
+    done, printed = list[str](), dict[str, list[str]]()
     for block in re.split(r"^(?=\$ |--- |== )", transcript, flags=re.MULTILINE):
         head, _, body = block.partition("\n")
         if head.startswith("$ "):
-            block = f"{head}\n{run(shlex.split(head[2:]))}\n"
+            words = shlex.split(head[2:])
+            text, earlier = run(words), printed.setdefault(" ".join(words[:2]), [])
+            block = f"{head}\n{leave_out(text, earlier)}\n"
+            earlier.append(text)
         elif head.startswith("--- "):
             path = Path(head[4:])
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -91,8 +116,5 @@ def test_commands_do_what_the_transcript_shows(
     monkeypatch.setattr(importlib.import_module("fingertip.cli.sweep"), "time", clock)
     if name in WITHOUT_EXTRAS:
         request.getfixturevalue("core")
-    approved = TRANSCRIPTS[name].read_text(encoding="utf-8")
-    found = replay(approved)
-    if os.environ.get("FINGERTIP_APPROVE"):
-        TRANSCRIPTS[name].write_text(found, encoding="utf-8")
-    assert found == approved
+    found = replay(TRANSCRIPTS[name].read_text(encoding="utf-8"))
+    check_text(TRANSCRIPTS[name], found)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from fingertip import Design, board_values, make
-from fingertip.cad.report import Build
 from fingertip.catalogues.output_files import ACCEPTANCE, PART_FILES
 from fingertip.documents.acceptance import acceptance_data, render_acceptance
 from fingertip.foundation import extras
@@ -17,7 +16,7 @@ from fingertip.foundation.errors import OutputError
 from fingertip.pictures.drawing.draw import file_names
 from fingertip.tasks import make as make_files
 from fingertip.tasks.board import write_board
-from fingertip.tasks.build import build
+from fingertip.tasks.build import BuildOptions, BuildPlan, build, plan_build
 from fingertip.tasks.verification import verify_sets
 from tests.conftest import run_fingertip
 
@@ -90,11 +89,11 @@ def test_drawings_come_with_step_files(tmp_path: Path, monkeypatch: pytest.Monke
     """Both need the B-rep kernel, whose minutes this test leaves to the README's first block."""
     design, messages, asked = Design.load("fsr400"), list[str](), list[bool]()
 
-    def build_meshes(*given: Any, **options: Any) -> Build:
-        asked.append(options["drawings"])
-        return build(*given, **options | {"formats": ["stl"], "drawings": False})
+    def plan_meshes(design: Design, out: Path, options: BuildOptions) -> BuildPlan:
+        asked.append(options.drawings)
+        return plan_build(design, out, replace(options, formats=["stl"], drawings=False))
 
-    monkeypatch.setattr(make_files, "build", build_meshes)
+    monkeypatch.setattr(make_files, "plan_build", plan_meshes)
     made = make(design, tmp_path / "a", formats=["stl", "step"], progress=messages.append)
     assert made.drawings == tuple(tmp_path / "a" / name for name in file_names(design))
     assert verify_sets(tmp_path / "a")[1] == []

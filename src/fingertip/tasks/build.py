@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from fingertip.cad.files.cadquery_script import write_script
@@ -16,8 +16,8 @@ from fingertip.cad.report import DESIGN_HEADING, Build, BuiltPart
 from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name, print_scale
 from fingertip.cad.verification.assembly import brep_balance_solids, check_brep_assembly
 from fingertip.cad.verification.printing import check_brep_solid
-from fingertip.cad.verification.verify import verify
-from fingertip.casting.sheet import casting_sheet
+from fingertip.cad.verification.verify import VerifiedParts, verify
+from fingertip.casting.sheet import CastingSheet, casting_sheet
 from fingertip.catalogues import output_files
 from fingertip.catalogues.output_files import PART_FORMATS, part_file
 from fingertip.design import Design
@@ -32,6 +32,19 @@ from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.pictures.drawing.draw import file_names, render_sheets, sheet_jobs
 
 
+@dataclass(frozen=True)
+class BuildOptions:
+    """What a build makes: the arguments of `build`."""
+
+    parts: Iterable[str] | None = None
+    formats: Iterable[str] | None = None
+    tolerance_mm: float = 0.01
+    material: str | None = None
+    pictures: bool = False
+    drawings: bool = False
+    force: bool = False
+
+
 def build(
     design: Design,
     out: str | Path | None = None,
@@ -44,7 +57,6 @@ def build(
     drawings: bool = False,
     force: bool = False,
     progress: Callable[[str], None] = lambda message: None,
-    meanwhile: Callable[[ReportProgress], None] | None = None,
 ) -> Build:
     """Build parts, check them, and write them with `design.toml`, `casting.md` and `report.json`.
 
@@ -79,9 +91,6 @@ def build(
         Whether files may be overwritten that no build wrote, or that were changed since.
     progress
         Called with a message at each step.
-    meanwhile
-        Called once before anything is written, while the B-rep kernel works, with a function that takes its progress.
-        An error that it raises ends the build.
 
     Raises
     ------
@@ -95,81 +104,135 @@ def build(
         If the folder cannot be written, or holds a file of these names that is somebody's own. No file has been
         written then.
     """
-    folder = output_files.PART_FILES.folder(design, out)
-    known = tuple(parts_by_name(design))
-    names = select_names("--parts", known if parts is None else parts, known)
-    file_formats = select_names(
-        "--formats", find_formats(progress) if formats is None else formats, tuple(PART_FORMATS)
-    )
-    if "step" in file_formats:
-        extras.require("--formats", "OCP", subject="step", alternative="leave step out with --formats stl,3mf")
-    design, evaluator, all_built = design.with_silicone(material), MeshEvaluator(tolerance_mm), names == [*known]
-    writer = output_files.PART_FILES.writer(design, folder, force)
-    writer.check([*_file_names(names, file_formats, all_built), *(file_names(design) if drawings else ())])
-    print_writer = output_files.PRINTS.writer(design, folder / output_files.PRINT_FOLDER, force, folder)
-    print_writer.check(_print_names(names, file_formats, all_built))
-    picture_writer = output_files.STEPS.writer(design, folder / output_files.STEPS_FOLDER, force, folder)
-    picture_writer.check(())
+    options = BuildOptions(parts, formats, tolerance_mm, material, pictures, drawings, force)
+    return run_build(plan_build(design, out, options, progress), progress)
 
+
+@dataclass(frozen=True)
+class BuildPlan:
+    """Build of a design whose folder can take it."""
+
+    design: Design
+    names: tuple[str, ...]
+    """Parts to make."""
+    formats: tuple[str, ...]
+    options: BuildOptions
+    is_whole: bool
+    """True if all parts of the design are made."""
+    parts: SetWriter
+    prints: SetWriter
+    pictures: SetWriter
+
+
+def plan_build(
+    design: Design,
+    out: str | Path | None,
+    options: BuildOptions,
+    progress: Callable[[str], None] = lambda message: None,
+) -> BuildPlan:
+    """Plan a build, and refuse what it or its folder cannot take, as `build` does."""
+    folder, known = output_files.PART_FILES.folder(design, out), tuple(parts_by_name(design))
+    names = select_names("--parts", known if options.parts is None else options.parts, known)
+    wanted = find_formats(progress) if options.formats is None else options.formats
+    formats = select_names("--formats", wanted, tuple(PART_FORMATS))
+    if "step" in formats:
+        extras.require("--formats", "OCP", subject="step", alternative="leave step out with --formats stl,3mf")
+    design, force, is_whole = design.with_silicone(options.material), options.force, names == known
+    plan = BuildPlan(
+        design, names, formats, options, is_whole,
+        output_files.PART_FILES.writer(design, folder, force),
+        output_files.PRINTS.writer(design, folder / output_files.PRINT_FOLDER, force, folder),
+        output_files.STEPS.writer(design, folder / output_files.STEPS_FOLDER, force, folder),
+    )  # fmt: skip
+    plan.parts.check([*_name_files(plan), *(file_names(design) if options.drawings else ())])
+    plan.prints.check(_name_prints(plan))
+    plan.pictures.check(())
+    return plan
+
+
+def run_build(
+    plan: BuildPlan, progress: Callable[[str], None], meanwhile: Callable[[ReportProgress], None] | None = None
+) -> Build:
+    """Make, check and write what a plan states.
+
+    `meanwhile` is called once before anything is written, while the B-rep kernel works, with a function that takes its
+    progress. An error that it raises ends the build.
+    """
+    design, options = plan.design, plan.options
     stages = {
         "parts": 2.0, "rest": 3.0 * (meanwhile is not None),
-        "pictures": 1.0 * pictures, "STEP files": (4.0 + 6.0 * drawings) * ("step" in file_formats),
+        "pictures": 1.0 * options.pictures, "STEP files": (4.0 + 6.0 * options.drawings) * ("step" in plan.formats),
     }  # fmt: skip
-    work = Work("", stages, progress)
-
+    work, evaluator = Work("", stages, progress), MeshEvaluator(options.tolerance_mm)
     with contextlib.ExitStack() as stack:
         # The B-rep kernel and the pictures have processes of their own while this process makes and checks the meshes.
-        process = None
-        if "step" in file_formats:
-            solids = tuple((name, PARTS[name].solid(design), PARTS[name].colour) for name in names)
-            bought = tuple((item.name, item.solid, item.colour) for item in hardware(design, names))
-            tools = tuple(name for name in names if PARTS[name].is_tool)
-            balance, sheets = brep_balance_solids(design, names), sheet_jobs(design) if drawings else ()
-            job = StepJob(design.name, solids, balance, bought, tools, sheets)
-            process = stack.enter_context(StepProcess.start(job))
+        process = stack.enter_context(StepProcess.start(_describe_step_job(plan))) if "step" in plan.formats else None
         drawing: Callable[[], dict[str, bytes]] = dict
-        if pictures and all_built:
-            drawing = stack.enter_context(in_background(_draw_steps, design, tolerance_mm))
-        verified = verify(design, names, file_formats, evaluator, work.within("parts"))
-        meshes, checks, strength = verified.meshes, list(verified.checks), verified.strength
-        casting = None
-        if all_built:
-            casting = casting_sheet(design, evaluator)
+        if options.pictures and plan.is_whole:
+            drawing = stack.enter_context(in_background(_draw_steps, design, options.tolerance_mm))
+        verified = verify(design, plan.names, plan.formats, evaluator, work.within("parts"))
+        casting = casting_sheet(design, evaluator) if plan.is_whole else None
         if meanwhile:
             meanwhile(work.within("rest"))
         work.begin("pictures")
-        steps_drawn = drawing()
+        pictures = drawing()
         step = StepFiles({}, {}, {}, {})
         if process:
             work.begin("STEP files")
             step = process.result(advance=work.advance)
-            for name, measured in step.measurements.items():
-                scale = print_scale(design, PARTS[name])
-                checks += check_brep_solid(design, PARTS[name], meshes[name], measured, scale, tolerance_mm)
-            checks += check_brep_assembly(design, step.measurements, step.volumes_mm3)
-        contents = dict(verified.contents) | step.contents
-        if drawings:
-            contents |= render_sheets(design, step.also)
-    if "cq" in file_formats:
-        contents |= {part_file(name, "cq"): write_script(design, name) for name in names}
+    return _write(plan, _collect(plan, verified, step, casting, tuple(pictures)), pictures, progress)
 
-    files = {name: {file_format: part_file(name, file_format) for file_format in file_formats} for name in names}
-    built = tuple(BuiltPart(PARTS[n], meshes[n], files[n], step.measurements.get(n)) for n in names)
+
+def _describe_step_job(plan: BuildPlan) -> StepJob:
+    design, names = plan.design, plan.names
+    solids = tuple((name, PARTS[name].solid(design), PARTS[name].colour) for name in names)
+    bought = tuple((item.name, item.solid, item.colour) for item in hardware(design, names))
+    tools = tuple(name for name in names if PARTS[name].is_tool)
+    sheets = sheet_jobs(design) if plan.options.drawings else ()
+    return StepJob(design.name, solids, brep_balance_solids(design, names), bought, tools, sheets)
+
+
+def _collect(
+    plan: BuildPlan, verified: VerifiedParts, step: StepFiles, casting: CastingSheet | None, pictures: tuple[str, ...]
+) -> Build:
+    """Collect files and checks, those of the exact solids included, and report on them."""
+    design, tolerance_mm = plan.design, plan.options.tolerance_mm
+    checks = list(verified.checks)
+    for name, measured in step.measurements.items():
+        scale = print_scale(design, PARTS[name])
+        checks += check_brep_solid(design, PARTS[name], verified.meshes[name], measured, scale, tolerance_mm)
+    if "step" in plan.formats:
+        checks += check_brep_assembly(design, step.measurements, step.volumes_mm3)
+    contents = dict(verified.contents) | step.contents
+    if plan.options.drawings:
+        contents |= render_sheets(design, step.also)
+    if "cq" in plan.formats:
+        contents |= {part_file(name, "cq"): write_script(design, name) for name in plan.names}
     if casting:
-        pictures_of_steps = [f"{output_files.STEPS_FOLDER}/{name}" for name in steps_drawn]
-        contents[output_files.SHEET] = render_sheet(casting, pictures_of_steps).encode()
-    prints = verified.prints
-    result = Build(design, folder, tolerance_mm, built, contents, prints, tuple(checks), strength, casting)
+        drawn = [f"{output_files.STEPS_FOLDER}/{name}" for name in pictures]
+        contents[output_files.SHEET] = render_sheet(casting, drawn).encode()
+    files = {name: {each: part_file(name, each) for each in plan.formats} for name in plan.names}
+    built = tuple(BuiltPart(PARTS[n], verified.meshes[n], files[n], step.measurements.get(n)) for n in plan.names)
+    result = Build(
+        design, plan.parts.folder, tolerance_mm, built, contents, verified.prints, tuple(checks), verified.strength,
+        casting,
+    )  # fmt: skip
     contents[output_files.REPORT] = (json.dumps(result.report(), indent=2) + "\n").encode()
     contents[output_files.DESIGN] = to_toml(design, DESIGN_HEADING).encode()
-    print_writer.check(prints.contents)
-    picture_writer.check(steps_drawn)
-    removed = writer.write(contents)
-    removed += _replace_subset(print_writer, prints.contents, ".3mf" if prints.plates else None)
-    removed += _replace_subset(picture_writer, steps_drawn, ".png")
+    return result
+
+
+def _write(plan: BuildPlan, made: Build, pictures: Mapping[str, bytes], progress: Callable[[str], None]) -> Build:
+    """Write the three sets, and remove what is of another design."""
+    prints = made.prints
+    plan.prints.check(prints.contents)
+    plan.pictures.check(pictures)
+    removed = plan.parts.write(made.contents)
+    removed += _replace_subset(plan.prints, prints.contents, ".3mf" if prints.plates else None)
+    removed += _replace_subset(plan.pictures, pictures, ".png")
     if removed:
-        progress(f"removed files of another design from {folder}: {', '.join(removed)}")
-    return replace(result, removed=removed)
+        progress(f"removed files of another design from {plan.parts.folder}: {', '.join(removed)}")
+    return replace(made, removed=removed)
 
 
 def _replace_subset(writer: SetWriter, contents: Mapping[str, bytes], obsolete: str | None) -> tuple[str, ...]:
@@ -189,17 +252,17 @@ def _draw_steps(design: Design, tolerance_mm: float) -> dict[str, bytes]:
     return draw_steps(design, sheet, [step.picture for step in list_steps(sheet)])
 
 
-def _file_names(parts: Iterable[str], formats: Iterable[str], is_whole: bool) -> list[str]:
-    names = [part_file(part, file_format) for part in parts for file_format in formats]
-    names += [output_files.ASSEMBLY] if "step" in formats else []
-    return [*names, *([output_files.SHEET] if is_whole else []), output_files.REPORT, output_files.DESIGN]
+def _name_files(plan: BuildPlan) -> list[str]:
+    names = [part_file(part, file_format) for part in plan.names for file_format in plan.formats]
+    names += [output_files.ASSEMBLY] if "step" in plan.formats else []
+    return [*names, *([output_files.SHEET] if plan.is_whole else []), output_files.REPORT, output_files.DESIGN]
 
 
-def _print_names(parts: Iterable[str], formats: Iterable[str], is_whole: bool) -> list[str]:
+def _name_prints(plan: BuildPlan) -> list[str]:
     """Names of the files for the printer that a build writes if it needs one plate, for either printer."""
-    names = [f"{part}.stl" for part in parts if PARTS[part].is_printed] if "stl" in formats else []
+    names = [f"{part}.stl" for part in plan.names if PARTS[part].is_printed] if "stl" in plan.formats else []
     plates = [name for kind in (FDM, SLA) for name in kind.file_names(1)]
-    return [*names, *(plates if "3mf" in formats and is_whole else [])]
+    return [*names, *(plates if "3mf" in plan.formats and plan.is_whole else [])]
 
 
 def find_formats(progress: Callable[[str], None] = lambda message: None) -> tuple[str, ...]:
@@ -210,20 +273,18 @@ def find_formats(progress: Callable[[str], None] = lambda message: None) -> tupl
     return tuple(name for name in output_files.default_formats() if name != "step")
 
 
-def select_names(option: str, requested: Iterable[str], known: tuple[str, ...]) -> list[str]:
+def select_names(option: str, requested: Iterable[str], known: tuple[str, ...]) -> tuple[str, ...]:
     """Return the requested names in the order of `known` and without duplicates."""
     if isinstance(requested, str):
         names = requested.split(",")
         raise DesignError(Issue(option, f"{requested!r} is a single text; give a list, such as {names!r}."))
-    selected = set(requested)
-    if unknown := sorted(selected - set(known)):
-        raise DesignError([Issue(option, _describe_unknown_name(name, known)) for name in unknown])
+    selected, issues = set(requested), []
+    for name in sorted(selected - set(known)):
+        is_of_others = name in PARTS  # a stand, or the hand's part of a joint
+        message = f"{name!r} is not one of the choices; {suggest_name(name, known)}"
+        issues.append(Issue(option, f"this design has no {name!r}." if is_of_others else message))
+    if issues:
+        raise DesignError(issues)
     if not selected:
         raise DesignError(Issue(option, f"is empty; choose from {', '.join(known)}."))
-    return [name for name in known if name in selected]
-
-
-def _describe_unknown_name(name: str, known: tuple[str, ...]) -> str:
-    if name in PARTS:  # a stand, or the hand's part of a joint
-        return f"this design has no {name!r}."
-    return f"{name!r} is not one of the choices; {suggest_name(name, known)}"
+    return tuple(name for name in known if name in selected)

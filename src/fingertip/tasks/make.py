@@ -21,6 +21,7 @@ from fingertip.detection.files import FileDetection, detect_file
 from fingertip.documents.acceptance import acceptance_data, render_acceptance
 from fingertip.foundation import extras
 from fingertip.foundation.files import temporary_folder
+from fingertip.foundation.output_set import SetWriter
 from fingertip.foundation.processes import in_background
 from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.page.html import Markup
@@ -34,7 +35,7 @@ from fingertip.sim.trace_file import encode_trace
 from fingertip.slip.detectors.registry import find_second_column
 from fingertip.slip.report import as_data, draw
 from fingertip.tasks.board import BRING_UP_FILES, plan_board
-from fingertip.tasks.build import build, find_formats
+from fingertip.tasks.build import BuildOptions, find_formats, plan_build, run_build
 from fingertip.tasks.firmware import plan_firmware
 from fingertip.tasks.views import write_page
 
@@ -85,60 +86,97 @@ def make(
     FingertipError
         As `build`, `write_board`, `simulate` and `detect_file` do. Nothing has been written then.
     """
-    folder = output_files.PART_FILES.folder(design, out)
-    board_folder = folder / output_files.BOARD_FOLDER
-    signal = output_files.SIGNAL.writer(design, folder / output_files.SIGNAL_FOLDER, force, folder)
-    sheets = output_files.PART_FILES.writer(design, folder, force)
     named = None if formats is None else tuple(formats)
-    formats = find_formats() if named is None else named
-    draws = "step" in formats and extras.is_installed("reportlab")
-    sheets.check((output_files.ACCEPTANCE, output_files.PAGE))
-    output_files.BOARD.writer(design, board_folder, force, folder).check(BRING_UP_FILES)
-    write_sketch = None
-    if not design.board.has_filter:
-        place = folder / output_files.FIRMWARE.place
-        write_sketch = plan_firmware(design, place, force=force, top=folder)
-    signal.check((output_files.TRACE, output_files.PLOT, output_files.DETECTION))
+    plan = _plan(design, output_files.PART_FILES.folder(design, out), find_formats() if named is None else named, force)
+    folder, rest = plan.folder, list[_Rest]()
     work = Work(design.name, {"parts": 6.0, "page": 0.5}, progress)
-    rest: list[tuple[dict[str, bytes], FileDetection, bytes, Prepared | None]] = []
-
-    def make_the_rest(report: ReportProgress) -> None:
-        stages = Work("", {"page": 1.0, "trial": 1.0}, report)
-        stages.begin("page")
-        prepared = prepare_page(design) if "stl" in formats else None
-        stages.begin("trial")
-        signal_files, found, pad = beside()
-        sheet = render_acceptance(acceptance_data(design)).encode()
-        rest.append((signal_files, found, sheet, prepared and replace(prepared, pad=pad)))
-
     report = work.within("parts")
-    with in_background(_simulate_and_draw, design, "stl" in formats) as beside:
-        board = plan_board(design, board_folder, force=force, bring_up=True, top=folder)
-        parts = build(
-            design, folder, formats=formats, pictures=True, drawings=draws, force=force, progress=report,
-            meanwhile=make_the_rest,
-        )  # fmt: skip
-    ((signal_files, found, sheet, prepared),) = rest
+    with in_background(_simulate_and_draw, design, plan.has_page) as beside:
+        board = plan_board(design, folder / output_files.BOARD_FOLDER, force=force, bring_up=True, top=folder)
+        options = BuildOptions(formats=plan.formats, pictures=True, drawings=plan.has_drawings, force=force)
+        parts = run_build(
+            plan_build(design, folder, options), report, lambda stage: rest.append(_make_rest(plan, beside, stage))
+        )
+    (made,) = rest
     board_paths = board.write(progress)
-    signal.write(signal_files)
-    sheets.write({output_files.ACCEPTANCE: sheet})
-    sketch = write_sketch() if write_sketch else ()
-    signal_paths = tuple(signal.folder / name for name in signal_files)
-    drawn = tuple(parts.folder / name for name in file_names(design)) if draws else ()
+    plan.signal.write(made.signal)
+    plan.parts.write({output_files.ACCEPTANCE: made.acceptance})
+    sketch = plan.write_sketch() if plan.write_sketch else ()
+    signal_paths = tuple(plan.signal.folder / name for name in made.signal)
+    drawn = tuple(folder / name for name in file_names(design)) if plan.has_drawings else ()
     page = None
-    if prepared:
+    if made.page:
         work.begin("page")
-        page, _, _ = write_page(design, parts.folder, force=force, prepared=prepared)
+        page, _, _ = write_page(design, folder, force=force, prepared=made.page)
     else:
         progress(f"{output_files.PAGE} is left out: it shows the STL files; add stl to the formats")
     wanted = {"OCP": "STEP files", "reportlab": "drawings"} if named is None or "step" in named else {}
     extras.say_left_out({**wanted, "matplotlib": output_files.PLOT}, progress)
-    return Made(parts, drawn, board_paths, signal_paths, sketch, found, page)
+    return Made(parts, drawn, board_paths, signal_paths, sketch, made.detection, page)
 
 
-def _simulate_and_draw(design: Design, has_page: bool) -> tuple[dict[str, bytes], FileDetection, Markup | None]:
+@dataclass(frozen=True)
+class _Plan:
+    """What is made of a design, with the writers of sets whose folders can take them."""
+
+    design: Design
+    folder: Path
+    formats: tuple[str, ...]
+    has_drawings: bool
+    parts: SetWriter
+    signal: SetWriter
+    write_sketch: Callable[[], tuple[Path, ...]] | None
+    """Writes the sketch of a design without a board; None of one with a board."""
+
+    @property
+    def has_page(self) -> bool:
+        return "stl" in self.formats
+
+
+def _plan(design: Design, folder: Path, formats: tuple[str, ...], force: bool) -> _Plan:
+    """Refuse what the folder cannot take, before work starts. Raises OutputError."""
+    parts = output_files.PART_FILES.writer(design, folder, force)
+    signal = output_files.SIGNAL.writer(design, folder / output_files.SIGNAL_FOLDER, force, folder)
+    board = output_files.BOARD.writer(design, folder / output_files.BOARD_FOLDER, force, folder)
+    parts.check((output_files.ACCEPTANCE, output_files.PAGE))
+    board.check(BRING_UP_FILES)
+    write_sketch = None
+    if not design.board.has_filter:
+        write_sketch = plan_firmware(design, folder / output_files.FIRMWARE.place, force=force, top=folder)
+    signal.check((output_files.TRACE, output_files.PLOT, output_files.DETECTION))
+    has_drawings = "step" in formats and extras.is_installed("reportlab")
+    return _Plan(design, folder, formats, has_drawings, parts, signal, write_sketch)
+
+
+@dataclass(frozen=True)
+class _Rest:
+    """What is made while the B-rep kernel works."""
+
+    signal: dict[str, bytes]
+    detection: FileDetection
+    acceptance: bytes
+    page: Prepared | None
+
+
+def _make_rest(plan: _Plan, beside: Callable[[], _Simulated], report: ReportProgress) -> _Rest:
+    stages = Work("", {"page": 1.0, "trial": 1.0}, report)
+    stages.begin("page")
+    page = prepare_page(plan.design) if plan.has_page else None
+    stages.begin("trial")
+    signal, detection, pad = beside()
+    acceptance = render_acceptance(acceptance_data(plan.design)).encode()
+    return _Rest(signal, detection, acceptance, page and replace(page, pad=pad))
+
+
+_Simulated = tuple[dict[str, bytes], FileDetection, Markup | None]
+"""Files of the trial, the slip in it, and what the page shows of the pad."""
+
+
+def _simulate_and_draw(design: Design, has_page: bool) -> _Simulated:
     return *simulate_and_detect(design), render_pad(design) if has_page else None
 
+
+# Trial of a design: a simulated one, and the slip that its detector finds in it. It runs in a process of its own.
 
 DETECTOR = "fast"
 """Detector of the trial: the best there is."""

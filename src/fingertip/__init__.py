@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from fingertip.calibration.printer import calibrate_printer
     from fingertip.calibration.sensor import calibrate_sensor, read_weighings
     from fingertip.design import Design
-    from fingertip.detection.arrays import detect
-    from fingertip.detection.files import FileDetection, StreamDetection, detect_file, detect_stream
+    from fingertip.detection.live import StreamDetection, detect_stream
+    from fingertip.detection.recordings import FileDetection, detect, detect_file
     from fingertip.foundation.display import Picture
     from fingertip.foundation.errors import FingertipError
     from fingertip.lab.campaign.plan import CampaignPlan
@@ -55,8 +55,8 @@ _NAMES = {
     "calibration.printer": "calibrate_printer",
     "calibration.sensor": "calibrate_sensor read_weighings",
     "design": "Design",
-    "detection.arrays": "detect",
-    "detection.files": "FileDetection StreamDetection detect_file detect_stream",
+    "detection.live": "StreamDetection detect_stream",
+    "detection.recordings": "FileDetection detect detect_file",
     "foundation.display": "Picture",
     "foundation.errors": "FingertipError",
     "lab.campaign.plan": "CampaignPlan",

@@ -20,7 +20,7 @@ from fingertip.board.analysis.board_values import find_range_warnings, find_tact
 from fingertip.board.circuits.board_circuit import divider_circuit
 from fingertip.board.parts.circuit import find_issues
 from fingertip.calibration.sensor import calibrate_sensor, read_weighings
-from fingertip.detection.files import detect_stream
+from fingertip.detection.live import detect_stream
 from fingertip.documents.acceptance import expect_readings
 from fingertip.documents.board.divider import compute_current_ratio, list_readings
 from fingertip.lab.campaign.grids import compare_grids

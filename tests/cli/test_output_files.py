@@ -30,7 +30,7 @@ FILES = (
     ("check fsr400", "--junit", ".xml", "fingertip.cad.verification.verify.verify"),
     ("simulate", "--out", ".csv", "fingertip.sim.Simulation.write"),
     ("simulate", "--plot", ".png", "fingertip.sim.Simulation.run"),
-    ("detect trace.csv", "--plot", ".png", "fingertip.detection.files.detect_file"),
+    ("detect trace.csv", "--plot", ".png", "fingertip.detection.recordings.detect_file"),
     ("new tip", "--out", ".toml", "fingertip.foundation.files.write_file"),
     ("calibrate printer fsr400 --half-thickness-mm 10.0", "--out", ".toml", "fingertip.foundation.files.write_file"),
     ("calibrate sensor weighings.csv", "--out", ".toml", "fingertip.calibration.sensor.calibrate_sensor"),

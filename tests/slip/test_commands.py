@@ -11,7 +11,7 @@ import pytest
 
 import fingertip
 from fingertip.design import Design
-from fingertip.detection import files as detect_trace
+from fingertip.detection import live
 from fingertip.detection.adaptation import adapt_rate
 from fingertip.foundation.errors import FingertipError
 from fingertip.slip.detectors.analog_and_digital import noise_level
@@ -106,8 +106,8 @@ def test_transitions_are_reported_whatever_ends_the_stream(monkeypatch):
         yield from PLAIN.splitlines(keepends=True)
         raise KeyboardInterrupt
 
-    open_stream = detect_trace.open_stream
-    monkeypatch.setattr(detect_trace, "open_stream", lambda lines, *columns: open_stream(interrupted(), *columns))
+    open_stream = live.open_stream
+    monkeypatch.setattr(live, "open_stream", lambda lines, *columns: open_stream(interrupted(), *columns))
     done = run("detect", "-", "--json", lines="")
     assert done.exit_code == 130
     assert json.loads(done.stdout) == whole

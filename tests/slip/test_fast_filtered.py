@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
-from fingertip.detection.files import detect_file, detect_stream
+from fingertip.detection.live import detect_stream
+from fingertip.detection.recordings import detect_file
 from fingertip.detection.warnings import filtered_warnings
 from fingertip.foundation import jit
 from fingertip.foundation.errors import TraceError

@@ -57,7 +57,7 @@ def detect(
     the design's board, simulated for the voltage.
     """
     from fingertip.design.files import load_tables
-    from fingertip.detection.files import detect_file
+    from fingertip.detection.recordings import detect_file
     from fingertip.foundation import extras
     from fingertip.foundation.output_set import add_to_set, check_set
     from fingertip.slip.report import as_data, as_text
@@ -130,8 +130,7 @@ def detect_standard_input(
     calibrate: str | None,
 ) -> None:
     """Detect slip in standard input until it ends, is wrong or is interrupted; report the transitions up to then."""
-    from fingertip.detection.files import detect_stream
-    from fingertip.detection.live import NAME
+    from fingertip.detection.live import NAME, detect_stream
 
     if not sys.stdin or sys.stdin.closed:
         raise TraceError(Issue("-", "standard input is closed; pipe lines into it."))

@@ -1,24 +1,27 @@
-"""Noise of a quiet part of a recording, expressed as the white noise for which a detector has the threshold it needs.
+"""Adaptation of a design's detector to a recording: to its sampling rate, and to the noise of a quiet part.
 
 The quiet part is an interval during which nothing happens, in the air or in a held grasp. Its spectrum may have any
-shape: hum, drift, noise behind a low-pass filter.
+shape: hum, drift, noise behind a low-pass filter. It is expressed as the white noise for which a detector has the
+threshold it needs.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.foundation.errors import Issue, TraceError, join_words
+from fingertip.foundation.errors import FingertipError, Issue, TraceError, join_words
 from fingertip.foundation.numerics import Array
+from fingertip.slip.detection import Detection
 from fingertip.slip.detectors.analog_and_digital import noise_level
 from fingertip.slip.detectors.fast import FastDetector, FastSettings
 from fingertip.slip.detectors.registry import find_detector_type
-from fingertip.slip.traces.sampling import MAX_RATE_HZ, MIN_RATE_HZ, check_rate
-from fingertip.slip.traces.trace import Trace
+from fingertip.slip.traces.sampling import MAX_RATE_HZ, MIN_RATE_HZ, RATE_TOLERANCE, check_rate, rate_bounds_message
+from fingertip.slip.traces.trace import RawTrace, Trace
 from fingertip.slip.traces.truth import intervals
 
 _DISTURBANCE_RATIO = 6.0
@@ -36,7 +39,50 @@ NOISELESS_REMEDY = "use a measured signal, or the voltage of a simulated trace i
 """Remedy for a quiet part without noise, such as that of a simulated force before contact."""
 
 
-def select_quiet_part(trace: Trace, between_s: tuple[float, float], name: str) -> slice:
+@dataclass(frozen=True)
+class QuietPart:
+    """Part of a recording during which nothing happens, and from whose noise thresholds follow."""
+
+    samples: slice
+    text: str
+    """Its ends, such as 4:4.5 s."""
+
+    @classmethod
+    def select(cls, trace: Trace, between_s: tuple[float, float], in_volts: bool, name: str) -> QuietPart:
+        """Select it between two times after the first sample [s]. Raises TraceError, also where the force moves."""
+        part = cls(_select_samples(trace, between_s, name), f"{between_s[0]:g}:{between_s[1]:g} s")
+        if moved := _describe_ramp(trace, part.samples, in_volts):
+            message = f"{moved}, within {part.text}; choose a part in which the force rests."
+            raise TraceError(Issue("--calibrate", message))
+        return part
+
+    def describe(self) -> str:
+        return f"the part {self.text} of --calibrate"
+
+    def refuse_slip(self, detection: Detection) -> None:
+        """Refuse a part in which the detector finds slip. Raises TraceError."""
+        on = detection.output.on[self.samples]
+        if on.any():
+            first_s = detection.trace.time_s[self.samples][on][0]
+            message = f"{detection.detector} finds slip at {first_s:.4f} s, within {self.text}"
+            raise TraceError(Issue("--calibrate", f"{message}; choose a part in which nothing moves or vibrates."))
+
+    def describe_disturbance(self, design: Design, trace: Trace) -> str | None:
+        """Describe a disturbance, from which the thresholds would follow; None if there is none."""
+        time_s, quiet_v = trace.time_s[self.samples], trace.voltage_v[self.samples]
+        sample = _find_disturbance(design, quiet_v)
+        if sample is None:
+            return None
+        within, changed = f"within {self.text} of --calibrate", np.flatnonzero(quiet_v != quiet_v[0])
+        constant = int(changed[0]) if len(changed) else len(quiet_v)
+        if constant > sample / 2:
+            message = f"the signal is constant up to {time_s[constant - 1]:.4f} s, {within}"
+            return f"{message}: a signal without noise gives no threshold; {NOISELESS_REMEDY}."
+        message = f"the signal is disturbed at {time_s[sample]:.4f} s, {within}"
+        return f"{message}: thresholds may be too high; choose another part."
+
+
+def _select_samples(trace: Trace, between_s: tuple[float, float], name: str) -> slice:
     """Select the samples of a trace's quiet part. Raises TraceError."""
     begin_s, end_s = between_s
     text, duration_s = f"{begin_s:g}:{end_s:g} s", trace.time_s[-1] - trace.time_s[0]
@@ -77,7 +123,7 @@ def equivalent_noise_v(detector: str, design: Design, quiet_v: Array, name: str)
     return max(white_v, find_detector_type(detector).implementation.equivalent_noise_v(design, quiet_v))
 
 
-def first_disturbance(design: Design, quiet_v: Array) -> int | None:
+def _find_disturbance(design: Design, quiet_v: Array) -> int | None:
     """Find the first sample of a quiet part whose energy is far above the median; None if there is none."""
     settling = round(0.1 * design.detector.sample_rate_hz)
     filtered = FastDetector(FastSettings.from_design(design, 1.0)).process(quiet_v).filtered_v
@@ -91,7 +137,7 @@ def first_disturbance(design: Design, quiet_v: Array) -> int | None:
     return settling + int(loud[0]) if len(loud) else None
 
 
-def describe_ramp(trace: Trace, part: slice, in_volts: bool) -> str | None:
+def _describe_ramp(trace: Trace, part: slice, in_volts: bool) -> str | None:
     """Describe a change of the force within a quiet part; None if there is none that a drift would not make."""
     volts = trace.voltage_v[part]
     width = max(1, round(_RAMP_MEAN_S * (len(trace.time_s) - 1) / (trace.time_s[-1] - trace.time_s[0])))
@@ -106,15 +152,6 @@ def describe_ramp(trace: Trace, part: slice, in_volts: bool) -> str | None:
         return None
     moved = f"{1000 * abs(changes[largest]):.3g} mV" if in_volts else f"{abs(changes[largest]):.3g}"
     return f"the signal moves by {moved} at {trace.time_s[part][(largest + 1) * width]:.4f} s"
-
-
-def count_constant_samples(quiet_v: Array) -> int:
-    """Count the samples at the start of a signal that equal the first one."""
-    changed = np.flatnonzero(quiet_v != quiet_v[0])
-    return int(changed[0]) if len(changed) else len(quiet_v)
-
-
-# Adaptation of a design's detector to another sampling rate.
 
 
 def adapt_rate(design: Design, rate_hz: float, keep_threshold: bool = False, keep_window: bool = False) -> Design:
@@ -148,41 +185,57 @@ def adapt_rate(design: Design, rate_hz: float, keep_threshold: bool = False, kee
     return adapted
 
 
-def adapt_detector(
-    detector: str,
-    keep_threshold: bool | None,
-    keep_window: bool,
-    noise_is_measured: bool,
-    report: Callable[[str], None],
-    design: Design,
-    rate_hz: float,
-    prefix: str = "",
-) -> Design:
-    """Adapt a design to a rate for one detector, and report it. Raises TraceError or DesignError.
+@dataclass(frozen=True)
+class Adaptation:
+    """How a design is adapted to the sampling rate of a recording, for one detector."""
 
-    A threshold that the design states is kept, unless `keep_threshold` says otherwise.
-    """
-    if keep_threshold is None:
-        keep_threshold = "threshold_v" in design.detector.model_fields_set
-    check_rate(rate_hz)
-    kind = find_detector_type(detector)
-    remains = keep_threshold or kind.takes_envelope
-    adapted = adapt_rate(design, rate_hz, remains, keep_window)
-    threshold_v, samples = adapted.detector.threshold_v, adapted.detector.window_samples
-    uses_threshold = not noise_is_measured and kind.has_design_threshold
+    detector: str
+    keep_threshold: bool | None = None
+    """Whether the threshold remains; by default if the design states one."""
+    keep_window: bool = False
+    """Whether the number of samples in the window remains."""
+    noise_is_measured: bool = False
+    """True if the threshold follows from the noise of the recording."""
+    report: Callable[[str], None] = lambda message: None
 
-    window = f"{samples} samples, {1000 * samples / rate_hz:.4g} ms"
-    values = f"the window remains {window}, as set" if keep_window else f"the window is {window}"
-    if uses_threshold and remains:
-        reason = "as set" if keep_threshold else "as it applies to the board's output"
-        values += f"; the threshold remains {threshold_v:.9g} V, {reason}"
-    elif uses_threshold:
-        values += f"; the threshold is {threshold_v:.3g} V"
+    def to_recording(self, design: Design, raw: RawTrace) -> Design:
+        """Adapt a design to a recording's sampling rate, if the rates differ and some detector has it."""
+        # A rate out of bounds is refused as the recording is validated, with all else that is wrong.
+        if not (rate_hz := raw.rate_hz) or rate_bounds_message(rate_hz):
+            return design
+        if abs(rate_hz / design.detector.sample_rate_hz - 1) <= RATE_TOLERANCE:
+            return design
+        try:
+            return self.to_rate(design, rate_hz, f"{raw.name} is sampled at {rate_hz:g} Hz: ")
+        except FingertipError as error:
+            reasons = " ".join(issue.message for issue in error.issues)
+            message = f"is sampled at {rate_hz:g} Hz, for which no detector can be designed: {reasons}"
+            raise TraceError([*raw.issues, Issue(f"{raw.name}, time_s", message)]) from None
 
-    names = ["filters"]
-    if not keep_window:
-        names.append("window")
-    if not (uses_threshold and remains):
-        names.append("threshold")
-    report(f"{prefix}{join_words(names)} adapted to {rate_hz:g} Hz; {values}")
-    return adapted
+    def to_rate(self, design: Design, rate_hz: float, prefix: str = "") -> Design:
+        """Adapt a design to a rate, and report it after a prefix. Raises TraceError or DesignError."""
+        keep_threshold = self.keep_threshold
+        if keep_threshold is None:
+            keep_threshold = "threshold_v" in design.detector.model_fields_set
+        check_rate(rate_hz)
+        kind = find_detector_type(self.detector)
+        remains = keep_threshold or kind.takes_envelope
+        adapted = adapt_rate(design, rate_hz, remains, self.keep_window)
+        threshold_v, samples = adapted.detector.threshold_v, adapted.detector.window_samples
+        uses_threshold = not self.noise_is_measured and kind.has_design_threshold
+
+        window = f"{samples} samples, {1000 * samples / rate_hz:.4g} ms"
+        values = f"the window remains {window}, as set" if self.keep_window else f"the window is {window}"
+        if uses_threshold and remains:
+            reason = "as set" if keep_threshold else "as it applies to the board's output"
+            values += f"; the threshold remains {threshold_v:.9g} V, {reason}"
+        elif uses_threshold:
+            values += f"; the threshold is {threshold_v:.3g} V"
+
+        names = ["filters"]
+        if not self.keep_window:
+            names.append("window")
+        if not (uses_threshold and remains):
+            names.append("threshold")
+        self.report(f"{prefix}{join_words(names)} adapted to {rate_hz:g} Hz; {values}")
+        return adapted

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
+from fingertip.design import Design
 from fingertip.design.parameters.electronics import Detector as DetectorParameters
-from fingertip.detection.warnings import StepWatch
+from fingertip.detection.adaptation import Adaptation
+from fingertip.detection.warnings import StepWatch, settings_warnings
 from fingertip.foundation.errors import Issue, TraceError, shorten
-from fingertip.slip.detectors.registry import Detector
+from fingertip.slip.detectors import registry
 from fingertip.slip.traces import sampling
 from fingertip.slip.traces.columns import split_cells, unquote
 from fingertip.slip.traces.csv_header import Header, find_header
@@ -33,6 +35,88 @@ class Transition:
 NumberedLines = Iterator[tuple[int, str]]
 
 
+@dataclass(frozen=True, eq=False)
+class StreamDetection:
+    """Detection on a stream of lines, in progress."""
+
+    transitions: Iterator[Transition]
+    """Transitions between ON and OFF; each is available as soon as its line has been read."""
+    design: Design
+    """Design used, at the stream's sampling rate."""
+    warnings: tuple[str, ...]
+    """Reasons to doubt the result."""
+    signals: registry.UsedSignals
+    """Columns of a trace that the detector takes from the lines."""
+
+
+def detect_stream(
+    lines: Iterable[str],
+    design: Design | None = None,
+    detector: str = registry.DEFAULT,
+    *,
+    rate_hz: float | None = None,
+    scale: float = 1.0,
+    time_scale: float = 1.0,
+    columns: Mapping[str, str] | None = None,
+    keep_threshold: bool | None = None,
+    keep_window: bool = False,
+    progress: Callable[[str], None] | None = None,
+) -> StreamDetection:
+    """Detect slip in CSV lines while they arrive. The header is read at once, the samples as transitions are taken.
+
+    Parameters
+    ----------
+    lines
+        CSV lines, as in a file. The detector `analog` takes the column `envelope_v` and, if there is none, the output
+        of the design's board, simulated for the voltage.
+    design, detector, rate_hz, scale, time_scale, columns, keep_threshold, keep_window, progress
+        As for `detect_file`, but the voltage may not be the column of a force.
+
+    Raises
+    ------
+    TraceError
+        If the lines have no header or an option does not apply; while transitions are taken, at the first wrong line.
+    DesignError
+        If `rate_hz` is out of bounds, or too low for the design's filters.
+    """
+    report, design = progress or (lambda message: None), design or Design()
+    kind = registry.check_detector(design, detector)
+    if rate_hz is not None:
+        design = Adaptation(detector, keep_threshold, keep_window, report=report).to_rate(design, rate_hz)
+    voltage = ColumnMap(columns or {}, rate_hz, scale, time_scale)
+    if not voltage.in_volts:
+        problem = "names a force, whose thresholds require --calibrate and the whole recording"
+        raise TraceError(Issue("--column", f"{problem}; save the lines in a file."))
+    header, rows = open_stream(lines, voltage, *([_map_envelope(voltage)] if kind.takes_envelope else []))
+    voltage = voltage.with_simulated_names(header.names)
+    instance, column_map = _select_stream_detector(header.names, design, detector, voltage, report)
+    second = registry.find_second_column(design, detector)
+    reads_second = second is not None and voltage.name_in_file(second) in header.names
+    watch = None if reads_second else StepWatch(design, detector)
+    transitions = follow(header, rows, instance, design.detector, column_map, report, watch, second)
+    signals = registry.find_signals(design, detector, reads_second)
+    return StreamDetection(transitions, design, tuple(settings_warnings(design, detector)), signals)
+
+
+def _map_envelope(voltage: ColumnMap) -> ColumnMap:
+    """Map the envelope to where a detector finds its voltage."""
+    return replace(voltage, names={**voltage.names, "voltage_v": voltage.name_in_file("envelope_v")})
+
+
+def _select_stream_detector(
+    names: Sequence[str], design: Design, detector: str, voltage: ColumnMap, progress: Callable[[str], None]
+) -> tuple[registry.Detector, ColumnMap]:
+    """Create the detector and select its columns; `analog` takes the board's output if the lines contain it."""
+    if not registry.find_detector_type(detector).takes_envelope:
+        return registry.make_detector(detector, design), voltage
+    if voltage.name_in_file("envelope_v") in names:
+        return registry.make_detector(detector, design), _map_envelope(voltage)
+    from fingertip.sim.signal.converter import SimulatedBoardDetector  # noqa: PLC0415
+
+    progress(f"{NAME} has no column {voltage.name_in_file('envelope_v')}: simulating the design's board")
+    return SimulatedBoardDetector(design), voltage
+
+
 def open_stream(lines: Iterable[str], columns: ColumnMap, *alternatives: ColumnMap) -> tuple[Header, NumberedLines]:
     """Read the header and the line of units; return it and all lines below that are not empty. Raises TraceError."""
     remaining = bounded_lines(lines, NAME)
@@ -46,7 +130,7 @@ def open_stream(lines: Iterable[str], columns: ColumnMap, *alternatives: ColumnM
 def follow(
     header: Header,
     rows: NumberedLines,
-    detector: Detector,
+    detector: registry.Detector,
     parameters: DetectorParameters,
     columns: ColumnMap,
     report: Callable[[str], None] = lambda message: None,

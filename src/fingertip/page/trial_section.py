@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fingertip.catalogues.output_files import DETECTION, SIGNAL_FOLDER, TRACE
-from fingertip.detection.files import detect_file
+from fingertip.detection.recordings import detect_file
 from fingertip.foundation.files import temporary_folder
 from fingertip.foundation.numerics import Array
 from fingertip.page.html import Markup, element, figure, join, note

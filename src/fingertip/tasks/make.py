@@ -17,7 +17,7 @@ from pathlib import Path
 from fingertip.cad.report import Build
 from fingertip.catalogues import output_files
 from fingertip.design import Design
-from fingertip.detection.files import FileDetection, detect_file
+from fingertip.detection.recordings import FileDetection, detect_file
 from fingertip.documents.acceptance import acceptance_data, render_acceptance
 from fingertip.foundation import extras
 from fingertip.foundation.files import temporary_folder

@@ -1,0 +1,281 @@
+"""Detection on recordings, in files and in arrays of a program, from reading to warnings about the result.
+
+`fingertip detect` prints what these functions return. They adapt the design to the recording's sampling rate, derive
+thresholds from a quiet part, and simulate the analog board for the detector `analog` where a recording contains only
+the voltage ahead of the board.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fingertip.design import Design
+from fingertip.detection import warnings
+from fingertip.detection.adaptation import Adaptation, QuietPart, equivalent_noise_v
+from fingertip.foundation.errors import Issue, TraceError
+from fingertip.slip.detection import Detection
+from fingertip.slip.detection import detect as detect_in_trace
+from fingertip.slip.detectors import registry
+from fingertip.slip.detectors.analog_and_digital import measure_noise_level
+from fingertip.slip.detectors.noise import NoiseLevel
+from fingertip.slip.traces.read import read_raw_trace
+from fingertip.slip.traces.sampling import check_rate
+from fingertip.slip.traces.trace import ColumnMap, RawTrace, Trace, as_numbers, signal_warnings
+from fingertip.slip.traces.truth import Origin, read_origin
+
+Progress = Callable[[str], None]
+
+
+def detect(
+    recording: Trace | Any,
+    design: Design | None = None,
+    detector: str = registry.DEFAULT,
+    noise_v: float | None = None,
+    *,
+    rate_hz: float | None = None,
+) -> Detection:
+    """Detect slip in a trace, or in an array of voltages.
+
+    Parameters
+    ----------
+    recording
+        A trace, or what numpy makes an array of: voltages, which take `rate_hz`, or rows of time and voltage. Without
+        `envelope_v`, the detector `analog` takes the output of the design's board, simulated for the voltage.
+    design
+        Source of filters, window, threshold and board; by default the default design. It is adapted to the rate of the
+        recording if it does not state one itself.
+    detector
+        Name of a detector: `digital`, `analog`, `fft` or `fast`.
+    noise_v
+        White RMS noise of the signal; by default the design's [V].
+    rate_hz
+        Sampling rate to which any design is adapted [Hz]. Times of the recording must agree with it.
+
+    Raises
+    ------
+    TraceError
+        With all issues of the recording, or if its rate is out of bounds.
+    DesignError
+        If `rate_hz` is too low for the design's filters.
+    """
+    design = design or Design()
+    kind = registry.check_detector(design, detector)
+    adaptation = Adaptation(detector, noise_is_measured=noise_v is not None)
+    trace = _read_array(recording, rate_hz)
+    raw = RawTrace("trace", trace, in_volts=noise_v is None, is_array=True)
+    if rate_hz is not None:
+        design = adaptation.to_rate(design, rate_hz)
+    elif "sample_rate_hz" not in design.detector.model_fields_set:
+        design = adaptation.to_recording(design, raw)
+    if kind.takes_envelope and trace.envelope_v is None:
+        trace = simulate_board(raw.validate(design.detector), design, ColumnMap(), "trace", lambda message: None)
+    return detect_in_trace(trace, design, detector, noise_v)
+
+
+def _read_array(recording: Any, rate_hz: float | None) -> Trace:
+    if isinstance(recording, Trace):
+        return recording
+    array = as_numbers("recording", recording)
+    if array.ndim == 2 and array.shape[1] == 2:
+        return Trace(array[:, 0].copy(), array[:, 1].copy())
+    if array.ndim != 1 or rate_hz is None:
+        shape = f"has shape {array.shape} and {'no rate' if rate_hz is None else f'rate_hz={rate_hz:g}'}"
+        raise TraceError(Issue("recording", f"{shape}; give voltages (n,) with rate_hz, or time and voltage (n, 2)."))
+    check_rate(rate_hz)
+    return Trace(np.arange(len(array)) / rate_hz, array)
+
+
+@dataclass(frozen=True, eq=False)
+class FileDetection:
+    detection: Detection
+    trace: Trace
+    """Validated trace, with the board's output if that was simulated."""
+    design: Design
+    """Design used: at the recording's sampling rate, and for `analog` with the threshold from the quiet part."""
+    noise: NoiseLevel | None
+    """Noise level of the quantity that the threshold applies to; None for the detectors `fft` and `fast`."""
+    warnings: tuple[str, ...]
+    """Reasons to doubt the result."""
+
+
+def detect_file(
+    path: str | Path,
+    design: Design | None = None,
+    detector: str = registry.DEFAULT,
+    *,
+    rate_hz: float | None = None,
+    calibrate_s: tuple[float, float] | None = None,
+    scale: float = 1.0,
+    time_scale: float = 1.0,
+    columns: Mapping[str, str] | None = None,
+    adapt_to_file: bool | None = None,
+    keep_threshold: bool | None = None,
+    keep_window: bool = False,
+    origin: Origin | None = None,
+    progress: Progress | None = None,
+) -> FileDetection:
+    """Detect slip in a recorded file: CSV, NumPy, MATLAB, Parquet, WAV, TDMS or LVM.
+
+    Parameters
+    ----------
+    path
+        The file. The detector `analog` takes its column `envelope_v` and, if there is none, the output of the design's
+        board, simulated for the voltage.
+    design
+        Source of sampling rate, filters, window, threshold and board; by default the default design.
+    detector
+        Name of a detector: `digital`, `analog`, `fft` or `fast`.
+    rate_hz
+        Sampling rate to which the design is adapted [Hz]. Times in the file must agree with it.
+    calibrate_s
+        Start and end of an interval during which nothing happens, after the first sample [s]. Thresholds then follow
+        from the noise there.
+    scale
+        Volts per unit of the file's voltage.
+    time_scale
+        Seconds per unit of the file's times, such as 1e-3.
+    columns
+        Name in the file for each column of a trace, such as ``{"voltage_v": "AI0"}``. The voltage may be the column of
+        a force; its thresholds require `calibrate_s`.
+    adapt_to_file
+        Whether the design is adapted to the file's sampling rate; another rate is otherwise an error. By default it is
+        adapted unless `rate_hz` or the design states a rate.
+    keep_threshold
+        Whether the threshold remains the same when the design is adapted; by default if the design states one.
+    keep_window
+        Whether the number of samples in the window remains the same when the design is adapted.
+    origin
+        What is known of the recording beside its columns; by default what the manifest beside the file says.
+    progress
+        Called with each step of the progress.
+
+    Raises
+    ------
+    TraceError
+        With all issues of the file, or if an option does not apply to it.
+    DesignError
+        If `rate_hz` is out of bounds, or too low for the design's filters.
+    MissingLibraryError
+        If the file needs a package that is not installed.
+    """
+    path, report, design = Path(path), progress or (lambda message: None), design or Design()
+    kind = registry.check_detector(design, detector)
+    adaptation = Adaptation(detector, keep_threshold, keep_window, calibrate_s is not None, report)
+    if rate_hz is not None:
+        design = adaptation.to_rate(design, rate_hz)
+    elif adapt_to_file is None:
+        adapt_to_file = "sample_rate_hz" not in design.detector.model_fields_set
+    column_map = ColumnMap(columns or {}, rate_hz, scale, time_scale)
+    if not column_map.in_volts and calibrate_s is None and not kind.takes_envelope:
+        message = "is missing: the design's thresholds are in volts, but this column is a force; give the interval "
+        raise TraceError(Issue("--calibrate", message + "during which nothing happens."))
+    raw = read_raw_trace(path, column_map)
+    if rate_hz is None and adapt_to_file:
+        design = adaptation.to_recording(design, raw)
+    trace = replace(raw.validate(design.detector), origin=origin or read_origin(path))
+    quiet = None if calibrate_s is None else QuietPart.select(trace, calibrate_s, column_map.in_volts, path.name)
+    recording = _Recording(path.name, trace, design, detector, column_map, quiet)
+    doubts, level, noise_v = [*raw.notes, *_doubt_signals(recording)], None, None
+    if kind.takes_envelope:
+        doubts += warnings.envelope_warnings(trace, design)
+        recording, level = _add_board(recording, report)
+    elif quiet:
+        noise_v = _measure_noise(recording, quiet)
+        if column_map.in_volts:
+            found = detect_in_trace(trace, design, detector)
+            doubts += warnings.calibration_warnings(noise_v, found, quiet.samples, design, quiet.describe())
+    detection = detect_in_trace(recording.trace, recording.design, detector, noise_v)
+    if quiet:
+        quiet.refuse_slip(detection)
+    level = level or detection.noise
+    doubts += _doubt_result(recording, detection, noise_v, level)
+    return FileDetection(detection, recording.trace, recording.design, level, tuple(doubts))
+
+
+@dataclass(frozen=True, eq=False)
+class _Recording:
+    """Recording while slip is looked for in it, with the design that fits it."""
+
+    name: str
+    trace: Trace
+    design: Design
+    detector: str
+    columns: ColumnMap
+    quiet: QuietPart | None
+
+
+def _doubt_signals(recording: _Recording) -> Iterator[str]:
+    """Find what is wrong with the signals or does not suit the design; of a force nothing is known."""
+    trace, design, volts = recording.trace, recording.design, recording.trace.voltage_v
+    if not recording.columns.in_volts:
+        return
+    yield from warnings.hum_warnings(volts, design.detector.sample_rate_hz)
+    yield from warnings.polarity_warnings(volts, design)
+    yield from signal_warnings(trace, design.detector, design.board.has_filter)
+    yield from warnings.settings_warnings(design, recording.detector)
+    # A filtered signal has finer steps. Thresholds follow from the recording itself after a calibration.
+    if registry.find_second_column(design, recording.detector) is not None and trace.filtered_v is not None:
+        yield from warnings.filtered_warnings(trace, design)
+    elif recording.quiet is None:
+        yield from warnings.step_warnings(volts, design, recording.detector)
+
+
+def _add_board(recording: _Recording, report: Progress) -> tuple[_Recording, NoiseLevel]:
+    """Add the output of the design's board where it was not recorded, and the threshold from its noise."""
+    from fingertip.sim.signal.converter import simulate_quiescent_level, simulate_replay_level  # noqa: PLC0415
+
+    trace, design, quiet = recording.trace, recording.design, recording.quiet
+    is_replayed = trace.envelope_v is None
+    if is_replayed:
+        trace = simulate_board(trace, design, recording.columns, recording.name, report)
+    if quiet is None:
+        level = simulate_replay_level(design) if is_replayed else simulate_quiescent_level(design)
+    else:
+        assert trace.envelope_v is not None
+        level = measure_noise_level(trace.envelope_v[quiet.samples], design, recording.name)
+        calibrated = design.with_values({"detector.threshold_v": level.rounded_threshold_v})
+        design = Design(**calibrated.model_dump())
+    return replace(recording, trace=trace, design=design), level
+
+
+def _measure_noise(recording: _Recording, quiet: QuietPart) -> float:
+    """Measure the white noise for which the detector has the threshold that the quiet part needs [V]."""
+    design, quiet_v = recording.design, recording.trace.voltage_v[quiet.samples]
+    noise_v = equivalent_noise_v(recording.detector, design, quiet_v, recording.name)
+    least_v = registry.find_detector_type(recording.detector).implementation.min_noise_v(design)
+    return max(noise_v, least_v) if recording.columns.in_volts else noise_v
+
+
+def _doubt_result(
+    recording: _Recording, detection: Detection, noise_v: float | None, level: NoiseLevel | None
+) -> Iterator[str]:
+    """Find reasons to doubt the noise, the threshold and the quiet part."""
+    trace, design, quiet = recording.trace, recording.design, recording.quiet
+    if recording.columns.in_volts:
+        # Noise jumps, too.
+        noisy = list(warnings.noise_warnings(detection.learned_noise_v, design, noise_v))
+        yield from noisy or warnings.glitch_warnings(detection.output, trace)
+    if level:
+        may_be_lower = quiet is not None or not registry.find_detector_type(recording.detector).takes_envelope
+        yield from warnings.threshold_warnings(detection.threshold_v, level, may_be_lower)
+    if quiet and (disturbance := quiet.describe_disturbance(design, trace)):
+        yield disturbance
+
+
+def simulate_board(trace: Trace, design: Design, columns: ColumnMap, name: str, progress: Progress) -> Trace:
+    """Add the simulated output of the design's board to a trace; a force passes the design's bridge first."""
+    from fingertip.sim.signal.converter import SimulatedBoardDetector, compute_bridge_v  # noqa: PLC0415
+
+    voltage_v, circuits = trace.voltage_v, "the design's board"
+    if not columns.in_volts:
+        voltage_v, circuits = compute_bridge_v(design, voltage_v), "the design's bridge and board"
+        progress(design.force_curve.describe())
+    missing, given = columns.name_in_file("envelope_v"), columns.name_in_file("voltage_v")
+    progress(f"{name} has no column {missing}: simulating {circuits} for the column {given}")
+    envelope_v = SimulatedBoardDetector(design).simulate_envelope_v(voltage_v)
+    return replace(trace, voltage_v=voltage_v, envelope_v=envelope_v)

@@ -8,13 +8,13 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from fingertip.robot.skin_meshes import TactileMesh
 
 from fingertip import Design
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.robot.contact import FORCES_N, ContactLaw, fit_contact
 from fingertip.robot.formats import Placed, render_model
 from fingertip.robot.model import Body, FingerModel, Strand, measure_inertia
-from fingertip.robot.skin_meshes import TactileMesh
 from fingertip.sim.contact.materials import SURFACES
 from tests.robot.test_model import numbers
 

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
 import re
 import subprocess
 import sys
-import zipfile
 from importlib import metadata
 from pathlib import Path
 
@@ -169,36 +167,6 @@ def test_install_says_that_it_compares_nothing_where_there_are_no_hashes(checkou
     assert first == "-m pip install -q -r .venv/requirements.txt"
     required = (checkout / ".venv/requirements.txt").read_text(encoding="utf-8").splitlines()
     assert [line for line in required if line[0] != "#"] == ["a==1", 'b==1 ; (python_version == "3.11")']
-
-
-def write_wheel(path: Path, name: str, text: str = "") -> str:
-    """Write a wheel with one module and return its SHA-256."""
-    with zipfile.ZipFile(path, "w") as wheel:
-        wheel.writestr(f"{name}.py", text)
-        wheel.writestr(f"{name}-1.dist-info/METADATA", f"Metadata-Version: 2.1\nName: {name}\nVersion: 1\n")
-        wheel.writestr(f"{name}-1.dist-info/WHEEL", "Wheel-Version: 1.0\nTag: py3-none-any\n")
-    return hashlib.sha256(path.read_bytes()).hexdigest()
-
-
-@pytest.mark.full
-def test_install_refuses_a_wheel_of_other_bytes(checkout: Path) -> None:
-    """pip itself, without a network: it takes the first of two wheels and refuses the second."""
-    pytest.importorskip("pip")
-    wheels = {name: checkout / f"{name}-1-py3-none-any.whl" for name in ("a", "b")}
-    hashes = {name: write_wheel(path, name) for name, path in wheels.items()}
-    write_wheel(wheels["b"], "b", "import a")
-    pinned = "".join(f"{name}==1 --hash=sha256:{sha256}\n" for name, sha256 in hashes.items())
-    covered = LIST.splitlines()[0]
-    (checkout / "constraints-hashes.txt").write_text(f"{covered}\n{pinned}", encoding="utf-8")
-    options = "--isolated --dry-run --ignore-installed --no-index --find-links ."
-    set_python(checkout, covered.removeprefix("# covers "), f'"{sys.executable}" -I "$@" {options}')
-    done = run_install(checkout)
-    assert done.returncode == 1
-    assert "DO NOT MATCH THE HASHES" in done.stderr
-    assert re.findall(r"^    (\S+) from ", done.stderr, re.MULTILINE) == ["b==1"]
-    assert done.stderr.endswith("install: pip failed, see above; run this again when its cause is gone.\n")
-    assert not (checkout / ".venv/installed").exists()
-    assert len((checkout / "asked").read_text(encoding="utf-8").splitlines()) == 1
 
 
 def test_install_and_the_step_error_name_the_same_packages() -> None:

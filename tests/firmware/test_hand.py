@@ -15,13 +15,10 @@ from fingertip.catalogues.controllers import NAMES, load_controllers
 from fingertip.design import Design
 from fingertip.firmware.fingers import count_fingers, find_load, list_controllers, plan_fingers
 from fingertip.firmware.packaging import read_costs
-from fingertip.firmware.sources import GRIP_SOURCE, SOURCE, library_settings
+from fingertip.firmware.sources import GRIP_SOURCE, library_settings
 from fingertip.foundation import jit
 from fingertip.foundation.errors import FingertipError
-from fingertip.lab.campaign.closed_loop import FIRST_SEED, plan_manipulations
-from fingertip.lab.campaign.run import select_board_outputs
-from fingertip.sim import Observation, run_manipulation
-from fingertip.sim.runs.grip import ForceCurve, GripController, GripLaw, GripSettings
+from fingertip.sim.runs.grip import ForceCurve, GripLaw, GripSettings
 from fingertip.slip.detectors.fast import FAULT_S, FastDetector, FastOutput
 from tests.conftest import run_fingertip
 from tests.firmware.conftest import require_arm, require_gcc
@@ -206,97 +203,6 @@ def test_after_a_long_gap_a_still_finger_is_found_still_and_a_slipping_one_slipp
     rest = np.random.default_rng(2).normal(0, 4e-4, 12000)
     quiet[3000:5000], quiet[5000:], rest[3000:5000] = np.nan, quiet[5000:] + 0.5, np.nan
     assert not run_one(Recording(quiet, rest)).on.any()
-
-
-FUZZ_PROGRAM = """
-#include "slip_grip.h"
-#include "slip_hand.h"
-#include <stdio.h>
-#include <string.h>
-int main(void) {
-    static slip_hand hand;
-    static slip_grip grip;
-    float values[10];
-    unsigned faults = 0, wrong = 0;
-    size_t count = 0;
-    slip_hand_init(&hand);
-    slip_grip_init(&grip);
-    while (fread(values, sizeof values, 1, stdin) == 1) {
-        slip_grip_input inputs[SLIP_FINGERS];
-        unsigned on = 0, i;
-        for (i = 0; i < SLIP_FINGERS; i++) {
-            on |= slip_step(&hand.fingers[i], values[2 * i], values[2 * i + 1]);
-            inputs[i].tactile_v = values[2 * i];
-            inputs[i].closing_m = values[2 * i + 1];
-            wrong += !(hand.fingers[i].confidence >= 0 && hand.fingers[i].floor > 0 && hand.fingers[i].floor < 1e12f);
-        }
-        faults |= slip_hand_faults(&hand, SLIP_IS_REPLACED);
-        slip_grip_step(&grip, (uint32_t)(count * 77777u), on, ~slip_hand_faults(&hand, SLIP_IS_OUTSIDE), inputs);
-        count++;
-    }
-    printf("%lu %u %u\\n", (unsigned long)count, faults, wrong);
-    return 0;
-}
-"""
-
-
-@pytest.mark.full
-def test_a_million_samples_of_any_value_do_no_harm(folder: Path, tmp_path: Path) -> None:
-    """Under the sanitizers, with every bit pattern of a float: no finding, and floors and confidences stay numbers."""
-    random = np.random.default_rng(5)
-    samples = (2.0 + random.normal(0.0, 1e-3, (200_000, 10))).astype("<f4")
-    wrong = random.random(samples.shape) < 0.02
-    samples[wrong] = random.integers(0, 2**32, wrong.sum(), dtype=np.uint32).view("<f4")
-    (tmp_path / "main.c").write_text(FUZZ_PROGRAM)
-    flags = ["-std=c99", "-g", "-O1", "-fsanitize=undefined,address", "-fno-sanitize-recover=all", f"-I{folder}"]
-    sources = [str(tmp_path / "main.c"), str(folder / SOURCE), str(folder / GRIP_SOURCE), "-lm"]
-    subprocess.run(["gcc", *flags, *sources, "-o", str(tmp_path / "main")], check=True)
-    done = subprocess.run([str(tmp_path / "main")], input=samples.tobytes(), capture_output=True, check=True)
-    assert not done.stderr
-    assert done.stdout.split() == [b"200000", b"31", b"0"]
-
-
-class RecordedGrip(GripController):
-    """Controller of a simulated hand that keeps what its law was given, and what it gave."""
-
-    def __init__(self, design: Design, fingers: int) -> None:
-        super().__init__(design, GripSettings(), fingers)
-        self.given: list[tuple[int, bool, np.ndarray]] = []
-        self.added: list[np.ndarray] = []
-
-    def step(self, observation: Observation) -> np.ndarray:
-        command = super().step(observation)
-        decision = self.decisions[-1]
-        inputs = np.column_stack((observation.voltage_v.mean(axis=1), observation.closing_m))
-        self.given.append((round(1e6 * decision.time_s), decision.detected, inputs))
-        self.added.append(self.law.added_m)
-        return command
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("repeats", [1, pytest.param(3, marks=pytest.mark.full)])
-def test_the_grip_law_has_the_bits_of_python_in_every_manipulation(repeats: int, tmp_path: Path) -> None:
-    require_gcc()
-    tightened = suppressed = 0
-    with jit.compiled():
-        for number, (scene, seed) in enumerate(plan_manipulations(repeats, FIRST_SEED)):
-            outputs = ["voltage_v", *select_board_outputs(DESIGN, ["fast"])]
-            grip = RecordedGrip(DESIGN, len(scene.fingers))
-            run_manipulation(DESIGN, scene.model_copy(update={"outputs": outputs}), grip, seed)
-            library = make_grip_library(tmp_path / str(number), len(scene.fingers))
-            now, detected, inputs = zip(*grip.given, strict=True)
-            added, is_suppressed, has_tightened = library.grip(
-                np.array(now, np.uint32),
-                np.array(detected, np.uint8),
-                np.full(len(now), 31, np.uint8),
-                np.stack(inputs),
-            )
-            assert np.array_equal(added, np.stack(grip.added))
-            assert has_tightened.tolist() == [decision.tightened for decision in grip.decisions]
-            assert is_suppressed.tolist() == [decision.suppressed for decision in grip.decisions]
-            tightened, suppressed = tightened + has_tightened.sum(), suppressed + is_suppressed.sum()
-    assert tightened
-    assert suppressed
 
 
 def make_grip_library(folder: Path, fingers: int, designs: tuple[Design, ...] = ()) -> HostHand:

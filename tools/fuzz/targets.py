@@ -1,7 +1,6 @@
 """Command `python -m tools.fuzz.targets`: damage what this program finds on disk, and see what it makes of that.
 
     python -m tools.fuzz.targets --cases 400     the same cases each time, by Hypothesis
-    python -m tools.fuzz.guided --seconds 60     cases that reach new branches, by atheris
 
 A target is a function of bytes: it puts them where the program meets a manifest, the plan of an unfinished replacement,
 a sweep's database, a layout or schematic that somebody edited in KiCad, or a recording. It may raise the errors of the

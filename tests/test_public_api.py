@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import multiprocessing
 import re
 import runpy
 import sys
@@ -113,7 +112,7 @@ def test_checks_are_those_of_the_command() -> None:
         fingertip.check(design, tolerance_mm=-1.0)
 
 
-def test_a_sweep_gives_a_row_for_each_design_and_goes_on_where_it_ended(tmp_path: Path, monkeypatch: Any) -> None:
+def test_a_sweep_gives_a_row_for_each_design_and_goes_on_where_it_ended(tmp_path: Path) -> None:
     file, told = tmp_path / "mine.toml", list[str]()
     text = 'name = "mine"\noutputs = ["q", "cutoff_3db_hz"]\n\n[axes]\n"board.cutoff_hz" = [50.0, 60.0]\n'
     file.write_text(text, encoding="utf-8")
@@ -125,9 +124,6 @@ def test_a_sweep_gives_a_row_for_each_design_and_goes_on_where_it_ended(tmp_path
     assert "of 2 designs" in told[-1]
     again = fingertip.run_sweep(file, {"design.board.r5_ohm": 2e5}, tmp_path / "rows", jobs=1)
     assert again.equals(table)
-    monkeypatch.setattr(multiprocessing.current_process(), "_inheriting", True, raising=False)
-    with pytest.raises(fingertip.FingertipError, match="below if __name__"):
-        fingertip.run_sweep(file)
 
 
 def test_detection_takes_arrays_and_follows_their_rate() -> None:

@@ -17,7 +17,7 @@ from benchmarks.extremes.draw import Draw, Family, Range
 from fingertip.foundation import extras
 from fingertip.foundation.errors import FingertipError
 from fingertip.foundation.progress import ReportProgress, Work
-from fingertip.foundation.side_by_side import call_each
+from fingertip.foundation.workers import call_each
 
 FAMILIES = (
     Family("contact, fixed steps", "steps / 16: 10 % of the forces (beyond: 25 %)", 0.57, contact.fixed_steps),

@@ -175,7 +175,8 @@ def test_fault_of_either_process_is_reported(
     position: int, solid: Solid, message: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # trame_vuetify 3.3.0 installs a package `tests`, which the process would find before this one.
-    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[2]))
+    root = Path(__file__).parents[2]
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(root), str(root / "src")]))
     solids: list[Solid] = [BOX, BOX]
     solids[position] = solid
     with pytest.raises(GeometryError, match=message):
@@ -186,22 +187,21 @@ def test_fault_of_either_process_is_reported(
 def test_no_process_outlives_the_context_manager() -> None:
     job = StepJob("test", (("a", BOX, GREY), ("b", BOX, GREY)))
     with StepProcess.start(job) as process:
-        group = process.process.pid
-        time.sleep(0.5)
+        process.worker.receive(until="making b")
+    assert process.worker.steps[0] == "loading Open CASCADE"
     deadline = time.monotonic() + 5.0
-    while (running := list_processes(group)) and time.monotonic() < deadline:
+    while (running := list_processes(process.folder)) and time.monotonic() < deadline:
         time.sleep(0.05)
     assert running == []
 
 
-def list_processes(group: int) -> list[str]:
-    """List the processes of a group from /proc, without zombies."""
+def list_processes(folder: Path) -> list[str]:
+    """List the processes that work in a folder, from /proc."""
     found = []
-    for stat in Path("/proc").glob("[0-9]*/stat"):
+    for path in Path("/proc").glob("[0-9]*/cwd"):
         with contextlib.suppress(OSError):
-            fields = stat.read_text().rsplit(")", 1)[1].split()
-            if int(fields[2]) == group and fields[0] != "Z":
-                found.append(str(stat))
+            if str(folder) in str(path.readlink()):
+                found.append(str(path))
     return found
 
 

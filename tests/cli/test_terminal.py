@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from fingertip.cli.console import CLEAR_LINE
-from fingertip.foundation import processes
+from fingertip.foundation import workers
 from fingertip.tasks import build as build_task
 from fingertip.tasks import views
 from tests.conftest import DESIGNS, ROOT, run_fingertip
@@ -64,7 +64,7 @@ def test_a_summary_has_twelve_lines_of_a_hundred_characters(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert {*IN_FIRST_SET, *DESIGNS} <= {*BUNDLED}
-    monkeypatch.setattr(processes, "count_processors", lambda: 1)  # the others do not know what is replaced here
+    monkeypatch.setattr(workers, "count_processors", lambda: 1)  # the others do not know what is replaced here
     monkeypatch.setattr(build_task, "_draw_steps", lambda *_: {})
     monkeypatch.setattr(views, "write_page", lambda design, folder, force, prepared: (folder / "index.html", 0, ()))
     done = run_fingertip("make", name, "--formats", "stl,3mf", PWD=str(tmp_path))

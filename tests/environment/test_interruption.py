@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import subprocess
@@ -111,24 +112,25 @@ def start_build(folder: Path, temporary_place: Path) -> subprocess.Popen[str]:
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     until = time.monotonic() + WAIT_S
-    while not list(temporary_place.glob("*/status.txt")):
+    while not list(temporary_place.glob("*/messages.txt")):
         assert process.poll() is None, process.communicate()
         assert time.monotonic() < until, "no STEP process was started"
         time.sleep(0.02)
     return process
 
 
-def find_step_processes(folder: Path) -> list[str]:
-    """Find the processes that were given a folder as an argument."""
-    found = []
-    for path in Path("/proc").glob("[0-9]*/cmdline"):
-        try:
-            words = path.read_bytes().decode(errors="replace")
-        except OSError:
-            continue
-        if str(folder) in words and "step_worker" in words:
-            found.append(words)
-    return found
+def wait_for_step_processes(folder: Path) -> None:
+    """Wait until no process works in a folder."""
+    until = time.monotonic() + WAIT_S
+    while True:
+        found = []
+        for path in Path("/proc").glob("[0-9]*/cwd"):
+            with contextlib.suppress(OSError):
+                found += [path] if path.readlink().is_relative_to(folder) else []
+        if not found:
+            return
+        assert time.monotonic() < until, "the STEP process outlives its parent"
+        time.sleep(0.05)
 
 
 @pytest.mark.full
@@ -143,7 +145,7 @@ def test_an_interrupted_build_leaves_no_temporary_folder(number: signal.Signals,
     assert errors.splitlines()[-1].startswith("interrupted")
     assert list(place.iterdir()) == []
     assert not (tmp_path / "out").exists()
-    assert find_step_processes(place) == []
+    wait_for_step_processes(place)
 
 
 @pytest.mark.full
@@ -155,10 +157,7 @@ def test_a_killed_build_leaves_no_process_and_the_next_one_removes_its_folder(
     process = start_build(tmp_path, place)
     process.kill()
     process.communicate(timeout=WAIT_S)
-    until = time.monotonic() + WAIT_S
-    while find_step_processes(place):
-        assert time.monotonic() < until, "the STEP process outlives its parent"
-        time.sleep(0.05)
+    wait_for_step_processes(place)
     assert len(list(place.iterdir())) == 1
     monkeypatch.setattr("tempfile.tempdir", str(place))
     with temporary_folder() as folder:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import Executor, Future
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future
 from pathlib import Path
 from typing import Any
 
@@ -50,27 +50,15 @@ class InlineEngine:
     workers = 1
 
     def __init__(self, jobs: int = 1) -> None:
-        self.started = 0
+        pass
 
-    def executor(self) -> Executor:
-        self.started += 1
-        pool = Executor()
-        pool.submit = self.submit  # type: ignore[method-assign]
-        return pool
-
-    def submit(self, fn: Callable[..., Any], /, *arguments: Any) -> Future[Any]:
+    def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
         future: Future[Any] = Future()
         try:
-            future.set_result(fn(*arguments))
+            future.set_result(function(*arguments))
         except Exception as error:
             future.set_exception(error)
         return future
-
-    def find_crashed_points(self) -> Mapping[int, float] | None:
-        return None
-
-    def end_if_stuck(self) -> None:
-        pass
 
     def close(self) -> None:
         pass

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import platform
 import signal
 import socket
 import subprocess
@@ -230,18 +229,17 @@ def test_missing_workers_and_workers_of_another_version_are_refused(
 
 
 @pytest.mark.parametrize(
-    ("host", "packages", "message"),
+    ("name", "found", "message"),
     [
-        ({"python": "3.9.2.final.0"}, {"numpy": numpy.__version__}, "has Python 3.9, but this is"),
-        ({"python": platform.python_version()}, {"numpy": "1.0"}, "has numpy 1.0, but this is"),
-        ({"python": platform.python_version()}, {}, "has numpy None, but this is"),
+        ("Python", "3.9.2", f"has Python 3.9, but this is {sys.version_info[0]}.{sys.version_info[1]};"),
+        ("numpy", "1.0", f"has numpy 1.0, but this is {numpy.__version__};"),
+        ("numpy", ImportError("No module named 'numpy'"), r"has no numpy \(No module named 'numpy'\), but this is"),
     ],
 )
-def test_worker_with_another_python_or_numpy_is_refused(
-    host: dict[str, str], packages: dict[str, str], message: str
-) -> None:
+def test_worker_with_another_python_or_numpy_is_refused(name: str, found: str | ImportError, message: str) -> None:
     with pytest.raises(SweepError, match=f"worker tcp://w:1 {message}.*install the same version everywhere"):
-        engines._compare_versions("tcp://w:1", {"host": host, "packages": packages})
+        engines.compare_version("tcp://w:1", name, found)
+    engines.compare_version("tcp://w:1", "Python", ".".join(map(str, (*sys.version_info[:2], 99))))
 
 
 @pytest.mark.full

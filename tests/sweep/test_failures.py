@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
-from fingertip.sweep import engines, run
 from fingertip.sweep.database import SweepDatabase, SweepRow
 from fingertip.sweep.database_file import FILE
 from fingertip.sweep.engines import ProcessEngine
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.point_evaluator import ChunkFunction
 from fingertip.sweep.run import run_sweep
+from tests.conftest import ROOT
 from tests.sweep import examples, worker_functions
 from tests.sweep.examples import InlineEngine, make_plan
+from tests.test_workers import is_alive
 
 BOARD_POINTS = 72
 """Points of `examples.BOARD`."""
@@ -34,6 +35,12 @@ board.cutoff_hz = {low = 20, high = 2000, steps = 80, spacing = "logarithmic"}
 board.passband_gain = {low = 2, high = 900, steps = 50}
 board.series = ["E12", "E24"]
 """
+
+
+@pytest.fixture(autouse=True)
+def functions_of_the_tests(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let workers find the tests' own functions."""
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(ROOT), str(ROOT / "src")]))
 
 
 def run_with(folder: Path, evaluate: ChunkFunction) -> dict[int, SweepRow]:
@@ -54,27 +61,12 @@ def run_with(folder: Path, evaluate: ChunkFunction) -> dict[int, SweepRow]:
 def test_point_whose_worker_dies_once_is_computed_at_the_second_attempt(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, evaluate: ChunkFunction, deaths: str
 ) -> None:
-    """A pool waits for the rest of a message whose worker died, and its other workers for their turn to send."""
     flag = tmp_path / "flag"
     flag.touch()
     monkeypatch.setenv(worker_functions.FLAG_VARIABLE, str(flag))
-    monkeypatch.setattr(run, "STUCK_S", 0.5)
     rows = run_with(tmp_path / "out", evaluate)
     assert flag.read_text() == deaths
     assert {row.status for row in rows.values()} == {"ok"}
-
-
-def test_a_pool_ends_although_a_worker_was_sending_a_result(tmp_path: Path) -> None:
-    """Python waits for the pool's thread at its end: a sweep whose disk was full could never end."""
-    engine = ProcessEngine(1)
-    pool = engine.executor()
-    thread = pool._executor_manager_thread  # type: ignore[attr-defined]
-    pool.submit(worker_functions.send_half_and_sleep, str(tmp_path / "flag"))
-    while not (tmp_path / "flag").exists():
-        time.sleep(0.01)
-    engine.close()
-    thread.join(30.0)
-    assert not thread.is_alive()
 
 
 @pytest.mark.full
@@ -97,37 +89,21 @@ def test_crash_or_hang_of_a_worker_fails_only_its_point(
             assert (row.status, tuple(row.outputs.values())) == ("ok", worker_functions.make_result(point)[4])
 
 
-def test_points_of_workers_that_died_by_themselves_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A broken pool terminates the others; where all look terminated, nobody knows which of them died."""
-    monkeypatch.setattr(engines, "EXIT_TIMEOUT_S", 0.0)
-    monkeypatch.setattr(engines, "time", SimpleNamespace(monotonic=lambda: 100.0))
-    engine = ProcessEngine(6)
-    codes = (None, 0, -signal.SIGTERM, 1, -signal.SIGKILL, 9)
-    status = SimpleNamespace(pids=range(6), points=(50, 51, 52, 53, 54, engines.NO_POINT), since_s=range(90, 96))
-    monkeypatch.setattr(engine, "_status", status)
-    for seen, found in ((codes, {53: 7.0, 54: 6.0}), ((0,) * 6, {50 + i: 10.0 - i for i in range(5)})):
-        engine._processes = [SimpleNamespace(pid=i, exitcode=code) for i, code in enumerate(seen)]  # type: ignore[misc]
-        assert engine.find_crashed_points() == found
-
-
-def find_processes(group: int) -> list[int]:
-    processes = []
+def find_children(parent: int) -> list[int]:
+    children = []
     for status in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            fields = status.read_text().rpartition(")")[2].split()
-        except OSError:
-            continue
-        if int(fields[2]) == group and fields[0] != "Z":
-            processes.append(int(status.parent.name))
-    return processes
+        with contextlib.suppress(OSError):
+            if int(status.read_text().rpartition(")")[2].split()[1]) == parent:
+                children.append(int(status.parent.name))
+    return children
 
 
-def assert_processes_end(group: int) -> None:
-    """Assert that workers, and multiprocessing's own helper process, end soon after their sweep."""
+def assert_processes_end(pids: list[int]) -> None:
+    assert len(pids) == 2
     until = time.monotonic() + 10
-    while find_processes(group) and time.monotonic() < until:
+    while left := [pid for pid in pids if is_alive(pid)]:
+        assert time.monotonic() < until, f"workers {left} outlive their sweep"
         time.sleep(0.05)
-    assert find_processes(group) == []
 
 
 def start_sweep(file: Path, out: Path) -> subprocess.Popen[str]:
@@ -171,9 +147,10 @@ def test_resume_after_kill_9_gives_the_rows_of_an_uninterrupted_run(tmp_path: Pa
     file, out = tmp_path / "sweep.toml", tmp_path / "out"
     file.write_text(LARGE_SWEEP)
     process = start_sweep(file, out)
+    workers = find_children(process.pid)
     process.kill()
     process.wait()
-    assert_processes_end(process.pid)
+    assert_processes_end(workers)
     before = read_rows(out)
     assert 0 < len(before) < LARGE_POINTS
     assert resume(file, out) == LARGE_POINTS - len(before)
@@ -188,11 +165,12 @@ def test_interrupt_ends_cleanly_and_names_resume(tmp_path: Path) -> None:
     file, out = tmp_path / "sweep.toml", tmp_path / "out"
     file.write_text(LARGE_SWEEP)
     process = start_sweep(file, out)
-    os.killpg(process.pid, signal.SIGINT)  # as a terminal does: to the workers too
+    workers = find_children(process.pid)
+    os.killpg(process.pid, signal.SIGINT)  # as a terminal does
     errors = process.communicate(timeout=30)[1]
     assert process.returncode == 130
     assert "continue with --resume" in errors
     assert "Traceback" not in errors
-    assert_processes_end(process.pid)
+    assert_processes_end(workers)
     assert [path.name for path in out.iterdir()] == [FILE]
     assert len(read_rows(out)) > 0

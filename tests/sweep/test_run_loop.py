@@ -5,14 +5,15 @@ from __future__ import annotations
 import itertools
 import math
 from collections import deque
-from collections.abc import Callable, Mapping
-from concurrent.futures import BrokenExecutor, Future
+from collections.abc import Callable
+from concurrent.futures import Future
 from typing import Any, cast
 
 import numpy as np
 import pytest
 
 from fingertip.foundation.errors import SweepError
+from fingertip.foundation.workers import WorkerDiedError
 from fingertip.sweep import run
 from fingertip.sweep.database import StoredRow, SweepDatabase
 from fingertip.sweep.point_evaluator import Chunk, ChunkResult
@@ -54,21 +55,20 @@ class Database:
 
 
 class Breaking(InlineEngine):
-    """Engine whose pool breaks whenever a chunk holds one of some points."""
+    """Engine whose worker dies whenever a chunk holds one of some points, and says so of that point or of none."""
 
-    def __init__(self, bad: set[int], crashed: Mapping[int, float] | None, attempts: int = 1) -> None:
-        super().__init__()
-        self.bad, self.crashed, self.attempts = bad, crashed, attempts
+    def __init__(self, bad: set[int], elapsed_s: float = 0.0, attempts: int = 1, *, is_known: bool = True) -> None:
+        self.bad, self.elapsed_s, self.attempts, self.is_known = bad, elapsed_s, attempts, is_known
+        self.deaths = 0
 
-    def submit(self, fn: Callable[..., Any], /, *arguments: Any) -> Future[Any]:
-        if self.bad.isdisjoint(arguments[0].points):
-            return super().submit(fn, *arguments)
+    def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
+        found = self.bad.intersection(arguments[0].points)
+        if not found:
+            return super().submit(function, *arguments)
+        self.deaths += 1
         future: Future[Any] = Future()
-        future.set_exception(BrokenExecutor())
+        future.set_exception(WorkerDiedError(tuple(found) if self.is_known else None, self.elapsed_s))
         return future
-
-    def find_crashed_points(self) -> Mapping[int, float] | None:
-        return self.crashed
 
 
 def worker(per_point_s: float, sizes: list[int] | None = None) -> Callable[[Chunk], ChunkResult]:
@@ -172,80 +172,52 @@ def test_rows_are_written_at_once_then_at_intervals_or_when_many_wait(
 def test_point_whose_worker_dies_is_tried_again_alone_and_recorded(
     clock: Clock, attempts: int, after_s: float, status: str
 ) -> None:
-    database = Database()
-    state = compute(Breaking({40}, {40: after_s}, attempts), database)
+    sizes: list[int] = []
+    engine, database = Breaking({40}, after_s, attempts), Database()
+    state = compute(engine, database, sizes=sizes)
     assert [row[0] for row in database.rows] == list(range(POINTS))
     assert [row[0] for row in database.rows if row[1] != make_result(int(row[0]))[1]] == [40]
     assert database.rows[40][1] == status
-    assert (state.failures, state.refused) == (1, 0)
-
-
-def test_every_point_of_a_lost_chunk_is_tried_alone_if_nobody_knows_which_one_it_was(clock: Clock) -> None:
-    sizes: list[int] = []
-    database = Database()
-    state = compute(Breaking({40}, None), database, sizes=sizes)
-    assert [row[1] == "failed" for row in database.rows] == [point == 40 for point in range(POINTS)]
-    assert state.failures == 1
+    assert (state.failures, state.refused, engine.deaths) == (1, 0, 2)
+    assert max(sizes) > 1
     assert sum(sizes) == POINTS - 1
 
 
-def test_pool_that_breaks_while_it_is_given_work_is_started_again(clock: Clock) -> None:
-    """An idle worker died: the pool refuses work. The chunk is sent to a new pool, and no point is to blame."""
-
-    class Refusing(Breaking):
-        def submit(self, fn: Callable[..., Any], /, *arguments: Any) -> Future[Any]:
-            if self.started == 1:
-                raise BrokenExecutor
-            return super().submit(fn, *arguments)
-
-    engine, database = Refusing(set(), {}), Database()
-    state = compute(engine, database)
-    assert engine.started == 2
-    assert [row[1] for row in database.rows] == ["ok"] * POINTS
-    assert state.failures == 0
-
-
-def test_retry_that_an_idle_pool_refuses_is_sent_to_a_new_one(clock: Clock) -> None:
-    class Refusing(Breaking):
-        def submit(self, fn: Callable[..., Any], /, *arguments: Any) -> Future[Any]:
-            if self.started == 2 and arguments[0].points == (40,):
+def test_point_that_succeeds_at_its_second_attempt_is_not_recorded_as_failed(clock: Clock) -> None:
+    class Once(Breaking):
+        def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
+            if self.deaths:
                 self.bad = set()
-                raise BrokenExecutor
-            return super().submit(fn, *arguments)
+            return super().submit(function, *arguments)
 
-    engine, database = Refusing({40}, {40: 2 * LIMIT_S}), Database()
-    state = compute(engine, database)
-    assert engine.started == 3
+    database = Database()
+    state = compute(Once({40}), database)
     assert [row[1] for row in database.rows] == ["ok"] * POINTS
     assert state.failures == 0
 
 
-def test_breakdowns_count_only_in_a_row(clock: Clock) -> None:
-    """A breakdown with a culprit starts the count again: five without one may precede it, and five may follow."""
+def test_worker_that_dies_before_it_begins_is_no_fault_of_its_points(clock: Clock) -> None:
+    """Neither at the first attempt nor alone: five such deaths in a row may precede a result, and follow it."""
 
     class Flaky(Breaking):
-        breakdowns = 0
+        def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
+            self.is_known = self.deaths in (5, 11)
+            self.bad = set() if self.deaths == 17 else {40}
+            return super().submit(function, *arguments)
 
-        def find_crashed_points(self) -> Mapping[int, float] | None:
-            self.breakdowns += 1
-            return {} if self.breakdowns != run.MAX_CONSECUTIVE_FAILURES + 1 else {0: LIMIT_S / 2}
+    engine, database = Flaky({40}), Database()
+    state = compute(engine, database)
+    assert engine.deaths == 12, "five, a known one, five, and the second known one"
+    assert [row[1] for row in database.rows] == ["failed" if point == 40 else "ok" for point in range(POINTS)]
+    assert state.failures == 1
 
-    engine = Flaky(set(range(POINTS)), {})
+
+@pytest.mark.parametrize("results", [0, 2])
+def test_six_workers_in_a_row_that_die_before_they_begin_end_the_run(clock: Clock, results: int) -> None:
+    engine = Breaking(set(range(results, POINTS)), is_known=False)
     with pytest.raises(SweepError, match="workers died 6 times without computing a point"):
         compute(engine, Database())
-    assert engine.breakdowns == 2 * (run.MAX_CONSECUTIVE_FAILURES + 1)
-
-
-def test_breakdowns_after_a_result_are_counted_from_the_first(clock: Clock) -> None:
-    engine = Breaking(set(), {})
-
-    def evaluate(chunk: Chunk) -> ChunkResult:
-        engine.bad = set(range(POINTS))
-        return worker(0.01)(chunk)
-
-    with pytest.raises(SweepError, match="workers died 6 times without computing a point"):
-        run_sweep(make_plan(), cast(SweepDatabase, Database()), engine, evaluate=evaluate)
-    assert engine.started == run.MAX_CONSECUTIVE_FAILURES + 1
+    assert engine.deaths == run.MAX_CONSECUTIVE_FAILURES + 1
 
 
 def test_refused_points_and_failed_ones_are_counted_apart(clock: Clock) -> None:
@@ -262,7 +234,7 @@ def test_refused_points_and_failed_ones_are_counted_apart(clock: Clock) -> None:
 
 def test_lost_cluster_ends_the_run_with_a_sentence(clock: Clock) -> None:
     class Lost(InlineEngine):
-        def submit(self, fn: Callable[..., Any], /, *arguments: Any) -> Future[Any]:
+        def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
             future: Future[Any] = Future()
             future.cancel()
             future.set_running_or_notify_cancel()
@@ -276,17 +248,12 @@ class Slow(InlineEngine):
     """Engine with one worker for two points, whose results come when a test says so."""
 
     def __init__(self) -> None:
-        super().__init__()
-        self.asked = 0
         self.waiting: list[tuple[Chunk, Future[ChunkResult]]] = []
 
-    def submit(self, fn: Callable[..., Any], /, *arguments: Any) -> Future[Any]:
+    def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
         future: Future[ChunkResult] = Future()
         self.waiting.append((arguments[0], future))
         return future
-
-    def end_if_stuck(self) -> None:
-        self.asked += 1
 
     def answer(self) -> None:
         chunk, future = self.waiting.pop(0)
@@ -294,12 +261,12 @@ class Slow(InlineEngine):
 
 
 def test_silence_of_the_workers_is_measured_from_the_last_result(clock: Clock, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A worker answers at 3 s, then one 9 s later: from more than 5 s on, the engine is asked whether it is stuck."""
+    """A worker answers at 3 s, then one 9 s later."""
     engine, seen = Slow(), []
     script = iter([3.0, 0.0, 5.0, 0.5, 3.5, 0.0])
 
     def progress(state: RunState) -> None:
-        seen.append((state.silent_s, engine.asked, state.hang_s))
+        seen.append((state.silent_s, state.hang_s))
         clock.now_s += next(script, 0.0)
         if len(seen) in (1, 5):
             engine.answer()
@@ -307,9 +274,8 @@ def test_silence_of_the_workers_is_measured_from_the_last_result(clock: Clock, m
     monkeypatch.setattr(run, "_POLL_INTERVAL_S", 1e-3)
     plan = make_plan(time_limit_s=LIMIT_S)
     run_sweep(plan, cast(SweepDatabase, Database(missing=2)), engine, progress, worker(1.0))
-    silences = [(silent_s, asked) for silent_s, asked, _ in seen]
-    assert silences == [(0.0, 0), (0.0, 0), (0.0, 0), (5.0, 0), (5.5, 1), (0.0, 1)]
-    assert {hang_s for *_, hang_s in seen} == {3 * LIMIT_S}
+    assert [silent_s for silent_s, _ in seen] == [0.0, 0.0, 0.0, 5.0, 5.5, 0.0]
+    assert {hang_s for _, hang_s in seen} == {3 * LIMIT_S}
     assert RunState(1, 0).silent_s == 0.0
 
 
@@ -340,45 +306,19 @@ def test_only_commits_of_the_last_half_minute_count(clock: Clock) -> None:
     assert state.points_per_s == pytest.approx(10 / 31)
 
 
-@pytest.mark.parametrize(
-    ("limit_s", "second", "status"),
-    [
-        (LIMIT_S, {40: 2 * LIMIT_S}, "timeout"),
-        (0.5, {}, "failed"),
-        (0.5, {41: 9.0}, "failed"),
-        (0.5, {40: 0.6}, "timeout"),
-    ],
-)
-def test_time_of_the_second_death_decides_between_timeout_and_failure(
-    clock: Clock, limit_s: float, second: dict[int, float], status: str
-) -> None:
-    """A point that the engine does not name had not begun."""
-
-    class Twice(Breaking):
-        found = iter([{40: 99.0}, second])
-
-        def find_crashed_points(self) -> Mapping[int, float] | None:
-            return next(self.found)
-
-    database = Database()
-    plan = make_plan(time_limit_s=limit_s)
-    run_sweep(plan, cast(SweepDatabase, database), Twice({40}, None), evaluate=worker(0.01))
-    assert database.rows[40][1] == status
-
-
-@pytest.mark.parametrize(("tick_s", "status"), [(1.4, "failed"), (1.5, "timeout")])
-def test_time_of_a_point_nobody_measured_is_that_of_its_retry(clock: Clock, tick_s: float, status: str) -> None:
-    """From the start of the retry to its end, the clock is read twice."""
-    seen: list[Chunk] = []
+@pytest.mark.parametrize(("elapsed_s", "status"), [(2.9, "failed"), (3.0, "timeout")])
+def test_chunk_that_the_engine_gives_up_is_tried_point_by_point(clock: Clock, elapsed_s: float, status: str) -> None:
+    """Of a cluster nobody knows which point it was, nor its time, which is that of its retry."""
+    sizes: list[int] = []
 
     def evaluate(chunk: Chunk) -> ChunkResult:
         if 40 not in chunk.points:
-            return worker(0.01)(chunk)
-        seen.append(chunk)
-        clock.tick_s = tick_s * (len(seen) == 2)
+            return worker(0.01, sizes)(chunk)
+        clock.now_s += elapsed_s if chunk.points == (40,) else 60.0
         raise ValueError
 
     database = Database()
-    run_sweep(make_plan(time_limit_s=LIMIT_S), cast(SweepDatabase, database), InlineEngine(), evaluate=evaluate)
-    assert database.rows[40][1] == status
-    assert sum(row[1] != "ok" for row in database.rows) == 1
+    plan = make_plan(time_limit_s=LIMIT_S)
+    run_sweep(plan, cast(SweepDatabase, database), InlineEngine(), evaluate=evaluate)
+    assert [row[1] for row in database.rows] == [status if point == 40 else "ok" for point in range(POINTS)]
+    assert sum(sizes) == POINTS - 1

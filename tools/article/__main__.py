@@ -14,8 +14,7 @@ import sys
 from pathlib import Path
 
 from fingertip.design import Design
-from fingertip.foundation.processes import find_workers
-from fingertip.foundation.side_by_side import side_by_side
+from fingertip.foundation.workers import find_workers, side_by_side
 from fingertip.lab.campaign.plan import CampaignPlan
 from tools.article.page import write_page
 from tools.article.studies import study

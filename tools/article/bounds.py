@@ -36,7 +36,7 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
-from fingertip.foundation.side_by_side import call_each
+from fingertip.foundation.workers import call_each
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, NEGATIVE_SCENES, Case, generate_trials
 from fingertip.lab.campaign.run import run_cases, simulate_trace
 from fingertip.sim import run_scene

@@ -22,7 +22,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.foundation.side_by_side import call_each
+from fingertip.foundation.workers import call_each
 from fingertip.lab.campaign import run as campaign
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, Case, generate_limited_cases, generate_trials
 from fingertip.pad.response import Backing

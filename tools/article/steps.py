@@ -20,7 +20,7 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.detection.adaptation import adapt_rate
 from fingertip.foundation.errors import DesignError
-from fingertip.foundation.side_by_side import call_each
+from fingertip.foundation.workers import call_each
 from fingertip.lab.campaign.grids import REFINEMENT, SIGNALS, compare_grids
 from fingertip.lab.campaign.plan import CampaignPlan, generate_limited_cases, generate_trials
 from fingertip.lab.campaign.run import quantile_s, run_detector_on

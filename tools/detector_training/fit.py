@@ -23,8 +23,7 @@ from typing import Any
 import numpy as np
 
 from fingertip.foundation.numerics import Array
-from fingertip.foundation.processes import count_processors
-from fingertip.foundation.side_by_side import side_by_side
+from fingertip.foundation.workers import count_processors, side_by_side
 from fingertip.slip.detectors import fast_coefficients as fast_model
 from fingertip.slip.detectors.fast_coefficients import DEPTH, NODES, FastModel
 from tools.detector_training.rows import Rows, collect

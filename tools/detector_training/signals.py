@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.foundation.side_by_side import call_each
+from fingertip.foundation.workers import call_each
 from fingertip.lab.campaign import mix_signals
 from fingertip.lab.campaign.mix import Draw
 from fingertip.lab.campaign.mix_signals import LabelledSignal

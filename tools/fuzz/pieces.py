@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import fingertip
-from fingertip.foundation.processes import end_with_parent
+from fingertip.foundation.workers import end_with_parent
 
 SILENCE_S = 600.0
 """Time after which a piece that has no new result hangs where no time limit of a case reaches."""

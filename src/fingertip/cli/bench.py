@@ -117,8 +117,7 @@ def extremes(
     from fingertip.foundation.errors import Issue
     from fingertip.foundation.files import write_file
     from fingertip.foundation.output_set import SetWriter, hash_parameters
-    from fingertip.foundation.processes import find_workers
-    from fingertip.foundation.side_by_side import side_by_side
+    from fingertip.foundation.workers import find_workers, side_by_side
 
     _find_benchmarks("extremes")
     outside = Issue("--cases", f"{cases} is out of bounds; choose 1 to 1000000.")

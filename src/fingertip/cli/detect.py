@@ -183,7 +183,7 @@ def validate(
     from fingertip.detection.warnings import settings_warnings
     from fingertip.foundation import extras
     from fingertip.foundation.output_set import SetWriter, hash_parameters
-    from fingertip.foundation.processes import find_workers
+    from fingertip.foundation.workers import find_workers
     from fingertip.lab import validation as campaign
     from fingertip.lab.campaign.plan import CampaignPlan, check_first_seed
     from fingertip.slip.detectors import registry

@@ -50,7 +50,7 @@ def sweep(
 
     Exit code 0: every point has its row; 1: some points failed or exceeded the time limit.
     """
-    from fingertip.foundation.processes import find_workers
+    from fingertip.foundation.workers import find_workers
     from fingertip.sweep.engines import DaskEngine, ProcessEngine
     from fingertip.sweep.plan import SweepPlan
     from fingertip.sweep.report import load_pyarrow

@@ -11,9 +11,8 @@ from typing import Any
 
 from fingertip.design import Design
 from fingertip.foundation.comparison import Comparison
-from fingertip.foundation.processes import find_workers
 from fingertip.foundation.progress import Work
-from fingertip.foundation.side_by_side import side_by_side
+from fingertip.foundation.workers import find_workers, side_by_side
 from fingertip.lab.campaign.closed_loop import ClosedLoopSummary, ClosedLoopTrial, run_closed_loop, summarise
 from fingertip.lab.campaign.mix import MixSize, generate_mix, run_detector
 from fingertip.lab.campaign.mix import summarise as summarise_mix

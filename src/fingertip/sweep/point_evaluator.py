@@ -21,10 +21,10 @@ from fingertip.design.finger_set import FingerSet, build_set
 from fingertip.design.model import Design
 from fingertip.foundation.errors import FingertipError, Issue, gather
 from fingertip.foundation.files import round_for_output
+from fingertip.foundation.workers import report_step
 from fingertip.sweep import designs
 from fingertip.sweep.axes import Value
 from fingertip.sweep.compute import GROUP_FUNCTIONS, ISSUE, OutputValues, PointContext
-from fingertip.sweep.engines import NO_POINT, set_current_point
 from fingertip.sweep.outputs import TRACES, OutputGroup
 from fingertip.sweep.plan import SweepPlan
 
@@ -180,7 +180,7 @@ def evaluate_points(
     An exception raised in the running code would leave half-imported modules and half-filled caches behind, and later
     points would suffer from them. faulthandler ends the process from its own thread. That thread needs no Python lock,
     so it also ends a compiled kernel stuck in an endless loop. The engine notices the exit, starts another worker, and
-    reads from shared memory which point was being computed.
+    knows from the last report which points were being computed.
     """
     global _null_file
     if _null_file is None:
@@ -191,10 +191,9 @@ def evaluate_points(
     try:
         for i, point in enumerate(chunk.points):
             if i % points_per_limit == 0:
+                report_step(chunk.points[i : i + points_per_limit])
                 faulthandler.dump_traceback_later(limit_s, exit=True, file=_null_file)
-            set_current_point(point)
             results.append(evaluate(point, dict(zip(names, values[i], strict=True))))
     finally:
         faulthandler.cancel_dump_traceback_later()
-        set_current_point(NO_POINT)
     return results

@@ -1,8 +1,8 @@
 """Run of a sweep: chunks are sent to workers, rows are written as results arrive, and failed chunks are retried.
 
 A point is retried if its worker died or its time ran out. All retries are computed at the end, one at a time, so that
-a second failure can be attributed to its point. That point is then recorded with its reason; every other point keeps
-its row.
+a second failure can be attributed to its point on any engine. That point is then recorded with its reason; every other
+point keeps its row.
 """
 
 from __future__ import annotations
@@ -10,18 +10,19 @@ from __future__ import annotations
 import math
 import time
 from collections import deque
-from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
+from collections.abc import Callable, Collection, Iterator
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.foundation.errors import Issue, SweepError, shorten
+from fingertip.foundation.workers import WorkerDiedError
 from fingertip.sweep.database import MAX_REASON_LENGTH, StoredRow, SweepDatabase
 from fingertip.sweep.engines import Engine
 from fingertip.sweep.plan import SweepPlan
-from fingertip.sweep.point_evaluator import Chunk, ChunkFunction, ChunkResult, PointResult, evaluate_chunk
+from fingertip.sweep.point_evaluator import Chunk, ChunkFunction, ChunkResult, evaluate_chunk
 
 CHUNK_DURATION_S = 0.5
 """Time that a worker should spend on a chunk [s]."""
@@ -38,8 +39,6 @@ CHUNKS_PER_WORKER = 2
 """Chunks in flight per worker: one is computed, one waits."""
 MAX_CONSECUTIVE_FAILURES = 5
 """Number of breakdowns in a row, none of which can be attributed to a point, before the run gives up."""
-STUCK_S = 5.0
-"""Silence after which the engine is asked whether it can still give results [s]."""
 _POLL_INTERVAL_S = 0.5
 _BLOCK = 65_536
 """Number of points whose parameters are generated at a time."""
@@ -128,12 +127,13 @@ class _Run:
     evaluate: ChunkFunction
     state: RunState
     chunk_size: int = 1
-    _executor: Executor | None = None
-    _in_flight: dict[Future[ChunkResult], Chunk] = field(default_factory=dict)
+    _in_flight: dict[Future[ChunkResult], tuple[Chunk, float]] = field(default_factory=dict)
+    """Chunks that are computed or wait for a worker, and when they were sent [s]."""
     _resend_queue: deque[Chunk] = field(default_factory=deque)
     """Chunks that were lost although none of their points is to blame."""
     _retry_queue: list[Chunk] = field(default_factory=list)
     """Single points whose worker died or whose time ran out."""
+    _is_retrying: bool = False
     _consecutive_failures: int = 0
     """Breakdowns in a row that could not be attributed to a point."""
     _pending_rows: list[StoredRow] = field(default_factory=list)
@@ -142,21 +142,9 @@ class _Run:
 
     def compute(self, chunks: Iterator[Chunk]) -> None:
         """Compute all chunks, then the points of the retry queue one by one."""
-        exhausted = False
-        while not exhausted or self._in_flight or self._resend_queue:
-            # Keep every worker busy. Lost chunks come before new ones.
-            while len(self._in_flight) < CHUNKS_PER_WORKER * self.engine.workers:
-                if self._resend_queue:
-                    self._send(self._resend_queue.popleft())
-                    continue
-                chunk = None if exhausted else next(chunks, None)
-                if chunk is None:
-                    exhausted = True
-                    break
-                self._send(chunk)
-            self._receive()
-        for chunk in self._retry_queue:
-            self._retry(chunk)
+        self._compute_each(chunks, lambda: CHUNKS_PER_WORKER * self.engine.workers)
+        self._is_retrying = True
+        self._compute_each(iter(self._retry_queue), lambda: 1)
 
     def write_rows(self, at_once: bool = False) -> None:
         """Commit the pending rows if the interval has passed, there are many, or `at_once` is set."""
@@ -168,50 +156,68 @@ class _Run:
             self.state.add_written(len(rows))
             self._written_at_s = now
 
-    def _send(self, chunk: Chunk) -> None:
+    def _compute_each(self, chunks: Iterator[Chunk], find_limit: Callable[[], int]) -> None:
+        """Keep a number of chunks in flight until all are computed. Lost chunks come before new ones."""
+        while True:
+            while len(self._in_flight) < find_limit():
+                chunk = self._resend_queue.popleft() if self._resend_queue else next(chunks, None)
+                if chunk is None:
+                    break
+                self._in_flight[self.engine.submit(self.evaluate, chunk)] = chunk, time.perf_counter()
+            if not self._in_flight:
+                return
+            done, _ = wait(self._in_flight, timeout=_POLL_INTERVAL_S, return_when=FIRST_COMPLETED)
+            now = time.perf_counter()
+            if done:
+                self._answered_at_s = now
+            self.state.silent_s = now - self._answered_at_s
+            for future in done:
+                self._receive(future, *self._in_flight.pop(future))
+            self.write_rows()
+            self.progress(self.state)
+
+    def _receive(self, future: Future[ChunkResult], chunk: Chunk, sent_at_s: float) -> None:
         try:
-            self._in_flight[self._submit(chunk)] = chunk
-        except BrokenExecutor:
-            self._resend_queue.appendleft(chunk)
-            self._handle_broken_pool([])
+            result = future.result()
+        except CancelledError:
+            message = "is lost; the rows written so far are safe, continue with --resume."
+            raise SweepError(Issue("--cluster", message)) from None
+        except WorkerDiedError as death:
+            self._handle_death(chunk, death.step, death.elapsed_s)
+        except Exception:  # the engine gave the chunk up; any of its points may be the cause
+            self._handle_death(chunk, chunk.points, time.perf_counter() - sent_at_s)
+        else:
+            self._consecutive_failures = 0
+            self._add_rows(chunk, result)
+            # The next chunk should take `CHUNK_DURATION_S` at the pace of this one.
+            per_point_s = result.elapsed_s / len(chunk.points)
+            size = round(CHUNK_DURATION_S / per_point_s) if per_point_s > 0 else MAX_CHUNK_POINTS
+            self.chunk_size = max(1, min(size, 4 * self.chunk_size, MAX_CHUNK_POINTS))
 
-    def _submit(self, chunk: Chunk) -> Future[ChunkResult]:
-        if self._executor is None:
-            self._executor = self.engine.executor()
-        return self._executor.submit(self.evaluate, chunk)
+    def _handle_death(self, chunk: Chunk, points: Collection[int] | None, elapsed_s: float) -> None:
+        """Retry the points that a dead worker was computing, or record them, and send the others again.
 
-    def _receive(self) -> None:
-        done, _ = wait(self._in_flight, timeout=_POLL_INTERVAL_S, return_when=FIRST_COMPLETED)
-        self._note_silence(bool(done))
-        lost: list[Chunk] = []
-        broken = False
-        for future in done:
-            chunk = self._in_flight.pop(future)
-            error = future.exception() if not future.cancelled() else CancelledError()
-            if error is None:
-                self._consecutive_failures = 0
-                self._add_rows(chunk, result := future.result())
-                # The next chunk should take `CHUNK_DURATION_S` at the pace of this one.
-                per_point_s = result.elapsed_s / len(chunk.points)
-                size = round(CHUNK_DURATION_S / per_point_s) if per_point_s > 0 else MAX_CHUNK_POINTS
-                self.chunk_size = max(1, min(size, 4 * self.chunk_size, MAX_CHUNK_POINTS))
-            elif isinstance(error, BrokenExecutor):
-                lost.append(chunk)
-                broken = True
-            else:
-                self._handle_failed_chunk(chunk, error)
-        if broken:
-            self._handle_broken_pool(lost)
-        self.write_rows()
-        self.progress(self.state)
-
-    def _note_silence(self, is_answered: bool) -> None:
-        now = time.perf_counter()
-        if is_answered:
-            self._answered_at_s = now
-        self.state.silent_s = now - self._answered_at_s
-        if self.state.silent_s > STUCK_S:
-            self.engine.end_if_stuck()
+        Without any, the worker died before it began to compute. A timeout is told from a crash by the time since then.
+        """
+        self._consecutive_failures = 0 if points else self._consecutive_failures + 1
+        if self._consecutive_failures > MAX_CONSECUTIVE_FAILURES:
+            problem = f"workers died {self._consecutive_failures} times without computing a point"
+            remedy = "check the free memory. The rows written so far are safe: continue with --resume and fewer jobs."
+            raise SweepError(Issue("--jobs", f"{problem}; {remedy}"))
+        indices, points = range(len(chunk.points)), frozenset(points or ())
+        if others := [i for i in indices if chunk.points[i] not in points]:
+            self._resend_queue.append(chunk.select(others))
+        blamed = [chunk.select([i]) for i in indices if chunk.points[i] in points]
+        if not self._is_retrying:
+            self._retry_queue += blamed
+            return
+        limit_s = self.plan.file.time_limit_s
+        status, reason = "failed", "its worker died while it was computed, twice."
+        if elapsed_s >= limit_s * self.engine.attempts:
+            status, reason = "timeout", f"took longer than {limit_s:g} s (time_limit_s), twice."
+        for single in blamed:
+            outputs = (math.nan,) * len(self.plan.outputs)
+            self._add_rows(single, ChunkResult([(single.points[0], status, "", reason, outputs)], 0.0))
 
     def _add_rows(self, chunk: Chunk, result: ChunkResult) -> None:
         values = zip(*chunk.columns.values(), strict=True)
@@ -219,64 +225,3 @@ class _Run:
             self._pending_rows.append((point, status, field_, shorten(reason, MAX_REASON_LENGTH), *axes, *outputs))
             self.state.failures += status in ("failed", "timeout")
             self.state.refused += status == "refused"
-
-    def _handle_broken_pool(self, lost: list[Chunk]) -> None:
-        """Retry the points that dead workers were computing, and send all other chunks in flight again."""
-        lost += self._in_flight.values()
-        self._in_flight.clear()
-        crashed = self.engine.find_crashed_points()
-        self._executor = None
-        self._consecutive_failures = 0 if crashed is None or crashed else self._consecutive_failures + 1
-        if self._consecutive_failures > MAX_CONSECUTIVE_FAILURES:
-            problem = f"workers died {self._consecutive_failures} times without computing a point"
-            remedy = "check the free memory. The rows written so far are safe: continue with --resume and fewer jobs."
-            raise SweepError(Issue("--jobs", f"{problem}; {remedy}"))
-        for chunk in lost:
-            indices = range(len(chunk.points))
-            retried = [i for i in indices if crashed is None or chunk.points[i] in crashed]
-            self._retry_queue += (chunk.select([i]) for i in retried)
-            if others := sorted(set(indices) - set(retried)):
-                self._resend_queue.append(chunk.select(others))
-
-    def _handle_failed_chunk(self, chunk: Chunk, error: BaseException) -> None:
-        """Handle a chunk that the engine gave up; any of its points may be the cause."""
-        if isinstance(error, CancelledError):
-            message = "is lost; the rows written so far are safe, continue with --resume."
-            raise SweepError(Issue("--cluster", message)) from None
-        self._retry_queue += (chunk.select([i]) for i in range(len(chunk.points)))
-
-    def _retry(self, chunk: Chunk) -> None:
-        """Compute a point of the retry queue while no other is computed, and record a second failure."""
-        try:
-            future = self._submit(chunk)
-        except BrokenExecutor:  # an idle worker died before; a breakdown of the new pool is due to this point
-            self._executor = None
-            future = self._submit(chunk)
-        start = time.perf_counter()
-        self._note_silence(True)
-        while not wait([future], timeout=_POLL_INTERVAL_S).done:
-            self._note_silence(False)
-            self.progress(self.state)
-        error = future.exception() if not future.cancelled() else CancelledError()
-        if error is None:
-            result = future.result()
-        elif isinstance(error, CancelledError):
-            self._handle_failed_chunk(chunk, error)
-            return
-        else:
-            elapsed_s = time.perf_counter() - start
-            if isinstance(error, BrokenExecutor):
-                self._executor = None
-                if (crashed := self.engine.find_crashed_points()) is not None:
-                    elapsed_s = crashed.get(chunk.points[0], 0.0)
-            result = ChunkResult([self._describe_failure(chunk.points[0], elapsed_s)], 0.0)
-        self._add_rows(chunk, result)
-        self.write_rows()
-        self.progress(self.state)
-
-    def _describe_failure(self, point: int, elapsed_s: float) -> PointResult:
-        """Tell a timeout from a crash by the time that the point took [s]."""
-        limit_s, no_outputs = self.plan.file.time_limit_s, (math.nan,) * len(self.plan.outputs)
-        if elapsed_s >= limit_s * self.engine.attempts:
-            return point, "timeout", "", f"took longer than {limit_s:g} s (time_limit_s), twice.", no_outputs
-        return point, "failed", "", "its worker died while it was computed, twice.", no_outputs

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import multiprocessing
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fingertip.design.files import Changes, list_changes
-from fingertip.foundation.errors import Issue, SweepError
 from fingertip.foundation.extras import load
-from fingertip.foundation.processes import find_workers
+from fingertip.foundation.workers import find_workers
 from fingertip.sweep.database import SweepDatabase
 from fingertip.sweep.engines import ProcessEngine
 from fingertip.sweep.plan import SweepPlan
@@ -39,8 +37,7 @@ def run_sweep(
     out
         Folder of the results, where an interrupted sweep goes on; `out/sweeps/<name>` if None.
     jobs
-        Number of processes; one for each processor if None. A script that starts processes holds its work in
-        ``if __name__ == "__main__"``.
+        Number of processes; one for each processor if None.
     progress
         Called with the state of the sweep.
 
@@ -52,9 +49,6 @@ def run_sweep(
         If pandas is not installed.
     """
     frames = load("pandas", "run_sweep")
-    if getattr(multiprocessing.current_process(), "_inheriting", False):  # as Python itself finds out
-        message = 'is called by a worker, which imports the script; put it below if __name__ == "__main__".'
-        raise SweepError(Issue("run_sweep", message))
     plan = SweepPlan.load(Path(file), list_changes(changes))
     folder = Path("out", "sweeps", plan.file.name) if out is None else Path(out)
     begin = SweepDatabase.resume if SweepDatabase.exists(folder) else SweepDatabase.create

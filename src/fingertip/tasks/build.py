@@ -27,8 +27,8 @@ from fingertip.documents.finger import list_steps, render_sheet
 from fingertip.foundation import extras
 from fingertip.foundation.errors import DesignError, Issue
 from fingertip.foundation.output_set import SetWriter, read_manifest
-from fingertip.foundation.processes import in_background
 from fingertip.foundation.progress import ReportProgress, Work
+from fingertip.foundation.workers import in_background
 from fingertip.pictures.drawing.draw import file_names, render_sheets, sheet_jobs
 
 

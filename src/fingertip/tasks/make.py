@@ -22,8 +22,8 @@ from fingertip.documents.acceptance import acceptance_data, render_acceptance
 from fingertip.foundation import extras
 from fingertip.foundation.files import temporary_folder
 from fingertip.foundation.output_set import SetWriter
-from fingertip.foundation.processes import in_background
 from fingertip.foundation.progress import ReportProgress, Work
+from fingertip.foundation.workers import in_background
 from fingertip.page.html import Markup
 from fingertip.page.pad_section import render_pad
 from fingertip.page.render import Prepared, prepare_page

@@ -1,17 +1,13 @@
-"""Separate process that makes STEP files: its job, its result, and a handle that starts it and waits for it.
+"""STEP files of a design, made by a process of its own, and a handle that starts it and waits for it.
 
-The process runs `cad.files.step_worker`. It works while this process makes the meshes, and within a time limit.
+There are three reasons for that. The B-rep kernel can hang or crash. It numbers products through the life of a process,
+and the numbers would end up in the files. It takes seconds to load, during which this process makes the meshes.
 """
 
 from __future__ import annotations
 
 import contextlib
-import os
-import pickle
-import signal
-import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,13 +16,10 @@ from typing import Any
 from fingertip.design.geometry.solids import Solid
 from fingertip.foundation.errors import FingertipError, GeometryError, Issue
 from fingertip.foundation.files import temporary_folder
-from fingertip.foundation.processes import python_command, python_environment
+from fingertip.foundation.workers import Worker, WorkerDiedError, report_step
 
 TIME_LIMIT_S = 180.0
-POLL_S = 0.5
-"""Time between two looks at the files of the process [s]."""
-STATUS_FILE, ANSWER_FILE = "status.txt", "answer.pickle"
-"""Files in which the process lists its steps, for the progress and for the message if it is stopped, and its answer."""
+_SAVED = "saving the solids"
 
 
 @dataclass(frozen=True)
@@ -73,63 +66,145 @@ class StepProcess:
 
     job: StepJob
     folder: Path
-    process: subprocess.Popen[bytes]
+    worker: Worker
 
     @classmethod
     @contextlib.contextmanager
     def start(cls, job: StepJob) -> Iterator[StepProcess]:
         """Start a job in a process that ends with the block."""
-        with temporary_folder() as folder:
-            process = subprocess.Popen(
-                python_command("fingertip.cad.files.step_worker", str(folder)),
-                stdin=subprocess.PIPE,
-                stdout=subprocess.DEVNULL,  # Open CASCADE prints there
-                stderr=subprocess.PIPE,
-                cwd=folder,  # ezdxf and Open CASCADE read settings of the current folder
-                env=python_environment(),
-                start_new_session=True,  # the process group lets `_kill` end its child process too
-            )
-            try:
-                assert process.stdin is not None
-                process.stdin.write(pickle.dumps(job))
-                process.stdin.flush()
-                yield cls(job, folder, process)
-            finally:
-                _kill(process)
-                process.communicate()
-
-    def _steps(self) -> list[str]:
-        status_file = self.folder / STATUS_FILE
-        return ["starting", *(status_file.read_text(encoding="utf-8").splitlines() if status_file.exists() else ())]
+        # ezdxf and Open CASCADE read settings of the current folder.
+        with temporary_folder() as folder, Worker(folder) as worker:
+            worker.send(run_job, job, folder)
+            yield cls(job, folder, worker)
 
     def result(
         self, time_limit_s: float = TIME_LIMIT_S, *, advance: Callable[[float], None] = lambda _: None
     ) -> StepFiles:
         """Wait for the files. Raises GeometryError or MissingLibraryError."""
-        begun, stderr = time.monotonic(), None
-        while stderr is None and (left_s := time_limit_s - (time.monotonic() - begun)) > 0:
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                _, stderr = self.process.communicate(timeout=min(POLL_S, left_s))
-            steps = len(("starting", "loading", "hardware", "assembly"))
-            steps += 2 * len(self.job.parts) + len(self.job.measured_solids) + len(self.job.also)
-            advance((len(self._steps()) - 1) / steps)
-        if stderr is None:
-            status = self._steps()[-1]
-            message = f"the B-rep kernel was still {status} after {time_limit_s:g} s; use --formats stl,3mf."
-            raise GeometryError(Issue("STEP", message))
-        if not (self.folder / ANSWER_FILE).exists():
-            last = stderr.decode(errors="replace").strip().splitlines()[-1:] or ["no message"]
-            message = f"the B-rep kernel crashed ({last[0]}); use --formats stl,3mf."
-            raise GeometryError(Issue("STEP", message))
-        answer: Measured | FingertipError = pickle.loads((self.folder / ANSWER_FILE).read_bytes())
-        if isinstance(answer, FingertipError):
-            raise answer
-        return StepFiles({path.name: path.read_bytes() for path in sorted(self.folder.glob("*.step"))}, *answer)
+        steps = len(("starting", "loading", "hardware", "assembly"))
+        steps += 2 * len(self.job.parts) + len(self.job.measured_solids) + len(self.job.also)
+        try:
+            measured: Measured = self.worker.receive_within(
+                time_limit_s, lambda: advance(len(self.worker.steps) / steps)
+            )
+        except FingertipError:
+            raise
+        except TimeoutError:
+            status = self.worker.steps[-1] if self.worker.steps else "starting"
+            problem = f"was still {status} after {time_limit_s:g} s"
+        except WorkerDiedError as death:
+            problem = f"crashed ({death})"
+        except Exception as error:
+            problem = f"crashed ({type(error).__name__}: {error})"
+        else:
+            return StepFiles({path.name: path.read_bytes() for path in sorted(self.folder.glob("*.step"))}, *measured)
+        raise GeometryError(Issue("STEP", f"the B-rep kernel {problem}; use --formats stl,3mf."))
 
 
-def _kill(process: subprocess.Popen[bytes]) -> None:
-    if sys.platform == "win32":
-        process.kill()
+def run_job(job: StepJob, folder: Path) -> Measured:
+    """Write `<part>.step` for each part and `assembly.step`, and measure parts and solids, as the process does it.
+
+    On Linux half of the parts are made in a forked process: the halves share little, and most machines have two cores.
+    The fork precedes every boolean, because the kernel's threads do not survive it.
+
+    Raises MissingLibraryError or GeometryError.
+    """
+    report_step("loading Open CASCADE")
+    from fingertip.cad.kernel import brep  # raises MissingLibraryError if OCP cannot be loaded  # noqa: PLC0415
+
+    own_job, other_job = _split_job(job) if sys.platform == "linux" else (job, StepJob(job.title, ()))
+    with _run_beside(other_job, folder) as receive:
+        evaluator, solids = _make_solids(own_job)
+        _write_parts(solids, folder)
+        report_step("making the hardware")
+        bought = [(name, evaluator.solid(solid), colour) for name, solid, colour in job.hardware]
+        receive(_SAVED)
+        solids_beside = [(name, brep.load(folder / f"{name}.brep"), colour) for name, _, colour in other_job.parts]
+        assembled = [solid for solid in solids + solids_beside if solid[0] not in job.tools]
+        report_step("writing the assembly")
+        from fingertip.cad.files import step_writer  # noqa: PLC0415
+
+        step_writer.write_assembly(folder / "assembly.step", f"fingertip_{job.title}", assembled + bought)
+        measured = _measure(own_job, evaluator, solids)
+        parts, volumes, also = receive(None) or ({}, {}, {})
+        return measured[0] | parts, measured[1] | volumes, measured[2] | also
+
+
+def _split_job(job: StepJob) -> tuple[StepJob, StepJob]:
+    """Split a job into two halves; neighbouring parts stay together, because they share solids."""
+    parts, measured = len(job.parts) // 2, (len(job.measured_solids) + 1) // 2
+    halves = (job.parts[:parts], job.measured_solids[:measured]), (job.parts[parts:], job.measured_solids[measured:])
+    own, other = (
+        StepJob(job.title, *half, also=tuple(one for one in job.also if one[0] in {name for name, _, _ in half[0]}))
+        for half in halves
+    )
+    return own, other
+
+
+@contextlib.contextmanager
+def _run_beside(job: StepJob, folder: Path) -> Iterator[Callable[[str | None], Any]]:
+    """Do a job in a forked process; what is provided waits for one of its steps, or for its measurements.
+
+    The process saves its solids as `<part>.brep`. While this process writes the assembly from them, it writes their
+    STEP files, measures them and draws them.
+    """
+    if not job.parts:
+        yield lambda _: None
         return
-    with contextlib.suppress(ProcessLookupError, PermissionError):  # both have ended
-        os.killpg(process.pid, signal.SIGKILL)
+    with Worker(is_fork=True) as worker:
+        worker.send(_run_other_job, job, folder)
+
+        def receive(until: str | None) -> Any:
+            try:
+                return worker.receive(until, report_step)
+            except WorkerDiedError:
+                names = ", ".join(name for name, _, _ in job.parts)
+                message = f"the B-rep kernel crashed while it made {names}; use --formats stl,3mf."
+                raise GeometryError(Issue("STEP", message)) from None
+
+        yield receive
+
+
+def _run_other_job(job: StepJob, folder: Path) -> Measured:
+    from fingertip.cad.kernel import brep  # noqa: PLC0415
+
+    evaluator, solids = _make_solids(job)
+    for name, solid, _ in solids:
+        brep.save(solid, folder / f"{name}.brep")
+    report_step(_SAVED)
+    _write_parts(solids, folder)
+    return _measure(job, evaluator, solids)
+
+
+def _make_solids(job: StepJob) -> tuple[Any, list[Any]]:
+    """Evaluate the parts; returns the evaluator, and name, solid and colour of each part."""
+    from fingertip.cad.kernel import brep  # noqa: PLC0415
+
+    evaluator, solids = brep.BrepEvaluator(), []
+    for name, solid, colour in job.parts:
+        report_step(f"making {name}")
+        solids.append((name, evaluator.solid(solid), colour))
+    return evaluator, solids
+
+
+def _write_parts(solids: list[Any], folder: Path) -> None:
+    from fingertip.cad.files import step_writer  # noqa: PLC0415
+
+    for part in solids:
+        report_step(f"writing {part[0]}")
+        step_writer.write_part(folder / f"{part[0]}.step", part)
+
+
+def _measure(job: StepJob, evaluator: Any, solids: list[Any]) -> Measured:
+    from fingertip.cad.kernel import brep  # noqa: PLC0415
+
+    volumes = {}
+    for name, solid in job.measured_solids:
+        report_step(f"measuring {name}")
+        volumes[name] = brep.volume(evaluator.shape(solid))
+    parts = {name: BrepMeasurements(brep.volume(solid), brep.genus(solid)) for name, solid, _ in solids}
+    also = {}
+    for name, compute in job.also:
+        report_step(f"drawing {name}")
+        also[name] = compute(evaluator)
+    return parts, volumes, also

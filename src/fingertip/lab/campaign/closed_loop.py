@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue, gather
-from fingertip.foundation.side_by_side import call_each
+from fingertip.foundation.workers import call_each
 from fingertip.lab.campaign.plan import HELD_OUT_FROM
 from fingertip.lab.campaign.run import select_board_outputs
 from fingertip.sim import ManipulationFile, ManipulationResult, Simulation, article_manipulations, run_manipulation

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design import Design
-from fingertip.foundation.side_by_side import call_each
+from fingertip.foundation.workers import call_each
 from fingertip.lab.campaign import mix_signals
 from fingertip.lab.campaign.mix_signals import REACTION_S, LabelledSignal
 from fingertip.lab.campaign.plan import NEGATIVE_SCENES

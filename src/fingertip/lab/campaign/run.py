@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array, poisson_interval
-from fingertip.foundation.side_by_side import call_each
+from fingertip.foundation.workers import call_each
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, Case, generate_cases
 from fingertip.sim import SceneFile, run_scene
 from fingertip.sim.runs.scene import SceneRun

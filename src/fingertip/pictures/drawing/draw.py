@@ -6,8 +6,6 @@ the parts that they have made anyway.
 
 from __future__ import annotations
 
-import pickle
-import subprocess
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from functools import partial
@@ -19,7 +17,7 @@ from fingertip.design.geometry.sizes import Length, PartDrawing, ViewName
 from fingertip.design.geometry.solids import Solid
 from fingertip.foundation.errors import FingertipError, GeometryError, Issue
 from fingertip.foundation.files import temporary_folder
-from fingertip.foundation.processes import python_command, python_environment
+from fingertip.foundation.workers import Worker
 from fingertip.pictures.drawing import part_sizes
 from fingertip.pictures.drawing.layout import lay_out
 from fingertip.pictures.drawing.primitives import PROJECTIONS, ProjectedView, Sheet
@@ -101,22 +99,17 @@ TIME_LIMIT_S = 180.0
 
 def run_apart(job: Job[T], time_limit_s: float = TIME_LIMIT_S) -> dict[str, T]:
     """Run a job in a process of its own. Raises MissingLibraryError or GeometryError."""
-    command, sent = python_command("fingertip.foundation.processes"), pickle.dumps((None, None, run_job, (job,)))
-    with temporary_folder() as folder:  # ezdxf reads settings of the current folder
+    with temporary_folder() as folder, Worker(folder) as worker:  # ezdxf reads settings of the current folder
+        worker.send(run_job, job)
         try:
-            done = subprocess.run(
-                command, input=sent, capture_output=True, timeout=time_limit_s, cwd=folder, env=python_environment()
-            )
-        except subprocess.TimeoutExpired:
-            message = f"the B-rep kernel was still projecting after {time_limit_s:g} s; check the design with build."
-            raise GeometryError(Issue("drawing", message)) from None
-    last = done.stderr.decode(errors="replace").strip().splitlines()[-1:] or ["no message"]
-    found, error = ({}, last[0]) if done.returncode else pickle.loads(done.stdout)
-    if isinstance(error, FingertipError):
-        raise error
-    if error is not None:
-        raise GeometryError(Issue("drawing", f"the B-rep kernel crashed ({error}); check the design with build."))
-    return found  # type: ignore[no-any-return]
+            return worker.receive_within(time_limit_s)  # type: ignore[no-any-return]
+        except FingertipError:
+            raise
+        except TimeoutError:
+            problem = f"was still projecting after {time_limit_s:g} s"
+        except Exception as error:
+            problem = f"crashed ({error})"
+    raise GeometryError(Issue("drawing", f"the B-rep kernel {problem}; check the design with build."))
 
 
 def sheet_jobs(design: Design) -> Job[Sheet]:

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from fingertip.foundation import extras
 from fingertip.foundation.errors import FingertipError, Issue, TraceError, shorten
 from fingertip.foundation.input_files import RECORDING_LIMIT, check_archive, check_member
-from fingertip.foundation.processes import call_within_limits
+from fingertip.foundation.workers import call_within_limits
 from fingertip.slip.traces.trace import BOARD_COLUMNS, COLUMNS, ColumnMap, max_table_bytes, shape_message, total_message
 
 # Claims of files of arrays: how much a library would unpack or list, found before it does so.

@@ -10,7 +10,7 @@ import pytest
 
 from fingertip import Design, board_values, make
 from fingertip.catalogues.output_files import ACCEPTANCE, PART_FILES
-from fingertip.documents.acceptance import acceptance_data, render_acceptance
+from fingertip.documents.acceptance import acceptance_sheet, render_acceptance
 from fingertip.foundation import extras
 from fingertip.foundation.errors import OutputError
 from fingertip.pictures.drawing.draw import file_names
@@ -47,7 +47,7 @@ def test_each_set_is_the_one_of_its_own_command(made: Path, tmp_path: Path) -> N
     design = Design.load("fsr400")
     build(design, tmp_path / "single", formats=["stl"], pictures=True)
     write_board(design, tmp_path / "single" / "board", bring_up=True)
-    page = render_acceptance(acceptance_data(design))
+    page = render_acceptance(acceptance_sheet(design))
     PART_FILES.writer(design, tmp_path / "single").add({ACCEPTANCE: page.encode()})
     trace = tmp_path / "trace.csv"
     assert run_fingertip("simulate", "fsr400", "--out", trace).returncode == 0

@@ -4,13 +4,20 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import asdict
 from pathlib import Path
 
 import pytest
 
 from fingertip import Design, board_values
 from fingertip.design.new_design import PRESETS
-from fingertip.documents.acceptance import SPREAD, expect_change_ratio, expect_readings, render_acceptance
+from fingertip.documents.acceptance import (
+    SPREAD,
+    acceptance_sheet,
+    expect_change_ratio,
+    expect_readings,
+    render_acceptance,
+)
 from fingertip.sim.signal.bridge import ConductanceCurve
 from tests.conftest import ROOT, design_file, run_fingertip
 
@@ -83,7 +90,9 @@ def test_command_writes_the_page_that_make_writes(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     data = json.loads(done.stdout)
     assert data.pop("page") == "out/fsr400/acceptance.md"
-    assert (tmp_path / "out/fsr400/acceptance.md").read_text() == render_acceptance(data)
+    sheet = acceptance_sheet(load("fsr400"))
+    assert data == json.loads(json.dumps(asdict(sheet)))
+    assert (tmp_path / "out/fsr400/acceptance.md").read_text() == render_acceptance(sheet)
     wrong = run_fingertip("acceptance", "fsr400", "--out", "page.txt", PWD=str(tmp_path))
     assert wrong.returncode == 2
     assert ".md" in wrong.stderr

@@ -26,7 +26,7 @@ FILES = (
     ("params", "--html", ".html", "fingertip.page.parameters_and_checks.draw_atlas"),
     ("picture fsr400", "--out", ".png", "fingertip.pictures.picture.draw"),
     ("sheet fsr400", "--out", ".md", "fingertip.casting.sheet.casting_sheet"),
-    ("acceptance fsr400", "--out", ".md", "fingertip.documents.acceptance.acceptance_data"),
+    ("acceptance fsr400", "--out", ".md", "fingertip.documents.acceptance.acceptance_sheet"),
     ("check fsr400", "--junit", ".xml", "fingertip.cad.verification.verify.verify"),
     ("simulate", "--out", ".csv", "fingertip.sim.Simulation.write"),
     ("simulate", "--plot", ".png", "fingertip.sim.Simulation.run"),

@@ -7,9 +7,7 @@ from __future__ import annotations
 
 import functools
 import re
-from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -17,8 +15,8 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.casting.sheet import casting_sheet
 from fingertip.design import Design
 from fingertip.design.finger_set import load_set
-from fingertip.documents.acceptance import acceptance_data, render_acceptance
-from fingertip.documents.finger import list_steps, render_basis_table, render_sheet, render_start
+from fingertip.documents.acceptance import acceptance_sheet, render_acceptance
+from fingertip.documents.finger import FirstScreen, Loads, list_steps, render_basis_table, render_sheet, render_start
 from fingertip.documents.firmware import render_readme
 from fingertip.documents.robot import describe_model, render_robot_readme, render_set_readme
 from fingertip.firmware.fingers import plan_fingers
@@ -40,7 +38,7 @@ DESIGNS = {
     "fsr402": ("board.channels=3", ("firmware", "basis")),
 }
 FILES = {"acceptance.md", "board/README.md", "print/plate_fdm.3mf"}
-LOADS = {"breaks_n": 24.0, "drop_mm": 51.0, "pin_first": True, "grip_n": 10.0, "mass_kg": 0.4}
+LOADS = Loads(breaks_n=24.0, drop_mm=51.0, pin_first=True, grip_n=10.0, mass_kg=0.4)
 
 
 @functools.cache
@@ -49,13 +47,12 @@ def render_documents(name: str) -> dict[str, str]:
     changes, wanted = DESIGNS[name]
     design = Design.load(design_file(name), changes=changes.split())
     sheet = casting_sheet(design, MeshEvaluator(0.05))
-    report: dict[str, Any] = {"casting": asdict(sheet), "strength": {"loads": LOADS}}
     steps = list_steps(sheet)
     pages = {
-        "start": render_start(design, report, [18.0, 16.4, 61.8], FILES, len(steps), "✓ All passed"),
+        "start": render_start(FirstScreen(design, sheet, LOADS, [18.0, 16.4, 61.8], FILES, len(steps), "✓ All passed")),
         "basis": render_basis_table(design),
         "casting": render_sheet(sheet, [f"steps/{step.picture}.png" for step in steps]),
-        "acceptance": render_acceptance(acceptance_data(design)),
+        "acceptance": render_acceptance(acceptance_sheet(design)),
         "firmware": render_readme(design, plan_fingers(design, "5" if name == "adult_finger" else None)),
     }
     return {document: pages[document] for document in wanted}

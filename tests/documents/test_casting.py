@@ -6,7 +6,6 @@ import io
 import re
 from dataclasses import replace
 from functools import cache
-from typing import Any
 
 import numpy as np
 import pytest
@@ -19,8 +18,8 @@ from fingertip.cad.shapes.parts import PARTS
 from fingertip.casting.sheet import CastingSheet, casting_sheet
 from fingertip.design import Design
 from fingertip.design.new_design import PRESETS
-from fingertip.documents.acceptance import acceptance_data, render_acceptance
-from fingertip.documents.finger import list_steps, render_sheet, render_start
+from fingertip.documents.acceptance import acceptance_sheet, render_acceptance
+from fingertip.documents.finger import FirstScreen, list_steps, render_sheet, render_start
 from fingertip.pictures.steps.scene import Bench, Scene
 from fingertip.pictures.steps.scenes import SCENES, draw_steps
 from fingertip.tasks.board import board_files
@@ -62,12 +61,13 @@ def scenes(words: str) -> dict[str, Scene]:
 def to_read(words: str) -> dict[str, str]:
     """Everything that a builder must read besides the README of a board; of the sketch its head."""
     design, sheet = load(words)
-    report: dict[str, Any] = {"parts": {}, "checks": [], "casting": sheet}
     steps = list_steps(sheet)
     pages = {
         "sheet": render_sheet(sheet, [f"steps/{step.picture}.png" for step in steps]),
-        "start": render_start(design, report, [19.0, 16.0, 49.0], {"acceptance.md"}, len(steps), "All checks passed"),
-        "acceptance": render_acceptance(acceptance_data(design)),
+        "start": render_start(
+            FirstScreen(design, sheet, None, [19.0, 16.0, 49.0], {"acceptance.md"}, len(steps), "All checks passed")
+        ),
+        "acceptance": render_acceptance(acceptance_sheet(design)),
     }
     if design.board.has_filter:
         circuit = board_circuit(board_values(design), design.board.channels)

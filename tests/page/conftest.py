@@ -5,6 +5,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from html.parser import HTMLParser
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -15,8 +16,9 @@ from fingertip.cad.files import stl
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.catalogues.output_files import PAGE, PART_FILES
+from fingertip.page.parameters_and_checks import ReportedCheck
 from fingertip.page.render import render_page
-from fingertip.page.sources import Sources
+from fingertip.page.sources import Report, Sources
 from fingertip.tasks.views import write_page
 from tests.conftest import design_file
 from tests.slip.recordings import burst
@@ -77,35 +79,32 @@ def strip_elements(markup: str) -> str:
     return re.sub(r"<[^>]*>", "", markup)
 
 
-def make_check(name: str, value: float, limit: float, relation: str = "at most", **more: Any) -> dict[str, Any]:
-    return {"name": name, "value": value, "limit": limit, "unit": "mm", "relation": relation, "passed": True, **more}
+def make_check(
+    name: str, value: float, limit: float, relation: str = "at most", unit: str = "mm", *, passed: bool = True
+) -> ReportedCheck:
+    return ReportedCheck(name, value, limit, unit, relation, passed)
 
 
-CASTING: dict[str, Any] = {
-    "plate": "print/plate_fdm.3mf", "material": "PETG filament", "print_h": 4.0, "printed_g": 35.0,
-    "work_h": [4.0, 3.0], "days": 2, "batch": {"total_g": 22.0, "in_cup_g": 3.5, "cure_h": 24.0},
-    "things": [{"reason": ""}, {"reason": "few shops keep it"}],
-}  # fmt: skip
-"""Data of the casting sheet, as far as a page reads it."""
+CASTING: Any = SimpleNamespace(
+    plate="print/plate_fdm.3mf", material="PETG filament", print_h=4.0, printed_g=35.0, work_h=(4.0, 3.0), days=2,
+    batch=SimpleNamespace(total_g=22.0, in_cup_g=3.5, cure_h=24.0),
+    things=(SimpleNamespace(reason=""), SimpleNamespace(reason="few shops keep it")),
+)  # fmt: skip
+"""Casting sheet, as far as a page reads it."""
 
 
-def make_report(**strength: Any) -> dict[str, Any]:
-    checks = [
+def make_report() -> Report:
+    checks = (
         make_check("bone.safety_factor.grip", 1.25, 1.0, "at least", unit=""),
         make_check("mold.palmar_error", 0.1, 0.2),
         make_check("mold.triangles", 30.0, 31.0, "exactly", unit=""),
         make_check("skin.min_thickness", 2.0, 1.9, "at least"),
         *(make_check(f"bone.wall.pin_{i}", 0.1 * i, 2.0 + i) for i in range(8)),
-    ]
-    parts = {name: {"volume_mm3": 1000.0 * (i + 1)} for i, name in enumerate(("bone", "skin", "mold_palmar"))}
-    plates = {"sla": ["bone", "mold_palmar"], "fdm": ["mold_palmar"], "lost": ["bone"]}
-    printed = {f"print/plate_{kind}.3mf": {"parts": names} for kind, names in plates.items()}
-    printed |= {f"print/{name}.stl": {"parts": [name]} for name in ("bone", "mold_palmar")}
-    found = {
-        "material": "petg", "grip_safety_factor": 3.456, "knock_safety_factor": 2.0,
-        "weakest": {"place": "cross-section", "z_mm": -12.34}, **strength,
-    }  # fmt: skip
-    return {"checks": checks, "parts": parts, "print": printed, "casting": CASTING, "strength": found}
+    )
+    plates = {"sla": ("bone", "mold_palmar"), "fdm": ("mold_palmar",), "lost": ("bone",)}
+    prints = {f"print/plate_{kind}.3mf": names for kind, names in plates.items()}
+    prints |= {f"print/{name}.stl": (name,) for name in ("bone", "mold_palmar")}
+    return Report(checks, prints, CASTING, None)
 
 
 def make_sources(
@@ -134,7 +133,7 @@ def make_sources(
     }  # fmt: skip
     kept = {key: data for key, data in {**files, **(replaced or {})}.items() if data is not None}
     return Sources(
-        design, make_report(), kept, remarks or {}, frozenset(make_report()["print"]) - {"print/plate_lost.3mf"}
+        design, make_report(), kept, remarks or {}, frozenset(make_report().prints) - {"print/plate_lost.3mf"}
     )
 
 

@@ -18,8 +18,7 @@ from fingertip import Design
 from fingertip.cad.files import stl
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.catalogues.output_files import PAGE
-from fingertip.documents.finger import render_set_start
-from fingertip.documents.finger_set import render_sheet
+from fingertip.documents.finger_set import render_set_start, render_sheet
 from fingertip.page.parameters_and_checks import render_atlas
 from fingertip.page.render import render_set_page
 from fingertip.pictures.parameter_changes import draw_parameter
@@ -396,7 +395,7 @@ def test_a_phone_scrolls_over_the_view_and_enlarges_pictures(opened: Any) -> Non
 @pytest.mark.full
 def test_page_of_a_set_is_laid_out_alike(driver: Any, tmp_path: Path) -> None:
     data = collect_data("hand", [make_sheets(THUMB, NAMES[:1]), make_sheets(FINGER, NAMES[1:])], has_board=True)
-    files = {"board/README.md", "parts_list.csv", *(f"{row['design']}/{row['plate']}" for row in data["fingers"])}
+    files = {"board/README.md", "parts_list.csv", *(f"{row.design}/{row.plate}" for row in data.fingers)}
     sheets = [render_sheet(name, data) for name in ("overview", "plan", "parts", "acceptance")]
     pictures = {design.name: draw_finger(design, 320) for design in (THUMB, FINGER)}
     start = render_set_start(data, Design(name="hand", board={"channels": 5}))

@@ -12,7 +12,7 @@ from fingertip.robot.skin_meshes import TactileMesh
 
 from fingertip import Design
 from fingertip.cad.kernel.mesh import Mesh
-from fingertip.robot.contact import FORCES_N, ContactLaw, fit_contact
+from fingertip.robot.contact import FORCES_N, ContactLaw, TactileMesh, fit_contact
 from fingertip.robot.formats import Placed, render_model
 from fingertip.robot.model import Body, FingerModel, Strand, measure_inertia
 from fingertip.sim.contact.materials import SURFACES

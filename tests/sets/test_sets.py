@@ -13,7 +13,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType, SimpleNamespace
-from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -30,17 +29,18 @@ from fingertip.cli import app
 from fingertip.design import Design
 from fingertip.design.files import to_toml
 from fingertip.design.finger_set import FingerSet, Form, load_set
-from fingertip.documents.acceptance import acceptance_data
-from fingertip.documents.finger import render_set_start
+from fingertip.documents.acceptance import acceptance_sheet
 from fingertip.documents.finger_set import (
     MOLD_MIN,
     STIR_MIN,
     FormSheets,
-    Pour,
+    Mold,
+    SetSheets,
     find_short_pot_lives,
     plan_cups,
+    render_set_start,
     render_sheet,
-    set_data,
+    set_sheets,
     write_parts_csv,
 )
 from fingertip.firmware.fingers import plan_set
@@ -121,10 +121,8 @@ def test_terminal_names_values_as_the_set_takes_them(monkeypatch: pytest.MonkeyP
         )
         for check, design in zip(found, (THUMB, FINGER), strict=True)
     ]
-    totals = {"fingers": 5, "mixtures": 2, "silicone_g": {"soft": 1.0}, "printed_g": 200.0}
-    plan = {"print_h": 20.0, "cast_day": 2, "days": 3, "cure_h": 24.0}
-    data = {"totals": totals, "plan": plan, "things": []}
-    result = SimpleNamespace(forms=made, data=data, board=(), folder=Path("out"), passed=True)
+    sheets = collect_data("hand", [make_sheets(THUMB, NAMES[:1]), make_sheets(FINGER, NAMES[1:])], has_board=True)
+    result = SimpleNamespace(forms=made, sheets=sheets, board=(), folder=Path("out"), passed=True)
     monkeypatch.setattr("fingertip.tasks.make_set.make_set", lambda *args, **options: result)
     fingers = FingerSet("hand", "right", (Form(THUMB, NAMES[:1]), Form(FINGER, NAMES[1:])))
     monkeypatch.setattr("fingertip.design.finger_set.load_set", lambda *args: fingers)
@@ -163,7 +161,7 @@ def test_fingers_that_differ_in_their_sensors_share_a_mold_and_keep_their_force_
     own = make_sheets(found.calibrated["index"], ("index",)).acceptance
     rows = collect_data("mine", [sheets[0], replace(sheets[1], calibrated={"index": own})], True, found.calibrated)
     lines = [line for line in render_sheet("acceptance", rows).splitlines() if line.startswith(("| index", "| ring"))]
-    limits = [[f"{weight['limits_v'][0]:.2f}" for weight in each["weights"]] for each in (own, sheets[1].acceptance)]
+    limits = [[f"{weight.limits_v[0]:.2f}" for weight in each.weights] for each in (own, sheets[1].acceptance)]
     for line, low in zip(lines, limits, strict=True):
         assert all(f"| {volts} to" in line for volts in low)
     assert limits[0] != limits[1]
@@ -241,18 +239,26 @@ def test_a_hand_gives_every_finger_its_joint(folder: Path) -> None:
 
 @settings(max_examples=60, deadline=None)
 @given(st.lists(st.sampled_from([10.0, 17.0, 30.0, 300.0]), min_size=1, max_size=5), st.floats(0.5, 9.0))
-def test_every_mold_is_filled_once_from_as_few_mixtures_as_the_pot_lives_allow(lives: list[float], cm3: float) -> None:
-    own = {"product": "own"}
-    pours = [
-        Pour(finger, Design.model_validate({"name": "x", "silicone": own | {"pot_life_min": life}}), cm3 + number)
-        for number, (finger, life) in enumerate(zip(NAMES, lives, strict=False))
+def test_every_mold_is_filled_once_from_as_few_mixtures_as_the_pot_lives_allow(
+    lives: list[float], g: float
+) -> None:
+    own, fingers = {"product": "own"}, NAMES[: len(lives)]
+    silicones = [
+        Design.model_validate({"name": "x", "silicone": own | {"pot_life_min": life}}).silicone.material
+        for life in lives
     ]
-    cups = list(plan_cups(pours))
-    assert sorted(pour.finger for cup in cups for pour in cup.pours) == sorted(NAMES[: len(lives)])
+    molds = {
+        finger: Mold(finger, silicone, g + number)
+        for number, (finger, silicone) in enumerate(zip(fingers, silicones, strict=True))
+    }
+    cups = list(plan_cups(molds.values()))
+    assert sorted(pour.finger for cup in cups for pour in cup.pours) == sorted(fingers)
     for cup in cups:
-        assert {pour.design.silicone.material for pour in cup.pours} == {cup.silicone}
-        assert STIR_MIN + MOLD_MIN * len(cup.pours) <= cup.silicone.planned_pot_life_min
-        assert cup.batch == mix(cup.silicone, sum(pour.poured_cm3 for pour in cup.pours))
+        filled = [molds[pour.finger] for pour in cup.pours]
+        (silicone,) = {mold.silicone for mold in filled}
+        assert cup.pours[-1].closed_min == STIR_MIN + MOLD_MIN * len(filled) <= silicone.planned_pot_life_min
+        cm3 = sum(mold.poured_g for mold in filled) / silicone.density_g_cm3.high
+        assert cup.total_g == pytest.approx(mix(silicone, cm3).total_g, abs=0.11)
     fewest = (math.ceil(lives.count(life) / ((life - STIR_MIN) // MOLD_MIN)) for life in set(lives))
     assert len(cups) == sum(fewest)
 
@@ -276,14 +282,14 @@ def count_words(text: str) -> int:
 def make_sheets(design: Design, fingers: tuple[str, ...]) -> FormSheets:
     """Sheets of a form, from coarse meshes."""
     casting = casting_sheet(design, MeshEvaluator(0.2))
-    return FormSheets(Form(design, fingers), casting, acceptance_data(design), "all checks passed")
+    return FormSheets(Form(design, fingers), casting, acceptance_sheet(design), "all checks passed", {})
 
 
 def collect_data(
     name: str, sheets: list[FormSheets], has_board: bool, calibrated: Mapping[str, Design] = MappingProxyType({})
-) -> dict[str, Any]:
+) -> SetSheets:
     fingers = FingerSet(name, "right", tuple(each.form for each in sheets), calibrated)
-    return set_data(fingers, sheets, has_board)
+    return set_sheets(fingers, sheets, has_board)
 
 
 @pytest.fixture(scope="module")
@@ -292,17 +298,15 @@ def sheets() -> list[FormSheets]:
 
 
 @pytest.fixture(scope="module")
-def data(sheets: list[FormSheets]) -> dict[str, Any]:
+def data(sheets: list[FormSheets]) -> SetSheets:
     return collect_data("hand", sheets, has_board=True)
 
 
-def test_a_hand_takes_three_days_one_list_and_few_words(data: dict[str, Any]) -> None:
-    assert json.loads(json.dumps(data)) == data
-    plan = data["plan"]
-    assert (plan["cast_day"], plan["days"]) == (2, 3)
-    poured = [pour["finger"] for cup in plan["cups"] for pour in cup["pours"]]
+def test_a_hand_takes_three_days_one_list_and_few_words(data: SetSheets) -> None:
+    assert (data.plan.cast_day, data.plan.days) == (2, 3)
+    poured = [pour.finger for cup in data.plan.cups for pour in cup.pours]
     assert poured == list(NAMES), "one pour for each mold"
-    assert len(data["things"]) <= 40
+    assert len(data.things) <= 40
     texts = {page: render_sheet(page, data) for page in ("overview", "plan", "parts", "acceptance")}
     texts["start"] = render_set_start(data, Design(name="hand", board={"channels": 5}))
     for page, text in texts.items():
@@ -310,28 +314,28 @@ def test_a_hand_takes_three_days_one_list_and_few_words(data: dict[str, Any]) ->
     assert sum(map(count_words, texts.values())) <= 1200
 
 
-def test_the_list_to_buy_adds_up_those_of_the_fingers(sheets: list[FormSheets], data: dict[str, Any]) -> None:
+def test_the_list_to_buy_adds_up_those_of_the_fingers(sheets: list[FormSheets], data: SetSheets) -> None:
     amounts: dict[str, float] = {}
-    for thing in data["things"]:
-        if found := re.match(r"[\d.]+", thing["amount"]):
-            amounts[thing["key"]] = amounts.get(thing["key"], 0.0) + float(found[0])
-    assert {thing.key for each in sheets for thing in each.casting.things} == {thing["key"] for thing in data["things"]}
+    for thing in data.things:
+        if found := re.match(r"[\d.]+", thing.amount):
+            amounts[thing.key] = amounts.get(thing.key, 0.0) + float(found[0])
+    assert {thing.key for each in sheets for thing in each.casting.things} == {thing.key for thing in data.things}
     assert [amounts[key] for key in ("sensor", "wire", "scale", "cup")] == [5, 10, 1, 2]
-    assert amounts["filament"] == sum(each.casting.printed_g for each in sheets) == data["totals"]["printed_g"]
-    mixed_g = sum(sum(cup["components_g"].values()) for cup in data["plan"]["cups"])
+    assert amounts["filament"] == sum(each.casting.printed_g for each in sheets) == data.totals.printed_g
+    mixed_g = sum(sum(cup.components_g.values()) for cup in data.plan.cups)
     assert amounts["silicone"] == pytest.approx(mixed_g, abs=0.2)
     assert mixed_g > sum(each.casting.batch.in_cup_g for each in sheets)
-    rows = list(csv.DictReader(io.StringIO(write_parts_csv(data).decode())))
-    assert [row["label"] for row in rows] == [thing["label"] for thing in data["things"]]
+    rows = list(csv.DictReader(io.StringIO(write_parts_csv(data.things).decode())))
+    assert [row["label"] for row in rows] == [thing.label for thing in data.things]
 
 
 def test_alike_fingers_have_a_mold_each_and_those_without_a_board_a_board_each() -> None:
     alike = make_sheets(FINGER, ("index", "ring"))
     found = collect_data("pair", [alike], has_board=False)
-    assert found["plan"]["print_h"] == pytest.approx(2 * alike.casting.print_h, abs=0.1)
-    (cup,) = found["plan"]["cups"]
-    assert [pour["finger"] for pour in cup["pours"]] == ["index", "ring"]
-    assert {thing["key"]: thing["amount"] for thing in found["things"]}["board"] == "2"
+    assert found.plan.print_h == pytest.approx(2 * alike.casting.print_h, abs=0.1)
+    (cup,) = found.plan.cups
+    assert [pour.finger for pour in cup.pours] == ["index", "ring"]
+    assert {thing.key: thing.amount for thing in found.things}["board"] == "2"
 
 
 def test_boards_that_differ_or_cannot_be_shared_stay_apart() -> None:

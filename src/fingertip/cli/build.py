@@ -153,20 +153,22 @@ def make(
 def _make_set(
     console: Console, file: Path, out: Path | None, formats: list[str] | None, force: bool, changes: Sequence[str]
 ) -> None:
+    from dataclasses import asdict
+
     from fingertip.catalogues.output_files import OVERVIEW, PAGE
     from fingertip.design.finger_set import load_set
     from fingertip.tasks.make_set import make_set
 
     fingers = load_set(file, changes)
     made = make_set(fingers, out, formats=formats, force=force, progress=console.progress)
-    totals, plan, lines = made.data["totals"], made.data["plan"], list[str]()
-    silicone_g = sum(totals["silicone_g"].values())
+    totals, plan, lines = made.sheets.totals, made.sheets.plan, list[str]()
+    silicone_g = sum(totals.silicone_g.values())
     boards = "; one board for all fingers" if made.board else ""
     last = [
-        f"{totals['fingers']} fingers of {len(made.forms)} forms; to print: {plan['print_h']:g} h, "
-        f"{totals['printed_g']:g} g; to buy: {len(made.data['things'])} things",
-        f"{silicone_g:g} g of silicone in {totals['mixtures']} mixtures on day {plan['cast_day']}, "
-        f"{plan['cure_h']:g} h to cure; {plan['days']} days{boards}",
+        f"{totals.fingers} fingers of {len(made.forms)} forms; to print: {plan.print_h:g} h, "
+        f"{totals.printed_g:g} g; to buy: {len(made.sheets.things)} things",
+        f"{silicone_g:g} g of silicone in {totals.mixtures} mixtures on day {plan.cast_day}, "
+        f"{plan.cure_h:g} h to cure; {plan.days} days{boards}",
         f"look at: {made.folder / PAGE}",
         f"next: {made.folder / OVERVIEW} says what to print, cast and build",
     ]
@@ -176,7 +178,8 @@ def _make_set(
         remarks = _list_remarks(each.parts, room, form.name_values) if room > 0 else []
         lines += [_format_build(each.parts)[0], *remarks]
     lines += last
-    console.result({"folder": str(made.folder), "passed": made.passed, **made.data}, "\n".join(lines), made.passed)
+    data = {"folder": str(made.folder), "passed": made.passed, **asdict(made.sheets)}
+    console.result(data, "\n".join(lines), made.passed)
 
 
 @command

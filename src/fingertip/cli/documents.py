@@ -44,15 +44,17 @@ def acceptance(
     changes: list[str] | None = options.CHANGES,
 ) -> None:
     """Write the acceptance sheet: tests of the finished finger, with limits and causes of failure."""
+    from dataclasses import asdict
+
     from fingertip.catalogues.output_files import ACCEPTANCE
-    from fingertip.documents.acceptance import acceptance_data, render_acceptance
+    from fingertip.documents.acceptance import acceptance_sheet, render_acceptance
 
     refuse(find_file_issues("--out", out, ".md"))
     loaded = load_design(design, changes, console)
     file = _File(loaded, out, ACCEPTANCE, force)
-    data = acceptance_data(loaded)
+    data = acceptance_sheet(loaded)
     file.write(render_acceptance(data).encode())
-    console.result({**data, "page": str(file.path)}, f"acceptance sheet written to {file.path}")
+    console.result({**asdict(data), "page": str(file.path)}, f"acceptance sheet written to {file.path}")
 
 
 _MESH_TOLERANCE_MM = 0.01

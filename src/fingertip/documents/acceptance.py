@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from fingertip.board.components.front_end import MAX_FORCE_N, sensor_conductance_s
 from fingertip.design import Design
-from fingertip.documents.template import render_page
+from fingertip.documents.template import fill
 from fingertip.pad.response import Pad
 from fingertip.sim.signal.bridge import Bridge, reads_whole_finger
 
@@ -112,23 +111,45 @@ IDLE_TOLERANCE_V = 0.1
 _HOLDERS = {"post": "stand", "clevis": "stub"}
 
 
-def acceptance_data(design: Design) -> dict[str, Any]:
-    return {
-        "design": design.name,
-        "board": design.board.variant,
-        "holder": _HOLDERS.get(design.bone.interface, "hand"),
-        "idle": {"tactile_v": round(expect_open_v(design), 2), "tolerance_v": IDLE_TOLERANCE_V},
-        "rises": Bridge.of_board(design).response.rises,
-        "weights": [
-            {
-                "mass_g": reading.mass_g,
-                "tactile_v": round(reading.tactile_v, 2),
-                "limits_v": [round(limit, 2) for limit in reading.limits_v],
-            }
-            for reading in expect_readings(design)
-        ],
-    }
+@dataclass(frozen=True)
+class Idle:
+    """Voltage of an untouched finger."""
+
+    tactile_v: float
+    tolerance_v: float
 
 
-def render_acceptance(data: Mapping[str, Any]) -> str:
-    return render_page("acceptance.md", **data, masses=[f"{weight['mass_g']:g} g" for weight in data["weights"]])
+@dataclass(frozen=True)
+class WeightLimits:
+    mass_g: float
+    tactile_v: float
+    limits_v: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class AcceptanceSheet:
+    """Fields of `acceptance.md`, rounded as a person reads a voltage."""
+
+    design: str
+    board: str
+    holder: str
+    """What the finger is held by."""
+    idle: Idle
+    rises: bool
+    """Whether a force raises the voltage."""
+    weights: tuple[WeightLimits, ...]
+
+
+def acceptance_sheet(design: Design) -> AcceptanceSheet:
+    weights = (
+        WeightLimits(each.mass_g, round(each.tactile_v, 2), tuple(round(limit, 2) for limit in each.limits_v))
+        for each in expect_readings(design)
+    )
+    return AcceptanceSheet(
+        design.name, design.board.variant, _HOLDERS.get(design.bone.interface, "hand"),
+        Idle(round(expect_open_v(design), 2), IDLE_TOLERANCE_V), Bridge.of_board(design).response.rises, tuple(weights),
+    )  # fmt: skip
+
+
+def render_acceptance(sheet: AcceptanceSheet) -> str:
+    return fill("acceptance.md", sheet)

@@ -7,9 +7,8 @@ board's README asks.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from fingertip.board.analysis.board_values import board_values
 from fingertip.board.circuits.board_circuit import board_circuit
@@ -46,44 +45,51 @@ def render_sheet(sheet: CastingSheet, pictures: Sequence[str] = ()) -> str:
     return render_page("casting.md", **vars(sheet), steps=list_steps(sheet), pictures=pictures)
 
 
-def render_start(
-    design: Design,
-    report: Mapping[str, Any],
-    size_mm: Sequence[float],
-    files: Collection[str],
-    steps: int,
-    verdict: str,
-) -> str:
-    """Render the first screen of a design; `files` are the paths that it may name, `steps` the number to cast."""
-    return render_page(
-        "start.md",
-        design=design,
-        size_mm=[f"{size:.0f}" for size in size_mm],
-        casting=report.get("casting"),
-        loads=(report.get("strength") or {}).get("loads"),
-        files=files,
-        steps=steps,
-        verdict=verdict,
-        **_board_data(design),
-    )
+@dataclass(frozen=True)
+class BoardCost:
+    usd: tuple[float, float] | None
+    """Least and largest sum of the classes of prices; None without a board."""
+    components: int
+
+    @classmethod
+    def of_design(cls, design: Design | None) -> BoardCost:
+        if design is None or not design.board.has_filter:
+            return cls(None, 0)
+        circuit = board_circuit(board_values(design), design.board.channels)
+        return cls(estimate_cost(circuit), len(purchased_components(circuit)))
 
 
-def render_set_start(data: Mapping[str, Any], board_design: Design | None) -> str:
-    """Render the first screen of a set, with the board of all its fingers if there is one."""
-    board = _board_data(board_design) if board_design else {"cost_usd": None, "components": 0}
-    return render_page("set_start.md", **data, **board)
+@dataclass(frozen=True)
+class Loads:
+    """What breaks the bone, as the report states it."""
+
+    breaks_n: float
+    drop_mm: float
+    pin_first: bool
+    """Whether the printed pin of the joint breaks before the bone."""
+    grip_n: float
+    mass_kg: float
+
+
+@dataclass(frozen=True)
+class FirstScreen:
+    """Fields of `start.md`."""
+
+    design: Design
+    casting: CastingSheet | None
+    loads: Loads | None
+    size_mm: Sequence[float]
+    files: Collection[str]
+    """Paths that it may name."""
+    steps: int
+    """Number of steps to cast the skin."""
+    verdict: str
+
+
+def render_start(screen: FirstScreen) -> str:
+    return render_page("start.md", **vars(screen), cost=BoardCost.of_design(screen.design))
 
 
 def render_basis_table(design: Design) -> str:
     """Render where each kind of figure of a page comes from, as a table."""
-    printer, curve = design.printer, design.force_curve
-    is_calibrated = printer.offset_mm != 0.0 or printer.scale_percent != 100.0
-    is_weighed, sensor = curve.curve == "calibrated", curve.describe()
-    return render_page("basis.md", printer=printer, is_calibrated=is_calibrated, is_weighed=is_weighed, sensor=sensor)
-
-
-def _board_data(design: Design) -> dict[str, Any]:
-    if not design.board.has_filter:
-        return {"cost_usd": None, "components": 0}
-    circuit = board_circuit(board_values(design), design.board.channels)
-    return {"cost_usd": estimate_cost(circuit), "components": len(purchased_components(circuit))}
+    return render_page("basis.md", printer=design.printer, curve=design.force_curve)

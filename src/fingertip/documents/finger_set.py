@@ -7,22 +7,21 @@ from __future__ import annotations
 
 import math
 import re
-from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 from fingertip.board.circuits.channels import describe_sockets, list_pins
 from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE
-from fingertip.casting.sheet import CastingSheet, Mixture, Thing, mix
+from fingertip.casting.sheet import CastingSheet, Thing, mix
 from fingertip.catalogues.controllers import NAMES
 from fingertip.catalogues.output_files import BOARD_DESIGN, BOARD_FOLDER
 from fingertip.catalogues.silicones import Silicone
 from fingertip.design import Design
 from fingertip.design.finger_set import FingerSet, Form
-from fingertip.documents.finger import list_steps
-from fingertip.documents.template import render_page
+from fingertip.documents.acceptance import AcceptanceSheet
+from fingertip.documents.finger import BoardCost, list_steps
+from fingertip.documents.template import fill, render_page
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.files import format_csv
 
@@ -31,47 +30,187 @@ STIR_MIN, MOLD_MIN = 4.0, 6.0
 _LONG_LIVED = "smooth_sil_940"
 _SPLIT = ("mix", "open")
 """Steps of a casting sheet that begin the second and the third day of a set."""
-_COLUMNS = ("amount", "label", "fingers", "price_usd", "where", "reason")
 
 
 @dataclass(frozen=True)
 class FormSheets:
     form: Form
     casting: CastingSheet
-    acceptance: Mapping[str, Any] = field(default_factory=dict)
-    verdict: str = ""
-    calibrated: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    acceptance: AcceptanceSheet
+    verdict: str
+    calibrated: Mapping[str, AcceptanceSheet]
     """Acceptance of each finger whose sensor has a force curve of its own."""
+
+
+@dataclass(frozen=True)
+class Mold:
+    """Mold of a finger, and what is poured into it."""
+
+    finger: str
+    silicone: Silicone
+    poured_g: float
 
 
 @dataclass(frozen=True)
 class Pour:
     finger: str
-    design: Design
-    poured_cm3: float
+    poured_g: float
+    closed_min: float
+    """Time after the first stir at which the core must be in."""
 
 
 @dataclass(frozen=True)
 class Cup:
     """Silicone that is mixed at once, and the molds that it fills, in their order."""
 
-    silicone: Silicone
+    silicone: str
+    components_g: Mapping[str, float]
     pours: tuple[Pour, ...]
-    batch: Mixture
+    pot_life_min: float
+
+    @property
+    def total_g(self) -> float:
+        return round(sum(self.components_g.values()), 1)
 
 
-def plan_cups(pours: Sequence[Pour]) -> Iterator[Cup]:
+@dataclass(frozen=True)
+class SetPlan:
+    print_h: float
+    """Time of one printer for all plates [h]."""
+    cast_day: int
+    """Day of the mixtures: all is printed by then, on a printer that never waits."""
+    days: int
+    mold_min: float
+    cure_h: float
+    steps: tuple[str, ...]
+    """Steps of the casting sheets on each day, such as "1 to 5"."""
+    cups: tuple[Cup, ...]
+
+
+@dataclass(frozen=True)
+class SharedBoard:
+    """Board for all fingers of a set."""
+
+    folder: str
+    design_file: str
+
+
+@dataclass(frozen=True)
+class FingerRow:
+    finger: str
+    design: str
+    plate: str
+    print_h: float
+    acceptance: str
+    """Key of its acceptance sheet."""
+    width_mm: float
+    length_mm: float
+    socket: str
+    pin: str
+    slip_pin: str
+    """Place on the shared board, and pins of T and S there; empty without one."""
+
+
+@dataclass(frozen=True)
+class FormVerdict:
+    design: str
+    fingers: tuple[str, ...]
+    verdict: str
+
+
+@dataclass(frozen=True)
+class SharedThing(Thing):
+    fingers: tuple[str, ...]
+    """Fingers that take it; none if all do."""
+
+
+@dataclass(frozen=True)
+class Totals:
+    fingers: int
+    mixtures: int
+    silicone_g: Mapping[str, float]
+    printed_g: float
+
+
+@dataclass(frozen=True)
+class SetSheets:
+    """Fields of the templates of a set, and content of its report."""
+
+    name: str
+    side: str
+    board: SharedBoard | None
+    fingers: tuple[FingerRow, ...]
+    forms: tuple[FormVerdict, ...]
+    plan: SetPlan
+    things: tuple[SharedThing, ...]
+    acceptance: Mapping[str, AcceptanceSheet]
+    totals: Totals
+
+
+def set_sheets(fingers: FingerSet, sheets: Sequence[FormSheets], has_board: bool) -> SetSheets:
+    """Collect the data of all sheets of a set, which has one board for all its fingers or none."""
+    castings = {each.form.design.name: each.casting for each in sheets}
+    places = zip(describe_sockets(), list_pins(ADC_TACTILE), list_pins(ADC_FILTERED), strict=True)
+    place_of = dict(zip(NAMES, places, strict=True)) if has_board else {}
+    rows = []
+    for finger, form in fingers.fingers:
+        name, skin = form.design.name, form.design.skin
+        acceptance = f"sensor of {finger}" if finger in fingers.calibrated else name
+        socket, pin, slip_pin = place_of.get(finger, ("", "", ""))
+        casting = castings[name]
+        rows.append(
+            FingerRow(
+                finger, name, casting.plate, casting.print_h, acceptance, skin.width_mm, skin.length_mm, socket, pin,
+                slip_pin,
+            )
+        )  # fmt: skip
+    plan = plan_set([(each.form, each.casting) for each in sheets])
+    silicone_g: dict[str, float] = {}
+    for cup in plan.cups:
+        silicone_g[cup.silicone] = round(silicone_g.get(cup.silicone, 0.0) + cup.total_g, 1)
+    own = {f"sensor of {finger}": sheet for each in sheets for finger, sheet in each.calibrated.items()}
+    return SetSheets(
+        fingers.name, fingers.side, SharedBoard(BOARD_FOLDER, BOARD_DESIGN) if has_board else None, tuple(rows),
+        tuple(FormVerdict(each.form.design.name, each.form.fingers, each.verdict) for each in sheets), plan,
+        tuple(_merge_things(sheets, plan.cups, has_board)),
+        {each.form.design.name: each.acceptance for each in sheets} | own,
+        Totals(len(rows), len(plan.cups), silicone_g, sum(each.form.count * each.casting.printed_g for each in sheets)),
+    )  # fmt: skip
+
+
+def plan_set(castings: Sequence[tuple[Form, CastingSheet]]) -> SetPlan:
+    """Plan printing and castings: one plate and one mold for each finger, all molds filled on one day."""
+    cups = plan_cups([
+        Mold(finger, form.design.silicone.material, casting.batch.in_cup_g)
+        for form, casting in castings
+        for finger in form.fingers
+    ])  # fmt: skip
+    print_h, cure_h = (
+        sum(form.count * casting.print_h for form, casting in castings),
+        max(casting.batch.cure_h for _, casting in castings),
+    )
+    cast_day = 1 + math.ceil(print_h / 24.0)
+    pictures = [step.picture for step in list_steps(castings[0][1])]
+    starts = [0, *(pictures.index(name) for name in _SPLIT), len(pictures)]
+    steps = tuple(f"{start + 1} to {end}" for start, end in pairwise(starts))
+    return SetPlan(
+        round(print_h, 1), cast_day, cast_day + math.ceil(cure_h / 24.0), MOLD_MIN, cure_h, steps, tuple(cups)
+    )
+
+
+def plan_cups(molds: Iterable[Mold]) -> Iterator[Cup]:
     """Plan the mixtures of a set, none of which fills many more molds than another of its silicone."""
-    silicones: dict[str, list[Pour]] = {}
-    for pour in pours:
-        silicones.setdefault(repr(pour.design.silicone), []).append(pour)
-    for waiting in silicones.values():
-        silicone = waiting[0].design.silicone.material
+    silicones: dict[Silicone, list[Mold]] = {}
+    for mold in molds:
+        silicones.setdefault(mold.silicone, []).append(mold)
+    for silicone, waiting in silicones.items():
         count = math.ceil(len(waiting) / _count_molds(silicone))
-        ends = [round(len(waiting) * number / count) for number in range(count + 1)]
-        for start, end in pairwise(ends):
-            taken = tuple(waiting[start:end])
-            yield Cup(silicone, taken, mix(silicone, sum(pour.poured_cm3 for pour in taken)))
+        for start, end in pairwise(round(len(waiting) * number / count) for number in range(count + 1)):
+            taken = waiting[start:end]
+            batch = mix(silicone, sum(mold.poured_g / silicone.density_g_cm3.high for mold in taken))
+            pours = (Pour(mold.finger, mold.poured_g, STIR_MIN + MOLD_MIN * i) for i, mold in enumerate(taken, 1))
+            masses = dict(zip(batch.components, (batch.a_g, batch.b_g), strict=True))
+            yield Cup(silicone.label, masses, tuple(pours), batch.pot_life_min)
 
 
 def find_short_pot_lives(designs: Iterable[Design]) -> Iterator[Issue]:
@@ -79,98 +218,18 @@ def find_short_pot_lives(designs: Iterable[Design]) -> Iterator[Issue]:
     for design in designs:
         silicone = design.silicone.material
         if _count_molds(silicone) < 1:
-            told = f"{silicone.name} thickens after {silicone.planned_pot_life_min:g} min, and to fill the mold of "
-            told += (
+            message = (
+                f"{silicone.name} thickens after {silicone.planned_pot_life_min:g} min, and to fill the mold of "
                 f"{design.name} takes {STIR_MIN + MOLD_MIN:g} min; it passes with --set silicone.product={_LONG_LIVED}."
             )
-            yield Issue("silicone.product", told)
+            yield Issue("silicone.product", message)
 
 
 def _count_molds(silicone: Silicone) -> int:
     return max(0, math.floor((silicone.planned_pot_life_min - STIR_MIN) / MOLD_MIN))
 
 
-@dataclass(frozen=True)
-class SetPlan:
-    cups: tuple[Cup, ...]
-    print_h: float
-    """Time of one printer for all plates [h]."""
-    cast_day: int
-    """Day of the mixtures: all is printed by then, on a printer that never waits."""
-    days: int
-
-
-def plan_set(sheets: Sequence[FormSheets]) -> SetPlan:
-    """Plan printing and castings: one plate and one mold for each finger, all molds filled on one day."""
-    pours = [
-        Pour(finger, each.form.design, each.casting.batch.in_cup_g / each.casting.batch.density_g_cm3)
-        for each in sheets
-        for finger in each.form.fingers
-    ]
-    cups = tuple(plan_cups(pours))
-    print_h = sum(each.form.count * each.casting.print_h for each in sheets)
-    cast_day = 1 + math.ceil(print_h / 24.0)
-    return SetPlan(
-        cups, round(print_h, 1), cast_day, cast_day + max(math.ceil(cup.batch.cure_h / 24.0) for cup in cups)
-    )
-
-
-def set_data(fingers: FingerSet, sheets: Sequence[FormSheets], has_board: bool) -> dict[str, Any]:
-    """Collect the data of all sheets of a set, which has one board for all its fingers or none."""
-    sockets, pins, slip_pins = (
-        dict(zip(NAMES, each if has_board else [""] * len(NAMES), strict=True))
-        for each in (describe_sockets(), list_pins(ADC_TACTILE), list_pins(ADC_FILTERED))
-    )
-    castings = {each.form.design.name: each.casting for each in sheets}
-    rows = [
-        {
-            "finger": finger,
-            "design": form.design.name,
-            "plate": castings[form.design.name].plate,
-            "print_h": castings[form.design.name].print_h,
-            "acceptance": f"sensor of {finger}" if finger in fingers.calibrated else form.design.name,
-            "width_mm": form.design.skin.width_mm,
-            "length_mm": form.design.skin.length_mm,
-            "socket": sockets[finger],
-            "pin": pins[finger],
-            "slip_pin": slip_pins[finger],
-        }
-        for finger, form in fingers.fingers
-    ]
-    acceptance = {each.form.design.name: dict(each.acceptance) for each in sheets}
-    acceptance |= {f"sensor of {finger}": dict(own) for each in sheets for finger, own in each.calibrated.items()}
-    plan = plan_set(sheets)
-    things = list(merge_things(sheets, plan.cups, has_board))
-    silicone_g: dict[str, float] = defaultdict(float)
-    for cup in plan.cups:
-        silicone_g[cup.silicone.label] = round(silicone_g[cup.silicone.label] + cup.batch.total_g, 1)
-    return {
-        "name": fingers.name,
-        "side": fingers.side,
-        "board": {"folder": BOARD_FOLDER, "design_file": BOARD_DESIGN} if has_board else None,
-        "fingers": rows,
-        "forms": [
-            {"design": each.form.design.name, "fingers": list(each.form.fingers), "verdict": each.verdict}
-            for each in sheets
-        ],
-        "plan": {
-            "print_h": plan.print_h, "cast_day": plan.cast_day, "days": plan.days, "mold_min": MOLD_MIN,
-            "cure_h": max(cup.batch.cure_h for cup in plan.cups),
-            "steps": _split_steps(sheets[0].casting),
-            "cups": [_cup_data(cup) for cup in plan.cups],
-        },
-        "things": things,
-        "acceptance": acceptance,
-        "totals": {
-            "fingers": len(rows),
-            "mixtures": len(plan.cups),
-            "silicone_g": dict(silicone_g),
-            "printed_g": sum(each.form.count * each.casting.printed_g for each in sheets),
-        },
-    }  # fmt: skip
-
-
-def merge_things(sheets: Sequence[FormSheets], cups: Sequence[Cup], has_board: bool) -> Iterator[dict[str, Any]]:
+def _merge_things(sheets: Sequence[FormSheets], cups: Sequence[Cup], has_board: bool) -> Iterator[SharedThing]:
     """Add up what to buy: what each finger takes, what each mixture takes, and tools once."""
     rows: dict[tuple[str, str], list[tuple[Form, Thing]]] = {}
     for each in sheets:
@@ -181,14 +240,14 @@ def merge_things(sheets: Sequence[FormSheets], cups: Sequence[Cup], has_board: b
             form, thing = found[0]
             number, unit = _read_amount(thing.amount)
             if key == "silicone":
-                number = sum(cup.batch.total_g for cup in cups if cup.silicone == form.design.silicone.material)
+                number = sum(cup.total_g for cup in cups if cup.silicone == form.design.silicone.material.label)
             elif thing.each == "mixture":
                 number *= len(cups)
             elif thing.each or (key == "board" and not has_board):
                 number = sum(_read_amount(own.amount)[0] * form.count for form, own in found)
-            names = [finger for form, _ in found for finger in form.fingers]
-            told = [] if len(found) == len(sheets) else names
-            yield asdict(thing) | {"amount": f"{number:.4g}{unit}" if number else thing.amount, "fingers": told}
+            amount = f"{number:.4g}{unit}" if number else thing.amount
+            fingers = () if len(found) == len(sheets) else tuple(name for form, _ in found for name in form.fingers)
+            yield SharedThing(**{**vars(thing), "amount": amount}, fingers=fingers)
 
 
 def _read_amount(amount: str) -> tuple[float, str]:
@@ -197,33 +256,19 @@ def _read_amount(amount: str) -> tuple[float, str]:
     return (float(found[1]), found[2]) if found else (0.0, amount)
 
 
-def _split_steps(casting: CastingSheet) -> list[str]:
-    """Name the steps of a casting sheet for each day, such as "1 to 5"."""
-    pictures = [step.picture for step in list_steps(casting)]
-    starts = [0, *(pictures.index(name) for name in _SPLIT), len(pictures)]
-    return [f"{start + 1} to {end}" for start, end in pairwise(starts)]
-
-
-def _cup_data(cup: Cup) -> dict[str, Any]:
-    masses = zip(cup.batch.components, (cup.batch.a_g, cup.batch.b_g), strict=True)
-    return {
-        "silicone": cup.silicone.label,
-        "components_g": dict(masses),
-        "pours": [
-            {"finger": pour.finger, "poured_g": round(cup.batch.density_g_cm3 * pour.poured_cm3, 1),
-             "closed_min": STIR_MIN + MOLD_MIN * number}
-            for number, pour in enumerate(cup.pours, 1)
-        ],
-        "pot_life_min": cup.batch.pot_life_min,
-    }  # fmt: skip
-
-
-def render_sheet(name: str, data: Mapping[str, Any]) -> str:
+def render_sheet(name: str, sheets: SetSheets) -> str:
     """Render overview, plan, parts or acceptance of a set as Markdown."""
-    return render_page(f"set_{name}.md", **data)
+    return fill(f"set_{name}.md", sheets)
 
 
-def write_parts_csv(data: Mapping[str, Any]) -> bytes:
+def render_set_start(sheets: SetSheets, board_design: Design | None) -> str:
+    """Render the first screen of a set, with the board of all its fingers if there is one."""
+    return render_page("set_start.md", **vars(sheets), cost=BoardCost.of_design(board_design))
+
+
+def write_parts_csv(things: Iterable[SharedThing]) -> bytes:
     """Write the list to buy as CSV, as shops and spreadsheets read it."""
-    rows = ([" ".join(row[name]) if name == "fingers" else row[name] for name in _COLUMNS] for row in data["things"])
-    return format_csv(_COLUMNS, rows)
+    rows = (
+        (each.amount, each.label, " ".join(each.fingers), each.price_usd, each.where, each.reason) for each in things
+    )
+    return format_csv(("amount", "label", "fingers", "price_usd", "where", "reason"), rows)

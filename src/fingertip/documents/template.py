@@ -39,6 +39,11 @@ def render_text(template: str, /, **data: Any) -> str:
     return _environment().from_string(template).render(data)
 
 
+def fill(name: str, sheet: object, width: int | None = None, /) -> str:
+    """Render a template with the fields of a dataclass, and lay it out."""
+    return render_page(name, width, **vars(sheet))
+
+
 def render_page(name: str, width: int | None = None, /, **data: Any) -> str:
     """Render a template and lay it out, with a width of its lines or each block in one."""
     return lay_out_page(render(name, **data), width)

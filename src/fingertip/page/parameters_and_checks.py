@@ -7,6 +7,7 @@ each changes, or says what it decides instead.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -90,7 +91,21 @@ def describe_effect(path: str, items: tuple[str, ...], *, linked: bool = True) -
     return element("small", *said)
 
 
-Check = Mapping[str, Any]
+@dataclass(frozen=True)
+class ReportedCheck:
+    """Check as report.json states it, of the values that a page shows."""
+
+    name: str
+    value: float
+    limit: float
+    unit: str
+    relation: str
+    passed: bool
+
+    @classmethod
+    def read(cls, entry: Mapping[str, Any]) -> ReportedCheck:
+        return cls(**{field.name: entry[field.name] for field in fields(cls)})
+
 
 _CLOSEST = 8
 """Number of checks that are listed as the closest to their limits."""
@@ -98,60 +113,57 @@ EVERY_FILE = "Every file was read back and measured. A check that fails names th
 """Sentences on the checks of a build."""
 
 
-def tell_verdict(report: Mapping[str, Any], passed: str = "of the parts passed") -> tuple[str, str]:
+def tell_verdict(checks: Sequence[ReportedCheck], passed: str = "of the parts passed") -> tuple[str, str]:
     """Tell in a line whether the parts passed their checks, and its kind; `passed` ends the sentence if they did."""
-    checks = report["checks"]
-    failed = sum(not check["passed"] for check in checks)
+    failed = sum(not check.passed for check in checks)
     if failed:
         return f"✗ {failed} of {len(checks)} checks failed: do not print these parts", "failed"
     return f"✓ All {len(checks)} checks {passed}", "passed"
 
 
-def render_verdict(report: Mapping[str, Any], passed: str = "of the parts passed") -> Markup:
-    text, kind = tell_verdict(report, passed)
+def render_verdict(checks: Sequence[ReportedCheck], passed: str = "of the parts passed") -> Markup:
+    text, kind = tell_verdict(checks, passed)
     return element("p", text, class_=f"verdict {kind}")
 
 
-def render_checks(report: Mapping[str, Any], basis: str = EVERY_FILE) -> Markup:
+def render_checks(checks: Sequence[ReportedCheck], basis: str = EVERY_FILE) -> Markup:
     """Render all checks: failed ones first, then the closest to their limits, then all by their subject."""
-    checks: Sequence[Check] = report["checks"]
-    failed = [check for check in checks if not check["passed"]]
+    failed = [check for check in checks if not check.passed]
     parts = [element("p", basis)]
     if failed:
         parts += [element("h3", "Failed"), _tabulate(failed, "failed checks")]
     if closest := _find_closest(checks):
         parts.append(fold("The checks closest to their limits", _tabulate(closest, "checks closest to their limits")))
-    groups: dict[str, list[Check]] = {}
+    groups: dict[str, list[ReportedCheck]] = {}
     for check in checks:
-        groups.setdefault(check["name"].split(".")[0], []).append(check)
+        groups.setdefault(check.name.split(".")[0], []).append(check)
     for subject, group in groups.items():
-        passed = sum(check["passed"] for check in group)
+        passed = sum(check.passed for check in group)
         summary = f"{subject.replace('_', ' ')}: {passed} of {len(group)} passed"
         parts.append(fold(summary, _tabulate(group, f"checks of {subject}")))
     return join(parts)
 
 
-def _find_closest(checks: Sequence[Check]) -> list[Check]:
+def _find_closest(checks: Sequence[ReportedCheck]) -> list[ReportedCheck]:
     """Find the passed checks with the least margin, relative to their limits. Counts and exact values have none."""
     margins = [
-        (abs(check["value"] - check["limit"]) / abs(check["limit"]), check)
+        (abs(check.value - check.limit) / abs(check.limit), check)
         for check in checks
-        if check["passed"] and check["relation"] != "exactly" and check["limit"] and check["value"] != check["limit"]
-        and list_causes(check["name"])
+        if check.passed and check.relation != "exactly" and check.limit and check.value != check.limit
+        and list_causes(check.name)
     ]  # fmt: skip
     return [check for _, check in sorted(margins, key=lambda pair: pair[0])[:_CLOSEST]]
 
 
-def _tabulate(checks: Sequence[Check], caption: str) -> Markup:
+def _tabulate(checks: Sequence[ReportedCheck], caption: str) -> Markup:
     rows = []
     for check in checks:
-        said = element("span", "✓", class_="passed", title="passed")
-        if not check["passed"]:
-            said = element("span", "✗ FAILED", class_="failed")
-        name = element("span", code(check["name"]), class_="code")
-        value = quantity(check["value"], check["unit"])
-        limit = quantity(check["limit"], check["unit"], check["relation"])
-        rows.append((name, value, limit, said, link_parameters(list_causes(check["name"]))))
+        passed = element("span", "✓", class_="passed", title="passed")
+        if not check.passed:
+            passed = element("span", "✗ FAILED", class_="failed")
+        name = element("span", code(check.name), class_="code")
+        value, limit = quantity(check.value, check.unit), quantity(check.limit, check.unit, check.relation)
+        rows.append((name, value, limit, passed, link_parameters(list_causes(check.name))))
     return table(("check", "value", "must be", "passed", "set by"), rows, caption)
 
 

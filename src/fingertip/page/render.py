@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 from urllib.parse import quote
 
 from fingertip.catalogues.output_files import PAGE
 from fingertip.design import Design
-from fingertip.documents.finger import render_start
+from fingertip.documents.finger import FirstScreen, render_start
+from fingertip.documents.finger_set import SetSheets
 from fingertip.foundation.version import __version__
 from fingertip.page.board_section import draw_response, render_board
 from fingertip.page.html import (
@@ -119,14 +119,16 @@ def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:
     design, items = sources.design, list_items(sources.design, sources.files)
     prepared = prepared or prepare_page(design)
     cast = render_casting(sources)
-    verdict, kind = tell_verdict(sources.report)
+    report, links = sources.report, sources.links
+    verdict, kind = tell_verdict(report.checks)
     drawing = render_drawing(sources)
     steps, has_board = cast.count("data-tick="), design.board.variant != "divider"
-    start = render_start(design, sources.report, measure_finger(items), sources.links, steps, verdict)
+    size_mm = measure_finger(items)
+    screen = FirstScreen(design, report.casting, report.loads, size_mm, links, steps, verdict)
     picture = render_finger(prepared.finger, "The finished finger, computed: from the back, and from the palm.")
     tabs = (
         ("start", "Start", (
-            render_first_screen(start, picture, sources.links),
+            render_first_screen(render_start(screen), picture, links),
             element("h2", "In three dimensions", id="model"), render_no_view(), render_model(items),
         )),
         ("print", "Print", (
@@ -143,7 +145,7 @@ def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:
             fold(title, content, name=name, state="roomy" if name in ("checks", "basis") else "", level=2)
             for name, title, content in (
                 ("basis", "What is simulated and what is measured", render_basis(design)),
-                ("checks", "Checks", render_checks(sources.report)),
+                ("checks", "Checks", render_checks(report.checks)),
                 ("parameters", "Parameters", prepared.parameters),
                 ("pad", "What the sensor feels", prepared.pad or render_pad(design)),
                 ("response", "Response of the board", prepared.response),
@@ -154,7 +156,7 @@ def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:
     )  # fmt: skip
     scripts = (read_viewer_library(), read_asset("viewer.js"), read_asset("board.js"))
     end = join((_render_source(), element("script", scene_json(items), type="application/json", id="scene")))
-    banner = element("a", render_verdict(sources.report), href="#checks") if kind == "failed" else ""
+    banner = element("a", render_verdict(report.checks), href="#checks") if kind == "failed" else ""
     return render_tabs(design.name, f"Fingertip {design.name}", tabs, scripts, banner, end)
 
 
@@ -176,7 +178,7 @@ _AT_HAND = {"data_ticks": "shopping", "data_noun": "things at hand"}
 
 
 def render_set_page(
-    data: Mapping[str, Any],
+    data: SetSheets,
     pictures: Mapping[str, bytes],
     start: str,
     sheets: Iterable[str],
@@ -185,16 +187,16 @@ def render_set_page(
 ) -> bytes:
     """Render the page of a set, with links to files and with the forms whose checks failed.
 
-    `data` are those of `set_data`, `pictures` the PNG of each form by its folder. First screen and sheets (overview,
+    `data` are those of `set_sheets`, `pictures` the PNG of each form by its folder. First screen and sheets (overview,
     casting plan, parts list, acceptance) are Markdown. The same files give the same bytes.
     """
     links = {path: quote(path) for path in files}
     drawn = [
         render_finger(
-            pictures[row["design"]],
-            join((f"{row['finger']}: ", element("a", row["design"], href=f"{quote(row['design'])}/{PAGE}"))),
+            pictures[row.design],
+            join((f"{row.finger}: ", element("a", row.design, href=f"{quote(row.design)}/{PAGE}"))),
         )
-        for row in data["fingers"]
+        for row in data.fingers
     ]
     overview, plan, parts, acceptance = (split_sections(text) for text in sheets)
     hand, shopping, tests, castings = (each.pop("").partition("\n")[2] for each in (overview, parts, acceptance, plan))
@@ -221,4 +223,4 @@ def render_set_page(
     ]  # fmt: skip
     said = f"✗ Checks of {', '.join(failed)} failed: do not print these parts"
     banner = element("p", said, class_="verdict failed") if failed else ""
-    return render_tabs(data["name"], f"Fingers of {data['name']}", tabs, banner=banner)
+    return render_tabs(data.name, f"Fingers of {data.name}", tabs, banner=banner)

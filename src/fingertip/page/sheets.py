@@ -107,10 +107,10 @@ def render_facts(sections: Mapping[str, str], links: Mapping[str, str] | None = 
 def render_printing(sources: Sources) -> Markup:
     """Render the files for the printer with what each holds."""
     rows = []
-    for path, found in sources.report.get(outputs.PRINT_FOLDER, {}).items():
+    for path, parts in sources.report.prints.items():
         if path in sources.links:
-            parts = ", ".join(part.replace("_", " ") for part in sorted(found["parts"]))
-            rows.append((element("a", path, href=sources.links[path]), parts))
+            names = ", ".join(part.replace("_", " ") for part in sorted(parts))
+            rows.append((element("a", path, href=sources.links[path]), names))
     files = table(("file", "holds"), sorted(rows, key=lambda row: row[0].endswith("stl</a>")), "files to print")
     missing = note(element("code", COMMANDS[outputs.PRINT_FOLDER]), " makes plates and parts as they lie on the bed.")
     return files if rows else missing

@@ -10,17 +10,21 @@ import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 from urllib.parse import quote
 
+from pydantic import TypeAdapter
+
 from fingertip.cad.shapes.parts import parts_by_name
+from fingertip.casting.sheet import CastingSheet
 from fingertip.catalogues.output_files import BOARD_FOLDER, PRINT_FOLDER, REPORT, SHEET, SIGNAL_FOLDER, STEPS_FOLDER
 from fingertip.design import Design
+from fingertip.documents.finger import Loads
 from fingertip.foundation.errors import Issue, OutputError
 from fingertip.foundation.folder_swap import hash_content
 from fingertip.foundation.input_files import OUTPUT_LIMIT, read_input
 from fingertip.foundation.output_set import Manifest, hash_parameters, read_manifest
 from fingertip.page.html import embed
+from fingertip.page.parameters_and_checks import ReportedCheck
 
 _MAKE = "fingertip make DESIGN"
 COMMANDS = {
@@ -38,11 +42,34 @@ _SHOWN = (".md", ".json", ".svg", ".csv", ".png", ".stl", ".kicad_sch", ".kicad_
 
 
 @dataclass(frozen=True)
+class Report:
+    """What a page shows of report.json."""
+
+    checks: tuple[ReportedCheck, ...]
+    prints: Mapping[str, tuple[str, ...]]
+    """File for the printer -> parts that it holds."""
+    casting: CastingSheet | None
+    loads: Loads | None
+
+    @classmethod
+    def read(cls, data: bytes) -> Report:
+        """Read the report. Raises ValueError, LookupError or TypeError if it is none."""
+        content = json.loads(data)
+        casting, strength = content.get("casting"), content.get("strength")
+        return cls(
+            tuple(map(ReportedCheck.read, content["checks"])),
+            {path: tuple(found["parts"]) for path, found in content["print"].items()},
+            TypeAdapter(CastingSheet).validate_python(casting) if casting else None,
+            Loads(**strength["loads"]) if strength else None,
+        )
+
+
+@dataclass(frozen=True)
 class Sources:
     """Files of a design, by their path in its folder."""
 
     design: Design
-    report: Mapping[str, Any]
+    report: Report
     files: Mapping[str, bytes]
     """Path, such as "bone.stl" or "board/bom.csv" -> content."""
     remarks: Mapping[str, str]
@@ -92,9 +119,8 @@ def read_sources(design: Design, folder: Path) -> Sources:
     prints = read_manifest(folder / PRINT_FOLDER, folder)
     if prints and prints.parameters == wanted:
         unread |= {f"{PRINT_FOLDER}/{name}" for name in prints.files}
-    report = json.loads(files[REPORT])
     there = frozenset(path for path in unread - files.keys() if os.path.lexists(folder / path))
-    return Sources(design, report, files, remarks, there)
+    return Sources(design, Report.read(files[REPORT]), files, remarks, there)
 
 
 def _read_current_set(top: Path, kind: str, parameters: str) -> dict[str, bytes] | str:

@@ -1,6 +1,7 @@
-"""Answers of the studio: what a design of the form gives, as plain data for its page and as files to save.
+"""Answers of the studio: what a design of the form gives, as data for its page and as files to save.
 
-The files are byte for byte those that `fingertip build` writes.
+The files are byte for byte those that `fingertip build` writes. Whether the design passes the rules, and with which
+values of the parameter in hand it would, is answered at once, beside whatever the worker makes.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ import io
 import math
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -21,7 +22,6 @@ from fingertip.cad.printing.print_files import make_print_files
 from fingertip.cad.report import DESIGN_HEADING
 from fingertip.cad.shapes.parts import PARTS, parts_by_name, print_scale, shapes_of_parameters
 from fingertip.cad.verification.check import Check, Solids
-from fingertip.cad.verification.strength import strength_data
 from fingertip.cad.verification.verify import run_checks, verify
 from fingertip.casting.sheet import casting_sheet
 from fingertip.catalogues.output_files import DESIGN, PRINT_FOLDER
@@ -33,11 +33,12 @@ from fingertip.design.geometry.solids import Solid, scaled
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
 from fingertip.design.refusal import as_typed, is_number
-from fingertip.documents.finger import render_start
+from fingertip.documents.finger import FirstScreen, render_start
 from fingertip.foundation.errors import DesignError, FingertipError, Issue
+from fingertip.page.html import Markup
 from fingertip.page.model_section import Item, measure_finger, place_items, render_boxes, scene_data
 from fingertip.page.pad_section import render_pad
-from fingertip.page.parameters_and_checks import EVERY_FILE, render_checks, render_verdict
+from fingertip.page.parameters_and_checks import EVERY_FILE, ReportedCheck, render_checks, render_verdict
 from fingertip.page.sheets import render_facts, split_sections
 from fingertip.pictures.steps.scenes import draw_finger
 from fingertip.studio.worker import StillWanted
@@ -77,20 +78,78 @@ def describe_issues(error: FingertipError) -> list[dict[str, str]]:
     return [{"field": issue.field, "message": issue.message} for issue in error.issues]
 
 
-def answer_parts(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
+@dataclass(frozen=True)
+class Parts:
+    """Data of the 3D view, and a box for each kind of item."""
+
+    scene: list[dict[str, Any]]
+    boxes: Markup
+
+
+@dataclass(frozen=True)
+class Figures:
+    figures: Markup
+
+
+@dataclass(frozen=True)
+class Feeling:
+    """Picture of what the sensor feels."""
+
+    pad: Markup
+
+
+@dataclass(frozen=True)
+class Checks:
+    passed: bool
+    failed: list[str]
+    count: int
+    verdict: Markup
+    checks: Markup
+
+
+@dataclass(frozen=True)
+class ShapeChecks(Checks):
+    moves: Mapping[str, tuple[str, ...]]
+    """Parameter -> items that it shapes."""
+
+
+@dataclass(frozen=True)
+class FileChecks(Checks):
+    pad: Markup
+
+
+@dataclass(frozen=True)
+class PassingValues:
+    """Values of the parameter in hand that pass with the other parameters as they are."""
+
+    bands: tuple[Band, ...]
+    said: str
+
+
+@dataclass(frozen=True)
+class Refusal(PassingValues):
+    issues: list[dict[str, str]]
+    passing: float
+    """Passing value that is nearest to the refused one."""
+
+
+@dataclass(frozen=True)
+class Accepted:
+    """Answer to a design that passes the rules: there is nothing to say."""
+
+
+def answer_parts(design: Design, still_wanted: StillWanted) -> Parts:
     items = make_items(design, still_wanted)
-    return {"scene": scene_data(items), "boxes": render_boxes(items)}
+    return Parts(scene_data(items), render_boxes(items))
 
 
-def answer_figures(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
+def answer_figures(design: Design, still_wanted: StillWanted) -> Figures:
     """Tell size, masses, days and prices as the page of the design does, from meshes at the tolerance of the view."""
     items = make_items(design, still_wanted)
-    parts = {item.name: {"volume_mm3": item.mesh.volume()} for item in items if not item.is_bought}
-    casting = asdict(casting_sheet(design, AskingEvaluator(VIEW_TOLERANCE_MM, still_wanted)))
+    casting = casting_sheet(design, AskingEvaluator(VIEW_TOLERANCE_MM, still_wanted))
     still_wanted()
-    start = render_start(design, {"parts": parts, "checks": (), "casting": casting}, measure_finger(items), (), 0, "")
-    sections = split_sections(start)
-    return {"figures": render_facts({heading: sections[heading] for heading in _FIGURES if heading in sections})}
+    sections = split_sections(render_start(FirstScreen(design, casting, None, measure_finger(items), (), 0, "")))
+    return Figures(render_facts({heading: sections[heading] for heading in _FIGURES if heading in sections}))
 
 
 _FIGURES = ("Size", "Print", "Silicone", "Time", "Cost of the board's parts")
@@ -108,49 +167,30 @@ def make_items(design: Design, still_wanted: StillWanted = lambda: None) -> tupl
     return place_items(design, meshes, dict.fromkeys(meshes, 1.0), _make_mesh)
 
 
-def answer_checks(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
+def answer_checks(design: Design, still_wanted: StillWanted) -> ShapeChecks:
     """Check the parts at the tolerance of the view, and find what each parameter shapes."""
     evaluator = AskingEvaluator(VIEW_TOLERANCE_MM, still_wanted)
     solids = Solids.of(design, evaluator, parts_by_name(design))
-    checks, strength = [*run_checks(design, solids)], solids.strength
+    checks = [*run_checks(design, solids)]
     still_wanted()
-    moved = shapes_of_parameters(design)
     basis = (
         f"Checked on meshes within {VIEW_TOLERANCE_MM:g} mm of the exact surface, coarser than those of the files, "
         "which have checks of their own. A check that fails names the parameters to change."
     )
-    return _describe_checks(checks, strength_data(strength), "of the shape passed", basis) | {
-        "moves": {path: [*items] for path, items in moved.items()}
-    }
+    return ShapeChecks(*_describe_checks(checks, "of the shape passed", basis), shapes_of_parameters(design))
 
 
-def answer_pad(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
-    """Draw what the sensor feels."""
-    return {"pad": render_pad(design, still_wanted)}
-
-
-def answer_all_checks(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
+def answer_all_checks(design: Design, still_wanted: StillWanted) -> FileChecks:
     """Make the files in memory and run every check of `fingertip build` that needs no STEP file."""
     found = verify(design, parts_by_name(design), ("stl", "3mf"), AskingEvaluator(FILE_TOLERANCE_MM, still_wanted))
-    strength = None if found.strength is None else strength_data(found.strength)
-    checked = _describe_checks(found.checks, strength, "of shape and files passed", EVERY_FILE)
-    return checked | {"pad": render_pad(design)}
+    return FileChecks(*_describe_checks(found.checks, "of shape and files passed", EVERY_FILE), render_pad(design))
 
 
-def _describe_checks(
-    checks: Sequence[Check], strength: Mapping[str, Any] | None, passed: str, basis: str
-) -> dict[str, Any]:
-    report: dict[str, Any] = {"checks": [check.to_dict() for check in checks]}
-    if strength:
-        report["strength"] = strength
+def _describe_checks(checks: Sequence[Check], passed: str, basis: str) -> tuple[bool, list[str], int, Markup, Markup]:
+    """Return the fields of `Checks`."""
+    reported = [ReportedCheck.read(check.to_dict()) for check in checks]
     failed = [check.name for check in checks if not check.passed]
-    return {
-        "passed": not failed,
-        "failed": failed,
-        "count": len(checks),
-        "verdict": render_verdict(report, passed),
-        "checks": render_checks(report, basis),
-    }
+    return not failed, failed, len(checks), render_verdict(reported, passed), render_checks(reported, basis)
 
 
 @lru_cache(maxsize=_MESHES_KEPT)
@@ -158,11 +198,12 @@ def _make_mesh(solid: Solid) -> Mesh:
     return MeshEvaluator(VIEW_TOLERANCE_MM).mesh(solid)
 
 
-ANSWERS: Mapping[str, Callable[[Design, StillWanted], dict[str, Any]]] = {
+Answer = Parts | Figures | Feeling | Checks | PassingValues | Accepted
+ANSWERS: Mapping[str, Callable[[Design, StillWanted], Answer]] = {
     "parts": answer_parts,
     "figures": answer_figures,
     "checks": answer_checks,
-    "pad": answer_pad,
+    "pad": lambda design, still_wanted: Feeling(render_pad(design, still_wanted)),
     "all-checks": answer_all_checks,
 }
 """Name in the address -> function that answers, after the answers before it."""
@@ -234,9 +275,6 @@ def _pack(files: Mapping[str, bytes]) -> bytes:
     return packed.getvalue()
 
 
-# Rules of the form: whether its design passes, and with which values of the parameter in hand it would. These answers
-# come at once, beside whatever the worker makes.
-
 _BANDS_KEPT = 256
 """Number of bands that are kept: somebody who slides asks for the same ones again and again."""
 
@@ -268,12 +306,14 @@ class BandFinder:
         return self._found[others, path]
 
 
-def answer_bands(finder: BandFinder, tables: Mapping[str, Any], path: str, still_wanted: StillWanted) -> dict[str, Any]:
+def answer_bands(finder: BandFinder, tables: Mapping[str, Any], path: str, still_wanted: StillWanted) -> PassingValues:
     bands = finder.find(tables, path, still_wanted)
-    return {"bands": bands, "said": describe_bands(path, bands) if bands else ""}
+    return PassingValues(bands, describe_bands(path, bands) if bands else "")
 
 
-def answer_rules(finder: BandFinder, tables: Mapping[str, Any], path: str, still_wanted: StillWanted) -> dict[str, Any]:
+def answer_rules(
+    finder: BandFinder, tables: Mapping[str, Any], path: str, still_wanted: StillWanted
+) -> Refusal | Accepted:
     """Say whether the form's design passes, and if not with which value of the parameter in hand it would.
 
     Raises
@@ -285,14 +325,14 @@ def answer_rules(finder: BandFinder, tables: Mapping[str, Any], path: str, still
         Design.without_remedies(**tables)
     except DesignError as error:
         found = answer_bands(finder, tables, path, still_wanted)
-        if not found["bands"]:
+        if not found.bands:
             read_design(tables, finder.opened)
-        told = " ".join(issue.message if issue.field == path else str(issue) for issue in error.issues)
-        refused = Issue(path, f"{told} With the other parameters as they are, {found['said']} pass.")
+        problem = " ".join(issue.message if issue.field == path else str(issue) for issue in error.issues)
+        refused = Issue(path, f"{problem} With the other parameters as they are, {found.said} pass.")
         table, _, key = path.partition(".")
-        passing = _find_nearest(tables[table][key], finder.opened.value(path), found["bands"])
-        return found | {"issues": describe_issues(DesignError(refused)), "passing": passing}
-    return {}
+        passing = _find_nearest(tables[table][key], finder.opened.value(path), found.bands)
+        return Refusal(found.bands, found.said, describe_issues(DesignError(refused)), passing)
+    return Accepted()
 
 
 def _find_nearest(present: object, opened: float, bands: Sequence[Band]) -> float:

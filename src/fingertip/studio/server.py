@@ -17,6 +17,7 @@ import socket
 import sys
 import traceback
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
@@ -122,6 +123,15 @@ class _RefusedRequestError(Exception):
         self.status = status
 
 
+@dataclass(frozen=True)
+class _Request:
+    """What the page sends: the values of its form, and the name of the field in hand if there is one."""
+
+    tables: dict[str, Any]
+    client: str
+    field: str
+
+
 class _Reply(NamedTuple):
     status: HTTPStatus
     content_type: str
@@ -179,21 +189,22 @@ class _Handler(BaseHTTPRequestHandler):
     def _answer(self) -> _Reply:
         if not self._is_token(self.headers.get(TOKEN_HEADER, "")):
             raise _RefusedRequestError(HTTPStatus.FORBIDDEN, "The request carries not the token of this studio.")
-        tables, client, field = self._read_content()
+        request = self._read_content()
         _, api, name, *rest = [*self._split_address().path.split("/"), "", ""]
         at_once, before = AT_ONCE.get(name), self.server.design
         _, answer = DOWNLOADS.get(rest[0], ("", None)) if name == "download" else ("", ANSWERS.get(name))
         if api == "api" and at_once:
-            return _make_json(at_once(self.server.finder, tables, field, self._raise_if_gone))
+            return _make_json(vars(at_once(self.server.finder, request.tables, request.field, self._raise_if_gone)))
         if api != "api" or not answer:
             raise _RefusedRequestError(HTTPStatus.NOT_FOUND, "There is nothing at this address.")
+        client = request.client
         if name == "download":  # it is never superseded: it is a client of its own
             client = f"{client} {secrets.token_hex(8)}"
         made = self.server.worker.run(
-            client, lambda wanted: answer(read_design(tables, before), wanted), self._has_gone
+            client, lambda wanted: answer(read_design(request.tables, before), wanted), self._has_gone
         )
         if not isinstance(made, Download):
-            return _make_json(made)
+            return _make_json(vars(made))
         shown = {"Content-Disposition": f'attachment; filename="{made.name}"'}
         return _Reply(HTTPStatus.OK, made.content_type, made.data, shown)
 
@@ -214,8 +225,7 @@ class _Handler(BaseHTTPRequestHandler):
         except ValueError:
             raise _RefusedRequestError(HTTPStatus.BAD_REQUEST, "The address of the request is none.") from None
 
-    def _read_content(self) -> tuple[dict[str, Any], str, str]:
-        """Read tables, client and, if there is one, the field in hand."""
+    def _read_content(self) -> _Request:
         if self.headers.get_content_type() != "application/json":
             raise _RefusedRequestError(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "The request must be application/json.")
         length = self.headers.get("Content-Length", "")
@@ -243,7 +253,7 @@ class _Handler(BaseHTTPRequestHandler):
             check_values(tables)
         except UnusableTomlError as error:
             raise _RefusedRequestError(HTTPStatus.BAD_REQUEST, f"The request {error}.") from None
-        return tables, client, field
+        return _Request(tables, client, field)
 
     def _raise_if_gone(self) -> None:
         if self._has_gone():

@@ -292,11 +292,11 @@ def compute_set(context: PointContext) -> OutputValues:
     """Compute what a whole set takes, as `fingertip make` states it."""
     from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.casting.sheet import casting_sheet
-    from fingertip.documents.finger_set import FormSheets, plan_set
+    from fingertip.documents.finger_set import plan_set
 
     assert context.fingers is not None
     forms, evaluator = context.fingers.forms, context.evaluator()
-    plan = plan_set([FormSheets(form, casting_sheet(form.design, evaluator)) for form in forms])
+    plan = plan_set([(form, casting_sheet(form.design, evaluator)) for form in forms])
     cm3 = {"set_fingers_g": 0.0, "set_molds_g": 0.0}
     parts = [(form, part) for form in forms for part in parts_by_name(form.design).values() if part.is_printed]
     for form, part in parts:
@@ -304,7 +304,7 @@ def compute_set(context: PointContext) -> OutputValues:
         cm3[group] += form.count * evaluator.mesh(part.solid(form.design)).volume() / 1000.0
     return {
         "set_forms": len(forms), "set_mixtures": len(plan.cups), "set_days": plan.days,
-        "set_silicone_g": sum(cup.batch.total_g for cup in plan.cups),
+        "set_silicone_g": sum(cup.total_g for cup in plan.cups),
         **{name: volume * context.file.print_density_g_cm3 for name, volume in cm3.items()},
     }  # fmt: skip
 

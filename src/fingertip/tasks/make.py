@@ -18,7 +18,7 @@ from fingertip.cad.report import Build
 from fingertip.catalogues import output_files
 from fingertip.design import Design
 from fingertip.detection.recordings import FileDetection, detect_file
-from fingertip.documents.acceptance import acceptance_data, render_acceptance
+from fingertip.documents.acceptance import acceptance_sheet, render_acceptance
 from fingertip.foundation import extras
 from fingertip.foundation.files import temporary_folder
 from fingertip.foundation.output_set import SetWriter
@@ -164,7 +164,7 @@ def _make_rest(plan: _Plan, beside: Callable[[], _Simulated], report: ReportProg
     page = prepare_page(plan.design) if plan.has_page else None
     stages.begin("trial")
     signal, detection, pad = beside()
-    acceptance = render_acceptance(acceptance_data(plan.design)).encode()
+    acceptance = render_acceptance(acceptance_sheet(plan.design)).encode()
     return _Rest(signal, detection, acceptance, page and replace(page, pad=pad))
 
 

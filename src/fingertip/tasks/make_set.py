@@ -8,10 +8,9 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.printing.orientations import build_volume_excess, print_orientations
@@ -37,9 +36,16 @@ from fingertip.design import Design
 from fingertip.design.files import to_toml
 from fingertip.design.finger_set import FingerSet, Form
 from fingertip.design.geometry.solids import scaled
-from fingertip.documents.acceptance import acceptance_data
-from fingertip.documents.finger import render_set_start
-from fingertip.documents.finger_set import FormSheets, find_short_pot_lives, render_sheet, set_data, write_parts_csv
+from fingertip.documents.acceptance import acceptance_sheet
+from fingertip.documents.finger_set import (
+    FormSheets,
+    SetSheets,
+    find_short_pot_lives,
+    render_set_start,
+    render_sheet,
+    set_sheets,
+    write_parts_csv,
+)
 from fingertip.foundation.errors import DesignError, Issue, OutputError
 from fingertip.foundation.input_files import find_link
 from fingertip.foundation.progress import Work
@@ -61,7 +67,7 @@ class MadeSet:
     forms: tuple[Made, ...]
     board: tuple[Path, ...]
     """Files of the board for all fingers; none if each finger keeps its own."""
-    data: dict[str, Any]
+    sheets: SetSheets
 
     @property
     def passed(self) -> bool:
@@ -109,18 +115,18 @@ def make_set(
         report = work.within(label)
         forms.append(make(form.design, places[form.design.name], formats=formats, force=force, progress=report))
     work.begin("set")
-    sheets = [_collect(fingers, form, made) for form, made in zip(fingers.forms, forms, strict=True)]
+    collected = [_collect(fingers, form, made) for form, made in zip(fingers.forms, forms, strict=True)]
     board: tuple[Path, ...] = ()
     if board_design:
         planned = plan_board(board_design, folder / BOARD_FOLDER, force=force, bring_up=True, top=folder)
         board = planned.write(progress)
-    data = set_data(fingers, sheets, has_board=board_design is not None)
+    sheets = set_sheets(fingers, collected, has_board=board_design is not None)
     failed = [made.parts.design.name for made in forms if not made.parts.passed]
-    contents = _render_sheets(fingers, data, _list_files(sheets, board, folder), failed)
+    contents = _render_sheets(fingers, sheets, _list_files(collected, board, folder), failed)
     if board_design:
         contents[BOARD_DESIGN] = to_toml(board_design, "Design of the board for all fingers.").encode()
     writer.write(contents)
-    return MadeSet(folder, tuple(forms), board, data)
+    return MadeSet(folder, tuple(forms), board, sheets)
 
 
 def _list_files(sheets: Iterable[FormSheets], board: Iterable[Path], folder: Path) -> list[str]:
@@ -131,17 +137,17 @@ def _list_files(sheets: Iterable[FormSheets], board: Iterable[Path], folder: Pat
 
 
 def _render_sheets(
-    fingers: FingerSet, data: Mapping[str, Any], files: Sequence[str], failed: Sequence[str]
+    fingers: FingerSet, sheets: SetSheets, files: Sequence[str], failed: Sequence[str]
 ) -> dict[str, bytes]:
     names = {OVERVIEW: "overview", CASTING_PLAN: "plan", PARTS_LIST: "parts", ACCEPTANCE: "acceptance"}
-    pages = {file: render_sheet(name, data) for file, name in names.items()}
+    pages = {file: render_sheet(name, sheets) for file, name in names.items()}
     pictures = {form.design.name: draw_finger(form.design, _PICTURE_PX) for form in fingers.forms}
-    start = render_set_start(data, fingers.board_design)
+    start = render_set_start(sheets, fingers.board_design)
     return {
         **{name: text.encode() for name, text in pages.items()},
-        PARTS_CSV: write_parts_csv(data),
-        SET_REPORT: (json.dumps(data, indent=2, allow_nan=False) + "\n").encode(),
-        PAGE: render_set_page(data, pictures, start, pages.values(), [*pages, PARTS_CSV, *files], failed),
+        PARTS_CSV: write_parts_csv(sheets.things),
+        SET_REPORT: (json.dumps(asdict(sheets), indent=2, allow_nan=False) + "\n").encode(),
+        PAGE: render_set_page(sheets, pictures, start, pages.values(), [*pages, PARTS_CSV, *files], failed),
     }
 
 
@@ -170,6 +176,6 @@ def _name_larger_bed(design: Design, part: str, mesh: Mesh) -> str:
 
 def _collect(fingers: FingerSet, form: Form, made: Made) -> FormSheets:
     assert made.parts.casting is not None, "all parts are built"
-    own = {name: acceptance_data(fingers.calibrated[name]) for name in form.fingers if name in fingers.calibrated}
+    own = {name: acceptance_sheet(fingers.calibrated[name]) for name in form.fingers if name in fingers.calibrated}
     verdict = count_checks(made.parts.checks)
-    return FormSheets(form, made.parts.casting, acceptance_data(form.design), verdict, own)
+    return FormSheets(form, made.parts.casting, acceptance_sheet(form.design), verdict, own)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -57,9 +58,10 @@ def write_robot(
         progress(f"{form.design.name}: meshing the parts, and fitting the contact to the pad")
         model = build_finger(form.design)
         placed |= {finger: Placed(finger, model, prefix, places_m[finger]) for finger in form.fingers}
-        figures[form.design.name] = data = describe_model(model, file_format)
+        described = describe_model(model, file_format)
+        figures[form.design.name] = data = asdict(described)
         contents |= {f"{prefix}{name}.stl": stl.to_bytes(mesh, name) for name, mesh in model.meshes.items()}
-        contents[f"{prefix}{README}"] = render_robot_readme(data, form.fingers).encode()
+        contents[f"{prefix}{README}"] = render_robot_readme(described, form.fingers).encode()
     made = f"by fingertip robot; {README} states units and frames."
     if isinstance(design, FingerSet):
         data = {"set": design.name, "format": file_format, "places_m": places_m, "forms": figures}

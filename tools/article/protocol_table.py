@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fingertip.documents.template import WIDTH, lay_out_page, read_rows, render_text
+from fingertip.documents.template import WIDTH, lay_out_page, render_text
 from fingertip.lab.report.numbers import ONSETS, format_ms
 from fingertip.slip.traces.truth import ENCODER_HZ, encoder_delay_band_s
 from tools.article.previous_works import PLATE_FACTORS, PreviousWorks
@@ -43,8 +43,10 @@ def list_protocol_rows(study: ProtocolStudy, previous: PreviousWorks) -> list[Pr
         "encoders_ms": [1000 * delay_s for delay_s in encoder_delay_band_s(ONSETS["motion_ms"] / 1000)],
         "ms": lambda seconds: format_ms(seconds, "none found"),
     }
-    rows = []
-    for row in read_rows(lay_out_page(render_text(TEMPLATE.read_text(encoding="utf-8"), **data))):
+    rows, page = [], lay_out_page(render_text(TEMPLATE.read_text(encoding="utf-8"), **data))
+    table = [line[1:-1].split("|") for line in page.splitlines() if line.startswith("|")]
+    head, _, *lines = ([cell.strip() for cell in line] for line in table)
+    for row in (dict(zip(head, line, strict=True)) for line in lines):
         ours = {name: row[name] for name in PROTOCOL_COLUMNS if row[name]}
         rows.append(ProtocolRow(row["figure"], row["article"], ours, row["differs"]))
     return rows

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,8 +17,6 @@ WEIGHTS_G = (100.0, 500.0)
 SPREAD = 4.0
 """Factor by which the conductance of a good sensor may differ from the data sheet's curve, up or down, since single
 sensors differ by a factor of 2 to 8 at the same force."""
-_RATIO_SPREAD = 1.3
-"""Factor by which the exponent of single sensors and the place of the disc change the ratio. An assumption."""
 _GRAVITY = 9.81
 
 
@@ -32,14 +29,6 @@ class WeightReading:
     """Lowest and highest voltage of a good finger."""
     spread: float
     """Factor by which the conductance may differ from the expected one within these limits."""
-
-
-@dataclass(frozen=True)
-class ChangeRatio:
-    """Change of the tactile voltage from that of the untouched finger: the heaviest weight's over the lightest's."""
-
-    expected: float
-    limits: tuple[float, float]
 
 
 def expect_open_v(design: Design) -> float:
@@ -57,30 +46,26 @@ def expect_pressed_v(design: Design) -> float:
 
 
 def expect_readings(design: Design) -> tuple[WeightReading, ...]:
-    """Expect the readings of `WEIGHTS_G`. No limit is beyond `expect_pressed_v`, so that a short circuit fails."""
-    ends_v = sorted((expect_open_v(design), expect_pressed_v(design)))
-    return tuple(
-        replace(reading, limits_v=(max(ends_v[0], reading.limits_v[0]), min(ends_v[1], reading.limits_v[1])))
-        for reading in _spread_readings(design)
-    )
+    """Expect the readings of `WEIGHTS_G`. No limit is beyond `expect_pressed_v`, so that a short circuit fails.
 
-
-def _spread_readings(design: Design) -> Iterator[WeightReading]:
-    """Compute the readings with the limits that follow from the spread alone. A calibrated curve is as uncertain as its
-    calibration, in the range of its forces; else the factor is `SPREAD`.
+    A calibrated curve is as uncertain as its calibration, in the range of its forces; else the factor is `SPREAD`.
     """
-    bridge, stated = Bridge.of_board(design), design.force_curve
+    bridge, curve, readings = Bridge.of_board(design), design.force_curve, []
+    lowest_v, highest_v = sorted((expect_open_v(design), expect_pressed_v(design)))
     forces_n = np.array(WEIGHTS_G) / 1000.0 * _GRAVITY
     sensed_n = Pad.from_design(design).sensed_n(forces_n, None, reads_whole_finger(design, "board"))
     for mass, force_n, on_sensor_n in zip(WEIGHTS_G, forces_n.tolist(), sensed_n.tolist(), strict=True):
-        is_calibrated = stated.curve == "calibrated" and stated.min_force_n <= force_n <= stated.max_force_n
-        spread = min(stated.interval_factor, SPREAD) if is_calibrated else SPREAD
+        is_calibrated = curve.curve == "calibrated" and curve.min_force_n <= force_n <= curve.max_force_n
+        spread = min(curve.interval_factor, SPREAD) if is_calibrated else SPREAD
         conductance = bridge.curve.conductance_s(on_sensor_n)
         low, high = sorted(
             _clip_v(design, bridge.response.tactile_v(conductance * factor)) for factor in (spread, 1.0 / spread)
         )
-        expected = bridge.response.tactile_v(conductance)
-        yield WeightReading(mass, 1.0 / conductance, expected, (low, high), spread)
+        limits_v = max(lowest_v, low), min(highest_v, high)
+        readings.append(
+            WeightReading(mass, 1.0 / conductance, bridge.response.tactile_v(conductance), limits_v, spread)
+        )
+    return tuple(readings)
 
 
 def _clip_v(design: Design, volts: float) -> float:
@@ -88,22 +73,13 @@ def _clip_v(design: Design, volts: float) -> float:
     return min(max(volts, 0.0), design.board.supply_v) if design.board.is_for_controller else volts
 
 
-def expect_change_ratio(design: Design) -> ChangeRatio:
-    """Expect the ratio of the changes of the voltage under the heaviest and the lightest weight.
+def expect_change_ratio(design: Design) -> float:
+    """Expect the change of the voltage under the heaviest weight over that under the lightest.
 
-    Sensors that differ by a factor at every force have nearly the same ratio, so its limits are much closer than those
-    of the voltages. They cover the same factors for both weights, and `_RATIO_SPREAD` besides.
+    Sensors that differ by a factor at every force have nearly the same ratio.
     """
-    open_v = expect_open_v(design)
-    light, *_, heavy = _spread_readings(design)
-    changes = [
-        (abs(open_v - of_light), abs(open_v - of_heavy))
-        for of_light, of_heavy in (
-            (light.tactile_v, heavy.tactile_v), *zip(light.limits_v, heavy.limits_v, strict=True)
-        )
-    ]  # fmt: skip
-    expected, *others = (of_heavy / of_light for of_light, of_heavy in changes)
-    return ChangeRatio(expected, (min(expected, *others) / _RATIO_SPREAD, max(expected, *others) * _RATIO_SPREAD))
+    open_v, (light, *_, heavy) = expect_open_v(design), expect_readings(design)
+    return abs(open_v - heavy.tactile_v) / abs(open_v - light.tactile_v)
 
 
 IDLE_TOLERANCE_V = 0.1

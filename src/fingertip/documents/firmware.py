@@ -64,10 +64,10 @@ def render_readme(design: Design, fingers: Fingers) -> str:
 
 def _describe_forces(design: Design, fingers: Fingers) -> dict[str, list[str]]:
     """Describe how far the forces of the fingers can be trusted; fingers of which the same is true stand together."""
-    said: dict[str, list[str]] = {}
+    names: dict[str, list[str]] = {}
     for name, finger in zip(fingers.names, fingers.designs or (design,) * fingers.count, strict=True):
-        said.setdefault(finger.force_curve.describe(), []).append(name)
-    return said
+        names.setdefault(finger.force_curve.describe(), []).append(name)
+    return names
 
 
 def _find_input(net: str, fingers: Fingers) -> str | None:

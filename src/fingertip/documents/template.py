@@ -11,7 +11,7 @@ import functools
 import re
 import sys
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -47,18 +47,6 @@ def fill(name: str, sheet: object, width: int | None = None, /) -> str:
 def render_page(name: str, width: int | None = None, /, **data: Any) -> str:
     """Render a template and lay it out, with a width of its lines or each block in one."""
     return lay_out_page(render(name, **data), width)
-
-
-def render_rows(name: str, data: Mapping[str, Any]) -> list[dict[str, str]]:
-    """Render a template that is a table, as its rows: column -> cell."""
-    return read_rows(render_page(name, **data))
-
-
-def read_rows(page: str) -> list[dict[str, str]]:
-    """Read the rows of a table in Markdown: column -> cell."""
-    rows = (line for line in page.splitlines() if line.startswith("|"))
-    head, _, *cells = ([cell.strip() for cell in row[1:-1].split("|")] for row in rows)
-    return [dict(zip(head, row, strict=True)) for row in cells]
 
 
 @functools.cache

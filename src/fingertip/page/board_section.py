@@ -133,10 +133,10 @@ def _render_gate(gate: list[Mapping[str, Any]]) -> Markup:
     passed = sum(entry["passed"] for entry in gate)
     rows = []
     for entry in gate:
-        said, kind = ("✓", "passed") if entry["passed"] else (f"✗ {entry['remedy']}", "failed")
+        verdict, kind = ("✓", "passed") if entry["passed"] else (f"✗ {entry['remedy']}", "failed")
         value = quantity(entry["value"], entry["unit"])
         limit = quantity(entry["limit"], entry["unit"], entry["bound"])
-        rows.append((entry["name"], entry["subject"], value, limit, element("span", said, class_=kind)))
+        rows.append((entry["name"], entry["subject"], value, limit, element("span", verdict, class_=kind)))
     body = table(("requirement", "of", "value", "must be", "met"), rows, "what makes the board work")
     state = "open" if passed < len(gate) else ""
     return fold(f"Requirements of the board: {passed} of {len(gate)} met", body, state=state)

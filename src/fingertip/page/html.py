@@ -42,8 +42,8 @@ def join(children: Iterable[str]) -> Markup:
 
 def figure(picture: Markup, caption: str, label: str = "", class_: str = "") -> Markup:
     """Build a picture with its caption. It is as wide as the page at most; `page.js` adds a button that enlarges it."""
-    said = [element("figcaption", caption)] if caption else []
-    return element("figure", picture, *said, class_=class_ or None, aria_label=label or None)
+    below = [element("figcaption", caption)] if caption else []
+    return element("figure", picture, *below, class_=class_ or None, aria_label=label or None)
 
 
 def table(

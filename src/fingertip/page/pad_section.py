@@ -32,13 +32,13 @@ def render_pad(design: Design, still_wanted: Callable[[], None] = lambda: None) 
     survey, form = survey_pad(design), PadForm.of_design(design)
     grasp = f"{GRASP_DEG[0]:g} to {GRASP_DEG[1]:g}"
     turn_on = max(survey.turn_on_n[1:5])
-    said = (
+    summary = (
         f"At tilts of {grasp} degrees at least {survey.least_share(*GRASP_DEG):.0%} of a force of {FORCE_N:g} N on a "
         f"flat plate reaches the sensor; it turns on at {f'{turn_on:.2g} N' if turn_on < math.inf else 'no force'} "
         f"at the worst of them. Rolled by {ROLL_DEG:g} degrees it gets {survey.rolled_share:.0%}. "
         f"Computed by the layer model, with silicone of {form.young_mpa:.2g} MPa on rigid bone."
     )
-    return join((element("p", said), figure(draw_pad(design, still_wanted), "", "what the sensor feels")))
+    return join((element("p", summary), figure(draw_pad(design, still_wanted), "", "what the sensor feels")))
 
 
 def draw_pad(design: Design, still_wanted: Callable[[], None] = lambda: None) -> Markup:
@@ -131,9 +131,9 @@ def _draw_depths(form: PadForm) -> list[Markup]:
     return [frame.axes(), legend(_PLOT_LEFT + 70, _DEPTH_TOP - 8, names), *curves]
 
 
-def _dot(x: float, y: float, colour: str, said: str) -> Markup:
+def _dot(x: float, y: float, colour: str, title: str) -> Markup:
     return element(
-        "circle", element("title", said), cx=number(x), cy=number(y), r=3.5, fill=colour, stroke="var(--text)"
+        "circle", element("title", title), cx=number(x), cy=number(y), r=3.5, fill=colour, stroke="var(--text)"
     )
 
 

@@ -83,12 +83,12 @@ def describe_effect(path: str, items: tuple[str, ...], *, linked: bool = True) -
     """Say what a parameter decides, with a link to the section of the page that shows it."""
     effect = _EFFECTS.get(path.partition(".")[0])
     if items:
-        said: tuple[str, ...] = ("Shapes ", ", ".join(dict.fromkeys(label_item(item) for item in items)), ".")
+        words: tuple[str, ...] = ("Shapes ", ", ".join(dict.fromkeys(label_item(item) for item in items)), ".")
     elif effect:
-        said = ("Decides ", element("a", effect[0], href=f"#{effect[1]}") if linked else effect[0], ".")
+        words = ("Decides ", element("a", effect[0], href=f"#{effect[1]}") if linked else effect[0], ".")
     else:
-        said = ("Shapes no part of this design: a limit, or a choice that it does not use.",)
-    return element("small", *said)
+        words = ("Shapes no part of this design: a limit, or a choice that it does not use.",)
+    return element("small", *words)
 
 
 @dataclass(frozen=True)
@@ -195,8 +195,8 @@ def render_atlas(design: Design, pictures: Mapping[str, AtlasPicture]) -> bytes:
     sections = []
     for name, entries in tables.items():
         parts = [element("h2", name or "design", id=f"t-{name}")]
-        if said := describe_table(design, name):
-            parts.append(element("p", said))
+        if description := describe_table(design, name):
+            parts.append(element("p", description))
         listed = (_render_entry(design, one, pictures.get(one.path), moved) for one in entries)
         parts.append(element("ul", *listed, class_="atlas"))
         sections.append(element("section", *parts, aria_labelledby=f"t-{name}"))

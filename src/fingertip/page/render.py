@@ -221,6 +221,6 @@ def render_set_page(
             element("h2", "Test the fingers", id="acceptance"), render_markdown(tests, links),
         )),
     ]  # fmt: skip
-    said = f"✗ Checks of {', '.join(failed)} failed: do not print these parts"
-    banner = element("p", said, class_="verdict failed") if failed else ""
+    verdict = f"✗ Checks of {', '.join(failed)} failed: do not print these parts"
+    banner = element("p", verdict, class_="verdict failed") if failed else ""
     return render_tabs(data.name, f"Fingers of {data.name}", tabs, banner=banner)

@@ -51,10 +51,10 @@ def render_steps(text: str, links: Mapping[str, str]) -> Markup:
     for number, step in enumerate(steps.children, 1):
         paths = [str(node.attrs["src"]) for node in step.walk() if node.type == "image"]
         title = PurePath(paths[0]).stem.partition("-")[2].replace("_", " ").capitalize() if paths else ""
-        said = [rendered for part in step.children if (rendered := _render(part, links, {}))]
-        begin = element("span", re.sub(r"<[^>]*>", "", said[0].partition(". ")[0]), class_="begin")
+        paragraphs = [rendered for part in step.children if (rendered := _render(part, links, {}))]
+        begin = element("span", re.sub(r"<[^>]*>", "", paragraphs[0].partition(". ")[0]), class_="begin")
         head = element("summary", element("span", f"Step {number}", class_="number"), " ", title, begin)
-        body = element("details", head, *(element("p", part) for part in said))
+        body = element("details", head, *(element("p", part) for part in paragraphs))
         listed.append(element("li", body, data_tick=f"step {number}", id=f"step-{number}"))
     return element("ol", *listed, class_="steps", data_ticks="steps", data_noun="steps")
 
@@ -132,8 +132,8 @@ def render_shopping(sources: Sources) -> Markup:
     if plugs:
         parts.append(fold("Plugs and wires of the board", render_markdown(plugs, sources.links, **_TICKED)))
     if sources.design.board.variant != "divider":
-        said = ("The parts on the board stand ", element("a", "with its pictures", href="#board"), ".")
-        parts.append(element("p", *said))
+        link = element("a", "with its pictures", href="#board")
+        parts.append(element("p", "The parts on the board stand ", link, "."))
     return join(parts)
 
 
@@ -154,5 +154,5 @@ def render_drawing(sources: Sources) -> Markup:
 def render_basis(design: Design) -> Markup:
     """Render where each kind of figure comes from, and which parameters nobody verified."""
     unverified = [parameter.path for parameter in list_parameters() if "(unverified)" in parameter.description]
-    said = ("Parameters for which no document was found: ", link_parameters(unverified), ".")
-    return join((render_markdown(render_basis_table(design)), element("p", *said) if unverified else ""))
+    sources = element("p", "Parameters for which no document was found: ", link_parameters(unverified), ".")
+    return join((render_markdown(render_basis_table(design)), sources if unverified else ""))

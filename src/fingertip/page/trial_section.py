@@ -40,10 +40,10 @@ def draw_onset(trace: Trace, detection: Detection) -> Markup | None:
     begin = max(float(trace.time_s[0]), onset_s - _BEFORE_S)
     end = min(float(trace.time_s[-1]), onset_s + max(_AFTER_S, 2 * delay_s))
     svg = _draw(trace, detection, begin, end, "Onset of the slip and its detection", onset=(onset_s, onset_s + delay_s))
-    said = format_delay(delay_s)
+    delays = format_delay(delay_s)
     if trace.origin.motion_s is not None:
-        said += f", {format_motion_delay(onset_s + delay_s - trace.origin.motion_s)}"
-    caption = f"The onset at {onset_s:.4f} s, {said}. Time on the axis is that of the trial."
+        delays += f", {format_motion_delay(onset_s + delay_s - trace.origin.motion_s)}"
+    caption = f"The onset at {onset_s:.4f} s, {delays}. Time on the axis is that of the trial."
     return figure(svg, caption, "onset of the slip", "wide")
 
 
@@ -143,11 +143,11 @@ def _reduce(x: Array, y: Array) -> list[tuple[float, float]]:
 
 def _describe(detection: Detection) -> str:
     score = detection.score
-    said = f"Detector {describe_detector(detection)}."
+    detector = f"Detector {describe_detector(detection)}."
     if score is None:
-        return said
+        return detector
     delays = "; ".join(format_delay(delay) for delay in score.delays_s) or "no slip in this trial"
-    return f"{said} Slip: {delays}. False intervals: {len(score.false_intervals)}."
+    return f"{detector} Slip: {delays}. False intervals: {len(score.false_intervals)}."
 
 
 def render_trial(sources: Sources) -> Markup:

@@ -108,18 +108,18 @@ def _add_to_mjcf(placed: Placed, world: Element, sensor: Element) -> None:
 def _add_stub_to_mjcf(placed: Placed, stub: Body, world: Element, tendon: Element) -> None:
     """Add the stub of the hand as a body that stands still, and the strands of the tendon, which lie on the horns."""
     name, finger = placed.name, placed.finger
-    held, moved = SubElement(world, "body", name=f"{name}_{stub.name}"), world.find(f"body[@name='{name}']")
+    fixed, moved = SubElement(world, "body", name=f"{name}_{stub.name}"), world.find(f"body[@name='{name}']")
     assert moved is not None
-    held.set("pos", _text((placed.x_m, 0.0, 0.0)))
+    fixed.set("pos", _text((placed.x_m, 0.0, 0.0)))
     seen = {"contype": "0", "conaffinity": "0", "group": "2", "mass": "0", "rgba": _text((*stub.colour, 1.0))}
     shape = {"name": f"{name}_{stub.name}", "type": "mesh", "mesh": f"{finger.name}_{stub.name}"}
-    SubElement(held, "geom", {**shape, "pos": _text(finger.offset_m), **seen})
+    SubElement(fixed, "geom", {**shape, "pos": _text(finger.offset_m), **seen})
     for i, strand in enumerate(finger.strands, 1):
         path, unseen = f"{name}_strand_{i}", {"contype": "0", "conaffinity": "0", "group": "4", "mass": "0"}
         (x, y, z), radius = strand.horn_m, strand.radius_m
         ends = f"{_text((x - _HORN_M, y, z))} {_text((x + _HORN_M, y, z))}"
         for body, site, at_m in (
-            (held, "guide", strand.guide_m), (moved, "side", (x, y - radius, z + radius)),
+            (fixed, "guide", strand.guide_m), (moved, "side", (x, y - radius, z + radius)),
             (moved, "end", (x, y + radius, z + radius)),
         ):  # fmt: skip
             SubElement(body, "site", name=f"{path}_{site}", pos=_text(at_m), size="5e-4", group="4")
@@ -145,8 +145,8 @@ def _add_to_urdf(placed: Placed, robot: Element, parent: str) -> None:
     kind = ("revolute" if finger.travel_deg else "continuous") if finger.turns else "fixed"
     at_m = placed.x_m, 0.0, 0.0
     if stub := finger.stub:
-        held = SubElement(robot, "link", name=f"{name}_{stub.name}")
-        _add_mesh(held, "visual", placed, stub.name, stub.colour)
+        stub_link = SubElement(robot, "link", name=f"{name}_{stub.name}")
+        _add_mesh(stub_link, "visual", placed, stub.name, stub.colour)
         _join(robot, "fixed", parent, f"{name}_{stub.name}", at_m)
         parent, at_m = f"{name}_{stub.name}", (0.0, 0.0, 0.0)
     joint = _join(robot, kind, parent, name, at_m)

@@ -10,7 +10,7 @@ import io
 import math
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -101,41 +101,25 @@ class Feeling:
 @dataclass(frozen=True)
 class Checks:
     passed: bool
-    failed: list[str]
+    failed: tuple[str, ...]
     count: int
     verdict: Markup
     checks: Markup
-
-
-@dataclass(frozen=True)
-class ShapeChecks(Checks):
-    moves: Mapping[str, tuple[str, ...]]
+    moves: Mapping[str, tuple[str, ...]] | None = None
     """Parameter -> items that it shapes."""
+    pad: Markup | None = None
 
 
 @dataclass(frozen=True)
-class FileChecks(Checks):
-    pad: Markup
+class Passing:
+    """Values of the parameter in hand that pass with the others as they are; nothing if its present one does."""
 
-
-@dataclass(frozen=True)
-class PassingValues:
-    """Values of the parameter in hand that pass with the other parameters as they are."""
-
-    bands: tuple[Band, ...]
-    said: str
-
-
-@dataclass(frozen=True)
-class Refusal(PassingValues):
-    issues: list[dict[str, str]]
-    passing: float
-    """Passing value that is nearest to the refused one."""
-
-
-@dataclass(frozen=True)
-class Accepted:
-    """Answer to a design that passes the rules: there is nothing to say."""
+    bands: tuple[Band, ...] | None = None
+    said: str | None = None
+    issues: list[dict[str, str]] | None = None
+    """Why the present value is refused."""
+    passing: float | None = None
+    """Passing value that is nearest to it."""
 
 
 def answer_parts(design: Design, still_wanted: StillWanted) -> Parts:
@@ -167,7 +151,7 @@ def make_items(design: Design, still_wanted: StillWanted = lambda: None) -> tupl
     return place_items(design, meshes, dict.fromkeys(meshes, 1.0), _make_mesh)
 
 
-def answer_checks(design: Design, still_wanted: StillWanted) -> ShapeChecks:
+def answer_checks(design: Design, still_wanted: StillWanted) -> Checks:
     """Check the parts at the tolerance of the view, and find what each parameter shapes."""
     evaluator = AskingEvaluator(VIEW_TOLERANCE_MM, still_wanted)
     solids = Solids.of(design, evaluator, parts_by_name(design))
@@ -177,20 +161,23 @@ def answer_checks(design: Design, still_wanted: StillWanted) -> ShapeChecks:
         f"Checked on meshes within {VIEW_TOLERANCE_MM:g} mm of the exact surface, coarser than those of the files, "
         "which have checks of their own. A check that fails names the parameters to change."
     )
-    return ShapeChecks(*_describe_checks(checks, "of the shape passed", basis), shapes_of_parameters(design))
+    checked = _describe_checks(checks, "of the shape passed", basis)
+    return replace(checked, moves=shapes_of_parameters(design))
 
 
-def answer_all_checks(design: Design, still_wanted: StillWanted) -> FileChecks:
+def answer_all_checks(design: Design, still_wanted: StillWanted) -> Checks:
     """Make the files in memory and run every check of `fingertip build` that needs no STEP file."""
     found = verify(design, parts_by_name(design), ("stl", "3mf"), AskingEvaluator(FILE_TOLERANCE_MM, still_wanted))
-    return FileChecks(*_describe_checks(found.checks, "of shape and files passed", EVERY_FILE), render_pad(design))
+    checked = _describe_checks(found.checks, "of shape and files passed", EVERY_FILE)
+    return replace(checked, pad=render_pad(design))
 
 
-def _describe_checks(checks: Sequence[Check], passed: str, basis: str) -> tuple[bool, list[str], int, Markup, Markup]:
-    """Return the fields of `Checks`."""
+def _describe_checks(checks: Sequence[Check], passed: str, basis: str) -> Checks:
     reported = [ReportedCheck.read(check.to_dict()) for check in checks]
-    failed = [check.name for check in checks if not check.passed]
-    return not failed, failed, len(checks), render_verdict(reported, passed), render_checks(reported, basis)
+    failed = tuple(check.name for check in checks if not check.passed)
+    return Checks(
+        not failed, failed, len(checks), render_verdict(reported, passed), render_checks(reported, basis)
+    )  # fmt: skip
 
 
 @lru_cache(maxsize=_MESHES_KEPT)
@@ -198,7 +185,8 @@ def _make_mesh(solid: Solid) -> Mesh:
     return MeshEvaluator(VIEW_TOLERANCE_MM).mesh(solid)
 
 
-Answer = Parts | Figures | Feeling | Checks | PassingValues | Accepted
+Answer = Parts | Figures | Feeling | Checks | Passing
+"""Data for the page; it is sent without the fields that are None."""
 ANSWERS: Mapping[str, Callable[[Design, StillWanted], Answer]] = {
     "parts": answer_parts,
     "figures": answer_figures,
@@ -306,14 +294,12 @@ class BandFinder:
         return self._found[others, path]
 
 
-def answer_bands(finder: BandFinder, tables: Mapping[str, Any], path: str, still_wanted: StillWanted) -> PassingValues:
+def answer_bands(finder: BandFinder, tables: Mapping[str, Any], path: str, still_wanted: StillWanted) -> Passing:
     bands = finder.find(tables, path, still_wanted)
-    return PassingValues(bands, describe_bands(path, bands) if bands else "")
+    return Passing(bands, describe_bands(path, bands) if bands else "")
 
 
-def answer_rules(
-    finder: BandFinder, tables: Mapping[str, Any], path: str, still_wanted: StillWanted
-) -> Refusal | Accepted:
+def answer_rules(finder: BandFinder, tables: Mapping[str, Any], path: str, still_wanted: StillWanted) -> Passing:
     """Say whether the form's design passes, and if not with which value of the parameter in hand it would.
 
     Raises
@@ -324,15 +310,16 @@ def answer_rules(
     try:
         Design.without_remedies(**tables)
     except DesignError as error:
-        found = answer_bands(finder, tables, path, still_wanted)
-        if not found.bands:
+        bands = finder.find(tables, path, still_wanted)
+        if not bands:
             read_design(tables, finder.opened)
         problem = " ".join(issue.message if issue.field == path else str(issue) for issue in error.issues)
-        refused = Issue(path, f"{problem} With the other parameters as they are, {found.said} pass.")
+        values = describe_bands(path, bands)
+        refused = Issue(path, f"{problem} With the other parameters as they are, {values} pass.")
         table, _, key = path.partition(".")
-        passing = _find_nearest(tables[table][key], finder.opened.value(path), found.bands)
-        return Refusal(found.bands, found.said, describe_issues(DesignError(refused)), passing)
-    return Accepted()
+        passing = _find_nearest(tables[table][key], finder.opened.value(path), bands)
+        return Passing(bands, values, describe_issues(DesignError(refused)), passing)
+    return Passing()
 
 
 def _find_nearest(present: object, opened: float, bands: Sequence[Band]) -> float:

@@ -49,9 +49,9 @@ def _render_group(name: str, fields: Sequence[Field], design: Design, moved: Map
         element("span", "", class_="counts"),
     )  # fmt: skip
     description = "" if name in (MAIN, "design") else describe_table(design, name)
-    said = [element("p", description, class_="hint")] if description else []
+    hint = [element("p", description, class_="hint")] if description else []
     rendered = (_render_field(field, design, moved.get(field.parameter.path, ()), is_main) for field in fields)
-    return element("details", element("summary", *title), *said, *rendered, class_="group", open=is_main)
+    return element("details", element("summary", *title), *hint, *rendered, class_="group", open=is_main)
 
 
 def _render_field(field: Field, design: Design, items: tuple[str, ...], is_main: bool) -> Markup:

@@ -27,7 +27,16 @@ from urllib.parse import SplitResult, parse_qs, urlsplit
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue, StudioError
 from fingertip.foundation.toml_files import UnusableTomlError, check_values
-from fingertip.studio.answers import ANSWERS, AT_ONCE, DOWNLOADS, BandFinder, Download, describe_issues, read_design
+from fingertip.studio.answers import (
+    ANSWERS,
+    AT_ONCE,
+    DOWNLOADS,
+    Answer,
+    BandFinder,
+    Download,
+    describe_issues,
+    read_design,
+)
 from fingertip.studio.page import render_locked, render_studio, render_way_in
 from fingertip.studio.worker import NewestWinsWorker, SupersededError
 
@@ -194,7 +203,9 @@ class _Handler(BaseHTTPRequestHandler):
         at_once, before = AT_ONCE.get(name), self.server.design
         _, answer = DOWNLOADS.get(rest[0], ("", None)) if name == "download" else ("", ANSWERS.get(name))
         if api == "api" and at_once:
-            return _make_json(vars(at_once(self.server.finder, request.tables, request.field, self._raise_if_gone)))
+            return _make_json(
+                _list_fields(at_once(self.server.finder, request.tables, request.field, self._raise_if_gone))
+            )
         if api != "api" or not answer:
             raise _RefusedRequestError(HTTPStatus.NOT_FOUND, "There is nothing at this address.")
         client = request.client
@@ -204,7 +215,7 @@ class _Handler(BaseHTTPRequestHandler):
             client, lambda wanted: answer(read_design(request.tables, before), wanted), self._has_gone
         )
         if not isinstance(made, Download):
-            return _make_json(vars(made))
+            return _make_json(_list_fields(made))
         shown = {"Content-Disposition": f'attachment; filename="{made.name}"'}
         return _Reply(HTTPStatus.OK, made.content_type, made.data, shown)
 
@@ -216,8 +227,8 @@ class _Handler(BaseHTTPRequestHandler):
         if origin is not None and origin not in {f"http://{host}" for host in self.server.hosts}:
             raise _RefusedRequestError(HTTPStatus.FORBIDDEN, "This server answers to its own page only.")
 
-    def _is_token(self, given: str) -> bool:
-        return hmac.compare_digest(given.encode(), self.server.token.encode())
+    def _is_token(self, text: str) -> bool:
+        return hmac.compare_digest(text.encode(), self.server.token.encode())
 
     def _split_address(self) -> SplitResult:
         try:
@@ -282,6 +293,10 @@ class _Handler(BaseHTTPRequestHandler):
             self.wfile.write(reply.data)
         except OSError:  # the page was closed
             self.close_connection = True
+
+
+def _list_fields(answer: Answer) -> dict[str, Any]:
+    return {name: value for name, value in vars(answer).items() if value is not None}
 
 
 def _make_json(content: Mapping[str, Any], status: HTTPStatus = HTTPStatus.OK) -> _Reply:

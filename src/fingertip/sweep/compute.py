@@ -271,7 +271,7 @@ def compute_acceptance(context: PointContext) -> OutputValues:
     from fingertip.documents.acceptance import expect_change_ratio, expect_open_v, expect_readings
 
     weights = {f"tactile_{reading.mass_g:g}g_v": reading.tactile_v for reading in expect_readings(context.design)}
-    ratio = expect_change_ratio(context.design).expected
+    ratio = expect_change_ratio(context.design)
     return {"tactile_open_v": expect_open_v(context.design), "tactile_change_ratio": ratio, **weights}
 
 

@@ -256,9 +256,9 @@ def connect(bench: Bench, sheet: CastingSheet) -> Scene:
     y, far = dims.bone_outline.section.dorsal, dims.collar.section.half_width + 16.0
     red, black = (cylinder("x", (y, z + beside), 0.0, far + 6.0 * beside, 0.6) for beside in (0.7, -0.7))
     black_to = f"black wire to A0 (Pico: GP26,\npin 31); {kohm or 0:g} kohm from\nA0 to GND (Pico: pin 33)"
-    held, labels = _held(bench, sheet)
+    mount, labels = _show_mount(bench, sheet)
     return Scene(
-        (*bench.assembled_bone(), *held, bench.solid(red, Paint.WIRE), bench.solid(black, _BLACK)),
+        (*bench.assembled_bone(), *mount, bench.solid(red, Paint.WIRE), bench.solid(black, _BLACK)),
         Camera.from_angles(18, -55),
         Label("red wire to 3V3 (Pico:\nADC_VREF, pin 35)" if kohm else "to the board", (far + 4.0, y, z + 0.7)),
         *([Label(black_to, (far - 8.0, y, z))] if kohm else []),
@@ -267,17 +267,17 @@ def connect(bench: Bench, sheet: CastingSheet) -> Scene:
     )
 
 
-def _held(bench: Bench, sheet: CastingSheet) -> tuple[list[Shown], list[Label]]:
+def _show_mount(bench: Bench, sheet: CastingSheet) -> tuple[list[Shown], list[Label]]:
     """Show what holds the bone: a stand, or a plain part of the hand; nothing yet of a joint."""
-    design, y, bone, mount = bench.design, middle_y(bench.dims), bench.design.bone, sheet.mount
+    design, y, bone = bench.design, middle_y(bench.dims), bench.design.bone
     end, half = -bone.base_length_mm, bench.dims.bone_outline.section.half_width
-    match mount.interface:
+    match sheet.mount.interface:
         case "post":
-            z, held, text = Post().cross_bolt_z(design), bench.part("stand"), "stand, on the table"
+            z, holder, text = Post().cross_bolt_z(design), bench.part("stand"), "stand, on the table"
             at, half = (0.0, y, end - bone.post_length_mm - 20.0), bone.post_width_mm / 2
         case "socket":
-            z, post = Socket().cross_bolt_z(design), (end - 25.0, end + 6.0, mount.post_mm[0] / 2)
-            held, text = bench.solid(cylinder("z", (0.0, y), *post), Paint.PAPER), "post of your hand"
+            z, post = Socket().cross_bolt_z(design), (end - 25.0, end + 6.0, sheet.mount.post_mm[0] / 2)
+            holder, text = bench.solid(cylinder("z", (0.0, y), *post), Paint.PAPER), "post of your hand"
             at = (0.0, y, end - 20.0)
         case "flange":
             half, deep, low, top = bone.flange_width_mm / 2, bone.flange_height_mm / 2, end - 8.0, end + 7.0
@@ -289,7 +289,7 @@ def _held(bench: Bench, sheet: CastingSheet) -> tuple[list[Shown], list[Label]]:
         case _:
             return [], []
     bolt = bench.solid(cylinder("x", (y, z), -half - 6.0, half + 6.0, 1.5), Paint.STEEL)
-    return [held, bolt], [Label("bolt with nut", (-half - 5.0, y, z)), Label(text, at)]
+    return [holder, bolt], [Label("bolt with nut", (-half - 5.0, y, z)), Label(text, at)]
 
 
 SCENES: dict[str, Callable[[Bench, CastingSheet], Scene]] = {

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
 
 from fingertip.cli import options
-from fingertip.cli.board_tables import channel_lines, gate_lines, load_lines, table_lines
+from fingertip.cli.board_tables import analysis_text, channel_lines, gate_lines, load_lines, table_lines
 from fingertip.cli.console import Console
 from fingertip.cli.options import command, find_file_issues, find_idle_issues, flag, load_design, refuse
 from fingertip.foundation import extras
@@ -61,76 +62,100 @@ def board(
     if plot:
         extras.require("--plot", "matplotlib", alternative="leave --plot out")
     loaded = load_design(design, changes, console)
+    options = _Options(out, fab, analysis, bode, plot, bringup, article, verbose, force)
     if not loaded.board.has_filter:
         needing = {"--fab": fab, "--analysis": analysis, "--readings": readings, "--article": article} | writing
-        _write_divider(console, loaded, out, force, check, [option for option, given in needing.items() if given])
-        return
+        _refuse_for_divider(option for option, given in needing.items() if given)
     if readings:
-        from fingertip.board.bringup.readings import format_assessment
-        from fingertip.board.bringup.several import format_fingers
-        from fingertip.tasks.board import assess_board
-
-        console.progress(ShareText("comparing the readings with those of some 500 faults", 0.0))
-        assessment = assess_board(loaded, readings)
-        text = format_fingers(assessment) if "fingers" in assessment else format_assessment(assessment)
-        console.result(assessment, text, assessment["passed"])
-        return
-    if check:
+        _assess(console, loaded, readings)
+    elif check:
         _compare(console, loaded, out, fab)
-        return
-    from fingertip.board import board_values
+    elif loaded.board.has_filter:
+        _write_board(console, loaded, options)
+    else:
+        _write_divider(console, loaded, options)
 
-    values = board_values(loaded)
-    folder, written = _write(console, loaded, out, force, bringup, fab)
-    warnings = list(_find_warnings(loaded, values))
+
+@dataclass(frozen=True)
+class _Options:
+    """What is written and printed of a board: the options of the command."""
+
+    out: Path | None
+    fab: bool
+    analysis: bool
+    bode: Path | None
+    plot: Path | None
+    bring_up: bool
+    article: bool
+    verbose: bool
+    force: bool
+
+
+def _assess(console: Console, design: Design, readings: Path) -> None:
+    """Compare the readings of a soldered board with their limits."""
+    from fingertip.board.bringup.readings import format_assessment
+    from fingertip.board.bringup.several import format_fingers
+    from fingertip.tasks.board import assess_board
+
+    console.progress(ShareText("comparing the readings with those of some 500 faults", 0.0))
+    assessment = assess_board(design, readings)
+    text = format_fingers(assessment) if "fingers" in assessment else format_assessment(assessment)
+    console.result(assessment, text, assessment["passed"])
+
+
+def _write_board(console: Console, design: Design, options: _Options) -> None:
+    """Write the files of a board, and print its values, what is doubtful of it, and what the options add."""
+    from fingertip.board.analysis.board_values import board_values
+
+    values = board_values(design)
+    folder, written = _write(console, design, options)
+    warnings = list(_find_warnings(design, values))
     data, verdict = values.as_data(), _format_verdict(values, warnings)
     achieved, target = values.achieved_response, values.target_response
     lines = [
-        f"{loaded.name}, {verdict}",
+        f"{design.name}, {verdict}",
         f"-3 dB at {achieved.cutoff_hz:.4g} Hz (target {target.cutoff_hz:.4g} Hz), gain {achieved.passband_gain:.4g}; "
         f"files in {folder}, --verbose for the conditions",
-        *channel_lines(loaded, values),
+        *channel_lines(design, values),
         "",
-        *table_lines(loaded, values),
+        *table_lines(design, values),
     ]
-    if verbose:
-        lines += ["", *load_lines(loaded, values), "", *gate_lines(values)]
-    if fab:
+    if options.verbose:
+        lines += ["", *load_lines(design, values), "", *gate_lines(values)]
+    if options.fab:
         from fingertip.board.circuits.board_circuit import board_circuit
         from fingertip.board.fabrication.bom import missing_numbers_note
 
-        data["to_order"] = missing_numbers_note(board_circuit(values, loaded.board.channels))
+        data["to_order"] = missing_numbers_note(board_circuit(values, design.board.channels))
         lines += ["", data["to_order"]] if data["to_order"] else []
-    if article:
+    if options.article:
         lines += ["", "Errata of the article:"]
         for erratum in values.errata:
             lines += [f"  {erratum.subject}", f"    article: {erratum.statement}", f"    correct: {erratum.correction}"]
-    written["files"] += (responses := _write_responses(loaded, values, bode, plot))
+    written["files"] += (responses := _write_responses(design, values, options))
     lines += ["", f"wrote {' and '.join(responses)}"] if responses else []
-    if analysis:
+    if options.analysis:
         from fingertip.board.analysis.report import analyse
-        from fingertip.cli.board_tables import analysis_text
 
-        analysis_result = analyse(loaded)
-        data["analysis"] = analysis_result.as_data()
-        lines += ["", analysis_text(analysis_result)]
+        found = analyse(design)
+        data["analysis"] = found.as_data()
+        lines += ["", analysis_text(found)]
     console.result(data | written | {"verdict": verdict, "warnings": warnings}, "\n".join(lines))
 
 
-def _write_divider(
-    console: Console, design: Design, out: Path | None, force: bool, check: bool, needing_a_board: Sequence[str]
-) -> None:
-    """Write or compare the files of a divider, and print what its voltage must be."""
-    from fingertip.board.analysis.board_values import find_range_warnings
+def _refuse_for_divider(needing_a_board: Iterable[str]) -> None:
     from fingertip.board.components.values import BOARD_REMEDY
-    from fingertip.documents.board.divider import describe_readings, list_readings
 
     message = f"needs a board, and a divider is none; leave it out, or {BOARD_REMEDY}."
     refuse([Issue(option, message) for option in needing_a_board])
-    if check:
-        _compare(console, design, out, fab=False)
-        return
-    folder, written = _write(console, design, out, force, bring_up=False, fab=False)
+
+
+def _write_divider(console: Console, design: Design, options: _Options) -> None:
+    """Write the files of a divider, and print what its voltage must be."""
+    from fingertip.board.analysis.board_values import find_range_warnings
+    from fingertip.documents.board.divider import describe_readings, list_readings
+
+    folder, written = _write(console, design, options)
     console.warn(find_range_warnings(design))
     first = f"{design.name}, divider of {design.board.divider_ohm:g} ohm on one analog input; files in {folder}"
     readings = list_readings(design)
@@ -150,23 +175,21 @@ def _compare(console: Console, design: Design, out: Path | None, fab: bool) -> N
     console.result({"current": not found, "differences": found}, text, passed=not found)
 
 
-def _write(
-    console: Console, design: Design, out: Path | None, force: bool, bring_up: bool, fab: bool
-) -> tuple[Path, dict[str, Any]]:
-    """Write the files of a board, and with `fab` those for its maker; return their folder and a report."""
+def _write(console: Console, design: Design, options: _Options) -> tuple[Path, dict[str, Any]]:
+    """Write the files of a board, and those for its maker; return their folder and a report."""
     from fingertip.catalogues.output_files import BOARD
     from fingertip.tasks import board as task
 
-    folder = out or BOARD.folder(design)
-    if out is None and not force:  # a folder that nobody named keeps a board of another circuit
+    folder, force = options.out or BOARD.folder(design), options.force
+    if options.out is None and not force:  # a folder that nobody named keeps a board of another circuit
         task.refuse_other_board(design)
-    if fab:
+    if options.fab:
         task.check_fabrication(design, folder, force=force)
     notes: list[str] = []
-    paths = task.write_board(design, folder, force=force, bring_up=bring_up, progress=notes.append)
+    paths = task.write_board(design, folder, force=force, bring_up=options.bring_up, progress=notes.append)
     for note in notes:
         console.progress(note)
-    if fab:
+    if options.fab:
         paths += task.write_fabrication(design, folder, console.progress, force=force)
     # Fabrication files of an earlier design may be left in the folder.
     differences = task.fabrication_differences(design, folder)
@@ -175,15 +198,15 @@ def _write(
     return folder, {"files": files, "notes": notes, "fabrication_differences": differences}
 
 
-def _write_responses(design: Design, values: BoardValues, bode: Path | None, plot: Path | None) -> list[str]:
+def _write_responses(design: Design, values: BoardValues, options: _Options) -> list[str]:
     from fingertip.foundation.files import write_file
 
     contents: list[tuple[str, Path, bytes]] = []
-    if bode:
+    if options.bode:
         from fingertip.board.analysis.report import bode_table
 
-        contents.append(("--bode", bode, bode_table(design).encode()))
-    if plot:
+        contents.append(("--bode", options.bode, bode_table(design).encode()))
+    if plot := options.plot:
         from fingertip.board.analysis.tolerance import compute_response_band, draw_response
 
         title = f"{design.name}: response of the board, variant {values.variant}"

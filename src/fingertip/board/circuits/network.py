@@ -238,74 +238,85 @@ def build_network(
     amplifiers together, as these draw their current from it.
     """
     nets = circuit.net_by_pin
-    driven = {output.net for output in list_amplifiers(circuit)}
-    gain_nets = {nets[c.reference, pin] for c in circuit.components for pin in "18" if c.symbol.name == "AD623ARMZ"}
-    rails = tuple(rail for rail in RAILS if rail != VCC or not is_supply_resistive)
-    law = {
-        net: net
-        for net in nets.values()
-        if net not in (*rails, *driven, *gain_nets) and not net.startswith(UNCONNECTED)
-    }
-    law |= dict.fromkeys(driven if is_supply_resistive else (), VCC)
-    terms: list[Term] = []
-    values: dict[str, Value] = {}
-
-    def add(quantity: str, value: float, first: str, second: str | None, order: int = 0) -> None:
-        """Add an admittance between two nets, or from one to ground, to the current laws of both."""
-        values[quantity] = value
-        for net, other in ((first, second), (second, first)):
-            if net in law:
-                terms.append(Term(law[net], net, quantity, 1.0, order))
-                if other is not None:
-                    terms.append(Term(law[net], other, quantity, -1.0, order))
-
+    equations = _Equations(circuit, gain_bandwidth_hz, is_supply_resistive)
     for component in circuit.components:
-        symbol, reference = component.symbol.name, component.reference
-        pins = {pin.number: nets[reference, pin.number] for pin in component.symbol.pins}
-        if symbol == "R" and pins["1"] in gain_nets:
-            values[reference] = 1.0 / parse_component_value(component.value)  # part of its amplifier's gain
+        symbol, name = component.symbol.name, component.reference
+        pins = {pin.number: nets[name, pin.number] for pin in component.symbol.pins}
+        if symbol == "R" and pins["1"] in equations.gain_nets:
+            equations.values[name] = 1.0 / parse_component_value(component.value)  # part of its amplifier's gain
         elif symbol == "R":
-            add(reference, 1.0 / parse_component_value(component.value), pins["1"], pins["2"])
+            equations.add(name, 1.0 / parse_component_value(component.value), pins["1"], pins["2"])
         elif symbol == "C":
-            add(reference, parse_component_value(component.value), pins["1"], pins["2"], order=1)
+            equations.add(name, parse_component_value(component.value), pins["1"], pins["2"], order=1)
         elif symbol == "R_Potentiometer":
             ohm = parse_component_value(component.value)
-            for name, pin, ratio in (("a", "1", 1.0 - trimmer_ratio), ("b", "3", trimmer_ratio)):
-                add(f"{reference}{name}", 1.0 / max(ohm * ratio, _TRIMMER_END_OHM), pins[pin], pins["2"])
+            for end, pin, ratio in (("a", "1", 1.0 - trimmer_ratio), ("b", "3", trimmer_ratio)):
+                equations.add(f"{name}{end}", 1.0 / max(ohm * ratio, _TRIMMER_END_OHM), pins[pin], pins["2"])
         elif component.value == "FSR":
             (_, sensor), (_, ground) = circuit.list_wires(component)
-            add(reference, sensor_s, sensor, ground)
+            equations.add(name, sensor_s, sensor, ground)
         elif symbol == "AO3401A" and is_supply_resistive:
-            add(reference, 1.0 / MAX_SWITCH_OHM, pins["3"], pins["2"])
+            equations.add(name, 1.0 / MAX_SWITCH_OHM, pins["3"], pins["2"])
         elif symbol == "D_TVS":
-            add(reference, SUPPRESSOR_F, pins["1"], pins["2"], order=1)
+            equations.add(name, SUPPRESSOR_F, pins["1"], pins["2"], order=1)
         elif symbol == "1N4148W":
-            values[reference] = CONDUCTING_S
-            if reference in conducting:
-                add(reference, CONDUCTING_S, pins["1"], pins["2"])
+            equations.values[name] = CONDUCTING_S
+            if name in conducting:
+                equations.add(name, CONDUCTING_S, pins["1"], pins["2"])
         elif symbol == "AD623ARMZ":
-            # v_out (1 + s A / (2 pi GBW)) = A (v_plus - v_minus) + v_ref with A = 1 + 100 kohm / R_gain.
-            out = pins["6"]
-            for quantity, factor in ((UNITY, 1.0), (GAIN_RESISTOR, GAIN_CONSTANT_OHM)):
-                terms += [Term(out, pins["3"], quantity, factor, 0), Term(out, pins["2"], quantity, -factor, 0)]
-                if gain_bandwidth_hz is not None:
-                    terms.append(Term(out, out, quantity, -factor / (math.tau * AD623_BANDWIDTH_HZ), 1))
-            terms += [Term(out, pins["5"], UNITY, 1.0, 0), Term(out, out, UNITY, -1.0, 0)]
+            equations.add_instrumentation_amplifier(pins)
         elif symbol in AMPLIFIERS:
-            data = AMPLIFIERS[symbol]
-            for unit, (plus, minus, out) in data.units.items():
-                name = f"{reference}{unit}"
-                terms += [Term(pins[out], pins[plus], UNITY, 1.0, 0), Term(pins[out], pins[minus], UNITY, -1.0, 0)]
-                if gain_bandwidth_hz is not None:
-                    # v_out / A = v_plus - v_minus with 1 / A = 1 / A0 + s / (2 pi GBW).
-                    bandwidth_hz = gain_bandwidth_hz
-                    values[f"{name} {INVERSE_GAIN}"] = 1.0 / OPEN_LOOP_GAIN
-                    values[f"{name} {INVERSE_BANDWIDTH}"] = 1.0 / (math.tau * bandwidth_hz)
-                    terms.append(Term(pins[out], pins[out], f"{name} {INVERSE_GAIN}", -1.0, 0))
-                    terms.append(Term(pins[out], pins[out], f"{name} {INVERSE_BANDWIDTH}", -1.0, 1))
-                    for pin in dict.fromkeys((plus, minus)):
-                        add(f"{name} C{pin}", data.input_f, pins[pin], None, order=1)
-    return Network(tuple(terms), values, rails)
+            equations.add_amplifiers(name, AMPLIFIERS[symbol], pins)
+    return Network(tuple(equations.terms), equations.values, equations.rails)
+
+
+class _Equations:
+    """Terms of the equations of a circuit's nets, to which each component adds its own."""
+
+    def __init__(self, circuit: Circuit, gain_bandwidth_hz: float | None, is_supply_resistive: bool) -> None:
+        nets = circuit.net_by_pin
+        driven = {output.net for output in list_amplifiers(circuit)}
+        amplifiers = [c.reference for c in circuit.components if c.symbol.name == "AD623ARMZ"]
+        self.gain_nets = {nets[name, pin] for name in amplifiers for pin in "18"}
+        self.rails = tuple(rail for rail in RAILS if rail != VCC or not is_supply_resistive)
+        without_law = {*self.rails, *driven, *self.gain_nets}
+        self._law = {n: n for n in nets.values() if n not in without_law and not n.startswith(UNCONNECTED)}
+        """Net -> net whose equation takes its current. What an amplifier drives has the equation of the amplifier."""
+        self._law |= dict.fromkeys(driven if is_supply_resistive else (), VCC)
+        self._bandwidth_hz = gain_bandwidth_hz
+        self.terms: list[Term] = []
+        self.values: dict[str, Value] = {}
+
+    def add(self, quantity: str, value: float, first: str, second: str | None, order: int = 0) -> None:
+        """Add an admittance between two nets, or from one to ground, to the current laws of both."""
+        self.values[quantity] = value
+        for net, other in ((first, second), (second, first)):
+            if net in self._law:
+                self.terms.append(Term(self._law[net], net, quantity, 1.0, order))
+                if other is not None:
+                    self.terms.append(Term(self._law[net], other, quantity, -1.0, order))
+
+    def add_instrumentation_amplifier(self, pins: Mapping[str, str]) -> None:
+        """Add v_out (1 + s A / (2 pi GBW)) = A (v_plus - v_minus) + v_ref with A = 1 + 100 kohm / R_gain."""
+        out = pins["6"]
+        for quantity, factor in ((UNITY, 1.0), (GAIN_RESISTOR, GAIN_CONSTANT_OHM)):
+            self.terms += [Term(out, pins["3"], quantity, factor, 0), Term(out, pins["2"], quantity, -factor, 0)]
+            if self._bandwidth_hz is not None:
+                self.terms.append(Term(out, out, quantity, -factor / (math.tau * AD623_BANDWIDTH_HZ), 1))
+        self.terms += [Term(out, pins["5"], UNITY, 1.0, 0), Term(out, out, UNITY, -1.0, 0)]
+
+    def add_amplifiers(self, reference: str, data: Amplifier, pins: Mapping[str, str]) -> None:
+        """Add v_out / A = v_plus - v_minus of each unit, with 1 / A = 0, or as built 1 / A0 + s / (2 pi GBW)."""
+        for unit, (plus, minus, out) in data.units.items():
+            net, name = pins[out], f"{reference}{unit}"
+            gain, bandwidth = f"{name} {INVERSE_GAIN}", f"{name} {INVERSE_BANDWIDTH}"
+            self.terms += [Term(net, pins[plus], UNITY, 1.0, 0), Term(net, pins[minus], UNITY, -1.0, 0)]
+            if self._bandwidth_hz is not None:
+                self.values[gain] = 1.0 / OPEN_LOOP_GAIN
+                self.values[bandwidth] = 1.0 / (math.tau * self._bandwidth_hz)
+                self.terms += [Term(net, net, gain, -1.0, 0), Term(net, net, bandwidth, -1.0, 1)]
+                for pin in dict.fromkeys((plus, minus)):
+                    self.add(f"{name} C{pin}", data.input_f, pins[pin], None, order=1)
 
 
 def filter_quantities(components: Mapping[str, float], amplifier: Amplifier) -> dict[str, Value]:

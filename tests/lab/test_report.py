@@ -31,7 +31,7 @@ from fingertip.sim.simulation import article_trials
 from fingertip.slip.traces.trace import Trace
 from fingertip.slip.traces.truth import Origin
 from tests.approved import check_figures, check_text, list_data
-from tests.figures import keep_figures, list_words
+from tests.figures import describe_figure, keep_figures
 
 APPROVED = Path(__file__).with_name("approved")
 SCENES = [scene for scene, _ in article_trials()]
@@ -130,16 +130,15 @@ def example(label: str, speed_m_s: float, rest_v: float) -> ExampleTrial:
     return ExampleTrial(label, speed_m_s, trace, 1.0)
 
 
-@pytest.mark.full
 def test_figures_are_the_approved_ones(validation: Validation, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Words of all figures, drawn from the results above; tests of the plots compare the rest."""
+    """Positions of all bars, lines and areas, their colours, and all words; drawn from the results above."""
     examples = [example("wood", 0.04, 4.3), example("object, smooth", 0.06, 4.0), example("object, paper", 0.08, 4.1)]
     monkeypatch.setattr(trial_plots, "simulate_examples", lambda *_: examples)
     with keep_figures() as figures:
         names = [name for name in validation.files() if name.endswith(".png")]
     assert [*names] == [name for name in lab.FILES if name.endswith(".png")]
-    assert len(names) == len(figures)
-    check_figures(APPROVED / "figures.txt", list_words(figures), 1e-3, 1e-9)
+    lines = (line for name, f in zip(names, figures, strict=True) for line in (name, *describe_figure(f)))
+    check_figures(APPROVED / "figures.txt", lines, 1e-3, 1e-9)
 
 
 def test_command_writes_the_report_and_ends_with_1_if_a_requirement_is_missed(

@@ -18,7 +18,7 @@ from fingertip.lab.campaign.plan import Case
 from fingertip.lab.campaign.run import DetectorResult, TrialResult
 from fingertip.lab.report import trial_plots
 from tests.approved import check_figures, check_text, list_data
-from tests.figures import keep_figures, list_words
+from tests.figures import describe_figure, keep_figures
 from tests.lab.test_report import SCENES, closed_loop, example
 from tests.tools import require_module
 from tools.article.boards import BoardResult
@@ -110,8 +110,11 @@ def files() -> dict[str, bytes]:
             files = Studies(Design.load("article"), "fast", results()).files()
     finally:
         patch.undo()
-    lines = list_data(json.loads(files["studies.json"]))
-    return files | {"figures": "\n".join(list_words(figures)).encode(), "data": "\n".join(lines).encode()}
+    texts = {
+        "figures": (line for one in figures for line in describe_figure(one)),
+        "data": list_data(json.loads(files["studies.json"])),
+    }
+    return files | {name: "\n".join(lines).encode() for name, lines in texts.items()}
 
 
 @pytest.mark.parametrize("name", ["studies.txt", "studies.md"])

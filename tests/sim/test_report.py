@@ -28,7 +28,7 @@ from fingertip.sim.trace_file import encode_trace
 from fingertip.slip.traces.truth import SlipCollector, intervals
 from tests.approved import check_figures, check_text
 from tests.designs import ARTICLE
-from tests.figures import keep_figures, list_words
+from tests.figures import describe_figure, keep_figures, list_words
 
 BOARDS = {"comparator": Design.load(changes=VARIANT_CHANGES["comparator"]), "article": ARTICLE}
 EVERYTHING: dict[str, Any] = {
@@ -74,8 +74,10 @@ def describe(result: Any, **grips: Any) -> str:
     table = encode_trace(result.time_s, result.columns, Path("t.csv")).decode().splitlines()
     every = len(table) // 10
     data = json.dumps(as_data(record, **grips))
-    return "\n\n".join(["\n".join(as_text(record, **grips)), data, "\n".join(list_words(figures[-1:])),
-                        "\n".join(table[:1] + table[1::every])])  # fmt: skip
+    figure = figures[-1]  # of many outputs only its words and lines
+    drawn = describe_figure(figure) if len(figure.axes) < 6 else list_words([figure])
+    parts = (as_text(record, **grips), [data], drawn, table[:1] + table[1::every])
+    return "\n\n".join("\n".join(part) for part in parts)
 
 
 @pytest.mark.every_case

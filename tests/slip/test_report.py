@@ -15,10 +15,10 @@ import pytest
 from fingertip import Design, Trace, detect
 from fingertip.detection.warnings import calibration_warnings, noise_warnings
 from fingertip.slip.detectors.analog_and_digital import ChainSettings, SlipChain
-from fingertip.slip.report import as_data, as_text
+from fingertip.slip.report import as_data, as_text, draw_trace
 from fingertip.slip.traces.truth import Interval, Origin
 from tests.approved import check_figures, list_data
-from tests.figures import keep_figures, list_words
+from tests.figures import describe_figure, keep_figures, list_words
 
 APPROVED = Path(__file__).with_name("approved")
 T = np.arange(8000) / 2000
@@ -57,12 +57,13 @@ CASES = {
 def test_report_of_a_detection_is_the_approved_one(name: str) -> None:
     trace, detector = CASES[name]
     found = detect(trace, Design() if trace.filtered_v is not None else Design.load("article"), detector)
-    with keep_figures() as figures:
-        found.plot("title")
-    lines = [*as_text(found).splitlines(), repr(found), found._repr_html_().replace("<tr>", "\n<tr>")]
-    lines += (*list_data(as_data(found, found.noise)), *list_words(figures))
     whole = APPROVED / "fast_simulated_with_a_motion.txt"
     path = APPROVED / f"{name.replace(', ', '_').replace(' ', '_')}.txt"
+    with keep_figures() as figures:
+        _ = found.plot("title"), draw_trace(trace) if path == whole else None
+    drawn = (line for one in figures for line in describe_figure(one)) if path == whole else list_words(figures)
+    lines = [*as_text(found).splitlines(), repr(found), found._repr_html_().replace("<tr>", "\n<tr>")]
+    lines += (*list_data(as_data(found, found.noise)), *drawn)
     check_figures(path, lines, 1e-3, 1e-9, whole if path != whole else None)
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from fingertip.cad.kernel.brep import BrepEvaluator
-from fingertip.cad.shapes.bone import bone
+from fingertip.cad.shapes.finger import bone
 from fingertip.design import Design
 from fingertip.design.interfaces.interface import middle_y
 

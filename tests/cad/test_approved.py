@@ -14,8 +14,8 @@ import pytest
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.settings import FDM, slicer_settings
+from fingertip.cad.shapes.finger import cavity
 from fingertip.cad.shapes.parts import hardware, parts_by_name
-from fingertip.cad.shapes.skin import cavity
 from fingertip.cad.verification.skin import pull_off_n
 from fingertip.casting.sheet import measure_poured_cm3
 from fingertip.catalogues import amplifiers, print_materials, sensors, silicones

@@ -10,9 +10,9 @@ import pytest
 
 from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
-from fingertip.cad.shapes import bone
+from fingertip.cad.shapes import finger
+from fingertip.cad.shapes.finger import filled_bone
 from fingertip.cad.shapes.parts import PARTS, Part, parts_by_name
-from fingertip.cad.shapes.skin import filled_bone
 from fingertip.cad.verification.assembly import check_assembly
 from fingertip.cad.verification.check import Solids
 from fingertip.cad.verification.printing import check_brep_solid, check_mesh_file, count_open_edges
@@ -46,7 +46,7 @@ def brep_failures(design: Design, part: Part, mesh: Mesh, exact: BrepMeasurement
 
 
 def test_missing_doubled_or_inverted_triangles_fail(evaluator: MeshEvaluator) -> None:
-    whole = evaluator.mesh(bone.bone(FINGER))
+    whole = evaluator.mesh(finger.bone(FINGER))
     assert count_open_edges(whole) == 0
     assert count_open_edges(replace(whole, triangles=np.delete(whole.triangles, 100, axis=0))) == 3
     assert count_open_edges(replace(whole, triangles=np.vstack((whole.triangles, whole.triangles[:1])))) > 0
@@ -89,9 +89,9 @@ def test_brep_solid_with_an_extra_hole_fails(evaluator: MeshEvaluator) -> None:
     """The genus follows from the B-rep solid itself by the Euler-Poincare formula, not from its mesh."""
     from fingertip.cad.kernel import brep
 
-    pierced = brep.BrepEvaluator().solid(difference(bone.bone(FINGER), HOLE))
+    pierced = brep.BrepEvaluator().solid(difference(finger.bone(FINGER), HOLE))
     exact = BrepMeasurements(brep.volume(pierced), brep.genus(pierced))
-    mesh = evaluator.mesh(difference(bone.bone(FINGER), HOLE))
+    mesh = evaluator.mesh(difference(finger.bone(FINGER), HOLE))
     assert exact.genus == PARTS["bone"].genus(FINGER) + 1
     assert brep_failures(FINGER, PARTS["bone"], mesh, exact, TOLERANCE) == {"genus"}
 
@@ -151,9 +151,9 @@ def primitives(solid: Solid) -> set[Solid]:
 
 
 def test_part_of_another_topology_fails(evaluator: MeshEvaluator) -> None:
-    whole = bone.bone(FINGER)
+    whole = finger.bone(FINGER)
     added, removed = interface_of(FINGER).shapes(FINGER)
-    hollows = (bone.sensor_recess(FINGER), *removed)
+    hollows = (finger.sensor_recess(FINGER), *removed)
     without_channel = difference(union(filled_bone(FINGER), *added), *hollows)
     second_body = union(whole, Box((30.0, 30.0, 30.0), (31.0, 31.0, 31.0)))
     assert "bodies" in mesh_failures(PARTS["bone"], evaluator.mesh(second_body))

@@ -12,8 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes.bone import bone, sensor_body, sensor_recess
-from fingertip.cad.shapes.skin import filled_bone
+from fingertip.cad.shapes.finger import bone, filled_bone, sensor_body, sensor_recess
 from fingertip.design import Design
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.conic import ConicBody

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes import bone, parts
+from fingertip.cad.shapes import finger, parts
 from fingertip.cad.verification import skin as skin_checks
 from fingertip.cad.verification.check import search_distance
 from fingertip.cad.verification.skin import check_fitting_stretch
@@ -54,22 +54,22 @@ DEFECTS = {
         {"skin.min_thickness"},
     ),
     "channel too close to the surface": Defect(
-        bone, "cable_channel", lambda tube, design: replace(tube, start_y=tube.start_y - 0.5),
+        finger, "cable_channel", lambda tube, design: replace(tube, start_y=tube.start_y - 0.5),
         {"bone.wall.channel_to_outside"},
     ),
     "pocket without a rim": Defect(
-        bone, "sensor_recess", add(Box((-5.3, -9.0, 20.0), (5.3, -4.0, 25.0))),
+        finger, "sensor_recess", add(Box((-5.3, -9.0, 20.0), (5.3, -4.0, 25.0))),
         {"bone.wall.sensor_to_outside"},
     ),
     "pocket without clearance": Defect(
-        bone, "sensor_recess", cut(Box((3.85, -9.0, 20.0), (4.5, 9.0, 25.0))), {"sensor.pocket_clearance"}
+        finger, "sensor_recess", cut(Box((3.85, -9.0, 20.0), (4.5, 9.0, 25.0))), {"sensor.pocket_clearance"}
     ),
     "burr on the seat": Defect(
-        bone, "sensor_recess", cut(Box((-0.3, -4.3, 22.0), (0.3, 0.0, 22.6))),
+        finger, "sensor_recess", cut(Box((-0.3, -4.3, 22.0), (0.3, 0.0, 22.6))),
         {"sensor.pocket_clearance", "overlap.bone.sensor"},
     ),
     "hole in the seat": Defect(
-        bone, "sensor_recess", add(cylinder("y", (21.0, 1.0), -5.0, -1.5, 0.5)), {"sensor.unsupported_area"}
+        finger, "sensor_recess", add(cylinder("y", (21.0, 1.0), -5.0, -1.5, 0.5)), {"sensor.unsupported_area"}
     ),
     "socket too close to the outside": Defect(
         INTERFACES["socket"], "shapes", change_socket(low_radius=3.6, high_radius=3.6),

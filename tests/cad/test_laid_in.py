@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes import bone
+from fingertip.cad.shapes import finger
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.verification.bone import check_bone, check_laid_in
 from fingertip.cad.verification.check import Solids
@@ -50,8 +50,8 @@ def close(solid: Any, *_: object) -> Any:
     ],
 )  # fmt: skip
 def test_each_defect_is_found(name: str, change: Callable[..., object], failed: set[str], monkeypatch: Any) -> None:
-    original = getattr(bone, name)
-    monkeypatch.setattr(bone, name, lambda design: change(original(design), design))
+    original = getattr(finger, name)
+    monkeypatch.setattr(finger, name, lambda design: change(original(design), design))
     assert find_failed() == failed
 
 

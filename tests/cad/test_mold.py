@@ -12,7 +12,7 @@ import pytest
 from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel import brep
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.shapes import mold, skin
+from fingertip.cad.shapes import finger, mold
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification import assembly, trapped_air
 from fingertip.cad.verification import mold as checks
@@ -103,8 +103,8 @@ def test_core_and_halves_that_catch_are_found(monkeypatch: pytest.MonkeyPatch) -
 def test_air_in_a_pocket_is_found_whole_and_none_in_the_design(monkeypatch: pytest.MonkeyPatch) -> None:
     """A bore up into the core holds its whole volume; a recess with a horizontal roof holds some in one lean only."""
     assert checks.worst_air_mm3(FINGER, EVALUATOR) == 0.0
-    whole = skin.core_within_skin(FINGER)
-    free = EVALUATOR.manifold(difference(skin.cavity(FINGER), whole))
+    whole = finger.core_within_skin(FINGER)
+    free = EVALUATOR.manifold(difference(finger.cavity(FINGER), whole))
     for lean in trapped_air.LEANS_DEG:
         assert trapped_air._flood_mm3(free, lean) == 0.0, "the flood agrees that there is no summit"
     bore = cylinder("z", (3.0, 1.0), 15.0, 40.0, 1.0)
@@ -151,8 +151,8 @@ def test_pressure_between_cylinders_is_that_of_an_annular_gap() -> None:
 
 
 def test_silicone_stands_where_pictures_show_it_before_the_core_is_lowered() -> None:
-    exact = EVALUATOR.manifold(skin.skin(FINGER)).volume() * FINGER.dimensions.shrinkage**3
-    below = EVALUATOR.manifold(skin.cavity(FINGER)).trim_by_plane((0.0, 0.0, 1.0), FINGER.mold_layout.pour_z)
+    exact = EVALUATOR.manifold(finger.skin(FINGER)).volume() * FINGER.dimensions.shrinkage**3
+    below = EVALUATOR.manifold(finger.cavity(FINGER)).trim_by_plane((0.0, 0.0, 1.0), FINGER.mold_layout.pour_z)
     assert below.volume() == pytest.approx(POURED * exact, rel=0.03)
 
 

@@ -15,10 +15,9 @@ import trimesh
 
 from fingertip.cad.files import threemf
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.printing.estimate import ERROR_PERCENT, estimate_print
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import Pose
-from fingertip.cad.printing.settings import FDM, PROFILE, slicer_settings
+from fingertip.cad.printing.settings import ERROR_PERCENT, FDM, PROFILE, estimate_print, slicer_settings
 from fingertip.cad.verification.verify import verify
 from fingertip.design import Design
 from fingertip.design.new_design import PRESETS

@@ -22,8 +22,14 @@ from fingertip.cad.verification.strength import (
 )
 from fingertip.cli.check import describe_cause
 from fingertip.design import Design
-from fingertip.design.formulas.knock import PRESSED_N, Springs
-from fingertip.design.formulas.stress import PIN, StressFactors, hole_in_tension, shoulder_in_bending
+from fingertip.design.formulas.strength import (
+    PIN,
+    PRESSED_N,
+    Springs,
+    StressFactors,
+    hole_in_tension,
+    shoulder_in_bending,
+)
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.clevis_solids import stop_height_mm
 from fingertip.design.interfaces.interface import base_size

@@ -10,7 +10,7 @@ from scipy.spatial import KDTree
 
 from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays
 from fingertip.cad.kernel.tessellate import tessellate
-from fingertip.cad.shapes.skin import skin_interior
+from fingertip.cad.shapes.finger import skin_interior
 from fingertip.cad.verification import deviation as surface_deviation
 from fingertip.cad.verification.check import PLANE_OFFSET_MM, above_z
 from fingertip.cad.verification.deviation import max_facet_deviation, surface_patches

@@ -14,9 +14,8 @@ from fingertip.board.components.values import select_components
 from fingertip.board.parts.circuit import SENSOR_CONNECTOR
 from fingertip.board.parts.table import find_plug_wire
 from fingertip.cad.kernel.mesh import MeshEvaluator
-from fingertip.cad.printing.estimate import estimate_print
-from fingertip.cad.printing.settings import PROFILE, Profile, choose_plate_kind
-from fingertip.cad.shapes.skin import cavity, core_within_skin
+from fingertip.cad.printing.settings import PROFILE, Profile, choose_plate_kind, estimate_print
+from fingertip.cad.shapes.finger import cavity, core_within_skin
 from fingertip.cad.verification.mold import LOWERING_S, palmar_limits
 from fingertip.catalogues.output_files import PRINT_FOLDER
 from fingertip.catalogues.silicones import Silicone, find_example

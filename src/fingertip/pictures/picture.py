@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
-from fingertip.cad.shapes.bone import sensor_body
+from fingertip.cad.shapes.finger import sensor_body
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.joint import turn_about_pin
 from fingertip.cad.verification.strength import assess_strength

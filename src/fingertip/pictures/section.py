@@ -19,7 +19,7 @@ from PIL import Image, ImageChops, ImageDraw, ImageFont
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import mold
-from fingertip.cad.shapes.bone import sensor_body
+from fingertip.cad.shapes.finger import sensor_body
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import GAP_MM, PLATE_MM

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_arrays, to_canonical_mesh
-from fingertip.cad.shapes.skin import skin_outline
+from fingertip.cad.shapes.finger import skin_outline
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.pad.form import PadForm

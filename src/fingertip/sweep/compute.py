@@ -254,7 +254,7 @@ def compute_walls(context: PointContext) -> OutputValues:
 
 
 def compute_printing(context: PointContext) -> OutputValues:
-    from fingertip.cad.printing.estimate import estimate_print
+    from fingertip.cad.printing.settings import estimate_print
     from fingertip.cad.shapes.parts import parts_by_name
     from fingertip.cad.verification.check import Solids
     from fingertip.cad.verification.printing import check_overhang

@@ -9,10 +9,9 @@ from itertools import chain, count
 from pathlib import Path
 
 from fingertip.cad.files.named_dimensions import Definition, Names, build_with_names, literal
-from fingertip.cad.kernel.primitive_calls import call_of
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.design import Design
-from fingertip.design.geometry.solids import Difference, Intersection, Placed, Primitive, Scaled, Solid, Union
+from fingertip.design.geometry.solids import Difference, Intersection, Placed, Primitive, Scaled, Solid, Union, call_of
 
 _WIDTH = 110
 _WORD = re.compile(r"[a-zA-Z_]\w*")

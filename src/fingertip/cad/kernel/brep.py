@@ -16,8 +16,7 @@ import math
 from functools import reduce
 from pathlib import Path
 
-from fingertip.cad.kernel.primitive_calls import call_of
-from fingertip.design.geometry.solids import Difference, Intersection, Placed, Scaled, Solid, Union
+from fingertip.design.geometry.solids import Difference, Intersection, Placed, Scaled, Solid, Union, call_of
 from fingertip.foundation import extras
 from fingertip.foundation.errors import GeometryError, Issue, MissingLibraryError
 

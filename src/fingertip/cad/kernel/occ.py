@@ -1,7 +1,7 @@
 """Operations of Open CASCADE on shapes, and the primitives of parts from plain numbers [mm].
 
 The order of what a boolean combines decides the order of the faces in STEP files. The primitives are the calls of
-`primitive_calls.call_of`; scripts of `fingertip build --formats cq` make the same calls of cadquery
+`solids.call_of`; scripts of `fingertip build --formats cq` make the same calls of cadquery
 (`cadquery_primitives`), and a test compares.
 """
 

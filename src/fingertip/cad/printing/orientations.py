@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.printing.overhang import bed_pose
-from fingertip.cad.shapes import bone
+from fingertip.cad.shapes import finger
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Box, Solid, difference
@@ -80,7 +80,7 @@ def _bone(design: Design) -> Supports:
     """Supports of the bone: proximal to the skin, on the outside."""
     interface = interface_of(design)
     under = interface.supports_below + interface.supports_inside
-    outside = difference(_everywhere(design, top=0.0), bone.sensor_recess(design), bone.cable_channel(design))
+    outside = difference(_everywhere(design, top=0.0), finger.sensor_recess(design), finger.cable_channel(design))
     none_on = "anything else above the collar; the seat of the sensor; the channel of the cables"
     return Supports((outside,), under, none_on)
 

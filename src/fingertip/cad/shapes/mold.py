@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from fingertip.cad.shapes.engraving import HEIGHT, MIN_STROKE_MM, STROKE_WIDTH, letter_outlines, signed_area, text_width
-from fingertip.cad.shapes.skin import cavity, core_within_skin
+from fingertip.cad.shapes.finger import cavity, core_within_skin
 from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody, offset_section
 from fingertip.design.geometry.mold_layout import (

@@ -9,8 +9,8 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import cast
 
-from fingertip.cad.shapes import bench, bone, mold, skin
-from fingertip.cad.shapes.bone import sensor_body
+from fingertip.cad.shapes import bench, finger, mold
+from fingertip.cad.shapes.finger import sensor_body
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Point3, Solid, cylinder
 from fingertip.design.interfaces.interface import middle_y
@@ -44,8 +44,8 @@ _PIN, _STEEL, _FILM = (0.88, 0.80, 0.45), (0.55, 0.56, 0.58), (0.20, 0.22, 0.25)
 PARTS: dict[str, Part] = {
     part.name: part
     for part in (
-        Part("bone", bone.bone, bone.genus, (0.93, 0.89, 0.80), True, is_in_finger=True),
-        Part("skin", skin.skin, lambda design: 0, (0.87, 0.62, 0.52), False, is_in_finger=True),
+        Part("bone", finger.bone, finger.genus, (0.93, 0.89, 0.80), True, is_in_finger=True),
+        Part("skin", finger.skin, lambda design: 0, (0.87, 0.62, 0.52), False, is_in_finger=True),
         Part("mold_palmar", mold.mold_palmar, lambda design: 0, (0.45, 0.58, 0.70), True),
         Part("mold_dorsal", mold.mold_dorsal, lambda design: 0, (0.62, 0.72, 0.80), True),
         Part("core", mold.core, lambda design: 0, (0.70, 0.78, 0.62), True),

@@ -14,8 +14,8 @@ from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import mold
 from fingertip.cad.shapes.engraving import signed_area
+from fingertip.cad.shapes.finger import cavity, core_within_skin
 from fingertip.cad.shapes.parts import PARTS
-from fingertip.cad.shapes.skin import cavity, core_within_skin
 from fingertip.cad.verification.check import VOLUME_TOLERANCE_MM3, Check, Checks, Solids
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import RIDGE_HEIGHT_MM

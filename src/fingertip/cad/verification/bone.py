@@ -10,8 +10,8 @@ import math
 from collections.abc import Iterator
 
 from fingertip.cad.kernel.mesh import Manifold, MeshEvaluator
-from fingertip.cad.shapes import bone
-from fingertip.cad.shapes.skin import filled_bone, flat_slab
+from fingertip.cad.shapes import finger
+from fingertip.cad.shapes.finger import filled_bone, flat_slab
 from fingertip.cad.verification.check import (
     PLANE_OFFSET_MM,
     VOLUME_TOLERANCE_MM3,
@@ -54,7 +54,7 @@ def check_bone(design: Design, solids: Solids) -> Iterator[Check]:
     evaluator = solids.evaluator
     wall = design.printer.min_wall_mm - evaluator.tolerance_mm
     whole, outside = evaluator.manifold(filled_bone(design)), complement(evaluator, filled_bone(design))
-    recess = evaluator.manifold(bone.sensor_recess(design))
+    recess = evaluator.manifold(finger.sensor_recess(design))
     yield from _check_channel_walls(design, evaluator, outside, wall)
 
     # Pocket and slot open in the flat, so only what lies above flat, ramp and platform is measured.
@@ -76,7 +76,7 @@ def check_bone(design: Design, solids: Solids) -> Iterator[Check]:
 def _check_channel_walls(design: Design, evaluator: MeshEvaluator, outside: Manifold, wall: float) -> Iterator[Check]:
     """Check the part of the channel that has bone on all sides: from the trough's floor to short of its dorsal end."""
     dims = design.dimensions
-    channel = evaluator.manifold(bone.cable_channel(design))
+    channel = evaluator.manifold(finger.cable_channel(design))
     buried = channel.trim_by_plane((0.0, 1.0, 0.0), dims.pocket_depth - dims.flat_depth + wall)
     mouth = dims.bone_outline.section.dorsal - wall - design.bone.channel_diameter_mm
     buried = buried.trim_by_plane((0.0, -1.0, 0.0), -mouth)
@@ -87,7 +87,7 @@ def _check_channel_walls(design: Design, evaluator: MeshEvaluator, outside: Mani
 
 def _check_sensor_seat(design: Design, solids: Solids) -> Iterator[Check]:
     """Check clearance and flat seat of the sensor: one that bends over an unsupported area reads a false force."""
-    dims, solid, body = design.dimensions, solids["bone"], solids.evaluator.manifold(bone.sensor_body(design))
+    dims, solid, body = design.dimensions, solids["bone"], solids.evaluator.manifold(finger.sensor_body(design))
     # The depth of the slot is measured along y, so the gap under a film on the ramp is thinner.
     oblique = math.hypot(1.0, RAMP_SLOPE) if design.bone.platform_mm else 1.0
     clearance = min(design.sensor.clearance_mm, design.sensor.adhesive_thickness_mm / oblique)
@@ -111,7 +111,7 @@ def check_air_vent(design: Design, solids: Solids) -> Iterator[Check]:
     is a second one.
     """
     evaluator, solid = solids.evaluator, union(solids.parts["bone"], solids.parts["skin"])
-    air = complement(evaluator, solid) - evaluator.manifold(bone.sensor_body(design))
+    air = complement(evaluator, solid) - evaluator.manifold(finger.sensor_body(design))
     # Inner walls have a negative volume, and surfaces that touch leave slivers.
     volumes = [body for body in air.decompose() if body.volume() > VOLUME_TOLERANCE_MM3]
     yield Check("sensor.air_volumes", len(volumes), 1, "volumes", "exactly")
@@ -122,7 +122,7 @@ def check_air_vent(design: Design, solids: Solids) -> Iterator[Check]:
 )
 def check_laid_in(design: Design, solids: Solids) -> Iterator[Check]:
     """Check the trough in which the sensor is laid: room for what is sold, and an open vent."""
-    largest = solids.evaluator.manifold(bone.sensor_body(_with_largest_sensor(design)))
+    largest = solids.evaluator.manifold(finger.sensor_body(_with_largest_sensor(design)))
     yield Check.zero_volume("sensor.room_overlap", float((largest ^ solids["bone"]).volume()))
     yield Check("sensor.vent_open", _find_open_share(design, solids), _LEAST_OPEN_PERCENT, "%", "at least")
 
@@ -147,7 +147,7 @@ def _find_open_share(design: Design, solids: Solids) -> float:
     dims, half = design.dimensions, design.dimensions.sensor.tail_width_mm / 2
     far, flat = 2 * design.skin.width_mm, -dims.flat_depth
     bead = Box((-far, -far, -design.bone.collar_length_mm), (far, flat, 0.0))
-    filled = union(solids.parts["bone"], solids.parts["skin"], bone.sensor_body(design), bead)
+    filled = union(solids.parts["bone"], solids.parts["skin"], finger.sensor_body(design), bead)
     air = complement(solids.evaluator, filled)
     # Surfaces come apart here: the largest surrounds all, those of parts enclose negative volumes, the rest is cut off.
     _, *cut_off = sorted((body for body in air.decompose() if body.volume() > 0.0), key=lambda body: -body.volume())

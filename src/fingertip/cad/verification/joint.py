@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from fingertip.cad.kernel.mesh import Manifold
 from fingertip.cad.shapes import bench
-from fingertip.cad.shapes.skin import filled_bone
+from fingertip.cad.shapes.finger import filled_bone
 from fingertip.cad.verification.check import VOLUME_TOLERANCE_MM3, Check, Checks, Solids, complement, search_distance
 from fingertip.design import Design
 from fingertip.design.geometry.joint import Joint

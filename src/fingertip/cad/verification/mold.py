@@ -10,7 +10,7 @@ import numpy as np
 
 from fingertip.cad.kernel.mesh import Manifold, MeshEvaluator
 from fingertip.cad.shapes import mold
-from fingertip.cad.shapes.skin import cavity, core_within_skin, skin
+from fingertip.cad.shapes.finger import cavity, core_within_skin, skin
 from fingertip.cad.verification.assembly import HALVES, LIFT_MM
 from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, Checks, Solids, complement, measure_gap
 from fingertip.cad.verification.skin import check_fitting_stretch

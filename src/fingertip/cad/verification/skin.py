@@ -14,7 +14,7 @@ from itertools import pairwise
 from typing import Any
 
 from fingertip.cad.kernel.mesh import Manifold, MeshEvaluator
-from fingertip.cad.shapes.skin import filled_bone, skin_interior, skin_outline
+from fingertip.cad.shapes.finger import filled_bone, skin_interior, skin_outline
 from fingertip.cad.verification.bone import check_strength
 from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, Checks, Solids, above_z, complement, measure_gap
 from fingertip.cad.verification.deviation import max_facet_deviation

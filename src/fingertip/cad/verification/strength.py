@@ -27,8 +27,7 @@ import numpy as np
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.design import Design
-from fingertip.design.formulas.knock import PRESSED_N, Springs
-from fingertip.design.formulas.stress import PIN, LocalStress, StressFactors
+from fingertip.design.formulas.strength import PIN, PRESSED_N, LocalStress, Springs, StressFactors
 from fingertip.design.geometry.solids import Point3
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.clevis import tendon_force_per_n

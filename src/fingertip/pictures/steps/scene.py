@@ -15,7 +15,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_canonical_mesh
-from fingertip.cad.shapes.bone import sensor_body
+from fingertip.cad.shapes.finger import sensor_body
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Box, Point3, Solid, cylinder, difference

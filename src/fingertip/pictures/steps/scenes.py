@@ -14,7 +14,7 @@ from PIL import Image
 from fingertip.cad.printing.orientations import print_orientations
 from fingertip.cad.printing.overhang import bed_pose
 from fingertip.cad.printing.settings import FDM
-from fingertip.cad.shapes.skin import cavity
+from fingertip.cad.shapes.finger import cavity
 from fingertip.casting.sheet import CastingSheet
 from fingertip.design import Design
 from fingertip.design.geometry.dimensions import KNOT_WIRES

@@ -8,7 +8,6 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from fingertip.robot.skin_meshes import TactileMesh
 
 from fingertip import Design
 from fingertip.cad.kernel.mesh import Mesh

@@ -2,7 +2,7 @@
 
 A check is a function of a design and its solids that yields records of a value and its limit. It registers by the
 decorator of the `Checks` of its module, which `cad.verification.verify` lists; checks of other packages come by the
-entry point `fingertip.checks`.
+entry points of the group "fingertip.checks".
 """
 
 from __future__ import annotations

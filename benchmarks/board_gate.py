@@ -14,12 +14,12 @@ import tempfile
 from collections import Counter
 from pathlib import Path
 
+from benchmarks.gate_in_ngspice import check_gate_in_ngspice
 from fingertip.board import board_values
 from fingertip.board.analysis.gate import gate_warnings
 from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.design import Design
 from fingertip.foundation.errors import DesignError
-from tests.oracles.gate_in_ngspice import check_gate_in_ngspice
 
 SETTINGS = 300
 CUTOFF_HZ, GAIN = (30.0, 150.0), (20.0, 150.0)

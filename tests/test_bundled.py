@@ -19,11 +19,10 @@ from fingertip.foundation.errors import FingertipError, SweepError
 from fingertip.sim import ManipulationFile, SceneFile, load_simulation
 from fingertip.sim.contact.materials import SURFACES, SurfaceFile
 from fingertip.sweep.sweep_file import read_sweep_file, to_canonical_text
-from tests.conftest import ROOT, run_fingertip, run_python
+from tests.conftest import ROOT
 
 PARAMS = ROOT / "params"
 FILES = sorted(path for path in PARAMS.rglob("*.toml") if path.parent.name != "hands")  # found with --hand
-SMALL_MAP = ("--set", "axes.skin.width_mm=[16, 17]", "--set", "axes.skin.thickness_palmar_mm=[3.0]", "--jobs", "1")
 
 
 @pytest.fixture
@@ -135,32 +134,3 @@ def test_the_wheel_holds_every_bundled_file(wheel: Path) -> None:
     bundled = (path for path in PARAMS.rglob("*") if path.suffix in (".toml", ".json"))
     files |= {f"fingertip/params/{path.relative_to(PARAMS).as_posix()}": path.read_bytes() for path in bundled}
     assert held == files
-
-
-@pytest.mark.full
-def test_the_installed_wheel_finds_its_files(wheel: Path, folder: Path) -> None:
-    target = folder / "installed"
-    command = [sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--target", str(target), str(wheel)]
-    subprocess.run(command, check=True, capture_output=True, timeout=300)
-    work = folder / "work"
-    work.mkdir()
-    place = {"PYTHONPATH": str(target), "PWD": str(work)}
-    found = run_python("-c", "import fingertip; print(fingertip.__file__)", **place).stdout
-    assert found.strip() == str(target / "fingertip" / "__init__.py")
-    for words in (
-        ("params", "fsr400"),
-        ("board", "fsr400", "--out", "pcb"),
-        ("simulate", "hard_tap", "--design", "fsr402"),
-        ("sweep", "map", *SMALL_MAP),
-        ("new", "mine", "--sensor", "fsr402"),
-        ("params", "mine.toml"),
-    ):
-        done = run_python("-m", "fingertip", *words, **place)
-        assert done.returncode == 0, done.stderr
-        assert str(folder) not in done.stdout + done.stderr
-    here = run_fingertip("params", "fsr400").stdout
-    assert run_python("-m", "fingertip", "params", "fsr400", **place).stdout == here
-    unknown = run_python("-m", "fingertip", "params", "fsr4", **place)
-    assert unknown.stderr.endswith("did you mean fsr400 or fsr402?\n")
-    for path in work.rglob("*"):
-        assert path.is_dir() or str(folder).encode() not in path.read_bytes(), path

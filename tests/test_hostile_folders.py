@@ -601,7 +601,6 @@ def test_detection_that_states_no_motion(tmp_path: Path) -> None:
 
 
 SWEEP = 'outputs = ["cutoff_3db_hz"]\n[axes]\nboard.cutoff_hz = [60.0, 67.0, 75.0]\n'
-ENDLESS = "WITH RECURSIVE c(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM c) SELECT"
 
 
 def name_super_journal(folder: Path, victim: Path) -> None:
@@ -619,16 +618,6 @@ def name_super_journal(folder: Path, victim: Path) -> None:
     path.with_name("sweep.sqlite-journal").write_bytes(journal + record + bytes.fromhex("d9d505f920a163d7"))
 
 
-def execute(folder: Path, statements: str) -> None:
-    path = folder / "sweep.sqlite"
-    data = path.read_bytes()
-    path.unlink()  # the file has another name in the master
-    path.write_bytes(data)
-    with sqlite3.connect(path) as connection:
-        connection.executescript(statements)
-    connection.close()
-
-
 DATABASES: dict[str, Callable[[Path, Path], object]] = {
     **{
         f"{kind} as sweep.sqlite{ending}": lambda folder, victim, kind=kind, ending=ending: put(
@@ -638,19 +627,6 @@ DATABASES: dict[str, Callable[[Path, Path], object]] = {
         for ending in ("", "-journal", "-wal", "-shm")
     },
     "journal that names another file": name_super_journal,
-    "endless rows": lambda folder, victim: execute(
-        folder,
-        f"DROP TABLE rows; CREATE VIEW rows AS {ENDLESS} x AS point, 'ok' AS status, '' AS field, '' AS reason FROM c",
-    ),
-    "endless sweep": lambda folder, victim: execute(
-        folder, f"DROP TABLE meta; CREATE VIEW meta AS {ENDLESS} x AS key, x AS value FROM c"
-    ),
-    "trigger": lambda folder, victim: execute(
-        folder, "CREATE TRIGGER t AFTER UPDATE ON meta BEGIN DELETE FROM rows; END"
-    ),
-    "computed column": lambda folder, victim: execute(
-        folder, "ALTER TABLE rows ADD COLUMN x AS (hex(zeroblob(point + 499999999)))"
-    ),
 }
 
 

@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from benchmarks.board_gate import random_changes
+from benchmarks.gate_in_ngspice import check_gate_in_ngspice
 from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.gate import (
     CLAMP,
@@ -48,7 +49,6 @@ from fingertip.design.formulas.filter import find_preferred_neighbours
 from fingertip.foundation.errors import DesignError
 from tests.board.ngspice import HOW_TO_INSTALL_NGSPICE, run_ngspice
 from tests.designs import load_article
-from tests.oracles.gate_in_ngspice import check_gate_in_ngspice
 from tests.tools import require_tool
 
 

@@ -6,20 +6,14 @@ import csv
 import fnmatch
 import functools
 import json
-import os
 import shutil
-import subprocess
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.components.values import VARIANT_CHANGES
-from fingertip.board.kicad.netlist import component_uuid
 from fingertip.board.kicad.project import IGNORED_IN_SCHEMATIC, IGNORED_ON_BOARD, load_project
-from fingertip.board.parts.nets import kicad_net_name
 from fingertip.board.parts.symbols import DUAL_AMPLIFIERS
 from fingertip.catalogues.output_files import BOM, LAYOUT, NETLIST, PROJECT, README, SCHEMATIC
 from fingertip.tasks.board import write_board
@@ -157,73 +151,6 @@ def test_footprints_match_the_filters_of_their_symbols() -> None:
         if not any(fnmatch.fnmatchcase(name, pattern) for name in candidates for pattern in filters):
             wrong.append((component.reference, component.footprint))
     assert wrong == []
-
-
-@pytest.fixture(scope="module")
-def import_netlist(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    """Function that imports a netlist file in KiCad's PCB editor and returns the record of the import."""
-    editor, server, cli = (require_tool(name, HOW_TO_INSTALL_KICAD) for name in ("pcbnew", "Xvfb", "kicad-cli"))
-    home = tmp_path_factory.mktemp("kicad")
-    version = ".".join(subprocess.check_output([cli, "version"], text=True).split(".")[:2])
-    plugins, settings = home / "documents" / "kicad" / version / "scripting" / "plugins", home / "settings" / version
-    plugins.mkdir(parents=True)
-    settings.mkdir(parents=True)
-    shutil.copy(Path(__file__).with_name("pcbnew_import.py"), plugins)
-    templates = require_tool("/usr/share/kicad/template", HOW_TO_INSTALL_KICAD)
-    for table in ("fp-lib-table", "sym-lib-table"):
-        shutil.copy(templates / table, settings)
-    # Suppress the dialogs of a first start.
-    settings_file = {"do_not_show_again": {"data_collection_prompt": True, "update_check_prompt": True}}
-    (settings / "kicad_common.json").write_text(json.dumps(settings_file))
-    board = '(kicad_pcb (version 20221018) (generator pcbnew) (layers (0 "F.Cu" signal) (31 "B.Cu" signal)))'
-
-    readable, writable = os.pipe()
-    xvfb = subprocess.Popen(
-        [server, "-displayfd", str(writable), "-screen", "0", "1280x900x24"],
-        pass_fds=[writable], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-    )  # fmt: skip
-    os.close(writable)
-    with os.fdopen(readable) as pipe:
-        display = pipe.readline().strip()  # read the whole line: the server exits if its last byte is not read
-
-    def run(netlist: Path) -> dict[str, Any]:
-        folder = tmp_path_factory.mktemp("import")
-        (folder / "empty.kicad_pcb").write_text(board)
-        environment = os.environ | {
-            "HOME": str(home), "KICAD_CONFIG_HOME": str(home / "settings"), "DISPLAY": f":{display}",
-            "KICAD_DOCUMENTS_HOME": str(home / "documents"), "XDG_CACHE_HOME": str(home / "cache"),
-            "FINGERTIP_NETLIST": str(netlist), "FINGERTIP_RECORD": str(folder / "record.json"),
-        }  # fmt: skip
-        record = folder / "record.json"
-        command = [editor, folder / "empty.kicad_pcb"]
-        process = subprocess.run(command, env=environment, timeout=180, capture_output=True, text=True, check=False)
-        assert record.exists(), f"the PCB editor exited with {process.returncode}: {process.stderr}"
-        return json.loads(record.read_text("utf-8"))  # type: ignore[no-any-return]
-
-    yield run
-    xvfb.terminate()
-    xvfb.wait()
-
-
-@pytest.mark.full
-def test_pcb_editor_imports_the_netlist(import_netlist: Any, tmp_path: Path) -> None:
-    write_board(ARTICLE, tmp_path)
-    record = import_netlist(tmp_path / NETLIST)
-    assert "failed" not in record, record
-    assert "Total warnings: 0, errors: 0." in record["tested"]
-    assert "Total warnings: 0, errors: 0." in record["updated"]
-    nets = {node: kicad_net_name(net.name) for net in CIRCUIT.nets for node in net.nodes}
-    for component in record["board"].values():
-        component["nets"].pop("", None)  # a hole is a pad without a number
-    assert record["board"] == {
-        component.reference: {
-            "value": component.value,
-            "footprint": component.footprint,
-            "path": f"/{component_uuid(CIRCUIT, component.reference)}",
-            "nets": {pin.number: nets[component.reference, pin.number] for pin in component.symbol.pins},
-        }
-        for component in CIRCUIT.components
-    }
 
 
 @pytest.mark.full

@@ -84,39 +84,3 @@ def test_scripts_are_valid(scripts: Path, shell: str) -> None:
     program = require_tool(shell, f"apt-get install {shell}")
     done = subprocess.run([program, "-n", scripts / shell], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
-
-
-@pytest.mark.full
-def test_fish_completes(scripts: Path) -> None:
-    fish = require_tool("fish", "apt-get install fish")
-    for line, expected in (
-        ("fingertip calibrate ", {"printer", "sensor"}),
-        ("fingertip build --set skin.wid", {"skin.width_mm="}),
-    ):
-        program = f"source {scripts / 'fish'}; complete -C '{line}'"
-        done = subprocess.run([fish, "--no-config", "-c", program], capture_output=True, text=True, check=True)
-        assert {offered.partition("\t")[0] for offered in done.stdout.splitlines()} == expected
-
-
-@pytest.mark.full
-@pytest.mark.parametrize(
-    ("keys", "expected"),
-    [("fingertip build fsr402_s\t", "fsr402"), ("fingertip build --set skin.wid\t18", "skin.width_mm=18")],
-)
-def test_zsh_completes(scripts: Path, keys: str, expected: str) -> None:
-    """An interactive zsh in a pseudo-terminal, which zsh itself provides."""
-    zsh = require_tool("zsh", "apt-get install zsh")
-    program = f"""
-        zmodload zsh/zpty
-        zpty shell {zsh} -f -i
-        zpty -w shell 'PS1=; autoload -Uz compinit; compinit -u -D; source {scripts / "zsh"}; print READY'
-        zpty -r -m shell answer '*READY*READY*'
-        zpty -w -n shell $'{keys}'
-        sleep 0.5
-        zpty -w shell ''
-        zpty -r -m shell answer '*{expected}*' && print FOUND
-    """
-    done = subprocess.run(
-        [zsh, "-f", "-c", program], capture_output=True, text=True, check=False, timeout=30, cwd=scripts / "work"
-    )
-    assert "FOUND" in done.stdout

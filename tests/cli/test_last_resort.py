@@ -94,19 +94,6 @@ def test_a_program_that_cannot_be_loaded_is_a_fault_too(tmp_path: Path) -> None:
     )
 
 
-@pytest.mark.full
-@pytest.mark.parametrize("limit", [6, 12])
-def test_few_open_files(limit: int, tmp_path: Path) -> None:
-    """The commands need few files; with too few of them there is a sentence."""
-    code = (
-        f"import resource, sys; resource.setrlimit(resource.RLIMIT_NOFILE, ({limit}, {limit})); "
-        "from fingertip.__main__ import main; sys.argv[1:] = ['params', 'fsr402']; main()"
-    )
-    done = run_python("-c", code, PWD=str(tmp_path))
-    assert done.returncode in (0, 2, 70), done.stderr
-    assert "Traceback" not in done.stderr
-
-
 def test_a_closed_pipe_is_no_failed_check() -> None:
     reading, writing = os.pipe()
     os.close(reading)

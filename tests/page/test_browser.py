@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import json
 import re
 import shutil
@@ -229,23 +228,6 @@ def test_saves_the_mesh_that_was_exported(opened: Any, folder: Path) -> None:
 
 
 @pytest.mark.full
-def test_prints_with_everything_unfolded(opened: Any) -> None:
-    """Folded up, the same page prints on far fewer sheets; afterwards it is folded up as before."""
-    folded = "return document.querySelectorAll('details:not([open])').length"
-    before = opened.execute_script(folded)
-    data = base64.b64decode(opened.print_page())
-    assert data.startswith(b"%PDF")
-    assert opened.execute_script(folded) == before > 10
-    opened.execute_script("for (const d of document.querySelectorAll('details')) d.remove()")
-    short = base64.b64decode(opened.print_page())
-    assert 75 > count_sheets(data) > count_sheets(short) + 10
-
-
-def count_sheets(pdf: bytes) -> int:
-    return len(re.findall(rb"/Type\s*/Page\b", pdf))
-
-
-@pytest.mark.full
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("width", [1400, 390])
 def test_is_accessible(opened: Any, scheme: str, width: int) -> None:
@@ -374,22 +356,6 @@ def test_ticks_survive_a_reload_and_are_taken_back(opened: Any) -> None:
     click(opened, "#cast .ticked button")
     assert (count("steps"), count("shopping").partition(" of ")[0]) == ("0 of 25 steps", "2")
     opened.execute_script("localStorage.clear()")
-
-
-@pytest.mark.full
-def test_a_phone_scrolls_over_the_view_and_enlarges_pictures(opened: Any) -> None:
-    with sized(opened, 390, 844):
-        heights = "return [...document.querySelectorAll('[role=tab]')].map((t) => t.getBoundingClientRect().height)"
-        assert min(opened.execute_script(heights)) >= 44
-        click(opened, "#tab-cast")
-        click(opened, "#step-3 .enlarge")
-        width = "return document.querySelector('dialog[open] img').getBoundingClientRect().width"
-        assert opened.execute_script(width) > 800
-        click(opened, "dialog > button")
-        assert opened.execute_script("return document.querySelector('dialog[open]')") is None
-        assert (
-            opened.execute_script("return getComputedStyle(document.getElementById('canvas')).touchAction") == "pan-y"
-        )
 
 
 @pytest.mark.full

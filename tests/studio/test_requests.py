@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import http.client
 import json
-import random
 import re
 import socket
-import struct
 import threading
 import time
 import urllib.request
@@ -127,41 +125,6 @@ def test_malformed_requests_get_one_sentence(server: StudioServer, capfd: pytest
         assert "Access-Control-Allow-Origin" not in reply.headers
     wait_for_handlers()
     assert capfd.readouterr() == ("", "")
-
-
-@pytest.mark.full
-def test_damaged_requests_are_never_the_fault_of_the_studio(
-    server: StudioServer, capfd: pytest.CaptureFixture[str]
-) -> None:
-    chance, valid = random.Random(5), post(server, TABLES % '{"width_mm": 18.5, "length_mm": 31}')
-    statuses = set()
-    for _ in range(100):
-        damaged = bytearray(valid)
-        for _ in range(chance.randint(1, 4)):
-            at = chance.randrange(len(damaged))
-            damaged[at : at + chance.choice((0, 1, 1, 9))] = chance.choice((b"", b"\xff", b"\r\n", b"9", b"\\", b'"'))
-        reply = send(server, bytes(damaged), ends=True)
-        statuses.add(reply.status if reply else None)
-    wait_for_handlers()
-    assert capfd.readouterr() == ("", "")
-    assert {200, 400, 403} <= statuses
-    assert not [status for status in statuses if status is not None and status >= 500]
-
-
-def test_a_connection_that_is_reset_anywhere_prints_nothing(
-    server: StudioServer, capfd: pytest.CaptureFixture[str]
-) -> None:
-    valid = post(server, TABLES % "{}")
-    for length in (*range(0, len(valid), 9), len(valid)):
-        connection = socket.create_connection(("127.0.0.1", server.server_port))
-        connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
-        connection.sendall(valid[:length])
-        connection.close()  # with a reset, since nothing lingers
-    wait_for_handlers()
-    assert capfd.readouterr() == ("", "")
-    reply = send(server, valid)
-    assert reply is not None
-    assert reply.status == 200
 
 
 def test_checks_that_nobody_waits_for_are_given_up(server: StudioServer, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,5 +1,9 @@
-"""Catalogues of what can be bought or is bundled, each figure with its source. They know no design.
+"""Catalogues of what can be bought or is bundled: a name comes in, and a row of a table goes out.
 
-Tables stand apart from formulas, so that a figure can be corrected without touching one. Figures that are `unverified`,
-or not `verified`, were not found in a document of the product or of its kind.
+Tables stand apart from formulas, so that a figure can be corrected without touching one, and know no design. Each figure
+has its source. Those that are `unverified`, or not `verified`, were not found in a document of the product.
+
+>>> from fingertip.catalogues.sensors import CATALOGUE
+>>> CATALOGUE["fsr400"].head_diameter_mm
+7.62
 """

@@ -1,4 +1,11 @@
-"""Command line. Each command has a module of its own and imports what it needs when it runs."""
+"""Command line: words come in, and a result goes out on stdout, with an exit code.
+
+Each command has a module of its own and imports what it needs when it runs.
+
+>>> from fingertip.cli.design import make_schema
+>>> make_schema("surface")["title"]
+'fingertip surface'
+"""
 
 from __future__ import annotations
 

@@ -1,1 +1,8 @@
-"""Traces: columns of samples, their validation, and the files they are read from."""
+"""Traces: a file of a recording comes in, and validated columns of samples go out.
+
+A column has the name of its quantity, which another one of the file may stand for.
+
+>>> from fingertip.slip.traces.columns import split_cells
+>>> split_cells("0.0005; 1.25", ";")
+['0.0005', ' 1.25']
+"""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -60,37 +61,42 @@ def detect(
     from fingertip.detection.recordings import detect_file
     from fingertip.foundation import extras
     from fingertip.foundation.output_set import add_to_set, check_set
-    from fingertip.slip.report import as_data, as_text
+    from fingertip.slip.report import as_data, as_text, draw
 
+    is_stream = str(trace) == "-"
     refuse(find_file_issues("--plot", plot, ".png"))
-    if plot is not None and str(trace) != "-":
+    if plot is not None and not is_stream:
         check_set(plot)
         extras.require("--plot", "matplotlib", alternative="leave --plot out")
     loaded = load_design(design, changes)
     detector = detector or (DEFAULT if loaded.board.has_filter else "fast")
-    settings: dict[str, Any] = {
-        "rate_hz": rate_hz, "scale": scale, "columns": _parse_columns(columns or []),
-        "time_scale": _parse_time_scale(time_scale), "progress": console.progress,
-        # A window from --set is for this recording's rate, a window from a design file for that file's rate.
-        "keep_window": "detector.window_samples" in load_tables([], changes or ()).changed,
-    }  # fmt: skip
-    if str(trace) == "-":
-        detect_standard_input(console, loaded, detector, settings, plot, calibrate)
+    # A window from --set is for this recording's rate, a window from a design file for that file's rate.
+    keep_window = "detector.window_samples" in load_tables([], changes or ()).changed
+    reading = _Reading(rate_hz, scale, _parse_columns(columns or []), _parse_time_scale(time_scale), keep_window)
+    if is_stream:
+        _refuse_without_recording({"--plot": plot, "--calibrate": calibrate})
+        _follow_standard_input(console, loaded, detector, reading)
         return
+    calibrate_s, adapt_to_file = _parse_interval(calibrate), False if design else None
     found = detect_file(
-        trace,
-        loaded,
-        detector,
-        calibrate_s=None if calibrate is None else _parse_interval(calibrate),
-        adapt_to_file=False if design else None,
-        **settings,
-    )
+        trace, loaded, detector, calibrate_s=calibrate_s, adapt_to_file=adapt_to_file, progress=console.progress,
+        **vars(reading),
+    )  # fmt: skip
     console.warn(found.warnings)
     if plot is not None:
-        from fingertip.slip.report import draw
-
         add_to_set(plot, draw(found.trace, found.detection, trace.name), "--plot")
     console.result(as_data(found.detection, found.noise), as_text(found.detection))
+
+
+@dataclass(frozen=True)
+class _Reading:
+    """How samples are read: arguments of `detect_file` and `detect_stream` by these names."""
+
+    rate_hz: float | None
+    scale: float
+    columns: Mapping[str, str]
+    time_scale: float
+    keep_window: bool
 
 
 def _parse_columns(columns: list[str]) -> dict[str, str]:
@@ -101,7 +107,9 @@ def _parse_columns(columns: list[str]) -> dict[str, str]:
     return {column: name for column, _, name in pairs}
 
 
-def _parse_interval(text: str) -> tuple[float, float]:
+def _parse_interval(text: str | None) -> tuple[float, float] | None:
+    if text is None:
+        return None
     begin, _, end = text.partition(":")
     try:
         return float(begin), float(end)
@@ -121,27 +129,23 @@ def _parse_time_scale(text: str) -> float:
         raise TraceError(Issue("--time-scale", message)) from None
 
 
-def detect_standard_input(
-    console: Console,
-    design: Design,
-    detector: str,
-    settings: Mapping[str, Any],
-    plot: Path | None,
-    calibrate: str | None,
-) -> None:
+def _refuse_without_recording(options: Mapping[str, object]) -> None:
+    if not sys.stdin or sys.stdin.closed:
+        raise TraceError(Issue("-", "standard input is closed; pipe lines into it."))
+    message = "requires the whole recording; save the lines in a file first."
+    if issues := [Issue(name, message) for name, value in options.items() if value is not None]:
+        raise TraceError(issues)
+
+
+def _follow_standard_input(console: Console, design: Design, detector: str, reading: _Reading) -> None:
     """Detect slip in standard input until it ends, is wrong or is interrupted; report the transitions up to then."""
     from fingertip.detection.live import NAME, detect_stream
 
-    if not sys.stdin or sys.stdin.closed:
-        raise TraceError(Issue("-", "standard input is closed; pipe lines into it."))
-    if unavailable := [name for name, value in (("--plot", plot), ("--calibrate", calibrate)) if value is not None]:
-        message = "requires the whole recording; save the lines in a file first."
-        raise TraceError([Issue(name, message) for name in unavailable])
     transitions: list[dict[str, Any]] = []
     data: dict[str, Any] = {"detector": detector, "transitions": transitions}
     any_on = False
     try:
-        found = detect_stream(sys.stdin, design, detector, **settings)
+        found = detect_stream(sys.stdin, design, detector, progress=console.progress, **vars(reading))
         data["signals"] = list(found.signals.columns)
         console.progress(f"detector {detector}, {found.signals.describe()}")
         console.warn(found.warnings)

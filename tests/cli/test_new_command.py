@@ -164,12 +164,13 @@ def test_the_first_larger_finger_that_passes_is_offered_or_lighter_loads(
         loads = {"relation": "at least", "remedy": "strength.grip_force_n=12"}
         return SimpleNamespace(checks=[Check("bone.safety_factor.grip", factor, 2.0, "", **loads)])
 
-    def make(settings: list[str]) -> Any:
-        return SimpleNamespace(design=float(settings[0].removeprefix("skin.width_mm=")), reasons={})
+    def begin(changes: list[str]) -> Any:
+        return SimpleNamespace(design=float(changes[len(given)].removeprefix("skin.width_mm=")), reasons={})
 
     monkeypatch.setattr(verify, "check", check)
-    find, messages = importlib.import_module("fingertip.cli.new")._find_passing, list[str]()
-    assert find(make, Design.load("adult_finger"), check(18.0).checks, given, False, messages.append) == told
+    module, messages, design = importlib.import_module("fingertip.cli.new"), list[str](), Design.load("adult_finger")
+    order = module._Order("tip", Path("tip.toml"), given, False, [])
+    assert module._find_passing(order, begin, design, check(18.0).checks, messages.append) == told
     assert [message[:25] for message in messages] == tried * ["trying a larger finger: s"]
 
 

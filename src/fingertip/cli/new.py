@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import contextlib
-import functools
 import itertools
 import math
 import shlex
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +18,7 @@ from fingertip.catalogues.controllers import NAMES
 from fingertip.cli.console import Console
 from fingertip.cli.options import CHANGES, command, find_file_issues, flag
 from fingertip.foundation.errors import DesignError, FingertipError, Issue, gather, join_words
-from fingertip.foundation.progress import Work
+from fingertip.foundation.progress import ReportProgress, Work
 
 if TYPE_CHECKING:
     from fingertip.cad.verification.check import Check
@@ -63,87 +64,105 @@ def new(
     With --from, skin, hand, board, detector and printer are those of a design of an earlier version, as far as the
     rules allow; a table says what changed. Loads that its bone does not hold become those that it holds.
     """
-    from fingertip.catalogues.bundled import list_bundled_files
-    from fingertip.catalogues.file_kinds import DESIGN, SET
-    from fingertip.design.new_design import find_lost_travel, write_new_design
-    from fingertip.foundation.files import write_file
-
-    given = changes or ()
     issues = list(find_file_issues("--out", out, ".toml", kept="give another name"))
-    for kind in (DESIGN, SET):
-        if name in list_bundled_files(kind):
-            taken = f"{name} is the name of a bundled {kind.name}"
-            issues.append(Issue("NAME", f"{taken}; choose another, such as my_{name}."))
-    path = out or Path(f"{name}.toml")
+    issues += _find_taken(name)
+    order = _Order(name, out or Path(f"{name}.toml"), changes or (), allow_shorter_travel, issues)
     if old:
         others = {"--sensor": sensor, "--preset": preset, "--hand": hand, "--finger": finger}
         for option in (option for option, value in others.items() if value):
             issues.append(Issue(option, "says otherwise what --from takes from the old design; give one of both."))
-        _write_renewed(console, name, old, given, path, issues)
-        return
-    if finger:
+        _write_renewed(console, order, old)
+    elif finger:
         from fingertip.design.new_set import start_set
 
-        start = functools.partial(start_set, name, finger, sensor, preset, hand, given)
-        _write_set(console, name, start, allow_shorter_travel, path, issues)
-        return
+        _write_set(console, order, partial(start_set, name, finger, sensor, preset, hand, order.changes))
+    else:
+        from fingertip.design.new_design import write_new_design
 
-    def begin(more: Sequence[str] = ()) -> NewDesign:
-        return write_new_design(name, sensor, preset, hand, [*given, *more], console.progress)
+        begin = partial(write_new_design, name, sensor, preset, hand, progress=console.progress)
+        _write_one(console, order, begin, is_new=out is None, is_fitted=bool(preset or hand))
 
-    made = None
-    found: list[Issue] = []
+
+@dataclass(frozen=True)
+class _Order:
+    """Design, or set, that is asked for, and what is wrong with the words so far."""
+
+    name: str
+    path: Path
+    changes: Sequence[str]
+    may_change_joint: bool
+    issues: list[Issue]
+
+    @property
+    def following(self) -> str:
+        return f"fingertip make {shlex.quote(self.path.as_posix())}"
+
+
+def _find_taken(name: str) -> Iterator[Issue]:
+    """Find why a name is refused: a bundled file has it."""
+    from fingertip.catalogues.bundled import list_bundled_files
+    from fingertip.catalogues.file_kinds import DESIGN, SET
+
+    for kind in (DESIGN, SET):
+        if name in list_bundled_files(kind):
+            taken = f"{name} is the name of a bundled {kind.name}"
+            yield Issue("NAME", f"{taken}; choose another, such as my_{name}.")
+
+
+def _write_one(console: Console, order: _Order, begin: Callable[..., NewDesign], is_new: bool, is_fitted: bool) -> None:
+    """Write one design, checked if its lengths are fitted."""
+    from fingertip.design.new_design import find_lost_travel
+    from fingertip.foundation.files import write_file
+
+    made, found, issues = None, list[Issue](), order.issues
     with gather(found):
-        made = begin()
-        if not allow_shorter_travel:
+        made = begin(changes=order.changes)
+        if not order.may_change_joint:
             found += find_lost_travel(made)
     issues += _name_options(found)
-    if made and out is None:
-        issues += find_file_issues("--out", path, ".toml", kept="give another name")
+    if made and is_new:
+        issues += find_file_issues("--out", order.path, ".toml", kept="give another name")
     if issues or made is None:
         raise FingertipError(issues)
-    following = f"fingertip make {shlex.quote(path.as_posix())}"
-    data, lines = _describe(path, made)
-    if preset or hand:
+    data, lines = _describe(order.path, made)
+    if is_fitted:
         failed, strength = _check(made.design, data, console.progress)
         if failed:
-            remedy = _find_passing(begin, made.design, failed, given, allow_shorter_travel, console.progress)
+            remedy = _find_passing(order, begin, made.design, failed, console.progress)
             raise FingertipError(_refuse(failed, remedy))
         lines += strength
-    write_file(path, made.text.encode())
-    console.result(data | {"next": following}, "\n".join([*lines, f"wrote {path}; edit it, then run: {following}"]))
+    write_file(order.path, made.text.encode())
+    lines.append(f"wrote {order.path}; edit it, then run: {order.following}")
+    console.result(data | {"next": order.following}, "\n".join(lines))
 
 
-def _write_renewed(
-    console: Console, name: str, old: Path, given: Sequence[str], path: Path, issues: list[Issue]
-) -> None:
+def _write_renewed(console: Console, order: _Order, old: Path) -> None:
     from fingertip.design.renewal import LEFT_OUT, renew_design
     from fingertip.foundation.files import write_file
 
-    issues += find_file_issues("--out", path, ".toml", inputs=(old,), kept="give another name")
-    if issues:
-        raise FingertipError(dict.fromkeys(issues))
+    order.issues.extend(find_file_issues("--out", order.path, ".toml", inputs=(old,), kept="give another name"))
+    if order.issues:
+        raise FingertipError(dict.fromkeys(order.issues))
     for left in LEFT_OUT:
-        renewed = renew_design(name, old, given, left, console.progress)
-        data, lines = _describe(path, renewed.made)
+        renewed = renew_design(order.name, old, order.changes, left, console.progress)
+        data, lines = _describe(order.path, renewed.made)
         failed, strength = _check(renewed.made.design, data, console.progress)
         if lighter := _find_lighter_loads([failed]):
             loads = [f"{load}={value:g}" for load, value in lighter.items()]
-            renewed = renew_design(name, old, [*given, *loads], left, console.progress)
+            renewed = renew_design(order.name, old, [*order.changes, *loads], left, console.progress)
             failed, strength = _check(renewed.made.design, data, console.progress)
         if not failed:
             break
     else:
         raise FingertipError(_refuse(failed, ""))
-    write_file(path, renewed.made.text.encode())
+    write_file(order.path, renewed.made.text.encode())
     columns = max(map(len, renewed.changed), default=0)
     lines += (f"{parameter:{columns}}  {was} -> {now}" for parameter, (was, now) in renewed.changed.items())
     lines.append(f"{len(renewed.retired)} parameters went; begun from {renewed.made.base}")
     lines += _tell_other_joint(renewed.made)
-    following = f"fingertip make {shlex.quote(path.as_posix())}"
     data |= {"changed": {key: list(both) for key, both in renewed.changed.items()}, "retired": renewed.retired}
-    lines += [*strength, f"wrote {path}; edit it, then run: {following}"]
-    console.result(data | {"next": following}, "\n".join(lines))
+    lines += [*strength, f"wrote {order.path}; edit it, then run: {order.following}"]
+    console.result(data | {"next": order.following}, "\n".join(lines))
 
 
 def _tell_other_joint(made: NewDesign) -> Iterator[str]:
@@ -157,13 +176,11 @@ def _tell_other_joint(made: NewDesign) -> Iterator[str]:
         yield f"note: {made.base} holds {base.strength.grip_force_n:g} N, on a joint of {', '.join(others)}"
 
 
-def _write_set(
-    console: Console, name: str, start: Callable[[], Starts], may_change_joint: bool, path: Path, issues: list[Issue]
-) -> None:
+def _write_set(console: Console, order: _Order, start: Callable[[], Starts]) -> None:
     from fingertip.design.new_set import fit_set, write_set_file
     from fingertip.foundation.files import write_file
 
-    found: list[Issue] = []
+    path, issues, found = order.path, order.issues, list[Issue]()
     starts: Starts = {}
     with gather(found):
         starts = start()
@@ -173,7 +190,7 @@ def _write_set(
     if issues:
         raise FingertipError(dict.fromkeys(issues))
     work = Work("", {"fit": 2.0 * len(starts), "checks": len(starts)}, console.progress)
-    forms = fit_set(starts, may_change_joint, work.within("fit"), issues)
+    forms = fit_set(starts, order.may_change_joint, work.within("fit"), issues)
     checking = Work("checking", dict.fromkeys((join_words(form.fingers) for form in forms), 1.0), work.within("checks"))
     told: list[dict[str, Any]] = []
     lines: list[str] = []
@@ -194,12 +211,11 @@ def _write_set(
     for form in forms:
         if form.is_own:
             write_file(path.with_name(form.file), form.design.text.encode())
-    write_file(path, write_set_file(name, forms).encode())
+    write_file(path, write_set_file(order.name, forms).encode())
     if missing := [finger for finger in NAMES if not any(finger in form.fingers for form in forms)]:
         lines.append(f"note: this hand has no {join_words(missing, 'and no')}")
-    following = f"fingertip make {shlex.quote(path.as_posix())}"
-    data = {"set": path.as_posix(), "name": name, "forms": told, "next": following}
-    console.result(data, "\n".join([*lines, f"wrote {path}; edit its designs, then run: {following}"]))
+    data = {"set": path.as_posix(), "name": order.name, "forms": told, "next": order.following}
+    console.result(data, "\n".join([*lines, f"wrote {path}; edit its designs, then run: {order.following}"]))
 
 
 def _name_options(issues: Iterable[Issue]) -> list[Issue]:
@@ -239,25 +255,20 @@ def _refuse(failed: Iterable[Check], remedy: str) -> Iterator[Issue]:
 
 
 def _find_passing(
-    make: Callable[[list[str]], NewDesign],
-    design: Design,
-    failed: Sequence[Check],
-    given: Sequence[str],
-    allow_shorter_travel: bool,
-    progress: Callable[[str], None],
+    order: _Order, begin: Callable[..., NewDesign], design: Design, failed: Sequence[Check], progress: ReportProgress
 ) -> str:
     """Find the first larger finger that passes every check, as options to be typed; else loads that this one holds."""
     from fingertip.cad.verification.verify import check as check_design
     from fingertip.design.new_design import find_lost_travel
 
     shares = {"skin.width_mm": 1.0, "skin.semi_axis_dorsal_mm": 0.5}
-    free = {name: by for name, by in shares.items() if not any(change.startswith(name) for change in given)}
+    free = {name: by for name, by in shares.items() if not any(change.startswith(name) for change in order.changes)}
     for larger_mm in _LARGER_MM if free else ():
         settings = [f"{name}={design.value(name) + by * larger_mm:g}" for name, by in free.items()]
         progress(f"trying a larger finger: {' '.join(settings)}")
         with contextlib.suppress(DesignError):
-            made = make(settings)
-            may_lose = allow_shorter_travel or not find_lost_travel(made)
+            made = begin(changes=[*order.changes, *settings])
+            may_lose = order.may_change_joint or not find_lost_travel(made)
             found = {check.name: check for check in check_design(made.design, progress=progress).checks}
             if may_lose and all(check.passed for check in found.values()):
                 return "it passes with " + " ".join(f"--set {setting}" for setting in settings)

@@ -54,11 +54,8 @@ def simulate(
     force: bool = FORCE,
 ) -> None:
     """Simulate one trial of a design, or a scene with --design, and write its trace."""
-    from fingertip.catalogues.output_files import SIGNAL
     from fingertip.foundation import extras
-    from fingertip.foundation.files import open_atomic, write_file
     from fingertip.sim import load_simulation, trace_file
-    from fingertip.sim import report as summary
 
     issues = [*find_file_issues("--out", out, *trace_file.SUFFIXES), *find_file_issues("--plot", plot, ".png")]
     for option, is_given in {"--parameters": parameters, "--plan": plan}.items():
@@ -75,22 +72,30 @@ def simulate(
         issues.extend(find_grip_issues(grip, simulation))
     if issues or simulation is None:
         raise FingertipError(issues)
-
     if parameters:
         scene = simulation.scene.complete()
         console.result({"parameters": list(scene.list_parameters())}, "\n".join(scene.format_parameters()))
-        return
-
-    if plan:
+    elif plan:
         from fingertip.sim.plan import plan_simulation
 
         found = plan_simulation(simulation)
         console.result(found.as_data(), "\n".join(found.as_text()))
-        return
+    else:
+        if plot is not None:
+            extras.require("--plot", "matplotlib", alternative="leave --plot out")
+        console.warn(simulation.find_warnings())
+        _write(console, simulation, out, plot, grip, force)
 
-    if plot is not None:
-        extras.require("--plot", "matplotlib", alternative="leave --plot out")
-    console.warn(simulation.find_warnings())
+
+def _write(
+    console: Console, simulation: Simulation, out: Path | None, plot: Path | None, grip: str | None, force: bool
+) -> None:
+    """Simulate and write trace and plot, the trace beside the parts of the design if `out` is None."""
+    from fingertip.catalogues.output_files import SIGNAL
+    from fingertip.foundation.files import open_atomic, write_file
+    from fingertip.sim import report as summary
+    from fingertip.sim import trace_file
+
     path = out or SIGNAL.folder(simulation.design) / f"{simulation.name}.csv"
     if out is None:  # refused before the work starts
         SIGNAL.writer(simulation.design, path.parent, force).check((path.name,))

@@ -50,40 +50,49 @@ def sweep(
 
     Exit code 0: every point has its row; 1: some points failed or exceeded the time limit.
     """
-    from fingertip.foundation.workers import find_workers
-    from fingertip.sweep.engines import DaskEngine, ProcessEngine
-    from fingertip.sweep.plan import SweepPlan
     from fingertip.sweep.report import load_pyarrow
 
     idle = find_idle_issues("--outputs", {"--csv": csv, "--parquet": parquet} if outputs else {})
     refuse(find_file_issues("--csv", csv, ".csv"), find_file_issues("--parquet", parquet, ".parquet"), idle)
-    if outputs:
-        from fingertip.sweep.outputs import load_outputs
-
-        listed = [{"name": o.name, "group": o.group, "description": o.description} for o in load_outputs().values()]
-        lines = [f"{'output':24} {'group':10} description"]
-        lines += [f"{o.name:24} {o.group:10} {o.description}" for o in load_outputs().values()]
-        console.result({"outputs": listed}, "\n".join(lines))
-        return
     if parquet is not None:
         load_pyarrow()  # a missing package is reported before the sweep, not after it
-    if show:
+    if outputs:
+        _list_outputs(console)
+    elif show:
         _show_report(console, *_find_shown(file, out, changes or ()), csv, parquet)
-        return
+    else:
+        plan, engine = _prepare(file, changes or (), jobs, cluster)
+        with _open_database(console, out or _default_folder(plan), plan, resume) as database:
+            code = _run(console, database, engine)
+            _export(database, csv, parquet)
+        if code:
+            raise typer.Exit(code)
+
+
+def _list_outputs(console: Console) -> None:
+    from fingertip.sweep.outputs import load_outputs
+
+    listed = [{"name": o.name, "group": o.group, "description": o.description} for o in load_outputs().values()]
+    lines = [f"{'output':24} {'group':10} description"]
+    lines += [f"{o.name:24} {o.group:10} {o.description}" for o in load_outputs().values()]
+    console.result({"outputs": listed}, "\n".join(lines))
+
+
+def _prepare(
+    file: Path | None, changes: Sequence[str], jobs: int | None, cluster: str | None
+) -> tuple[SweepPlan, Engine]:
+    """Load a sweep file, and choose who computes its points. Raises SweepError."""
+    from fingertip.foundation.workers import find_workers
+    from fingertip.sweep.engines import DaskEngine, ProcessEngine
+    from fingertip.sweep.plan import SweepPlan
+
     if file is None:
         raise SweepError(Issue("SWEEP.toml", "is missing; give a sweep file, or a bundled sweep, such as board."))
     workers = find_workers(jobs)
     if jobs is not None and cluster:
         message = "cannot be combined with --cluster, which has its own workers; leave one of them out."
         raise SweepError(Issue("--jobs", message))
-    plan = SweepPlan.load(file, changes or ())
-    folder = out or _default_folder(plan)
-    engine = DaskEngine(cluster) if cluster else ProcessEngine(workers)
-    with _open_database(console, folder, plan, resume) as database:
-        code = _run(console, database, engine)
-        _export(database, csv, parquet)
-    if code:
-        raise typer.Exit(code)
+    return SweepPlan.load(file, changes), DaskEngine(cluster) if cluster else ProcessEngine(workers)
 
 
 def _find_shown(file: Path | None, out: Path | None, changes: Sequence[str]) -> tuple[Path, SweepPlan | None]:

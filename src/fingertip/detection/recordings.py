@@ -247,8 +247,8 @@ def _measure_noise(recording: _Recording, quiet: QuietPart) -> float:
     """Measure the white noise for which the detector has the threshold that the quiet part needs [V]."""
     design, quiet_v = recording.design, recording.trace.voltage_v[quiet.samples]
     noise_v = equivalent_noise_v(recording.detector, design, quiet_v, recording.name)
-    least_v = registry.find_detector_type(recording.detector).implementation.min_noise_v(design)
-    return max(noise_v, least_v) if recording.columns.in_volts else noise_v
+    min_v = registry.find_detector_type(recording.detector).implementation.min_noise_v(design)
+    return max(noise_v, min_v) if recording.columns.in_volts else noise_v
 
 
 def _doubt_result(

@@ -14,12 +14,12 @@ import time
 
 from fingertip.catalogues.bundled import find_file
 from fingertip.catalogues.file_kinds import DESIGN
-from fingertip.design.all_rules import PART_RULES
 from fingertip.design.files import load_tables
 from fingertip.design.fit import fit_design
 from fingertip.design.geometry import DesignTables
 from fingertip.design.new_design import PRESETS
 from fingertip.design.rules.ruleset import find_violations
+from fingertip.design.search import PART_RULES
 from fingertip.foundation.errors import DesignError
 
 MEASURED = (

@@ -5,11 +5,10 @@ from __future__ import annotations
 import pytest
 
 from fingertip import Design
-from fingertip.design.all_rules import RULES
-from fingertip.design.bands import describe_bands, find_bands
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
 from fingertip.design.rules.ruleset import find_violations
+from fingertip.design.search import RULES, describe_bands, find_bands
 
 
 def passes(design: Design, name: str, value: float) -> bool:

@@ -9,12 +9,12 @@ import tomllib
 import pytest
 
 from fingertip.design import Design
-from fingertip.design.all_rules import PART_RULES, RULES
 from fingertip.design.files import load_tables
 from fingertip.design.fit import FREE, fit_design
 from fingertip.design.geometry import DesignTables
 from fingertip.design.new_design import PRESETS, find_hand, list_hands, write_new_design
 from fingertip.design.rules.ruleset import find_violations
+from fingertip.design.search import PART_RULES, RULES
 from fingertip.foundation.errors import DesignError, TomlFileError
 from tests.conftest import design_file
 

@@ -12,8 +12,8 @@ from fingertip.design import Design
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
-from fingertip.design.refusal import Search
 from fingertip.design.rules.skin import calibration_spans_forces
+from fingertip.design.search import Search
 from fingertip.foundation.errors import DesignError, Issue
 from tests.conftest import design_file, run_python
 from tools.fuzz.remedies import as_changes, read_alternatives, read_remedy

@@ -10,11 +10,11 @@ import pytest
 import tomlkit
 
 from fingertip.design import Design
-from fingertip.design.all_rules import RULES
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import load_retired
 from fingertip.design.renewal import LEFT_OUT, renew_design
 from fingertip.design.rules.ruleset import find_violations
+from fingertip.design.search import RULES
 from fingertip.foundation.errors import DesignError
 from fingertip.sweep.outputs import check_outputs, load_outputs
 from tests.conftest import run_fingertip, some_of

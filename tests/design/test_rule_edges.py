@@ -16,12 +16,12 @@ import pytest
 from pydantic import ValidationError
 
 from fingertip.design import Design
-from fingertip.design.all_rules import RULES
 from fingertip.design.files import load_tables
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
 from fingertip.design.rules.ruleset import BrokenRule, Rule, Violation, find_violations, record_reads
+from fingertip.design.search import RULES
 from fingertip.foundation.errors import DesignError, Issue
 from tests.approved import check_figures
 from tests.conftest import design_file

@@ -16,10 +16,10 @@ from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification.check import Check
 from fingertip.cad.verification.verify import verify
 from fingertip.design import Design
-from fingertip.design.all_rules import PART_RULES, RULES
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import ELECTRONIC_TABLES
 from fingertip.design.rules.ruleset import find_violations
+from fingertip.design.search import PART_RULES, RULES
 from fingertip.foundation.errors import DesignError, Issue
 from fingertip.lab.campaign.plan import Case
 from fingertip.lab.campaign.run import TrialResult

@@ -13,11 +13,10 @@ import random
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
-from fingertip.design.all_rules import PART_RULES
 from fingertip.design.geometry import DesignTables
-from fingertip.design.refusal import cheapest_first
-from fingertip.design.remedies import find_remedies
+from fingertip.design.refusal import find_remedies
 from fingertip.design.rules.ruleset import BrokenRule, RuleChecker
+from fingertip.design.search import PART_RULES, cheapest_first
 from fingertip.foundation.errors import DesignError
 from fingertip.foundation.numerics import bisect
 

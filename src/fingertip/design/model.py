@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any, Self
 
 from pydantic import ValidationError
 
-from fingertip.design.all_rules import RULES
 from fingertip.design.files import Changes, list_parameters, load_tables
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import parse_tables
-from fingertip.design.remedies import describe_violations, explain_invalid, explain_violations
+from fingertip.design.refusal import describe_violations, explain_invalid, explain_violations
 from fingertip.design.rules.ruleset import find_violations
+from fingertip.design.search import RULES
 from fingertip.foundation.argument_types import checked
 from fingertip.foundation.display import Picture, html_table, plot, to_dataframe
 from fingertip.foundation.errors import DesignError

@@ -1,224 +1,47 @@
-"""Search for values of a parameter that pass the rules, and description of a refused design with its remedies."""
+"""What is said of a design that is refused: each problem, with a remedy that passes."""
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any
 
+from pydantic import ValidationError
+
 from fingertip.catalogues.sensors import CATALOGUE
+from fingertip.design.files import flatten
 from fingertip.design.geometry import DesignTables
-from fingertip.design.parameters import ELECTRONIC_TABLES, PARAMETERS
-from fingertip.design.parameters.declaration import find_bounds, find_unit, format_unit
-from fingertip.design.rules.ruleset import BrokenRule, Rule, RuleChecker, find_violations
-from fingertip.foundation.errors import Issue, join_words
-from fingertip.foundation.numerics import bisect
-
-SMALLEST = 1e-300
-"""Absolute value below which a number has no digits that count."""
-_GRID_INTERVALS = 48
-"""Intervals of the fine grid between a parameter's bounds."""
-_STRIDE = 4
-"""Fine intervals in one interval of the coarse grid."""
-_HALVINGS = 9
-"""Halvings of the interval between a failing and a passing value."""
-_SHORT_DIGITS = (2, 3)
-"""Significant digits of the short numbers that are tried in the last interval."""
-_DIGITS = (3, 4, 5)
-"""Significant digits to which a value that was found is rounded, if it passes then."""
-
-
-@dataclass(frozen=True)
-class Search:
-    """Search for values near a design that pass all rules, or the one rule that is asked for; each was checked."""
-
-    rules: tuple[Rule, ...]
-    """Rules to pass, those that take long last."""
-    suspects: tuple[Rule, ...]
-    """Rules that are checked first, because they are likely to fail."""
-    invalid: frozenset[str] = frozenset()
-    """Parameters whose own values are not valid."""
-    before: DesignTables | None = None
-    """Design whose values are tried too."""
-
-    def passes(self, tables: DesignTables, only: Rule | None = None) -> bool:
-        if only is not None:
-            return RuleChecker(tables, self.invalid).passes(only)
-        return next(find_violations((*self.suspects, *self.rules), tables, self.invalid), None) is None
-
-    def nearest(self, tables: DesignTables, name: str, only: Rule | None = None, *, thorough: bool = True) -> Any:
-        """Find the value of a numeric parameter that passes and is nearest to its present one; None if there is none.
-
-        The value is the nearest one on a coarse grid between the parameter's bounds, or else, if the search is
-        thorough, on a fine one. Bisection then refines it. A range of passing values that is narrower than the grid may
-        be missed.
-        """
-        if not is_number(name) or name in self.invalid:
-            return None
-        present = tables.value(name)
-        grid = self.list_grid(name, present)
-        sides = [[value for value in grid if (value > present) is above] for above in (True, False)]
-        coarse = {value for side in sides for value in (*side[_STRIDE - 1 :: _STRIDE], *side[-1:])}
-        failing = {present}
-        fine = [value for value in grid if value not in coarse] if thorough else []
-        for values in ([value for value in grid if value in coarse], fine):
-            for value in values:
-                if self.passes(tables.with_values({name: value}), only):
-                    between = (v for v in failing if min(present, value) <= v <= max(present, value))
-                    return self.refine(tables, name, min(between, key=lambda v: abs(v - value)), value, only)
-                failing.add(value)
-        return None
-
-    def refine(self, tables: DesignTables, name: str, failing: float, passing: float, only: Rule | None = None) -> Any:
-        """Move a passing value of a parameter towards a failing one by bisection, and round it."""
-
-        def passes(value: float) -> bool:
-            return self.passes(tables.with_values({name: value}), only)
-
-        def between(share: float) -> float:
-            if min(failing, passing) > 0.0 and max(failing, passing) > 4.0 * min(failing, passing):
-                return as_typed(name, _blend(failing, passing, share))
-            return as_typed(name, failing + share * (passing - failing))
-
-        below, share = bisect(lambda share: not passes(between(share)), 0.0, 1.0, halvings=_HALVINGS)
-        best, last_failing = passing if share == 1.0 else between(share), between(below)
-        # A bound is often a short number, which then lies between the last failing and the last passing value.
-        for digits in _SHORT_DIGITS:
-            short = as_typed(name, round_digits(best, digits, up=best < failing))
-            is_between = min(last_failing, best) <= short <= max(last_failing, best)
-            if is_between and find_bounds(PARAMETERS[name]).contain(short) and passes(short):
-                return short
-        for digits in _DIGITS:
-            rounded = as_typed(name, round_digits(best, digits, up=best > failing))
-            if find_bounds(PARAMETERS[name]).contain(rounded) and passes(rounded):
-                return rounded
-        return best
-
-    def list_grid(self, name: str, present: float) -> Sequence[float]:
-        """Values between the parameter's bounds, the nearest to the present one first."""
-        bounds = find_bounds(PARAMETERS[name])
-        high = bounds.maximum if bounds.maximum is not None else 2.0 * abs(present) + 1.0
-        low = bounds.minimum if bounds.minimum is not None else (bounds.above or 0.0) + 1e-6 * high
-        is_wide = low > 0.0 and high / low > 300.0
-        shares = [i / _GRID_INTERVALS for i in range(_GRID_INTERVALS)]
-        values = [low * (high / low) ** share if is_wide else low + (high - low) * share for share in shares]
-        values += [high, PARAMETERS[name].default]
-        if self.before is not None:
-            values.append(self.before.value(name))
-        inside = {as_typed(name, value) for value in values if bounds.contain(value)} - {present}
-
-        def distance(value: float) -> float:
-            return abs(math.log(value / present)) if is_wide and present > 0.0 else abs(value - present)
-
-        return sorted(inside, key=lambda value: (distance(value), value))
-
-
-def _blend(first: float, last: float, share: float) -> float:
-    """Blend two positive numbers in equal ratios: the first for a share of 0, the last for 1."""
-    ratio = last / first
-    if 0.0 < ratio < math.inf:
-        blend: float = first * ratio**share
-        return blend
-    # The ratio of two numbers that differ by more than 308 powers of ten is no number.
-    return math.exp((1.0 - share) * math.log(first) + share * math.log(last))
-
-
-def is_number(name: str) -> bool:
-    return PARAMETERS[name].annotation in (float, int)
-
-
-def as_typed(name: str, value: float) -> float:
-    return round(value) if PARAMETERS[name].annotation is int else value
-
-
-def round_inwards(name: str, value: float, up: bool) -> float:
-    """Round a bound of a parameter inwards: to four digits in the electronic tables, else to two decimals."""
-    if PARAMETERS[name].annotation is int:
-        return math.ceil(value - 1e-9) if up else math.floor(value + 1e-9)
-    if _is_electronic(name):
-        return round_digits(value, 4, up)
-    return (math.ceil(value * 100 - 1e-9) if up else math.floor(value * 100 + 1e-9)) / 100
-
-
-def round_digits(value: float, digits: int, up: bool) -> float:
-    if value == 0.0 or math.isinf(value):
-        return value
-    if abs(value) < SMALLEST:  # has no more digits to round
-        return 0.0 if up == (value < 0.0) else math.copysign(SMALLEST, value)
-    step = 10.0 ** (math.floor(math.log10(abs(value))) - digits + 1)
-    # A value that has so few digits already must not lose one to the division's last bit.
-    count = round(value / step, 6)
-    return float(f"{(math.ceil(count) if up else math.floor(count)) * step:.{digits}g}")
-
-
-def format_value(name: str, value: Any) -> str:
-    """Write a value so that it is the same number when it is typed in."""
-    if not isinstance(value, float):
-        return str(value)
-    text = f"{value:.4g}" if _is_electronic(name) else f"{value:g}"
-    return text if float(text) == value else repr(value)
-
-
-def join_assignments(values: Mapping[str, Any]) -> str:
-    """Write values as they are typed after --set, such as "skin.width_mm=18 and bone.wall_mm=1"."""
-    return join_words(f"{name}={format_value(name, value)}" for name, value in values.items())
-
-
-def cheapest_first(rules: Iterable[Rule]) -> tuple[Rule, ...]:
-    """Order rules so that those which measure the silicone come late, and those which take longest come last."""
-    return tuple(sorted(rules, key=lambda rule: (rule.takes_long, len(rule.prerequisites))))
-
-
-def _is_electronic(name: str) -> bool:
-    return name.partition(".")[0] in ELECTRONIC_TABLES
-
+from fingertip.design.parameters import PARAMETERS, ParameterTable
+from fingertip.design.parameters.declaration import find_bounds, find_unit, format_unit, issues_from_pydantic
+from fingertip.design.remedies import Refusal, Values, find_passing_value, resolve
+from fingertip.design.rules.ruleset import BrokenRule, Rule, find_violations
+from fingertip.design.search import RULES, Search, cheapest_first, format_value, is_number, join_assignments
+from fingertip.foundation.errors import Issue
 
 _MAX_ALTERNATIVES = 2
 _MAX_CHANGED = 3
 """Maximum number of changed parameters among which alternatives are searched. More of them are a design of its own, in
 which none stands out."""
 
-Values = dict[str, Any]
+
+def find_remedies(
+    tables: DesignTables,
+    broken: Sequence[BrokenRule],
+    before: DesignTables | None = None,
+    changed: Sequence[str] = (),
+    invalid: frozenset[str] = frozenset(),
+    rules: Iterable[Rule] = RULES,
+) -> list[Issue]:
+    """Describe what is wrong with a design, each problem with a remedy."""
+    before = before or DesignTables()
+    names = changed or [name for name in PARAMETERS if tables.value(name) != before.value(name)]
+    search = Search(cheapest_first(rules), cheapest_first(one.rule for one in broken), invalid, before)
+    refusal = Refusal(tables, tuple(broken), before, tuple(names), search)
+    return list(_describe(refusal, resolve(refusal)))
 
 
-@dataclass(frozen=True)
-class PassingRange:
-    """Values of a blamed field that pass its rules, with ends rounded as a message prints them."""
-
-    intervals: tuple[tuple[float | None, float | None], ...]
-    """Lower and upper ends; None where an interval has no end within the field's own bounds."""
-    value: float
-    """The end that is nearest to the field's present value."""
-
-
-@dataclass
-class Refusal:
-    tables: DesignTables
-    broken: tuple[BrokenRule, ...]
-    before: DesignTables
-    """The design before the changes that may have caused the refusal."""
-    changed: tuple[str, ...]
-    search: Search
-    ranges: dict[str, PassingRange] = field(default_factory=dict)
-    """Ranges of blamed fields, computed from their rules, whose bounds are part of the remedy."""
-
-    @cached_property
-    def blamed(self) -> dict[str, list[BrokenRule]]:
-        found: dict[str, list[BrokenRule]] = {}
-        for broken in self.broken:
-            found.setdefault(broken.rule.field, []).append(broken)
-        return found
-
-    def reads(self, name: str) -> frozenset[str]:
-        return frozenset().union(*(broken.own_reads for broken in self.blamed[name]))
-
-    def resolves(self, values: Mapping[str, Any]) -> bool:
-        return self.search.passes(self.tables.with_values(values))
-
-
-def describe_refusal(refusal: Refusal, values: Values) -> Iterator[Issue]:
+def _describe(refusal: Refusal, values: Values) -> Iterator[Issue]:
     """Yield one issue for each blamed field, with its part of the remedy."""
     blamed = refusal.blamed
     unblamed = [name for name in values if name not in blamed]
@@ -303,3 +126,95 @@ def _find_alternatives(refusal: Refusal, name: str, values: Values) -> str:
         ):
             beside[other] = value
     return "".join(f", or {join_assignments({other: value})}" for other, value in beside.items())
+
+
+def describe_violations(tables: DesignTables, rules: Iterable[Rule] = RULES) -> Iterator[Issue]:
+    blamed: set[str] = set()
+    for broken in find_violations(rules, tables):
+        if broken.rule.field not in blamed:
+            blamed.add(broken.rule.field)
+            yield Issue(broken.rule.field, f"{broken.violation.problem}.")
+
+
+def explain_violations(
+    tables: DesignTables, broken: Sequence[BrokenRule], before: Mapping[str, Any] | None, changed: Sequence[str]
+) -> list[Issue]:
+    """Describe the rules that a design breaks, with remedies; the parameters are those of `find_remedies`."""
+    valid_before = None
+    if before is not None:
+        with contextlib.suppress(ValidationError):
+            valid_before = DesignTables(**before)
+    return find_remedies(tables, broken, valid_before, changed)
+
+
+def explain_invalid(tables: Mapping[str, Any], error: ValidationError, changed: Sequence[str]) -> list[Issue]:
+    """Describe what is wrong with tables of which some parameters are not valid; rules check the others at once."""
+    issues = issues_from_pydantic(error, DesignTables)
+    invalid = frozenset(issue.field for issue in issues)
+    invalid |= frozenset(_find_misplaced(tables, invalid))
+    valid = _keep_valid(tables, invalid)
+    broken = list(find_violations(RULES, valid, invalid))
+    issues = [_extend_bound(issue, tables, valid, invalid) for issue in issues]
+    known = [name for name in changed if name in PARAMETERS]  # an unknown name is one of the issues
+    return issues + (find_remedies(valid, broken, None, known, invalid) if broken else [])
+
+
+def _find_misplaced(tables: Mapping[str, Any], unknown: frozenset[str]) -> Iterator[str]:
+    """Find parameters that stand in another table, as below a heading that was lost: their values are not known."""
+    given = {name for name, _ in flatten(tables)}
+    keys = {name.rpartition(".")[2] for name in unknown - set(PARAMETERS)}
+    return (name for name in PARAMETERS if name.rpartition(".")[2] in keys and name not in given)
+
+
+def _keep_valid(tables: Mapping[str, Any], invalid: frozenset[str]) -> DesignTables:
+    """Make tables of the valid parameters, with the defaults in place of the others."""
+    fields: dict[str, Any] = {}
+    for name, info in DesignTables.model_fields.items():
+        table, default = tables.get(name), info.default
+        if isinstance(default, ParameterTable):
+            values = table if isinstance(table, Mapping) else {}
+            known = type(default).model_fields
+            valid = {key: v for key, v in values.items() if key in known and f"{name}.{key}" not in invalid}
+            fields[name] = default.model_copy(update=valid)
+        else:
+            fields[name] = default
+    return DesignTables.model_construct(**fields)
+
+
+def _extend_bound(issue: Issue, tables: Mapping[str, Any], valid: DesignTables, invalid: frozenset[str]) -> Issue:
+    """Add to a violated bound the value that the rules require, if the bound itself would break them."""
+    name = issue.field
+    table, _, key = name.partition(".")
+    if name not in PARAMETERS or not key:
+        return issue
+    value, bounds = tables[table][key], find_bounds(PARAMETERS[name])
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        return issue
+    if bounds.maximum is not None and value > bounds.maximum:
+        word, bound = "at most", bounds.maximum
+    elif bounds.minimum is not None and value < bounds.minimum:
+        word, bound = "at least", bounds.minimum
+    elif bounds.above is not None and value <= bounds.above:
+        word, bound = "at least", bounds.above + 1e-6 * (bounds.maximum or 1.0)
+    else:
+        return issue
+    others, unit = invalid - {name}, format_unit(find_unit(PARAMETERS[name]))
+    if bounds.above is not None and word == "at least":  # the bound itself is no value to type in
+        default = PARAMETERS[name].default
+        if not any(name in one.reads for one in find_violations(RULES, valid.with_values({name: default}), others)):
+            return issue  # which names it as an example
+        issue = Issue(name, issue.message.partition(", such as")[0])
+    at_bound = valid.with_values({name: bound})
+    violations = list(find_violations(RULES, at_bound, others))
+    broken = [one for one in violations if name in one.reads]
+    if not broken:
+        return issue
+    # Rules that fail whatever this parameter is have issues of their own.
+    unrelated = {one.rule for one in violations} - {one.rule for one in broken}
+    rules = cheapest_first(rule for rule in RULES if rule not in unrelated)
+    search = Search(rules, cheapest_first(one.rule for one in broken), others)
+    passing = find_passing_value(search, at_bound, name, broken)
+    if passing is None:
+        return issue
+    more = f", and {word} {format_value(name, passing)}{unit} with the other parameters as they are."
+    return Issue(name, issue.message.removesuffix(".") + more)

@@ -17,65 +17,64 @@ Rules that read a parameter which is not valid by itself are not checked. They m
 
 from __future__ import annotations
 
-import contextlib
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
-from pydantic import ValidationError
-
-from fingertip.design.all_rules import RULES
-from fingertip.design.files import flatten
 from fingertip.design.geometry import DesignTables
-from fingertip.design.parameters import PARAMETERS, ParameterTable
-from fingertip.design.parameters.declaration import find_bounds, find_unit, format_unit, issues_from_pydantic
-from fingertip.design.refusal import (
-    PassingRange,
-    Refusal,
-    Search,
-    Values,
-    cheapest_first,
-    describe_refusal,
-    format_value,
-    is_number,
-    round_inwards,
-)
-from fingertip.design.rules.ruleset import BrokenRule, Interval, Rule, find_violations
-from fingertip.foundation.errors import Issue
+from fingertip.design.parameters import PARAMETERS
+from fingertip.design.parameters.declaration import find_bounds
+from fingertip.design.rules.ruleset import BrokenRule, Interval, find_violations
+from fingertip.design.search import Search, is_number, round_inwards
 
 _MAX_STEPS = 8
 """Maximum number of values that a combination changes one after another."""
+Values = dict[str, Any]
 
 
-def find_remedies(
-    tables: DesignTables,
-    broken: Sequence[BrokenRule],
-    before: DesignTables | None = None,
-    changed: Sequence[str] = (),
-    invalid: frozenset[str] = frozenset(),
-    rules: Iterable[Rule] = RULES,
-) -> list[Issue]:
-    """Describe what is wrong with a design, each problem with a remedy."""
-    before = before or DesignTables()
-    names = changed or [name for name in PARAMETERS if tables.value(name) != before.value(name)]
-    search = Search(cheapest_first(rules), cheapest_first(one.rule for one in broken), invalid, before)
-    refusal = Refusal(tables, tuple(broken), before, tuple(names), search)
-    for resolve in (_move_blamed_field, _move_one_field, _return_blamed_choice, _move_to_bounds, _move_step_by_step):
-        if values := resolve(refusal):
-            return list(describe_refusal(refusal, values))
-    return list(describe_refusal(refusal, _return_towards_before(refusal)))
+@dataclass(frozen=True)
+class PassingRange:
+    """Values of a blamed field that pass its rules, with ends rounded as a message prints them."""
+
+    intervals: tuple[tuple[float | None, float | None], ...]
+    """Lower and upper ends; None where an interval has no end within the field's own bounds."""
+    value: float
+    """The end that is nearest to the field's present value."""
 
 
-# Ways to resolve a refusal, the simplest first. Each returns the values to set, or nothing.
+@dataclass
+class Refusal:
+    tables: DesignTables
+    broken: tuple[BrokenRule, ...]
+    before: DesignTables
+    """The design before the changes that may have caused the refusal."""
+    changed: tuple[str, ...]
+    search: Search
+    ranges: dict[str, PassingRange] = field(default_factory=dict)
+    """Ranges of blamed fields, computed from their rules, whose bounds are part of the remedy."""
+
+    @cached_property
+    def blamed(self) -> dict[str, list[BrokenRule]]:
+        found: dict[str, list[BrokenRule]] = {}
+        for broken in self.broken:
+            found.setdefault(broken.rule.field, []).append(broken)
+        return found
+
+    def reads(self, name: str) -> frozenset[str]:
+        return frozenset().union(*(broken.own_reads for broken in self.blamed[name]))
+
+    def resolves(self, values: Mapping[str, Any]) -> bool:
+        return self.search.passes(self.tables.with_values(values))
 
 
-def find_passing_value(search: Search, tables: DesignTables, name: str, broken: Sequence[BrokenRule]) -> Any:
-    """Find the passing value nearest to the present one, exact bounds of rules first; None if there is none."""
-    own = [one for one in broken if one.rule.field == name]
-    passing = _round_range(tables, name, _intersect_intervals(own)) if own else None
-    if passing and search.passes(tables.with_values({name: passing.value})):
-        return passing.value
-    return search.nearest(tables, name)
+def resolve(refusal: Refusal) -> Values:
+    """Find values of parameters that pass all rules together, by the simplest way that finds some."""
+    for way in (_move_blamed_field, _move_one_field, _return_blamed_choice, _move_to_bounds, _move_step_by_step):
+        if values := way(refusal):
+            return values
+    return _return_towards_before(refusal)
 
 
 def _move_blamed_field(refusal: Refusal) -> Values:
@@ -204,6 +203,16 @@ def _use_bounds(refusal: Refusal, values: Values) -> Values:
     return values
 
 
+# Ways to resolve a refusal, the simplest first. Each returns the values to set, or nothing.
+def find_passing_value(search: Search, tables: DesignTables, name: str, broken: Sequence[BrokenRule]) -> Any:
+    """Find the passing value nearest to the present one, exact bounds of rules first; None if there is none."""
+    own = [one for one in broken if one.rule.field == name]
+    passing = _round_range(tables, name, _intersect_intervals(own)) if own else None
+    if passing and search.passes(tables.with_values({name: passing.value})):
+        return passing.value
+    return search.nearest(tables, name)
+
+
 def _find_range(refusal: Refusal, name: str) -> PassingRange | None:
     """Compute the values of a blamed field that pass its broken rules; None if none lies within its own bounds."""
     return _round_range(refusal.tables, name, _intersect_intervals(refusal.blamed[name]))
@@ -238,95 +247,3 @@ def _round_end(name: str, end: float, up: bool) -> float | None:
         return None
     rounded = round_inwards(name, end, up)
     return rounded if find_bounds(PARAMETERS[name]).contain(rounded) else None
-
-
-def describe_violations(tables: DesignTables, rules: Iterable[Rule] = RULES) -> Iterator[Issue]:
-    blamed: set[str] = set()
-    for broken in find_violations(rules, tables):
-        if broken.rule.field not in blamed:
-            blamed.add(broken.rule.field)
-            yield Issue(broken.rule.field, f"{broken.violation.problem}.")
-
-
-def explain_violations(
-    tables: DesignTables, broken: Sequence[BrokenRule], before: Mapping[str, Any] | None, changed: Sequence[str]
-) -> list[Issue]:
-    """Describe the rules that a design breaks, with remedies; the parameters are those of `find_remedies`."""
-    valid_before = None
-    if before is not None:
-        with contextlib.suppress(ValidationError):
-            valid_before = DesignTables(**before)
-    return find_remedies(tables, broken, valid_before, changed)
-
-
-def explain_invalid(tables: Mapping[str, Any], error: ValidationError, changed: Sequence[str]) -> list[Issue]:
-    """Describe what is wrong with tables of which some parameters are not valid; rules check the others at once."""
-    issues = issues_from_pydantic(error, DesignTables)
-    invalid = frozenset(issue.field for issue in issues)
-    invalid |= frozenset(_find_misplaced(tables, invalid))
-    valid = _keep_valid(tables, invalid)
-    broken = list(find_violations(RULES, valid, invalid))
-    issues = [_extend_bound(issue, tables, valid, invalid) for issue in issues]
-    known = [name for name in changed if name in PARAMETERS]  # an unknown name is one of the issues
-    return issues + (find_remedies(valid, broken, None, known, invalid) if broken else [])
-
-
-def _find_misplaced(tables: Mapping[str, Any], unknown: frozenset[str]) -> Iterator[str]:
-    """Find parameters that stand in another table, as below a heading that was lost: their values are not known."""
-    given = {name for name, _ in flatten(tables)}
-    keys = {name.rpartition(".")[2] for name in unknown - set(PARAMETERS)}
-    return (name for name in PARAMETERS if name.rpartition(".")[2] in keys and name not in given)
-
-
-def _keep_valid(tables: Mapping[str, Any], invalid: frozenset[str]) -> DesignTables:
-    """Make tables of the valid parameters, with the defaults in place of the others."""
-    fields: dict[str, Any] = {}
-    for name, info in DesignTables.model_fields.items():
-        table, default = tables.get(name), info.default
-        if isinstance(default, ParameterTable):
-            values = table if isinstance(table, Mapping) else {}
-            known = type(default).model_fields
-            valid = {key: v for key, v in values.items() if key in known and f"{name}.{key}" not in invalid}
-            fields[name] = default.model_copy(update=valid)
-        else:
-            fields[name] = default
-    return DesignTables.model_construct(**fields)
-
-
-def _extend_bound(issue: Issue, tables: Mapping[str, Any], valid: DesignTables, invalid: frozenset[str]) -> Issue:
-    """Add to a violated bound the value that the rules require, if the bound itself would break them."""
-    name = issue.field
-    table, _, key = name.partition(".")
-    if name not in PARAMETERS or not key:
-        return issue
-    value, bounds = tables[table][key], find_bounds(PARAMETERS[name])
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        return issue
-    if bounds.maximum is not None and value > bounds.maximum:
-        word, bound = "at most", bounds.maximum
-    elif bounds.minimum is not None and value < bounds.minimum:
-        word, bound = "at least", bounds.minimum
-    elif bounds.above is not None and value <= bounds.above:
-        word, bound = "at least", bounds.above + 1e-6 * (bounds.maximum or 1.0)
-    else:
-        return issue
-    others, unit = invalid - {name}, format_unit(find_unit(PARAMETERS[name]))
-    if bounds.above is not None and word == "at least":  # the bound itself is no value to type in
-        default = PARAMETERS[name].default
-        if not any(name in one.reads for one in find_violations(RULES, valid.with_values({name: default}), others)):
-            return issue  # which names it as an example
-        issue = Issue(name, issue.message.partition(", such as")[0])
-    at_bound = valid.with_values({name: bound})
-    violations = list(find_violations(RULES, at_bound, others))
-    broken = [one for one in violations if name in one.reads]
-    if not broken:
-        return issue
-    # Rules that fail whatever this parameter is have issues of their own.
-    unrelated = {one.rule for one in violations} - {one.rule for one in broken}
-    rules = cheapest_first(rule for rule in RULES if rule not in unrelated)
-    search = Search(rules, cheapest_first(one.rule for one in broken), others)
-    passing = find_passing_value(search, at_bound, name, broken)
-    if passing is None:
-        return issue
-    more = f", and {word} {format_value(name, passing)}{unit} with the other parameters as they are."
-    return Issue(name, issue.message.removesuffix(".") + more)

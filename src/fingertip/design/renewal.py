@@ -14,7 +14,6 @@ from typing import Any
 
 from fingertip.catalogues.bundled import list_bundled_files
 from fingertip.catalogues.file_kinds import DESIGN
-from fingertip.design.all_rules import RULES
 from fingertip.design.files import flatten, load_tables
 from fingertip.design.fit import fit_design
 from fingertip.design.geometry import DesignTables
@@ -22,8 +21,8 @@ from fingertip.design.model import Design
 from fingertip.design.new_design import NewDesign, list_lines
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import load_retired, parse_tables
-from fingertip.design.refusal import cheapest_first
 from fingertip.design.rules.ruleset import RuleChecker
+from fingertip.design.search import RULES, cheapest_first
 from fingertip.foundation.errors import DesignError, Issue, gather
 from fingertip.foundation.progress import ShareText
 

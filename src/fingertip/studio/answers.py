@@ -26,13 +26,12 @@ from fingertip.cad.verification.verify import run_checks, verify
 from fingertip.casting.sheet import casting_sheet
 from fingertip.catalogues.output_files import DESIGN, PRINT_FOLDER
 from fingertip.design import Design
-from fingertip.design.bands import Band, describe_bands, find_bands
 from fingertip.design.files import to_toml
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.solids import Solid, scaled
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
-from fingertip.design.refusal import as_typed, is_number
+from fingertip.design.search import Band, as_typed, describe_bands, find_bands, is_number
 from fingertip.documents.finger import FirstScreen, render_start
 from fingertip.foundation.errors import DesignError, FingertipError, Issue
 from fingertip.page.html import Markup

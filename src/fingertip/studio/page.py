@@ -11,10 +11,10 @@ from fingertip.cad.shapes.parts import shapes_of_parameters
 from fingertip.catalogues.bundled import list_bundled_files
 from fingertip.catalogues.file_kinds import DESIGN
 from fingertip.design import Design
-from fingertip.design.bands import describe_bands
 from fingertip.design.files import Parameter
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds, list_choices
+from fingertip.design.search import describe_bands
 from fingertip.page.html import Markup, button, code, element, read_asset, read_viewer_library, render_document
 from fingertip.page.model_section import render_model, render_no_view, scene_json
 from fingertip.page.parameters_and_checks import describe_table, group_parameters

@@ -15,11 +15,11 @@ from functools import partial, partialmethod
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, load_manifold, to_canonical_mesh
-from fingertip.design.all_rules import ELECTRONIC_RULES
 from fingertip.design.geometry.solids import Solid
 from fingertip.design.model import Design
 from fingertip.design.parameters import ELECTRONIC_TABLES
-from fingertip.design.remedies import describe_violations
+from fingertip.design.refusal import describe_violations
+from fingertip.design.search import ELECTRONIC_RULES
 from fingertip.foundation.errors import DesignError
 from fingertip.sweep.axes import Value, select_changes
 from fingertip.sweep.plan import SweepPlan

@@ -18,11 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.catalogues.controllers import split_finger
-from fingertip.design.all_rules import RULES
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters.declaration import suggest_name
-from fingertip.design.remedies import find_remedies
+from fingertip.design.refusal import find_remedies
 from fingertip.design.rules.ruleset import find_violations
+from fingertip.design.search import RULES
 from fingertip.foundation import extras
 from fingertip.foundation.errors import Issue, SweepError, gather
 from fingertip.slip.detectors.registry import find_detector_type

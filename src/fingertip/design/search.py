@@ -1,0 +1,261 @@
+"""All rules of a design, and the search for values of a parameter with which they pass: the nearest one, and bands.
+
+A rule checks parameters that are each within their own bounds. Which parameters it reads is noted, not declared: if one
+of them is not valid by itself, the rule is skipped, so that one mistake gives one message and all other rules are still
+checked. A band holds the values of a parameter with which a design passes every rule while its other parameters stay.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from fingertip.design import interfaces
+from fingertip.design.geometry import DesignTables
+from fingertip.design.interfaces import clevis_rules, flange, rigid
+from fingertip.design.parameters import ELECTRONIC_TABLES, PARAMETERS
+from fingertip.design.parameters.declaration import find_bounds, find_unit, format_unit
+from fingertip.design.rules import amplifiers, board, bone, skin
+from fingertip.design.rules.ruleset import Rule, RuleChecker, find_violations
+from fingertip.foundation.errors import join_words
+from fingertip.foundation.numerics import bisect
+
+PART_RULES = (
+    *skin.RULES, *bone.WALL_RULES, *interfaces.LENGTH_RULES, *clevis_rules.LENGTH_RULES, *bone.RULES, *rigid.RULES,
+    *flange.RULES, *clevis_rules.RULES, *bone.MOLD_RULES,
+)  # fmt: skip
+"""Rules of the printed parts and the skin. They read no electronic table."""
+ELECTRONIC_RULES = (
+    *board.CHANNEL_RULES, *board.RULES, *amplifiers.SUPPLY_RULES, *amplifiers.RULES, *board.SIGNAL_RULES,
+    *skin.FORCE_CURVE_RULES,
+)  # fmt: skip
+"""Rules of the board and of slip detection. They read only the electronic tables."""
+RULES = (*PART_RULES, *ELECTRONIC_RULES)
+
+
+SMALLEST = 1e-300
+"""Absolute value below which a number has no digits that count."""
+_GRID_INTERVALS = 48
+"""Intervals of the fine grid between a parameter's bounds."""
+_STRIDE = 4
+"""Fine intervals in one interval of the coarse grid."""
+_HALVINGS = 9
+"""Halvings of the interval between a failing and a passing value."""
+_SHORT_DIGITS = (2, 3)
+"""Significant digits of the short numbers that are tried in the last interval."""
+_DIGITS = (3, 4, 5)
+"""Significant digits to which a value that was found is rounded, if it passes then."""
+Band = tuple[float, float]
+"""Lowest and highest value of a band; both pass."""
+_POINTS = 6
+"""Values within a band of the quick rules with which the rules that take long are checked."""
+
+
+@dataclass(frozen=True)
+class Search:
+    """Search for values near a design that pass all rules, or the one rule that is asked for; each was checked."""
+
+    rules: tuple[Rule, ...]
+    """Rules to pass, those that take long last."""
+    suspects: tuple[Rule, ...]
+    """Rules that are checked first, because they are likely to fail."""
+    invalid: frozenset[str] = frozenset()
+    """Parameters whose own values are not valid."""
+    before: DesignTables | None = None
+    """Design whose values are tried too."""
+
+    def passes(self, tables: DesignTables, only: Rule | None = None) -> bool:
+        if only is not None:
+            return RuleChecker(tables, self.invalid).passes(only)
+        return next(find_violations((*self.suspects, *self.rules), tables, self.invalid), None) is None
+
+    def nearest(self, tables: DesignTables, name: str, only: Rule | None = None, *, thorough: bool = True) -> Any:
+        """Find the value of a numeric parameter that passes and is nearest to its present one; None if there is none.
+
+        The value is the nearest one on a coarse grid between the parameter's bounds, or else, if the search is
+        thorough, on a fine one. Bisection then refines it. A range of passing values that is narrower than the grid may
+        be missed.
+        """
+        if not is_number(name) or name in self.invalid:
+            return None
+        present = tables.value(name)
+        grid = self.list_grid(name, present)
+        sides = [[value for value in grid if (value > present) is above] for above in (True, False)]
+        coarse = {value for side in sides for value in (*side[_STRIDE - 1 :: _STRIDE], *side[-1:])}
+        failing = {present}
+        fine = [value for value in grid if value not in coarse] if thorough else []
+        for values in ([value for value in grid if value in coarse], fine):
+            for value in values:
+                if self.passes(tables.with_values({name: value}), only):
+                    between = (v for v in failing if min(present, value) <= v <= max(present, value))
+                    return self.refine(tables, name, min(between, key=lambda v: abs(v - value)), value, only)
+                failing.add(value)
+        return None
+
+    def refine(self, tables: DesignTables, name: str, failing: float, passing: float, only: Rule | None = None) -> Any:
+        """Move a passing value of a parameter towards a failing one by bisection, and round it."""
+
+        def passes(value: float) -> bool:
+            return self.passes(tables.with_values({name: value}), only)
+
+        def between(share: float) -> float:
+            if min(failing, passing) > 0.0 and max(failing, passing) > 4.0 * min(failing, passing):
+                return as_typed(name, _blend(failing, passing, share))
+            return as_typed(name, failing + share * (passing - failing))
+
+        below, share = bisect(lambda share: not passes(between(share)), 0.0, 1.0, halvings=_HALVINGS)
+        best, last_failing = passing if share == 1.0 else between(share), between(below)
+        # A bound is often a short number, which then lies between the last failing and the last passing value.
+        for digits in _SHORT_DIGITS:
+            short = as_typed(name, round_digits(best, digits, up=best < failing))
+            is_between = min(last_failing, best) <= short <= max(last_failing, best)
+            if is_between and find_bounds(PARAMETERS[name]).contain(short) and passes(short):
+                return short
+        for digits in _DIGITS:
+            rounded = as_typed(name, round_digits(best, digits, up=best > failing))
+            if find_bounds(PARAMETERS[name]).contain(rounded) and passes(rounded):
+                return rounded
+        return best
+
+    def list_grid(self, name: str, present: float) -> Sequence[float]:
+        """Values between the parameter's bounds, the nearest to the present one first."""
+        bounds = find_bounds(PARAMETERS[name])
+        high = bounds.maximum if bounds.maximum is not None else 2.0 * abs(present) + 1.0
+        low = bounds.minimum if bounds.minimum is not None else (bounds.above or 0.0) + 1e-6 * high
+        is_wide = low > 0.0 and high / low > 300.0
+        shares = [i / _GRID_INTERVALS for i in range(_GRID_INTERVALS)]
+        values = [low * (high / low) ** share if is_wide else low + (high - low) * share for share in shares]
+        values += [high, PARAMETERS[name].default]
+        if self.before is not None:
+            values.append(self.before.value(name))
+        inside = {as_typed(name, value) for value in values if bounds.contain(value)} - {present}
+
+        def distance(value: float) -> float:
+            return abs(math.log(value / present)) if is_wide and present > 0.0 else abs(value - present)
+
+        return sorted(inside, key=lambda value: (distance(value), value))
+
+
+def _blend(first: float, last: float, share: float) -> float:
+    """Blend two positive numbers in equal ratios: the first for a share of 0, the last for 1."""
+    ratio = last / first
+    if 0.0 < ratio < math.inf:
+        blend: float = first * ratio**share
+        return blend
+    # The ratio of two numbers that differ by more than 308 powers of ten is no number.
+    return math.exp((1.0 - share) * math.log(first) + share * math.log(last))
+
+
+def is_number(name: str) -> bool:
+    return PARAMETERS[name].annotation in (float, int)
+
+
+def as_typed(name: str, value: float) -> float:
+    return round(value) if PARAMETERS[name].annotation is int else value
+
+
+def round_inwards(name: str, value: float, up: bool) -> float:
+    """Round a bound of a parameter inwards: to four digits in the electronic tables, else to two decimals."""
+    if PARAMETERS[name].annotation is int:
+        return math.ceil(value - 1e-9) if up else math.floor(value + 1e-9)
+    if _is_electronic(name):
+        return round_digits(value, 4, up)
+    return (math.ceil(value * 100 - 1e-9) if up else math.floor(value * 100 + 1e-9)) / 100
+
+
+def round_digits(value: float, digits: int, up: bool) -> float:
+    if value == 0.0 or math.isinf(value):
+        return value
+    if abs(value) < SMALLEST:  # has no more digits to round
+        return 0.0 if up == (value < 0.0) else math.copysign(SMALLEST, value)
+    step = 10.0 ** (math.floor(math.log10(abs(value))) - digits + 1)
+    # A value that has so few digits already must not lose one to the division's last bit.
+    count = round(value / step, 6)
+    return float(f"{(math.ceil(count) if up else math.floor(count)) * step:.{digits}g}")
+
+
+def format_value(name: str, value: Any) -> str:
+    """Write a value so that it is the same number when it is typed in."""
+    if not isinstance(value, float):
+        return str(value)
+    text = f"{value:.4g}" if _is_electronic(name) else f"{value:g}"
+    return text if float(text) == value else repr(value)
+
+
+def join_assignments(values: Mapping[str, Any]) -> str:
+    """Write values as they are typed after --set, such as "skin.width_mm=18 and bone.wall_mm=1"."""
+    return join_words(f"{name}={format_value(name, value)}" for name, value in values.items())
+
+
+def cheapest_first(rules: Iterable[Rule]) -> tuple[Rule, ...]:
+    """Order rules so that those which measure the silicone come late, and those which take longest come last."""
+    return tuple(sorted(rules, key=lambda rule: (rule.takes_long, len(rule.prerequisites))))
+
+
+def _is_electronic(name: str) -> bool:
+    return name.partition(".")[0] in ELECTRONIC_TABLES
+
+
+def find_bands(
+    tables: DesignTables, name: str, tried: Collection[float] = (), still_wanted: Callable[[], None] = lambda: None
+) -> tuple[Band, ...]:
+    """Find the bands of a number, in ascending order; none if no value passes.
+
+    A band that is narrower than the grid of a search may be missed, unless it holds the present value or another one
+    that is `tried`. `still_wanted` is called before each value, and may raise.
+    """
+    # Rules that do not read the parameter are checked once, for all of its values.
+    checker = RuleChecker(tables, frozenset({name}))
+    readers = [rule for rule in RULES if not checker.passes(rule)]
+    if checker.violations:
+        return ()
+    present = tables.value(name)
+    grid = {*Search((), ()).list_grid(name, present), present, *tried}
+    bands = _narrow(tables, name, grid, [rule for rule in readers if not _takes_long(rule)], still_wanted)
+    slow = list(filter(_takes_long, readers))
+    if not slow:
+        return tuple(bands)
+    found: list[Band] = []
+    for low, high in bands:
+        points = {low, high, *(as_typed(name, low + (high - low) * i / _POINTS) for i in range(1, _POINTS))}
+        found += _narrow(
+            tables, name, points | {value for value in (present, *tried) if low < value < high}, slow, still_wanted
+        )
+    return tuple(found)
+
+
+def describe_bands(name: str, bands: Iterable[Band]) -> str:
+    """Write bands as a part of a sentence, such as "16.5 to 22.1 mm"."""
+    bounds = find_bounds(PARAMETERS[name])
+    said = [
+        format_value(name, low)
+        if low == high
+        else f"{format_value(name, low)} to {format_value(name, high)}"
+        if bounds.above is None or low > bounds.above + 1.01e-6 * (bounds.maximum or 1.0)
+        else f"above {bounds.above:g}, at most {format_value(name, high)}"
+        for low, high in bands
+    ]
+    return join_words(said, "or") + format_unit(find_unit(PARAMETERS[name]))
+
+
+def _takes_long(rule: Rule) -> bool:
+    return rule.takes_long or any(map(_takes_long, rule.prerequisites))
+
+
+def _narrow(
+    tables: DesignTables, name: str, values: Iterable[float], rules: Iterable[Rule], still_wanted: Callable[[], None]
+) -> list[Band]:
+    """Find the runs of values that pass some rules, and refine the ends of each towards its neighbours that fail."""
+    search, tried, bands = Search(cheapest_first(rules), ()), sorted(values), list[Band]()
+    low: float | None = None
+    for i, value in enumerate(tried):
+        still_wanted()
+        passes = search.passes(tables.with_values({name: value}))
+        if passes and low is None:
+            low = search.refine(tables, name, tried[i - 1], value) if i else value
+        elif not passes and low is not None:
+            bands.append((low, search.refine(tables, name, value, tried[i - 1])))
+            low = None
+    return bands if low is None else [*bands, (low, tried[-1])]

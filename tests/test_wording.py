@@ -16,7 +16,6 @@ SOURCES = sorted(
     [
         *(ROOT / "src").rglob("*.py"),
         *(ROOT / "tools").rglob("*.py"),
-        *(ROOT / "benchmarks/extremes").rglob("*.py"),
         *(ROOT / "benchmarks/peers").rglob("*.py"),
         *(ROOT / "benchmarks/slip").rglob("*.py"),
     ]

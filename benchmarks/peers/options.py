@@ -1,4 +1,4 @@
-"""Options of `fingertip bench`, the libraries that it needs, and the names of its files. Imports no solver."""
+"""Options of `python -m benchmarks.peers`, the libraries that it needs, and its files. Imports no solver."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from fingertip.foundation.errors import FingertipError, Issue
 SOLVE_IVP = ("LSODA", "Radau", "BDF")
 """Methods of scipy's `solve_ivp`."""
 PEERS = (*SOLVE_IVP, "odeint", "CVODE", "RADAU5", "RADAU", "Rodas5P", "ngspice")
-"""Names of `fingertip bench --solvers`."""
+"""Names of `python -m benchmarks.peers --solvers`."""
 FILES = ("work_precision.png", "trial_accuracy.png", "work_precision.json", "work_precision.txt")
 """Files that the command writes."""
 
@@ -36,4 +36,4 @@ def require_libraries() -> None:
 
     Raises MissingLibraryError.
     """
-    extras.require("fingertip bench solvers", "scipy", "numba", "matplotlib")
+    extras.require("python -m benchmarks.peers", "scipy", "numba", "matplotlib")

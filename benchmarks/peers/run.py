@@ -1,4 +1,4 @@
-"""Run of `fingertip bench`: what it measures, in which order, and what it writes of it."""
+"""Run of `python -m benchmarks.peers`: what it measures, in which order, and what it writes of it."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Benchmark of slip detectors, `fingertip bench slip`: labelled recordings, detectors, and what they reach on them."""
+"""Benchmark of slip detectors: labelled recordings, detectors, and what they reach on them."""

@@ -1,4 +1,4 @@
-"""Run of `fingertip bench slip`: its options, the recordings, and the report."""
+"""Run of `python -m benchmarks.slip`: its options, the recordings, and the report."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def read_options(
         issues.append(Issue("--share", "draws from the project's own signals; leave it out, or leave out the folder."))
     if issues:
         raise FingertipError(issues)
-    extras.require("fingertip bench slip", "scipy", "numba", "matplotlib")
+    extras.require("python -m benchmarks.slip", "scipy", "numba", "matplotlib")
     return Source(folder, layout, competitors, share)
 
 

@@ -34,7 +34,6 @@ FILES = (
     ("new tip", "--out", ".toml", "fingertip.foundation.files.write_file"),
     ("calibrate printer fsr400 --half-thickness-mm 10.0", "--out", ".toml", "fingertip.foundation.files.write_file"),
     ("calibrate sensor weighings.csv", "--out", ".toml", "fingertip.calibration.sensor.calibrate_sensor"),
-    ("bench extremes", "--report", ".md", "benchmarks.extremes.run.run"),
 )
 """Words of a command, its option that names a file to write, a suffix that is written, and what must not be called."""
 FOLDERS = (
@@ -46,9 +45,7 @@ FOLDERS = (
     ("validate", "fingertip.lab.validation.validate"),
     ("drawing fsr400", "fingertip.tasks.views.draw_files"),
     ("page fsr400", "fingertip.tasks.views.read_sources"),
-    ("bench solvers", "benchmarks.peers.options.require_libraries"),
-    ("bench slip", "benchmarks.slip.run.run"),
-    ("bench extremes", "benchmarks.extremes.run.run"),
+    ("accuracy", "fingertip.lab.accuracy.measure.measure_accuracy"),
     ("sweep board", "fingertip.sweep.run.run_sweep"),
 )
 """Words of a command whose --out is a folder, and what must not be called."""
@@ -82,7 +79,7 @@ def list_path_options(group: Any, words: tuple[str, ...] = ()) -> Iterator[tuple
 def test_every_option_that_names_a_file_or_folder_is_listed_here() -> None:
     listed = [(words, option) for words, option, *_ in FILES] + [(words, "--out") for words, _ in FOLDERS]
     found = [option for option in list_path_options(typer.main.get_command(app)) if option[1] not in READ]
-    commands = [(re.match(r"(calibrate|bench) \w+|\w+", words)[0], option) for words, option in listed]  # type: ignore[index]
+    commands = [(re.match(r"(calibrate) \w+|\w+", words)[0], option) for words, option in listed]  # type: ignore[index]
     assert sorted(commands) == sorted(found)
 
 

@@ -22,7 +22,7 @@ IN_FIRST_SET = ("article",)
 """The design with the most warnings."""
 
 
-@pytest.mark.parametrize("words", [(), ("calibrate",), ("bench",)])
+@pytest.mark.parametrize("words", [(), ("calibrate",)])
 def test_a_program_without_words_prints_its_help(words: tuple[str, ...]) -> None:
     done = run_fingertip(*words)
     assert (done.returncode, done.stdout) == (2, "")

@@ -11,6 +11,7 @@ import pytest
 from scipy.io import savemat
 
 from benchmarks.slip import scores
+from benchmarks.slip.__main__ import main
 from benchmarks.slip.baselines import adapt
 from benchmarks.slip.competitors import COMPETITORS, Competitor, load_own
 from benchmarks.slip.public_sets import LAYOUTS, read_layout
@@ -20,7 +21,6 @@ from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, TraceError
 from fingertip.lab.campaign.mix_signals import LabelledSignal, Slide, draw_band_noise
 from fingertip.slip.traces.truth import Interval
-from tests.conftest import run_fingertip
 
 RATE_HZ = 2000.0
 LABELS = "file,kind,start_s,end_s,motion_s\none.csv,quiet,0.2,1.2,\none.csv,slip,1.5,2.0,1.49\none.csv,tap,2.4,2.5,\n"
@@ -229,7 +229,7 @@ def test_each_detector_finds_a_strong_slip(name: str) -> None:
     assert points[-1].quantile_ms(0.5) > best.quantile_ms(0.5)
 
 
-def test_the_command_compares_detectors_on_a_folder(tmp_path: Path) -> None:
+def test_the_command_compares_detectors_on_a_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     write_recording(tmp_path)
     own = tmp_path / "steps.py"
     own.write_text(
@@ -238,10 +238,9 @@ def test_the_command_compares_detectors_on_a_folder(tmp_path: Path) -> None:
         "    assert filtered_v is None and len(quiet_v) == rate_hz\n"
         "    return np.abs(np.diff(voltage_v, prepend=voltage_v[:1]))\n"
     )
-    options = ("--detectors", "digital,cusum", "--own", own, "--out", tmp_path / "o")
-    done = run_fingertip("bench", "slip", tmp_path, *options, "--json")
-    assert done.returncode == 0, done.stderr
-    data = json.loads(done.stdout)
+    main([str(tmp_path), "--detectors", "digital,cusum", "--own", str(own), "--out", str(tmp_path / "o"), "--json"])
+    done = capsys.readouterr()
+    data = json.loads(done.out)
     assert data == json.loads((tmp_path / "o/slip_bench.json").read_text())
     assert list(data["detectors"]) == ["digital", "cusum", "steps"]
     own = next(p for p in data["detectors"]["digital"]["points"] if p["threshold_factor"] == 1.0)
@@ -251,16 +250,16 @@ def test_the_command_compares_detectors_on_a_folder(tmp_path: Path) -> None:
     text = (tmp_path / "o/slip_bench.txt").read_text()
     assert "1 slips, 0.0 min without slip" in text
     assert "are too short to show 0.1 or 1 alarms a minute" in text
-    assert "warning" not in done.stderr
+    assert "warning" not in done.err
 
 
-def test_hum_in_a_recording_is_told_by_its_name(tmp_path: Path) -> None:
+def test_hum_in_a_recording_is_told_by_its_name(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     write_recording(tmp_path)
     rows = np.loadtxt(tmp_path / "one.csv", delimiter=",", skiprows=1)
     rows[:, 1] += 0.01 * np.sin(2 * np.pi * 50 * rows[:, 0])
     np.savetxt(tmp_path / "one.csv", rows, fmt="%.6f", delimiter=",", header="time_s,voltage_v", comments="")
-    done = run_fingertip("bench", "slip", tmp_path, "--detectors", "cusum", "--out", tmp_path / "o")
-    assert "one.csv: hum of 7.1 mV RMS at 50 Hz" in done.stderr
+    main([str(tmp_path), "--detectors", "cusum", "--out", str(tmp_path / "o")])
+    assert "one.csv: hum of 7.1 mV RMS at 50 Hz" in capsys.readouterr().err
 
 
 def test_an_own_detector_that_cannot_be_used_is_refused(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
-from fingertip.lab.campaign.grids import SIGNALS, _find_shift_s, compare_grids
+from fingertip.lab.accuracy.measure import COMPARED, _find_shift_s, compare_grids
 from fingertip.lab.campaign.plan import NEGATIVE_SCENES, CampaignPlan, Case
 from fingertip.lab.campaign.run import find_onset_s, measure_vibration_n, median_of_known
 from fingertip.sim import SceneFile, run_scene
@@ -197,7 +197,7 @@ def test_slip_found_with_one_step_only_counts_as_beyond_a_sample() -> None:
 @pytest.mark.full
 def test_a_finer_step_changes_little() -> None:
     errors, shifts_samples = compare_grids(Design(), Case("slip", SHORT, 3), ("fast",), 4)
-    assert set(errors) == set(SIGNALS)
+    assert set(errors) == set(COMPARED)
     assert 0.0 < errors["force_n"] < 1e-4
     assert errors["voltage_v"] <= 1.001 * Design().detector.adc_step_v  # a rounding that falls to the other side
     assert 0.0 < errors["envelope_v"] < 2e-3

@@ -1,6 +1,9 @@
-"""Error of whole simulations: order of convergence in every scene and in a hand, and size of the error."""
+"""Error of whole simulations: order of convergence in every scene and in a hand, and what `fingertip accuracy` says."""
 
 from __future__ import annotations
+
+import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,8 +13,11 @@ from fingertip.catalogues.bundled import list_bundled_files
 from fingertip.catalogues.file_kinds import SCENE
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
+from fingertip.lab.accuracy import extremes, measure
+from fingertip.lab.accuracy.report import FILES
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
 from fingertip.sim.signal.grid import Grid
+from tests.conftest import run_fingertip
 
 SCENES = [*list_bundled_files(SCENE).values()]
 PULL = {"attached": True, "trigger_v": 0.01, "stroke_m": 0.04, "stiffness_n_per_m": 20_000.0}
@@ -74,3 +80,37 @@ def test_manipulation_converges_with_order_2(kind, mass, knock):
     orders = find_orders(columns)
     assert {"force_n", "velocity_m_s"} <= set(orders)
     assert all(order > 1.7 for order in orders.values()), orders  # the pin hits between two points
+
+
+def test_command_states_errors_that_fall_with_the_step_and_agree_with_scipy(tmp_path: Path) -> None:
+    done = run_fingertip("accuracy", "article", "--cases", 40, "--jobs", 1, "--out", tmp_path / "x", "--json")
+    assert done.returncode == 0, done.stderr
+    data = json.loads(done.stdout)
+    assert data == json.loads((tmp_path / "x/accuracy.json").read_text())
+    assert {path.name for path in (tmp_path / "x").iterdir()} == {*FILES, "manifest.json"}
+    for run in ("trial", "grasp"):
+        steps = [one for one in data["steps"] if one["run"] == run]
+        assert [round(1e6 * one["step_s"]) for one in steps] == [100, 50, 25]
+        forces = [one["errors"]["force_n"] for one in steps]
+        assert forces[0] < 1e-3
+        assert forces[0] / forces[2] > 8.0  # 16 with order 2, and the pin hits between two points
+        assert all(one["real_time_ratio"] > 1.0 for one in steps)
+    assert data["difference_from_scipy_n"] < 1e-6
+    budget = {one["stage"]: one for one in data["budget"]}
+    detector = Design.load("article").detector
+    assert budget["converter, noise"]["error_v"] == detector.noise_v
+    assert budget["converter, quantisation"]["error_v"] == pytest.approx(detector.adc_step_v / 12**0.5)
+    assert budget["contact, time step"]["error_n"] == data["steps"][0]["errors"]["force_n"]
+    ratios = {one["error_v"] / one["error_n"] for one in data["budget"] if one["kind"] != "largest" and one["error_n"]}
+    assert max(ratios) == pytest.approx(min(ratios))  # all through the slope of the same bridge
+    assert [one["wrong"] for one in data["extremes"].values()] == [0, 0, 0, 0]
+
+
+def test_wrong_case_ends_the_command_with_1_and_is_described(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(extremes, "FAMILIES", (extremes.Family("broken", "nothing", 1.0, lambda draw: 2.0),))
+    monkeypatch.setattr(measure, "measure_steps", lambda *_: [measure.StepError("r", 1e-4, {"force_n": 1e-5}, 1, 1)])
+    monkeypatch.setattr(measure, "find_budget", lambda *_: [])
+    done = run_fingertip("accuracy", "--cases", 3, "--jobs", 1, "--out", tmp_path / "x")
+    assert done.returncode == 1
+    assert "extreme cases: 3 are WRONG" in done.stdout
+    assert "WRONG broken, case 2: 2 of the bound" in done.stdout

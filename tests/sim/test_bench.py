@@ -4,28 +4,26 @@ from __future__ import annotations
 
 import contextlib
 import json
-import sys
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 from benchmarks.peers import board, contact, spice, throughput
+from benchmarks.peers.__main__ import main
 from benchmarks.peers.board import BoardProblem
 from benchmarks.peers.contact import ContactProblem
 from benchmarks.peers.native import NATIVE, NativeSolver, SolverFailedError, compile_solvers
 from benchmarks.peers.spice import Spice
 from benchmarks.peers.work_precision import WorkPrecision
-from fingertip.cli import app
 from fingertip.foundation.errors import TraceError
 from fingertip.foundation.jit import compiled
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.filter_board import simulate_board
 from fingertip.sim.simulation import article_trials
-from tests.conftest import run_fingertip
+from tests.conftest import run_fingertip, run_python
 from tests.designs import ARTICLE, article_design
 from tests.tools import require_tool
 
@@ -123,8 +121,8 @@ def test_ngspice_agrees_on_both_sources():
 @pytest.mark.full
 def test_command_writes_diagrams_and_times(tmp_path):
     pytest.importorskip("numba")
-    done = run_fingertip(
-        "bench", "solvers", "--out", tmp_path, "--seconds", 1, "--boards", 20,
+    done = run_python(
+        "-m", "benchmarks.peers", "--out", str(tmp_path), "--seconds", "1", "--boards", "20",
         "--solvers", "LSODA, odeint,CVODE,RADAU5,Rodas5P,ngspice", "--no-first-run", "--json",
     )  # fmt: skip
     data = json.loads(done.stdout)
@@ -168,19 +166,18 @@ def test_command_writes_diagrams_and_times(tmp_path):
         (["--boards", "0"], "--boards: 0 is out of bounds"),
     ],
 )
-def test_command_refuses_bad_options(arguments, message, tmp_path):
-    done = CliRunner().invoke(app, ["bench", "solvers", *arguments, "--out", str(tmp_path / "x")])
-    assert done.exit_code == 2
-    assert message in done.stderr
+def test_command_refuses_bad_options(arguments, message, tmp_path, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        main([*arguments, "--out", str(tmp_path / "x")])
+    assert message in capsys.readouterr().err
     assert not (tmp_path / "x").exists()
 
 
-def test_without_a_clone_the_command_says_what_to_do(tmp_path, monkeypatch):
-    monkeypatch.setattr(sys.modules["fingertip.cli.bench"], "_CHECKOUT", tmp_path)
-    done = CliRunner().invoke(app, ["bench", "solvers", "--out", str(tmp_path / "x")])
-    assert (done.exit_code, done.stdout, len(done.stderr.splitlines())) == (2, "", 1)
-    assert "run `sh install.sh` in a clone, then `.venv/bin/fingertip bench solvers` there." in done.stderr
-    assert not (tmp_path / "x").exists()
+def test_the_former_command_says_where_to():
+    done = run_fingertip("bench", "solvers", "--seconds", 2)
+    assert (done.returncode, done.stdout, len(done.stderr.splitlines())) == (2, "", 1)
+    assert "`fingertip accuracy` states" in done.stderr
+    assert "`python -m benchmarks.peers` compares" in done.stderr
 
 
 def test_trials_are_those_of_the_article():

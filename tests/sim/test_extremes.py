@@ -1,56 +1,57 @@
-"""Extreme cases: the command and its table, a broken kernel, and kernels that once failed."""
+"""Extreme cases: the table of the page, a broken kernel, kernels that once failed, and the pad by identities."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
-from benchmarks.extremes import contact, grasp, run
-from benchmarks.extremes.draw import Draw
-from fingertip.cli import app
-from fingertip.foundation.errors import TraceError
+from fingertip.design import Design
+from fingertip.foundation.errors import FingertipError, Issue, TraceError
 from fingertip.foundation.jit import compiled
+from fingertip.lab.accuracy import extremes
+from fingertip.lab.accuracy.extremes import Draw
+from fingertip.lab.accuracy.report import EXTREMES
+from fingertip.pad.form import PadForm
+from fingertip.pad.layer import find_contacts
 from fingertip.pad.response import Backing, Pad
+from fingertip.pad.touch import Pose
 from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion, admissible_step_s
 from tests.conftest import ROOT
 
 
-@pytest.mark.full
-def test_command_holds_all_cases_and_writes_the_table(tmp_path):
-    report = tmp_path / "page.md"
-    report.write_text(f"before\n{run.BEGIN}\nold\n{run.END}\nafter\n")
-    words = ["bench", "extremes", "--cases", "60", "--out", str(tmp_path / "x"), "--report", str(report)]
-    done = CliRunner().invoke(app, words)
-    assert done.exit_code == 0, done.output
-    text = report.read_text()
-    assert all(f"| {family.name} | {family.against} |" in text for family in run.FAMILIES)
-    assert text.startswith(f"before\n{run.BEGIN}\n\n{run.HEADER}\n")
-    assert text.endswith(f" |\n\n{run.END}\nafter\n")
-
-
 def test_page_holds_the_table_of_the_command():
-    text = (ROOT / "docs/accuracy.md").read_text()
-    table = text[text.index(run.BEGIN) : text.index(run.END)].splitlines()
-    rows = [line.strip("| ").split(" | ") for line in table[4 : 4 + len(run.FAMILIES)]]
-    assert table[2] == run.HEADER
-    assert [row[:2] for row in rows] == [[family.name, family.against] for family in run.FAMILIES]
+    lines = (ROOT / "docs/accuracy.md").read_text().splitlines()
+    begin = lines.index(f"| {' | '.join(EXTREMES)} |") + 2
+    rows = [line.strip("| ").split(" | ") for line in lines[begin : begin + len(extremes.FAMILIES)]]
+    assert [row[:2] for row in rows] == [[family.name, family.against] for family in extremes.FAMILIES]
     assert all(row[6] == "0" for row in rows)
     assert sum(int(row[2]) for row in rows) > 47_000
 
 
 def test_kernel_that_returns_no_number_or_raises_is_wrong(monkeypatch):
-    monkeypatch.setattr(run, "FAMILIES", run.FAMILIES[:1])
-    assert run.run(7, None).is_passed  # of which 4 are of this family
-    for broken in (lambda *_: PadMotion(*3 * [np.full(contact.STEPS + 1, math.nan)]), lambda *_: 1 / 0):
-        monkeypatch.setattr(contact.DraggedPad, "process", broken)
-        found = run.run(7, None)
+    monkeypatch.setattr(extremes, "FAMILIES", extremes.FAMILIES[:1])
+    assert extremes.try_families(7)[0].is_passed  # of which 4 are of this family
+    for broken in (lambda *_: PadMotion(*3 * [np.full(extremes.STEPS + 1, math.nan)]), lambda *_: 1 / 0):
+        monkeypatch.setattr(extremes.DraggedPad, "process", broken)
+        (found,) = extremes.try_families(7)
         assert not found.is_passed
-        assert len(found.counts[0].wrong) == 4
-        assert "WRONG contact, fixed steps, case 0: nan of the bound; mu_c " in found.as_text()
+        assert len(found.wrong) == 4
+
+
+def test_too_many_refusals_inside_the_bounds_are_a_failure(monkeypatch):
+    def refuse(draw: Draw) -> float:
+        if draw.number == 4:
+            raise TraceError(Issue("f", "no."))
+        return 0.5
+
+    monkeypatch.setattr(extremes, "FAMILIES", (extremes.Family("f", "a", 1.0, refuse),))
+    few, many = extremes.try_families(20)[0], extremes.try_families(200)[0]
+    assert (few.refused_inside, many.refused_inside) == (0.1, 0.01)
+    assert (few.is_passed, many.is_passed, len(few.wrong)) == (False, True, 0)
 
 
 def test_bristles_that_slide_within_a_step_stay_within_sliding():
@@ -67,7 +68,7 @@ def test_bristles_that_slide_within_a_step_stay_within_sliding():
 @pytest.mark.parametrize("number", [3493, 3511, 37645])
 def test_errors_of_a_velocity_do_not_add_up(number):
     """A pad that bounces and bristles that stick were once off by 1.5 to 3.5 times the bound."""
-    assert contact.error_control(Draw("contact, error control", number)) < 1.0
+    assert extremes.error_control(Draw("contact, error control", number)) < 1.0
 
 
 def test_motion_that_is_no_number_is_refused():
@@ -86,4 +87,31 @@ def test_stiff_pad_on_a_soft_hand_has_the_force_of_its_depth():
 def test_object_on_a_stiff_pin_keeps_to_its_bound(number):
     """Bristles that slid within a step once grew to no number, and a light object rang on a pin with too long steps."""
     with compiled():
-        assert grasp.grasp(Draw("object in a hand", number)) < 0.5
+        assert extremes.grasp(Draw("object in a hand", number)) < 0.5
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("number", range(60))
+def test_pad_obeys_its_identities_or_refuses(number):
+    """Twice modulus and force press alike, more force presses deeper, and force over depth has its inverse."""
+    draw = Draw("pad", number)
+    form = PadForm.of_design(Design.load(draw.choose("design", ("fsr400", "fsr402", "article"))))
+    young = draw.log("modulus [MPa]", (0.01, 50.0), (1e-3, 1e3))
+    form = replace(form, young_mpa=young, poisson=0.5 - draw.log("0.5 - Poisson", (0.001, 0.1), (1e-9, 0.45)))
+    shape = draw.choose("object", ("plate", "cylinder", "sphere"))
+    radius = draw.log("radius [mm]", (1.0, 500.0), (0.5, 1e5)) if shape != "plate" else 0.0
+    tilt = draw.rng.uniform(-5.0, 20.0) if draw.is_inside else draw.rng.uniform(-89.0, 89.0)
+    force = draw.log("force / (modulus mm2)", (0.01, 5.0), (1e-6, 100.0)) * young
+    try:
+        one, more = find_contacts(form, Pose(tilt, 0.0, shape, radius), [force, 2 * force], math.inf)
+    except FingertipError:
+        return
+    two = find_contacts(replace(form, young_mpa=2 * young), Pose(tilt, 0.0, shape, radius), [2 * force], math.inf)[0]
+    assert (two.depth_mm, two.share) == pytest.approx((one.depth_mm, one.share), rel=5e-3)
+    assert more.depth_mm > one.depth_mm
+    assert more.area_mm2 >= one.area_mm2
+    assert one.share <= 1.005
+    backing = Backing(0.035, draw.log("stiffness behind it [N/m]", (10.0, 1e5), (1e-3, 1e9)))
+    curve = Pad(draw.log("stiffness [N/m]", (300.0, 3e4), (1.0, 1e8)), 1e-5, (0.5,), (0.0,), 0.5, backing=backing)
+    forces = np.logspace(-6, 1.7, 40) if draw.is_inside else np.logspace(-12, 6, 40)
+    assert curve.force_n(np.array([curve.depth_m(f) for f in forces])) == pytest.approx(forces, rel=5e-3)

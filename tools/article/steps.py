@@ -21,7 +21,7 @@ from fingertip.design import Design
 from fingertip.detection.adaptation import adapt_rate
 from fingertip.foundation.errors import DesignError
 from fingertip.foundation.workers import call_each
-from fingertip.lab.campaign.grids import REFINEMENT, SIGNALS, compare_grids
+from fingertip.lab.accuracy.measure import COMPARED, REFERENCE, compare_grids
 from fingertip.lab.campaign.plan import CampaignPlan, generate_limited_cases, generate_trials
 from fingertip.lab.campaign.run import quantile_s, run_detector_on
 from fingertip.slip.detectors.registry import DETECTORS
@@ -79,11 +79,11 @@ def study_steps(design: Design, trials: int) -> StepSensitivity:
     rate = design.detector.sample_rate_hz
     shifts = tuple(_pool_shifts(name, [samples[name] for _, samples in differences], rate) for name in DETECTORS)
     errors = []
-    for name in SIGNALS:
+    for name in COMPARED:
         values = [largest[name] for largest, _ in differences]
         median, p90 = (float(np.quantile(values, q, method="higher")) for q in (0.5, 0.9))
         errors.append(SignalError(name, median, p90, max(values)))
-    return StepSensitivity(len(differences), REFINEMENT, shifts, tuple(errors))
+    return StepSensitivity(len(differences), REFERENCE, shifts, tuple(errors))
 
 
 def _pool_shifts(detector: str, shifts_samples: Sequence[float], rate_hz: float) -> DelayShift:

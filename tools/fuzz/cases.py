@@ -217,7 +217,7 @@ _WORDS = (
     ("simulate", "--parameters", "--force-n"), ("simulate", "--parameters", "--speed-m-s"), ("params",),
     ("simulate", "--parameters", "--surface"), ("new",), ("new", "mine", "--preset"), ("new", "mine", "--sensor"),
     ("check", "fsr400", "--tolerance-mm"), ("validate", "--trials"), ("validate", "--minutes"), ("validate", "--seed"),
-    ("bench", "solvers", "--boards"), ("bench", "slip", "--share"), ("sweep",), ("sweep", "--show", "--out"),
+    ("accuracy", "--cases"), ("sweep",), ("sweep", "--show", "--out"),
     ("detect",), ("check",), ("board", "--check", "--out"), ("calibrate", "sensor", "fsr400"),
     ("build", "fsr400", "--formats"), ("params", "--set"), ("sheet",), ("page",), ("drawing",), ("make",),
 )  # fmt: skip
@@ -228,7 +228,7 @@ def option_cases(draw: st.DrawFn) -> Case:
     """Odd values of options and arguments. Numbers that start long work are not among them."""
     words = list(draw(st.sampled_from(_WORDS)))
     odd = draw(st.one_of(st.sampled_from(ODD_TEXTS), st.text(max_size=30), st.sampled_from(ODD_NUMBERS)))
-    starts_work = words[0] in ("picture", "check", "validate", "bench", "build", "make", "page", "drawing")
+    starts_work = words[0] in ("picture", "check", "validate", "accuracy", "build", "make", "page", "drawing")
     if starts_work or words == ["new"]:
         odd = draw(st.sampled_from(("nan", "-1", "inf", "", "\x1b[31m", "9" * 5000, "x" * 5000, "\udcff", "0x10")))
     return Case("options", _no_nul([*words, odd]), may_fail=True)

@@ -16,7 +16,7 @@ from collections.abc import Sequence
 
 import typer
 
-from fingertip.cli.bench import bench
+from fingertip.cli.accuracy import accuracy
 from fingertip.cli.board import board
 from fingertip.cli.build import build, firmware, make, robot
 from fingertip.cli.calibrate import calibrate
@@ -47,8 +47,8 @@ COMMANDS = {
     "Everything of a design": (new, make, check, params, page, studio),
     "Parts and mold": (build, pad, sheet, acceptance, picture, drawing, calibrate),
     "Board and controller": (board, firmware),
-    "Signal and slip": (simulate, detect, validate, robot),
-    "Many designs, and measurements of the program": (sweep, bench),
+    "Signal and slip": (simulate, detect, validate, accuracy, robot),
+    "Many designs": (sweep,),
     "Editors and shells": (schema, completion),
 }
 """Subject on the help page of the program -> its commands."""

@@ -147,7 +147,7 @@ def compute_detection(context: PointContext) -> OutputValues:
 def compute_simulation(context: PointContext) -> OutputValues:
     """Compute what the time step changes in the first trial, by a comparison with a much finer step."""
     from fingertip.foundation.jit import compiled
-    from fingertip.lab.campaign.grids import compare_grids
+    from fingertip.lab.accuracy.measure import compare_grids
     from fingertip.lab.campaign.plan import Case
 
     assert context.scene is not None

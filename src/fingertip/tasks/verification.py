@@ -24,8 +24,7 @@ _COMMANDS = {
     "signal": ("make DESIGN", 1), "board": ("board DESIGN", 0), "fabrication": ("board DESIGN --fab", 1),
     "models": ("board DESIGN", 2), "firmware": ("firmware DESIGN", 0),
     "robot": ("robot DESIGN", 0),
-    "validation": ("validate DESIGN", 0), "sweep report": ("sweep --show", 0), "benchmark": ("bench solvers", 0),
-    "slip benchmark": ("bench slip", 0), "extreme cases": ("bench extremes", 0),
+    "validation": ("validate DESIGN", 0), "sweep report": ("sweep --show", 0), "accuracy": ("accuracy DESIGN", 0),
     "set": ("make SET", 0),
 }  # fmt: skip
 """Kind of a set -> command that writes it, and how many folders above the set the one is that the command names."""

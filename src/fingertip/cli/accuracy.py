@@ -1,0 +1,41 @@
+"""`fingertip accuracy`: errors of the simulation against its run time, what each stage adds, and extreme cases."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import typer
+
+from fingertip.cli.console import Console
+from fingertip.cli.options import JOBS, OPTIONAL_DESIGN, command, load_design, refuse
+
+
+@command
+def accuracy(
+    console: Console,
+    design: Path | None = OPTIONAL_DESIGN,
+    cases: int = typer.Option(5000, help="Number of extreme cases, 1 to 1000000."),
+    jobs: int | None = JOBS,
+    out: Path = typer.Option(
+        Path("out/accuracy"), "--out", "-o", help="Folder for accuracy.txt, .json and .png, and extremes.md."
+    ),
+) -> None:
+    """Measure the errors of simulated traces against run time, and try extreme cases. Exit code 1: one is wrong.
+
+    A trial and a grasp of the design run with the program's time step, a half and a quarter of it; the reference has
+    steps 16 times as short, and scipy integrates the contact once more. Extreme and stiff cases of contact, hand and
+    board are held, refused with a reason, or wrong.
+    """
+    from fingertip.foundation.errors import Issue
+    from fingertip.foundation.output_set import SetWriter, hash_parameters
+    from fingertip.lab.accuracy import report
+    from fingertip.lab.accuracy.measure import measure_accuracy
+
+    outside = Issue("--cases", f"{cases} is out of bounds; choose 1 to 1000000.")
+    refuse([] if 1 <= cases <= 1_000_000 else [outside])
+    loaded = load_design(design, None, console)
+    writer = SetWriter(out, "accuracy", loaded.name, hash_parameters(loaded.model_dump(mode="json")))
+    writer.check(report.FILES)
+    found = measure_accuracy(loaded, cases, console.progress, jobs)
+    writer.write(report.as_files(found))
+    console.result(report.as_data(found), f"{report.as_text(found)}\ndetails: {out / report.FILES[0]}", found.is_passed)

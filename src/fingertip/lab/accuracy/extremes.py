@@ -1,0 +1,323 @@
+"""Extreme and stiff cases of every kernel, each against a reference: held, refused with a reason, or wrong.
+
+A case depends on its family's name and its number alone. Cases with even numbers stay inside the documented bounds, odd
+ones go beyond. Work refuses a case by a FingertipError; any other exception, and a result that is no number, is wrong.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import TypeVar
+
+import numpy as np
+
+from fingertip.design import Design
+from fingertip.foundation.errors import FingertipError
+from fingertip.foundation.numerics import Array
+from fingertip.foundation.workers import call_each
+from fingertip.sim.contact import coupled
+from fingertip.sim.contact.friction import ELASTO_PLASTIC, Friction
+from fingertip.sim.contact.tangential import DraggedPad, Mount, admissible_step_s
+from fingertip.sim.runs.grasp_loop import Grasp, GraspMotion, HeldObject, Pin
+from fingertip.sim.runs.motion import GRAVITY_M_S2
+from fingertip.sim.runs.timeline import TrapezoidalMove
+from fingertip.sim.signal.analog_circuit import AnalogBoard, Diode
+from fingertip.sim.signal.filter_board import simulate_board
+from fingertip.sim.signal.grid import BASE_HZ
+
+T = TypeVar("T")
+Range = tuple[float, float]
+
+
+@dataclass
+class Draw:
+    """Values of one case."""
+
+    family: str
+    number: int
+    values: dict[str, object] = field(default_factory=dict)
+    ranges: dict[str, tuple[Range, Range]] = field(default_factory=dict)
+    """Name -> range of cases inside the bounds, and of those beyond."""
+
+    def __post_init__(self) -> None:
+        self.rng = random.Random(f"extremes:{self.family}:{self.number}")
+        self.is_inside = self.number % 2 == 0
+
+    def log(self, name: str, inside: Range, beyond: Range) -> float:
+        """Draw a value whose logarithm is uniform."""
+        self.ranges[name] = inside, beyond
+        low, high = map(math.log, inside if self.is_inside else beyond)
+        value = math.exp(self.rng.uniform(low, high))
+        self.values[name] = value
+        return value
+
+    def choose(self, name: str, options: Sequence[T]) -> T:
+        value = self.rng.choice(options)
+        self.values[name] = value
+        return value
+
+    def describe(self) -> str:
+        return ", ".join(f"{k} {v:.3g}" if isinstance(v, float) else f"{k} {v}" for k, v in self.values.items())
+
+
+STEPS, POINTS, PARTS = 1000, 800, 16
+"""Steps of a contact, and of a grasp, and how much shorter those of the reference are."""
+FIXED_ERROR = 0.1, 0.25
+"""Bound of the error with fixed steps, inside the bounds and beyond, as a share of the largest load and pull.
+
+A contact that hardly damps, under a carriage that starts at once, rings with half a radian per step: 0.13 remain."""
+CONTROLLED_ERROR, BOUNCING_ERROR = 100.0, 0.1
+"""Bound of the error with error control, in tolerances; where the pad leaves the surface, also a share of the load, as
+every impact multiplies the errors before it."""
+
+
+def _draw_contact(draw: Draw, sigma0_per_m: Range, least: float = 1e-6) -> tuple[Friction, Mount]:
+    """Draw a pad and its friction; `least` is that of the coefficient, and that of the Stribeck velocity [m/s]."""
+    mu_c = draw.log("mu_c", (0.01, 2.3), (least, 10.0))
+    stribeck = draw.log("Stribeck velocity [m/s]", (1e-3, 1.0), (least, 10.0))
+    sigma0 = draw.log("sigma0 [1/m]", (25e3, 25.001e3), sigma0_per_m)
+    sigma1 = draw.log("sigma1 [s/m]", (2.0, 2.0001), (1e-3, 10.0))
+    sigma2 = draw.log("sigma2 [s/m]", (0.6, 0.60001), (1e-3, 10.0))
+    # Friction only takes energy up to a drop of mu_s - mu_c = mu_c sigma2 / sigma1.
+    drop = draw.log("drop / largest passive drop", (0.01, 0.95), (1e-6, 0.999)) * mu_c * sigma2 / sigma1
+    mass = draw.log("mass [kg]", (1e-4, 2.0), (1e-6, 10.0))
+    stiffness = draw.log("stiffness [N/m]", (10.0, 1e5), (1e-2, 1e6))
+    zeta = draw.log("damping ratio", (0.05, 0.8), (0.02, 3.0))
+    friction = Friction(mu_c + drop, mu_c, stribeck, sigma0, sigma1, sigma2)
+    return friction, Mount(mass, stiffness, 2 * zeta * math.sqrt(stiffness * mass))
+
+
+def _draw_drag(draw: Draw, time_s: Array, load_n: float) -> tuple[Array, Array, Array]:
+    """Draw position and velocity of the carriage, and the load, over a time."""
+    span = float(time_s[-1])
+    speed = draw.log("speed [m/s]", (1e-3, 0.2), (1e-4, 3.0))
+    load = draw.choose("load is", ("constant", "gone at once", "half waves", "a ramp"))
+    if draw.choose("carriage starts", ("slowly",) if draw.is_inside else ("slowly", "at once")) == "slowly":
+        move = TrapezoidalMove.with_speed(0.1 * span, 0.6 * speed * span, speed, 20 * speed / span)
+        at, velocity = move.position_m(time_s), move.velocity_m_s(time_s)
+    else:
+        at, velocity = speed * time_s, np.full_like(time_s, speed)
+    share = {
+        "constant": np.ones_like(time_s),
+        "gone at once": np.interp(time_s / span, (0.5, 0.501), (1.0, 0.0)),
+        "half waves": np.maximum(np.sin(10 * math.pi * time_s / span), 0.0),
+        "a ramp": np.clip(2 * time_s / span, 0.0, 1.0),
+    }[load]
+    return at, velocity, load_n * share
+
+
+def fixed_steps(draw: Draw) -> float:
+    """Compare with steps 16 times as short, at the step that the program chooses."""
+    friction, mount = _draw_contact(draw, (1.0, 1e9))
+    load = draw.log("load [N]", (1e-3, 70.0), (1e-4, 1e3))
+    step = min(1 / BASE_HZ, admissible_step_s(friction, mount, load))
+    time_s = np.asarray(np.arange(STEPS * PARTS + 1) * (step / PARTS), dtype=np.float64)
+    columns = _draw_drag(draw, time_s, load)
+    coarse = [column[::PARTS] for column in columns]
+    motion = DraggedPad(friction, mount, step).process(*coarse)
+    fine_load = np.interp(time_s, time_s[::PARTS], coarse[2])
+    finer = DraggedPad(friction, mount, step / PARTS).process(*columns[:2], fine_load)
+    at, velocity, bristle = (values[::PARTS] for values in vars(finer).values())
+    pull = mount.stiffness_n_per_m * (coarse[0] - at) + mount.damping_n_s_per_m * (coarse[1] - velocity)
+    grip = friction.sigma0 * coarse[2] * np.abs(motion.bristle_m - bristle)
+    spring = mount.stiffness_n_per_m * np.abs(motion.position_m - at)
+    largest = load + float(np.abs(pull).max())
+    return float(np.maximum(grip, spring).max()) / largest / FIXED_ERROR[not draw.is_inside]
+
+
+def error_control(draw: Draw) -> float:
+    """Compare with a hundredth of the tolerance."""
+    friction, mount = _draw_contact(draw, (1.0, 1e8))
+    load = draw.log("load [N]", (1e-3, 70.0), (1e-4, 1e2))
+    friction = replace(friction, elastic=draw.choose("elastic", (0.0, ELASTO_PLASTIC)))
+    normal = coupled.NormalContact(
+        draw.log("resonance [Hz]", (20.0, 500.0), (1.0, 1e4)), draw.log("its damping ratio", (0.05, 0.8), (0.01, 3.0))
+    )
+    step = draw.log("sample time [s]", (1e-4, 1e-3), (1e-5, 1e-2))
+    columns = _draw_drag(draw, np.asarray(np.arange(101) * step, dtype=np.float64), load)
+    tolerance = 1e-5 * max(load, 1e-2)
+    motion, finer = (
+        coupled.integrate(friction, mount, normal, step, *columns, tolerance / parts) for parts in (1.0, 100.0)
+    )
+    spring = mount.stiffness_n_per_m * np.abs(motion.position_m - finer.position_m)
+    error = np.maximum(spring, np.abs(motion.force_n - finer.force_n))
+    bouncing = BOUNCING_ERROR * load if (finer.force_n == 0.0).any() else 0.0
+    return float(error.max()) / (tolerance * CONTROLLED_ERROR + bouncing)
+
+
+def _move_object(held: HeldObject, load_n: float, shape: str, parts: int, divide: int) -> GraspMotion:
+    """Move the object with parts that are divided further."""
+    count, pin, step = len(held.mounts) - 1, held.pin, 1 / BASE_HZ / parts
+    at = np.arange(POINTS + 1) / POINTS
+    loads: dict[str, Array] = {
+        "constant": np.ones_like(at),
+        "a ramp": np.clip(2 * at, 0.0, 1.0),
+        "half waves": 0.55 + 0.45 * np.sin(6 * math.pi * at),
+        "gone in 8 steps": np.interp(at, (0.5, 0.51), (1.0, 0.0)),
+    }
+    fine = np.arange(POINTS * divide + 1) / (POINTS * divide)
+    hangs = np.clip(fine / 0.3, 0.0, 1.0)
+    weight = 0.0 if pin.is_attached else held.mass_kg * GRAVITY_M_S2
+    speed = pin.speed_m_s * np.interp(fine, (0.35, 0.4, 0.85, 0.9), (0.0, 1.0, 1.0, 0.0))
+    way = np.concatenate(([0.0], np.cumsum((speed[1:] + speed[:-1]) / 2))) * step / divide
+    start = 0.0 if pin.is_attached else -0.1 * pin.speed_m_s * POINTS * step
+    load = load_n * np.array([1.0, *[1 / count] * count])[:, None] * loads[shape]
+    return Grasp(held, step, divide).advance(load, weight * hangs**2 * (3 - 2 * hangs), start + way, speed)
+
+
+def grasp(draw: Draw) -> float:
+    """Compare forces of bristles, mounts and pin, and the way of the object, with parts 16 times as short."""
+    friction, mount = _draw_contact(draw, (1e3, 1e6), 1e-4)
+    load = draw.log("load of the thumb [N]", (0.001, 100.0), (1e-4, 1e3))
+    object_kg = draw.log("object [kg]", (0.005, 5.0), (1e-5, 100.0))
+    pin = Pin(
+        draw.log("pin [N/m]", (50.0, 1e5), (1.0, 1e7)),
+        draw.log("damping of the pin [s/m]", (0.01, 20.0), (1e-3, 1e3)),
+        draw.choose("attached", (False, True)),
+        draw.log("speed [m/s]", (1e-3, 0.2), (1e-4, 3.0)),
+    )
+    # So long that it never leaves the fingers.
+    held = HeldObject(friction, (mount,) * draw.choose("fingers", (2, 3, 5)), object_kg, 1e3, pin)
+    shapes = "constant", "a ramp", "half waves", "gone in 8 steps"
+    shape = draw.choose("load is", shapes[:3] if draw.is_inside else shapes)
+    draw.values["parts"] = parts = held.count_parts(load, 1 / BASE_HZ)
+    found, finer = (_move_object(held, load, shape, parts, divide) for divide in (1, PARTS))
+    weight = 0.0 if pin.is_attached else object_kg * GRAVITY_M_S2
+    largest = load + weight + float(np.abs(finer.pin_n).max())
+    grip = friction.sigma0 * finer.load_n * np.abs(found.bristle_m - finer.bristle_m)
+    spring = mount.stiffness_n_per_m * np.abs(found.position_m - finer.position_m)
+    forces = max(float(error.max()) for error in (grip, spring, np.abs(found.pin_n - finer.pin_n)))
+    way = np.abs(found.object_m - finer.object_m).max() / (np.abs(finer.object_m).max() + 1e-6)
+    return max(forces / largest, float(way)) / FIXED_ERROR[not draw.is_inside]
+
+
+TOLERANCE_V, SAMPLES = 1e-4, 200
+
+
+def board(draw: Draw) -> float:
+    """Compare rectifier and envelope with a ten-thousandth of the tolerance, which holds for the error of one step."""
+    name = draw.choose("board", ("article", "fsr400", "slow amplifiers"))
+    is_slow = name == "slow amplifiers"
+    fitted = AnalogBoard.from_design(Design.load("article" if is_slow else name), 3e6 if is_slow else None)
+    values = {
+        component: float(value) * draw.log("component / nominal", (0.8, 1.25), (0.1, 10.0))
+        for component, value in fitted.components.items()
+    }
+    fitted = fitted.with_components(**values)
+    if fitted.rectifier == "diode":
+        saturation = draw.log("saturation current [A]", (1e-10, 1e-8), (1e-15, 1e-6))
+        series = draw.log("series resistance [ohm]", (0.1, 10.0), (1e-3, 1e5))
+        fitted = replace(fitted, diode=Diode(saturation, draw.log("emission", (1.5, 2.0), (1.0, 2.5)), series))
+    if draw.choose("rails", (False, True)) and not is_slow:
+        fitted = replace(fitted, rail_v=draw.log("rail [V]", (1.0, 12.0), (0.1, 100.0)))
+    step = draw.log("step [s]", (6.25e-6, 1e-4), (1e-6, 1e-3))
+    frequency = draw.log("frequency times step", (1e-3, 0.1), (1e-4, 0.2))
+    amplitude = draw.log("amplitude [V]", (1e-4, 0.1), (1e-6, 10.0))
+    cycle = 2 * math.pi * frequency * np.arange(SAMPLES)
+    shape = draw.choose("input", ("burst", "step", "noise"))
+    wave = np.sin(cycle) if shape == "burst" else np.ones(SAMPLES)
+    if shape == "noise":
+        noise = np.random.RandomState(draw.number).standard_normal(SAMPLES)
+        wave = np.convolve(noise, np.hanning(12) / 6, "same")
+    voltage = amplitude * wave * (np.arange(SAMPLES) > SAMPLES // 8)
+    found, exact = (
+        simulate_board(fitted, step, voltage, tolerance).envelope_v
+        for tolerance in (TOLERANCE_V, max(1e-8, 1e-6 * amplitude))
+    )
+    return float(np.abs(found - exact).max() / (10 * TOLERANCE_V + 0.05 * np.abs(exact).max()))
+
+
+@dataclass(frozen=True)
+class Family:
+    """Cases of one kernel."""
+
+    name: str
+    against: str
+    """Reference of a case, and the bound of its deviation."""
+    weight: float
+    """Share of all cases, chosen by their cost."""
+    deviate: Callable[[Draw], float]
+    """Compute a case and return its largest deviation, in relation to the bound: up to 1 it is held."""
+
+
+FAMILIES = (
+    Family("contact, fixed steps", "steps / 16: 10 % of the forces (beyond: 25 %)", 0.57, fixed_steps),
+    Family(
+        "contact, error control", "tolerance / 100: 100 tolerances (bouncing: 10 % of the load)", 0.25, error_control
+    ),
+    Family("object in a hand", "parts / 16: 10 % of the forces (beyond: 25 %)", 0.03, grasp),
+    Family("board", "tolerance / 10000: 10 tolerances and 5 % of the peak", 0.1, board),
+)
+BLOCK = 8
+"""Number of cases that one process tries in a row."""
+MAX_REFUSED = 0.02
+"""Largest share of the cases inside the documented bounds that may be refused."""
+
+
+@dataclass(frozen=True)
+class Case:
+    draw: Draw
+    deviation: float
+    """Largest deviation in relation to the bound; NaN if an exception was raised, or the case refused."""
+    refused_by: str
+    cpu_s: float
+
+
+def try_cases(family: int, numbers: Iterable[int]) -> list[Case]:
+    """Try some cases of a family, one after the other."""
+    cases = []
+    for number in numbers:
+        draw, begin, deviation, refused_by = Draw(FAMILIES[family].name, number), time.process_time(), math.nan, ""
+        try:
+            deviation = FAMILIES[family].deviate(draw)
+        except FingertipError as error:
+            refused_by = error.issues[0].field
+        except Exception as error:
+            draw.values["raised"] = repr(error)
+        cases.append(Case(draw, deviation, refused_by, time.process_time() - begin))
+    return cases
+
+
+@dataclass(frozen=True)
+class FamilyResult:
+    family: Family
+    cases: tuple[Case, ...]
+
+    @property
+    def refused(self) -> list[Case]:
+        return [case for case in self.cases if case.refused_by]
+
+    @property
+    def wrong(self) -> list[Case]:
+        return [case for case in self.cases if not case.refused_by and not case.deviation <= 1.0]
+
+    @property
+    def worst(self) -> Case:
+        """Case with the largest deviation of those that are held."""
+        return max(self.cases, key=lambda case: case.deviation if case.deviation <= 1.0 else -1.0)
+
+    @property
+    def refused_inside(self) -> float:
+        """Share of the cases inside the bounds that is refused."""
+        inside = [case for case in self.cases if case.draw.is_inside]
+        return sum(bool(case.refused_by) for case in inside) / len(inside)
+
+    @property
+    def is_passed(self) -> bool:
+        return not self.wrong and self.refused_inside <= MAX_REFUSED
+
+
+def try_families(count: int, advance: Callable[[float], None] = lambda _: None) -> list[FamilyResult]:
+    """Try so many cases of all families together, at least two of each."""
+    sizes = [max(2, round(count * family.weight)) for family in FAMILIES]
+    plan = [(i, range(at, min(at + BLOCK, size))) for i, size in enumerate(sizes) for at in range(0, size, BLOCK)]
+    found: list[list[Case]] = [[] for _ in FAMILIES]
+    for (i, _), cases in zip(plan, call_each(partial(try_cases, *block) for block in plan), strict=True):
+        found[i] += cases
+        advance(sum(map(len, found)) / sum(sizes))
+    return [FamilyResult(family, tuple(cases)) for family, cases in zip(FAMILIES, found, strict=True)]

@@ -130,6 +130,9 @@ def test_command_writes_diagrams_and_times(tmp_path):
     for diagram in data["diagrams"]:
         for found in diagram["comparisons"].values():
             missed |= bool(found["mean"] and found["target"] and found["mean"] < found["target"])
+    trial = data["whole_trial"]
+    coarse = [point["errors"] for point in trial["points"] if point["step_s"] == 1e-4]
+    missed |= any(errors[name] > limit for errors in coarse for name, limit in trial["targets"].items())
     assert done.returncode == int(missed), done.stderr  # the machine's speed decides, not the test
     assert data == json.loads((tmp_path / "work_precision.json").read_text())
     assert (tmp_path / "work_precision.png").read_bytes()[:4] == b"\x89PNG"

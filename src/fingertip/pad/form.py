@@ -77,7 +77,7 @@ class PadForm:
 
     @property
     def held_part(self) -> float:
-        """How far the inside of the skin is held along the bone, from 0 without friction to 1 where it is bonded."""
+        """Hold of the inside of the skin along the bone, from 0 without friction to 1 where it is bonded."""
         return 1.0 if self.bonded else math.tanh(self.friction)
 
     @property

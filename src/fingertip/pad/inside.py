@@ -1,4 +1,4 @@
-"""Inside of a skin that lies on the bone: where it touches, and what presses on the sensor, with a gap or a bump there.
+"""Contact inside a skin that lies on the bone: its place, and what presses on the sensor, with a gap or a bump there.
 
 The skin is a plate as thick as over the sensor, free on both faces and held beyond a circle, where it bends around the
 sides of the bone. Its waves are the exact ones of a layer: pressed from both sides a face yields by s, pushed to one

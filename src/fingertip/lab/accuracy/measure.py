@@ -1,4 +1,4 @@
-"""How accurate simulated traces are: errors of the time step against run time, and what each stage contributes.
+"""Errors of simulated traces: those of the time step against run time, and the contribution of each stage.
 
 Errors are differences from steps `REFERENCE` times as short. Noise is drawn on the base grid and stays the same, so
 every difference is an error of the step. scipy integrates the contact once more, around the onset of slip.
@@ -146,7 +146,7 @@ def _integrate_contact(run: SceneRun, since_s: Array) -> Array:
 
 @dataclass(frozen=True)
 class Contribution:
-    """What one stage of the default trial adds to the error of a trace."""
+    """Contribution of one stage to the error of the default trial."""
 
     stage: str
     kind: str

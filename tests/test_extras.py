@@ -15,8 +15,8 @@ from fingertip.cad import convert
 from fingertip.catalogues.output_files import default_formats
 from fingertip.design import Design
 from fingertip.foundation import extras
+from fingertip.foundation.display import new_figure
 from fingertip.foundation.errors import MissingLibraryError
-from fingertip.foundation.plot_style import new_figure
 from fingertip.lab import validation as campaign
 from fingertip.sweep.plan import SweepPlan
 from fingertip.tasks.build import build, find_formats

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import fingertip
-from fingertip.foundation.plot_style import AREAS, SERIES, TRUTH, new_figure, to_png
+from fingertip.foundation.display import AREAS, SERIES, TRUTH, new_figure, to_png
 from fingertip.lab.report.plots import COLOURS, OTHER_COLOUR
 
 SOURCE = Path(fingertip.__file__).parent
@@ -66,7 +66,7 @@ def test_colours_of_plots_stand_in_one_module() -> None:
     found = {
         f"{path.relative_to(SOURCE)}: {colour}"
         for path in SOURCE.rglob("*.py")
-        if "plot_style import" in (text := path.read_text(encoding="utf-8"))
+        if "foundation.display import" in (text := path.read_text(encoding="utf-8"))
         for colour in re.findall(r'"#[0-9a-fA-F]{6}"', text)
     }
     assert found == set()

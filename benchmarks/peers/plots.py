@@ -11,7 +11,7 @@ from benchmarks.peers.native import NATIVE
 from benchmarks.peers.options import SOLVE_IVP
 from benchmarks.peers.trial import QUANTITIES, TARGETS, VARIANTS, TrialAccuracy
 from benchmarks.peers.work_precision import Cost, WorkPrecision
-from fingertip.foundation.plot_style import (
+from fingertip.foundation.display import (
     BLUE,
     BROWN,
     ORANGE,

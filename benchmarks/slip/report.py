@@ -10,8 +10,7 @@ from typing import Any
 
 from benchmarks.slip.competitors import COUNTED, Competitor
 from benchmarks.slip.scores import RATES, Point, at_own_threshold, at_rate, best_points
-from fingertip.foundation.errors import join_words
-from fingertip.foundation.plot_style import (
+from fingertip.foundation.display import (
     BLUE,
     ORANGE,
     PURPLE,
@@ -24,6 +23,7 @@ from fingertip.foundation.plot_style import (
     style_axes,
     to_png,
 )
+from fingertip.foundation.errors import join_words
 
 FILES = ("slip_curve.png", "slip_bench.json", "slip_bench.txt")
 _STYLES = {

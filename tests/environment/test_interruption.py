@@ -10,12 +10,13 @@ import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 
 from fingertip.cli.options import command
 from fingertip.foundation import files as temporary
-from fingertip.foundation import interruption
+from fingertip.foundation import folder_swap, interruption
 from fingertip.foundation.errors import OutputError
 from fingertip.foundation.files import temporary_folder
 from fingertip.foundation.interruption import Interruption
@@ -195,22 +196,47 @@ def test_folders_in_use_and_those_of_others_are_left_alone(place: Path, monkeypa
     }  # fmt: skip
 
 
+@pytest.mark.parametrize("loss", ["removed", "locked"])
 def test_a_new_folder_that_another_process_takes_for_a_leftover_is_made_again(
-    place: Path, monkeypatch: pytest.MonkeyPatch
+    place: Path, monkeypatch: pytest.MonkeyPatch, loss: str
 ) -> None:
-    lock, calls = temporary._lock, 0
+    lock, calls, others = temporary.lock_folder, 0, list[int | None]()
 
-    def lose_the_first(path: Path, *, wait: bool = True) -> int | None:
+    def lose_the_first(path: Path) -> int | None:
         nonlocal calls
         calls += 1
         if calls == 1:
-            temporary._remove_leftover(path)
-        return lock(path, wait=wait)
+            others.append(lock(path)) if loss == "locked" else temporary._remove_leftover(path)
+        return lock(path)
 
-    monkeypatch.setattr(temporary, "_lock", lose_the_first)
+    monkeypatch.setattr(temporary, "lock_folder", lose_the_first)
     with temporary_folder() as folder:
         assert folder.is_dir()
-    assert calls > 2
+    assert calls > 1
+    for other in others:
+        assert other is not None
+        os.close(other)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="open files are listed on Linux alone")
+def test_every_lock_is_closed(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A lock that stays open would hold a folder until its process ends, and processes may open few files."""
+    before = os.listdir("/proc/self/fd")
+    with temporary_folder() as folder:
+        temporary.remove_leftovers(place)
+        with pytest.raises(BlockingIOError):
+            temporary.lock_folder(folder)
+        assert folder.is_dir()
+    (place / "fingertip-tmp-left").mkdir()
+    temporary.remove_leftovers(place)
+    assert list(place.iterdir()) == []
+    with folder_swap.lock(place, shared=True), folder_swap.lock(place, shared=True):
+        monkeypatch.setattr(folder_swap, "LOCK_S", 0.0)
+        with pytest.raises(OutputError, match="another command has been writing here"), folder_swap.lock(place):
+            pass
+    monkeypatch.setattr("fcntl.flock", Mock(side_effect=OSError))
+    assert temporary.lock_folder(place) is None
+    assert len(os.listdir("/proc/self/fd")) == len(before)
 
 
 def test_no_place_for_temporary_files_is_a_sentence(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -16,8 +16,8 @@ import pytest
 from PIL import Image
 
 from fingertip.design import Design
+from fingertip.foundation.display import PALE_TEAL, RED, TEXT_COLOUR
 from fingertip.foundation.errors import OutputError
-from fingertip.foundation.plot_style import PALE_TEAL, RED, TEXT_COLOUR
 from fingertip.sweep import report
 from fingertip.sweep.database import SweepDatabase, SweepRow
 from fingertip.sweep.plan import SweepPlan

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from fingertip.cad.verification.check import Check
-from fingertip.foundation.plot_style import new_figure
+from fingertip.foundation.display import new_figure
 from fingertip.sweep.database import SweepTable
 from fingertip.sweep.point_evaluator import PointEvaluator
 from fingertip.sweep.report.feasibility_plot import histogram_edges, make_scale
@@ -330,7 +330,7 @@ def test_preferred_values_on_a_logarithmic_scale() -> None:
 @pytest.mark.parametrize("width_in", [3.4, 5.8, 8.2, 15.0])
 def test_no_line_of_the_heading_is_cut_off(width_in: float) -> None:
     require_module("matplotlib")
-    from fingertip.foundation.plot_style import new_figure
+    from fingertip.foundation.display import new_figure
 
     lines = _write_heading(2000, 4096, ["amplifier_bandwidth_hz", "board.r2_ohm", "board.r3_ohm"], width_in)
     assert " ".join(lines).count("board.r3_ohm") == 1

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.foundation import plot_style as style
+from fingertip.foundation import display as style
 from fingertip.lab.report.plots import NOTE, add_legend
 from fingertip.lab.report.trial_plots import ExampleTrial, draw_flags, shade
 from fingertip.slip.detectors.registry import make_detector

@@ -13,8 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from fingertip.foundation.errors import Issue, TomlFileError
-from fingertip.foundation.tables import read_rows
-from fingertip.foundation.toml_files import read_toml
+from fingertip.foundation.tables import read_rows, read_toml
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from fingertip.catalogues.file_kinds import DESIGN, FileKind, read_file
 from fingertip.design.parameters import PARAMETERS, ParameterTable, Tables
 from fingertip.design.parameters.declaration import find_bounds, find_unit, list_choices
 from fingertip.foundation.errors import MAX_VALUE_LENGTH, DesignError, Issue, gather, quote_value, shorten
-from fingertip.foundation.toml_files import MAX_DEPTH, UnusableTomlError, parse_toml
+from fingertip.foundation.tables import MAX_DEPTH, UnusableTomlError, parse_toml
 
 
 @dataclass(frozen=True)

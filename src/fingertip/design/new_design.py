@@ -23,7 +23,7 @@ from fingertip.design.parameters.declaration import parse_tables, suggest_name
 from fingertip.design.parameters.parts import Hand
 from fingertip.foundation.errors import DesignError, Issue, TomlFileError, gather
 from fingertip.foundation.progress import ShareText
-from fingertip.foundation.toml_files import read_toml
+from fingertip.foundation.tables import read_toml
 
 _OPTIONAL = ("length_limit_mm", "tendon_diameter_mm", "pin")
 

@@ -1,22 +1,30 @@
-"""Display of results in Python and Jupyter: tables in HTML, pictures, and data frames where pandas is installed.
+"""Display of results: tables in HTML, data frames, pictures, and the style of all plots.
 
-A design cannot import what draws it, which builds on it. `plot` therefore finds it by its name.
+A design cannot import what draws it, which builds on it. `plot` therefore finds it by its name. Every plot begins with
+`new_figure`, which raises an error if matplotlib is not installed. Modules that draw import matplotlib only where they
+use it, so that the plots can be listed without it.
 """
 
 from __future__ import annotations
 
+import contextlib
 import html
+import io
+import logging
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
+from fingertip.foundation import extras
 from fingertip.foundation.errors import Issue, OutputError
-from fingertip.foundation.extras import load
 
 if TYPE_CHECKING:
     import pandas
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True)
@@ -70,4 +78,85 @@ def html_table(caption: str, header: Sequence[str], rows: Iterable[Sequence[obje
 
 def to_dataframe(columns: Mapping[str, Any], method: str) -> pandas.DataFrame:
     """Make a data frame of columns. Raises MissingLibraryError."""
-    return load("pandas", method).DataFrame(dict(columns))
+    return extras.load("pandas", method).DataFrame(dict(columns))
+
+
+DPI = 150
+TEXT_COLOUR = "#4a5157"
+"""Colour of annotations and of reference lines."""
+GRID_COLOUR = "#e5e8eb"
+BLUE, PURPLE, RED, TEAL, ORANGE = "#0f2f57", "#6a3590", "#b03a2e", "#1e8683", "#c9801f"
+"""Colours of lines and symbols. Each is lighter than the one before, so that they differ in grey and for every kind of
+colour blindness, and stands out from white by 3:1."""
+SERIES = (BLUE, RED, TEAL, PURPLE, ORANGE)
+"""Colours of curves without a meaning of their own; the first ones differ most."""
+SKY, YELLOW, BROWN, PINK = "#5fb0d3", "#e3c33c", "#7a4b26", "#d67fa8"
+AREAS = (RED, ORANGE, BLUE, YELLOW, PURPLE, SKY, BROWN, PINK)
+"""Colours of areas side by side: neighbours in this order differ much in lightness."""
+SHADES = ("#9ecae1", "#4292c6", "#08519c")
+"""Colours of a quantity in ascending steps."""
+TRUTH = "#8fc1b5"
+"""Colour of what is true, an area: lighter than every line."""
+PALE_TEAL, PALE_RED, PALE_BLUE, PALE_GREY = "#cfe3d8", "#e2b6b1", "#a9bfd4", "#e9ebed"
+"""Colours of areas and points in the background."""
+REFERENCE = "#98a1aa"
+"""Colour of what others are compared with."""
+
+
+def new_figure(width_in: float, height_in: float, *, automatic_layout: bool = True) -> Figure:
+    extras.require("plot", "matplotlib")
+    if "matplotlib" not in sys.modules:
+        _import_matplotlib()
+    layout = "constrained" if automatic_layout else None
+    figure: Figure = extras.load("matplotlib.figure", "plot").Figure((width_in, height_in), DPI, layout=layout)
+    return figure
+
+
+def _import_matplotlib() -> None:
+    """Import matplotlib without settings: those of the current folder may be a stranger's, others change the bytes."""
+    # While it is imported, it warns of a home that cannot be written, which is no concern of a picture.
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
+    with contextlib.ExitStack() as left:
+        with contextlib.suppress(FileNotFoundError):  # the current folder was removed
+            left.enter_context(contextlib.chdir(Path(__file__).parent))
+        extras.load("matplotlib", "plot").rcdefaults()
+
+
+def style_axes(axes: Axes, grid: Literal["x", "y", "both"] = "y") -> None:
+    """Remove the top and right spines and draw a light grid behind the data."""
+    axes.grid(True, axis=grid, color=GRID_COLOUR, linewidth=0.7)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
+
+
+def to_png(figure: Figure) -> bytes:
+    """Render a figure as PNG without date and version, so that the same data gives the same bytes."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415
+
+    out = io.BytesIO()
+    _take_literally(figure)
+    FigureCanvasAgg(figure).print_png(out, metadata={"Software": None})
+    return out.getvalue()
+
+
+def to_svg(figure: Figure) -> bytes:
+    """Render a figure as SVG, its text as outlines, without date, version and random identifiers."""
+    import matplotlib  # noqa: PLC0415
+    from matplotlib.backends.backend_svg import FigureCanvasSVG  # noqa: PLC0415
+
+    out = io.BytesIO()
+    _take_literally(figure)
+    with matplotlib.rc_context({"svg.hashsalt": "fingertip", "svg.fonttype": "path"}):
+        FigureCanvasSVG(figure).print_svg(out, metadata={"Creator": None, "Date": None})
+    return out.getvalue()
+
+
+def _take_literally(figure: Figure) -> None:
+    """Let no $ in a text begin a formula, as in the name of a file; the ticks of logarithmic axes are formulas."""
+    from matplotlib.axis import Tick  # noqa: PLC0415
+    from matplotlib.text import Text  # noqa: PLC0415
+
+    ticks = {label for tick in figure.findobj(Tick) for label in (tick.label1, tick.label2)}
+    for text in figure.findobj(Text):
+        if text not in ticks:
+            text.set_parse_math(False)

@@ -1,24 +1,31 @@
-"""Optional packages: the extra of the installation that brings each, and the error that names it where one is missing.
+"""Other packages: optional ones that an extra of the installation brings, and those that bring detectors and checks.
 
 The core is installed without an extra. STEP files, trimesh meshes, plots, the samplers of sweeps, compiled loops and
 some file formats need one more package each. Modules import such a package where they use it, after `require`, or with
 `load`; both raise an error with the command that installs it.
+
+What other packages bring is found by the entry points in their metadata, without running anything of them. It is
+imported when it is asked for; one that cannot be imported or fails becomes a sentence that names it.
 """
 
 from __future__ import annotations
 
 import contextlib
+import functools
 import importlib
 import importlib.util
 import os
 import shlex
 import shutil
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from fingertip.foundation.errors import Issue, MissingLibraryError, join_words
+from fingertip.foundation.errors import FingertipError, Issue, MissingLibraryError, join_words
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 DISTRIBUTION = "fingertip-kit"
 """Name to pip: on the package index `fingertip` is somebody else's."""
@@ -97,3 +104,50 @@ def load(module: str, field: str, *, subject: str = "", alternative: str = "") -
 def _make_issue(field: str, needs: str, subject: str, alternative: str) -> Issue:
     sentence = f"{subject} needs {needs}".lstrip()
     return Issue(field, f"{sentence}, or {alternative}." if alternative else f"{sentence}.")
+
+
+@functools.cache
+def find_plugins(group: str) -> dict[str, tuple[EntryPoint, ...]]:
+    """Find the entry points of a group by name; what lies in the current folder is not installed, and not asked."""
+    from importlib.metadata import distributions  # heavy to import  # noqa: PLC0415
+
+    with contextlib.suppress(FileNotFoundError):
+        here = os.getcwd()
+    folders = [folder for folder in sys.path if folder and folder != here]
+    found: dict[str, dict[EntryPoint, None]] = {}
+    for entry in (each for package in distributions(path=folders) for each in package.entry_points):
+        if entry.group == group:
+            found.setdefault(entry.name, {})[entry] = None
+    return {name: tuple(found[name]) for name in sorted(found)}
+
+
+def load_plugin(group: str, name: str, taken: Collection[str] = ()) -> Any:
+    """Import what a package brings under a name. Raises FingertipError."""
+    entry, *others = find_plugins(group)[name]
+    if others or name in taken:
+        owners = " and ".join(each.value for each in (entry, *others))
+        message = f"{owners} bring a name that exists already; remove the package, or let it have another name."
+        raise FingertipError(Issue(f"{group}, {name}", message))
+    with blame_plugin(group, name):
+        return entry.load()
+
+
+def call_plugins(group: str, *arguments: Any, taken: Collection[str] = ()) -> Iterator[Any]:
+    """Call the function of each package with the same arguments, and yield what they yield. Raises FingertipError."""
+    for name in find_plugins(group):
+        function = load_plugin(group, name, taken)
+        with blame_plugin(group, name):
+            found = [*function(*arguments)]
+        yield from found
+
+
+@contextlib.contextmanager
+def blame_plugin(group: str, name: str) -> Iterator[None]:
+    """Say of an unexpected exception from which package it comes. Raises FingertipError."""
+    try:
+        yield
+    except FingertipError:
+        raise
+    except Exception as error:
+        source, reason = find_plugins(group)[name][0].value, f"{type(error).__name__}: {error}"
+        raise FingertipError(Issue(f"{group}, {name}", f"{source} failed ({reason}); correct or remove it.")) from error

@@ -1,7 +1,11 @@
-"""Single output files: atomic writing, and rounding of the numbers written.
+"""Single output files and temporary folders: atomic writing, rounding of the numbers written, and locks of folders.
 
 A file is written under a temporary name and renamed at the end, so that it appears complete or not at all. What one
 command writes as several files is a set (`fingertip.foundation.output_set`).
+
+A temporary folder is removed when its `with` block ends, at an interruption too. What a process that was killed has
+left is removed by the next one that makes a folder. Each process holds a lock on its folders, which ends with it; a
+number of a process in the name would mislead where containers share the folder of temporary files.
 """
 
 from __future__ import annotations
@@ -109,12 +113,6 @@ def format_csv(columns: Iterable[str], rows: Iterable[Iterable[object]]) -> byte
     return text.getvalue().encode()
 
 
-# Temporary folders that do not outlive their use by long.
-#
-# A folder is removed when its `with` block ends, at an interruption too. What a process that was killed has left is
-# removed by the next one that makes a folder. Each process holds a lock on its folders, which ends with it; a number
-# of a process in the name would mislead where containers share the folder of temporary files.
-
 _FOLDER_PREFIX = "fingertip-tmp-"
 
 
@@ -144,11 +142,13 @@ def _make_locked() -> tuple[Path, int | None]:
             reason = error.strerror or str(error)
             message = f"cannot be written ({reason}); free some space there, or set TMPDIR to another folder."
             raise OutputError(Issue(str(place), message)) from error
-        lock = _lock(path)
-        if path.is_dir() if lock is None else _is_at(path, lock):
-            return path, lock
-        if lock is not None:  # another process took the new folder for a leftover before it was locked
-            os.close(lock)
+        # Another process may take the new folder for a leftover before it is locked.
+        with contextlib.suppress(FileNotFoundError, BlockingIOError):
+            lock = lock_folder(path)
+            if path.is_dir() if lock is None else _is_at(path, lock):
+                return path, lock
+            if lock is not None:
+                os.close(lock)
 
 
 def remove_leftovers(place: Path) -> None:
@@ -163,27 +163,30 @@ def _remove_leftover(path: Path) -> None:
     status = os.lstat(path)
     if not stat.S_ISDIR(status.st_mode) or not hasattr(os, "getuid") or status.st_uid != os.getuid():
         return
-    lock = _lock(path, wait=False)
-    if lock is not None:
+    lock = lock_folder(path)
+    if lock is not None:  # on Windows leftovers stay
         try:
             shutil.rmtree(path, ignore_errors=True)
         finally:
             os.close(lock)
 
 
-def _lock(path: Path, *, wait: bool = True) -> int | None:
-    """Lock a folder until the handle is closed; None where that is not possible, or another process holds it."""
+def lock_folder(folder: Path, *, shared: bool = False) -> int | None:
+    """Lock a folder until the handle is closed or the process ends; None where the system has no such locks.
+
+    Raises BlockingIOError if another process holds a lock, and OSError if the folder cannot be opened.
+    """
     try:
         import fcntl  # noqa: PLC0415
-    except ImportError:  # Windows: leftovers stay there
+    except ImportError:  # Windows
         return None
+    handle = os.open(folder, os.O_RDONLY)
     try:
-        handle = os.open(path, os.O_RDONLY)
-    except OSError:
-        return None
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
-    except OSError:
+        fcntl.flock(handle, (fcntl.LOCK_SH if shared else fcntl.LOCK_EX) | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(handle)
+        raise
+    except OSError:  # a file system without locks
         os.close(handle)
         return None
     return handle

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
-import errno
 import hashlib
 import json
 import os
@@ -25,6 +24,7 @@ from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 
 from fingertip.foundation.errors import InputFileError, Issue, OutputError
+from fingertip.foundation.files import lock_folder
 from fingertip.foundation.input_files import PARSED_LIMIT, find_unsafe_names, is_safe_name, read_input
 
 # Content of a file that is to be written: its bytes, or the path of a finished file that is too large for memory.
@@ -268,32 +268,22 @@ LOCK_S = 60.0
 @contextlib.contextmanager
 def lock(folder: Path, *, shared: bool = False) -> Iterator[None]:
     """Hold a lock on a folder, shared while a set in it is only read; it ends with the process, however that ends."""
+    handle, deadline = None, time.monotonic() + LOCK_S
+    while True:
+        try:
+            with contextlib.suppress(PermissionError):  # a folder that may not be listed cannot be locked either
+                handle = lock_folder(folder, shared=shared)
+            break
+        except BlockingIOError as error:
+            if time.monotonic() > deadline:
+                message = f"another command has been writing here for {LOCK_S:g} s; wait for it and try again."
+                raise OutputError(Issue(str(folder), message)) from error
+            time.sleep(0.02)
     try:
-        import fcntl  # noqa: PLC0415
-    except ImportError:  # Windows: sets are not locked there
-        yield
-        return
-    try:
-        handle = os.open(folder, os.O_RDONLY)
-    except PermissionError:  # a folder that may not be listed cannot be locked either
-        yield
-        return
-    try:
-        deadline = time.monotonic() + LOCK_S
-        while True:
-            try:
-                fcntl.flock(handle, (fcntl.LOCK_SH if shared else fcntl.LOCK_EX) | fcntl.LOCK_NB)
-                break
-            except OSError as error:
-                if error.errno not in (errno.EWOULDBLOCK, errno.EACCES):
-                    break  # a file system without locks
-                if time.monotonic() > deadline:
-                    message = f"another command has been writing here for {LOCK_S:g} s; wait for it and try again."
-                    raise OutputError(Issue(str(folder), message)) from error
-                time.sleep(0.02)
         yield
     finally:
-        os.close(handle)
+        if handle is not None:
+            os.close(handle)
 
 
 @contextlib.contextmanager

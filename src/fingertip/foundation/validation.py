@@ -1,9 +1,12 @@
-"""Checks that every integrator makes before it starts: values within bounds, and input that is finite."""
+"""Checks of values: bounds and finite input of every integrator, and a value compared with its limit."""
 
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,3 +67,27 @@ def raise_issues(issues: Iterable[Issue]) -> None:
     """Raise all issues as one error, if there are any. Raises TraceError."""
     if found := list(issues):
         raise TraceError(found)
+
+
+Relation = Literal["at most", "below", "at least", "exactly"]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A value that must be `relation` its limit."""
+
+    name: str
+    value: float
+    limit: float
+    unit: str = ""
+    relation: Relation = "at most"
+
+    @property
+    def sign(self) -> str:
+        """Relation as a sign, for tables."""
+        return {"at most": "<=", "below": "<", "at least": ">=", "exactly": "="}[self.relation]
+
+    @property
+    def passed(self) -> bool:
+        compare = {"at most": operator.le, "below": operator.lt, "at least": operator.ge, "exactly": operator.eq}
+        return bool(compare[self.relation](self.value, self.limit))

@@ -10,8 +10,8 @@ from functools import partial
 from typing import Any
 
 from fingertip.design import Design
-from fingertip.foundation.comparison import Comparison
 from fingertip.foundation.progress import Work
+from fingertip.foundation.validation import Comparison
 from fingertip.foundation.workers import find_workers, side_by_side
 from fingertip.lab.campaign.closed_loop import ClosedLoopSummary, ClosedLoopTrial, run_closed_loop, summarise
 from fingertip.lab.campaign.mix import MixSize, generate_mix, run_detector

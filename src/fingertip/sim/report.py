@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.foundation.plot_style import SERIES, TEXT_COLOUR, TRUTH, new_figure, style_axes, to_png
+from fingertip.foundation.display import SERIES, TEXT_COLOUR, TRUTH, new_figure, style_axes, to_png
 from fingertip.sim.contact.materials import SurfaceTable
 from fingertip.sim.runs.manipulation import ManipulationResult
 from fingertip.sim.runs.scene import SceneRecord, SceneResult

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fingertip.foundation import plot_style as style
+from fingertip.foundation import display as style
 from fingertip.slip.detection import Detection, find_ratio
 from fingertip.slip.detectors.analog_and_digital import ChainOutput
 from fingertip.slip.detectors.fast import FastOutput

@@ -26,7 +26,7 @@ from urllib.parse import SplitResult, parse_qs, urlsplit
 
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue, StudioError
-from fingertip.foundation.toml_files import UnusableTomlError, check_values
+from fingertip.foundation.tables import UnusableTomlError, check_values
 from fingertip.studio.answers import (
     ANSWERS,
     AT_ONCE,

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from fingertip.design.model import Design
 from fingertip.foundation.errors import Issue
-from fingertip.sweep.outputs import GROUPS, load_outputs
+from fingertip.sweep.outputs import load_outputs
 from fingertip.sweep.sweep_file import SweepFile
 
 if TYPE_CHECKING:
@@ -329,24 +329,41 @@ def compute_checks(context: PointContext) -> OutputValues:
     return values
 
 
-compute_set_checks = compute_checks
-
-
 def _mesh(context: PointContext, part: str) -> Mesh:
     from fingertip.cad.shapes.parts import PARTS
 
     return context.evaluator().mesh(PARTS[part].solid(context.design))
 
 
-def _compute_of_a_board(group: str, context: PointContext) -> OutputValues:
+def _compute_with_board(
+    group: str, compute: Callable[[PointContext], OutputValues], context: PointContext
+) -> OutputValues:
     """Compute outputs that are NaN where a divider takes the place of a board."""
     if context.design.board.has_filter:
-        values: OutputValues = globals()[f"compute_{group}"](context)
-        return values
+        return compute(context)
     return {name: math.nan for name, output in load_outputs().items() if output.group == group}
 
 
 GROUP_FUNCTIONS: dict[str, Callable[[PointContext], OutputValues]] = {
-    group: globals()[f"compute_{group}"] for group in GROUPS
+    "lengths": compute_lengths,
+    "board": partial(_compute_with_board, "board", compute_board),
+    "controller": compute_controller,
+    "acceptance": compute_acceptance,
+    "noise": partial(_compute_with_board, "noise", compute_noise),
+    "pad": compute_pad,
+    "circuit": partial(_compute_with_board, "circuit", compute_circuit),
+    "detection": compute_detection,
+    "simulation": compute_simulation,
+    "skin": compute_skin,
+    "bone": compute_bone,
+    "mold": compute_mold,
+    "strength": compute_strength,
+    "core": compute_core,
+    "walls": compute_walls,
+    "printing": compute_printing,
+    "casting": compute_casting,
+    "checks": compute_checks,
+    "set": compute_set,
+    "set_checks": compute_checks,
 }
-GROUP_FUNCTIONS |= {group: partial(_compute_of_a_board, group) for group in ("board", "circuit", "noise")}
+"""Group of outputs -> function that computes them; `outputs.GROUPS` says what each reads and costs."""

@@ -34,7 +34,7 @@ from fingertip.sweep.database_file import (
     FILE,
     MAX_TEXT_BYTES,
     connect,
-    lock_folder,
+    lock_sweep,
     make_damage_error,
     make_error,
     translated_errors,
@@ -129,7 +129,7 @@ class SweepDatabase:
             raise OutputError(issues)
         created = [path for path in (folder / FILE, folder, *folder.parents) if not path.exists()]
         folder.mkdir(parents=True, exist_ok=True)
-        lock = lock_folder(folder)
+        lock = lock_sweep(folder)
         database = cls(folder, connect(folder / FILE, "rwc"), lock)
         try:
             names = [*(axis.name for axis in plan.axes), *plan.outputs]
@@ -149,7 +149,7 @@ class SweepDatabase:
     @classmethod
     def resume(cls, folder: Path, plan: SweepPlan) -> SweepDatabase:
         """Open a sweep to continue it, with its new objectives if they have changed. Raises SweepError."""
-        lock = lock_folder(folder)
+        lock = lock_sweep(folder)
         database = cls(folder, connect(folder / FILE, "rw"), lock)
         try:
             database.check_same_sweep(plan)

@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from fingertip.foundation.errors import InputFileError, Issue, OutputError, SweepError
+from fingertip.foundation.files import lock_folder
 from fingertip.foundation.input_files import check_regular
 
 FILE = "sweep.sqlite"
@@ -57,26 +58,15 @@ def _refuse_odd_files(path: Path) -> None:
             raise make_error(journal, f"names another file, which would be removed; {remedy}.")
 
 
-def lock_folder(folder: Path) -> int | None:
-    """Lock the folder until this process ends, however it ends; None where the system has no such locks."""
+def lock_sweep(folder: Path) -> int | None:
+    """Lock the folder until this process ends; without such locks, the primary key still keeps rows unique."""
     try:
-        import fcntl  # noqa: PLC0415
-    except ImportError:
-        return None
-    try:
-        handle = os.open(folder, os.O_RDONLY)
-    except OSError as error:
-        raise _make_write_error(folder, error.strerror or str(error)) from error
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        return lock_folder(folder)
     except BlockingIOError:
-        os.close(handle)
         problem = "is being written by another sweep; wait for it, or choose another folder with --out."
         raise make_error(folder, problem) from None
-    except OSError:  # a file system without locks; the primary key still keeps rows unique
-        os.close(handle)
-        return None
-    return handle
+    except OSError as error:
+        raise _make_write_error(folder, error.strerror or str(error)) from error
 
 
 @contextlib.contextmanager

@@ -31,10 +31,9 @@ from fingertip.design import Design
 from fingertip.design.formulas import amplifiers
 from fingertip.design.formulas.filter import find_preferred_neighbours
 from fingertip.design.rules.amplifiers import BANDWIDTH_MARGIN, MAX_OFFSET_RATIO, MAX_PEAKING_DB, MIN_PHASE_MARGIN_DEG
-from fingertip.foundation.comparison import Comparison, Relation
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.files import format_figure
-from fingertip.foundation.validation import round_up
+from fingertip.foundation.validation import Comparison, Relation, round_up
 
 GOOD_OFFSET_RATIO = 0.25
 """Ratio of an output's offset to its swing above which a warning is due."""

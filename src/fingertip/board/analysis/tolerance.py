@@ -21,9 +21,9 @@ from fingertip.board.parts.circuit import Circuit
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.design.parameters.electronics import Board
+from fingertip.foundation.display import BLUE, ORANGE, RED, TEXT_COLOUR, new_figure, style_axes, to_png, to_svg
 from fingertip.foundation.files import format_figure
 from fingertip.foundation.numerics import Array, bisect_arrays
-from fingertip.foundation.plot_style import BLUE, ORANGE, RED, TEXT_COLOUR, new_figure, style_axes, to_png, to_svg
 
 COMPONENTS = ("R1", "R2", "R3", "R4", "R5", "C1", "C2", "C3", "C14", "C20")
 """Components of the filter that have a tolerance. Variant article has neither C14 nor C20."""

@@ -17,7 +17,7 @@ from fingertip.board.parts.nets import RECT_OUT, VCC
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import BoardError, Issue, join_words
 from fingertip.foundation.files import format_figure
-from fingertip.foundation.toml_files import read_toml
+from fingertip.foundation.tables import read_toml
 
 IDENTITY, TONE = "board", "tone_v"
 UNITS = {"_v": "V", "_ohm": "ohm", "_ma": "mA"}

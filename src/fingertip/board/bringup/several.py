@@ -17,7 +17,7 @@ from fingertip.board.bringup.plan import SUPPLY_MA, SUPPLY_OHM, BringUp, find_fa
 from fingertip.board.circuits.channels import SHARED_PARTS, name_part
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import BoardError, Issue
-from fingertip.foundation.toml_files import read_toml
+from fingertip.foundation.tables import read_toml
 
 COMMON_READINGS = (SUPPLY_OHM, SUPPLY_MA)
 """Readings that are taken once, and not for each finger."""

@@ -19,8 +19,8 @@ from fingertip.cad.shapes.parts import PARTS, print_scale
 from fingertip.cad.verification.strength import BoneStrength, assess_strength
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Box, Solid, difference, scaled
-from fingertip.foundation.comparison import Comparison
 from fingertip.foundation.files import round_for_output
+from fingertip.foundation.validation import Comparison
 
 VOLUME_TOLERANCE_MM3 = 1e-3
 """Largest volume that counts as zero [mm3]. Rounding 10 000 mm2 of surface to a grid of 8 nm stays below it."""

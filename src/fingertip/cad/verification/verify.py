@@ -20,7 +20,7 @@ from fingertip.cad.verification.strength import BoneStrength
 from fingertip.catalogues.output_files import PART_FORMATS, part_file
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue
-from fingertip.foundation.plugins import call_plugins
+from fingertip.foundation.extras import call_plugins
 from fingertip.foundation.progress import Work
 
 CHECKS: tuple[RegisteredCheck, ...] = (

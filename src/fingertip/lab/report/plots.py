@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from fingertip.foundation import plot_style as style
+from fingertip.foundation import display as style
 from fingertip.lab.campaign.run import CampaignResult, speed_m_s, surface
 from fingertip.slip.detectors.registry import DETECTORS
 from fingertip.slip.traces.truth import ENCODER_HZ, encoder_delay_band_s

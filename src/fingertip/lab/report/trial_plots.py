@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design import Design
-from fingertip.foundation import plot_style as style
+from fingertip.foundation import display as style
 from fingertip.lab.campaign.closed_loop import NO_CONTROL, ClosedLoopTrial, any_finger_slips
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, Case
 from fingertip.lab.campaign.run import scene_surface, simulate_trace

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, cast
 
+from fingertip.foundation.display import BLUE, ORANGE, RED, TEAL
 from fingertip.foundation.errors import Issue, TraceError, quote_value
-from fingertip.foundation.plot_style import BLUE, ORANGE, RED, TEAL
-from fingertip.foundation.plugins import blame_plugin, find_plugins, load_plugin
+from fingertip.foundation.extras import blame_plugin, find_plugins, load_plugin
 
 if TYPE_CHECKING:
     import numpy as np

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.foundation import plot_style as style
+from fingertip.foundation import display as style
 from fingertip.sweep.report import statistics
 from fingertip.sweep.report.feasibility_plot import (
     PlotScale,

@@ -196,26 +196,34 @@ def test_folders_in_use_and_those_of_others_are_left_alone(place: Path, monkeypa
     }  # fmt: skip
 
 
-@pytest.mark.parametrize("loss", ["removed", "locked"])
+@pytest.mark.parametrize("loss", ["removed", "locked", "locked too late"])
 def test_a_new_folder_that_another_process_takes_for_a_leftover_is_made_again(
     place: Path, monkeypatch: pytest.MonkeyPatch, loss: str
 ) -> None:
-    lock, calls, others = temporary.lock_folder, 0, list[int | None]()
+    lock, calls, handles = temporary.lock_folder, 0, list[int | None]()
 
     def lose_the_first(path: Path) -> int | None:
         nonlocal calls
         calls += 1
-        if calls == 1:
-            others.append(lock(path)) if loss == "locked" else temporary._remove_leftover(path)
+        if calls == 1 and loss == "removed":
+            temporary._remove_leftover(path)
+        if calls == 1 and loss.startswith("locked"):
+            handles.append(lock(path))
+            if loss == "locked too late":
+                path.rmdir()
+                return handles[0]
         return lock(path)
 
     monkeypatch.setattr(temporary, "lock_folder", lose_the_first)
     with temporary_folder() as folder:
         assert folder.is_dir()
     assert calls > 1
-    for other in others:
-        assert other is not None
-        os.close(other)
+    for handle in handles:
+        assert handle is not None
+        if loss == "locked":
+            os.close(handle)
+        with pytest.raises(OSError, match="Bad file descriptor"):
+            os.fstat(handle)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="open files are listed on Linux alone")

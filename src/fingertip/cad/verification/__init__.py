@@ -1,5 +1,8 @@
-"""Verification of built parts: file topology, identities between parts, clearances and wall thicknesses.
+"""Verification of built parts: topology of files, identities between parts, clearances, walls and strength.
 
-`verify.verify` runs every check of a design. `bone`, `skin` and `mold` measure the parts that `cad.shapes` builds.
-Limits come from the design. Where facets are measured, a limit is relaxed by the mesh tolerance.
+In: a design and its `Solids`. Out: records of a value and its limit, listed by `verify`; `check` says how one registers.
+
+>>> from fingertip.cad.verification.verify import list_causes
+>>> list_causes("mold.wall")
+('mold.wall_mm', 'mold.engraving_depth_mm')
 """

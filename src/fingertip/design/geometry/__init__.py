@@ -1,6 +1,10 @@
-"""Geometry derived from the parameters, and the tables of a design with it.
+"""Geometry derived from the parameters, and the tables of a design with it: every length that parts and rules share.
 
-The rules between parameters are checked later.
+In: parameters within their own bounds, not yet checked by the rules. Out: lengths [mm], outlines and solids.
+
+>>> from fingertip.design.geometry import DesignTables
+>>> DesignTables().with_values({"skin.length_mm": 40.0, "sensor.distance_from_tip_mm": 12.0}).dimensions.sensor_z
+28.0
 """
 
 from __future__ import annotations

@@ -1,4 +1,12 @@
-"""Interfaces of the bone to the proximal phalanx: post, socket, flange and clevis, each with all that it brings."""
+"""Interfaces of the bone to the proximal phalanx: post, socket, flange and clevis, each with all that it brings.
+
+In: the tables of a design. Out: shapes, rules, sizes, stresses and words of its interface.
+
+>>> from fingertip import Design
+>>> from fingertip.design.interfaces import interface_of
+>>> interface_of(Design()).face_on_plate
+'the end of the post'
+"""
 
 from __future__ import annotations
 

@@ -1,6 +1,10 @@
 """Parameters of a design: all tables of a design file. Each parameter is declared once, with its own bounds.
 
-The rules between parameters are checked later.
+In: the tables of a file. Out: frozen tables; the rules between parameters are checked later.
+
+>>> from fingertip.design.parameters import Tables
+>>> Tables(skin={"width_mm": 18.0}).value("skin.width_mm")
+18.0
 """
 
 from __future__ import annotations

@@ -70,7 +70,7 @@ def measure_wall_rate(points: int, jobs: int) -> float:
     from fingertip.sweep.database import SweepDatabase
     from fingertip.sweep.engines import ProcessEngine
     from fingertip.sweep.plan import SweepPlan
-    from fingertip.sweep.run import RunState, run_sweep
+    from fingertip.sweep.run import RunState, compute_rows
 
     first: list[tuple[float, int]] = []
 
@@ -80,7 +80,7 @@ def measure_wall_rate(points: int, jobs: int) -> float:
 
     plan = SweepPlan.from_tables(tomllib.loads(FILE.format(points=points)))
     with tempfile.TemporaryDirectory() as name, SweepDatabase.create(Path(name), plan) as database:
-        written = run_sweep(plan, database, ProcessEngine(jobs), record_first_tenth).written
+        written = compute_rows(plan, database, ProcessEngine(jobs), record_first_tenth).written
     return (written - first[0][1]) / (time.perf_counter() - first[0][0])
 
 

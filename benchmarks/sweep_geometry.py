@@ -112,7 +112,7 @@ def measure_speed_up(points: int) -> None:
     """Print the rate with one and with two workers after the first tenth, so that their start does not count."""
     from fingertip.sweep.database import SweepDatabase
     from fingertip.sweep.engines import ProcessEngine
-    from fingertip.sweep.run import RunState, run_sweep
+    from fingertip.sweep.run import RunState, compute_rows
 
     rate = {}
     for jobs in (1, 2):
@@ -123,7 +123,7 @@ def measure_speed_up(points: int) -> None:
                 first.append((time.perf_counter(), state.written))
 
         with tempfile.TemporaryDirectory() as name, SweepDatabase.create(Path(name), make_plan(points)) as database:
-            written = run_sweep(database.plan, database, ProcessEngine(jobs), record_first_tenth).written
+            written = compute_rows(database.plan, database, ProcessEngine(jobs), record_first_tenth).written
         rate[jobs] = (written - first[0][1]) / (time.perf_counter() - first[0][0])
     load = os.getloadavg()[0]
     print(f"{points} designs, wall time: {rate[1]:.2f}/s with 1 worker, {rate[2]:.2f}/s with 2, load {load:.1f}")

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from fingertip.slip.detectors.analog_and_digital import SlipChain
     from fingertip.slip.traces.read import read_trace
     from fingertip.slip.traces.trace import Trace
-    from fingertip.sweep.table import run_sweep
+    from fingertip.sweep.run import run_sweep
     from fingertip.tasks.board import write_board
     from fingertip.tasks.build import build
     from fingertip.tasks.firmware import write_firmware
@@ -68,7 +68,7 @@ _NAMES = {
     "slip.detectors.analog_and_digital": "SlipChain",
     "slip.traces.read": "read_trace",
     "slip.traces.trace": "Trace",
-    "sweep.table": "run_sweep",
+    "sweep.run": "run_sweep",
     "tasks.board": "write_board",
     "tasks.build": "build",
     "tasks.views": "write_drawing",

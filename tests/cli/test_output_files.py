@@ -21,8 +21,8 @@ from tests.conftest import run_fingertip
 FILES = (
     ("board", "--bode", ".csv", "fingertip.tasks.board.write_board"),
     ("board", "--plot", ".png", "fingertip.tasks.board.write_board"),
-    ("sweep board", "--csv", ".csv", "fingertip.sweep.run.run_sweep"),
-    ("sweep board", "--parquet", ".parquet", "fingertip.sweep.run.run_sweep"),
+    ("sweep board", "--csv", ".csv", "fingertip.sweep.run.compute_rows"),
+    ("sweep board", "--parquet", ".parquet", "fingertip.sweep.run.compute_rows"),
     ("params", "--html", ".html", "fingertip.page.parameters_and_checks.draw_atlas"),
     ("picture fsr400", "--out", ".png", "fingertip.pictures.picture.draw"),
     ("sheet fsr400", "--out", ".md", "fingertip.casting.sheet.casting_sheet"),
@@ -46,7 +46,7 @@ FOLDERS = (
     ("drawing fsr400", "fingertip.tasks.views.draw_files"),
     ("page fsr400", "fingertip.tasks.views.read_sources"),
     ("accuracy", "fingertip.lab.accuracy.measure.measure_accuracy"),
-    ("sweep board", "fingertip.sweep.run.run_sweep"),
+    ("sweep board", "fingertip.sweep.run.compute_rows"),
 )
 """Words of a command whose --out is a folder, and what must not be called."""
 READ = {"--design", "--hand", "--readings", "--own", "--from"}

@@ -22,7 +22,7 @@ from fingertip.foundation.errors import SweepError
 from fingertip.sweep import engines
 from fingertip.sweep.database import SweepDatabase
 from fingertip.sweep.engines import DaskEngine
-from fingertip.sweep.run import RunState, run_sweep
+from fingertip.sweep.run import RunState, compute_rows
 from tests.conftest import ROOT
 from tests.sweep import worker_functions
 from tests.sweep.examples import InlineEngine, make_plan, read_rows, run_sweep_command
@@ -151,7 +151,7 @@ def test_loss_of_a_worker_loses_no_row(running_cluster: DaskCluster, tmp_path: P
 
     with SweepDatabase.create(tmp_path / "out", plan) as database:
         engine = DaskEngine(running_cluster.address)
-        state = run_sweep(plan, database, engine, kill_once, worker_functions.succeed)
+        state = compute_rows(plan, database, engine, kill_once, worker_functions.succeed)
     assert 0 < done_at_loss[0] < plan.size
     assert state.written == plan.size
     assert_rows_complete(tmp_path / "out", plan.size)
@@ -172,12 +172,12 @@ def test_loss_of_the_scheduler_is_reported_and_resume_completes_the_rows(
 
     is_lost = pytest.raises(SweepError, match=r"cluster: is lost.*resume")
     with SweepDatabase.create(tmp_path / "out", plan) as database, is_lost:
-        run_sweep(plan, database, engine, kill_scheduler, worker_functions.succeed)
+        compute_rows(plan, database, engine, kill_scheduler, worker_functions.succeed)
     assert capfd.readouterr() == ("", "")
     before = read_rows(tmp_path / "out")
     assert 0 < len(before) < plan.size
     with SweepDatabase.resume(tmp_path / "out", plan) as database:
-        state = run_sweep(plan, database, InlineEngine(), evaluate=worker_functions.succeed)
+        state = compute_rows(plan, database, InlineEngine(), evaluate=worker_functions.succeed)
     assert state.written == plan.size - len(before)
     assert_rows_complete(tmp_path / "out", plan.size)
 

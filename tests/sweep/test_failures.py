@@ -17,7 +17,7 @@ from fingertip.sweep.database_file import FILE
 from fingertip.sweep.engines import ProcessEngine
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.point_evaluator import ChunkFunction
-from fingertip.sweep.run import run_sweep
+from fingertip.sweep.run import compute_rows
 from tests.conftest import ROOT
 from tests.sweep import examples, worker_functions
 from tests.sweep.examples import InlineEngine, make_plan
@@ -47,7 +47,7 @@ def run_with(folder: Path, evaluate: ChunkFunction) -> dict[int, SweepRow]:
     plan = make_plan(time_limit_s=worker_functions.LIMIT_S)
     assert plan.size == BOARD_POINTS
     with SweepDatabase.create(folder, plan) as database:
-        state = run_sweep(plan, database, ProcessEngine(2), evaluate=evaluate)
+        state = compute_rows(plan, database, ProcessEngine(2), evaluate=evaluate)
         assert state.written == BOARD_POINTS
         rows = list(database.rows())
     assert [row.point for row in rows] == list(range(BOARD_POINTS))
@@ -132,14 +132,14 @@ def uninterrupted(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     (folder / "sweep.toml").write_text(LARGE_SWEEP)
     plan = SweepPlan.load(folder / "sweep.toml")
     with SweepDatabase.create(folder / "out", plan) as database:
-        assert run_sweep(plan, database, InlineEngine()).written == LARGE_POINTS
+        assert compute_rows(plan, database, InlineEngine()).written == LARGE_POINTS
     return read_rows(folder / "out")
 
 
 def resume(file: Path, out: Path) -> int:
     plan = SweepPlan.load(file)
     with SweepDatabase.resume(out, plan) as database:
-        return run_sweep(plan, database, InlineEngine()).written
+        return compute_rows(plan, database, InlineEngine()).written
 
 
 @pytest.mark.full

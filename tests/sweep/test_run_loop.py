@@ -17,7 +17,7 @@ from fingertip.foundation.workers import WorkerDiedError
 from fingertip.sweep import run
 from fingertip.sweep.database import StoredRow, SweepDatabase
 from fingertip.sweep.point_evaluator import Chunk, ChunkResult
-from fingertip.sweep.run import RunState, run_sweep
+from fingertip.sweep.run import RunState, compute_rows
 from tests.sweep.examples import InlineEngine, make_plan
 from tests.sweep.worker_functions import make_result
 
@@ -87,7 +87,7 @@ def compute(
 ) -> RunState:
     plan = make_plan(time_limit_s=LIMIT_S)
     assert plan.size == POINTS
-    return run_sweep(plan, cast(SweepDatabase, database), engine, evaluate=worker(per_point_s, sizes))
+    return compute_rows(plan, cast(SweepDatabase, database), engine, evaluate=worker(per_point_s, sizes))
 
 
 @pytest.fixture
@@ -228,7 +228,7 @@ def test_refused_points_and_failed_ones_are_counted_apart(clock: Clock) -> None:
         return ChunkResult([(r[0], status.get(r[0], "ok"), *r[2:]) for r in results], 0.1)
 
     database = Database()
-    state = run_sweep(make_plan(), cast(SweepDatabase, database), InlineEngine(), evaluate=evaluate)
+    state = compute_rows(make_plan(), cast(SweepDatabase, database), InlineEngine(), evaluate=evaluate)
     assert (state.refused, state.failures) == (2, 3)
 
 
@@ -273,7 +273,7 @@ def test_silence_of_the_workers_is_measured_from_the_last_result(clock: Clock, m
 
     monkeypatch.setattr(run, "_POLL_INTERVAL_S", 1e-3)
     plan = make_plan(time_limit_s=LIMIT_S)
-    run_sweep(plan, cast(SweepDatabase, Database(missing=2)), engine, progress, worker(1.0))
+    compute_rows(plan, cast(SweepDatabase, Database(missing=2)), engine, progress, worker(1.0))
     assert [silent_s for silent_s, _ in seen] == [0.0, 0.0, 0.0, 5.0, 5.5, 0.0]
     assert {hang_s for _, hang_s in seen} == {3 * LIMIT_S}
     assert RunState(1, 0).silent_s == 0.0
@@ -289,7 +289,7 @@ def test_every_worker_has_a_chunk_to_compute_and_one_that_waits(clock: Clock, mo
         while engine.waiting:
             engine.answer()
 
-    run_sweep(make_plan(), cast(SweepDatabase, Database(missing=14)), engine, progress, worker(1.0))
+    compute_rows(make_plan(), cast(SweepDatabase, Database(missing=14)), engine, progress, worker(1.0))
     assert waiting[0] == max(waiting) == 6
 
 
@@ -319,6 +319,6 @@ def test_chunk_that_the_engine_gives_up_is_tried_point_by_point(clock: Clock, el
 
     database = Database()
     plan = make_plan(time_limit_s=LIMIT_S)
-    run_sweep(plan, cast(SweepDatabase, database), InlineEngine(), evaluate=evaluate)
+    compute_rows(plan, cast(SweepDatabase, database), InlineEngine(), evaluate=evaluate)
     assert [row[1] for row in database.rows] == [status if point == 40 else "ok" for point in range(POINTS)]
     assert sum(sizes) == POINTS - 1

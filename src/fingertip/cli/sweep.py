@@ -124,12 +124,12 @@ def _open_database(console: Console, folder: Path, plan: SweepPlan, resume: bool
 
 
 def _run(console: Console, database: SweepDatabase, engine: Engine) -> int:
-    from fingertip.sweep.run import run_sweep
+    from fingertip.sweep.run import compute_rows
 
     plan, folder = database.plan, database.folder
     interrupted, start_s = None, time.perf_counter()
     try:
-        state = run_sweep(
+        state = compute_rows(
             plan, database, engine, lambda s: console.progress(ShareText(format_state(s), s.done / plan.size))
         )
     except interruption.INTERRUPTIONS as error:

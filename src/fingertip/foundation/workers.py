@@ -55,7 +55,7 @@ class WorkerDiedError(Exception):
         self.step, self.elapsed_s = step, elapsed_s
 
 
-class Worker:
+class Worker(contextlib.AbstractContextManager["Worker"]):
     """Process that answers calls one after the other, and ends with the block."""
 
     def __init__(self, folder: Path | None = None, *, is_fork: bool = False) -> None:
@@ -74,23 +74,23 @@ class Worker:
             self.pid, self._calls, self._answers = _fork()
             return
         command = [sys.executable, "-P", "-c", f"from {__name__} import serve_parent; serve_parent()"]
+        places = filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))
+        environment = os.environ | {"PYTHONPATH": os.pathsep.join(map(os.path.abspath, places))}
         pipe = subprocess.PIPE
         with (folder / _MESSAGES if folder else Path(os.devnull)).open("wb") as messages:
             self._process = subprocess.Popen(
-                command, stdin=pipe, stdout=pipe, stderr=messages, cwd=folder, env=python_environment(),
+                command, stdin=pipe, stdout=pipe, stderr=messages, cwd=folder, env=environment,
                 start_new_session=True,  # Ctrl-C reaches this process alone, which ends the other one
             )  # fmt: skip
         assert self._process.stdin
         assert self._process.stdout
         self.pid, self._calls, self._answers = self._process.pid, self._process.stdin, self._process.stdout
 
-    def __enter__(self) -> Worker:
-        return self
-
-    def __exit__(self, *error: object) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def close(self) -> None:
+        """End the process, and close its pipes."""
         self.kill()
         with contextlib.suppress(BrokenPipeError):  # of a call that it has not read
             self._calls.close()
@@ -297,13 +297,6 @@ def find_workers(jobs: int | None) -> int:
     if jobs is not None and not 1 <= jobs <= MAX_JOBS:
         raise FingertipError(Issue("--jobs", f"{jobs} is out of range; choose 1 to {MAX_JOBS}, or leave it out."))
     return count_processors() if jobs is None else jobs
-
-
-def python_environment() -> dict[str, str]:
-    """Return the variables of a worker: its modules are found wherever it is started."""
-    paths = os.environ.get("PYTHONPATH")
-    found = os.pathsep.join(os.path.abspath(path) for path in paths.split(os.pathsep) if path) if paths else ""
-    return {**os.environ, "PYTHONPATH": found}
 
 
 def end_with_parent() -> None:

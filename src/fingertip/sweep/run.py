@@ -13,16 +13,23 @@ from collections import deque
 from collections.abc import Callable, Collection, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fingertip.design.files import Changes, list_changes
 from fingertip.foundation.errors import Issue, SweepError, shorten
-from fingertip.foundation.workers import WorkerDiedError
+from fingertip.foundation.extras import load
+from fingertip.foundation.workers import WorkerDiedError, find_workers
 from fingertip.sweep.database import MAX_REASON_LENGTH, StoredRow, SweepDatabase
-from fingertip.sweep.engines import Engine
+from fingertip.sweep.engines import Engine, ProcessEngine
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.point_evaluator import Chunk, ChunkFunction, ChunkResult, evaluate_chunk
+
+if TYPE_CHECKING:
+    import pandas
 
 CHUNK_DURATION_S = 0.5
 """Time that a worker should spend on a chunk [s]."""
@@ -86,6 +93,51 @@ class RunState:
 
 
 def run_sweep(
+    file: str | Path,
+    changes: Changes = (),
+    out: str | Path | None = None,
+    *,
+    jobs: int | None = None,
+    progress: Callable[[str], None] = lambda message: None,
+) -> pandas.DataFrame:
+    """Compute outputs of many designs, or read those that were computed before, as a table with a row for each.
+
+    Parameters
+    ----------
+    file
+        A sweep file, or a bundled sweep, such as "board".
+    changes
+        Changes of the sweep, of its design or of its scene.
+    out
+        Folder of the results, where an interrupted sweep goes on; `out/sweeps/<name>` if None.
+    jobs
+        Number of processes; one for each processor if None.
+    progress
+        Called with the state of the sweep.
+
+    Raises
+    ------
+    SweepError
+        If the sweep is refused, or the folder holds another one.
+    MissingLibraryError
+        If pandas is not installed.
+    """
+    frames = load("pandas", "run_sweep")
+    plan = SweepPlan.load(Path(file), list_changes(changes))
+    folder = Path("out", "sweeps", plan.file.name) if out is None else Path(out)
+    begin = SweepDatabase.resume if SweepDatabase.exists(folder) else SweepDatabase.create
+    engine = ProcessEngine(find_workers(jobs))
+    with begin(folder, plan) as database:
+        compute_rows(plan, database, engine, lambda state: progress(f"{state.done} of {plan.size} designs"))
+        rows = [
+            {"point": row.point, **row.axes, **row.outputs, "status": row.status, "field": row.field,
+             "reason": row.reason}
+            for row in database.rows()
+        ]  # fmt: skip
+    return frames.DataFrame(rows).set_index("point")
+
+
+def compute_rows(
     plan: SweepPlan,
     database: SweepDatabase,
     engine: Engine,

@@ -107,11 +107,9 @@ FAMILIES: dict[str, list[tuple[Any, ...]]] = {
         ({"voltage_v": V},),
         ({"voltage_v": V, "sample_rate_hz": 0},),
         ({"time_s": T, "voltage_v": V[:-1]},),
-        *(
-            ({"voltage_v": volts, "sample_rate_hz": rate}, *options)
-            for rate in (np.array("2 kHz"), np.zeros(0), 0, np.inf, np.array([2000.0, 5000.0]), 2000 + 1j)
-            for volts, options in ((CLEAR_TEXT, ()), (np.round(V, 6), ("--rate-hz", 2000)))
-        ),
+        *(({"voltage_v": CLEAR_TEXT, "sample_rate_hz": rate},)
+          for rate in (np.array("2 kHz"), np.zeros(0), np.inf, np.array([2000.0, 5000.0]), 2000 + 1j)),
+        ({"voltage_v": np.round(V, 6), "sample_rate_hz": np.inf}, "--rate-hz", 2000),
         ({"time_s": np.array(DATES, dtype="datetime64[us]"), "voltage_v": V}, "--time-scale", "ms"),
     ],
     "options": [
@@ -125,9 +123,8 @@ FAMILIES: dict[str, list[tuple[Any, ...]]] = {
             ("--column", "voltage_v=99999999999999", "--column", "time_s=1"),
             ("--column", "voltage_v=2", "--column", "time_s=none"),
         )),
-        *(("voltage_v\n" + "4.0\n" * 500, "--rate-hz", rate, *more)
-          for rate in ("1e308", "1e-308", "-1e308", "nan", "inf", "0")
-          for more in ((), ("--set", "detector.window_samples=40"))),
+        *(("voltage_v\n" + "4.0\n" * 500, "--rate-hz", rate, "--set", "detector.window_samples=40")
+          for rate in ("1e308", "1e-308", "inf")),
         ("time_s,voltage_v\n" + rows(DATES), "--time-scale", "ms"),
         (Path("params/fsr400.toml"),), (Path("params/scenes/hard_tap.toml"),),
         (lvm("One").replace("X_Value\tVoltage\tComment", "X_Value\tVoltage\tLoad cell").replace("\n", "\t1.5\n"),),

@@ -15,7 +15,6 @@ from typer.testing import CliRunner
 from fingertip.board import board_values
 from fingertip.calibration.printer import apply_calibration
 from fingertip.calibration.sensor import (
-    MIN_WEIGHINGS,
     PowerLaw,
     calibrate_sensor,
     fit_power_law,
@@ -187,55 +186,6 @@ def test_sensor_with_another_turn_on(turn_on_n: float, bound: float, exponent: f
         low, high = law.interval_n(reading)
         assert low < force < high
         assert force_at(law, reading) == pytest.approx(force, rel=bound)
-
-
-FAULTS = {
-    "no loads": ("grams,voltage_v\n1,2\n", "line 1: names no column of loads; one of weight_g, force_n"),
-    "no readings": ("weight_g,volts\n1,2\n", "line 1: names no column of readings; one of voltage_v, counts"),
-    "two readings": ("weight_g,counts,voltage_v\n1,2,3\n", "names voltage_v and counts; give one of"),
-    "empty": ("\n# nothing\n", "is empty; write a header such as weight_g,voltage_v"),
-    "words": (weighings_csv() + "x,y\n", "line 7: 'x,y' is not a weighing; write two numbers."),
-    "short line": (weighings_csv() + "100\n", "line 7: '100' is not a weighing"),
-    "nan": (weighings_csv() + "100,nan\n", "line 7: nan is not a reading"),
-    "negative": (weighings_csv() + "-5,4\n", "line 7: -0.0490333 N is not a load; give 0 to 1000 N."),
-    "infinite": (weighings_csv() + "inf,4\n", "line 7: inf N is not a load"),
-    "few": (
-        "force_n,voltage_v\n1,4\n2,3.9\n3,3.8\n",
-        f"holds 3 weighings under 3 different loads; at least {MIN_WEIGHINGS}",
-    ),
-    "one load": ("force_n,voltage_v\n" + "1,4\n" * 9, "holds 9 weighings under 1 different loads"),
-    "below the turn-on": (weighings_csv() + "25,4.3\n", "line 7: 0.245 N is below 0.3 N, where the sensor turns on"),
-    "above open": (weighings_csv() + "100,5\n", "line 7: 5 V is not between -8.2 and 4.41 V"),
-    "below short": (weighings_csv() + "100,-9\n", "line 7: -9 V is not between -8.2 and 4.41 V"),
-    "no resistance": ("force_n,resistance_ohm\n1,0\n2,-5\n", "line 3: -5 ohm is not a resistance"),
-    "counts": (
-        weighings_csv().replace("voltage_v", "counts"),
-        "--scale: is missing: the readings are counts; give volts",
-    ),
-    "wrong way": ("force_n,voltage_v\n1,3\n2,3.3\n4,3.6\n8,4\n", "the readings do not grow with the load"),
-    "scatter": ("force_n,voltage_v\n1,3.9\n2,3.0\n3,4.1\n5,3.5\n", "scatter so much that a force has no upper bound"),
-    "other board": (weighings_csv() + "0,2.5\n", "line 7: 2.5 V without load is more than 0.5 V off the 4.41 V of"),
-}
-
-
-@pytest.mark.every_case
-@pytest.mark.parametrize("name", FAULTS)
-def test_weighings_that_cannot_be_used(name: str, tmp_path: Path) -> None:
-    text, message = FAULTS[name]
-    (tmp_path / "w.csv").write_text(text)
-    done = run("calibrate", "sensor", tmp_path / "w.csv", "article")
-    assert done.exit_code == 2
-    assert message in done.stderr
-    assert type(done.exception) is SystemExit
-
-
-def test_all_faults_are_reported_at_once(tmp_path: Path) -> None:
-    (tmp_path / "w.csv").write_text(weighings_csv() + "x,y\n100,nan\n")
-    done = run("calibrate", "sensor", tmp_path / "w.csv", "fsr4", "--out", tmp_path / "x.txt")
-    assert done.exit_code == 2
-    assert len(done.stderr.splitlines()) == 4
-    for word in ("--out", "did you mean fsr400", "line 7", "line 8"):
-        assert word in done.stderr
 
 
 @pytest.mark.parametrize(

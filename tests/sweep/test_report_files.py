@@ -99,7 +99,9 @@ CASES: dict[str, dict[str, Any]] = {
 
 
 @pytest.mark.every_case
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.full] if name == "complete" else []) for name in CASES]
+)
 def test_reports_are_the_approved_ones(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Text, and the words of some figures; tests of the plots compare what they draw."""
     pytest.importorskip("matplotlib")

@@ -43,8 +43,8 @@ class TestEachSilicone:
 
     def test_batch_is_the_mold_content_plus_waste(self, silicone: Silicone) -> None:
         batch = compute_batch(silicone, 40.0)
-        assert batch.in_mold_g == pytest.approx(40.0 * silicone.density_g_cm3.high)
-        assert batch.total_g == pytest.approx((1 + WASTE_FRACTION) * batch.in_mold_g)
+        assert batch.in_cup_g == pytest.approx(40.0 * silicone.density_g_cm3.high)
+        assert batch.total_g == pytest.approx((1 + WASTE_FRACTION) * batch.in_cup_g)
         assert batch.a_g + batch.b_g == pytest.approx(batch.total_g)
 
     def test_small_batch_is_large_enough_to_weigh_and_to_stir(self, silicone: Silicone) -> None:

@@ -6,7 +6,7 @@ Values are rounded here, once, so that page, pictures and report agree.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from fingertip.board.circuits.board_circuit import board_circuit
@@ -36,25 +36,25 @@ MIN_MIX_G = 10.0
 
 
 @dataclass(frozen=True)
-class Batch:
-    """Quantities for one mixing cup [g]."""
+class Mixture:
+    """Quantities for one mixing cup, and what limits its use."""
 
-    in_mold_g: float
-    total_g: float
-    """Mass to mix: with what stays on cup and stick, and enough to weigh and to stir."""
+    in_cup_g: float
     a_g: float
     b_g: float
+    total_g: float
+    """Mass to mix: with what stays on cup and stick, and enough to weigh and to stir."""
+    components: tuple[str, str]
+    density_g_cm3: float
+    """Upper end of its range."""
+    pot_life_min: float
+    cure_h: float
 
 
 def measure_poured_cm3(design: Design, evaluator: MeshEvaluator) -> float:
     """Measure the silicone to pour, with what overflows, on meshes. Raises GeometryError."""
     room, core = (evaluator.manifold(each(design)) for each in (cavity, core_within_skin))
     return POURED * float(room.volume() - (room ^ core).volume()) / 1000.0
-
-
-def mass_g(silicone: Silicone, volume_cm3: float) -> float:
-    """Mass [g] of a volume [cm3], at the upper end of the density range."""
-    return silicone.density_g_cm3.high * volume_cm3
 
 
 def parts_by_weight(silicone: Silicone) -> tuple[float, float]:
@@ -74,35 +74,23 @@ def split_by_mix_ratio(silicone: Silicone, total_g: float) -> tuple[float, float
     return total_g * (1.0 - fraction_b), total_g * fraction_b
 
 
-def compute_batch(silicone: Silicone, volume_cm3: float) -> Batch:
+def compute_batch(silicone: Silicone, volume_cm3: float) -> Mixture:
     """Compute what to mix for a volume [cm3]."""
-    in_mold_g = mass_g(silicone, volume_cm3)
+    in_cup_g = silicone.density_g_cm3.high * volume_cm3
     to_weigh_g = MIN_COMPONENT_G / min(split_by_mix_ratio(silicone, 1.0))
-    total_g = max(in_mold_g * (1.0 + WASTE_FRACTION), MIN_MIX_G, to_weigh_g)
-    return Batch(in_mold_g, total_g, *split_by_mix_ratio(silicone, total_g))
-
-
-@dataclass(frozen=True)
-class Mixture:
-    """One mixture, as a person weighs it."""
-
-    in_cup_g: float
-    a_g: float
-    b_g: float
-    total_g: float
-    components: tuple[str, str]
-    density_g_cm3: float
-    pot_life_min: float
-    cure_h: float
+    total_g = max(in_cup_g * (1.0 + WASTE_FRACTION), MIN_MIX_G, to_weigh_g)
+    a_g, b_g = split_by_mix_ratio(silicone, total_g)
+    return Mixture(
+        in_cup_g, a_g, b_g, total_g, silicone.components, silicone.density_g_cm3.high, silicone.planned_pot_life_min,
+        silicone.cure_h.high,
+    )  # fmt: skip
 
 
 def mix(silicone: Silicone, volume_cm3: float) -> Mixture:
-    batch = compute_batch(silicone, volume_cm3)
-    a_g, b_g = round(batch.a_g, 1), round(batch.b_g, 1)
-    return Mixture(
-        round(batch.in_mold_g, 1), a_g, b_g, round(a_g + b_g, 1), silicone.components, silicone.density_g_cm3.high,
-        silicone.planned_pot_life_min, silicone.cure_h.high,
-    )  # fmt: skip
+    """Compute what to mix for a volume [cm3], as a person weighs it."""
+    exact = compute_batch(silicone, volume_cm3)
+    a_g, b_g = round(exact.a_g, 1), round(exact.b_g, 1)
+    return replace(exact, in_cup_g=round(exact.in_cup_g, 1), a_g=a_g, b_g=b_g, total_g=round(a_g + b_g, 1))
 
 
 _WORK_H = (4.0, 3.0)
@@ -183,14 +171,17 @@ class CastingSheet:
 
 def casting_sheet(design: Design, evaluator: MeshEvaluator) -> CastingSheet:
     """Collect the data of the sheet. Raises GeometryError."""
-    batch = mix(design.silicone.material, measure_poured_cm3(design, evaluator))
-    body, seat = design.dimensions.sensor, palmar_limits(design)
-    material, mount, printed_g = (design.strength.material, _mount(design), _find_printed_g(design))
+    batch, mount = mix(design.silicone.material, measure_poured_cm3(design, evaluator)), _mount(design)
+    dims, body, seat = design.dimensions, design.dimensions.sensor, palmar_limits(design)
+    material, printing = design.strength.material, estimate_print(design)
     name, _, _ = material.label.partition(" (")
+    printed = f"{name} filament" if material.process == "fdm" else name
+    printed_g = float(_FILAMENT_STEP_G * math.ceil(printing.filament_cm3 * material.density_g_cm3 / _FILAMENT_STEP_G))
+    # With some slack between the legs and the hole that the knot lies on.
+    to_hole_mm = dims.tail_end_z - design.sensor.tab_length_mm - dims.channel_exit_z
     return CastingSheet(
-        design.name, material.process, f"{name} filament" if material.process == "fdm" else name,
-        f"{PRINT_FOLDER}/{choose_plate_kind(design).file_names(1)[0]}", PROFILE, PROFILE.brim_mm,
-        round(estimate_print(design).minutes / 60.0, 1), printed_g, _WORK_H,
+        design.name, material.process, printed, f"{PRINT_FOLDER}/{choose_plate_kind(design).file_names(1)[0]}", PROFILE,
+        PROFILE.brim_mm, round(printing.minutes / 60.0, 1), printed_g, _WORK_H,
         days=1 + math.ceil(batch.cure_h / 24.0),
         batch=batch,
         mount=mount,
@@ -200,20 +191,9 @@ def casting_sheet(design: Design, evaluator: MeshEvaluator) -> CastingSheet:
         tilts_mm=(math.floor(100 * seat.tilts[0]) / 100, math.floor(100 * seat.tilts[1]) / 100),
         length_mm=(body.length_mm - SHORTER_MM, body.length_mm + LONGER_MM),
         head_mm=(round(body.head_diameter_mm - HEAD_MM, 1), round(body.head_diameter_mm + HEAD_MM, 1)),
-        knot_mm=_find_knot_mm(design),
-        things=_list_things(design, batch, mount, printed_g),
+        knot_mm=max(_LEAST_KNOT_MM, math.ceil(to_hole_mm + 1.0)),
+        things=_list_things(design, batch, mount, printed, printed_g),
     )  # fmt: skip
-
-
-def _find_printed_g(design: Design) -> float:
-    density = design.strength.material.density_g_cm3
-    return float(_FILAMENT_STEP_G * math.ceil(estimate_print(design).filament_cm3 * density / _FILAMENT_STEP_G))
-
-
-def _find_knot_mm(design: Design) -> int:
-    """Find where to tie the wires, with some slack between the legs and the hole that the knot lies on."""
-    way_mm = design.dimensions.tail_end_z - design.sensor.tab_length_mm - design.dimensions.channel_exit_z
-    return max(_LEAST_KNOT_MM, math.ceil(way_mm + 1.0))
 
 
 def _mount(design: Design) -> Mount:
@@ -233,13 +213,13 @@ def _mount(design: Design) -> Mount:
     )
 
 
-def _list_things(design: Design, batch: Mixture, mount: Mount, printed_g: float) -> tuple[Thing, ...]:
-    silicone, material = design.silicone.material, design.strength.material
-    example, (name, _, _) = find_example(silicone), material.label.partition(" (")
+def _list_things(design: Design, batch: Mixture, mount: Mount, printed: str, printed_g: float) -> tuple[Thing, ...]:
+    silicone = design.silicone.material
+    example = find_example(silicone)
     words = {
         "sensor": f"{design.dimensions.sensor.label} with solder tabs{_ORDER_NUMBERS.get(design.sensor.model, '')}",
         "silicone": f"{silicone.label}, such as {example['label']}" if example else silicone.label,
-        "material": f"{name} filament" if material.process == "fdm" else name,
+        "material": printed,
         "wire": _describe_wire(design),
         "bolt": f"bolt {mount.bolt}",
     }

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
@@ -32,14 +32,12 @@ _REFERENCE = re.compile(r"[A-Z]+\d+(?= )")
 
 def render_placement(board: Node, title: str) -> Markup:
     """Render outline, pads, silkscreen and references of a `.kicad_pcb` file, seen from the front."""
-    parts: list[Markup] = []
+    parts = []
     for footprint in board.children("footprint"):
-        drawn = [*_draw_pads(footprint), *_draw_graphics(footprint, "F.SilkS"), *_draw_name(footprint)]
+        drawn = *_draw_pads(footprint), *_draw_silkscreen(footprint), *_draw_name(footprint)
         parts.append(_mark_part(read_reference(footprint), drawn))
-    for item in board.children("gr_text"):
-        if item.word("layer").startswith("F."):
-            parts.append(_draw_text(item.words[1], item, (0.0, 0.0)))
-    return _draw_board(board, title, parts)
+    texts = (item for item in board.children("gr_text") if item.word("layer").startswith("F."))
+    return _draw_board(board, title, (*parts, *(_draw_text(item.words[1], item, (0.0, 0.0)) for item in texts)))
 
 
 def render_copper(board: Node, title: str) -> Markup:
@@ -68,7 +66,7 @@ def render_back(board: Node, title: str) -> Markup:
     """Render a `.kicad_pcb` file as seen from the back. All parts stand on the front; a frame shows where."""
     parts: list[Markup] = []
     for footprint in board.children("footprint"):
-        if shapes := [*_draw_place(footprint), *_draw_pins(footprint)]:
+        if shapes := [*_draw_from_back(footprint)]:
             parts.append(_mark_part(read_reference(footprint), shapes))
     for item in board.children("gr_text"):
         if item.word("layer") == "B.SilkS":
@@ -79,11 +77,11 @@ def render_back(board: Node, title: str) -> Markup:
     return _draw_board(board, title, parts, is_back=True)
 
 
-def _mark_part(reference: str, drawn: Sequence[Markup]) -> Markup:
+def _mark_part(reference: str, drawn: Iterable[Markup]) -> Markup:
     return element("g", *drawn, data_part=reference or None)
 
 
-def _draw_board(board: Node, title: str, parts: list[Markup], *, is_back: bool = False) -> Markup:
+def _draw_board(board: Node, title: str, parts: Iterable[Markup], *, is_back: bool = False) -> Markup:
     """Draw the board with parts on it; the coordinates are the file's, mirrored if it is seen from the back.
 
     It is filled within its edge, whose pieces may come in any order.
@@ -132,66 +130,56 @@ def _bend(start: Point, mid: Point, end: Point) -> list[Point]:
     return [(ux + radius * math.cos(a), uy + radius * math.sin(a)) for a in steps]
 
 
-def _draw_pads(footprint: Node) -> list[Markup]:
-    parts: list[Markup] = []
+def _draw_pads(footprint: Node) -> Iterator[Markup]:
     for pad in list_pads(footprint):
         if pad.shape == "circle":
-            parts += _draw_ring(pad.centre, 0.0 if pad.kind == "np_thru_hole" else pad.width, pad.drill)
+            yield from _draw_ring(pad.centre, 0.0 if pad.kind == "np_thru_hole" else pad.width, pad.drill)
             continue
         x, y = pad.centre
         centre = f"{number(x, 3)} {number(y, 3)}"
-        parts.append(
-            element(
-                "rect", element("title", f"{read_reference(footprint)} pin {pad.name}"), x=number(x - pad.width / 2, 3),
-                y=number(y - pad.height / 2, 3), width=number(pad.width, 3), height=number(pad.height, 3),
-                rx=number((0.5 if pad.shape == "oval" else pad.rounding) * min(pad.width, pad.height), 3), fill=_PAD,
-                transform=f"rotate({number(-pad.turned_deg, 3)} {centre})" if pad.turned_deg else None,
-            )
+        yield element(
+            "rect", element("title", f"{read_reference(footprint)} pin {pad.name}"), x=number(x - pad.width / 2, 3),
+            y=number(y - pad.height / 2, 3), width=number(pad.width, 3), height=number(pad.height, 3),
+            rx=number((0.5 if pad.shape == "oval" else pad.rounding) * min(pad.width, pad.height), 3), fill=_PAD,
+            transform=f"rotate({number(-pad.turned_deg, 3)} {centre})" if pad.turned_deg else None,
         )  # fmt: skip
-        parts += _draw_ring(pad.centre, 0.0, pad.drill)
-    return parts
+        yield from _draw_ring(pad.centre, 0.0, pad.drill)
 
 
-def _draw_ring(centre: Point, size: float, drill: float) -> list[Markup]:
+def _draw_ring(centre: Point, size: float, drill: float) -> Iterator[Markup]:
     x, y = (number(value, 3) for value in centre)
-    rings = ((size, _PAD), (drill, _HOLE))
-    return [element("circle", cx=x, cy=y, r=number(d / 2, 3), fill=colour) for d, colour in rings if d]
+    for diameter, colour in ((size, _PAD), (drill, _HOLE)):
+        if diameter:
+            yield element("circle", cx=x, cy=y, r=number(diameter / 2, 3), fill=colour)
 
 
-def _draw_graphics(footprint: Node, layer: str) -> list[Markup]:
+def _draw_silkscreen(footprint: Node) -> Iterator[Markup]:
     x, y, angle = find_place(footprint)
-    parts: list[Markup] = []
     for item in footprint.children("fp_line", "fp_rect"):
-        if item.word("layer") != layer:
-            continue
-        (x0, y0), (x1, y1) = _ends(item)
-        spots = [(x0, y0), (x1, y1)]
-        if item.head == "fp_rect":
-            spots = [(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)]
-        placed = [(x + dx, y + dy) for dx, dy in (turn(px, py, angle) for px, py in spots)]
-        parts.append(element("path", d=path(placed, 3), stroke=_SILK, stroke_width="0.12", fill="none"))
-    return parts
+        if item.word("layer") == "F.SilkS":
+            (x0, y0), (x1, y1) = ends = _ends(item)
+            spots = ((x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)) if item.head == "fp_rect" else ends
+            placed = [(x + dx, y + dy) for dx, dy in (turn(px, py, angle) for px, py in spots)]
+            yield element("path", d=path(placed, 3), stroke=_SILK, stroke_width="0.12", fill="none")
 
 
-def _draw_name(footprint: Node) -> list[Markup]:
+def _draw_name(footprint: Node) -> Iterator[Markup]:
     """Draw the reference where it is printed, or small on the component itself if there was no room to print it."""
     text = find_reference(footprint)
     if text is None:
-        return []
+        return
     x, y, angle = find_place(footprint)
     if text.word("layer") == "F.SilkS" and not is_hidden(text):
-        return [_draw_text(text.words[2], text, (x, y), angle)]
+        yield _draw_text(text.words[2], text, (x, y), angle)
+        return
     place = f"{number(x, 3)} {number(y, 3)}"
     # The pads of the footprint, as it is turned, stand above each other rather than side by side.
     spots = [turn(*find_place(pad)[:2], angle) for pad in footprint.children("pad")]
     is_tall = bool(spots) and np.ptp([y for _, y in spots]) > np.ptp([x for x, _ in spots])
-    return [
-        element(
-            "text", text.words[2], x=number(x, 3), y=number(y, 3), dy=number(0.36 * _SMALL_MM, 3),
-            font_size=number(_SMALL_MM, 3), text_anchor="middle",
-            transform=f"rotate(-90 {place})" if is_tall else None,
-        )
-    ]  # fmt: skip
+    yield element(
+        "text", text.words[2], x=number(x, 3), y=number(y, 3), dy=number(0.36 * _SMALL_MM, 3),
+        font_size=number(_SMALL_MM, 3), text_anchor="middle", transform=f"rotate(-90 {place})" if is_tall else None,
+    )  # fmt: skip
 
 
 def _draw_text(content: str, item: Node, origin: Point, angle: float = 0.0, *, is_back: bool = False) -> Markup:
@@ -208,27 +196,17 @@ def _draw_text(content: str, item: Node, origin: Point, angle: float = 0.0, *, i
     )  # fmt: skip
 
 
-def _draw_place(footprint: Node) -> list[Markup]:
-    boxes = [pad.box for pad in list_pads(footprint)]
-    if not boxes:
-        return []
-    lefts, tops, rights, bottoms = zip(*boxes, strict=True)
-    left, top = min(lefts) - _BACK_MARGIN_MM, min(tops) - _BACK_MARGIN_MM
-    right, bottom = max(rights) + _BACK_MARGIN_MM, max(bottoms) + _BACK_MARGIN_MM
-    return [
-        element(
+def _draw_from_back(footprint: Node) -> Iterator[Markup]:
+    """Draw a frame around the pads of a part, and the holes for its pins."""
+    pads = [*list_pads(footprint)]
+    if pads:
+        lefts, tops, rights, bottoms = zip(*(pad.box for pad in pads), strict=True)
+        left, top = min(lefts) - _BACK_MARGIN_MM, min(tops) - _BACK_MARGIN_MM
+        right, bottom = max(rights) + _BACK_MARGIN_MM, max(bottoms) + _BACK_MARGIN_MM
+        yield element(
             "rect", element("title", read_reference(footprint)), x=f"{-right:.3f}", y=f"{top:.3f}",
             width=f"{right - left:.3f}", height=f"{bottom - top:.3f}", class_="place",
-        )
-    ]  # fmt: skip
-
-
-def _draw_pins(footprint: Node) -> list[Markup]:
-    return [
-        element(
-            "circle", cx=f"{-pad.centre[0]:.3f}", cy=f"{pad.centre[1]:.3f}", r=f"{pad.drill / 2:.3f}", fill=_HOLE,
-            stroke=_PAD, stroke_width="0.3",
-        )
-        for pad in list_pads(footprint)
-        if pad.drill
-    ]  # fmt: skip
+        )  # fmt: skip
+    for (x, y), drill in ((pad.centre, pad.drill) for pad in pads if pad.drill):
+        place = {"cx": f"{-x:.3f}", "cy": f"{y:.3f}", "r": f"{drill / 2:.3f}"}
+        yield element("circle", **place, fill=_HOLE, stroke=_PAD, stroke_width="0.3")

@@ -91,7 +91,7 @@ def _render(node: SyntaxTreeNode, links: Mapping[str, str], attributes: Mapping[
 
 
 _BUY, _PROCEDURE = "What to buy", "Procedure"
-_TICKED = {"data_ticks": "shopping", "data_noun": "things at hand"}
+TICKED_THINGS = {"data_ticks": "shopping", "data_noun": "things at hand"}
 """Attributes by which `page.js` adds boxes to tick to the lines of a table."""
 
 
@@ -127,10 +127,10 @@ def render_tests(sources: Sources) -> Markup:
 def render_shopping(sources: Sources) -> Markup:
     """Render what to buy with boxes to tick: what the casting sheet lists, then the plugs of the board."""
     text = split_sections(sources.files[outputs.SHEET].decode()).get(_BUY, "")
-    parts = [render_markdown(text, sources.links, **_TICKED)]
+    parts = [render_markdown(text, sources.links, **TICKED_THINGS)]
     plugs = split_sections(sources.text(f"{outputs.BOARD_FOLDER}/{outputs.README}") or "").get("What else to buy")
     if plugs:
-        parts.append(fold("Plugs and wires of the board", render_markdown(plugs, sources.links, **_TICKED)))
+        parts.append(fold("Plugs and wires of the board", render_markdown(plugs, sources.links, **TICKED_THINGS)))
     if sources.design.board.variant != "divider":
         link = element("a", "with its pictures", href="#board")
         parts.append(element("p", "The parts on the board stand ", link, "."))

@@ -215,7 +215,7 @@ def compute_casting(context: PointContext) -> OutputValues:
     batch = compute_batch(context.design.silicone.material, poured_cm3)
     is_bonded = context.design.skin.bonded
     return {
-        "silicone_in_mold_g": batch.in_mold_g, "silicone_g": batch.total_g,
+        "silicone_in_mold_g": batch.in_cup_g, "silicone_g": batch.total_g,
         "skin_pull_off_n": pull_off_n(context.design),
         "skin_pull_off_glued_n": math.nan if is_bonded else pull_off_n(context.design, is_glued=True),
         "skin_slide_mm": 0.0 if is_bonded else slide_mm(context.design),

@@ -8,17 +8,7 @@ from dataclasses import astuple
 
 from fingertip.cad.shapes import bench
 from fingertip.design import Design
-from fingertip.design.geometry.mold_layout import (
-    BELT_MM,
-    GAP_MM,
-    KEY_CLEARANCE_MM,
-    LEDGE_MM,
-    LIP_GAP_MM,
-    PLATE_MM,
-    RIDGE_END_MM,
-    RIDGE_HALF_CREST_MM,
-    RIDGE_HEIGHT_MM,
-)
+from fingertip.design.geometry import mold_layout as mold
 from fingertip.design.geometry.sizes import (
     ARROW_DEG,
     BEFORE_FACE,
@@ -58,7 +48,8 @@ def bone_drawing(design: Design) -> PartDrawing:
         *_pocket_sizes(design),
         *interface.sizes(design),
     ]
-    return PartDrawing("bone", "Bone", "palmar", _material(design), tuple(sizes), notes=interface.notes(design))
+    material = design.strength.material.label
+    return PartDrawing("bone", "Bone", "palmar", material, tuple(sizes), notes=interface.notes(design))
 
 
 def stand_drawing(design: Design) -> PartDrawing:
@@ -110,10 +101,6 @@ def hand_stub_drawing(design: Design) -> PartDrawing:
     return PartDrawing("hand_stub", "Stub of the hand", "palmar", ANY_MATERIAL, tuple(sizes))
 
 
-def _material(design: Design) -> str:
-    return design.strength.material.label
-
-
 def _base_sizes(design: Design) -> Iterator[Size]:
     dims, section, collar = design.dimensions, design.dimensions.bone_outline.section, design.dimensions.collar.section
     base, foot = -dims.full_base_length, -design.bone.collar_length_mm
@@ -143,16 +130,13 @@ def _pocket_sizes(design: Design) -> Iterator[Size]:
         yield Length("depth of the slot", STEP, "section", "left", "y", (0.0, -dims.flat_depth, begin),
                      (0.0, -dims.flat_depth + dims.pocket_depth, begin), located(design, dims.pocket_depth),
                      "shallow: scrape the floor until the tail is flush; deep: lay a second film under it")  # fmt: skip
-    yield Length(f"depth of the {_seat_name(design)}", STEP, "section", "right", "y", (0.0, 0.0, z),
-                 (0.0, flat, z + head), is_reference=True)  # fmt: skip
+    seat = "platform" if design.bone.platform_mm else "palmar flat"
+    yield Length(f"depth of the {seat}", STEP, "section", "right", "y", (0.0, 0.0, z), (0.0, flat, z + head),
+                 is_reference=True)  # fmt: skip
     yield from platform_size(design)
     yield Length("depth of the pocket", STEP, "section", "right", "y", (0.0, flat, z + head), (0.0, floor, z + head),
                  located(design, dims.pocket_depth),
                  "shallow: scrape the floor until the sensor is flush; deep: lay a second film under it")  # fmt: skip
-
-
-def _seat_name(design: Design) -> str:
-    return "platform" if design.bone.platform_mm else "palmar flat"
 
 
 def platform_size(design: Design, inset: float = 0.0, scale: float = 1.0) -> Iterator[Size]:
@@ -167,15 +151,15 @@ def platform_size(design: Design, inset: float = 0.0, scale: float = 1.0) -> Ite
 
 
 def palmar_drawing(design: Design) -> PartDrawing:
-    gap = 2.0**0.5 * (KEY_CLEARANCE_MM + max(0.0, design.printer.offset_mm))
+    gap = 2.0**0.5 * (mold.KEY_CLEARANCE_MM + max(0.0, design.printer.offset_mm))
     sizes = (*_half_sizes(design, "dorsal", -1.0), *_key_sizes(design, "dorsal", gap), *_crown_size(design))
     return PartDrawing("mold_palmar", "Cup, half of the pad", "dorsal", ANY_MATERIAL, sizes)
 
 
 def dorsal_drawing(design: Design) -> PartDrawing:
-    half, high = RIDGE_HALF_CREST_MM + RIDGE_HEIGHT_MM - GAP_MM, design.mold_layout.dorsal_height
-    groove = Length("width of the groove at the rim", INNER, "end", "above", "x", (half, high, GAP_MM),
-                    (-half, high, GAP_MM), located(design, 2 * half),
+    half, high = mold.RIDGE_HALF_CREST_MM + mold.RIDGE_HEIGHT_MM - mold.GAP_MM, design.mold_layout.dorsal_height
+    groove = Length("width of the groove at the rim", INNER, "end", "above", "x", (half, high, mold.GAP_MM),
+                    (-half, high, mold.GAP_MM), located(design, 2 * half),
                     "out of tolerance: the core leans, measure it as the sheet says")  # fmt: skip
     sizes = (*_half_sizes(design, "palmar", 1.0), *_key_sizes(design, "palmar", 0.0), groove)
     return PartDrawing("mold_dorsal", "Cup, dorsal half", "palmar", ANY_MATERIAL, sizes)
@@ -183,13 +167,13 @@ def dorsal_drawing(design: Design) -> PartDrawing:
 
 def _half_sizes(design: Design, plan: ViewName, way: float) -> Iterator[Size]:
     m, dims = design.mold_layout, design.dimensions
-    outer, growth, half, z = dims.outer, dims.shrinkage, m.half_width, GAP_MM
+    outer, growth, half, z = dims.outer, dims.shrinkage, m.half_width, mold.GAP_MM
     face = m.dorsal_height if way > 0.0 else -m.palmar_height
-    rim = LIP_GAP_MM
+    rim = mold.LIP_GAP_MM
     at = rim / growth
     skin = outer.half_width_at(0.0, at) * growth
     deep = (outer.dorsal_height_at(0.0, at) if way > 0.0 else -outer.palmar_height_at(0.0, at)) * growth
-    belt = m.belts_z[0] - BELT_MM[0] / 2
+    belt = m.belts_z[0] - mold.BELT_MM[0] / 2
     yield Length("height of the cup", OUTER, plan, "below", "z", (half, 0.0, z), (half, 0.0, m.foot_z),
                  symmetric(0.2), f"{SCALE_REMEDY}: the skin is thin or thick at the tip")  # fmt: skip
     yield Length("width of the cup", OUTER, plan, "right", "x", (half, 0.0, m.foot_z), (-half, 0.0, m.foot_z))
@@ -198,16 +182,16 @@ def _half_sizes(design: Design, plan: ViewName, way: float) -> Iterator[Size]:
                  f"{SCALE_REMEDY}: the skin follows from it")  # fmt: skip
     yield Length("depth of the cavity at the rim", STEP, "section", "left", "y", (0.0, 0.0, rim), (0.0, deep, rim))
     yield Length(
-        "rim to the first belt", STEP, "front", "above", "z", (0.0, face, z), (0.0, face - way * BELT_MM[1], belt)
+        "rim to the first belt", STEP, "front", "above", "z", (0.0, face, z), (0.0, face - way * mold.BELT_MM[1], belt)
     )
     yield Length(
-        "depth of the belts", STEP, "front", "right", "y", (0.0, face, z), (0.0, face - way * BELT_MM[1], belt)
+        "depth of the belts", STEP, "front", "right", "y", (0.0, face, z), (0.0, face - way * mold.BELT_MM[1], belt)
     )
 
 
 def _key_sizes(design: Design, plan: ViewName, gap: float) -> Iterator[Size]:
     kind, remedy = ("socket", "narrow: scrape it") if gap else ("key", "wide: sand it")
-    tolerance = shared_clearance(2 * KEY_CLEARANCE_MM)
+    tolerance = shared_clearance(2 * mold.KEY_CLEARANCE_MM)
     for key, label in zip(design.mold_layout.keys, ("larger", "smaller"), strict=True):
         yield Circle(f"{label} {kind}, at the parting plane", INNER if gap else OUTER, plan, "y", (key.x, 0.0, key.z),
                      key.root_mm / 2 + gap, tolerance, f"{remedy} until the halves close")  # fmt: skip
@@ -215,22 +199,22 @@ def _key_sizes(design: Design, plan: ViewName, gap: float) -> Iterator[Size]:
 
 def core_drawing(design: Design) -> PartDrawing:
     m, dims, inset = design.mold_layout, design.dimensions, design.mold.core_inset_mm
-    tip, half, growth = dims.bone_outline.tip, m.half_width + LEDGE_MM, dims.shrinkage
+    tip, half, growth = dims.bone_outline.tip, m.half_width + mold.LEDGE_MM, dims.shrinkage
     assert tip
-    apex, ridge = (0.0, 0.0, (tip.z - inset) * growth), RIDGE_HALF_CREST_MM + RIDGE_HEIGHT_MM
-    end = m.dorsal_height - RIDGE_END_MM
+    apex, ridge = (0.0, 0.0, (tip.z - inset) * growth), mold.RIDGE_HALF_CREST_MM + mold.RIDGE_HEIGHT_MM
+    end = m.dorsal_height - mold.RIDGE_END_MM
     sizes = (
         Length("plate to tip", STEP, "front", "above", "z", (0.0, m.dorsal_height, 0.0), apex, symmetric(0.2),
                f"{SCALE_REMEDY}: the skin is thin or thick at the tip"),
-        Length("overall length", OUTER, "front", "below", "z", (0.0, -m.palmar_height, -PLATE_MM), apex),
-        Length("thickness of the plate", OUTER, "front", "below", "z", (0.0, -m.palmar_height, -PLATE_MM),
+        Length("overall length", OUTER, "front", "below", "z", (0.0, -m.palmar_height, -mold.PLATE_MM), apex),
+        Length("thickness of the plate", OUTER, "front", "below", "z", (0.0, -m.palmar_height, -mold.PLATE_MM),
                (0.0, -m.palmar_height, 0.0)),
         Length("width of the plate", OUTER, "palmar", "right", "x", (half, -m.palmar_height, 0.0),
                (-half, -m.palmar_height, 0.0)),
-        Length("depth of the plate", OUTER, "front", "left", "y", (0.0, -m.palmar_height, -PLATE_MM),
-               (0.0, m.dorsal_height, -PLATE_MM)),
+        Length("depth of the plate", OUTER, "front", "left", "y", (0.0, -m.palmar_height, -mold.PLATE_MM),
+               (0.0, m.dorsal_height, -mold.PLATE_MM)),
         Length("height of the ridges", STEP, "section", "above", "z", (0.0, m.dorsal_height, 0.0),
-               (0.0, end, RIDGE_HEIGHT_MM)),
+               (0.0, end, mold.RIDGE_HEIGHT_MM)),
         Length("width of the ridges at the plate", OUTER, "end", "above", "x", (ridge, end, 0.0), (-ridge, end, 0.0),
                located(design, 2 * ridge), "out of tolerance: the core leans, measure it as the sheet says"),
         *platform_size(design, inset, growth),

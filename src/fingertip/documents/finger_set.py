@@ -30,6 +30,8 @@ STIR_MIN, MOLD_MIN = 4.0, 6.0
 _LONG_LIVED = "smooth_sil_940"
 _SPLIT = ("mix", "open")
 """Steps of a casting sheet that begin the second and the third day of a set."""
+_NONE = ("", "", "")
+"""Place on a board of each finger's own, which a set does not name."""
 
 
 @dataclass(frozen=True)
@@ -154,28 +156,27 @@ def set_sheets(fingers: FingerSet, sheets: Sequence[FormSheets], has_board: bool
     place_of = dict(zip(NAMES, places, strict=True)) if has_board else {}
     rows = []
     for finger, form in fingers.fingers:
-        name, skin = form.design.name, form.design.skin
-        acceptance = f"sensor of {finger}" if finger in fingers.calibrated else name
-        socket, pin, slip_pin = place_of.get(finger, ("", "", ""))
-        casting = castings[name]
-        rows.append(
-            FingerRow(
-                finger, name, casting.plate, casting.print_h, acceptance, skin.width_mm, skin.length_mm, socket, pin,
-                slip_pin,
-            )
-        )  # fmt: skip
+        name, skin, casting = form.design.name, form.design.skin, castings[form.design.name]
+        acceptance, place = f"sensor of {finger}" if finger in fingers.calibrated else name, place_of.get(finger, _NONE)
+        size_mm = skin.width_mm, skin.length_mm
+        rows.append(FingerRow(finger, name, casting.plate, casting.print_h, acceptance, *size_mm, *place))
     plan = plan_set([(each.form, each.casting) for each in sheets])
     silicone_g: dict[str, float] = {}
     for cup in plan.cups:
         silicone_g[cup.silicone] = round(silicone_g.get(cup.silicone, 0.0) + cup.total_g, 1)
     own = {f"sensor of {finger}": sheet for each in sheets for finger, sheet in each.calibrated.items()}
+    printed_g = sum(each.form.count * each.casting.printed_g for each in sheets)
     return SetSheets(
-        fingers.name, fingers.side, SharedBoard(BOARD_FOLDER, BOARD_DESIGN) if has_board else None, tuple(rows),
-        tuple(FormVerdict(each.form.design.name, each.form.fingers, each.verdict) for each in sheets), plan,
-        tuple(_merge_things(sheets, plan.cups, has_board)),
-        {each.form.design.name: each.acceptance for each in sheets} | own,
-        Totals(len(rows), len(plan.cups), silicone_g, sum(each.form.count * each.casting.printed_g for each in sheets)),
-    )  # fmt: skip
+        name=fingers.name,
+        side=fingers.side,
+        board=SharedBoard(BOARD_FOLDER, BOARD_DESIGN) if has_board else None,
+        fingers=tuple(rows),
+        forms=tuple(FormVerdict(each.form.design.name, each.form.fingers, each.verdict) for each in sheets),
+        plan=plan,
+        things=tuple(_merge_things(sheets, plan.cups, has_board)),
+        acceptance={each.form.design.name: each.acceptance for each in sheets} | own,
+        totals=Totals(len(rows), len(plan.cups), silicone_g, printed_g),
+    )
 
 
 def plan_set(castings: Sequence[tuple[Form, CastingSheet]]) -> SetPlan:
@@ -185,10 +186,8 @@ def plan_set(castings: Sequence[tuple[Form, CastingSheet]]) -> SetPlan:
         for form, casting in castings
         for finger in form.fingers
     ])  # fmt: skip
-    print_h, cure_h = (
-        sum(form.count * casting.print_h for form, casting in castings),
-        max(casting.batch.cure_h for _, casting in castings),
-    )
+    print_h = sum(form.count * casting.print_h for form, casting in castings)
+    cure_h = max(casting.batch.cure_h for _, casting in castings)
     cast_day = 1 + math.ceil(print_h / 24.0)
     pictures = [step.picture for step in list_steps(castings[0][1])]
     starts = [0, *(pictures.index(name) for name in _SPLIT), len(pictures)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 from fingertip.board import board_circuit
 from fingertip.board.bringup.wiring import SKETCH_PINS, list_notes, name_signals
@@ -21,6 +22,18 @@ from fingertip.firmware import packaging
 from fingertip.firmware.fingers import Fingers, list_places
 from fingertip.slip.detectors.fast import TICK_S, FilteredSignal
 from fingertip.slip.detectors.fast_coefficients import load_model
+
+
+@dataclass(frozen=True)
+class Pin:
+    """Pin of the board's connector, a row of the table of wiring."""
+
+    number: str
+    print: str
+    signal: str
+    input: str | None
+    """Input of the controller; None for one that the detector does not read."""
+    is_ground: bool
 
 
 def render_readme(design: Design, fingers: Fingers) -> str:
@@ -46,13 +59,7 @@ def render_readme(design: Design, fingers: Fingers) -> str:
         peak_fingers=math.ceil(fingers.count / max(1, round(TICK_S * design.detector.sample_rate_hz))),
         connector=HOST_CONNECTOR,
         pins=[
-            {
-                "number": number,
-                "print": signals[net].print,
-                "signal": signals[net].far_end,
-                "input": _find_input(net, fingers),
-                "is_ground": net == GND,
-            }
+            Pin(number, signals[net].print, signals[net].far_end, _find_input(net, fingers), net == GND)
             for number, net in pins
         ],
         wiring_notes=list(list_notes(circuit, design.board.supply_v)),
@@ -71,7 +78,6 @@ def _describe_forces(design: Design, fingers: Fingers) -> dict[str, list[str]]:
 
 
 def _find_input(net: str, fingers: Fingers) -> str | None:
-    """Find the controller's input of a pin; None for one that the detector does not read."""
     channel, own = split_net(net)
     places = list_places(fingers.names)
     if own not in SKETCH_PINS or (channel and channel not in places):

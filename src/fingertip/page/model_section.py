@@ -20,6 +20,7 @@ from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name, print_scale
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Solid
+from fingertip.foundation.numerics import Array
 from fingertip.page.html import Markup, button, element, join
 
 Offset = tuple[float, float, float]
@@ -89,15 +90,13 @@ def label_item(name: str) -> str:
 _STAY: tuple[Offset, Offset] = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
-def _find_offsets(sizes: Mapping[str, Any]) -> dict[str, tuple[Offset, Offset]]:
+def _find_offsets(sizes: Mapping[str, Array]) -> dict[str, tuple[Offset, Offset]]:
     """Find the offsets of each kind of item [mm]: y points dorsally, z to the tip.
 
     Opening moves the halves of the mold. Taking apart then pulls the skin off the bone towards the tip.
     """
-    thickness = float(sizes["bone"][1])
-    up = round(thickness + _GAP_MM, 3)
-    pull = round(float(sizes["skin"][2]) + _GAP_MM, 3)
-    beyond = round(float(sizes["bone"][2]) + _GAP_MM, 3)
+    lengths_mm = sizes["bone"][1], sizes["skin"][2], sizes["bone"][2]
+    up, pull, beyond = (round(float(length) + _GAP_MM, 3) for length in lengths_mm)
     return {
         "mold_dorsal": ((0.0, up, 0.0), (0.0, up / 2, 0.0)),
         "mold_palmar": ((0.0, -up, 0.0), (0.0, -up / 2, 0.0)),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -53,50 +53,45 @@ def draw_pad(design: Design, still_wanted: Callable[[], None] = lambda: None) ->
     return figure_svg(_WIDTH, _HEIGHT, title, text(_LEFT, _LINE, title, weight="bold"), *parts)
 
 
-def _draw_places(form: PadForm, by_tilt: dict[float, list[Contact]]) -> list[Markup]:
+def _draw_places(form: PadForm, by_tilt: dict[float, list[Contact]]) -> Iterator[Markup]:
     """Draw the pad from the palmar side, tip up: share of a force on a small place, active area, and touches."""
     length, half = form.outer.spans[-1].z[2], form.outer.section.half_width
     scale = min((_BOTTOM - _TOP) / length, _MAP_WIDTH / (2 * half))
     across, along = Axis(-half, half, "across [mm]"), Axis(0.0, length, "distance from the collar [mm]")
     frame = Frame(across, along, _LEFT, _BOTTOM - length * scale, 2 * half * scale, length * scale)
-    parts = [
-        text(_LEFT, _TOP - 44, "ring: active area of the sensor"),
-        text(_LEFT, _TOP - 44 + _LINE, "dots: where a plate touches, by tilt"),
-        frame.axes(wanted_y=7),
-    ]
+    yield text(_LEFT, _TOP - 44, "ring: active area of the sensor")
+    yield text(_LEFT, _TOP - 44 + _LINE, "dots: where a plate touches, by tilt")
+    yield frame.axes(wanted_y=7)
     x_mm, dz_mm, shares = map_shares(form)
     step = max(1, round(_CELL_MM / (x_mm[1] - x_mm[0])))
     size = number(_CELL_MM * scale + 0.2)
     for x, row in zip(x_mm[::step], shares[::step, ::step], strict=True):
         for z, share in zip(dz_mm[::step] + form.sensor_z_mm, row, strict=True):
             if share >= _LEAST_SHOWN and abs(x) < half * form.outer.scale_at(z):
-                parts.append(_shade(*frame.point(x - _CELL_MM / 2, z + _CELL_MM / 2), size, size, share))
+                yield _shade(*frame.point(x - _CELL_MM / 2, z + _CELL_MM / 2), size, size, share)
     heights = [length * math.sin(math.pi * i / 120) for i in range(61)]
     for side in (-half, half):
-        parts.append(frame.line([(side * form.outer.scale_at(z), z) for z in heights], "var(--text)", 1.0))
+        yield frame.line([(side * form.outer.scale_at(z), z) for z in heights], "var(--text)", 1.0)
     x, y = frame.point(0.0, form.sensor_z_mm)
-    parts.append(
-        element("circle", cx=number(x), cy=number(y), r=number(form.active_radius_mm * scale), fill="none",
-                stroke="var(--series-2)", stroke_width=2)
-    )  # fmt: skip
+    ring = {"cx": number(x), "cy": number(y), "r": number(form.active_radius_mm * scale)}
+    yield element("circle", **ring, fill="none", stroke="var(--series-2)", stroke_width=2)
     named = math.inf
     for tilt in _MARKED_DEG:
         if by_tilt[tilt]:
             y = frame.point(0.0, by_tilt[tilt][1].centre_mm[1] + form.sensor_z_mm)[1]
-            parts.append(_dot(x, y, "var(--ground)", f"{tilt:g}°"))
+            yield _dot(x, y, "var(--ground)", f"{tilt:g}°")
             if abs(y - named) >= 12.0:  # px, so that no label lies on another
-                parts.append(text(frame.left + frame.width + 6, y + 4, f"{tilt:g}°"))
+                yield text(frame.left + frame.width + 6, y + 4, f"{tilt:g}°")
                 named = y
-    parts.append(text(_LEFT, _HEIGHT - 24, "share of a force on a small place:"))
+    yield text(_LEFT, _HEIGHT - 24, "share of a force on a small place:")
     for i in range(5):
-        parts.append(_shade(_LEFT + 46 * i, _HEIGHT - 16, "14", "12", 0.2 * (i + 1)))
-        parts.append(text(_LEFT + 46 * i + 18, _HEIGHT - 6, f"{0.2 * (i + 1):.1f}"))
-    return parts
+        yield _shade(_LEFT + 46 * i, _HEIGHT - 16, "14", "12", 0.2 * (i + 1))
+        yield text(_LEFT + 46 * i + 18, _HEIGHT - 6, f"{0.2 * (i + 1):.1f}")
 
 
 def _draw_tilts(
     survey: PadSurvey, by_tilt: dict[float, list[Contact]], rolled: dict[float, list[Contact]]
-) -> list[Markup]:
+) -> Iterator[Markup]:
     shares = Axis(0.0, 1.0, "share of the force that reaches the sensor")
     tilts = Axis(TILTS_DEG[0], TILTS_DEG[-1], "tilt of the finger, tip down [degrees]")
     frame = Frame(tilts, shares, _PLOT_LEFT, _TOP, _PLOT_WIDTH, _PLOT_BOTTOM - _TOP)
@@ -104,16 +99,14 @@ def _draw_tilts(
     curves = [([(tilt, found[0].share) for tilt, found in rolled.items() if found], _COLOURS[FORCE_N], 1.5, "6 4")]
     for i, colour in enumerate(_COLOURS.values()):
         curves.append(([(tilt, found[i].share) for tilt, found in by_tilt.items() if found], colour, 2.0, ""))
-    parts = [
-        legend(_PLOT_LEFT, _TOP - 44, names),
-        legend(_PLOT_LEFT, _TOP - 44 + _LINE, (
-            (_COLOURS[FORCE_N], "6 4", f"{FORCE_N:g} N, rolled by {ROLL_DEG:g}°"), ("var(--band)", "band", "checked"),
-        )),
-        frame.axes(), frame.span(*GRASP_DEG, "var(--band)"), *(frame.line(*curve) for curve in curves if curve[0]),
-    ]  # fmt: skip
+    rolled_name = _COLOURS[FORCE_N], "6 4", f"{FORCE_N:g} N, rolled by {ROLL_DEG:g}°"
+    yield legend(_PLOT_LEFT, _TOP - 44, names)
+    yield legend(_PLOT_LEFT, _TOP - 44 + _LINE, (rolled_name, ("var(--band)", "band", "checked")))
+    yield frame.axes()
+    yield frame.span(*GRASP_DEG, "var(--band)")
+    yield from (frame.line(*curve) for curve in curves if curve[0])
     for tilt, share in zip(TILTS_DEG, survey.shares, strict=True):
-        parts.append(_dot(*frame.point(tilt, share), _COLOURS[FORCE_N], f"share {share:.4f} at a tilt of {tilt:g}°"))
-    return parts
+        yield _dot(*frame.point(tilt, share), _COLOURS[FORCE_N], f"share {share:.4f} at a tilt of {tilt:g}°")
 
 
 def _draw_depths(form: PadForm) -> list[Markup]:

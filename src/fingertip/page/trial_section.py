@@ -6,7 +6,7 @@ Plots show the whole of it, and the onset of the first slip at a scale that show
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -75,7 +75,7 @@ def _draw(
         upper.line(_reduce(time, voltage), "var(--series-1)", 1.2),
         lower.line(_reduce(time, threshold), "var(--series-3)", 1.5, "6 4"),
         lower.line(_reduce(time, statistic), "var(--series-2)", 1.6),
-        _draw_bars(bars, slips, detection.intervals, trace.origin.truth, begin, end),
+        *_draw_bars(bars, slips, detection.intervals, trace.origin.truth, begin, end),
     ]
     if onset:
         parts += _mark_delay(upper, lower, *onset)
@@ -93,36 +93,32 @@ def _draw(
     return figure_svg(_WIDTH, _HEIGHT, title, *parts)
 
 
-def _mark_delay(upper: Frame, lower: Frame, onset_s: float, detected_s: float) -> list[Markup]:
-    parts = []
+def _mark_delay(upper: Frame, lower: Frame, onset_s: float, detected_s: float) -> Iterator[Markup]:
     for time_s, colour in ((onset_s, "var(--slip)"), (detected_s, "var(--series-2)")):
         (x, low), (_, high) = lower.point(time_s, 0.0), upper.point(time_s, upper.y.high)
-        parts.append(line((x, high), (x, low), colour, 1.5, "3 3"))
+        yield line((x, high), (x, low), colour, 1.5, "3 3")
     (x0, y), (x1, _) = (upper.point(time_s, upper.y.high) for time_s in (onset_s, detected_s))
-    parts.append(line((x0, y + 12), (x1, y + 12), "var(--text)", 1.5))
-    parts.append(text(max(x0, x1) + 6, y + 16, f"{1000 * (detected_s - onset_s):.1f} ms", weight="600"))
-    return parts
+    yield line((x0, y + 12), (x1, y + 12), "var(--text)", 1.5)
+    yield text(max(x0, x1) + 6, y + 16, f"{1000 * (detected_s - onset_s):.1f} ms", weight="600")
 
 
 def _draw_bars(
     frame: Frame, slips: Sequence[Interval], detected: Sequence[Interval], truth: str, begin: float, end: float
-) -> Markup:
+) -> Iterator[Markup]:
     """Draw the intervals of true slip above those of the detector, with the axis of time below both."""
-    parts = []
     for row, (name, intervals, colour) in enumerate(
         ((truth.partition(" (")[0], slips, "var(--slip)"), (DETECTED, detected, "var(--series-2)"))
     ):
         y = frame.top + 20.0 * row
-        parts.append(text(frame.left - 6, y + 12, name, "end"))
+        yield text(frame.left - 6, y + 12, name, "end")
         for start, stop in _clip(intervals, begin, end):
             x0, x1 = frame.point(start, 0.0)[0], frame.point(stop, 0.0)[0]
-            parts.append(element("rect", x=f"{x0:.1f}", y=y + 2, width=f"{x1 - x0:.1f}", height=14, fill=colour))
+            yield element("rect", x=f"{x0:.1f}", y=y + 2, width=f"{x1 - x0:.1f}", height=14, fill=colour)
     for value in frame.x.ticks(8):
         x = frame.point(value, 0.0)[0]
-        parts.append(text(x, frame.top + frame.height + 17, f"{value:g}", "middle"))
-        parts.append(line((x, frame.top + frame.height), (x, frame.top + frame.height + 4), "var(--text)", 1))
-    parts.append(text(frame.left + frame.width / 2, frame.top + frame.height + 36, frame.x.label, "middle"))
-    return join(parts)
+        yield text(x, frame.top + frame.height + 17, f"{value:g}", "middle")
+        yield line((x, frame.top + frame.height), (x, frame.top + frame.height + 4), "var(--text)", 1)
+    yield text(frame.left + frame.width / 2, frame.top + frame.height + 36, frame.x.label, "middle")
 
 
 def _clip(intervals: Sequence[Interval], begin: float, end: float) -> list[tuple[float, float]]:

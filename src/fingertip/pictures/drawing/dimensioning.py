@@ -17,8 +17,6 @@ from fingertip.design.geometry.sizes import Circle, Length
 from fingertip.foundation.numerics import Array
 from fingertip.pictures.drawing.primitives import Arrow, Box, Point, Primitive, Ring, Styles, Text, line, text_width
 
-# Raster of a sheet that tells what is drawn where, so that no text covers anything else.
-
 _CELL_MM = 0.25
 
 

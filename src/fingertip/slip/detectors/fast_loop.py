@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 
 from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats
+from fingertip.slip.detectors.analog_and_digital import SecondOrder
 from fingertip.slip.detectors.fast_coefficients import DEPTH, FEATURES, NODES, FastCoefficients
 
 COUNT = len(FEATURES)
@@ -65,6 +66,13 @@ INCIPIENT, LOW, LOW_1, LOW_2, LOW_PHASE, ROUGH, STILL, LASTING_TICKS = range(52,
 REPLACED, OUTSIDE, MEAN_MOVE, INPUT_CHECK, FILTERED_CHECK, HELD = 60, 61, 62, 63, 66, 69
 RING_START = 70
 STATES = RING_START + RING
+
+
+def filter_second(section: SecondOrder, value: float, first: float, second: float) -> tuple[float, float, float]:
+    """Filter a value in a section of second order, in transposed direct form II; return it with the new state."""
+    b0, b1, b2, a1, a2 = section
+    filtered = b0 * value + first
+    return filtered, b1 * value - a1 * filtered + second, b2 * value - a2 * filtered
 
 
 def evaluate_trees(row: Floats, at: int, features: Floats, thresholds: Floats, leaves: Floats, offset: float) -> float:
@@ -140,14 +148,12 @@ def _fast_loop(
 ) -> None:
     # In the order of the fields of FastCoefficients.
     (
-        (p_b, _, p_a1), (h_b0, h_b1, h_b2, h_a1, h_a2), (q_b0, q_b1, q_a1), (r_b0, r_b1, r_b2, r_a1, r_a2),
-        (e_b0, e_b1, e_b2, e_a1, e_a2), (u_b0, u_b1, u_b2, u_a1, u_a2), (w_b0, w_b1, w_b2, w_a1, w_a2),
-        (s_b0, s_b1, s_b2, s_a1, s_a2), sample_rate_hz, direction, filtered_gain, filtered_limit, limited_samples,
-        still_samples, short_smoothing, long_smoothing, tick_samples, slot_ticks, max_floor_ticks, tone_ticks,
-        unlearning, wide_share, upper_share, min_floor, min_upper_floor, min_input_floor, offset, lowest_score,
-        threshold, incipient_margin, noise_rise, stay_threshold, stay_ratio, score_smoothing, statistic_gain,
-        number_limit, jump_limit, filtered_jump_limit, middle_input, half_range, trusted_samples, gap_samples,
-        fault_samples, restart_ticks,
+        (p_b, _, p_a1), board, (q_b0, q_b1, q_a1), restore, edge, upper, wide, slow_band, sample_rate_hz, direction,
+        filtered_gain, filtered_limit, limited_samples, still_samples, short_smoothing, long_smoothing, tick_samples,
+        slot_ticks, max_floor_ticks, tone_ticks, unlearning, wide_share, upper_share, min_floor, min_upper_floor,
+        min_input_floor, offset, lowest_score, threshold, incipient_margin, noise_rise, stay_threshold, stay_ratio,
+        score_smoothing, statistic_gain, number_limit, jump_limit, filtered_jump_limit, middle_input, half_range,
+        trusted_samples, gap_samples, fault_samples, restart_ticks,
     ) = coefficients  # fmt: skip
     p, h1, h2 = state[BOARD_STAGE], state[BOARD_1], state[BOARD_2]
     q1, r1, r2 = state[RESTORE_1_1], state[RESTORE_1], state[RESTORE_2]
@@ -194,15 +200,12 @@ def _fast_loop(
             settling = restart_ticks
 
         # Smallest step of the converter: the smallest difference between two samples.
-        move = -change if change < 0.0 else change
-        if 0.0 < move < step:
-            step = move
+        if 0.0 < abs(change) < step:
+            step = abs(change)
 
-        # Filters, in transposed direct form II. p and h are the stages of the board's filter, driven by the voltage.
+        # Filters. p and h are the stages of the board's filter, driven by the voltage.
         p = p_b * change - p_a1 * p
-        h = h_b0 * p + h1
-        h1 = h_b1 * p - h_a1 * h + h2
-        h2 = h_b2 * p - h_a2 * h
+        h, h1, h2 = filter_second(board, p, h1, h2)
 
         # The board's own filtered signal has finer steps and less noise, unless it stands still or a stage is at its
         # limit.
@@ -210,9 +213,7 @@ def _fast_loop(
             y = filtered_gain * (filtered_samples[i] - rest)
             move = y - last_filtered
             # A jump is one where the signal stood nearly still: in slip, what is far beyond its movement until then.
-            limit = JUMP_MOVES * mean_move
-            if limit < filtered_jump_limit:
-                limit = filtered_jump_limit
+            limit = max(JUMP_MOVES * mean_move, filtered_jump_limit)
             found = check_sample(y, move, number_limit, limit, trusted_samples, gap_samples, state, FILTERED_CHECK)
             late = 0.0
             if found == REPLACED_SAMPLE:
@@ -227,14 +228,13 @@ def _fast_loop(
                 replaced = fault_samples
             if state[FILTERED_CHECK] > gap_samples and still < still_samples:
                 still = still_samples  # T alone is judged, and what the change of signals leaves is not
-                settling = restart_ticks if settling < restart_ticks else settling
-            if move < 0.0:
-                move = -move
+                settling = max(settling, restart_ticks)
+            move = abs(move)
             mean_move += short_smoothing * (move - mean_move)
             if 0.0 < move < filtered_step:
                 filtered_step = move
             still = 0.0 if move > 0.0 else still + 1.0
-            if p > filtered_limit or -p > filtered_limit or y > filtered_limit or -y > filtered_limit:
+            if abs(p) > filtered_limit or abs(y) > filtered_limit:
                 limited = limited_samples
             if limited > 0.0:
                 limited -= 1.0
@@ -245,21 +245,11 @@ def _fast_loop(
         # difference of the slow voltage.
         q = q_b0 * h + q1
         q1 = q_b1 * h - q_a1 * q
-        r = r_b0 * q + r1
-        r1 = r_b1 * q - r_a1 * r + r2
-        r2 = r_b2 * q - r_a2 * r
-        e = e_b0 * r + e1
-        e1 = e_b1 * r - e_a1 * e + e2
-        e2 = e_b2 * r - e_a2 * e
-        u = u_b0 * e + u1
-        u1 = u_b1 * e - u_a1 * u + u2
-        u2 = u_b2 * e - u_a2 * u
-        w = w_b0 * e + w1
-        w1 = w_b1 * e - w_a1 * w + w2
-        w2 = w_b2 * e - w_a2 * w
-        slope = s_b0 * change + s1
-        s1 = s_b1 * change - s_a1 * slope + s2
-        s2 = s_b2 * change - s_a2 * slope
+        r, r1, r2 = filter_second(restore, q, r1, r2)
+        e, e1, e2 = filter_second(edge, r, e1, e2)
+        u, u1, u2 = filter_second(upper, e, u1, u2)
+        w, w1, w2 = filter_second(wide, e, w1, w2)
+        slope, s1, s2 = filter_second(slow_band, change, s1, s2)
         slow += slope
 
         # Energies: exponential means of the squares.
@@ -275,27 +265,19 @@ def _fast_loop(
         last_edge = e
         net_short += short_smoothing * (move - net_short)
         net_long += long_smoothing * (move - net_long)
-        if move < 0.0:
-            move = -move
-        total_short += short_smoothing * (move - total_short)
-        total_long += long_smoothing * (move - total_long)
+        total_short += short_smoothing * (abs(move) - total_short)
+        total_long += long_smoothing * (abs(move) - total_long)
 
         # Squared slope and upper energy, the greatest of each slot.
         slope *= slope
-        if slope > slope_0:
-            slope_0 = slope
-        if upper_short > peak_0:
-            peak_0 = upper_short
+        slope_0 = max(slope_0, slope)
+        peak_0 = max(peak_0, upper_short)
 
         phase += 1.0
         if phase >= tick_samples:
             phase = 0.0
-            greatest = slope_0 if slope_0 > slope_1 else slope_1
-            if slope_2 > greatest:
-                greatest = slope_2
-            peak = peak_0 if peak_0 > peak_1 else peak_1
-            if peak_2 > peak:
-                peak = peak_2
+            greatest = max(slope_0, slope_1, slope_2)
+            peak = max(peak_0, peak_1, peak_2)
             slot += 1.0
             if slot >= slot_ticks:
                 slot = 0.0
@@ -306,11 +288,9 @@ def _fast_loop(
             if low_phase > LOW_TICKS:
                 low_phase = 1.0
                 low_2, low_1, low_0 = low_1, low_0, wide_short
-            elif wide_short < low_0:
-                low_0 = wide_short
-            low = low_0 if low_0 < low_1 else low_1
-            if low_2 < low:
-                low = low_2
+            else:
+                low_0 = min(low_0, wide_short)
+            low = min(low_0, low_1, low_2)
             ring_phase += 1.0
             if ring_phase >= 2.0:
                 ring_phase = 0.0
@@ -330,11 +310,9 @@ def _fast_loop(
             input_noise = 0.25 * step * step
             is_filtered = filtered_gain > 0.0 and still < still_samples
             step_noise = 0.25 * filtered_step * filtered_step if is_filtered else input_noise
-            lowest = step_noise * wide_share
-            wide_floor = floor if floor > lowest else lowest
-            lowest = step_noise * upper_share
-            high_floor = upper_floor if upper_floor > lowest else lowest
-            slow_floor = wide_share * (input_floor if input_floor > input_noise else input_noise)
+            wide_floor = max(floor, step_noise * wide_share)
+            high_floor = max(upper_floor, step_noise * upper_share)
+            slow_floor = wide_share * max(input_floor, input_noise)
             greatest *= slope_gain
             slope *= slope_gain
             rows[at] = upper_short / high_floor
@@ -343,7 +321,7 @@ def _fast_loop(
             rows[at + 3] = wide_long / wide_floor
             rows[at + 4] = greatest / slow_floor
             rows[at + 5] = change * change / slow_floor
-            rows[at + 6] = half_change * (half_change if half_change > 0.0 else -half_change) / slow_floor
+            rows[at + 6] = half_change * abs(half_change) / slow_floor
             rows[at + 7] = net_short * net_short / (total_short * total_short + TINY)
             rows[at + 8] = upper_short / (peak + TINY)
             rows[at + 9] = wide_long / (greatest + TINY)
@@ -366,13 +344,8 @@ def _fast_loop(
             # In more noise or coarser steps than stated, more must speak for slip.
             excess = wide_floor / (NOISY_RATIO * min_floor) - 1.0
             input_excess = slow_floor / (NOISY_RATIO * wide_share * min_input_floor) - 1.0
-            if input_excess > excess:
-                excess = input_excess
-            excess = 0.0 if excess < 0.0 else (1.0 if excess > 1.0 else excess)
-            on_score = threshold + noise_rise * excess
-            confidence = (score - lowest_score) / (on_score - lowest_score)
-            if confidence < 0.0:
-                confidence = 0.0
+            on_score = threshold + noise_rise * min(max(excess, input_excess, 0.0), 1.0)
+            confidence = max((score - lowest_score) / (on_score - lowest_score), 0.0)
             is_strong = (
                 rows[at + 1] > stay_ratio or rows[at + 3] > stay_ratio
             ) and wide_short > DECAY_RATIO * wide_long
@@ -397,7 +370,7 @@ def _fast_loop(
             if incipient > 0.0:
                 # A tone's energy is constant and that of slip is not: floors follow a tone.
                 on_ticks += 1.0
-                share = 1.0 / (on_ticks if on_ticks < tone_ticks else tone_ticks)
+                share = 1.0 / min(on_ticks, tone_ticks)
                 mean += share * (wide_long - mean)
                 mean_square += share * (wide_long * wide_long - mean_square)
                 if on_ticks > tone_ticks and mean_square - mean * mean < UNLEARNED_RATIO * mean * mean:
@@ -415,19 +388,13 @@ def _fast_loop(
                     floor, upper_floor, input_floor = wide_long, upper_long, input_long
                 else:
                     floor_ticks += 1.0
-                    share = 1.0 / (floor_ticks if floor_ticks < max_floor_ticks else max_floor_ticks)
-                    clipped = CLIP_RATIO * floor
-                    floor += share * ((wide_long if wide_long < clipped else clipped) - floor)
-                    clipped = CLIP_RATIO * upper_floor
-                    upper_floor += share * ((upper_long if upper_long < clipped else clipped) - upper_floor)
-                    clipped = CLIP_RATIO * input_floor
-                    input_floor += share * ((input_long if input_long < clipped else clipped) - input_floor)
-                if floor < min_floor:
-                    floor = min_floor
-                if upper_floor < min_upper_floor:
-                    upper_floor = min_upper_floor
-                if input_floor < min_input_floor:
-                    input_floor = min_input_floor
+                    share = 1.0 / min(floor_ticks, max_floor_ticks)
+                    floor += share * (min(wide_long, CLIP_RATIO * floor) - floor)
+                    upper_floor += share * (min(upper_long, CLIP_RATIO * upper_floor) - upper_floor)
+                    input_floor += share * (min(input_long, CLIP_RATIO * input_floor) - input_floor)
+                floor = max(floor, min_floor)
+                upper_floor = max(upper_floor, min_upper_floor)
+                input_floor = max(input_floor, min_input_floor)
             level = statistic_gain * math.sqrt(floor)
 
         filtered[i] = w
@@ -462,4 +429,4 @@ def _fast_loop(
     state[PHASE], state[RING_PHASE], state[RING_AT] = phase, ring_phase, float(ring_at)
 
 
-LOOP = CompiledLoop(_fast_loop, evaluate_trees, check_sample, outputs=6, samples="samples", plain_us=4.0)
+LOOP = CompiledLoop(_fast_loop, evaluate_trees, check_sample, filter_second, outputs=6, samples="samples", plain_us=4.0)

@@ -66,7 +66,7 @@ def test_given_lengths_stay_and_a_limit_shortens_the_skin() -> None:
     begin = tables("adult_finger", **{"hand.clearance_radius_mm": 7.0})
     assert "bone.base_length_mm" in fit_design(begin).changes
     with pytest.raises(DesignError, match=r"bone\.base_length_mm"):
-        fit_design(begin.with_values({"bone.base_length_mm": 9.0}), given=["bone.base_length_mm"])
+        fit_design(begin.with_values({"bone.base_length_mm": 9.0}), fixed=["bone.base_length_mm"])
 
 
 @pytest.mark.full

@@ -45,8 +45,8 @@ def params(
         from fingertip.page.parameters_and_checks import write_atlas
 
         pictures = write_atlas(loaded, html, console.progress)
-        said = f"parameters: {html}, {pictures} pictures; open it in a browser, no network is needed"
-        console.result({"html": str(html), "pictures": pictures}, said)
+        text = f"parameters: {html}, {pictures} pictures; open it in a browser, no network is needed"
+        console.result({"html": str(html), "pictures": pictures}, text)
     else:
         parameters = [(parameter, loaded.value(parameter.path)) for parameter in export.list_parameters()]
         data = [

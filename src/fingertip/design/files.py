@@ -40,9 +40,9 @@ def list_changes(changes: Changes) -> Sequence[str]:
     if isinstance(changes, Mapping):
         import tomlkit  # noqa: PLC0415
 
-        texts, given = list[str](), dict[str, Any]()
+        texts, values = list[str](), dict[str, Any]()
         for name, value in flatten(changes):
-            if (known := given.setdefault(name, value)) is not value:
+            if (known := values.setdefault(name, value)) is not value:
                 message = f"is given twice, as {quote_value(known)} and as {quote_value(value)}; give it once."
                 raise DesignError(Issue(f"changes {name}", message))
             plain = value.tolist() if hasattr(value, "tolist") else value  # of numpy

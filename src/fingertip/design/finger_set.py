@@ -216,9 +216,9 @@ def _find_differences(designs: Mapping[str, Design]) -> Iterator[Issue]:
         for finger in (finger for finger in designs if field != "hand" or finger != "thumb"):
             groups.setdefault(read(designs[finger]), []).append(finger)
         if len(groups) > 1:
-            told = " / ".join(map(join_words, groups.values()))
+            groups_text = " / ".join(map(join_words, groups.values()))
             remedy = f"give {field} the same value in all of them, or make a set of each"
-            yield Issue(field, f"is not the same {what} for {told}; {remedy}.")
+            yield Issue(field, f"is not the same {what} for {groups_text}; {remedy}.")
 
 
 def _name_forms(designs: Mapping[str, Design]) -> Iterator[Form]:

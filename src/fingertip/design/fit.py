@@ -22,8 +22,6 @@ from fingertip.foundation.numerics import bisect
 
 Values = Mapping[str, float]
 Ranges = Mapping[str, tuple[float, float]]
-Judge = Callable[[Values, float], tuple[float, list[BrokenRule]]]
-"""Returns the score of a design and what it breaks, as far as the score stays within a limit."""
 
 FREE: Ranges = {
     "sensor.distance_from_tip_mm": (6.5, 15.0),
@@ -78,44 +76,76 @@ class Fit:
     """Changed parameter of the hand -> what its measured value would break."""
 
 
+class _Judge:
+    """Checks a design with other free lengths, and scores each set of them once."""
+
+    def __init__(self, tables: DesignTables) -> None:
+        self._tables = tables
+        # Rules that take long, such as the play of the bone, are asked where all others pass.
+        ordered = cheapest_first(PART_RULES)
+        self._quick, self._slow = ([rule for rule in ordered if rule.takes_long is long] for long in (False, True))
+        self._scores: dict[tuple[float, ...], float] = {}
+
+    def score(self, values: Values, limit: float = math.inf) -> tuple[float, list[BrokenRule]]:
+        """Return the score of a design and what it breaks, as far as the score stays within a limit."""
+        key, found, score = tuple(values.values()), list[BrokenRule](), 0.0
+        if self._scores.get(key, 0.0) > limit:
+            return self._scores[key], found
+        checker = RuleChecker(self._tables.with_values(values))
+        for broken in checker.find_broken(self._quick):
+            found.append(broken)
+            # A design that fails a quick rule is not asked the slow ones, and counts as if it failed one.
+            if (score := 2.0 + _add_distances(found)) > limit:
+                break
+        for broken in checker.find_broken(self._slow) if not found else ():
+            found.append(broken)
+            if (score := _add_distances(found)) > limit:
+                break
+        self._scores[key] = score
+        return score, found
+
+    def passes(self, values: Values) -> bool:
+        return self.score(values, 0.0)[0] == 0.0
+
+
 def fit_design(
     tables: DesignTables,
-    given: Collection[str] = (),
+    fixed: Collection[str] = (),
     progress: Callable[[float], None] = lambda share: None,
     before: DesignTables | None = None,
     measured: Sequence[str] = (),
 ) -> Fit:
-    """Adjust the free lengths of a design until its parts can be made.
+    """Adjust the free lengths of a design, but for those that are fixed, until its parts can be made.
 
-    Raises DesignError. Its remedies lead what is given, and what is measured on a hand, towards the design `before`
+    Raises DesignError. Its remedies lead what is fixed, and what is measured on a hand, towards the design `before`
     them. Typed in, they pass without a fit.
     """
-    # Rules that take long, such as the play of the bone, are asked where all others pass.
-    ordered = cheapest_first(PART_RULES)
-    quick, slow = ([rule for rule in ordered if rule.takes_long is long] for long in (False, True))
     joined = tables.dimensions.joint is not None
     unused = {name for name in FREE if name.startswith("hand.") and not (joined and tables.value(name))}
-    free = {name: ends for name, ends in FREE.items() if name not in given and name not in unused}
+    free = {name: ends for name, ends in FREE.items() if name not in fixed and name not in unused}
     begin = {name: float(tables.value(name)) for name in free}
+    judge = _Judge(tables)
+    values = _find_passing(free, begin, judge, progress)
+    if values is None:
+        raise DesignError(find_remedies(tables, judge.score(begin)[1], before, [*fixed, *measured]))
+    # What was measured moves back first, while the other lengths still make room for it.
+    order = sorted(free, key=lambda name: not name.startswith("hand."))
+    for _ in range(2):
+        for name in order:
+            values[name] = _move_back(name, begin[name], values, judge.passes)
+    changes = {name: (begin[name], values[name]) for name in free if values[name] != begin[name]}
+    reasons = {
+        name: found[0].violation.problem
+        for name in changes
+        if name.startswith("hand.") and (found := judge.score({**values, name: begin[name]})[1])
+    }
+    return Fit(tables.with_values(values), changes, reasons)
 
-    scores: dict[tuple[float, ...], float] = {}
 
-    def judge(values: Values, limit: float = math.inf) -> tuple[float, list[BrokenRule]]:
-        key, found, score = tuple(values.values()), list[BrokenRule](), 0.0
-        if scores.get(key, 0.0) > limit:
-            return scores[key], found
-        checker = RuleChecker(tables.with_values(values))
-        for rules in (quick, slow):
-            for broken in checker.find_broken(rules):
-                found.append(broken)
-                if (score := _score(found)) > limit:
-                    break
-            if found:
-                break
-        scores[key] = score
-        return score, found
-
-    nearest, values = math.inf, dict(begin)
+def _find_passing(
+    free: Ranges, begin: Values, judge: _Judge, progress: Callable[[float], None]
+) -> dict[str, float] | None:
+    """Find free lengths that pass, of several the nearest to those at the beginning; None if no search finds any."""
     for number, kind in enumerate(_ROUNDS):
         reached: list[tuple[float, dict[str, float]]] = []
         for seed in range(kind.searches):
@@ -124,40 +154,25 @@ def fit_design(
             if sum(score == 0.0 for score, _ in reached) == kind.choice:
                 break
         nearest, values = min(reached, key=lambda found: (found[0], _measure_change(free, begin, found[1])))
-        if nearest == 0.0 or _blame_given(free, [judge(found)[1] for _, found in reached]):
+        if nearest == 0.0:
+            return values
+        # All searches end at a rule of the same fixed size: longer ones do not repair it either.
+        blamed = ({broken.rule.field for broken in judge.score(found)[1]} - set(free) for _, found in reached)
+        if set.intersection(*blamed):
             break
-    if nearest:
-        raise DesignError(find_remedies(tables, judge(begin)[1], before, [*given, *measured]))
-    # What was measured moves back first, while the other lengths still make room for it.
-    order = sorted(free, key=lambda name: not name.startswith("hand."))
-    for _ in range(2):
-        for name in order:
-            values[name] = _move_back(name, begin[name], values, lambda trial: judge(trial, 0.0)[0] == 0.0)
-    changes = {name: (begin[name], values[name]) for name in free if values[name] != begin[name]}
-    reasons = {
-        name: found[0].violation.problem
-        for name in changes
-        if name.startswith("hand.") and (found := judge({**values, name: begin[name]})[1])
-    }
-    return Fit(tables.with_values(values), changes, reasons)
+    return None
 
 
-def _blame_given(free: Collection[str], ends: Sequence[Sequence[BrokenRule]]) -> bool:
-    """Return whether all searches end at a rule of the same given size, which longer ones did not repair either."""
-    given = [{rule.rule.field for rule in found} - set(free) for found in ends]
-    return bool(set.intersection(*given))
-
-
-def _search(kind: _Round, seed: int, free: Ranges, begin: Values, judge: Judge) -> tuple[float, dict[str, float]]:
+def _search(kind: _Round, seed: int, free: Ranges, begin: Values, judge: _Judge) -> tuple[float, dict[str, float]]:
     rng, values = random.Random(seed), dict(begin)
-    best, found = judge(values, math.inf)
+    best, found = judge.score(values)
     improved = 0
     for step in range(_STEPS):
         if best == 0.0 or step - improved > kind.patience:
             break
         repair = _list_repairs(found, free, values) if rng.random() < kind.repairs else []
         trial = {**values, **(rng.choice(repair) if repair else _change_at_random(rng, free, values))}
-        score, found_now = judge(trial, best)
+        score, found_now = judge.score(trial, best)
         if score <= best:
             improved = step if score < best else improved
             best, values, found = score, trial, found_now
@@ -196,11 +211,9 @@ def _list_repairs(found: Sequence[BrokenRule], free: Ranges, values: Values) -> 
     return repairs
 
 
-def _score(found: Sequence[BrokenRule]) -> float:
+def _add_distances(found: Sequence[BrokenRule]) -> float:
     """Measure how far a design is from passing: one for each broken rule, and more if it is far from repaired."""
-    # A design that fails a quick rule is not asked the slow ones, and counts as if it failed one.
-    unasked = 2.0 if found and not found[0].rule.takes_long else 0.0
-    return unasked + sum(1.0 + _find_distance(rule) for rule in found)
+    return sum(1.0 + _find_distance(rule) for rule in found)
 
 
 def _find_distance(rule: BrokenRule) -> float:

@@ -132,7 +132,7 @@ class Start:
     tables: DesignTables
     base: str
     before: DesignTables
-    given: tuple[str, ...]
+    fixed: tuple[str, ...]
     """Parameters that stay as they are."""
     measured: tuple[str, ...]
     """Parameters of the hand, if one is given."""
@@ -156,18 +156,18 @@ def fit_start(start: Start, progress: Callable[[str], None]) -> NewDesign:
     """Fit the lengths that nobody measures, if it can without a move of the sensor. Raises DesignError."""
     was, fit, tables = start.before.value(_PLACE), None, start.tables
 
-    def fit_lengths(*given: str) -> Fit:
+    def fit_lengths(*fixed: str) -> Fit:
         return fit_design(
-            tables, (*start.given, *given), lambda share: progress(ShareText("fitting lengths", share)), start.before,
+            tables, (*start.fixed, *fixed), lambda share: progress(ShareText("fitting lengths", share)), start.before,
             start.measured,
         )  # fmt: skip
 
     with contextlib.suppress(DesignError):
-        fit = fit_lengths(_PLACE) if _PLACE not in start.given and tables.value(_PLACE) != was else None
+        fit = fit_lengths(_PLACE) if _PLACE not in start.fixed and tables.value(_PLACE) != was else None
     fit = fit or fit_lengths()
     design = Design(**fit.tables.model_dump())
     place, fitted = design.value(_PLACE), dict(fit.changes)
-    if _PLACE not in start.given and place != was:
+    if _PLACE not in start.fixed and place != was:
         fitted[_PLACE] = was, place
     return NewDesign("\n".join([*list_lines(design, start.base), ""]), start.base, fitted, fit.reasons, design)
 

@@ -45,11 +45,11 @@ class NewForm:
         return self.design.design != bundled.model_copy(update={"name": self.design.design.name})
 
 
-def read_sizes(given: Sequence[str]) -> dict[str, Size]:
+def read_sizes(texts: Sequence[str]) -> dict[str, Size]:
     """Read sizes such as "index=18x25", from the thumb on. Raises DesignError with all faults."""
     sizes: dict[str, Size] = {}
     issues: list[Issue] = []
-    for text in given:
+    for text in texts:
         name, _, size = text.partition("=")
         field, found = f"--finger {text}", re.fullmatch(r"(\d+(?:\.\d+)?)x(\d+(?:\.\d+)?)", size)
         if name not in NAMES:
@@ -73,7 +73,7 @@ def read_sizes(given: Sequence[str]) -> dict[str, Size]:
 
 def start_set(
     name: str,
-    given: Sequence[str],
+    texts: Sequence[str],
     sensor: str | None,
     preset: str | None,
     hand: str | Path | None,
@@ -85,7 +85,7 @@ def start_set(
     with gather(issues):
         new_design.refuse_words(name, sensor, preset)
     with gather(issues):
-        sizes = read_sizes(given)
+        sizes = read_sizes(texts)
     for change in changes:
         if change.partition("=")[0].strip() in _SIZE:
             issues.append(Issue(f"--set {change}", "is one size for all fingers; --finger gives each its own."))
@@ -119,20 +119,20 @@ def fit_set(
         report, found, made = work.within(label), list[Issue](), None
         lost: list[Issue] = []
         tables = start.tables.with_values(joints.get(shares, {}))
-        held = replace(start, tables=tables, given=(*start.given, *_JOINT))
+        jointed = replace(start, tables=tables, fixed=(*start.fixed, *_JOINT))
         with gather(found):
-            made = new_design.fit_start(held if shares in joints else start, report)
+            made = new_design.fit_start(jointed if shares in joints else start, report)
             lost = [] if shares in joints or may_change_joint else new_design.find_lost_travel(made)
         if lost:  # a fit that holds the joint may find other lengths; one that cannot takes long
             try:
-                made = new_design.fit_start(held, report)
+                made = new_design.fit_start(jointed, report)
             except DesignError:
                 found = lost
         if not made and (size := dict(_SIZE_REMEDY.findall("\n".join(issue.typed for issue in found)))):
-            sized = held.tables.with_values({field: float(value) for field, value in size.items()})
+            sized = jointed.tables.with_values({field: float(value) for field, value in size.items()})
             typed = "x".join(f"{sized.value(field):g}" for field in _SIZE)
             with contextlib.suppress(DesignError):
-                made = new_design.fit_start(replace(held, tables=sized), report)
+                made = new_design.fit_start(replace(jointed, tables=sized), report)
                 remedy = " ".join(f"--finger {finger}={typed}" for finger in fingers)
                 found = [Issue(found[0].field, f"{found[0].message.partition('; ')[0]}; it passes with {remedy}.")]
         issues += (Issue(f"{label}: {issue.field}", issue.message) for issue in found)

@@ -161,9 +161,9 @@ def explain_invalid(tables: Mapping[str, Any], error: ValidationError, changed: 
 
 def _find_misplaced(tables: Mapping[str, Any], unknown: frozenset[str]) -> Iterator[str]:
     """Find parameters that stand in another table, as below a heading that was lost: their values are not known."""
-    given = {name for name, _ in flatten(tables)}
+    known = {name for name, _ in flatten(tables)}
     keys = {name.rpartition(".")[2] for name in unknown - set(PARAMETERS)}
-    return (name for name in PARAMETERS if name.rpartition(".")[2] in keys and name not in given)
+    return (name for name in PARAMETERS if name.rpartition(".")[2] in keys and name not in known)
 
 
 def _keep_valid(tables: Mapping[str, Any], invalid: frozenset[str]) -> DesignTables:

@@ -82,9 +82,9 @@ def renew_design(
 
     Raises DesignError.
     """
-    given = dict(flatten(load_tables([file], []).tables))
+    stated = dict(flatten(load_tables([file], []).tables))
     defaults = {path: field.default for path, field in PARAMETERS.items() if path.partition(".")[0] not in _NOT_SIZES}
-    old = defaults | (_OLD_DEFAULTS if given.keys() & load_retired().keys() else {}) | given
+    old = defaults | (_OLD_DEFAULTS if stated.keys() & load_retired().keys() else {}) | stated
     kept = {path: value for path, value in old.items() if path not in load_retired()} | {"name": name}
     if old.get("sensor.tail") == "folded":
         kept["sensor.model"] = _SHORT.get(old["sensor.model"], old["sensor.model"])
@@ -96,7 +96,7 @@ def renew_design(
     sizes = {path: wanted.value(path) for path in kept if path in _NEEDED or not path.startswith(without)}
     tables = _fit(_adopt_all(tables, sizes), sizes, fixed, progress)
     design = Design(**tables.model_dump())
-    return Renewal(NewDesign("\n".join([*list_lines(design, base), ""]), base, {}, {}, design), given)
+    return Renewal(NewDesign("\n".join([*list_lines(design, base), ""]), base, {}, {}, design), stated)
 
 
 def _nest(values: Mapping[str, Any]) -> dict[str, Any]:
@@ -138,13 +138,13 @@ def _fit(
     rest = {path for path, value in sizes.items() if tables.value(path) != value and path.startswith(_FITTED)}
     needed = {path for path in rest if path in _NEEDED}
     issues: list[Issue] = []
-    for some, given in ((rest, {*sizes}), (needed, needed)):
+    for some, kept in ((rest, {*sizes}), (needed, needed)):
         if not some:
             break
         trial = tables.with_values({path: sizes[path] for path in some})
         with gather(issues):
             return fit_design(
-                trial, (*given, *fixed), lambda share: progress(ShareText("fitting lengths", share)), tables
+                trial, (*kept, *fixed), lambda share: progress(ShareText("fitting lengths", share)), tables
             ).tables
     if needed:
         raise DesignError(dict.fromkeys(issues))

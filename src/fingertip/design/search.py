@@ -229,7 +229,7 @@ def find_bands(
 def describe_bands(name: str, bands: Iterable[Band]) -> str:
     """Write bands as a part of a sentence, such as "16.5 to 22.1 mm"."""
     bounds = find_bounds(PARAMETERS[name])
-    said = [
+    texts = [
         format_value(name, low)
         if low == high
         else f"{format_value(name, low)} to {format_value(name, high)}"
@@ -237,7 +237,7 @@ def describe_bands(name: str, bands: Iterable[Band]) -> str:
         else f"above {bounds.above:g}, at most {format_value(name, high)}"
         for low, high in bands
     ]
-    return join_words(said, "or") + format_unit(find_unit(PARAMETERS[name]))
+    return join_words(texts, "or") + format_unit(find_unit(PARAMETERS[name]))
 
 
 def _takes_long(rule: Rule) -> bool:

@@ -133,7 +133,7 @@ def _define(definitions: dict[str, Definition], text: str) -> Iterator[str]:
         if name in used:
             used |= set(_WORD.findall(defined.text))
             unit = "" if name.endswith(("_mm", "_percent", "_deg")) else "1" if _RATIO.search(name) else "mm"
-            said = defined.description.replace("[mm]", "").partition(". ")[0].strip().rstrip(".")
-            line, notes = f"{name} = {defined.text}", ": ".join(filter(None, (unit, " ".join(said.split()))))
+            meaning = defined.description.replace("[mm]", "").partition(". ")[0].strip().rstrip(".")
+            line, notes = f"{name} = {defined.text}", ": ".join(filter(None, (unit, " ".join(meaning.split()))))
             lines += reversed(_wrap(line.replace(" ", "\xa0") + f"\xa0\xa0#\xa0{notes}" * bool(notes), "    # "))
     return reversed(lines)

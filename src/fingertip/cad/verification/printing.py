@@ -154,8 +154,8 @@ def _check_plates(
     """Check that the plates hold each of their parts once, apart from the others and within the bed."""
     bed, kind = (design.printer.bed_x_mm, design.printer.bed_y_mm, design.printer.bed_z_mm), choose_plate_kind(design)
     plates = [threemf.read_items(prints.contents[file]) for file in prints.plates]
-    held = sorted(item.name for items in plates for item in items if item.mesh == encoded.get(item.name))
-    wrong, repeated = set(parts_on_plates(design)).symmetric_difference(held), len(held) - len(set(held))
+    placed = sorted(item.name for items in plates for item in items if item.mesh == encoded.get(item.name))
+    wrong, repeated = set(parts_on_plates(design)).symmetric_difference(placed), len(placed) - len(set(placed))
     yield Check("plate.wrong_parts", len(wrong) + repeated, 0, "parts", "exactly")
     gaps, low, excess = [math.inf], [], []
     for items in plates:

@@ -129,8 +129,8 @@ class Post(CrossBolted):
 
     def moment_share(self, design: DesignTables, z: float) -> float:
         """The moment falls from the foot, in proportion to the distance, to nothing at the end."""
-        low, held = self.low_z(design), design.bone.post_length_mm - self.foot_length(design)
-        return min(1.0, max(0.0, (z - low) / held))
+        low, length = self.low_z(design), design.bone.post_length_mm - self.foot_length(design)
+        return min(1.0, max(0.0, (z - low) / length))
 
     def stress_factors(self, design: DesignTables, z: float) -> StressFactors:
         bone, end = design.bone, design.bone.foot_radius_mm - design.bone.base_length_mm - self.foot_length(design)

@@ -1,4 +1,13 @@
-"""Slip-filter board: component values, circuit, analysis, bring-up and KiCad files of a design."""
+"""Slip-filter board of a design: component values, circuit, analysis, bring-up and KiCad files.
+
+A `Design` comes in; a `Circuit` goes out, from which all files follow, and `BoardValues` with its figures.
+
+>>> from fingertip import Design
+>>> from fingertip.board import board_circuit
+>>> from fingertip.board.components.values import select_components
+>>> board_circuit(select_components(Design())).component("R1").value
+'2.4k'
+"""
 
 from fingertip.board.analysis.board_values import BoardValues, board_values
 from fingertip.board.circuits.board_circuit import board_circuit

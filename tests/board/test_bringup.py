@@ -14,9 +14,9 @@ import pytest
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.bringup import rectifier
+from fingertip.board.bringup.assessment import assess_readings, find_sources
 from fingertip.board.bringup.bench import COUPLING_FARAD, TONE_V, TOP_HZ, Fault, list_exchanges, list_faults
 from fingertip.board.bringup.diagnosis import diagnose, explain, list_mistakes
-from fingertip.board.bringup.follow_up import limit_resistances, name_resistance, predict_resistance
 from fingertip.board.bringup.plan import BringUp, plan_bring_up
 from fingertip.board.bringup.prediction import (
     POINTS,
@@ -28,7 +28,8 @@ from fingertip.board.bringup.prediction import (
     name_voltage,
     predict,
 )
-from fingertip.board.bringup.readings import Readings, assess_readings, find_sources, read_readings, readings_template
+from fingertip.board.bringup.readings import Readings, read_readings, readings_template
+from fingertip.board.bringup.resistances import limit_resistances, name_resistance, predict_resistance
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.parts.circuit import Circuit, parse_component_value
@@ -359,10 +360,10 @@ def test_resistance_that_is_asked_for_names_the_fault(tmp_path: Path) -> None:
     fault = next(f for f in list_faults(plan.board.circuit, plan.board.ends_v) if f.sentence == "R6 has half its value")
     volts = predict(plan.board, [fault])[0]
     first = assess_readings(plan, Readings(TONE_V, volts))
-    assert len(first["likely"]) > 1
-    assert "r6_ohm" in first["measure_next"]
-    assert f"R6 ({format_figure(good['r6_ohm'].expected_v)} ohm on a good board)" in first["verdict"]
-    asked = [name.removesuffix("_ohm").upper() for name in first["measure_next"]]
+    assert len(first.likely) > 1
+    assert "r6_ohm" in first.measure_next
+    assert f"R6 ({format_figure(good['r6_ohm'].expected_v)} ohm on a good board)" in first.verdict
+    asked = [name.removesuffix("_ohm").upper() for name in first.measure_next]
     ohms = {name_resistance(name): predict_resistance(fault.circuit, name) for name in asked}
     path = tmp_path / "mine.toml"
     lines = [f"{name} = {value:.6g}" for name, value in {**volts, **ohms}.items()]
@@ -370,9 +371,9 @@ def test_resistance_that_is_asked_for_names_the_fault(tmp_path: Path) -> None:
     read = read_readings(path, plan).values
     assert read["r5_ohm"] == math.inf
     second = assess_readings(plan, Readings(TONE_V, {name: v for name, v in read.items() if name != "r5_ohm"}))
-    assert (second["likely"], second["measure_next"]) == (["R6 has half its value"], [])
-    assert "r6_ohm" not in {row["name"] for row in second["readings"] if row["passed"]}
-    assert not set(good) & set(second["missing"])
+    assert (second.likely, second.measure_next) == (("R6 has half its value",), ())
+    assert "r6_ohm" not in {row.name for row in second.readings if row.passed}
+    assert not set(good) & set(second.missing)
 
 
 def test_file_of_readings_is_read_back_and_its_faults_are_reported_at_once(tmp_path: Path) -> None:

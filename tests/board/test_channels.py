@@ -16,6 +16,7 @@ import pytest
 from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis import interference
 from fingertip.board.analysis.interference import compute_supply_current_a
+from fingertip.board.bringup.assessment import FingersAssessment
 from fingertip.board.bringup.bench import HOST, Fault, list_faults
 from fingertip.board.bringup.plan import BringUp, plan_bring_up
 from fingertip.board.bringup.prediction import Board, predict
@@ -189,33 +190,39 @@ def write_readings(path: Path, channels: int, faults: dict[str, str]) -> Path:
     return path
 
 
+def assess(design: Design, path: Path) -> FingersAssessment:
+    found = assess_board(design, path)
+    assert isinstance(found, FingersAssessment)
+    return found
+
+
 @pytest.mark.full
 def test_fault_of_one_finger_is_found_in_its_own_parts(tmp_path: Path) -> None:
     broken = "R2 is open: not soldered, or cracked"
-    data = assess_board(load(3), write_readings(tmp_path / "r.toml", 3, {"index": broken}))
-    assert data["verdict"].startswith("index: ")
-    assert [each["passed"] for each in data["fingers"].values()] == [True, True, False, True]
-    assert data["fingers"]["index"]["likely"][0].startswith("R202 is open")
+    data = assess(load(3), write_readings(tmp_path / "r.toml", 3, {"index": broken}))
+    assert data.verdict.startswith("index: ")
+    assert [each.passed for each in data.fingers.values()] == [True, True, False, True]
+    assert data.fingers["index"].likely[0].startswith("R202 is open")
     # What looks like a shared part's fault cannot be one while other fingers pass.
     mistaken = write_readings(tmp_path / "s.toml", 3, {"index": "R23 is open: not soldered, or cracked"})
-    likely = assess_board(load(3), mistaken)["fingers"]["index"]["likely"]
+    likely = assess(load(3), mistaken).fingers["index"].likely
     assert {split_name(one.split()[0])[0] for one in likely} <= {2}, likely
     # A finger that was not measured where the other fails clears nothing.
     lines = mistaken.read_text("utf-8").split("[middle]")[0].splitlines()
     thumb = lines.index("[thumb]")
     kept = [line for i, line in enumerate(lines) if not thumb < i < lines.index("[index]") or line.startswith("tp3")]
     mistaken.write_text("\n".join(kept) + "\n", encoding="utf-8")
-    data = assess_board(load(3), mistaken)
-    assert data["fingers"]["thumb"]["passed"]
-    assert data["fingers"]["index"]["likely"][0].startswith("R23 is open")
+    data = assess(load(3), mistaken)
+    assert data.fingers["thumb"].passed
+    assert data.fingers["index"].likely[0].startswith("R23 is open")
 
 
 @pytest.mark.full
 def test_fault_that_all_fingers_show_is_found_in_a_shared_part(tmp_path: Path) -> None:
     broken = "R23 is open: not soldered, or cracked"
-    data = assess_board(load(2), write_readings(tmp_path / "r.toml", 2, dict.fromkeys(NAMES[:2], broken)))
+    data = assess(load(2), write_readings(tmp_path / "r.toml", 2, dict.fromkeys(NAMES[:2], broken)))
     for finger in NAMES[:2]:
-        likely = data["fingers"][finger]["likely"]
+        likely = data.fingers[finger].likely
         assert {split_name(one.split()[0])[0] for one in likely} == {0}, likely
 
 

@@ -21,11 +21,12 @@ import pytest
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.report import Analysis, analyse
+from fingertip.board.bringup.assessment import assess_readings
 from fingertip.board.bringup.bench import TONE_V, list_faults
 from fingertip.board.bringup.diagnosis import diagnose
 from fingertip.board.bringup.plan import SUPPLY_MA, BringUp
 from fingertip.board.bringup.prediction import is_tone, predict
-from fingertip.board.bringup.readings import Readings, assess_readings, format_assessment
+from fingertip.board.bringup.readings import Readings
 from fingertip.board.bringup.wiring import wiring_diagram
 from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.kicad.placement import list_pads, read_reference
@@ -115,8 +116,8 @@ def assess(plan: BringUp, title: str, readings: Mapping[str, float]) -> Iterator
     """Yield what is said of readings. Faults that cannot be told apart are sorted: rounding decides their order."""
     data = assess_readings(plan, Readings(TONE_V, readings))
     yield f"{title}: {', '.join(row['name'] for row in data['readings'] if not row['passed'])}"
-    yield "  " + data["verdict"].replace("; ".join(data["likely"]), "; ".join(sorted(data["likely"])))
-    yield from (f"  {hint}" for hint in data["hints"])
+    yield "  " + data.verdict.replace("; ".join(data.likely), "; ".join(sorted(data.likely)))
+    yield from (f"  {hint}" for hint in data.hints)
 
 
 @pytest.fixture(scope="module")
@@ -171,7 +172,7 @@ def test_what_is_said_of_wrong_readings_is_the_approved_text(precision_plan: Bri
     plan = precision_plan
     lines = [line for title, readings in list_wrong_readings(plan) for line in assess(plan, title, readings)]
     few = {"supply_ohm": math.inf, SUPPLY_MA: 1.5, "tp1_open_v": 1.9, "tp5_open_v": 2.0, "tp3_134hz_v": 0.7}
-    table = format_assessment(assess_readings(plan, Readings(TONE_V, few)))
+    table = assess_readings(plan, Readings(TONE_V, few)).as_text()
     lines += [line.rstrip() for line in table.splitlines()]
     check_text(APPROVED / "precision_wrong_readings.txt", "\n".join(lines) + "\n")
 

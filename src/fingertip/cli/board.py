@@ -93,14 +93,11 @@ class _Options:
 
 def _assess(console: Console, design: Design, readings: Path) -> None:
     """Compare the readings of a soldered board with their limits."""
-    from fingertip.board.bringup.readings import format_assessment
-    from fingertip.board.bringup.several import format_fingers
     from fingertip.tasks.board import assess_board
 
     console.progress(ShareText("comparing the readings with those of some 500 faults", 0.0))
     assessment = assess_board(design, readings)
-    text = format_fingers(assessment) if "fingers" in assessment else format_assessment(assessment)
-    console.result(assessment, text, assessment["passed"])
+    console.result(assessment.as_data(), assessment.as_text(), assessment.passed)
 
 
 def _write_board(console: Console, design: Design, options: _Options) -> None:

@@ -7,15 +7,14 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from fingertip.board.analysis.board_values import BoardValues, board_values
 from fingertip.board.analysis.gate import find_refusals
 from fingertip.board.analysis.interference import connect_cables
+from fingertip.board.bringup.assessment import Assessment, FingersAssessment, assess_fingers, assess_readings
 from fingertip.board.bringup.plan import BringUp, plan_bring_up
 from fingertip.board.bringup.prediction import Board
-from fingertip.board.bringup.readings import assess_readings, read_readings, readings_template
-from fingertip.board.bringup.several import assess_fingers, read_fingers, write_template
+from fingertip.board.bringup.readings import read_fingers, read_readings, readings_template, write_template
 from fingertip.board.bringup.wiring import wiring_diagram
 from fingertip.board.circuits.board_circuit import board_circuit, divider_circuit
 from fingertip.board.circuits.channels import extract_channel, leave_out_empty
@@ -281,8 +280,8 @@ def bring_up_files(design: Design) -> dict[str, bytes]:
     }
 
 
-def assess_board(design: Design, path: Path) -> dict[str, Any]:
-    """Assess the readings in a file, as plain data. Raises TomlFileError, BoardError."""
+def assess_board(design: Design, path: Path) -> Assessment | FingersAssessment:
+    """Assess the readings in a file. Raises TomlFileError, BoardError."""
     values = board_values(design)
     if fingers := NAMES[: design.board.channels] if design.board.channels > 1 else ():
         taken = read_fingers(path, _plan(design, values), fingers)

@@ -2,7 +2,7 @@
 
 A circuit and the readings of a multimeter come in; limits of the readings and likely faults go out.
 
->>> from fingertip.board.bringup.plan import Limits, find_failed
+>>> from fingertip.board.bringup.prediction import Limits, find_failed
 >>> find_failed({"tp1_open_v": Limits(0.143, 0.130, 0.156)}, {"tp1_open_v": 0.30})
 ['tp1_open_v']
 """

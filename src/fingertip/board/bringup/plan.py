@@ -11,11 +11,12 @@ import numpy as np
 from fingertip.board.analysis.board_values import BoardValues
 from fingertip.board.analysis.interference import compute_supply_current_a
 from fingertip.board.bringup import bench, prediction
-from fingertip.board.bringup.prediction import Board, name_tone, name_voltage
+from fingertip.board.bringup.prediction import Board, Limits, name_tone, name_voltage
+from fingertip.board.bringup.resistances import limit_board_resistances
 from fingertip.board.circuits.network import Network, Value, build_network, list_amplifiers
 from fingertip.board.components.front_end import AD623_OFFSET_V, GAIN_CONSTANT_OHM, GAIN_RESISTOR
-from fingertip.board.parts.circuit import Circuit, parse_component_value
-from fingertip.board.parts.nets import ENVELOPE, FILTERED, GND, RECT_OUT, SENSOR, TACTILE, VCC, VEE
+from fingertip.board.parts.circuit import parse_component_value
+from fingertip.board.parts.nets import ENVELOPE, FILTERED, GND, RECT_OUT, TACTILE, VCC
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.output_set import hash_parameters
 
@@ -30,22 +31,6 @@ _TEST_PART_RATIO = {bench.COUPLING_OHM: 0.01, bench.COUPLING_F: 0.1}
 _DUMMY_RATIO = 0.01
 SUPPLY_PERCENT = 2.0
 """Tolerance of the supply during the tests: all levels of a bridge scale with it."""
-
-
-@dataclass(frozen=True)
-class Limits:
-    """Expected reading of a board without a fault [V]."""
-
-    expected_v: float
-    low_v: float
-    high_v: float
-
-    def allow(self, reading: float) -> bool:
-        return self.low_v <= reading <= self.high_v
-
-
-def find_failed(limits: Mapping[str, Limits], readings: Mapping[str, float]) -> list[str]:
-    return [name for name, reading in readings.items() if not limits[name].allow(reading)]
 
 
 def compute_limits(board: Board, values: BoardValues, tone_v: float = bench.TONE_V) -> dict[str, Limits]:
@@ -186,45 +171,14 @@ def _draw_offset(path: Network, board: Board, net: str, ground: str, random: np.
     return total
 
 
-# Readings of an ohmmeter and an ammeter: resistances without power, and the supply current.
+# Further readings: the supply current, noise, and the tone at which the comparator answers.
 
 CURRENT_RATIOS = (0.4, 1.7)
 """Limits of the supply current as ratios of the typical one: data sheets allow amplifiers about half as much more."""
-SHORT_RATIO = 0.05
-"""Share of the resistors' resistance below which a short is likely; the circuits in parallel lower it somewhat."""
 
 
-def resistance_between(circuit: Circuit, first: str, second: str) -> float:
-    """Resistance between two nets through the resistors alone [ohm]; infinite if they do not join them."""
-    edges = []
-    for part in circuit.components:
-        far_pin = {"R": "2", "R_Potentiometer": "3"}.get(part.symbol.name)
-        if far_pin and part.reference != GAIN_RESISTOR:
-            ends = circuit.net_by_pin[part.reference, "1"], circuit.net_by_pin[part.reference, far_pin]
-            edges.append((*ends, 1.0 / parse_component_value(part.value)))
-    reached, grew = {first}, True
-    while grew:
-        added = {net for a, b, _ in edges for net in (a, b) if a in reached or b in reached} - reached
-        reached, grew = reached | added, bool(added)
-    if second not in reached:
-        return float("inf")
-    nets = sorted(reached - {second})
-    G = np.zeros((len(nets), len(nets)))
-    row = {net: i for i, net in enumerate(nets)}
-    for a, b, siemens in edges:
-        for one, other in ((a, b), (b, a)):
-            if one in row:
-                G[row[one], row[one]] += siemens
-                if other in row:
-                    G[row[one], row[other]] -= siemens
-    return float(np.linalg.inv(G)[row[first], row[first]])
-
-
-SUPPLY_OHM, SENSOR_OHM, SUPPLY_MA = "supply_ohm", "sensor_ohm", "supply_ma"
+SUPPLY_MA = "supply_ma"
 QUIET, SLIP_TONE = "tp3_quiet_v", "slip_tone_v"
-NEGATIVE_OHM = "negative_supply_ohm"
-_SENSOR_RATIO = 0.1
-"""Tolerance of the resistance at the sensor's connector: the amplifier's input draws little without power."""
 _NOISE_FACTOR = 4.0
 """Largest noise that is accepted, in units of the expected one: the meter's bandwidth and hum are not known."""
 _LEAST_THRESHOLD_V = 2e-3
@@ -274,25 +228,11 @@ def plan_bring_up(board: Board, values: BoardValues, tone_v: float = bench.TONE_
     return BringUp(
         board,
         hash_parameters({part.reference: part.value for part in board.circuit.components})[:8],
-        resistance_limits(board),
-        {SUPPLY_MA: _scale(1e3 * current_a, CURRENT_RATIOS)},
+        limit_board_resistances(board),
+        {SUPPLY_MA: Limits(1e3 * current_a, *(1e3 * current_a * ratio for ratio in CURRENT_RATIOS))},
         levels,
         _others(board, values, levels, tone_v),
     )
-
-
-def resistance_limits(board: Board) -> dict[str, Limits]:
-    """Resistances without power. Below the lower limit there is a short; a meter may read infinity."""
-    found, limits = {SUPPLY_OHM: (VCC, GND)}, dict[str, Limits]()
-    if board.signal_ground == GND:
-        found[NEGATIVE_OHM] = GND, VEE
-    for name, (first, second) in found.items():
-        ohm = resistance_between(board.circuit, first, second)
-        limits[name] = Limits(ohm, SHORT_RATIO * min(ohm, 10e3), math.inf)
-    # A bridge ends in the signal ground, a transimpedance stage in the tactile voltage.
-    ohm = min(resistance_between(board.circuit, SENSOR, net) for net in (board.signal_ground, TACTILE))
-    limits[SENSOR_OHM] = _scale(ohm, (1.0 - _SENSOR_RATIO, 1.0 + _SENSOR_RATIO))
-    return limits
 
 
 def _others(board: Board, values: BoardValues, levels: Mapping[str, Limits], tone_v: float) -> dict[str, Limits]:
@@ -311,7 +251,3 @@ def _others(board: Board, values: BoardValues, levels: Mapping[str, Limits], ton
         expected = values.comparator_levels.on_v / per_volt
         found[SLIP_TONE] = Limits(expected, low * (1.0 - ratio), high * (1.0 + ratio) + METER_AC[1])
     return found
-
-
-def _scale(expected: float, ratios: tuple[float, float]) -> Limits:
-    return Limits(expected, ratios[0] * expected, ratios[1] * expected)

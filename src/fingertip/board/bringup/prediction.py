@@ -39,6 +39,22 @@ _SINE = np.sin(2.0 * math.pi * (np.arange(256) + 0.5) / 256)
 
 
 @dataclass(frozen=True)
+class Limits:
+    """Expected reading of a board without a fault [V]."""
+
+    expected_v: float
+    low_v: float
+    high_v: float
+
+    def allow(self, reading: float) -> bool:
+        return self.low_v <= reading <= self.high_v
+
+
+def find_failed(limits: Mapping[str, Limits], readings: Mapping[str, float]) -> list[str]:
+    return [name for name, reading in readings.items() if not limits[name].allow(reading)]
+
+
+@dataclass(frozen=True)
 class Board:
     """Board with its bench: all that its readings depend on."""
 

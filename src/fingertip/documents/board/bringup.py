@@ -10,8 +10,9 @@ from fingertip.board.analysis.board_values import BoardValues
 from fingertip.board.bringup import bench
 from fingertip.board.bringup import plan as readings
 from fingertip.board.bringup.diagnosis import list_hidden_faults, list_unsimulated
-from fingertip.board.bringup.plan import BringUp, Limits
-from fingertip.board.bringup.prediction import POINTS, PROBES, list_levels, name_ripple, name_tone, name_voltage
+from fingertip.board.bringup.plan import BringUp
+from fingertip.board.bringup.prediction import POINTS, PROBES, Limits, list_levels, name_ripple, name_tone, name_voltage
+from fingertip.board.bringup.resistances import NEGATIVE_OHM, SENSOR_OHM, SUPPLY_OHM
 from fingertip.board.circuits.channels import describe_sockets
 from fingertip.board.kicad.placement import Pad, Placement, view_channel
 from fingertip.board.kicad.project import load_project
@@ -88,13 +89,13 @@ def _list_resistances(plan: BringUp, placement: Placement) -> Iterator[Row]:
     if "Q1" in placement.parts:
         plus = find_end(placement, "C10", nets.VCC)
         where = f"C10: red probe at its {plus.removesuffix(' of C10')}, black at the other"
-    yield _row(plan, readings.SUPPLY_OHM, where, "a short: do not apply power")
-    if readings.NEGATIVE_OHM in plan.before_power:
-        yield _row(plan, readings.NEGATIVE_OHM, "J2: ground to minus", "a short: do not apply power")
+    yield _row(plan, SUPPLY_OHM, where, "a short: do not apply power")
+    if NEGATIVE_OHM in plan.before_power:
+        yield _row(plan, NEGATIVE_OHM, "J2: ground to minus", "a short: do not apply power")
     if nets.REFERENCE in plan.board.circuit.net_by_pin.values():
-        yield _row(plan, readings.SENSOR_OHM, "J1: between its pins", "R10 to R13, C7")
+        yield _row(plan, SENSOR_OHM, "J1: between its pins", "R10 to R13, C7")
     else:
-        yield _row(plan, readings.SENSOR_OHM, "J1 pin 1 to TP1", "R28 to R30, D6")
+        yield _row(plan, SENSOR_OHM, "J1 pin 1 to TP1", "R28 to R30, D6")
 
 
 def _list_outputs(plan: BringUp) -> Iterator[Row]:

@@ -1,4 +1,4 @@
-"""Readings that tell likely faults apart: resistances across parts, in place and without power.
+"""Resistances without power: of the whole board ahead of its first current, and across single resistors in place.
 
 Voltages often leave several faults that explain them alike. A resistance across one of the parts names most of them.
 The resistors around a part lower it, and count; capacitors and semiconductors do not conduct at a meter's voltage.
@@ -6,12 +6,21 @@ The resistors around a part lower it, and count; capacitors and semiconductors d
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Sequence
 
-from fingertip.board.bringup.plan import Limits, resistance_between
-from fingertip.board.components.front_end import GAIN_RESISTOR
-from fingertip.board.parts.circuit import Circuit
+import numpy as np
 
+from fingertip.board.bringup.prediction import Board, Limits
+from fingertip.board.components.front_end import GAIN_RESISTOR
+from fingertip.board.parts.circuit import Circuit, parse_component_value
+from fingertip.board.parts.nets import GND, SENSOR, TACTILE, VCC, VEE
+
+SUPPLY_OHM, SENSOR_OHM, NEGATIVE_OHM = "supply_ohm", "sensor_ohm", "negative_supply_ohm"
+SHORT_RATIO = 0.05
+"""Share of the resistors' resistance below which a short is likely; the circuits in parallel lower it somewhat."""
+_SENSOR_RATIO = 0.1
+"""Tolerance of the resistance at the sensor's connector: the amplifier's input draws little without power."""
 TOP_OHM = 1e7
 """Largest resistance that a simple meter reads; beyond it, it shows none."""
 METER_RATIO, METER_CONSTANT_OHM = 0.02, 1.0
@@ -19,6 +28,49 @@ METER_RATIO, METER_CONSTANT_OHM = 0.02, 1.0
 _APART = 1.25
 """Ratio of two resistances from which a meter and the parts' tolerances do not hide the difference."""
 _MOST = 3
+
+
+def resistance_between(circuit: Circuit, first: str, second: str) -> float:
+    """Resistance between two nets through the resistors alone [ohm]; infinite if they do not join them."""
+    edges = []
+    for part in circuit.components:
+        far_pin = {"R": "2", "R_Potentiometer": "3"}.get(part.symbol.name)
+        if far_pin and part.reference != GAIN_RESISTOR:
+            ends = circuit.net_by_pin[part.reference, "1"], circuit.net_by_pin[part.reference, far_pin]
+            edges.append((*ends, 1.0 / parse_component_value(part.value)))
+    reached, grew = {first}, True
+    while grew:
+        added = {net for a, b, _ in edges for net in (a, b) if a in reached or b in reached} - reached
+        reached, grew = reached | added, bool(added)
+    if second not in reached:
+        return math.inf
+    nets = sorted(reached - {second})
+    G = np.zeros((len(nets), len(nets)))
+    row = {net: i for i, net in enumerate(nets)}
+    for a, b, siemens in edges:
+        for one, other in ((a, b), (b, a)):
+            if one in row:
+                G[row[one], row[one]] += siemens
+                if other in row:
+                    G[row[one], row[other]] -= siemens
+    return float(np.linalg.inv(G)[row[first], row[first]])
+
+
+def limit_board_resistances(board: Board) -> dict[str, Limits]:
+    """Resistances without power. Below the lower limit there is a short; a meter may read infinity."""
+    found, limits = {SUPPLY_OHM: (VCC, GND)}, dict[str, Limits]()
+    if board.signal_ground == GND:
+        found[NEGATIVE_OHM] = GND, VEE
+    for name, (first, second) in found.items():
+        ohm = resistance_between(board.circuit, first, second)
+        limits[name] = Limits(ohm, SHORT_RATIO * min(ohm, 10e3), math.inf)
+    # A bridge ends in the signal ground, a transimpedance stage in the tactile voltage.
+    ohm = min(resistance_between(board.circuit, SENSOR, net) for net in (board.signal_ground, TACTILE))
+    limits[SENSOR_OHM] = Limits(ohm, (1.0 - _SENSOR_RATIO) * ohm, (1.0 + _SENSOR_RATIO) * ohm)
+    return limits
+
+
+# Resistances in place that tell likely faults apart.
 
 
 def name_resistance(reference: str) -> str:

@@ -27,12 +27,12 @@ from fingertip.board.bringup.diagnosis import diagnose
 from fingertip.board.bringup.plan import SUPPLY_MA, BringUp
 from fingertip.board.bringup.prediction import is_tone, predict
 from fingertip.board.bringup.readings import Readings
-from fingertip.board.bringup.wiring import wiring_diagram
 from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.board.kicad.placement import list_pads, read_reference
 from fingertip.board.kicad.sexpr import read_expression
 from fingertip.cli.board_tables import analysis_text
 from fingertip.design import Design
+from fingertip.documents.board.wiring import wiring_diagram
 from fingertip.tasks.board import board_files, bring_up_files, write_board
 from tests.approved import check_text
 from tests.board.test_bringup import draw_board, plan_of

@@ -12,13 +12,13 @@ import pytest
 from PIL import Image
 
 from fingertip.board import board_circuit, board_values
-from fingertip.board.bringup.wiring import wiring_diagram
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.casting.sheet import CastingSheet, casting_sheet
 from fingertip.design import Design
 from fingertip.design.new_design import PRESETS
 from fingertip.documents.acceptance import acceptance_sheet, render_acceptance
+from fingertip.documents.board.wiring import wiring_diagram
 from fingertip.documents.finger import FirstScreen, list_steps, render_sheet, render_start
 from fingertip.pictures.steps.scene import Bench, Scene
 from fingertip.pictures.steps.scenes import SCENES, draw_steps

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.board.bringup.wiring import SKETCH_PINS
 from fingertip.board.components.front_end import POWER_UP_S
 from fingertip.catalogues.controllers import load_controllers
 from fingertip.catalogues.output_files import BUFFER, TIMER
 from fingertip.design import Design
 from fingertip.design.files import load_tables
+from fingertip.documents.board.wiring import SKETCH_PINS
 from fingertip.firmware import packaging as costs
 from fingertip.firmware.fingers import BUFFER_SAMPLES
 from fingertip.firmware.packaging import controller_changes, find_warnings

@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 
 from fingertip.board import board_circuit
-from fingertip.board.bringup.wiring import SKETCH_PINS, list_notes, name_signals
 from fingertip.board.circuits.channels import split_net
 from fingertip.board.components.front_end import POWER_UP_S
 from fingertip.board.components.values import select_components
@@ -16,6 +15,7 @@ from fingertip.catalogues.bundled import list_bundled_files
 from fingertip.catalogues.controllers import NAMES
 from fingertip.catalogues.file_kinds import DESIGN
 from fingertip.design import Design
+from fingertip.documents.board.wiring import SKETCH_PINS, list_notes, name_signals
 from fingertip.documents.template import WIDTH, render_page
 from fingertip.firmware import fingers as capacity
 from fingertip.firmware import packaging

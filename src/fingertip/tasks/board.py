@@ -15,7 +15,6 @@ from fingertip.board.bringup.assessment import Assessment, FingersAssessment, as
 from fingertip.board.bringup.plan import BringUp, plan_bring_up
 from fingertip.board.bringup.prediction import Board
 from fingertip.board.bringup.readings import read_fingers, read_readings, readings_template, write_template
-from fingertip.board.bringup.wiring import wiring_diagram
 from fingertip.board.circuits.board_circuit import board_circuit, divider_circuit
 from fingertip.board.circuits.channels import extract_channel, leave_out_empty
 from fingertip.board.circuits.spice import spice_deck
@@ -30,6 +29,7 @@ from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.documents.board.bringup import render_sheet
 from fingertip.documents.board.divider import divider_files
 from fingertip.documents.board.readme import folder_readme
+from fingertip.documents.board.wiring import wiring_diagram
 from fingertip.foundation import extras
 from fingertip.foundation.errors import BoardError, Issue, OutputError, escape_control, shorten
 from fingertip.foundation.output_set import Revision, SetWriter, finish_interrupted, hash_parameters

@@ -201,14 +201,12 @@ def find_alone(
         for name in find_failed(limits, readings)
     }
 
-    def explains_one(values: Mapping[str, float]) -> bool:
-        return any(abs(_difference(n, values[n], readings[n], limits)) <= most for n, most in largest.items())
-
     # A fault that explains none of the failing readings, or all of them worse than no fault, is no explanation.
     return [
         Explanation(fault, misfit)
         for fault, values in predicted
-        if fault.reference and explains_one(values)
+        if fault.reference
+        if any(abs(_difference(n, values[n], readings[n], limits)) <= most for n, most in largest.items())
         if (misfit := _misfit(values, readings, limits)) < no_fault
     ]
 

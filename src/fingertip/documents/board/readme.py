@@ -11,7 +11,6 @@ from fingertip.board.analysis.board_values import BoardValues, describe_touches
 from fingertip.board.analysis.limits import describe_adc_range
 from fingertip.board.analysis.loads import signal_band_hz
 from fingertip.board.analysis.noise import noise_warning
-from fingertip.board.bringup import wiring
 from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.circuits.channels import PLACES, describe_sockets, list_sockets
 from fingertip.board.circuits.network import MAX_SWITCH_OHM
@@ -30,6 +29,7 @@ from fingertip.design import Design
 from fingertip.design.formulas import filter as formulas
 from fingertip.design.formulas.amplifiers import DIODE_V
 from fingertip.design.rules.amplifiers import CONTROLLER_RANGE_V
+from fingertip.documents.board import wiring
 from fingertip.documents.template import render
 from fingertip.foundation.errors import join_words
 from fingertip.foundation.files import format_figure

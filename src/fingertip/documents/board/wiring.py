@@ -10,11 +10,12 @@ from dataclasses import dataclass, replace
 from xml.sax.saxutils import escape
 
 from fingertip.board.circuits.channels import split_net
-from fingertip.board.parts.circuit import HOST_CONNECTOR, SUPPLY_CONNECTOR, Circuit, Component
+from fingertip.board.parts.circuit import HOST_CONNECTOR, SUPPLY_CONNECTOR, Circuit
 from fingertip.board.parts.nets import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE, GND, POWER_IN, SLIP, VCC, VEE, VMID_OUT
 from fingertip.board.parts.symbols import AO3401A, JST_SH_4, JST_SH_15, LOCKING_CONNECTORS
 from fingertip.board.parts.table import group_plug_wires
 from fingertip.catalogues.controllers import NAMES
+from fingertip.documents.template import render
 from fingertip.foundation.errors import join_words
 
 NEEDED_PINS = "Firmware and detector `fast` need T and S (2 analog inputs)."
@@ -23,18 +24,9 @@ OTHER_PINS = "A threshold on the envelope needs E and M."
 SKETCH_PINS = {ADC_TACTILE: "A0", ADC_FILTERED: "A1"}
 """Inputs of a controller at which the sketches of `fingertip firmware` read the board."""
 
-_RED, _BLACK, _BLUE, _GREEN, _GREY = "#b03a2e", "#1c1f22", "#1f4e79", "#2e7d5b", "#4a5157"
-_WIDTH, _MARGIN = 960, 20
-_ROW, _HEAD, _FOOT, _GAP = 24, 34, 4, 26
-"""Height of a pin's row, of the heading above the rows, of the space below them, and gap between connectors."""
-_BOARD_LEFT, _BOARD_RIGHT = 370, 590
-_PLUG = 96
-_DEVICE = 190
-"""Width of what a connector leads to on the left."""
-_HOST_LEFT = 700
-_SIZE = 13
-_LINE = 19
-_STROKE = 'stroke-width="2" fill="none"'
+_RED, _BLACK, _BLUE, _GREEN = "#b03a2e", "#1c1f22", "#1f4e79", "#2e7d5b"
+_TOP, _GAP = 53.0, 26.0
+"""Upper edge of the board, and gap between connectors."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +38,7 @@ class Signal:
     colour: str
 
 
-_SENSOR, _OPEN = Signal("FSR", "either wire", _GREEN), Signal("open", "", _GREY)
+_SENSOR = Signal("FSR", "either wire", _GREEN)
 
 
 def name_signals(circuit: Circuit, supply_v: float) -> dict[str, Signal]:
@@ -75,51 +67,63 @@ def name_signals(circuit: Circuit, supply_v: float) -> dict[str, Signal]:
     return signals
 
 
+@dataclass(frozen=True)
+class _Connector:
+    """Connector at an edge of the board, and what it leads to."""
+
+    reference: str
+    device: str
+    is_left: bool
+    pins: tuple[tuple[str, Signal | None], ...]
+    """Number and signal of each pin from the top; None for one that is open."""
+    top: float = 0.0
+
+    @property
+    def height(self) -> float:
+        return 38.0 + 24.0 * len(self.pins)
+
+
 def wiring_diagram(circuit: Circuit, supply_v: float, name: str) -> bytes:
-    supply, host = (circuit.component(r) for r in (SUPPLY_CONNECTOR, HOST_CONNECTOR))
+    columns = _list_columns(circuit, supply_v)
+    heights = [sum(one.height + _GAP for one in column) - _GAP for column in columns]
+    connectors = []
+    for column, height in zip(columns, heights, strict=True):
+        top = _TOP + 34.0 + _GAP + (max(heights) - height) / 2
+        for one in column:
+            connectors.append(replace(one, top=top))
+            top += one.height + _GAP
+    height, notes = max(heights) + 2 * _GAP + 34.0, list(list_notes(circuit, supply_v))
+    return render(
+        "board/wiring.svg", name=name, top=_TOP, board_height=height, connectors=connectors, notes=notes,
+        height=_TOP + height + _GAP + 19.0 * len(notes) + 20.0, escape=escape,
+    ).encode()  # fmt: skip
+
+
+def _list_columns(circuit: Circuit, supply_v: float) -> tuple[list[_Connector], list[_Connector]]:
+    """List the connectors at the left and at the right edge, from the top."""
     sensors = [part for part in circuit.components if part.value == "FSR" and part.is_fitted]
-    nets = {split_net(net.name)[1] for net in circuit.nets}
-    signals = name_signals(circuit, supply_v)
+    nets, signals = {split_net(net.name)[1] for net in circuit.nets}, name_signals(circuit, supply_v)
     # Ground is marked as the negative pole of a single supply.
     supply_signals = signals if VEE in nets else signals | {GND: replace(signals[GND], print="-")}
-    controller = "controller" if ADC_FILTERED in nets else "ADC or controller"
-    top = 2 * _MARGIN + _SIZE
     devices = ["sensor"] if len(sensors) == 1 else [f"sensor: {finger}" for finger in NAMES[: len(sensors)]]
     of_sensor = {GND: Signal("ground", "either wire", _BLACK)}
-    left = [(sensor, of_sensor, device) for sensor, device in zip(sensors, devices, strict=True)]
-    right = [(host, signals, controller)]
-    (left if len(sensors) == 1 else right).append((supply, supply_signals, "supply"))
-    if len(sensors) > 1:
-        left.reverse()
-    heights = [sum(_height(part) + _GAP for part, _, _ in column) - _GAP for column in (left, right)]
-    board_height, middle = max(heights) + 2 * _GAP + _HEAD, top + _HEAD + _GAP + max(heights) / 2
-    connectors = list[str]()
-    for column, column_height in zip((left, right), heights, strict=True):
-        at = middle - column_height / 2
-        for part, marks, device in column:
-            connectors += _connector(circuit, part, marks, at, device, is_left=column is left)
-            at += _height(part) + _GAP
-    notes = list(list_notes(circuit, supply_v))
-    height = top + board_height + _GAP + _LINE * len(notes) + _MARGIN
-    body = [
-        _text(_MARGIN, _MARGIN + _SIZE, f"Wiring of the board of {name}", weight="bold"),
-        _box(_BOARD_LEFT, top, _BOARD_RIGHT - _BOARD_LEFT, board_height, "#eef4ee", _GREEN),
-        _text((_BOARD_LEFT + _BOARD_RIGHT) / 2, top + 26, "slip-filter board", anchor="middle", weight="bold"),
-        *connectors,
-        *(
-            _text(_MARGIN, top + board_height + _GAP + _LINE * i + _SIZE, note, colour=_GREY)
-            for i, note in enumerate(notes)
-        ),
-    ]
-    lines = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{_WIDTH}" height="{_number(height)}" '
-        f'viewBox="0 0 {_WIDTH} {_number(height)}" font-family="Helvetica, Arial, sans-serif" font-size="{_SIZE}">',
-        f"<title>{escape(f'Wiring of the board of {name}')}</title>",
-        f'<rect width="{_WIDTH}" height="{_number(height)}" fill="white"/>',
-        *body,
-        "</svg>",
-    ]
-    return ("\n".join(lines) + "\n").encode()
+    left = [_connect(circuit, part.reference, of_sensor, each) for part, each in zip(sensors, devices, strict=True)]
+    host = "controller" if ADC_FILTERED in nets else "ADC or controller"
+    right, is_left = [_connect(circuit, HOST_CONNECTOR, signals, host, is_left=False)], len(sensors) == 1
+    (left if is_left else right).append(_connect(circuit, SUPPLY_CONNECTOR, supply_signals, "supply", is_left))
+    return (left if is_left else left[::-1]), right
+
+
+def _connect(
+    circuit: Circuit, reference: str, signals: dict[str, Signal], device: str, is_left: bool = True
+) -> _Connector:
+    connector = circuit.component(reference)
+    nets = dict(circuit.list_wires(connector))
+    pins = [pin.number for pin in connector.symbol.pins if pin.number.isdigit()]
+    if connector.footprint in LOCKING_CONNECTORS and not is_left:
+        pins.reverse()  # a plug is turned by half a turn at the other edge
+    wired = ((number, signals.get(nets[number], _SENSOR) if number in nets else None) for number in pins)
+    return _Connector(reference, device, is_left, tuple(wired))
 
 
 def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
@@ -176,55 +180,3 @@ def list_notes(circuit: Circuit, supply_v: float) -> Iterator[str]:
         yield "Twist each signal's wire with the ground beside it."
     else:
         yield "Keep the wires of J1 and J3 short, and twist each signal with a ground wire."
-
-
-def _height(connector: Component) -> int:
-    return _HEAD + _ROW * sum(pin.number.isdigit() for pin in connector.symbol.pins) + _FOOT
-
-
-def _connector(
-    circuit: Circuit, connector: Component, signals: dict[str, Signal], top: float, device: str, *, is_left: bool
-) -> Iterator[str]:
-    """Yield a connector at an edge of the board, what it leads to, and the wires between them."""
-    nets, height = dict(circuit.list_wires(connector)), _height(connector)
-    pins = [pin.number for pin in connector.symbol.pins if pin.number.isdigit()]
-    if connector.footprint in LOCKING_CONNECTORS and not is_left:
-        pins.reverse()  # a plug is turned by half a turn at the other edge
-    plug_left = _BOARD_LEFT if is_left else _BOARD_RIGHT - _PLUG
-    device_left, device_width = (_MARGIN, _DEVICE) if is_left else (_HOST_LEFT, _WIDTH - _MARGIN - _HOST_LEFT)
-    ends = (device_left + device_width, plug_left) if is_left else (plug_left + _PLUG, device_left)
-    yield _box(device_left, top, device_width, height, "#f4f5f6", _GREY)
-    yield _text(device_left + device_width / 2, top + 21, device, anchor="middle", weight="bold")
-    yield _box(plug_left, top, _PLUG, height, "white", _GREEN)
-    yield _text(plug_left + _PLUG / 2, top + 21, connector.reference, anchor="middle", weight="bold")
-    for i, number in enumerate(pins):
-        signal, y = signals.get(nets[number], _SENSOR) if number in nets else _OPEN, top + _HEAD + _ROW * (i + 0.5)
-        if number in nets:
-            yield f'<path d="M{_number(ends[0])} {_number(y)}H{_number(ends[1])}" stroke="{signal.colour}" {_STROKE}/>'
-            for x in ends:
-                yield f'<circle cx="{_number(x)}" cy="{_number(y)}" r="3" fill="{signal.colour}"/>'
-        base = y + 0.35 * _SIZE
-        near, far = (plug_left + 12, plug_left + _PLUG - 12) if is_left else (plug_left + _PLUG - 12, plug_left + 12)
-        sides = ("start", "end") if is_left else ("end", "start")
-        yield _text(near, base, number, anchor=sides[0])
-        if signal.print:
-            yield _text(far, base, signal.print, anchor=sides[1], colour=_GREY)
-        if is_left:
-            yield _text(device_left + device_width - 12, base, signal.far_end, anchor="end")
-        else:
-            yield _text(device_left + 12, base, signal.far_end)
-
-
-def _box(x: float, y: float, width: float, height: float, fill: str, colour: str) -> str:
-    place = f'x="{_number(x)}" y="{_number(y)}" width="{_number(width)}" height="{_number(height)}"'
-    return f'<rect {place} rx="6" fill="{fill}" stroke="{colour}" stroke-width="1.5"/>'
-
-
-def _text(x: float, y: float, text: str, *, anchor: str = "start", colour: str = _BLACK, weight: str = "normal") -> str:
-    style = "" if weight == "normal" else f' font-weight="{weight}"'
-    side = "" if anchor == "start" else f' text-anchor="{anchor}"'
-    return f'<text x="{_number(x)}" y="{_number(y)}" fill="{colour}"{side}{style}>{escape(text)}</text>'
-
-
-def _number(value: float) -> str:
-    return f"{value:.2f}".rstrip("0").rstrip(".")

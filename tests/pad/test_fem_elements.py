@@ -7,9 +7,11 @@ import math
 import numpy as np
 import pytest
 
+from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.pad.fem_elastic import Body, Surface, stiffness
-from fingertip.pad.fem_mesh import WedgeMesh, extrude, quadratic_plan
+from fingertip.pad.fem_mesh import RIM_MM, MeshSize, WedgeMesh, extrude, mesh_skin, quadratic_plan
+from fingertip.pad.form import PadForm
 from fingertip.pad.touch import PALM, X, Z
 
 
@@ -140,3 +142,24 @@ def _simpson(at: Array, elements: int) -> Array:
     place = np.round(at * 2 * elements).astype(int)
     ends = (place == 0) | (place == 2 * elements)
     return np.where(place % 2 == 1, 4.0, np.where(ends, 1.0, 2.0))
+
+
+def outline_x_mm(form: PadForm, z: float) -> float:
+    """Half width of the skin at the height of the rim, from the arc's equation (X + Y - 1)^2 = 4 w^2 (1 - X)(1 - Y)."""
+    body, w = form.outer, form.outer.section.palmar_weight
+    q, c = 1.0 - RIM_MM / (body.section.palmar * body.palmar_scale_at(z)), 1.0 - 2.0 * w * w
+    return body.section.half_width * body.scale_at(z) * (q * c + math.sqrt(q * q * c * c - q * q + 4.0 * w * w * q))
+
+
+@pytest.mark.parametrize("name", ["fsr400", "first_finger"])
+def test_border_of_the_mesh_is_the_outline_at_the_height_of_the_rim(name: str) -> None:
+    form = PadForm.of_design(Design.load(name))
+    mesh, _ = mesh_skin(form, MeshSize(1.5), is_half=True)
+    corners, plan = mesh.triangles[:, :3], mesh.nodes[: mesh.count, :2]
+    edges, times = np.unique(np.sort(corners[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)), axis=0, return_counts=True)
+    border = plan[np.unique(edges[times == 1])]
+    side = border[(border[:, 0] > 1.0) & (border[:, 1] > 0.0)]
+    assert len(side) > 10
+    assert side[:, 0] == pytest.approx([outline_x_mm(form, z) for z in side[:, 1]], abs=0.02)
+    tip_mm = form.outer.section.palmar * form.outer.palmar_scale_at(border[:, 1].max())
+    assert tip_mm == pytest.approx(RIM_MM, abs=1e-6)

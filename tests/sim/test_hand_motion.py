@@ -75,6 +75,10 @@ def test_slips_with_pauses_are_as_many_as_moves() -> None:
     assert run.timeline.slide
     moved = run.timeline.slide.position_m(np.array([run.timeline.slide.start_s, run.timeline.slide.end_s]))
     assert moved == pytest.approx([0.0, 0.04])
+    speed, acceleration = scene.slide.speed_m_s, scene.slide.acceleration_m_s2
+    period_s = 0.01 / speed + speed / acceleration + 0.3  # a quarter of the way, ramps included, and the pause
+    starts_s = [move.start_s - run.timeline.slide.start_s for move in run.timeline.slide.moves]
+    assert starts_s == pytest.approx([0.0, period_s, 2 * period_s, 3 * period_s])
     result = run_scene(DESIGN, scene, 3)
     assert len([slip for slip in result.slips if slip.end_s - slip.onset_s > 0.1]) == 4
 

@@ -33,7 +33,7 @@ from fingertip.lab.campaign.run import (
     speed_m_s,
     surface,
 )
-from fingertip.lab.report.numbers import ONSETS
+from fingertip.lab.report.results import ONSETS
 from fingertip.lab.validation import FILES, SEED_RANGES, RequirementLimits, check_detection
 from fingertip.sim import SceneFile
 from fingertip.sim.simulation import article_trials

@@ -23,7 +23,7 @@ from fingertip.lab.campaign.mix import MixSummary, Outcome
 from fingertip.lab.campaign.plan import CampaignPlan, Case
 from fingertip.lab.campaign.run import CampaignResult, DetectorResult, TrialResult
 from fingertip.lab.report import trial_plots
-from fingertip.lab.report.tables import FurtherResults
+from fingertip.lab.report.results import FurtherResults
 from fingertip.lab.report.trial_plots import ExampleTrial
 from fingertip.lab.validation import RequirementLimits, Validation, check_closed_loop, check_detection
 from fingertip.sim.runs.grip import GripDecision

@@ -17,7 +17,7 @@ from fingertip.lab.campaign import mix, mix_signals
 from fingertip.lab.campaign.mix import MixSize, assess
 from fingertip.lab.campaign.mix_signals import LabelledSignal, Slide, filter_as_board
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, check_first_seed
-from fingertip.lab.report import robustness
+from fingertip.lab.report import results
 from fingertip.sim.simulation import article_trials
 from fingertip.slip.traces.truth import Interval
 from tests.approved import check_figures
@@ -147,9 +147,9 @@ def test_fast_keeps_the_limits_of_the_wider_mix_where_few_signals_show_it():
     assert early["burst below 60 Hz"].delay_s(0.9) <= 0.045
     assert found["long slide"].smallest_on_share > 0.98
     assert found["10 bits"].alarms_per_minute < 1.0
-    text = "\n".join(robustness.mix_table([], found, "fast"))
+    text = "\n".join(results.mix_table([], found, "fast"))
     assert "controller's step" in text
-    assert robustness.mix_as_data(found)["long slide"]["smallest_on_share"] > 0.98
+    assert results.mix_as_data(found)["long slide"]["smallest_on_share"] > 0.98
 
 
 def test_filtered_signal_ends_at_the_limits_of_the_board() -> None:

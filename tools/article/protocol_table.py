@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from fingertip.documents.template import WIDTH, lay_out_page, render_text
-from fingertip.lab.report.numbers import ONSETS, format_ms
+from fingertip.lab.report.results import ONSETS, format_ms
 from fingertip.slip.traces.truth import ENCODER_HZ, encoder_delay_band_s
 from tools.article.previous_works import PLATE_FACTORS, PreviousWorks
 from tools.article.protocol import DEVICES, MOVED_M, ProtocolStudy

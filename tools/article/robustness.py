@@ -8,7 +8,7 @@ from dataclasses import fields
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from fingertip.lab.report.numbers import format_ms, to_number
+from fingertip.lab.report.results import format_ms, to_number
 from tools.article.sensitivity import LOADED_ON, LOADS_N, VariationResult
 from tools.article.steps import GOAL_SHARE, StepSensitivity
 

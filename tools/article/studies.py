@@ -14,7 +14,7 @@ from fingertip.documents.template import render_text
 from fingertip.foundation.progress import Work
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_trials
 from fingertip.lab.report import trial_plots
-from fingertip.lab.report.numbers import format_ms
+from fingertip.lab.report.results import format_ms
 from fingertip.pad.response import Pad
 from fingertip.sim.contact.materials import ARTICLE_SURFACES, SURFACES
 from tools.article import plots, sensitivity, tables

@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any
 
 from fingertip.lab.campaign.run import DetectorResult, quantile_s
-from fingertip.lab.report.numbers import format_ms, to_number
+from fingertip.lab.report.results import format_ms, to_number
 from fingertip.slip.traces.truth import ENCODER_HZ, ENCODER_NOTE
 from tools.article import robustness
 from tools.article.boards import BoardResult

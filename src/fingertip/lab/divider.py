@@ -14,7 +14,7 @@ from fingertip.design.formulas.amplifiers import BAND_CUTOFFS
 from fingertip.foundation.errors import DesignError
 from fingertip.lab.campaign.plan import CampaignPlan
 from fingertip.lab.campaign.run import CampaignResult, DetectorResult, run_campaign
-from fingertip.lab.report.numbers import format_ms, to_number
+from fingertip.lab.report.results import format_ms, to_number
 
 DIVIDER, NOISY, BOARD = "divider", "divider, twice the noise", "board"
 LEFT_OUT = (

@@ -19,9 +19,8 @@ from fingertip.lab.campaign.mix import summarise as summarise_mix
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, check_first_seed
 from fingertip.lab.campaign.run import CampaignResult, run_campaign, surface
 from fingertip.lab.divider import BoardComparison, compare_with_board
-from fingertip.lab.report import omissions, tables
-from fingertip.lab.report.numbers import format_ms, to_number
-from fingertip.lab.report.tables import FurtherResults
+from fingertip.lab.report import results
+from fingertip.lab.report.results import FurtherResults, format_ms, to_number
 from fingertip.slip.detectors.registry import DETECTORS, check_detector
 
 SHOWN_TRIALS, SHOWN_MINUTES = 120, 40.0
@@ -120,7 +119,7 @@ class Validation:
 
     def as_data(self) -> dict[str, Any]:
         further = self.further
-        details = further.as_data() if isinstance(further, BoardComparison) else tables.as_data(self.campaign, further)
+        details = further.as_data() if isinstance(further, BoardComparison) else results.as_data(self.campaign, further)
         return {
             "detector": self.detector,
             "passed": self.passed,
@@ -131,7 +130,7 @@ class Validation:
     def as_text(self) -> str:
         if isinstance(self.further, BoardComparison):
             return self.further.as_text()
-        return tables.as_text(self.campaign, self.detector, self.further)
+        return results.as_text(self.campaign, self.detector, self.further)
 
     def as_verdict(self) -> str:
         """Return whether the requirements are met, and each of them with its value, as text."""
@@ -150,16 +149,16 @@ class Validation:
 
     def files(self, with_plots: bool = True) -> dict[str, bytes]:
         """Return file name -> content: results, plots, page of omissions. Raises MissingLibraryError."""
-        results = {
+        found = {
             "validation.txt": f"{self.as_verdict()}\n\n{self.as_text()}\n".encode(),
             "validation.json": (json.dumps(self.as_data(), indent=2, allow_nan=False) + "\n").encode(),
         }
         if isinstance(self.further, BoardComparison):
-            return results
+            return found
         missed = [requirement.message for requirement in self.requirements if not requirement.passed]
-        page = omissions.as_markdown(self.campaign, missed, self.closed_loop)
+        page = results.as_markdown(self.campaign, missed, self.closed_loop)
         plots = self._draw_plots() if with_plots else {}
-        return results | plots | {"omissions.md": page.encode()}
+        return found | plots | {"omissions.md": page.encode()}
 
     def _draw_plots(self) -> dict[str, bytes]:
         from fingertip.lab.report import plots, trial_plots  # noqa: PLC0415

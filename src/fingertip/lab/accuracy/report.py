@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from fingertip.foundation import plot_style
+from fingertip.foundation import display
 from fingertip.lab.accuracy.extremes import FamilyResult, Range
 from fingertip.lab.accuracy.measure import REFERENCE, Accuracy, StepError
 
@@ -116,9 +116,9 @@ def _table(header: Sequence[object], rows: Iterable[Sequence[object]]) -> list[s
 def plot_steps(steps: Sequence[StepError]) -> bytes:
     """Plot each signal's largest error over the CPU time, one point for each step; returns a PNG."""
     names = list(steps[0].errors)
-    figure = plot_style.new_figure(4 * len(names), 4)
+    figure = display.new_figure(4 * len(names), 4)
     for axes, name in zip(figure.subplots(1, len(names), squeeze=False)[0], names, strict=True):
-        for run, colour, marker in zip(dict.fromkeys(one.run for one in steps), plot_style.SERIES, "os", strict=False):
+        for run, colour, marker in zip(dict.fromkeys(one.run for one in steps), display.SERIES, "os", strict=False):
             points = [one for one in steps if one.run == run]
             cpu_ms, errors = [1e3 * one.cpu_s for one in points], [one.errors[name] for one in points]
             axes.loglog(cpu_ms, errors, color=colour, marker=marker, label=run)
@@ -126,5 +126,5 @@ def plot_steps(steps: Sequence[StepError]) -> bytes:
                 axes.annotate(f"{1e6 * one.step_s:g} us", at, (4, 4), textcoords="offset points", fontsize=8)
         axes.set(xlabel="CPU time [ms]", ylabel="largest error", title=SIGNALS[name])
         axes.legend(frameon=False, fontsize=8)
-        plot_style.style_axes(axes, "both")
-    return plot_style.to_png(figure)
+        display.style_axes(axes, "both")
+    return display.to_png(figure)

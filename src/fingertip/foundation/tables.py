@@ -125,25 +125,27 @@ def read_toml(path: Path, wanted: str = "a TOML file", below: Path | None = None
         raise TomlFileError(Issue(str(path), f"{error}.")) from None
 
 
+_POSITION = re.compile(r"\s*\(at (?:line (\d+), column \d+|end of document)\)$")
+"""End of a message of tomllib, whose errors have `msg` and `lineno` from Python 3.14 on only."""
+
+
 def _describe_syntax_error(error: tomllib.TOMLDecodeError, text: str) -> str:
     """Describe a syntax error by the line on which the parser stopped."""
-    reason = str(error)
-    found = re.search(r"\(at line (\d+), column \d+\)", reason)
-    lines = text.splitlines()
-    number = int(found[1]) if found else len(lines)
+    problem, found, lines = str(error), _POSITION.search(str(error)), text.splitlines()
+    number = int(found[1] or len(lines)) if found else len(lines)
     line = lines[number - 1].strip() if 0 < number <= len(lines) else ""
     where = f"line {number}, `{shorten(line, MAX_VALUE_LENGTH)}`," if line else f"line {number}"
-    if "Cannot overwrite a value" in reason:
+    if "Cannot overwrite a value" in problem:
         tables = [part.strip().strip("[]") for part in lines[:number] if part.strip().startswith("[")]
         name = ".".join([*tables[-1:], line.partition("=")[0].strip()])
         return f"{where} sets {shorten(name, MAX_VALUE_LENGTH)} a second time; delete one of the two lines."
-    if "Cannot declare" in reason or "Cannot mutate immutable" in reason:
+    if "Cannot declare" in problem or "Cannot mutate immutable" in problem:
         return f"{where} begins a table that the file already has; move its parameters to the first one."
     if re.search(r"=\s*[-+]?\d+,\d+\s*(#.*)?$|=\s*\[[^]#]*\d,0\d", line):
         return f"{where} is not valid TOML; write the number with a decimal point, not with a comma."
     if re.search(r"=\s*[-+]?[\d.]+\s*[A-Za-z%]", line):
         return f"{where} is not valid TOML; write the number without a unit."
-    problem = re.sub(r"\s*\(at .*\)$", "", reason)
+    problem = _POSITION.sub("", problem)
     if "Illegal character '\\n'" in problem:
         problem = "a text has no closing quote"
     return f"{where} is not valid TOML ({problem}); write a table as [skin], and a parameter as width_mm = 18."

@@ -89,8 +89,8 @@ COMMANDS = {
     "firmware": Command(("firmware", "fsr400", "--out", f"{TOP}/firmware"), f"{TOP}/firmware", ("", "src"), True, (2,)),
 }
 REFUSED = {
-    "make": (("make", "fsr400", "--formats", "stl"), (".", "board", "signal")),
     "build": (("build", "fsr400", "--formats", "stl", "--out", TOP), (".", "print")),
+    "make": (("make", "fsr400", "--formats", "stl"), (".", "board", "signal")),
     "drawing": (("drawing", "fsr400"), (".",)),
     "picture": (("picture", "fsr400"), (".",)),
     "acceptance": (("acceptance", "fsr400"), (".",)),
@@ -576,7 +576,7 @@ def test_page_of_files_that_state_nonsense_or_too_much_is_a_sentence(
         assert "`fingertip make` makes others. If it made these, this is a fault of fingertip" in done.stderr
 
 
-@pytest.mark.parametrize("netlist", [b"", b"()", b"(a (components (comp)) (nets))", b"(" * 100_000, b"\xff"])
+@pytest.mark.parametrize("netlist", [b"", b"()", b"(" * 100_000, b"(a (components (comp)) (nets))", b"\xff"])
 def test_board_whose_netlist_states_no_circuit_is_refused(world: World, netlist: bytes) -> None:
     world.renew()
     folder = world.path / BOARD

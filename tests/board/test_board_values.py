@@ -102,7 +102,6 @@ PREFERRED_UF = decades(-6.0, 3.0).map(lambda value: find_preferred_neighbours(va
 AMPLIFIERS = st.sampled_from((AUTO, *CATALOGUE))
 
 
-@pytest.mark.every_case
 @pytest.mark.parametrize(
     "changes",
     [

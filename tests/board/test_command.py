@@ -149,6 +149,7 @@ CIRCUIT = board_circuit(board_values(ARTICLE))
 ARTICLE_PLACEMENT = load_project("article").placement
 
 
+@pytest.mark.full
 def test_sheet_of_another_design_is_removed_with_a_word(tmp_path: Path) -> None:
     notes: list[str] = []
     write_board(ARTICLE, tmp_path, bring_up=True)

@@ -102,7 +102,9 @@ def folder(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize(("name", "kind"), [(LAYOUT, "footprint"), (SCHEMATIC, "symbol")])
-@pytest.mark.parametrize("change", [lambda path: None, reindent], ids=["as written", "indented"])
+@pytest.mark.parametrize(
+    "change", [lambda path: None, pytest.param(reindent, marks=pytest.mark.full)], ids=["as written", "indented"]
+)
 def test_values_are_entered_and_every_other_byte_stays(
     folder: Path, tmp_path: Path, name: str, kind: str, change: Callable[[Path], None]
 ) -> None:

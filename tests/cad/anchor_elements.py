@@ -12,7 +12,6 @@ from pathlib import Path
 
 import numpy as np
 
-from fingertip.cad.kernel.brep import BrepEvaluator
 from fingertip.cad.shapes.finger import bone
 from fingertip.design import Design
 from fingertip.design.geometry.joint import HORN_RADIUS_MM
@@ -37,6 +36,8 @@ Background Field = 100;
 def solve_anchor(design: Design, folder: Path, fine_mm: float) -> float:
     """Return the largest principal stress just inside the inner corner of the horn, per newton at the apex [MPa/N]."""
     import cadquery as cq
+
+    from fingertip.cad.kernel.brep import BrepEvaluator
 
     anchor = design.dimensions.anchor
     assert anchor

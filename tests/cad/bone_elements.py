@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 
-from fingertip.cad.kernel.brep import BrepEvaluator
 from fingertip.cad.shapes.finger import bone
 from fingertip.design import Design
 from fingertip.design.interfaces.interface import middle_y
@@ -46,6 +45,8 @@ class Stresses:
 
 def write_step(design: Design, folder: Path) -> None:
     import cadquery as cq
+
+    from fingertip.cad.kernel.brep import BrepEvaluator
 
     solid = cq.Solid(BrepEvaluator().solid(bone(design)))
     cq.exporters.export(cq.Workplane(obj=solid), str(folder / "bone.step"))

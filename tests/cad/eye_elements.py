@@ -13,7 +13,6 @@ from pathlib import Path
 
 import numpy as np
 
-from fingertip.cad.kernel.brep import BrepEvaluator
 from fingertip.cad.shapes.finger import bone
 from fingertip.design import Design
 from fingertip.design.geometry.joint import Joint
@@ -67,6 +66,8 @@ def solve_eye(design: Design, folder: Path, fine_mm: float, force_n: float) -> t
     The load, `force_n` [N], pushes the bone's tip away from the palm.
     """
     import cadquery as cq
+
+    from fingertip.cad.kernel.brep import BrepEvaluator
 
     joint = design.dimensions.joint
     assert joint

@@ -11,7 +11,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import trimesh
 
 from fingertip.cad.files import threemf
 from fingertip.cad.kernel.mesh import MeshEvaluator
@@ -136,6 +135,8 @@ def test_slicer_takes_layers_brim_and_infill_from_the_filament_plate(slicer: Pat
 
 @pytest.mark.full
 def test_resin_plate_slices_for_a_resin_printer(slicer: Path, tmp_path: Path) -> None:
+    import trimesh
+
     (tmp_path / "plate.3mf").write_bytes(plate_of(Design.load(changes=["strength.print_material=clear"])))
     command = [
         slicer, "--export-sla", "--printer-technology", "SLA", "--dont-arrange", "--layer-height", "0.1", "-o",

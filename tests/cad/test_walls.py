@@ -6,10 +6,10 @@ import io
 import itertools
 import math
 import os
+from typing import Any
 
 import numpy as np
 import pytest
-import trimesh
 from manifold3d import Manifold
 
 from fingertip.cad.files import stl
@@ -49,11 +49,13 @@ def test_cavity_is_measured_to_the_outside() -> None:
     assert found.area_mm2 == pytest.approx(4 * math.pi * (5.0**2 + 4.5**2), rel=0.01)
 
 
-def cast(mesh: trimesh.Trimesh, limit_mm: float, rays: int, near: Array | None = None) -> Array:
+def cast(mesh: Any, limit_mm: float, rays: int, near: Array | None = None) -> Array:
     """Cast rays against every triangle (T. Moeller and B. Trumbore, 1997); return where they meet a wall.
 
     The rays start all over the surface, or those of them that start within `NEAR_MM` of a point.
     """
+    import trimesh
+
     points, faces = trimesh.sample.sample_surface(mesh, rays, seed=1)
     if near is not None:
         chosen = np.linalg.norm(points - near, axis=1) < NEAR_MM
@@ -81,6 +83,8 @@ def check_against_second_caster(design: Design) -> None:
 
     A place whose area the check does not report either, a lip of some hundredths of a millimetre, counts as found.
     """
+    import trimesh
+
     evaluator, dims = MeshEvaluator(0.02), design.dimensions
     for name, part in parts_by_name(design).items():
         if name not in ("bone", "skin"):

@@ -78,6 +78,7 @@ def test_a_summary_has_twelve_lines_of_a_hundred_characters(
     assert [line for line in done.stderr.splitlines() if not line.startswith("warning: ")] == []
 
 
+@pytest.mark.full
 def test_many_remarks_are_cut_and_counted(tmp_path: Path) -> None:
     """A design of which many checks fail still gives a summary, which names the file with all of them."""
     weak = ("printer.bed_x_mm=20", "printer.bed_y_mm=20", "printer.bed_z_mm=20", "strength.grip_force_n=40")

@@ -133,6 +133,7 @@ def test_what_is_no_voltage_changes_little_and_is_reported(
         assert np.count_nonzero(found.on != expected.on) <= REPORT_SAMPLES
 
 
+@pytest.mark.full
 def test_glitches_of_any_size_change_little_output(trials: list[tuple[Recording, FastOutput]]) -> None:
     """One sample off by 20 mV to 3 V in S, 1 mV to 3 V in T, or both, anywhere and around onsets and ends."""
     random = np.random.default_rng(3)

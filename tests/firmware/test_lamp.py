@@ -107,6 +107,7 @@ def run_lamp(folder: Path, macro: str, counts: np.ndarray, *rest: str, streams: 
     return done.stdout, done.stderr
 
 
+@pytest.mark.full
 def test_the_sketch_counts_lost_samples_and_streams_for_the_computer(tmp_path: Path) -> None:
     volts, _ = simulate("slip", 0)
     counts = np.round(volts / STEP_V)

@@ -171,6 +171,7 @@ def test_public_sets_are_read_in_their_published_form(
     assert len(one.quiet) / rate_hz == pytest.approx(quiet_s, abs=0.15)
 
 
+@pytest.mark.full
 def test_a_set_in_parquet_is_the_same_as_in_csv(tmp_path: Path) -> None:
     (tmp_path / "a").mkdir()
     (tmp_path / "b").mkdir()

@@ -269,6 +269,7 @@ def test_longer_window_is_later_and_has_fewer_contact_alarms():
     assert (article.window_samples, article.threshold_v) == (60, pytest.approx(0.017, rel=0.06))
 
 
+@pytest.mark.full
 def test_skin_attenuates_high_frequencies():
     embedded, bare = compute_spectra(ARTICLE)
     assert embedded.share_above(200.0) < 0.02 < bare.share_above(200.0)

@@ -118,6 +118,7 @@ def test_calculix_finds_the_gap_closed_where_the_bump_presses(tmp_path: Path) ->
     assert left.min() > -0.03  # of an overlap of 0.2 mm before
 
 
+@pytest.mark.full
 def test_a_bonded_skin_feels_less_and_differs_in_all_that_follows() -> None:
     lying, bonded = (Design.load("first_finger", changes=[f"skin.bonded={value}"]) for value in ("false", "true"))
     pads = Pad.from_design(lying), Pad.from_design(bonded)

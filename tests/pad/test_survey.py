@@ -45,6 +45,7 @@ def test_a_sensor_that_is_on_at_once_turns_on_at_once(turn_on_n):
     assert 0.0 <= survey_pad(design).worst_turn_on_n < 1e-5
 
 
+@pytest.mark.full
 def test_a_pad_without_a_crown_is_deaf_at_some_tilts_and_its_check_fails():
     flat = Design.load("article", changes=["skin.crown_radius_mm=0"])
     check = check_pad(flat)

@@ -237,7 +237,7 @@ def test_a_hand_gives_every_finger_its_joint(folder: Path) -> None:
 # Castings
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(st.lists(st.sampled_from([10.0, 17.0, 30.0, 300.0]), min_size=1, max_size=5), st.floats(0.5, 9.0))
 def test_every_mold_is_filled_once_from_as_few_mixtures_as_the_pot_lives_allow(lives: list[float], g: float) -> None:
     own, fingers = {"product": "own"}, NAMES[: len(lives)]

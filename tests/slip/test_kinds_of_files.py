@@ -246,7 +246,6 @@ DAMAGED: dict[str, tuple[Callable[[], bytes], str]] = {
         )
         for kind in ("M8[Y]", "M8[as]", "M8", "m8[Y]")
     },
-    "chunks.tdms": (lambda: tdms(5000, 200_000), "it cannot be read in 1 s of computing"),
     "0-d.npz": (lambda: npz(time_s=np.array(0.0), voltage_v=np.array(2.3)), "voltage_v: is a single number; give one"),
     "not a time.npz": (lambda: npz(time_s=np.full(2000, "NaT", "M8[s]"), voltage_v=V), "nan at sample 0"),
     "damaged.mat": (
@@ -263,6 +262,7 @@ DAMAGED: dict[str, tuple[Callable[[], bytes], str]] = {
     "damaged.tdms": (lambda: b"TDSm" + b"\xff" * 60, "contains no arrays; save time_s and voltage_v."),
     "text.tdms": (lambda: b"text", "is not a TDMS file that can be read"),
     "text.npy": (lambda: PLAIN.encode(), "is not a NumPy file that can be read"),
+    "chunks.tdms": (lambda: tdms(5000, 200_000), "it cannot be read in 1 s of computing"),
 }  # fmt: skip
 
 

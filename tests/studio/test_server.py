@@ -201,7 +201,7 @@ def test_a_port_that_cannot_be_used_is_one_sentence(server: StudioServer) -> Non
             StudioServer(server.design, other.getsockname()[1])
 
 
-@pytest.mark.parametrize("arguments", [["--no-browser"], []])
+@pytest.mark.parametrize("arguments", [pytest.param(["--no-browser"], marks=pytest.mark.full), []])
 def test_ends_cleanly_at_ctrl_c(arguments: list[str], tmp_path: Path) -> None:
     """Without a browser on the machine, the command says so in one sentence and serves all the same."""
     environment = {**os.environ, "PATH": str(tmp_path), "BROWSER": "none-of-these"}

@@ -12,8 +12,7 @@ import statistics
 import sys
 import time
 
-from fingertip.catalogues.bundled import find_file
-from fingertip.catalogues.file_kinds import DESIGN
+from fingertip.catalogues.file_kinds import DESIGN, find_file
 from fingertip.design.files import load_tables
 from fingertip.design.fit import fit_design
 from fingertip.design.geometry import DesignTables

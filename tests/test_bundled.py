@@ -11,8 +11,7 @@ from typing import Any
 
 import pytest
 
-from fingertip.catalogues.bundled import find_file, list_bundled_files
-from fingertip.catalogues.file_kinds import DESIGN, KINDS, SCENE, SET, SURFACE, SWEEP
+from fingertip.catalogues.file_kinds import DESIGN, KINDS, SCENE, SET, SURFACE, SWEEP, find_file, list_bundled_files
 from fingertip.design import Design
 from fingertip.design.finger_set import load_set
 from fingertip.foundation.errors import FingertipError, SweepError

@@ -8,7 +8,7 @@ from typing import Literal
 
 import pytest
 
-from fingertip.catalogues.silicones import MaterialProperty
+from fingertip.catalogues.materials import MaterialProperty
 from fingertip.foundation.tables import load_table, read_rows
 
 

@@ -9,7 +9,6 @@ from typing import Any
 
 import pytest
 
-from fingertip.catalogues.bundled import find_file, list_bundled_files
 from fingertip.catalogues.file_kinds import (
     DESIGN,
     KINDS,
@@ -18,7 +17,9 @@ from fingertip.catalogues.file_kinds import (
     SET,
     SURFACE,
     SWEEP,
+    find_file,
     identify_kind,
+    list_bundled_files,
     read_file,
     split_changes,
 )

@@ -14,7 +14,7 @@ from fingertip.casting.sheet import (
     parts_by_weight,
     split_by_mix_ratio,
 )
-from fingertip.catalogues.silicones import MaterialProperty, Silicone, load_silicones, load_sources
+from fingertip.catalogues.materials import MaterialProperty, Silicone, load_silicones, load_sources
 from fingertip.design import Design
 from fingertip.foundation.errors import DesignError
 

@@ -7,7 +7,7 @@ import pytest
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.casting.sheet import measure_poured_cm3, mix
-from fingertip.catalogues.silicones import load_silicones
+from fingertip.catalogues.materials import load_silicones
 from fingertip.design import Design
 
 

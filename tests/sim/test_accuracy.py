@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from fingertip.board.components.values import SUPPLIES
-from fingertip.catalogues.bundled import list_bundled_files
-from fingertip.catalogues.file_kinds import SCENE
+from fingertip.catalogues.file_kinds import SCENE, list_bundled_files
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.lab.accuracy import extremes, measure

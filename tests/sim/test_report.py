@@ -14,8 +14,7 @@ import numpy as np
 import pytest
 
 from fingertip.board.components.values import VARIANT_CHANGES
-from fingertip.catalogues.bundled import list_bundled_files
-from fingertip.catalogues.file_kinds import MANIPULATION, SCENE
+from fingertip.catalogues.file_kinds import MANIPULATION, SCENE, list_bundled_files
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.pad.touch import Pose

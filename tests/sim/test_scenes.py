@@ -8,8 +8,7 @@ import re
 import numpy as np
 import pytest
 
-from fingertip.catalogues.bundled import list_bundled_files
-from fingertip.catalogues.file_kinds import SCENE
+from fingertip.catalogues.file_kinds import SCENE, list_bundled_files
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
 from fingertip.pad.response import Pad

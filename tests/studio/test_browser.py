@@ -12,8 +12,7 @@ import numpy as np
 import pytest
 
 from fingertip import Design
-from fingertip.catalogues.bundled import list_bundled_files
-from fingertip.catalogues.file_kinds import DESIGN
+from fingertip.catalogues.file_kinds import DESIGN, list_bundled_files
 from fingertip.design.files import to_toml
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds

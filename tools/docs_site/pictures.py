@@ -7,8 +7,7 @@ import re
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.casting.sheet import casting_sheet
-from fingertip.catalogues.bundled import list_bundled_files
-from fingertip.catalogues.file_kinds import DESIGN
+from fingertip.catalogues.file_kinds import DESIGN, list_bundled_files
 from fingertip.design import Design
 from fingertip.documents.finger import list_steps as steps_of
 from fingertip.pictures.picture import draw

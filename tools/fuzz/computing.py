@@ -19,9 +19,8 @@ import tomlkit
 from pydantic.fields import FieldInfo
 
 from fingertip.cad.shapes.parts import parts_by_name
-from fingertip.catalogues.bundled import list_bundled_files
 from fingertip.catalogues.controllers import NAMES, load_controllers
-from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE
+from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, list_bundled_files
 from fingertip.design import Design
 from fingertip.design.files import to_toml
 from fingertip.design.new_design import PRESETS

@@ -12,8 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fingertip.catalogues.bundled import PARAMS, list_bundled_files
-from fingertip.catalogues.file_kinds import FileKind
+from fingertip.catalogues.file_kinds import PARAMS, FileKind, list_bundled_files
 
 RATE_HZ = 2000.0
 _SAMPLES = 600

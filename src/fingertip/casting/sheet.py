@@ -17,8 +17,8 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.settings import PROFILE, Profile, choose_plate_kind, estimate_print
 from fingertip.cad.shapes.finger import cavity, core_within_skin
 from fingertip.cad.verification.mold import LOWERING_S, palmar_limits
+from fingertip.catalogues.materials import Silicone, find_example
 from fingertip.catalogues.output_files import PRINT_FOLDER
-from fingertip.catalogues.silicones import Silicone, find_example
 from fingertip.design import Design
 from fingertip.design.geometry.dimensions import HEAD_MM, KNOT_WIRES, LONGER_MM, SHORTER_MM
 from fingertip.design.geometry.mold_layout import POURED

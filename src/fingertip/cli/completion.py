@@ -55,7 +55,7 @@ def _words(*words: str) -> Callable[[], Iterable[str]]:
 
 def _bundled(*kinds: str) -> Iterable[str]:
     from fingertip.catalogues import file_kinds
-    from fingertip.catalogues.bundled import list_bundled_files
+    from fingertip.catalogues.file_kinds import list_bundled_files
 
     return list_bundled_files(*(getattr(file_kinds, kind) for kind in kinds))
 

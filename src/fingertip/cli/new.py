@@ -100,8 +100,7 @@ class _Order:
 
 def _find_taken(name: str) -> Iterator[Issue]:
     """Find why a name is refused: a bundled file has it."""
-    from fingertip.catalogues.bundled import list_bundled_files
-    from fingertip.catalogues.file_kinds import DESIGN, SET
+    from fingertip.catalogues.file_kinds import DESIGN, SET, list_bundled_files
 
     for kind in (DESIGN, SET):
         if name in list_bundled_files(kind):

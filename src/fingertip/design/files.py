@@ -13,8 +13,7 @@ from typing import Any
 
 from pydantic.fields import FieldInfo
 
-from fingertip.catalogues.bundled import find_file
-from fingertip.catalogues.file_kinds import DESIGN, FileKind, read_file
+from fingertip.catalogues.file_kinds import DESIGN, FileKind, find_file, read_file
 from fingertip.design.parameters import PARAMETERS, ParameterTable, Tables
 from fingertip.design.parameters.declaration import find_bounds, find_unit, list_choices
 from fingertip.foundation.errors import MAX_VALUE_LENGTH, DesignError, Issue, gather, quote_value, shorten

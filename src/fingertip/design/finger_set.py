@@ -15,9 +15,8 @@ from typing import Any, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from fingertip.catalogues.bundled import find_file
 from fingertip.catalogues.controllers import NAMES, split_finger
-from fingertip.catalogues.file_kinds import DESIGN, SET, identify_kind, read_file
+from fingertip.catalogues.file_kinds import DESIGN, SET, find_file, identify_kind, read_file
 from fingertip.design.files import LoadedTables, flatten, list_changes, load_tables
 from fingertip.design.model import Design
 from fingertip.design.new_design import find_hand

@@ -12,8 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from fingertip.catalogues.bundled import PARAMS, list_bundled_files
-from fingertip.catalogues.file_kinds import DESIGN
+from fingertip.catalogues.file_kinds import DESIGN, PARAMS, list_bundled_files
 from fingertip.catalogues.sensors import CATALOGUE
 from fingertip.design.files import Parameter, list_parameters, load_tables
 from fingertip.design.fit import Fit, fit_design

@@ -12,8 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fingertip.catalogues.bundled import list_bundled_files
-from fingertip.catalogues.file_kinds import DESIGN
+from fingertip.catalogues.file_kinds import DESIGN, list_bundled_files
 from fingertip.design.files import flatten, load_tables
 from fingertip.design.fit import fit_design
 from fingertip.design.geometry import DesignTables

@@ -16,8 +16,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from fingertip.board.analysis.board_values import find_range_warnings, find_tactile_range_v
-from fingertip.catalogues.bundled import find_file
-from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, identify_kind, split_changes
+from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, find_file, identify_kind, split_changes
 from fingertip.design import Design
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.argument_types import checked

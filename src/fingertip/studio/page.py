@@ -8,8 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from fingertip.cad.shapes.parts import shapes_of_parameters
-from fingertip.catalogues.bundled import list_bundled_files
-from fingertip.catalogues.file_kinds import DESIGN
+from fingertip.catalogues.file_kinds import DESIGN, list_bundled_files
 from fingertip.design import Design
 from fingertip.design.files import Parameter
 from fingertip.design.parameters import PARAMETERS

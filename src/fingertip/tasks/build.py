@@ -81,7 +81,7 @@ def build(
     tolerance_mm
         Largest distance of a facet from the exact surface [mm], 0.0005 to 1.
     material
-        Silicone of the casting sheet, a name from `fingertip.catalogues.silicones` or "own"; the design's
+        Silicone of the casting sheet, a name from `fingertip.catalogues.materials` or "own"; the design's
         silicone.product if None. The sheet is written if all parts are built.
     pictures
         Whether a picture of each casting step is drawn, for the casting sheet.

@@ -12,7 +12,7 @@ from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.printing.orientations import Orientation, Supports, print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import Pose, bed_pose
 from fingertip.cad.printing.settings import PlateKind, choose_plate_kind, describe_part, slicer_settings
-from fingertip.catalogues.print_materials import PrintMaterial
+from fingertip.catalogues.materials import PrintMaterial
 from fingertip.design import Design
 from fingertip.design.parameters.parts import Printer
 

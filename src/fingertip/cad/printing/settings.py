@@ -17,7 +17,7 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import Orientation, Supports, print_orientations
 from fingertip.cad.printing.overhang import OVERHANG_DEG, bed_pose
 from fingertip.cad.shapes.parts import PARTS
-from fingertip.catalogues.print_materials import PrintMaterial
+from fingertip.catalogues.materials import PrintMaterial
 from fingertip.design import Design
 
 

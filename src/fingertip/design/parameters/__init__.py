@@ -15,7 +15,7 @@ from typing import Any, Self
 from pydantic import ConfigDict, Field
 from pydantic.fields import FieldInfo
 
-from fingertip.catalogues.silicones import load_silicones
+from fingertip.catalogues.materials import load_silicones
 from fingertip.design.parameters.declaration import (
     OWN,
     Above,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
+from fingertip.catalogues.materials import MaterialProperty, Silicone, load_silicones
 from fingertip.catalogues.sensors import CATALOGUE, PART_TO_PART
-from fingertip.catalogues.silicones import MaterialProperty, Silicone, load_silicones
 from fingertip.design.parameters.declaration import OWN, Above, OneOf, ParameterTable, choice, quantity, text
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from fingertip.catalogues.hardware import MIN_HOLE_MM
-from fingertip.catalogues.print_materials import PRINT_MATERIALS, PrintMaterial
+from fingertip.catalogues.materials import PRINT_MATERIALS, PrintMaterial
 from fingertip.design.parameters.declaration import OWN, OneOf, ParameterTable, choice, quantity, text
 
 _OWN_G_CM3 = 1.2

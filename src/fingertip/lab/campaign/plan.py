@@ -12,7 +12,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from fingertip.catalogues.bundled import PARAMS
+from fingertip.catalogues.file_kinds import PARAMS
 from fingertip.foundation.argument_types import checked
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.validation import raise_issues

@@ -14,8 +14,7 @@ from typing import ClassVar, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from fingertip.catalogues.bundled import PARAMS
-from fingertip.catalogues.file_kinds import SURFACE, FileKind, read_file
+from fingertip.catalogues.file_kinds import PARAMS, SURFACE, FileKind, read_file
 from fingertip.design.parameters import ParameterTable, choice, quantity, text
 from fingertip.design.parameters.declaration import issues_from_pydantic, suggest_name
 from fingertip.foundation.errors import FingertipError, Issue, TraceError

@@ -1,4 +1,8 @@
-"""Catalogue of silicones for the skin, read from `silicones.toml` with the source of every figure."""
+"""Catalogues of silicones for the skin and of materials for printed parts, with the source of every figure.
+
+They are read from `silicones.toml` and `print_materials.csv`. The strength of a print falls with temperature, moisture,
+age and a poor post-cure: no figure here includes that.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, Self, cast
 
-from fingertip.foundation.tables import load_table
+from fingertip.foundation.tables import load_table, read_rows
 
 Cure = Literal["addition", "condensation"]
 """Cure system: addition (platinum) or condensation (tin). Addition cure shrinks least, but uncured resin inhibits it.
@@ -114,3 +118,28 @@ def find_example(silicone: Silicone) -> dict[str, str] | None:
         and product.pot_life_min.low >= WANTED_POT_LIFE_MIN
     ]  # fmt: skip
     return {"name": min(found)[1], "label": load_silicones()[min(found)[1]].label} if found else None
+
+
+Process = Literal["sla", "fdm", "powder"]
+
+
+@dataclass(frozen=True)
+class PrintMaterial:
+    name: str
+    label: str
+    process: Process
+    """Printer that it is for: resin, filament or powder bed."""
+    strength_mpa: float
+    """Tensile strength across the layers [MPa], as a bone prints; the lower end where the source gives a range."""
+    modulus_mpa: float
+    density_g_cm3: float
+    """Density of a print without hollows; no document of a product was found for any."""
+    source: str
+    verified: tuple[str, ...]
+    """Names of the figures that the source confirms."""
+
+
+PRINT_MATERIALS = {
+    material.name: material
+    for material in load_table(PrintMaterial, read_rows(Path(__file__).with_name("print_materials.csv")))
+}

@@ -7,8 +7,8 @@ import re
 import pytest
 
 from fingertip.cad.shapes.parts import parts_by_name
+from fingertip.catalogues.electronics import SENSORS
 from fingertip.catalogues.output_files import PART_FORMATS
-from fingertip.catalogues.sensors import CATALOGUE
 from fingertip.design import Design
 from fingertip.design.formulas.filter import ideal_components
 from fingertip.design.parameters import PARAMETERS
@@ -24,7 +24,7 @@ def test_bone_skin_and_two_mold_halves_are_parts_of_every_design(name: str) -> N
 
 def test_cable_channel_and_pockets_keep_their_parameters() -> None:
     assert {"bone.channel_diameter_mm", "bone.channel_bend_radius_mm", "sensor.model"} <= set(PARAMETERS)
-    assert {"fsr400", "fsr402"} <= set(CATALOGUE)
+    assert {"fsr400", "fsr402"} <= set(SENSORS)
 
 
 @pytest.mark.parametrize(("folder", "name"), [("pcb", "fsr400"), ("pcb/article", "article")])

@@ -36,7 +36,7 @@ from fingertip.board.components.selection import FilterSelection
 from fingertip.board.components.values import SUPPLIES, VARIANT_CHANGES
 from fingertip.board.parts import symbols
 from fingertip.board.parts.circuit import Circuit, Component, Net, parse_component_value
-from fingertip.catalogues.amplifiers import CATALOGUE
+from fingertip.catalogues.electronics import AMPLIFIER_CATALOGUE
 from fingertip.cli.board_tables import analysis_text
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
@@ -258,7 +258,7 @@ capacitors = st.floats(1e-6, 1e3)
 gains = st.floats(1.01, 1e4)
 
 
-SLOW = replace(CATALOGUE["TL082"], bandwidth_hz=1.0)
+SLOW = replace(AMPLIFIER_CATALOGUE["TL082"], bandwidth_hz=1.0)
 
 
 def load(name: str, *changes: str) -> tuple[Design, Circuit]:
@@ -337,7 +337,7 @@ def test_response_as_built_agrees_with_the_closed_form(case: tuple[str, tuple[st
     values, gbw = board_values(design), find_gain_bandwidth_hz(design.board)
     path = filter_path(circuit, gbw)
     found = path.response(FREQUENCIES, {"TACTILE": 1.0}, "STAGE1_OUT", "FILTERED")
-    arguments = values.preferred, gbw, values.first_stage_capacitors, CATALOGUE[values.amplifier].input_f
+    arguments = values.preferred, gbw, values.first_stage_capacitors, AMPLIFIER_CATALOGUE[values.amplifier].input_f
     for column, formula in enumerate((first_stage_transfer, filter_transfer)):
         expected = np.array([formula(f, *arguments) for f in FREQUENCIES.tolist()])
         assert np.abs(found[:, column] / expected - 1).max() < 1e-9
@@ -388,7 +388,7 @@ def test_passband_is_found_on_the_closed_form(name: str) -> None:
     passband = model.passband(network.values)
 
     def gain(f_hz: float) -> float:
-        input_f = CATALOGUE[values.amplifier].input_f
+        input_f = AMPLIFIER_CATALOGUE[values.amplifier].input_f
         return abs(filter_transfer(f_hz, values.preferred, gbw, values.first_stage_capacitors, input_f))
 
     assert max(gain(f) for f in np.geomspace(10, 2000, 2000).tolist()) <= passband.gain * (1 + 1e-9)
@@ -428,7 +428,7 @@ def test_rectifier_and_envelope_follow_with_one_pole() -> None:
 def test_envelope_offset_agrees_with_the_closed_form() -> None:
     """What remains is the finite gain of the amplifiers, 1e-5."""
     values = board_values(load("comparator")[0])
-    offset, amplifier = values.output_offset, CATALOGUE[values.amplifier]
+    offset, amplifier = values.output_offset, AMPLIFIER_CATALOGUE[values.amplifier]
     assert values.rectifier_ohm is not None
     conducting, blocked = envelope_offset_gains(2e3, values.rectifier_ohm)
     assert offset is not None

@@ -33,7 +33,7 @@ from fingertip.board.components.selection import (
     select_filter_capacitor,
     values_in_range,
 )
-from fingertip.catalogues.amplifiers import AUTO, CATALOGUE
+from fingertip.catalogues.electronics import AMPLIFIER_CATALOGUE, AUTO
 from fingertip.design import Design
 from fingertip.design.formulas.filter import FilterComponents, find_preferred_neighbours, ideal_components
 from fingertip.design.parameters.electronics import Board
@@ -99,7 +99,7 @@ def decades(low: float, high: float) -> st.SearchStrategy[float]:
 
 
 PREFERRED_UF = decades(-6.0, 3.0).map(lambda value: find_preferred_neighbours(value)[0])
-AMPLIFIERS = st.sampled_from((AUTO, *CATALOGUE))
+AMPLIFIER_CATALOGUE = st.sampled_from((AUTO, *AMPLIFIER_CATALOGUE))
 
 
 @pytest.mark.parametrize(

@@ -25,7 +25,7 @@ from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.fabrication.bom import list_bom, purchased_components
 from fingertip.board.kicad.project import load_project
 from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE, GND
-from fingertip.catalogues.controllers import NAMES
+from fingertip.catalogues.electronics import NAMES
 from fingertip.catalogues.output_files import BRING_UP_READINGS, CHANNEL_SHEET, LAYOUT, NETLIST, SCHEMATIC
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz

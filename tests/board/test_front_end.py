@@ -15,7 +15,7 @@ from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.components.front_end import sensor_conductance_s
 from fingertip.board.parts import symbols
 from fingertip.board.parts.circuit import Component
-from fingertip.catalogues.amplifiers import CATALOGUE
+from fingertip.catalogues.electronics import AMPLIFIER_CATALOGUE
 from fingertip.design import Design
 from tests.board.ngspice import read_noise_total, run_ngspice
 from tests.board.test_spice import limit_to_the_rails, replace_elements
@@ -32,7 +32,7 @@ def write_deck(amplifier: str, force_n: float, rng: np.random.Generator | None =
             value = build_network(circuit).values[part.reference]
             farad_or_ohm = value if part.reference[0] == "C" else 1 / value
             circuit = circuit.replace(part.reference, f"{farad_or_ohm * (1 + ratio):.6g}")
-    deck = spice_deck(circuit, CATALOGUE[amplifier].bandwidth_hz, 3.3).decode()
+    deck = spice_deck(circuit, AMPLIFIER_CATALOGUE[amplifier].bandwidth_hz, 3.3).decode()
     return replace_elements(deck, RJ1=f"RJ1 sensor 0 {1 / sensor_conductance_s(force_n):.6g}")
 
 
@@ -67,7 +67,7 @@ def test_stage_is_stable_with_any_cable_and_sensor(amplifier: str) -> None:
     for farad, ohm in itertools.product((1e-12, 1e-10, 1e-9, 4.7e-9, 2.2e-8), (1e-2, 250.0, 1e3, 5e3, 3e4, 1e6, 1e9)):
         cable = Component("C90", f"{farad:g}", symbols.CAPACITOR, symbols.C_0603, "")
         loaded = circuit.connect(cable, {"1": "SENSOR", "2": "GND"})
-        network = build_network(loaded, CATALOGUE[amplifier].bandwidth_hz, sensor_s=1 / ohm)
+        network = build_network(loaded, AMPLIFIER_CATALOGUE[amplifier].bandwidth_hz, sensor_s=1 / ohm)
         margins.append(compute_phase_margins_deg(loaded, network)["U2a"])
     print(f"{amplifier}: least phase margin {min(margins):.1f} degrees")
     assert min(margins) >= 60

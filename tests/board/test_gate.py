@@ -34,7 +34,7 @@ from fingertip.board.analysis.thresholds import TOLERANCES
 from fingertip.board.circuits.network import build_network
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.components.values import VARIANT_CHANGES
-from fingertip.catalogues.amplifiers import CATALOGUE, list_dual_amplifiers
+from fingertip.catalogues.electronics import AMPLIFIER_CATALOGUE, list_dual_amplifiers
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import (
     choose_amplifier,
@@ -60,8 +60,8 @@ def load(name: str, *changes: str) -> Design:
 
 
 def test_catalogue_states_each_figure_and_an_order_of_preference() -> None:
-    assert [a.preference for a in list_dual_amplifiers()] == [*range(1, len(CATALOGUE) + 1)]
-    for amplifier in CATALOGUE.values():
+    assert [a.preference for a in list_dual_amplifiers()] == [*range(1, len(AMPLIFIER_CATALOGUE) + 1)]
+    for amplifier in AMPLIFIER_CATALOGUE.values():
         assert amplifier.source
         assert all(hasattr(amplifier, name) for name in amplifier.unverified)
         assert 0 < amplifier.offset_v <= amplifier.max_offset_v
@@ -69,8 +69,10 @@ def test_catalogue_states_each_figure_and_an_order_of_preference() -> None:
 
 
 def test_second_poles_give_the_stated_phase_margins() -> None:
-    found = {name: compute_phase_margin_deg(amplifier, lambda _: 1.0) for name, amplifier in CATALOGUE.items()}
-    stated = {name: amplifier.phase_margin_deg for name, amplifier in CATALOGUE.items()}
+    found = {
+        name: compute_phase_margin_deg(amplifier, lambda _: 1.0) for name, amplifier in AMPLIFIER_CATALOGUE.items()
+    }
+    stated = {name: amplifier.phase_margin_deg for name, amplifier in AMPLIFIER_CATALOGUE.items()}
     assert found == pytest.approx(stated, abs=1e-3)
 
 

@@ -18,8 +18,8 @@ from fingertip.cad.shapes.finger import cavity
 from fingertip.cad.shapes.parts import hardware, parts_by_name
 from fingertip.cad.verification.skin import pull_off_n
 from fingertip.casting.sheet import measure_poured_cm3
-from fingertip.catalogues import amplifiers, materials, sensors
-from fingertip.catalogues.controllers import load_controllers
+from fingertip.catalogues import electronics, materials
+from fingertip.catalogues.electronics import load_controllers
 from fingertip.catalogues.hardware import THREADS
 from fingertip.design import Design
 from fingertip.design.interfaces import interface_of
@@ -139,7 +139,7 @@ def test_values_of_checks_are_the_approved_ones(name: str) -> None:
 def test_catalogues_are_the_approved_ones() -> None:
     """Each figure is entered a second time, from the document that its entry names."""
     entries = [
-        *materials.load_silicones().values(), *sensors.CATALOGUE.values(), *amplifiers.CATALOGUE.values(),
+        *materials.load_silicones().values(), *electronics.SENSORS.values(), *electronics.AMPLIFIER_CATALOGUE.values(),
         *materials.PRINT_MATERIALS.values(), *load_controllers(), *THREADS,
     ]  # fmt: skip
     check_figures(APPROVED / "catalogues.txt", map(render, entries), 0.0, 0.0)

@@ -17,13 +17,13 @@ import pytest
 
 from fingertip.cad.verification import verify
 from fingertip.cad.verification.check import Check
-from fingertip.catalogues.sensors import CATALOGUE
+from fingertip.catalogues.electronics import SENSORS
 from fingertip.design import Design
 from fingertip.design.files import list_parameters
 from fingertip.design.new_design import PRESETS, write_new_design
 from tests.conftest import ROOT, run_fingertip, some_of
 
-SENSORS = ("fsr400", "fsr400_short", "fsr402", "fsr402_short", "custom")
+CHOICES = ("fsr400", "fsr400_short", "fsr402", "fsr402_short", "custom")
 
 
 @pytest.fixture(autouse=True)
@@ -33,11 +33,11 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def base(sensor: str) -> Design:
-    known = CATALOGUE.get(sensor, CATALOGUE["fsr400"])
+    known = SENSORS.get(sensor, SENSORS["fsr400"])
     return Design.load(known.bundled_design, changes=[f"sensor.model={sensor}", "name=mine", *known.changes])
 
 
-@pytest.mark.parametrize("sensor", SENSORS)
+@pytest.mark.parametrize("sensor", CHOICES)
 def test_the_file_is_the_bundled_design_of_its_sensor(sensor: str, folder: Path) -> None:
     done = run_fingertip("new", "mine", "--sensor", sensor)
     assert done.returncode == 0, done.stderr
@@ -46,7 +46,7 @@ def test_the_file_is_the_bundled_design_of_its_sensor(sensor: str, folder: Path)
     assert run_fingertip("params", "mine.toml").returncode == 0
 
 
-@pytest.mark.parametrize("sensor", SENSORS)
+@pytest.mark.parametrize("sensor", CHOICES)
 def test_every_parameter_stands_in_the_file_once_and_is_described(sensor: str) -> None:
     text = write_new_design("mine", sensor).text
     uncommented = re.sub(r"^#(?=[a-z0-9_.]+ = )", "", text, flags=re.MULTILINE)
@@ -69,7 +69,7 @@ def test_the_top_of_the_file_is_short() -> None:
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("sensor", some_of(SENSORS, "fsr400"))
+@pytest.mark.parametrize("sensor", some_of(CHOICES, "fsr400"))
 def test_the_next_command_runs(sensor: str, folder: Path) -> None:
     """The message's command as it stands. STEP, which takes long, is left out for all sensors but the first."""
     following = json.loads(run_fingertip("new", "mine", "--sensor", sensor, "--json").stdout)["next"]

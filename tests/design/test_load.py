@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.catalogues.sensors import CATALOGUE
+from fingertip.catalogues.electronics import SENSORS
 from fingertip.design import Design
 from fingertip.design.files import list_parameters, to_toml
 from fingertip.foundation.errors import DesignError
@@ -111,5 +111,5 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
 
 
 def test_each_sensor_of_the_catalogue_fits_a_bundled_design() -> None:
-    for name, sensor in CATALOGUE.items():
+    for name, sensor in SENSORS.items():
         Design.load(design_file(sensor.bundled_design), changes=[f"sensor.model={name}", *sensor.changes])

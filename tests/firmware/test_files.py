@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from fingertip.board.components.front_end import POWER_UP_S
-from fingertip.catalogues.controllers import load_controllers
+from fingertip.catalogues.electronics import load_controllers
 from fingertip.catalogues.output_files import BUFFER, TIMER
 from fingertip.design import Design
 from fingertip.design.files import load_tables

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fingertip.catalogues.controllers import NAMES, load_controllers
+from fingertip.catalogues.electronics import NAMES, load_controllers
 from fingertip.design import Design
 from fingertip.firmware.fingers import count_fingers, find_load, list_controllers, plan_fingers
 from fingertip.firmware.packaging import read_costs

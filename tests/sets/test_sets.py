@@ -24,7 +24,7 @@ from fingertip.cad.printing.orientations import build_volume_excess, print_orien
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.verification.check import Check
 from fingertip.casting.sheet import casting_sheet, mix
-from fingertip.catalogues.controllers import NAMES
+from fingertip.catalogues.electronics import NAMES
 from fingertip.cli import app
 from fingertip.design import Design
 from fingertip.design.files import to_toml

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.catalogues.controllers import NAMES, load_controllers
+from fingertip.catalogues.electronics import NAMES, load_controllers
 from fingertip.design import Design
 from fingertip.firmware.fingers import ONE_FINGER, Fingers
 from fingertip.firmware.sources import GRIP_SOURCE, SOURCE, library_sources

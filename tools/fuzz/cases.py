@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from hypothesis import strategies as st
 
-from fingertip.catalogues.controllers import load_controllers
+from fingertip.catalogues.electronics import load_controllers
 from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, SWEEP
 from fingertip.design import Design
 from fingertip.sim import ManipulationFile, SceneFile

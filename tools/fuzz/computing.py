@@ -19,7 +19,7 @@ import tomlkit
 from pydantic.fields import FieldInfo
 
 from fingertip.cad.shapes.parts import parts_by_name
-from fingertip.catalogues.controllers import NAMES, load_controllers
+from fingertip.catalogues.electronics import NAMES, load_controllers
 from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, list_bundled_files
 from fingertip.design import Design
 from fingertip.design.files import to_toml

@@ -3,7 +3,7 @@
 Tables know no design and stand apart from formulas, so that a figure can be corrected without touching one. Each figure
 has a source; those that are `unverified`, or not `verified`, were not found in a document of the product.
 
->>> from fingertip.catalogues.sensors import CATALOGUE
->>> CATALOGUE["fsr400"].head_diameter_mm
+>>> from fingertip.catalogues.electronics import SENSORS
+>>> SENSORS["fsr400"].head_diameter_mm
 7.62
 """

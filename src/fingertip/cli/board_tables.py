@@ -38,9 +38,9 @@ def gate_lines(values: BoardValues) -> list[str]:
     """Conditions that the board must meet to work."""
     from fingertip.board.analysis.gate import describe_condition
     from fingertip.board.analysis.thresholds import describe_threshold_spread
-    from fingertip.catalogues.amplifiers import CATALOGUE
+    from fingertip.catalogues.electronics import AMPLIFIER_CATALOGUE
 
-    amplifier = CATALOGUE[values.amplifier]
+    amplifier = AMPLIFIER_CATALOGUE[values.amplifier]
     lines = [f"Conditions with {amplifier.order_name} (unverified: {', '.join(amplifier.unverified)}):"]
     required = {(c.name, c.subject, c.relation) for c in values.gate if c.level == "required" and c.passed}
     for condition in values.gate:
@@ -202,7 +202,7 @@ def analysis_text(analysis: Analysis) -> str:
     from fingertip.board.analysis import interference, limits, noise
     from fingertip.board.analysis.tolerance import ARTICLE_CAPACITOR_PERCENT, CUTOFF_CAPACITORS
     from fingertip.board.components.front_end import LOW_NOISE_NAME
-    from fingertip.catalogues.amplifiers import CATALOGUE
+    from fingertip.catalogues.electronics import AMPLIFIER_CATALOGUE
     from fingertip.design.formulas import filter as formulas
     from fingertip.documents.template import render
 
@@ -215,7 +215,7 @@ def analysis_text(analysis: Analysis) -> str:
         limits=limits,
         formulas=formulas,
         low_noise_name=LOW_NOISE_NAME,
-        amplifier=CATALOGUE[analysis.amplifier],
+        amplifier=AMPLIFIER_CATALOGUE[analysis.amplifier],
         has_bridge=not analysis.voltage_limits.has_filtered_output,
         is_in_software=analysis.voltage_limits.max_envelope_v is None,
         tolerances=_group_tolerances(analysis.component_percent),

@@ -11,7 +11,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from fingertip.catalogues.controllers import NAMES
+from fingertip.catalogues.electronics import NAMES
 from fingertip.foundation.errors import join_words
 from fingertip.slip.detectors.registry import describe_detectors, list_detectors
 
@@ -125,7 +125,7 @@ COMPLETIONS: Mapping[str, Callable[..., Iterable[str]]] = {
     "detector": list_detectors,
     "grip": list_detectors,
     "surface": _files("SURFACE"),
-    "controller": _table("catalogues.controllers:list_keys"),
+    "controller": _table("catalogues.electronics:list_keys"),
     "time_scale": _table("slip.traces.sampling:TIME_UNITS_S"),
     "shell": _words(*SHELLS),
 }

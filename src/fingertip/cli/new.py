@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from fingertip.catalogues.controllers import NAMES
+from fingertip.catalogues.electronics import NAMES
 from fingertip.cli.console import Console
 from fingertip.cli.options import CHANGES, command, find_file_issues, flag
 from fingertip.foundation.errors import DesignError, FingertipError, Issue, gather, join_words

@@ -15,7 +15,7 @@ from typing import Any, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from fingertip.catalogues.controllers import NAMES, split_finger
+from fingertip.catalogues.electronics import NAMES, split_finger
 from fingertip.catalogues.file_kinds import DESIGN, SET, find_file, identify_kind, read_file
 from fingertip.design.files import LoadedTables, flatten, list_changes, load_tables
 from fingertip.design.model import Design

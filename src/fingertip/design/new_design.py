@@ -12,8 +12,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from fingertip.catalogues.electronics import SENSORS
 from fingertip.catalogues.file_kinds import DESIGN, PARAMS, list_bundled_files
-from fingertip.catalogues.sensors import CATALOGUE
 from fingertip.design.files import Parameter, list_parameters, load_tables
 from fingertip.design.fit import Fit, fit_design
 from fingertip.design.geometry import DesignTables
@@ -58,7 +58,7 @@ def _find_fault(path: Path, example: str) -> str:
     return ""
 
 
-_SENSORS = (*CATALOGUE, "custom")
+_SENSORS = (*SENSORS, "custom")
 _MAIN_PARAMETERS = (
     "sensor.model", "skin.width_mm", "skin.length_mm", "skin.semi_axis_palmar_mm", "skin.semi_axis_dorsal_mm",
     "skin.thickness_palmar_mm", "bone.base_length_mm", "bone.interface", "board.variant",
@@ -105,7 +105,7 @@ def write_new_design(
     """
     refuse_words(name, sensor, preset)
     if preset is None and hand is None:
-        fitted = CATALOGUE.get(sensor or "fsr400", CATALOGUE["fsr400"])  # a custom sensor begins as an FSR 400
+        fitted = SENSORS.get(sensor or "fsr400", SENSORS["fsr400"])  # a custom sensor begins as an FSR 400
         base, own = fitted.bundled_design, [f"sensor.model={sensor or 'fsr400'}", *fitted.changes, *changes]
         design = Design(**load_tables([list_bundled_files(DESIGN)[base]], own).tables | {"name": name})
         return NewDesign("\n".join([*list_lines(design, base), ""]), base, {}, {}, design)

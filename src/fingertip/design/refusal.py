@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from fingertip.catalogues.sensors import CATALOGUE
+from fingertip.catalogues.electronics import SENSORS
 from fingertip.design.files import flatten
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS, ParameterTable
@@ -99,7 +99,7 @@ def _format_bound(refusal: Refusal, name: str, values: Values) -> str:
 
 def _suggest_bundled_design(refusal: Refusal, name: str) -> str:
     """Name the bundled design for a sensor that the present design does not fit."""
-    present, before = (CATALOGUE.get(tables.value(name)) for tables in (refusal.tables, refusal.before))
+    present, before = (SENSORS.get(tables.value(name)) for tables in (refusal.tables, refusal.before))
     if name != "sensor.model" or present is None or (before and before.bundled_design == present.bundled_design):
         return ""
     return f", or start from the bundled design {present.bundled_design}"

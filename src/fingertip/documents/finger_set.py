@@ -14,7 +14,7 @@ from itertools import pairwise
 from fingertip.board.circuits.channels import describe_sockets, list_pins
 from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE
 from fingertip.casting.sheet import CastingSheet, Thing, mix
-from fingertip.catalogues.controllers import NAMES
+from fingertip.catalogues.electronics import NAMES
 from fingertip.catalogues.materials import Silicone
 from fingertip.catalogues.output_files import BOARD_DESIGN, BOARD_FOLDER
 from fingertip.design import Design

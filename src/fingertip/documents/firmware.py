@@ -11,7 +11,7 @@ from fingertip.board.components.front_end import POWER_UP_S
 from fingertip.board.components.values import select_components
 from fingertip.board.parts.circuit import HOST_CONNECTOR
 from fingertip.board.parts.nets import GND, VMID_OUT
-from fingertip.catalogues.controllers import NAMES
+from fingertip.catalogues.electronics import NAMES
 from fingertip.catalogues.file_kinds import DESIGN, list_bundled_files
 from fingertip.design import Design
 from fingertip.documents.board.wiring import SKETCH_PINS, list_notes, name_signals

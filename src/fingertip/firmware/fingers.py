@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from fingertip.catalogues.controllers import NAMES, ControllerBoard, load_controllers
+from fingertip.catalogues.electronics import NAMES, ControllerBoard, load_controllers
 from fingertip.design import Design
 from fingertip.design.finger_set import FingerSet
 from fingertip.firmware.packaging import read_costs

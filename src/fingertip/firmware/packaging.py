@@ -9,7 +9,7 @@ from importlib import resources
 from typing import Any
 
 from fingertip.board.components.values import SUPPLIES, VARIANT_CHANGES
-from fingertip.catalogues.controllers import ControllerBoard
+from fingertip.catalogues.electronics import ControllerBoard
 from fingertip.design import Design
 from fingertip.foundation.version import __version__
 

@@ -13,8 +13,8 @@ import numpy as np
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.shapes import bench
 from fingertip.cad.shapes.parts import PARTS, find_frames, hardware, parts_by_name
+from fingertip.catalogues.electronics import FILM_G_CM3
 from fingertip.catalogues.hardware import STEEL_G_CM3
-from fingertip.catalogues.sensors import FILM_G_CM3
 from fingertip.design import Design
 from fingertip.design.geometry.joint import HORN_RADIUS_MM
 from fingertip.design.geometry.solids import Point3, cylinder

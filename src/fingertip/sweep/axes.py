@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
-from fingertip.catalogues.controllers import split_finger
+from fingertip.catalogues.electronics import split_finger
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import ParameterTable
 from fingertip.design.parameters.declaration import (

@@ -277,7 +277,7 @@ def compute_acceptance(context: PointContext) -> OutputValues:
 
 def compute_controller(context: PointContext) -> OutputValues:
     """Compute what detectors of several fingers ask of the controller that `fingertip firmware` proposes for them."""
-    from fingertip.catalogues.controllers import NAMES
+    from fingertip.catalogues.electronics import NAMES
     from fingertip.firmware.fingers import count_fingers, find_controller, find_load
 
     board, rate_hz = find_controller(context.design), context.design.detector.sample_rate_hz

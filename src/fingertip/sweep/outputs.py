@@ -12,7 +12,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from fingertip.catalogues.controllers import split_finger
+from fingertip.catalogues.electronics import split_finger
 from fingertip.design.parameters.declaration import describe_retired, load_retired, suggest_name
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.tables import load_table, read_rows

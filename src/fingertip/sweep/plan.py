@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.catalogues.controllers import split_finger
+from fingertip.catalogues.electronics import split_finger
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.design.refusal import find_remedies

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from fingertip.catalogues.controllers import split_finger
+from fingertip.catalogues.electronics import split_finger
 from fingertip.catalogues.file_kinds import DESIGN, SCENE, SET, SWEEP, find_file, identify_kind
 from fingertip.design.files import load_tables, merge
 from fingertip.design.finger_set import SetFile, read_set

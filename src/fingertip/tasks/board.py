@@ -23,7 +23,7 @@ from fingertip.board.fabrication.fabrication_files import find_outdated_files, p
 from fingertip.board.kicad.netlist import kicad_netlist_file
 from fingertip.board.kicad.project import MODEL_FOLDER, load_project, model_files
 from fingertip.catalogues import output_files
-from fingertip.catalogues.controllers import NAMES
+from fingertip.catalogues.electronics import NAMES
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.documents.board.bringup import render_sheet

@@ -22,7 +22,7 @@ from fingertip.board.components.front_end import MAX_FORCE_N, sensor_conductance
 from fingertip.board.components.selection import FilterSelection, select_filter
 from fingertip.board.components.values import SUPPLIES, ComponentValues, select_components
 from fingertip.board.parts.nets import GND, VCC, VEE
-from fingertip.catalogues.amplifiers import ARTICLE_AMPLIFIER, CATALOGUE
+from fingertip.catalogues.electronics import AMPLIFIER_CATALOGUE, ARTICLE_AMPLIFIER
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import choose_amplifier, find_gain_bandwidth_hz
 from fingertip.design.parameters.electronics import Board
@@ -93,7 +93,7 @@ def board_values(design: Design) -> BoardValues:
     Raises BoardError if a resistor has no preferred value, which does not occur for a validated design.
     """
     board, detector, components = design.board, design.detector, select_components(design)
-    amplifier = CATALOGUE[components.amplifier]
+    amplifier = AMPLIFIER_CATALOGUE[components.amplifier]
     bandwidth_hz = amplifier.bandwidth_hz
     circuit, supply = board_circuit(components), SUPPLIES[board.variant]
     rectifier, model = response.find_rectifier(circuit), response.model_filter(circuit)
@@ -232,7 +232,9 @@ def load_errata() -> tuple[Erratum, ...]:
 def board_errata(amplifier: str, rectifier: response.Rectifier) -> tuple[Erratum, ...]:
     notes = {}
     if amplifier != ARTICLE_AMPLIFIER:
-        notes["input range of the amplifiers"] = f"it has a {CATALOGUE[amplifier].order_name} with rail-to-rail inputs"
+        notes["input range of the amplifiers"] = (
+            f"it has a {AMPLIFIER_CATALOGUE[amplifier].order_name} with rail-to-rail inputs"
+        )
     if rectifier != "diode":
         notes["offset"] = "C14 is such a capacitor"
         instead = {"precision": "it has a precision rectifier and a low-pass", "software": "software computes it"}

@@ -26,7 +26,7 @@ from fingertip.board.components.values import CLAMP as CLAMP_DIODES
 from fingertip.board.components.values import LOW_LEAKAGE_CLAMP, SUPPLIES
 from fingertip.board.parts.circuit import Circuit, parse_component_value
 from fingertip.board.parts.nets import FILTERED, STAGE1_OUT, VMID
-from fingertip.catalogues.amplifiers import LOW_OFFSET_AMPLIFIER, Amplifier
+from fingertip.catalogues.electronics import LOW_OFFSET_AMPLIFIER, Amplifier
 from fingertip.design import Design
 from fingertip.design.formulas import amplifiers
 from fingertip.design.formulas.filter import find_preferred_neighbours

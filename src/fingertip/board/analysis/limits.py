@@ -11,7 +11,7 @@ from fingertip.board.components.front_end import MAX_FORCE_N, sensor_conductance
 from fingertip.board.components.values import Supply
 from fingertip.board.parts.circuit import SENSOR_CONNECTOR, Circuit
 from fingertip.board.parts.nets import ADC_TACTILE, BIAS, GND, REFERENCE, SENSOR, TACTILE, VCC, VEE, VMID
-from fingertip.catalogues.amplifiers import Amplifier
+from fingertip.catalogues.electronics import Amplifier
 from fingertip.design.formulas.amplifiers import DIODE_V
 from fingertip.design.parameters.electronics import Detector
 

@@ -13,7 +13,7 @@ from fingertip.board.components.front_end import AMPLIFIERS
 from fingertip.board.components.values import MAX_CLAMP_A
 from fingertip.board.parts.circuit import Circuit
 from fingertip.board.parts.nets import ADC_ENVELOPE, ADC_TACTILE, ENVELOPE, MEAN, SLIP, THRESHOLD
-from fingertip.catalogues.amplifiers import CATALOGUE, LOW_OFFSET_AMPLIFIER
+from fingertip.catalogues.electronics import AMPLIFIER_CATALOGUE, LOW_OFFSET_AMPLIFIER
 from fingertip.design.formulas import filter as formulas
 
 
@@ -98,7 +98,7 @@ def compute_output_offset(circuit: Circuit, gain_bandwidth_hz: float, signal_gro
         max_v=worst_gain * amplifier.max_offset_v,
         typical_v=math.hypot(*conducting) * amplifier.offset_v,
         low_offset_amplifier=LOW_OFFSET_AMPLIFIER,
-        max_low_offset_v=worst_gain * CATALOGUE[LOW_OFFSET_AMPLIFIER].max_offset_v,
+        max_low_offset_v=worst_gain * AMPLIFIER_CATALOGUE[LOW_OFFSET_AMPLIFIER].max_offset_v,
     )
 
 

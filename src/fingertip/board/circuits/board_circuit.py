@@ -46,7 +46,7 @@ from fingertip.board.parts.circuit import (
 )
 from fingertip.board.parts.nets import GND, TACTILE, VCC
 from fingertip.board.parts.select_part import BULK_CAPACITOR, SUPPLY_CAPACITOR, find_package, require_capacitor
-from fingertip.catalogues.amplifiers import CATALOGUE
+from fingertip.catalogues.electronics import AMPLIFIER_CATALOGUE
 from fingertip.design import Design
 from fingertip.design.formulas.filter import VMID_BOTTOM_OHM, VMID_TOP_OHM
 from fingertip.foundation.tables import parse_value, read_rows
@@ -113,7 +113,7 @@ def _make_component(row: dict[str, str], values: ComponentValues) -> Component:
                 capacitor = require_capacitor(farad, find_package(footprint), values.tolerance.capacitor_percent)
             return _make_passive(reference, farad, role, footprint, capacitor)
         case "amplifier":
-            data, symbol = CATALOGUE[values.amplifier], symbols.DUAL_AMPLIFIERS[values.amplifier]
+            data, symbol = AMPLIFIER_CATALOGUE[values.amplifier], symbols.DUAL_AMPLIFIERS[values.amplifier]
             rating = f"{symbol.description}, offset {1e3 * data.max_offset_v:g} mV at most"
             return Component(reference, data.order_name, symbol, symbols.SOIC_8, role, rating)
         case "clamp":

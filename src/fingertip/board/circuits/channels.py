@@ -12,7 +12,7 @@ from dataclasses import replace
 from fingertip.board.parts import symbols
 from fingertip.board.parts.circuit import HOST_CONNECTOR, SENSOR_CONNECTOR, Circuit, Component, Net, build_circuit
 from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE, BIAS, GND, POWER_IN, RAILS, name_open_net
-from fingertip.catalogues.controllers import NAMES
+from fingertip.catalogues.electronics import NAMES
 
 PLACES = len(NAMES)
 """Channels that the board for several fingers has places for."""

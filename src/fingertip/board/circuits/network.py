@@ -33,7 +33,7 @@ from fingertip.board.components.front_end import (
 )
 from fingertip.board.parts.circuit import Circuit, parse_component_value
 from fingertip.board.parts.nets import GND, RAILS, UNCONNECTED, VCC
-from fingertip.catalogues.amplifiers import OPEN_LOOP_GAIN, Amplifier
+from fingertip.catalogues.electronics import OPEN_LOOP_GAIN, Amplifier
 from fingertip.foundation.numerics import Array
 
 Spectrum = NDArray[np.complex128]

@@ -19,7 +19,7 @@ from fingertip.board.components.front_end import AMPLIFIERS, BOLTZMANN_J_PER_K, 
 from fingertip.board.components.values import CLAMP, CLAMP_A, LOW_LEAKAGE_A, LOW_LEAKAGE_CLAMP
 from fingertip.board.parts.circuit import Circuit, parse_component_value
 from fingertip.board.parts.nets import ADC_FILTERED, GND
-from fingertip.catalogues.amplifiers import OPEN_LOOP_GAIN
+from fingertip.catalogues.electronics import OPEN_LOOP_GAIN
 
 HOST_SUPPLY, HOST_GROUND = "HOST_SUPPLY", "HOST_GROUND"
 """Nets of the controller's ends of the supply cable, in a circuit with its cables."""

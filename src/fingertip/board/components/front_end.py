@@ -27,7 +27,7 @@ import statistics
 from dataclasses import dataclass, replace
 
 from fingertip.board.components.selection import neighbouring_values, values_around
-from fingertip.catalogues.amplifiers import CATALOGUE
+from fingertip.catalogues.electronics import AMPLIFIER_CATALOGUE
 from fingertip.design.parameters.finger import TURN_ON_N
 
 INTERLINK_CURVE = ((20.0, 30e3), (50.0, 10e3), (100.0, 6e3), (250.0, 3.5e3), (1000.0, 1.25e3), (10000.0, 250.0))
@@ -149,14 +149,14 @@ STAGE_VALUES = {
 
 # Amplifiers of the board as its circuit names them, and data-sheet values of the bridge's AD623.
 #
-# The operational amplifiers and their figures are in `fingertip.catalogues.amplifiers`; no other module repeats these
+# The operational amplifiers and their figures are in `fingertip.catalogues.electronics`; no other module repeats these
 # values.
 
 BOLTZMANN_J_PER_K = 1.380649e-23
 TEMPERATURE_K = 300.15
 """Temperature: 27 degrees Celsius, as in SPICE."""
 
-AMPLIFIERS = {amplifier.symbol: amplifier for amplifier in CATALOGUE.values()}
+AMPLIFIERS = {amplifier.symbol: amplifier for amplifier in AMPLIFIER_CATALOGUE.values()}
 """Amplifiers of the catalogue by the name of their symbol, by which circuits know them."""
 
 AD623_NOISE_V, AD623_OUTPUT_NOISE_V = 35e-9, 50e-9

@@ -120,7 +120,7 @@ class AdcInterface:
 class ComponentValues:
     variant: str
     amplifier: str
-    """Dual amplifier of filter and rectifier, by its name in `fingertip.catalogues.amplifiers.CATALOGUE`."""
+    """Dual amplifier of filter and rectifier, by its name in `fingertip.catalogues.electronics.AMPLIFIER_CATALOGUE`."""
     ideal: FilterComponents
     """Values by the formulas (article, eqs. 2, 5, 6, 7, 11)."""
     preferred: FilterComponents

@@ -10,8 +10,8 @@ import functools
 import math
 from collections.abc import Callable
 
-from fingertip.catalogues import amplifiers
-from fingertip.catalogues.amplifiers import Amplifier
+from fingertip.catalogues import electronics
+from fingertip.catalogues.electronics import Amplifier
 from fingertip.design.formulas import filter as filter_components
 from fingertip.design.parameters.electronics import Board
 from fingertip.foundation.numerics import bisect
@@ -32,15 +32,17 @@ def choose_amplifier(board: Board) -> Amplifier:
     hardware, and five offsets add up in its envelope, so it has an amplifier of low offset. A board of several fingers
     has twenty amplifiers, so it has those of low supply current.
     """
-    return amplifiers.CATALOGUE[choose_automatically(board) if board.amplifier == amplifiers.AUTO else board.amplifier]
+    return electronics.AMPLIFIER_CATALOGUE[
+        choose_automatically(board) if board.amplifier == electronics.AUTO else board.amplifier
+    ]
 
 
 def choose_automatically(board: Board) -> str:
     if board.variant == "article":
-        return amplifiers.ARTICLE_AMPLIFIER
+        return electronics.ARTICLE_AMPLIFIER
     if board.variant == "comparator":
-        return amplifiers.LOW_OFFSET_AMPLIFIER
-    return amplifiers.LOW_POWER_AMPLIFIER if board.channels > 1 else amplifiers.RAIL_TO_RAIL_AMPLIFIER
+        return electronics.LOW_OFFSET_AMPLIFIER
+    return electronics.LOW_POWER_AMPLIFIER if board.channels > 1 else electronics.RAIL_TO_RAIL_AMPLIFIER
 
 
 def find_gain_bandwidth_hz(board: Board) -> float:

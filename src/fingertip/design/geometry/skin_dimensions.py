@@ -9,7 +9,7 @@ import math
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from fingertip.catalogues.sensors import CATALOGUE, ForceSensor
+from fingertip.catalogues.electronics import SENSORS, ForceSensor
 from fingertip.design.geometry.conic import ConicBody, CrossSection, Tip, weight_of_fullness
 from fingertip.design.geometry.profile import Crown
 
@@ -39,7 +39,7 @@ class SkinDimensions:
     def sensor(self) -> ForceSensor:
         """Outline of the force-sensing resistor, from the catalogue or from [custom_sensor]."""
         if self._design.sensor.model != "custom":
-            return CATALOGUE[self._design.sensor.model]
+            return SENSORS[self._design.sensor.model]
         own = self._design.custom_sensor
         return ForceSensor(
             "custom", "custom sensor", own.active_diameter_mm, own.head_diameter_mm, own.thickness_mm, own.length_mm,

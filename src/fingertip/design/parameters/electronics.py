@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from fingertip.catalogues.amplifiers import AUTO, CATALOGUE
-from fingertip.catalogues.controllers import NAMES
+from fingertip.catalogues.electronics import AMPLIFIER_CATALOGUE, AUTO, NAMES
 from fingertip.design.parameters.declaration import Above, OneOf, ParameterTable, choice, quantity
 
 
@@ -63,7 +62,7 @@ class Board(ParameterTable):
         1000.0, "Hz", (10, 1e5),
         "Low-pass cutoff of the first stage against amplifier noise (precision, comparator; article has none).",
     )  # fmt: skip
-    amplifier: Annotated[str, OneOf(AUTO, *CATALOGUE)] = choice(
+    amplifier: Annotated[str, OneOf(AUTO, *AMPLIFIER_CATALOGUE)] = choice(
         AUTO,
         "Dual amplifiers of the board; auto: TL082 (article), MCP6022 (precision; from 2 channels on TLV2372, which "
         "draw less), OPA2376 (comparator).",

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
+from fingertip.catalogues.electronics import PART_TO_PART, SENSORS
 from fingertip.catalogues.materials import MaterialProperty, Silicone, load_silicones
-from fingertip.catalogues.sensors import CATALOGUE, PART_TO_PART
 from fingertip.design.parameters.declaration import OWN, Above, OneOf, ParameterTable, choice, quantity, text
 
 
 class Sensor(ParameterTable):
     """Force-sensing resistor, and its pocket in the bone."""
 
-    model: Annotated[str, OneOf(*CATALOGUE, "custom")] = choice(
+    model: Annotated[str, OneOf(*SENSORS, "custom")] = choice(
         "fsr400", "Force-sensing resistor from the catalogue, or custom: [custom_sensor] then holds its outline."
     )
     distance_from_tip_mm: float = quantity(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from fingertip.catalogues.amplifiers import Amplifier, list_dual_amplifiers
+from fingertip.catalogues.electronics import Amplifier, list_dual_amplifiers
 from fingertip.design.formulas import amplifiers as formulas
 from fingertip.design.formulas import filter as filter_components
 from fingertip.design.geometry import DesignTables

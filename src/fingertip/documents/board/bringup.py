@@ -19,7 +19,7 @@ from fingertip.board.kicad.project import load_project
 from fingertip.board.parts import nets
 from fingertip.board.parts.circuit import Circuit, format_component_value
 from fingertip.board.parts.symbols import LOCKING_CONNECTORS
-from fingertip.catalogues.controllers import NAMES
+from fingertip.catalogues.electronics import NAMES
 from fingertip.design import Design
 from fingertip.documents.board.readme import collect_board
 from fingertip.documents.template import format_ohm, render

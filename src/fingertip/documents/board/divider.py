@@ -13,8 +13,8 @@ from fingertip.board.circuits.spice import divider_deck
 from fingertip.board.components.front_end import MAX_CURRENT_A_PER_CM2, MAX_FORCE_N, sensor_conductance_s
 from fingertip.board.fabrication.bom import COLUMNS, list_bom
 from fingertip.board.kicad.netlist import kicad_netlist_file
+from fingertip.catalogues.electronics import PART_TO_PART
 from fingertip.catalogues.output_files import BOM, DECK, NETLIST, README, VALUES, WIRING
-from fingertip.catalogues.sensors import PART_TO_PART
 from fingertip.design import Design
 from fingertip.design.formulas.filter import find_preferred_neighbours
 from fingertip.documents.acceptance import IDLE_TOLERANCE_V, WEIGHTS_G, expect_open_v, expect_readings

@@ -23,8 +23,7 @@ from fingertip.board.parts import table
 from fingertip.board.parts.circuit import SENSOR_CONNECTOR, Circuit, Component
 from fingertip.board.parts.select_part import NO_LCSC
 from fingertip.board.parts.symbols import CAPACITOR, RESISTOR
-from fingertip.catalogues.amplifiers import CATALOGUE
-from fingertip.catalogues.controllers import NAMES
+from fingertip.catalogues.electronics import AMPLIFIER_CATALOGUE, NAMES
 from fingertip.design import Design
 from fingertip.design.formulas import filter as formulas
 from fingertip.design.formulas.amplifiers import DIODE_V
@@ -61,7 +60,7 @@ def folder_readme(circuit: Circuit, stored: StoredProject, values: BoardValues, 
         ],
         limits=limits,
         adc_range=adc_range[:1].upper() + adc_range[1:],
-        amplifier=CATALOGUE[values.amplifier],
+        amplifier=AMPLIFIER_CATALOGUE[values.amplifier],
         touches=describe_touches(),
         diode_v=DIODE_V,
         band_hz=signal_band_hz(design.board.cutoff_hz),

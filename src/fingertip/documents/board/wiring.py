@@ -14,7 +14,7 @@ from fingertip.board.parts.circuit import HOST_CONNECTOR, SUPPLY_CONNECTOR, Circ
 from fingertip.board.parts.nets import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE, GND, POWER_IN, SLIP, VCC, VEE, VMID_OUT
 from fingertip.board.parts.symbols import AO3401A, JST_SH_4, JST_SH_15, LOCKING_CONNECTORS
 from fingertip.board.parts.table import group_plug_wires
-from fingertip.catalogues.controllers import NAMES
+from fingertip.catalogues.electronics import NAMES
 from fingertip.documents.template import render
 from fingertip.foundation.errors import join_words
 

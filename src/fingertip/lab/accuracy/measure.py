@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from fingertip.catalogues.sensors import PART_TO_PART
+from fingertip.catalogues.electronics import PART_TO_PART
 from fingertip.design import Design
 from fingertip.foundation import extras
 from fingertip.foundation.numerics import Array

@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from fingertip.catalogues.sensors import PART_TO_PART
+from fingertip.catalogues.electronics import PART_TO_PART
 from fingertip.documents.template import lay_out_page, render
 from fingertip.lab.campaign.closed_loop import NO_CONTROL, ClosedLoopSummary, ClosedLoopTrial
 from fingertip.lab.campaign.mix import MixSummary

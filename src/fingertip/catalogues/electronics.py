@@ -1,0 +1,177 @@
+"""Catalogues of force-sensing resistors (FSR), operational amplifiers and controllers.
+
+They are read from `sensors.csv`, `amplifiers.csv` and `controllers.csv`, with the source of every figure. Of sensors,
+[G] is Interlink Electronics' FSR Integration Guide, and [D] its one-page data sheet of the model. Dimensions listed
+in `unverified` were not found in a document of Interlink, or differ between its editions. Measure your own sensor
+before you print.
+
+Figures of an amplifier listed in `unverified` were recalled from the data sheet, assumed, or derived; no document of
+the maker was read for them. Read the data sheet of the part you buy. The article's TL082 has a common-mode input
+range that ends 3 V above the negative rail (typical; the data sheet guarantees 4 V), and below that its output
+reverses its phase and jumps up. All others have rail-to-rail inputs and outputs and the same pins.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+from fingertip.foundation.tables import load_table, read_rows
+
+PART_TO_PART = (2.0, 8.0)
+"""Factors by which the readings of real sensors of one model differ at the same force, from usual to bad. Source: three
+sensors under 2.6 N in a divider with a converter of 10 bits gave 341 to 373 counts, and 45 to 54."""
+
+FILM_G_CM3 = 1.4
+"""Density of a sensor, taken for that of its polyester films. (unverified)"""
+
+
+@dataclass(frozen=True)
+class ForceSensor:
+    """Outline of a flat force-sensing resistor as bought: round head, and tail that leads to the two solder tabs."""
+
+    model: str
+    label: str
+    active_diameter_mm: float
+    head_diameter_mm: float
+    thickness_mm: float
+    length_mm: float
+    """Length from the far edge of the head to the end of the tail [mm]."""
+    tail_width_mm: float
+    tab_pitch_mm: float
+    source: str
+    unverified: tuple[str, ...]
+    """Names of the dimensions that no Interlink document confirms."""
+    bundled_design: str = "fsr400"
+    changes: tuple[str, ...] = ()
+    """Changes of that design which the sensor needs."""
+
+
+SENSORS = {
+    sensor.model: sensor for sensor in load_table(ForceSensor, read_rows(Path(__file__).with_name("sensors.csv")))
+}
+
+
+@dataclass(frozen=True)
+class Amplifier:
+    name: str
+    symbol: str
+    """Name of its symbol in KiCad's library: its own, or a dual amplifier's whose pins are drawn at the same places."""
+    order_name: str
+    """Name to order, with the grade."""
+    bandwidth_hz: float
+    """Gain-bandwidth product, typical [Hz]."""
+    phase_margin_deg: float
+    """Phase margin of a follower, typical [degree]. It places the second pole."""
+    noise_v: float
+    """White noise density at the input [V/sqrt(Hz)]."""
+    offset_v: float
+    max_offset_v: float
+    """Maximum input offset voltage at 25 degrees Celsius [V], for the grade in `order_name`."""
+    drift_v_per_k: float
+    """Drift of the offset with the temperature [V/K]; the maximum where the data sheet states one."""
+    output_from_rail_v: float
+    """Distance from the rails at which the output stops [V], typical, into a light load (10 kohm)."""
+    output_current_a: float
+    """Peak output current that it may be asked for [A]; half of the short-circuit current where only that is stated."""
+    min_supply_v: float
+    max_supply_v: float
+    """Range of the voltage between both supply pins [V]."""
+    supply_current_a: float
+    """Supply current of each unit [A], typical; the maximum where only that is stated."""
+    input_f: float
+    """Capacitance of each input to ground [F]: common-mode and differential together."""
+    unverified: tuple[str, ...]
+    """Names of the figures that no document read confirms."""
+    input_from_lower_v: tuple[float, float]
+    """Distance from the lower rail that the inputs must keep [V]: typical and guaranteed."""
+    preference: int
+    """Place in the order in which a remedy offers them, from 1."""
+    source: str
+    """Documents of the other figures."""
+    units: ClassVar[Mapping[str, tuple[str, str, str]]] = {"a": ("3", "2", "1"), "b": ("5", "6", "7")}
+    """Unit letter -> pins of non-inverting input, inverting input and output."""
+
+    @functools.cached_property
+    def second_pole_hz(self) -> float:
+        """Frequency f2 of the second pole [Hz]: at unity gain it lags by 90 degrees less the phase margin."""
+        lag = math.tan(math.radians(90.0 - self.phase_margin_deg))
+        return self.bandwidth_hz / (lag * math.hypot(1.0, lag))
+
+    def open_loop_gain(self, f_hz: float) -> complex:
+        """Open-loop gain with two poles at a frequency [Hz]."""
+        return 1.0 / ((1.0 / OPEN_LOOP_GAIN + 1j * f_hz / self.bandwidth_hz) * (1.0 + 1j * f_hz / self.second_pole_hz))
+
+
+OPEN_LOOP_GAIN = 2e5
+"""Open-loop gain A0 of the TL082 (typical, its data sheet): 106 dB. More, as the others have, changes no result."""
+
+AMPLIFIER_CATALOGUE: dict[str, Amplifier] = {
+    amplifier.name: amplifier
+    for amplifier in load_table(Amplifier, read_rows(Path(__file__).with_name("amplifiers.csv")))
+}
+"""Dual amplifiers by the name that `board.amplifier` gives them."""
+
+AUTO = "auto"
+ARTICLE_AMPLIFIER, RAIL_TO_RAIL_AMPLIFIER, LOW_OFFSET_AMPLIFIER = "TL082", "MCP6022", "OPA2376"
+LOW_POWER_AMPLIFIER = "TLV2372"
+
+
+def list_dual_amplifiers() -> tuple[Amplifier, ...]:
+    """List the amplifiers that board.amplifier can name, the preferred ones first."""
+    return tuple(sorted(AMPLIFIER_CATALOGUE.values(), key=lambda amplifier: amplifier.preference))
+
+
+NAMES = ("thumb", "index", "middle", "ring", "little")
+"""Names of the fingers that one controller reads, in the order of its inputs and of a board's channels."""
+
+
+def split_finger(name: str) -> tuple[str, str]:
+    """Split the parameter of one finger, such as fingers.thumb.skin.width_mm, into both; "" stands for all fingers."""
+    words = name.split(".", 2)
+    return (words[1], words[2]) if words[0] == "fingers" and len(words) == 3 else ("", name)
+
+
+@dataclass(frozen=True)
+class ControllerBoard:
+    """Controller's board that can be bought, with its Arduino core where the examples need one."""
+
+    key: str
+    """Name for the command line."""
+    name: str
+    processor: str
+    clock_mhz: float
+    """Clock, of the slowest board of the row."""
+    has_floats: bool
+    """True if the processor computes floats itself."""
+    converter: str
+    """Resolution and range of the analog inputs."""
+    timer: str
+    """Answer to whether `slip_timer.h` has its timer, or the sketch for dividers alone."""
+    note: str
+    inputs: str
+    """Analog inputs that are free, as its core names them, separated by spaces."""
+    ram_kb: int
+    convert_us: float
+    """Time in which one input is converted [us]: by `analogRead`, or in a scan by DMA."""
+    has_scan: bool
+    """True if the converter scans all inputs by itself, and the interrupt waits for none."""
+
+    @property
+    def core(self) -> str:
+        """Processor, its clock, and whether it computes floats itself."""
+        floats = "with floats" if self.has_floats else "floats in software"
+        return f"{self.processor} at {self.clock_mhz:g} MHz, {floats}"
+
+
+@functools.cache
+def load_controllers() -> tuple[ControllerBoard, ...]:
+    return load_table(ControllerBoard, read_rows(Path(__file__).with_name("controllers.csv")))
+
+
+def list_keys() -> tuple[str, ...]:
+    return tuple(board.key for board in load_controllers())

@@ -39,9 +39,9 @@ def render_text(template: str, /, **data: Any) -> str:
     return _environment().from_string(template).render(data)
 
 
-def fill(name: str, sheet: object, width: int | None = None, /) -> str:
+def fill(name: str, sheet: object) -> str:
     """Render a template with the fields of a dataclass, and lay it out."""
-    return render_page(name, width, **vars(sheet))
+    return render_page(name, **vars(sheet))
 
 
 def render_page(name: str, width: int | None = None, /, **data: Any) -> str:

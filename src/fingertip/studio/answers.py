@@ -78,61 +78,44 @@ def describe_issues(error: FingertipError) -> list[dict[str, str]]:
 
 
 @dataclass(frozen=True)
-class Parts:
-    """Data of the 3D view, and a box for each kind of item."""
+class Answer:
+    """Data for the page, of which each question gets some; the others are None and are not sent."""
 
-    scene: list[dict[str, Any]]
-    boxes: Markup
-
-
-@dataclass(frozen=True)
-class Figures:
-    figures: Markup
-
-
-@dataclass(frozen=True)
-class Feeling:
-    """Picture of what the sensor feels."""
-
-    pad: Markup
-
-
-@dataclass(frozen=True)
-class Checks:
-    passed: bool
-    failed: tuple[str, ...]
-    count: int
-    verdict: Markup
-    checks: Markup
+    scene: list[dict[str, Any]] | None = None
+    """Data of the 3D view."""
+    boxes: Markup | None = None
+    figures: Markup | None = None
+    passed: bool | None = None
+    failed: tuple[str, ...] | None = None
+    count: int | None = None
+    """Whether the checks passed, those that did not, and the number of all."""
+    verdict: Markup | None = None
+    checks: Markup | None = None
     moves: Mapping[str, tuple[str, ...]] | None = None
     """Parameter -> items that it shapes."""
     pad: Markup | None = None
-
-
-@dataclass(frozen=True)
-class Passing:
-    """Values of the parameter in hand that pass with the others as they are; nothing if its present one does."""
-
+    """Picture of what the sensor feels."""
     bands: tuple[Band, ...] | None = None
     said: str | None = None
+    """Values of the parameter in hand that pass with the others as they are."""
     issues: list[dict[str, str]] | None = None
-    """Why the present value is refused."""
     passing: float | None = None
-    """Passing value that is nearest to it."""
+    """Why its present value is refused, and the nearest one that passes."""
 
 
-def answer_parts(design: Design, still_wanted: StillWanted) -> Parts:
+def answer_parts(design: Design, still_wanted: StillWanted) -> Answer:
     items = make_items(design, still_wanted)
-    return Parts(scene_data(items), render_boxes(items))
+    return Answer(scene=scene_data(items), boxes=render_boxes(items))
 
 
-def answer_figures(design: Design, still_wanted: StillWanted) -> Figures:
+def answer_figures(design: Design, still_wanted: StillWanted) -> Answer:
     """Tell size, masses, days and prices as the page of the design does, from meshes at the tolerance of the view."""
     items = make_items(design, still_wanted)
     casting = casting_sheet(design, AskingEvaluator(VIEW_TOLERANCE_MM, still_wanted))
     still_wanted()
     sections = split_sections(render_start(FirstScreen(design, casting, None, measure_finger(items), (), 0, "")))
-    return Figures(render_facts({heading: sections[heading] for heading in _FIGURES if heading in sections}))
+    shown = {heading: sections[heading] for heading in _FIGURES if heading in sections}
+    return Answer(figures=render_facts(shown))
 
 
 _FIGURES = ("Size", "Print", "Silicone", "Time", "Cost of the board's parts")
@@ -150,7 +133,7 @@ def make_items(design: Design, still_wanted: StillWanted = lambda: None) -> tupl
     return place_items(design, meshes, dict.fromkeys(meshes, 1.0), _make_mesh)
 
 
-def answer_checks(design: Design, still_wanted: StillWanted) -> Checks:
+def answer_checks(design: Design, still_wanted: StillWanted) -> Answer:
     """Check the parts at the tolerance of the view, and find what each parameter shapes."""
     evaluator = AskingEvaluator(VIEW_TOLERANCE_MM, still_wanted)
     solids = Solids.of(design, evaluator, parts_by_name(design))
@@ -164,19 +147,18 @@ def answer_checks(design: Design, still_wanted: StillWanted) -> Checks:
     return replace(checked, moves=shapes_of_parameters(design))
 
 
-def answer_all_checks(design: Design, still_wanted: StillWanted) -> Checks:
+def answer_all_checks(design: Design, still_wanted: StillWanted) -> Answer:
     """Make the files in memory and run every check of `fingertip build` that needs no STEP file."""
     found = verify(design, parts_by_name(design), ("stl", "3mf"), AskingEvaluator(FILE_TOLERANCE_MM, still_wanted))
     checked = _describe_checks(found.checks, "of shape and files passed", EVERY_FILE)
     return replace(checked, pad=render_pad(design))
 
 
-def _describe_checks(checks: Sequence[Check], passed: str, basis: str) -> Checks:
+def _describe_checks(checks: Sequence[Check], passed: str, basis: str) -> Answer:
     reported = [ReportedCheck.read(check.to_dict()) for check in checks]
-    failed = tuple(check.name for check in checks if not check.passed)
-    return Checks(
-        not failed, failed, len(checks), render_verdict(reported, passed), render_checks(reported, basis)
-    )  # fmt: skip
+    failed, verdict = tuple(check.name for check in checks if not check.passed), render_verdict(reported, passed)
+    shown = render_checks(reported, basis)
+    return Answer(passed=not failed, failed=failed, count=len(checks), verdict=verdict, checks=shown)
 
 
 @lru_cache(maxsize=_MESHES_KEPT)
@@ -184,13 +166,11 @@ def _make_mesh(solid: Solid) -> Mesh:
     return MeshEvaluator(VIEW_TOLERANCE_MM).mesh(solid)
 
 
-Answer = Parts | Figures | Feeling | Checks | Passing
-"""Data for the page; it is sent without the fields that are None."""
 ANSWERS: Mapping[str, Callable[[Design, StillWanted], Answer]] = {
     "parts": answer_parts,
     "figures": answer_figures,
     "checks": answer_checks,
-    "pad": lambda design, still_wanted: Feeling(render_pad(design, still_wanted)),
+    "pad": lambda design, still_wanted: Answer(pad=render_pad(design, still_wanted)),
     "all-checks": answer_all_checks,
 }
 """Name in the address -> function that answers, after the answers before it."""
@@ -293,12 +273,12 @@ class BandFinder:
         return self._found[others, path]
 
 
-def answer_bands(finder: BandFinder, tables: Mapping[str, Any], path: str, still_wanted: StillWanted) -> Passing:
+def answer_bands(finder: BandFinder, tables: Mapping[str, Any], path: str, still_wanted: StillWanted) -> Answer:
     bands = finder.find(tables, path, still_wanted)
-    return Passing(bands, describe_bands(path, bands) if bands else "")
+    return Answer(bands=bands, said=describe_bands(path, bands) if bands else "")
 
 
-def answer_rules(finder: BandFinder, tables: Mapping[str, Any], path: str, still_wanted: StillWanted) -> Passing:
+def answer_rules(finder: BandFinder, tables: Mapping[str, Any], path: str, still_wanted: StillWanted) -> Answer:
     """Say whether the form's design passes, and if not with which value of the parameter in hand it would.
 
     Raises
@@ -317,8 +297,8 @@ def answer_rules(finder: BandFinder, tables: Mapping[str, Any], path: str, still
         refused = Issue(path, f"{problem} With the other parameters as they are, {values} pass.")
         table, _, key = path.partition(".")
         passing = _find_nearest(tables[table][key], finder.opened.value(path), bands)
-        return Passing(bands, values, describe_issues(DesignError(refused)), passing)
-    return Passing()
+        return Answer(bands=bands, said=values, issues=describe_issues(DesignError(refused)), passing=passing)
+    return Answer()
 
 
 def _find_nearest(present: object, opened: float, bands: Sequence[Band]) -> float:

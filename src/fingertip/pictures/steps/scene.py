@@ -137,7 +137,6 @@ class View:
 
     DORSAL = Camera.from_angles(28, 24)
     PALMAR = Camera.from_angles(28, -38)
-    SIDE = Camera.from_angles(0, 0)
     CUT_FROM_BELOW = Camera.from_angles(24, -24)
     """Camera on the cut face of a section and on the palmar side, where the sensor lies."""
 

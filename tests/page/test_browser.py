@@ -18,12 +18,10 @@ from fingertip.cad.files import stl
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.catalogues.output_files import PAGE
 from fingertip.documents.finger_set import render_set_start, render_sheet
-from fingertip.page.parameters_and_checks import render_atlas
 from fingertip.page.render import render_set_page
-from fingertip.pictures.parameter_changes import draw_parameter
 from fingertip.pictures.steps.scenes import draw_finger
 from tests.browser import HOW, click, drawn_ms, find_barriers, open_browser, picture, wait
-from tests.conftest import ROOT, some_of
+from tests.conftest import ROOT
 from tests.page.conftest import Page
 from tests.sets.test_sets import FINGER, NAMES, THUMB, collect_data, make_sheets
 from tests.tools import require_tool
@@ -383,20 +381,6 @@ def test_page_of_a_set_is_laid_out_alike(driver: Any, tmp_path: Path) -> None:
     links = {link for link in Page(page.read_text()).attributes("href") if not link.startswith("#")}
     assert links == files | {f"{design.name}/{PAGE}" for design in (THUMB, FINGER)}
     assert [entry for entry in driver.get_log("browser") if entry["level"] != "INFO"] == []
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("scheme", some_of(["light", "dark"], "dark"))
-def test_atlas_is_accessible(driver: Any, scheme: str, tmp_path: Path) -> None:
-    design = Design.load("fsr400")
-    path = "bone.collar_length_mm"
-    picture = draw_parameter(design, path, ("bone",))
-    assert picture
-    page = tmp_path / "parameters.html"
-    page.write_bytes(render_atlas(design, {path: picture}))
-    driver.get(page.as_uri())
-    assert driver.execute_script("return document.querySelector('figure img').decode().then(() => true)")
-    assert find_barriers(driver, scheme, 390) == []
 
 
 @pytest.mark.full

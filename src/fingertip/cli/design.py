@@ -12,7 +12,7 @@ import typer
 from fingertip.cli import options
 from fingertip.cli.completion import SHELLS, read_script
 from fingertip.cli.console import Console
-from fingertip.cli.options import command, find_file_issues, find_idle_issues, flag, load_design, refuse
+from fingertip.cli.options import command, find_idle_issues, flag, load_design, refuse
 from fingertip.foundation.errors import DesignError, Issue, join_words
 
 
@@ -23,30 +23,19 @@ def params(
     changes: list[str] | None = options.CHANGES,
     toml: bool = flag("Print a complete design file with comments."),
     schema: bool = flag("Print the JSON schema of design files, for editors."),
-    html: Path | None = typer.Option(
-        None, metavar="FILE.html", help="Write them as a page with a picture of what each changes; takes minutes."
-    ),
 ) -> None:
     """Print every parameter with its value, unit, bounds and description."""
     from fingertip.design import files as export
     from fingertip.design.parameters import Tables
 
-    issues = list(find_file_issues("--html", html, ".html"))
-    if schema or toml:
-        issues += find_idle_issues("--schema" if schema else "--toml", {"--html": html, "--toml": schema and toml})
-    refuse(issues)
+    if schema:
+        refuse(find_idle_issues("--schema", {"--toml": toml}))
     loaded = load_design(design, changes, console)
     if schema:  # The schema is JSON with and without --json.
         console.write(json.dumps(Tables.model_json_schema(), indent=2))
     elif toml:
         text = export.to_toml(loaded)
         console.result({"toml": text}, text.removesuffix("\n"))
-    elif html:
-        from fingertip.page.parameters_and_checks import write_atlas
-
-        pictures = write_atlas(loaded, html, console.progress)
-        text = f"parameters: {html}, {pictures} pictures; open it in a browser, no network is needed"
-        console.result({"html": str(html), "pictures": pictures}, text)
     else:
         parameters = [(parameter, loaded.value(parameter.path)) for parameter in export.list_parameters()]
         data = [

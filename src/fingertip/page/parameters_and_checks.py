@@ -1,25 +1,20 @@
 """Parameters and checks of a design: what each parameter shapes, and what was measured on the parts.
 
-Each check links to the parameters that set it. The atlas of the parameters, a file of its own, has a picture of what
-each changes, or says what it decides instead.
+Each check links to the parameters that set it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
-from pathlib import Path
 from typing import Any
 
 from fingertip.cad.shapes.parts import shapes_of_parameters
 from fingertip.cad.verification.verify import list_causes
 from fingertip.design import Design
 from fingertip.design.files import Parameter, format_value, list_parameters
-from fingertip.foundation.files import open_atomic
-from fingertip.page import html
 from fingertip.page.html import Markup, button, code, element, fold, join, quantity, table
 from fingertip.page.model_section import label_item
-from fingertip.pictures.parameter_changes import AtlasPicture, draw_atlas
 
 _EFFECTS = {
     "silicone": ("quantities and times of casting", "casting"),
@@ -76,19 +71,16 @@ def _render_row(design: Design, parameter: Parameter, moved: Mapping[str, tuple[
     shown = element("span", f"{format_value(value)} {parameter.unit}".rstrip(), class_="num")
     if value != parameter.default:
         shown = join((shown, element("br"), element("small", f"default {format_value(parameter.default)}")))
-    return join((name, element("div", parameter.description), describe_effect(path, items))), shown, parameter.bounds
+    return join((name, element("div", parameter.description), _describe_effect(path, items))), shown, parameter.bounds
 
 
-def describe_effect(path: str, items: tuple[str, ...], *, linked: bool = True) -> Markup:
+def _describe_effect(path: str, items: tuple[str, ...]) -> Markup:
     """Say what a parameter decides, with a link to the section of the page that shows it."""
-    effect = _EFFECTS.get(path.partition(".")[0])
     if items:
-        words: tuple[str, ...] = ("Shapes ", ", ".join(dict.fromkeys(label_item(item) for item in items)), ".")
-    elif effect:
-        words = ("Decides ", element("a", effect[0], href=f"#{effect[1]}") if linked else effect[0], ".")
-    else:
-        words = ("Shapes no part of this design: a limit, or a choice that it does not use.",)
-    return element("small", *words)
+        return element("small", "Shapes ", ", ".join(dict.fromkeys(label_item(item) for item in items)), ".")
+    if effect := _EFFECTS.get(path.partition(".")[0]):
+        return element("small", "Decides ", element("a", effect[0], href=f"#{effect[1]}"), ".")
+    return element("small", "Shapes no part of this design: a limit, or a choice that it does not use.")
 
 
 @dataclass(frozen=True)
@@ -170,66 +162,3 @@ def _tabulate(checks: Sequence[ReportedCheck], caption: str) -> Markup:
 def link_parameters(paths: Iterable[str]) -> Markup:
     links = [element("a", code(path), href=f"#p-{path}", class_="code") for path in paths]
     return join([piece for link in links for piece in (", ", link)][1:])
-
-
-_LEGEND = (
-    "Each picture shows the part that a parameter changes most, made with another value of it. Orange is nearer to you "
-    "than before, blue is farther away, and pale blue is gone; a ring marks a small change. The other parameters stay."
-)
-
-
-def write_atlas(design: Design, path: str | Path, progress: Callable[[str], None] = lambda message: None) -> int:
-    """Write the atlas of the parameters: each with a picture of what it changes. Returns the number of pictures.
-
-    Raises OutputError.
-    """
-    with open_atomic(Path(path), "--html") as file:  # a path that cannot be written is refused before the work
-        pictures = {picture.path: picture for picture in draw_atlas(design, progress)}
-        file.write(render_atlas(design, pictures))
-    return len(pictures)
-
-
-def render_atlas(design: Design, pictures: Mapping[str, AtlasPicture]) -> bytes:
-    tables, moved = group_parameters(), shapes_of_parameters(design)
-    links = (element("li", element("a", name or "design", href=f"#t-{name}")) for name in tables)
-    sections = []
-    for name, entries in tables.items():
-        parts = [element("h2", name or "design", id=f"t-{name}")]
-        if description := describe_table(design, name):
-            parts.append(element("p", description))
-        listed = (_render_entry(design, one, pictures.get(one.path), moved) for one in entries)
-        parts.append(element("ul", *listed, class_="atlas"))
-        sections.append(element("section", *parts, aria_labelledby=f"t-{name}"))
-    body = (
-        element("a", "Skip to the parameters", href="#content", class_="skip"),
-        element(
-            "header", element("h1", f"Parameters of {design.name}"), element("p", _LEGEND, class_="lead"),
-        ),
-        element("nav", element("ul", *links), aria_label="tables"),
-        element("main", *sections, id="content"),
-    )  # fmt: skip
-    return html.render_document(
-        f"{design.name}: parameters", body, html.read_asset("page.css") + html.read_asset("atlas.css"), ()
-    )
-
-
-def _render_entry(
-    design: Design, one: Parameter, picture: AtlasPicture | None, moved: Mapping[str, tuple[str, ...]]
-) -> Markup:
-    value = design.value(one.path)
-    shown = [element("span", f"{format_value(value)} {one.unit}".rstrip(), class_="num")]
-    if value != one.default:
-        shown.append(element("small", f" default {format_value(one.default)}"))
-    if one.bounds:
-        shown.append(element("small", f" {one.bounds}"))
-    shows = element("p", describe_effect(one.path, moved.get(one.path, ()), linked=False))
-    if picture:
-        image = element("img", src=html.embed(picture.png, "image/png"), alt=f"{picture.path}: {picture.caption}")
-        shows = element("figure", image, element("figcaption", picture.caption))
-    return element(
-        "li",
-        element("h3", code(one.path), class_="code", id=f"p-{one.path}"),
-        element("p", *shown),
-        element("p", one.description),
-        shows,
-    )

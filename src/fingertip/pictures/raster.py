@@ -21,8 +21,6 @@ Pen: TypeAlias = ImageDraw.ImageDraw
 Font: TypeAlias = ImageFont.FreeTypeFont
 _CREASE_COSINE = math.cos(math.radians(35.0))
 """Cosine of the angle between facets above which they are shaded as separate surfaces."""
-_LEAST_TINT = 0.5
-"""Brightness of a tinted pixel in the darkest shade."""
 _DECIMALS = 6
 """Decimals of projected points [mm or pixels] and shades. The last digits of a product of matrices depend on the
 processor, and pictures must not."""
@@ -139,20 +137,6 @@ class Canvas:
         light, change = at_start(shade)
         self._light.reshape(-1)[pixel] = light[row] + across[nearer[seen]] * change[row]
         self._paint.reshape(-1)[pixel] = paint
-
-    @property
-    def depth_mm(self) -> Array:
-        """Depth of each fine pixel towards the viewer [mm]; minus infinity where nothing was drawn."""
-        return self._depth / self._scale
-
-    def tint(self, mask: NDArray[np.bool_], colour: Colour) -> None:
-        """Give fine pixels another colour, even in the shade; empty ones become pale."""
-        self._first, self._last = np.zeros(2, dtype=int), np.array(self._depth.shape)
-        red, green, blue = (1.0 - 0.35 * (1.0 - part) for part in colour)
-        is_empty = mask & np.isinf(self._depth)
-        self._light[mask] = np.where(is_empty[mask], 1.0, _LEAST_TINT + (1.0 - _LEAST_TINT) * self._light[mask])
-        self._paint[mask] = self._find_paint(colour)
-        self._paint[is_empty] = self._find_paint((red, green, blue))
 
     def cover(self) -> NDArray[np.uint8]:
         """Return how far each pixel of the picture is covered by what was drawn, from 0 to 255."""

@@ -32,7 +32,7 @@ from fingertip.board.kicad.placement import list_pads, read_reference
 from fingertip.board.kicad.sexpr import read_expression
 from fingertip.cli.board_tables import analysis_text
 from fingertip.design import Design
-from fingertip.documents.board.wiring import wiring_diagram
+from fingertip.documents.wiring import wiring_diagram
 from fingertip.tasks.board import board_files, bring_up_files, write_board
 from tests.approved import check_text
 from tests.board.test_bringup import draw_board, plan_of

@@ -18,8 +18,8 @@ from fingertip.casting.sheet import CastingSheet, casting_sheet
 from fingertip.design import Design
 from fingertip.design.new_design import PRESETS
 from fingertip.documents.acceptance import acceptance_sheet, render_acceptance
-from fingertip.documents.board.wiring import wiring_diagram
 from fingertip.documents.finger import FirstScreen, list_steps, render_sheet, render_start
+from fingertip.documents.wiring import wiring_diagram
 from fingertip.pictures.steps.scene import Bench, Scene
 from fingertip.pictures.steps.scenes import SCENES, draw_steps
 from fingertip.tasks.board import board_files

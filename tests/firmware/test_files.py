@@ -13,7 +13,7 @@ from fingertip.catalogues.electronics import load_controllers
 from fingertip.catalogues.output_files import BUFFER, TIMER
 from fingertip.design import Design
 from fingertip.design.files import load_tables
-from fingertip.documents.board.wiring import SKETCH_PINS
+from fingertip.documents.wiring import SKETCH_PINS
 from fingertip.firmware import packaging as costs
 from fingertip.firmware.fingers import BUFFER_SAMPLES
 from fingertip.firmware.packaging import controller_changes, find_warnings

@@ -14,8 +14,8 @@ from fingertip.board.parts.nets import GND, VMID_OUT
 from fingertip.catalogues.electronics import NAMES
 from fingertip.catalogues.file_kinds import DESIGN, list_bundled_files
 from fingertip.design import Design
-from fingertip.documents.board.wiring import SKETCH_PINS, list_notes, name_signals
 from fingertip.documents.template import WIDTH, render_page
+from fingertip.documents.wiring import SKETCH_PINS, list_notes, name_signals
 from fingertip.firmware import fingers as capacity
 from fingertip.firmware import packaging
 from fingertip.firmware.fingers import Fingers, list_places

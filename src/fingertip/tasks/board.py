@@ -29,7 +29,7 @@ from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.documents.board.bringup import render_sheet
 from fingertip.documents.board.divider import divider_files
 from fingertip.documents.board.readme import folder_readme
-from fingertip.documents.board.wiring import wiring_diagram
+from fingertip.documents.wiring import wiring_diagram
 from fingertip.foundation import extras
 from fingertip.foundation.errors import BoardError, Issue, OutputError, escape_control, shorten
 from fingertip.foundation.output_set import Revision, SetWriter, finish_interrupted, hash_parameters

@@ -94,7 +94,7 @@ def wiring_diagram(circuit: Circuit, supply_v: float, name: str) -> bytes:
             top += one.height + _GAP
     height, notes = max(heights) + 2 * _GAP + 34.0, list(list_notes(circuit, supply_v))
     return render(
-        "board/wiring.svg", name=name, top=_TOP, board_height=height, connectors=connectors, notes=notes,
+        "wiring.svg", name=name, top=_TOP, board_height=height, connectors=connectors, notes=notes,
         height=_TOP + height + _GAP + 19.0 * len(notes) + 20.0, escape=escape,
     ).encode()  # fmt: skip
 

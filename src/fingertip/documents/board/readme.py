@@ -28,7 +28,7 @@ from fingertip.design import Design
 from fingertip.design.formulas import filter as formulas
 from fingertip.design.formulas.amplifiers import DIODE_V
 from fingertip.design.rules.amplifiers import CONTROLLER_RANGE_V
-from fingertip.documents.board import wiring
+from fingertip.documents import wiring
 from fingertip.documents.template import render
 from fingertip.foundation.errors import join_words
 from fingertip.foundation.files import format_figure

@@ -23,6 +23,7 @@ from fingertip.design.new_design import PRESETS
 from fingertip.foundation.errors import DesignError
 from tests.conftest import DESIGNS, design_file
 from tests.design.test_remedies import check_remedies, refuse
+from tests.oracles.conic_area import section_area
 
 CROWNED = [name for name in (*DESIGNS, *PRESETS) if Design.load(design_file(name)).skin.crown_radius_mm]
 FORMS = {
@@ -122,7 +123,7 @@ def test_both_kernels_and_an_integral_agree_in_volume(name: str) -> None:
         for heights in ((section.palmar, 0.0), (0.0, section.dorsal))
     )
     scales = np.array([(body.scale_at(h), body.palmar_scale_at(h)) for h in z])
-    areas = scales[:, 0] * (palmar.section.area() * scales[:, 1] + dorsal.section.area() * scales[:, 0])
+    areas = scales[:, 0] * (section_area(palmar.section) * scales[:, 1] + section_area(dorsal.section) * scales[:, 0])
     expected = float(np.trapezoid(areas, z))
     assert brep.volume(brep.BrepEvaluator().solid(SuperconicSolid(body))) == pytest.approx(expected, rel=1e-5)
     assert MeshEvaluator(0.002).manifold(SuperconicSolid(body)).volume() == pytest.approx(expected, rel=3e-4)

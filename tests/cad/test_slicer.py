@@ -97,10 +97,10 @@ def test_plate_slices_without_a_complaint(slicer: Path, name: str, tmp_path: Pat
     code = slice_to_gcode(slicer, tmp_path, plate, design)
     items, points = threemf.read_items(plate), support_moves(code)
     assert read_estimate(code)[0] > 60
-    lies = print_orientations(design)
-    assert (len(points) > 100) == any(lies[item.name].needs_supports for item in items)
+    supports = supports_by_part(design)
+    assert (len(points) > 100) == any(supports[item.name].places for item in items)
     for item in items:
-        if not lies[item.name].needs_supports:
+        if not supports[item.name].places:
             mesh = threemf.from_bytes(threemf.write_items("one", [item]))
             assert item.rotation is not None
             placed = Pose(item.rotation, item.shift).apply(mesh).vertices

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fingertip.design.geometry.conic import ELLIPSE, ConicBody, CrossSection, Tip, arc_abscissa, arc_area, arc_point
+from fingertip.design.geometry.conic import ELLIPSE, ConicBody, CrossSection, Tip, arc_abscissa, arc_point
+from tests.oracles.conic_area import arc_area
 
 WEIGHTS = st.floats(0.4, 8.0)
 BODY = ConicBody(CrossSection(8.5, 6.0, 7.0, 0.8, 0.75), ((0.0, 1.0), (24.0, 0.94)), Tip(34.0, 0.75))

@@ -18,7 +18,6 @@ class Orientation:
     rotate_x_deg: float
     """Rotation about the x axis of the part's file [degrees]."""
     face_on_plate: str
-    needs_supports: bool
 
 
 def print_orientations(design: Design) -> dict[str, Orientation]:
@@ -27,19 +26,19 @@ def print_orientations(design: Design) -> dict[str, Orientation]:
     The halves of the cup stand on their foot, the core on its plate. The bone stands upright: its palmar flat is then a
     wall, on which no layer ends.
     """
-    standing = Orientation(180.0, "the foot, rim up", needs_supports=False)
+    standing = Orientation(180.0, "the foot, rim up")
     orientations = {
-        "bone": Orientation(0.0, interface_of(design).face_on_plate, not design.prints_without_supports),
+        "bone": Orientation(0.0, interface_of(design).face_on_plate),
         "mold_palmar": standing,
         "mold_dorsal": standing,
-        "core": Orientation(0.0, "the plate, with its name", needs_supports=False),
+        "core": Orientation(0.0, "the plate, with its name"),
     }
     if PARTS["stand"].exists_in(design):
-        orientations["stand"] = Orientation(-90.0, "a flat side", needs_supports=False)
+        orientations["stand"] = Orientation(-90.0, "a flat side")
     if PARTS["pin"].exists_in(design):
-        orientations["pin"] = Orientation(0.0, "one end", needs_supports=False)
+        orientations["pin"] = Orientation(0.0, "one end")
     if PARTS["hand_stub"].exists_in(design):
-        orientations["hand_stub"] = Orientation(-90.0, "its back, the tendon's slots up", needs_supports=False)
+        orientations["hand_stub"] = Orientation(-90.0, "its back, the tendon's slots up")
     return orientations
 
 
@@ -80,18 +79,11 @@ def _bone(design: Design) -> Supports:
     """Supports of the bone: proximal to the skin, on the outside."""
     interface = interface_of(design)
     under = interface.supports_below + interface.supports_inside
-    outside = difference(_everywhere(design, top=0.0), finger.sensor_recess(design), finger.cable_channel(design))
+    section = design.dimensions.collar.section
+    reach = 2 * max(section.half_width, section.palmar + section.dorsal, design.bone.flange_width_mm)
+    below = -design.bone.base_length_mm - design.bone.post_length_mm - reach
+    outside = difference(
+        Box((-reach, -reach, below), (reach, reach, 0.0)), finger.sensor_recess(design), finger.cable_channel(design)
+    )
     none_on = "anything else above the collar; the seat of the sensor; the channel of the cables"
     return Supports((outside,), under, none_on)
-
-
-def _reach(design: Design) -> float:
-    """Length that exceeds the width and the height of bone and core [mm]."""
-    section = design.dimensions.collar.section
-    return 2 * max(section.half_width, section.palmar + section.dorsal, design.bone.flange_width_mm)
-
-
-def _everywhere(design: Design, top: float) -> Box:
-    """Build the air around a part below a height of the finger, down past its proximal end."""
-    reach = _reach(design)
-    return Box((-reach, -reach, -design.bone.base_length_mm - design.bone.post_length_mm - reach), (reach, reach, top))

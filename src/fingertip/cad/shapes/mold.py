@@ -152,11 +152,6 @@ def key_sockets(design: Design) -> tuple[Solid, ...]:
     return key_frustums(design, KEY_CLEARANCE_MM + max(0.0, design.printer.offset_mm))
 
 
-def outer_cutouts(design: Design) -> Solid:
-    """Build what is cut into the closed cup from outside: belts and letters."""
-    return union(*belts(design), *label(design))
-
-
 def label(design: Design) -> tuple[Prism, ...]:
     """Build the letters that name the palmar half, upright on the standing cup."""
     m = design.mold_layout

@@ -79,7 +79,10 @@ def check_brep_assembly(
     if "hollow" in volumes_mm3:
         outline = mold.block(design)
         block = math.prod(high - low for low, high in zip(outline.low, outline.high, strict=True))
-        filled = volumes_mm3["hollow"] + _letters_mm3(design) + sum(parts[half].volume_mm3 for half in HALVES)
+        # The letters in closed form save B-rep booleans. Their holes run clockwise, and count as negative.
+        rings = (ring for letter in mold.label(design) for ring in (letter.corners, *letter.holes))
+        letters = design.mold.engraving_depth_mm * sum(map(signed_area, rings))
+        filled = volumes_mm3["hollow"] + letters + sum(parts[half].volume_mm3 for half in HALVES)
         filled += sum(map(_volume_below_parting_plane_mm3, mold.key_sockets(design)))
         filled -= sum(map(_volume_below_parting_plane_mm3, mold.key_frustums(design)))
         yield Check("step.volume_balance.mold", abs(block - filled), _BREP_VOLUME_ERROR * block, "mm3")
@@ -120,18 +123,13 @@ def _cavity_imbalance(design: Design, evaluator: MeshEvaluator, skin: Solid) -> 
 
 def _mold_imbalance(design: Design, evaluator: MeshEvaluator, halves: Iterable[Solid]) -> float:
     """Compute |block - halves - hollow - cut-outs| [mm3]; hollow and cut-outs are evaluated apart from the halves."""
-    block, hollow = mold.block(design), union(mold.hollow(design), mold.outer_cutouts(design))
+    cuts = union(*mold.belts(design), *mold.label(design))
+    block, hollow = mold.block(design), union(mold.hollow(design), cuts)
     filled = sum(evaluator.manifold(solid).volume() for solid in (intersection(hollow, block), *halves))
     below = evaluator.manifold(block).trim_by_plane((0.0, -1.0, 0.0), 0.0)
     for socket, key in zip(mold.key_sockets(design), mold.key_frustums(design), strict=True):
         filled += (evaluator.manifold(socket) ^ below).volume() - (evaluator.manifold(key) ^ below).volume()
     return abs(float(evaluator.manifold(block).volume() - filled))
-
-
-def _letters_mm3(design: Design) -> float:
-    """Compute the letters of the cup [mm3] in closed form, which saves B-rep booleans."""
-    rings = (ring for letter in mold.label(design) for ring in (letter.corners, *letter.holes))
-    return design.mold.engraving_depth_mm * sum(map(signed_area, rings))  # holes run clockwise, and count as negative
 
 
 def _volume_below_parting_plane_mm3(key: Solid) -> float:

@@ -52,19 +52,6 @@ def weight_of_fullness(fullness: float) -> float:
     return (fullness - 0.5) / math.sqrt(2.0 * (1.0 - fullness))
 
 
-def arc_area(w: float) -> float:
-    """Return the area between the unit arc and the axes: pi/4 for the ellipse, 1/2 at w = 0, 1 in the limit of large w.
-
-    The arc is a projective image of the circle's. Integrating x dy gives the closed forms below, where d = 1 - w^2 is
-    positive for ellipses and negative for hyperbolas.
-    """
-    d = 1.0 - w * w
-    if abs(d) < 1e-4:  # Both forms cancel here. The series about their common limit, the parabola, does not.
-        return 0.5 + 0.5 * (2.0 / 3.0 + 2.0 / 15.0 * 2.0 * (w - 1.0))
-    integral = w / d * (math.acos(w) / math.sqrt(d) - w) if d > 0.0 else w / -d * (w - math.acosh(w) / math.sqrt(-d))
-    return 0.5 + 0.5 * integral
-
-
 @dataclass(frozen=True)
 class CrossSection:
     """Cross-section by half width and two half heights [mm], each half with its own arc weight."""
@@ -92,10 +79,6 @@ class CrossSection:
         if scale <= 0.0 or abs(x) >= self.half_width * scale:
             return 0.0
         return scale * self.dorsal * arc_abscissa(abs(x) / (self.half_width * scale), self.dorsal_weight)
-
-    def area(self) -> float:
-        halves = self.palmar * arc_area(self.palmar_weight) + self.dorsal * arc_area(self.dorsal_weight)
-        return 2.0 * self.half_width * halves
 
 
 @dataclass(frozen=True)

@@ -527,7 +527,7 @@ def test_large_and_deep_folders_are_looked_at_up_to_a_limit(tmp_path: Path, monk
     assert run_fingertip("check", tmp_path).returncode == 2
 
 
-@pytest.mark.parametrize("name", ["check", "firmware"])
+@pytest.mark.parametrize("name", [pytest.param("check", marks=pytest.mark.full), "firmware"])
 def test_hostile_leftovers(world: World, name: str) -> None:
     faults, command = [], COMMANDS[name]
     for label, leave in leave_hostile(world):

@@ -168,7 +168,7 @@ def test_sets_in_subfolders_are_recovered_by_their_own_writer(tmp_path: Path) ->
         assert_no_litter(folder)
 
 
-@pytest.mark.parametrize("in_place", [False, True])
+@pytest.mark.parametrize("in_place", [False, pytest.param(True, marks=pytest.mark.full)])
 def test_a_disk_that_is_full_from_any_change_on_keeps_the_old_set(tmp_path: Path, in_place: bool) -> None:
     """What takes room fails, and what gives room does not; the writer says so, and leaves nothing behind."""
     folder, refused = tmp_path / "area" / "board", 0

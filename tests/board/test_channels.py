@@ -103,7 +103,7 @@ def test_board_of_five_fingers_keeps_its_limits() -> None:
     assert all(line.selection.part and line.selection.part.number for line in lines)
 
 
-@pytest.mark.parametrize("channels", [2, 4])
+@pytest.mark.parametrize("channels", [2, pytest.param(4, marks=pytest.mark.full)])
 def test_empty_places_are_neither_bought_nor_counted(channels: int) -> None:
     values = board_values(load(channels))
     circuit = board_circuit(values, channels)

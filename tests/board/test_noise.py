@@ -19,6 +19,7 @@ VALUES = board_values(ARTICLE)
 CIRCUIT = board_circuit(VALUES)
 
 
+@pytest.mark.full
 @pytest.mark.every_case
 @pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_total_noise_agrees_with_ngspice(tmp_path: Path, name: str) -> None:

@@ -55,7 +55,6 @@ def max_deviation_db(folder: Path, design: Design, deck: str) -> float:
     )
 
 
-@pytest.mark.every_case
 @pytest.mark.parametrize("changes", DESIGNS.values(), ids=DESIGNS)
 def test_deck_has_the_transfer_function_of_the_filter(tmp_path: Path, changes: list[str]) -> None:
     design, deck = write_deck(tmp_path, changes)

@@ -129,7 +129,6 @@ def test_both_kernels_and_an_integral_agree_in_volume(name: str) -> None:
     assert MeshEvaluator(0.002).manifold(SuperconicSolid(body)).volume() == pytest.approx(expected, rel=3e-4)
 
 
-@pytest.mark.every_case
 @pytest.mark.parametrize(("name", "platform_mm"), [*((name, None) for name in CROWNED), ("fsr400", 2.6)])
 def test_the_rule_finds_the_thinnest_place_of_the_straight_part(name: str, platform_mm: float | None) -> None:
     """Between the solids, the skin is no thinner than at the sections and points that the rules look at."""

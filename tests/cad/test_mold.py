@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from fingertip.cad.files.step_process import BrepMeasurements
-from fingertip.cad.kernel import brep
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import finger, mold
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
@@ -159,6 +158,8 @@ def test_silicone_stands_where_pictures_show_it_before_the_core_is_lowered() -> 
 @pytest.mark.full
 def test_exact_solids_fill_the_block() -> None:
     """Halves, hollow and letters of the B-rep kernel add up; a half that lacks a bore does not."""
+    from fingertip.cad.kernel import brep
+
     names, exact = ("skin", "core", *assembly.HALVES), brep.BrepEvaluator()
     volumes = {name: brep.volume(exact.solid(PARTS[name].solid(FINGER))) for name in names}
     parts = {name: BrepMeasurements(volume, 0) for name, volume in volumes.items()}

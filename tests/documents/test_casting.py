@@ -96,7 +96,6 @@ def test_builder_reads_little_buys_little_and_waits_little(name: str) -> None:
     assert sum(map(count_words, to_read(name).values())) <= most_words, name
 
 
-@pytest.mark.every_case
 @pytest.mark.parametrize("name", [*NAMES, *list(MOUNTED)[1:]])
 def test_steps_are_short_and_every_thing_they_name_is_in_the_list(name: str) -> None:
     sheet = load(name)[1]

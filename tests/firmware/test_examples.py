@@ -183,6 +183,7 @@ def make_hand_sketch(
     return program
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("macro", HAND_BOARDS)
 def test_the_example_of_a_hand_tells_which_finger_slips_and_which_has_a_fault(macro: str, tmp_path: Path) -> None:
     """Index slips from 0.5 s on; the wire of T of the ring finger breaks at 1.5 s; S of the little finger is dead."""
@@ -251,6 +252,7 @@ def test_the_example_of_a_hand_compiles_for_each_family_of_boards(macro: str, tm
         compile_sketch(tmp_path, example, macro, "-fsyntax-only")
 
 
+@pytest.mark.full
 def test_the_stream_of_a_hand_is_that_of_the_finger_whose_number_was_sent(tmp_path: Path) -> None:
     program = make_hand_sketch(tmp_path, "TEENSYDUINO", plan_fingers(Design(), "3", "teensy40"), "slip_stream")
     given = "100 200 300 400 500 600\n" * 400

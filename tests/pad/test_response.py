@@ -66,6 +66,7 @@ def test_a_silicone_acts_as_its_modulus_over_the_force() -> None:
     assert 4 ** (2 / 3) * 0.7 < ratio < 4 ** (2 / 3)
 
 
+@pytest.mark.full
 def test_silicone_and_pose_change_the_recorded_voltage() -> None:
     def volts(changes: str = "skin.bonded=true", **pose: float) -> float:
         scene = SceneFile(hold={"min_force_n": 1.0, "max_force_n": 1.0, "release": False}, pose=pose)

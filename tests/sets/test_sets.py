@@ -354,7 +354,10 @@ def test_boards_that_differ_or_cannot_be_shared_stay_apart() -> None:
 # Commands
 
 
-@pytest.mark.parametrize(("small", "part"), [("printer.bed_x_mm=30", "core"), ("printer.bed_z_mm=20", "bone")])
+@pytest.mark.parametrize(
+    ("small", "part"),
+    [pytest.param("printer.bed_x_mm=30", "core", marks=pytest.mark.full), ("printer.bed_z_mm=20", "bone")],
+)
 def test_a_bed_that_is_too_small_is_refused_before_work_with_a_remedy_that_holds(
     small: str, part: str, folder: Path
 ) -> None:

@@ -138,7 +138,6 @@ def test_steps_are_few_and_a_constant_input_needs_one_per_sample():
     assert found.implicit < 0.9 * 1000
 
 
-@pytest.mark.every_case
 @pytest.mark.parametrize(
     ("parts", "what", "tolerance"),
     [

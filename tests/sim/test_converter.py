@@ -216,6 +216,7 @@ def test_adc_adds_its_noise_behind_the_gain():
     assert AdcRange.from_design(ARTICLE).above_signal_ground(ARTICLE) == AdcRange(16, -10.0, 10.0)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("variant", ["article", "precision"])
 def test_quiescent_level_is_that_of_a_scene_with_constant_force(variant):
     design = article_design(board={"variant": variant})

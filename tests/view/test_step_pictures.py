@@ -21,7 +21,14 @@ from fingertip.pictures.steps.scenes import SCENES
 from tests.conftest import design_file, run_fingertip
 
 
-@pytest.mark.parametrize("name", ["first_finger", "article", "adult_finger"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param("first_finger", marks=pytest.mark.full),
+        "article",
+        pytest.param("adult_finger", marks=pytest.mark.full),
+    ],
+)
 def test_labels_stand_apart_inside_the_picture(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     boxes: list[tuple[float, float, float, float]] = []
     original = ImageDraw.multiline_text

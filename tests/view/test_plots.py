@@ -6,7 +6,6 @@ follows from the data, it was compared with them when it was approved.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -17,9 +16,6 @@ import pytest
 from fingertip.board.analysis.tolerance import ResponseBand, compute_response_band, draw_response
 from fingertip.design import Design
 from fingertip.sweep.report import plots as sweep_plots
-from fingertip.sweep.report.feasibility_plot import draw_feasibility
-from fingertip.sweep.report.statistics import AxisSensitivity, OutputSensitivity, PointClasses
-from fingertip.sweep.report.summary import Objective
 from tests.approved import check_figures
 from tests.figures import describe_figure, keep_figures
 from tests.tools import require_module
@@ -69,53 +65,6 @@ def find_feasible(columns: dict[str, Any]) -> Any:
 def scatter_matrix() -> None:
     columns = make_columns()
     sweep_plots.draw_scatter_matrix(columns, find_feasible(columns), ["force_n"])
-
-
-@plot
-def heat_map() -> None:
-    columns = make_columns()
-    axes = {name: columns[name] for name in ("skin.width_mm", "board.cutoff_hz", "board.series")}
-    for minimise in (True, False):
-        sweep_plots.draw_heat_map(
-            axes, "skin.width_mm", "board.cutoff_hz", "delay", columns["delay"], find_feasible(columns), minimise
-        )
-    grid, rows = (values.ravel() for values in np.meshgrid([1.0, 2.0, 4.0], [5.0, 6.0]))
-    few = {"x": grid, "y": rows}
-    sweep_plots.draw_heat_map(few, "x", "y", "delay", grid * rows, grid + rows < 10.0, None)
-
-
-@plot
-def sensitivities() -> None:
-    rows = [("delay", 0.7, 0.95, 0.2, -0.4), ("a_long_name_of_an_output_in_mm", 0.0, math.nan, 0.1, 0.05)]
-    found = [
-        OutputSensitivity(
-            name, 60, 0.01, (AxisSensitivity("skin.width_mm", a, b), AxisSensitivity("board.cutoff_hz", c, d))
-        )
-        for name, a, b, c, d in rows
-    ]
-    sweep_plots.draw_sensitivities(found, ["skin.width_mm", "board.cutoff_hz", "board.series"])
-
-
-@plot
-def pareto_front() -> None:
-    x = np.linspace(1.0, 3.0, 9)
-    y = np.where(np.arange(9) % 2, 9.0 / x, 12.0 / x)
-    for extra in ((), (Objective("force", 1),)):
-        sweep_plots.draw_pareto_front(
-            [Objective("delay", 1), Objective("area", -1), *extra], (x, y), np.array([5, 1, 3]), 3
-        )
-
-
-@plot
-def feasibility() -> None:
-    columns = make_columns()
-    names = ("feasible", "skin.width_mm", "failed", "mold.wall_mm", *(f"field_{i}" for i in range(9)))
-    classes = PointClasses(names, np.where(find_feasible(columns), 0, 1 + np.arange(100) % 12))
-    axes = {name: columns[name] for name in ("skin.width_mm", "board.cutoff_hz", "board.series")}
-    draw_feasibility(axes, classes, [*axes])
-    draw_feasibility(axes, classes, ["board.cutoff_hz", "skin.width_mm"])
-    grid, rows = (values.ravel() for values in np.meshgrid(np.arange(10.0), np.arange(10.0)))
-    draw_feasibility({"x": grid, "y": rows}, classes, ["y", "x"])
 
 
 @pytest.mark.every_case

@@ -57,9 +57,13 @@ def _fit(field: str, value: Any, hint: Any) -> Any:
         plain = get_origin(kind) or kind
         if plain is tuple and type(value) is list:
             value = tuple(value)
-        if plain is Any or getattr(plain, "_is_protocol", False) or (plain is float and isinstance(value, int)):
+        if plain is Any or (plain is float and isinstance(value, int)):
             return value
-        if isinstance(value, plain):
+        try:
+            fits = isinstance(value, plain)
+        except TypeError:  # a protocol
+            return value
+        if fits:
             if plain is Callable or type(value) not in (list, tuple) or not get_args(kind):
                 return value
             return type(value)(_fit(f"{field}[{i}]", each, get_args(kind)[0]) for i, each in enumerate(value))

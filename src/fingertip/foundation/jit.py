@@ -27,6 +27,7 @@ import functools
 import importlib
 import os
 from collections.abc import Callable, Iterable, Iterator, MutableSequence, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -131,8 +132,9 @@ class CompiledLoop:
         try:
             loop(*arrays)
         except Exception:  # what a damaged file raises depends on the damage
-            with contextlib.suppress(Exception):
-                loop._cache.flush()  # type: ignore[attr-defined]  # the next process writes it anew
+            for index in Path(loop.stats.cache_path).glob(f"*.{self.plain.__qualname__}-*.nbi"):  # type: ignore[attr-defined]
+                with contextlib.suppress(OSError):
+                    index.unlink()  # the next process writes it anew
             loop = _compile(self.plain)
             loop(*arrays)
         self._compiled = loop

@@ -39,6 +39,7 @@ _POLL_S = 0.5
 _PR_SET_PDEATHSIG = 1
 _SLOWEST = 4.0
 """Time on the clock that a busy machine may take for each second of computing."""
+_ROOT = str(Path(__file__).parents[2])
 _MESSAGES = "messages.txt"
 """File in the folder of a worker with what libraries print there, and its last words."""
 _answers: IO[bytes] | None = None
@@ -73,7 +74,9 @@ class Worker(contextlib.AbstractContextManager["Worker"]):
         if is_fork:
             self.pid, self._calls, self._answers = _fork()
             return
-        command = [sys.executable, "-P", "-c", f"from {__name__} import serve_parent; serve_parent()"]
+        # Where this package is found by a path of the script alone, the worker finds it too.
+        program = f"import sys; sys.path.append({_ROOT!r}); from {__name__} import serve_parent; serve_parent()"
+        command = [sys.executable, "-P", "-c", program]
         places = filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))
         environment = os.environ | {"PYTHONPATH": os.pathsep.join(map(os.path.abspath, places))}
         pipe = subprocess.PIPE

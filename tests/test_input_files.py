@@ -13,7 +13,6 @@ from pathlib import Path
 
 import pytest
 
-from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import InputFileError, Issue, escape_control, quote_value, shorten
 from fingertip.foundation.input_files import (
     MAX_MEMBERS,
@@ -113,14 +112,6 @@ def test_limits_apply_and_may_be_raised(tmp_path: Path, monkeypatch: pytest.Monk
         assert "is no limit; set it to a whole number of MB above 0, or unset it." in done.stderr
 
 
-def test_a_file_of_the_system_that_states_no_size_is_bounded() -> None:
-    path = Path("/proc/kallsyms")
-    if not path.exists() or path.stat().st_size:
-        pytest.skip("the system has no such file")
-    with pytest.raises(InputFileError, match="at most 1 MB are read"):
-        read_input(path, TOML_LIMIT)
-
-
 def test_the_documentation_states_every_limit() -> None:
     page = (ROOT / "docs/files.md").read_text(encoding="utf-8")
     for limit in (TOML_LIMIT, RECORDING_LIMIT, SAMPLES_LIMIT, OUTPUT_LIMIT, PARSED_LIMIT):
@@ -170,16 +161,6 @@ def test_values_in_messages_are_short_and_on_one_line() -> None:
     assert Issue("", "a\nb\n  - c\n d").message == "a\\nb\n  - c\\n d", "only indented lines stay lines"
     assert escape_control("a\tb\n\r", kept="\n\t") == "a\tb\n\\r"
     assert Issue("", "12 µm, 3 °C ± 1").message == "12 µm, 3 °C ± 1"
-
-
-@pytest.mark.full
-def test_ten_thousand_unknown_names_are_refused_soon(tmp_path: Path) -> None:
-    (tmp_path / "a.toml").write_text("[skin]\n" + "".join(f"x{i} = {i}\n" for i in range(10_000)))
-    done = run_fingertip("params", tmp_path / "a.toml")
-    assert done.returncode == 2
-    assert done.stderr.count("\n") == 201
-    assert "error: and 9800 more; correct these first" in done.stderr
-    assert suggest_name("zz", [f"{number:03}" for number in range(105)]).endswith(", 098, 099 and 5 more.")
 
 
 @pytest.mark.parametrize(

@@ -86,36 +86,6 @@ def test_bounds_are_called_min_and_max() -> None:
     assert not wrong
 
 
-AMERICAN = r"""
-\b(?:behavior|neighbor|labeled|labeling|vapor|favor|colored|gray|millimeter|summarize|recognize|organize|minimize|maximize|
-sensorize|analyze|catalog|centimeter|counterclockwise)(?:s|d|ed|ing|r)?\b
-"""
-API = re.compile(r"optimize\.|minimize_scalar|unit=\"millimeter\"")
-"""American spellings that file formats and libraries prescribe."""
-
-
-@pytest.mark.full
-@pytest.mark.parametrize(
-    "folder", ["src", "tools", "params", "docs", "examples", "README.md", "CONTRIBUTING.md", "CHANGELOG.md"]
-)
-def test_spelling_is_british(folder: str) -> None:
-    """One spelling in all texts; "mold" and "analog" are names of parameters and files."""
-    american = re.compile(AMERICAN.replace("\n", ""), re.IGNORECASE)
-    top = ROOT / folder
-    files = (
-        [top]
-        if top.is_file()
-        else [p for p in top.rglob("*") if p.suffix in (".py", ".toml", ".md") and "node_modules" not in p.parts]
-    )
-    wrong = [
-        f"{path.relative_to(ROOT)}: {match[0]}"
-        for path in files
-        for line in path.read_text(encoding="utf-8").splitlines()
-        if (match := american.search(line)) and not API.search(line)
-    ]
-    assert not wrong, "\n".join(wrong)
-
-
 def test_modules_that_are_named_exist() -> None:
     """Dotted names of modules in docstrings and comments, as in `fingertip.cad.kernel`."""
     missing = []

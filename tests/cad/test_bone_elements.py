@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.strength.anchor_elements import solve_anchor
+from benchmarks.strength.bone_elements import solve_bone, write_step
+from benchmarks.strength.eye_elements import solve_eye
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.verification import strength
 from fingertip.design import Design
 from fingertip.design.interfaces import interface_of
-from tests.cad.anchor_elements import solve_anchor
-from tests.cad.bone_elements import solve_bone, write_step
-from tests.cad.eye_elements import solve_eye
 from tests.conftest import design_file
 from tests.tools import require_tool
 

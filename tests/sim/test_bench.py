@@ -2,120 +2,22 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 from collections import Counter
-from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from benchmarks.peers import board, contact, spice, throughput
+from benchmarks.peers import throughput
 from benchmarks.peers.__main__ import main
-from benchmarks.peers.board import BoardProblem
-from benchmarks.peers.contact import ContactProblem
-from benchmarks.peers.native import NATIVE, NativeSolver, SolverFailedError, compile_solvers
-from benchmarks.peers.spice import Spice
-from benchmarks.peers.work_precision import WorkPrecision
 from fingertip.foundation.errors import TraceError
-from fingertip.foundation.jit import compiled
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.filter_board import simulate_board
 from fingertip.sim.simulation import article_trials
 from tests.conftest import run_fingertip, run_python
 from tests.designs import ARTICLE, article_design
-from tests.tools import require_tool
 
 DESIGN = ARTICLE
-ZERO = np.zeros(3)
-
-
-def diagram_of(*points: tuple[str, float, float], levels: tuple[float, ...] = (1e-3,)) -> WorkPrecision:
-    """Diagram with points of solver, CPU time [s] and error [V]; "ours" comes first."""
-    diagram = WorkPrecision("p", "V", levels, solvers={"ours": "1.0", "theirs": "2.0"})
-    for solver, cpu_s, error in points:
-        diagram.add_result(solver, "s", cpu_s, ZERO + error, ZERO)
-    return diagram
-
-
-@contextlib.contextmanager
-def native_or_skip(*names: str) -> Iterator[dict[str, NativeSolver]]:
-    """Solvers in C; skips loudly where compiler or library are missing."""
-    require_tool("cc", "install a C compiler")
-    if "CVODE" in names:
-        require_tool("/usr/include/cvode/cvode.h", "install libsundials-dev, version 6 or newer")
-    if "RADAU" in names:
-        require_tool("/usr/local/lib/libradau.so", "run `sh .ci/install-radau` as root on Debian")
-    with compile_solvers(names) as native:
-        assert not native.missing
-        yield dict(native.found)
-
-
-@pytest.mark.full
-def test_peers_agree_with_fingertip_on_the_contact():
-    problem = ContactProblem.over(1.0)
-    system = contact._scipy_equations(problem.mount, problem.normal)
-    with compiled(), native_or_skip(*NATIVE) as native:
-        ours = problem.run_fingertip(1e-10).result
-        runs = {method: problem.run_scipy(system, method, 1e-10) for method in ("odeint", "LSODA")}
-        runs |= {name: problem.run_native(solver, 1e-10) for name, solver in native.items()}
-        for name, solver in native.items():
-            with pytest.raises(SolverFailedError, match=f"{name}'s error -"):
-                problem.run_native(solver, 1e-30)
-    for name, run in runs.items():
-        assert np.abs(run.result - ours).max() < 1e-6, name
-        assert run.cpu_s > 0.0
-    assert np.abs(ours[: len(problem.time_s)]).max() > 0.2
-
-
-@pytest.mark.full
-def test_peers_agree_with_fingertip_on_the_board():
-    problem = BoardProblem(AnalogBoard.from_design(DESIGN), 0.5)
-    system = board._scipy_equations(problem.board)
-    with compiled(), native_or_skip(*NATIVE) as native:
-        ours = problem.run_fingertip(1e-10).result
-        sine = problem.run_exact_sine(system, "LSODA", 1e-11, problem.time_s)
-        for name, solver in native.items():
-            # Steps over the input's corners deceive the error estimates of high orders.
-            for way, expected, bound in (
-                ("step <= sample", ours, 2e-4), ("stops at samples", ours, 2e-6), ("sine", sine, 2e-6),
-            ):  # fmt: skip
-                found = problem.run_native(solver, way, None, 1e-8).result
-                assert np.abs(found - expected).max() < bound, (name, way)
-    assert ours.max() > 0.3
-
-
-@pytest.mark.full
-def test_rodas5p_has_its_published_order():
-    # Equal steps from corner to corner of the drive, where the solution is smooth, each half as long as before. Where a
-    # step is longer than a sample, the dense output counts, whose order is 4.
-    problem = ContactProblem.over(1.0)
-    with compiled(), native_or_skip("Rodas5P") as native:
-        ours = problem.run_fingertip(1e-13).result
-        errors = [
-            np.abs(problem.run_native(native["Rodas5P"], 1.0, steps).result - ours).max() for steps in (250, 500, 1000)
-        ]
-    orders = np.log2(np.divide(errors[:-1], errors[1:]))
-    print(errors, orders)
-    assert ((orders > 3.7) & (orders < 5.5)).all(), errors
-
-
-@pytest.mark.full
-def test_ngspice_agrees_on_both_sources():
-    program = require_tool("ngspice", "run `sh .ci/install-ngspice` as root on Debian, or install ngspice")
-    problem = BoardProblem(AnalogBoard.from_design(DESIGN), 0.5)
-    system = board._scipy_equations(problem.board)
-    sampled = spice.sampled_source(board.STEP_S, problem.voltage_v)
-    simulator = Spice(program, problem.board, sampled, board.STEP_S, problem.seconds)
-    lines = problem.run_spice(simulator, None, 1e-5, 5e-5)
-    assert np.abs(lines.result - problem.run_fingertip(1e-8).result).max() < 1e-3
-    source = spice.burst_source(board.CONSTANT_V, board.AMPLITUDE_V, board.FREQUENCY_HZ, *problem.burst_s)
-    native = problem.run_spice(replace(simulator, source=source), system, 1e-5, 5e-5)
-    assert native.reference is not None
-    assert np.abs(native.result - native.reference).max() < 1e-3
-    assert native.result.max() > 0.3
-    assert min(native.cpu_s, lines.cpu_s, simulator.measure_start_up_s()) > 0.0
 
 
 @pytest.mark.full

@@ -12,13 +12,13 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.strength.bone_elements import COARSE_MM, LOADED_MM, describe_solid, read_stresses
+from benchmarks.strength.eye_elements import FAR_MM, MESH, find_faces, mesh
 from fingertip.cad.shapes.finger import bone
 from fingertip.design import Design
 from fingertip.design.geometry.joint import HORN_RADIUS_MM
 from fingertip.design.geometry.solids import Box, intersection
 from fingertip.design.interfaces.clevis import tendon_force_per_n
-from tests.cad.bone_elements import COARSE_MM, LOADED_MM, describe_solid, read_stresses
-from tests.cad.eye_elements import FAR_MM, MESH, find_faces, mesh
 
 INSIDE_MM, ABOUT_MM = 0.2, 0.05
 """Distance from the sharp inner corner of the horn at which tension is taken: half a line of the printer."""

@@ -13,11 +13,11 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.strength.bone_elements import COARSE_MM, LOADED_MM, POISSON, YOUNG_MPA, read_mesh, read_stresses
 from fingertip.cad.shapes.finger import bone
 from fingertip.design import Design
 from fingertip.design.geometry.joint import Joint
 from fingertip.design.geometry.solids import Box, intersection
-from tests.cad.bone_elements import COARSE_MM, LOADED_MM, POISSON, YOUNG_MPA, read_mesh, read_stresses
 
 PLAY_MM, BASE_MM, AROUND_MM, FAR_MM = 0.01, 0.8, 1.0, 60.0
 FACES = ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0))

@@ -21,73 +21,6 @@ from fingertip.slip.detectors import fast_loop
 from fingertip.slip.detectors.fast import STILL_S, FastDetector, FastSettings
 from fingertip.slip.detectors.fast_coefficients import NODES, FastModel, load_model
 
-_GROUPS = (
-    ("Board's high-pass filter for a gain of 1: its section of first order,", "BOARD_1_B BOARD_1_A1"),
-    ("and that of second order.", "BOARD_B0 BOARD_B1 BOARD_B2 BOARD_A1 BOARD_A2"),
-    ("Filter that moves its cutoff down: section of first order,", "RESTORE_1_B0 RESTORE_1_B1 RESTORE_1_A1"),
-    ("and of second order.", "RESTORE_B0 RESTORE_B1 RESTORE_B2 RESTORE_A1 RESTORE_A2"),
-    ("Low-pass filter at the upper edge of both bands, behind it.", "EDGE_B0 EDGE_B1 EDGE_B2 EDGE_A1 EDGE_A2"),
-    (
-        "High-pass filter at the lower edge of the upper band, behind that.",
-        "UPPER_B0 UPPER_B1 UPPER_B2 UPPER_A1 UPPER_A2",
-    ),
-    ("High-pass filter at the lower edge of the wide band, behind that.", "WIDE_B0 WIDE_B1 WIDE_B2 WIDE_A1 WIDE_A2"),
-    ("Low-pass filter of the slow voltage, from the tactile voltage.", "SLOW_B0 SLOW_B1 SLOW_B2 SLOW_A1 SLOW_A2"),
-    (
-        "Filtered signal: factor to a voltage at the filter's input, limit [V]; samples of recovery, and of no change.",
-        "FILTERED_GAIN FILTERED_LIMIT LIMITED_SAMPLES STILL_SAMPLES",
-    ),
-    (
-        "Its code at rest, codes by which its mean may be off, and share of the mean.",
-        "REST_CODE REST_CODES LEVEL_SHARE",
-    ),
-    (
-        "Checks of samples: size of what is no voltage, jumps that the next one must confirm [V] and in mean moves; "
-        "samples of trust, of a gap, and of a report; ticks of OFF after a gap.",
-        "NUMBER_LIMIT JUMP_LIMIT FILTERED_JUMP_LIMIT JUMP_MOVES TRUSTED_SAMPLES GAP_SAMPLES FAULT_SAMPLES "
-        "RESTART_TICKS",
-    ),
-    (
-        "Tactile voltages that forces give, as their middle and half their range [V], and their codes.",
-        "MIDDLE_INPUT HALF_RANGE LOWEST_CODE HIGHEST_CODE",
-    ),
-    ("Smoothing factors of 6 and 20 ms, per sample.", "SHORT LONG"),
-    (
-        "Samples of a tick; ticks of a slot of the peaks, and of the smallest; entries of the ring of slow voltages.",
-        "TICK_SAMPLES SLOT_TICKS LOW_TICKS RING",
-    ),
-    (
-        "Ticks: OFF at the start; settling of the filters; averaging of the floors, at most and after a change; ON.",
-        "SETTLING_TICKS SETTLE_TICKS MAX_FLOOR_TICKS HELD_TICKS TONE_TICKS",
-    ),
-    (
-        "Energies of the stated noise in both bands, those of unit noise, and the lowest floors [V^2].",
-        "STATED_WIDE STATED_UPPER STATED_INPUT WIDE_SHARE UPPER_SHARE MIN_FLOOR MIN_UPPER_FLOOR MIN_INPUT_FLOOR",
-    ),
-    (
-        "The same where the filtered signal is read.",
-        "FILTERED_STATED_WIDE FILTERED_STATED_UPPER FILTERED_MIN_FLOOR FILTERED_MIN_UPPER_FLOOR",
-    ),
-    (
-        "Factors of slopes and movements, which make them compare with voltages, and the least denominator.",
-        "SLOPE_GAIN MOVE_GAIN TINY",
-    ),
-    (
-        "Ratios that decide: trees are evaluated, vibration lasts, unstated noise, floors adapt, a tone, an end.",
-        "LOUD LOUD_20 LASTING_RATIO NOISY_RATIO MOVING_RATIO CLIP_RATIO UNLEARNED_RATIO UNLEARNING STAY_RATIO "
-        "DECAY_RATIO",
-    ),
-    (
-        "Scores: before the first tree; of confidence 0; for ON; by how much less for incipient slip; rise in noise; "
-        "for staying; smoothing.",
-        "OFFSET LOWEST_SCORE ON_SCORE INCIPIENT_MARGIN NOISE_RISE STAY_SCORE SCORE_SMOOTHING",
-    ),
-    ("1 if the tactile voltage falls with the force, -1 if it rises.", "DIRECTION"),
-    ("Features, trees, and comparisons of a tree from its root to a leaf.", "COUNT TREES DEPTH"),
-    ("Sampling rate for which all this was computed [Hz, mHz].", "SAMPLE_RATE_HZ SAMPLE_RATE_MILLIHZ"),
-    ("Converter of the design: bits, lower end of its range [V], step [V].", "ADC_BITS ADC_LOW_V ADC_STEP_V"),
-)
-"""Comments, and the names of the constants that stand below each."""
 _COUNTS = (
     "limited_samples still_samples trusted_samples gap_samples fault_samples restart_ticks tick_samples slot_ticks"
 )
@@ -143,12 +76,8 @@ def _render_constants(design: Design) -> str:
         "ADC_LOW_V": converter.adc_low_v,
         "ADC_STEP_V": converter.adc_step_v,
     }
-    blocks = []
-    for comment, names in _GROUPS:
-        texts = ((name, values[name]) for name in names.split())
-        lines = [f"#define SLIP_{name} {real(value) if isinstance(value, float) else value}" for name, value in texts]
-        blocks.append("\n".join([f"/* {comment} */", *lines]))
-    return "\n\n".join(blocks)
+    texts = {name: real(value) if isinstance(value, float) else value for name, value in values.items()}
+    return Template(read_template("slip_constants.h").rstrip()).substitute(texts)
 
 
 REST_SHARE = 0.5

@@ -136,7 +136,6 @@ _LISTS: Mapping[str, Callable[[], Iterable[str]]] = {
     "silicones": COMPLETIONS["material"],
     "hands": COMPLETIONS["hand"],
     "presets": COMPLETIONS["preset"],
-    "fingers": _words(*NAMES),
     "formats": lambda: [", ".join(_table("catalogues.output_files:PART_FORMATS")())],
     "sweeps": lambda: _bundled("SWEEP"),
     "detectors": describe_detectors,

@@ -40,8 +40,6 @@ _ROS2 = (
 _COMPRESSED = "is compressed; unpack it first, and give the trace inside."
 _PICKLE = "is a pickle, which may run programs when it is read; save numbers with numpy.savez."
 
-READABLE = ("npz", "npy", "tdms", "mat", "parquet", "wav")
-"""Kinds of files besides CSV that are read."""
 _SIGNATURES = {
     "npy": (b"\x93NUMPY",),
     "tdms": (b"TDSm",),
@@ -70,7 +68,7 @@ _MIN_STATED_HZ = 1e-300
 
 
 def identify(path: Path) -> str:
-    """Return the kind of a file from `READABLE`, a sentence that says how to convert it, or "csv". Raises OSError."""
+    """Return the kind of a file from `LOADERS`, a sentence that says how to convert it, or "csv". Raises OSError."""
     with path.open("rb") as file:
         head = file.read(_HEAD_BYTES)
     for kind, signatures in _SIGNATURES.items():
@@ -81,7 +79,7 @@ def identify(path: Path) -> str:
     if head.startswith(b"PK\x03\x04"):
         return _identify_zip(path)
     suffix = path.suffix.lower()
-    if suffix.lstrip(".") in READABLE:
+    if suffix.lstrip(".") in LOADERS:
         return suffix.lstrip(".")
     return _ENDINGS.get(suffix, "csv")
 
@@ -153,7 +151,7 @@ def read_raw_trace(path: Path, columns: ColumnMap) -> RawTrace:
         kind = identify(path)
         if kind == "csv":
             return _with_even_times(read_csv(path, columns), columns)
-        if kind not in READABLE:
+        if kind not in LOADERS:
             raise TraceError(Issue(str(path), kind))
         arrays = LOADERS[kind](path, columns)
     except OSError as error:

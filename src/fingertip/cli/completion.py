@@ -136,6 +136,7 @@ _LISTS: Mapping[str, Callable[[], Iterable[str]]] = {
     "silicones": COMPLETIONS["material"],
     "hands": COMPLETIONS["hand"],
     "presets": COMPLETIONS["preset"],
+    "fingers": _words(", ".join(NAMES)),
     "formats": lambda: [", ".join(_table("catalogues.output_files:PART_FORMATS")())],
     "sweeps": lambda: _bundled("SWEEP"),
     "detectors": describe_detectors,

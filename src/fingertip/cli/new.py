@@ -42,7 +42,7 @@ def new(
     finger: list[str] | None = typer.Option(
         None,
         metavar="NAME=WIDTHxLENGTH",
-        help=f"Finger of a hand ({', '.join(NAMES)}) with its skin's width at the edge and length "
+        help="Finger of a hand ({fingers}) with its skin's width at the edge and length "
         "from tip to edge, in mm, such as index=18x25; repeatable. Writes a set and a design for each size.",
     ),
     old: Path | None = typer.Option(

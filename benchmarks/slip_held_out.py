@@ -21,11 +21,11 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks import held_out_signals
+from benchmarks.slip.mix import MixSummary
+from benchmarks.slip.mix_signals import LabelledSignal, Slide
 from benchmarks.slip_robustness import run_both_points
 from fingertip.design import Design
 from fingertip.foundation.numerics import poisson_interval
-from fingertip.lab.campaign.mix import MixSummary
-from fingertip.lab.campaign.mix_signals import LabelledSignal, Slide
 from fingertip.slip.traces.truth import Interval
 
 HASH = "9371229ee4c0b150df7c10b6b293174df17830ae7076f6cf56f54430193bb584"

@@ -16,11 +16,11 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
+from benchmarks.slip.mix import MixSize, MixSummary, Outcome, generate_mix, run_detector, summarise
+from benchmarks.slip.mix_signals import NOISES, LabelledSignal, simulate_scene
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import poisson_interval
-from fingertip.lab.campaign.mix import MixSize, MixSummary, Outcome, generate_mix, run_detector, summarise
-from fingertip.lab.campaign.mix_signals import NOISES, LabelledSignal, simulate_scene
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, NEGATIVE_SCENES, REPORTED_SEPARATELY, nominal_duration_s
 from fingertip.sim.simulation import article_trials
 

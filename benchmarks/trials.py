@@ -19,10 +19,8 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.lab.campaign.closed_loop import run_closed_loop
-from fingertip.lab.campaign.mix import MixSize, generate_mix, run_detector
 from fingertip.lab.campaign.plan import CampaignPlan, Case, generate_cases, generate_trials
 from fingertip.lab.campaign.run import SCALES, run_cases
-from fingertip.lab.validation import SEED_RANGES
 from fingertip.sim.runs.scene import SceneRun
 from fingertip.sim.signal.finger import FingerSignals
 from fingertip.sim.signal.grid import CostMeter, StageCost
@@ -82,8 +80,6 @@ def measure_parts(design: Design, rounds: int) -> None:
     whole = len(cases) / len(some)
     parts: dict[str, tuple[float, Callable[[], object]]] = {
         "trials, all detectors and thresholds": (whole, lambda: run_cases(design, some, every)),
-        "further ranges, fast alone": ((SEED_RANGES - 1) * whole, lambda: run_cases(design, some, {"fast": (1.0,)})),
-        "wider mix": (24.0, lambda: run_detector("fast", design, generate_mix(design, MixSize(5, 2), 5_500_000))),
         "closed loops": (6.0 * 3, lambda: run_closed_loop(design, ("fast",), 1, uncontrolled=False)),
     }  # fmt: skip
     total_s = 0.0

@@ -28,11 +28,11 @@ from typing import Any
 import numpy as np
 
 from benchmarks import held_out_signals
+from benchmarks.slip.mix_signals import LabelledSignal, Slide
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue, TraceError
 from fingertip.foundation.input_files import PARSED_LIMIT, read_input
 from fingertip.foundation.numerics import Array
-from fingertip.lab.campaign.mix_signals import LabelledSignal, Slide
 from fingertip.slip.detectors.registry import find_second_column
 from fingertip.slip.traces.read import read_raw_trace
 from fingertip.slip.traces.sampling import rate_bounds_message

@@ -9,12 +9,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from benchmarks.slip.competitors import Competitor
+from benchmarks.slip.mix import Outcome, assess
+from benchmarks.slip.mix_signals import REACTION_S
 from benchmarks.slip.recordings import UNLABELLED, UNSURE, Recording
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import poisson_interval
-from fingertip.lab.campaign.mix import Outcome, assess
-from fingertip.lab.campaign.mix_signals import REACTION_S
 from fingertip.lab.campaign.run import quantile_s
 
 RATES = (0.1, 1.0)

@@ -34,7 +34,7 @@ from fingertip.lab.campaign.run import (
     surface,
 )
 from fingertip.lab.report.results import ONSETS
-from fingertip.lab.validation import FILES, SEED_RANGES, RequirementLimits, check_detection
+from fingertip.lab.validation import FILES, RequirementLimits, check_detection
 from fingertip.sim import SceneFile
 from fingertip.sim.simulation import article_trials
 from fingertip.slip.detectors.registry import DETECTORS
@@ -186,9 +186,7 @@ def test_a_whole_validation_finds_what_the_article_promises(tmp_path):
     assert fast["median_s"] < digital["median_s"] < 0.06
     assert fast["alarms_per_minute"] == 0.0
     assert fast["on_share"] > 0.93  # over 120 trials it is 0.98
-    assert len(data["seed_ranges"]["ranges"]) == SEED_RANGES
     assert {row["detector"] for row in data["closed_loop"]} == {"no control", "analog", "incipient", "fast"}
-    assert data["wider_mix"]["slip after a ramp"]["slips"] > 0
 
 
 def test_validate_refuses_bad_options_before_it_computes(tmp_path):

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from benchmarks import held_out_signals, slip_held_out
+from benchmarks.slip.mix import MixSummary
 from benchmarks.slip_robustness import run_both_points
 from fingertip.design import Design
-from fingertip.lab.campaign.mix import MixSummary
 from fingertip.slip.detectors import fast
 from fingertip.slip.detectors.fast_coefficients import TABLE, load_model
 from tests.designs import ARTICLE

@@ -14,12 +14,12 @@ from benchmarks.slip import scores
 from benchmarks.slip.__main__ import main
 from benchmarks.slip.baselines import adapt
 from benchmarks.slip.competitors import COMPETITORS, Competitor, load_own
+from benchmarks.slip.mix_signals import LabelledSignal, Slide, draw_band_noise
 from benchmarks.slip.public_sets import LAYOUTS, read_layout
 from benchmarks.slip.recordings import Recording, Stretch, draw_held_out, read_folder
 from benchmarks.slip.run import read_options
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, TraceError
-from fingertip.lab.campaign.mix_signals import LabelledSignal, Slide, draw_band_noise
 from fingertip.slip.traces.truth import Interval
 
 RATE_HZ = 2000.0

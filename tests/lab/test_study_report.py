@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import json
 import math
 from dataclasses import replace
@@ -16,13 +15,11 @@ from fingertip.design import Design
 from fingertip.lab.campaign.closed_loop import summarise
 from fingertip.lab.campaign.plan import Case
 from fingertip.lab.campaign.run import DetectorResult, TrialResult
-from fingertip.lab.report import trial_plots
 from tests.approved import check_figures, check_text, list_data
 from tests.figures import describe_figure, keep_figures
-from tests.lab.test_report import SCENES, closed_loop, example
+from tests.lab.test_report import SCENES, closed_loop
 from tests.tools import require_module
 from tools.article.boards import BoardResult
-from tools.article.bounds import DiscriminationResult, KnockResult
 from tools.article.previous_works import PlainFftResult, PlateResult, PreviousWorks
 from tools.article.protocol import DEVICES, MOVED_M, ProtocolResult, ProtocolStudy, Spectrum, WindowResult
 from tools.article.sensitivity import (
@@ -91,25 +88,14 @@ def results() -> StudyResults:
             [PlateResult("ridged_fine", 1.0, 15, 15, 0.012), PlateResult("ridged_fine", 5.0, 15, 0, math.nan)],
             [PlainFftResult(0.0002, 4, 4, 4, 3), PlainFftResult(0.013, 4, 3, 2, 1)],
         ),
-        motor=[DiscriminationResult(0.02, 3.0, 2.5, 0.25), DiscriminationResult(0.1, 2.0, 4.0, 1.0)],
-        knocks=[
-            KnockResult(name, force_n, rise_s, force_n / 4)
-            for name, rise_s, force_n in itertools.product(("digital", "fast"), (0.002, 0.01), (1.0, 2.0))
-        ],
     )  # fmt: skip
 
 
 @pytest.fixture(scope="module")
 def files() -> dict[str, bytes]:
     require_module("matplotlib")
-    examples = [example("wood", 0.04, 4.3), example("object, smooth", 0.06, 4.0), example("object, paper", 0.08, 4.1)]
-    patch = pytest.MonkeyPatch()
-    patch.setattr(trial_plots, "simulate_examples", lambda *_: examples)
-    try:
-        with keep_figures() as figures:
-            files = Studies(Design.load("article"), "fast", results()).files()
-    finally:
-        patch.undo()
+    with keep_figures() as figures:
+        files = Studies(Design.load("article"), "fast", results()).files()
     texts = {
         "figures": (line for one in figures for line in describe_figure(one)),
         "data": list_data(json.loads(files["studies.json"])),

@@ -11,7 +11,7 @@ from typing import get_type_hints
 import numpy as np
 import pytest
 
-from fingertip.lab.campaign.mix_signals import LabelledSignal, Slide
+from benchmarks.slip.mix_signals import LabelledSignal, Slide
 from fingertip.slip.detectors import fast, fast_loop
 from fingertip.slip.detectors.fast import (
     STAY_SCORE,

@@ -1,22 +1,13 @@
-"""Plots of the studies: delay by window length and one trial by it (figure 5), and spectra of slip (figure 2)."""
+"""Plots of the studies: delay by window length (figure 5), and spectra of slip (figure 2)."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 
-import numpy as np
-
-from fingertip.design import Design
 from fingertip.foundation import display as style
-from fingertip.lab.report.plots import NOTE, add_legend
-from fingertip.lab.report.trial_plots import ExampleTrial, draw_flags, shade
-from fingertip.slip.detectors.registry import make_detector
-from tools.article.protocol import WINDOW_DETECTOR, WINDOWS_S, Spectrum, WindowResult, with_window
-
-_VOLTAGE = style.BLUE
-SHORT_WINDOW_S = 0.01
-"""Window in which a contact is reported as slip in the article's figure 5 [s]."""
+from fingertip.lab.report.plots import NOTE
+from tools.article.protocol import Spectrum, WindowResult
 
 
 def plot_windows(rows: Sequence[WindowResult]) -> bytes:
@@ -56,38 +47,4 @@ def plot_spectra(spectra: Sequence[Spectrum]) -> bytes:
         style.style_axes(axes)
     rows[-1].set_xlim(0, 400)
     rows[-1].set_xlabel(f"frequency [Hz]; dotted: the article's cutoff ({NOTE})")
-    return style.to_png(figure)
-
-
-def find_contact_alarm(design: Design, examples: Sequence[ExampleTrial]) -> ExampleTrial:
-    """First trial in which the article's short window takes the contact for slip; the first of all if none does."""
-    short = with_window(design, SHORT_WINDOW_S)
-    for example in examples:
-        assert example.trace.slip is not None
-        before = slice(0, int(np.flatnonzero(example.trace.slip)[0]))
-        if make_detector(WINDOW_DETECTOR, short).process(example.trace.voltage_v[before]).on.any():
-            return example
-    return examples[0]
-
-
-def plot_window_rows(design: Design, example: ExampleTrial) -> bytes:
-    """Plot ON and OFF of the digital chain on one trial for each window, as figure 5; returns a PNG."""
-    figure = style.new_figure(10, 5.5)
-    voltage, on = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1.6))
-    t = example.trace.time_s
-    voltage.plot(t, example.trace.voltage_v, color=_VOLTAGE, linewidth=0.7)
-    voltage.set_ylabel("tactile voltage [V]")
-    shade(voltage, example.trace)
-    add_legend(voltage)
-    windows = {f"{1000 * window_s:g} ms": with_window(design, window_s) for window_s in WINDOWS_S}
-    flags = {
-        name: make_detector(WINDOW_DETECTOR, windowed).process(example.trace.voltage_v).on
-        for name, windowed in windows.items()
-    }
-    draw_flags(on, example.trace, flags)
-    on.set_ylabel("window")
-    voltage.set_title(f"{WINDOW_DETECTOR} by window length: {example.title} ({NOTE})", loc="left", fontsize=10)
-    on.set_xlabel("time [s]")
-    on.set_xlim(float(t[0]), float(t[-1]))
-    style.style_axes(voltage)
     return style.to_png(figure)

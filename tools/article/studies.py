@@ -13,13 +13,12 @@ from fingertip.design import Design
 from fingertip.documents.template import render_text
 from fingertip.foundation.progress import Work
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_trials
-from fingertip.lab.report import trial_plots
 from fingertip.lab.report.results import format_ms
 from fingertip.pad.response import Pad
 from fingertip.sim.contact.materials import ARTICLE_SURFACES, SURFACES
 from tools.article import plots, sensitivity, tables
 from tools.article.boards import study_article_board, study_board_variants
-from tools.article.bounds import compute_bounds_s, study_knock_rejection, study_motor_discrimination
+from tools.article.bounds import compute_bounds_s
 from tools.article.previous_works import study_previous_works
 from tools.article.protocol import RESONANCES_HZ, compute_spectra, study_article_protocol, study_windows
 from tools.article.robustness import LEVELS_ARE_ASSUMED, format_milli, format_mn, format_mv
@@ -55,14 +54,12 @@ class Studies:
         """Return file name -> content: tables, data, what they rest on, and plots."""
         data = {"detector": self.detector, **tables.as_data(self.results)}
         text = f"{self.design.name}\n\n{tables.as_text(self.detector, self.results)}\n"
-        examples = trial_plots.simulate_examples(self.design)
         return {
             "studies.txt": text.encode(),
             "studies.json": (json.dumps(data, indent=2, allow_nan=False) + "\n").encode(),
             "studies.md": as_markdown(self).encode(),
             "spectra.png": plots.plot_spectra(self.results.spectra),
             "windows.png": plots.plot_windows(self.results.windows),
-            "window_trial.png": plots.plot_window_rows(self.design, plots.find_contact_alarm(self.design, examples)),
         }
 
 
@@ -79,7 +76,6 @@ def estimate_stages_s(plan: CampaignPlan) -> dict[str, float]:
         "the article's board": 0.1 * (plan.trials + 15 * plan.negative_minutes),
         "the article's protocol": 0.2 * plan.trials + 12.0,
         "previous works": 0.1 * plan.trials,
-        "motors and knocks": 5.0,
     }
 
 
@@ -111,8 +107,6 @@ def study(
         article=run("the article's board", study_article_board, plan, first_seed),
         protocol=run("the article's protocol", study_article_protocol, plan.trials, repeats, first_seed),
         previous=run("previous works", study_previous_works, plan.trials, first_seed),
-        motor=run("motors and knocks", study_motor_discrimination, trials),
-        knocks=study_knock_rejection(design),
     )
     return Studies(design, detector, results)
 

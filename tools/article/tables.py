@@ -12,7 +12,6 @@ from fingertip.lab.report.results import format_ms, to_number
 from fingertip.slip.traces.truth import ENCODER_HZ, ENCODER_NOTE
 from tools.article import robustness
 from tools.article.boards import BoardResult
-from tools.article.bounds import DiscriminationResult, KnockResult
 from tools.article.previous_works import PreviousWorks
 from tools.article.protocol import ProtocolStudy, Spectrum, WindowResult
 from tools.article.protocol_table import list_protocol_rows, protocol_as_lines
@@ -43,8 +42,6 @@ class StudyResults:
     """Detectors of the same finger on the article's board and converter; empty if the design has them."""
     protocol: ProtocolStudy
     previous: PreviousWorks
-    motor: Sequence[DiscriminationResult]
-    knocks: Sequence[KnockResult]
 
     def bound_s(self, fraction: float) -> float:
         """Bound by which a fraction of the slips can be found [s]."""
@@ -86,8 +83,6 @@ def as_data(studies: StudyResults) -> dict[str, Any]:
             "ridged_plates": list(map(to_data, studies.previous.plates)),
             "plain_fft": list(map(to_data, studies.previous.plain_fft)),
         },
-        "motor_discrimination": list(map(to_data, studies.motor)),
-        "knock_rejection": list(map(to_data, studies.knocks)),
     }
 
 
@@ -109,7 +104,7 @@ def as_text(detector: str, studies: StudyResults) -> str:
 
 
 def _study_tables(studies: StudyResults) -> list[str]:
-    """Tables of board variants, accelerations, sampling rates, motor tones and knocks."""
+    """Tables of board variants, accelerations and sampling rates."""
     lines = [
         "",
         "analog by board and threshold; worst: mean delay on the worst surface:",
@@ -152,12 +147,4 @@ def _study_tables(studies: StudyResults) -> list[str]:
         f"{_ms(r.bound_median_s):>13} {_ms(r.bound_p90_s):>11} {r.alarms_per_minute:11.2f}"
         for r in studies.rates
     ]
-    lines += ["", "slips that can be distinguished from a motor's tones, by length of the segment:"]
-    lines += [f"{1000 * row.segment_s:7.0f} ms {100 * row.distinguished_share:6.0f}%" for row in studies.motor]
-    forces = list(dict.fromkeys(row.force_n for row in studies.knocks))
-    lines += ["", f"{'knocks reported as slip, by force [N]:':38}" + "".join(f"{force:6g}" for force in forces)]
-    for name, rise_s in dict.fromkeys((row.detector, row.rise_s) for row in studies.knocks):
-        group = [row for row in studies.knocks if (row.detector, row.rise_s) == (name, rise_s)]
-        label = f"{name}, rise time {1000 * rise_s:g} ms"
-        lines.append(f"{label:38}" + "".join(f"{100 * row.false_alarm_share:5.0f}%" for row in group))
     return lines

@@ -2,7 +2,7 @@
 
 The simulation of contact knows few ways in which a force changes. These signals know none of contact: they add a moving
 force, steps, blows, and band-limited noise for slip. A detector that has seen both leans on neither. Ranges are
-those of a hand (`fingertip.lab.campaign.unsteady` names sources) and of the default and the article's board.
+those of a hand (`benchmarks.slip.mix` names sources) and of the default and the article's board.
 The signals that a report uses are drawn by other code.
 """
 
@@ -14,9 +14,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from benchmarks.slip.mix_signals import LabelledSignal, Slide, draw_band_noise, filter_as_board, sample
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
-from fingertip.lab.campaign.mix_signals import LabelledSignal, Slide, draw_band_noise, filter_as_board, sample
 from fingertip.slip.traces.truth import Interval
 
 OTHER_RATES_HZ = 1000.0, 5000.0, 10_000.0, 20_000.0

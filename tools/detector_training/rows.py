@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.slip.mix_signals import LabelledSignal
 from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import Array
-from fingertip.lab.campaign.mix_signals import LabelledSignal
 from fingertip.slip.detectors import fast_loop
 from fingertip.slip.detectors.fast import LOWEST_SCORE, SETTLING_S, TICK_S, FastDetector, FastSettings
 from fingertip.slip.detectors.fast_coefficients import FastModel

@@ -17,13 +17,12 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.slip import mix_signals
+from benchmarks.slip.mix import EXCLUDED_FROM_TRAINING, UNSTEADY, Draw
+from benchmarks.slip.mix_signals import LabelledSignal
 from fingertip.design import Design
 from fingertip.foundation.workers import call_each
-from fingertip.lab.campaign import mix_signals
-from fingertip.lab.campaign.mix import Draw
-from fingertip.lab.campaign.mix_signals import LabelledSignal
 from fingertip.lab.campaign.plan import NEGATIVE_SCENES, nominal_duration_s
-from fingertip.lab.campaign.unsteady import EXCLUDED_FROM_TRAINING, UNSTEADY
 from fingertip.sim import SceneFile
 from fingertip.sim.runs.files import DIRECTIONS
 from fingertip.sim.runs.pose import GRASP_POSE

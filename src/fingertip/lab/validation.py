@@ -1,4 +1,4 @@
-"""Validation of a design: the campaign, the wider mix, the closed loop, and whether the requirements are met."""
+"""Validation of a design: the campaign, the closed loop, and whether the requirements are met."""
 
 from __future__ import annotations
 
@@ -14,29 +14,17 @@ from fingertip.foundation.progress import Work
 from fingertip.foundation.validation import Comparison
 from fingertip.foundation.workers import find_workers, side_by_side
 from fingertip.lab.campaign.closed_loop import ClosedLoopSummary, ClosedLoopTrial, run_closed_loop, summarise
-from fingertip.lab.campaign.mix import MixSize, generate_mix, run_detector
-from fingertip.lab.campaign.mix import summarise as summarise_mix
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, check_first_seed
 from fingertip.lab.campaign.run import CampaignResult, run_campaign, surface
 from fingertip.lab.divider import BoardComparison, compare_with_board
-from fingertip.lab.report import results
-from fingertip.lab.report.results import FurtherResults, format_ms, to_number
+from fingertip.lab.report import plots, results
+from fingertip.lab.report.results import format_ms, to_number
 from fingertip.slip.detectors.registry import DETECTORS, check_detector
 
 SHOWN_TRIALS, SHOWN_MINUTES = 120, 40.0
 """Trials and minutes from which a validation shows its requirements: the article's trials, and 0 alarms in 40 min
 exclude 0.1 a minute with 95 %."""
-SEED_RANGES = 4
-"""Number of ranges of held-out seeds over which the alarms of a validation are counted."""
-RANGE_SEEDS = 1_000_000
-"""Distance between these ranges."""
-MIX_SEED_OFFSET = 500_000
-"""Distance of the wider mix's first seed from the campaign's."""
-FILES = (
-    "validation.txt", "validation.json", "omissions.md", "delays.png", "surfaces.png", "surfaces_digital.png",
-    "comparison.png", "trial.png", "trials_surfaces.png", "trials_objects.png", "closed_loop_power.png",
-    "closed_loop_pinch.png",
-)  # fmt: skip
+FILES = "validation.txt", "validation.json", "omissions.md", "delays.png", "surfaces.png", "comparison.png"
 
 
 @dataclass(frozen=True)
@@ -110,16 +98,15 @@ class Validation:
     campaign: CampaignResult
     closed_loop: tuple[ClosedLoopTrial, ...]
     requirements: tuple[Requirement, ...]
-    further: FurtherResults | BoardComparison
-    """Results beside the campaign; of a divider, the comparison with a board."""
+    board: BoardComparison | None = None
+    """Comparison of a divider with a board."""
 
     @property
     def passed(self) -> bool:
         return all(requirement.passed for requirement in self.requirements)
 
     def as_data(self) -> dict[str, Any]:
-        further = self.further
-        details = further.as_data() if isinstance(further, BoardComparison) else results.as_data(self.campaign, further)
+        details = self.board.as_data() if self.board else results.as_data(self.campaign, summarise(self.closed_loop))
         return {
             "detector": self.detector,
             "passed": self.passed,
@@ -128,9 +115,7 @@ class Validation:
         }
 
     def as_text(self) -> str:
-        if isinstance(self.further, BoardComparison):
-            return self.further.as_text()
-        return results.as_text(self.campaign, self.detector, self.further)
+        return self.board.as_text() if self.board else results.as_text(self.campaign, summarise(self.closed_loop))
 
     def as_verdict(self) -> str:
         """Return whether the requirements are met, and each of them with its value, as text."""
@@ -143,8 +128,8 @@ class Validation:
             verdict += f", but {plan.trials} trials and {plan.negative_minutes:g} min are too few to show it: {enough}"
         lines = [f"{self.design.name}, detector {self.detector}: {verdict}"]
         lines += [f"  {'met   ' if one.passed else 'MISSED'}  {one.message}" for one in self.requirements]
-        if isinstance(self.further, BoardComparison):
-            lines.append(self.further.tell(self.passed))
+        if self.board:
+            lines.append(self.board.tell(self.passed))
         return "\n".join(lines)
 
     def files(self, with_plots: bool = True) -> dict[str, bytes]:
@@ -153,24 +138,17 @@ class Validation:
             "validation.txt": f"{self.as_verdict()}\n\n{self.as_text()}\n".encode(),
             "validation.json": (json.dumps(self.as_data(), indent=2, allow_nan=False) + "\n").encode(),
         }
-        if isinstance(self.further, BoardComparison):
+        if self.board:
             return found
         missed = [requirement.message for requirement in self.requirements if not requirement.passed]
         page = results.as_markdown(self.campaign, missed, self.closed_loop)
-        plots = self._draw_plots() if with_plots else {}
-        return found | plots | {"omissions.md": page.encode()}
-
-    def _draw_plots(self) -> dict[str, bytes]:
-        from fingertip.lab.report import plots, trial_plots  # noqa: PLC0415
-
-        return {
-            "delays.png": plots.plot_delays(self.campaign),
-            "surfaces.png": plots.plot_surfaces(self.campaign, self.detector),
-            "surfaces_digital.png": plots.plot_surfaces(self.campaign, "digital"),
-            "comparison.png": plots.plot_comparison(self.campaign),
-            **trial_plots.plot_trials(self.design),
-            **trial_plots.plot_closed_loop(self.closed_loop, self.detector),
-        }
+        if with_plots:
+            found |= {
+                "delays.png": plots.plot_delays(self.campaign),
+                "surfaces.png": plots.plot_surfaces(self.campaign, self.detector),
+                "comparison.png": plots.plot_comparison(self.campaign),
+            }
+        return found | {"omissions.md": page.encode()}
 
 
 def estimate_stages_s(plan: CampaignPlan, has_filter: bool) -> dict[str, float]:
@@ -178,12 +156,7 @@ def estimate_stages_s(plan: CampaignPlan, has_filter: bool) -> dict[str, float]:
     cases = plan.trials + 15 * plan.negative_minutes  # a scene takes some four seconds
     if not has_filter:
         return {"trials": 0.04 * cases, "closed loop": 4.0, "boards": 0.08 * cases}
-    return {
-        "trials": 0.2 * cases,
-        "further ranges of seeds": 0.12 * cases,
-        "wider mix": 0.4 * plan.trials,
-        "closed loop": 17.0,
-    }
+    return {"trials": 0.2 * cases, "closed loop": 17.0}
 
 
 def validate(
@@ -228,15 +201,6 @@ def _validate(
     work.begin("trials")
     compared = tuple(dict.fromkeys((*DETECTORS, detector)))
     result = run_campaign(design, plan, compared, first_seed=first_seed, advance=work.advance)
-    ranges = [result.at_nominal_threshold(detector)]
-    work.begin("further ranges of seeds")
-    for i in range(1, SEED_RANGES):
-        seed = first_seed + i * RANGE_SEEDS
-        ranges.append(run_campaign(design, plan, (detector,), (1.0,), first_seed=seed).at_nominal_threshold(detector))
-        work.advance(i / SEED_RANGES)
-    work.begin("wider mix")
-    mix_size = MixSize(max(4, plan.trials), max(4, 2 * plan.trials // 5))
-    mix = summarise_mix(run_detector(detector, design, generate_mix(design, mix_size, first_seed + MIX_SEED_OFFSET)))
     work.begin("closed loop")
     loop_detectors = tuple(dict.fromkeys(("analog", "incipient", "fast", detector)))
     loop_repeats = 3 if plan.trials >= 12 else 1
@@ -244,5 +208,4 @@ def _validate(
     summaries = summarise(manipulations)
     required = next(summary for summary in summaries if summary.detector == detector)
     requirements = (*check_detection(result, detector, limits), *check_closed_loop(required, limits))
-    further = FurtherResults(summaries, ranges, mix)
-    return Validation(design, detector, result, tuple(manipulations), requirements, further)
+    return Validation(design, detector, result, tuple(manipulations), requirements)

@@ -16,7 +16,6 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue, gather
@@ -79,7 +78,7 @@ def _close_loop(
     return run_manipulation(design, scene, controller, seed, progress), controller.decisions
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class ClosedLoopTrial:
     """Result of one manipulation with one detector in the loop, or without control."""
 
@@ -101,8 +100,6 @@ class ClosedLoopTrial:
     """Way of the object while it slips past any finger [m]."""
     force_ratio: float
     """Mean force of the fingers at the end, over the planned one; NaN if the object was lost."""
-    manipulation: ManipulationResult
-    decisions: tuple[GripDecision, ...]
 
 
 def run_closed_loop(
@@ -130,7 +127,7 @@ def evaluate_manipulation(
     detector: str, manipulation: ManipulationResult, decisions: Sequence[GripDecision]
 ) -> ClosedLoopTrial:
     time_s, closing = manipulation.time_s, manipulation.signals.closing_m
-    slip = any_finger_slips(manipulation)
+    slip = np.logical_or.reduce(manipulation.output("slip"), axis=0)
     slipping = np.flatnonzero(slip & (time_s >= manipulation.plan.knock_s))
     onset_s = reaction_s = None
     if slipping.size:
@@ -163,8 +160,6 @@ def evaluate_manipulation(
         len(suppressed_true),
         float(np.abs(np.diff(manipulation.signals.object_m))[slip[1:]].sum()),
         _find_force_ratio(manipulation),
-        manipulation,
-        tuple(decisions),
     )
 
 
@@ -173,10 +168,6 @@ def _find_force_ratio(manipulation: ManipulationResult) -> float:
         return math.nan
     last = manipulation.time_s > manipulation.time_s[-1] - _END_S
     return float(np.mean(manipulation.output("force_n")[:, last].mean(axis=1) / manipulation.plan.force_n))
-
-
-def any_finger_slips(manipulation: ManipulationResult) -> NDArray[np.bool_]:
-    return np.asarray(np.logical_or.reduce(manipulation.output("slip"), axis=0), dtype=np.bool_)
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,6 @@ from typing import Any
 from fingertip.catalogues.electronics import PART_TO_PART
 from fingertip.documents.template import lay_out_page, render
 from fingertip.lab.campaign.closed_loop import NO_CONTROL, ClosedLoopSummary, ClosedLoopTrial
-from fingertip.lab.campaign.mix import MixSummary
 from fingertip.lab.campaign.plan import REPORTED_SEPARATELY, TUNING_SEEDS
 from fingertip.lab.campaign.run import CampaignResult, DetectorResult, speed_m_s, surface
 from fingertip.sim.signal.parameters import ACCELERATION_M_S2
@@ -42,18 +41,7 @@ def to_number(value: float) -> float | None:
     return round(value, 7) if math.isfinite(value) else None
 
 
-@dataclass(frozen=True)
-class FurtherResults:
-    """Results beside the campaign."""
-
-    closed_loop: Sequence[ClosedLoopSummary]
-    """Manipulations, without control and with each detector."""
-    seed_ranges: Sequence[DetectorResult]
-    """The detector's campaign on several ranges of seeds, the reported one first."""
-    wider_mix: Mapping[str, MixSummary]
-
-
-def as_data(result: CampaignResult, further: FurtherResults) -> dict[str, Any]:
+def as_data(result: CampaignResult, closed_loop: Sequence[ClosedLoopSummary]) -> dict[str, Any]:
     """Return all results for JSON, in seconds and fractions; an infinite delay is null."""
     assumptions = lay_out_page(render("validation/assumptions.md", **STATED))
     return {
@@ -70,10 +58,8 @@ def as_data(result: CampaignResult, further: FurtherResults) -> dict[str, Any]:
                 "slipped_m": round(row.slipped_m, 7),
                 "force_ratio": to_number(row.force_ratio),
             }
-            for row in further.closed_loop
+            for row in closed_loop
         ],
-        "seed_ranges": ranges_as_data(further.seed_ranges),
-        "wider_mix": mix_as_data(further.wider_mix),
         "assumptions": [line.removeprefix("- ") for line in assumptions.splitlines()],
     }
 
@@ -123,81 +109,12 @@ def _group(values: tuple[float, float, int]) -> dict[str, Any]:
     return {"mean_s": to_number(mean), "deviation_s": to_number(deviation), "found": count}
 
 
-def pool_ranges(ranges: Sequence[DetectorResult]) -> DetectorResult:
-    """Pool the trials of all ranges of seeds, whose thresholds are the same."""
-    return DetectorResult(1.0, tuple(trial for result in ranges for trial in result.trials))
-
-
-def ranges_as_data(ranges: Sequence[DetectorResult]) -> dict[str, Any]:
-    pooled = pool_ranges(ranges)
-    low, high = pooled.alarm_interval
-    return {
-        "ranges": [{"alarms": r.limited_alarms, "minutes": round(r.limited_minutes, 3)} for r in ranges],
-        "alarms": pooled.limited_alarms,
-        "minutes": round(pooled.limited_minutes, 3),
-        "alarms_per_minute_95": [round(low, 5), to_number(high)],
-    }
-
-
-def mix_as_data(mix: Mapping[str, MixSummary]) -> dict[str, Any]:
-    """Return the wider mix for JSON; what a kind does not have is null."""
-    return {
-        kind: {
-            "slips": summary.slides,
-            "found_share": to_number(summary.found_share),
-            "median_s": to_number(summary.delay_s(0.5)),
-            "p90_s": to_number(summary.delay_s(0.9)),
-            "worst_s": to_number(summary.worst_s),
-            "p90_since_motion_s": to_number(summary.motion_delay_s(0.9)),
-            "smallest_on_share": to_number(summary.smallest_on_share),
-            "events": summary.events,
-            "disturbed_share": to_number(summary.disturbed_share),
-            "alarms": summary.alarms,
-            "minutes": round(summary.minutes, 3),
-        }
-        for kind, summary in mix.items()
-    }
-
-
-def mix_table(ranges: Sequence[DetectorResult], mix: Mapping[str, MixSummary], detector: str) -> list[str]:
-    pooled = pool_ranges(ranges)
-    low, high = pooled.alarm_interval
-    counts = ", ".join(f"{r.limited_alarms} in {r.limited_minutes:.1f} min" for r in ranges)
-    lines = [
-        "",
-        f"alarms of {detector} over {len(ranges)} ranges of seeds: {counts};",
-        f"together {pooled.limited_alarms} in {pooled.limited_minutes:.1f} min, with 95 % probability {low:.3f} to "
-        f"{high:.3f} per minute",
-        "",
-        f"{detector} on the wider mix; delays since gross slip, p90 also since motion; disturbed: events with alarm;",
-        f"{ENCODER_NOTE}:",
-        f"{'':26} {'found':>7} {'median':>9} {'p90':>9} {'worst':>9} {'p90 motion':>10} {'disturbed':>12} "
-        f"{'alarms/min':>10}",
-    ]
-    for kind, summary in mix.items():
-        found = f"{100 * summary.found_share:6.1f}%" if summary.slides else ""
-        delays = (summary.delay_s(0.5), summary.delay_s(0.9), summary.worst_s, summary.motion_delay_s(0.9))
-        cells = [format_ms(delay) if summary.slides else "" for delay in delays]
-        events = f"{100 * summary.disturbed_share:.1f}% of {summary.events}" if summary.events else ""
-        lines.append(
-            f"{kind:26} {found:>7} {cells[0]:>9} {cells[1]:>9} {cells[2]:>9} {cells[3]:>10} {events:>12} "
-            f"{summary.alarms_per_minute:10.2f}"
-        )
-    return lines
-
-
 _ms = partial(format_ms, otherwise="  missed ", form="6.1f")
 
 
-def as_text(result: CampaignResult, detector: str, further: FurtherResults) -> str:
+def as_text(result: CampaignResult, closed_loop: Sequence[ClosedLoopSummary]) -> str:
     return "\n".join(
-        [
-            *_delay_table(result),
-            *_alarm_table(result),
-            *_matched_table(result),
-            *mix_table(further.seed_ranges, further.wider_mix, detector),
-            *_closed_loop_table(further.closed_loop),
-        ]
+        [*_delay_table(result), *_alarm_table(result), *_matched_table(result), *_closed_loop_table(closed_loop)]
     )
 
 

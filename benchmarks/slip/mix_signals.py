@@ -20,7 +20,6 @@ from fingertip.lab.campaign.run import select_board_outputs
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
 from fingertip.sim.runs.files import Hand
 from fingertip.sim.runs.grip import GripController, GripSettings
-from fingertip.sim.runs.pose import GRASP_POSE
 from fingertip.sim.runs.timeline import build_timeline
 from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.sim.signal.interference import HAND_BAND_HZ
@@ -222,32 +221,6 @@ def simulate_scene(
         kind, design.detector.sample_rate_hz, trace.voltage_v, slides, tuple(events), alarms_from_s,
         filtered_v=trace.filtered_v,
     )  # fmt: skip
-
-
-def grip_change(design: Design, seed: int) -> LabelledSignal:
-    """Simulate one change of a grasp's force by 1 N, up or down, within a random time."""
-    rng = np.random.default_rng(seed)
-    grows = bool(rng.random() < 0.5)
-    hold = {"mode": "grasp", "min_force_n": 0.5 if grows else 1.3, "max_force_n": 1.5 if grows else 2.5}
-    change = {"by_n": 1.0 if grows else -1.0, "rise_s": float(rng.uniform(0.02, 0.15))}
-    scene = SceneFile(scene="grip_change", pose=GRASP_POSE, hold=hold, load_change=change)
-    return simulate_scene(design, scene, seed, "grip change")
-
-
-def fast_closing(design: Design, seed: int) -> LabelledSignal:
-    """Simulate a grasp that closes within a random time."""
-    close_s = float(np.random.default_rng(seed).uniform(0.05, 0.15))
-    hold = {"mode": "grasp", "min_force_n": 0.5, "max_force_n": 2.0, "close_s": close_s, "release": False}
-    return simulate_scene(design, SceneFile(scene="fast_closing", pose=GRASP_POSE, hold=hold), seed, "fast closing")
-
-
-def taps(design: Design, seed: int) -> LabelledSignal:
-    """Simulate three knocks of one random force and rise time on a grasped object."""
-    rng = np.random.default_rng(seed)
-    force_n, rise_s = float(rng.uniform(0.3, 2.0)), float(rng.uniform(0.002, 0.01))
-    tap = {"force_n": force_n, "rise_s": rise_s, "count": 3}
-    hold = {"mode": "grasp", "min_force_n": 0.5, "max_force_n": 2.0}
-    return simulate_scene(design, SceneFile(scene="taps", pose=GRASP_POSE, hold=hold, tap=tap), seed, "tap")
 
 
 class SteppedGrip(GripController):

@@ -7,6 +7,7 @@ import itertools
 import json
 import re
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,10 +21,11 @@ from fingertip.board.bringup.assessment import FingersAssessment
 from fingertip.board.bringup.bench import HOST, Fault, list_faults
 from fingertip.board.bringup.plan import BringUp, plan_bring_up
 from fingertip.board.bringup.prediction import Board, predict
-from fingertip.board.circuits.channels import PLACES, extract_channel, list_sockets, name_part, split_name
+from fingertip.board.circuits.channels import PLACES, list_sockets, name_part, share_host, split_name, split_net
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.fabrication.bom import list_bom, purchased_components
 from fingertip.board.kicad.project import load_project
+from fingertip.board.parts.circuit import SENSOR_CONNECTOR
 from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE, GND
 from fingertip.catalogues.electronics import NAMES
 from fingertip.catalogues.output_files import BRING_UP_READINGS, CHANNEL_SHEET, LAYOUT, NETLIST, SCHEMATIC
@@ -56,13 +58,20 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_each_channel_is_the_board_of_one_finger() -> None:
     values = board_values(load(PLACES))
     single, whole = board_circuit(values), board_circuit(values, PLACES)
-    own = {part for part in single.components if part.reference != HOST}
+    connectors = (SENSOR_CONNECTOR, HOST)
     for channel in range(1, PLACES + 1):
-        found = extract_channel(whole, channel)
-        assert {part for part in found.components if part.reference != HOST} == own
-        assert found.without(HOST).net_by_pin == single.without(HOST).net_by_pin
-        pins = [net for number, net in sorted_pins(found) if net in (ADC_TACTILE, ADC_FILTERED)]
-        assert pins == [ADC_TACTILE, ADC_FILTERED]
+        named = [(part, *split_name(part.reference)) for part in whole.components]
+        parts = {replace(part, reference=own) for part, number, own in named if number in (0, channel)}
+        assert [part for part in single.components if part.reference not in connectors and part not in parts] == []
+        assert len(parts) == len(single.components)
+        nets = [(*split_name(name), pin, split_net(net)[1]) for (name, pin), net in whole.net_by_pin.items()]
+        by_pin = {(own, pin): net for number, own, pin, net in nets if number in (0, channel)}
+        for (name, pin), net in single.net_by_pin.items():
+            assert name in connectors or by_pin[name, pin] == net
+        pins = [net for _, net in sorted_pins(whole) if split_net(net)[0] == channel]
+        assert pins == [f"F{channel}/{ADC_TACTILE}", f"F{channel}/{ADC_FILTERED}"]
+    shared = [net for _, net in sorted_pins(share_host(single)) if net in (ADC_TACTILE, ADC_FILTERED)]
+    assert shared == [ADC_TACTILE, ADC_FILTERED]
     for part in whole.components:
         channel, name = split_name(part.reference)
         assert part.reference == (name_part(name, channel) if channel else name)
@@ -172,7 +181,7 @@ def test_long_cables_warn_with_a_length_that_does_not() -> None:
 
 
 def plan(channels: int) -> BringUp:
-    circuit = extract_channel(board_circuit(values := board_values(load(channels)), channels), 1)
+    circuit = share_host(board_circuit(values := board_values(load(channels))))
     return plan_bring_up(Board.of_design(load(channels), circuit), values)
 
 

@@ -16,7 +16,7 @@ from fingertip.board.bringup.plan import BringUp, plan_bring_up
 from fingertip.board.bringup.prediction import Board
 from fingertip.board.bringup.readings import read_fingers, read_readings, readings_template, write_template
 from fingertip.board.circuits.board_circuit import board_circuit, divider_circuit
-from fingertip.board.circuits.channels import extract_channel, leave_out_empty
+from fingertip.board.circuits.channels import leave_out_empty, share_host
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.fabrication.bom import bill_of_materials
 from fingertip.board.fabrication.fabrication_files import find_outdated_files, provenance_record
@@ -292,7 +292,7 @@ def assess_board(design: Design, path: Path) -> Assessment | FingersAssessment:
 
 
 def _plan(design: Design, values: BoardValues, *tone_v: float) -> BringUp:
-    circuit, channels = board_circuit(values), design.board.channels
-    if channels > 1:  # the first finger, with the connector that all share
-        circuit = extract_channel(board_circuit(values, channels), 1)
+    circuit = board_circuit(values)
+    if design.board.channels > 1:  # the first finger, with the connector that all share
+        circuit = share_host(circuit)
     return plan_bring_up(Board.of_design(design, circuit), values, *tone_v)

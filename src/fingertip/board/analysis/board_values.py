@@ -88,10 +88,7 @@ def _model_variant(variant: str) -> tuple[response.FilterModel, Mapping[str, Val
 
 @functools.lru_cache(maxsize=16)
 def board_values(design: Design) -> BoardValues:
-    """Compute the board's figures. The last few designs are remembered.
-
-    Raises BoardError if a resistor has no preferred value, which does not occur for a validated design.
-    """
+    """Compute the board's figures. The last few designs are remembered."""
     board, detector, components = design.board, design.detector, select_components(design)
     amplifier = AMPLIFIER_CATALOGUE[components.amplifier]
     bandwidth_hz = amplifier.bandwidth_hz

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from fingertip.board.parts import symbols
-from fingertip.board.parts.circuit import HOST_CONNECTOR, SENSOR_CONNECTOR, Circuit, Component, Net, build_circuit
+from fingertip.board.parts.circuit import HOST_CONNECTOR, SENSOR_CONNECTOR, Circuit, Component, build_circuit
 from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE, BIAS, GND, POWER_IN, RAILS, name_open_net
 from fingertip.catalogues.electronics import NAMES
 
@@ -102,10 +102,7 @@ def repeat_channel(single: Circuit, fitted: int) -> Circuit:
     for component, nets in pins.items():
         if component.reference in SHARED_PARTS:
             wiring[component] = nets
-    host = single.component(HOST_CONNECTOR)
-    symbol = symbols.SYMBOLS["Conn_01x15_MountingPin"]
-    role = "to the controller: tactile voltage, filtered signal and ground of each finger"
-    wiring[replace(host, symbol=symbol, footprint=symbols.JST_SH_15, role=role)] = host_pins()
+    wiring[_host_connector(single)] = host_pins()
     for channel in range(1, PLACES + 1):
         for component, nets in pins.items():
             if component.reference not in (*SHARED_PARTS, HOST_CONNECTOR):
@@ -115,6 +112,12 @@ def repeat_channel(single: Circuit, fitted: int) -> Circuit:
                     own, named = _place_socket(own, named, channel)
                 wiring[own] = named
     return build_circuit(single.name, wiring)
+
+
+def _host_connector(single: Circuit) -> Component:
+    symbol = symbols.SYMBOLS["Conn_01x15_MountingPin"]
+    role = "to the controller: tactile voltage, filtered signal and ground of each finger"
+    return replace(single.component(HOST_CONNECTOR), symbol=symbol, footprint=symbols.JST_SH_15, role=role)
 
 
 def _place_socket(part: Component, nets: dict[str, str], channel: int) -> tuple[Component, dict[str, str]]:
@@ -132,32 +135,7 @@ def leave_out_empty(circuit: Circuit) -> Circuit:
     return circuit.without(*(part.reference for part in circuit.components if not part.is_fitted))
 
 
-def extract_channel(circuit: Circuit, channel: int) -> Circuit:
-    """Extract one channel with what it shares, with parts, nets and socket of the board of one finger."""
-    names = {
-        part.reference: own
-        for part in circuit.components
-        for number, own in [split_name(part.reference)]
-        if number in (0, channel)
-    }
-    components = [
-        replace(part, reference=names[part.reference]) for part in circuit.components if part.reference in names
-    ]
-    symbol, footprint = symbols.SYMBOLS["Conn_01x02_MountingPin"], symbols.JST_SH_2
-    components = [
-        replace(part, symbol=symbol, footprint=footprint) if part.reference == SENSOR_CONNECTOR else part
-        for part in components
-    ]
-    socket = name_part(SENSOR_CONNECTOR, channel)
-    numbers = dict(zip((*find_sensor_pins(channel), "MP"), ("1", "2", "MP"), strict=True))
-    nets = []
-    for net in circuit.nets:
-        number, own = split_net(net.name)
-        nodes = tuple(
-            (names[reference], numbers[pin] if reference == socket else pin)
-            for reference, pin in net.nodes
-            if reference in names and (reference != socket or pin in numbers)
-        )
-        if nodes:
-            nets.append(Net(own if number == channel else net.name, nodes))
-    return Circuit(circuit.name, tuple(components), tuple(nets))
+def share_host(single: Circuit) -> Circuit:
+    """Give the circuit of one finger the host connector that all fingers share, wired as for the first one."""
+    pins = {number: split_net(net)[1] if split_net(net)[0] < 2 else net for number, net in host_pins().items()}
+    return single.without(HOST_CONNECTOR).connect(_host_connector(single), pins)

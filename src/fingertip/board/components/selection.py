@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import functools
 import math
-from bisect import bisect_left
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
@@ -16,9 +15,15 @@ import numpy as np
 from fingertip.board.parts.select_part import list_capacitances
 from fingertip.design.formulas import filter as formulas
 from fingertip.design.formulas.amplifiers import choose_amplifier, select_rectifier_ohm
-from fingertip.design.formulas.filter import MANTISSAS, MAX_OHM, MIN_OHM, FilterComponents, r_lp_ohm
+from fingertip.design.formulas.filter import (
+    MANTISSAS,
+    MAX_OHM,
+    MIN_OHM,
+    FilterComponents,
+    find_preferred_neighbours,
+    r_lp_ohm,
+)
 from fingertip.design.parameters.electronics import Board
-from fingertip.foundation.errors import BoardError, Issue
 from fingertip.foundation.numerics import Array
 
 SOLD = "preferred"
@@ -29,34 +34,21 @@ FILTER_PACKAGE, SMALL_PACKAGE = "1206", "0603"
 """Sizes of the filter's capacitors and of all others of the signal path."""
 
 
-def mantissas(series: str) -> tuple[int, ...]:
-    """Integer mantissas of a decade: 10 to 68 (E6), 82 (E12) or 91 (E24), 100 to 976 (E96). Raises BoardError."""
-    if series not in MANTISSAS:
-        raise BoardError(Issue("board.series", f"{series!r} is not known; choose {', '.join(MANTISSAS)}."))
-    return MANTISSAS[series]
-
-
 def neighbouring_values(
     value: float, series: str, minimum: float = MIN_OHM, maximum: float = MAX_OHM
 ) -> tuple[float, ...]:
-    """Find the preferred values next below and above one; itself if preferred, or an end. Raises BoardError."""
-    decade = mantissas(series)
-    if not (value > 0 and math.isfinite(value)):
-        raise BoardError(f"{value!r} has no preferred value; give a positive finite number.")
-    value = min(max(value, minimum), maximum)
-    exponent = math.floor(math.log10(value)) - (len(str(decade[0])) - 1)
-    values = _values_of_decade(series, exponent)
-    above = bisect_left(values, value)
-    return (values[above],) if values[above] == value else (values[above - 1], values[above])
+    """Find the preferred values next below and above one; itself if preferred, or an end."""
+    low, high = find_preferred_neighbours(min(max(value, minimum), maximum), series)
+    return (low,) if low == high else (low, high)
 
 
 def nearest_value(value: float, series: str, minimum: float = MIN_OHM, maximum: float = MAX_OHM) -> float:
-    """Find the preferred value nearest to `value` by ratio; of two, the lower. Raises as `neighbouring_values` does."""
+    """Find the preferred value nearest to `value` by ratio; of two, the lower."""
     return min(neighbouring_values(value, series, minimum, maximum), key=lambda v: abs(math.log(v / value)))
 
 
 def values_around(value: float, series: str) -> tuple[float, ...]:
-    """List the preferred resistances from half of `value` to twice `value`. Raises as `neighbouring_values` does."""
+    """List the preferred resistances from half of `value` to twice `value`."""
     return _list_values(max(value / 2, MIN_OHM), min(2 * value, MAX_OHM), series)
 
 
@@ -66,32 +58,14 @@ def values_in_range(low: float, high: float, series: str) -> tuple[float, ...]:
 
 
 def _list_values(low: float, high: float, series: str) -> tuple[float, ...]:
-    decade = mantissas(series)
-    digits = len(str(decade[0])) - 1
-    exponents = range(math.floor(math.log10(low)) - digits, math.floor(math.log10(high)) - digits + 1)
-    return _within(low, high, (_scaled(mantissa, exponent) for exponent in exponents for mantissa in decade))
+    exponents = range(math.floor(math.log10(low)) - 2, math.floor(math.log10(high)) + 1)
+    # Read as a decimal number, a value has no rounding error.
+    return _within(low, high, (float(f"{mantissa}e{e}") for e in exponents for mantissa in MANTISSAS[series]))
 
 
 def _within(low: float, high: float, values: Iterable[float]) -> tuple[float, ...]:
     # The ends are computed, so rounding must not exclude a value that lies exactly on one of them.
     return tuple(v for v in values if low * (1 - 1e-9) <= v <= high * (1 + 1e-9))
-
-
-@functools.lru_cache(maxsize=256)
-def _values_of_decade(series: str, exponent: int) -> tuple[float, ...]:
-    """List the preferred values of a decade in ascending order, with one more below it and two above.
-
-    With these, rounding of the logarithm that selects the decade does not matter. The values are cached, because a
-    sweep computes thousands of boards.
-    """
-    decade = mantissas(series)
-    above = (_scaled(mantissa, exponent + 1) for mantissa in decade[:2])
-    return (_scaled(decade[-1], exponent - 1), *(_scaled(mantissa, exponent) for mantissa in decade), *above)
-
-
-def _scaled(mantissa: int, exponent: int) -> float:
-    """mantissa * 10^exponent, correctly rounded."""
-    return float(mantissa * 10**exponent) if exponent >= 0 else mantissa / 10**-exponent
 
 
 def nearest_capacitance(farad: float, series: str, package: str = SMALL_PACKAGE) -> float:
@@ -151,7 +125,7 @@ class FilterSelection:
 
 
 def select_filter(board: Board) -> FilterSelection:
-    """Select the components of filter and envelope. Raises as `neighbouring_values` does."""
+    """Select the components of filter and envelope."""
     ideal = formulas.ideal_components(select_capacitors(board))
     preferred = select_resistors(ideal, board.series, jointly=board.resistor_choice == "joint")
     if board.variant == "article":

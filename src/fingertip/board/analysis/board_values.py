@@ -174,36 +174,14 @@ def find_range_warnings(design: Design) -> Iterator[str]:
         )
 
 
-# Touches of the finger, and how far down each drives the filtered signal: results of simulations, stored as data.
-#
-# `tests/board/test_touches.py` simulates each touch again.
+# Errata of the article about its own board.
 
-
-@dataclass(frozen=True)
-class SimulatedTouch:
-    """Touch and the lowest filtered voltage that it causes on the default board, simulated with ideal amplifiers."""
-
-    force_n: float
-    rise_s: float
-    min_filtered_v: float
-
-
-SLOW_PRESS = SimulatedTouch(1.5, 0.2, -0.1)
-FAST_PRESSES = SimulatedTouch(1.5, 0.03, -2.4), SimulatedTouch(1.5, 0.02, -4.4)
-"""Presses that reach the TL082's typical limit, and exceed it."""
-KNOCK = SimulatedTouch(0.25, 0.004, -3.0)
-"""Tap on an object that is held with 1 N."""
-
-
-def describe_touches() -> str:
-    limit, beyond = FAST_PRESSES
-    return (
-        f"in simulations of the article's board a press to {limit.force_n:g} N takes the filtered signal to "
-        f"{limit.min_filtered_v:.1f} V if the force rises within {1e3 * limit.rise_s:g} ms and to "
-        f"{beyond.min_filtered_v:.1f} V within {1e3 * beyond.rise_s:g} ms, but only to "
-        f"{SLOW_PRESS.min_filtered_v:.1f} V within {1e3 * SLOW_PRESS.rise_s:g} ms; a knock of {KNOCK.force_n:g} N "
-        f"within {1e3 * KNOCK.rise_s:g} ms on a held object takes it to {KNOCK.min_filtered_v:.1f} V"
-    )
+TOUCHES = (
+    "in simulations of the article's board a press to 1.5 N takes the filtered signal to -2.4 V if the force rises "
+    "within 30 ms and to -4.4 V within 20 ms, but only to -0.1 V within 200 ms; a knock of 0.25 N within 4 ms on a "
+    "held object takes it to -3.0 V"
+)
+"""How far down touches drive the filtered signal; `tests/board/test_touches.py` simulates each."""
 
 
 @dataclass(frozen=True)
@@ -223,7 +201,7 @@ class Erratum:
 
 def load_errata() -> tuple[Erratum, ...]:
     rows = json.loads((Path(__file__).parent / "errata.json").read_text("utf-8"))
-    return tuple(Erratum(**row | {"correction": row["correction"].format(touches=describe_touches())}) for row in rows)
+    return tuple(Erratum(**row | {"correction": row["correction"].format(touches=TOUCHES)}) for row in rows)
 
 
 def board_errata(amplifier: str, rectifier: response.Rectifier) -> tuple[Erratum, ...]:

@@ -77,7 +77,7 @@ def load_rows() -> tuple[dict[str, str], ...]:
 
 
 def board_circuit(values: ComponentValues, channels: int = 1) -> Circuit:
-    """Build the checked circuit of a board; of several channels, each is that of one finger. Raises BoardError."""
+    """Build the circuit of a board; of several channels, each is that of one finger."""
     supply = SUPPLIES[values.variant]
     properties = _PROPERTIES[values.variant]
     nets = {"SGND": supply.signal_ground, "VNEG": supply.negative_rail}

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import functools
-import re
-from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from fingertip.board.parts.nets import UNCONNECTED
-from fingertip.foundation.errors import BoardError, Issue
 
 # Requirement for purchase of a resistor or a capacitor, apart from its value and package.
 
@@ -52,8 +49,6 @@ def _format_tolerance(percent: float) -> str:
 
 
 SENSOR_CONNECTOR, SUPPLY_CONNECTOR, HOST_CONNECTOR = "J1", "J2", "J3"
-
-_REFERENCE = re.compile(r"[A-Za-z]+[1-9][0-9]*")
 
 
 @dataclass(frozen=True)
@@ -106,7 +101,7 @@ class Net:
 
 @dataclass(frozen=True)
 class Circuit:
-    """Components and nets. `build_circuit` constructs a checked one."""
+    """Components and nets, as `build_circuit` makes it."""
 
     name: str
     components: tuple[Component, ...]
@@ -149,40 +144,12 @@ class Circuit:
 
 
 def build_circuit(name: str, wiring: Mapping[Component, Mapping[str, str]]) -> Circuit:
-    """Build and check a circuit from pin number -> net of each component; nets as first named. Raises BoardError."""
+    """Build a circuit from pin number -> net of each component; nets as first named."""
     nodes: dict[str, list[Node]] = {}
     for component, pins in wiring.items():
         for number, net in pins.items():
             nodes.setdefault(net, []).append((component.reference, number))
-    circuit = Circuit(name, tuple(wiring), tuple(Net(net, tuple(members)) for net, members in nodes.items()))
-    if issues := list(find_issues(circuit)):
-        raise BoardError(issues)
-    return circuit
-
-
-def find_issues(circuit: Circuit) -> Iterator[Issue]:
-    """Find inconsistencies: duplicate references, unknown pins, pins in two nets or none, nets with a single pin."""
-    for reference, count in Counter(component.reference for component in circuit.components).items():
-        if count > 1:
-            yield Issue(reference, f"names {count} components; give each its own reference.")
-        if not _REFERENCE.fullmatch(reference):
-            yield Issue(reference, "is not letters followed by a number, such as R6; KiCad would renumber it.")
-    for name, count in Counter(net.name for net in circuit.nets).items():
-        if count > 1:
-            yield Issue(name, f"names {count} nets, which KiCad would join; give each its own name.")
-
-    known = {(component.reference, pin.number) for component in circuit.components for pin in component.symbol.pins}
-    uses = Counter(node for net in circuit.nets for node in net.nodes)
-    for net in circuit.nets:
-        if len(set(net.nodes)) < 2 and not net.name.startswith(UNCONNECTED):
-            yield Issue(net.name, f"connects {len(set(net.nodes))} pin; a net needs at least two.")
-    for (reference, number), count in uses.items():
-        if (reference, number) not in known:
-            yield Issue(f"{reference}.{number}", "is connected, but there is no such component or pin.")
-        if count > 1:
-            yield Issue(f"{reference}.{number}", f"is connected {count} times; a pin belongs to one net.")
-    for reference, number in sorted(known - set(uses)):
-        yield Issue(f"{reference}.{number}", "is not connected; connect it or remove the component.")
+    return Circuit(name, tuple(wiring), tuple(Net(net, tuple(members)) for net, members in nodes.items()))
 
 
 def reference_sort_key(component: Component) -> tuple[str, int]:

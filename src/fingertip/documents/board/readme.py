@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from fingertip.board.analysis import interference
-from fingertip.board.analysis.board_values import BoardValues, describe_touches
+from fingertip.board.analysis.board_values import TOUCHES, BoardValues
 from fingertip.board.analysis.limits import describe_adc_range
 from fingertip.board.analysis.loads import signal_band_hz
 from fingertip.board.analysis.noise import noise_warning
@@ -61,7 +61,7 @@ def folder_readme(circuit: Circuit, stored: StoredProject, values: BoardValues, 
         limits=limits,
         adc_range=adc_range[:1].upper() + adc_range[1:],
         amplifier=AMPLIFIER_CATALOGUE[values.amplifier],
-        touches=describe_touches(),
+        touches=TOUCHES,
         diode_v=DIODE_V,
         band_hz=signal_band_hz(design.board.cutoff_hz),
         loads=", ".join(

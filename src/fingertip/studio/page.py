@@ -107,7 +107,8 @@ _ORIGIN = (
 
 
 def render_studio(design: Design, token: str) -> bytes:
-    items = make_items(design)
+    items, bundled = make_items(design), {name: Design.load(name) for name in list_bundled_files(DESIGN)}
+    presets = {name: {path: found.value(path) for path in PARAMETERS} for name, found in bundled.items()}
     form = render_form(design, shapes_of_parameters(design))
     model = element(
         "div", element("h2", "Model", id="model"), render_no_view(),
@@ -126,7 +127,7 @@ def render_studio(design: Design, token: str) -> bytes:
         element("main", element("section", _render_presets(), beside), _render_checks(), id="content"),
         element("footer", element("p", "Served to this machine alone. Ctrl-C in the terminal ends it.")),
         element("script", scene_json(items), type="application/json", id="scene"),
-        element("script", _encode_presets(), type="application/json", id="presets"),
+        element("script", Markup(json.dumps(presets, separators=(",", ":"))), type="application/json", id="presets"),
     )
     style = read_asset("page.css") + read_asset("studio.css", __package__)
     scripts = (read_viewer_library(), read_asset("viewer.js"), read_asset("studio.js", __package__))
@@ -170,12 +171,6 @@ def _render_presets() -> Markup:
     )
     summary = element("summary", "Start from a bundled design")
     return element("details", summary, element("div", *buttons), class_="presets", open=True)
-
-
-def _encode_presets() -> Markup:
-    designs = {name: Design.load(name) for name in list_bundled_files(DESIGN)}
-    values = {name: {path: design.value(path) for path in PARAMETERS} for name, design in designs.items()}
-    return Markup(json.dumps(values, separators=(",", ":")))
 
 
 def _render_checks() -> Markup:

@@ -73,7 +73,7 @@ class StudioServer(ThreadingHTTPServer):
 
     def __init__(self, design: Design, port: int) -> None:
         self.design = design
-        self._way_in: Path | None = None
+        self.way_in: Path | None = None
         self.token = secrets.token_urlsafe(24)
         if not 0 <= port <= MAX_PORT:
             message = f"{port} is no port; choose 1024 to {MAX_PORT}, or 0 for any free one."
@@ -112,13 +112,8 @@ class StudioServer(ThreadingHTTPServer):
         path = folder / "studio.html"
         path.touch(0o600)
         path.write_text(render_way_in(self.url), encoding="utf-8")
-        self._way_in = path
+        self.way_in = path
         return path
-
-    def forget_way_in(self) -> None:
-        """Remove that page, which has been used."""
-        if self._way_in:
-            self._way_in.unlink(missing_ok=True)
 
     def server_close(self) -> None:
         super().server_close()
@@ -192,7 +187,8 @@ class _Handler(BaseHTTPRequestHandler):
             raise _RefusedRequestError(HTTPStatus.NOT_FOUND, "There is nothing at this address.")
         if not self._is_token(parse_qs(address.query).get("token", [""])[0]):
             return _Reply(HTTPStatus.FORBIDDEN, _HTML, render_locked())
-        self.server.forget_way_in()
+        if self.server.way_in:  # it has been used
+            self.server.way_in.unlink(missing_ok=True)
         return _Reply(HTTPStatus.OK, _HTML, self.server.page)
 
     def _answer(self) -> _Reply:

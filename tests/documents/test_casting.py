@@ -20,8 +20,8 @@ from fingertip.design.new_design import PRESETS
 from fingertip.documents.acceptance import acceptance_sheet, render_acceptance
 from fingertip.documents.finger import FirstScreen, list_steps, render_sheet, render_start
 from fingertip.documents.wiring import wiring_diagram
-from fingertip.pictures.steps.scene import Bench, Scene
-from fingertip.pictures.steps.scenes import SCENES, draw_steps
+from fingertip.pictures.casting_scenes import SCENES, draw_steps
+from fingertip.pictures.scene import Bench, Scene
 from fingertip.tasks.board import board_files
 from fingertip.tasks.firmware import firmware_files
 from tests.conftest import design_file

@@ -19,7 +19,7 @@ from fingertip.cad.shapes.parts import PARTS
 from fingertip.catalogues.output_files import PAGE
 from fingertip.documents.finger_set import render_set_start, render_sheet
 from fingertip.page.render import render_set_page
-from fingertip.pictures.steps.scenes import draw_finger
+from fingertip.pictures.casting_scenes import draw_finger
 from tests.browser import HOW, click, drawn_ms, find_barriers, open_browser, picture, wait
 from tests.conftest import ROOT
 from tests.page.conftest import Page

@@ -19,8 +19,8 @@ from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.design.geometry.solids import Box, difference
 from fingertip.pictures import picture, section
 from fingertip.pictures.picture import draw, find_free_place, place_on_hand
+from fingertip.pictures.scene import View
 from fingertip.pictures.section import Section, draw_section, list_sections, slice_solid, spread
-from fingertip.pictures.steps.scene import View
 from tests.approved import check_figures
 from tests.figures import sum_up
 from tests.view.describe import PenRecord, describe_pixels

@@ -15,9 +15,9 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.casting.sheet import casting_sheet
 from fingertip.design import Design
 from fingertip.documents.finger import list_steps
+from fingertip.pictures.casting_scenes import SCENES
 from fingertip.pictures.raster import Canvas
-from fingertip.pictures.steps.scene import Bench, draw_scene
-from fingertip.pictures.steps.scenes import SCENES
+from fingertip.pictures.scene import Bench, draw_scene
 from tests.conftest import design_file, run_fingertip
 
 

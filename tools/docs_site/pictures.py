@@ -10,8 +10,8 @@ from fingertip.casting.sheet import casting_sheet
 from fingertip.catalogues.file_kinds import DESIGN, list_bundled_files
 from fingertip.design import Design
 from fingertip.documents.finger import list_steps as steps_of
+from fingertip.pictures.casting_scenes import draw_steps
 from fingertip.pictures.picture import draw
-from fingertip.pictures.steps.scenes import draw_steps
 
 WIDTH_PX = 1200
 """Width of a design's picture in the gallery [pixels]."""

@@ -87,7 +87,7 @@ def sheet(
     data = casting_sheet(loaded, MeshEvaluator(_MESH_TOLERANCE_MM))
     drawn: dict[str, bytes] = {}
     if pictures:
-        from fingertip.pictures.steps.scenes import draw_steps
+        from fingertip.pictures.casting_scenes import draw_steps
 
         drawn = draw_steps(loaded, data, [step.picture for step in list_steps(data)], console.progress)
         step_writer.write(drawn)

@@ -24,7 +24,7 @@ _REFERENCE = re.compile(r"\[([^\]]+)\]\(#(\w+)\)")
 @dataclass(frozen=True)
 class Step:
     picture: str
-    """Name of the scene in `fingertip.pictures.steps` that shows the step."""
+    """Name of the scene in `pictures.casting_scenes` that shows the step."""
     text: str
     uses: tuple[str, ...]
     """Keys of the things that it names."""

@@ -33,7 +33,7 @@ from fingertip.page.parameters_and_checks import render_checks, render_parameter
 from fingertip.page.sheets import TICKED_THINGS, render_facts, render_markdown, split_sections
 from fingertip.page.sources import Sources
 from fingertip.page.trial_section import render_trial
-from fingertip.pictures.steps.scenes import draw_finger
+from fingertip.pictures.casting_scenes import draw_finger
 
 _BEFORE = "Before you begin"
 

@@ -39,7 +39,7 @@ from fingertip.page.model_section import Item, measure_finger, place_items, rend
 from fingertip.page.pad_section import render_pad
 from fingertip.page.parameters_and_checks import EVERY_FILE, ReportedCheck, render_checks, render_verdict
 from fingertip.page.sheets import render_facts, split_sections
-from fingertip.pictures.steps.scenes import draw_finger
+from fingertip.pictures.casting_scenes import draw_finger
 from fingertip.studio.worker import StillWanted
 
 if TYPE_CHECKING:

@@ -246,7 +246,7 @@ def _replace_subset(writer: SetWriter, contents: Mapping[str, bytes], obsolete: 
 
 
 def _draw_steps(design: Design, tolerance_mm: float) -> dict[str, bytes]:
-    from fingertip.pictures.steps.scenes import draw_steps  # noqa: PLC0415
+    from fingertip.pictures.casting_scenes import draw_steps  # noqa: PLC0415
 
     sheet = casting_sheet(design, MeshEvaluator(tolerance_mm))
     return draw_steps(design, sheet, [step.picture for step in list_steps(sheet)])

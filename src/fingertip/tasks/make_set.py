@@ -50,7 +50,7 @@ from fingertip.foundation.errors import DesignError, Issue, OutputError
 from fingertip.foundation.input_files import find_link
 from fingertip.foundation.progress import Work
 from fingertip.page.render import render_set_page
-from fingertip.pictures.steps.scenes import draw_finger
+from fingertip.pictures.casting_scenes import draw_finger
 from fingertip.tasks.board import BRING_UP_FILES, plan_board
 from fingertip.tasks.make import Made, make
 

@@ -13,7 +13,7 @@ from fingertip.casting.sheet import CastingSheet
 from fingertip.design.geometry.joint import Joint, TendonAnchor
 from fingertip.design.geometry.solids import Box, cylinder, difference, union
 from fingertip.pictures.raster import Camera
-from fingertip.pictures.steps.scene import Arrow, Bench, Label, Scene, Shown
+from fingertip.pictures.scene import Arrow, Bench, Label, Scene, Shown
 
 _FROM_BACK, _FROM_PALM = Camera.from_angles(28, 30), Camera.from_angles(28, -35)
 _LINE, _BAND = (0.20, 0.30, 0.65), (0.75, 0.35, 0.30)

@@ -23,9 +23,9 @@ from fingertip.design.geometry.solids import Box, Solid, cylinder, difference, i
 from fingertip.design.interfaces.interface import middle_y
 from fingertip.design.interfaces.rigid import Post, Socket
 from fingertip.foundation.progress import Work
+from fingertip.pictures.joint_scenes import JOINT_SCENES
 from fingertip.pictures.raster import Camera, Canvas, bounds, to_png
-from fingertip.pictures.steps.joint_scenes import JOINT_SCENES
-from fingertip.pictures.steps.scene import CUP_RADIUS_MM, Arrow, Bench, Label, Paint, Scene, Shown, View, draw_scene
+from fingertip.pictures.scene import CUP_RADIUS_MM, Arrow, Bench, Label, Paint, Scene, Shown, View, draw_scene
 
 _UP = (0.0, 0.0, -1.0)
 _FROM_BELOW = Camera.looking_from((0.4, -1.0, 0.12), _UP)

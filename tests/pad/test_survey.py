@@ -3,12 +3,16 @@
 import json
 import math
 import re
+from contextlib import suppress
+from importlib import import_module
+from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
 from fingertip.cad.verification.skin import check_pad
+from fingertip.cli import app
 from fingertip.design import Design
 from fingertip.pad.fem_elastic import stiffness
 from fingertip.pad.fem_mesh import extrude, quadratic_plan
@@ -73,6 +77,26 @@ def test_command_page_and_picture_show_the_survey(tmp_path):
     refused = run_fingertip("picture", "article", "--pad", "--out", tmp_path / "pad.png")
     assert "end it in .svg" in refused.stderr
     assert "add that" in run_fingertip("pad", "article", "--friction", "0.3").stderr
+
+
+def test_rows_of_the_elements_stand_below_that_of_the_layer_model(monkeypatch, capsys):
+    """Shares of 0.51 and, on the finer mesh, 0.52, refused at the first tilt."""
+
+    def press(form, is_fine):
+        found = SimpleNamespace(
+            share=0.52 if is_fine else 0.51, depth_mm=1.0, strain=0.05, bond_shear_mpa=0.1, bond_tension_mpa=0.1
+        )
+        return [None, *[found] * (len(TILTS_DEG) - 1)]
+
+    monkeypatch.setattr(import_module("fingertip.cli.pad"), "_press", press)
+    with suppress(SystemExit):
+        app(["pad", "fsr400", "--refine"])
+    first, *rows = [re.split("  +", row) for row in capsys.readouterr().out.splitlines()[2:5]]
+    assert first[0] == "share of 1 N"
+    assert rows == [
+        ["the same, finite elements", "-", *["0.51"] * (len(TILTS_DEG) - 1)],
+        ["finite elements, edges 0.7", "-", *["0.52"] * (len(TILTS_DEG) - 1)],
+    ]
 
 
 @pytest.mark.full

@@ -16,7 +16,7 @@ from fingertip.board import board_circuit, board_values
 from fingertip.board.bringup import rectifier
 from fingertip.board.bringup.assessment import assess_readings, find_sources
 from fingertip.board.bringup.bench import COUPLING_FARAD, TONE_V, TOP_HZ, Fault, list_exchanges, list_faults
-from fingertip.board.bringup.diagnosis import diagnose, explain, list_mistakes
+from fingertip.board.bringup.diagnosis import Explanation, _merge_exchanges, diagnose, explain, list_mistakes
 from fingertip.board.bringup.plan import BringUp, plan_bring_up
 from fingertip.board.bringup.prediction import (
     POINTS,
@@ -391,3 +391,11 @@ def test_file_of_readings_is_read_back_and_its_faults_are_reported_at_once(tmp_p
     fields = [issue.field for issue in caught.value.issues]
     assert fields == ["board", "tone_v", "tp1_opn_v", "tp2_open_v", str(path)]
     assert "did you mean tp1_open_v" in str(caught.value)
+
+
+def test_exchanges_of_one_part_are_named_together_at_the_place_of_the_likeliest() -> None:
+    circuit, pairs = Circuit("board", (), ()), ("R1 and R2", "C1", "R3 and R1", "R5 and R6", "R1 and R4")
+    found = [Explanation(Fault(name, "are exchanged", circuit), 0.1 * i)
+             for i, name in enumerate(pairs)]  # fmt: skip
+    merged = [(one.fault.reference, one.misfit) for one in _merge_exchanges(found)]
+    assert merged == [("R1 and one of R2, R3 and R4", 0.0), ("C1", 0.1), ("R5 and R6", pytest.approx(0.3))]

@@ -181,3 +181,14 @@ def read_cylinders(step: str) -> list[tuple[float, tuple[float, ...], tuple[floa
         (float(radius), *(points[name] for name in places[place].split(",")))  # type: ignore[misc]
         for place, radius in re.findall(r"CYLINDRICAL_SURFACE\('[^']*',(#\d+),([\d.Ee+-]+)\)", step)
     ]
+
+
+def test_bone_beside_a_slot_is_blunt_up_to_where_it_is_as_thick_as_a_wall() -> None:
+    design = Design.load("adult_finger")
+    collar, z = design.dimensions.collar, -design.bone.collar_length_mm / 2
+    for half in (6.0, 6.5, 7.0):
+        y = design.dimensions.blunt_up_to_y(half, z, collar)
+        assert y is not None
+        assert collar.half_width_at(y, z) == pytest.approx(half + design.bone.wall_mm, abs=1e-6)
+        assert 0.0 < y < collar.section.dorsal
+    assert design.dimensions.blunt_up_to_y(4.0, z, collar) is None, "near the middle the edge above is blunt"

@@ -16,6 +16,11 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = Path(__file__).resolve().parent
 REACH = ROOT / "out" / "mutation" / "reach.pickle"
+OF_DECLARATIONS = (
+    "tests/test_toml_files.py::test_schemas_are_current",
+    "tests/test_public_api.py::test_every_public_name_is_documented_and_has_the_approved_defaults",
+)
+"""Tests that read what modules declare, such as bounds and defaults, and enter no block of them."""
 
 
 @dataclass(frozen=True)
@@ -104,7 +109,7 @@ class Reach:
         """List the tests that can notice a mutant.
 
         A change outside all blocks (a constant, a signature, a loop that numba compiles) reaches whoever uses the
-        module: the tests that enter it, and those of the modules that import it.
+        module: the tests that enter it, those of the modules that import it, and those that read declarations.
         """
         block = self._innermost(mutant)
         if block is not None:
@@ -113,7 +118,8 @@ class Reach:
         if not any(name in users and i in self.tests for i, (name, _, _) in enumerate(self.blocks)):
             users |= {other for one in list(users) for other in importers().get(one, ())}
         found = (self.tests.get(i, ()) for i, (name, _, _) in enumerate(self.blocks) if name in users)
-        return tuple(dict.fromkeys(test for tests in found for test in tests))
+        declared = [test for test in OF_DECLARATIONS if test in self.cost_s]
+        return tuple(dict.fromkeys([*declared, *(test for tests in found for test in tests)]))
 
     def _innermost(self, mutant: Mutant) -> int | None:
         around = [

@@ -1,12 +1,12 @@
 """Command `python -m tools.mutation.run`: change the source in one place at a time, and list what no test notices.
 
     python -m tools.mutation.reach -n 2                                   once: which tests enter which blocks
-    python -m tools.mutation.run --cosmic-ray PYTHON --count 400 --seed 1
+    python -m tools.mutation.run --cosmic-ray PYTHON --seed 2026 --jobs 1
 
 The mutants are drawn over all lines of src (`tools/mutation/changes.py`). The first set of tests judges each, then the
-rest of the suite. A command that is stopped goes on where it was: out/mutation has the results. The exit code is 1 if
-less than `MIN_KILLED` of all mutants, or `MIN_KILLED_GROUP` of those of a group of packages, were noticed, or less than
-`MIN_KILLED_FIRST` by the first set.
+rest of the suite, as far as it was recorded (`reach` with FINGERTIP_FULL=1: an hour). A command that is stopped goes on
+where it was: out/mutation has the results. The exit code is 1 if less than `MIN_KILLED` of all mutants, or
+`MIN_KILLED_GROUP` of those of a group of packages, were noticed, or less than `MIN_KILLED_FIRST` by the first set.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Mutation testing of src.")
     parser.add_argument("packages", nargs="*", help="folders of src/fingertip; all by default")
     parser.add_argument("--cosmic-ray", default=sys.executable, help="Python that has cosmic-ray")
-    parser.add_argument("--count", type=int, default=400, help="number of mutants")
+    parser.add_argument("--count", type=int, default=40, help="number of mutants")
     parser.add_argument("--seed", type=int, default=1, help="seed of the draw")
     parser.add_argument(
         "--cpu-s", type=float, default=60.0, help="CPU time of the first set, and of the others, for one mutant [s]"

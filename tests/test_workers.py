@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -23,7 +24,6 @@ from fingertip.foundation.workers import Pool, Worker, WorkerDiedError, call_eac
 from fingertip.lab.campaign.closed_loop import run_closed_loop
 from fingertip.lab.campaign.plan import CampaignPlan
 from fingertip.lab.campaign.run import run_campaign
-from tests.conftest import ROOT
 
 
 @pytest.fixture(params=["fork", "start"])
@@ -31,11 +31,6 @@ def way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
     """A copy of this process, or where it has other threads, one that imports what it needs."""
     monkeypatch.setattr(threading, "active_count", lambda: 1 + (request.param == "start"))
     return str(request.param)
-
-
-@pytest.fixture(autouse=True)
-def functions_of_this_module(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(ROOT), str(ROOT / "src")]))
 
 
 @pytest.mark.usefixtures("way")
@@ -66,22 +61,21 @@ def test_a_block_that_is_left_ends_its_process() -> None:
     assert time.monotonic() - begun < 30.0
 
 
-def report_and(end: Callable[[], object]) -> object:
-    workers.report_step("first")
-    workers.report_step("second")
-    print("last words", file=sys.stderr, flush=True)
-    return end()
+def report_and(end: str) -> tuple[Callable[..., None], str, dict[str, Any]]:
+    """Return a call that reports two steps, says something and ends in some way."""
+    code = "import os, sys, time; from fingertip.foundation.workers import report_step; report_step('first');"
+    return exec, f"{code} report_step('second'); print('last words', file=sys.stderr, flush=True); {end}", {}
 
 
 def test_steps_tell_what_a_worker_did_until_its_end(tmp_path: Path) -> None:
     with Worker(tmp_path) as worker:
-        worker.send(report_and, os.getcwd)
+        worker.send(os.getcwd)
+        assert worker.receive() == str(tmp_path)
+        worker.send(*report_and("os._exit(3)"))
         assert worker.receive(until="first") is None
-        assert (worker.receive(), worker.steps) == (str(tmp_path), ["first", "second"])
-        worker.send(report_and, partial(os._exit, 3))
         with pytest.raises(WorkerDiedError, match="last words") as caught:
             worker.receive()
-        assert caught.value.step == "second"
+        assert (caught.value.step, worker.steps) == ("second", ["first", "second"])
     with Worker() as worker:
         worker.send(os._exit, 3)
         with pytest.raises(WorkerDiedError, match="no message") as caught:
@@ -94,11 +88,11 @@ def test_a_limit_of_time_ends_a_worker_that_hangs() -> None:
     with Worker() as worker:
         worker.send(abs, -3)
         assert worker.receive_within(60.0) == 3
-        worker.send(report_and, partial(time.sleep, 60.0))
+        worker.send(*report_and("time.sleep(60.0)"))
         worker.receive(until="second")
         with pytest.raises(TimeoutError):
-            worker.receive_within(1.0, lambda: looks.append(list(worker.steps)))
-        assert looks[-1] == ["first", "second"]
+            worker.receive_within(0.1, lambda: looks.append(list(worker.steps)))
+        assert looks == [["first", "second"]]
         with pytest.raises(ProcessLookupError):
             os.kill(worker.pid, 0)
 
@@ -120,15 +114,14 @@ def test_a_call_within_limits_ends_at_them(
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="processes are listed on Linux alone")
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
 @pytest.mark.parametrize(
-    ("threads", "call"),
+    ("number", "threads", "call"),
     [
-        (1, "with workers.in_background(time.sleep, 60.0): tell(); time.sleep(60.0)"),
-        (2, "with workers.in_background(time.sleep, 60.0): tell(); time.sleep(60.0)"),
-        (1, "with workers.side_by_side(2): tell(); list(workers.call_each([partial(time.sleep, 60.0)] * 2))"),
+        (signal.SIGKILL, 1, "with workers.in_background(time.sleep, 60.0): tell(); time.sleep(60.0)"),
+        (signal.SIGTERM, 2, "with workers.in_background(time.sleep, 60.0): tell(); time.sleep(60.0)"),
+        (signal.SIGINT, 1, "with workers.side_by_side(2): tell(); list(workers.call_each([sleep] * 2))"),
+        (signal.SIGKILL, 1, "with workers.side_by_side(2): tell(); list(workers.call_each([sleep] * 2))"),
     ],
-    ids=["fork", "start", "side by side"],
 )
 @pytest.mark.every_case
 def test_no_process_outlives_an_interruption(number: int, threads: int, call: str) -> None:
@@ -140,6 +133,7 @@ def test_no_process_outlives_an_interruption(number: int, threads: int, call: st
         "workers.count_processors = lambda: 2\n"
         f"threading.active_count = lambda: {threads}\n"
         "def tell(): print(*(one.pid for one in gc.get_objects() if isinstance(one, workers.Worker)), flush=True)\n"
+        "sleep = partial(time.sleep, 60.0)\n"
         f"{call}\n"
     )
     command = [sys.executable, "-c", code]
@@ -149,7 +143,7 @@ def test_no_process_outlives_an_interruption(number: int, threads: int, call: st
     assert started.stdout
     others = [int(word) for word in started.stdout.readline().split()]
     assert len(others) == 1 + ("side" in call)
-    time.sleep(1.0)
+    time.sleep(0.5)  # until the workers have begun
     started.send_signal(number)
     started.wait(timeout=30.0)
     started.stdout.close()
@@ -182,6 +176,18 @@ def test_results_of_several_processes_come_in_the_order_of_the_calls() -> None:
     for pid in pids:
         with pytest.raises(ProcessLookupError):
             os.kill(pid, 0)
+
+
+def call_one() -> int:
+    return next(call_each([os.getpid]))
+
+
+@pytest.mark.skipif(sys.platform != "linux" or workers.count_processors() == 1, reason="no process is forked")
+def test_a_copy_of_this_process_leaves_its_workers_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(threading, "active_count", lambda: 1)
+    with side_by_side(2), in_background(call_one) as wait:
+        pid = wait()
+        assert pid not in {os.getpid(), *call_each([os.getpid] * 40)}
 
 
 def test_calls_are_made_ahead_of_the_results_that_are_taken_and_no_farther(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -223,7 +229,7 @@ def test_a_worker_that_ends_by_itself_is_reported_with_a_remedy_and_replaced() -
 
 def test_only_the_call_of_a_worker_that_dies_is_lost() -> None:
     pool = Pool(2)
-    lost = pool.submit(report_and, partial(os._exit, 3))
+    lost = pool.submit(*report_and("os._exit(3)"))
     others = [pool.submit(abs, -number) for number in range(20)]
     assert [other.result(60.0) for other in others] == list(range(20))
     error = lost.exception(60.0)

@@ -12,7 +12,7 @@ import typer
 from fingertip.cli import options
 from fingertip.cli.completion import SHELLS, read_script
 from fingertip.cli.console import Console
-from fingertip.cli.options import command, find_idle_issues, flag, load_design, refuse
+from fingertip.cli.options import command, flag, load_design
 from fingertip.foundation.errors import DesignError, Issue, join_words
 
 
@@ -22,18 +22,12 @@ def params(
     design: Path | None = options.OPTIONAL_DESIGN,
     changes: list[str] | None = options.CHANGES,
     toml: bool = flag("Print a complete design file with comments."),
-    schema: bool = flag("Print the JSON schema of design files, for editors."),
 ) -> None:
     """Print every parameter with its value, unit, bounds and description."""
     from fingertip.design import files as export
-    from fingertip.design.parameters import Tables
 
-    if schema:
-        refuse(find_idle_issues("--schema", {"--toml": toml}))
     loaded = load_design(design, changes, console)
-    if schema:  # The schema is JSON with and without --json.
-        console.write(json.dumps(Tables.model_json_schema(), indent=2))
-    elif toml:
+    if toml:
         text = export.to_toml(loaded)
         console.result({"toml": text}, text.removesuffix("\n"))
     else:

@@ -5,11 +5,15 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
 import pytest
 
+from fingertip.foundation.errors import FingertipError
+from fingertip.foundation.extras import find_plugins
+from fingertip.slip.detectors.registry import DETECTORS, find_detector_type, list_detectors
 from tests.conftest import ROOT, run_python
 from tests.test_one_file import run_lines
 
@@ -58,18 +62,25 @@ def test_an_installed_package_brings_a_detector_and_a_check(tmp_path: Path) -> N
     ("entry", "problem"),
     [
         ("fast = own_detector_and_check:OWN", "bring a name that exists already"),
-        ("own = own_detector_and_check:NOTHING", "failed (AttributeError"),
+        ("own = own_detector_and_check:NOTHING", "failed .AttributeError"),
         ("own = own_detector_and_check:ChangeDetector", "is no DetectorType"),
     ],
 )
-def test_a_broken_package_is_one_sentence(entry: str, problem: str, tmp_path: Path) -> None:
-    site = tmp_path / "site"
-    site.mkdir()
-    install("broken", f"[fingertip.detectors]\n{entry}\n", site)
-    done = run_beside(site, "detect nothing.csv --detector " + entry.split()[0])
-    assert (done.returncode, done.stdout) == (2, "")
-    assert len(done.stderr.splitlines()) == 1
-    assert problem in done.stderr
+@pytest.mark.every_case
+def test_a_broken_package_is_one_sentence(
+    entry: str, problem: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    install("broken", f"[fingertip.detectors]\n{entry}\n", tmp_path)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    find_plugins.cache_clear()
+    try:
+        with pytest.raises(FingertipError, match=problem) as raised:
+            find_detector_type(entry.split()[0])
+        assert len(raised.value.issues) == 1
+        assert list_detectors()[: len(DETECTORS)] == (*DETECTORS,)
+    finally:
+        find_plugins.cache_clear()
+        sys.modules.pop("own_detector_and_check", None)
 
 
 @pytest.mark.full

@@ -126,9 +126,9 @@ def list_bundled_files(*kinds: FileKind) -> dict[str, Path]:
     return {name: path for name, path in files.items() if not kinds or identify_kind(path) in kinds}
 
 
-def find_file(given: str | Path, *kinds: FileKind, folder: Path | None = None) -> Path:
+def find_file(source: str | Path, *kinds: FileKind, folder: Path | None = None) -> Path:
     """Find a file that is given by path or by bare name. Raises TomlFileError."""
-    name, path = str(given), (folder or Path()) / given
+    name, path = str(source), (folder or Path()) / source
     if not _BARE_NAME.fullmatch(name):
         return path
     bundled, wanted = list_bundled_files().get(name), join_words((kind.describe() for kind in kinds), "or")

@@ -138,7 +138,7 @@ class Console:
     def __init__(self, as_json: bool, quiet: bool) -> None:
         self.as_json, self.quiet = as_json, quiet
         self._is_terminal = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
-        self._said: set[str] = set()
+        self._printed: set[str] = set()
 
     def progress(self, message: str) -> None:
         """Print a note to stderr once, or on a terminal draw a bar for the share of long work; a log has no shares."""
@@ -146,10 +146,10 @@ class Console:
             return
         if not isinstance(message, ShareText):
             message = escape_message(message)
-            if message not in self._said:
+            if message not in self._printed:
                 self.clear()
                 print(message, file=sys.stderr, flush=True)
-            self._said.add(message)
+            self._printed.add(message)
         elif self._is_terminal:
             line = format_bar(message, shutil.get_terminal_size().columns)
             print(f"{CLEAR_LINE}{line}", end="", file=sys.stderr, flush=True)

@@ -208,5 +208,5 @@ def validate(
     writer.write(validation.files(with_plots))
     text = validation.as_verdict()
     details = f"details: {folder / 'validation.txt'}, or --verbose"
-    said = f"{text}\n\n{validation.as_text()}" if verbose else f"{text}\n{details}"
-    console.result(validation.as_data(), said, validation.passed)
+    shown = f"{text}\n\n{validation.as_text()}" if verbose else f"{text}\n{details}"
+    console.result(validation.as_data(), shown, validation.passed)

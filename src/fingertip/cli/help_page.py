@@ -90,8 +90,8 @@ class HelpGroup(TyperGroup):
                 print(message, file=sys.stderr)
             else:
                 path = getattr(getattr(error, "ctx", None), "command_path", "fingertip")
-                said = f"{message[:1].lower()}{message[1:]}".rstrip(".") + ("" if message.endswith("?") else ";")
-                text = f"{said} `{path} --help` lists what it takes."
+                problem = f"{message[:1].lower()}{message[1:]}".rstrip(".") + ("" if message.endswith("?") else ";")
+                text = f"{problem} `{path} --help` lists what it takes."
                 Console(False, False).print_issues(FingertipError(Issue(path, text)))
             raise SystemExit(BAD_INPUT) from None
 

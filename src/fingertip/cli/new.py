@@ -191,17 +191,17 @@ def _write_set(console: Console, order: _Order, start: Callable[[], Starts]) -> 
     work = Work("", {"fit": 2.0 * len(starts), "checks": len(starts)}, console.progress)
     forms = fit_set(starts, order.may_change_joint, work.within("fit"), issues)
     checking = Work("checking", dict.fromkeys((join_words(form.fingers) for form in forms), 1.0), work.within("checks"))
-    told: list[dict[str, Any]] = []
+    form_data: list[dict[str, Any]] = []
     lines: list[str] = []
     weak: dict[str, list[Check]] = {}
     for form in forms:
         label = join_words(form.fingers)
-        data, said = _describe(path.with_name(form.file), form.design)
+        data, details = _describe(path.with_name(form.file), form.design)
         if form.is_own:
             weak[label], strength = _check(form.design.design, data, checking.within(label))
-            said += strength
-        told.append(data | {"design": form.file, "fingers": list(form.fingers)})
-        lines += [f"{label}: {form.file}, begun from {form.design.base}", *(f"  {line}" for line in said)]
+            details += strength
+        form_data.append(data | {"design": form.file, "fingers": list(form.fingers)})
+        lines += [f"{label}: {form.file}, begun from {form.design.base}", *(f"  {line}" for line in details)]
     loads = _offer_lighter_loads(weak.values(), "all fingers hold")
     for label, failed in weak.items():
         issues += (Issue(f"{label}: {issue.field}", issue.message) for issue in _refuse(failed, loads))
@@ -213,7 +213,7 @@ def _write_set(console: Console, order: _Order, start: Callable[[], Starts]) -> 
     write_file(path, write_set_file(order.name, forms).encode())
     if missing := [finger for finger in NAMES if not any(finger in form.fingers for form in forms)]:
         lines.append(f"note: this hand has no {join_words(missing, 'and no')}")
-    data = {"set": path.as_posix(), "name": order.name, "forms": told, "next": order.following}
+    data = {"set": path.as_posix(), "name": order.name, "forms": form_data, "next": order.following}
     console.result(data, "\n".join([*lines, f"wrote {path}; edit its designs, then run: {order.following}"]))
 
 
@@ -281,13 +281,13 @@ def _find_passing(
 
 def _find_lighter_loads(weak: Iterable[Sequence[Check]]) -> dict[str, float]:
     """Find loads that all bones hold which are too weak for theirs; none if more fails."""
-    held: dict[str, float] = {}
+    loads: dict[str, float] = {}
     for check in itertools.chain(*weak):
         if not check.remedy:
             return {}
         for name, load in (setting.split("=") for setting in check.remedy.split(" --set ")):
-            held[name] = min(float(load), held.get(name, math.inf))
-    return held
+            loads[name] = min(float(load), loads.get(name, math.inf))
+    return loads
 
 
 def _offer_lighter_loads(weak: Iterable[Sequence[Check]], who: str) -> str:

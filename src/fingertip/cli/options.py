@@ -79,9 +79,9 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
     @functools.wraps(function)
     def run(**words: Any) -> None:
         console = Console(bool(words.get("as_json")), bool(words.get("quiet")))
-        given = {name: value for name, value in {**words, "console": console}.items() if name in own}
+        arguments = {name: value for name, value in {**words, "console": console}.items() if name in own}
         try:
-            function(**given)
+            function(**arguments)
         except (typer.Exit, typer.Abort):
             raise
         except BrokenPipeError:
@@ -145,7 +145,7 @@ def find_file_issues(
         yield Issue(str(path), f"is a folder; {remedy}.")
     elif path.suffix.lower() not in suffixes:
         yield Issue(option, f"{path.name!r} is of no format that is written; end it in {' or '.join(suffixes)}.")
-    elif os.path.exists(path) and any(given and os.path.exists(given) and path.samefile(given) for given in inputs):
+    elif os.path.exists(path) and any(each and os.path.exists(each) and path.samefile(each) for each in inputs):
         yield Issue(option, f"{path} is an input of this command; give another name.")
     elif kept and os.path.lexists(path):
         yield Issue(str(path), f"exists and is not overwritten; {remedy}, or {kept}.")

@@ -247,10 +247,10 @@ def library_sources(design: Design, fingers: Fingers) -> dict[str, bytes]:
 
 def lamp_sketch(design: Design, fingers: Fingers) -> dict[str, bytes]:
     """Sketch for dividers, whose head says what to wire and how far its forces can be trusted, and its header."""
-    told = dict.fromkeys(finger.force_curve.describe() for finger in fingers.designs or (design,))
+    reliability = dict.fromkeys(finger.force_curve.describe() for finger in fingers.designs or (design,))
     values = {
         "supply": f"{design.board.supply_v:g}", "resistor": f"{design.board.divider_ohm / 1000:g} kohm",
-        "forces": "\n// ".join(textwrap.wrap("; ".join(f"F{text[1:]}." for text in told), _WIDTH - 3)),
+        "forces": "\n// ".join(textwrap.wrap("; ".join(f"F{text[1:]}." for text in reliability), _WIDTH - 3)),
         "conversions": CONVERSIONS, "task_conversions": TASK_CONVERSIONS,
     }  # fmt: skip
     line = "slip_line.h"

@@ -104,8 +104,8 @@ class Detection:
         rows = []
         for interval, confidence in zip(self.intervals, self.confidences, strict=True):
             is_false = self.score is not None and interval in self.score.false_intervals
-            said = "" if self.score is None else "false" if is_false else "true"
-            rows.append((f"{interval.onset_s:.4f}", f"{interval.end_s:.4f}", f"{confidence:.3g}", said))
+            verdict = "" if self.score is None else "false" if is_false else "true"
+            rows.append((f"{interval.onset_s:.4f}", f"{interval.end_s:.4f}", f"{confidence:.3g}", verdict))
         return html_table(repr(self), ("ON from [s]", "to [s]", "confidence", "slip"), rows)
 
     def plot(self, title: str = "") -> Picture:

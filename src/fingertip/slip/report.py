@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 
 DETECTED = "detected"
 INTERVAL = "{onset} s to {end} s"
-_TOLD_S = 0.2
-"""Time of ON without slip from which it is told [s]: less is the detector's memory after a slip."""
+_MEMORY_S = 0.2
+"""Time of ON without slip from which it is listed [s]: less is the detector's memory after a slip."""
 
 
 def format_delay(delay_s: float | None) -> str:
@@ -62,12 +62,12 @@ def as_text(detection: Detection) -> str:
         return "\n".join(lines)
     since_motion = detection.motion_delays_s or (None,) * len(score.slips)
     for slip, delay, moved in zip(score.slips, score.delays_s, since_motion, strict=True):
-        said = format_delay(delay) + ("" if moved is None else f", {format_motion_delay(moved)}")
-        lines.append(f"{truth:{width}} {_format_interval(slip)}: {said}")
+        delay_text = format_delay(delay) + ("" if moved is None else f", {format_motion_delay(moved)}")
+        lines.append(f"{truth:{width}} {_format_interval(slip)}: {delay_text}")
     lines.append(f"false intervals: {len(score.false_intervals)}")
     lines.extend(f"{'':{width}} {_format_interval(i)}" for i in score.false_intervals)
     silent_s = measure_false_on_s(detection.intervals, score.slips)
-    if silent_s > _TOLD_S:
+    if silent_s > _MEMORY_S:
         lines.append(f"ON for {silent_s:.2f} s without slip")
     return "\n".join(lines)
 
@@ -218,10 +218,10 @@ def _draw_onset(axes: Axes, trace: Trace, detection: Detection, onset: Onset) ->
     for moment, line in ((true_s, "-"), (detected_s, "--")):
         if moment is not None:
             axes.axvline(moment, color=style.BLUE, linewidth=1.2, linestyle=line)
-    said = "first detection, enlarged; true slip is unknown"
+    title = "first detection, enlarged; true slip is unknown"
     if true_s is not None and detected_s is not None:
         delay_ms = 1000 * (detected_s - true_s)
-        said = f"first detected onset, enlarged: line at the onset, dashes at ON, {delay_ms:.1f} ms later"
+        title = f"first detected onset, enlarged: line at the onset, dashes at ON, {delay_ms:.1f} ms later"
         axes.annotate(
             "", (true_s, 0.86 * top), (detected_s, 0.86 * top),
             arrowprops={"arrowstyle": "<->", "color": style.BLUE, "shrinkA": 0, "shrinkB": 0},
@@ -232,8 +232,8 @@ def _draw_onset(axes: Axes, trace: Trace, detection: Detection, onset: Onset) ->
             bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.5},
         )  # fmt: skip
     elif true_s is not None:
-        said = "first onset, enlarged: it is not detected"
-    axes.set_title(said, loc="left", fontsize=9, color=style.TEXT_COLOUR)
+        title = "first onset, enlarged: it is not detected"
+    axes.set_title(title, loc="left", fontsize=9, color=style.TEXT_COLOUR)
 
 
 def _draw_voltage(axes: Axes, trace: Trace) -> None:

@@ -339,6 +339,6 @@ def total_message(size: int) -> str | None:
     return _size_message(f"{size / 8:.3g}") if size > most else None
 
 
-def _size_message(held: str) -> str:
+def _size_message(values: str) -> str:
     remedy = f"{_REMEDY}, record again, or raise {SAMPLES_LIMIT.variable}"
-    return f"claims to hold {held} values; at most {SAMPLES_LIMIT.value} samples are read; {remedy}."
+    return f"claims to hold {values} values; at most {SAMPLES_LIMIT.value} samples are read; {remedy}."

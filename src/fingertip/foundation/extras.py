@@ -111,13 +111,14 @@ def find_plugins(group: str) -> dict[str, tuple[EntryPoint, ...]]:
     """Find the entry points of a group by name; what lies in the current folder is not installed, and not asked."""
     from importlib.metadata import distributions  # heavy to import  # noqa: PLC0415
 
+    here = ""
     with contextlib.suppress(FileNotFoundError):
         here = os.getcwd()
-    folders = [folder for folder in sys.path if folder and folder != here]
     found: dict[str, dict[EntryPoint, None]] = {}
-    for entry in (each for package in distributions(path=folders) for each in package.entry_points):
-        if entry.group == group:
-            found.setdefault(entry.name, {})[entry] = None
+    for package in distributions(path=[folder for folder in sys.path if folder not in ("", here)]):
+        with contextlib.suppress(Exception):  # damaged metadata, of a package that may bring nothing
+            for entry in (each for each in package.entry_points if each.group == group):
+                found.setdefault(entry.name, {})[entry] = None
     return {name: tuple(found[name]) for name in sorted(found)}
 
 
@@ -132,10 +133,10 @@ def load_plugin(group: str, name: str, taken: Collection[str] = ()) -> Any:
         return entry.load()
 
 
-def call_plugins(group: str, *arguments: Any, taken: Collection[str] = ()) -> Iterator[Any]:
+def call_plugins(group: str, *arguments: Any) -> Iterator[Any]:
     """Call the function of each package with the same arguments, and yield what they yield. Raises FingertipError."""
     for name in find_plugins(group):
-        function = load_plugin(group, name, taken)
+        function = load_plugin(group, name)
         with blame_plugin(group, name):
             found = [*function(*arguments)]
         yield from found

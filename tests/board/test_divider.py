@@ -21,9 +21,8 @@ from fingertip.calibration.sensor import calibrate_sensor, read_weighings
 from fingertip.detection.live import detect_stream
 from fingertip.documents.acceptance import expect_readings
 from fingertip.documents.board.divider import compute_current_ratio, list_readings
-from fingertip.lab.accuracy.measure import compare_grids
 from fingertip.lab.campaign.plan import CampaignPlan, generate_trials
-from fingertip.lab.campaign.run import run_campaign
+from fingertip.lab.campaign.run import compare_grids, run_campaign
 from fingertip.lab.divider import BOARD, DIVIDER, NOISY, compare_with_board
 from fingertip.lab.validation import validate
 from fingertip.sim import Trial, simulate

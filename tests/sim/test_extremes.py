@@ -10,7 +10,6 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue, TraceError
-from fingertip.foundation.jit import compiled
 from fingertip.lab.accuracy import extremes
 from fingertip.lab.accuracy.extremes import Draw
 from fingertip.lab.accuracy.report import EXTREMES
@@ -22,18 +21,20 @@ from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion, admissible_step_s
 from tests.conftest import ROOT
 
+FIXED = "contact, fixed steps"
+
 
 def test_page_holds_the_table_of_the_command():
     lines = (ROOT / "docs/accuracy.md").read_text().splitlines()
     begin = lines.index(f"| {' | '.join(EXTREMES)} |") + 2
     rows = [line.strip("| ").split(" | ") for line in lines[begin : begin + len(extremes.FAMILIES)]]
-    assert [row[:2] for row in rows] == [[family.name, family.against] for family in extremes.FAMILIES]
+    assert [row[:2] for row in rows] == [[name, against] for name, (against, *_) in extremes.FAMILIES.items()]
     assert all(row[6] == "0" for row in rows)
-    assert sum(int(row[2]) for row in rows) > 47_000
+    assert sum(int(row[2]) for row in rows) > 45_000
 
 
 def test_kernel_that_returns_no_number_or_raises_is_wrong(monkeypatch):
-    monkeypatch.setattr(extremes, "FAMILIES", extremes.FAMILIES[:1])
+    monkeypatch.setattr(extremes, "FAMILIES", {FIXED: extremes.FAMILIES[FIXED]})
     assert extremes.try_families(7)[0].is_passed  # of which 4 are of this family
     for broken in (lambda *_: PadMotion(*3 * [np.full(extremes.STEPS + 1, math.nan)]), lambda *_: 1 / 0):
         monkeypatch.setattr(extremes.DraggedPad, "process", broken)
@@ -48,7 +49,7 @@ def test_too_many_refusals_inside_the_bounds_are_a_failure(monkeypatch):
             raise TraceError(Issue("f", "no."))
         return 0.5
 
-    monkeypatch.setattr(extremes, "FAMILIES", (extremes.Family("f", "a", 1.0, refuse),))
+    monkeypatch.setattr(extremes, "FAMILIES", {"f": ("a", 1.0, refuse)})
     few, many = extremes.try_families(20)[0], extremes.try_families(200)[0]
     assert (few.refused_inside, many.refused_inside) == (0.1, 0.01)
     assert (few.is_passed, many.is_passed, len(few.wrong)) == (False, True, 0)
@@ -81,13 +82,6 @@ def test_motion_that_is_no_number_is_refused():
 def test_stiff_pad_on_a_soft_hand_has_the_force_of_its_depth():
     pad = Pad(3e4, 1e-5, (0.5,), (0.0,), 0.5, backing=Backing(stiffness_n_per_m=10.0))
     assert pad.force_n(np.array([pad.depth_m(50.0)]))[0] == pytest.approx(50.0)
-
-
-@pytest.mark.parametrize("number", [737, 2572])
-def test_object_on_a_stiff_pin_keeps_to_its_bound(number):
-    """Bristles that slid within a step once grew to no number, and a light object rang on a pin with too long steps."""
-    with compiled():
-        assert extremes.grasp(Draw("object in a hand", number)) < 0.5
 
 
 @pytest.mark.full

@@ -18,7 +18,7 @@ from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.lab.campaign.closed_loop import ClosedLoopSummary, run_closed_loop, summarise
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_cases, generate_trials
-from fingertip.lab.campaign.run import DetectorResult, TrialResult, evaluate, run_detector_on, simulate_trace, surface
+from fingertip.lab.campaign.run import DetectorResult, TrialResult, evaluate, run_cases, simulate_trace, surface
 from fingertip.lab.divider import with_variant
 from fingertip.pad.response import Pad
 from fingertip.sim import run_scene
@@ -101,7 +101,8 @@ def study_article_protocol(
     }
     results = []
     for device, (_, name) in DEVICES.items():
-        found = run_detector_on(boards[device], generate_trials(trials, first_seed), name).trials
+        cases = list(generate_trials(trials, first_seed))
+        found = run_cases(boards[device], cases, {name: (1.0,)})[name][0].trials
         results += [_pool(device, boards[device].detector.threshold_v, moved_m, found) for moved_m in MOVED_M]
     manipulations = {
         device: summarise(run_closed_loop(boards[device], (name,), repeats, uncontrolled=False))[0]

@@ -21,9 +21,8 @@ from fingertip.design import Design
 from fingertip.detection.adaptation import adapt_rate
 from fingertip.foundation.errors import DesignError
 from fingertip.foundation.workers import call_each
-from fingertip.lab.accuracy.measure import COMPARED, REFERENCE, compare_grids
 from fingertip.lab.campaign.plan import CampaignPlan, generate_limited_cases, generate_trials
-from fingertip.lab.campaign.run import quantile_s, run_detector_on
+from fingertip.lab.campaign.run import COMPARED, STEPS_COMPARED, compare_grids, quantile_s, run_cases
 from fingertip.slip.detectors.registry import DETECTORS
 from tools.article.bounds import compute_bounds_s
 
@@ -83,7 +82,7 @@ def study_steps(design: Design, trials: int) -> StepSensitivity:
         values = [largest[name] for largest, _ in differences]
         median, p90 = (float(np.quantile(values, q, method="higher")) for q in (0.5, 0.9))
         errors.append(SignalError(name, median, p90, max(values)))
-    return StepSensitivity(len(differences), REFERENCE, shifts, tuple(errors))
+    return StepSensitivity(len(differences), STEPS_COMPARED, shifts, tuple(errors))
 
 
 def _pool_shifts(detector: str, shifts_samples: Sequence[float], rate_hz: float) -> DelayShift:
@@ -123,7 +122,10 @@ def study_sampling_rates(
         except DesignError:
             continue
         cases = generate_limited_cases(plan)
-        pooled, bounds = run_detector_on(adapted, cases, DETECTOR), compute_bounds_s(adapted, generate_trials(trials))
+        (pooled,), bounds = (
+            run_cases(adapted, list(cases), {DETECTOR: (1.0,)})[DETECTOR],
+            compute_bounds_s(adapted, generate_trials(trials)),
+        )
         results.append(
             SamplingRateResult(
                 rate, quantile_s(bounds, len(bounds), 0.5), quantile_s(bounds, len(bounds), 0.9),

@@ -1,8 +1,11 @@
 """Simulation of a fingertip up to the sampled voltage: scenes, contact, sensor and board.
 
-Scenes of one finger and manipulations with a whole hand are described by files (`SceneFile`, `ManipulationFile`).
-`load_simulation` reads them together with a design, as ``fingertip simulate`` does. `run_scene` and `run_manipulation`
-run them, and `fingertip.sim.report` summarises their results. `simulate` runs one sliding-finger trial of the article.
+A design with a scene of one finger (`SceneFile`) or of a hand (`ManipulationFile`) and a seed come in; signals, true
+slips and a trace for a detector go out. `load_simulation` reads them as ``fingertip simulate`` does.
+
+>>> from fingertip.sim import Grid
+>>> Grid(refinement=2).rate_hz
+20000.0
 """
 
 from fingertip.sim.runs.files import ManipulationFile, SceneFile

@@ -147,8 +147,8 @@ def compute_detection(context: PointContext) -> OutputValues:
 def compute_simulation(context: PointContext) -> OutputValues:
     """Compute what the time step changes in the first trial, by a comparison with a much finer step."""
     from fingertip.foundation.jit import compiled
-    from fingertip.lab.accuracy.measure import compare_grids
     from fingertip.lab.campaign.plan import Case
+    from fingertip.lab.campaign.run import compare_grids
 
     assert context.scene is not None
     case, detector = Case("slip", context.scene, context.file.first_seed), context.file.detector

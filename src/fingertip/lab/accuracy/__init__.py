@@ -3,6 +3,6 @@
 A design comes in; tables, data and a picture go out (`fingertip accuracy`). A case depends on its number alone:
 
 >>> from fingertip.lab.accuracy.extremes import try_cases
->>> [case.deviation < 1.0 for case in try_cases(0, [0])]
+>>> [case.is_held for case in try_cases("contact, fixed steps", [0])]
 [True]
 """

@@ -14,25 +14,19 @@ from typing import Any
 
 import numpy as np
 
-from fingertip.catalogues.electronics import PART_TO_PART
 from fingertip.design import Design
 from fingertip.foundation import extras
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.foundation.workers import find_workers, side_by_side
 from fingertip.lab.accuracy.extremes import FamilyResult, try_families
-from fingertip.lab.campaign.plan import Case
-from fingertip.lab.campaign.run import evaluate, select_board_outputs
 from fingertip.sim import ManipulationFile, ManipulationResult, SceneFile, SceneResult, run_manipulation, run_scene
 from fingertip.sim.contact.friction import LOAD_SCALE_N
 from fingertip.sim.runs.scene import SceneRun
 from fingertip.sim.runs.timeline import mount_pad
-from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.bridge import HYSTERESIS, Bridge
-from fingertip.sim.signal.filter_board import simulate_board
 from fingertip.sim.signal.grid import Grid
 from fingertip.sim.simulation import Trial
-from fingertip.slip.detectors.registry import DETECTORS
 
 REFERENCE = 16
 """Number of steps of the reference per step of the shipped grid."""
@@ -58,61 +52,43 @@ class StepError:
 
 def measure_steps(design: Design, name: str, scene: SceneFile | ManipulationFile) -> list[StepError]:
     """Run a scene without noise with the shipped step, a half and a quarter of it. Raises TraceError."""
-    base, signals = find_grid(design, scene).refinement, ["force_n", "tactile_v"]
-    if design.board.has_filter:
-        signals.append("envelope_v")
-    scene = _silence(scene, signals)
-    _run(design, scene, Grid(base))  # loads the loops
-    runs, cpu_s = [], []
-    for refinement in (*_REFINEMENTS, REFERENCE):
-        begin = time.process_time()
-        runs.append(_run(design, scene, Grid(base * refinement)))
+    signals = ["force_n", "tactile_v", *(["envelope_v"] if design.board.has_filter else [])]
+    scene, runs, cpu_s = _silence(scene, signals), list[SceneResult | ManipulationResult](), list[float]()
+    base = (SceneRun(design, scene).grid or Grid()).refinement if isinstance(scene, SceneFile) else 1
+    for refinement in (1, *_REFINEMENTS, REFERENCE):  # the first run loads the loops
+        begin, grid = time.process_time(), Grid(base * refinement)
+        if isinstance(scene, SceneFile):
+            runs.append(run_scene(design, scene, grid=grid))
+        else:
+            runs.append(run_manipulation(design, scene, grid=grid))
         cpu_s.append(time.process_time() - begin)
     lost_s = [run.lost_s for run in runs if isinstance(run, ManipulationResult) and run.lost_s]
     compared = runs[0].time_s < min(lost_s, default=math.inf) - _BEFORE_LOSS_S
-    reference = {column: values[compared] for column, values in runs[-1].columns.items()}
     found = []
-    for refinement, run, spent_s in zip(_REFINEMENTS, runs, cpu_s, strict=False):
+    for refinement, run, spent_s in zip(_REFINEMENTS, runs[1:], cpu_s[1:], strict=False):
         errors = dict.fromkeys(signals, 0.0)
-        for column, exact in reference.items():
+        for column, exact in runs[-1].columns.items():
             signal = next(signal for signal in signals if column.endswith(signal))
-            errors[signal] = max(errors[signal], float(np.abs(run.columns[column][compared] - exact).max()))
-        step_s = Grid(base * refinement).step_s
-        found.append(StepError(name, step_s, errors, spent_s, run.duration_s / spent_s))
+            errors[signal] = max(errors[signal], float(np.abs(run.columns[column] - exact)[compared].max()))
+        found.append(StepError(name, Grid(base * refinement).step_s, errors, spent_s, run.duration_s / spent_s))
     return found
-
-
-def find_grid(design: Design, scene: SceneFile | ManipulationFile) -> Grid:
-    """Find the grid on which the program computes a scene."""
-    grid = SceneRun(design, scene).grid if isinstance(scene, SceneFile) else Grid()
-    assert grid
-    return grid
-
-
-def _run(design: Design, scene: SceneFile | ManipulationFile, grid: Grid) -> SceneResult | ManipulationResult:
-    if isinstance(scene, ManipulationFile):
-        return run_manipulation(design, scene, grid=grid)
-    return run_scene(design, scene, grid=grid)
 
 
 def _silence(scene: Any, outputs: Sequence[str]) -> Any:
     """Copy of a scene without noise, with other outputs."""
-    return scene.model_copy(
-        update={"outputs": [*outputs], "sensing": scene.sensing.model_copy(update={"noise": False})}
-    )
+    quiet = scene.sensing.model_copy(update={"noise": False})
+    return scene.model_copy(update={"outputs": [*outputs], "sensing": quiet})
 
 
 def compare_with_scipy(design: Design, trial: Trial) -> float:
     """Largest difference of the pad's pull from scipy's solution of its equations, around the onset of slip [N]."""
     run = SceneRun(design, _silence(trial.scene, ["shear_m"]), trial.seed)
-    assert run.grid
     assert run.timeline.slide
-    found = _run(design, run.scene, Grid(run.grid.refinement * REFERENCE))
+    found = run_scene(design, run.scene, trial.seed, grid=Grid(REFERENCE * (run.grid or Grid()).refinement))
     since_s = found.time_s - run.timeline.slide.start_s
     inside = (since_s >= _WINDOW_S[0]) & (since_s <= _WINDOW_S[1])
-    exact_m = _integrate_contact(run, since_s[inside])
-    stiffness = run.pad.tangential_stiffness_n_per_m(run.force_n)
-    return float(np.abs(found.columns["shear_m"][inside] - exact_m).max()) * stiffness
+    error_m = np.abs(found.columns["shear_m"][inside] - _integrate_contact(run, since_s[inside])).max()
+    return float(error_m) * run.pad.tangential_stiffness_n_per_m(run.force_n)
 
 
 def _integrate_contact(run: SceneRun, since_s: Array) -> Array:
@@ -152,30 +128,26 @@ class Contribution:
     kind: str
     """"largest" and "rms" are computed, "stated" is a constant of the model with its source in the code."""
     error_n: float | None
-    error_v: float | None
-    """Error as force, and at the tactile voltage or the output that the stage names; None: no figure of its own."""
+    error_v: float
+    """Error as force, and at the tactile voltage or the output that the stage names."""
 
 
 def find_budget(design: Design, step: StepError) -> list[Contribution]:
     """Find what each stage contributes to the default trial, of which `step` holds the errors at the shipped step."""
-    run = SceneRun(design, Trial().scene)
-    force_n, bridge = run.force_n, Bridge.of_board(design)
-    low_v, high_v = bridge.voltage_v(np.asarray(run.pad.sensed_n(force_n * np.array([0.99, 1.01]))))
-    volt_per_n = abs(high_v - low_v) / (0.02 * force_n)
-    detector, quantised_v = design.detector, design.detector.adc_step_v / math.sqrt(12)
+    run, noise_v = SceneRun(design, Trial().scene), design.detector.noise_v
+    forces_n = run.force_n * np.array([0.99, 1.01])
+    low_v, high_v = Bridge.of_board(design).voltage_v(np.asarray(run.pad.sensed_n(forces_n)))
+    volt_per_n = abs(high_v - low_v) / (0.02 * run.force_n)
+    step_v, hysteresis_n = design.detector.adc_step_v / math.sqrt(12), HYSTERESIS * run.force_n
     rows = [Contribution("contact, time step", "largest", step.errors["force_n"], step.errors["tactile_v"])]
     if design.board.has_filter:
-        tactile_v = _run(design, _silence(run.scene, ["tactile_v"]), find_grid(design, run.scene)).columns["tactile_v"]
-        board, step_s = AnalogBoard.from_design(design), 1 / detector.sample_rate_hz
-        loose, tight = (simulate_board(board, step_s, tactile_v, *tolerance).envelope_v for tolerance in ((), (1e-8,)))
-        rows.append(Contribution("board, tolerance (envelope)", "largest", None, float(np.abs(loose - tight).max())))
-        rows.append(Contribution("board, all of the step (envelope)", "largest", None, step.errors["envelope_v"]))
-    rows.append(Contribution("converter, quantisation", "rms", quantised_v / volt_per_n, quantised_v))
-    rows.append(Contribution("converter, noise", "rms", detector.noise_v / volt_per_n, detector.noise_v))
-    hysteresis_n = HYSTERESIS * force_n
-    rows.append(Contribution("sensor, hysteresis", "stated", hysteresis_n, hysteresis_n * volt_per_n))
-    factors = " to ".join(f"{factor:g}" for factor in PART_TO_PART)
-    return [*rows, Contribution(f"sensor, from part to part: factor {factors}", "stated", None, None)]
+        rows.append(Contribution("board, time step (envelope)", "largest", None, step.errors["envelope_v"]))
+    return [
+        *rows,
+        Contribution("converter, quantisation", "rms", step_v / volt_per_n, step_v),
+        Contribution("converter, noise", "rms", noise_v / volt_per_n, noise_v),
+        Contribution("sensor, hysteresis", "stated", hysteresis_n, hysteresis_n * volt_per_n),
+    ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,10 +159,6 @@ class Accuracy:
     budget: tuple[Contribution, ...]
     extremes: tuple[FamilyResult, ...]
 
-    @property
-    def is_passed(self) -> bool:
-        return all(family.is_passed for family in self.extremes)
-
 
 def measure_accuracy(
     design: Design, cases: int, progress: ReportProgress | None = None, jobs: int | None = 1
@@ -201,42 +169,7 @@ def measure_accuracy(
     with side_by_side(find_workers(jobs)):
         work.begin("time steps")
         grasp = ManipulationFile.load("real_manipulation")
-        steps = [*measure_steps(design, "trial", Trial().scene), *measure_steps(design, "grasp", grasp)]
+        steps = *measure_steps(design, "trial", Trial().scene), *measure_steps(design, "grasp", grasp)
         scipy_n, budget = compare_with_scipy(design, Trial()), find_budget(design, steps[0])
         work.begin("extreme cases")
-        families = try_families(cases, work.advance)
-    return Accuracy(design, tuple(steps), scipy_n, tuple(budget), tuple(families))
-
-
-# Time step and detections, for sweeps and studies.
-
-COMPARED = ("force_n", "voltage_v", "envelope_v")
-
-
-def compare_grids(
-    design: Design, case: Case, detectors: Sequence[str] = tuple(DETECTORS), refinement: int = REFERENCE
-) -> tuple[dict[str, float], dict[str, float]]:
-    """Run one trial on the shipped grid and on a finer one, with the same noise.
-
-    Returns by signal the largest difference, in the signal's unit, and by detector the shift of the delay [samples]:
-    infinite if slips are found on one grid only, NaN if on neither.
-    """
-    sampled = select_board_outputs(design, detectors)
-    signals = COMPARED if design.board.has_filter else COMPARED[:2]
-    scene = case.scene.model_copy(update={"outputs": ["slip", *signals, *sampled]})
-    base = find_grid(design, scene).refinement
-    pair = [run_scene(design, scene, case.seed, grid=Grid(parts * base)) for parts in (1, refinement)]
-    errors = {name: float(np.max(np.abs(pair[0].columns[name] - pair[1].columns[name]))) for name in signals}
-    rate = design.detector.sample_rate_hz
-    shifts = {}
-    for name in detectors:
-        coarse, fine = (evaluate(case, one.trace, name, design, [1.0])[0].delays_s for one in pair)
-        shifts[name] = rate * _find_shift_s(coarse, fine)
-    return errors, shifts
-
-
-def _find_shift_s(coarse_s: Sequence[float], fine_s: Sequence[float]) -> float:
-    """Largest shift of a delay [s]; infinite if the numbers of slips found differ, NaN if there are none."""
-    if len(coarse_s) != len(fine_s):
-        return math.inf
-    return max((abs(a - b) for a, b in zip(coarse_s, fine_s, strict=True)), default=math.nan)
+        return Accuracy(design, steps, scipy_n, tuple(budget), tuple(try_families(cases, work.advance)))

@@ -1,4 +1,4 @@
-"""Text, data, picture and tables of what `fingertip.lab.accuracy.measure` measures."""
+"""Text, data and picture of what `fingertip.lab.accuracy.measure` measures."""
 
 from __future__ import annotations
 
@@ -9,100 +9,63 @@ from dataclasses import asdict
 from typing import Any
 
 from fingertip.foundation import display
-from fingertip.lab.accuracy.extremes import FamilyResult, Range
+from fingertip.lab.accuracy.extremes import FAMILIES, FamilyResult
 from fingertip.lab.accuracy.measure import REFERENCE, Accuracy, StepError
 
 SIGNALS = {"force_n": "force [N]", "tactile_v": "tactile voltage [V]", "envelope_v": "envelope [V]"}
-FILES = "accuracy.txt", "accuracy.json", "accuracy.png", "extremes.md"
+FILES = "accuracy.txt", "accuracy.json", "accuracy.png"
 EXTREMES = "family", "against: bound", "tried", "held", "refused", "of inside", "wrong", "worst", "its case", "CPU"
 """Header of the table of extreme cases; "of inside" is the share of those inside the bounds that is refused."""
 
 
 def as_files(found: Accuracy) -> dict[str, bytes]:
     """Return file name -> content. Raises MissingLibraryError."""
-    data = json.dumps(as_data(found), indent=1, allow_nan=False) + "\n"
-    contents = f"{as_text(found)}\n".encode(), data.encode(), plot_steps(found.steps), _page(found.extremes).encode()
-    return dict(zip(FILES, contents, strict=True))
+    text = "\n".join([as_text(found), "", *(line for one in found.extremes for line in _describe_cases(one))])
+    data = json.dumps(as_data(found), indent=1, allow_nan=False)
+    return dict(zip(FILES, (f"{text}\n".encode(), f"{data}\n".encode(), plot_steps(found.steps)), strict=True))
 
 
 def as_text(found: Accuracy) -> str:
-    wrong = sum(len(one.wrong) for one in found.extremes)
-    return "\n".join(
-        [
-            f"{found.design.name}: largest errors of a trial and of a grasp, against steps / {REFERENCE}",
-            *_table(
-                ("run", "step [us]", *map(SIGNALS.get, found.steps[0].errors), "CPU [s]", "x real time"),
-                map(_list_step, found.steps),
-            ),
-            f"scipy's LSODA integrates the contact at the onset of slip: it differs by {found.scipy_n:.1e} N",
-            "",
-            "what each stage of the trial contributes:",
-            *_table(
-                ("stage", "kind", "[N]", "[V]"),
-                ((one.stage, one.kind, _short(one.error_n), _short(one.error_v)) for one in found.budget),
-            ),
-            "",
-            f"extreme cases: {f'{wrong} are WRONG' if wrong else 'none is wrong'}",
-            *_table(EXTREMES, map(_list_outcomes, found.extremes)),
-            *(line for one in found.extremes for line in _describe_cases(one) if line.startswith("WRONG")),
-        ]
-    )
+    wrong = [line for one in found.extremes for line in _describe_cases(one) if line.startswith("WRONG")]
+    budget = ([one.stage, one.kind, *map(_short, (one.error_n, one.error_v))] for one in found.budget)
+    lines = [
+        f"{found.design.name}: largest errors of a trial and of a grasp, against steps / {REFERENCE}",
+        *_table(("run", "step [us]", *map(SIGNALS.get, found.steps[0].errors), "CPU [s]", "x real time"),
+                ([one.run, f"{1e6 * one.step_s:g}", *map(_short, one.errors.values()), f"{one.cpu_s:.2f}",
+                  f"{one.real_time_ratio:.0f}"] for one in found.steps)),
+        f"scipy's LSODA integrates the contact at the onset of slip: it differs by {found.scipy_n:.1e} N",
+        "",
+        "what each stage of the trial contributes:",
+        *_table(("stage", "kind", "[N]", "[V]"), budget),
+        "",
+        f"extreme cases: {f'{len(wrong)} are WRONG' if wrong else 'none is wrong'}",
+        *_table(EXTREMES, map(_count_outcomes, found.extremes)),
+        *wrong,
+    ]  # fmt: skip
+    return "\n".join(lines)
 
 
-def _list_step(one: StepError) -> list[str]:
-    errors = (f"{error:.1e}" for error in one.errors.values())
-    return [one.run, f"{1e6 * one.step_s:g}", *errors, f"{one.cpu_s:.2f}", f"{one.real_time_ratio:.0f}"]
-
-
-def _list_outcomes(one: FamilyResult) -> list[object]:
-    tried, refused, wrong, worst = len(one.cases), len(one.refused), len(one.wrong), one.worst
-    counts = tried, tried - refused - wrong, refused, f"{one.refused_inside:.1%}", wrong
+def _count_outcomes(one: FamilyResult) -> list[object]:
+    held = [case for case in one.cases if case.is_held]
+    worst = max(held, key=lambda case: case.deviation, default=one.cases[0])
+    counts = len(one.cases), len(held), len(one.refused), f"{one.refused_inside:.1%}", len(one.wrong)
     cpu_s = sum(case.cpu_s for case in one.cases)
-    return [one.family.name, one.family.against, *counts, f"{worst.deviation:.2g}", worst.draw.number, f"{cpu_s:.0f} s"]
+    return [one.name, FAMILIES[one.name][0], *counts, f"{worst.deviation:.2g}", worst.draw.number, f"{cpu_s:.0f} s"]
 
 
 def _describe_cases(one: FamilyResult) -> Iterator[str]:
-    """Yield the worst held case, why cases were refused, and those that are wrong."""
-    name, worst = one.family.name, one.worst.draw
-    yield f"{name}, worst held case {worst.number}: {worst.describe()}"
+    """Yield why cases were refused, and those that are wrong."""
     for reason, count in sorted(Counter(case.refused_by for case in one.refused).items()):
-        yield f"{name}: {count} refused by {reason}"
+        yield f"{one.name}: {count} refused by {reason}"
     for case in one.wrong:
-        yield f"WRONG {name}, case {case.draw.number}: {case.deviation:.3g} of the bound; {case.draw.describe()}"
+        yield f"WRONG {one.name}, case {case.draw.number}: {case.deviation:.3g} of the bound; {case.draw.describe()}"
 
 
 def as_data(found: Accuracy) -> dict[str, Any]:
-    return {
-        "design": found.design.name,
-        "passed": found.is_passed,
-        "steps": [asdict(one) for one in found.steps],
-        "difference_from_scipy_n": found.scipy_n,
-        "budget": [asdict(one) for one in found.budget],
-        "extremes": {
-            one.family.name: dict(zip(EXTREMES[1:], _list_outcomes(one)[1:], strict=True))
-            | {"cases": [*_describe_cases(one)]}
-            for one in found.extremes
-        },
-    }
-
-
-def _page(extremes: Sequence[FamilyResult]) -> str:
-    """Return the tables of docs/accuracy.md: outcomes, and the ranges of what was drawn."""
-    ranges = []
-    for one in extremes:
-        ends = {name: pair for case in one.cases for name, pair in case.draw.ranges.items()}
-        texts = (f"{name} {_span(inside)} ({_span(beyond)})" for name, (inside, beyond) in ends.items())
-        ranges.append((one.family.name, "; ".join(texts)))
-    tables = (
-        _table(EXTREMES, map(_list_outcomes, extremes)),
-        _table(("family", "inside the documented bounds (beyond)"), ranges),
-    )
-    return "\n".join([*tables[0], "", *tables[1]]) + "\n"
-
-
-def _span(ends: Range) -> str:
-    low, high = ends
-    return f"{low:.4g}" if high < 1.001 * low else f"{low:g} to {high:g}"
+    extremes = {one.name: dict(zip(EXTREMES[1:], _count_outcomes(one)[1:], strict=True)) for one in found.extremes}
+    steps, budget = [asdict(one) for one in found.steps], [asdict(one) for one in found.budget]
+    return {"design": found.design.name, "steps": steps, "difference_from_scipy_n": found.scipy_n, "budget": budget,
+            "extremes": extremes}  # fmt: skip
 
 
 def _short(value: float | None) -> str:
@@ -114,17 +77,14 @@ def _table(header: Sequence[object], rows: Iterable[Sequence[object]]) -> list[s
 
 
 def plot_steps(steps: Sequence[StepError]) -> bytes:
-    """Plot each signal's largest error over the CPU time, one point for each step; returns a PNG."""
-    names = list(steps[0].errors)
+    """Plot each signal's largest error over the CPU time: from left to right steps, half and quarter; returns a PNG."""
+    names, runs = list(steps[0].errors), dict.fromkeys(one.run for one in steps)
     figure = display.new_figure(4 * len(names), 4)
     for axes, name in zip(figure.subplots(1, len(names), squeeze=False)[0], names, strict=True):
-        for run, colour, marker in zip(dict.fromkeys(one.run for one in steps), display.SERIES, "os", strict=False):
-            points = [one for one in steps if one.run == run]
-            cpu_ms, errors = [1e3 * one.cpu_s for one in points], [one.errors[name] for one in points]
+        for run, colour, marker in zip(runs, display.SERIES, "os", strict=False):
+            cpu_ms, errors = zip(*((1e3 * one.cpu_s, one.errors[name]) for one in steps if one.run == run), strict=True)
             axes.loglog(cpu_ms, errors, color=colour, marker=marker, label=run)
-            for one, *at in zip(points, cpu_ms, errors, strict=True):
-                axes.annotate(f"{1e6 * one.step_s:g} us", at, (4, 4), textcoords="offset points", fontsize=8)
         axes.set(xlabel="CPU time [ms]", ylabel="largest error", title=SIGNALS[name])
-        axes.legend(frameon=False, fontsize=8)
+        axes.legend(frameon=False)
         display.style_axes(axes, "both")
     return display.to_png(figure)

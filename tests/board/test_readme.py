@@ -115,7 +115,7 @@ def test_cost_of_the_capacitors_is_stated_unless_they_are_the_articles() -> None
 def assess(plan: BringUp, title: str, readings: Mapping[str, float]) -> Iterator[str]:
     """Yield what is said of readings. Faults that cannot be told apart are sorted: rounding decides their order."""
     data = assess_readings(plan, Readings(TONE_V, readings))
-    yield f"{title}: {', '.join(row['name'] for row in data['readings'] if not row['passed'])}"
+    yield f"{title}: {', '.join(row.name for row in data.readings if not row.passed)}"
     yield "  " + data.verdict.replace("; ".join(data.likely), "; ".join(sorted(data.likely)))
     yield from (f"  {hint}" for hint in data.hints)
 

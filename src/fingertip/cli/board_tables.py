@@ -201,7 +201,6 @@ def analysis_text(analysis: Analysis) -> str:
     """Tables of the analysis of a board, whose text is the template `analysis.txt`."""
     from fingertip.board.analysis import interference, limits, noise
     from fingertip.board.analysis.tolerance import ARTICLE_CAPACITOR_PERCENT, CUTOFF_CAPACITORS
-    from fingertip.board.components.front_end import LOW_NOISE_NAME
     from fingertip.catalogues.electronics import AMPLIFIER_CATALOGUE
     from fingertip.design.formulas import filter as formulas
     from fingertip.documents.template import render
@@ -214,7 +213,6 @@ def analysis_text(analysis: Analysis) -> str:
         interference=interference,
         limits=limits,
         formulas=formulas,
-        low_noise_name=LOW_NOISE_NAME,
         amplifier=AMPLIFIER_CATALOGUE[analysis.amplifier],
         has_bridge=not analysis.voltage_limits.has_filtered_output,
         is_in_software=analysis.voltage_limits.max_envelope_v is None,

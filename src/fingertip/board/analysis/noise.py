@@ -1,4 +1,4 @@
-"""Noise of the board: the contribution of each component, and what would reduce it.
+"""Noise of the board, and the contribution of each component.
 
 The analysis includes white noise only, with typical data-sheet values. On the article's board nearly all of it comes
 from the bridge's amplifier: its source impedance is a few hundred ohm, its gain amplifies its 35 nV/sqrt(Hz) 68 times,
@@ -18,11 +18,8 @@ import numpy as np
 from fingertip.board.circuits.network import Network, build_network, list_amplifiers
 from fingertip.board.components import front_end
 from fingertip.board.components.front_end import BOLTZMANN_J_PER_K, TEMPERATURE_K, sensor_conductance_s
-from fingertip.board.components.selection import nearest_value
-from fingertip.board.parts import symbols
-from fingertip.board.parts.circuit import Circuit, Component, format_component_value, parse_component_value
-from fingertip.board.parts.nets import ADC_TACTILE, FEEDBACK, FILTERED, STAGE1_OUT, TACTILE
-from fingertip.design.formulas.filter import compute_limiting_capacitor_f
+from fingertip.board.parts.circuit import Circuit, parse_component_value
+from fingertip.board.parts.nets import ADC_TACTILE, FILTERED, STAGE1_OUT, TACTILE
 from fingertip.foundation.numerics import Array
 
 NETS = (TACTILE, STAGE1_OUT, FILTERED, ADC_TACTILE)
@@ -69,16 +66,6 @@ class NoiseLevels:
     """RMS noise at the filter's output without C20, the low-pass of the first stage."""
     mean_envelope_v: float | None
     """Mean envelope due to noise, after rectification. None in variant article: it is below the diode's threshold."""
-
-
-@dataclass(frozen=True)
-class NoiseAlternative:
-    """Noise of this variant, or of this variant with a change."""
-
-    change: str
-    filtered_v: float
-    mean_envelope_v: float | None
-    """RMS noise ahead of the rectifier, and mean envelope due to it [V], as in `NoiseLevels`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,11 +133,8 @@ def compute_noise_levels(circuit: Circuit, gain_bandwidth_hz: float, envelope_ga
     without_limit_v = filtered_v
     if envelope_gain is not None:
         without_limit_v = add_noise(circuit.without(LIMITING_CAPACITOR), gain_bandwidth_hz).total_v(FILTERED)
-    return NoiseLevels(board.total_v(TACTILE), filtered_v, without_limit_v, _mean_envelope_v(filtered_v, envelope_gain))
-
-
-def _mean_envelope_v(filtered_v: float, envelope_gain: float | None) -> float | None:
-    return None if envelope_gain is None else HALF_WAVE_MEAN * envelope_gain * filtered_v
+    mean_envelope_v = None if envelope_gain is None else HALF_WAVE_MEAN * envelope_gain * filtered_v
+    return NoiseLevels(board.total_v(TACTILE), filtered_v, without_limit_v, mean_envelope_v)
 
 
 def noise_warning(noise: NoiseLevels, threshold_v: float) -> str:
@@ -173,38 +157,3 @@ def noise_budget(board: NoisyNetwork) -> tuple[tuple[Contribution, ...], tuple[f
     ]
     rows.sort(key=lambda row: -row.volts[NETS.index(FILTERED)])
     return tuple(rows), tuple(math.sqrt(float(square.sum())) for square in squares)
-
-
-def compare_noise_alternatives(
-    circuit: Circuit, gain_bandwidth_hz: float, band_limit_hz: float, envelope_gain: float | None
-) -> tuple[NoiseAlternative, ...]:
-    """Compute the noise of this variant with and without the first stage's band limit, and with a quieter amplifier.
-
-    `envelope_gain` is the constant gain of rectifier and envelope; None for variant article, which has no band limit.
-    """
-    if envelope_gain is None:
-        other, preposition = _with_limiter(circuit, band_limit_hz), "with"
-    else:
-        other, preposition = circuit.without(LIMITING_CAPACITOR), "without"
-    alternatives, has_bridge = [], any(c.symbol.name == "AD623ARMZ" for c in circuit.components)
-    for change, variant in (("this variant", circuit), (f"{preposition} {LIMITING_CAPACITOR} across R5", other)):
-        board = add_noise(variant, gain_bandwidth_hz)
-        squares = board.squares(FILTERED)
-        cases = {"": np.ones(len(squares))}
-        if has_bridge:
-            ratio = front_end.LOW_NOISE_V / front_end.AD623_NOISE_V
-            low_noise = np.array([ratio if source.name == "U2" else 1.0 for source in board.sources])
-            cases[f", {front_end.LOW_NOISE_NAME} for U2"] = low_noise**2
-        for suffix, factors in cases.items():
-            total_v = math.sqrt(float(squares @ factors))
-            alternatives.append(
-                NoiseAlternative(f"{change}{suffix}", total_v, _mean_envelope_v(total_v, envelope_gain))
-            )
-    return tuple(alternatives)
-
-
-def _with_limiter(circuit: Circuit, band_limit_hz: float) -> Circuit:
-    ideal_f = compute_limiting_capacitor_f(parse_component_value(circuit.component("R5").value), band_limit_hz)
-    value = format_component_value(nearest_value(ideal_f, "E6", 1e-12, 1e-3))
-    capacitor = Component(LIMITING_CAPACITOR, value, symbols.CAPACITOR, symbols.C_0603, "")
-    return circuit.connect(capacitor, {"1": STAGE1_OUT, "2": FEEDBACK})

@@ -13,8 +13,8 @@ from fingertip.board.analysis import noise, tolerance
 from fingertip.board.analysis.board_values import board_values
 from fingertip.board.analysis.interference import AliasAttenuation, SupplyRipple
 from fingertip.board.analysis.limits import VoltageLimits
-from fingertip.board.analysis.noise import NETS, Contribution, NoiseAlternative
-from fingertip.board.analysis.response import find_envelope_gain, model_filter
+from fingertip.board.analysis.noise import NETS, Contribution, NoiseLevels
+from fingertip.board.analysis.response import model_filter
 from fingertip.board.analysis.thresholds import ComparatorLevels, OutputOffset
 from fingertip.board.analysis.tolerance import Spread
 from fingertip.board.circuits.board_circuit import board_circuit
@@ -37,7 +37,7 @@ class Analysis:
     noise: tuple[Contribution, ...]
     """RMS noise over `NOISE_BAND_HZ`, largest first; white noise only, typical data-sheet values."""
     noise_total_v: tuple[float, ...]
-    noise_alternatives: tuple[NoiseAlternative, ...]
+    noise_levels: NoiseLevels
     threshold_v: float
     amplifier: str
     """Dual amplifier of filter and rectifier."""
@@ -80,9 +80,7 @@ def analyse(design: Design, boards: int = 10_000) -> Analysis:
         **{name: getattr(values, name) for name in _OF_BOARD},
         noise=budget,
         noise_total_v=total,
-        noise_alternatives=noise.compare_noise_alternatives(
-            circuit, bandwidth_hz, board.band_limit_hz, find_envelope_gain(model, circuit, network.values)
-        ),
+        noise_levels=values.noise,
         threshold_v=design.detector.threshold_v,
         idle_v=values.tactile_response.open_v,
         pressed_v=values.tactile_response.tactile_v(sensor_conductance_s(MAX_FORCE_N)),

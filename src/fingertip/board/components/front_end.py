@@ -171,10 +171,6 @@ AD623_SUPPLY_A, COMPARATOR_SUPPLY_A = 375e-6, 60e-6
 GAIN_RESISTOR = "R14"
 """Resistor between the gain pins of the bridge's amplifier."""
 
-LOW_NOISE_NAME, LOW_NOISE_V = "INA821", 7e-9
-"""Instrumentation amplifier with a lower noise density [V/sqrt(Hz)], for comparison: it has another footprint, pinout
-and gain equation, so that it requires another R14."""
-
 
 # Model of the rectifier's diodes. SPICE deck, simulation and bring-up read these figures.
 

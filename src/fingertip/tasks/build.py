@@ -117,6 +117,7 @@ class BuildPlan:
     """Parts to make."""
     formats: tuple[str, ...]
     options: BuildOptions
+    evaluator: MeshEvaluator
     is_whole: bool
     """True if all parts of the design are made."""
     parts: SetWriter
@@ -137,9 +138,10 @@ def plan_build(
     formats = select_names("--formats", wanted, tuple(PART_FORMATS))
     if "step" in formats:
         extras.require("--formats", "OCP", subject="step", alternative="leave step out with --formats stl,3mf")
-    design, force, is_whole = design.with_silicone(options.material), options.force, names == known
+    design, evaluator = design.with_silicone(options.material), MeshEvaluator(options.tolerance_mm)
+    force = options.force
     plan = BuildPlan(
-        design, names, formats, options, is_whole,
+        design, names, formats, options, evaluator, names == known,
         output_files.PART_FILES.writer(design, folder, force),
         output_files.PRINTS.writer(design, folder / output_files.PRINT_FOLDER, force, folder),
         output_files.STEPS.writer(design, folder / output_files.STEPS_FOLDER, force, folder),
@@ -163,15 +165,15 @@ def run_build(
         "parts": 2.0, "rest": 3.0 * (meanwhile is not None),
         "pictures": 1.0 * options.pictures, "STEP files": (4.0 + 6.0 * options.drawings) * ("step" in plan.formats),
     }  # fmt: skip
-    work, evaluator = Work("", stages, progress), MeshEvaluator(options.tolerance_mm)
+    work = Work("", stages, progress)
     with contextlib.ExitStack() as stack:
         # The B-rep kernel and the pictures have processes of their own while this process makes and checks the meshes.
         process = stack.enter_context(StepProcess.start(_describe_step_job(plan))) if "step" in plan.formats else None
         drawing: Callable[[], dict[str, bytes]] = dict
         if options.pictures and plan.is_whole:
             drawing = stack.enter_context(in_background(_draw_steps, design, options.tolerance_mm))
-        verified = verify(design, plan.names, plan.formats, evaluator, work.within("parts"))
-        casting = casting_sheet(design, evaluator) if plan.is_whole else None
+        verified = verify(design, plan.names, plan.formats, plan.evaluator, work.within("parts"))
+        casting = casting_sheet(design, plan.evaluator) if plan.is_whole else None
         if meanwhile:
             meanwhile(work.within("rest"))
         work.begin("pictures")

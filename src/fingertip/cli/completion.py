@@ -54,10 +54,9 @@ def _words(*words: str) -> Callable[[], Iterable[str]]:
 
 
 def _bundled(*kinds: str) -> Iterable[str]:
-    from fingertip.catalogues import file_kinds
-    from fingertip.catalogues.file_kinds import list_bundled_files
+    from fingertip.catalogues.file_kinds import KINDS, list_bundled_files
 
-    return list_bundled_files(*(getattr(file_kinds, kind) for kind in kinds))
+    return list_bundled_files(*(kind for kind in KINDS if kind.name in kinds))
 
 
 def _files(*kinds: str) -> Callable[[str], Iterable[str]]:
@@ -110,10 +109,10 @@ def _sets_of_formats() -> Iterable[str]:
 
 
 COMPLETIONS: Mapping[str, Callable[..., Iterable[str]]] = {
-    "design": _files("DESIGN"),
-    "designs": _files("DESIGN"),
-    "simulate file": _files("DESIGN", "SCENE", "MANIPULATION"),
-    "sweep file": _files("SWEEP"),
+    "design": _files("design"),
+    "designs": _files("design"),
+    "simulate file": _files("design", "scene", "manipulation"),
+    "sweep file": _files("sweep"),
     "changes": _settings,
     "sensor": _choices("sensor.model"),
     "hand": _table("design.new_design:list_hands"),
@@ -124,7 +123,7 @@ COMPLETIONS: Mapping[str, Callable[..., Iterable[str]]] = {
     "material": _choices("silicone.product"),
     "detector": list_detectors,
     "grip": list_detectors,
-    "surface": _files("SURFACE"),
+    "surface": _files("surface"),
     "controller": _table("catalogues.electronics:list_keys"),
     "time_scale": _table("slip.traces.sampling:TIME_UNITS_S"),
     "shell": _words(*SHELLS),
@@ -138,7 +137,7 @@ _LISTS: Mapping[str, Callable[[], Iterable[str]]] = {
     "presets": COMPLETIONS["preset"],
     "fingers": _words(", ".join(NAMES)),
     "formats": lambda: [", ".join(_table("catalogues.output_files:PART_FORMATS")())],
-    "sweeps": lambda: _bundled("SWEEP"),
+    "sweeps": lambda: _bundled("sweep"),
     "detectors": describe_detectors,
 }
 """Name in braces in the text of a help page -> words that take its place."""

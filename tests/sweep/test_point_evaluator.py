@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import os
 from pathlib import Path
 from typing import Any
 from unittest.mock import Mock
@@ -25,7 +26,7 @@ from fingertip.lab.campaign.plan import Case
 from fingertip.lab.campaign.run import TrialResult
 from fingertip.sweep import compute
 from fingertip.sweep.compute import PointContext
-from fingertip.sweep.designs import CachedEvaluator, DesignBuilder, LruCache
+from fingertip.sweep.designs import CachedEvaluator, DesignBuilder, LruCache, restrict_kernel_to_one_thread
 from fingertip.sweep.outputs import GROUPS, SET_GROUPS, load_outputs
 from fingertip.sweep.point_evaluator import PointEvaluator
 from tests.approved import check_figures
@@ -105,6 +106,15 @@ def test_checks_with_caches_equal_those_without(changes: list[str]) -> None:
     assert SHARED_EVALUATOR.evaluated == evaluated  # all of it from the cache
     # Results after other designs equal those with empty caches, to the last bit.
     assert run_checks(design, SHARED_EVALUATOR) == run_checks(design, CachedEvaluator(COARSE_MM))
+
+
+@pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="processors are chosen on Linux alone")
+def test_mesh_kernel_starts_on_one_processor_of_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls: list[tuple[int, set[int]]] = []
+    monkeypatch.setattr(os, "sched_setaffinity", lambda process, processors: calls.append((process, processors)))
+    restrict_kernel_to_one_thread()
+    allowed = os.sched_getaffinity(0)
+    assert calls == [(0, {min(allowed)}), (0, allowed)]
 
 
 def test_cache_evicts_the_least_recently_used_entries() -> None:
@@ -248,29 +258,6 @@ SHORT_SLIDE: dict[str, Any] = {
     "slide": {"distance_m": 0.005, "speed_m_s": 0.05},
     "hold": {"wait_s": 0.1, "release": False, "min_force_n": 1.0, "max_force_n": 1.0},
 }
-
-
-def test_realistic_effects_are_axes_of_a_sweep() -> None:
-    plan = make_plan(
-        outputs=["found_share", "slip_vibration_n", "slip_onset_ms"],
-        trials=1,
-        scene=SHORT_SLIDE,
-        axes={
-            "scene.contact.patch_average": [False, True],
-            "scene.contact.bristles": ["plain", "elasto_plastic"],
-            "scene.noise.pink_v": {"low": 0.0, "high": 1e-4, "steps": 2},
-            "scene.converter.bits": [0, 12],
-        },
-    )
-    evaluator = PointEvaluator(plan)
-    rows = [(plan.point(i), evaluator.evaluate(i, plan.point(i))) for i in range(plan.size)]
-    assert {row[1] for _, row in rows} == {"ok"}
-    vibration, onset = ({True: set(), "plain": set(), False: set(), "elasto_plastic": set()} for _ in range(2))
-    for point, (*_, outputs) in rows:
-        vibration[point["scene.contact.patch_average"]].add(outputs[1])
-        onset[point["scene.contact.bristles"]].add(outputs[2])
-    assert max(vibration[True]) < 0.2 * min(vibration[False])
-    assert min(onset["elasto_plastic"]) > max(onset["plain"]) + 2.0
 
 
 def test_share_out_of_contact_is_an_output() -> None:

@@ -27,50 +27,38 @@ class WeightReading:
     tactile_v: float
     limits_v: tuple[float, float]
     """Lowest and highest voltage of a good finger."""
-    spread: float
-    """Factor by which the conductance may differ from the expected one within these limits."""
 
 
 def expect_open_v(design: Design) -> float:
     return Bridge.of_board(design).response.open_v
 
 
-def expect_pressed_v(design: Design) -> float:
-    """Expect the tactile voltage at `MAX_FORCE_N` [V], far more than any weight of the sheet. Beyond is a short.
-
-    The data sheet's sensor gives it, as the README of the board states, or the calibrated one if that conducts more.
-    """
-    bridge = Bridge.of_board(design)
-    conductance = max(sensor_conductance_s(MAX_FORCE_N), bridge.curve.conductance_s(MAX_FORCE_N))
-    return _clip_v(design, bridge.response.tactile_v(conductance))
-
-
 def expect_readings(design: Design) -> tuple[WeightReading, ...]:
-    """Expect the readings of `WEIGHTS_G`. No limit is beyond `expect_pressed_v`, so that a short circuit fails.
+    """Expect the readings of `WEIGHTS_G`.
 
-    A calibrated curve is as uncertain as its calibration, in the range of its forces; else the factor is `SPREAD`.
+    A calibrated curve is as uncertain as its calibration, in the range of its forces; else the factor is `SPREAD`. No
+    limit is beyond the voltage at `MAX_FORCE_N`, far more than any weight of the sheet, so that a short circuit fails.
     """
     bridge, curve, readings = Bridge.of_board(design), design.force_curve, []
-    lowest_v, highest_v = sorted((expect_open_v(design), expect_pressed_v(design)))
+
+    def expect_v(conductance_s: float) -> float:
+        """Voltage within the supply of a board for a controller [V]."""
+        volts = bridge.response.tactile_v(conductance_s)
+        return min(max(volts, 0.0), design.board.supply_v) if design.board.is_for_controller else volts
+
+    # The data sheet's sensor gives it, as the README of the board states, or the calibrated one if that conducts more.
+    pressed_v = expect_v(max(sensor_conductance_s(MAX_FORCE_N), bridge.curve.conductance_s(MAX_FORCE_N)))
+    lowest_v, highest_v = sorted((bridge.response.open_v, pressed_v))
     forces_n = np.array(WEIGHTS_G) / 1000.0 * _GRAVITY
     sensed_n = Pad.from_design(design).sensed_n(forces_n, None, reads_whole_finger(design, "board"))
     for mass, force_n, on_sensor_n in zip(WEIGHTS_G, forces_n.tolist(), sensed_n.tolist(), strict=True):
         is_calibrated = curve.curve == "calibrated" and curve.min_force_n <= force_n <= curve.max_force_n
         spread = min(curve.interval_factor, SPREAD) if is_calibrated else SPREAD
         conductance = bridge.curve.conductance_s(on_sensor_n)
-        low, high = sorted(
-            _clip_v(design, bridge.response.tactile_v(conductance * factor)) for factor in (spread, 1.0 / spread)
-        )
+        low, high = sorted((expect_v(conductance * spread), expect_v(conductance / spread)))
         limits_v = max(lowest_v, low), min(highest_v, high)
-        readings.append(
-            WeightReading(mass, 1.0 / conductance, bridge.response.tactile_v(conductance), limits_v, spread)
-        )
+        readings.append(WeightReading(mass, 1.0 / conductance, bridge.response.tactile_v(conductance), limits_v))
     return tuple(readings)
-
-
-def _clip_v(design: Design, volts: float) -> float:
-    """Clip a voltage [V] to the supply of a board for a controller."""
-    return min(max(volts, 0.0), design.board.supply_v) if design.board.is_for_controller else volts
 
 
 def expect_change_ratio(design: Design) -> float:

@@ -32,10 +32,8 @@ COMMANDS = {
     PRINT_FOLDER: "fingertip build design.toml --out .",
     BOARD_FOLDER: "fingertip board design.toml --out board --bringup",
     SIGNAL_FOLDER: "fingertip make design.toml --out .",
-    "drawing": "fingertip drawing design.toml --out .",
-    "page": "fingertip page design.toml --out .",
 }
-"""Folder of a set below the parts, or what else a page shows -> command that makes it in the folder of the page."""
+"""Folder of a set below the parts -> command that makes it in the folder of the page."""
 _CHANGED = "were changed after they were written"
 _SHOWN = (".md", ".json", ".svg", ".csv", ".png", ".stl", ".kicad_sch", ".kicad_pcb")
 """Ends of the names of files that a page may show."""

@@ -124,7 +124,7 @@ def test_a_free_place_is_free_and_near() -> None:
 
 def test_views_show_the_side_that_they_name() -> None:
     """Distal is to the right; the dorsal side (y) or the palmar one faces the viewer. A finger bends to its palm."""
-    for camera, side in ((View.DORSAL, 1.0), (View.PALMAR, -1.0), (View.SIDE, 0.0)):
+    for camera, side in ((View.DORSAL, 1.0), (View.PALMAR, -1.0)):
         right, up, towards = camera.axes
         assert right[2] > 0.8
         assert up[1] > 0.7

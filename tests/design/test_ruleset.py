@@ -46,11 +46,10 @@ def reads_width(design: DesignTables) -> Violation | None:
 def test_rules_are_listed_in_order_with_what_was_said_of_them() -> None:
     ruleset = Ruleset()
     first = ruleset.rule("a")(passing)
-    second = ruleset.rule("b", first, takes_long=True)(broken)
+    second = ruleset.rule("b", first)(broken)
     assert list(ruleset) == [first, second]
-    assert (first.field, first.check, first.prerequisites, first.takes_long) == ("a", passing, (), False)
-    assert (second.field, second.check, second.prerequisites, second.takes_long) == ("b", broken, (first,), True)
-    assert Rule("a", passing).takes_long is False
+    assert (first.field, first.check, first.prerequisites) == ("a", passing, ())
+    assert (second.field, second.check, second.prerequisites) == ("b", broken, (first,))
     with pytest.raises(FrozenInstanceError):
         first.field = "c"  # type: ignore[misc]
 
@@ -63,7 +62,7 @@ def test_every_broken_rule_is_found_with_its_violation_and_design() -> None:
     assert [item.violation.problem for item in found] == ["1 mm is too little", "is thin", "1 mm is too little"]
     assert all(item.design is TABLES for item in found)
     violation = found[0].violation
-    assert (violation.passing, violation.note, violation.alternatives, violation.shortfall) == ((), "", {}, None)
+    assert (violation.passing, violation.note, violation.alternatives) == ((), "", {})
 
 
 def test_a_rule_is_checked_once_and_only_after_its_prerequisites_pass() -> None:

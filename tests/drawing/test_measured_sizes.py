@@ -115,9 +115,6 @@ def measure(features: StepFeatures, size: Size) -> float:
         radius, count = features.radius(size.axis, size.centre, size.radius)
         assert count >= size.count, size.name
         return radius if size.is_radius else 2.0 * radius
-    if size.is_diameter:
-        centre: Point3 = tuple((a + b) / 2 for a, b in zip(size.start, size.end, strict=True))  # type: ignore[assignment]
-        return 2.0 * features.radius("y", centre, size.value / 2)[0]
     if "thickness of each eye" in size.name:  # whose outer side is curved
         return features.material(size.start, size.end)
     i = AXES[size.axis]

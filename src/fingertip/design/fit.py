@@ -80,26 +80,21 @@ class _Judge:
     """Checks a design with other free lengths, and scores each set of them once."""
 
     def __init__(self, tables: DesignTables) -> None:
-        self._tables = tables
-        # Rules that take long, such as the play of the bone, are asked where all others pass.
-        ordered = cheapest_first(PART_RULES)
-        self._quick, self._slow = ([rule for rule in ordered if rule.takes_long is long] for long in (False, True))
+        self._tables, self._rules = tables, cheapest_first(PART_RULES)
         self._scores: dict[tuple[float, ...], float] = {}
 
     def score(self, values: Values, limit: float = math.inf) -> tuple[float, list[BrokenRule]]:
-        """Return the score of a design and what it breaks, as far as the score stays within a limit."""
+        """Return the score of a design and what it breaks, as far as the score stays within a limit.
+
+        Each broken rule adds one, and more if it is far from repaired.
+        """
         key, found, score = tuple(values.values()), list[BrokenRule](), 0.0
         if self._scores.get(key, 0.0) > limit:
             return self._scores[key], found
-        checker = RuleChecker(self._tables.with_values(values))
-        for broken in checker.find_broken(self._quick):
+        for broken in RuleChecker(self._tables.with_values(values)).find_broken(self._rules):
             found.append(broken)
-            # A design that fails a quick rule is not asked the slow ones, and counts as if it failed one.
-            if (score := 2.0 + _add_distances(found)) > limit:
-                break
-        for broken in checker.find_broken(self._slow) if not found else ():
-            found.append(broken)
-            if (score := _add_distances(found)) > limit:
+            score += 1.0 + _find_distance(broken)
+            if score > limit:
                 break
         self._scores[key] = score
         return score, found
@@ -211,19 +206,11 @@ def _list_repairs(found: Sequence[BrokenRule], free: Ranges, values: Values) -> 
     return repairs
 
 
-def _add_distances(found: Sequence[BrokenRule]) -> float:
-    """Measure how far a design is from passing: one for each broken rule, and more if it is far from repaired."""
-    return sum(1.0 + _find_distance(rule) for rule in found)
-
-
 def _find_distance(rule: BrokenRule) -> float:
-    """Return how far a design is from passing a rule, from 0 to 1: below 0.9 if its field alone can repair it."""
+    """Return how far a design is from passing a rule: below 0.9 if its field alone can repair it, else 1."""
     ends = [end for interval in rule.violation.passing for end in interval if math.isfinite(end)]
-    if ends:
-        present = float(rule.design.value(rule.rule.field))
-        return min(0.9, *(abs(present - end) / max(1.0, abs(present)) for end in ends))
-    shortfall = rule.violation.shortfall
-    return 1.0 if shortfall is None else 0.9 + 0.1 * min(1.0, shortfall)
+    present = float(rule.design.value(rule.rule.field)) if ends else 0.0
+    return min((0.9, *(abs(present - end) / max(1.0, abs(present)) for end in ends))) if ends else 1.0
 
 
 def _move_back(name: str, begin: float, values: Values, passes: Callable[[Values], bool]) -> float:

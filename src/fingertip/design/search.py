@@ -49,8 +49,6 @@ _DIGITS = (3, 4, 5)
 """Significant digits to which a value that was found is rounded, if it passes then."""
 Band = tuple[float, float]
 """Lowest and highest value of a band; both pass."""
-_POINTS = 6
-"""Values within a band of the quick rules with which the rules that take long are checked."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +56,7 @@ class Search:
     """Search for values near a design that pass all rules, or the one rule that is asked for; each was checked."""
 
     rules: tuple[Rule, ...]
-    """Rules to pass, those that take long last."""
+    """Rules to pass, the cheapest first."""
     suspects: tuple[Rule, ...]
     """Rules that are checked first, because they are likely to fail."""
     invalid: frozenset[str] = frozenset()
@@ -190,8 +188,8 @@ def join_assignments(values: Mapping[str, Any]) -> str:
 
 
 def cheapest_first(rules: Iterable[Rule]) -> tuple[Rule, ...]:
-    """Order rules so that those which measure the silicone come late, and those which take longest come last."""
-    return tuple(sorted(rules, key=lambda rule: (rule.takes_long, len(rule.prerequisites))))
+    """Order rules so that those which measure the silicone, and have many prerequisites, come last."""
+    return tuple(sorted(rules, key=lambda rule: len(rule.prerequisites)))
 
 
 def _is_electronic(name: str) -> bool:
@@ -211,19 +209,18 @@ def find_bands(
     readers = [rule for rule in RULES if not checker.passes(rule)]
     if checker.violations:
         return ()
-    present = tables.value(name)
-    grid = {*Search((), ()).list_grid(name, present), present, *tried}
-    bands = _narrow(tables, name, grid, [rule for rule in readers if not _takes_long(rule)], still_wanted)
-    slow = list(filter(_takes_long, readers))
-    if not slow:
-        return tuple(bands)
-    found: list[Band] = []
-    for low, high in bands:
-        points = {low, high, *(as_typed(name, low + (high - low) * i / _POINTS) for i in range(1, _POINTS))}
-        found += _narrow(
-            tables, name, points | {value for value in (present, *tried) if low < value < high}, slow, still_wanted
-        )
-    return tuple(found)
+    present, search = tables.value(name), Search(cheapest_first(readers), ())
+    values = sorted({*search.list_grid(name, present), present, *tried})
+    bands, low = list[Band](), None
+    for i, value in enumerate(values):
+        still_wanted()
+        passes = search.passes(tables.with_values({name: value}))
+        if passes and low is None:
+            low = search.refine(tables, name, values[i - 1], value) if i else value
+        elif not passes and low is not None:
+            bands.append((low, search.refine(tables, name, value, values[i - 1])))
+            low = None
+    return tuple(bands) if low is None else (*bands, (low, values[-1]))
 
 
 def describe_bands(name: str, bands: Iterable[Band]) -> str:
@@ -238,24 +235,3 @@ def describe_bands(name: str, bands: Iterable[Band]) -> str:
         for low, high in bands
     ]
     return join_words(texts, "or") + format_unit(find_unit(PARAMETERS[name]))
-
-
-def _takes_long(rule: Rule) -> bool:
-    return rule.takes_long or any(map(_takes_long, rule.prerequisites))
-
-
-def _narrow(
-    tables: DesignTables, name: str, values: Iterable[float], rules: Iterable[Rule], still_wanted: Callable[[], None]
-) -> list[Band]:
-    """Find the runs of values that pass some rules, and refine the ends of each towards its neighbours that fail."""
-    search, tried, bands = Search(cheapest_first(rules), ()), sorted(values), list[Band]()
-    low: float | None = None
-    for i, value in enumerate(tried):
-        still_wanted()
-        passes = search.passes(tables.with_values({name: value}))
-        if passes and low is None:
-            low = search.refine(tables, name, tried[i - 1], value) if i else value
-        elif not passes and low is not None:
-            bands.append((low, search.refine(tables, name, value, tried[i - 1])))
-            low = None
-    return bands if low is None else [*bands, (low, tried[-1])]

@@ -37,7 +37,6 @@ class ThinWalls:
     thickness_mm: Array
     area_mm2: float
     """Area of the surface at all points together."""
-    surface_mm2: float
 
     @property
     def matters(self) -> bool:
@@ -66,7 +65,7 @@ def find_thin_walls(design: Design, evaluator: MeshEvaluator, part: str) -> Thin
     is_rim = beside_sensor & (found.thickness_mm > 0.95 * design.bone.rim_mm - slack)
     kept = ~is_rim
     area = found.area_mm2 * float(kept.sum()) / max(1, len(kept))
-    return ThinWalls(found.points[kept], found.normals[kept], found.thickness_mm[kept], area, found.surface_mm2)
+    return ThinWalls(found.points[kept], found.normals[kept], found.thickness_mm[kept], area)
 
 
 def measure_walls(solid: Manifold, limit_mm: float) -> ThinWalls:
@@ -89,5 +88,4 @@ def measure_walls(solid: Manifold, limit_mm: float) -> ThinWalls:
             if np.dot(hit.normal, normals[i]) < _OPPOSITE:
                 thickness[i] = np.linalg.norm(points[i] - hit.position)
     thin = np.isfinite(thickness)
-    area, surface = float(sums[-1] / count * thin.sum()), float(sums[-1])
-    return ThinWalls(points[thin], normals[thin], thickness[thin], area, surface)
+    return ThinWalls(points[thin], normals[thin], thickness[thin], float(sums[-1] / count * thin.sum()))

@@ -97,7 +97,7 @@ SCALE_REMEDY = "correct printer.scale_percent"
 
 @dataclass(frozen=True)
 class Length:
-    """Distance along an axis between two points; the diameter of a hole if it is seen from its side."""
+    """Distance along an axis between two points."""
 
     name: str
     growth: float
@@ -112,7 +112,6 @@ class Length:
     """Tolerance; the general one if None."""
     action: str = ""
     """Remedy if the size is out of tolerance. Sizes with one are those to check."""
-    is_diameter: bool = False
     is_reference: bool = False
     """True if no surface lies at one of its ends, so that calipers cannot measure it: it stands in parentheses."""
     added_mm: float = 0.0
@@ -127,7 +126,7 @@ class Length:
         return self.value + self.added_mm
 
     def text(self) -> str:
-        text = _with_tolerance(("Ø" if self.is_diameter else "") + size_text(self.printed), self.tolerance)
+        text = _with_tolerance(size_text(self.printed), self.tolerance)
         return f"({text})" if self.is_reference else text
 
 

@@ -50,8 +50,6 @@ class Violation:
     """Condition under which the bounds hold, such as "with this r5_ohm"."""
     alternatives: Mapping[str, Any] = field(default_factory=dict)
     """Values of other fields, each of which may pass instead."""
-    shortfall: float | None = None
-    """Distance of the design from passing, in any unit; None if the rule cannot tell."""
 
 
 RuleFunction = Callable[[DesignTables], Violation | None]
@@ -66,8 +64,6 @@ class Rule:
     check: RuleFunction
     prerequisites: tuple[Rule, ...] = ()
     """Rules that must pass before this one is checked."""
-    takes_long: bool = False
-    """True if the check takes longer than most others together."""
 
 
 class Limit(NamedTuple):
@@ -95,7 +91,7 @@ class Ruleset(list[Rule]):
         super().__init__()
         self._when = when
 
-    def rule(self, field: str, *prerequisites: Rule, when: Condition = None, takes_long: bool = False) -> AddRule:
+    def rule(self, field: str, *prerequisites: Rule, when: Condition = None) -> AddRule:
         """Add the decorated function as a rule that blames `field` and is checked only if its prerequisites pass."""
 
         def add(check: RuleFunction) -> Rule:
@@ -105,7 +101,7 @@ class Ruleset(list[Rule]):
             def check_if_it_applies(design: DesignTables) -> Violation | None:
                 return check(design) if all(condition(design) for condition in conditions) else None
 
-            self.append(Rule(field, check_if_it_applies if conditions else check, prerequisites, takes_long))
+            self.append(Rule(field, check_if_it_applies if conditions else check, prerequisites))
             return self[-1]
 
         return add

@@ -68,7 +68,6 @@ def test_calibration_narrows_the_limits_in_its_range() -> None:
     assert width_v > 2 * (calibrated[1].limits_v[1] - calibrated[1].limits_v[0]), "500 g lie beyond the calibration"
 
 
-@pytest.mark.every_case
 @pytest.mark.parametrize("name", NAMES)
 def test_ratio_of_the_drops_holds_for_sensors_that_differ_by_factors(name: str) -> None:
     design = load(name)

@@ -243,7 +243,6 @@ def deviation_db(ohm: tuple[float, ...], ideal: tuple[float, float, float]) -> f
     return float(np.abs(20 * np.log10(np.abs(filter_ / butterworth))).max())
 
 
-@pytest.mark.every_case
 @pytest.mark.parametrize(("series", "ratio"), [("E12", 2.2), ("E24", 1.8), ("E96", 1.1)])
 @pytest.mark.parametrize("cutoff", [30.0, 41.7, 67.0, 88.8, 123.0])
 def test_no_combination_of_a_wide_search_is_better(series: str, ratio: float, cutoff: float) -> None:
@@ -335,6 +334,7 @@ def readme(design: Design) -> str:
     return " ".join(board_files(design)["README.md"].decode().split())
 
 
+@pytest.mark.full
 def test_no_figure_has_an_exponent_where_gain_and_steps_are_large() -> None:
     design = Design.load(changes=["board.passband_gain=120", "detector.adc_bits=8", "detector.noise_v=0.01"])
     notes = readme(design)

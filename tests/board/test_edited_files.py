@@ -214,7 +214,7 @@ def test_edits_survive_several_designs_and_the_same_one_again(folder: Path) -> N
     assert (folder / LAYOUT).stat().st_mtime_ns == date
 
 
-@pytest.mark.parametrize("changes", [OTHER_PARTS, ("board.amplifier=TLV2372",)])
+@pytest.mark.parametrize("changes", [OTHER_PARTS, pytest.param(("board.amplifier=TLV2372",), marks=pytest.mark.full)])
 def test_change_of_parts_or_nets_writes_nothing(folder: Path, changes: tuple[str, ...]) -> None:
     if "amplifier" in changes[0]:
         write_board(load_article(OTHER_PARTS), folder)

@@ -179,7 +179,6 @@ def test_all_but_three_numbers_of_a_board_for_a_controller_stand_in_two_document
         assert "C1 C2 C3" not in extended
 
 
-@pytest.mark.every_case
 @pytest.mark.parametrize(
     ("name", "extra"), [*((name, ()) for name in VARIANT_CHANGES), *(("precision", c) for c in CHANGES)]
 )

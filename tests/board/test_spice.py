@@ -102,6 +102,7 @@ def replace_elements(deck: str, **elements: str) -> str:
     return deck
 
 
+@pytest.mark.full
 @pytest.mark.every_case
 @pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_supply_ripple_agrees_with_ngspice(tmp_path: Path, name: str) -> None:
@@ -137,6 +138,7 @@ def test_supply_ripple_is_worst_at_the_stated_force(name: str) -> None:
         assert np.abs(volts @ np.array([1.0, -1.0][: len(nets)])).max() < values.supply_ripple.gain
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", ["article", "precision"])
 def test_clamps_shift_both_pins_by_at_most_the_stated_voltage(tmp_path: Path, name: str) -> None:
     """Reverse currents of 2 uA, compared with none, for an open sensor and without a signal."""

@@ -119,7 +119,9 @@ def test_the_sketch_counts_lost_samples_and_streams_for_the_computer(tmp_path: P
     assert done.stdout.count("ON") == np.count_nonzero(np.diff(decide(counts * STEP_V).astype(int)) > 0)
 
 
-@pytest.mark.parametrize("macro", COUNT_V)
+@pytest.mark.parametrize(
+    "macro", ["TEENSYDUINO", *(pytest.param(macro, marks=pytest.mark.full) for macro in [*COUNT_V][1:])]
+)
 def test_the_sketch_lights_the_lamp_and_writes_forces_whatever_the_converter(macro: str, tmp_path: Path) -> None:
     volts, _ = simulate("slip", 0)
     counts = np.round(volts / COUNT_V[macro])

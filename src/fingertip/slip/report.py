@@ -173,8 +173,9 @@ def draw(trace: Trace, detection: Detection, title: str) -> bytes:
     _draw_voltage(top, trace)
     _draw_statistic(middle, trace, detection)
     if trace.origin.motion_s is not None:
-        for axes in (top, middle, *large):
-            shade_encoder_band(axes, trace.origin.motion_s)
+        begin_s, end_s = encoder_band_s(trace.origin.motion_s)
+        for axes in (top, middle, *large):  # an edge keeps the band visible where it is narrow
+            axes.axvspan(begin_s, end_s, color=style.ORANGE, alpha=0.35, linewidth=1.0, label=BAND_LABEL)
     # Above the axes, where it covers no data
     middle.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2, frameon=False, ncols=2, fontsize=9)
     _draw_intervals(bottom, trace, detection, slips)
@@ -272,12 +273,6 @@ def _draw_statistic(axes: Axes, trace: Trace, detection: Detection) -> None:
     axes.set_ylabel(f"{detection.threshold.quantity} [mV]" if envelope is None else "envelope [mV]")
 
 
-def shade_encoder_band(axes: Axes, motion_s: float) -> None:
-    """Shade when encoders show that the robot moves; an edge keeps the band visible where it is narrow."""
-    begin_s, end_s = encoder_band_s(motion_s)
-    axes.axvspan(begin_s, end_s, color=style.ORANGE, alpha=0.35, linewidth=1.0, label=BAND_LABEL)
-
-
 def _draw_intervals(axes: Axes, trace: Trace, detection: Detection, slips: Sequence[Interval] | None) -> None:
     rows = [(DETECTED, detection.intervals, style.RED)]
     if detection.incipient is not None:
@@ -295,10 +290,10 @@ def _draw_intervals(axes: Axes, trace: Trace, detection: Detection, slips: Seque
         axes.set_title("; ".join(phrases), loc="left", fontsize=9, color=style.TEXT_COLOUR)
 
 
-def draw_bars(axes: Axes, rows: Sequence[tuple[str, Sequence[Interval], str]], shortest_s: float = 0.0) -> None:
-    """Draw one row of intervals per name in a colour, each at least so long that it is seen [s]."""
+def draw_bars(axes: Axes, rows: Sequence[tuple[str, Sequence[Interval], str]]) -> None:
+    """Draw one row of intervals per name in a colour."""
     for row, (_, parts, colour) in enumerate(rows):
-        spans = [(part.onset_s, max(part.end_s - part.onset_s, shortest_s)) for part in parts]
+        spans = [(part.onset_s, part.end_s - part.onset_s) for part in parts]
         axes.broken_barh(spans, (row - 0.35, 0.7), color=colour, linewidth=0)
     axes.set_yticks(range(len(rows)), [name for name, _, _ in rows])
     axes.set_ylim(len(rows) - 0.4, -0.6)

@@ -12,25 +12,31 @@ import argparse
 import io
 import sys
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.circuits.channels import PLACES
 from fingertip.board.components.values import VARIANT_CHANGES
+from fingertip.board.kicad.netlist import CircuitRecord, Part, describe_structure_changes
 from fingertip.board.kicad.project import (
     MODEL_FOLDER,
-    PROJECT_FILES,
     PROJECTS,
     SEVERAL,
+    StoredProject,
+    library_id,
     make_project,
     model_files,
     read_archive,
 )
-from fingertip.catalogues.output_files import CHANNEL_SHEET
+from fingertip.board.parts.circuit import Circuit
+from fingertip.board.parts.symbols import DUAL_AMPLIFIERS
+from fingertip.catalogues.output_files import CHANNEL_SHEET, LAYOUT, PROJECT, SCHEMATIC
 from fingertip.design import Design
 from fingertip.foundation.errors import BoardError
 
+PROJECT_FILES = (LAYOUT, SCHEMATIC, PROJECT)
+"""Files in the archive of a board; that of several fingers also has the sheet of a channel."""
 _DATE = (1980, 1, 1, 0, 0, 0)
 """Date of all files in an archive: the earliest that the format allows."""
 
@@ -67,12 +73,40 @@ def pack(name: str, folder: Path) -> str:
         changes = [f"board.channels={PLACES}"] if name == SEVERAL else VARIANT_CHANGES[name]
         design = Design.load(changes=changes)
         circuit = board_circuit(board_values(design), design.board.channels)
+        project = make_project(name, files)
+        if found := list(find_differences(project, circuit)):
+            return f"the project is not that of its circuit ({'; '.join(found)})"
         try:
-            make_project(name, files).enter(circuit)
+            project.enter(circuit)
         except BoardError as error:
             return str(error)
     (PROJECTS / f"{name}.zip").write_bytes(make_archive(files))
     return ""
+
+
+def find_differences(project: StoredProject, circuit: Circuit) -> Iterator[str]:
+    """Describe how a circuit differs from a layout in parts, footprints and nets, or from the schematic.
+
+    A dual amplifier may be another one: their symbols have the same pins and lines.
+    """
+    wanted = {component.reference: component for component in circuit.components}
+    amplifiers = set(map(library_id, DUAL_AMPLIFIERS.values()))
+    stored, nets = {}, dict[str, set[tuple[str, str]]]()
+    for reference, part in project.placement.parts.items():
+        symbol = project.symbols.get(reference, "")
+        if reference in wanted and {symbol, library_id(wanted[reference].symbol)} <= amplifiers:
+            symbol = library_id(wanted[reference].symbol)
+        stored[reference] = Part("", (part.footprint, symbol), {})
+        for pad in part.pads:
+            if pad.net:
+                nets.setdefault(pad.net, set()).add((reference, pad.name))
+    parts = {name: Part("", (c.footprint, library_id(c.symbol)), {}) for name, c in wanted.items()}
+    yield from describe_structure_changes(
+        CircuitRecord(stored, {net: frozenset(nodes) for net, nodes in nets.items()}),
+        CircuitRecord(parts, {net.name: frozenset(net.nodes) for net in circuit.nets}),
+    )
+    if undrawn := sorted(wanted.keys() ^ project.symbols.keys()):
+        yield f"the schematic and the circuit do not both have {', '.join(undrawn)}"
 
 
 def make_archive(files: Mapping[str, bytes]) -> bytes:

@@ -11,13 +11,12 @@ from __future__ import annotations
 import functools
 import json
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from fingertip.board.circuits.channels import PLACES, find_symbol, name_part, name_sheet, split_name
 from fingertip.board.kicad.back_print import print_values
-from fingertip.board.kicad.netlist import CircuitRecord, Part, describe_structure_changes
 from fingertip.board.kicad.placement import Placement, read_placement, read_reference
 from fingertip.board.kicad.sexpr import (
     Node,
@@ -31,14 +30,11 @@ from fingertip.board.kicad.sexpr import (
 )
 from fingertip.board.parts.circuit import Circuit, Component, Symbol
 from fingertip.board.parts.select_part import symbol_fields
-from fingertip.board.parts.symbols import DUAL_AMPLIFIERS
 from fingertip.catalogues.output_files import LAYOUT, PROJECT, SCHEMATIC
 from fingertip.foundation.errors import BoardError
 
 PROJECTS = Path(__file__).parent / "projects"
 """Folder of the archives."""
-PROJECT_FILES = (LAYOUT, SCHEMATIC, PROJECT)
-"""Files in the archive of a board; that of several fingers also has the sheet of a channel."""
 SEVERAL = "channels"
 """Name of the archive of the board for several fingers."""
 
@@ -122,19 +118,11 @@ class StoredProject:
         return symbols
 
     def enter(self, circuit: Circuit) -> dict[str, bytes]:
-        """Enter a circuit into the project, and return its files by name.
-
-        Raises BoardError if the project has other parts or nets, or lacks a field.
-        """
-        if found := list(self.find_differences(circuit)):
-            raise BoardError(
-                f"the stored KiCad project {self.name} is not that of its circuit ({'; '.join(found)}). Unpack it with "
-                "python -m tools.boards in the repository, edit it in KiCad, and store it again."
-            )
+        """Enter a circuit into its project, and return the files by name. Raises BoardError if a field is missing."""
         changes = _enter_fields(self.layout, self.board, circuit)
         changes |= print_values(self.layout, self.board, circuit, self.placement)
         files = {LAYOUT: replace_spans(self.layout, changes).encode()}
-        drawn = {component.reference: _library_id(component.symbol) for component in circuit.components}
+        drawn = {component.reference: library_id(component.symbol) for component in circuit.components}
         for file, sheet in self.sheets.items():
             text = self.schematics[file]
             changes = _enter_fields(text, sheet, circuit) | _leave_out(text, sheet, circuit)
@@ -143,30 +131,6 @@ class StoredProject:
                 changes |= _draw_symbols(text, sheet, {drawn[part]: self.symbols[part] for part in parts})
             files[file] = replace_spans(text, changes).encode()
         return files | {PROJECT: self.project}
-
-    def find_differences(self, circuit: Circuit) -> Iterator[str]:
-        """Describe how the circuit differs from the layout in parts, footprints and nets, or from the schematic.
-
-        A dual amplifier may be another one: their symbols have the same pins and lines.
-        """
-        wanted = {component.reference: component for component in circuit.components}
-        amplifiers = set(map(_library_id, DUAL_AMPLIFIERS.values()))
-        stored, nets = {}, dict[str, set[tuple[str, str]]]()
-        for reference, part in self.placement.parts.items():
-            symbol = self.symbols.get(reference, "")
-            if reference in wanted and {symbol, _library_id(wanted[reference].symbol)} <= amplifiers:
-                symbol = _library_id(wanted[reference].symbol)
-            stored[reference] = Part("", (part.footprint, symbol), {})
-            for pad in part.pads:
-                if pad.net:
-                    nets.setdefault(pad.net, set()).add((reference, pad.name))
-        parts = {name: Part("", (c.footprint, _library_id(c.symbol)), {}) for name, c in wanted.items()}
-        yield from describe_structure_changes(
-            CircuitRecord(stored, {net: frozenset(nodes) for net, nodes in nets.items()}),
-            CircuitRecord(parts, {net.name: frozenset(net.nodes) for net in circuit.nets}),
-        )
-        if undrawn := sorted(wanted.keys() ^ self.symbols.keys()):
-            yield f"the schematic and the circuit do not both have {', '.join(undrawn)}"
 
 
 @functools.cache
@@ -182,7 +146,8 @@ def make_project(name: str, files: Mapping[str, bytes]) -> StoredProject:
     return StoredProject(name, files[LAYOUT].decode(), sheets, files[PROJECT])
 
 
-def _library_id(symbol: Symbol) -> str:
+def library_id(symbol: Symbol) -> str:
+    """Name of a symbol as KiCad states it, library:name."""
     return f"{symbol.library}:{symbol.name}"
 
 
@@ -210,7 +175,7 @@ def _enter_part(text: str, part: Node, component: Component) -> dict[Span, str]:
     for item in part.children("descr"):
         changes[find_word(text, item, 1)] = quote(component.role)
     for item in part.children("lib_id"):
-        changes[find_word(text, item, 1)] = quote(_library_id(component.symbol))
+        changes[find_word(text, item, 1)] = quote(library_id(component.symbol))
     if not component.is_fitted:
         changes |= _mark_empty(text, part)
         changes |= {(item.end - 1, item.end - 1): " dnp" for item in part.children("attr")}

@@ -182,20 +182,14 @@ DETECTOR = "fast"
 """Detector of the trial: the best there is."""
 
 
-def simulate_and_detect(
-    design: Design, progress: ReportProgress = lambda message: None
-) -> tuple[dict[str, bytes], FileDetection]:
+def simulate_and_detect(design: Design) -> tuple[dict[str, bytes], FileDetection]:
     """Simulate a trial, and detect slip in its trace as it is read back from a file."""
-
-    work = Work("", {"simulated trial": 3.0, "detection of slip in it": 2.0}, progress)
-    work.begin("simulated trial")
     scene = load_simulation().scene
     assert isinstance(scene, SceneFile)
     if second := find_second_column(design, DETECTOR):
         scene = scene.model_copy(update={"outputs": [*scene.outputs, f"sampled_{second}"]})
     result = run_scene(design, scene)
     contents = {output_files.TRACE: encode_trace(result.time_s, result.columns, Path(output_files.TRACE))}
-    work.begin("detection of slip in it")
     with temporary_folder() as temporary:
         path = temporary / output_files.TRACE
         path.write_bytes(contents[output_files.TRACE])

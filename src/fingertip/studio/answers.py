@@ -279,12 +279,9 @@ def answer_bands(finder: BandFinder, tables: Mapping[str, Any], path: str, still
 
 
 def answer_rules(finder: BandFinder, tables: Mapping[str, Any], path: str, still_wanted: StillWanted) -> Answer:
-    """Say whether the form's design passes, and if not with which value of the parameter in hand it would.
+    """Say with which value of the parameter in hand the form's design would pass, if it does not; else nothing.
 
-    Raises
-    ------
-    DesignError
-        If no value of that parameter helps: its issues say what does.
+    Raises DesignError if no value of that parameter helps: its issues say what does.
     """
     try:
         Design.without_remedies(**tables)

@@ -90,7 +90,7 @@ def test_every_size_stands_on_its_sheet_once_and_checks_have_a_row(drawn: Drawn)
 
 
 @pytest.mark.full
-def test_errors_of_the_process_are_raised_here() -> None:
+def test_errors_of_the_process_are_raised_here(monkeypatch: pytest.MonkeyPatch) -> None:
     from fingertip.design.geometry.solids import Box, difference
     from fingertip.foundation.errors import GeometryError
     from fingertip.pictures.drawing.draw import project_part, run_apart
@@ -99,8 +99,9 @@ def test_errors_of_the_process_are_raised_here() -> None:
     nothing = difference(box, Box((-1.0, -1.0, -1.0), (2.0, 2.0, 2.0)))
     with pytest.raises(GeometryError, match="one valid solid was expected"):
         run_apart((("nothing", partial(project_part, nothing, ("front",))),))
+    monkeypatch.setattr("fingertip.pictures.drawing.draw.TIME_LIMIT_S", 0.01)
     with pytest.raises(GeometryError, match=r"still projecting after 0\.01 s"):
-        run_apart((("box", partial(project_part, box, ("front",))),), time_limit_s=0.01)
+        run_apart((("box", partial(project_part, box, ("front",))),))
 
 
 def test_box_is_projected_exactly_with_its_hidden_bore() -> None:

@@ -97,16 +97,16 @@ def run_job(job: Job[T]) -> dict[str, T]:
 TIME_LIMIT_S = 180.0
 
 
-def run_apart(job: Job[T], time_limit_s: float = TIME_LIMIT_S) -> dict[str, T]:
+def run_apart(job: Job[T]) -> dict[str, T]:
     """Run a job in a process of its own. Raises MissingLibraryError or GeometryError."""
     with temporary_folder() as folder, Worker(folder) as worker:  # ezdxf reads settings of the current folder
         worker.send(run_job, job)
         try:
-            return worker.receive_within(time_limit_s)  # type: ignore[no-any-return]
+            return worker.receive_within(TIME_LIMIT_S)  # type: ignore[no-any-return]
         except FingertipError:
             raise
         except TimeoutError:
-            problem = f"was still projecting after {time_limit_s:g} s"
+            problem = f"was still projecting after {TIME_LIMIT_S:g} s"
         except Exception as error:
             problem = f"crashed ({error})"
     raise GeometryError(Issue("drawing", f"the B-rep kernel {problem}; check the design with build."))

@@ -34,7 +34,7 @@ from fingertip.lab.campaign.run import (
     surface,
 )
 from fingertip.lab.report.results import ONSETS
-from fingertip.lab.validation import FILES, RequirementLimits, check_detection
+from fingertip.lab.validation import FILES, check_detection
 from fingertip.sim import SceneFile
 from fingertip.sim.simulation import article_trials
 from fingertip.slip.detectors.registry import DETECTORS
@@ -148,7 +148,7 @@ def test_thresholds_without_a_run_of_their_own_have_its_results(detector):
 )
 def test_detection_requirements_can_be_missed(trials, missed):
     result = CampaignResult(CampaignPlan(), 0, {"fast": (DetectorResult(1.0, tuple(trials)),)})
-    requirements = check_detection(result, "fast", RequirementLimits())
+    requirements = check_detection(result, "fast")
     assert {requirement.name for requirement in requirements if not requirement.passed} == missed
 
 

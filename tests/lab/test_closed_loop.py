@@ -15,7 +15,7 @@ from fingertip.lab.campaign.closed_loop import (
     summarise,
 )
 from fingertip.lab.campaign.plan import TUNING_SEEDS, CampaignPlan, generate_cases
-from fingertip.lab.validation import RequirementLimits, check_closed_loop
+from fingertip.lab.validation import check_closed_loop
 from fingertip.pad.response import Pad
 from fingertip.sim import Observation
 from fingertip.sim.runs.grip import ForceCurve, GripController, GripLaw, GripSettings
@@ -155,6 +155,6 @@ def test_closed_loop_requirements_can_be_missed(change, missed):
             **change,
         }
     )
-    requirements = list(check_closed_loop(summary, RequirementLimits()))
+    requirements = list(check_closed_loop(summary))
     assert {requirement.name for requirement in requirements if not requirement.passed} == missed
     assert requirements[0].message == f"{summary.held} of 12 objects held; at least 91.7 %"

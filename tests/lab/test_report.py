@@ -21,7 +21,7 @@ from fingertip.lab import validation as lab
 from fingertip.lab.campaign.closed_loop import NO_CONTROL, evaluate_manipulation, summarise
 from fingertip.lab.campaign.plan import CampaignPlan, Case
 from fingertip.lab.campaign.run import CampaignResult, DetectorResult, TrialResult
-from fingertip.lab.validation import RequirementLimits, Validation, check_closed_loop, check_detection
+from fingertip.lab.validation import Validation, check_closed_loop, check_detection
 from fingertip.sim.runs.grip import GripDecision
 from fingertip.sim.simulation import article_trials
 from tests.approved import check_figures, check_text, list_data
@@ -88,8 +88,8 @@ def closed_loop() -> list[Any]:
 
 @pytest.fixture(scope="module")
 def validation() -> Validation:
-    result, manipulations, limits = campaign(), tuple(closed_loop()), RequirementLimits()
-    requirements = (*check_detection(result, "fast", limits), *check_closed_loop(summarise(manipulations)[1], limits))
+    result, manipulations = campaign(), tuple(closed_loop())
+    requirements = (*check_detection(result, "fast"), *check_closed_loop(summarise(manipulations)[1]))
     return Validation(Design.load("article"), "fast", result, manipulations, requirements)
 
 

@@ -74,7 +74,7 @@ def simulate(
         raise FingertipError(issues)
     if parameters:
         scene = simulation.scene.complete()
-        console.result({"parameters": list(scene.list_parameters())}, "\n".join(scene.format_parameters()))
+        console.result({"parameters": [*map(vars, scene.list_parameters())]}, "\n".join(scene.format_parameters()))
     elif plan:
         from fingertip.sim.plan import plan_simulation
 

@@ -76,6 +76,7 @@ def _environment() -> Environment:
     )
     environment.filters |= {
         "wrap": lambda text: lay_out_page(text, WIDTH),
+        "paragraphs": lay_out_page,
         "listed": join_words,
         # The lower and the upper limit of a size; one figure if they agree.
         "span": lambda limits: " to ".join(dict.fromkeys(f"{limit:g}" for limit in limits)),

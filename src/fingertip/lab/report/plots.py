@@ -19,12 +19,10 @@ OTHER_COLOUR = style.PURPLE
 NOTE = "simulated, held-out seeds"
 
 
-def add_legend(axes: Axes, columns: int = 1, side: str = "right", pad: float = 0.2) -> None:
+def add_legend(axes: Axes, columns: int = 1) -> None:
     """Add a legend above the axes, where it covers no data."""
-    corner = (float(side == "right"), 1.0)
-    axes.legend(
-        frameon=False, ncols=columns, fontsize=9, loc=f"lower {side}", bbox_to_anchor=corner, borderaxespad=pad
-    )  # fmt: skip
+    anchor = (1.0, 1.0)
+    axes.legend(frameon=False, ncols=columns, fontsize=9, loc="lower right", bbox_to_anchor=anchor, borderaxespad=0.2)
 
 
 def plot_delays(result: CampaignResult) -> bytes:

@@ -161,31 +161,14 @@ def run_manipulation(
     if controller and "envelope_v" in outputs:
         outputs |= {"sampled_envelope_v"}
     stepper = start_manipulation(design, scene, seed, outputs, grid, CostMeter())
-    plan, rate_hz, count = stepper.plan, stepper.grid.rate_hz, stepper.point_count
-    done = report_share(scene.name, plan.duration_s, progress)
-    if controller is None:
-        for end in advance_as_planned(stepper):
-            done(end / rate_hz)
-    else:
-        period, delay = scene.hand.count_points(rate_hz)
-        starts = range(0, count, period)
-        commands = plan.planned_m(np.array(starts) / rate_hz)
-        # A command acts after its delay. What happens until then is known, and is computed in one chunk.
-        planned, given, known = commands.copy(), 0, 0
-        while given < len(starts):
-            while given < len(starts) and starts[given] <= known:
-                command = controller.step(_observe(stepper, starts[given], period, planned[:, given]))
-                commands[:, given] = _validate_command(command, starts[given] / rate_hz, len(scene.fingers))
-                given += 1
-            end = min((given + delay // period) * period, count)
-            if end > known:
-                stepper.advance(delay_commands(commands, known, end, period, delay))
-            known = end
-            done(known / rate_hz)
+    done = report_share(scene.name, stepper.plan.duration_s, progress)
+    ends = advance_as_planned(stepper) if controller is None else _advance_in_loop(stepper, controller)
+    for end in ends:
+        done(end / stepper.grid.rate_hz)
     signals = HandSignals.join(stepper.chunks)
     beyond = np.flatnonzero(signals.object_m >= scene.object.length_m)
     lost_s = float(signals.time_s[beyond[0]]) if stepper.is_lost and len(beyond) else None
-    return ManipulationResult(scene, seed, plan, signals, lost_s, stepper.meter.costs)
+    return ManipulationResult(scene, seed, stepper.plan, signals, lost_s, stepper.meter.costs)
 
 
 def start_manipulation(
@@ -207,6 +190,26 @@ def advance_as_planned(stepper: ManipulationStepper, chunk: int = CHUNK) -> Iter
         end = min(start + chunk, count)
         stepper.advance(delay_commands(commands, start, end, period, delay))
         yield end
+
+
+def _advance_in_loop(stepper: ManipulationStepper, controller: Controller) -> Iterator[int]:
+    """Advance with the commands of a controller; yield the number of points computed so far."""
+    rate_hz, count, fingers = stepper.grid.rate_hz, stepper.point_count, len(stepper.scene.fingers)
+    period, delay = stepper.scene.hand.count_points(rate_hz)
+    starts = range(0, count, period)
+    planned = stepper.plan.planned_m(np.array(starts) / rate_hz)
+    commands, commanded, known = planned.copy(), 0, 0
+    # A command acts after its delay. What happens until then is known, and is computed in one chunk.
+    while commanded < len(starts):
+        while commanded < len(starts) and starts[commanded] <= known:
+            command = controller.step(_observe(stepper, starts[commanded], period, planned[:, commanded]))
+            commands[:, commanded] = _validate_command(command, starts[commanded] / rate_hz, fingers)
+            commanded += 1
+        end = min((commanded + delay // period) * period, count)
+        if end > known:
+            stepper.advance(delay_commands(commands, known, end, period, delay))
+        known = end
+        yield known
 
 
 def _observe(stepper: ManipulationStepper, point: int, period: int, planned_m: Array) -> Observation:

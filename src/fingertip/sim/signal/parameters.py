@@ -139,8 +139,8 @@ class SimulationFile(BaseModel):
             raise TraceError(error.issues) from None
         return cls(**tables)
 
-    def list_parameters(self) -> Iterator[dict[str, Any]]:
-        """Yield name, value, default, unit, bounds and description of every parameter, in the order of the file."""
+    def list_parameters(self) -> Iterator[SceneParameter]:
+        """Yield every parameter, in the order of the file."""
         schema, outputs = type(self).model_json_schema(), self.known_outputs()
         for name in type(self).model_fields:
             value = getattr(self, name)
@@ -153,8 +153,9 @@ class SimulationFile(BaseModel):
 
     def format_parameters(self) -> list[str]:
         """Return the parameters as lines of a table with a header."""
-        columns = ("name", "value", "unit", "bounds", "description")
-        rows = [tuple(format_value(p[column]) for column in columns) for p in self.list_parameters()]
+        rows = [
+            tuple(map(format_value, (p.name, p.value, p.unit, p.bounds, p.description))) for p in self.list_parameters()
+        ]
         return format_parameter_table(rows).splitlines()
 
     @classmethod
@@ -182,21 +183,27 @@ def describe_missing_comparator(variant: str) -> str:
     )
 
 
-def _describe(name: str, value: Any, field: dict[str, Any], outputs: Sequence[str]) -> dict[str, Any]:
+@dataclass(frozen=True)
+class SceneParameter:
+    """Parameter of a scene with its value, as `--parameters` lists it."""
+
+    name: str
+    value: object
+    default: object
+    unit: str
+    bounds: str
+    description: str
+
+
+def _describe(name: str, value: object, field: Mapping[str, Any], outputs: Sequence[str]) -> SceneParameter:
     low = f">= {field['minimum']:g}" if "minimum" in field else ""
     low = f"> {field['exclusiveMinimum']:g}" if "exclusiveMinimum" in field else low
     high = f"<= {field['maximum']:g}" if "maximum" in field else ""
     bounds = " | ".join(field["enum"]) if "enum" in field else ", ".join(part for part in (low, high) if part)
     if name == "outputs":
         bounds = " | ".join(outputs)
-    return {
-        "name": name,
-        "value": value,
-        "default": field.get("default"),
-        "unit": field.get("unit", ""),
-        "bounds": bounds,
-        "description": field.get("description", ""),
-    }
+    unit, description = field.get("unit", ""), field.get("description", "")
+    return SceneParameter(name, value, field.get("default"), unit, bounds, description)
 
 
 # Tables that describe the path from force to samples, of scenes and manipulations alike.

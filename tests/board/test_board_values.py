@@ -32,21 +32,15 @@ from fingertip.board.components.selection import (
     select_filter_capacitor,
     values_in_range,
 )
-from fingertip.catalogues.electronics import AMPLIFIER_CATALOGUE, AUTO
 from fingertip.design import Design
-from fingertip.design.formulas.filter import MANTISSAS, FilterComponents, find_preferred_neighbours, ideal_components
+from fingertip.design.formulas.filter import MANTISSAS, FilterComponents, ideal_components
 from fingertip.design.parameters.electronics import Board
 from fingertip.documents.template import format_ohm
 from fingertip.foundation.errors import DesignError
 from fingertip.foundation.files import format_figure
 from fingertip.tasks.board import board_files
-from tests.designs import ARTICLE, article_design, load_article
+from tests.designs import ARTICLE, load_article
 from tests.oracles.filter_formulas import ideal_cutoff_hz, passband_gain, pole_hz, section_frequency_hz, section_quality
-
-
-def resistances(c: FilterComponents) -> tuple[float, ...]:
-    """All resistances of the filter [ohm]."""
-    return (c.r1_ohm, c.r2_ohm, c.r3_ohm, c.r4_ohm, c.r5_ohm, c.r_lp_ohm)
 
 
 def test_default_values_are_the_articles() -> None:
@@ -82,23 +76,6 @@ def test_errata_agree_with_the_computed_figures() -> None:
         f"-{limits.filter_trough_v:.0f} V (guaranteed: -{limits.filter_guaranteed_trough_v:.0f} V)",
     ):
         assert figure in corrections
-
-
-def validate(board: dict[str, object]) -> tuple[Design | None, set[str]]:
-    """Return a design with this board, or the fields for which it is refused."""
-    try:
-        return article_design(board=board), set()
-    except DesignError as error:
-        return None, {issue.field for issue in error.issues}
-
-
-def decades(low: float, high: float) -> st.SearchStrategy[float]:
-    """Numbers from 10^low to 10^high, uniform in their logarithm."""
-    return st.floats(low, high).map(lambda exponent: float(10.0**exponent))
-
-
-PREFERRED_UF = decades(-6.0, 3.0).map(lambda value: find_preferred_neighbours(value)[0])
-AMPLIFIER_CATALOGUE = st.sampled_from((AUTO, *AMPLIFIER_CATALOGUE))
 
 
 @pytest.mark.parametrize(

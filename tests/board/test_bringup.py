@@ -71,10 +71,6 @@ def plan_of(changes: tuple[str, ...]) -> tuple[Design, BringUp]:
     return design, plan_bring_up(Board.of_design(design, board_circuit(values)), values)
 
 
-def references(circuit: Circuit) -> set[str]:
-    return {part.reference for part in circuit.components}
-
-
 @pytest.mark.full
 @pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_each_net_is_measured_where_the_sheet_says(name: str) -> None:

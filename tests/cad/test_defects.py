@@ -19,7 +19,6 @@ from fingertip.design.geometry.solids import Box, cylinder, difference, union
 from fingertip.design.interfaces import INTERFACES, clevis_solids
 from tests.cad.part_checks import SOCKET, TOLERANCE, failed_checks, run_checks
 
-DESIGN = Design()
 EYE, SPACE = clevis_solids.eye_profile, clevis_solids.space
 
 
@@ -54,7 +53,8 @@ DEFECTS = {
         {"skin.min_thickness"},
     ),
     "channel too close to the surface": Defect(
-        finger, "cable_channel", lambda tube, design: replace(tube, start_y=tube.start_y - 0.5),
+        finger, "cable_channel",
+        lambda tube, design: replace(tube, start_z=tube.start_z - 0.5, exit_z=tube.exit_z - 0.5),
         {"bone.wall.channel_to_outside"},
     ),
     "pocket without a rim": Defect(
@@ -80,8 +80,8 @@ DEFECTS = {
         {"bone.wall.socket_to_sensor", "bone.wall.channel_to_interface"}, SOCKET,
     ),
     "cross bolt too close to the channel": Defect(
-        INTERFACES["post"], "shapes", lambda shapes, design: (shapes[0], (replace(*shapes[1], centre=(3.0, -19.6)),)),
-        {"bone.wall.channel_to_interface"},
+        INTERFACES["post"], "shapes", lambda shapes, design: (shapes[0], (replace(*shapes[1], centre=(0.0, -19.6)),)),
+        {"bone.wall.channel_to_interface", "stand.bolt_overlap"},
     ),
     "eyes so large that they block the travel": Defect(
         clevis_solids, "eye_profile", lambda eye, joint, reach: clevis_solids.union(

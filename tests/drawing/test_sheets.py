@@ -69,7 +69,6 @@ def faults(sheet: Sheet) -> list[str]:
 
 
 @pytest.mark.full
-@pytest.mark.full
 def test_text_is_clear_of_everything_and_in_the_frame(drawn: Drawn) -> None:
     for part, sheet in drawn[1].items():
         assert not faults(sheet), part

@@ -168,7 +168,7 @@ def test_a_design_is_chosen_by_its_picture_and_its_figures_follow(opened: Any) -
     click(opened, "[data-design=adult_thumb]")
     assert wait_for_checks(opened).startswith("✓")
     assert value_of(opened, "skin.width_mm") == "22"
-    assert "22 x 27 mm" in opened.find_element("id", "figures").text
+    assert "22 x 18 x 48 mm" in opened.find_element("id", "figures").text
 
 
 @pytest.mark.full
@@ -213,7 +213,7 @@ def test_many_refusals_stand_beside_their_fields(opened: Any) -> None:
 @pytest.mark.full
 def test_a_parameter_is_found_and_highlighted(opened: Any) -> None:
     find = opened.find_element("id", "find")
-    find.send_keys("nut depth")
+    find.send_keys("sides of the cavity")
     fields = [one for one in opened.find_elements("css selector", ".field") if one.is_displayed()]
     assert [one.get_attribute("data-path") for one in fields] == ["mold.wall_mm"]
     before = picture(opened)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+import re
 
 import pytest
 
+from fingertip import Design
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
-from fingertip.studio.page import MAIN, Field, make_form
+from fingertip.studio.page import MAIN, Field, make_form, render_form
 
 FIELDS = {field.parameter.path: field for fields in make_form().values() for field in fields}
 
@@ -19,6 +21,17 @@ def test_nine_fields_come_first_and_the_others_in_the_order_of_the_file() -> Non
     assert (next(iter(groups)), len(main)) == (MAIN, 9)
     assert [path for paths in others for path in paths] == [path for path in PARAMETERS if path not in main]
     assert set(main) <= set(PARAMETERS)
+
+
+def test_choices_show_the_values_of_the_design() -> None:
+    """A choice without one would show its first word, which the studio would take for the value."""
+    form, shown = render_form(design := Design.load("fsr400"), {}), {}
+    for path, options in re.findall('<select id="f-([^"]+)"[^>]*>(.*?)</select>', form, re.DOTALL):
+        shown[path] = re.findall("<option[^>]* selected[^>]*>([^<]*)<", options)
+    choices = [path for path, field in FIELDS.items() if field.kind == "choice"]
+    assert {path: [word.lower() for word in words] for path, words in shown.items()} == {
+        path: [str(design.value(path)).lower()] for path in choices
+    }
 
 
 def test_sliders_are_between_the_declared_bounds() -> None:

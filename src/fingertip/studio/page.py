@@ -58,7 +58,8 @@ def _render_field(field: Field, design: Design, items: tuple[str, ...], is_main:
     name, value, described = f"f-{path}", design.value(path), f"e-{path} b-{path} d-{path}"
     controls: list[Markup] = []
     if field.kind == "choice":
-        options = (element("option", word, value=word, selected=word == str(value).lower()) for word in field.choices)
+        chosen = str(value).lower() if isinstance(value, bool) else value
+        options = (element("option", word, value=word, selected=word == chosen) for word in field.choices)
         controls.append(element("select", *options, id=name, aria_describedby=described))
     elif field.kind == "text":
         controls.append(element("input", type="text", id=name, value=str(value), aria_describedby=described))

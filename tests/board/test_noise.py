@@ -1,4 +1,4 @@
-"""Noise and offset of each component and in total, compared with ngspice and with estimates by hand."""
+"""Noise of each component and in total, compared with ngspice and with estimates by hand."""
 
 from __future__ import annotations
 
@@ -44,13 +44,5 @@ def test_output_noise_of_the_bridge_amplifier_shows_at_low_gain(gain_resistor: s
     assert sources["U2"].noise == pytest.approx(density_nv * 1e-9, rel=1e-3)
 
 
-def test_noise_and_offset_budgets_contain_the_dominant_contributions() -> None:
-    analysis = analyse(ARTICLE, boards=100)
-    assert analysis.noise[0].cause == "U2"
-    offsets = {item.cause: dict(zip(NETS, item.volts, strict=True)) for item in analysis.offset}
-    # An erratum of the article: 3 mV become 203 mV ahead of C2, which blocks them.
-    assert offsets["U1a"]["STAGE1_OUT"] == pytest.approx(0.203, abs=0.001)
-    assert offsets["U1a"]["FILTERED"] == 0
-    assert offsets["U1b"]["FILTERED"] == pytest.approx(3e-3, rel=1e-3)
-    assert offsets["U2"]["TACTILE"] == pytest.approx(200e-6 * VALUES.bridge.gain, rel=1e-6)
-    assert offsets["R10 to R14"]["ADC_TACTILE"] == offsets["R10 to R14"]["TACTILE"] > 0.01
+def test_noise_budget_begins_with_the_bridge_amplifier() -> None:
+    assert analyse(ARTICLE, boards=100).noise[0].cause == "U2"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -97,7 +97,7 @@ def _assess(console: Console, design: Design, readings: Path) -> None:
 
     console.progress(ShareText("comparing the readings with those of some 500 faults", 0.0))
     assessment = assess_board(design, readings)
-    console.result(assessment.as_data(), assessment.as_text(), assessment.passed)
+    console.result(asdict(assessment), assessment.as_text(), assessment.passed)
 
 
 def _write_board(console: Console, design: Design, options: _Options) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -31,7 +30,7 @@ from fingertip.documents.board.divider import divider_files
 from fingertip.documents.board.readme import folder_readme
 from fingertip.documents.wiring import wiring_diagram
 from fingertip.foundation import extras
-from fingertip.foundation.errors import BoardError, Issue, OutputError, escape_control, shorten
+from fingertip.foundation.errors import BoardError, Issue, OutputError
 from fingertip.foundation.output_set import Revision, SetWriter, finish_interrupted, hash_parameters
 from fingertip.pictures.assembly_drawing import draw_assembly
 from fingertip.pictures.drawing.render import render_pdf, render_svg
@@ -40,8 +39,6 @@ from fingertip.tasks.verification import compare_with_design
 
 BRING_UP_FILES = (output_files.BRING_UP, output_files.BRING_UP_READINGS, output_files.WIRING)
 """Names of the files for bringing a board up, which are written where they are asked for."""
-_MAX_DIFF_LENGTH = 300
-_MAX_DIFF_LINES = 12
 
 
 def board_files(design: Design) -> dict[str, bytes]:
@@ -234,13 +231,13 @@ def check_fabrication(design: Design, folder: Path, *, force: bool = False) -> S
 
 
 def board_differences(design: Design, folder: str | Path) -> list[str]:
-    """Describe how a folder's files differ from those of a design, with the first differing lines; empty if equal."""
+    """Describe which files of a folder differ from those of a design; empty if equal."""
     expected = board_files(design)
     if design.board.has_filter and (Path(folder) / output_files.BRING_UP).exists():
         expected |= bring_up_files(design)
     if design.board.has_filter:
         expected |= {f"{MODEL_FOLDER}/{path}": data for path, data in model_files().items()}
-    return compare_with_design(Path(folder), expected, _first_difference)
+    return compare_with_design(Path(folder), expected)
 
 
 def fabrication_differences(design: Design, folder: str | Path, expected: bool = False) -> list[str]:
@@ -249,17 +246,6 @@ def fabrication_differences(design: Design, folder: str | Path, expected: bool =
     if not expected and not (fab / output_files.PROVENANCE).is_file() and not any(fab.glob("slip_filter_*")):
         return []
     return find_outdated_files(fab, output_files.PROVENANCE, board_files(design))
-
-
-def _first_difference(existing: bytes, data: bytes) -> list[str]:
-    existing = existing[: 2 * len(data)]  # whatever somebody put there, the difference is not beyond
-    old, new = (text.decode(errors="replace").splitlines() for text in (existing, data))
-    # The files have thousands of lines. A few from the first difference on are enough.
-    first = next((i for i, (a, b) in enumerate(zip(old, new, strict=False)) if a != b), min(len(old), len(new)))
-    window = slice(first, first + _MAX_DIFF_LINES)
-    lines = difflib.unified_diff(old[window], new[window], "folder", "design", n=0, lineterm="")
-    shown = (shorten(line, _MAX_DIFF_LENGTH) for line in list(lines)[3 : 3 + _MAX_DIFF_LINES])
-    return [f"    line {first + 1}:", *("    " + escape_control(line, kept="\t") for line in shown)]
 
 
 # Files of a bring-up, and the assessment of readings, for a design.

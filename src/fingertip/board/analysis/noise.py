@@ -23,7 +23,7 @@ from fingertip.board.parts.nets import ADC_TACTILE, FILTERED, STAGE1_OUT, TACTIL
 from fingertip.foundation.numerics import Array
 
 NETS = (TACTILE, STAGE1_OUT, FILTERED, ADC_TACTILE)
-"""Nets at which noise and offset are reported: before the filter, between its stages, before the rectifier, ADC pin."""
+"""Nets at which noise is reported: before the filter, between its stages, before the rectifier, ADC pin."""
 NOISE_BAND_HZ = (0.1, 1e6)
 NOISE_FORCE_N = 0.8
 """Force on the sensor: the middle one of the article's voltages."""
@@ -37,15 +37,13 @@ _POINTS_PER_DECADE = 50
 
 @dataclass(frozen=True)
 class Source:
-    """Cause of noise and offset, and where it enters the equations."""
+    """Cause of noise, and where it enters the equations."""
 
     name: str
     entries: dict[str, float]
     """Net -> what 1 A or 1 V of the source adds to the right-hand side of its equation."""
     noise: float
     """White noise density [A/sqrt(Hz) or V/sqrt(Hz)]."""
-    offset: float
-    """Typical offset [A or V]."""
 
 
 @dataclass(frozen=True)
@@ -84,11 +82,6 @@ class NoisyNetwork:
         """RMS noise of all sources together at a net [V]."""
         return math.sqrt(float(self.squares(net).sum()))
 
-    def offsets_v(self, net: str) -> list[float]:
-        """Offset at a net due to the typical offset of each source, without sign [V]."""
-        transfers = self._transfers(np.zeros(1), net)[0].real.tolist()
-        return [abs(t) * source.offset for t, source in zip(transfers, self.sources, strict=True)]
-
     def _transfers(self, f_hz: Array, net: str) -> Array:
         """Voltage at a net for 1 A or 1 V of each source, (frequencies, sources)."""
         part = self.network.restrict(net)
@@ -97,7 +90,7 @@ class NoisyNetwork:
 
 
 def add_noise(circuit: Circuit, gain_bandwidth_hz: float) -> NoisyNetwork:
-    """Build a circuit's network for a sensor under `NOISE_FORCE_N`, with the sources of its noise and offsets."""
+    """Build a circuit's network for a sensor under `NOISE_FORCE_N`, with the sources of its noise."""
     network = build_network(circuit, gain_bandwidth_hz, sensor_s=sensor_conductance_s(NOISE_FORCE_N))
     return NoisyNetwork(network, tuple(_sources(circuit, network)))
 
@@ -109,17 +102,17 @@ def _sources(circuit: Circuit, network: Network) -> Iterator[Source]:
         if component.value == "FSR" or (symbol == "R" and reference != front_end.GAIN_RESISTOR):
             own = [t.equation for t in network.terms if t.quantity == reference and t.equation == t.net]
             entries = dict(zip(own, (1.0, -1.0), strict=False))  # a current from one net to the other
-            yield Source(reference, entries, _thermal_noise(float(network.values[reference])), 0.0)
+            yield Source(reference, entries, _thermal_noise(float(network.values[reference])))
         for name, _, out, _, data in (output for output in amplifiers if output.reference == reference):
             if data:
-                yield Source(name, {out: -1.0}, data.noise_v, data.offset_v)
+                yield Source(name, {out: -1.0}, data.noise_v)
                 continue
             resistor_ohm = parse_component_value(circuit.component(front_end.GAIN_RESISTOR).value)
             gain = 1.0 + front_end.GAIN_CONSTANT_OHM / resistor_ohm
             noise_v = math.hypot(front_end.AD623_NOISE_V, front_end.AD623_OUTPUT_NOISE_V / gain)
-            yield Source(reference, {out: -gain}, noise_v, front_end.AD623_OFFSET_V)
+            yield Source(reference, {out: -gain}, noise_v)
             # The gain resistor carries the input voltage, so its noise is amplified as noise at the input is.
-            yield Source(front_end.GAIN_RESISTOR, {out: 1.0 - gain}, _thermal_noise(resistor_ohm), 0.0)
+            yield Source(front_end.GAIN_RESISTOR, {out: 1.0 - gain}, _thermal_noise(resistor_ohm))
 
 
 def _thermal_noise(value: float) -> float:

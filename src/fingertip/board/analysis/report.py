@@ -1,9 +1,8 @@
-"""Analysis of a design's board: Bode table of each stage, noise, offsets and tolerances. Needs numpy."""
+"""Analysis of a design's board: Bode table of each stage, noise and tolerances. Needs numpy."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -18,11 +17,10 @@ from fingertip.board.analysis.response import model_filter
 from fingertip.board.analysis.thresholds import ComparatorLevels, OutputOffset
 from fingertip.board.analysis.tolerance import Spread
 from fingertip.board.circuits.board_circuit import board_circuit
-from fingertip.board.circuits.network import Network, Value, build_network
+from fingertip.board.circuits.network import build_network
 from fingertip.board.components.front_end import MAX_FORCE_N, sensor_conductance_s
 from fingertip.board.components.values import Tolerance, select_components
-from fingertip.board.parts.circuit import Circuit
-from fingertip.board.parts.nets import ADC_TACTILE, FILTERED, STAGE1_OUT, TACTILE, VCC, VEE
+from fingertip.board.parts.nets import FILTERED, STAGE1_OUT, TACTILE
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 
@@ -51,9 +49,6 @@ class Analysis:
     supply_ripple: SupplyRipple
     comparator_levels: ComparatorLevels | None
     tolerance: Tolerance
-    offset: tuple[Contribution, ...]
-    """Contribution of each amplifier's typical offset (TL082BC: its maximum) with `NOISE_FORCE_N` on the sensor, and of
-    the front end with the worst-case resistors and no force. U3 is part of `output_offset`."""
     component_percent: dict[str, float]
     boards: int
     spread: dict[str, Spread]
@@ -75,7 +70,6 @@ def analyse(design: Design, boards: int = 10_000) -> Analysis:
     budget, total = noise.noise_budget(noisy)
     percent = tolerance.component_tolerances(circuit)
     article_percent = percent | dict.fromkeys(tolerance.CUTOFF_CAPACITORS, tolerance.ARTICLE_CAPACITOR_PERCENT)
-    offsets = zip(noisy.sources, zip(*(noisy.offsets_v(net) for net in NETS), strict=True), strict=True)
     return Analysis(
         **{name: getattr(values, name) for name in _OF_BOARD},
         noise=budget,
@@ -84,11 +78,6 @@ def analyse(design: Design, boards: int = 10_000) -> Analysis:
         threshold_v=design.detector.threshold_v,
         idle_v=values.tactile_response.open_v,
         pressed_v=values.tactile_response.tactile_v(sensor_conductance_s(MAX_FORCE_N)),
-        offset=(
-            # The rectifier's amplifiers act behind these nets. The envelope offset contains theirs.
-            *(Contribution(source.name, volts) for source, volts in offsets if source.offset and any(volts)),
-            _front_end_offset(circuit, network, board.supply_v),
-        ),
         component_percent=percent,
         boards=boards,
         spread=tolerance.monte_carlo(toleranced, percent, boards),
@@ -115,22 +104,3 @@ def bode_table(design: Design) -> str:
         cells.append(f"{20 * math.log10(find_gain_bandwidth_hz(design.board) / hz):.4f}")
         lines.append(",".join(cells))
     return "\n".join(lines) + "\n"
-
-
-def _front_end_offset(circuit: Circuit, network: Network, supply_v: float) -> Contribution:
-    """Offset at TACTILE and its ADC pin by the resistors, with the sensor open. C1 blocks it from the filter."""
-    path = network.restrict(TACTILE)
-
-    def tactile_v(values: Mapping[str, Value]) -> float:
-        return path.with_values(values).operating_point({VCC: supply_v, VEE: -supply_v})[TACTILE]
-
-    worst_v, nominal_v, names = 0.0, tactile_v({}), []
-    for component in circuit.components:
-        if component.requirement and component.reference in {term.quantity for term in path.terms}:
-            factor = 1.0 + component.requirement.tolerance_percent / 100.0
-            shift_v = abs(tactile_v({component.reference: network.values[component.reference] / factor}) - nominal_v)
-            if shift_v > 1e-9:
-                names.append(component.reference)
-                worst_v += shift_v
-    volts = tuple(worst_v if net in (TACTILE, ADC_TACTILE) else 0.0 for net in NETS)
-    return Contribution(f"{names[0]} to {names[-1]}", volts)

@@ -9,8 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 from fingertip.board.bringup.bench import HOST, Fault
 from fingertip.board.bringup.diagnosis import MIN_READINGS, Diagnosis, diagnose
@@ -154,9 +153,6 @@ class Assessment:
     measure_next: tuple[str, ...]
     verdict: str
 
-    def as_data(self) -> dict[str, Any]:
-        return asdict(self)
-
     def as_text(self) -> str:
         """Text for people, the verdict first."""
         lines = [self.verdict, *self.hints, ""]
@@ -283,9 +279,6 @@ class FingersAssessment:
     verdict: str
     fingers: Mapping[str, Assessment]
     """Assessment of each finger that was measured, and of what is read once for all."""
-
-    def as_data(self) -> dict[str, Any]:
-        return asdict(self)
 
     def as_text(self) -> str:
         """Text for people, the verdict first."""

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from fingertip.foundation import input_files
 from fingertip.foundation.errors import InputFileError, Issue, escape_control, quote_value, shorten
 from fingertip.foundation.input_files import (
     MAX_MEMBERS,
@@ -60,6 +61,21 @@ def test_what_is_no_regular_file_is_refused(tmp_path: Path, kind: str, monkeypat
             refuse()
         assert message in str(caught.value)
         assert str(caught.value).endswith("; give the path of a file.")
+
+
+def test_a_file_that_is_named_may_be_a_link_but_none_in_a_folder_that_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, link = tmp_path / "a.toml", tmp_path / "link.toml"
+    path.write_bytes(b"x")
+    link.symlink_to(path)
+    assert read_input(link, TOML_LIMIT) == b"x"
+    with pytest.raises(InputFileError, match="link"):
+        read_input(link, TOML_LIMIT, below=tmp_path)
+    status = path.stat()
+    monkeypatch.setattr(input_files, "_read_status", lambda path, below: status)  # it became a link after that
+    with pytest.raises(InputFileError, match="Too many levels of symbolic links"):
+        read_input(link, TOML_LIMIT, below=tmp_path)
 
 
 def test_an_error_of_the_reader_is_no_fault_of_the_file(tmp_path: Path) -> None:

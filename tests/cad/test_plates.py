@@ -125,6 +125,14 @@ def test_plate_is_for_the_printer_of_the_bone_if_there_is_one(material: str, pla
     assert {plate: "bone" in parts for plate, parts in prints.plates.items()} == {plate: holds}
 
 
+def test_parts_that_fit_behind_each_other_alone_stand_so_with_the_gap_in_the_middle_of_the_bed() -> None:
+    (plate,) = arrange(dict.fromkeys("abc", (60.0, 30.0)), (100.0, 100.0), 2.0)
+    assert [(part.name, part.x, part.y) for part in plate] == [("a", 20.0, 3.0), ("b", 20.0, 35.0), ("c", 20.0, 67.0)]
+    row, alone = arrange(dict.fromkeys("abc", (45.0, 60.0)), (100.0, 100.0), 2.0)
+    assert [(part.x, part.y) for part in row] == [(4.0, 20.0), (51.0, 20.0)]
+    assert [(part.name, part.x, part.y) for part in alone] == [("c", 27.5, 20.0)]
+
+
 def test_small_bed_takes_several_plates() -> None:
     design, meshes, encoded, prints = make("printer.bed_x_mm=60", "printer.bed_y_mm=60")
     assert list(prints.plates)[:2] == ["plate_fdm_1.3mf", "plate_fdm_2.3mf"]

@@ -8,6 +8,7 @@ import json
 import re
 import shlex
 import struct
+import warnings
 import wave
 import zipfile
 import zlib
@@ -475,6 +476,13 @@ def test_columns_of_text_of_a_parquet_file_are_not_read(tmp_path, monkeypatch):
     monkeypatch.setattr(parquet.ParquetFile, "iter_batches", iter_batches)
     for name in ("t.parquet", "u.parquet"):
         assert "voltage_v: has the type object; give an array of numbers." in run("detect", tmp_path / name).stderr
+
+
+def test_a_scale_under_which_voltages_overflow_gives_infinite_ones_without_a_warning() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        trace = ColumnMap({}, scale=1e300).make_trace({"time_s": T, "voltage_v": 1e10 * V})
+    assert np.isposinf(trace.voltage_v).all()
 
 
 def test_read_trace_in_python(tmp_path):

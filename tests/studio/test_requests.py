@@ -153,6 +153,21 @@ def test_checks_that_nobody_waits_for_are_given_up(server: StudioServer, monkeyp
     assert not server.worker._newest
 
 
+def test_a_fault_of_an_answer_is_a_sentence_on_the_page_and_a_traceback_in_the_terminal(
+    server: StudioServer, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    def fail(design: Design, still_wanted: StillWanted) -> dict[str, Any]:
+        raise ZeroDivisionError("here")
+
+    monkeypatch.setitem(answers.ANSWERS, "checks", fail)  # type: ignore[call-overload]
+    reply = send(server, post(server, TABLES % "{}", "/api/checks"))
+    assert reply is not None
+    assert reply.status == 500
+    assert "This is a bug in fingertip." in json.loads(reply.data)["error"]  # type: ignore[attr-defined]
+    wait_for_handlers()
+    assert "ZeroDivisionError: here" in capfd.readouterr().err
+
+
 # Worker: one job at a time, and of each client the newest one
 
 

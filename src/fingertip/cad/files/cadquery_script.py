@@ -11,7 +11,7 @@ from pathlib import Path
 from fingertip.cad.files.named_dimensions import Definition, Names, build_with_names, literal
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.design import Design
-from fingertip.design.geometry.solids import Difference, Intersection, Placed, Primitive, Scaled, Solid, Union, call_of
+from fingertip.design.geometry.solids import Difference, Intersection, Primitive, Scaled, Solid, Union, call_of
 
 _WIDTH = 110
 _WORD = re.compile(r"[a-zA-Z_]\w*")
@@ -110,9 +110,6 @@ class _Statements:
                 return ".intersect(".join([self._refer(common[0]), *(f"{self._refer(each)})" for each in common[1:])])
             case Scaled(inner, factor):
                 return f"{self._refer(inner)}.scale({literal(factor)})"
-            case Placed(inner, turns, shift):
-                turned = f"rotate(cq.Vector(), cq.Vector(1, 0, 0), {90.0 * turns})"
-                return f"{self._refer(inner)}.{turned}.translate(cq.Vector{literal(shift)})"
             case _:
                 name, arguments = call_of(solid)
                 return f"{name}({', '.join(map(literal, arguments))})"

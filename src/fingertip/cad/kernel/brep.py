@@ -12,11 +12,10 @@ build123d stand on the same bindings: `cadquery.Solid` takes a shape as it is.
 
 from __future__ import annotations
 
-import math
 from functools import reduce
 from pathlib import Path
 
-from fingertip.design.geometry.solids import Difference, Intersection, Placed, Scaled, Solid, Union, call_of
+from fingertip.design.geometry.solids import Difference, Intersection, Scaled, Solid, Union, call_of
 from fingertip.foundation import extras
 from fingertip.foundation.errors import GeometryError, Issue, MissingLibraryError
 
@@ -24,7 +23,7 @@ try:
     from OCP.BinTools import BinTools
     from OCP.BRep import BRep_Tool
     from OCP.BRepCheck import BRepCheck_Analyzer
-    from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt, gp_Trsf, gp_Vec
+    from OCP.gp import gp_Pnt, gp_Trsf
     from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_SOLID, TopAbs_VERTEX, TopAbs_WIRE
     from OCP.TopoDS import TopoDS, TopoDS_Shape
     from OCP.TopTools import TopTools_IndexedMapOfShape
@@ -73,11 +72,6 @@ class BrepEvaluator:
                 scaling = gp_Trsf()
                 scaling.SetScale(gp_Pnt(), factor)
                 return occ.transform(self.shape(inner), scaling)
-            case Placed(inner, turns, shift):
-                turn, move = gp_Trsf(), gp_Trsf()
-                turn.SetRotation(gp_Ax1(gp_Pnt(), gp_Dir(1.0, 0.0, 0.0)), turns * math.pi / 2)
-                move.SetTranslation(gp_Vec(*shift))
-                return occ.transform(occ.transform(self.shape(inner), turn), move)
             case _:
                 name, arguments = call_of(solid)
                 return getattr(occ, name)(*arguments)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.cad.kernel.tessellate import Triangles, tessellate
-from fingertip.design.geometry.solids import Difference, Intersection, Placed, Scaled, Solid, Union
+from fingertip.design.geometry.solids import Difference, Intersection, Scaled, Solid, Union
 from fingertip.foundation.errors import DesignError, GeometryError, Issue
 from fingertip.foundation.interruption import hold_interruptions
 from fingertip.foundation.numerics import Array
@@ -93,9 +93,6 @@ class MeshEvaluator:
                 result = Manifold.batch_boolean([self.manifold(s) for s in (first, *subtracted)], OpType.Subtract)
             case Scaled(inner, factor):
                 result = self.manifold(inner).scale((factor, factor, factor))
-            case Placed(inner, turns, (x, y, z)):
-                cos, sin = 1.0 - abs(turns), float(turns)
-                result = self.manifold(inner).transform(((1.0, 0.0, 0.0, x), (0.0, cos, -sin, y), (0.0, sin, cos, z)))
             case primitive:
                 result = to_manifold(*tessellate(primitive, self.tolerance_mm))
                 if result.volume() <= 0.0:  # manifold3d accepts an inverted mesh silently

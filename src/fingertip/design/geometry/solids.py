@@ -109,18 +109,8 @@ class Scaled:
     factor: float
 
 
-@dataclass(frozen=True)
-class Placed:
-    """Solid turned about the x axis by quarter turns, and then moved."""
-
-    solid: Solid
-    quarter_turns: Literal[-1, 0, 1]
-    """Quarter turns by the right-hand rule: one turns y to z."""
-    shift: Point3
-
-
 Primitive: TypeAlias = Box | Cone | Prism | ElbowTube | SuperconicSolid
-Solid: TypeAlias = Primitive | Union | Difference | Intersection | Scaled | Placed
+Solid: TypeAlias = Primitive | Union | Difference | Intersection | Scaled
 
 
 def union(*solids: Solid) -> Solid:

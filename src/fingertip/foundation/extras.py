@@ -90,15 +90,15 @@ def require(field: str, *modules: str, subject: str = "", alternative: str = "")
         raise MissingLibraryError(_make_issue(field, describe_missing(*missing), subject, alternative))
 
 
-def load(module: str, field: str, *, subject: str = "", alternative: str = "") -> Any:
+def load(module: str, field: str, *, alternative: str = "") -> Any:
     package = module.partition(".")[0]
-    require(field, package, subject=subject, alternative=alternative)
+    require(field, package, alternative=alternative)
     try:
         return importlib.import_module(module)
     except ImportError as error:
         problem = f"the package {_PACKAGES.get(package, package)}, which cannot be imported ({error})"
         remedy = f"{problem}; {install_command(package)}"
-        raise MissingLibraryError(_make_issue(field, remedy, subject, alternative)) from error
+        raise MissingLibraryError(_make_issue(field, remedy, "", alternative)) from error
 
 
 def _make_issue(field: str, needs: str, subject: str, alternative: str) -> Issue:

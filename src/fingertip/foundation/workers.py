@@ -36,10 +36,8 @@ MAX_JOBS = 1024
 _AHEAD = 256
 """Number of calls that are computed ahead of the result that is taken: results may be large."""
 _POLL_S = 0.5
-_PR_SET_PDEATHSIG = 1
 _SLOWEST = 4.0
 """Time on the clock that a busy machine may take for each second of computing."""
-_ROOT = str(Path(__file__).parents[2])
 _MESSAGES = "messages.txt"
 """File in the folder of a worker with what libraries print there, and its last words."""
 _answers: IO[bytes] | None = None
@@ -75,7 +73,8 @@ class Worker(contextlib.AbstractContextManager["Worker"]):
             self.pid, self._calls, self._answers = _fork()
             return
         # Where this package is found by a path of the script alone, the worker finds it too.
-        program = f"import sys; sys.path.append({_ROOT!r}); from {__name__} import serve_parent; serve_parent()"
+        root = str(Path(__file__).parents[2])
+        program = f"import sys; sys.path.append({root!r}); from {__name__} import serve_parent; serve_parent()"
         command = [sys.executable, "-P", "-c", program]
         places = filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))
         environment = os.environ | {"PYTHONPATH": os.pathsep.join(map(os.path.abspath, places))}
@@ -152,11 +151,10 @@ class Worker(contextlib.AbstractContextManager["Worker"]):
                     self.kill()
 
     def _describe_death(self) -> WorkerDiedError:
-        elapsed_s, lines = time.monotonic() - self._since_s, list[str]()
+        step, elapsed_s = self.steps[-1] if self.steps else None, time.monotonic() - self._since_s
         self.kill()
-        if self._folder:
-            lines = (self._folder / _MESSAGES).read_text(encoding="utf-8", errors="replace").strip().splitlines()
-        return WorkerDiedError(self.steps[-1] if self.steps else None, elapsed_s, lines[-1] if lines else "no message")
+        text = (self._folder / _MESSAGES).read_text(encoding="utf-8", errors="replace") if self._folder else ""
+        return WorkerDiedError(step, elapsed_s, *text.strip().splitlines()[-1:])
 
 
 class Pool:
@@ -306,7 +304,7 @@ def end_with_parent() -> None:
     """Let Linux kill this process when the one that started it ends; elsewhere it ends when its job is done."""
     if sys.platform == "linux":
         with contextlib.suppress(OSError, AttributeError):
-            ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+            ctypes.CDLL(None).prctl(1, signal.SIGKILL, 0, 0, 0)  # PR_SET_PDEATHSIG
 
 
 def serve_parent() -> None:

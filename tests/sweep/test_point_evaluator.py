@@ -97,15 +97,9 @@ SHARED_EVALUATOR = CachedEvaluator(COARSE_MM)
 )
 def test_checks_with_caches_equal_those_without(changes: list[str]) -> None:
     design = Design.load(changes=changes)
-    expected = [
-        check.to_dict() for check in verify(design, parts_by_name(design), ("stl",), MeshEvaluator(COARSE_MM)).checks
-    ]
-    assert [check.to_dict() for check in run_checks(design, SHARED_EVALUATOR)] == expected  # after other designs
-    evaluated = SHARED_EVALUATOR.evaluated
-    assert [check.to_dict() for check in run_checks(design, SHARED_EVALUATOR)] == expected
-    assert SHARED_EVALUATOR.evaluated == evaluated  # all of it from the cache
-    # Results after other designs equal those with empty caches, to the last bit.
-    assert run_checks(design, SHARED_EVALUATOR) == run_checks(design, CachedEvaluator(COARSE_MM))
+    expected = run_checks(design, MeshEvaluator(COARSE_MM))
+    for _ in range(2):
+        assert run_checks(design, SHARED_EVALUATOR) == expected, "after other designs, to the last bit"
 
 
 @pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="processors are chosen on Linux alone")
@@ -212,7 +206,7 @@ def test_outputs_of_a_design_are_the_approved_ones() -> None:
     """Every output but those of trials and checks, to four digits."""
     evaluator = CachedEvaluator(COARSE_MM)
     context = PointContext(Design.load("fsr400"), None, make_plan().file, lambda: evaluator)
-    left_out = ("checks", "detection", "simulation", *SET_GROUPS)
+    left_out = ("checks", "detection", *SET_GROUPS)
     groups = [name for name in compute.GROUP_FUNCTIONS if name not in left_out]
     outputs = {key: value for group in groups for key, value in compute.GROUP_FUNCTIONS[group](context).items()}
     lines = (f"{key}: {value:.4g}" for key, value in outputs.items())
@@ -283,40 +277,18 @@ def test_an_error_of_a_point_is_its_reason(monkeypatch: pytest.MonkeyPatch) -> N
         assert ("this is a bug in fingertip" in reason) == isinstance(error, KeyError)
 
 
-def test_errors_of_the_time_step_cost_nothing_unless_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    calls = count_group_calls(monkeypatch)
-    errors = [name for name in load_outputs() if name.startswith("simulation.")]
-    axes = {"scene.mount.mass_kg": [0.035]}
-    plan = make_plan(outputs=["found_share"], trials=1, scene=SHORT_SLIDE, axes=axes)
-    PointEvaluator(plan).evaluate(0, plan.point(0))
-    assert (calls["detection"], calls["simulation"]) == (1, 0)
-    # Not `fast`, which decides on single samples.
-    plan = make_plan(outputs=errors, scene=SHORT_SLIDE, axes=axes, detector="digital")
-    _, status, _, reason, outputs = PointEvaluator(plan).evaluate(0, plan.point(0))
-    assert (status, reason) == ("ok", "")
-    assert (calls["detection"], calls["simulation"]) == (1, 1)
-    force_mn, voltage_mv, envelope_mv, shift = outputs
-    assert 0.0 < force_mn < 0.1
-    assert 0.0 <= voltage_mv < 1.0
-    assert 0.0 < envelope_mv < 2.0
-    assert shift <= 1.0
-
-
 def list_outputs(group: str) -> list[str]:
     return [output.name for output in load_outputs().values() if output.group == group]
 
 
-@pytest.mark.parametrize(
-    "group", ["lengths", "board", "noise", "pad", "simulation", "skin", "bone", "mold", "core", "casting"]
-)
+@pytest.mark.parametrize("group", ["lengths", "board", "noise", "pad", "skin", "bone", "mold", "core", "casting"])
 def test_output_group_reads_only_its_declared_tables(group: str) -> None:
     base = Design()
-    scene = {"scene": SHORT_SLIDE} if group == "simulation" else {}
-    plan = make_plan(outputs=list_outputs(group), tolerance_mm=COARSE_MM, axes={"skin.width_mm": [17.0]}, **scene)
+    plan = make_plan(outputs=list_outputs(group), tolerance_mm=COARSE_MM, axes={"skin.width_mm": [17.0]})
 
     def compute_outputs(design: Design) -> dict[str, float]:
         evaluator = CachedEvaluator(COARSE_MM)
-        return compute.GROUP_FUNCTIONS[group](PointContext(design, plan.scene, plan.file, lambda: evaluator))
+        return compute.GROUP_FUNCTIONS[group](PointContext(design, None, plan.file, lambda: evaluator))
 
     first = compute_outputs(base)
     assert set(first) == set(list_outputs(group))

@@ -7,9 +7,9 @@ import io
 import json
 import math
 import tracemalloc
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -17,11 +17,10 @@ from PIL import Image
 
 from fingertip.design import Design
 from fingertip.foundation.display import PALE_TEAL, RED, TEXT_COLOUR
-from fingertip.foundation.errors import OutputError
 from fingertip.sweep import report
 from fingertip.sweep.database import SweepDatabase, SweepRow
 from fingertip.sweep.plan import SweepPlan
-from fingertip.sweep.report import write_csv, write_parquet, write_report
+from fingertip.sweep.report import write_csv, write_report
 from fingertip.sweep.report.feasibility_plot import draw_feasibility
 from fingertip.sweep.report.statistics import classify_points
 from tests.approved import check_figures, list_data
@@ -183,28 +182,6 @@ def test_csv_reads_back_as_the_rows(database: SweepDatabase, tmp_path: Path) -> 
     assert b"\r" not in (tmp_path / "rows.csv").read_bytes()
 
 
-def test_parquet_has_types_groups_and_the_same_rows(
-    database: SweepDatabase, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    parquet = pytest.importorskip("pyarrow.parquet")
-    monkeypatch.setattr("fingertip.sweep.report._GROUP_ROWS", 150)
-    write_parquet(database, tmp_path / "rows.parquet")
-    file = parquet.ParquetFile(tmp_path / "rows.parquet")
-    assert file.num_row_groups == 3
-    types = {field.name: str(field.type) for field in file.schema_arrow}
-    assert types["point"] == types["detector.window_samples"] == "int64"
-    assert types["skin.width_mm"] == types["delay_ms"] == "double"
-    assert types["status"].startswith("dictionary<values=string")
-    for entry, row in zip(file.read().to_pylist(), database.rows(), strict=True):
-        outputs = {name: None if math.isnan(value) else value for name, value in row.outputs.items()}
-        assert entry == {
-            "point": row.point, **row.axes, **outputs, "status": row.status, "field": row.field, "reason": row.reason,
-        }  # fmt: skip
-    first = (tmp_path / "rows.parquet").read_bytes()
-    write_parquet(database, tmp_path / "rows.parquet")
-    assert (tmp_path / "rows.parquet").read_bytes() == first
-
-
 class GeneratedRows:
     """Row source that generates rows while they are read, and may fail after the last."""
 
@@ -221,31 +198,19 @@ class GeneratedRows:
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("export", [write_csv, write_parquet])
-def test_export_uses_constant_memory(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, export: Callable[[SweepDatabase, Path], None]
-) -> None:
-    monkeypatch.setattr("fingertip.sweep.report._GROUP_ROWS", 200)
-    write_parquet(GeneratedRows(1), tmp_path / "first")  # not measured: what pyarrow allocates once
-    rows = GeneratedRows(8_000)
+def test_export_uses_constant_memory(tmp_path: Path) -> None:
     tracemalloc.start()
-    export(rows, tmp_path / "rows")
+    write_csv(cast(SweepDatabase, GeneratedRows(8_000)), tmp_path / "rows")
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert len((tmp_path / "rows").read_bytes()) > 200_000
     assert peak < 1_000_000  # all rows together would take ten times as much
 
 
-@pytest.mark.parametrize("export", [write_csv, write_parquet])
-def test_failed_export_leaves_the_existing_file_unchanged(
-    tmp_path: Path, export: Callable[[SweepDatabase, Path], None]
-) -> None:
+def test_failed_export_leaves_the_existing_file_unchanged(tmp_path: Path) -> None:
     (tmp_path / "rows").write_bytes(b"old")
     for name in ("rows", "new/deeper/rows"):
         with pytest.raises(ZeroDivisionError):
-            export(GeneratedRows(100, fails=True), tmp_path / name)
+            write_csv(cast(SweepDatabase, GeneratedRows(100, fails=True)), tmp_path / name)
     assert (tmp_path / "rows").read_bytes() == b"old"
     assert list(tmp_path.iterdir()) == [tmp_path / "rows"]
-    (tmp_path / "folder").mkdir()
-    with pytest.raises(OutputError, match="is a folder"):
-        export(GeneratedRows(1), tmp_path / "folder")

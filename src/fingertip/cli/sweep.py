@@ -36,7 +36,6 @@ def sweep(
         "Compute nothing; report on the existing rows: limiting rules, sensitivities, plots, best design."
     ),
     csv: Path | None = typer.Option(None, metavar="FILE", help="Also write the rows as CSV."),
-    parquet: Path | None = typer.Option(None, metavar="FILE", help="Also write the rows as Parquet; needs pyarrow."),
     outputs: bool = flag("List the outputs that can be computed, and exit."),
     changes: list[str] | None = typer.Option(
         None,
@@ -50,21 +49,16 @@ def sweep(
 
     Exit code 0: every point has its row; 1: some points failed or exceeded the time limit.
     """
-    from fingertip.sweep.report import load_pyarrow
-
-    idle = find_idle_issues("--outputs", {"--csv": csv, "--parquet": parquet} if outputs else {})
-    refuse(find_file_issues("--csv", csv, ".csv"), find_file_issues("--parquet", parquet, ".parquet"), idle)
-    if parquet is not None:
-        load_pyarrow()  # a missing package is reported before the sweep, not after it
+    refuse(find_file_issues("--csv", csv, ".csv"), find_idle_issues("--outputs", {"--csv": csv} if outputs else {}))
     if outputs:
         _list_outputs(console)
     elif show:
-        _show_report(console, *_find_shown(file, out, changes or ()), csv, parquet)
+        _show_report(console, *_find_shown(file, out, changes or ()), csv)
     else:
         plan, engine = _prepare(file, changes or (), jobs, cluster)
         with _open_database(console, out or _default_folder(plan), plan, resume) as database:
             code = _run(console, database, engine)
-            _export(database, csv, parquet)
+            _export(database, csv)
         if code:
             raise typer.Exit(code)
 
@@ -155,21 +149,18 @@ def _run(console: Console, database: SweepDatabase, engine: Engine) -> int:
     return CHECK_FAILED if counts["failed"] + counts["timeout"] or rows < plan.size else 0
 
 
-def _show_report(
-    console: Console, folder: Path, plan: SweepPlan | None, csv: Path | None, parquet: Path | None
-) -> None:
+def _show_report(console: Console, folder: Path, plan: SweepPlan | None, csv: Path | None) -> None:
     from fingertip.sweep.database import SweepDatabase
     from fingertip.sweep.report import write_report
 
     with SweepDatabase.open(folder) as database:
         data = write_report(database, folder, console.progress, plan)
-        _export(database, csv, parquet)
+        _export(database, csv)
     console.result(data, data.pop("text"))
 
 
-def _export(database: SweepDatabase, csv: Path | None, parquet: Path | None) -> None:
-    from fingertip.sweep.report import write_csv, write_parquet
+def _export(database: SweepDatabase, csv: Path | None) -> None:
+    from fingertip.sweep.report import write_csv
 
-    for path, write in ((csv, write_csv), (parquet, write_parquet)):
-        if path is not None:
-            write(database, path)
+    if csv is not None:
+        write_csv(database, csv)

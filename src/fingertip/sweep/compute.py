@@ -144,24 +144,6 @@ def compute_detection(context: PointContext) -> OutputValues:
     }  # fmt: skip
 
 
-def compute_simulation(context: PointContext) -> OutputValues:
-    """Compute what the time step changes in the first trial, by a comparison with a much finer step."""
-    from fingertip.foundation.jit import compiled
-    from fingertip.lab.campaign.plan import Case
-    from fingertip.lab.campaign.run import compare_grids
-
-    assert context.scene is not None
-    case, detector = Case("slip", context.scene, context.file.first_seed), context.file.detector
-    with compiled():
-        errors, shifts_samples = compare_grids(context.design, case, (detector,))
-    return {
-        "simulation.force_error_mn": 1e3 * errors["force_n"],
-        "simulation.voltage_error_mv": 1e3 * errors["voltage_v"],
-        "simulation.envelope_error_mv": 1e3 * errors.get("envelope_v", math.nan),
-        "simulation.delay_shift_samples": shifts_samples[detector],
-    }
-
-
 def compute_skin(context: PointContext) -> OutputValues:
     from fingertip.cad.verification.skin import min_thickness
 
@@ -353,7 +335,6 @@ GROUP_FUNCTIONS: dict[str, Callable[[PointContext], OutputValues]] = {
     "pad": compute_pad,
     "circuit": partial(_compute_with_board, "circuit", compute_circuit),
     "detection": compute_detection,
-    "simulation": compute_simulation,
     "skin": compute_skin,
     "bone": compute_bone,
     "mold": compute_mold,

@@ -59,7 +59,6 @@ GROUPS = {
         OutputGroup("pad", PAD, 1),
         OutputGroup("circuit", frozenset({"board", "detector", "sensor", "custom_sensor"}), 1),
         OutputGroup("detection", SIMULATION | {"scene"}, 2),
-        OutputGroup("simulation", SIMULATION | {"scene"}, 3),
         OutputGroup("skin", CLOSED_MOLD, 4),
         OutputGroup("bone", CLOSED_MOLD, 4),
         OutputGroup("mold", MOLD | {"name"}, 4),

@@ -1,4 +1,4 @@
-"""Report on a sweep: summary, plots and best design, and its rows as CSV and Parquet.
+"""Report on a sweep: summary, plots and best design, and its rows as CSV.
 
 The rows of a database come in. Limiting rules, sensitivities, the Pareto front and the files that show them go out.
 
@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import csv
 import io
-import itertools
 import json
 import math
 from collections.abc import Callable
@@ -23,7 +22,7 @@ from fingertip.foundation import extras
 from fingertip.foundation.files import format_csv, open_atomic
 from fingertip.foundation.output_set import SetWriter, hash_parameters
 from fingertip.foundation.progress import Work
-from fingertip.sweep.database import SweepDatabase, SweepRow
+from fingertip.sweep.database import SweepDatabase
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.report import summary
 from fingertip.sweep.report.plots import select_plots
@@ -75,9 +74,6 @@ def _format_front(found: summary.SweepSummary) -> bytes:
     return format_csv(["point", *table.axes, *table.outputs], rows)
 
 
-_GROUP_ROWS = 65_536
-
-
 def write_csv(source: SweepDatabase, path: Path) -> None:
     """Write one line for each row: point, parameters, outputs (with the unit in their name), status, field, reason.
 
@@ -94,48 +90,3 @@ def write_csv(source: SweepDatabase, path: Path) -> None:
             lines.writerow([row.point, *row.axes.values(), *numbers, row.status, row.field, row.reason])
         text.flush()
         text.detach()
-
-
-def write_parquet(source: SweepDatabase, path: Path) -> None:
-    """Write the columns of `write_csv` with their types. Raises MissingLibraryError or OutputError."""
-    pyarrow, parquet = load_pyarrow()
-    types = {"point": pyarrow.int64()}
-    types |= {axis.name: _choose_axis_type(pyarrow, axis.values, axis.integer) for axis in source.plan.axes}
-    types |= dict.fromkeys(source.plan.outputs, pyarrow.float64())
-    category = pyarrow.dictionary(pyarrow.int32(), pyarrow.string())
-    texts = [("status", category), ("field", category), ("reason", pyarrow.string())]
-    schema = pyarrow.schema([*types.items(), *texts])
-    rows = source.rows()
-    with open_atomic(path, "--parquet") as raw, parquet.ParquetWriter(raw, schema) as writer:
-        while group := list(itertools.islice(rows, _GROUP_ROWS)):
-            columns = [_build_column(pyarrow, field, group) for field in schema]
-            writer.write_table(pyarrow.Table.from_arrays(columns, schema=schema), row_group_size=_GROUP_ROWS)
-
-
-def load_pyarrow() -> tuple[Any, Any]:
-    """Load pyarrow and pyarrow.parquet, before a long sweep and not after it. Raises MissingLibraryError."""
-    remedy = "write CSV with --csv"
-    pyarrow = extras.load("pyarrow", "--parquet", alternative=remedy)
-    return pyarrow, extras.load("pyarrow.parquet", "--parquet", alternative=remedy)
-
-
-def _choose_axis_type(pyarrow: Any, values: tuple[Any, ...], integer: bool) -> Any:
-    kinds = {type(value) for value in values}
-    if str in kinds:
-        return pyarrow.dictionary(pyarrow.int32(), pyarrow.string())
-    if kinds == {bool}:
-        return pyarrow.bool_()
-    return pyarrow.int64() if integer or kinds == {int} else pyarrow.float64()
-
-
-def _build_column(pyarrow: Any, field: Any, group: list[SweepRow]) -> Any:
-    name, categorical = field.name, pyarrow.types.is_dictionary(field.type)
-    if name in ("point", "status", "field", "reason"):
-        values = [getattr(row, name) for row in group]
-    elif name in group[0].axes:
-        values = [str(row.axes[name]) if categorical else row.axes[name] for row in group]
-    else:
-        values = [None if math.isnan(row.outputs[name]) else row.outputs[name] for row in group]
-    if categorical:
-        return pyarrow.array(values, pyarrow.string()).dictionary_encode()
-    return pyarrow.array(values, field.type)

@@ -20,14 +20,10 @@ from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis.report import analyse, bode_table
 from fingertip.board.analysis.response import RECTIFYING_DIODE, FilterModel, decibel, model_filter, target_response
 from fingertip.board.analysis.tolerance import (
-    BAND_QUANTILES,
     COMPONENTS,
     QUANTITIES,
-    ResponseBand,
     TolerancedFilter,
-    compute_response_band,
     compute_sensitivities,
-    draw_deviations,
     monte_carlo,
 )
 from fingertip.board.circuits.network import Network, StateSpace, Term, build_network, filter_quantities
@@ -59,7 +55,6 @@ from tests.oracles.filter_formulas import (
     tactile_pin_transfer,
 )
 from tests.oracles.ideal_filter import ideal_filter_transfer
-from tests.tools import require_module
 
 VALUES = board_values(ARTICLE)
 
@@ -188,67 +183,6 @@ def test_alias_attenuation_of_the_default_board() -> None:
     comparator = board_values(load_article(["board.variant=comparator"])).aliasing
     envelope_pole_db = -10 * math.log10(1 + (1000 / 36.17) ** 2)
     assert comparator.output_nyquist_db - a.output_nyquist_db == pytest.approx(envelope_pole_db, abs=0.01)
-
-
-# Band of the response and its plot
-
-
-NAMES = ("article", "precision")
-
-
-@pytest.fixture(scope="module", params=NAMES)
-def design(request: pytest.FixtureRequest) -> Design:
-    return load_article(VARIANT_CHANGES[request.param])
-
-
-@pytest.fixture(scope="module")
-def band(design: Design) -> ResponseBand:
-    return compute_response_band(design)
-
-
-def test_target_is_a_butterworth_of_third_order(design: Design, band: ResponseBand) -> None:
-    gain, cutoff_hz = design.board.passband_gain, design.board.cutoff_hz
-    assert band.target_cutoff_hz == cutoff_hz
-    s = 1j * band.f_hz / cutoff_hz
-    expected = gain * np.abs(s**3 / ((s + 1) * (s**2 + s + 1)))  # its poles, not its magnitude
-    assert band.target == pytest.approx(expected, rel=1e-12)
-    assert np.interp(cutoff_hz, band.f_hz, band.target) == pytest.approx(gain / np.sqrt(2), rel=1e-3)
-
-
-def test_cutoffs_are_those_of_the_analysis(design: Design, band: ResponseBand) -> None:
-    spread = analyse(design).spread["cutoff_hz"]
-    assert band.lower_ends_hz == (spread.low_95, spread.high_95)
-    achieved = board_values(design).achieved_response
-    assert band.lower_hz == pytest.approx(achieved.cutoff_hz, rel=1e-9)
-    assert band.upper_hz == pytest.approx(achieved.upper_cutoff_hz, rel=1e-9)
-
-
-def test_upper_cutoffs_are_those_of_single_boards(design: Design) -> None:
-    boards = 40
-    band = compute_response_band(design, boards)
-    circuit = board_circuit(board_values(design))
-    network = build_network(circuit, find_gain_bandwidth_hz(design.board))
-    toleranced = TolerancedFilter(model_filter(circuit), network.values)
-    deviations = draw_deviations(toleranced, band.percent, boards, 1)
-    found = []
-    for board in deviations:
-        values = toleranced.deviate(board)
-        found.append(toleranced.model.passband(values).high_hz)
-    assert band.upper_ends_hz == pytest.approx(tuple(np.quantile(found, BAND_QUANTILES)), rel=1e-6)
-
-
-@pytest.mark.full
-@pytest.mark.parametrize(("suffix", "start"), [(".png", b"\x89PNG"), (".svg", b"<?xml")])
-def test_command_writes_the_same_plot_twice(tmp_path: Path, suffix: str, start: bytes) -> None:
-    require_module("matplotlib")
-    plot, data = tmp_path / f"a{suffix}", set()
-    for _ in range(2):
-        run = run_fingertip("board", "--out", tmp_path / "pcb", "--plot", plot, "--json", "--force")
-        assert plot.as_posix() in json.loads(run.stdout)["files"], run.stderr
-        data.add(plot.read_bytes())
-    (once,) = data
-    assert once.startswith(start)
-    assert b"<dc:date>" not in once
 
 
 FREQUENCIES = np.logspace(-1, 6, 141)

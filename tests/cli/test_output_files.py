@@ -20,7 +20,6 @@ from tests.conftest import run_fingertip
 
 FILES = (
     ("board", "--bode", ".csv", "fingertip.tasks.board.write_board"),
-    ("board", "--plot", ".png", "fingertip.tasks.board.write_board"),
     ("sweep board", "--csv", ".csv", "fingertip.sweep.run.compute_rows"),
     ("picture fsr400", "--out", ".png", "fingertip.pictures.picture.draw"),
     ("sheet fsr400", "--out", ".md", "fingertip.casting.sheet.casting_sheet"),

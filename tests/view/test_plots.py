@@ -1,4 +1,4 @@
-"""Plots of boards and sweeps, drawn from small data that stand here: the figures are compared whole with approved ones.
+"""Plots of sweeps, drawn from small data that stand here: the figures are compared whole with approved ones.
 
 An approved figure lists its lines, areas, marks and texts with their data, scales and styles. Where a number in it
 follows from the data, it was compared with them when it was approved.
@@ -13,37 +13,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fingertip.board.analysis.tolerance import ResponseBand, compute_response_band, draw_response
-from fingertip.design import Design
 from fingertip.sweep.report import plots as sweep_plots
 from tests.approved import check_figures
 from tests.figures import describe_figure, keep_figures
 from tests.tools import require_module
 
 APPROVED = Path(__file__).parent / "approved"
-DESIGN = Design(board={"variant": "precision"})
 PLOTS: dict[str, Callable[[], Any]] = {}
 
 
 def plot(function: Callable[[], Any]) -> Callable[[], Any]:
     PLOTS[function.__name__] = function
     return function
-
-
-# Board
-
-
-@plot
-def board() -> None:
-    f_hz = np.logspace(1.0, 6.0, 51)
-    target = 100.0 / np.sqrt(1.0 + (67.0 / f_hz) ** 6)
-    nominal = 1.01 * target / np.sqrt(1.0 + (f_hz / 3e4) ** 2)
-    percent = {"R1": 1.0, "C1": 5.0, "C2": 5.0}
-    band = ResponseBand(
-        f_hz, target, nominal, 0.9 * nominal, 1.1 * nominal, 67.0, 66.5, (63.1, 70.2), 3.01e4, (2.5e4, 3.5e4), percent
-    )
-    draw_response(band, "board", ".svg")
-    draw_response(compute_response_band(DESIGN, 20), "20 boards", ".png")
 
 
 # Sweeps

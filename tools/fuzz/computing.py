@@ -50,7 +50,7 @@ _MAY_FAIL = frozenset({"build", "check", "validate", "sweep", "make"})
 _TASKS: tuple[tuple[str, float, tuple[str, ...]], ...] = (
     ("values", 6, ("params {design} --toml", "params {design} --json")),
     ("board", 16, ("board {design} --out b --json", "board {design} --out b --check")),
-    ("board, analysed", 2, ("board {design} --out b --analysis --bode b.csv --plot {figure} --json",)),
+    ("board, analysed", 2, ("board {design} --out b --analysis --bode b.csv --json",)),
     ("bring-up", 0.3, ("board {design} --out b --bringup",)),
     ("firmware", 10, ("firmware {design} --out f",)),
     ("hand", 6, ("firmware {design} --out f --fingers {fingers} --controller {controller}",)),

@@ -13,7 +13,6 @@ from fingertip.cli import options
 from fingertip.cli.board_tables import analysis_text, channel_lines, gate_lines, load_lines, table_lines
 from fingertip.cli.console import Console
 from fingertip.cli.options import command, find_file_issues, find_idle_issues, flag, load_design, refuse
-from fingertip.foundation import extras
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.progress import ShareText
 
@@ -38,9 +37,6 @@ def board(
     fab: bool = flag("Also write gerbers, drill files, placement, parts and renderings to OUT/fab; requires KiCad 9."),
     analysis: bool = flag("Also analyse noise, offsets, tolerances (10 000 boards), sensitivities."),
     bode: Path | None = typer.Option(None, metavar="FILE", help="Write the Bode table of each stage as CSV."),
-    plot: Path | None = typer.Option(
-        None, metavar="FILE", help="Plot the response with the band of 95 % of boards (PNG or SVG)."
-    ),
     bringup: bool = flag("Also write bringup.md, how to test a soldered board, and a file for readings."),
     readings: Path | None = typer.Option(
         None,
@@ -54,15 +50,13 @@ def board(
     changes: list[str] | None = options.CHANGES,
 ) -> None:
     """Compute the board's component values; write schematic, layout, netlist, SPICE deck and bill of materials."""
-    writing = {"--bode": bode, "--plot": plot, "--bringup": bringup}
+    writing = {"--bode": bode, "--bringup": bringup}
     idle = find_idle_issues("--check", writing if check else {})
     if readings:
         idle = find_idle_issues("--readings", {"--check": check, "--fab": fab, **writing})
-    refuse(find_file_issues("--bode", bode, ".csv"), find_file_issues("--plot", plot, ".png", ".svg"), idle)
-    if plot:
-        extras.require("--plot", "matplotlib", alternative="leave --plot out")
+    refuse(find_file_issues("--bode", bode, ".csv"), idle)
     loaded = load_design(design, changes, console)
-    options = _Options(out, fab, analysis, bode, plot, bringup, article, verbose, force)
+    options = _Options(out, fab, analysis, bode, bringup, article, verbose, force)
     if not loaded.board.has_filter:
         needing = {"--fab": fab, "--analysis": analysis, "--readings": readings, "--article": article} | writing
         _refuse_for_divider(option for option, given in needing.items() if given)
@@ -84,7 +78,6 @@ class _Options:
     fab: bool
     analysis: bool
     bode: Path | None
-    plot: Path | None
     bring_up: bool
     article: bool
     verbose: bool
@@ -129,8 +122,13 @@ def _write_board(console: Console, design: Design, options: _Options) -> None:
         lines += ["", "Errata of the article:"]
         for erratum in values.errata:
             lines += [f"  {erratum.subject}", f"    article: {erratum.statement}", f"    correct: {erratum.correction}"]
-    written["files"] += (responses := _write_responses(design, values, options))
-    lines += ["", f"wrote {' and '.join(responses)}"] if responses else []
+    if options.bode:
+        from fingertip.board.analysis.report import bode_table
+        from fingertip.foundation.files import write_file
+
+        write_file(options.bode, bode_table(design).encode(), "--bode")
+        written["files"].append(options.bode.as_posix())
+        lines += ["", f"wrote {options.bode.as_posix()}"]
     if options.analysis:
         from fingertip.board.analysis.report import analyse
 
@@ -193,24 +191,6 @@ def _write(console: Console, design: Design, options: _Options) -> tuple[Path, d
     console.warn(f"{difference} Do not send these files to a board house." for difference in differences)
     files = [path.as_posix() for path in paths]
     return folder, {"files": files, "notes": notes, "fabrication_differences": differences}
-
-
-def _write_responses(design: Design, values: BoardValues, options: _Options) -> list[str]:
-    from fingertip.foundation.files import write_file
-
-    contents: list[tuple[str, Path, bytes]] = []
-    if options.bode:
-        from fingertip.board.analysis.report import bode_table
-
-        contents.append(("--bode", options.bode, bode_table(design).encode()))
-    if plot := options.plot:
-        from fingertip.board.analysis.tolerance import compute_response_band, draw_response
-
-        title = f"{design.name}: response of the board, variant {values.variant}"
-        contents.append(("--plot", plot, draw_response(compute_response_band(design), title, plot.suffix.lower())))
-    for option, path, content in contents:
-        write_file(path, content, option)
-    return [path.as_posix() for _, path, _ in contents]
 
 
 def _find_warnings(design: Design, values: BoardValues) -> Iterator[str]:

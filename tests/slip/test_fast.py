@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import ast
-import inspect
 import math
 from dataclasses import replace
-from typing import get_type_hints
 
 import numpy as np
 import pytest
@@ -30,7 +27,6 @@ from fingertip.slip.detectors.fast_coefficients import (
     RESTORED_HZ,
     SLOW_HZ,
     UPPER_HZ,
-    FastCoefficients,
     FastModel,
     design_board_filter,
     design_filters,
@@ -45,17 +41,6 @@ NOISE_V = 4e-4
 SETTINGS = FastSettings(2000.0, NOISE_V)
 
 NO_TREES = FastModel(np.zeros(0), np.zeros(0), np.zeros(0), -50.0, 1.0, 0.0, 0.0)
-
-
-def test_the_loop_unpacks_its_coefficients_by_their_names() -> None:
-    (loop,) = ast.parse(inspect.getsource(fast_loop._fast_loop)).body
-    targets = loop.body[0].targets[0].elts
-    for target, (name, kind) in zip(targets, get_type_hints(FastCoefficients).items(), strict=True):
-        if isinstance(target, ast.Name):
-            assert target.id == {"slow": "slow_band"}.get(name, name)
-        else:  # a section of first order, such as "restore_1" as (q_b0, q_b1, q_a1)
-            parts, letter = zip(target.elts, kind._fields, strict=True), {"board_1": "p", "restore_1": "q"}[name]
-            assert all(part.id == "_" or f"{letter}_{field}".startswith(part.id) for part, field in parts)
 
 
 def noise(seconds: float, deviation_v: float = NOISE_V, seed: int = 1, rate: float = 2000.0) -> np.ndarray:

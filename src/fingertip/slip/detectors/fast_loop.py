@@ -68,11 +68,13 @@ RING_START = 70
 STATES = RING_START + RING
 
 
-def filter_second(section: SecondOrder, value: float, first: float, second: float) -> tuple[float, float, float]:
-    """Filter a value in a section of second order, in transposed direct form II; return it with the new state."""
+def filter_second(section: SecondOrder, value: float, state: MutableFloats, at: int) -> float:
+    """Filter a value in a section of second order, in transposed direct form II; its state begins at an index."""
     b0, b1, b2, a1, a2 = section
-    filtered = b0 * value + first
-    return filtered, b1 * value - a1 * filtered + second, b2 * value - a2 * filtered
+    filtered = b0 * value + state[at]
+    state[at] = b1 * value - a1 * filtered + state[at + 1]
+    state[at + 1] = b2 * value - a2 * filtered
+    return filtered
 
 
 def evaluate_trees(row: Floats, at: int, features: Floats, thresholds: Floats, leaves: Floats, offset: float) -> float:
@@ -131,8 +133,92 @@ def check_sample(
     return USED
 
 
+def find_lowest(wide_short: float, state: MutableFloats) -> float:
+    """Find the smallest energy of the last slots: of the present one, what it has shown so far."""
+    state[LOW_PHASE] += 1.0
+    if state[LOW_PHASE] > LOW_TICKS:
+        state[LOW_PHASE] = 1.0
+        state[LOW_2], state[LOW_1], state[LOW] = state[LOW_1], state[LOW], wide_short
+    else:
+        state[LOW] = min(state[LOW], wide_short)
+    return min(state[LOW], state[LOW_1], state[LOW_2])
+
+
+def measure_changes(slow: float, state: MutableFloats) -> tuple[float, float, float]:
+    """Keep the slow voltage in the ring; return it with its changes since the ring's beginning and its middle."""
+    at = int(state[RING_AT])
+    state[RING_PHASE] += 1.0
+    if state[RING_PHASE] >= 2.0:
+        state[RING_PHASE] = 0.0
+        state[RING_START + at] = slow
+        at += 1
+        if at == RING:
+            # Only differences count. The sum begins again, so that it never grows beyond the last movements.
+            at = 0
+            for j in range(RING):
+                state[RING_START + j] -= slow
+            slow = 0.0
+        state[RING_AT] = float(at)
+    middle = at + RING // 2
+    middle = middle if middle < RING else middle - RING
+    return slow, slow - state[RING_START + at], slow - state[RING_START + middle]
+
+
+def decide(c: FastCoefficients, score: float, on_score: float, is_strong: bool, state: MutableFloats) -> None:
+    """Decide whether slip is incipient or ON: not until the floors are learned; it stays while its energy does."""
+    if state[SETTLING] > 0.0:
+        state[SETTLING] -= 1.0
+        state[INCIPIENT] = 0.0
+    elif state[INCIPIENT] > 0.0:
+        state[SMOOTH_SCORE] += c.score_smoothing * (score - state[SMOOTH_SCORE])
+        stays = score > c.stay_threshold or (is_strong and state[SMOOTH_SCORE] > c.stay_threshold)
+        state[INCIPIENT] = 1.0 if stays else 0.0
+    else:
+        state[SMOOTH_SCORE] = on_score - c.incipient_margin
+        state[INCIPIENT] = 1.0 if score > state[SMOOTH_SCORE] else 0.0
+    is_on = state[INCIPIENT] > 0.0 and (state[ON] > 0.0 or score > on_score)
+    state[ON] = 1.0 if is_on else 0.0
+
+
+def unlearn_tone(c: FastCoefficients, wide_long: float, upper_long: float, state: MutableFloats) -> None:
+    """Let the floors follow a tone that is taken for slip: its energy is constant, and that of slip is not."""
+    if state[INCIPIENT] == 0.0:
+        state[ON_TICKS] = state[MEAN] = state[MEAN_SQUARE] = 0.0
+        return
+    state[ON_TICKS] += 1.0
+    share = 1.0 / min(state[ON_TICKS], c.tone_ticks)
+    state[MEAN] += share * (wide_long - state[MEAN])
+    state[MEAN_SQUARE] += share * (wide_long * wide_long - state[MEAN_SQUARE])
+    mean = state[MEAN]
+    if state[ON_TICKS] > c.tone_ticks and state[MEAN_SQUARE] - mean * mean < UNLEARNED_RATIO * mean * mean:
+        state[FLOOR] += c.unlearning * (wide_long - state[FLOOR])
+        state[UPPER_FLOOR] += c.unlearning * (upper_long - state[UPPER_FLOOR])
+
+
+def learn_floors(
+    c: FastCoefficients, wide_long: float, upper_long: float, input_long: float, is_moving: bool, state: MutableFloats
+) -> None:
+    """Let the floors follow the energies, the more slowly the longer they have; they stand while the force changes."""
+    floor, upper_floor, input_floor = state[FLOOR], state[UPPER_FLOOR], state[INPUT_FLOOR]
+    if is_moving:
+        state[FLOOR_TICKS] = HELD_TICKS
+    elif state[FLOOR_TICKS] < 0.0:
+        # Until the filters have settled, floors are what they show.
+        state[FLOOR_TICKS] += 1.0
+        floor, upper_floor, input_floor = wide_long, upper_long, input_long
+    else:
+        state[FLOOR_TICKS] += 1.0
+        share = 1.0 / min(state[FLOOR_TICKS], c.max_floor_ticks)
+        floor += share * (min(wide_long, CLIP_RATIO * floor) - floor)
+        upper_floor += share * (min(upper_long, CLIP_RATIO * upper_floor) - upper_floor)
+        input_floor += share * (min(input_long, CLIP_RATIO * input_floor) - input_floor)
+    state[FLOOR] = max(floor, c.min_floor)
+    state[UPPER_FLOOR] = max(upper_floor, c.min_upper_floor)
+    state[INPUT_FLOOR] = max(input_floor, c.min_input_floor)
+
+
 def _fast_loop(
-    coefficients: FastCoefficients,
+    c: FastCoefficients,
     features: Floats,
     thresholds: Floats,
     leaves: Floats,
@@ -146,19 +232,13 @@ def _fast_loop(
     levels: MutableFloats,
     flags: MutableFloats,
 ) -> None:
-    # In the order of the fields of FastCoefficients.
-    (
-        (p_b, _, p_a1), board, (q_b0, q_b1, q_a1), restore, edge, upper, wide, slow_band, sample_rate_hz, direction,
-        filtered_gain, filtered_limit, limited_samples, still_samples, short_smoothing, long_smoothing, tick_samples,
-        slot_ticks, max_floor_ticks, tone_ticks, unlearning, wide_share, upper_share, min_floor, min_upper_floor,
-        min_input_floor, offset, lowest_score, threshold, incipient_margin, noise_rise, stay_threshold, stay_ratio,
-        score_smoothing, statistic_gain, number_limit, jump_limit, filtered_jump_limit, middle_input, half_range,
-        trusted_samples, gap_samples, fault_samples, restart_ticks,
-    ) = coefficients  # fmt: skip
-    p, h1, h2 = state[BOARD_STAGE], state[BOARD_1], state[BOARD_2]
-    q1, r1, r2 = state[RESTORE_1_1], state[RESTORE_1], state[RESTORE_2]
-    e1, e2, u1, u2 = state[EDGE_1], state[EDGE_2], state[UPPER_1], state[UPPER_2]
-    w1, w2, s1, s2 = state[WIDE_1], state[WIDE_2], state[SLOW_1], state[SLOW_2]
+    (p_b, _, p_a1), (q_b0, q_b1, q_a1) = c.board_1, c.restore_1
+    board, restore, edge, upper, wide, slow_band = c.board, c.restore, c.edge, c.upper, c.wide, c.slow
+    short_smoothing, long_smoothing, tick_samples = c.short_smoothing, c.long_smoothing, c.tick_samples
+    number_limit, jump_limit, middle_input, half_range = c.number_limit, c.jump_limit, c.middle_input, c.half_range
+    trusted_samples, gap_samples, fault_samples = c.trusted_samples, c.gap_samples, c.fault_samples
+    filtered_gain, still_samples = c.filtered_gain, c.still_samples
+    p, q1 = state[BOARD_STAGE], state[RESTORE_1_1]
     upper_short, upper_long = state[UPPER_SHORT], state[UPPER_LONG]
     wide_short, wide_long = state[WIDE_SHORT], state[WIDE_LONG]
     input_long = state[INPUT_LONG]
@@ -169,18 +249,12 @@ def _fast_loop(
     slope_0, slope_1, slope_2 = state[SLOPE], state[SLOPE_1], state[SLOPE_2]
     peak_0, peak_1, peak_2, slot = state[PEAK], state[PEAK_1], state[PEAK_2], state[SLOT]
     step, filtered_step, rest, limited = state[STEP], state[FILTERED_STEP], state[REST], state[LIMITED]
-    floor, upper_floor, input_floor = state[FLOOR], state[UPPER_FLOOR], state[INPUT_FLOOR]
-    floor_ticks, settling = state[FLOOR_TICKS], state[SETTLING]
-    on, on_ticks, mean, mean_square = state[ON], state[ON_TICKS], state[MEAN], state[MEAN_SQUARE]
-    smooth_score, confidence = state[SMOOTH_SCORE], state[CONFIDENCE]
-    incipient, lasting_ticks = state[INCIPIENT], state[LASTING_TICKS]
-    low_0, low_1, low_2, low_phase = state[LOW], state[LOW_1], state[LOW_2], state[LOW_PHASE]
-    phase, ring_phase, ring_at = state[PHASE], state[RING_PHASE], int(state[RING_AT])
+    confidence, lasting_ticks, phase = state[CONFIDENCE], state[LASTING_TICKS], state[PHASE]
     replaced, outside, mean_move, held = state[REPLACED], state[OUTSIDE], state[MEAN_MOVE], state[HELD]
-    slope_gain = SLOPE_S * SLOPE_S * sample_rate_hz * sample_rate_hz
-    move_gain = MOVE_S * MOVE_S * sample_rate_hz * sample_rate_hz
+    slope_gain = SLOPE_S * SLOPE_S * c.sample_rate_hz * c.sample_rate_hz
+    move_gain = MOVE_S * MOVE_S * c.sample_rate_hz * c.sample_rate_hz
     at = 0
-    level = statistic_gain * math.sqrt(floor)
+    level = c.statistic_gain * math.sqrt(state[FLOOR])
     for i in range(len(samples)):
         x = samples[i]
         change = x - last_input
@@ -190,14 +264,14 @@ def _fast_loop(
         else:
             last_input = x
             outside = 0.0 if -half_range <= x - middle_input <= half_range else outside + 1.0
-            if found == BEGUN or (found == CONFIRMED and settling > 0.0):
+            if found == BEGUN or (found == CONFIRMED and state[SETTLING] > 0.0):
                 change = 0.0  # much may have happened in the gap, or the first sample was a glitch
         if found == GLITCH or state[INPUT_CHECK] > 0.0:
             replaced = fault_samples
         elif replaced > 0.0:
             replaced -= 1.0
-        if state[INPUT_CHECK] > gap_samples and settling < restart_ticks:
-            settling = restart_ticks
+        if state[INPUT_CHECK] > gap_samples:
+            state[SETTLING] = max(state[SETTLING], c.restart_ticks)
 
         # Smallest step of the converter: the smallest difference between two samples.
         if 0.0 < abs(change) < step:
@@ -205,7 +279,7 @@ def _fast_loop(
 
         # Filters. p and h are the stages of the board's filter, driven by the voltage.
         p = p_b * change - p_a1 * p
-        h, h1, h2 = filter_second(board, p, h1, h2)
+        h = filter_second(board, p, state, BOARD_1)
 
         # The board's own filtered signal has finer steps and less noise, unless it stands still or a stage is at its
         # limit.
@@ -213,12 +287,12 @@ def _fast_loop(
             y = filtered_gain * (filtered_samples[i] - rest)
             move = y - last_filtered
             # A jump is one where the signal stood nearly still: in slip, what is far beyond its movement until then.
-            limit = max(JUMP_MOVES * mean_move, filtered_jump_limit)
+            limit = max(JUMP_MOVES * mean_move, c.filtered_jump_limit)
             found = check_sample(y, move, number_limit, limit, trusted_samples, gap_samples, state, FILTERED_CHECK)
             late = 0.0
             if found == REPLACED_SAMPLE:
                 held, y, move = move, last_filtered, 0.0
-            elif found == CONFIRMED and settling > 0.0:
+            elif found == CONFIRMED and state[SETTLING] > 0.0:
                 rest = filtered_samples[i]
                 y = move = 0.0
             elif found == CONFIRMED and move * held > 0.5 * held * held:
@@ -228,14 +302,14 @@ def _fast_loop(
                 replaced = fault_samples
             if state[FILTERED_CHECK] > gap_samples and still < still_samples:
                 still = still_samples  # T alone is judged, and what the change of signals leaves is not
-                settling = max(settling, restart_ticks)
+                state[SETTLING] = max(state[SETTLING], c.restart_ticks)
             move = abs(move)
             mean_move += short_smoothing * (move - mean_move)
             if 0.0 < move < filtered_step:
                 filtered_step = move
             still = 0.0 if move > 0.0 else still + 1.0
-            if abs(p) > filtered_limit or abs(y) > filtered_limit:
-                limited = limited_samples
+            if abs(p) > c.filtered_limit or abs(y) > c.filtered_limit:
+                limited = c.limited_samples
             if limited > 0.0:
                 limited -= 1.0
             elif still < still_samples:
@@ -245,11 +319,11 @@ def _fast_loop(
         # difference of the slow voltage.
         q = q_b0 * h + q1
         q1 = q_b1 * h - q_a1 * q
-        r, r1, r2 = filter_second(restore, q, r1, r2)
-        e, e1, e2 = filter_second(edge, r, e1, e2)
-        u, u1, u2 = filter_second(upper, e, u1, u2)
-        w, w1, w2 = filter_second(wide, e, w1, w2)
-        slope, s1, s2 = filter_second(slow_band, change, s1, s2)
+        r = filter_second(restore, q, state, RESTORE_1)
+        e = filter_second(edge, r, state, EDGE_1)
+        u = filter_second(upper, e, state, UPPER_1)
+        w = filter_second(wide, e, state, WIDE_1)
+        slope = filter_second(slow_band, change, state, SLOW_1)
         slow += slope
 
         # Energies: exponential means of the squares.
@@ -279,40 +353,21 @@ def _fast_loop(
             greatest = max(slope_0, slope_1, slope_2)
             peak = max(peak_0, peak_1, peak_2)
             slot += 1.0
-            if slot >= slot_ticks:
+            if slot >= c.slot_ticks:
                 slot = 0.0
                 slope_2, slope_1, slope_0 = slope_1, slope_0, 0.0
                 peak_2, peak_1, peak_0 = peak_1, peak_0, 0.0
-            # Smallest energy of the last slots: of this one, what it has shown so far.
-            low_phase += 1.0
-            if low_phase > LOW_TICKS:
-                low_phase = 1.0
-                low_2, low_1, low_0 = low_1, low_0, wide_short
-            else:
-                low_0 = min(low_0, wide_short)
-            low = min(low_0, low_1, low_2)
-            ring_phase += 1.0
-            if ring_phase >= 2.0:
-                ring_phase = 0.0
-                state[RING_START + ring_at] = slow
-                ring_at += 1
-                if ring_at == RING:
-                    # Only differences count. The sum begins again, so that it never grows beyond the last movements.
-                    ring_at = 0
-                    for j in range(RING):
-                        state[RING_START + j] -= slow
-                    slow = 0.0
-            change = slow - state[RING_START + ring_at]
-            middle = ring_at + RING // 2
-            half_change = direction * (slow - state[RING_START + (middle if middle < RING else middle - RING)])
+            low = find_lowest(wide_short, state)
+            slow, change, half_change = measure_changes(slow, state)
+            half_change *= c.direction
 
             # Floors are at least the noise of a converter halfway between two codes.
             input_noise = 0.25 * step * step
             is_filtered = filtered_gain > 0.0 and still < still_samples
             step_noise = 0.25 * filtered_step * filtered_step if is_filtered else input_noise
-            wide_floor = max(floor, step_noise * wide_share)
-            high_floor = max(upper_floor, step_noise * upper_share)
-            slow_floor = wide_share * max(input_floor, input_noise)
+            wide_floor = max(state[FLOOR], step_noise * c.wide_share)
+            high_floor = max(state[UPPER_FLOOR], step_noise * c.upper_share)
+            slow_floor = c.wide_share * max(state[INPUT_FLOOR], input_noise)
             greatest *= slope_gain
             slope *= slope_gain
             rows[at] = upper_short / high_floor
@@ -340,75 +395,35 @@ def _fast_loop(
                 or rows[at + 1] > UPPER_LOUD_20
                 or rows[at + 3] > UPPER_LOUD_20
             )
-            score = evaluate_trees(rows, at, features, thresholds, leaves, offset) if is_loud else lowest_score
+            score = evaluate_trees(rows, at, features, thresholds, leaves, c.offset) if is_loud else c.lowest_score
             # In more noise or coarser steps than stated, more must speak for slip.
-            excess = wide_floor / (NOISY_RATIO * min_floor) - 1.0
-            input_excess = slow_floor / (NOISY_RATIO * wide_share * min_input_floor) - 1.0
-            on_score = threshold + noise_rise * min(max(excess, input_excess, 0.0), 1.0)
-            confidence = max((score - lowest_score) / (on_score - lowest_score), 0.0)
+            excess = wide_floor / (NOISY_RATIO * c.min_floor) - 1.0
+            input_excess = slow_floor / (NOISY_RATIO * c.wide_share * c.min_input_floor) - 1.0
+            on_score = c.threshold + c.noise_rise * min(max(excess, input_excess, 0.0), 1.0)
+            confidence = max((score - c.lowest_score) / (on_score - c.lowest_score), 0.0)
             is_strong = (
-                rows[at + 1] > stay_ratio or rows[at + 3] > stay_ratio
+                rows[at + 1] > c.stay_ratio or rows[at + 3] > c.stay_ratio
             ) and wide_short > DECAY_RATIO * wide_long
             at += stride
 
-            # Decision: OFF until the floors are learned; slip that has begun stays while its energy does.
-            if settling > 0.0:
-                settling -= 1.0
-                incipient = 0.0
-            elif incipient > 0.0:
-                smooth_score += score_smoothing * (score - smooth_score)
-                incipient = 1.0 if score > stay_threshold or (is_strong and smooth_score > stay_threshold) else 0.0
-            else:
-                smooth_score = on_score - incipient_margin
-                incipient = 1.0 if score > smooth_score else 0.0
-            on = 1.0 if incipient > 0.0 and (on > 0.0 or score > on_score) else 0.0
-
-            is_moving = greatest > MOVING_RATIO * slow_floor and settling == 0.0
+            decide(c, score, on_score, is_strong, state)
+            unlearn_tone(c, wide_long, upper_long, state)
+            is_settled = state[SETTLING] == 0.0
             # No floor learns what the trees may take for slip, however long it lasts and whatever came before it.
-            is_held = incipient > 0.0 or (score > stay_threshold and settling == 0.0) or replaced > 0.0
-
-            if incipient > 0.0:
-                # A tone's energy is constant and that of slip is not: floors follow a tone.
-                on_ticks += 1.0
-                share = 1.0 / min(on_ticks, tone_ticks)
-                mean += share * (wide_long - mean)
-                mean_square += share * (wide_long * wide_long - mean_square)
-                if on_ticks > tone_ticks and mean_square - mean * mean < UNLEARNED_RATIO * mean * mean:
-                    floor += unlearning * (wide_long - floor)
-                    upper_floor += unlearning * (upper_long - upper_floor)
-            else:
-                on_ticks = mean = mean_square = 0.0
-
-            if not is_held:
-                if is_moving:
-                    floor_ticks = HELD_TICKS
-                elif floor_ticks < 0.0:
-                    # Until the filters have settled, floors are what they show.
-                    floor_ticks += 1.0
-                    floor, upper_floor, input_floor = wide_long, upper_long, input_long
-                else:
-                    floor_ticks += 1.0
-                    share = 1.0 / min(floor_ticks, max_floor_ticks)
-                    floor += share * (min(wide_long, CLIP_RATIO * floor) - floor)
-                    upper_floor += share * (min(upper_long, CLIP_RATIO * upper_floor) - upper_floor)
-                    input_floor += share * (min(input_long, CLIP_RATIO * input_floor) - input_floor)
-                floor = max(floor, min_floor)
-                upper_floor = max(upper_floor, min_upper_floor)
-                input_floor = max(input_floor, min_input_floor)
-            level = statistic_gain * math.sqrt(floor)
+            if state[INCIPIENT] == 0.0 and not (score > c.stay_threshold and is_settled) and replaced == 0.0:
+                is_moving = greatest > MOVING_RATIO * slow_floor and is_settled
+                learn_floors(c, wide_long, upper_long, input_long, is_moving, state)
+            level = c.statistic_gain * math.sqrt(state[FLOOR])
 
         filtered[i] = w
         confidences[i] = confidence
         levels[i] = level
-        flags[i] = incipient + IS_ON * on
+        flags[i] = state[INCIPIENT] + IS_ON * state[ON]
         if replaced > 0.0:
             flags[i] += IS_REPLACED
         if outside > fault_samples:
             flags[i] += IS_OUTSIDE
-    state[BOARD_STAGE], state[BOARD_1], state[BOARD_2] = p, h1, h2
-    state[RESTORE_1_1], state[RESTORE_1], state[RESTORE_2] = q1, r1, r2
-    state[EDGE_1], state[EDGE_2], state[UPPER_1], state[UPPER_2] = e1, e2, u1, u2
-    state[WIDE_1], state[WIDE_2], state[SLOW_1], state[SLOW_2] = w1, w2, s1, s2
+    state[BOARD_STAGE], state[RESTORE_1_1] = p, q1
     state[UPPER_SHORT], state[UPPER_LONG] = upper_short, upper_long
     state[WIDE_SHORT], state[WIDE_LONG] = wide_short, wide_long
     state[INPUT_LONG] = input_long
@@ -419,14 +434,11 @@ def _fast_loop(
     state[SLOPE], state[SLOPE_1], state[SLOPE_2] = slope_0, slope_1, slope_2
     state[PEAK], state[PEAK_1], state[PEAK_2], state[SLOT] = peak_0, peak_1, peak_2, slot
     state[STEP], state[FILTERED_STEP], state[REST], state[LIMITED] = step, filtered_step, rest, limited
-    state[FLOOR], state[UPPER_FLOOR], state[INPUT_FLOOR] = floor, upper_floor, input_floor
-    state[FLOOR_TICKS], state[SETTLING] = floor_ticks, settling
-    state[ON], state[ON_TICKS], state[MEAN], state[MEAN_SQUARE] = on, on_ticks, mean, mean_square
-    state[SMOOTH_SCORE], state[CONFIDENCE] = smooth_score, confidence
-    state[INCIPIENT], state[LASTING_TICKS] = incipient, lasting_ticks
-    state[LOW], state[LOW_1], state[LOW_2], state[LOW_PHASE] = low_0, low_1, low_2, low_phase
+    state[CONFIDENCE], state[LASTING_TICKS], state[PHASE] = confidence, lasting_ticks, phase
     state[REPLACED], state[OUTSIDE], state[MEAN_MOVE], state[HELD] = replaced, outside, mean_move, held
-    state[PHASE], state[RING_PHASE], state[RING_AT] = phase, ring_phase, float(ring_at)
 
 
-LOOP = CompiledLoop(_fast_loop, evaluate_trees, check_sample, filter_second, outputs=6, samples="samples", plain_us=4.0)
+LOOP = CompiledLoop(
+    _fast_loop, evaluate_trees, check_sample, filter_second, find_lowest, measure_changes, decide, unlearn_tone,
+    learn_floors, outputs=6, samples="samples", plain_us=4.0,
+)  # fmt: skip

@@ -94,7 +94,7 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module 'fingertip' has no attribute {name!r}")
     value = getattr(import_module(_MODULES[name]), name)
     if callable(value) and not isinstance(value, type):
-        from fingertip.foundation.argument_types import checked  # noqa: PLC0415
+        from fingertip.foundation.errors import checked  # noqa: PLC0415
 
         value = checked(value)
         value.__module__ = __name__  # where pickle finds it

@@ -15,9 +15,8 @@ from fingertip.design.parameters.declaration import parse_tables
 from fingertip.design.refusal import describe_violations, explain_invalid, explain_violations
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.design.search import RULES
-from fingertip.foundation.argument_types import checked
 from fingertip.foundation.display import Picture, html_table, plot, to_dataframe
-from fingertip.foundation.errors import DesignError
+from fingertip.foundation.errors import DesignError, checked
 
 if TYPE_CHECKING:
     import pandas

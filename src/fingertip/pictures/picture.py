@@ -23,9 +23,8 @@ from fingertip.design import Design
 from fingertip.design.geometry.joint import Joint
 from fingertip.design.geometry.solids import Point3, Solid
 from fingertip.design.interfaces.clevis_solids import knuckle
-from fingertip.foundation.argument_types import checked
 from fingertip.foundation.display import Picture
-from fingertip.foundation.errors import Issue
+from fingertip.foundation.errors import Issue, checked
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.progress import Work
 from fingertip.foundation.validation import raise_issues

@@ -19,8 +19,7 @@ from fingertip.board.analysis.board_values import find_range_warnings, find_tact
 from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, find_file, identify_kind, split_changes
 from fingertip.design import Design
 from fingertip.design.parameters.declaration import suggest_name
-from fingertip.foundation.argument_types import checked
-from fingertip.foundation.errors import FingertipError, Issue, TraceError, gather
+from fingertip.foundation.errors import FingertipError, Issue, TraceError, checked, gather
 from fingertip.foundation.validation import raise_issues
 from fingertip.sim.contact.materials import ARTICLE_SURFACES, SURFACES, SurfaceFile, find_profile_warnings
 from fingertip.sim.runs.files import ManipulationFile, SceneFile

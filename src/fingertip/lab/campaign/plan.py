@@ -13,8 +13,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from fingertip.catalogues.file_kinds import PARAMS
-from fingertip.foundation.argument_types import checked
-from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.errors import Issue, TraceError, checked
 from fingertip.foundation.validation import raise_issues
 from fingertip.sim import SceneFile
 from fingertip.sim.simulation import article_trials

@@ -24,8 +24,7 @@ from numpy.typing import NDArray
 
 from fingertip.design import Design
 from fingertip.design.parameters.declaration import find_bounds, suggest_name
-from fingertip.foundation.argument_types import checked
-from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.errors import Issue, TraceError, checked
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import raise_issues, round_down, round_up
 from fingertip.pad.response import Pad

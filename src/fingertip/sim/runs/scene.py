@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 
 from fingertip.design import Design
 from fingertip.foundation import jit
-from fingertip.foundation.argument_types import checked
-from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.errors import Issue, TraceError, checked
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.progress import ReportProgress
 from fingertip.foundation.validation import raise_issues

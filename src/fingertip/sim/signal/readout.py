@@ -17,8 +17,7 @@ import numpy as np
 from fingertip.board.parts.nets import ADC_ENVELOPE, ADC_FILTERED, ADC_TACTILE
 from fingertip.design import Design
 from fingertip.design.parameters.electronics import Board
-from fingertip.foundation.argument_types import checked
-from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.errors import Issue, TraceError, checked
 from fingertip.foundation.jit import compile_for_process
 from fingertip.foundation.numerics import Array
 from fingertip.pad.response import FORCES_N, Pad

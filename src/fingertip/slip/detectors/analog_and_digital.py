@@ -26,8 +26,7 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.design.formulas.filter import SECTION_QUALITY as Q
-from fingertip.foundation.argument_types import checked
-from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.errors import Issue, TraceError, checked
 from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats, as_samples
 from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors.noise import DEVIATIONS, NoiseLevel, input_noise_v

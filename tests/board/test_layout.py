@@ -145,43 +145,25 @@ def test_pads_equal_those_of_kicads_library(footprint: str) -> None:
 
 
 Box = tuple[float, float, float, float]
-ADVANCES = {
-    "iI.,": 0.48,
-    "lftr ": 0.77,
-    "jJTLk": 0.82,
-    "+-": 1.05,
-    "M": 1.0,
-    "m": 1.34,
-    "abcdeghnopqsuvxyzACEFKSVXYZ": 1.01,
-}
-ADVANCES |= {"0123456789": 0.953, "": 1.05}
-"""Advance of KiCad's letters relative to the height, measured and rounded up; "" stands for all others."""
-GAP = 0.2
-"""What the last letter leaves empty."""
-ABOVE, BELOW = 0.62, {"": 0.53, "Q": 0.625, "gjpqy,": 0.863}
-"""Extents of KiCad's letters above and below the centre of a text, with the width of their strokes, both measured."""
 
 
 @dataclass(frozen=True)
 class Text:
-    """Printed text: what it says, the reference of its component or "", side, and box on the page."""
+    """Printed text of the board: what it says, its side, and its place on the page."""
 
     text: str
-    owner: str
     side: str
     box: Box
 
 
 @dataclass(frozen=True)
 class Board:
-    """What the board file says of print, pads and bodies."""
+    """What the board file says of print and pads."""
 
     tree: Expression
     texts: list[Text]
     pads: list[tuple[str, str, str, Box]]
     """Reference, side ("F" or "B"), net and box of each pad."""
-    parts: dict[str, Box]
-    """Box around pads, body and printed outline of each component."""
 
 
 def first(item: Expression, head: str) -> list[str]:
@@ -190,22 +172,6 @@ def first(item: Expression, head: str) -> list[str]:
 
 def numbers(item: Expression, head: str) -> list[float]:
     return [float(word) for word in first(item, head)[1:]]
-
-
-def text_box(item: Expression, x: float, y: float, angle: float) -> Box:
-    effects = first(item, "effects")
-    height = numbers(first(effects, "font"), "size")[0]  # type: ignore[arg-type]
-    justify = [word for words in children(effects, "justify") for word in words[1:]]
-    text = item[2] if item[0] == "property" else item[1]
-    advances = (next((a for letters, a in ADVANCES.items() if c in letters), ADVANCES[""]) for c in text)
-    width = height * (sum(advances) - GAP)
-    below = height * max(depth for letters, depth in BELOW.items() if not letters or set(letters) & set(text))
-    above = height * ABOVE + (0.048 if "4" in text else 0.0)
-    if justify == ["left", "mirror"]:
-        x -= width / 2
-    if angle % 180 == 0:
-        return (x - width / 2, y - above, x + width / 2, y + below)
-    return (x - above, y - width / 2, x + below, y + width / 2)
 
 
 def rotate(angle: float, x: float, y: float) -> tuple[float, float]:
@@ -222,76 +188,28 @@ def read_board(name: str, changes: tuple[str, ...] = ()) -> Board:
 
 def parse_board(text: str) -> Board:
     tree = parse(text)
-    texts, pads, parts = [], [], {}
+    texts, pads = [], []
     for item in children(tree, "gr_text"):
-        x, y, *angle = numbers(item, "at")
-        layer = first(item, "layer")[1]
-        texts.append(Text(item[1], "", layer[0], text_box(item, x, y, angle[0] if angle else 0.0)))
+        x, y, *_ = numbers(item, "at")
+        texts.append(Text(item[1], first(item, "layer")[1][0], (x, y, x, y)))
     for footprint in children(tree, "footprint"):
         x, y, *rest = numbers(footprint, "at")
         angle = rest[0] if rest else 0.0
         reference = next(p[2] for p in children(footprint, "property") if p[1] == "Reference")
-        boxes = []
         for pad in children(footprint, "pad"):
             px, py, *_ = numbers(pad, "at")
             w, h = numbers(pad, "size")
-            margin = next((float(m[1]) for m in children(pad, "solder_mask_margin")), 0.0)
             dx, dy = rotate(angle, px, py)
             w, h = (w, h) if angle % 180 == 0 else (h, w)
             box = (x + dx - w / 2, y + dy - h / 2, x + dx + w / 2, y + dy + h / 2)
-            box = (box[0] - margin, box[1] - margin, box[2] + margin, box[3] + margin)
             net = next((n[2] for n in children(pad, "net")), "")
             sides = "FB" if pad[2].endswith("thru_hole") else "F"
             pads += [(reference, side, net, box) for side in sides]
-            boxes.append(box)
-        outlines = [r for r in children(footprint, "fp_rect") if first(r, "layer")[1] == "F.Fab"]
-        outlines += [r for r in children(footprint, "fp_line") if first(r, "layer")[1] == "F.SilkS"]
-        for body in outlines:
-            corners = [rotate(angle, *numbers(body, end)) for end in ("start", "end")]
-            xs, ys = [x + c[0] for c in corners], [y + c[1] for c in corners]
-            boxes.append((min(xs), min(ys), max(xs), max(ys)))
-        parts[reference] = (
-            min(b[0] for b in boxes), min(b[1] for b in boxes), max(b[2] for b in boxes), max(b[3] for b in boxes)
-        )  # fmt: skip
-        for field in children(footprint, "property"):
-            layer = first(field, "layer")[1]
-            if layer.endswith("SilkS") and not list(children(field, "hide")):
-                fx, fy, text_angle = numbers(field, "at")
-                dx, dy = rotate(angle, fx, fy)
-                texts.append(Text(field[2], reference, layer[0], text_box(field, x + dx, y + dy, text_angle)))
-    return Board(tree, texts, pads, parts)
+    return Board(tree, texts, pads)
 
 
 def distance(a: Box, b: Box) -> float:
     return math.hypot(max(a[0] - b[2], b[0] - a[2], 0.0), max(a[1] - b[3], b[1] - a[3], 0.0))
-
-
-def misleading(board: Board) -> list[str]:
-    """References that are as near to another component as to their own."""
-    found = []
-    for text in board.texts:
-        if text.owner:
-            own = distance(text.box, board.parts[text.owner])
-            nearest = min((distance(text.box, box), ref) for ref, box in board.parts.items() if ref != text.owner)
-            if nearest[0] <= own + 1e-6:
-                found.append(f"{text.text} at {nearest[1]}")
-    return found
-
-
-@pytest.mark.every_case
-@pytest.mark.parametrize("name", VARIANT_CHANGES)
-def test_each_reference_is_nearest_to_its_own_part(name: str) -> None:
-    assert misleading(read_board(name)) == []
-
-
-@pytest.mark.every_case
-@pytest.mark.parametrize("name", VARIANT_CHANGES)
-def test_front_shows_all_references_but_some_of_resistors_and_capacitors(name: str) -> None:
-    board = read_board(name)
-    printed = {text.owner for text in board.texts if text.owner}
-    missing = {ref for ref in board.parts if ref not in printed and not ref.startswith(("H", "FID"))}
-    assert {re.sub(r"\d", "", ref) for ref in missing} <= {"R", "C"}
-    assert all(text.text == text.owner for text in board.texts if text.owner)
 
 
 @pytest.mark.every_case
@@ -355,24 +273,6 @@ def test_layout_that_prints_no_value_of_a_part_is_refused() -> None:
     layout = load_project("article").layout.replace('(gr_text "R4 ', '(gr_text "R44 ')
     with pytest.raises(BoardError, match=r"prints no value of R4 on its back; add a text there in KiCad"):
         replace(load_project("article"), layout=layout).enter(circuit)
-
-
-@pytest.mark.every_case
-@pytest.mark.parametrize("name", VARIANT_CHANGES)
-def test_three_fiducial_marks_span_the_board(name: str) -> None:
-    """1 mm of copper in an opening of 2 mm, clear of all other copper, and not on one line."""
-    board, placement = read_board(name), load_project(name).placement
-    marks = [item for item in children(board.tree, "footprint") if item[1] == "Fiducial:Fiducial_1mm_Mask2mm"]
-    points = [tuple(numbers(item, "at")[:2]) for item in marks]
-    (ax, ay), (bx, by), (cx, cy) = points
-    assert abs((bx - ax) * (cy - ay) - (by - ay) * (cx - ax)) / 2 > 0.25 * placement.width * placement.height
-    for item, (x, y) in zip(marks, points, strict=True):
-        pad = first(item, "pad")
-        assert numbers(pad, "size") == [1.0, 1.0]  # type: ignore[arg-type]
-        assert numbers(pad, "solder_mask_margin") == [0.5]  # type: ignore[arg-type]
-        mark = (x - 1.0, y - 1.0, x + 1.0, y + 1.0)
-        assert all(distance(mark, box) > 0 for ref, side, _, box in board.pads if side == "F" and ref[:3] != "FID")
-        assert placement.corner[0] + 1.0 < x < placement.corner[0] + placement.width - 1.0
 
 
 EXPORTED = ("article", "comparator")

@@ -6,20 +6,18 @@ import csv
 import fnmatch
 import functools
 import json
-import shutil
 from pathlib import Path
 
 import pytest
 
 from fingertip.board import board_circuit, board_values
 from fingertip.board.components.values import VARIANT_CHANGES
-from fingertip.board.kicad.project import IGNORED_IN_SCHEMATIC, IGNORED_ON_BOARD, load_project
+from fingertip.board.kicad.project import load_project
 from fingertip.board.parts.symbols import DUAL_AMPLIFIERS
-from fingertip.catalogues.output_files import BOM, LAYOUT, NETLIST, PROJECT, README, SCHEMATIC
-from fingertip.tasks.board import write_board
+from fingertip.catalogues.output_files import BOM, NETLIST, SCHEMATIC
 from tests.board.conftest import BOARDS, BoardFolder
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli, read_netlist
-from tests.designs import ARTICLE, load_article
+from tests.designs import load_article
 from tests.oracles.sexpressions import Expression, children, descendants, parse
 from tests.tools import require_tool
 
@@ -89,7 +87,6 @@ def pin_places(symbol: Expression) -> dict[str, tuple[float, ...]]:
     }
 
 
-CIRCUIT = board_circuit(board_values(ARTICLE))
 # Distinct components of all boards. The same reference may be another component on another supply.
 COMPONENTS = {
     (component.reference, component.symbol.name, component.footprint): component
@@ -151,34 +148,3 @@ def test_footprints_match_the_filters_of_their_symbols() -> None:
         if not any(fnmatch.fnmatchcase(name, pattern) for name in candidates for pattern in filters):
             wrong.append((component.reference, component.footprint))
     assert wrong == []
-
-
-@pytest.mark.full
-def test_checks_that_are_off_find_what_the_readme_says(tmp_path: Path) -> None:
-    """With KiCad's libraries, the mismatches report every symbol and footprint, and the others nothing."""
-    require_tool("kicad-cli", HOW_TO_INSTALL_KICAD)
-    templates = require_tool("/usr/share/kicad/template", HOW_TO_INSTALL_KICAD)
-    folder = tmp_path / "pcb"
-    write_board(ARTICLE, folder)
-    project = json.loads((folder / PROJECT).read_text("utf-8"))
-    off = project["board"]["design_settings"]["rule_severities"], project["erc"]["rule_severities"]
-    assert [set(checks) for checks in off] == [set(IGNORED_ON_BOARD), set(IGNORED_IN_SCHEMATIC)]
-    text = " ".join((folder / README).read_text("utf-8").split())
-    for severities in off:
-        for name in severities:
-            assert f"`{name}`: {(IGNORED_ON_BOARD | IGNORED_IN_SCHEMATIC)[name]}." in text
-            severities[name] = "error"
-    (folder / PROJECT).write_text(json.dumps(project))
-    settings = tmp_path / "kicad-home" / ".".join(kicad_cli(folder, "version").stdout.split(".")[:2])
-    settings.mkdir(parents=True, exist_ok=True)
-    for table in ("fp-lib-table", "sym-lib-table"):
-        shutil.copy(templates / table, settings)
-    kicad_cli(folder, "pcb", "drc", LAYOUT, "--severity-all", "--format", "json", "-o", "drc.json")
-    kicad_cli(folder, "sch", "erc", SCHEMATIC, "--severity-all", "--format", "json", "-o", "erc.json")
-    drc, erc = (json.loads((folder / name).read_text("utf-8")) for name in ("drc.json", "erc.json"))
-    on_board = [violation["type"] for violation in drc["violations"]]
-    footprints = (folder / LAYOUT).read_text("utf-8").count("\n  (footprint ")
-    assert footprints == len(CIRCUIT.components) + 3  # fiducials
-    assert on_board == ["lib_footprint_mismatch"] * footprints
-    in_schematic = {violation["type"] for sheet in erc["sheets"] for violation in sheet["violations"]}
-    assert in_schematic == {"lib_symbol_mismatch"}

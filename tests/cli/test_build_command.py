@@ -16,10 +16,6 @@ from tests.conftest import design_file, run_fingertip
 FSR400 = design_file("fsr400")
 
 
-def snapshot(folder: Path) -> dict[str, bytes]:
-    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
-
-
 @pytest.mark.full
 def test_json_output_is_a_single_object(tmp_path: Path) -> None:
     done = run_fingertip("build", FSR400, "--out", tmp_path, "--formats", "stl", "--json")
@@ -80,36 +76,6 @@ def test_hanging_step_process_is_stopped(tmp_path: Path, monkeypatch: pytest.Mon
     with pytest.raises(GeometryError, match="still loading Open CASCADE after 3 s"):
         module.build(Design(), tmp_path / "out")
     assert not (tmp_path / "out").exists()
-
-
-@pytest.mark.full
-def test_files_of_another_design_are_removed(tmp_path: Path) -> None:
-    """Files of another design are removed with the new ones in place. Files of the user are kept."""
-    quick = ("--tolerance-mm", "0.05")
-    run_fingertip("build", FSR400, "--out", tmp_path, *quick, "--formats", "stl,3mf")
-    mine = {"mine.txt": b"mine", "exploded.png": b"a picture", "my_bone.stl": b"mine", "core.stl": b"mine too"}
-    for name, data in mine.items():
-        (tmp_path / name).write_bytes(data)
-    before, stl = snapshot(tmp_path), (*quick, "--formats", "stl")
-    same = run_fingertip("build", FSR400, "--out", tmp_path, *stl, "--parts", "bone", "--json")
-    assert json.loads(same.stdout)["removed"] == []
-    assert set(snapshot(tmp_path)) == set(before), "other parts of the same design stay"
-
-    other = run_fingertip("build", FSR400, "--out", tmp_path, *stl, "--parts", "bone", "--set", "skin.width_mm=18")
-    assert other.returncode == 0, other.stderr
-    left = snapshot(tmp_path)
-    assert set(left) == {
-        "bone.stl",
-        "design.toml",
-        "report.json",
-        "manifest.json",
-        "print/bone.stl",
-        "print/manifest.json",
-        *mine,
-    }
-    assert {name: left[name] for name in mine} == mine
-    (message,) = (line for line in other.stderr.splitlines() if line.startswith("removed"))
-    assert {word.strip(",") for word in message.split()} >= set(before) - set(left)
 
 
 def test_string_instead_of_a_list_is_rejected() -> None:

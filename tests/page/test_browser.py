@@ -13,17 +13,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fingertip import Design
 from fingertip.cad.files import stl
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.catalogues.output_files import PAGE
-from fingertip.documents.finger_set import render_set_start, render_sheet
-from fingertip.page.render import render_set_page
-from fingertip.pictures.casting_scenes import draw_finger
 from tests.browser import HOW, click, drawn_ms, find_barriers, open_browser, picture, wait
 from tests.conftest import ROOT
-from tests.page.conftest import Page
-from tests.sets.test_sets import FINGER, NAMES, THUMB, collect_data, make_sheets
 from tests.tools import require_tool
 
 
@@ -141,40 +135,6 @@ def test_a_parameter_highlights_its_parts(opened: Any) -> None:
     assert not np.array_equal(picture(opened), before)
     opened.execute_script("arguments[0].click()", button)
     assert np.array_equal(picture(opened), before)
-
-
-@pytest.mark.full
-def test_a_line_of_the_parts_list_highlights_its_parts_and_the_reverse(opened: Any) -> None:
-    """Every picture of the board shows them: front, back and copper. Keys do what the pointer does."""
-    from selenium.webdriver.common.keys import Keys
-
-    click(opened, "#tab-board")
-
-    def picked() -> list[str]:
-        script = "return [...document.querySelectorAll('[data-part].picked')].map((part) => part.dataset.part)"
-        return sorted(opened.execute_script(script))
-
-    line = opened.find_element("css selector", "#bom tr[data-parts^='C1 C2 C3']")
-    names = line.get_attribute("data-parts").split()
-    button = line.find_element("css selector", "button")
-    opened.execute_script("arguments[0].focus()", button)
-    button.send_keys(Keys.ENTER)
-    # The back has a frame and a printed value for each.
-    assert picked() == sorted(4 * names)
-    assert button.get_attribute("aria-pressed") == "true"
-    assert "picked" in line.get_attribute("class")
-    stroke = "return getComputedStyle(document.querySelector('[data-part=C1].picked rect')).stroke"
-    assert opened.execute_script(stroke) != "none"
-    assert opened.find_element("id", "bom-status").text == "C1, C2, C3: 1u"
-    button.send_keys(Keys.ENTER)
-    assert picked() == []
-    part = opened.find_element("css selector", "[data-part=U2]")
-    opened.execute_script("arguments[0].dispatchEvent(new MouseEvent('click', {bubbles: true}))", part)
-    assert set(picked()) == {"U2"}
-    lines = opened.find_elements("css selector", "#bom tr.picked")
-    assert [each.get_attribute("data-parts") for each in lines] == ["U1 U2"]
-    opened.find_element("id", "bom-part").send_keys("C2")
-    assert set(picked()) == {"C2"}
 
 
 @pytest.mark.full
@@ -354,33 +314,6 @@ def test_ticks_survive_a_reload_and_are_taken_back(opened: Any) -> None:
     click(opened, "#cast .ticked button")
     assert (count("steps"), count("shopping").partition(" of ")[0]) == ("0 of 25 steps", "2")
     opened.execute_script("localStorage.clear()")
-
-
-@pytest.mark.full
-def test_page_of_a_set_is_laid_out_alike(driver: Any, tmp_path: Path) -> None:
-    data = collect_data("hand", [make_sheets(THUMB, NAMES[:1]), make_sheets(FINGER, NAMES[1:])], has_board=True)
-    files = {"board/README.md", "parts_list.csv", *(f"{row.design}/{row.plate}" for row in data.fingers)}
-    sheets = [render_sheet(name, data) for name in ("overview", "plan", "parts", "acceptance")]
-    pictures = {design.name: draw_finger(design, 320) for design in (THUMB, FINGER)}
-    start = render_set_start(data, Design(name="hand", board={"channels": 5}))
-    page = tmp_path / PAGE
-    page.write_bytes(render_set_page(data, pictures, start, sheets, files, ["adult_thumb"]))
-    driver.get("about:blank")
-    driver.get_log("browser")
-    driver.get(page.as_uri())
-    for width, height in WINDOWS:
-        size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500}
-        driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
-        driver.refresh()
-        check_tabs(driver, height)
-        for scheme in ("light", "dark"):
-            for tab in list_tabs(driver):
-                click(driver, f"#tab-{tab}")
-                assert find_barriers(driver, scheme, width) == [], tab
-    assert driver.find_element("css selector", "header .failed").text.startswith("✗ Checks of adult_thumb failed")
-    links = {link for link in Page(page.read_text()).attributes("href") if not link.startswith("#")}
-    assert links == files | {f"{design.name}/{PAGE}" for design in (THUMB, FINGER)}
-    assert [entry for entry in driver.get_log("browser") if entry["level"] != "INFO"] == []
 
 
 @pytest.mark.full

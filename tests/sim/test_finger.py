@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fingertip.board.components.values import SUPPLIES
 from fingertip.catalogues.file_kinds import SCENE, list_bundled_files
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
@@ -67,46 +66,6 @@ def test_chunks_change_no_bit_at_any_rate_with_all_interference(rate, refinement
             parts = FingerSignals.join([*SceneRun(design, scene, 2, grid).chunks(1303)])
         for name in ("time_s", *SCENE_OUTPUTS):
             assert np.array_equal(getattr(parts, name), getattr(whole, name)), (name, contact)
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("variant", ["article", "precision"])
-@pytest.mark.parametrize("surface", ["wood", "gross"])
-def test_board_does_not_know_the_sampling_rate(variant, surface):
-    """The envelope's mean over a slide is the same at every rate: at C_LP to 0.1 %, at the converter to 0.5 %.
-
-    Where software computes it, the converter's own pole lies ahead of the rectifier and takes part of a vibration: 6 %
-    at 1 kHz, nothing from 5 kHz on.
-
-    The converter's range holds the whole signal: what a smaller one clips depends on the rate.
-    """
-    scene = SceneFile(
-        contact={"surface": surface}, hold={"min_force_n": 2.0, "max_force_n": 2.0},
-        slide={"distance_m": 0.04, "speed_m_s": 0.08}, sensing={"noise": False},
-        outputs=["envelope_v", "sampled_envelope_v"],
-    )  # fmt: skip
-    at_board, at_converter, points = [], [], []
-    for rate in (1000.0, 2000.0, 3000.0, 5000.0, 20_000.0):
-        detector = {"sample_rate_hz": rate, "noise_v": 0.0, "adc_bits": 24, "adc_range_v": 10.0}
-        board = {"variant": variant, "supply_v": SUPPLIES[variant].nominal_v}
-        run = SceneRun(design := Design(detector=detector, board=board), scene, 3)
-        with compiled():
-            found = run_scene(design, scene, 3)
-        start, end = round(run.timeline.slide.start_s + 0.12, 2), round(run.timeline.slide.end_s - 0.06, 2)
-        during = (found.time_s >= start - 1e-9) & (found.time_s < end + 1e-9)
-        every = round(rate / 1000)  # the board's own voltage is compared at the same moments, 1 ms apart
-        at_board.append(found.columns["envelope_v"][during][::every].mean())
-        mean_v = np.trapezoid(found.columns["sampled_envelope_v"][during], found.time_s[during]) / (end - start)
-        at_converter.append(mean_v)
-        points.append(found.columns["envelope_v"][::every])
-    assert max(at_board) / min(at_board) - 1 < 1e-3
-    lasting = at_converter if design.board.has_envelope else at_converter[3:]
-    assert max(lasting) / min(lasting) - 1 < 5e-3
-    assert max(at_converter) / min(at_converter) - 1 < 0.07
-    assert at_board[0] > 1e-3
-    for other in points[1:]:  # the same bits wherever both are sampled at a point of the grid
-        shared = min(len(other), len(points[0]))
-        assert np.array_equal(other[:shared], points[0][:shared])
 
 
 @pytest.mark.full

@@ -421,26 +421,3 @@ def test_command_writes_trace_and_plot(tmp_path):
     assert first == ((tmp_path / "a.csv").read_bytes(), (tmp_path / "a.png").read_bytes())
     found = run_fingertip("detect", tmp_path / "a.csv", "--design", ROOT / "params/fsr402.toml", "--json", "-q")
     assert found.returncode == 0, found.stderr  # the thumb's columns, like the article's
-
-
-@pytest.mark.full
-def test_command_with_grip_holds_what_is_lost_without(tmp_path):
-    file = ROOT / "params/scenes/real_manipulation.toml"
-    pinch = ["--set", "object.mass_kg=0.06", "--set", "grasp.kind=pinch", "--set", "grasp.after_s=1", "--seed", "3"]
-    arguments = ["simulate", file, "--design", ROOT / "params/fsr402.toml", *pinch, "--json", "-q"]
-    results = {}
-    for grip in ([], ["--grip", "fast"], ["--grip", "analog"]):
-        done = run_fingertip(*arguments, *grip, "--out", tmp_path / "a.csv")
-        assert done.returncode == 0, done.stderr
-        results[tuple(grip)] = json.loads(done.stdout)
-    assert not results[()]["held"]
-    for grip in (("--grip", "fast"), ("--grip", "analog")):
-        assert results[grip]["held"]
-        (first, *_) = results[grip]["grips_s"]
-        assert 2.9 < first < 3.0  # the knock comes at 2.9 s
-    assert "sampled_envelope_v" in results["--grip", "analog"]["columns"]
-    refused = run_fingertip("simulate", "--grip", "fats", "--out", tmp_path / "b.csv")
-    assert refused.returncode == 2
-    assert "closes the loop of a hand" in refused.stderr
-    assert "did you mean fast?" in refused.stderr
-    assert not (tmp_path / "b.csv").exists()

@@ -87,7 +87,7 @@ def renew_design(
     kept = {path: value for path, value in old.items() if path not in load_retired()} | {"name": name}
     if old.get("sensor.tail") == "folded":
         kept["sensor.model"] = _SHORT.get(old["sensor.model"], old["sensor.model"])
-    wanted = parse_tables(DesignTables, _nest(kept))
+    wanted = parse_tables(DesignTables, load_tables([], kept).tables)
     base = min(list_bundled_files(DESIGN), key=lambda one: _measure_distance(wanted, one))
     tables = parse_tables(DesignTables, load_tables([base], changes).tables | {"name": name})
     fixed = tuple(path for path, _ in flatten(load_tables([], changes).tables))
@@ -96,14 +96,6 @@ def renew_design(
     tables = _fit(_adopt_all(tables, sizes), sizes, fixed, progress)
     design = Design(**tables.model_dump())
     return Renewal(NewDesign("\n".join([*list_lines(design, base), ""]), base, {}, {}, design), stated)
-
-
-def _nest(values: Mapping[str, Any]) -> dict[str, Any]:
-    tables: dict[str, Any] = {}
-    for path, value in values.items():
-        *table, key = path.split(".", 1)
-        (tables.setdefault(table[0], {}) if table else tables)[key] = value
-    return tables
 
 
 def _measure_distance(wanted: DesignTables, base: str) -> tuple[bool, bool, float]:

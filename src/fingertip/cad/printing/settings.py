@@ -55,8 +55,6 @@ class Profile:
 
 NOZZLE_MM = 0.4
 """Bore of the usual nozzle, for which walls are counted in lines [mm]."""
-FIRST_LAYER_MM = 0.2
-"""Least height of the first layer [mm]: thinner ones hardly stick to the bed."""
 RESIN_LAYER_MM = 0.05
 """Usual layers of resin printers [mm]."""
 _SOLID_PERCENT = 100

@@ -1,5 +1,5 @@
 /* Board's high-pass filter for a gain of 1: its section of first order, */
-#define SLIP_BOARD_1_B $BOARD_1_B
+#define SLIP_BOARD_1_B $BOARD_1_B0
 #define SLIP_BOARD_1_A1 $BOARD_1_A1
 
 /* and that of second order. */
@@ -77,8 +77,8 @@
 #define SLIP_HIGHEST_CODE $HIGHEST_CODE
 
 /* Smoothing factors of 6 and 20 ms, per sample. */
-#define SLIP_SHORT $SHORT
-#define SLIP_LONG $LONG
+#define SLIP_SHORT $SHORT_SMOOTHING
+#define SLIP_LONG $LONG_SMOOTHING
 
 /* Samples of a tick; ticks of a slot of the peaks, and of the smallest; entries of the ring of slow voltages. */
 #define SLIP_TICK_SAMPLES $TICK_SAMPLES
@@ -115,8 +115,8 @@
 #define SLIP_TINY $TINY
 
 /* Ratios that decide: trees are evaluated, vibration lasts, unstated noise, floors adapt, a tone, an end. */
-#define SLIP_LOUD $LOUD
-#define SLIP_LOUD_20 $LOUD_20
+#define SLIP_LOUD $UPPER_LOUD
+#define SLIP_LOUD_20 $UPPER_LOUD_20
 #define SLIP_LASTING_RATIO $LASTING_RATIO
 #define SLIP_NOISY_RATIO $NOISY_RATIO
 #define SLIP_MOVING_RATIO $MOVING_RATIO
@@ -129,10 +129,10 @@
 /* Scores: before the first tree; of confidence 0; for ON; by how much less for incipient slip; rise in noise; for staying; smoothing. */
 #define SLIP_OFFSET $OFFSET
 #define SLIP_LOWEST_SCORE $LOWEST_SCORE
-#define SLIP_ON_SCORE $ON_SCORE
+#define SLIP_ON_SCORE $THRESHOLD
 #define SLIP_INCIPIENT_MARGIN $INCIPIENT_MARGIN
 #define SLIP_NOISE_RISE $NOISE_RISE
-#define SLIP_STAY_SCORE $STAY_SCORE
+#define SLIP_STAY_SCORE $STAY_THRESHOLD
 #define SLIP_SCORE_SMOOTHING $SCORE_SMOOTHING
 
 /* 1 if the tactile voltage falls with the force, -1 if it rises. */

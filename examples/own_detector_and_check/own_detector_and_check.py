@@ -39,9 +39,6 @@ class ChangeDetector(Detector):
         statistic = np.array([self._update(float(value)) for value in voltage_v])
         return DetectorOutput(statistic, np.full(len(statistic), self._threshold_v), statistic > self._threshold_v)
 
-    def step(self, voltage_v: float) -> bool:
-        return self._update(voltage_v) > self._threshold_v
-
     def _update(self, voltage_v: float) -> float:
         change = 0.0 if math.isnan(self._last_v) else voltage_v - self._last_v
         self._last_v = voltage_v

@@ -136,9 +136,6 @@ class FftDetector(Detector):
         self._past = samples[len(new) :]
         return DetectorOutput(statistic, np.full(len(new), self._threshold_v), statistic > self._threshold_v)
 
-    def step(self, voltage_v: float) -> bool:
-        return bool(self.process([voltage_v]).on[0])
-
     def _band_rms(self, windows: Array) -> Array:
         band = np.fft.rfft((windows - windows[:, :1]) * self._window)[:, self._first_bin : self._end_bin]
         energies = band.real**2 + band.imag**2

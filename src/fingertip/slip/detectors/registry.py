@@ -71,9 +71,9 @@ class Detector(ABC):
     def process(self, voltage_v: Iterable[float]) -> DetectorOutput:
         """Process the next samples [V], any number of them, and return one output per sample."""
 
-    @abstractmethod
     def step(self, voltage_v: float) -> bool:
-        """Process one sample [V] and return whether slip is ON; same result as `process`, without its arrays."""
+        """Process one sample [V] and return whether slip is ON; some detectors do so without arrays."""
+        return bool(self.process([voltage_v]).on[0])
 
 
 ENVELOPE_MEAN = "mean of the envelope"

@@ -89,28 +89,6 @@ def test_an_error_of_the_reader_is_no_fault_of_the_file(tmp_path: Path) -> None:
         raise OSError(errno.EIO, os.strerror(errno.EIO))  # as a damaged disk raises it
 
 
-COMMANDS = (
-    "params x", "detect x", "sweep x", "simulate x", "build x", "check x", "calibrate sensor fsr400 x",
-    "calibrate printer x --half-thickness-mm 10", "new my --hand x", "board fsr400 --readings x",
-    "params --set skin.width_mm=17 x", "validate x", "simulate hard_tap --design x", "detect y.csv --design x",
-    "acceptance x",
-)  # fmt: skip
-"""Every way in which a command takes a file, as x."""
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("kind", ["pipe", "missing"])
-def test_no_command_opens_a_pipe_or_fails_at_a_missing_file(tmp_path: Path, kind: str) -> None:
-    ODD_FILES[kind][0](tmp_path / "x.toml")
-    wrong = []
-    for command in COMMANDS:
-        given = [str(tmp_path / "x.toml") if word == "x" else word for word in command.split()]
-        done = run_fingertip(*given, PWD=str(tmp_path))
-        if done.returncode != 2 or ODD_FILES[kind][1] not in done.stderr:
-            wrong.append((command, done.stderr))
-    assert wrong == []
-
-
 def test_limits_apply_and_may_be_raised(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "a.toml"
     path.write_bytes(b"#" * MEGABYTE)

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import inspect
 import re
-import runpy
-import sys
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -201,22 +198,3 @@ def test_light_work_imports_no_heavy_package(name: str, tmp_path: Path) -> None:
     done = run_python("-c", f"{program}\n{imported}", PWD=str(tmp_path))
     assert done.returncode == 0, done.stderr
     assert set(done.stdout.splitlines()[-1].split()) & (HEAVY | others) == set()
-
-
-@pytest.mark.full
-def test_example_shows_parts_in_cq_editor_and_in_ocp_vscode(monkeypatch: pytest.MonkeyPatch) -> None:
-    shown = list[str]()
-
-    def show_object(shape: Any, name: str) -> None:
-        solids = shape.toCompound().Solids() if name == "all parts" else shape.vals()
-        assert solids
-        assert all(solid.isValid() for solid in solids)
-        shown.append(name)
-
-    monkeypatch.chdir(ROOT)
-    monkeypatch.setitem(sys.modules, "ocp_vscode", SimpleNamespace(show_object=show_object))
-    example = str(ROOT / "examples/show_in_cq_editor.py")
-    runpy.run_path(example)
-    runpy.run_path(example, init_globals={"show_object": lambda shape, name: shown.append(f"in CQ-editor: {name}")})
-    names = ["bone", "sensor", "all parts"]
-    assert shown == [*names, *(f"in CQ-editor: {name}" for name in names)]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import subprocess
-import zipfile
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
@@ -20,36 +19,17 @@ from fingertip.cad.printing.settings import ERROR_PERCENT, FDM, PROFILE, estimat
 from fingertip.cad.verification.verify import verify
 from fingertip.design import Design
 from fingertip.design.new_design import PRESETS
-from fingertip.tasks.build import build
 from tests.conftest import DESIGNS, design_file
 from tests.tools import require_tool
 
 COARSE = 0.05
 """Tolerance of the plates' meshes [mm], which slice faster than those of a build."""
-NO_ROOM = "[error]   Pinhead width is negative!"
-"""What PrusaSlicer says of one of its own automatic supports that has no room for its head, in a slot of 1.2 mm."""
 LAYER_MM = 0.2
 
 
 @pytest.fixture(scope="module")
 def slicer() -> Path:
     return require_tool("prusa-slicer", "apt-get install prusa-slicer")
-
-
-@pytest.mark.full
-@pytest.mark.parametrize(
-    "name", ["bone", *(pytest.param(n, marks=pytest.mark.full) for n in ("skin", "mold_palmar", "mold_dorsal"))]
-)
-def test_slicer_sees_one_manifold_part(slicer: Path, name: str, tmp_path: Path) -> None:
-    """The exit code of PrusaSlicer does not report whether a mesh is manifold; its output does."""
-    (part,) = build(Design(), tmp_path, parts=[name], formats=["stl", "3mf"], tolerance_mm=COARSE).parts
-    for file_format in ("stl", "3mf"):
-        words = [slicer, "--info", tmp_path / f"{name}.{file_format}"]
-        output = subprocess.run(words, capture_output=True, text=True, check=True)
-        facts = dict(line.split(" = ", 1) for line in output.stdout.splitlines() if " = " in line)
-        assert facts["manifold"].strip() == "yes"
-        assert facts["number_of_parts"].strip() == "1"
-        assert float(facts["volume"]) == pytest.approx(part.mesh.volume(), rel=1e-5)
 
 
 def support_moves(gcode: str) -> np.ndarray:
@@ -131,24 +111,6 @@ def test_slicer_takes_layers_brim_and_infill_from_the_filament_plate(slicer: Pat
     assert infills[0] > 0
     assert infills[1] == 0, "it is solid"
     assert brims[1] > brims[0], "a brim beside the usual skirt"
-
-
-@pytest.mark.full
-def test_resin_plate_slices_for_a_resin_printer(slicer: Path, tmp_path: Path) -> None:
-    import trimesh
-
-    (tmp_path / "plate.3mf").write_bytes(plate_of(Design.load(changes=["strength.print_material=clear"])))
-    command = [
-        slicer, "--export-sla", "--printer-technology", "SLA", "--dont-arrange", "--layer-height", "0.1", "-o",
-        tmp_path / "plate.sl1", tmp_path / "plate.3mf",
-    ]  # fmt: skip
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    said = (done.stdout + done.stderr).replace(NO_ROOM, "")
-    assert not re.search(r"\[(warning|error|fatal)\]", said, re.IGNORECASE)
-    with zipfile.ZipFile(tmp_path / "plate.sl1") as sliced:
-        layers = sum(name.endswith(".png") for name in sliced.namelist())
-    height_mm = trimesh.load(tmp_path / "plate.3mf", force="mesh").extents[2]
-    assert layers > 0.99 * height_mm / 0.05, "of 0.05 mm as the plate says, not of 0.1 mm as the command does"
 
 
 @pytest.mark.full

@@ -27,7 +27,6 @@ from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
 from fingertip.sim.signal.bridge import ConductanceCurve, fit_conductance_curve
 from fingertip.sim.signal.converter import compute_bridge_v
-from tests.conftest import ROOT
 from tests.designs import ARTICLE
 
 DESIGN = ARTICLE
@@ -130,49 +129,6 @@ def test_fit_equals_numpys_and_its_interval_is_that_of_a_prediction() -> None:
         low, high = law.interval_n(reading)
         assert low < force_at(law, reading) < high
     assert PowerLaw(0.2, 0.1, 1e-4, 0.5, 4, 0.0, 1.0).interval_n(1e-4) == (0.2, math.inf)
-
-
-def draws(noise: float, in_force: bool, count: int = 2000) -> tuple[np.ndarray, np.ndarray, float]:
-    """Errors of the force on held-out weights: of the curve, and of single readings; and how many intervals hold.
-
-    Four weighings of 0.5, 1, 3 and 10 N and held-out weights between, all with noise on the conductance, or on the
-    force.
-    """
-    rng = np.random.default_rng(2026)
-    forces, held_out = np.array([0.5, 1.0, 3.0, 10.0]), np.array([0.7, 2.0, 5.0, 8.0])
-    curve = fit_conductance_curve()
-    sigma = noise * (curve.exponent if in_force else 1.0)
-    curve_errors, reading_errors, held = [], [], []
-    for _ in range(count):
-        exact = [np.array([curve.conductance_s(f) for f in some]) for some in (forces, held_out)]
-        weighed, read = (g * np.exp(rng.normal(0, sigma, len(g))) for g in exact)
-        law = fit_power_law(forces.tolist(), weighed.tolist(), TURN_ON_N)
-        for force, g, reading in zip(held_out, exact[1], read, strict=True):
-            curve_errors.append(abs(force_at(law, g) / force - 1))
-            reading_errors.append(abs(force_at(law, reading) / force - 1))
-            low, high = law.interval_n(reading)
-            held.append(low <= force <= high)
-    return np.array(curve_errors), np.array(reading_errors), float(np.mean(held))
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("in_force", [True, False])
-def test_four_weighings_with_noise_of_five_percent(in_force: bool) -> None:
-    """Medians and 90th percentiles here are those that the documentation states."""
-    curve, reading, coverage = draws(0.05, in_force)
-    medians = [round(100 * float(np.median(errors)), 1) for errors in (curve, reading)]
-    tails = [round(100 * float(np.quantile(errors, 0.9)), 1) for errors in (curve, reading)]
-    assert 0.94 <= coverage <= 0.96
-    assert max(medians) <= 10.0
-    assert tails[0] <= 10.0
-    assert (medians, tails) == STATED[in_force]
-    cells = " | ".join(f"{median} % ({tail} %)" for median, tail in zip(medians, tails, strict=True))
-    page = (ROOT / "docs/sensor.md").read_text(encoding="utf-8")
-    assert f"| on the {'force' if in_force else 'conductance'} | {cells} | {100 * coverage:.0f} % |" in page
-
-
-STATED = {True: ([1.9, 3.6], [4.9, 8.6]), False: ([3.6, 6.9], [9.3, 16.6])}
-"""Noise on the force -> medians and 90th percentiles of the error [%]: of the curve, and of single readings."""
 
 
 @pytest.mark.parametrize(("turn_on_n", "bound"), [(0.0, 0.09), (0.1, 0.05), (0.3, 0.07)])

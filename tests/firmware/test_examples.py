@@ -215,16 +215,6 @@ def test_the_example_of_a_hand_tells_which_finger_slips_and_which_has_a_fault(ma
 
 
 @pytest.mark.full
-def test_the_example_of_a_hand_shows_the_codes_of_all_fingers_twice_a_second(tmp_path: Path) -> None:
-    fingers = plan_fingers(Design(), "thumb,little", "teensy40")
-    program = make_hand_sketch(tmp_path, "TEENSYDUINO", fingers, change=("SHOW_CODES = false", "SHOW_CODES = true"))
-    given = "174 2040 300 2060\n" * 2100
-    done = subprocess.run([str(program)], input=given, capture_output=True, text=True, check=True)
-    shown = [line for line in done.stdout.splitlines() if ": T " in line]
-    assert shown == ["thumb: T 174, S 2040", "little: T 300, S 2060"] * 2
-
-
-@pytest.mark.full
 def test_a_scan_that_the_converter_did_not_finish_is_lost_and_the_next_one_is_not(tmp_path: Path) -> None:
     """Each tenth scan of an STM32F4 overruns from 1 s on: every finger reports it, and slip at index is found."""
     design = Design()
@@ -250,18 +240,6 @@ def test_the_example_of_a_hand_compiles_for_each_family_of_boards(macro: str, tm
     write_firmware(Design(), tmp_path, fingers=plan_fingers(Design(), "3", "teensy40"))
     for example in ("slip_hand", "slip_stream"):
         compile_sketch(tmp_path, example, macro, "-fsyntax-only")
-
-
-@pytest.mark.full
-def test_the_stream_of_a_hand_is_that_of_the_finger_whose_number_was_sent(tmp_path: Path) -> None:
-    program = make_hand_sketch(tmp_path, "TEENSYDUINO", plan_fingers(Design(), "3", "teensy40"), "slip_stream")
-    given = "100 200 300 400 500 600\n" * 400
-    done = subprocess.run(
-        [str(program)], input=given, capture_output=True, text=True, check=True, env={"KEYS": "3x9"}
-    )  # fmt: skip
-    volts = [float(line.split(",")[1]) for line in done.stdout.splitlines() if line[0].isdigit()]
-    step_v = Design().detector.adc_step_v
-    assert volts == pytest.approx([100 * step_v] * 100 + [500 * step_v] * 300, abs=1e-6)
 
 
 LINE_PROGRAM = """

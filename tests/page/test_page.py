@@ -69,28 +69,6 @@ def test_policy_allows_this_content_alone(page: Page) -> None:
     assert not [key for _, attributes in page.elements for key in attributes if key.startswith("on")]
 
 
-@pytest.mark.full
-def test_command_gives_the_bytes_of_another_process(folder: Path) -> None:
-    before = (folder / PAGE).read_bytes()
-    (folder / PAGE).unlink()
-    done = run_fingertip("page", "fsr400", "--out", folder, "--json")
-    assert done.returncode == 0
-    data = json.loads(done.stdout)
-    assert (folder / PAGE).read_bytes() == before
-    page = Page(before.decode())
-    assert not page.faults
-    assert find_missing_targets(page) == set()
-    text = page.source.replace(page.scripts[2], "")
-    assert str(folder) not in text
-    assert not re.search(r"/(tmp|home|root)/", text)
-    date = r"\b20\d\d-\d\d-\d\d\b"
-    # The board's README says when a source was read; nothing says when the page was made.
-    assert set(re.findall(date, text)) <= set(re.findall(date, (folder / "board/README.md").read_text()))
-    assert 1_000_000 < len(before) < 5_000_000  # it can be sent by mail
-    assert data == {"page": str(folder / PAGE), "bytes": len(before), "remarks": []}
-    assert run_fingertip("check", folder).returncode == 0
-
-
 def test_meshes_are_those_of_the_files(page: Page, design: Design) -> None:
     files = make_sources().files
     parts = {item["name"]: item for item in page.scene if not item["bought"]}

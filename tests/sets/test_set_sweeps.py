@@ -34,18 +34,6 @@ def evaluate(plan: SweepPlan, point: int) -> dict[str, Any]:
     return {"status": status, "field": field, "reason": reason, **dict(zip(plan.outputs, outputs, strict=True))}
 
 
-@pytest.mark.full
-def test_set_in_a_sweep_is_the_set_of_its_file_and_survives_a_round_trip() -> None:
-    plan = load_plan("board.cutoff_hz=80")
-    fingers = load_set("adult_hand", ["board.cutoff_hz=80"]).designs
-    assert plan.is_set
-    assert {name: design.model_dump() for name, design in plan.designs.items()} == {
-        name: design.model_dump() for name, design in fingers.items()
-    }
-    again = SweepPlan.from_toml(plan.to_toml())
-    assert (again.to_toml(), again.designs) == (plan.to_toml(), plan.designs)
-
-
 def test_set_may_stand_beside_the_sweep_with_a_design_of_its_own(tmp_path: Path) -> None:
     (tmp_path / "own.toml").write_text('name = "own"\nskin.width_mm = 17\n')
     (tmp_path / "mine.toml").write_text('name = "mine"\nside = "left"\n[fingers.ring]\ndesign = "own.toml"\n')

@@ -158,7 +158,7 @@ def test_analysis_command_prints_tables_and_writes_the_bode_table(tmp_path: Path
     assert table.read_text().startswith("frequency_hz,")
     assert str(table) in data["files"]
     text = run_fingertip("board", *ARTICLE_OPTIONS, "--analysis", "--quiet", "--out", tmp_path / "pcb").stdout
-    assert analysis_text(analyse(ARTICLE)).strip() in text
+    assert analysis_text(ARTICLE, analyse(ARTICLE)).strip() in text
 
 
 def test_tolerances_are_those_of_the_parts() -> None:

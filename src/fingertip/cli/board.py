@@ -134,7 +134,7 @@ def _write_board(console: Console, design: Design, options: _Options) -> None:
 
         found = analyse(design)
         data["analysis"] = found.as_data()
-        lines += ["", analysis_text(found)]
+        lines += ["", analysis_text(design, found)]
     console.result(data | written | {"verdict": verdict, "warnings": warnings}, "\n".join(lines))
 
 

@@ -197,25 +197,29 @@ _LABELS = {
 }
 
 
-def analysis_text(analysis: Analysis) -> str:
+def analysis_text(design: Design, analysis: Analysis) -> str:
     """Tables of the analysis of a board, whose text is the template `analysis.txt`."""
     from fingertip.board.analysis import interference, limits, noise
+    from fingertip.board.analysis.board_values import board_values
     from fingertip.board.analysis.tolerance import ARTICLE_CAPACITOR_PERCENT, CUTOFF_CAPACITORS
-    from fingertip.catalogues.electronics import AMPLIFIER_CATALOGUE
+    from fingertip.board.components.front_end import MAX_FORCE_N, sensor_conductance_s
     from fingertip.design.formulas import filter as formulas
     from fingertip.documents.template import render
 
+    values = board_values(design)
     text = render(
         "board/analysis.txt",
+        values=values,
         analysis=analysis,
+        threshold_v=design.detector.threshold_v,
+        pressed_v=values.tactile_response.tactile_v(sensor_conductance_s(MAX_FORCE_N)),
         labels=_LABELS,
         noise=noise,
         interference=interference,
         limits=limits,
         formulas=formulas,
-        amplifier=AMPLIFIER_CATALOGUE[analysis.amplifier],
-        has_bridge=not analysis.voltage_limits.has_filtered_output,
-        is_in_software=analysis.voltage_limits.max_envelope_v is None,
+        has_bridge=not values.voltage_limits.has_filtered_output,
+        is_in_software=values.voltage_limits.max_envelope_v is None,
         tolerances=_group_tolerances(analysis.component_percent),
         cutoff_percent=max(analysis.component_percent[name] for name in CUTOFF_CAPACITORS),
         article_percent=ARTICLE_CAPACITOR_PERCENT,

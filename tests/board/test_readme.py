@@ -11,7 +11,6 @@ import math
 import re
 import statistics
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 from xml.etree import ElementTree
@@ -99,15 +98,6 @@ def test_analysis_is_the_approved_one(variant: str) -> None:
     beside = APPROVED / "analysis_precision.txt" if variant != "precision" else None
     text = analysis_text(load_article(VARIANT_CHANGES[variant]), analysis_of(variant))
     check_text(APPROVED / f"analysis_{variant}.txt", text, beside)
-
-
-def test_cost_of_the_capacitors_is_stated_unless_they_are_the_articles() -> None:
-    analysis = analysis_of("precision")
-    for percent, stated in ((10.0, True), (5.0, False), (2.0, True)):
-        own = analysis.component_percent | dict.fromkeys(("C1", "C2", "C3"), percent)
-        text = analysis_text(load_article(VARIANT_CHANGES["precision"]), replace(analysis, component_percent=own))
-        assert ("95 % of the boards" in text) == stated
-        assert (f"with C1 to C3 of {percent:g} %; with the article's 5 %" in text) == stated
 
 
 # Report on readings, compared whole with approved files

@@ -201,7 +201,6 @@ def analysis_text(design: Design, analysis: Analysis) -> str:
     """Tables of the analysis of a board, whose text is the template `analysis.txt`."""
     from fingertip.board.analysis import interference, limits, noise
     from fingertip.board.analysis.board_values import board_values
-    from fingertip.board.analysis.tolerance import ARTICLE_CAPACITOR_PERCENT, CUTOFF_CAPACITORS
     from fingertip.board.components.front_end import MAX_FORCE_N, sensor_conductance_s
     from fingertip.design.formulas import filter as formulas
     from fingertip.documents.template import render
@@ -221,8 +220,6 @@ def analysis_text(design: Design, analysis: Analysis) -> str:
         has_bridge=not values.voltage_limits.has_filtered_output,
         is_in_software=values.voltage_limits.max_envelope_v is None,
         tolerances=_group_tolerances(analysis.component_percent),
-        cutoff_percent=max(analysis.component_percent[name] for name in CUTOFF_CAPACITORS),
-        article_percent=ARTICLE_CAPACITOR_PERCENT,
     )
     return text.rstrip("\n")
 

@@ -30,8 +30,6 @@ class Analysis:
     component_percent: dict[str, float]
     boards: int
     spread: dict[str, Spread]
-    article_spread: dict[str, Spread]
-    """Spread with C1 to C3 of the article's tolerance, for comparison."""
     sensitivity: dict[str, dict[str, float]]
 
     def as_data(self) -> dict[str, Any]:
@@ -42,13 +40,11 @@ def analyse(design: Design, boards: int = 10_000) -> Analysis:
     circuit, bandwidth_hz = board_circuit(select_components(design)), find_gain_bandwidth_hz(design.board)
     toleranced = tolerance.TolerancedFilter(model_filter(circuit), build_network(circuit, bandwidth_hz).values)
     percent = tolerance.component_tolerances(circuit)
-    article_percent = percent | dict.fromkeys(tolerance.CUTOFF_CAPACITORS, tolerance.ARTICLE_CAPACITOR_PERCENT)
     return Analysis(
         *noise.noise_budget(noise.add_noise(circuit, bandwidth_hz)),
         component_percent=percent,
         boards=boards,
         spread=tolerance.monte_carlo(toleranced, percent, boards),
-        article_spread=tolerance.monte_carlo(toleranced, article_percent, boards),
         sensitivity=tolerance.compute_sensitivities(toleranced),
     )
 

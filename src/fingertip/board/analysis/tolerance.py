@@ -21,9 +21,6 @@ from fingertip.foundation.numerics import Array
 
 COMPONENTS = ("R1", "R2", "R3", "R4", "R5", "C1", "C2", "C3", "C14", "C20")
 """Components of the filter that have a tolerance. Variant article has neither C14 nor C20."""
-CUTOFF_CAPACITORS = ("C1", "C2", "C3")
-ARTICLE_CAPACITOR_PERCENT = 5.0
-"""Tolerance [%] of the article's capacitors, with which others are compared."""
 QUANTITIES = ("cutoff_hz", "section_quality", "passband_gain", "first_pole_hz", "section_hz")
 BAND_QUANTILES = (0.025, 0.975)
 """Quantiles between which 95 % of the boards lie."""

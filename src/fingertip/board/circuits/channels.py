@@ -73,18 +73,14 @@ def host_pins() -> dict[str, str]:
 
 def describe_sockets() -> tuple[str, ...]:
     """Describe at which pins of its socket the wires of each finger's sensor are, that of ground last."""
-    pins = (" and ".join(find_sensor_pins(channel)) for channel in range(1, PLACES + 1))
-    return tuple(f"{socket}, pins {own}" for socket, own in zip(list_sockets(), pins, strict=True))
+    return tuple(
+        f"{socket}, pins {' and '.join(pins)}" for socket, (_, *pins) in zip(list_sockets(), SOCKETS, strict=True)
+    )
 
 
 def list_sockets() -> tuple[str, ...]:
     """List the sensor's connector of each channel."""
     return tuple(name_part(SENSOR_CONNECTOR, channel) for channel in range(1, PLACES + 1))
-
-
-def find_sensor_pins(channel: int) -> tuple[str, str]:
-    """Find the pins of the socket of a channel at which the sensor's wires are, that of ground last."""
-    return SOCKETS[channel - 1][1:]
 
 
 def list_pins(net: str) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fingertip.board.kicad.placement import Placement
 from fingertip.board.parts.circuit import Circuit, Component, reference_sort_key
 from fingertip.board.parts.select_part import Selection, select_part
-from fingertip.board.parts.table import BASIC_SOURCE, PRICES, Part, load_table
+from fingertip.board.parts.table import BASIC_SOURCE, PRICES, load_table
 from fingertip.foundation.files import format_csv
 
 PRICE = "Price of one [USD, estimate of 2026-11]"
@@ -37,11 +37,13 @@ def bill_of_materials(circuit: Circuit) -> bytes:
     for line in list_bom(circuit):
         fields, part, alternate = line.selection.fields, line.selection.part, line.selection.alternate
         sources = dict.fromkeys(each.source_text for each in (part, alternate) if each)
+        low, high = PRICES[part.price] if part else (0.0, 0.0)
+        price = f"{low:g} to {high:g}" if low else f"below {high:g}"
         rows.append((
             str(len(line.components)), " ".join(line.references), line.value, line.footprint, line.rating,
             fields["Manufacturer"], fields["MPN"],
             f"{alternate.manufacturer} {alternate.number}".strip() if alternate else "",
-            fields["LCSC"], _format_price(part) if part else "", "; alternate: ".join(sources), line.selection.note,
+            fields["LCSC"], price if part else "", "; alternate: ".join(sources), line.selection.note,
         ))  # fmt: skip
     return format_csv(COLUMNS, rows)
 
@@ -133,11 +135,6 @@ def list_extended(circuit: Circuit) -> list[str]:
     """List the lines to assemble, by reference, which are not among the house's basic and preferred parts."""
     known = ((line, line.selection.part) for line in _list_assembled(circuit))
     return [" ".join(line.references) for line, part in known if part and BASIC_SOURCE not in part.sources]
-
-
-def _format_price(part: Part) -> str:
-    low, high = PRICES[part.price]
-    return f"{low:g} to {high:g}" if low else f"below {high:g}"
 
 
 def _list_unconfirmed(circuit: Circuit) -> list[BomLine]:

@@ -53,7 +53,7 @@ def folder_readme(circuit: Circuit, stored: StoredProject, values: BoardValues, 
         all_unlabelled=not any(part.is_labelled for name, part in placement.parts.items() if name[0] in "RC"),
         name=circuit.name,
         project=project,
-        cables=list(_list_cables(circuit, _takes_leads(circuit, design))),
+        cables=list(_list_cables(circuit, design)),
         plug_wires=[
             (join_words(references), wire, table.load_sources()[wire.source].title)
             for wire, references in table.group_plug_wires(circuit).items()
@@ -106,16 +106,14 @@ def collect_board(values: BoardValues, design: Design) -> dict[str, Any]:
     }
 
 
-def _takes_leads(circuit: Circuit, design: Design) -> bool:
-    """Tell whether bought leads, which are as thick as their plug takes, pass the finger."""
-    socket = SENSOR_CONNECTOR if design.board.channels == 1 else list_sockets()[0]
-    plug = table.find_plug_wire(circuit.component(socket))
-    return plug is not None and design.sensor.wire_diameter_mm >= plug.max_insulation_mm
-
-
-def _list_cables(circuit: Circuit, fingers_take_leads: bool) -> Iterator[tuple[str, ...]]:
+def _list_cables(circuit: Circuit, design: Design) -> Iterator[tuple[str, ...]]:
     """Yield what to buy for each connector's cable, with the source of its numbers or the reason why there are none."""
     sensors = {SENSOR_CONNECTOR, *list_sockets()}
+    plug = table.find_plug_wire(
+        circuit.component(SENSOR_CONNECTOR if design.board.channels == 1 else list_sockets()[0])
+    )
+    # Bought leads, which are as thick as their plug takes, may not pass the finger.
+    takes_leads = plug is not None and design.sensor.wire_diameter_mm >= plug.max_insulation_mm
     # Sockets of one size take the same plugs, and are one line.
     groups: dict[str, list[Component]] = {}
     for connector in table.list_connectors(circuit):
@@ -125,7 +123,7 @@ def _list_cables(circuit: Circuit, fingers_take_leads: bool) -> Iterator[tuple[s
         for mating in table.list_mating_parts(alike[0]):
             # The cable of a sensor is its own wires.
             is_lead, is_cable = (mating.item.startswith(word) for word in ("or leads", "either"))
-            if (is_sensor := alike[0].reference in sensors) and (is_cable or (is_lead and not fingers_take_leads)):
+            if (is_sensor := alike[0].reference in sensors) and (is_cable or (is_lead and not takes_leads)):
                 continue
             numbers = ("", "", mating.reason)
             if part := mating.part:

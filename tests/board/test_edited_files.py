@@ -264,6 +264,7 @@ def test_every_change_of_structure_is_described() -> None:
     assert describe(nets=swapped) == "it changes the nets A, B and C"
 
 
+@pytest.mark.full
 def test_value_changed_by_hand_stays_where_the_design_does_not_change_it(folder: Path) -> None:
     edit(folder / LAYOUT, r'"Value" "82"', '"Value" "81.6"')
     notes: list[str] = []

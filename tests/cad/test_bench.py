@@ -78,6 +78,7 @@ def test_every_check_of_the_stub_passes(knuckle: str) -> None:
     assert checks["hand_stub.clearance"].value == pytest.approx(JOINTED[knuckle].bone.joint_clearance_mm, abs=0.03)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("knuckle", JOINTED)
 def test_the_stub_is_the_same_in_both_kernels(knuckle: str) -> None:
     brep = pytest.importorskip("fingertip.cad.kernel.brep")

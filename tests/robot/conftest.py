@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Any
 import pytest
 
 from fingertip import Design, write_robot
+from fingertip.tasks import robot
 
 INSTALL = "run `sh .ci/install-robot-readers` as root on Debian"
 READERS = f"/opt/robot-readers/lib/python{sys.version_info.major}.{sys.version_info.minor}/site-packages"
@@ -33,8 +35,10 @@ def readers(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture(scope="session", params=DESIGNS)
 def model(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Model:
     design, folder = Design.load(request.param), tmp_path_factory.mktemp("robot") / request.param
-    write_robot(design, folder, file_format="urdf")
-    (folder / "finger.urdf").rename(folder.with_suffix(".urdf"))
-    figures = write_robot(design, folder, file_format="mjcf", force=True)
+    with pytest.MonkeyPatch.context() as patch:  # both formats are of one model
+        patch.setattr(robot, "build_finger", functools.cache(robot.build_finger))
+        write_robot(design, folder, file_format="urdf")
+        (folder / "finger.urdf").rename(folder.with_suffix(".urdf"))
+        figures = write_robot(design, folder, file_format="mjcf", force=True)
     folder.with_suffix(".urdf").rename(folder / "finger.urdf")
     return Model(design, folder, figures)

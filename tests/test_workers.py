@@ -102,7 +102,7 @@ def test_a_limit_of_time_ends_a_worker_that_hangs() -> None:
     [
         (9.0, 2**30, partial(int, "x"), ValueError),
         (9.0, 2**28, partial(bytearray, 2**29), MemoryError),
-        (1.0, 2**30, partial(max, itertools.repeat(0)), ValueError),
+        pytest.param(1.0, 2**30, partial(max, itertools.repeat(0)), ValueError, marks=pytest.mark.full),
     ],
 )
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows knows no limit of memory")

@@ -254,6 +254,7 @@ SHORT_SLIDE: dict[str, Any] = {
 }
 
 
+@pytest.mark.full
 def test_share_out_of_contact_is_an_output() -> None:
     axes = {"scene.surface.roughness_um": [0.8, 40.0]}
     plan = make_plan(outputs=["out_of_contact_share"], trials=1, scene=SHORT_SLIDE, axes=axes)

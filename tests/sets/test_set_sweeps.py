@@ -17,7 +17,7 @@ from fingertip.sweep.database import SweepDatabase
 from fingertip.sweep.outputs import GROUPS, SET_GROUPS, load_outputs
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.point_evaluator import PointEvaluator
-from fingertip.sweep.report import write_report
+from fingertip.sweep.report.files import write_report
 from tests.conftest import ROOT
 
 HAND = ROOT / "params" / "sweeps" / "hand.toml"

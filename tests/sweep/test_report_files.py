@@ -17,11 +17,11 @@ from PIL import Image
 
 from fingertip.design import Design
 from fingertip.foundation.display import PALE_TEAL, RED, TEXT_COLOUR
-from fingertip.sweep import report
 from fingertip.sweep.database import SweepDatabase, SweepRow
 from fingertip.sweep.plan import SweepPlan
-from fingertip.sweep.report import write_csv, write_report
+from fingertip.sweep.report import files
 from fingertip.sweep.report.feasibility_plot import draw_feasibility
+from fingertip.sweep.report.files import write_csv, write_report
 from fingertip.sweep.report.statistics import classify_points
 from tests.approved import check_figures, list_data
 from tests.figures import describe_figure, keep_figures, list_words
@@ -104,7 +104,7 @@ def test_reports_are_the_approved_ones(name: str, tmp_path: Path, monkeypatch: p
     """Text, and figures of some: what matplotlib is asked to draw stands for its pixels; of a matrix, its words."""
     pytest.importorskip("matplotlib")
     if name not in ("complete", "grid", "one_row"):
-        monkeypatch.setattr(report, "select_plots", lambda _: iter(()))
+        monkeypatch.setattr(files, "select_plots", lambda _: iter(()))
     with make_database(tmp_path / "sweep", **CASES[name]) as database, keep_figures() as figures:
         told: list[Any] = []
         data = write_report(database, tmp_path / "out", told.append)

@@ -17,6 +17,7 @@ from fingertip.cad.verification.check import Check
 from fingertip.foundation.display import new_figure
 from fingertip.sweep.database import SweepTable
 from fingertip.sweep.point_evaluator import PointEvaluator
+from fingertip.sweep.report.best import find_nearest_to_ideal, find_pareto_front
 from fingertip.sweep.report.feasibility_plot import histogram_edges, make_scale
 from fingertip.sweep.report.plots import _CHARACTER_IN, _write_heading
 from fingertip.sweep.report.statistics import (
@@ -34,8 +35,6 @@ from fingertip.sweep.report.statistics import (
     estimate_explained_variance,
     find_feasible,
     find_limiting_rules,
-    find_nearest_to_ideal,
-    find_pareto_front,
     is_categorical,
     select_strongest_axes,
     suits_log_scale,

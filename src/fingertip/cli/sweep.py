@@ -151,7 +151,7 @@ def _run(console: Console, database: SweepDatabase, engine: Engine) -> int:
 
 def _show_report(console: Console, folder: Path, plan: SweepPlan | None, csv: Path | None) -> None:
     from fingertip.sweep.database import SweepDatabase
-    from fingertip.sweep.report import write_report
+    from fingertip.sweep.report.files import write_report
 
     with SweepDatabase.open(folder) as database:
         data = write_report(database, folder, console.progress, plan)
@@ -160,7 +160,7 @@ def _show_report(console: Console, folder: Path, plan: SweepPlan | None, csv: Pa
 
 
 def _export(database: SweepDatabase, csv: Path | None) -> None:
-    from fingertip.sweep.report import write_csv
+    from fingertip.sweep.report.files import write_csv
 
     if csv is not None:
         write_csv(database, csv)

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from fingertip.foundation import display as style
 from fingertip.sweep.report import statistics
+from fingertip.sweep.report.best import Objective
 from fingertip.sweep.report.feasibility_plot import (
     PlotScale,
     choose_points,
@@ -25,7 +26,7 @@ from fingertip.sweep.report.feasibility_plot import (
     wrap_name,
 )
 from fingertip.sweep.report.statistics import Column, compute_cell_statistics
-from fingertip.sweep.report.summary import Objective, SweepSummary, format_percent
+from fingertip.sweep.report.summary import SweepSummary, format_percent
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -1,4 +1,4 @@
-"""Statistics of many points: bins, ranks, cells and Pareto fronts; limiting rules; sensitivities to the axes."""
+"""Statistics of many points: bins, ranks and cells; limiting rules; sensitivities to the axes."""
 
 from __future__ import annotations
 
@@ -14,8 +14,6 @@ from fingertip.sweep.database import SweepTable
 
 Column = NDArray[Any]
 """Values of one axis or output over all points, shape (points,): numbers, or words of a categorical parameter."""
-Costs = NDArray[np.float64]
-"""Objectives of many points, shape (points, objectives). All are finite and to be minimised."""
 
 MIN_POINTS = 20
 """Minimum number of points for an estimate of explained variance."""
@@ -137,32 +135,6 @@ def compute_cell_statistics(
     return points.reshape(shape), count.reshape(shape), best.reshape(shape), mean.reshape(shape)
 
 
-def find_pareto_front(costs: Costs) -> NDArray[np.intp]:
-    """Find the rows that no other row dominates, ascending.
-
-    A row dominates another if it is as low in every objective and lower in at least one. Equal rows are all kept. The
-    result is exact: costs are compared, never added.
-    """
-    rows, index = np.unique(costs, axis=0, return_inverse=True)
-    if rows.shape[1] == 2:  # they are sorted by the first objective, then by the second
-        on_front = np.asarray(rows[:, 1] < np.minimum.accumulate(np.append(np.inf, rows[:-1, 1])))
-    else:
-        on_front = _find_front_of_many(rows)
-    return np.flatnonzero(on_front[index.reshape(-1)])
-
-
-def find_nearest_to_ideal(costs: Costs, front: NDArray[np.intp]) -> int:
-    """Find the row of the front nearest to the ideal point, which has the minimum of every objective.
-
-    Each objective is scaled by its range over the front (compromise programming, Zeleny 1973). Of equal rows the first
-    is taken. With a single objective this is its minimum.
-    """
-    rows = costs[front]
-    span = np.ptp(rows, axis=0)
-    distance = (rows - rows.min(axis=0)) / np.where(span > 0, span, 1.0)
-    return int(front[np.argmin(np.sum(distance**2, axis=1))])
-
-
 def _divide(column: Column, max_bins: int, locate: Callable[[Column, NDArray[np.intp]], NDArray[np.float64]]) -> Bins:
     """Divide a column by its distinct values; `locate` maps these and their counts to [0, max_bins]."""
     values, index, counts = np.unique(to_sortable(column), return_inverse=True, return_counts=True)
@@ -173,19 +145,6 @@ def _divide(column: Column, max_bins: int, locate: Callable[[Column, NDArray[np.
     last = np.append(first[1:], len(values)) - 1
     bin_of_value = np.repeat(np.arange(len(first)), last - first + 1)
     return Bins(bin_of_value[index], values[first], values[last])
-
-
-def _find_front_of_many(rows: Costs) -> NDArray[np.bool_]:
-    ranks = np.stack([np.unique(column, return_inverse=True)[1].reshape(-1) for column in rows.T], axis=1)
-    # A row that dominates another has a lower sum of ranks. So no remaining row dominates the one with the lowest sum.
-    remaining = np.argsort(ranks.sum(axis=1), kind="stable")
-    on_front = np.zeros(len(rows), dtype=bool)
-    while len(remaining):
-        first, remaining = remaining[0], remaining[1:]
-        on_front[first] = True
-        # Only rows that are lower in at least one objective are not dominated by it.
-        remaining = remaining[np.any(ranks[remaining] < ranks[first], axis=1)]
-    return on_front
 
 
 FEASIBLE = "feasible"

@@ -11,10 +11,7 @@ from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fingertip.design.files import to_toml
-from fingertip.design.finger_set import build_set, set_to_toml
 from fingertip.design.model import Design
 from fingertip.foundation.errors import DesignError, escape_control
 from fingertip.sweep.axes import select_changes
@@ -22,6 +19,7 @@ from fingertip.sweep.database import STATUSES, SweepTable
 from fingertip.sweep.designs import apply_changes
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.report import statistics
+from fingertip.sweep.report.best import Objective, Selection, select_best
 from fingertip.sweep.sweep_file import SweepFile
 
 _MAX_RULES = 12
@@ -235,80 +233,3 @@ def _format_value(value: Any) -> str:
 def format_percent(share: float, decimals: int = 0) -> str:
     least = 10.0 ** -(2 + decimals)
     return f"{100 * share:.{decimals}f} %" if share >= least or share == 0 else f"< {100 * least:g} %"
-
-
-@dataclass(frozen=True)
-class Objective:
-    output: str
-    sign: int
-    """1 to minimise, -1 to maximise."""
-
-    @property
-    def goal(self) -> str:
-        """`minimise` or `maximise`, as in a sweep file."""
-        return "minimise" if self.sign > 0 else "maximise"
-
-    def __str__(self) -> str:
-        return f"{self.goal} {self.output}"
-
-
-@dataclass(frozen=True)
-class Selection:
-    """Best design, Pareto front and candidates, as rows of the table."""
-
-    objectives: tuple[Objective, ...]
-    candidates: NDArray[np.intp]
-    """Feasible rows with a finite value of every objective, ascending."""
-    excluded: int
-    """Number of feasible rows without one."""
-    front: NDArray[np.intp]
-    """Rows of the Pareto front: no candidate dominates them. Ascending."""
-    best: int | None
-    """Row of the front nearest to the ideal point; None without a candidate or an objective."""
-    equals: int = 0
-    """Number of other rows with the values of the best one in every objective."""
-
-    def describe_equals(self) -> str:
-        many = f"{self.equals} other point{'s have' if self.equals > 1 else ' has'} the same value of every objective"
-        return f" {many}; add one to choose among them." if self.equals else ""
-
-
-def select_best(table: SweepTable, objectives: tuple[Objective, ...]) -> Selection:
-    """Select the Pareto front of a table and its best row; of equal rows the first is the best."""
-    rows = np.flatnonzero(statistics.find_feasible(table))
-    if not objectives:
-        return Selection(objectives, rows, 0, rows[:0], None)
-    costs = np.stack([o.sign * table.outputs[o.output][rows] for o in objectives], axis=1)
-    finite = np.isfinite(costs).all(axis=1)
-    candidates, costs = rows[finite], costs[finite]
-    if not len(candidates):
-        return Selection(objectives, candidates, len(rows), candidates, None)
-    front = statistics.find_pareto_front(costs)
-    nearest = statistics.find_nearest_to_ideal(costs, front)
-    equals = int((costs == costs[nearest]).all(axis=1).sum()) - 1
-    best, excluded = int(candidates[nearest]), len(rows) - len(candidates)
-    return Selection(objectives, candidates, excluded, candidates[front], best, equals)
-
-
-def format_best_design(summary: SweepSummary) -> str:
-    """Write the best design or set as a file; its heading names the sweep, the point and the outputs."""
-    plan, table, selection = summary.plan, summary.table, summary.selection
-    row = selection.best
-    assert row is not None
-    point = int(table.point[row])
-    parameters = plan.point(point)
-    goals = " and ".join(map(str, selection.objectives))
-    method = f"Best of {len(selection.candidates)} feasible designs to {goals}."
-    if len(selection.objectives) > 1:
-        method = f"Best compromise among {len(selection.candidates)} feasible designs to {goals}: of the Pareto front, "
-        method += "the design nearest to the ideal point."
-    lines = [f"Point {point} of the sweep {plan.file.name}. {method}{selection.describe_equals()}"]
-    lines += [f"Meshes and checks are those of tolerance_mm = {plan.file.tolerance_mm:g}."]
-    lines += [f"  {name} = {value}" for name, value in parameters.items()]
-    lines += [f"  {name}: {column[row]:.6g}" for name, column in table.outputs.items()]
-    heading, built = "\n".join(lines), dict[str, Design]()
-    for finger, base in plan.designs.items():
-        built[finger] = Design(**apply_changes(base.model_dump(), select_changes(parameters, finger)))
-    if not plan.is_set:
-        return to_toml(built[""], heading)
-    return set_to_toml(build_set(plan.file.design["name"], plan.file.design["side"], built), heading)

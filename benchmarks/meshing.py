@@ -32,7 +32,7 @@ from fingertip.cad.kernel.tessellate import tessellate
 from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody
 from fingertip.design.geometry.solids import SuperconicSolid
-from tests.cad.test_surface_deviation import distance_to_surface
+from tests.cad.test_tessellate import distance_to_surface
 
 DESIGN = Path(__file__).resolve().parent.parent / "params" / "fsr400.toml"
 TOLERANCES_MM = (0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)

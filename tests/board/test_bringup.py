@@ -48,11 +48,11 @@ from fingertip.board.parts.nets import (
 from fingertip.design import Design
 from fingertip.foundation.errors import BoardError
 from fingertip.foundation.files import format_figure
-from fingertip.tasks.board import board_files, bring_up_files
+from fingertip.tasks.board import bring_up_files
 from tests.board.ngspice import run_ngspice
+from tests.board.test_layout import read_board
 from tests.conftest import run_fingertip
 from tests.designs import load_article
-from tests.oracles.sexpressions import children, parse
 
 pytestmark = pytest.mark.usefixtures("predict_once")
 
@@ -87,17 +87,10 @@ def test_each_net_is_measured_where_the_sheet_says(name: str) -> None:
     # The tone is well above a meter's error and below clipping.
     low, high = board.swing_v
     assert plan.levels[name_tone(FILTERED, board.bench.tones_hz[-1])].high_v * math.sqrt(2.0) < 0.6 * (high - low) / 2
-    layout = parse(board_files(design)["slip_filter.kicad_pcb"].decode())
     pads: dict[str, list[tuple[float, float, str]]] = {}
-    for footprint in children(layout, "footprint"):
-        reference = next(p[2] for p in children(footprint, "property") if p[1] == "Reference")
-        x, y, *angle = (float(v) for v in next(children(footprint, "at"))[1:])
-        for pad in children(footprint, "pad"):
-            dx, dy = (float(v) for v in next(children(pad, "at"))[1:3])
-            turn = math.radians(angle[0] if angle else 0.0)
-            place = (x + dx * math.cos(turn) + dy * math.sin(turn), y + dy * math.cos(turn) - dx * math.sin(turn))
-            net = next((entry[2] for entry in children(pad, "net")), "")
-            pads.setdefault(reference, []).append((*place, net.removeprefix("/")))
+    for reference, side, net, (left, top, right, bottom) in read_board(name).pads:
+        if side == "F":
+            pads.setdefault(reference, []).append(((left + right) / 2, (top + bottom) / 2, net.removeprefix("/")))
     nets = {"R13": REFERENCE, "R2": STAGE2_MID, "R21": SLIP, "R20": THRESHOLD}
     sheet = bring_up_files(design)["bringup.md"].decode()
     found = set(re.findall(r"(left|right|upper|lower) end of (\w+)", sheet))

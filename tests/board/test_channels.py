@@ -28,16 +28,13 @@ from fingertip.board.kicad.project import load_project
 from fingertip.board.parts.circuit import SENSOR_CONNECTOR
 from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE, GND
 from fingertip.catalogues.electronics import NAMES
-from fingertip.catalogues.output_files import BRING_UP_READINGS, CHANNEL_SHEET, LAYOUT, NETLIST, SCHEMATIC
+from fingertip.catalogues.output_files import BRING_UP_READINGS, CHANNEL_SHEET, LAYOUT, SCHEMATIC
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.firmware.fingers import plan_fingers
 from fingertip.foundation.errors import FingertipError
 from fingertip.tasks.board import assess_board, board_files, bring_up_files, write_board
-from tests.board.kicad import read_netlist
 from tests.board.ngspice import run_ngspice
-from tests.board.test_layout import NO_VIOLATIONS, run_drc
-from tests.board.test_schematic import export_netlist, run_erc
 from tests.conftest import run_fingertip
 
 ALL = ("board.channels=5",)
@@ -46,13 +43,6 @@ ALL = ("board.channels=5",)
 @functools.cache
 def load(channels: int) -> Design:
     return Design.load("fsr400", changes=[f"board.channels={channels}"])
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    made = tmp_path_factory.mktemp("channels")
-    write_board(load(PLACES), made)
-    return made
 
 
 def test_each_channel_is_the_board_of_one_finger() -> None:
@@ -127,22 +117,6 @@ def test_empty_places_are_neither_bought_nor_counted(channels: int) -> None:
     assert values.shared
     shared_a = (channels * per_finger - values.shared.supply_current_a) / (channels - 1)
     assert 0.0 < shared_a < 0.1e-3, "what is there once counts once"
-
-
-@pytest.mark.full
-def test_kicad_finds_no_fault_and_the_same_circuit(folder: Path) -> None:
-    assert run_erc(folder) == []
-    assert run_drc(folder) == NO_VIOLATIONS
-    assert export_netlist(folder) == read_netlist(folder / NETLIST)
-
-
-@pytest.mark.full
-def test_kicad_agrees_on_empty_places(tmp_path: Path) -> None:
-    write_board(load(3), tmp_path)
-    assert run_erc(tmp_path) == []
-    assert run_drc(tmp_path) == NO_VIOLATIONS
-    assert export_netlist(tmp_path) == read_netlist(tmp_path / NETLIST)
-    assert (tmp_path / SCHEMATIC).read_text("utf-8").count("(dnp yes)") == 4  # two sheets, two sockets
 
 
 @pytest.mark.parametrize(

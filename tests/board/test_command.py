@@ -31,27 +31,6 @@ from tests.conftest import run_fingertip
 from tests.designs import ARTICLE, ARTICLE_OPTIONS, load_article
 from tests.tools import require_tool
 
-DETAILS = ((), ("--verbose",), ("--article",))
-
-
-def test_command_prints_tables_and_writes_files(tmp_path: Path) -> None:
-    run = run_fingertip("board", *ARTICLE_OPTIONS, "--out", tmp_path / "deep" / "pcb")
-    assert run.returncode == 0
-    for text in ("2375.4", "1187.7", "4750.9", "2.4k", "1.2k", "4.7k", "67.25", "0.9895"):
-        assert text in run.stdout
-    assert run.stdout.splitlines()[0].endswith("conditions of a working board are met"), "the verdict comes first"
-    assert run.stderr == ""
-    assert sorted(p.name for p in (tmp_path / "deep" / "pcb").iterdir()) == FILES
-
-
-def test_details_are_printed_where_they_are_asked_for(tmp_path: Path) -> None:
-    brief, verbose, article = (run_fingertip("board", "--out", tmp_path, *more).stdout for more in DETAILS)
-    assert [text in brief for text in ("phase margin", "Errata", "67.67 (36.61 dB)")] == [False, False, False]
-    assert verbose.startswith(brief.rstrip("\n"))
-    assert "phase margin" in verbose
-    assert article.startswith(brief.rstrip("\n"))
-    assert "67.67 (36.61 dB)" in article
-
 
 def test_json_output_equals_the_values_file_and_quiet_prints_no_messages(tmp_path: Path) -> None:
     design = tmp_path / "mine.toml"

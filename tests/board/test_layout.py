@@ -23,11 +23,10 @@ from fingertip.board.kicad.placement import PlacedPart, Placement
 from fingertip.board.kicad.project import MODEL_FOLDER, MODEL_FOLDER_OF_KICAD, MODEL_VARIABLE, load_project, model_files
 from fingertip.board.kicad.sexpr import turn
 from fingertip.board.parts.circuit import Circuit
-from fingertip.board.parts.symbols import M2_HOLE
 from fingertip.catalogues.output_files import LAYOUT
 from fingertip.foundation.errors import BoardError, OutputError
 from fingertip.tasks.board import board_files, write_board
-from tests.board.conftest import BOARDS, BoardFolder
+from tests.board.conftest import BoardFolder
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.designs import ARTICLE, load_article
 from tests.oracles.sexpressions import Expression, children, parse
@@ -61,14 +60,6 @@ def run_drc(folder: Path) -> dict[str, list[str]]:
 NO_VIOLATIONS: dict[str, list[str]] = {"violations": [], "unconnected_items": [], "schematic_parity": []}
 
 
-@pytest.mark.full
-@pytest.mark.parametrize("changes", BOARDS.values(), ids=BOARDS)
-def test_board_passes_design_rules_check_and_matches_the_schematic(
-    board_folder: BoardFolder, changes: tuple[str, ...]
-) -> None:
-    assert run_drc(board_folder(*changes)) == NO_VIOLATIONS
-
-
 CORRUPTIONS = {
     "reference": ('(property "Reference" "R4"', '(property "Reference" "R44"', "schematic_parity"),
     "pin": (r'\(pad "2" smd(.*?)\(pintype "passive"\)', r'(pad "7" smd\1(pintype "passive")', "schematic_parity"),
@@ -94,17 +85,6 @@ def test_design_rules_check_detects_a_corrupted_board(tmp_path: Path, original: 
     assert count
     path.write_text(text, encoding="utf-8")
     assert run_drc(tmp_path / "pcb")[key]
-
-
-@pytest.mark.every_case
-@pytest.mark.parametrize("name", VARIANT_CHANGES)
-def test_board_has_its_size_and_holes(name: str) -> None:
-    placement = load_project(name).placement
-    sizes = {"article": (40.0, 25.0, 2), "precision": (40.0, 25.0, 4), "comparator": (42.0, 26.0, 4)}
-    width_mm, height_mm, holes = sizes[name]
-    assert (placement.width, placement.height, placement.thickness_mm) == (width_mm, height_mm, 1.6)
-    assert placement.fiducials == 3
-    assert sum(part.footprint == M2_HOLE for part in placement.parts.values()) == holes
 
 
 DECOUPLING_MM = 7.0

@@ -19,8 +19,6 @@ from tests.board.kicad import read_netlist
 from tests.designs import load_article
 from tests.oracles.sexpressions import children, descendants, parse, word
 
-# Circuits
-
 
 @pytest.mark.every_case
 @pytest.mark.parametrize("name", VARIANT_CHANGES)

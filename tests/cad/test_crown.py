@@ -22,7 +22,6 @@ from fingertip.design.geometry.solids import Box, SuperconicSolid, difference
 from fingertip.design.new_design import PRESETS
 from fingertip.foundation.errors import DesignError
 from tests.conftest import DESIGNS, design_file
-from tests.design.test_remedies import check_remedies, refuse
 from tests.oracles.conic_area import section_area
 
 CROWNED = [name for name in (*DESIGNS, *PRESETS) if Design.load(design_file(name)).skin.crown_radius_mm]
@@ -193,21 +192,3 @@ def test_any_crown_has_a_form_or_is_refused_in_words(values: dict[str, float], n
         assert math.isfinite(body.palmar_scale_at(z))
     with contextlib.suppress(DesignError):
         Design.without_remedies(**tables.model_dump())
-
-
-@pytest.mark.full
-@pytest.mark.parametrize(
-    ("change", "field", "name"),
-    [
-        ("skin.crown_radius_mm=60", "skin.crown_radius_mm", "fsr400"),
-        ("skin.crown_radius_mm=1", "skin.crown_drop_mm", "fsr400"),
-        ("skin.crown_drop_mm=6", "skin.crown_drop_mm", "fsr400"),
-        ("skin.crown_offset_mm=-8", "skin.crown_offset_mm", "fsr400"),
-        ("bone.platform_mm=1.4", "bone.platform_mm", "fsr402"),
-        ("bone.platform_mm=6", "bone.platform_mm", "fsr400"),
-        ("skin.crown_offset_mm=20", "skin.crown_offset_mm", "fsr400"),
-    ],
-)  # fmt: skip
-def test_an_unsound_crown_is_refused_with_a_remedy_that_passes(change: str, field: str, name: str) -> None:
-    assert field in {issue.field for issue in refuse([change], name)}
-    check_remedies([change], name)

@@ -1,4 +1,4 @@
-"""Checks of bone, sensor, skin, mold and joint: each fails when its feature is broken, and its value is measured."""
+"""Checks of bone, sensor, skin and joint: each fails when its feature is broken, and its value is measured."""
 
 from __future__ import annotations
 
@@ -11,12 +11,13 @@ import pytest
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes import finger, parts
 from fingertip.cad.verification import skin as skin_checks
-from fingertip.cad.verification.check import search_distance
-from fingertip.cad.verification.skin import check_fitting_stretch
+from fingertip.cad.verification.bone import check_bone, check_laid_in
+from fingertip.cad.verification.check import Solids, search_distance
 from fingertip.design import Design
 from fingertip.design.geometry.skin_thickness import min_skin_thickness
 from fingertip.design.geometry.solids import Box, cylinder, difference, union
 from fingertip.design.interfaces import INTERFACES, clevis_solids
+from fingertip.pad.survey import GRASP_DEG, WIDE_DEG, survey_pad
 from tests.cad.part_checks import SOCKET, TOLERANCE, failed_checks, run_checks
 
 EYE, SPACE = clevis_solids.eye_profile, clevis_solids.space
@@ -162,14 +163,91 @@ def test_parts_larger_than_the_build_volume_fail(monkeypatch: pytest.MonkeyPatch
 def test_skin_that_must_stretch_too_far_fails() -> None:
     """A skin may stretch by a fifth of the silicone's elongation at break while it is pulled over the bone."""
     own = "silicone.product=own silicone.elongation_percent={}".format
-    check = check_fitting_stretch(Design.load("first_finger"), MeshEvaluator(TOLERANCE))
+    check = skin_checks.check_fitting_stretch(Design.load("first_finger"), MeshEvaluator(TOLERANCE))
     assert 5 < check.value < 50
     for elongation, passes in ((5.02 * check.value, True), (4.98 * check.value, False)):
         design = Design.load("first_finger", changes=own(elongation).split())
-        assert check_fitting_stretch(design, MeshEvaluator(TOLERANCE)).passed == passes
+        assert skin_checks.check_fitting_stretch(design, MeshEvaluator(TOLERANCE)).passed == passes
 
 
 def test_search_for_a_distance_that_does_not_exist_ends() -> None:
     assert 500.0 <= search_distance(lambda reach_mm: reach_mm, 1.6) <= 1000.0
     for first_mm in (1.6, 0.0, -0.4):  # a limit less a coarse tolerance may be negative; the search then never ended
         assert search_distance(lambda reach_mm: min(reach_mm, 7.25), first_mm) == 7.25
+
+
+STANDARD = ["sensor.model=fsr400", "bone.base_length_mm=27", "strength.grip_force_n=14"]
+"""Words of the heading of `first_finger`."""
+OPEN_TROUGHS = {
+    "no room for the tabs of the longest tail": (
+        cut(Box((-9.0, -20.0, -20.0), (9.0, 20.0, -6.5))), {"sensor.room_overlap"}
+    ),
+    "closed slot of the film's height behind the tail": (
+        cut(Box((-9.0, -20.0, -20.0), (9.0, 20.0, Design.load("first_finger").dimensions.tail_end_z - 0.2))),
+        {"sensor.room_overlap", "sensor.vent_open"},
+    ),
+    "trough without walls": (
+        add(Box((-9.0, -9.0, -5.0), (9.0, -2.0, -4.0))), {"bone.wall.sensor_to_outside"}
+    ),
+}  # fmt: skip
+
+
+def find_failed(design: Design) -> set[str]:
+    solids = Solids.of(design, MeshEvaluator(0.02), ("bone", "skin"))
+    return {check.name for check in (*check_bone(design, solids), *check_laid_in(design, solids)) if not check.passed}
+
+
+@pytest.mark.every_case
+@pytest.mark.parametrize("name", OPEN_TROUGHS)
+def test_defect_of_an_open_trough_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    change, failed = OPEN_TROUGHS[name]
+    original = finger.sensor_recess
+    monkeypatch.setattr(finger, "sensor_recess", lambda design: change(original(design)))
+    assert find_failed(Design.load("first_finger")) == failed
+
+
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [
+        ("first_finger", ()),
+        ("first_finger", STANDARD),
+        ("fsr402", ()),
+        ("fsr402", ("sensor.model=fsr402", "bone.base_length_mm=37")),
+        ("article", ()),
+        ("adult_finger", ()),
+    ],
+)
+def test_sensors_are_laid_in(name: str, changes: tuple[str, ...]) -> None:
+    design = Design.load(name, changes=changes)
+    part = parts.PARTS["bone"]
+    assert find_failed(design) == set()
+    assert MeshEvaluator(0.05).manifold(part.solid(design)).genus() == part.genus(design)
+
+
+def test_the_first_finger_reaches_what_is_wanted() -> None:
+    design = Design.load("first_finger")
+    loose = survey_pad(design, is_loose=True)
+    assert skin_checks.check_rest_force(design).value < 0.5 * skin_checks.MAX_REST_N
+    assert loose.dead_zone_n(*GRASP_DEG) <= 0.30
+    assert loose.dead_zone_n(*WIDE_DEG) <= 0.40
+    assert loose.least_share(*GRASP_DEG) >= 0.60
+    assert loose.least_share(*WIDE_DEG) >= 0.52
+    told = skin_checks.describe_lying_skin(design)
+    assert told["pull_off_n"] < told["pull_off_glued_n"]
+    assert told["loose"]["tilts"][0]["share"] == pytest.approx(loose.shares[0], abs=1e-4)
+
+
+def test_bump_that_presses_on_the_sensor_at_rest_fails() -> None:
+    assert not skin_checks.check_rest_force(Design.load("first_finger", changes=["skin.bump_radius_mm=2.54"])).passed
+
+
+def test_hold_and_slide_are_those_of_the_study() -> None:
+    """Its rib of 0.8 mm, of 1.2 MPa, held 13 N at a friction of 0.3; a bead some 20 N more; it slid by 0.16 mm."""
+    design = Design.load("first_finger", changes=["silicone.product=own", "silicone.modulus_mpa=1.2"])
+    assert skin_checks.pull_off_n(design) == pytest.approx(13.0, rel=0.15)
+    assert skin_checks.pull_off_n(design, is_glued=True) - skin_checks.pull_off_n(design) == pytest.approx(
+        20.0, rel=0.05
+    )
+    assert skin_checks.slide_mm(design) == pytest.approx(0.16, abs=0.04)
+    tight = Design.load("first_finger", changes=["mold.core_inset_mm=0.1"])
+    assert 0.3 < skin_checks.pull_off_n(tight) - skin_checks.pull_off_n(Design.load("first_finger")) < 2.0

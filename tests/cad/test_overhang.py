@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 import pytest
 
-from fingertip.cad.kernel.mesh import MeshEvaluator, to_arrays
+from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.overhang import MAX_BRIDGE_MM, MAX_LEDGE_MM, MAX_UNSUPPORTED_MM2, find_ceilings
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.cad.verification.check import Solids
-from fingertip.cad.verification.printing import _is_inside, check_overhang
+from fingertip.cad.verification.printing import check_overhang
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Box, Cone, Prism, Solid, cylinder, difference, union
 
@@ -93,18 +92,3 @@ def test_fin_above_the_collar_fails_and_below_it_where_supports_may_stand_does_n
     assert overhang("bone", added=fin(-12.0), name="adult_finger") <= MAX_UNSUPPORTED_MM2
     for scale in (98, 103):  # the places of supports follow the scale of the print
         assert overhang("bone", f"printer.scale_percent={scale}", name="adult_finger") <= MAX_UNSUPPORTED_MM2
-
-
-def test_points_are_inside_a_hollow_block_as_its_sizes_say() -> None:
-    """The ray may pass the hollow, so that it enters and leaves twice."""
-    block = difference(Box((-3.0, -2.0, 0.0), (3.0, 2.0, 5.0)), Box((-1.0, -1.0, 1.0), (2.0, 1.0, 4.0)))
-    rng = np.random.default_rng(18)
-    points = rng.uniform((-4.0, -3.0, -1.0), (4.0, 3.0, 6.0), (4000, 3))
-
-    def within(low: tuple[float, ...], high: tuple[float, ...]) -> np.ndarray:  # type: ignore[type-arg]
-        return np.asarray(((points > low) & (points < high)).all(axis=1))
-
-    expected = within((-3.0, -2.0, 0.0), (3.0, 2.0, 5.0)) & ~within((-1.0, -1.0, 1.0), (2.0, 1.0, 4.0))
-    found = _is_inside(points, *to_arrays(MeshEvaluator(TOLERANCE).manifold(block)))
-    assert (found == expected).all()
-    assert 0.1 < expected.mean() < 0.9

@@ -197,14 +197,6 @@ def test_nominal_stress_of_the_post_is_that_of_the_beam():
     assert 1.4 < weakness.concentration < 2.0
 
 
-@pytest.mark.full
-def test_safety_factor_follows_load_and_holes():
-    base = strength_of()
-    assert strength_of(strength={"grip_force_n": 4.0}).grip_safety_factor == pytest.approx(2 * base.grip_safety_factor)
-    thin = {"cross_bolt_diameter_mm": 1.7}
-    assert strength_of(bone=ROUND | thin).grip_safety_factor > strength_of(bone=ROUND).grip_safety_factor
-
-
 def test_flange_bends_as_a_plate_between_base_and_bolts():
     """Under a load from the side one bolt pulls and the other presses; both strips bend at the base."""
     flange = {"interface": "flange", "base_length_mm": 26.0, "flange_thickness_mm": 1.5, "foot_radius_mm": 1.5}

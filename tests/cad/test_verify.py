@@ -20,7 +20,7 @@ from fingertip.design.geometry.solids import SuperconicSolid
 from fingertip.design.parameters import PARAMETERS
 from fingertip.foundation.errors import DesignError, FingertipError
 from fingertip.tasks.build import build
-from tests.conftest import design_file, run_python, some_of
+from tests.conftest import run_python, some_of
 
 TOLERANCE = 0.05
 
@@ -81,7 +81,6 @@ def test_check_of_another_package_joins_the_others_under_a_name_of_its_own(
 
 
 OTHERS = {"design.toml", "manifest.json", "report.json"}
-HEAVY = ("cadquery", "OCP", "trimesh", "vtk", "matplotlib", "scipy", "numba")
 
 
 def test_only_the_requested_parts_are_built_and_evaluated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -100,23 +99,6 @@ def test_only_the_requested_parts_are_built_and_evaluated(tmp_path: Path, monkey
     assert [built.part.name for built in result.parts] == ["bone"]
     assert SuperconicSolid(design.dimensions.outer) not in evaluated
     assert not {PARTS[name].solid(design) for name in ("skin", "mold_palmar", "mold_dorsal")} & set(evaluated)
-
-
-@pytest.mark.full
-def test_mesh_build_imports_no_brep_kernel_and_starts_no_process(tmp_path: Path) -> None:
-    script = f"""
-import subprocess, sys
-subprocess.Popen = None
-from fingertip.cli import app
-try:
-    app(["build", {str(design_file("fsr400"))!r}, "--out", {str(tmp_path)!r}, "--formats", "stl,3mf", "-q"])
-except SystemExit as stop:
-    assert not stop.code, stop.code
-print(sorted({{name.split(".")[0] for name in sys.modules}} & set({HEAVY!r})))
-"""
-    done = run_python("-c", script)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.splitlines()[-1] == "[]"
 
 
 def test_importing_fingertip_imports_no_heavy_package() -> None:

@@ -193,7 +193,7 @@ def sample_v(design: Design, voltage_v: np.ndarray, seed: int) -> np.ndarray:
 @pytest.mark.full
 @pytest.mark.parametrize("variant", VARIANT_CHANGES)
 def test_simulated_board_is_as_noisy_as_its_noise_budget(variant):
-    """ngspice's noise analysis confirms the budget (tests/board/test_noise.py)."""
+    """ngspice's noise analysis confirms the budget (tests/board/test_spice.py)."""
     design = load_article(VARIANT_CHANGES[variant])
     budget = add_noise(board_circuit(board_values(design)), find_gain_bandwidth_hz(design.board)).total_v("FILTERED")
     assert budget == pytest.approx(

@@ -19,15 +19,6 @@ _MAX_DEPTH = 5
 """Depth of the folders that are looked at: from `out`, that of the models of a board in a set of fingers."""
 _MAX_ENTRIES = 50_000
 """Maximum number of files and folders in them."""
-_COMMANDS = {
-    "parts": ("make DESIGN", 0), "print": ("make DESIGN", 1), "steps": ("make DESIGN", 1),
-    "signal": ("make DESIGN", 1), "board": ("board DESIGN", 0), "fabrication": ("board DESIGN --fab", 1),
-    "models": ("board DESIGN", 2), "firmware": ("firmware DESIGN", 0),
-    "robot": ("robot DESIGN", 0),
-    "validation": ("validate DESIGN", 0), "sweep report": ("sweep --show", 0), "accuracy": ("accuracy DESIGN", 0),
-    "set": ("make SET", 0),
-}  # fmt: skip
-"""Kind of a set -> command that writes it, and how many folders above the set the one is that the command names."""
 
 
 def verify_sets(folder: Path) -> tuple[int, list[str]]:
@@ -103,7 +94,7 @@ def _compare(folder: Path) -> tuple[int, list[str]]:
             message = f"has a {MANIFEST} that names more than {_MAX_ENTRIES} files; remove what a stranger put there."
             raise OutputError(Issue(str(place), message))
     found = {place: manifest for place, manifest in manifests.items() if manifest}
-    issues += [_describe_unfinished(path, place, found) for path, place in unfinished.items()]
+    issues += map(_describe_unfinished, unfinished)
     for place in (place for place in manifests if place not in found):
         message = "was not written by fingertip, or was changed since; the set is not compared."
         issues.append(Issue(str(place / MANIFEST), message))
@@ -135,16 +126,13 @@ def _find_owner(place: Path, folder: Path, found: Mapping[Path, Manifest]) -> Pa
     return folder if folder in found and found[folder].kind != SET_FILES.kind else None
 
 
-def _describe_unfinished(path: Path, place: Path, found: Mapping[Path, Manifest]) -> Issue:
-    """Describe what a command has left unfinished, and name the one that completes it."""
+def _describe_unfinished(path: Path) -> Issue:
+    """Describe what a command has left unfinished."""
     try:
         read_plan(path)
     except OutputError as error:
         return error.issues[0]
-    command = "the next command that writes there"
-    kind = found[place].kind if place in found else ""
-    if kind in _COMMANDS:
-        words, levels = _COMMANDS[kind]
-        outermost = next(other for other in found if found[other].kind == kind and place.is_relative_to(other))
-        command = f"`fingertip {words} --out {os.path.normpath(outermost.joinpath(*[os.pardir] * levels))}`"
-    return Issue(str(path), f"was left by a command that was ended before it was done; {command} completes it.")
+    message = (
+        "was left by a command that was ended before it was done; the next command that writes there completes it."
+    )
+    return Issue(str(path), message)

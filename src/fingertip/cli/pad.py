@@ -57,7 +57,7 @@ def pad(
     `fingertip picture DESIGN --pad` draws the same over the place and the force.
     """
     from fingertip.pad.form import PadForm
-    from fingertip.pad.survey import FORCE_N, find_own_mode_hz, survey_pad
+    from fingertip.pad.survey import find_own_mode_hz, survey_pad
 
     if friction is not None and not large_strain:
         refuse([Issue("--friction", "acts only with --large-strain; add that.")])
@@ -77,43 +77,60 @@ def pad(
         at_rest = f"with the tightest fit {survey.rest_n:.2g} N press on the sensor at rest; shares leave that out"
         lines.append(f"the skin lies on the bone without a bond (skin.bonded=true compares); {at_rest}")
     lines.append(f"silicone over the sensor resonates at {data['own_mode_hz']:.0f} Hz; simulations leave its mass out")
-    for is_fine in (False, True)[: 1 + refine] if fem or refine else ():
+    if fem or refine:
+        stretch_percent = loaded.silicone.material.elongation_percent.low
+        lines += _add_elements(console, form, refine, data, lines, stretch_percent, large_strain)
+    if large_strain:
+        friction = _FRICTION if friction is None else friction
+        data["large_strain"] = _compare_large_strain(console, form, friction)
+        lines += _list_large_strain(data["large_strain"], friction)
+    console.result(data, "\n".join(lines))
+
+
+def _add_elements(
+    console: Console, form: PadForm, refine: bool, data: dict[str, Any], lines: list[str], stretch_percent: float,
+    large_strain: bool,
+) -> list[str]:  # fmt: skip
+    """Press by finite elements, on a finer mesh too; add figures and rows, and return remarks."""
+    from fingertip.pad.survey import FORCE_N
+
+    is_refused, worst = False, dict[str, float]()
+    for is_fine in (False, True)[: 1 + refine]:
         console.progress(ShareText(f"finite elements{', finer mesh' if is_fine else ''}", 0.5 * is_fine))
         found = _press(form, is_fine)
-        name = "fem_refined" if is_fine else "fem"
+        name, title = ("fem_refined", "finite elements, edges 0.7") if is_fine else ("fem", "the same, finite elements")
         data[name] = [
             None if c is None else {"share": round(c.share, 4), "depth_mm": round(c.depth_mm, 4)} for c in found
         ]
-        title = "finite elements, edges 0.7" if is_fine else "the same, finite elements"
         lines.insert(3 + is_fine, _row(title, ["-" if c is None else f"{c.share:.2f}" for c in found]))
         pressed = [c for c in found if c and form.bonded]
         worst = {part: max(getattr(c, part) for c in pressed) for part in _WORST} if pressed else {}
         data[f"{name}_worst"] = {part: round(value, 4) for part, value in worst.items()}
-    if fem or refine:
-        lines += [_REFUSED] if None in found else []
-    if (fem or refine) and worst:
-        stretch = loaded.silicone.material.elongation_percent.low
-        lines += [
-            f"worst of these at {FORCE_N:g} N: strain {worst['strain']:.0%} (the silicone breaks at {stretch:.0f} %), "
-            f"at the bond {worst['bond_shear_mpa']:.2f} MPa of shear, {worst['bond_tension_mpa']:.2f} MPa of tension,",
+        is_refused = None in found
+    remarks = [_REFUSED] if is_refused else []
+    if worst:
+        remarks += [
+            f"worst of these at {FORCE_N:g} N: strain {worst['strain']:.0%} (the silicone breaks at "
+            f"{stretch_percent:.0f} %), at the bond {worst['bond_shear_mpa']:.2f} MPa of shear, "
+            f"{worst['bond_tension_mpa']:.2f} MPa of tension,",
             "on this mesh: at edges of the bone finer ones find more, so compare forms by them and no more",
         ]
         if worst["strain"] > _SMALL_STRAIN and not large_strain:
-            lines.append("such strains are not small: --large-strain states what they change")
-    if large_strain:
-        friction = _FRICTION if friction is None else friction
-        data["large_strain"] = rows = _compare_large_strain(console, form, friction)
-        titles = "share and depth [mm]", "small strain", "large strain", f"with friction of {friction:g}"
-        lines += [
-            f"finite elements, edges of {_COARSE_MM:g} mm:",
-            _row(titles[0], [f"{r['force_n']:g} N, {r['tilt_deg']:g} deg" for r in rows], 17),
-        ]
-        lines += [
-            _row(title, [f"{r[name][0]:.3f}  {r[name][1]:.3f}" if r[name] else "-" for r in rows], 17)
-            for title, name in zip(titles[1:], ("small", "large", "friction"), strict=True)
-        ]
-        lines += [] if all(row[name] for row in rows for name in ("small", "large", "friction")) else [_REFUSED]
-    console.result(data, "\n".join(lines))
+            remarks.append("such strains are not small: --large-strain states what they change")
+    return remarks
+
+
+def _list_large_strain(rows: list[dict[str, Any]], friction: float) -> list[str]:
+    titles = {"small": "small strain", "large": "large strain", "friction": f"with friction of {friction:g}"}
+    lines = [
+        f"finite elements, edges of {_COARSE_MM:g} mm:",
+        _row("share and depth [mm]", [f"{r['force_n']:g} N, {r['tilt_deg']:g} deg" for r in rows], 17),
+    ]
+    lines += [
+        _row(title, [f"{r[name][0]:.3f}  {r[name][1]:.3f}" if r[name] else "-" for r in rows], 17)
+        for name, title in titles.items()
+    ]
+    return lines if all(row[name] for row in rows for name in titles) else [*lines, _REFUSED]
 
 
 def _press(form: PadForm, is_fine: bool) -> list[PadContact | LargeStrainContact | None]:

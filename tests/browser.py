@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import importlib.util
 import io
+import json
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -53,6 +54,20 @@ def open_browser(folder: Path) -> Iterator[Any]:
         yield browser
     finally:
         browser.quit()
+
+
+@contextmanager
+def watch(driver: Any, address: str) -> Iterator[None]:
+    """Fail if what is opened meanwhile complains, or asks for anything beyond addresses that begin with this one."""
+    driver.get("about:blank")  # the browser's own first page is no concern of the tests
+    driver.get_log("performance")
+    driver.get_log("browser")
+    yield
+    assert [entry for entry in driver.get_log("browser") if entry["level"] != "INFO"] == []
+    messages = [json.loads(entry["message"])["message"] for entry in driver.get_log("performance")]
+    asked = [one["params"]["request"]["url"] for one in messages if one["method"] == "Network.requestWillBeSent"]
+    assert any(url.startswith(address) for url in asked)
+    assert [url for url in asked if not url.startswith((address, "data:", "blob:", "chrome:"))] == []
 
 
 def wait(condition: Any, seconds: float = 60.0) -> Any:

@@ -32,6 +32,7 @@ from fingertip.board.bringup.readings import Readings, read_readings, readings_t
 from fingertip.board.bringup.resistances import limit_resistances, name_resistance, predict_resistance
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.components.values import VARIANT_CHANGES
+from fingertip.board.kicad.project import load_project
 from fingertip.board.parts.circuit import Circuit, parse_component_value
 from fingertip.board.parts.nets import (
     ENVELOPE,
@@ -50,7 +51,6 @@ from fingertip.foundation.errors import BoardError
 from fingertip.foundation.files import format_figure
 from fingertip.tasks.board import bring_up_files
 from tests.board.ngspice import run_ngspice
-from tests.board.test_layout import read_board
 from tests.conftest import run_fingertip
 from tests.designs import load_article
 
@@ -74,7 +74,7 @@ def plan_of(changes: tuple[str, ...]) -> tuple[Design, BringUp]:
 @pytest.mark.full
 @pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_each_net_is_measured_where_the_sheet_says(name: str) -> None:
-    """The side of a part that the sheet names has the pad of the net in the layout as it is written."""
+    """The side of a part that the sheet names has the pad of the net in the layout."""
     design, plan = plan_of(VARIANT_CHANGES[name])
     circuit, board = plan.board.circuit, plan.board
     ends = {SENSOR: ("J1", "1"), REFERENCE: ("R13", "1"), STAGE2_MID: ("R2", "1"), RECT_OUT: ("U3", "1")}
@@ -87,10 +87,8 @@ def test_each_net_is_measured_where_the_sheet_says(name: str) -> None:
     # The tone is well above a meter's error and below clipping.
     low, high = board.swing_v
     assert plan.levels[name_tone(FILTERED, board.bench.tones_hz[-1])].high_v * math.sqrt(2.0) < 0.6 * (high - low) / 2
-    pads: dict[str, list[tuple[float, float, str]]] = {}
-    for reference, side, net, (left, top, right, bottom) in read_board(name).pads:
-        if side == "F":
-            pads.setdefault(reference, []).append(((left + right) / 2, (top + bottom) / 2, net.removeprefix("/")))
+    parts = load_project(name).placement.parts.items()
+    pads = {reference: [(*pad.centre, pad.net.removeprefix("/")) for pad in part.pads] for reference, part in parts}
     nets = {"R13": REFERENCE, "R2": STAGE2_MID, "R21": SLIP, "R20": THRESHOLD}
     sheet = bring_up_files(design)["bringup.md"].decode()
     found = set(re.findall(r"(left|right|upper|lower) end of (\w+)", sheet))

@@ -43,7 +43,6 @@ def test_noise_at_the_pin_of_the_filtered_signal(tmp_path: Path, amplifier: str)
     for force_n, limit_v in ((3.0, 0.20e-3), (8.0, 0.35e-3)):
         decks = [write_deck(amplifier, force_n), *(write_deck(amplifier, force_n, rng) for _ in range(10))]
         found = [read_noise_total(tmp_path, deck, "adc_filtered") for deck in decks]
-        print(f"{amplifier} at {force_n} N: {1e3 * found[0]:.3f} mV, largest of 10 boards {1e3 * max(found):.3f} mV")
         assert max(found) < limit_v
 
 
@@ -69,7 +68,6 @@ def test_stage_is_stable_with_any_cable_and_sensor(amplifier: str) -> None:
         loaded = circuit.connect(cable, {"1": "SENSOR", "2": "GND"})
         network = build_network(loaded, AMPLIFIER_CATALOGUE[amplifier].bandwidth_hz, sensor_s=1 / ohm)
         margins.append(compute_phase_margins_deg(loaded, network)["U2a"])
-    print(f"{amplifier}: least phase margin {min(margins):.1f} degrees")
     assert min(margins) >= 60
 
 
@@ -91,7 +89,6 @@ def test_filtered_signal_is_back_soon(tmp_path: Path, event: str) -> None:
     deck = deck.replace("\n.ac ", f"\nVG siemens 0 pwl({points})\n.ac ")
     rows = run_ngspice(tmp_path, deck, "tran 20u 0.3 0 20u\nwrdata out v(adc_filtered) v(vmid)")
     late_s = [t - 0.05 for t, filtered, middle in ((r[0], r[1], r[-1]) for r in rows) if abs(filtered - middle) > 0.16]
-    print(f"{event}: back after {1e3 * max(late_s, default=0):.1f} ms")
     assert max(late_s) < 0.035
 
 
@@ -110,6 +107,5 @@ def test_discharge_into_the_cable_leaves_little_for_the_amplifier(tmp_path: Path
         command = "tran 0.1n 300n 0 0.1n\nlet amps = abs(v(protected)-v(sum))/220\nwrdata out amps v(sensor)"
         rows = run_ngspice(tmp_path, deck, command)
         largest_a, largest_v = (max(abs(row[i]) for row in rows) for i in (1, 2))
-        print(f"{sign or '+'}8 kV: {largest_a:.3f} A into the amplifier, {largest_v:.0f} V at the connector")
         assert largest_v > 20
         assert 0.005 < largest_a < 0.1

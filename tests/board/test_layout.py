@@ -6,11 +6,10 @@ B-rep kernel reads, alone and in the board as KiCad exports it.
 
 from __future__ import annotations
 
-import functools
 import json
 import math
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -29,7 +28,7 @@ from fingertip.tasks.board import board_files, write_board
 from tests.board.conftest import BoardFolder
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
 from tests.designs import ARTICLE, load_article
-from tests.oracles.sexpressions import Expression, children, parse
+from tests.oracles.sexpressions import children, parse
 from tests.tools import require_module, require_tool
 
 
@@ -124,99 +123,35 @@ def test_pads_equal_those_of_kicads_library(footprint: str) -> None:
     assert own_pads == kicad_pads
 
 
-Box = tuple[float, float, float, float]
-
-
-@dataclass(frozen=True)
-class Text:
-    """Printed text of the board: what it says, its side, and its place on the page."""
-
-    text: str
-    side: str
-    box: Box
-
-
-@dataclass(frozen=True)
-class Board:
-    """What the board file says of print and pads."""
-
-    tree: Expression
-    texts: list[Text]
-    pads: list[tuple[str, str, str, Box]]
-    """Reference, side ("F" or "B"), net and box of each pad."""
-
-
-def first(item: Expression, head: str) -> list[str]:
-    return next(children(item, head))
-
-
-def numbers(item: Expression, head: str) -> list[float]:
-    return [float(word) for word in first(item, head)[1:]]
-
-
-def rotate(angle: float, x: float, y: float) -> tuple[float, float]:
-    """Offset of a footprint that is rotated anticlockwise, the y axis pointing down."""
-    c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
-    return (c * x + s * y, c * y - s * x)
-
-
-@functools.cache
-def read_board(name: str, changes: tuple[str, ...] = ()) -> Board:
-    design = load_article((*VARIANT_CHANGES[name], *changes))
-    return parse_board(board_files(design)[LAYOUT].decode())
-
-
-def parse_board(text: str) -> Board:
-    tree = parse(text)
-    texts, pads = [], []
-    for item in children(tree, "gr_text"):
-        x, y, *_ = numbers(item, "at")
-        texts.append(Text(item[1], first(item, "layer")[1][0], (x, y, x, y)))
-    for footprint in children(tree, "footprint"):
-        x, y, *rest = numbers(footprint, "at")
-        angle = rest[0] if rest else 0.0
-        reference = next(p[2] for p in children(footprint, "property") if p[1] == "Reference")
-        for pad in children(footprint, "pad"):
-            px, py, *_ = numbers(pad, "at")
-            w, h = numbers(pad, "size")
-            dx, dy = rotate(angle, px, py)
-            w, h = (w, h) if angle % 180 == 0 else (h, w)
-            box = (x + dx - w / 2, y + dy - h / 2, x + dx + w / 2, y + dy + h / 2)
-            net = next((n[2] for n in children(pad, "net")), "")
-            sides = "FB" if pad[2].endswith("thru_hole") else "F"
-            pads += [(reference, side, net, box) for side in sides]
-    return Board(tree, texts, pads)
-
-
-def distance(a: Box, b: Box) -> float:
-    return math.hypot(max(a[0] - b[2], b[0] - a[2], 0.0), max(a[1] - b[3], b[1] - a[3], 0.0))
+def list_prints(name: str) -> list[tuple[str, str, tuple[float, ...]]]:
+    """Printed texts of a board, with the letter of their side and their place on the board."""
+    left, top = load_project(name).placement.corner
+    items = children(parse(board_files(load_article(VARIANT_CHANGES[name]))[LAYOUT].decode()), "gr_text")
+    found = [(item[1], *(next(children(item, head))[1:] for head in ("layer", "at"))) for item in items]
+    return [(text, layer[0][0], (float(x) - left, float(y) - top)) for text, layer, (x, y, *_) in found]
 
 
 @pytest.mark.every_case
 @pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_signs_at_the_supply_are_at_the_right_pins(name: str) -> None:
     """The pad of J2 nearest to each sign is on the net of that polarity."""
-    board, is_article = read_board(name), name == "article"
-    signs = {"+": "VCC", "-": "VEE", "0": "GND"} if is_article else {"+": "/POWER_IN", "-": "GND"}
-    power = [(net, box) for reference, side, net, box in board.pads if reference == "J2" and side == "F"]
+    prints, pads, is_article = list_prints(name), load_project(name).placement.parts["J2"].pads, name == "article"
+    signs = {"+": "VCC", "-": "VEE", "0": "GND"} if is_article else {"+": "POWER_IN", "-": "GND"}
     for sign, net in signs.items():
-        boxes = [text.box for text in board.texts if text.text == sign and text.side == "F"]
-        box = min(boxes, key=lambda box: min(distance(box, pad) for _, pad in power))
-        assert min(power, key=lambda item: distance(box, item[1]))[0] == net
-    only = [text for text in board.texts if "3.3 V only" in text.text]
-    assert {text.side for text in only} == (set() if is_article else {"F", "B"})
+        places = [place for text, side, place in prints if (text, side) == (sign, "F")]
+        nearest = min((math.dist(place, pad.centre), pad.net.removeprefix("/")) for place in places for pad in pads)
+        assert nearest[1] == net
+    assert {side for text, side, _ in prints if "3.3 V only" in text} == (set() if is_article else {"F", "B"})
 
 
 @pytest.mark.every_case
 @pytest.mark.parametrize("name", VARIANT_CHANGES)
 def test_back_names_board_and_revision_and_lists_the_values(name: str) -> None:
-    circuit = board_circuit(board_values(load_article(VARIANT_CHANGES[name])))
-    texts = [text.text for text in read_board(name).texts if text.side == "B"]
-    assert texts[0] == f"fingertip {name}"
-    assert texts[1] == f"rev {REVISION}"
+    title, revision, *others = (text for text, side, _ in list_prints(name) if side == "B")
+    assert (title, revision) == (f"fingertip {name}", f"rev {REVISION}")
     warning = [] if name == "article" else ["3.3 V only"]
-    listed = [f"{c.reference} {c.value}" for c in circuit.components if c.reference[0] in "RC"]
-    assert sorted(texts[2:]) == sorted([*warning, *listed])
+    listed = [f"{c.reference} {c.value}" for c in load_circuit(name).components if c.reference[0] in "RC"]
+    assert sorted(others) == sorted([*warning, *listed])
 
 
 def long_values(name: str) -> tuple[Circuit, Placement]:

@@ -16,7 +16,7 @@ import pytest
 from fingertip.cad.files import stl
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.catalogues.output_files import PAGE
-from tests.browser import HOW, click, drawn_ms, find_barriers, open_browser, picture, wait
+from tests.browser import HOW, click, drawn_ms, find_barriers, open_browser, picture, wait, watch
 from tests.conftest import ROOT
 from tests.tools import require_tool
 
@@ -32,19 +32,10 @@ def opened(driver: Any, folder: Path) -> Any:
     """Page as a double click opens it: from its file, far from the files beside it."""
     alone = driver.downloads.parent / "alone.html"
     shutil.copyfile(folder / PAGE, alone)
-    driver.get("about:blank")  # the browser's own first page is no concern of this test
-    driver.get_log("performance")
-    driver.get_log("browser")
-    driver.get(alone.as_uri())
-    wait(lambda: drawn_ms(driver))
-    yield driver
-    assert [entry for entry in driver.get_log("browser") if entry["level"] != "INFO"] == []
-    asked = [
-        message["params"]["request"]["url"]
-        for entry in driver.get_log("performance")
-        if (message := json.loads(entry["message"])["message"])["method"] == "Network.requestWillBeSent"
-    ]
-    assert {url for url in asked if not url.startswith(("data:", "blob:", "chrome:"))} == {alone.as_uri()}
+    with watch(driver, alone.as_uri()):
+        driver.get(alone.as_uri())
+        wait(lambda: drawn_ms(driver))
+        yield driver
 
 
 def put(driver: Any, name: str, value: object) -> None:

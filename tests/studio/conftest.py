@@ -4,6 +4,7 @@ import http.client
 import json
 import threading
 from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import pytest
@@ -23,14 +24,20 @@ def tables(design: Design) -> dict[str, Any]:
     return found
 
 
-@pytest.fixture(scope="session")
-def server(design: Design) -> Iterator[StudioServer]:
+@contextmanager
+def serve(design: Design) -> Iterator[StudioServer]:
     with StudioServer(design, 0) as running:
-        thread = threading.Thread(target=running.serve_forever, daemon=True)
+        thread = threading.Thread(target=running.serve_forever, args=(0.02,), daemon=True)
         thread.start()
         yield running
         running.shutdown()
         thread.join()
+
+
+@pytest.fixture(scope="session")
+def server(design: Design) -> Iterator[StudioServer]:
+    with serve(design) as running:
+        yield running
 
 
 class Reply:

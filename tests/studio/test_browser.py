@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 import zipfile
 from collections.abc import Iterator
@@ -17,7 +16,8 @@ from fingertip.design.files import to_toml
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
 from fingertip.studio.server import StudioServer
-from tests.browser import click, drawn_ms, find_barriers, open_browser, picture, wait
+from tests.browser import click, drawn_ms, find_barriers, open_browser, picture, wait, watch
+from tests.studio.conftest import serve
 
 
 @pytest.fixture(scope="module")
@@ -32,20 +32,11 @@ PASSED = "✓ All {all} checks of the shape passed"
 
 @pytest.fixture
 def opened(driver: Any, server: StudioServer) -> Iterator[Any]:
-    driver.get("about:blank")
-    driver.get_log("performance")
-    driver.get_log("browser")
-    driver.get(server.url)
-    wait(lambda: drawn_ms(driver))
-    wait_for_checks(driver)
-    yield driver
-    assert [entry for entry in driver.get_log("browser") if entry["level"] != "INFO"] == []
-    asked = [
-        message["params"]["request"]["url"]
-        for entry in driver.get_log("performance")
-        if (message := json.loads(entry["message"])["message"])["method"] == "Network.requestWillBeSent"
-    ]
-    assert {url for url in asked if not url.startswith((f"http://{server.hosts[0]}/", "blob:", "chrome:"))} == set()
+    with watch(driver, f"http://{server.hosts[0]}/"):
+        driver.get(server.url)
+        wait(lambda: drawn_ms(driver))
+        wait_for_checks(driver)
+        yield driver
 
 
 def wait_for_checks(driver: Any) -> str:
@@ -251,24 +242,13 @@ def test_is_accessible(opened: Any, scheme: str, width: int) -> None:
 
 @pytest.mark.full
 def test_a_server_that_ended_is_one_sentence(driver: Any, design: Design) -> None:
-    import threading
-
-    with StudioServer(design, 0) as short:
-        thread = threading.Thread(target=short.serve_forever, daemon=True)
-        thread.start()
+    with serve(design) as short:
         driver.get(short.url)
         wait_for_checks(driver)
-        short.shutdown()
-        thread.join()
     driver.execute_cdp_cmd("Network.enable", {})
-    driver.execute_cdp_cmd(
-        "Network.emulateNetworkConditions",
-        {"offline": True, "latency": 0, "downloadThroughput": -1, "uploadThroughput": -1},
-    )
+    network = {"latency": 0, "downloadThroughput": -1, "uploadThroughput": -1}
+    driver.execute_cdp_cmd("Network.emulateNetworkConditions", {**network, "offline": True})
     try:
         assert "The studio does not answer" in put(driver, "skin.width_mm", 20)
     finally:
-        driver.execute_cdp_cmd(
-            "Network.emulateNetworkConditions",
-            {"offline": False, "latency": 0, "downloadThroughput": -1, "uploadThroughput": -1},
-        )
+        driver.execute_cdp_cmd("Network.emulateNetworkConditions", {**network, "offline": False})

@@ -24,6 +24,7 @@ from fingertip.studio import server as server_module
 from fingertip.studio.server import TOKEN_HEADER, StudioServer
 from fingertip.studio.worker import NewestWinsWorker, StillWanted, SupersededError
 from tests.conftest import run_fingertip
+from tests.studio.conftest import serve
 
 TABLES = '{"client": "a", "tables": {"skin": %s}}'
 
@@ -32,12 +33,8 @@ TABLES = '{"client": "a", "tables": {"skin": %s}}'
 def server(design: Design) -> Iterator[StudioServer]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(server_module, "render_studio", lambda design, token: b"page")
-        with StudioServer(design, 0) as running:
-            thread = threading.Thread(target=running.serve_forever, args=(0.02,), daemon=True)
-            thread.start()
+        with serve(design) as running:
             yield running
-            running.shutdown()
-            thread.join()
 
 
 def post(server: StudioServer, body: bytes | str, path: str = "/api/download/design", **headers: str | None) -> bytes:

@@ -66,6 +66,7 @@ class ProcessEngine:
         """End the workers; unfinished points are discarded."""
         if self._pool:
             self._pool.close()
+        self._pool = None
 
 
 class DaskEngine:

@@ -103,7 +103,7 @@ def encode_srgb(light: float) -> float:
 
 @pytest.mark.full
 def test_parts_are_hidden_and_shown(opened: Any) -> None:
-    click(opened, "[data-preset=opened]")
+    click(opened, "[data-preset=apart]")  # which shows all
     before = drawn_share(opened)
     for box in opened.find_elements("css selector", "fieldset input"):
         opened.execute_script("arguments[0].click()", box)
@@ -297,13 +297,13 @@ def test_ticks_survive_a_reload_and_are_taken_back(opened: Any) -> None:
     for row in (1, 2):
         click(opened, f"#buy tbody tr:nth-child({row}) input")
     assert not opened.find_element("css selector", "#step-3 details").get_attribute("open")
-    assert (count("steps"), count("shopping").partition(" of ")[0]) == ("1 of 25 steps", "2")
+    assert (count("steps"), count("shopping").partition(" of ")[0]) == ("1 of 12 steps", "2")
     opened.refresh()
     wait(lambda: drawn_ms(opened))
-    assert (count("steps"), count("shopping").partition(" of ")[0]) == ("1 of 25 steps", "2")
+    assert (count("steps"), count("shopping").partition(" of ")[0]) == ("1 of 12 steps", "2")
     assert opened.find_element("css selector", "#step-3 input").is_selected()
     click(opened, "#cast .ticked button")
-    assert (count("steps"), count("shopping").partition(" of ")[0]) == ("0 of 25 steps", "2")
+    assert (count("steps"), count("shopping").partition(" of ")[0]) == ("0 of 12 steps", "2")
     opened.execute_script("localStorage.clear()")
 
 

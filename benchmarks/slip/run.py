@@ -85,7 +85,7 @@ def run(
         title, recordings, count = found.title, found.recordings, len(found.recordings)
         signals = [recording.signal for recording in recordings]
         warn([f"{one.kind}: {text}" for one in signals for text in hum_warnings(one.voltage_v, one.rate_hz)])
-    work = Work("bench slip", {"detectors": 1.0}, progress)
+    work = Work("slip detectors", {"detectors": 1.0}, progress)
     work.begin("detectors")
     done = 0
 

@@ -26,10 +26,14 @@ from fingertip.foundation.errors import OutputError
 from fingertip.foundation.output_set import MANIFEST
 from fingertip.tasks.board import board_differences, board_files, write_board
 from tests.board.kicad import HOW_TO_INSTALL_KICAD, kicad_cli
-from tests.board.test_netlist import FILES
 from tests.conftest import run_fingertip
 from tests.designs import ARTICLE, ARTICLE_OPTIONS, load_article
 from tests.tools import require_tool
+
+FILES = [
+    "3d", "README.md", "assembly.svg", "bom.csv", "manifest.json", "slip_filter.cir", "slip_filter.kicad_pcb",
+    "slip_filter.kicad_pro", "slip_filter.kicad_sch", "slip_filter.net", "values.json",
+]  # fmt: skip
 
 
 def test_json_output_equals_the_values_file_and_quiet_prints_no_messages(tmp_path: Path) -> None:

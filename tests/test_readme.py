@@ -82,7 +82,8 @@ def test_pages_show_commands_to_copy_and_links_that_lead_to_files() -> None:
     assert shell[1] == "sh install.sh test && .venv/bin/pytest -n auto --dist loadfile\n"
     assert all(block.count("\n") == 1 for block in shell[:2]), "one pasteable line each"
     others = {command for command in COMMANDS if command not in OURS}
-    assert others == {"sh install.sh", "sh install.sh test", ".venv/bin/pytest -n auto --dist loadfile"}
+    benchmark = ".venv/bin/python -m benchmarks.slip --share 0.1 --detectors fast,incipient,cusum"
+    assert others == {"sh install.sh", "sh install.sh test", ".venv/bin/pytest -n auto --dist loadfile", benchmark}
     assert len(OURS) >= 40
     assert len(PAGES["README.md"].splitlines()) <= 100, "reference belongs in docs/"
     assert len(LINKS) > 50

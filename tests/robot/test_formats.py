@@ -11,6 +11,7 @@ import pytest
 
 from fingertip import Design
 from fingertip.cad.kernel.mesh import Mesh
+from fingertip.pad.response import Pad
 from fingertip.robot.contact import FORCES_N, ContactLaw, TactileMesh, fit_contact
 from fingertip.robot.formats import Placed, render_model
 from fingertip.robot.model import Body, FingerModel, Strand, measure_inertia
@@ -121,5 +122,6 @@ def test_the_contact_holds_the_forces_of_the_pad_by_the_formula_of_mujoco() -> N
     at_1_n = float(np.interp(1.0, FORCES_N, impedance))
     ratio = -damping * at_1_n / most / (2 * math.sqrt(law.pad_stiffness_n_per_m * inverse_mass))
     assert ratio == pytest.approx(0.15, rel=1e-6)
-    friction = SURFACES["smooth"].friction.mu_c
+    friction, radius_m = SURFACES["smooth"].friction.mu_c, Pad.from_design(Design.load("fsr400")).patch_radius_m(1.0)
+    assert law.torsion_m == pytest.approx(2 / 3 * friction * radius_m), "a disk under even pressure"
     assert numbers(geom.get("friction")) == pytest.approx([friction, law.torsion_m, 1e-4])

@@ -71,6 +71,15 @@ def test_frames_are_at_pin_or_base_at_the_tip_and_on_the_sensor(model: Model) ->
     assert sensor == pytest.approx([0.0, -form.platform_mm, form.sensor_z_mm], abs=1e-3)
     from_base_mm = design.hand.clearance_radius_mm if design.bone.interface == "clevis" else 0.0
     assert 1e3 * model.figures["offset_m"][2] == pytest.approx(design.bone.base_length_mm, abs=from_base_mm + 1e-3)
+    # The pin of a joint is the axis of the interface, and a cross bolt crosses it.
+    held = next(name for name in ("joint_pin", "cross_bolt") if name in model.figures["parts"])
+    middle = require_module("trimesh").load(model.folder / f"{held}.stl").bounds.mean(axis=0)
+    in_frame = 1e-3 * middle + model.figures["offset_m"]
+    assert in_frame[: 3 if held == "joint_pin" else 2] == pytest.approx(0.0, abs=1e-6)
+    hinge = ElementTree.parse(model.folder / "finger.xml").find(".//joint")
+    travel = [] if hinge is None else numbers(hinge.get("range")).tolist()
+    assert travel == pytest.approx([] if hinge is None else [0.0, math.radians(design.hand.travel_deg)])
+    assert (hinge is not None) == (design.bone.interface == "clevis")
     skin = (form.skin_mm(np.zeros(1), np.array([form.sensor_z_mm]))[0] + sensor[1]) / 1e3
     site = ElementTree.parse(model.folder / "finger.xml").find(".//site[@type='cylinder']")
     assert site is not None

@@ -10,9 +10,10 @@ import pytest
 
 from fingertip.foundation.errors import TraceError
 from fingertip.foundation.jit import compiled
-from fingertip.sim.contact import coupled
+from fingertip.sim.contact import coupled, coupled_loop
 from fingertip.sim.contact.coupled import CoupledContact, CoupledMotion, NormalContact, integrate
-from fingertip.sim.contact.friction import ELASTO_PLASTIC, GROSS_SLIP_M_S, LOAD_SCALE_N, Friction
+from fingertip.sim.contact.coupled_loop import bristle_rate, normal_rate
+from fingertip.sim.contact.friction import ELASTO_PLASTIC, GROSS_SLIP_M_S, LOAD_SCALE_N, RELAX_PER_S, Friction
 from fingertip.sim.contact.tangential import DraggedPad, Mount
 from fingertip.sim.runs.timeline import TrapezoidalMove
 from tests.oracles.steady_friction import steady_coefficient
@@ -175,6 +176,62 @@ def test_creep_below_breakaway_comes_from_the_model(rate):
         creep[elastic] = (run.position_m[-1] - run.position_m[-1 - round(rate)]) / 40
     assert creep[0.0] == pytest.approx(1.264e-8, rel=0.01)  # metres per cycle
     assert abs(creep[ELASTO_PLASTIC]) < creep[0.0] / 300
+
+
+def loop_parameters(f: Friction) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    curve = f.mu_c, f.mu_s, 1 / f.stribeck_m_s, f.elastic
+    return curve, (f.sigma0, f.sigma1, f.sigma2, RELAX_PER_S, LOAD_SCALE_N)
+
+
+def compute_rates(curve, sigma, mount, normal, pull, d, x, v, s, y, w) -> tuple[float, float, float]:
+    """Right-hand sides dv/dt, ds/dt and dw/dt; `pull` is (k X + c_m V) / m, `mount` holds k / m, c_m / m, 1 / m."""
+    s0, s1, s2, _, n0 = sigma
+    k_m, c_m, per_m = mount
+    load = y if y > 0.0 else 0.0
+    scale = 1 / math.sqrt(load + n0)
+    ds = bristle_rate(curve, sigma, load, scale, v, s)
+    dv = pull - k_m * x - c_m * v - load * per_m * (s0 * scale * s + s1 * scale * ds + s2 * v)
+    return dv, ds, normal_rate(normal, d, y, w)
+
+
+def draw_friction(rng: np.random.Generator, elastic: float) -> Friction:
+    """Draw a surface whose bristle damping is at 90 to 99 % of the bound of passivity."""
+    mu_c, sigma2 = rng.uniform(0.1, 1.0), rng.uniform(0.1, 1.0)
+    mu_s = mu_c * rng.uniform(1.05, 1.6)
+    sigma1 = rng.uniform(0.9, 0.99) * sigma2 * mu_c / (mu_s - mu_c)
+    return Friction(mu_s, mu_c, 10 ** rng.uniform(-3, -2), 10 ** rng.uniform(4, 4.7), sigma1, sigma2, elastic)
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("elastic", [0.0, ELASTO_PLASTIC])
+def test_jacobian_agrees_with_finite_differences(elastic):
+    """Also in flight, next to the loss of contact, and with both signs of velocity and deflection."""
+    rng = np.random.default_rng(5)
+    mount, normal = (900.0 / 0.002, 0.3 / 0.002, 1 / 0.002), (570.0**2, 170.0, 0.02, 24.0)
+    yielding = 0
+    for case in range(2000):
+        curve, sigma = loop_parameters(draw_friction(rng, elastic))
+        y = (rng.uniform(0.01, 3.0), rng.uniform(2e-5, 9.9e-4), rng.uniform(-1.0, -0.01))[case % 3]
+        v = rng.choice([-1, 1]) * 10 ** rng.uniform(-4, -1)
+        s = rng.uniform(-1.2, 1.2) * curve[0] / sigma[0] * math.sqrt(max(y, 0.0) + LOAD_SCALE_N)
+        state = np.array([1e-4, v, s, y, 3.0])
+        given = curve, sigma, mount, normal, 90.0, 0.7
+        found = coupled_loop.linearise(*given, *state)
+        assert found[:3] == pytest.approx(compute_rates(*given, *state), rel=1e-12, abs=1e-12)
+        J_vv, J_vs, J_vy, J_sv, J_ss, J_sy, J_wy, J_ww = found[3:]
+        expected = np.array(
+            [[-mount[0], J_vv, J_vs, J_vy, 0.0], [0.0, J_sv, J_ss, J_sy, 0.0], [0.0, 0.0, 0.0, J_wy, J_ww]]
+        )
+        scale = np.array([1e-4, abs(v), 1e-5, max(abs(y), 1e-3), 1.0])
+        differences = np.empty((3, 5))
+        for i in range(5):
+            h = 1e-5 * scale[i] * np.eye(5)[i]
+            ahead, behind = (np.array(compute_rates(*given, *(state + sign * h))) for sign in (1, -1))
+            differences[:, i] = (ahead - behind) / (2 * h[i])
+        size = np.abs(expected * scale).max(axis=1, keepdims=True) + 1e-12
+        assert (np.abs(differences - expected) * scale / size).max() < 1e-4, (case, state)
+        yielding += elastic > 0.0 and 0.0 < expected[1, 1] * math.sqrt(max(y, 0.0) + LOAD_SCALE_N) < 0.9 * y
+    assert yielding > 20 or not elastic
 
 
 @pytest.mark.parametrize("chunk", [1, 2, 7, 1000])

@@ -21,8 +21,8 @@ from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, TraceError
 from fingertip.pad.fem_contact import PadModel, Patch
 from fingertip.pad.fem_mesh import MeshSize
-from fingertip.pad.form import PadForm
 from fingertip.pad.layer import find_contacts
+from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.touch import Pose
 
 FORCES_N = (1.0, 5.0)

@@ -19,7 +19,7 @@ import numpy as np
 from fingertip.pad.pose import Pose
 
 from fingertip import Design, Readout, write_robot
-from fingertip.pad.form import PadForm
+from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.response import Pad
 from fingertip.robot.model import build_finger
 from fingertip.sim.contact.materials import SURFACES

@@ -35,8 +35,8 @@ if TYPE_CHECKING:
     from fingertip.pictures.picture import picture
     from fingertip.sim import ManipulationFile, SceneFile, Trial, run_manipulation, run_scene, simulate
     from fingertip.sim.signal.readout import Readout
-    from fingertip.slip.detection import Detection
     from fingertip.slip.detectors.analog_and_digital import SlipChain
+    from fingertip.slip.scored_detection import Detection
     from fingertip.slip.traces.read import read_trace
     from fingertip.slip.traces.trace import Trace
     from fingertip.sweep.run import run_sweep
@@ -64,7 +64,7 @@ _NAMES = {
     "pictures.picture": "picture",
     "sim": "ManipulationFile SceneFile Trial run_manipulation run_scene simulate",
     "sim.signal.readout": "Readout",
-    "slip.detection": "Detection",
+    "slip.scored_detection": "Detection",
     "slip.detectors.analog_and_digital": "SlipChain",
     "slip.traces.read": "read_trace",
     "slip.traces.trace": "Trace",

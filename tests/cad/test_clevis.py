@@ -13,7 +13,7 @@ from fingertip.cad.verification import joint as joint_checks
 from fingertip.cad.verification.check import Solids
 from fingertip.cad.verification.strength import assess_strength
 from fingertip.design import Design
-from fingertip.design.formulas.strength import pin_peak
+from fingertip.design.formulas.stress_and_knock import pin_peak
 from fingertip.design.geometry.joint import HORN_RADIUS_MM, Joint
 from fingertip.design.geometry.solids import cylinder, union
 from fingertip.design.interfaces import clevis, clevis_solids, interface_of

@@ -22,7 +22,7 @@ from fingertip.cad.verification.strength import (
 )
 from fingertip.cli.check import describe_cause
 from fingertip.design import Design
-from fingertip.design.formulas.strength import (
+from fingertip.design.formulas.stress_and_knock import (
     PIN,
     PRESSED_N,
     Springs,

@@ -12,7 +12,7 @@ import pytest
 from fingertip.pad.fem_contact import PadModel
 from fingertip.pad.fem_elastic import factorise
 from fingertip.pad.fem_mesh import MeshSize
-from fingertip.pad.form import PadForm
+from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.touch import X, Z
 from tests.pad.bonded import CROWNED
 from tests.tools import require_tool

@@ -16,7 +16,7 @@ from fingertip.foundation.numerics import Array
 from fingertip.pad.fem_contact import PadContact, PadModel, Patch, find_patch
 from fingertip.pad.fem_large_strain import LargeStrainSolver, press_large_strain
 from fingertip.pad.fem_mesh import MeshSize
-from fingertip.pad.form import PadForm
+from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.touch import PALM, Pose, Touch
 from tests.pad.bonded import STRAIGHT
 

@@ -11,7 +11,7 @@ from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.pad.fem_elastic import Body, Surface, stiffness
 from fingertip.pad.fem_mesh import RIM_MM, MeshSize, WedgeMesh, extrude, mesh_skin, quadratic_plan
-from fingertip.pad.form import PadForm
+from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.touch import PALM, X, Z
 
 

@@ -8,8 +8,8 @@ import pytest
 
 from fingertip.foundation.errors import TraceError
 from fingertip.pad import layer
-from fingertip.pad.form import PadForm
 from fingertip.pad.layer import find_contacts
+from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.touch import Pose
 from tests.pad import bonded
 

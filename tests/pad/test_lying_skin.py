@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from fingertip.design import Design
-from fingertip.pad import inside, layer
+from fingertip.pad import layer, loose_skin
 from fingertip.pad.fem_contact import PadModel
 from fingertip.pad.fem_large_strain import LargeStrainSolver, press_large_strain
 from fingertip.pad.fem_mesh import MeshSize
-from fingertip.pad.form import PadForm
 from fingertip.pad.layer import find_contacts, map_shares
+from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.response import Pad
 from fingertip.pad.survey import survey_pad
 from fingertip.pad.touch import Pose, Touch
@@ -35,7 +35,7 @@ def lay(form: PadForm = STUDIED, gap_mm: float = 0.0, bump_mm: float = 0.0, radi
 def test_a_bump_bends_a_clamped_plate() -> None:
     """Force in the middle of a thin circular plate that is clamped: 16 pi D / R^2 (S. Timoshenko, Plates, 1959)."""
     thin = lay(replace(STUDIED, platform_mm=STUDIED.platform_mm + 2.6), 1.0, 1.01, 0.3)
-    rings = inside.lay_rings(thin, 1.0)
+    rings = loose_skin.lay_rings(thin, 1.0)
     assert rings
     radius = rings.edges_mm[len(rings.gap_mm)]
     rigidity = thin.over_sensor_mm**3 / 12 / (1 - thin.poisson**2)
@@ -45,7 +45,7 @@ def test_a_bump_bends_a_clamped_plate() -> None:
 
 def test_rings_that_touch_everywhere_pass_on_what_the_waves_do() -> None:
     form = lay(gap_mm=1e-9)
-    rings = inside.lay_rings(form, form.young_mpa)
+    rings = loose_skin.lay_rings(form, form.young_mpa)
     x, _, shares = map_shares(lay())
     assert rings
     for distance in (0.0, 1.5, 3.0):

@@ -16,8 +16,8 @@ from fingertip.cli import app
 from fingertip.design import Design
 from fingertip.pad.fem_elastic import stiffness
 from fingertip.pad.fem_mesh import extrude, quadratic_plan
-from fingertip.pad.form import PadForm
 from fingertip.pad.layer import find_contacts
+from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.survey import TILTS_DEG, find_own_mode_hz, survey_pad
 from fingertip.pad.touch import Pose
 from fingertip.page.pad_section import render_pad

@@ -21,10 +21,10 @@ from fingertip.design import Design
 from fingertip.design.files import list_parameters
 from fingertip.page.board_section import render_board
 from fingertip.page.layout_svg import render_back, render_copper, render_placement
+from fingertip.page.markdown_sheets import render_basis, render_casting, render_drawing
 from fingertip.page.model_section import list_items, scene_json
 from fingertip.page.parameters_and_checks import render_checks, render_parameters, render_verdict
 from fingertip.page.schematic_svg import render_schematic
-from fingertip.page.sheets import render_basis, render_casting, render_drawing
 from fingertip.page.trial_section import render_trial
 from tests.approved import check_figures
 from tests.conftest import design_file

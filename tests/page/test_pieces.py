@@ -17,7 +17,7 @@ from fingertip.board.kicad.sexpr import read_expression
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.shapes.parts import parts_by_name, shapes_of_parameters
 from fingertip.catalogues.output_files import SCHEMATIC
-from fingertip.page import sheets
+from fingertip.page import markdown_sheets
 from fingertip.page.board_section import draw_response
 from fingertip.page.html import Markup, code, element, figure, table
 from fingertip.page.layout_svg import list_pads, render_back
@@ -38,8 +38,10 @@ def test_text_is_never_markup() -> None:
         element("p", code(EVIL)),
         table([EVIL], [[EVIL]], EVIL),
         figure(element("img", alt=EVIL), EVIL),
-        sheets.render_markdown(f"# {EVIL}\n\n{EVIL}\n\n- {EVIL}\n\n| a |\n| --- |\n| {EVIL} |\n\n**{EVIL}** `{EVIL}`"),
-        sheets.render_steps(f"1. {EVIL}\n\n   ![{EVIL}](x.png)", {"x.png": EVIL}),
+        markdown_sheets.render_markdown(
+            f"# {EVIL}\n\n{EVIL}\n\n- {EVIL}\n\n| a |\n| --- |\n| {EVIL} |\n\n**{EVIL}** `{EVIL}`"
+        ),
+        markdown_sheets.render_steps(f"1. {EVIL}\n\n   ![{EVIL}](x.png)", {"x.png": EVIL}),
     ):
         page = Page(built)
         assert not page.faults, built
@@ -51,7 +53,7 @@ def test_text_is_never_markup() -> None:
     text = scene_json([Item("</script>", EVIL, mesh, 1.0, (0, 0, 0), False, (0, 0, 0), (0, 0, 0))])
     assert "<" not in text
     assert json.loads(text)[0]["name"] == "</script>"
-    assert "img" not in sheets.render_markdown("![x](http://example.org/x.png)"), (
+    assert "img" not in markdown_sheets.render_markdown("![x](http://example.org/x.png)"), (
         "a picture that nobody embedded is left out"
     )
 

@@ -14,8 +14,8 @@ import pytest
 
 from fingertip import Design, write_robot
 from fingertip.design.finger_set import load_set
-from fingertip.pad.form import PadForm
 from fingertip.pad.layer import find_contacts
+from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.touch import Pose
 from fingertip.robot.contact import FORCES_N
 from tests.conftest import ROOT

@@ -13,8 +13,8 @@ from fingertip.foundation.errors import FingertipError, Issue, TraceError
 from fingertip.lab.accuracy import extremes
 from fingertip.lab.accuracy.extremes import Draw
 from fingertip.lab.accuracy.report import EXTREMES
-from fingertip.pad.form import PadForm
 from fingertip.pad.layer import find_contacts
+from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.response import Backing, Pad
 from fingertip.pad.touch import Pose
 from fingertip.sim.contact.friction import Friction

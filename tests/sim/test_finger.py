@@ -16,8 +16,8 @@ import pytest
 from fingertip.catalogues.file_kinds import SCENE, list_bundled_files
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
-from fingertip.pad.form import PadForm
 from fingertip.pad.layer import find_contacts
+from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.response import REFERENCE_POSE, Pad
 from fingertip.sim import SceneFile, Trial, run_scene
 from fingertip.sim.contact.materials import SURFACES

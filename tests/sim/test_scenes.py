@@ -18,7 +18,7 @@ from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.converter import compute_bridge_v
 from fingertip.sim.signal.filter_board import simulate_board
 from fingertip.sim.signal.grid import Grid
-from fingertip.slip.detection import detect
+from fingertip.slip.scored_detection import detect
 from tests.conftest import ROOT, design_file, run_fingertip
 from tests.designs import ARTICLE, article_design
 

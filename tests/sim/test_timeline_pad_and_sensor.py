@@ -11,8 +11,8 @@ import pytest
 
 from fingertip.board.components.front_end import sensor_conductance_s
 from fingertip.design import Design
-from fingertip.pad.form import PadForm
 from fingertip.pad.layer import find_contacts, find_rest_n
+from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.response import REFERENCE_POSE, Backing, Pad
 from fingertip.pad.touch import Pose
 from fingertip.sim.contact.materials import SURFACES

@@ -17,10 +17,10 @@ from fingertip.design import Design
 from fingertip.detection.warnings import settings_warnings, threshold_warnings
 from fingertip.foundation.errors import TraceError
 from fingertip.sim.signal.converter import SimulatedBoardDetector
-from fingertip.slip.detection import detect
 from fingertip.slip.detectors.analog_and_digital import AnalogDetector, ChainSettings, SlipChain, high_pass, noise_level
 from fingertip.slip.detectors.noise import NoiseLevel, mean_quantised_noise_v, quantised_noise_v
 from fingertip.slip.detectors.registry import make_detector
+from fingertip.slip.scored_detection import detect
 from fingertip.slip.traces.trace import Trace
 from tests.designs import ARTICLE
 from tests.slip.recordings import ONSET, T, V, csv, run, single_onset

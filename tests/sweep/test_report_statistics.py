@@ -17,7 +17,7 @@ from fingertip.cad.verification.check import Check
 from fingertip.foundation.display import new_figure
 from fingertip.sweep.database import SweepTable
 from fingertip.sweep.point_evaluator import PointEvaluator
-from fingertip.sweep.report.best import find_nearest_to_ideal, find_pareto_front
+from fingertip.sweep.report.best_design_file import find_nearest_to_ideal, find_pareto_front
 from fingertip.sweep.report.feasibility_plot import histogram_edges, make_scale
 from fingertip.sweep.report.plots import _CHARACTER_IN, _write_heading
 from fingertip.sweep.report.statistics import (

@@ -17,7 +17,7 @@ from fingertip.design.geometry.solids import Solid
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation import extras
 from fingertip.foundation.errors import DesignError, Issue, MissingLibraryError
-from fingertip.pad.form import PadForm
+from fingertip.pad.pad_geometry import PadForm
 
 if TYPE_CHECKING:
     import cadquery

@@ -104,7 +104,7 @@ _ORDER_NUMBERS = {"fsr400_short": ", order number 34-00004"}
 
 @dataclass(frozen=True)
 class Thing:
-    """Thing to buy or to have at hand, a row of `things.csv`."""
+    """Thing to buy or to have at hand, a row of `shopping_list.csv`."""
 
     key: str
     amount: str
@@ -230,7 +230,7 @@ def _list_things(design: Design, batch: Mixture, mount: Mount, printed: str, pri
     needs = {"board" if design.board.has_filter else "divider", mount.interface}
     needs |= {name for name, size in (("tendon", mount.tendon_mm), ("pin", mount.pin_mm)) if size}
     rows = []
-    for row in read_rows(Path(__file__).with_name("things.csv")):
+    for row in read_rows(Path(__file__).with_name("shopping_list.csv")):
         needed_by = set(row.pop("needed_by").split())
         if not needed_by or needed_by & needs:
             rows.append({name: cell.format(**words, **sizes) for name, cell in row.items()})

@@ -20,7 +20,7 @@ from fingertip.foundation.progress import ShareText
 if TYPE_CHECKING:
     from fingertip.pad.fem_contact import PadContact
     from fingertip.pad.fem_large_strain import LargeStrainContact
-    from fingertip.pad.form import PadForm
+    from fingertip.pad.pad_geometry import PadForm
     from fingertip.pad.survey import PadSurvey
 
 _WORST = ("strain", "bond_shear_mpa", "bond_tension_mpa")
@@ -56,7 +56,7 @@ def pad(
     parallel to the plate; a positive tilt turns the tip down.
     `fingertip picture DESIGN --pad` draws the same over the place and the force.
     """
-    from fingertip.pad.form import PadForm
+    from fingertip.pad.pad_geometry import PadForm
     from fingertip.pad.survey import find_own_mode_hz, survey_pad
 
     if friction is not None and not large_strain:

@@ -16,10 +16,10 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.foundation.errors import FingertipError, Issue, TraceError, join_words
 from fingertip.foundation.numerics import Array
-from fingertip.slip.detection import Detection
 from fingertip.slip.detectors.analog_and_digital import noise_level
 from fingertip.slip.detectors.fast import FastDetector, FastSettings
 from fingertip.slip.detectors.registry import find_detector_type
+from fingertip.slip.scored_detection import Detection
 from fingertip.slip.traces.sampling import MAX_RATE_HZ, MIN_RATE_HZ, RATE_TOLERANCE, check_rate, rate_bounds_message
 from fingertip.slip.traces.trace import RawTrace, Trace
 from fingertip.slip.traces.truth import intervals

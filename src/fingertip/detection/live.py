@@ -15,7 +15,7 @@ from fingertip.foundation.errors import Issue, TraceError, shorten
 from fingertip.slip.detectors import registry
 from fingertip.slip.traces import sampling
 from fingertip.slip.traces.columns import split_cells, unquote
-from fingertip.slip.traces.csv_header import Header, find_header
+from fingertip.slip.traces.csv_dialect import Header, find_header
 from fingertip.slip.traces.trace import ColumnMap, bounded_lines, length_message, range_message
 
 NAME = "standard input"

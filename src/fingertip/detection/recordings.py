@@ -18,11 +18,11 @@ from fingertip.design import Design
 from fingertip.detection import warnings
 from fingertip.detection.adaptation import Adaptation, QuietPart, equivalent_noise_v
 from fingertip.foundation.errors import Issue, TraceError
-from fingertip.slip.detection import Detection
-from fingertip.slip.detection import detect as detect_in_trace
 from fingertip.slip.detectors import registry
 from fingertip.slip.detectors.analog_and_digital import measure_noise_level
 from fingertip.slip.detectors.noise import NoiseLevel
+from fingertip.slip.scored_detection import Detection
+from fingertip.slip.scored_detection import detect as detect_in_trace
 from fingertip.slip.traces.read import read_raw_trace
 from fingertip.slip.traces.sampling import check_rate
 from fingertip.slip.traces.trace import ColumnMap, RawTrace, Trace, as_numbers, signal_warnings

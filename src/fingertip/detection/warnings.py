@@ -17,11 +17,11 @@ from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
 from fingertip.foundation.errors import DesignError, join_words
 from fingertip.foundation.numerics import Array
-from fingertip.slip.detection import Detection
 from fingertip.slip.detectors.analog_and_digital import noise_level
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
 from fingertip.slip.detectors.noise import NoiseLevel
 from fingertip.slip.detectors.registry import DEFAULT, DetectorOutput, find_detector_type
+from fingertip.slip.scored_detection import Detection
 from fingertip.slip.traces.trace import Trace
 
 _MAX_RESIDUAL = 0.05

@@ -24,7 +24,7 @@ from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
 from fingertip.pad.fem_elastic import Body, Surface, triangle_shapes
 from fingertip.pad.fem_mesh import MeshSize, mesh_skin
-from fingertip.pad.form import PadForm
+from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.touch import PALM, Pose, Touch, X, Z
 
 MAX_DEPTH, MAX_STRAIN = 0.45, 0.3

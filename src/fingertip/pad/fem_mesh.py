@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from fingertip.foundation.errors import GeometryError, Issue
 from fingertip.foundation.numerics import Array, bisect_arrays
-from fingertip.pad.form import PadForm
+from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.touch import X
 
 RIM_MM = 0.6

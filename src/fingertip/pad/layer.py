@@ -34,8 +34,8 @@ from numpy.typing import NDArray
 
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
-from fingertip.pad.form import PadForm
-from fingertip.pad.inside import Inside, lay_rings
+from fingertip.pad.loose_skin import Inside, lay_rings
+from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.touch import Pose, Touch
 
 GRID_MM = 0.25

@@ -16,8 +16,8 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
-from fingertip.pad.form import PadForm
 from fingertip.pad.layer import find_contacts, find_rest_n
+from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.touch import Pose
 
 REFERENCE_POSE = Pose(tilt_deg=2.0)

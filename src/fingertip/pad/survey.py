@@ -10,8 +10,8 @@ from typing import Any
 
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
-from fingertip.pad.form import PadForm
 from fingertip.pad.layer import Contact, find_contacts, find_rest_n
+from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.touch import Pose
 
 TILTS_DEG = (-5.0, 0.0, 2.0, 5.0, 10.0, 15.0, 20.0)

@@ -15,7 +15,7 @@ import numpy as np
 
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
-from fingertip.pad.form import PadForm
+from fingertip.pad.pad_geometry import PadForm
 
 ObjectShape = Literal["plate", "cylinder", "edge", "sphere"]
 EDGE_RADIUS_MM = 0.5

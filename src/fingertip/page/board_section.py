@@ -23,8 +23,8 @@ from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.page.html import Markup, element, embed, figure, fold, join, list_links, note, quantity, scrolling, table
 from fingertip.page.layout_svg import render_back, render_copper, render_placement
+from fingertip.page.markdown_sheets import render_markdown, split_sections
 from fingertip.page.schematic_svg import render_schematic
-from fingertip.page.sheets import render_markdown, split_sections
 from fingertip.page.sources import COMMANDS, Sources
 from fingertip.page.svg import Axis, Frame, figure_svg, legend, line
 

@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.pad.form import PadForm
 from fingertip.pad.layer import Contact, map_shares
+from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.survey import FORCE_N, GRASP_DEG, ROLL_DEG, TILTS_DEG, PadSurvey, survey_pad, try_contacts
 from fingertip.pad.touch import Pose
 from fingertip.page.html import Markup, element, figure, join

@@ -14,7 +14,7 @@ from fingertip.design import Design
 from fingertip.documents.finger import FirstScreen, render_start
 from fingertip.documents.finger_set import SetSheets
 from fingertip.foundation.version import __version__
-from fingertip.page import sheets
+from fingertip.page import markdown_sheets
 from fingertip.page.board_section import draw_response, render_board
 from fingertip.page.html import (
     Markup,
@@ -27,10 +27,10 @@ from fingertip.page.html import (
     read_viewer_library,
     render_document,
 )
+from fingertip.page.markdown_sheets import TICKED_THINGS, render_facts, render_markdown, split_sections
 from fingertip.page.model_section import list_items, measure_finger, render_model, render_no_view, scene_json
 from fingertip.page.pad_section import render_pad
 from fingertip.page.parameters_and_checks import render_checks, render_parameters, render_verdict, tell_verdict
-from fingertip.page.sheets import TICKED_THINGS, render_facts, render_markdown, split_sections
 from fingertip.page.sources import Sources
 from fingertip.page.trial_section import render_trial
 from fingertip.pictures.casting_scenes import draw_finger
@@ -109,10 +109,10 @@ def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:
     """Render the page of a design. The same files give the same bytes."""
     design, items = sources.design, list_items(sources.design, sources.files)
     prepared = prepared or prepare_page(design)
-    cast = sheets.render_casting(sources)
+    cast = markdown_sheets.render_casting(sources)
     report, links = sources.report, sources.links
     verdict, kind = tell_verdict(report.checks)
-    drawing = sheets.render_drawing(sources)
+    drawing = markdown_sheets.render_drawing(sources)
     steps, has_board = cast.count("data-tick="), design.board.variant != "divider"
     size_mm = measure_finger(items)
     screen = FirstScreen(design, report.casting, report.loads, size_mm, links, steps, verdict)
@@ -123,19 +123,19 @@ def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:
             element("h2", "In three dimensions", id="model"), render_no_view(), render_model(items),
         )),
         ("print", "Print", (
-            _title("Print the parts"), sheets.render_printing(sources),
+            _title("Print the parts"), markdown_sheets.render_printing(sources),
             *((_title("Dimensioned drawing", "drawing"), drawing) if drawing else ()),
         )),
-        ("buy", "Buy", (_title("What to buy"), sheets.render_shopping(sources))),
+        ("buy", "Buy", (_title("What to buy"), markdown_sheets.render_shopping(sources))),
         ("cast", "Cast", (_title("Cast the skin", "casting"), cast)),
         ("board", "Board" if has_board else "Wire", (
             _title("The board" if has_board else "The wiring"), render_board(sources),
         )),
-        ("test", "Test", (_title("Test the sensor and the finished finger"), sheets.render_tests(sources))),
+        ("test", "Test", (_title("Test the sensor and the finished finger"), markdown_sheets.render_tests(sources))),
         ("more", "More", tuple(
             fold(title, content, name=name, state="roomy" if name in ("checks", "basis") else "", level=2)
             for name, title, content in (
-                ("basis", "What is simulated and what is measured", sheets.render_basis(design)),
+                ("basis", "What is simulated and what is measured", markdown_sheets.render_basis(design)),
                 ("checks", "Checks", render_checks(report.checks)),
                 ("parameters", "Parameters", prepared.parameters),
                 ("pad", "What the sensor feels", prepared.pad or render_pad(design)),

@@ -23,8 +23,8 @@ from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, to_arrays, to_canonic
 from fingertip.cad.shapes.finger import skin_outline
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
-from fingertip.pad.form import PadForm
 from fingertip.pad.layer import find_contacts
+from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.response import REFERENCE_POSE, Pad
 from fingertip.sim.contact.materials import SURFACES
 

@@ -20,7 +20,7 @@ from fingertip.design.geometry.joint import HORN_RADIUS_MM
 from fingertip.design.geometry.solids import Point3, cylinder
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.interface import CrossBolted, middle_y
-from fingertip.pad.form import PadForm
+from fingertip.pad.pad_geometry import PadForm
 from fingertip.robot.contact import ContactLaw, TactileMesh, cut_skin, fit_contact, mesh_active_area
 
 TOLERANCE_MM = 0.02

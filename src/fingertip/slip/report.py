@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fingertip.foundation import display as style
-from fingertip.slip.detection import Detection, find_ratio
 from fingertip.slip.detectors.analog_and_digital import ChainOutput
 from fingertip.slip.detectors.fast import FastOutput
 from fingertip.slip.detectors.noise import NoiseLevel
 from fingertip.slip.detectors.registry import find_detector_type
+from fingertip.slip.scored_detection import Detection, find_ratio
 from fingertip.slip.traces.trace import Trace
 from fingertip.slip.traces.truth import (
     BAND_LABEL,

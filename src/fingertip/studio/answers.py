@@ -35,10 +35,10 @@ from fingertip.design.search import Band, as_typed, describe_bands, find_bands, 
 from fingertip.documents.finger import FirstScreen, render_start
 from fingertip.foundation.errors import DesignError, FingertipError, Issue
 from fingertip.page.html import Markup
+from fingertip.page.markdown_sheets import render_facts, split_sections
 from fingertip.page.model_section import Item, measure_finger, place_items, render_boxes, scene_data
 from fingertip.page.pad_section import render_pad
 from fingertip.page.parameters_and_checks import EVERY_FILE, ReportedCheck, render_checks, render_verdict
-from fingertip.page.sheets import render_facts, split_sections
 from fingertip.pictures.casting_scenes import draw_finger
 from fingertip.studio.worker import StillWanted
 

@@ -20,7 +20,7 @@ from fingertip.cad.verification.check import PLANE_OFFSET_MM, Check, Checks, Sol
 from fingertip.cad.verification.deviation import max_facet_deviation
 from fingertip.design import Design
 from fingertip.foundation.errors import DesignError
-from fingertip.pad.form import INNER_FRICTION
+from fingertip.pad.pad_geometry import INNER_FRICTION
 from fingertip.pad.survey import FORCE_N, MAX_TURN_ON_N, survey_pad
 
 CHECKS = Checks()

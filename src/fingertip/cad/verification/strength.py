@@ -27,15 +27,15 @@ import numpy as np
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
 from fingertip.design import Design
-from fingertip.design.formulas.strength import PIN, PRESSED_N, LocalStress, Springs, StressFactors
+from fingertip.design.formulas.stress_and_knock import PIN, PRESSED_N, LocalStress, Springs, StressFactors
 from fingertip.design.geometry.solids import Point3
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.clevis import tendon_force_per_n
 from fingertip.design.parameters.parts import Strength
 from fingertip.foundation.files import round_for_output
 from fingertip.foundation.numerics import Array
-from fingertip.pad.form import PadForm
 from fingertip.pad.layer import find_contacts
+from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.response import REFERENCE_POSE
 
 STATIONS = 160

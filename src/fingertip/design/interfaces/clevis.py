@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from fingertip.design.formulas.strength import (
+from fingertip.design.formulas.stress_and_knock import (
     PIN,
     PIN_IN_EYE,
     STEEL_IN_EYE,

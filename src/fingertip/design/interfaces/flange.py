@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 from fingertip.catalogues.hardware import select_thread, standard_length_mm
-from fingertip.design.formulas.strength import LocalStress, StressFactors, at_foot
+from fingertip.design.formulas.stress_and_knock import LocalStress, StressFactors, at_foot
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.foot import conic_foot, flat_foot, foot_line
 from fingertip.design.geometry.sizes import BEFORE_FACE, INNER, OUTER, STEP, Circle, Length, Size

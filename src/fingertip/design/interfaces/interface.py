@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from fingertip.catalogues.hardware import select_thread, standard_length_mm
-from fingertip.design.formulas.strength import LocalStress, StressFactors, hole_in_tension
+from fingertip.design.formulas.stress_and_knock import LocalStress, StressFactors, hole_in_tension
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.dimensions import Dimensions
 from fingertip.design.geometry.sizes import BEHIND_FACE, INNER, OUTER, Circle, Length, Size, Tolerance, clearance

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from fingertip.design.formulas.strength import StressFactors, at_foot
+from fingertip.design.formulas.stress_and_knock import StressFactors, at_foot
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.conic import TANGENT_STEP_MM, ConicBody, offset_section, quarter_outline
 from fingertip.design.geometry.foot import LEDGE_MM, flat_foot, foot_length, foot_line, round_foot

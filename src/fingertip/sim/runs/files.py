@@ -21,7 +21,7 @@ from fingertip.design import Design
 from fingertip.design.parameters import Above, ParameterTable, choice, quantity
 from fingertip.foundation.errors import Issue
 from fingertip.foundation.validation import round_down, round_up
-from fingertip.pad.form import PadForm
+from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.response import Pad
 from fingertip.pad.touch import Pose
 from fingertip.sim.contact.materials import ARTICLE_SURFACES, SurfaceTable, find_pitch_issues, find_surface_issues

@@ -12,8 +12,8 @@ from typing import Literal
 
 from fingertip.design.parameters import ParameterTable, choice, quantity
 from fingertip.foundation.errors import Issue, TraceError
-from fingertip.pad.form import PadForm
 from fingertip.pad.layer import bring, is_possible
+from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.response import REFERENCE_POSE, Backing
 from fingertip.pad.touch import ObjectShape, Pose
 from fingertip.sim.signal.parameters import assumption

@@ -1,6 +1,6 @@
 """CSV files of traces: one line that names the columns, then one sample per line.
 
-The delimiter is a comma, a semicolon, a tab or spaces. `csv_header` finds the header, or the first sample of a file
+The delimiter is a comma, a semicolon, a tab or spaces. `csv_dialect` finds the header, or the first sample of a file
 without one. Lines that hold no sample are passed over, and named: a header that is repeated, comments, and a last line
 that was cut off.
 """
@@ -31,7 +31,7 @@ from fingertip.slip.traces.columns import (
     unquote,
     without_headers,
 )
-from fingertip.slip.traces.csv_header import NOT_TEXT, Header, find_header
+from fingertip.slip.traces.csv_dialect import NOT_TEXT, Header, find_header
 from fingertip.slip.traces.trace import COLUMNS, ColumnMap, RawTrace, bounded_lines, max_lines, max_rows, shape_message
 
 _TAIL_BYTES = 4096

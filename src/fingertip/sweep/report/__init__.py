@@ -3,7 +3,7 @@
 The rows of a database come in. Limiting rules, sensitivities, the Pareto front and the files that show them go out.
 
 >>> import numpy as np
->>> from fingertip.sweep.report.best import find_pareto_front
+>>> from fingertip.sweep.report.best_design_file import find_pareto_front
 >>> find_pareto_front(np.array([[1.0, 3.0], [2.0, 2.0], [3.0, 3.0]])).tolist()
 [0, 1]
 """

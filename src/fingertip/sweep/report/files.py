@@ -16,7 +16,7 @@ from fingertip.foundation.output_set import SetWriter, hash_parameters
 from fingertip.foundation.progress import Work
 from fingertip.sweep.database import SweepDatabase
 from fingertip.sweep.plan import SweepPlan
-from fingertip.sweep.report import best, summary
+from fingertip.sweep.report import best_design_file, summary
 from fingertip.sweep.report.plots import select_plots
 
 
@@ -40,8 +40,8 @@ def write_report(
     found = summary.summarise(plan or database.plan, database.table())
     files: dict[str, bytes] = {}
     if found.selection.best is not None:
-        files["best.toml"] = best.format_best_design(found.plan, found.table, found.selection).encode()
-        files["pareto_front.csv"] = best.format_front(found.table, found.selection)
+        files["best.toml"] = best_design_file.format_best_design(found.plan, found.table, found.selection).encode()
+        files["pareto_front.csv"] = best_design_file.format_front(found.table, found.selection)
     if len(found.table.point):
         plots = dict(select_plots(found))
         if extras.is_installed("matplotlib"):

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from fingertip.foundation import display as style
 from fingertip.sweep.report import statistics
-from fingertip.sweep.report.best import Objective
+from fingertip.sweep.report.best_design_file import Objective
 from fingertip.sweep.report.feasibility_plot import (
     PlotScale,
     choose_points,

@@ -19,7 +19,7 @@ from fingertip.sweep.database import STATUSES, SweepTable
 from fingertip.sweep.designs import apply_changes
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.report import statistics
-from fingertip.sweep.report.best import Objective, Selection, select_best
+from fingertip.sweep.report.best_design_file import Objective, Selection, select_best
 from fingertip.sweep.sweep_file import SweepFile
 
 _MAX_RULES = 12

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.foundation.numerics import Array
-from fingertip.pad.form import PadForm
+from fingertip.pad.pad_geometry import PadForm
 
 _RING_MM = 0.25
 _HELD_RINGS = 12

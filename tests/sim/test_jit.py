@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -99,3 +104,19 @@ def test_without_numba_every_loop_runs_plain(monkeypatch):
     assert out[0] == 2.0
     assert loop._compiled is None
     assert compile_for_process(_double) is _double
+
+
+def test_cache_follows_a_helper_of_another_file(tmp_path):
+    pytest.importorskip("numba")
+    (tmp_path / "factor.py").write_text("def scale(x):\n    return 2 * x\n")
+    (tmp_path / "factor_loop.py").write_text(
+        "import numpy as np\nfrom factor import scale\nfrom fingertip.foundation.jit import CompiledLoop, compiled\n"
+        "def loop(values, out):\n    for i in range(len(values)):\n        out[i] = scale(values[i])\n"
+        "out = np.zeros(1)\nwith compiled():\n"
+        "    CompiledLoop(loop, scale, outputs=1, samples='values', plain_us=1e3)(np.ones(1), out)\nprint(out[0])\n"
+    )
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path]), "NUMBA_CACHE_DIR": ""}
+    run = partial(subprocess.check_output, [sys.executable, "factor_loop.py"], cwd=tmp_path, env=environment, text=True)
+    assert [run(), run()] == ["2.0\n", "2.0\n"]
+    (tmp_path / "factor.py").write_text("def scale(x):\n    return 3 * x + 0 * x\n")
+    assert run() == "3.0\n"

@@ -14,11 +14,11 @@ from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
 from fingertip.foundation.jit import compiled
 from fingertip.pad.response import Backing, Pad
-from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S, Friction
+from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S, Friction, stribeck, stribeck_fraction
 from fingertip.sim.contact.tangential import DraggedPad, Mount, PadMotion, admissible_step_s
 from fingertip.sim.runs.timeline import TrapezoidalMove, build_timeline
 from fingertip.sim.simulation import Trial
-from tests.oracles.steady_friction import steady_coefficient
+from tests.oracles.steady_friction import steady_coefficient, stribeck_coefficient
 
 FRICTION = Friction(0.6, 0.48)
 FORCE_N = 0.8
@@ -35,6 +35,17 @@ def pull(
     return DraggedPad(friction, mount, h).process(
         speed_m_s * time, np.full_like(time, speed_m_s), np.full_like(time, FORCE_N)
     )
+
+
+@pytest.mark.parametrize("v", [-0.2, 0.0, 0.003, 0.08])
+def test_both_forms_of_the_stribeck_curve_are_the_same_law(v):
+    friction, step = Friction(0.62, 0.5, 0.004), 1e-7
+    g, slope = stribeck(friction.curve, v)
+    top, bottom = stribeck_fraction(friction.mu_c, friction.mu_s, v / friction.stribeck_m_s)
+    assert g == pytest.approx(stribeck_coefficient(friction, v), rel=1e-14)
+    assert top / bottom == pytest.approx(g, rel=1e-14)
+    above, below = (stribeck_coefficient(friction, at) for at in (v + step, v - step))
+    assert slope == pytest.approx((above - below) / (2 * step), rel=1e-5, abs=1e-8)
 
 
 def test_breakaway_force_is_mu_s_times_load():

@@ -25,6 +25,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import importlib
+import math
 import os
 from collections.abc import Callable, Iterable, Iterator, MutableSequence, Sequence
 from pathlib import Path
@@ -127,17 +128,32 @@ class CompiledLoop:
         """Load the loop, and run it; if its cache is damaged or the disk full, it is compiled for this process."""
         try:
             loop = _compile(self.plain, *self._helpers, cache=True)
+            # numba notices changes in the function's own file; a helper may stand in another one.
+            self._forget_cache(loop, max((_find_change_s(helper) for helper in self._helpers), default=0.0))
         except RuntimeError:  # no folder can be written
             loop = _compile(self.plain)
         try:
             loop(*arrays)
         except Exception:  # what a damaged file raises depends on the damage
-            for index in Path(loop.stats.cache_path).glob(f"*.{self.plain.__qualname__}-*.nbi"):  # type: ignore[attr-defined]
-                with contextlib.suppress(OSError):
-                    index.unlink()  # the next process writes it anew
+            self._forget_cache(loop, math.inf)  # the next process writes it anew
             loop = _compile(self.plain)
             loop(*arrays)
         self._compiled = loop
+
+    def _forget_cache(self, loop: Any, before_s: float) -> None:
+        """Delete the indices of this loop's cache that were written before a time."""
+        for index in Path(loop.stats.cache_path).glob(f"*.{self.plain.__qualname__}-*.nbi"):
+            with contextlib.suppress(OSError):
+                if index.stat().st_mtime < before_s:
+                    index.unlink()
+
+
+def _find_change_s(function: Function) -> float:
+    """Time at which a function's source file was last changed; 0 in a program without source files."""
+    try:
+        return os.stat(function.__code__.co_filename).st_mtime
+    except OSError:
+        return 0.0
 
 
 def _as_compiled(argument: Any, copy: bool) -> Any:
@@ -153,7 +169,7 @@ def _as_compiled(argument: Any, copy: bool) -> Any:
 
 def _compile(function: Function, *helpers: Function, cache: bool = False) -> Function:
     """Compile a function, and its helpers with it; a division by 0 gives infinity or NaN, as in arrays."""
-    for helper in helpers:  # numba's cache notices changes in the function's own file only
+    for helper in helpers:
         importlib.import_module("numba.extending").register_jitable(helper)
     result: Function = importlib.import_module("numba").njit(cache=cache, error_model="numpy")(function)
     return result

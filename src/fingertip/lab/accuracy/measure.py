@@ -21,7 +21,7 @@ from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.foundation.workers import find_workers, side_by_side
 from fingertip.lab.accuracy.extremes import FamilyResult, try_families
 from fingertip.sim import ManipulationFile, ManipulationResult, SceneFile, SceneResult, run_manipulation, run_scene
-from fingertip.sim.contact.friction import LOAD_SCALE_N
+from fingertip.sim.contact.friction import LOAD_SCALE_N, stribeck
 from fingertip.sim.runs.scene import SceneRun
 from fingertip.sim.runs.timeline import mount_pad
 from fingertip.sim.signal.bridge import HYSTERESIS, Bridge
@@ -104,7 +104,7 @@ def _integrate_contact(run: SceneRun, since_s: Array) -> Array:
     def rates(t: float, state: Array) -> list[float]:
         x, v, s = state
         at, speed = carriage(t)
-        g = f.mu_c + (f.mu_s - f.mu_c) / (1 + (v / f.stribeck_m_s) ** 2)
+        g, _ = stribeck(f.curve, v)
         bending = v - f.sigma0 * abs(v) * scale * s / g
         grip = load * (f.sigma0 * scale * s + f.sigma1 * load * scale * scale * bending + f.sigma2 * v)
         return [v, (k * (at - x) + c * (speed - v) - grip) / m, load * scale * bending]

@@ -2,7 +2,7 @@
 
 States: position x [m] and velocity v [m/s] of the pad along the surface, bristles s [m sqrt(N)], compression of the
 contact expressed as its force y [N], and its rate w [N/s]. The normal force is N = max(y, 0). With c = 1 / sqrt(N + N0)
-and the mean bristle deflection z = c s (`fingertip.sim.contact.surfaces`):
+and the mean bristle deflection z = c s (`fingertip.sim.contact.friction`):
 
     L     = v - alpha(v, z) sigma0 |v| z / g(v)                        plain LuGre friction: alpha = 1
     ds/dt = N c L - r(N, z) s

@@ -22,6 +22,7 @@ import math
 from collections.abc import MutableSequence, Sequence
 
 from fingertip.foundation.jit import CompiledLoop
+from fingertip.sim.contact.friction import stribeck_fraction
 
 # Coefficients: gamma, times of the stages as fractions of the step, those of the time derivative, a_ij, c_ij, and those
 # of the new state and of the error.
@@ -53,8 +54,7 @@ def bristle_rate(curve: Curve, sigma: Bristles, load: float, scale: float, v: fl
     mu_c, mu_s, per_vs, elastic = curve
     s0, _, _, relax_per_s, n0 = sigma
     pull = s0 * scale * s
-    square = v * per_vs * (v * per_vs)
-    bottom, top = 1 + square, mu_s + mu_c * square  # g(v) = top / bottom
+    top, bottom = stribeck_fraction(mu_c, mu_s, v * per_vs)
     creep = pull * (abs(v) * bottom) / top
     # alpha(v, z) of Dupont et al. 2002: 0 while bristles bend elastically or straighten up, 1 in full sliding.
     if elastic > 0.0:
@@ -106,8 +106,7 @@ def linearise(
     scale = 1 / math.sqrt(load + n0)
     z = scale * s
     ratio = v * per_vs
-    square = ratio * ratio
-    bottom, top = 1 + square, mu_s + mu_c * square
+    top, bottom = stribeck_fraction(mu_c, mu_s, ratio)
     per_product = 1 / (bottom * top)
     per_g = bottom * bottom * per_product
     # Derivatives: of g by v, divided by g; of alpha by v and z.
@@ -336,5 +335,7 @@ def _coupled_loop(
     stats[ACCEPTED], stats[REJECTED] = steps, rejected
 
 
-run = CompiledLoop(_coupled_loop, bristle_rate, normal_rate, linearise, outputs=6, samples="Xs", plain_us=14.0)
+run = CompiledLoop(
+    _coupled_loop, stribeck_fraction, bristle_rate, normal_rate, linearise, outputs=6, samples="Xs", plain_us=14.0
+)
 """Fills x, v, s and y at the samples, and the statistics; carries the state to the next chunk."""

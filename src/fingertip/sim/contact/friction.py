@@ -23,6 +23,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,6 +51,25 @@ MAX_MU = 100.0
 """Largest static friction: no surface holds a hundred times its load, and steps for stuck pads are too long beyond."""
 GROSS_SLIP_M_S = 1e-3
 """Sliding speed above which slip is gross [m/s]. Assumption: 1/40 of the article's slowest slide."""
+
+
+Curve = tuple[float, float, float]
+"""Stribeck curve: mu_c, mu_s - mu_c, and Stribeck velocity [m/s]."""
+Velocity = TypeVar("Velocity", float, Array)
+
+
+def stribeck(curve: Curve, v: Velocity) -> tuple[Velocity, Velocity]:
+    """Compute the Stribeck curve g at a velocity [m/s], and its derivative [s/m]; loops with fixed steps inline it."""
+    mu_c, drop, vs = curve
+    ratio = v / vs
+    denominator = 1 + ratio * ratio
+    return mu_c + drop / denominator, -2 * drop * ratio / (vs * denominator * denominator)
+
+
+def stribeck_fraction(mu_c: float, mu_s: float, ratio: float) -> tuple[float, float]:
+    """Compute numerator and denominator of g from v / vs, for the loop with error control: it needs fewer divisions."""
+    square = ratio * ratio
+    return mu_s + mu_c * square, 1 + square
 
 
 @dataclass(frozen=True)
@@ -98,6 +118,10 @@ class Friction:
         return Friction(2.2 * self.mu_c, self.mu_c, STICK_SLIP_STRIBECK_M_S, self.sigma0, 0.1, 0.15)
 
     @property
+    def curve(self) -> Curve:
+        return self.mu_c, self.mu_s - self.mu_c, self.stribeck_m_s
+
+    @property
     def max_ratio(self) -> float:
         """Ratio of `mu_s` to `mu_c` below which friction is passive."""
         return 1 + self.sigma2 / self.sigma1
@@ -123,8 +147,7 @@ class Friction:
         is no slip. The remaining motion does not spring back: it is the plastic displacement of Dupont et al.
         """
         v, z = np.abs(velocity_m_s), np.abs(bristle_m)
-        ratio = v / self.stribeck_m_s
-        g = self.mu_c + (self.mu_s - self.mu_c) / (1 + ratio * ratio)
+        g, _ = stribeck(self.curve, v)
         speed = self.sigma0 * v * z / g
         if self.elastic:
             # alpha(v, z) of Dupont et al.: 0 below the elastic limit and for bristles that straighten up, 1 in sliding.

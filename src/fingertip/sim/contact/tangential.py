@@ -2,7 +2,7 @@
 
 States: position x [m] and velocity v [m/s] of the pad, and state s of its bristles [m sqrt(N)]. The carriage, the
 moving part of the linear stage that drags the pad, has position X and velocity V. N is the normal force. The equations
-cover stick, incipient slip and gross slip (`fingertip.sim.contact.surfaces`):
+cover stick, incipient slip and gross slip (`fingertip.sim.contact.friction`):
 
     z  = c s,   c = 1 / sqrt(N + N0),   L = v - sigma0 |v| z / g(v)
     ds/dt   = N c L - r(N, z) s
@@ -30,7 +30,7 @@ from fingertip.foundation.validation import (
     raise_issues,
     round_down,
 )
-from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S, ROS2_GAMMA, Friction
+from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S, ROS2_GAMMA, Curve, Friction, stribeck
 
 MAX_PHASE = 0.5
 """Longest step, as the angle by which the stuck pad oscillates on its bristles in one step [rad].
@@ -116,7 +116,7 @@ class DraggedPad:
         self._last = (carriage_m[-1:].copy(), carriage_m_s[-1:].copy(), normal_n[-1:].copy())
         x, v, z = (np.zeros(len(columns[0])) for _ in range(3))
         _drag(
-            (friction.mu_c, friction.mu_s - friction.mu_c, friction.stribeck_m_s),
+            friction.curve,
             (friction.sigma0, friction.sigma1, friction.sigma2, RELAX_PER_S, LOAD_SCALE_N),
             (mount.mass_kg, mount.stiffness_n_per_m, mount.damping_n_s_per_m),
             self._step_s, *columns, self._state, x, v, z,
@@ -128,7 +128,7 @@ class DraggedPad:
 
 
 def _drag_loop(
-    curve: tuple[float, float, float],
+    curve: Curve,
     sigma: tuple[float, float, float, float, float],
     mount: tuple[float, float, float],
     h: float,
@@ -140,7 +140,6 @@ def _drag_loop(
     vs_out: MutableSequence[float],
     zs: MutableSequence[float],
 ) -> None:
-    mu_c, drop, vs = curve  # drop = mu_s - mu_c, vs = Stribeck velocity
     s0, s1, s2, relax_per_s, N0 = sigma
     m, k, d = mount
     G = ROS2_GAMMA * h
@@ -155,13 +154,10 @@ def _drag_loop(
     load = N[first]
     c = 1 / math.sqrt(load + N0)
     unloaded = relax_per_s * (1 - load / N0) if load < N0 else 0.0  # relaxation without load, the first part of r
-    per_mu_s = 1 / (mu_c + drop)
+    per_mu_s = 1 / (curve[0] + curve[1])
     for i in range(first, len(X) - 1):
         # Friction at the start of the step: g(v), ds/dt, and its derivatives J_ss by s and J_sv by v.
-        ratio = v / vs
-        denominator = 1 + ratio * ratio
-        g = mu_c + drop / denominator
-        dg = -2 * drop * ratio / (vs * denominator * denominator)  # derivative of g by v
+        g, dg = stribeck(curve, v)
         speed = v if v >= 0.0 else -v
         z = c * s
         grip = load * c
@@ -204,8 +200,8 @@ def _drag_loop(
         # Second stage: right-hand side at the end of the step, solved with the same matrix.
         load, c, unloaded = next_load, next_c, next_unloaded
         xe, ve, se = x + h * kx1, v + h * kv1, s + h * ks1
-        ratio, most = ve / vs, g
-        g = mu_c + drop / (1 + ratio * ratio)
+        most = g
+        g, _ = stribeck(curve, ve)
         most = g if g > most else most
         z = c * se
         ratio = s0 * (z if z >= 0.0 else -z) * per_mu_s
@@ -236,5 +232,5 @@ def _drag_loop(
     state[0], state[1], state[2] = x, v, s
 
 
-_drag = CompiledLoop(_drag_loop, outputs=4, samples="X", plain_us=4.0)
+_drag = CompiledLoop(_drag_loop, stribeck, outputs=4, samples="X", plain_us=4.0)
 """Carries the state (x, v, s) and fills position, velocity and bristle deflection at each point of the grid."""

@@ -2,7 +2,7 @@
 
 States: position X [m] and velocity V [m/s] of the object; for each pad, position x [m] and velocity v [m/s] relative to
 its finger and bristle state s [m sqrt(N)]. With w = v - V, the velocity of the pad over the object, normal forces N,
-and friction as in `fingertip.sim.contact.surfaces`:
+and LuGre friction as in `fingertip.sim.contact.friction`:
 
     z       = c s,   c = 1 / sqrt(N + N0),   L = w - sigma0 |w| z / g(w)
     ds/dt   = N c L - r(N, z) s
@@ -12,9 +12,8 @@ and friction as in `fingertip.sim.contact.surfaces`:
 
 Xp is the position of the pin. Its contact model is that of Hunt and Crossley (Trans. ASME J. Applied Mechanics 42(2),
 1975, doi:10.1115/1.3423596). Unless it is attached, it never pulls: where p or this force is negative, it is 0.
-Friction is LuGre friction as in `fingertip.sim.contact.surfaces`. The method is ROS2 with the analytic Jacobian, as in
-`fingertip.sim.contact.tangential`. The fingers are coupled through the velocity of the object only, so each one is
-eliminated by itself, and one scalar equation for the object remains.
+The method is ROS2 with the analytic Jacobian, as in `fingertip.sim.contact.tangential`. The fingers are coupled through
+the velocity of the object only, so each one is eliminated by itself, and one scalar equation for the object remains.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ import numpy as np
 
 from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats
 from fingertip.foundation.numerics import Array
-from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S, ROS2_GAMMA, Friction
+from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S, ROS2_GAMMA, Curve, Friction, stribeck
 from fingertip.sim.contact.tangential import MAX_DAMPING, MAX_PHASE, Mount
 
 PAD_STATES = 3
@@ -65,7 +64,7 @@ def relax_rate(full: float, load_ratio: float, stretch: float) -> tuple[float, f
 
 
 def _grasp_loop(
-    curve: tuple[float, float, float],
+    curve: Curve,
     sigma: tuple[float, float, float, float, float],
     h: float,
     mass: float,
@@ -86,12 +85,10 @@ def _grasp_loop(
     object_out: MutableFloats,
     pin_out: MutableFloats,
 ) -> None:
-    # Parameters: mu_c, drop = mu_s - mu_c, Stribeck velocity vs; bristle coefficients s0, s1, s2 and their rate of
-    # relaxation, N0; stiffness and damping of the pin, and 1 if it is attached. Arrays hold one finger after the other:
-    # mount (mass, stiffness, damping), state (x, v, s), load.
-    mu_c, drop, vs = curve
+    # Parameters: bristle coefficients s0, s1, s2, their rate of relaxation, N0; stiffness and damping of the pin, 1 if
+    # it is attached. Arrays hold one finger after the other: mount (mass, stiffness, damping), state (x, v, s), load.
     s0, s1, s2, relax_per_s, N0 = sigma
-    per_mu_s = 1 / (mu_c + drop)
+    per_mu_s = 1 / (curve[0] + curve[1])
     kp, damping, attached = pin
     G = ROS2_GAMMA * h
     target = PAD_STATES * count  # index of the object's first state
@@ -122,11 +119,8 @@ def _grasp_loop(
             x, v, s = state[3 * i], state[3 * i + 1], state[3 * i + 2]
             N, N1 = load[i * (length + 1) + j], load[i * (length + 1) + j + 1]
             w = v - V
-            ratio = w / vs
-            denominator = 1 + ratio * ratio
-            g = mu_c + drop / denominator
+            g, dg = stribeck(curve, w)
             speed = w if w >= 0.0 else -w
-            dg = -2 * drop * ratio / (vs * denominator * denominator)
             c = 1 / math.sqrt(N + N0)
             z, grip = c * s, N * c
             slides = grip * c * s0 * speed / g
@@ -189,8 +183,7 @@ def _grasp_loop(
             xe, ve, se = x + h * kx1, v + h * kv1, s + h * ks1
             # Friction at the end of the step, and the finger's contribution to the object's equation.
             w = ve - Ve
-            ratio = w / vs
-            g = mu_c + drop / (1 + ratio * ratio)
+            g, _ = stribeck(curve, w)
             most = g if g > scratch[offset + _MOST] else scratch[offset + _MOST]
             z = c1 * se
             if s0 * abs(z) > 2 * most and abs(se) > abs(s):
@@ -249,7 +242,7 @@ def _grasp_loop(
     state[target + OBJECT_X], state[target + OBJECT_V], state[target + HAS_LEFT] = X, V, has_left
 
 
-_advance = CompiledLoop(_grasp_loop, pin_n, relax_rate, outputs=8, samples="x_out", plain_us=6.0)
+_advance = CompiledLoop(_grasp_loop, stribeck, pin_n, relax_rate, outputs=8, samples="x_out", plain_us=6.0)
 """Advances the grasp over a chunk.
 
 The state (x, v, s of each pad; X, V and whether the object has left) and the scratch values are carried from chunk to
@@ -319,7 +312,7 @@ class Grasp:
         friction, mounts, pin = held.friction, held.mounts, held.pin
         self.parts = parts
         self._constants = (
-            (friction.mu_c, friction.mu_s - friction.mu_c, friction.stribeck_m_s),
+            friction.curve,
             (friction.sigma0, friction.sigma1, friction.sigma2, RELAX_PER_S, LOAD_SCALE_N),
             step_s / parts, held.mass_kg,
             (pin.stiffness_n_per_m, pin.damping_s_per_m, float(pin.is_attached)), held.length_m, len(mounts),

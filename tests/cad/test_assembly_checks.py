@@ -91,8 +91,8 @@ def test_ledge_in_the_cavity_prevents_demolding(evaluator: MeshEvaluator) -> Non
 def test_mesh_too_coarse_for_its_stated_tolerance_fails() -> None:
     part, coarse = PARTS["skin"], MeshEvaluator(0.5).mesh(PARTS["skin"].solid(FINGER))
     exact = MeshEvaluator(0.0005).mesh(PARTS["skin"].solid(FINGER)).volume()
-    assert brep_failures(FINGER, part, coarse, BrepMeasurements(exact, 1), 0.5) == set()
-    assert brep_failures(FINGER, part, coarse, BrepMeasurements(exact, 1), 0.001) == {"volume_difference_to_mesh"}
+    assert brep_failures(FINGER, part, coarse, BrepMeasurements(exact, 0), 0.5) == set()
+    assert brep_failures(FINGER, part, coarse, BrepMeasurements(exact, 0), 0.001) == {"volume_difference_to_mesh"}
 
 
 @pytest.mark.full
@@ -246,7 +246,7 @@ def failed_balances(volume: BrepVolumes, **changed: Solid) -> set[str]:
 
 @pytest.mark.full
 def test_volume_balances_hold_on_brep_solids_that_do_not_overlap(volume: BrepVolumes) -> None:
-    assert len(list(brep_balance_solids(volume.design, volume.part))) == 5
+    assert len(list(brep_balance_solids(volume.design, volume.part))) == 3
     assert failed_balances(volume) == set()
     for one, other in (("core", "mold_palmar"), ("core", "mold_dorsal"), ("mold_palmar", "mold_dorsal")):
         assert abs(volume(intersection(volume.part[one], volume.part[other]))) < 1e-3
@@ -256,7 +256,7 @@ def test_volume_balances_hold_on_brep_solids_that_do_not_overlap(volume: BrepVol
 def test_dented_skin_breaks_the_cavity_balance(volume: BrepVolumes) -> None:
     dent = cylinder("y", (8.0, 0.0), 6.3, 20.0, 0.4)
     assert failed_balances(volume, skin=difference(volume.part["skin"], dent)) == {"step.volume_balance.cavity"}
-    chip = Box((15.0, 9.0, 0.0), (30.0, 30.0, 0.1))
+    chip = Box((10.0, 9.0, 0.0), (30.0, 30.0, 5.0))
     chipped = difference(volume.part["mold_dorsal"], chip)
     assert failed_balances(volume, mold_dorsal=chipped) == {"step.volume_balance.mold"}
 

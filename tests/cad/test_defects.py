@@ -50,7 +50,7 @@ def change_socket(**sizes: float) -> Callable[..., object]:
 
 DEFECTS = {
     "bump under the skin": Defect(
-        skin_checks, "skin_interior", add(cylinder("y", (12.0, 0.0), 0.0, 6.4, 0.8)),
+        skin_checks, "skin_interior", add(cylinder("y", (12.0, 0.0), 0.0, 7.2, 0.8)),
         {"skin.min_thickness"},
     ),
     "channel too close to the surface": Defect(
@@ -63,11 +63,12 @@ DEFECTS = {
         {"bone.wall.sensor_to_outside"},
     ),
     "pocket without clearance": Defect(
-        finger, "sensor_recess", cut(Box((3.85, -9.0, 20.0), (4.5, 9.0, 25.0))), {"sensor.pocket_clearance"}
+        finger, "sensor_recess", cut(Box((3.85, -9.0, 20.0), (4.5, 9.0, 25.0))),
+        {"sensor.pocket_clearance", "sensor.room_overlap"},
     ),
     "burr on the seat": Defect(
         finger, "sensor_recess", cut(Box((-0.3, -4.3, 22.0), (0.3, 0.0, 22.6))),
-        {"sensor.pocket_clearance", "overlap.bone.sensor"},
+        {"sensor.pocket_clearance", "overlap.bone.sensor", "sensor.room_overlap"},
     ),
     "hole in the seat": Defect(
         finger, "sensor_recess", add(cylinder("y", (21.0, 1.0), -5.0, -1.5, 0.5)), {"sensor.unsupported_area"}
@@ -88,7 +89,7 @@ DEFECTS = {
         clevis_solids, "eye_profile", lambda eye, joint, reach: clevis_solids.union(
             eye, clevis_solids.cylinder("x", (joint.axis_y, joint.axis_z), -reach, reach, joint.radius + 0.5)
         ),
-        {"joint.travel_overlap"}, design="adult_finger",
+        {"joint.travel_overlap", "hand_stub.travel_overlap"}, design="adult_finger",
     ),
     "missing stops": Defect(
         clevis_solids, "eye_profile", lambda _, joint, reach: EYE(replace(joint, travel_deg=0.0), reach),
@@ -101,7 +102,7 @@ DEFECTS = {
     "narrow joint": Defect(
         clevis_solids, "space",
         lambda _, design, joint: SPACE(design, replace(joint, half_width=joint.half_width - 0.2)),
-        {"joint.clearance"}, design="adult_finger",
+        {"joint.clearance", "hand_stub.clearance"}, design="adult_finger",
     ),
 }  # fmt: skip
 

@@ -52,7 +52,6 @@ from tools.article.sensitivity import (
 )
 from tools.article.steps import _pool_shifts, study_sampling_rates
 from tools.article.studies import DATA, study
-from tools.article.tables import as_data
 
 SLIDE = next(article_trials())[0]
 
@@ -314,9 +313,9 @@ def test_designs_far_from_the_articles_can_be_studied(cutoff_hz):
 def test_all_studies_of_a_design():
     """What their files say is compared with approved ones in test_study_report.py."""
     with compiled():
-        data = as_data(study(Design.load("fsr400"), CampaignPlan(8, 1.0)).results)
-    assert 0.0 < data["detection_bound"]["median_s"] < 0.03  # of one band; `fast` sees the slow force too
-    assert len(data["assumption_sensitivity"]) == 1 + len(VARIATIONS)
-    assert data["step_sensitivity"]["trials"] == 4
-    shifts = data["step_sensitivity"]["delay_shifts"]  # `fast` misses the goal in one of ten (docs/accuracy.md)
-    assert all(row["meets_goal"] for row in shifts if row["detector"] != "fast")
+        found = study(Design.load("fsr400"), CampaignPlan(8, 1.0)).results
+    assert 0.0 < found.bound_s(0.5) < 0.03  # of one band; `fast` sees the slow force too
+    assert len(found.variations) == 1 + len(VARIATIONS)
+    assert found.steps.trials == 4
+    # `fast` misses the goal in one of ten (docs/accuracy.md).
+    assert all(row.meets_goal for row in found.steps.shifts if row.detector != "fast")

@@ -211,7 +211,6 @@ class WindowResult:
     window_s: float
     threshold_v: float
     """Threshold by the design's rule, noise level plus six standard deviations, which fall with a longer window [V]."""
-    found_share: float
     median_s: float
     """Median delay over all slips [s]; infinite if fewer than half were found."""
     p90_s: float
@@ -234,7 +233,7 @@ def study_windows(
     for window_s, other, results in zip(windows_s, designs, collected, strict=True):
         r, threshold_v = DetectorResult(1.0, tuple(results)), other.detector.threshold_v
         delays_s = r.delay_s(0.5), r.delay_s(0.9)
-        rows.append(WindowResult(window_s, threshold_v, r.found_share, *delays_s, r.alarms_per_minute))
+        rows.append(WindowResult(window_s, threshold_v, *delays_s, r.alarms_per_minute))
     return rows
 
 

@@ -27,17 +27,6 @@ def variations_as_data(variations: Sequence[VariationResult]) -> list[dict[str, 
     return [{names.get(name, name): value for name, value in row.items()} for row in rows]
 
 
-def steps_as_data(steps: StepSensitivity) -> dict[str, Any]:
-    """Return the effect of the time step for JSON; an infinite shift is null."""
-    return {
-        "trials": steps.trials,
-        "refinement": steps.refinement,
-        "goal_share": GOAL_SHARE,
-        "delay_shifts": [to_data(row) | {"meets_goal": row.meets_goal} for row in steps.shifts],
-        "errors": list(map(to_data, steps.errors)),
-    }
-
-
 def variation_table(variations: Sequence[VariationResult], detector: str) -> list[str]:
     """Table of the assumptions: first the changed values by size of their effect, then the realistic effects."""
     base, *others = variations

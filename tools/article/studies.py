@@ -51,12 +51,10 @@ class Studies:
     results: StudyResults
 
     def files(self) -> dict[str, bytes]:
-        """Return file name -> content: tables, data, what they rest on, and plots."""
-        data = {"detector": self.detector, **tables.as_data(self.results)}
+        """Return file name -> content: tables, what they rest on, and plots."""
         text = f"{self.design.name}\n\n{tables.as_text(self.detector, self.results)}\n"
         return {
             "studies.txt": text.encode(),
-            "studies.json": (json.dumps(data, indent=2, allow_nan=False) + "\n").encode(),
             "studies.md": as_markdown(self).encode(),
             "spectra.png": plots.plot_spectra(self.results.spectra),
             "windows.png": plots.plot_windows(self.results.windows),

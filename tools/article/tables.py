@@ -1,21 +1,19 @@
-"""Results of the studies as one JSON object and as text."""
+"""Results of the studies as text."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 from fingertip.lab.campaign.run import DetectorResult, quantile_s
-from fingertip.lab.report.results import format_ms, to_number
-from fingertip.slip.traces.truth import ENCODER_HZ, ENCODER_NOTE
+from fingertip.lab.report.results import format_ms
+from fingertip.slip.traces.truth import ENCODER_NOTE
 from tools.article import robustness
 from tools.article.boards import BoardResult
 from tools.article.previous_works import PreviousWorks
 from tools.article.protocol import ProtocolStudy, Spectrum, WindowResult
-from tools.article.protocol_table import list_protocol_rows, protocol_as_lines
-from tools.article.robustness import to_data
+from tools.article.protocol_table import protocol_as_lines
 from tools.article.sensitivity import ASSUMED_M_S2, AccelerationResult, VariationResult
 from tools.article.steps import SamplingRateResult, StepSensitivity
 
@@ -46,44 +44,6 @@ class StudyResults:
     def bound_s(self, fraction: float) -> float:
         """Bound by which a fraction of the slips can be found [s]."""
         return quantile_s(self.bounds_s, len(self.bounds_s), fraction)
-
-
-def as_data(studies: StudyResults) -> dict[str, Any]:
-    """Return all results for JSON, in seconds and fractions; an infinite delay is null."""
-    return {
-        "detection_bound": {"median_s": to_number(studies.bound_s(0.5)), "p90_s": to_number(studies.bound_s(0.9))},
-        "assumption_sensitivity": robustness.variations_as_data(studies.variations),
-        "step_sensitivity": robustness.steps_as_data(studies.steps),
-        "windows": [
-            to_data(row, {"threshold_v": 6, "found_share": 5, "contact_alarms_per_minute": 4})
-            for row in studies.windows
-        ],
-        "spectra": [
-            {"sensor": one.label, **{f"share_above_{f}_hz": round(one.share_above(f), 4) for f in (67, 100, 200)}}
-            for one in studies.spectra
-        ],
-        "acceleration_sensitivity": list(map(to_data, studies.accelerations)),
-        "sampling_rates": list(map(to_data, studies.rates)),
-        "board_variants": list(map(to_data, studies.boards)),
-        "article_board": [
-            {
-                "detector": name,
-                "found_share": to_number(found.found_share),
-                "median_s": to_number(found.delay_s(0.5)),
-                "p90_s": to_number(found.delay_s(0.9)),
-                "motion_p90_s": to_number(found.motion_delay_s(0.9)),
-                "alarms_per_minute": to_number(found.alarms_per_minute),
-            }
-            for name, found in studies.article.items()
-        ],
-        "article_protocol": {
-            "encoder_hz": ENCODER_HZ,
-            "rows": [asdict(row) for row in list_protocol_rows(studies.protocol, studies.previous)],
-            "results": list(map(to_data, studies.protocol.results)),
-            "ridged_plates": list(map(to_data, studies.previous.plates)),
-            "plain_fft": list(map(to_data, studies.previous.plain_fft)),
-        },
-    }
 
 
 _ms = partial(format_ms, otherwise="  missed ", form="6.1f")

@@ -47,6 +47,13 @@ def test_the_mix_has_each_noise_with_slides_and_with_a_still_contact() -> None:
         assert (slides, len(of_noise) > slides) == (2 if name == "10 bits" else 6, True)
 
 
+def test_long_slides_have_each_strength_and_each_is_twice_the_one_before() -> None:
+    plan = mix._plan_events(DESIGN, 8, itertools.count())
+    strengths_v = [draw.args[-1] for draw in plan if draw.func is mix_signals.long_slide]
+    assert DESIGN.detector.noise_v < strengths_v[0]
+    assert strengths_v == pytest.approx([strengths_v[0] * factor for factor in (1, 2, 4, 8)])
+
+
 def test_a_slip_is_found_from_5_ms_before_its_onset_to_its_end():
     for start, delay in ((0.995, 0.0), (1.0, 0.0), (1.02, 0.02), (1.999, 0.999)):
         found = assess(known(), flags((start, 2.5)), 0.05)

@@ -13,6 +13,7 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
+from matplotlib.axis import Axis
 from PIL import Image
 
 from fingertip.design import Design
@@ -22,6 +23,7 @@ from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.report import files
 from fingertip.sweep.report.feasibility_plot import draw_feasibility
 from fingertip.sweep.report.files import write_csv, write_report
+from fingertip.sweep.report.plots import draw_scatter_matrix
 from fingertip.sweep.report.statistics import classify_points
 from tests.approved import check_figures, list_data
 from tests.figures import describe_figure, keep_figures, list_words
@@ -122,6 +124,23 @@ def test_reports_are_the_approved_ones(name: str, tmp_path: Path, monkeypatch: p
         lines += describe_figure(figure) if len(figure.axes) < 9 else list_words([figure])
     whole = APPROVED / "complete.txt" if name != "complete" else None
     check_figures(APPROVED / f"{name}.txt", lines, 1e-3, 1e-9, whole)
+
+
+def test_axes_of_a_scatter_matrix_have_few_ticks_but_counts_have_theirs() -> None:
+    pytest.importorskip("matplotlib")
+    columns = {name: np.random.default_rng(seed).uniform(0.0, 100.0, 500) for seed, name in enumerate("ab")}
+    with keep_figures() as figures:
+        draw_scatter_matrix(columns, np.ones(500, dtype=bool))
+    counts_a, _, scatter, counts_b = figures[0].axes
+    for axis in (counts_a.xaxis, counts_b.xaxis, scatter.xaxis, scatter.yaxis):
+        assert len(list_ticks(axis)) <= 4
+    for axis in (counts_a.yaxis, counts_b.yaxis):
+        assert len(list_ticks(axis)) > 4
+
+
+def list_ticks(axis: Axis) -> list[float]:
+    low, high = axis.get_view_interval()
+    return [at for at in axis.get_ticklocs() if low <= at <= high]
 
 
 @pytest.mark.full

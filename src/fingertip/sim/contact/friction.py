@@ -59,7 +59,10 @@ Velocity = TypeVar("Velocity", float, Array)
 
 
 def stribeck(curve: Curve, v: Velocity) -> tuple[Velocity, Velocity]:
-    """Compute the Stribeck curve g at a velocity [m/s], and its derivative [s/m]; loops with fixed steps inline it."""
+    """Compute the Stribeck curve g at a velocity [m/s], and its derivative [s/m].
+
+    Each `CompiledLoop` with fixed steps inlines it.
+    """
     mu_c, drop, vs = curve
     ratio = v / vs
     denominator = 1 + ratio * ratio

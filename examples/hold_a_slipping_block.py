@@ -16,11 +16,11 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from fingertip.pad.pose import Pose
 
 from fingertip import Design, Readout, write_robot
 from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.response import Pad
+from fingertip.pad.touch import Pose
 from fingertip.robot.model import build_finger
 from fingertip.sim.contact.materials import SURFACES
 from fingertip.sim.contact.surfaces import generate_profile

@@ -16,6 +16,7 @@ from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.orientations import print_orientations, supports_by_part
 from fingertip.cad.printing.overhang import Pose
 from fingertip.cad.printing.settings import ERROR_PERCENT, FDM, PROFILE, estimate_print, slicer_settings
+from fingertip.cad.shapes.parts import parts_by_name
 from fingertip.cad.verification.verify import verify
 from fingertip.design import Design
 from fingertip.design.new_design import PRESETS
@@ -100,16 +101,16 @@ def test_slicer_takes_layers_brim_and_infill_from_the_filament_plate(slicer: Pat
     design = Design()
     (bone,) = (item for item in threemf.read_items(plate_of(design)) if item.name == "bone")
     settings = slicer_settings(FDM, "bone", print_orientations(design)["bone"], supports_by_part(design)["bone"])
-    heights, infills, brims = [], [], []
+    heights, filaments_cm3, brims = [], [], []
     for item in (bone, replace(bone, settings=settings)):
         code = slice_to_gcode(slicer, tmp_path, threemf.write_items("plate", [item]), design)
         found = Counter(round(float(z), 2) for z in re.findall(r"^;HEIGHT:([\d.]+)$", code, re.MULTILINE))
         heights.append(found.most_common(1)[0][0])
-        infills.append(code.count(";TYPE:Internal infill"))
+        filaments_cm3.append(read_estimate(code)[1])
         brims.append(code.partition(";TYPE:Skirt/Brim\n")[2].partition(";TYPE:")[0].count("\nG1 X"))
     assert heights == [LAYER_MM, PROFILE.layer_mm]
-    assert infills[0] > 0
-    assert infills[1] == 0, "it is solid"
+    volume_cm3 = MeshEvaluator(COARSE).manifold(parts_by_name(design)["bone"].solid(design)).volume() / 1000.0
+    assert filaments_cm3[1] == pytest.approx(volume_cm3, rel=0.05), "it is solid, with a skirt and a brim"
     assert brims[1] > brims[0], "a brim beside the usual skirt"
 
 

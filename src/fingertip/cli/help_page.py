@@ -7,7 +7,6 @@ from the attributes of the parameters that all versions of typer share.
 from __future__ import annotations
 
 import functools
-import re
 import shutil
 import sys
 import textwrap
@@ -85,7 +84,7 @@ class HelpGroup(TyperGroup):
         except Exception as error:
             if not hasattr(error, "format_message"):
                 raise
-            message = re.sub(": Input should be (a valid [a-z]+).*", r": give \1", error.format_message())
+            message = error.format_message()
             if type(error).__name__ == "NoArgsIsHelpError":
                 print(message, file=sys.stderr)
             else:

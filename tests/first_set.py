@@ -14,16 +14,18 @@ from collections.abc import Iterable
 import pytest
 
 FULL = bool(os.environ.get("FINGERTIP_FULL"))
-"""True in `.ci/full`, where every test runs with all its cases."""
+"""True in `.ci/full`, where every test runs with all its cases but those marked `long`."""
+LONG = os.environ.get("FINGERTIP_FULL") == "long"
+"""True in `.ci/long`."""
 MOST_CASES = 2
 """Number of cases of a test of the first set."""
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Leave out what is not in the first set."""
-    if FULL or any("::" in word for word in config.args):
+    if LONG or any("::" in word for word in config.args):
         return
-    kept = select(items)
+    kept = {item for item in items if not item.get_closest_marker("long")} if FULL else select(items)
     config.hook.pytest_deselected(items=[item for item in items if item not in kept])
     items[:] = [item for item in items if item in kept]
 
@@ -32,7 +34,7 @@ def select(items: Iterable[pytest.Item]) -> set[pytest.Item]:
     """Select the first set among all tests."""
     families: dict[str, list[pytest.Item]] = {}
     for item in items:
-        if not item.get_closest_marker("full"):
+        if not (item.get_closest_marker("full") or item.get_closest_marker("long")):
             families.setdefault(item.nodeid.partition("[")[0], []).append(item)
     kept = set[pytest.Item]()
     for family in families.values():

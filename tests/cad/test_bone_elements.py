@@ -31,7 +31,7 @@ BESIDE_MM = 3.0
 """Length of the fine mesh on each side of the predicted place, within which the elements must find theirs [mm]."""
 
 
-@pytest.mark.full
+@pytest.mark.long
 @pytest.mark.parametrize("name", DESIGNS)
 def test_elements_find_the_predicted_stress(name: str, tmp_path: Path) -> None:
     """Under forces at the apex: at the weakest section the stress of beam theory holds, and nowhere is it exceeded."""
@@ -62,7 +62,7 @@ JOINTED = ("adult_finger", "adult_thumb", "child_finger")
 LOAD_N = 20.0
 
 
-@pytest.mark.full
+@pytest.mark.long
 @pytest.mark.parametrize("name", JOINTED)
 def test_elements_with_contact_find_the_predicted_stress_of_the_eye(name: str, tmp_path: Path) -> None:
     """On a straight finger the largest tension lies at the bore of the pin, and the prediction is on the safe side."""
@@ -77,7 +77,7 @@ def test_elements_with_contact_find_the_predicted_stress_of_the_eye(name: str, t
     assert predicted / 1.3 <= found <= 1.02 * predicted
 
 
-@pytest.mark.full
+@pytest.mark.long
 @pytest.mark.parametrize("name", JOINTED)
 def test_elements_find_the_predicted_stress_of_the_horn(name: str, tmp_path: Path) -> None:
     """On a bent finger, which the tendon holds: at most 15 % more, and 25 % less on the safe side, with two meshes."""

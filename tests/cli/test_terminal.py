@@ -42,7 +42,7 @@ def test_a_program_without_words_prints_its_help(words: tuple[str, ...]) -> None
         (("params", "--foo"), "fingertip params: no such option: --foo"),
         (
             ("sweep", "board", "--jobs", "x"),
-            r"fingertip sweep: invalid value for '--jobs': (give|'x' is not) a valid integer; ",
+            r"fingertip sweep: invalid value for '--jobs': (Input should be|'x' is not) a valid integer",
         ),
     ],
 )

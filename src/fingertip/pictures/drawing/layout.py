@@ -1,13 +1,14 @@
 """Layout of a sheet: paper and scale, places of the views, centre lines, section line, and all dimensions.
 
 The largest scale of ISO 5455 on the smallest paper whose views and dimensions all find a place is taken; A3 before a
-smaller scale.
+smaller scale. Where the section's letters are in the way of a size on every paper, they give way.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import TypeAlias
 
 from fingertip.design.geometry.sizes import Circle, Length, PartDrawing, Side, ViewName
@@ -44,6 +45,8 @@ _PAST_VIEW_MM = 3.0
 _CUT_MM = (2.0, 7.0)
 """Distances from the view between which the ends of the section line lie."""
 _LETTER_MM = 3.5
+_BEHIND_ARROW_MM, _PAST_ARROW_MM = 2.0 + _LETTER_MM / 2, 8.5 + _LETTER_MM / 2
+"""Distances of a letter's middle from the section line."""
 _NAME_ABOVE_MM = 3.0
 """Distance of the section's name from the section."""
 Views: TypeAlias = Mapping[ViewName, ProjectedView]
@@ -86,21 +89,29 @@ def _beside_section_line(name: ViewName) -> float:
 
 def lay_out(part: PartDrawing, views: Views, heading: Heading) -> Sheet:
     missing = ""
-    for paper, (name, scale) in CHOICES:
-        for arrangement in _arrangements(part.plan):
-            try:
-                primitives = _draw(part, views, replace(heading, scale=name), paper, scale, arrangement)
-            except dimensioning.NoRoomError as error:
-                missing = str(error)
-                continue
-            title = f"{heading.design}: {part.title}, sheet {heading.sheet} of {heading.sheets}"
-            return Sheet(title, paper.width, paper.height, primitives)
+    tried = product((False, True), CHOICES, _arrangements(part.plan))
+    for letters_give_way, (paper, (name, scale)), arrangement in tried:
+        scaled = replace(heading, scale=name)
+        try:
+            primitives = _draw(part, views, scaled, paper, scale, arrangement, letters_give_way=letters_give_way)
+        except dimensioning.NoRoomError as error:
+            missing = str(error)
+            continue
+        title = f"{heading.design}: {part.title}, sheet {heading.sheet} of {heading.sheets}"
+        return Sheet(title, paper.width, paper.height, primitives)
     message = f"no paper has room for the {missing} of {part.part}; measure it in the STEP file of `fingertip build`."
     raise GeometryError(Issue("drawing", message))
 
 
 def _draw(
-    part: PartDrawing, views: Views, heading: Heading, paper: Paper, scale: float, arrangement: Arrangement
+    part: PartDrawing,
+    views: Views,
+    heading: Heading,
+    paper: Paper,
+    scale: float,
+    arrangement: Arrangement,
+    *,
+    letters_give_way: bool,
 ) -> tuple[Primitive, ...]:
     frame, free_above = draw_frame(paper, part, heading)
     placed = _place_views(part, views, scale, (paper.left, free_above, paper.right, paper.top), arrangement)
@@ -111,7 +122,8 @@ def _draw(
     ):  # fmt: skip
         occupancy.block(box)
     edges = [primitive for view in placed.values() for primitive in _view_edges(view)]
-    centres, marks = [*_centre_lines(placed, part)], [*_section_marks(placed[part.plan], placed["section"])]
+    centres = [*_centre_lines(placed, part)]
+    marks = [*_section_marks(placed[part.plan], placed["section"], letters_give_way=letters_give_way)]
     # Centre lines and the ends of the section line count as edges: no dimension line runs along them.
     occupancy.add((*edges, *centres, *marks), is_view=True)
     dimensions: list[Primitive] = []
@@ -214,8 +226,13 @@ def _centre_lines(views: Mapping[ViewName, PlacedView], part: PartDrawing) -> It
             yield line((x, y - reach), (x, y + reach), Styles.CENTRE)
 
 
-def _section_marks(plan: PlacedView, section: PlacedView) -> Iterator[Primitive]:
-    """Draw the section line A-A in the plan, with arrows in the direction of view, and the name over the section."""
+def _section_marks(plan: PlacedView, section: PlacedView, *, letters_give_way: bool) -> Iterator[Primitive]:
+    """Draw the section line A-A in the plan, with arrows in the direction of view, and the name over the section.
+
+    The letters stand behind the arrows and over the section's corner. There they block the extension lines of sizes
+    that lie near the plane of the section or near that corner; these are free where letters give way: past the tips of
+    the arrows, and over the middle of the section.
+    """
     left, _, right, _ = plan.bounds()
     y = plan.origin[1]
     towards = 1.0 if PROJECTIONS[plan.name].up[0] > 0.0 else -1.0  # the section looks along +x
@@ -224,7 +241,10 @@ def _section_marks(plan: PlacedView, section: PlacedView) -> Iterator[Primitive]
         yield line((near, y), (far, y), Styles.EDGE)
         yield line((far, y), (far, y + towards * 6.0), Styles.EDGE)
         yield Arrow((far, y + towards * 7.5), 90.0 * towards, 3.5)
-        below = y - towards * 2.0 - (_LETTER_MM if towards > 0.0 else 0.0)
-        yield Text("A", (far, below), _LETTER_MM, "middle")
-    left, _, _, top = section.bounds()
-    yield Text("A-A", (left, top + _NAME_ABOVE_MM), _LETTER_MM)
+        middle = y + towards * (_PAST_ARROW_MM if letters_give_way else -_BEHIND_ARROW_MM)
+        yield Text("A", (far, middle - _LETTER_MM / 2), _LETTER_MM, "middle")
+    left, _, right, top = section.bounds()
+    if letters_give_way:
+        yield Text("A-A", ((left + right) / 2, top + _NAME_ABOVE_MM), _LETTER_MM, "middle")
+    else:
+        yield Text("A-A", (left, top + _NAME_ABOVE_MM), _LETTER_MM)

@@ -65,12 +65,13 @@ _MAX_LINES, _MAX_WIDTH = 12, 100
 
 
 def _format_build(result: Build) -> list[str]:
-    """Format verdict, parts, time to print and strength in five lines."""
+    """Format verdict, parts, time to print and strength in five or six lines."""
     from fingertip.cad.verification.check import count_checks
     from fingertip.cad.verification.strength import describe_loads
 
     parts = ", ".join(f"{built.part.name} {built.mesh.volume() / 1000:.2f}" for built in result.parts)
-    lines = [f"{result.design.name}: {count_checks(result.checks)}; in {result.folder}", f"parts, cm3: {parts}"]
+    lines = [f"{result.design.name}: {count_checks(result.checks)}; in {result.folder}"]
+    lines += textwrap.wrap(f"parts, cm3: {parts}", _MAX_WIDTH, subsequent_indent="  ")
     if sheet := result.casting:
         lines.append(f"print: one plate, some {sheet.print_h:g} h, {sheet.printed_g:g} g")
     if found := result.strength:

@@ -113,12 +113,12 @@ class Thing:
     where: str
     reason: str
     each: str
-    """What of a set takes this amount: every finger, or every mixture; empty if all share it."""
+    """Item of a set that takes this amount: every finger, or every mixture; empty if all share it."""
 
 
 @dataclass(frozen=True)
 class Mount:
-    """How the finger is held by the hand."""
+    """Mount of the finger on the hand."""
 
     interface: str
     bolt: str

@@ -72,7 +72,7 @@ def board(
 
 @dataclass(frozen=True)
 class _Options:
-    """What is written and printed of a board: the options of the command."""
+    """Options of the command: the files and the text that are made of a board."""
 
     out: Path | None
     fab: bool

@@ -90,7 +90,7 @@ def detect(
 
 @dataclass(frozen=True)
 class _Reading:
-    """How samples are read: arguments of `detect_file` and `detect_stream` by these names."""
+    """Reading of samples: arguments of `detect_file` and `detect_stream` by these names."""
 
     rate_hz: float | None
     scale: float

@@ -1,4 +1,4 @@
-"""What is said of a design that is refused: each problem, with a remedy that passes."""
+"""Messages of a design that is refused: each problem, with a remedy that passes."""
 
 from __future__ import annotations
 

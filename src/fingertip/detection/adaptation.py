@@ -45,7 +45,7 @@ class QuietPart:
 
     samples: slice
     text: str
-    """Its ends, such as 4:4.5 s."""
+    """Ends of the span, such as 4:4.5 s."""
 
     @classmethod
     def select(cls, trace: Trace, between_s: tuple[float, float], in_volts: bool, name: str) -> QuietPart:
@@ -187,13 +187,13 @@ def adapt_rate(design: Design, rate_hz: float, keep_threshold: bool = False, kee
 
 @dataclass(frozen=True)
 class Adaptation:
-    """How a design is adapted to the sampling rate of a recording, for one detector."""
+    """Adaptation of a design to the sampling rate of a recording, for one detector."""
 
     detector: str
     keep_threshold: bool | None = None
-    """Whether the threshold remains; by default if the design states one."""
+    """True if the threshold remains; by default if the design states one."""
     keep_window: bool = False
-    """Whether the number of samples in the window remains."""
+    """True if the number of samples in the window remains."""
     noise_is_measured: bool = False
     """True if the threshold follows from the noise of the recording."""
     report: Callable[[str], None] = lambda message: None

@@ -97,10 +97,10 @@ class AcceptanceSheet:
     design: str
     board: str
     holder: str
-    """What the finger is held by."""
+    """Part that holds the finger."""
     idle: Idle
     rises: bool
-    """Whether a force raises the voltage."""
+    """True if a force raises the voltage."""
     weights: tuple[WeightLimits, ...]
 
 

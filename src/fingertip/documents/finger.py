@@ -61,12 +61,12 @@ class BoardCost:
 
 @dataclass(frozen=True)
 class Loads:
-    """What breaks the bone, as the report states it."""
+    """Loads that break the bone, as the report states them."""
 
     breaks_n: float
     drop_mm: float
     pin_first: bool
-    """Whether the printed pin of the joint breaks before the bone."""
+    """True if the printed pin of the joint breaks before the bone."""
     grip_n: float
     mass_kg: float
 

@@ -41,7 +41,7 @@ _SLOWEST = 4.0
 _MESSAGES = "messages.txt"
 """File in the folder of a worker with what libraries print there, and its last words."""
 _answers: IO[bytes] | None = None
-"""Where this process reports its steps, if it is a worker."""
+"""Pipe to which this process reports its steps, if it is a worker."""
 _pool: Pool | None = None
 """Workers of `call_each`, within a block of `side_by_side`."""
 

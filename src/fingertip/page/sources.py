@@ -41,7 +41,7 @@ _SHOWN = (".md", ".json", ".svg", ".csv", ".png", ".stl", ".kicad_sch", ".kicad_
 
 @dataclass(frozen=True)
 class Report:
-    """What a page shows of report.json."""
+    """Part of report.json that a page shows."""
 
     checks: tuple[ReportedCheck, ...]
     prints: Mapping[str, tuple[str, ...]]

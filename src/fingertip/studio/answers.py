@@ -88,7 +88,7 @@ class Answer:
     passed: bool | None = None
     failed: tuple[str, ...] | None = None
     count: int | None = None
-    """Whether the checks passed, those that did not, and the number of all."""
+    """Number of all checks; above, the verdict on them and those that failed."""
     verdict: Markup | None = None
     checks: Markup | None = None
     moves: Mapping[str, tuple[str, ...]] | None = None
@@ -100,7 +100,7 @@ class Answer:
     """Values of the parameter in hand that pass with the others as they are."""
     issues: list[dict[str, str]] | None = None
     passing: float | None = None
-    """Why its present value is refused, and the nearest one that passes."""
+    """Nearest value that passes; above, the reasons why the present one is refused."""
 
 
 def answer_parts(design: Design, still_wanted: StillWanted) -> Answer:

@@ -129,7 +129,7 @@ class _RefusedRequestError(Exception):
 
 @dataclass(frozen=True)
 class _Request:
-    """What the page sends: the values of its form, and the name of the field in hand if there is one."""
+    """Request of the page: the values of its form, and the name of the field in hand if there is one."""
 
     tables: dict[str, Any]
     client: str

@@ -30,7 +30,7 @@ _COUNT_INTERVAL_S = 2.0
 
 
 class Engine(Protocol):
-    """What answers calls side by side.
+    """Engine that answers calls side by side.
 
     A future raises WorkerDiedError with the step that was computed, CancelledError if the engine is lost, or another
     error if nobody knows at which step the call was lost.

@@ -34,7 +34,7 @@ from fingertip.pictures.drawing.draw import file_names, render_sheets, sheet_job
 
 @dataclass(frozen=True)
 class BuildOptions:
-    """What a build makes: the arguments of `build`."""
+    """Arguments of `build`: what it makes."""
 
     parts: Iterable[str] | None = None
     formats: Iterable[str] | None = None

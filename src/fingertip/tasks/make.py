@@ -117,7 +117,7 @@ def make(
 
 @dataclass(frozen=True)
 class _Plan:
-    """What is made of a design, with the writers of sets whose folders can take them."""
+    """Outputs of a design, with the writers of sets whose folders can take them."""
 
     design: Design
     folder: Path
@@ -150,7 +150,7 @@ def _plan(design: Design, folder: Path, formats: tuple[str, ...], force: bool) -
 
 @dataclass(frozen=True)
 class _Rest:
-    """What is made while the B-rep kernel works."""
+    """Outputs that are made while the B-rep kernel works."""
 
     signal: dict[str, bytes]
     detection: FileDetection

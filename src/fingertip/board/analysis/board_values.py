@@ -181,7 +181,7 @@ TOUCHES = (
     "within 30 ms and to -4.4 V within 20 ms, but only to -0.1 V within 200 ms; a knock of 0.25 N within 4 ms on a "
     "held object takes it to -3.0 V"
 )
-"""How far down touches drive the filtered signal; `tests/board/test_touches.py` simulates each."""
+"""Depth to which touches drive the filtered signal; `tests/board/test_touches.py` simulates each."""
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 
 @dataclass(frozen=True)
 class Analysis:
-    """What the analysis of a board adds to its values."""
+    """Values that the analysis of a board adds to those of its parts."""
 
     noise: tuple[Contribution, ...]
     """RMS noise over `NOISE_BAND_HZ`, largest first; white noise only, typical data-sheet values."""

@@ -133,7 +133,7 @@ class AssessedReading:
     measured: float | None
     """None for infinity."""
     expected: float | None
-    """What a good board reads; None where that depends on the amplifiers and on the meter."""
+    """Reading of a good board; None where that depends on the amplifiers and on the meter."""
     limits: tuple[float | None, float | None]
     passed: bool
 

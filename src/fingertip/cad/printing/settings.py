@@ -41,7 +41,7 @@ SLA = PlateKind("sla", 2.5)
 
 @dataclass(frozen=True)
 class Profile:
-    """How the parts of a design are printed in filament."""
+    """Settings with which the parts of a design are printed in filament."""
 
     layer_mm: float = 0.15
     walls: int = 3
@@ -59,7 +59,7 @@ RESIN_LAYER_MM = 0.05
 """Usual layers of resin printers [mm]."""
 _SOLID_PERCENT = 100
 PROFILE = Profile()
-"""How every design prints: a cup is poured full and holds no pressure, so that few walls and little infill do."""
+"""Settings of every design: a cup is poured full and holds no pressure, so that few walls and little infill do."""
 
 
 def choose_plate_kind(design: Design) -> PlateKind:

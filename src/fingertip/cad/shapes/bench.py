@@ -53,7 +53,7 @@ def stand(design: Design) -> Solid:
 
 
 LOOSE_MM, _CHAMFER_MM = 0.1, 0.4
-"""How much wider in radius than the bone's bore that of a tongue is, and the chamfer at the pin's end [mm]."""
+"""Difference in radius by which a tongue's bore is wider than the bone's, and the chamfer at the pin's end [mm]."""
 _HEAD_MM, _WEDGE_MM, _WEDGED_MM = 1.0, 4.0, 0.1
 """Height and overhang of the pin's head, length of the taper below it, and its radius over the bore's there [mm]."""
 BAR_MM, _CHEEK_MM = 50.0, 2.5

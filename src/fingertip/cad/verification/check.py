@@ -1,4 +1,4 @@
-"""What a check takes and answers, how checks register, and measurements that several of them need.
+"""Arguments and answers of checks, their register, and measurements that several of them need.
 
 A check is a function of a design and its solids that yields records of a value and its limit. It registers by the
 decorator of the `Checks` of its module, which `cad.verification.verify` lists; checks of other packages come by the

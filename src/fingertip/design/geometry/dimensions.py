@@ -18,7 +18,7 @@ from fingertip.foundation.numerics import bisect
 KNOT_WIRES = 3.0
 """Least thickness of a knot in both wires, in diameters of one of them. An assumption."""
 SHORTER_MM, LONGER_MM, HEAD_MM, TAIL_MM = 2.0, 3.0, 0.2, 0.5
-"""How much a sensor that is laid in may be shorter, longer, and wider at head and tail than its catalogue says [mm]."""
+"""Sizes by which a laid-in sensor may be shorter, longer, and wider at head and tail than in its catalogue [mm]."""
 _PAST_HOLE_MM = 0.2
 TAB_WIDTH_MM = 1.0
 """Width of a solder tab [mm]: an assumption."""

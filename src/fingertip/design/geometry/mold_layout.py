@@ -141,5 +141,5 @@ class MoldLayout:
 
     @cached_property
     def pour_z(self) -> float:
-        """About the height of the silicone's surface before the core is lowered, at the design's size of the skin."""
+        """Approximate height of the silicone's surface before the core is lowered, at the design's size of the skin."""
         return _FREE * self._design.skin.length_mm

@@ -93,7 +93,7 @@ class DetectorType:
     second_column: str | None = None
     """Column that the detector takes beside it, where a recording has it."""
     not_on_divider: str = ""
-    """What is wrong with it on a divider, as the end of a sentence; nothing if it works there."""
+    """Reason why it does not work on a divider, as the end of a sentence; empty if it works there."""
 
     @property
     def takes_envelope(self) -> bool:

@@ -64,14 +64,15 @@ def calibrate_printer(design: Design, half_thickness_mm: float, plate_width_mm: 
         measured = (plate_width_mm - half_thickness_mm) / (plate - half)
         scale = measured if abs(measured - scale) > uncertainty else scale
     offset = half_thickness_mm - scale * half
-    if abs(scale - 1.0) > _MAX_SCALE_ERROR or abs(offset) > _MAX_OFFSET_MM:
+    stated = round(offset, 2)  # as the design will hold it: calipers read no thousandths
+    if abs(scale - 1.0) > _MAX_SCALE_ERROR or abs(stated) > _MAX_OFFSET_MM:
         message = (
-            f"the readings mean a scale of {100 * scale:.1f} % and an offset of {offset:.2f} mm, more than a sound "
+            f"the readings mean a scale of {100 * scale:.1f} % and an offset of {stated:.2f} mm, more than a sound "
             f"printer's {100 * _MAX_SCALE_ERROR:g} % and {_MAX_OFFSET_MM:g} mm; measure again, or mend the slicer's "
             "settings and print again."
         )
         raise DesignError(Issue(" and ".join(readings), message))
-    changes = {_OFFSET: round(offset, 2)}
+    changes = {_OFFSET: stated}
     if scale != 100.0 / percent:
         changes[_SCALE] = round(100.0 / scale, 2)
     return Calibration(scale, uncertainty, offset, math.hypot(CALIPER_MM, half * uncertainty), changes)

@@ -157,7 +157,7 @@ def change_plate(prints: PrintFiles, change: object) -> PrintFiles:
         (lambda item: replace(item, shift=(item.shift[0], item.shift[1] - 300.0, item.shift[2])), "bed_excess"),
         (lambda item: replace(item, name="bone"), "wrong_parts"),
         (lambda item: replace(item, mesh=item.mesh.replace('v1="', 'v1="1', 1)), "wrong_parts"),
-        (lambda item: replace(item, rotation=np.eye(3)), "bed_distance"),
+        (lambda item: replace(item, rotation=np.diag([1.0, -1.0, -1.0])), "bed_distance"),
     ],
 )
 def test_broken_plate_fails(change: object, check: str) -> None:

@@ -22,7 +22,9 @@ from tests.conftest import run_fingertip, some_of
 OLD = tomllib.loads((Path(__file__).parent / "old_designs.toml").read_text())
 OLD |= {
     "socket": {"bone": {"interface": "socket", "base_length_mm": 32}},
-    "flange": {"bone": {"interface": "flange", "base_length_mm": 26, "flange_spacing_y_mm": 12}},
+    "flange": {
+        "bone": {"interface": "flange", "base_length_mm": 26, "flange_spacing_y_mm": 12, "flange_height_mm": 18}
+    },
 }
 SHORT = {"fsr400": "fsr400_short", "fsr402": "fsr402_short"}
 

@@ -100,8 +100,8 @@ def test_scripts_run_alone_give_the_solids_of_the_step_files(scripts: Path) -> N
 @pytest.mark.full
 def test_script_follows_a_dimension_that_is_changed(scripts: Path, tmp_path: Path) -> None:
     text = (scripts / "bone.cq.py").read_text()
-    (tmp_path / "bone.py").write_text(re.sub(r"(?m)^(bone_cross_bolt_diameter_mm) = 2\.2 ", r"\1 = 2.6 ", text))
+    (tmp_path / "bone.py").write_text(re.sub(r"(?m)^(bone_channel_diameter_mm) = 2\.8 ", r"\1 = 3.0 ", text))
     done = run_python(str(tmp_path / "bone.py"))
-    changed = fingertip.part_solid(Design.load(changes={"bone.cross_bolt_diameter_mm": 2.6}), "bone")
+    changed = fingertip.part_solid(Design.load(changes={"bone.channel_diameter_mm": 3.0}), "bone")
     assert done.stdout.startswith("bone: ")
     assert float(done.stdout.split()[-2]) == pytest.approx(changed.Volume(), abs=0.01)

@@ -105,7 +105,7 @@ def test_assembly_holds_parts_and_hardware_with_names_and_colours(built: Build) 
     assembly = cq.Assembly.importStep(str(path))
     found = {child.name: child.color.toTuple()[:3] for child in assembly.children}
     bought = {item.name: item.colour for item in hardware(built.design, names(built))}
-    assert set(found) == names(built) | set(bought)
+    assert set(found) == names(built) - {"stand"} | set(bought), "the stand holds a finger without its mold"
     for name, colour in found.items():
         assert colour == pytest.approx(bought.get(name) or PARTS[name].colour, abs=1e-6)
     assert len(cq.importers.importStep(str(path)).solids().vals()) == len(found)

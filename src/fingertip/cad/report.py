@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from fingertip.cad.files.step_process import BrepMeasurements
 from fingertip.cad.kernel.mesh import Mesh
 from fingertip.cad.printing.print_files import PrintFiles
-from fingertip.cad.shapes.parts import Part, hardware
+from fingertip.cad.shapes.parts import PARTS, Part, hardware
 from fingertip.cad.verification.check import Check, count_checks
 from fingertip.cad.verification.skin import describe_lying_skin
 from fingertip.cad.verification.strength import BoneStrength, strength_data
@@ -123,7 +123,8 @@ class Build:
         if ASSEMBLY in self.contents:
             names = [built.part.name for built in self.parts]
             bought = hardware(self.design, names)
-            report["assembly"] = {"file": ASSEMBLY, "parts": names, "hardware": [item.name for item in bought]}
+            shown = [name for name in names if not PARTS[name].is_tool]
+            report["assembly"] = {"file": ASSEMBLY, "parts": shown, "hardware": [item.name for item in bought]}
         if self.strength:
             report["strength"] = strength_data(self.strength)
         if any(built.part.name == "skin" for built in self.parts):

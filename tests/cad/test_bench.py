@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.printing.orientations import print_orientations
 from fingertip.cad.shapes import bench
 from fingertip.cad.shapes.parts import PARTS, parts_by_name
 from fingertip.cad.verification import verify
@@ -39,6 +40,14 @@ def test_every_check_of_the_stand_passes() -> None:
     assert [name for name, check in checks.items() if not check.passed] == []
     assert {"stand.stl.bodies", "stand.stl.genus", "stand.overhang", "stand.post_gap"} <= set(checks)
     assert checks["stand.post_gap"].value == pytest.approx(0.15, abs=0.02), "half the mating play and the surface error"
+
+
+def test_a_stand_whose_socket_is_too_wide_for_a_bridge_prints_on_the_end_of_its_handle() -> None:
+    wide = Design.load("fsr402", changes=["bone.post_width_mm=12.8", "bone.post_height_mm=7.8"])
+    assert bench.socket_ceiling_mm(wide) == pytest.approx(2 * math.sqrt(6.55**2 - 4.05**2))
+    assert bench.socket_ceiling_mm(DESIGN) == pytest.approx(5.65 * math.sqrt(2)), "round side, wider than the flat"
+    assert [print_orientations(design)["stand"].rotate_x_deg for design in (DESIGN, wide)] == [-90.0, 0.0]
+    assert run(wide)["stand.overhang"].passed
 
 
 def test_its_volume_is_that_of_its_outline_without_socket_and_hole() -> None:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from fingertip.cad.kernel.mesh import Mesh
-from fingertip.cad.printing.overhang import bed_pose
-from fingertip.cad.shapes import finger
-from fingertip.cad.shapes.parts import PARTS
+from fingertip.cad.printing.overhang import MAX_BRIDGE_MM, bed_pose
+from fingertip.cad.shapes import bench, finger
+from fingertip.cad.shapes.parts import PARTS, print_scale
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Box, Solid, difference
 from fingertip.design.interfaces import interface_of
@@ -34,7 +34,8 @@ def print_orientations(design: Design) -> dict[str, Orientation]:
         "core": Orientation(0.0, "the plate, with its name"),
     }
     if PARTS["stand"].exists_in(design):
-        orientations["stand"] = Orientation(-90.0, "a flat side")
+        lies = print_scale(design, PARTS["stand"]) * bench.socket_ceiling_mm(design) <= MAX_BRIDGE_MM
+        orientations["stand"] = Orientation(-90.0, "a flat side") if lies else Orientation(0.0, "the end of its handle")
     if PARTS["pin"].exists_in(design):
         orientations["pin"] = Orientation(0.0, "one end")
     if PARTS["hand_stub"].exists_in(design):

@@ -1,7 +1,7 @@
 """Parts that hold a finger, printed without supports: the stand of a post, the pin of a joint and the stub of a hand.
 
-The stand is a bar with a socket, in which the cross bolt holds the post. Either of its flat sides lies on the table and
-on the printer's bed: the pad looks up.
+The stand is a bar with a socket, in which the cross bolt holds the post. Either of its flat sides lies on the table:
+the pad looks up. So it lies on the printer's bed, unless its socket is too wide for a bridge.
 
 The pin prints standing: layers across it shear before the bone breaks. It stands out of the eyes, to be pushed out.
 
@@ -50,6 +50,13 @@ def stand(design: Design) -> Solid:
     }  # fmt: skip
     (socket, _), _ = Post().shapes(design.model_copy(update={"bone": bone.model_copy(update=sizes)}))
     return difference(stand_outline(design), socket, Post().bolt_hole(design))
+
+
+def socket_ceiling_mm(design: Design) -> float:
+    """Measure what overhangs in the socket of a lying stand [mm]: its flat, or the round side above 45 degrees."""
+    gap = post_gap_mm(design)
+    radius, half = design.bone.post_width_mm / 2 + gap, design.bone.post_height_mm / 2 + gap
+    return 2 * max(radius * math.sqrt(0.5), math.sqrt(max(0.0, radius**2 - half**2)))
 
 
 LOOSE_MM, _CHAMFER_MM = 0.1, 0.4

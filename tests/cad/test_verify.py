@@ -108,10 +108,11 @@ def test_importing_fingertip_imports_no_heavy_package() -> None:
 
 UNLIMITED = ["strength.min_grip_factor=0", "strength.min_knock_factor=0"]
 VARIANTS = {
-    "socket": ["bone.interface=socket", "bone.base_length_mm=31"],
+    "socket": ["bone.interface=socket", "bone.base_length_mm=31", "strength.print_material=clear"],
     "round post": ["bone.post_width_mm=7", "bone.post_height_mm=7", *UNLIMITED],
     "flange with four bolts": [
-        "bone.interface=flange", "bone.base_length_mm=26", "bone.flange_spacing_y_mm=12", "bone.flange_height_mm=18",
+        "bone.interface=flange", "bone.base_length_mm=27", "bone.flange_spacing_y_mm=12", "bone.flange_height_mm=18",
+        "strength.print_material=pa12",
     ],
     "short tail": ["sensor.model=fsr400_short", "bone.base_length_mm=15"],
     "plain": ["bone.groove_depth_mm=0", "mold.engraving_depth_mm=0", "mold.silicone_shrinkage_percent=0"],

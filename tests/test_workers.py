@@ -71,11 +71,13 @@ def test_steps_tell_what_a_worker_did_until_its_end(tmp_path: Path) -> None:
     with Worker(tmp_path) as worker:
         worker.send(os.getcwd)
         assert worker.receive() == str(tmp_path)
-        worker.send(*report_and("os._exit(3)"))
+        worker.send(*report_and("time.sleep(0.1); os._exit(3)"))
         assert worker.receive(until="first") is None
+        time.sleep(0.3)  # as on a busy machine: the report and the end are taken together
         with pytest.raises(WorkerDiedError, match="last words") as caught:
             worker.receive()
         assert (caught.value.step, worker.steps) == ("second", ["first", "second"])
+        assert caught.value.elapsed_s >= 0.1
     with Worker() as worker:
         worker.send(os._exit, 3)
         with pytest.raises(WorkerDiedError, match="no message") as caught:

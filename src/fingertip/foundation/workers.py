@@ -66,7 +66,7 @@ class Worker(contextlib.AbstractContextManager["Worker"]):
         self.steps: list[Any] = []
         """Steps of the present call that the worker reported."""
         self._since_s = 0.0
-        """Time of the last step, or of the call."""
+        """Time of the last step by the worker, which a busy machine tells of late, or of the call."""
         self._folder = folder
         self._process: subprocess.Popen[bytes] | None = None
         if is_fork:
@@ -129,10 +129,10 @@ class Worker(contextlib.AbstractContextManager["Worker"]):
                 raise value
             if kind == "result":
                 return value
-            self.steps.append(value)
-            self._since_s = time.monotonic()
-            watch(value)
-            if value == until:
+            step, self._since_s = value
+            self.steps.append(step)
+            watch(step)
+            if step == until:
                 return None
 
     def receive_within(self, limit_s: float, watch: Callable[[], None] = lambda: None) -> Any:
@@ -285,7 +285,7 @@ def _call_limited(limit_s: float, memory_bytes: int, function: Callable[..., T],
 def report_step(step: Any) -> None:
     """Tell the process that waits for this worker what it does now; elsewhere nobody listens."""
     if _answers:
-        _answers.write(pickle.dumps(("step", step)))
+        _answers.write(pickle.dumps(("step", (step, time.monotonic()))))  # a clock of the whole machine
         _answers.flush()
 
 

@@ -22,6 +22,8 @@ import pytest
 from fingertip import Design
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import parts_by_name
+from fingertip.cad.verification.check import Solids
+from fingertip.cad.verification.verify import run_checks
 from fingertip.foundation.errors import StudioError
 from fingertip.studio.answers import DOWNLOADS, VIEW_TOLERANCE_MM
 from fingertip.studio.server import StudioServer
@@ -62,7 +64,10 @@ def test_parts_are_those_of_the_changed_design(server: StudioServer, tables: dic
 def test_checks_are_those_of_the_design(server: StudioServer, tables: dict[str, Any]) -> None:
     answer = post(server, "checks", tables).content
     assert answer["passed"]
-    assert answer["count"] > 50
+    design = Design.from_tables(tables)
+    checks = [*run_checks(design, Solids.of(design, MeshEvaluator(VIEW_TOLERANCE_MM), parts_by_name(design)))]
+    assert answer["count"] == len(checks)
+    assert {check.name.partition(".")[0] for check in checks} >= set(parts_by_name(design))
     assert "mold.creep" in strip_elements(answer["checks"])
     verdict = strip_elements(answer["verdict"])
     assert f"All {answer['count']} checks of the shape passed" in verdict

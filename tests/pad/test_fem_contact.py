@@ -51,6 +51,8 @@ class Slab:
     young_mpa: float = 1.0
     poisson: float = 0.4999
     base_slope: float = 0.0
+    bump_height_mm: float = 0.0
+    bonded: bool = True
     collar: tuple[float, float] = (0.0, -math.inf)
 
     @property

@@ -28,8 +28,9 @@ ACTS = {
 }  # fmt: skip
 """Change -> relative changes of the bonded pad's figures at 1 N; those below 1 % are left out."""
 SILENT = (
-    "skin.thickness_tip_mm=3", "skin.nail_fullness=0.9", "bone.wall_mm=0.9", "bone.platform_mm=1.7", "mold.wall_mm=4",
-    "sensor.model=fsr400_short", "silicone.shore_a=20", "printer.bed_x_mm=200",
+    "skin.thickness_tip_mm=3", "skin.nail_fullness=0.9", "bone.wall_mm=0.9 bone.base_length_mm=20",
+    "bone.platform_mm=1.7", "mold.wall_mm=4", "sensor.model=fsr400_short", "silicone.shore_a=20",
+    "printer.bed_x_mm=200",
 )  # fmt: skip
 """Changes that the pad under the finger's tip rightly does not feel, or that the catalogue's silicone overrides."""
 

@@ -17,7 +17,7 @@ FULL = bool(os.environ.get("FINGERTIP_FULL"))
 """True in `.ci/full`, where every test runs with all its cases but those marked `long`."""
 LONG = os.environ.get("FINGERTIP_FULL") == "long"
 """True in `.ci/long`."""
-MOST_CASES = 2
+MOST_CASES = 3
 """Number of cases of a test of the first set."""
 
 

@@ -21,13 +21,15 @@ class Item:
 def test_a_few_cases_run_evenly_spread_or_all_that_are_asked_for(monkeypatch: Any) -> None:
     many = [Item(f"a.py::test_many[{i}]") for i in range(20)]
     every = [Item(f"a.py::test_every[{i}]", ("every_case",)) for i in range(20)]
-    items: list[Any] = [Item("a.py::test_full", ("full",)), *many, *every]
-    assert select(items) == {many[0], many[10], *every}
+    items: list[Any] = [Item("a.py::test_full", ("full",)), Item("a.py::test_long", ("long",)), *many, *every]
+    assert select(items) == {many[0], many[7], many[14], *every}
     deselected: list[Any] = []
     hook = SimpleNamespace(pytest_deselected=lambda items: deselected.extend(items))
     named: Any = SimpleNamespace(args=["a.py::test_full"], hook=hook)
     pytest_collection_modifyitems(named, items)
-    assert len(items) == 41
-    monkeypatch.setattr("tests.first_set.FULL", False)
-    pytest_collection_modifyitems(SimpleNamespace(args=["a.py"], hook=hook), items)  # type: ignore[arg-type]
-    assert (len(items), len(deselected)) == (22, 19)
+    assert len(items) == 42
+    whole: Any = SimpleNamespace(args=["a.py"], hook=hook)
+    for full, left in ((True, 41), (False, 23)):
+        monkeypatch.setattr("tests.first_set.FULL", full)
+        pytest_collection_modifyitems(whole, items)
+        assert (len(items), len(items) + len(deselected)) == (left, 42)

@@ -98,7 +98,7 @@ def test_previous_works_are_slower_or_miss_more_with_higher_thresholds() -> None
         (name, factor, 15) for name in RIDGED for factor in PLATE_FACTORS
     ]
     low, high = map(found.means_s, PLATE_FACTORS)
-    assert max(low) < min(high)
+    assert max(low) < 0.02 < min(high)
     rows = {row["figure"]: row["ours"].get("digital chain") for row in json.loads(DATA.read_text())["protocol"]}
     assert rows["mean delay on three ridged plates"] == ", ".join(f"{1000 * mean_s:.1f} ms" for mean_s in low)
     noise, late = found.plain_fft
@@ -295,8 +295,7 @@ def test_a_higher_sampling_rate_lowers_the_bound_and_does_not_lengthen_the_delay
     assert (slow.sample_rate_hz, own.sample_rate_hz, quick.sample_rate_hz) == (1000.0, 2000.0, 10_000.0)
     assert slow.found_share == own.found_share == quick.found_share == 1.0
     assert slow.bound_median_s > own.bound_median_s > quick.bound_median_s
-    assert slow.median_s >= own.median_s - 0.001, "at 1 kHz a delay is known to 1 ms"
-    assert own.median_s >= quick.median_s - 0.002
+    assert slow.median_s >= own.median_s >= quick.median_s - 0.002
     assert max(slow.alarms_per_minute, own.alarms_per_minute, quick.alarms_per_minute) < 0.6  # at most one alarm
     wide = article_design(detector={"window_samples": 1200})  # 12 000 at 20 kHz would be too many
     assert [row.sample_rate_hz for row in study_sampling_rates(wide, 1, 0.5, rates_hz=(20_000.0,))] == [2000.0]

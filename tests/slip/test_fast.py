@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from benchmarks.slip.mix_signals import LabelledSignal, Slide
-from fingertip.slip.detectors import fast, fast_loop
+from fingertip.slip.detectors import fast, fast_state
 from fingertip.slip.detectors.fast import (
     STAY_SCORE,
     TICK_S,
@@ -131,7 +131,7 @@ def test_features_are_what_their_names_say():
     found = dict(zip(FEATURES, rows[-1], strict=True))
     moves = np.diff(edge, prepend=0.0)
     # The slow force compares with the noise of the voltage, expressed in the wide band.
-    slow_floor = noise_energies(2000.0)[0] * detector._state[fast_loop.INPUT_FLOOR]
+    slow_floor = noise_energies(2000.0)[0] * detector._state[fast_state.INPUT_FLOOR]
     slopes = (0.01 * 2000.0 * np.diff(slow, prepend=0.0)) ** 2
     greatest = slopes[at + 1 - 200 : at + 1].max()
     energies = {"wide": mean(wide**2, 0.02)[at], "upper": mean(upper**2, 0.02)[at]}
@@ -167,7 +167,7 @@ def test_the_unit_of_the_input_does_not_matter():
 def learned_noise_v(detector: FastDetector) -> list[float]:
     """White noise that each of the three floors stands for: of the wide band, the upper band and the voltage [V]."""
     wide, upper = noise_energies(detector.settings.sample_rate_hz)
-    shares = {fast_loop.FLOOR: wide, fast_loop.UPPER_FLOOR: upper, fast_loop.INPUT_FLOOR: 1.0}
+    shares = {fast_state.FLOOR: wide, fast_state.UPPER_FLOOR: upper, fast_state.INPUT_FLOOR: 1.0}
     return [math.sqrt(detector.state[index] / share) for index, share in shares.items()]
 
 
@@ -205,7 +205,7 @@ def test_both_floors_follow_a_tone_that_lasts():
     detector = FastDetector(SETTINGS)
     volts = 4.0 + noise(12.0)
     volts += 0.01 * np.sin(2 * math.pi * 150 * times(volts)) * (times(volts) > 2.0)
-    pairs = ((fast_loop.FLOOR, fast_loop.WIDE_LONG), (fast_loop.UPPER_FLOOR, fast_loop.UPPER_LONG))
+    pairs = ((fast_state.FLOOR, fast_state.WIDE_LONG), (fast_state.UPPER_FLOOR, fast_state.UPPER_LONG))
     on, steps = [], []
     for chunk in np.split(volts, len(volts) // 40):  # ten evaluations of the trees each
         before = [detector.state[floor] for floor, _ in pairs]
@@ -308,7 +308,7 @@ def test_trees_are_evaluated_as_they_are_stored():
                 path += "1" if row[int(model.features[node])] > model.thresholds[node] else "0"
             score += model.leaves[tree * (NODES + 1) + int(path, 2)]
         arguments = (model.features, model.thresholds, model.leaves, model.offset)
-        assert fast_loop.evaluate_trees(row, 0, *arguments) == pytest.approx(score)
+        assert fast_state.evaluate_trees(row, 0, *arguments) == pytest.approx(score)
 
 
 def test_model_and_state_fit_a_microcontroller():
@@ -317,7 +317,7 @@ def test_model_and_state_fit_a_microcontroller():
     assert model.features.max() < len(FEATURES)
     assert len(model.features) == len(model.thresholds) == model.trees * NODES
     assert 5 * model.trees * NODES + 4 * model.trees * (NODES + 1) < 24 * 1024
-    assert 4 * fast_loop.STATES <= 512
+    assert 4 * fast_state.STATES <= 512
     in_single = model.thresholds.astype(np.float32)
     assert np.isfinite(in_single).all()
     assert in_single.astype(float) == pytest.approx(model.thresholds, rel=1e-6)
@@ -357,8 +357,8 @@ def test_the_smallest_step_is_found_whichever_way_the_voltage_goes(steps: list[i
     detector = FastDetector(FastSettings(RATE_HZ, NOISE_V, filtered=FilteredSignal(64.0, 4.0)))
     detector.process(volts, volts)
     least = min(abs(b - a) for a, b in zip([0, *steps], steps, strict=False) if a != b)
-    assert detector.state[fast_loop.STEP] == least * 2.0**-10
-    assert detector.state[fast_loop.FILTERED_STEP] == pytest.approx(least * 2.0**-10 / 64.0)
+    assert detector.state[fast_state.STEP] == least * 2.0**-10
+    assert detector.state[fast_state.FILTERED_STEP] == pytest.approx(least * 2.0**-10 / 64.0)
 
 
 @pytest.mark.parametrize("rise_s", [0.2, 0.0])
@@ -370,13 +370,13 @@ def test_no_floor_learns_what_may_be_slip_whatever_came_before_it(rise_s: float)
     floors = []
     for tick in np.split(tone, 1000):
         output = detector.process(tick)
-        floors.append((detector.state[fast_loop.INCIPIENT], detector.state[fast_loop.FLOOR]))
-        assert output.incipient[-1] == (detector.state[fast_loop.INCIPIENT] > 0)
+        floors.append((detector.state[fast_state.INCIPIENT], detector.state[fast_state.FLOOR]))
+        assert output.incipient[-1] == (detector.state[fast_state.INCIPIENT] > 0)
     held = [floor for incipient, floor in floors if incipient]
     assert len(held) > 900
     assert len(set(held)) == 1
     detector.process(3.6 + white_noise(2000, 5))
-    assert detector.state[fast_loop.FLOOR] != held[0]
+    assert detector.state[fast_state.FLOOR] != held[0]
 
 
 @pytest.mark.parametrize("score", [-0.5, -2.0])
@@ -390,9 +390,9 @@ def test_floors_stand_while_the_score_is_near_slip(score: float) -> None:
     detector.process(4.0 + white_noise(4000))
     volts = 4.0 + white_noise(1400, 4) + 0.0015 * np.sin(math.tau * 130 * np.arange(1400) / RATE_HZ)
     detector.process(volts[:1000])
-    before = detector.state[fast_loop.FLOOR]
+    before = detector.state[fast_state.FLOOR]
     assert not detector.process(volts[1000:]).incipient.any()
-    assert (detector.state[fast_loop.FLOOR] == before) == (score > STAY_SCORE)
+    assert (detector.state[fast_state.FLOOR] == before) == (score > STAY_SCORE)
 
 
 def test_of_a_jump_that_the_next_sample_confirms_nothing_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from benchmarks.slip.mix_signals import LabelledSignal
 from fingertip.foundation.jit import compiled
 from fingertip.foundation.numerics import Array
-from fingertip.slip.detectors import fast_loop
+from fingertip.slip.detectors import fast_state
 from fingertip.slip.detectors.fast import LOWEST_SCORE, SETTLING_S, TICK_S, FastDetector, FastSettings
 from fingertip.slip.detectors.fast_coefficients import FastModel
 from tools.detector_training.signals import TrainingSignal
@@ -117,7 +117,7 @@ def collect(
         The rows, and the factors with those of this model. What one round has learned, the next does not forget.
     """
     rng = np.random.default_rng(seed)
-    low = fast_loop.UPPER_LOUD_20
+    low = fast_state.UPPER_LOUD_20
     parts: list[tuple[Array, Array, Array]] = []
     known: list[Array] = []
     with compiled():
@@ -137,7 +137,7 @@ def collect(
                 factor = emphasise(signal, labels, scores, output.on[at_ticks])
                 known.append(np.maximum(factor, factors[number]) if factors else factor)
                 weights = weights * known[-1]
-            loud = (found[:, [0, 2]] > fast_loop.UPPER_LOUD).any(axis=1) | (found[:, [1, 3]] > low).any(axis=1)
+            loud = (found[:, [0, 2]] > fast_state.UPPER_LOUD).any(axis=1) | (found[:, [1, 3]] > low).any(axis=1)
             thinned = rng.random(len(found)) < KEPT_SHARE
             kept = loud & (weights > 0.0) & (thinned | (weights >= 1.0))
             weights = np.where(weights < 1.0, weights / KEPT_SHARE, weights)

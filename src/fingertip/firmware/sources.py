@@ -17,7 +17,7 @@ from fingertip.design import Design
 from fingertip.design.formulas.filter import filtered_range_v, signal_ground_ratio
 from fingertip.firmware.fingers import CONVERSIONS, TASK_CONVERSIONS, Fingers
 from fingertip.sim.runs.grip import HISTORY, LONGEST_STEP_S, MIN_PRESENT_N, ForceCurve, GripSettings
-from fingertip.slip.detectors import fast_loop
+from fingertip.slip.detectors import fast_state
 from fingertip.slip.detectors.fast import STILL_S, FastDetector, FastSettings
 from fingertip.slip.detectors.fast_coefficients import NODES, FastModel, load_model
 
@@ -39,7 +39,7 @@ def _render_constants(design: Design) -> str:
     step_v = converter.adc_step_v
     sections: dict[str, Any] = {name: value for name, value in c._asdict().items() if isinstance(value, tuple)}
     values: dict[str, Any] = {
-        **vars(fast_loop),
+        **vars(fast_state),
         **{name.upper(): value for name, value in c._asdict().items()},
         **{f"{name}_{key}".upper(): term for name, one in sections.items() for key, term in one._asdict().items()},
         "FILTERED_GAIN": both.coefficients.filtered_gain,
@@ -50,18 +50,18 @@ def _render_constants(design: Design) -> str:
         "REST_CODE": (signal_ground_ratio(design.board) * design.board.supply_v - converter.adc_low_v) / step_v,
         "REST_CODES": REST_SHARE * (filtered_range_v(design.board, converter.adc_range_v) or math.inf) / step_v,
         "LEVEL_SHARE": 1 / (STILL_S * rate),
-        "SETTLING_TICKS": round(state[fast_loop.SETTLING]),
-        "SETTLE_TICKS": -state[fast_loop.FLOOR_TICKS],
-        "LOW_TICKS": round(fast_loop.LOW_TICKS),
-        "STATED_WIDE": state[fast_loop.FLOOR],
-        "STATED_UPPER": state[fast_loop.UPPER_FLOOR],
-        "STATED_INPUT": state[fast_loop.INPUT_FLOOR],
-        "FILTERED_STATED_WIDE": both.state[fast_loop.FLOOR],
-        "FILTERED_STATED_UPPER": both.state[fast_loop.UPPER_FLOOR],
+        "SETTLING_TICKS": round(state[fast_state.SETTLING]),
+        "SETTLE_TICKS": -state[fast_state.FLOOR_TICKS],
+        "LOW_TICKS": round(fast_state.LOW_TICKS),
+        "STATED_WIDE": state[fast_state.FLOOR],
+        "STATED_UPPER": state[fast_state.UPPER_FLOOR],
+        "STATED_INPUT": state[fast_state.INPUT_FLOOR],
+        "FILTERED_STATED_WIDE": both.state[fast_state.FLOOR],
+        "FILTERED_STATED_UPPER": both.state[fast_state.UPPER_FLOOR],
         "FILTERED_MIN_FLOOR": both.coefficients.min_floor,
         "FILTERED_MIN_UPPER_FLOOR": both.coefficients.min_upper_floor,
-        "SLOPE_GAIN": fast_loop.SLOPE_S * fast_loop.SLOPE_S * rate * rate,
-        "MOVE_GAIN": fast_loop.MOVE_S * fast_loop.MOVE_S * rate * rate,
+        "SLOPE_GAIN": fast_state.SLOPE_S * fast_state.SLOPE_S * rate * rate,
+        "MOVE_GAIN": fast_state.MOVE_S * fast_state.MOVE_S * rate * rate,
         "TREES": load_model().trees,
         "SAMPLE_RATE_HZ": converter.sample_rate_hz,
         "SAMPLE_RATE_MILLIHZ": f"{1000 * converter.sample_rate_hz:.0f}u",

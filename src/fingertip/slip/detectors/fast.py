@@ -34,7 +34,7 @@ from fingertip.design import Design
 from fingertip.design.formulas.filter import filtered_range_v
 from fingertip.foundation.jit import as_samples
 from fingertip.foundation.numerics import Array
-from fingertip.slip.detectors import fast_loop
+from fingertip.slip.detectors import fast_state
 from fingertip.slip.detectors.fast_coefficients import (
     LOW_HZ,
     FastCoefficients,
@@ -44,7 +44,8 @@ from fingertip.slip.detectors.fast_coefficients import (
     load_model,
     noise_energies,
 )
-from fingertip.slip.detectors.fast_loop import COUNT, LOOP
+from fingertip.slip.detectors.fast_loop import LOOP
+from fingertip.slip.detectors.fast_state import COUNT
 from fingertip.slip.detectors.noise import input_noise_v
 from fingertip.slip.detectors.registry import Detector, DetectorOutput
 
@@ -90,7 +91,7 @@ JUMP_RATIO = 36.0
 where a glitch of 10 mV changes no more than 25 ms of output, and touching an object moves 16 mV at most, mostly."""
 FILTERED_JUMP_RATIO = 1.0
 """The same for the smallest jump of the filtered signal: 37 mV on the default board, 70 times its noise there. In slip
-it is greater (`fast_loop.JUMP_MOVES`)."""
+it is greater (`fast_state.JUMP_MOVES`)."""
 TRUSTED_S = 0.01
 """Time after a confirmed jump in which no jump is suspected [s]: a fast movement goes on."""
 GAP_S = 0.02
@@ -167,7 +168,7 @@ class FastOutput(DetectorOutput):
 class FastDetector(Detector):
     """Fast detector with its state. It starts in the steady state of the first sample."""
 
-    memory_s = math.log(1 / (fast_loop.DECAY_RATIO * STAY_RATIO)) * LONG_S
+    memory_s = math.log(1 / (fast_state.DECAY_RATIO * STAY_RATIO)) * LONG_S
     """Time until an abrupt end is recognised [s]: by the ratio of the energies or, after a weak slip, the floor."""
 
     def __init__(self, settings: FastSettings, model: FastModel | None = None) -> None:
@@ -175,9 +176,9 @@ class FastDetector(Detector):
         self._model = model = model or load_model()
         self.coefficients = _compute_coefficients(settings, model, with_filtered=False)
         """Constants of the loop at this sampling rate and noise."""
-        self._state = [0.0] * fast_loop.STATES
-        self._state[fast_loop.FLOOR] = self.coefficients.wide_share * settings.noise_v**2
-        self._state[fast_loop.PHASE] = float(settings.phase % int(self.coefficients.tick_samples))
+        self._state = [0.0] * fast_state.STATES
+        self._state[fast_state.FLOOR] = self.coefficients.wide_share * settings.noise_v**2
+        self._state[fast_state.PHASE] = float(settings.phase % int(self.coefficients.tick_samples))
         self._started = False
 
     @classmethod
@@ -186,18 +187,18 @@ class FastDetector(Detector):
 
     @property
     def state(self) -> tuple[float, ...]:
-        """Present state, by the indices of `fingertip.slip.detectors.fast_loop`."""
+        """Present state, by the indices of `fingertip.slip.detectors.fast_state`."""
         return tuple(self._state)
 
     @property
     def threshold_v(self) -> float:
         """Threshold above the present noise floor, as a voltage in the wide band [V]."""
-        return self.coefficients.statistic_gain * math.sqrt(self._state[fast_loop.FLOOR])
+        return self.coefficients.statistic_gain * math.sqrt(self._state[fast_state.FLOOR])
 
     @property
     def noise_v(self) -> float:
         """White RMS noise that has the energy of the learned wide floor [V]."""
-        return math.sqrt(self._state[fast_loop.FLOOR] / self.coefficients.wide_share)
+        return math.sqrt(self._state[fast_state.FLOOR] / self.coefficients.wide_share)
 
     @classmethod
     def equivalent_noise_v(cls, design: Design, quiet_v: Array) -> float:
@@ -243,7 +244,7 @@ class FastDetector(Detector):
             self.coefficients, *m.lists, 0, (voltage_v,), filtered, self._state, [0.0] * COUNT, [0.0], [0.0], [0.0],
             [0.0],
         )  # fmt: skip
-        return self._state[fast_loop.ON] > 0.0
+        return self._state[fast_state.ON] > 0.0
 
     def _run(
         self, voltage_v: Iterable[float], filtered_v: Iterable[float] | None, rows: Array, stride: int
@@ -259,7 +260,7 @@ class FastDetector(Detector):
         early, bits = self._early_share * level, flags.astype(np.int8)
         on, incipient, is_replaced, is_outside = (
             np.asarray(bits & int(flag) > 0)
-            for flag in (fast_loop.IS_ON, fast_loop.IS_INCIPIENT, fast_loop.IS_REPLACED, fast_loop.IS_OUTSIDE)
+            for flag in (fast_state.IS_ON, fast_state.IS_INCIPIENT, fast_state.IS_REPLACED, fast_state.IS_OUTSIDE)
         )
         return FastOutput(confidence * level, level, on, wide, confidence, incipient, early, is_replaced, is_outside)
 
@@ -277,23 +278,23 @@ class FastDetector(Detector):
         settings, state = self.settings, self._state
         with_filtered = filtered_v is not None and settings.filtered is not None
         self.coefficients = c = _compute_coefficients(settings, self._model, with_filtered)
-        state[fast_loop.INPUT] = voltage_v if abs(voltage_v) <= c.number_limit else 0.0
-        state[fast_loop.STEP] = state[fast_loop.FILTERED_STEP] = math.inf
-        state[fast_loop.REST] = filtered_v if filtered_v is not None and abs(filtered_v) <= c.number_limit else 0.0
-        state[fast_loop.STILL] = c.still_samples  # until it changes for the first time
-        state[fast_loop.MEAN_MOVE] = c.filtered_jump_limit  # noise that may be as great as stated
+        state[fast_state.INPUT] = voltage_v if abs(voltage_v) <= c.number_limit else 0.0
+        state[fast_state.STEP] = state[fast_state.FILTERED_STEP] = math.inf
+        state[fast_state.REST] = filtered_v if filtered_v is not None and abs(filtered_v) <= c.number_limit else 0.0
+        state[fast_state.STILL] = c.still_samples  # until it changes for the first time
+        state[fast_state.MEAN_MOVE] = c.filtered_jump_limit  # noise that may be as great as stated
         # Energies and floors start at those of the stated noise.
         band_noise_v = _band_noise_v(settings, with_filtered)
         wide, upper = c.wide_share * band_noise_v**2, c.upper_share * band_noise_v**2
-        for index in (fast_loop.WIDE_SHORT, fast_loop.WIDE_LONG, fast_loop.FLOOR):
+        for index in (fast_state.WIDE_SHORT, fast_state.WIDE_LONG, fast_state.FLOOR):
             state[index] = wide
-        for index in (fast_loop.UPPER_SHORT, fast_loop.UPPER_LONG, fast_loop.UPPER_FLOOR):
+        for index in (fast_state.UPPER_SHORT, fast_state.UPPER_LONG, fast_state.UPPER_FLOOR):
             state[index] = upper
-        for index in (fast_loop.INPUT_LONG, fast_loop.INPUT_FLOOR):
+        for index in (fast_state.INPUT_LONG, fast_state.INPUT_FLOOR):
             state[index] = settings.noise_v**2
         ticks_per_s = settings.sample_rate_hz / c.tick_samples
-        state[fast_loop.SETTLING] = float(round(SETTLING_S * ticks_per_s))
-        state[fast_loop.FLOOR_TICKS] = -float(round(FILTERS_SETTLE_S * ticks_per_s))
+        state[fast_state.SETTLING] = float(round(SETTLING_S * ticks_per_s))
+        state[fast_state.FLOOR_TICKS] = -float(round(FILTERS_SETTLE_S * ticks_per_s))
 
 
 class IncipientDetector(FastDetector):
@@ -311,7 +312,7 @@ class IncipientDetector(FastDetector):
 
     def step(self, voltage_v: float, filtered_v: float | None = None) -> bool:
         super().step(voltage_v, filtered_v)
-        return self._state[fast_loop.INCIPIENT] > 0.0
+        return self._state[fast_state.INCIPIENT] > 0.0
 
 
 def _min_noise_v(sample_rate_hz: float) -> float:

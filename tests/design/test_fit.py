@@ -10,7 +10,7 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.design.files import load_tables
-from fingertip.design.fit import FREE, fit_design
+from fingertip.design.fit import DERIVED, fit_design
 from fingertip.design.geometry import DesignTables
 from fingertip.design.new_design import PRESETS, find_hand, list_hands, write_new_design
 from fingertip.design.rules.ruleset import find_violations
@@ -36,10 +36,9 @@ def test_bundled_hand_gets_a_tip_of_its_own_sizes(hand: str) -> None:
     design = Design(**tomllib.loads(new.text))
     given = tomllib.loads(find_hand(hand).read_text())["hand"]
     for name, value in given.items():
-        if f"hand.{name}" not in FREE:
-            assert getattr(design.hand, name) == value
+        assert getattr(design.hand, name) == value
     assert "Not tried on the real hand." in " ".join(find_hand(hand).read_text().replace("#", "").split())
-    assert set(new.fitted) <= set(FREE)
+    assert set(new.fitted) <= {*DERIVED, "skin.length_mm", "skin.semi_axis_palmar_mm", "skin.thickness_palmar_mm"}
 
 
 @pytest.mark.full
@@ -50,23 +49,23 @@ def test_fit_is_reproducible_and_passes_all_rules() -> None:
     given = ["skin.length_mm"]
     first, second = fit_design(begin, given), fit_design(begin, given)
     assert first == second
-    assert first.changes
+    assert first.moves
     assert not list(find_violations(RULES, first.tables))
     kept = {name: begin.value(name) for name in ("skin.width_mm", "skin.semi_axis_dorsal_mm", "skin.length_mm")}
     assert all(first.tables.value(name) == value for name, value in kept.items())
-    for name, (before, _) in first.changes.items():  # each change is needed
+    for name, before in ((move.name, move.before) for move in first.moves):  # each move is needed
         assert list(find_violations(PART_RULES, first.tables.with_values({name: before}))), name
 
 
 @pytest.mark.full
 def test_given_lengths_stay_and_a_limit_shortens_the_skin() -> None:
-    assert all(fit_design(tables(name)).changes == {} for name in PRESETS), "presets need no fit"
+    assert all(fit_design(tables(name)).moves == () for name in PRESETS), "presets need no fit"
     limited = fit_design(tables("adult_finger", **{"hand.length_limit_mm": 38.5})).tables
     assert limited.skin.length_mm + limited.bone.base_length_mm <= 38.5
     begin = tables("adult_finger", **{"hand.clearance_radius_mm": 7.0})
-    assert "bone.base_length_mm" in fit_design(begin).changes
+    assert "bone.base_length_mm" in [move.name for move in fit_design(begin).moves]
     with pytest.raises(DesignError, match=r"bone\.base_length_mm"):
-        fit_design(begin.with_values({"bone.base_length_mm": 9.0}), fixed=["bone.base_length_mm"])
+        fit_design(begin.with_values({"bone.base_length_mm": 9.0}), given=["bone.base_length_mm"])
 
 
 @pytest.mark.full
@@ -76,7 +75,7 @@ def test_remedy_for_a_narrow_finger_passes_and_keeps_its_joint() -> None:
         fit_design(preset.with_values({"skin.width_mm": 10.0}), ["skin.width_mm"], before=preset)
     assert "bone.interface" not in str(refused.value)
     (width,) = re.findall(r"at least ([0-9.]+) mm\.", str(refused.value))
-    assert fit_design(preset.with_values({"skin.width_mm": float(width)}), ["skin.width_mm"]).changes == {}
+    assert fit_design(preset.with_values({"skin.width_mm": float(width)}), ["skin.width_mm"]).moves == ()
 
 
 def test_a_file_that_is_no_hand_is_refused(tmp_path) -> None:

@@ -1,9 +1,9 @@
-"""Fit of a design: lengths that nobody measures on a hand are adjusted until every rule passes.
+"""Fit of a design: parameters that follow from others are moved until every rule passes.
 
-The sizes of the finger and of the hand's joint are given. Wall thicknesses, the place of the sensor, the collar and
-the like may vary within sensible ranges. A seeded random search lowers the number of broken rules to zero: it moves a
+What is given stays, and so do measurements. Wall thicknesses, the place of the sensor, the collar and the like move
+within sensible ranges. A seeded random search lowers the number of broken rules to zero: it moves a
 value to where a broken rule says that it passes, or a few values at random. Each value then moves back towards where it
-began, as far as the rules allow, those of the hand first. The same input gives the same design.
+began, as far as the rules allow. The same input gives the same design.
 """
 
 from __future__ import annotations
@@ -12,8 +12,11 @@ import math
 import random
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from fingertip.design.geometry import DesignTables
+from fingertip.design.parameters import PARAMETERS
+from fingertip.design.parameters.declaration import find_follows
 from fingertip.design.refusal import find_remedies
 from fingertip.design.rules.ruleset import BrokenRule, RuleChecker
 from fingertip.design.search import PART_RULES, cheapest_first
@@ -23,24 +26,15 @@ from fingertip.foundation.numerics import bisect
 Values = Mapping[str, float]
 Ranges = Mapping[str, tuple[float, float]]
 
-FREE: Ranges = {
-    "sensor.distance_from_tip_mm": (6.5, 15.0),
-    "skin.length_mm": (20.0, 40.0),
-    "skin.tip_length_mm": (6.0, 14.0),
-    "skin.taper_ratio": (0.9, 1.0),
-    "skin.thickness_side_mm": (1.0, 2.5),
+DERIVED: Ranges = {name: ends for name, info in PARAMETERS.items() if (ends := find_follows(info))}
+"""Parameters that follow from others, with the range in which a fit may move each."""
+_WISHES: Ranges = {
+    "skin.length_mm": (20.0, 44.0),
+    "skin.semi_axis_palmar_mm": (4.0, 12.0),
     "skin.thickness_palmar_mm": (2.0, 4.0),
-    "skin.thickness_dorsal_mm": (0.8, 2.0),
-    "skin.thickness_tip_mm": (1.4, 3.0),
-    "bone.base_length_mm": (8.0, 40.0),
-    "bone.palmar_fullness": (0.92, 0.99),
-    "bone.rim_mm": (0.3, 0.6),
-    "bone.collar_length_mm": (2.0, 8.0),
-    "bone.collar_inset_mm": (0.25, 0.6),
-    "hand.tendon_distance_mm": (2.0, 8.0),
-    "hand.travel_deg": (30.0, 110.0),
+    "skin.width_mm": (12.0, 26.0),
 }
-"""Ranges of the lengths that a fit may change, in the unit of each."""
+"""Wishes of a file that may move in a second round, if the derived parameters alone do not suffice."""
 _STEPS = 1200
 """Largest number of designs that one search tries."""
 
@@ -60,20 +54,31 @@ class _Round:
 
 _ROUNDS = (_Round(6, 0.8, 60, choice=6), _Round(5, 0.5, 350, choice=1))
 """Rounds of the fit. A later one begins if none of the searches before found a design that passes."""
-_OF_HAND = 10.0
-"""Weight of a change of what was measured on a hand."""
 _BACK_STEPS = 8
 """Halvings by which a value moves back towards where it began."""
 
 
 @dataclass(frozen=True)
+class Move:
+    """Parameter that a fit has moved."""
+
+    name: str
+    before: Any
+    after: Any
+    reason: str
+    """What the former value would break, as a part of a sentence."""
+
+
+@dataclass(frozen=True)
 class Fit:
-    """Design that passes, and what was changed for it."""
+    """Design that passes, and what was moved for it."""
 
     tables: DesignTables
-    changes: Ranges
-    reasons: Mapping[str, str]
-    """Changed parameter of the hand -> what its measured value would break."""
+    moves: tuple[Move, ...]
+
+
+Holds = Callable[[DesignTables], Sequence[BrokenRule]]
+"""Judges a design that passes all rules: what is too weak, with the values that may hold; nothing if it holds."""
 
 
 class _Judge:
@@ -102,39 +107,44 @@ class _Judge:
     def passes(self, values: Values) -> bool:
         return self.score(values, 0.0)[0] == 0.0
 
+    def explain(self, values: Values) -> str:
+        found = self.score(values)[1]
+        return f"{found[0].rule.field} {found[0].violation.problem}" if found else ""
+
 
 def fit_design(
     tables: DesignTables,
-    fixed: Collection[str] = (),
-    progress: Callable[[float], None] = lambda share: None,
+    given: Collection[str] = (),
     before: DesignTables | None = None,
-    measured: Sequence[str] = (),
+    *,
+    holds: Holds | None = None,
+    progress: Callable[[float], None] = lambda share: None,
 ) -> Fit:
-    """Adjust the free lengths of a design, but for those that are fixed, until its parts can be made.
+    """Move the derived parameters of a design, but for those that are given, until its parts can be made.
 
-    Raises DesignError. Its remedies lead what is fixed, and what is measured on a hand, towards the design `before`
-    them. Typed in, they pass without a fit.
+    If they alone do not suffice, wishes that are not given move too. Measurements stay.
+
+    Raises DesignError. Its remedies lead what is given towards the design `before`. Typed in, they pass.
     """
-    joined = tables.dimensions.joint is not None
-    unused = {name for name in FREE if name.startswith("hand.") and not (joined and tables.value(name))}
-    free = {name: ends for name, ends in FREE.items() if name not in fixed and name not in unused}
-    begin = {name: float(tables.value(name)) for name in free}
+    begin = {name: float(tables.value(name)) for name in (*DERIVED, *_WISHES) if name not in given}
     judge = _Judge(tables)
-    values = _find_passing(free, begin, judge, progress)
-    if values is None:
-        raise DesignError(find_remedies(tables, judge.score(begin)[1], before, [*fixed, *measured]))
-    # What was measured moves back first, while the other lengths still make room for it.
-    order = sorted(free, key=lambda name: not name.startswith("hand."))
+    for ranges in (DERIVED, {**DERIVED, **_WISHES}):
+        free = {name: (min(low, begin[name]), max(high, begin[name])) for name, (low, high) in ranges.items()
+                if name in begin}  # fmt: skip
+        values = _find_passing(free, {name: begin[name] for name in free}, judge, progress)
+        if values is not None:
+            break
+    else:
+        raise DesignError(find_remedies(tables, judge.score({})[1], before, [*given]))
     for _ in range(2):
-        for name in order:
+        for name in free:
             values[name] = _move_back(name, begin[name], values, judge.passes)
-    changes = {name: (begin[name], values[name]) for name in free if values[name] != begin[name]}
-    reasons = {
-        name: found[0].violation.problem
-        for name in changes
-        if name.startswith("hand.") and (found := judge.score({**values, name: begin[name]})[1])
-    }
-    return Fit(tables.with_values(values), changes, reasons)
+    moves = (
+        Move(name, begin[name], values[name], judge.explain({**values, name: begin[name]}))
+        for name in free
+        if values[name] != begin[name]
+    )
+    return Fit(tables.with_values(values), tuple(moves))
 
 
 def _find_passing(
@@ -175,11 +185,8 @@ def _search(kind: _Round, seed: int, free: Ranges, begin: Values, judge: _Judge)
 
 
 def _measure_change(free: Ranges, begin: Values, values: Values) -> float:
-    """Add up the changes of all values, each relative to its range; what was measured on a hand counts much more."""
-    return sum(
-        (_OF_HAND if name.startswith("hand.") else 1.0) * abs(values[name] - begin[name]) / (high - low)
-        for name, (low, high) in free.items()
-    )
+    """Add up the changes of all values, each relative to its range."""
+    return sum(abs(values[name] - begin[name]) / (high - low) for name, (low, high) in free.items())
 
 
 def _change_at_random(rng: random.Random, free: Ranges, values: Values) -> dict[str, float]:

@@ -157,18 +157,18 @@ def fit_start(start: Start, progress: Callable[[str], None]) -> NewDesign:
 
     def fit_lengths(*fixed: str) -> Fit:
         return fit_design(
-            tables, (*start.fixed, *fixed), lambda share: progress(ShareText("fitting lengths", share)), start.before,
-            start.measured,
+            tables, (*start.fixed, *fixed), start.before,
+            progress=lambda share: progress(ShareText("fitting lengths", share)),
         )  # fmt: skip
 
     with contextlib.suppress(DesignError):
         fit = fit_lengths(_PLACE) if _PLACE not in start.fixed and tables.value(_PLACE) != was else None
     fit = fit or fit_lengths()
     design = Design(**fit.tables.model_dump())
-    place, fitted = design.value(_PLACE), dict(fit.changes)
+    place, fitted = design.value(_PLACE), {move.name: (move.before, move.after) for move in fit.moves}
     if _PLACE not in start.fixed and place != was:
         fitted[_PLACE] = was, place
-    return NewDesign("\n".join([*list_lines(design, start.base), ""]), start.base, fitted, fit.reasons, design)
+    return NewDesign("\n".join([*list_lines(design, start.base), ""]), start.base, fitted, {}, design)
 
 
 def find_lost_travel(made: NewDesign) -> list[Issue]:

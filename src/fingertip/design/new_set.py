@@ -11,7 +11,6 @@ from pathlib import Path
 from fingertip.catalogues.electronics import NAMES
 from fingertip.design import new_design
 from fingertip.design.files import load_tables
-from fingertip.design.fit import FREE
 from fingertip.design.geometry import DesignTables
 from fingertip.design.model import Design
 from fingertip.design.parameters.declaration import parse_tables, suggest_name
@@ -23,7 +22,7 @@ Size = tuple[float, float]
 Starts = Mapping[tuple[str, ...], new_design.Start]
 """Fingers of one size -> their design before its fit."""
 _SIZE = ("skin.width_mm", "skin.length_mm")
-_JOINT = tuple(name for name in FREE if name.startswith("hand."))
+_JOINT = ("hand.tendon_distance_mm", "hand.travel_deg")
 """Sizes of the joint that a fit of a single finger may change."""
 _SIZE_REMEDY = re.compile(r"(skin\.(?:width|length)_mm)(?:=|: .*; at (?:least|most) )(\d+(?:\.\d+)?)")
 _EXAMPLE = "--finger index=18x25"

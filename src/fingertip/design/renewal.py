@@ -135,7 +135,7 @@ def _fit(
         trial = tables.with_values({path: sizes[path] for path in some})
         with gather(issues):
             return fit_design(
-                trial, (*kept, *fixed), lambda share: progress(ShareText("fitting lengths", share)), tables
+                trial, (*kept, *fixed), tables, progress=lambda share: progress(ShareText("fitting lengths", share))
             ).tables
     if needed:
         raise DesignError(dict.fromkeys(issues))

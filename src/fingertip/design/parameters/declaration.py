@@ -61,11 +61,31 @@ class Above(NamedTuple):
     bound: float
 
 
-def quantity(default: float, unit: str, bounds: tuple[float | Above, float], description: str) -> Any:
-    """Declare a number with a unit and its lower and upper bound."""
+class Follows(NamedTuple):
+    """Range within which a fit may move a parameter that follows from others."""
+
+    low: float
+    high: float
+
+
+def quantity(
+    default: float,
+    unit: str,
+    bounds: tuple[float | Above, float],
+    description: str,
+    *,
+    follows: tuple[float, float] | None = None,
+) -> Any:
+    """Declare a number with a unit and its lower and upper bound.
+
+    A number that follows from others, unless it is stated, has the range within which a fit may move it.
+    """
     low, high = bounds
     ge, gt = (None, low.bound) if isinstance(low, Above) else (low, None)
-    return Field(default, ge=ge, gt=gt, le=high, description=description, json_schema_extra={"unit": unit})
+    field: Any = Field(default, ge=ge, gt=gt, le=high, description=description, json_schema_extra={"unit": unit})
+    if follows:
+        field.metadata.append(Follows(*follows))
+    return field
 
 
 class OneOf:
@@ -112,6 +132,11 @@ def find_bounds(field: FieldInfo) -> Bounds:
             if (bound := getattr(constraint, key, None)) is not None:
                 found[name] = bound
     return Bounds(**found)
+
+
+def find_follows(field: FieldInfo) -> Follows | None:
+    """Return the range in which a fit may move a derived parameter; None for a wish or a measurement."""
+    return next((each for each in field.metadata if isinstance(each, Follows)), None)
 
 
 def list_choices(field: FieldInfo) -> tuple[str, ...]:

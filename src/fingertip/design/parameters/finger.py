@@ -16,7 +16,7 @@ class Sensor(ParameterTable):
         "fsr400", "Force-sensing resistor from the catalogue, or custom: [custom_sensor] then holds its outline."
     )
     distance_from_tip_mm: float = quantity(
-        11.5, "mm", (3, 60), "Distance from the tip of the skin to the centre of the active area."
+        11.5, "mm", (3, 60), "Distance from the tip of the skin to the centre of the active area.", follows=(6.5, 20)
     )
     tab_length_mm: float = quantity(
         4.3, "mm", (0, 15), "Length by which the crimped tabs stick out of the film. (unverified)"
@@ -46,13 +46,16 @@ class Skin(ParameterTable):
         7.4, "mm", (2, 40), "Height of the pad, at the apex of a crown, from the parting plane."
     )
     semi_axis_dorsal_mm: float = quantity(
-        8.1, "mm", (2, 40), "Height of the dorsal side, measured from the parting plane."
+        8.1, "mm", (2, 40), "Height of the dorsal side, measured from the parting plane.", follows=(5, 14)
     )
     length_mm: float = quantity(34.0, "mm", (8, 120), "Length from the proximal end to the tip.")
-    tip_length_mm: float = quantity(10.0, "mm", (2, 60), "Length of the rounded tip, part of the length.")
-    taper_ratio: float = quantity(
-        0.94, "", (0.4, 1), "Size of the cross-section where the tip begins, relative to the proximal end."
+    tip_length_mm: float = quantity(
+        10.0, "mm", (2, 60), "Length of the rounded tip, part of the length.", follows=(6, 16)
     )
+    taper_ratio: float = quantity(
+        0.94, "", (0.4, 1), "Size of the cross-section where the tip begins, relative to the proximal end.",
+        follows=(0.9, 1),
+    )  # fmt: skip
     pulp_fullness: float = quantity(
         0.91, "", (0.77, 0.9925),
         "Width of the pulp at half its height, relative to the full width (0.5: triangle, 0.866: ellipse, 1: box).",
@@ -65,21 +68,25 @@ class Skin(ParameterTable):
         "Size of the cross-section halfway along the rounded tip, relative to where the tip begins.",
     )  # fmt: skip
     crown_radius_mm: float = quantity(
-        10.0, "mm", (0, 100), "Radius of the pad's crown along the finger; 0: a straight pad, without a crown."
-    )
+        10.0, "mm", (0, 100), "Radius of the pad's crown along the finger; 0: a straight pad, without a crown.",
+        follows=(8, 25),
+    )  # fmt: skip
     crown_offset_mm: float = quantity(
-        0.9, "mm", (-10, 20), "Distance from the sensor's centre to the apex of the crown, towards the base."
-    )
+        0.9, "mm", (-10, 20), "Distance from the sensor's centre to the apex of the crown, towards the base.",
+        follows=(-2, 4),
+    )  # fmt: skip
     crown_drop_mm: float = quantity(
-        2.0, "mm", (0, 20), "Height by which the pad at its base lies below the apex of the crown."
+        2.0, "mm", (0, 20), "Height by which the pad at its base lies below the apex of the crown.", follows=(0.5, 4)
     )
-    thickness_side_mm: float = quantity(1.9, "mm", (0.4, 15), "Skin thickness at the sides.")
+    thickness_side_mm: float = quantity(1.9, "mm", (0.4, 15), "Skin thickness at the sides.", follows=(1, 2.5))
     thickness_palmar_mm: float = quantity(
         3.0, "mm", (0.4, 20),
         "Skin thickness over the centre of the sensor, from its platform or flat to the pad's surface.",
     )  # fmt: skip
-    thickness_dorsal_mm: float = quantity(1.5, "mm", (0.4, 15), "Skin thickness on the dorsal side.")
-    thickness_tip_mm: float = quantity(2.6, "mm", (0.4, 20), "Skin thickness at the tip, distal to the bone.")
+    thickness_dorsal_mm: float = quantity(1.5, "mm", (0.4, 15), "Skin thickness on the dorsal side.", follows=(0.8, 2))
+    thickness_tip_mm: float = quantity(
+        2.6, "mm", (0.4, 20), "Skin thickness at the tip, distal to the bone.", follows=(1.4, 3)
+    )
     min_thickness_mm: float = quantity(
         0.8, "mm", (0.2, 10), "Minimum skin thickness anywhere, measured from bone to surface."
     )

@@ -18,18 +18,22 @@ class Bone(ParameterTable):
     base_length_mm: float = quantity(
         19.7, "mm", (4, 60),
         "Length of the base from the skin's proximal end to the interface, or to the joint axis of a clevis.",
+        follows=(8, 40),
     )  # fmt: skip
     palmar_fullness: float = quantity(
         0.966, "", (0.8, 0.998),
         "Width of the bone at half its palmar height, before the flat is cut, relative to its full width.",
+        follows=(0.92, 0.99),
     )  # fmt: skip
     rim_mm: float = quantity(
         0.6, "mm", (0.2, 5),
         "Design width of the rim around the sensor; checks require 95 % of it or, if less, of printer.min_wall_mm.",
+        follows=(0.3, 0.6),
     )  # fmt: skip
     platform_mm: float = quantity(
         1.7, "mm", (0, 10),
         "Height of the platform under the sensor's head above the flat of the bone, down to which the tail runs.",
+        follows=(0.5, 4),
     )  # fmt: skip
     wall_mm: float = quantity(
         0.8, "mm", (0.4, 5),
@@ -41,17 +45,24 @@ class Bone(ParameterTable):
         (0.8, 10),
         "Diameter of the hole for both wires, from the trough of the tail to the back of the base.",
     )
-    channel_bend_radius_mm: float = quantity(3.0, "mm", (1, 20), "Bend radius of the channel's centre line.")
+    channel_bend_radius_mm: float = quantity(
+        3.0, "mm", (1, 20), "Bend radius of the channel's centre line.", follows=(1, 4)
+    )
     collar_length_mm: float = quantity(
         2.0, "mm", (0.8, 10),
         "Length of the collar on which the skin ends.",
+        follows=(0.8, 8),
     )  # fmt: skip
-    collar_inset_mm: float = quantity(0.3, "mm", (0.1, 5), "Inset of the collar from the outline of the skin.")
+    collar_inset_mm: float = quantity(
+        0.3, "mm", (0.1, 5), "Inset of the collar from the outline of the skin.", follows=(0.25, 0.6)
+    )
     groove_depth_mm: float = quantity(
-        0.8, "mm", (0, 3), "Depth of the groove around the bone that retains the skin; 0: no groove."
+        0.8, "mm", (0, 3), "Depth of the groove around the bone that retains the skin; 0: no groove.", follows=(0, 1)
     )
     groove_width_mm: float = quantity(1.6, "mm", (0.5, 15), "Width of the groove at its floor.")
-    groove_distance_mm: float = quantity(1.2, "mm", (0.5, 60), "Distance from the collar to the groove.")
+    groove_distance_mm: float = quantity(
+        1.2, "mm", (0.5, 60), "Distance from the collar to the groove.", follows=(0.6, 8)
+    )
     interface: Literal["post", "socket", "flange", "clevis"] = choice(
         "post",
         "Interface to the proximal phalanx. post: a post on the bone, with two flats; socket: a hole for the phalanx's "
@@ -68,6 +79,7 @@ class Bone(ParameterTable):
     foot_radius_mm: float = quantity(
         2.5, "mm", (0.2, 5),
         "Radius of the fillet where post, flange or eyes stand on the base; none where they are as wide.",
+        follows=(0.5, 4),
     )  # fmt: skip
     cross_bolt_diameter_mm: float = quantity(
         3.2, "mm", (MIN_HOLE_MM, 6), "Diameter of the cross bolt's hole through post or socket."

@@ -46,7 +46,7 @@ class OutputSet:
 PART_FILES = OutputSet("parts")
 DESIGN, REPORT, SHEET, ASSEMBLY = "design.toml", "report.json", "casting.md", "assembly.step"
 ACCEPTANCE, EXPLODED_VIEW, PAGE = "acceptance.md", "exploded.png", "index.html"
-PAD_VIEW = "pad.svg"
+PAD_VIEW, HAND_VIEW = "pad.svg", "measure.svg"
 
 
 @dataclass(frozen=True)

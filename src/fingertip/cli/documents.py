@@ -119,23 +119,29 @@ def picture(
     console: Console,
     design: Path = options.DESIGN_FILE,
     out: Path | None = typer.Option(
-        None, help="Output PNG, SVG with --pad; out/NAME/exploded.png or pad.svg by default."
+        None,
+        help="Output PNG, or SVG with --pad or --measure; out/NAME/exploded.png, pad.svg or measure.svg by default.",
     ),
     pad: bool = flag("Draw what part of a force reaches the sensor, by place and by tilt."),
+    measure: bool = flag("Draw where to put the calipers at the joint of your hand."),
     width_px: int = typer.Option(1600, help="Width of the picture, in pixels: 400 to 6000."),
     force: bool = options.FORCE,
     changes: list[str] | None = options.CHANGES,
 ) -> None:
-    """Draw an exploded view and sections through mold and bone, or what the sensor feels."""
-    from fingertip.catalogues.output_files import EXPLODED_VIEW, PAD_VIEW
+    """Draw an exploded view and sections through mold and bone, what the sensor feels, or what to measure on a hand."""
+    from fingertip.catalogues.output_files import EXPLODED_VIEW, HAND_VIEW, PAD_VIEW
+    from fingertip.documents.finger import draw_hand_sizes
     from fingertip.page.pad_section import draw_pad
     from fingertip.page.svg import write_svg
     from fingertip.pictures.picture import draw, find_width_issues
 
-    refuse(find_file_issues("--out", out, ".svg" if pad else ".png"), find_width_issues(width_px))
+    refuse(find_file_issues("--out", out, ".svg" if pad or measure else ".png"), find_width_issues(width_px))
     loaded = load_design(design, changes, console)
-    file = _File(loaded, out, PAD_VIEW if pad else EXPLODED_VIEW, force)
-    file.write(write_svg(draw_pad(loaded)) if pad else draw(loaded, width_px, console.progress))
+    file = _File(loaded, out, HAND_VIEW if measure else PAD_VIEW if pad else EXPLODED_VIEW, force)
+    if measure:
+        file.write(draw_hand_sizes(loaded))
+    else:
+        file.write(write_svg(draw_pad(loaded)) if pad else draw(loaded, width_px, console.progress))
     console.result({"picture": str(file.path)}, f"drawn to {file.path}")
 
 

@@ -68,6 +68,11 @@ class HelpCommand(TyperCommand):
             else:
                 is_common = getattr(parameter, "rich_help_panel", None) == COMMON or parameter.name == "help"
                 groups[COMMON if is_common else "Options"].append(row)
+        if ctx.info_name == "new":
+            from fingertip.design.hand_sizes import SIZES
+
+            title = "Sizes in --hand FILE; `fingertip picture adult_finger --measure` draws them"
+            groups[title] = [(f"{size['letter']} {name}", size["place"]) for name, size in SIZES.items()]
         _write_page(self, ctx, formatter, " ".join([*usage, "[OPTIONS]"]), groups)
 
 

@@ -7,6 +7,7 @@ board's README asks.
 from __future__ import annotations
 
 import re
+import textwrap
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
@@ -15,6 +16,7 @@ from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.fabrication.bom import estimate_cost, purchased_components
 from fingertip.casting.sheet import CastingSheet
 from fingertip.design import Design
+from fingertip.design.hand_sizes import SIZES
 from fingertip.documents.template import render, render_page
 
 _REFERENCE = re.compile(r"\[([^\]]+)\]\(#(\w+)\)")
@@ -43,6 +45,16 @@ def list_steps(sheet: CastingSheet) -> list[Step]:
 
 def render_sheet(sheet: CastingSheet, pictures: Sequence[str] = ()) -> str:
     return render_page("casting.md", **vars(sheet), steps=list_steps(sheet), pictures=pictures)
+
+
+def draw_hand_sizes(design: Design | None = None) -> bytes:
+    """Draw where to put the calipers at the joint of a hand, a cell for each size, as SVG; with a design its values."""
+    cells = []
+    for size in (SIZES["width_mm"], *SIZES.values()):  # a tongue, and a fork
+        name = f"hand.{size['name']}"
+        value = f" = {design.value(name):g}" if design else ""
+        cells.append((size["letter"], f"{name}{value}", textwrap.wrap(size["place"], 42)))
+    return render("hand_sizes.svg", cells=cells).encode()
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,8 @@ from fingertip.cad.shapes.parts import shapes_of_parameters
 from fingertip.cad.verification.verify import list_causes
 from fingertip.design import Design
 from fingertip.design.files import Parameter, format_value, list_parameters
-from fingertip.page.html import Markup, button, code, element, fold, join, quantity, table
+from fingertip.documents.finger import draw_hand_sizes
+from fingertip.page.html import Markup, button, code, element, embed, fold, join, quantity, table
 from fingertip.page.model_section import label_item
 
 _EFFECTS = {
@@ -44,6 +45,10 @@ def render_parameters(design: Design) -> Markup:
         title = f"{name or 'design'}: {len(parameters)} parameter{'s' if len(parameters) > 1 else ''}{note}"
         rows = [_render_row(design, parameter, moved) for parameter in parameters]
         body = table(("parameter", "value", "bounds"), rows, f"parameters of [{name}]" if name else "name")
+        if name == "hand" and design.dimensions.joint:
+            picture = embed(draw_hand_sizes(design), "image/svg+xml")
+            drawn = element("img", src=picture, alt="Where to put the calipers for each size of the hand's joint")
+            body = join((element("figure", drawn, class_="paper"), body))
         parts.append(fold(title, body))
     return join(parts)
 

@@ -1,0 +1,58 @@
+"""Sizes of a hand's joint: where calipers go for each of them, and guesses for those that nobody measured."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Mapping
+from pathlib import Path
+from typing import Any
+
+from fingertip.design.parameters import Tables
+from fingertip.design.parameters.declaration import parse_tables
+from fingertip.design.parameters.parts import Hand
+from fingertip.foundation.errors import DesignError, Issue, join_words
+from fingertip.foundation.tables import read_rows
+
+SIZES = {row["name"]: row for row in read_rows(Path(__file__).with_name("hand_sizes.csv"))}
+"""Number of [hand] -> its letter, and the place of the calipers."""
+GUESSED = "guessed: measure it"
+"""Mark of a guess in a design file: its comment begins with it."""
+_STATED = ("knuckle", "width_mm", "pin_diameter_mm")
+_AROUND_PIN_MM, _TENDON_SHARE = 1.5, 0.75
+"""Least clearance radius beyond the pin; tendon distance over axis height, 0.72 to 0.75 in two bundled hands."""
+
+
+def complete_hand(given: Mapping[str, Any], base: Hand) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """Complete the table [hand], of which a part was measured, and name the parameters that are guesses.
+
+    The knuckle is round down to the palm, and a tendon lies at three quarters of the axis height. It passes palmar of
+    a fork, which is smaller by two tendons; there is none without room for it. All else is that of the `base`. Raises
+    DesignError if values are not valid, or if a size is missing that the others do not tell.
+    """
+    hand, values = parse_tables(Tables, {"hand": dict(given)}).hand, dict(given)
+    if missing := [name for name in _STATED if name not in given]:
+        remedy = "`fingertip new --help` tells where to put the calipers"
+        raise DesignError(Issue("hand", f"lacks {join_words(missing)}; {remedy}."))
+
+    def guess(name: str, value: float) -> float:
+        return float(values.setdefault(name, round(value, 2)))
+
+    line_mm = guess("tendon_diameter_mm", base.tendon_diameter_mm) if given.get("tendon_distance_mm") != 0 else 0.0
+    palmar_mm = 2 * line_mm if hand.knuckle == "fork" else 0.0
+    known = given.get("clearance_radius_mm", 0.0) + palmar_mm, given.get("tendon_distance_mm", 0.0) / _TENDON_SHARE
+    height_mm = guess("axis_height_mm", max(base.axis_height_mm, *known))
+    radius_mm = guess("clearance_radius_mm", max(height_mm - palmar_mm, hand.pin_diameter_mm / 2 + _AROUND_PIN_MM))
+    distance_mm = max(_TENDON_SHARE * height_mm, radius_mm + line_mm if palmar_mm else 0.0)
+    guess("tendon_distance_mm", distance_mm if distance_mm < height_mm else 0.0)
+    guess("travel_deg", base.travel_deg)
+    return values, tuple(f"hand.{name}" for name in values if name not in given)
+
+
+def find_guesses(text: str, changed: Collection[str] = ()) -> list[str]:
+    """Find the parameters that the text of a design file marks as guesses, but for those changed since."""
+    return [name for name in re.findall(rf"^(hand\.\w+) *=.*# {GUESSED}", text, re.MULTILINE) if name not in changed]
+
+
+def describe_guesses(names: Collection[str]) -> str:
+    """Say which sizes of the hand are guesses; nothing if there are none."""
+    return f"guessed sizes of the hand: {join_words(names)}; measure them before you print" if names else ""

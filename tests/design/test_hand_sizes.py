@@ -1,0 +1,71 @@
+"""Sizes of a hand: each has a letter in the drawing, and a guess for one that is left out suits the others."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+
+from fingertip.design import Design
+from fingertip.design.geometry import DesignTables
+from fingertip.design.hand_sizes import GUESSED, SIZES, complete_hand, describe_guesses, find_guesses
+from fingertip.design.new_design import list_hands
+from fingertip.design.parameters.parts import Hand
+from fingertip.design.rules.ruleset import RuleChecker
+from fingertip.design.search import PART_RULES
+from fingertip.documents.finger import draw_hand_sizes
+from fingertip.foundation.errors import DesignError
+from tests.conftest import ROOT, run_fingertip
+
+BASE = Design.load("adult_finger")
+HANDS = {name: tomllib.loads(path.read_text())["hand"] for name, path in list_hands().items()}
+LEFT_OUT = ("axis_height_mm", "clearance_radius_mm", "tendon_distance_mm", "tendon_diameter_mm", "travel_deg")
+
+
+def test_every_number_of_a_hand_has_a_letter_in_drawing_and_help() -> None:
+    numbers = [name for name, info in Hand.model_fields.items() if info.annotation is float]
+    assert sorted(SIZES) == sorted(numbers)
+    assert "".join(size["letter"] for size in SIZES.values()) == "ABCDEFGH"[: len(numbers)]
+    drawn = draw_hand_sizes(BASE)
+    texts = [text.text or "" for text in ElementTree.fromstring(drawn).iter("{http://www.w3.org/2000/svg}text")]
+    shown = run_fingertip("new", "--help").stdout
+    for name, size in SIZES.items():
+        assert f"hand.{name} = {BASE.value(f'hand.{name}'):g}" in texts
+        assert texts.count(size["letter"]) >= 2, "beside its name, and where it is measured"
+        assert re.search(rf"^  {size['letter']} {name} +{re.escape(size['place'])}$", shown, re.MULTILINE)
+    assert min(map(float, re.findall(rb"font-size[=:]\"?(\d+)", drawn))) >= 10.0
+    assert len(drawn) * 4 / 3 < 15_000, "within a page"
+    assert draw_hand_sizes() == (ROOT / "docs/measure_your_hand.svg").read_bytes()
+
+
+def blame(hand: dict[str, Any]) -> set[str]:
+    """Find the sizes of the hand that rules blame, in the adult finger."""
+    tables = DesignTables(**BASE.model_dump()).with_values({f"hand.{name}": value for name, value in hand.items()})
+    fields = {broken.rule.field for broken in RuleChecker(tables).find_broken(PART_RULES)}
+    return {field for field in fields if field.startswith("hand.")}
+
+
+@pytest.mark.parametrize("left_out", LEFT_OUT)
+@pytest.mark.parametrize("name", HANDS)
+@pytest.mark.every_case
+def test_a_guess_is_blamed_by_no_rule_and_lets_the_hand_bend_nearly_as_far(name: str, left_out: str) -> None:
+    given = {key: value for key, value in HANDS[name].items() if key != left_out}
+    completed, guessed = complete_hand(given, BASE.hand)
+    assert {key: completed[key] for key in given} == given
+    assert set(guessed) == {f"hand.{key}" for key in completed.keys() - given.keys()}
+    assert not blame(completed) & set(guessed) - blame(HANDS[name])
+    assert not blame({**completed, "travel_deg": min(completed["travel_deg"], 45.0)}) - blame(HANDS[name])
+
+
+def test_what_is_guessed_is_told_and_what_cannot_be_is_asked_for() -> None:
+    with pytest.raises(DesignError, match="hand: lacks knuckle and pin_diameter_mm; `fingertip new --help`"):
+        complete_hand({"width_mm": 5.0}, BASE.hand)
+    with pytest.raises(DesignError, match="width_mm"):
+        complete_hand({"width_mm": "wide"}, BASE.hand)
+    text = f"hand.width_mm = 5.0  # A\nhand.travel_deg = 55.0  # {GUESSED}. G\nhand.axis_height_mm = 5.0 # {GUESSED}. B"
+    assert find_guesses(text, ["hand.axis_height_mm"]) == ["hand.travel_deg"]
+    assert describe_guesses([]) == ""
+    assert "hand.travel_deg; measure" in describe_guesses(["hand.travel_deg"])

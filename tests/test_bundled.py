@@ -14,6 +14,7 @@ import pytest
 from fingertip.catalogues.file_kinds import DESIGN, KINDS, SCENE, SET, SURFACE, SWEEP, find_file, list_bundled_files
 from fingertip.design import Design
 from fingertip.design.finger_set import load_set
+from fingertip.design.proportions import fill_in
 from fingertip.foundation.errors import FingertipError, SweepError
 from fingertip.sim import ManipulationFile, SceneFile, load_simulation
 from fingertip.sim.contact.materials import SURFACES, SurfaceFile
@@ -82,10 +83,10 @@ def test_a_sweep_file_names_bundled_files_and_files_beside_it(folder: Path) -> N
     (beside / "wind.toml").write_bytes((PARAMS / "scenes" / "drift.toml").read_bytes())
     (beside / "by_path.toml").write_text(text.format("own.toml", "wind.toml"))
     tables = read_sweep_file("sweeps/by_name.toml")
-    assert tables["design"] == tomllib.loads((PARAMS / "fsr402.toml").read_text())
+    assert tables["design"] == fill_in(tomllib.loads((PARAMS / "fsr402.toml").read_text()))
     assert tables == read_sweep_file("sweeps/by_path.toml")
     (beside / "fsr402").write_text("[skin]\nwidth_mm = 18\n")
-    assert read_sweep_file("sweeps/by_name.toml")["design"] == {"skin": {"width_mm": 18}}
+    assert read_sweep_file("sweeps/by_name.toml")["design"]["skin"]["width_mm"] == 18
     (beside / "unknown.toml").write_text(text.format("fsr4", "map"))
     with pytest.raises(SweepError) as caught:
         read_sweep_file("sweeps/unknown.toml")
@@ -96,12 +97,12 @@ def test_a_sweep_file_names_bundled_files_and_files_beside_it(folder: Path) -> N
         with pytest.raises(SweepError, match=r"is no name of a file beside the sweep file"):
             read_sweep_file("sweeps/outside.toml")
         typed = read_sweep_file("sweeps/outside.toml", [f"design={folder / 'own.toml'}"])
-        assert typed["design"] == {"skin": {"width_mm": 18}}, "a path that the user types may lead anywhere"
+        assert typed["design"]["skin"]["width_mm"] == 18, "a path that the user types may lead anywhere"
     (beside / "outside.toml").write_text(text.format("link.toml", "drift"))
     (beside / "link.toml").symlink_to(folder / "own.toml")
     with pytest.raises(SweepError, match=r"link\.toml: is a link, not a regular file"):
         read_sweep_file("sweeps/outside.toml")
-    assert read_sweep_file("board", ["design=own.toml"])["design"] == {"skin": {"width_mm": 18}}
+    assert read_sweep_file("board", ["design=own.toml"])["design"]["skin"]["width_mm"] == 18
     assert read_sweep_file("board", ["design=fsr402"])["design"]["name"] == "fsr402"
     with pytest.raises(SweepError, match=r"^none\.toml: "):
         read_sweep_file("board", ["design=none.toml"])

@@ -23,7 +23,7 @@ def list_all_parameters() -> str:
         name, _, _ = parameter.path.rpartition(".")
         if name != table:
             table = name
-            header = ["| parameter | default | unit | bounds | meaning |", "|---|---|---|---|---|"]
+            header = ["| parameter | default | unit | bounds | kind | meaning |", "|---|---|---|---|---|---|"]
             lines += ["", *_heading(name), "", *header]
         lines.append(_row(parameter))
     return "\n".join([*lines, ""])
@@ -66,6 +66,7 @@ def _row(parameter: Parameter) -> str:
         f"`{format_value(parameter.default)}`",
         parameter.unit,
         parameter.bounds,
+        parameter.kind,
         parameter.description,
     )
     return f"| {' | '.join(_escape(cell) for cell in cells)} |"

@@ -23,7 +23,7 @@ def params(
     changes: list[str] | None = options.CHANGES,
     toml: bool = flag("Print a complete design file with comments."),
 ) -> None:
-    """Print every parameter with its value, unit, bounds and description."""
+    """Print every parameter with its value, unit, bounds, kind (wish, measurement or derived) and description."""
     from fingertip.design import files as export
 
     loaded = load_design(design, changes, console)
@@ -34,11 +34,11 @@ def params(
         parameters = [(parameter, loaded.value(parameter.path)) for parameter in export.list_parameters()]
         data = [
             {"name": p.path, "value": value, "default": p.default, "unit": p.unit, "bounds": p.bounds,
-             "description": p.description}
+             "kind": p.kind, "description": p.description}
             for p, value in parameters
         ]  # fmt: skip
-        rows = [(p.path, export.format_value(value), p.unit, p.bounds, p.description) for p, value in parameters]
-        console.result({"parameters": data}, export.format_parameter_table(rows))
+        rows = [(p.path, export.format_value(v), p.unit, p.bounds, p.kind, p.description) for p, v in parameters]
+        console.result({"parameters": data}, export.format_parameter_table(rows, "kind"))
 
 
 _MODELS = {

@@ -14,8 +14,9 @@ from typing import Any
 from pydantic.fields import FieldInfo
 
 from fingertip.catalogues.file_kinds import DESIGN, FileKind, find_file, read_file
-from fingertip.design.parameters import PARAMETERS, ParameterTable, Tables
+from fingertip.design.parameters import PARAMETERS, ParameterTable, Tables, find_kind
 from fingertip.design.parameters.declaration import find_bounds, find_unit, list_choices
+from fingertip.design.proportions import fill_in
 from fingertip.foundation.errors import MAX_VALUE_LENGTH, DesignError, Issue, gather, quote_value, shorten
 from fingertip.foundation.tables import MAX_DEPTH, UnusableTomlError, parse_toml
 
@@ -59,7 +60,8 @@ def load_tables(
 ) -> LoadedTables:
     """Merge TOML files, then changes of the form `table.key=value`; later values win. Raises DesignError.
 
-    Files that another file names are read `below` its folder (see `read_input`).
+    What design files leave out follows the nearest proven finger (see `design.proportions`). Files that another file
+    names are read `below` its folder (see `read_input`).
     """
     before: dict[str, Any] = {}
     parsed: list[dict[str, Any]] = []
@@ -72,6 +74,8 @@ def load_tables(
             parsed.append(parse_change(change))
     if issues:
         raise DesignError(issues)
+    if before and kind is DESIGN:
+        before = fill_in(before)
     tables = copy.deepcopy(before)
     for nested in parsed:
         merge(tables, nested)
@@ -135,23 +139,23 @@ class Parameter:
     unit: str
     bounds: str
     """Bounds of a number, such as ">= 0, <= 15", or the words that are accepted."""
+    kind: str
+    """wish, measurement or derived (see `find_kind`)."""
     description: str
 
 
 def list_parameters() -> Iterator[Parameter]:
     for path, field in PARAMETERS.items():
-        yield Parameter(path, field.default, find_unit(field), _format_bounds(field), field.description or "")
+        bounds = _format_bounds(field)
+        yield Parameter(path, field.default, find_unit(field), bounds, find_kind(path), field.description or "")
 
 
-def format_parameter_table(rows: Iterable[Sequence[str]]) -> str:
-    """Format rows of name, value, unit, bounds and description as a table with a header."""
-    rows = [("parameter", "value", "unit", "bounds", "description"), *rows]
-    widths = [max(len(row[i]) for row in rows if len(row[i]) <= _MAX_COLUMN_WIDTH) for i in range(4)]
-    lines = (
-        f"{name:{widths[0]}}  {value:>{widths[1]}}  {unit:{widths[2]}}  {bounds:{widths[3]}}  {description}"
-        for name, value, unit, bounds, description in rows
-    )
-    return "\n".join(line.rstrip() for line in lines)
+def format_parameter_table(rows: Iterable[Sequence[str]], *more: str) -> str:
+    """Format rows of name, value, unit, bounds, `more` and description as a table with a header."""
+    rows = [("parameter", "value", "unit", "bounds", *more, "description"), *rows]
+    widths = [max(len(cell) for cell in column if len(cell) <= _MAX_COLUMN_WIDTH) for column in zip(*rows, strict=True)]
+    cells = ((f"{cell:{'>' if i == 1 else ''}{widths[i]}}" for i, cell in enumerate(row)) for row in rows)
+    return "\n".join("  ".join(row).rstrip() for row in cells)
 
 
 def format_value(value: Any) -> str:

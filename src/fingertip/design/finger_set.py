@@ -182,7 +182,7 @@ def _load_hand(path: Path, given: str) -> dict[str, Any]:
     if not given:
         return {}
     beside = _find_beside(path, "hand", given)
-    return load_tables([beside or find_hand(given)], (), below=path.parent if beside else None).tables
+    return read_file(beside or find_hand(given), DESIGN, below=path.parent if beside else None)
 
 
 def _find_beside(path: Path, field: str, given: str) -> Path | None:

@@ -110,7 +110,7 @@ class Design(DesignTables):
         return plot("fingertip.pictures.picture:draw", self, width_px)
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """Return every parameter with value, default, unit, bounds and description as a data frame.
+        """Return every parameter with value, default, unit, bounds, kind and description as a data frame.
 
         Raises
         ------
@@ -121,7 +121,7 @@ class Design(DesignTables):
         columns = {
             "name": [p.path for p in listed],
             "value": [self.value(p.path) for p in listed],
-            **{key: [getattr(p, key) for p in listed] for key in ("default", "unit", "bounds", "description")},
+            **{key: [getattr(p, key) for p in listed] for key in ("default", "unit", "bounds", "kind", "description")},
         }
         return to_dataframe(columns, "Design.to_dataframe")
 

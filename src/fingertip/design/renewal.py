@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fingertip.catalogues.file_kinds import DESIGN, list_bundled_files
+from fingertip.catalogues.file_kinds import DESIGN, find_file, list_bundled_files, read_file
 from fingertip.design.files import flatten, load_tables
 from fingertip.design.fit import fit_design
 from fingertip.design.geometry import DesignTables
@@ -81,7 +81,7 @@ def renew_design(
 
     Raises DesignError.
     """
-    stated = dict(flatten(load_tables([file], []).tables))
+    stated = dict(flatten(read_file(find_file(file, DESIGN), DESIGN)))
     defaults = {path: field.default for path, field in PARAMETERS.items() if path.partition(".")[0] not in _NOT_SIZES}
     old = defaults | (_OLD_DEFAULTS if stated.keys() & load_retired().keys() else {}) | stated
     kept = {path: value for path, value in old.items() if path not in load_retired()} | {"name": name}

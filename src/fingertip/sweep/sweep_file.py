@@ -19,6 +19,7 @@ from fingertip.design.finger_set import SetFile, read_set
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import quantity
 from fingertip.design.parameters.declaration import issues_from_pydantic, parse_tables, suggest_name
+from fingertip.design.proportions import fill_in
 from fingertip.foundation.errors import FingertipError, Issue, SweepError, gather, quote_value
 from fingertip.foundation.input_files import is_safe_name
 
@@ -165,7 +166,7 @@ def _load_base(folder: Path, name: str, entry: Any, changes: list[str], is_typed
     if not isinstance(entry, Mapping):
         problem = f"{quote_value(entry)} is neither a file nor a table"
         raise SweepError(Issue(name, f"{problem}; give the path of a file, or a table [{name}]."))
-    merge(base := dict(entry), load_tables((), changes).tables)
+    merge(base := fill_in(entry) if name == "design" and entry else dict(entry), load_tables((), changes).tables)
     return base
 
 

@@ -10,7 +10,7 @@ In: the tables of a file. Out: frozen tables; the rules between parameters are c
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Self
+from typing import Any, Literal, Self
 
 from pydantic import ConfigDict, Field
 from pydantic.fields import FieldInfo
@@ -22,6 +22,7 @@ from fingertip.design.parameters.declaration import (
     Frozen,
     ParameterTable,
     choice,
+    find_follows,
     quantity,
     suggest_name,
     text,
@@ -35,6 +36,8 @@ __all__ = ["ELECTRONIC_TABLES", "PARAMETERS", "Above", "ParameterTable", "Tables
 
 ELECTRONIC_TABLES = frozenset({"force_curve", "board", "detector"})
 """Tables of the electronics, on which no part's shape depends."""
+_MEASURED = frozenset({"sensor", "custom_sensor", "hand", "printer", "force_curve"})
+"""Tables of what is measured, or read in a data sheet."""
 
 
 class Tables(Frozen):
@@ -92,3 +95,10 @@ PARAMETERS: Mapping[str, FieldInfo] = {"name": Tables.model_fields["name"]} | {
     for key, field in type(info.default).model_fields.items()
 }
 """Declaration of every parameter by its dotted name, in the order of a design file."""
+
+
+def find_kind(path: str) -> Literal["wish", "measurement", "derived"]:
+    """Return whether a parameter is stated as a wish or a measurement, or is derived from these unless it is stated."""
+    if find_follows(PARAMETERS[path]):
+        return "derived"
+    return "measurement" if path.partition(".")[0] in _MEASURED and path != "sensor.model" else "wish"

@@ -1,0 +1,70 @@
+"""Proportions of proven fingers: what a design file leaves out follows the bundled finger that is nearest to it.
+
+Each column of `catalogues/proportions.csv` is a bundled design. The first rows are what a finger is chosen by. The
+others are what follows from these, and sizes of the interfaces that the finger has not.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from fingertip import catalogues
+from fingertip.catalogues.electronics import SENSORS
+from fingertip.design.parameters import PARAMETERS
+from fingertip.foundation.tables import read_rows
+
+_CHOICES, _SIZES = ("bone.interface", "hand.knuckle"), ("skin.width_mm", "skin.length_mm", "skin.semi_axis_palmar_mm")
+KEYS = ("sensor.model", *_CHOICES, *_SIZES)
+"""Parameters by which the nearest finger is found, beside the outline of a custom sensor."""
+
+
+@functools.cache
+def load_proportions() -> Mapping[str, Mapping[str, Mapping[str, Any]]]:
+    """Load the proven fingers: bundled design -> its tables."""
+    fingers: dict[str, dict[str, dict[str, Any]]] = {}
+    for row in read_rows(Path(catalogues.__file__).with_name("proportions.csv")):
+        path = row.pop("parameter")
+        table, _, key = path.partition(".")
+        for finger, cell in row.items():
+            if cell:
+                value = float(cell) if isinstance(PARAMETERS[path].default, float) else cell
+                fingers.setdefault(finger, {}).setdefault(table, {})[key] = value
+    return fingers
+
+
+def fill_in(tables: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the tables of a design file with the values of the nearest proven finger where they leave them out."""
+    filled = dict(tables)
+    for table, values in min(load_proportions().values(), key=lambda one: _measure_distance(tables, one)).items():
+        if isinstance(own := filled.get(table, {}), Mapping):
+            filled[table] = {key: value for key, value in values.items() if f"{table}.{key}" not in KEYS} | {**own}
+    return filled
+
+
+def _measure_distance(tables: Mapping[str, Any], proven: Mapping[str, Any]) -> tuple[float, bool, bool, float]:
+    """Measure how far a finger is from a proven one: by head of the sensor, interface, knuckle, then by lengths."""
+    (head_mm, length_mm), (proven_head_mm, proven_length_mm) = map(_find_outline, (tables, proven))
+    interface, knuckle = (_read(tables, path) != _read(proven, path) for path in _CHOICES)
+    pairs = [(length_mm, proven_length_mm), *((_read(tables, path), _read(proven, path)) for path in _SIZES)]
+    return abs(head_mm - proven_head_mm), interface, knuckle, sum(abs(ours / theirs - 1.0) for ours, theirs in pairs)
+
+
+def _find_outline(tables: Mapping[str, Any]) -> tuple[float, float]:
+    """Find the diameter of the sensor's head and its length [mm]."""
+    if sensor := SENSORS.get(_read(tables, "sensor.model")):
+        return sensor.head_diameter_mm, sensor.length_mm
+    return _read(tables, "custom_sensor.head_diameter_mm"), _read(tables, "custom_sensor.length_mm")
+
+
+def _read(tables: Mapping[str, Any], path: str) -> Any:
+    """Read a value; the default in place of one that is missing or of another type."""
+    (table, _, key), default = path.partition("."), PARAMETERS[path].default
+    own = tables.get(table)
+    value = own.get(key, default) if isinstance(own, Mapping) else default
+    if isinstance(default, float):
+        return float(value) if type(value) in (int, float) and math.isfinite(value) else default
+    return value if isinstance(value, str) else default

@@ -12,7 +12,7 @@ import typer
 
 from fingertip.cli.check import format_failures
 from fingertip.cli.console import Console
-from fingertip.cli.options import CHANGES, DESIGN_FILE, FORCE, MATERIAL, command, flag, load_design
+from fingertip.cli.options import CHANGES, DESIGN_FILE, FORCE, MATERIAL, command, flag, load_design, load_fingers
 from fingertip.foundation.errors import FingertipError, Issue, join_words
 
 if TYPE_CHECKING:
@@ -157,10 +157,9 @@ def _make_set(
     from dataclasses import asdict
 
     from fingertip.catalogues.output_files import OVERVIEW, PAGE
-    from fingertip.design.finger_set import load_set
     from fingertip.tasks.make_set import make_set
 
-    fingers = load_set(file, changes)
+    fingers = load_fingers(file, changes, console)
     made = make_set(fingers, out, formats=formats, force=force, progress=console.progress)
     totals, plan, lines = made.sheets.totals, made.sheets.plan, list[str]()
     silicone_g = sum(totals.silicone_g.values())
@@ -207,7 +206,7 @@ def firmware(
     and memory.
     """
     from fingertip.catalogues.output_files import FIRMWARE, README
-    from fingertip.design.finger_set import is_set, load_set
+    from fingertip.design.finger_set import is_set
     from fingertip.firmware.fingers import plan_fingers, plan_set
     from fingertip.firmware.packaging import find_warnings, read_costs
     from fingertip.tasks.firmware import firmware_differences, write_firmware
@@ -215,7 +214,7 @@ def firmware(
     if is_set(design):
         if fingers:
             raise FingertipError(Issue("--fingers", "does not apply to a set, which names its fingers; leave it out."))
-        loaded, planned = plan_set(load_set(design, changes or ()), controller, inputs)
+        loaded, planned = plan_set(load_fingers(design, changes, console), controller, inputs)
     else:
         loaded = load_design(design, changes, console)
         planned = plan_fingers(loaded, fingers, controller, inputs)
@@ -247,10 +246,10 @@ def robot(
 
     The README beside it states the frames, the errors of collision pieces and contact, and how to attach a finger.
     """
-    from fingertip.design.finger_set import is_set, load_set
+    from fingertip.design.finger_set import is_set
     from fingertip.tasks.robot import write_robot
 
-    loaded = load_set(design, changes or ()) if is_set(design) else load_design(design, changes, console)
+    loaded = load_fingers(design, changes, console) if is_set(design) else load_design(design, changes, console)
     made = write_robot(loaded, out, file_format=file_format, force=force, progress=console.progress)
     lines = [
         f"{form['design']}: {1e3 * form['mass_kg']:.2f} g in {len(form['parts'])} parts. {form['errors']}"

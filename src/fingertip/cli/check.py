@@ -12,7 +12,16 @@ from xml.etree.ElementTree import Element, SubElement
 import typer
 
 from fingertip.cli.console import Console
-from fingertip.cli.options import CHANGES, VERBOSE, command, find_file_issues, load_design, refuse
+from fingertip.cli.options import (
+    CHANGES,
+    DESIGN_FILES,
+    VERBOSE,
+    command,
+    find_file_issues,
+    load_design,
+    load_fingers,
+    refuse,
+)
 from fingertip.foundation.errors import DesignError, Issue, gather
 from fingertip.foundation.progress import Work
 
@@ -28,10 +37,7 @@ FINE_MM = 0.01
 @command
 def check(
     console: Console,
-    designs: list[Path] = typer.Argument(
-        metavar="DESIGN",
-        help="Files or bundled names of designs and sets; or folders, to compare with their manifests.",
-    ),
+    designs: list[Path] = DESIGN_FILES,
     tolerance_mm: float = typer.Option(FINE_MM, help="Largest distance of a facet from the exact surface, in mm."),
     junit: Path | None = typer.Option(None, metavar="FILE.xml", help="JUnit report, for CI servers."),
     verbose: bool = VERBOSE,
@@ -104,7 +110,7 @@ def _check_designs(
 def _load(files: Sequence[Path], changes: Sequence[str], console: Console) -> dict[str, Design]:
     """Load the designs by name, or by file where two have the same name (as files that leave the name out do)."""
     from fingertip.design.files import load_tables
-    from fingertip.design.finger_set import is_set, load_set
+    from fingertip.design.finger_set import is_set
 
     load_tables((), changes)  # reports invalid changes once instead of once per file
     loaded: list[tuple[str, Design]] = []
@@ -113,7 +119,7 @@ def _load(files: Sequence[Path], changes: Sequence[str], console: Console) -> di
         found: list[Issue] = []
         with gather(found):
             if is_set(file):
-                forms = load_set(file, changes).forms
+                forms = load_fingers(file, changes, console).forms
                 loaded += ((f"{file.as_posix()}: {form.design.name}", form.design) for form in forms)
             else:
                 loaded.append((file.as_posix(), load_design(file, changes, console)))

@@ -15,7 +15,7 @@ import re
 import shutil
 import sys
 import textwrap
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import typer
@@ -25,6 +25,7 @@ from fingertip.foundation.progress import ShareText, format_duration
 from fingertip.foundation.version import __version__
 
 if TYPE_CHECKING:
+    from fingertip.design.fit import Move
     from fingertip.sweep.run import RunState
 
 
@@ -135,8 +136,10 @@ class Console:
     has_bar: ClassVar[bool] = False
     """True while the terminal, of which there is one, shows a bar: whoever prints next removes it."""
 
-    def __init__(self, as_json: bool, quiet: bool) -> None:
-        self.as_json, self.quiet = as_json, quiet
+    def __init__(self, as_json: bool, quiet: bool, fits: bool = False) -> None:
+        self.as_json, self.quiet, self.fits = as_json, quiet, fits
+        self._moves: list[dict[str, Any]] = []
+        self._tables: list[str] = []
         self._is_terminal = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
         self._printed: set[str] = set()
 
@@ -160,6 +163,19 @@ class Console:
             print(CLEAR_LINE, end="", file=sys.stderr, flush=True)
             Console.has_bar = False
 
+    def show_moves(self, design: str, moves: Sequence[Move]) -> None:
+        """Print what a fit has moved in a design, before anything is written; with --quiet it is part of the result."""
+        keys = ("parameter", "was", "is", "why")
+        rows = [(move.name, move.before, move.after, move.reason) for move in moves]
+        self._moves += ({"design": design, **dict(zip(keys, row, strict=True))} for row in rows)
+        title = f"{design}: fitted, {len(rows)} value{'s' if len(rows) > 1 else ''} moved"
+        shown = align_columns([keys, *(tuple(map(str, row)) for row in rows)])
+        lines = [title, *shown] if rows else [f"{design}: passes as it is, nothing was moved"]
+        self._tables.append("\n".join(lines))
+        if not self.quiet:
+            self.clear()
+            print(escape_control(self._tables[-1], kept="\n"), file=sys.stderr, flush=True)
+
     def warn(self, warnings: Iterable[str]) -> None:
         for warning in warnings:
             self.progress(f"warning: {warning}")
@@ -167,10 +183,15 @@ class Console:
     def result(self, data: Mapping[str, Any], text: str, passed: bool = True) -> None:
         """Print the result of the command to stdout: `data` as one JSON object, else `text` for people.
 
+        After a fit, the object holds what moved. So does the text with --quiet, unless it is a file of the design.
         On a terminal, lines of the text that are too long for it are broken between words. A file or another program
         gets them whole. A result that has not `passed` ends the command with `CHECK_FAILED`.
         """
         self.clear()
+        if self.fits:
+            data = {**data, "fitted": self._moves}
+        if self.quiet and "toml" not in data:
+            text = "\n".join([*self._tables, text])
         if self.as_json:
             self.write(json.dumps(data, indent=2, allow_nan=False))
         elif text:
@@ -200,6 +221,12 @@ class Console:
             issues = [{"field": issue.field, "message": issue.message} for issue in error.issues]
             with contextlib.suppress(OutputError):  # they are on stderr in any case
                 self.write(json.dumps({**(partial_result or {}), "issues": issues}, indent=2))
+
+
+def align_columns(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Write rows of texts as lines with aligned columns."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
 
 
 MIN_WIDTH = 40

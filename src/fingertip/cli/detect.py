@@ -192,7 +192,7 @@ def validate(
     from fingertip.lab.campaign.plan import CampaignPlan, check_first_seed
     from fingertip.slip.detectors import registry
 
-    loaded = load_design(design, changes)
+    loaded = load_design(design, changes, console)
     registry.check_detector(loaded, detector)
     plan = CampaignPlan(trials, minutes)
     check_first_seed(seed)

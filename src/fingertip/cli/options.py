@@ -6,6 +6,7 @@ import functools
 import inspect
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,12 +19,15 @@ from fingertip.foundation.errors import FingertipError, Issue, OutputError
 
 if TYPE_CHECKING:
     from fingertip.design import Design
+    from fingertip.design.files import LoadedTables
+    from fingertip.design.finger_set import FingerSet
 
 PIPE_CLOSED = 141
 COMMON = "Options of all commands"
 """Heading of these options on the help pages."""
 
 JSON = typer.Option(False, "--json", rich_help_panel=COMMON, help="Print one JSON object to stdout and nothing else.")
+FIT = typer.Option(False, "--fit", help="Move what follows from the sizes until the design can be made; list it.")
 QUIET = typer.Option(
     False, "--quiet", "-q", rich_help_panel=COMMON,
     help="Print no progress and no messages on stderr, only errors; the result still goes to stdout.",
@@ -34,6 +38,11 @@ JOBS = typer.Option(None, help="Number of worker processes. Default: one per pro
 CHANGES = typer.Option(None, "--set", metavar="TABLE.KEY=VALUE", help="Change a parameter of the design; repeatable.")
 DESIGN_FILE = typer.Argument(help="Design file, or a bundled design such as fsr400 or adult_finger.")
 OPTIONAL_DESIGN = typer.Argument(None, help="Design file or bundled name; the default design if left out.")
+DESIGN_FILES = typer.Argument(
+    metavar="DESIGN", help="Files or bundled names of designs and sets; or folders, to compare with their manifests."
+)
+_FITTED = (DESIGN_FILE, OPTIONAL_DESIGN, DESIGN_FILES)
+"""Arguments of the commands that have the option --fit."""
 MATERIAL = typer.Option(None, help="Silicone: {silicones}; the design's silicone.product if omitted.")
 CALIBRATED_DESIGN = typer.Option(
     None, "--out", "-o", metavar="FILE", help="File for the calibrated design, a complete design file."
@@ -56,7 +65,7 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
     """Decorate a command: print the issues of an error and exit with `BAD_INPUT`, or at an interruption with its code.
 
     What no command expects ends with `FAULT`: never with the exit code of a failed check, as a traceback would. A
-    command with a parameter `console` gets one, and has the options --json and --quiet.
+    command with a parameter `console` gets one, and has the options --json and --quiet, and --fit if it takes a design.
     """
     # The help page would keep the line breaks of the source within a paragraph.
     paragraphs = inspect.cleandoc(function.__doc__ or "").split("\n\n")
@@ -66,6 +75,8 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
     declared = [parameter for name, parameter in own.items() if name != "console"]
     if "console" in own:
         declared += _OUTPUT_OPTIONS
+    if any(parameter.default is each for parameter in declared for each in _FITTED):
+        declared.append(inspect.Parameter("fit", inspect.Parameter.POSITIONAL_OR_KEYWORD, default=FIT, annotation=bool))
     for parameter in declared:
         option, name = parameter.default, parameter.name
         if not option.metavar and isinstance(option, typer.models.ArgumentInfo):
@@ -78,7 +89,7 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
 
     @functools.wraps(function)
     def run(**words: Any) -> None:
-        console = Console(bool(words.get("as_json")), bool(words.get("quiet")))
+        console = Console(bool(words.get("as_json")), bool(words.get("quiet")), bool(words.get("fit")))
         arguments = {name: value for name, value in {**words, "console": console}.items() if name in own}
         try:
             function(**arguments)
@@ -101,7 +112,13 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
 
 
 def load_design(file: Path | None, changes: Sequence[str] | None, console: Console | None = None) -> Design:
-    """Load the design of a file, or the default design, with changes. Raises DesignError."""
+    """Load the design of a file, or the default design, with changes; with --fit, fit it. Raises DesignError."""
+    if console and console.fits:
+        from fingertip.design.files import load_tables
+
+        design = _fit(load_tables([file] if file else [], changes or ()), console)
+        console.show_moves(design.name, design.moves)
+        return design
     design, is_default = read_design(file, tuple(changes or ()))
     if file and is_default and console:
         console.progress(f"{file} sets no parameter: this is the default design, fsr400")
@@ -115,6 +132,34 @@ def read_design(file: Path | None, changes: tuple[str, ...]) -> tuple[Design, bo
 
     loaded = load_tables([file] if file else [], changes)
     return Design.from_tables(loaded.tables, loaded.before, loaded.changed), not loaded.before
+
+
+def _fit(loaded: LoadedTables, console: Console) -> Design:
+    from fingertip.design import Design
+
+    return Design.fit_tables(loaded.tables, loaded.before, loaded.changed, console.progress)
+
+
+def load_fingers(file: Path, changes: Sequence[str] | None, console: Console) -> FingerSet:
+    """Load a set of fingers; with --fit, fit each. Raises DesignError."""
+    from fingertip.catalogues.electronics import split_finger
+    from fingertip.design.finger_set import load_set
+
+    if not console.fits:
+        return load_set(file, changes or ())
+    typed = {split_finger(change.partition("=")[0].strip())[1] for change in changes or ()}
+    fitted: dict[str, Design] = {}
+
+    def read(loaded: LoadedTables) -> Design:
+        own = replace(loaded, changed=tuple(name for name in loaded.changed if name in typed))  # not those of the file
+        key = repr(own)
+        fitted[key] = fitted.get(key) or _fit(own, console)
+        return fitted[key]
+
+    fingers = load_set(file, changes or (), read)
+    for form in fingers.forms:
+        console.show_moves(form.design.name, form.design.moves)
+    return fingers
 
 
 # Names of files that a command is asked to write: what is wrong with them is found before any work starts.

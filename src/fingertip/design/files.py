@@ -173,6 +173,8 @@ def to_toml(design: Tables, heading: str = "") -> str:
     document = tomlkit.document()
     for line in heading.splitlines():
         document.add(tomlkit.comment(line) if line else tomlkit.nl())
+    for move in getattr(design, "moves", ()):
+        document.add(tomlkit.comment(f"Fitted: {move.name} was {format_value(move.before)}; {move.reason}"))
     for name in Tables.model_fields:
         value = getattr(design, name)
         if not isinstance(value, ParameterTable):

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import contextlib
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from pydantic import ValidationError
 
-from fingertip.design.files import Changes, list_parameters, load_tables
+from fingertip.design.files import Changes, list_parameters, load_tables, merge
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import parse_tables
@@ -17,9 +20,12 @@ from fingertip.design.rules.ruleset import find_violations
 from fingertip.design.search import RULES
 from fingertip.foundation.display import Picture, html_table, plot, to_dataframe
 from fingertip.foundation.errors import DesignError, checked
+from fingertip.foundation.progress import ShareText
 
 if TYPE_CHECKING:
     import pandas
+
+    from fingertip.design.fit import Move
 
 MAX_SHOWN = 4
 """Largest number of parameters in the short form of a design."""
@@ -65,6 +71,61 @@ class Design(DesignTables):
         design = cls.__new__(cls)
         design._validate(tables, before, changed)
         return design
+
+    @checked
+    def fit(self, changes: Changes = (), progress: Callable[[str], None] = lambda message: None) -> Self:
+        """Change the design, and move what follows until every rule passes and the bone holds its loads.
+
+        What is changed stays, measurements too. A design that passes with the changes stays as it is. `moves` of the
+        result lists what moved:
+
+        >>> wider = Design.load("adult_finger").fit({"skin.width_mm": 19})
+        >>> wider.skin.width_mm, [move.name for move in wider.moves if move.before == move.after]
+        (19.0, [])
+
+        Parameters
+        ----------
+        changes
+            Changes as those of `load`.
+        progress
+            Called with the share of the search that is done.
+
+        Raises
+        ------
+        DesignError
+            If no such design is found. It names what has to change.
+        """
+        loaded, tables = load_tables((), changes), self.model_dump()
+        merge(tables, loaded.tables)
+        return self.fit_tables(tables, self.model_dump(), loaded.changed, progress)
+
+    @classmethod
+    def fit_tables(
+        cls,
+        tables: Mapping[str, Any],
+        before: Mapping[str, Any] | None = None,
+        changed: Sequence[str] = (),
+        progress: Callable[[str], None] = lambda message: None,
+    ) -> Self:
+        """Make a design of tables as `from_tables` does, and move what follows from the changes. Raises DesignError."""
+        # Strength is computed by what builds on a design, which therefore finds the function by its name.
+        fit_finger = import_module("fingertip.cad.verification.fitting").fit_finger
+        former = None
+        with contextlib.suppress(ValidationError):  # a file may be valid with its changes only
+            former = DesignTables(**(before or {}))
+        try:
+            begun = DesignTables(**tables)
+        except ValidationError as error:
+            raise DesignError(explain_invalid(tables, error, changed)) from None
+        fit = fit_finger(begun, changed, former, lambda share: progress(ShareText("fitting", share)))
+        design = cls.from_tables(fit.tables.model_dump(), before, changed)
+        design.__dict__["moves"] = fit.moves
+        return design
+
+    @cached_property
+    def moves(self) -> tuple[Move, ...]:
+        """What `fit` has moved, each with `name`, `before`, `after` and `reason`; nothing in another design."""
+        return ()
 
     @classmethod
     def without_remedies(cls, /, **tables: Any) -> Design:

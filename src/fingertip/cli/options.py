@@ -118,10 +118,16 @@ def load_design(file: Path | None, changes: Sequence[str] | None, console: Conso
 
         design = _fit(load_tables([file] if file else [], changes or ()), console)
         console.show_moves(design.name, design.moves)
-        return design
-    design, is_default = read_design(file, tuple(changes or ()))
-    if file and is_default and console:
-        console.progress(f"{file} sets no parameter: this is the default design, fsr400")
+    else:
+        design, is_default = read_design(file, tuple(changes or ()))
+        if file and is_default and console:
+            console.progress(f"{file} sets no parameter: this is the default design, fsr400")
+    if console and file and file.is_file():
+        from fingertip.design.hand_sizes import describe_guesses, find_guesses
+
+        text = file.read_text(encoding="utf-8")
+        if guesses := find_guesses(text, [change.partition("=")[0].strip() for change in changes or ()]):
+            console.progress(f"note: {describe_guesses(guesses)}")
     return design
 
 

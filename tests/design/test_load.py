@@ -8,9 +8,10 @@ import pytest
 
 from fingertip.catalogues.electronics import SENSORS
 from fingertip.design import Design
+from fingertip.design.design_text import write_design
 from fingertip.design.files import list_parameters, to_toml
 from fingertip.foundation.errors import DesignError
-from tests.conftest import DESIGNS, ROOT, design_file
+from tests.conftest import DESIGNS, design_file
 
 
 def load_issues(*files: Path, changes: tuple[str, ...] = ()) -> dict[str, str]:
@@ -30,12 +31,13 @@ def test_later_values_win(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", DESIGNS)
-def test_bundled_designs_are_complete_and_commented(name: str) -> None:
-    """The file is what `fingertip params --toml` prints, below a heading of its own."""
-    text = design_file(name).read_text()
-    heading, _, body = text.partition("\n\n")
-    assert all(line.startswith("#") for line in heading.splitlines())
-    assert body == to_toml(Design.load(design_file(name)))
+def test_bundled_designs_are_written_as_new_ones_are_and_can_be_read_in_a_minute(name: str) -> None:
+    text, design = design_file(name).read_text(), Design.load(design_file(name))
+    schema, *heading = text.partition("\n\n")[0].splitlines()
+    assert schema == "#:schema schemas/design.json"
+    lines = write_design(design, (line.removeprefix("#").strip() for line in heading))
+    assert text == f"{schema}\n{lines}"
+    assert sum(not line.startswith("#") for line in text.splitlines() if line) <= 40
 
 
 def test_a_written_design_is_read_back_equal(tmp_path: Path) -> None:
@@ -83,7 +85,7 @@ def test_all_issues_are_reported_at_once() -> None:
 
 def test_rules_on_a_table_whose_heading_was_lost_are_not_checked(tmp_path: Path) -> None:
     """Its values stand below another heading, so the defaults in their place would break rules that the file keeps."""
-    text = (ROOT / "params" / "youth_finger.toml").read_text()
+    text = to_toml(Design.load("youth_finger"))
     (tmp_path / "lost.toml").write_text(text.replace("[mold]", ""))
     found = load_issues(tmp_path / "lost.toml")
     assert found["silicone.core_inset_mm"] == "there is no such parameter; did you mean mold.core_inset_mm?"

@@ -1,0 +1,94 @@
+"""Text of a design file for people: wishes and measurements are stated, and what follows from them stands in comments.
+
+Parameters stand under their dotted names, such as `skin.width_mm = 17`, as in --set and in messages. A line can so be
+moved, or its # removed, without regard to tables.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Collection, Iterable, Iterator
+from typing import Any
+
+from fingertip.design.files import Parameter, list_parameters, merge
+from fingertip.design.geometry import DesignTables
+from fingertip.design.hand_sizes import GUESSED
+from fingertip.design.parameters import PARAMETERS, Tables
+from fingertip.design.parameters.declaration import OWN, parse_tables
+from fingertip.design.proportions import fill_in
+
+_WISHES = (
+    "sensor.model", "bone.interface", "skin.width_mm", "skin.length_mm", "skin.semi_axis_palmar_mm",
+    "skin.thickness_palmar_mm", "silicone.product", "strength.print_material", "strength.grip_force_n",
+    "strength.hand_mass_kg", "strength.knock_speed_m_s", "board.variant",
+)  # fmt: skip
+"""Wishes that every design states."""
+_INTERFACES = {
+    "post": ("bone.post_", "bone.cross_bolt_"), "socket": ("bone.socket_", "bone.cross_bolt_"),
+    "flange": ("bone.flange_",), "clevis": ("hand.",),
+}  # fmt: skip
+"""Interface -> beginnings of its sizes."""
+_HEADINGS = {
+    "wish": "Wishes.",
+    "measurement": "Measured on hand, sensor and printer.",
+    "derived": "Fitted to the above; --fit renews them.",
+}
+_MAX_COLUMN_WIDTH = 40
+"""Maximum column in which the comments of a block begin. A longer line shifts its own comment only."""
+
+
+def write_design(design: Tables, heading: Iterable[str], guessed: Collection[str] = (), others: bool = False) -> str:
+    """Write a design as a file that reads back as equal, with meaning, unit and bounds of each parameter.
+
+    Parameters of the hand that are `guessed` are marked. With `others`, all parameters stand in the file.
+    """
+    listed = {parameter.path: parameter for parameter in list_parameters()}
+    main = list(_list_main(design))
+    loaded = _load(design, main)
+    stated = [*main, *(path for path in listed if path not in main and design.value(path) != loaded.value(path))]
+    lines = [*(f"# {line}".rstrip() for line in heading), "", *_format_block(design, [listed["name"]])]
+    for kind, title in _HEADINGS.items():
+        if block := [listed[path] for path in stated if listed[path].kind == kind and path != "name"]:
+            lines += ["", f"# {title}", *_format_block(design, block, guessed=guessed)]
+    rest = [parameter for path, parameter in listed.items() if path not in stated]
+    lines += ["", "# Derived from the above. Remove the # in front of a name to state its value."]
+    lines += _format_block(design, (parameter for parameter in rest if parameter.kind == "derived"), "#")
+    if others:
+        lines += ["", "# All other parameters. Remove the # in front of a name, then change the value."]
+        for table, info in Tables.model_fields.items():
+            if block := [p for p in rest if p.path.startswith(f"{table}.") and p.kind != "derived"]:
+                title = " ".join((inspect.getdoc(info.annotation) or "").split())
+                lines += ["", f"# {title}", *_format_block(design, block, "#")]
+    return "\n".join([*lines, ""])
+
+
+def _list_main(design: Tables) -> Iterator[str]:
+    """List what a design states in any case: the main wishes, and what its interface, sensor and silicone are."""
+    own = [*_INTERFACES[design.bone.interface]]
+    own += ["custom_sensor."] * (design.sensor.model == "custom") + ["silicone."] * (design.silicone.product == OWN)
+    found = (path for path in PARAMETERS if path.startswith(tuple(own)))
+    yield from dict.fromkeys(("name", *_WISHES[:2], *found, *_WISHES[2:]))
+
+
+def _load(design: Tables, stated: Iterable[str]) -> DesignTables:
+    """Load the design of a file that states some parameters only."""
+    tables: dict[str, Any] = {}
+    for path in stated:
+        *steps, key = path.split(".")
+        value: Any = {key: design.value(path)}
+        merge(tables, {steps[0]: value} if steps else value)
+    return parse_tables(DesignTables, fill_in(tables))
+
+
+def _format_block(
+    design: Tables, parameters: Iterable[Parameter], prefix: str = "", guessed: Collection[str] = ()
+) -> Iterator[str]:
+    """Format parameters one per line, with their comments in one column."""
+    import tomlkit  # noqa: PLC0415
+
+    rows = [(f"{prefix}{p.path} = {tomlkit.item(design.value(p.path)).as_string()}", p) for p in parameters]
+    width = max((len(setting) for setting, _ in rows if len(setting) <= _MAX_COLUMN_WIDTH), default=0)
+    for setting, parameter in rows:
+        limits = ", ".join(text for text in (parameter.unit, parameter.bounds) if text)
+        mark = f"{GUESSED}. " if parameter.path in guessed else ""
+        yield f"{setting:{width}}  # {mark}{parameter.description}" + (f" [{limits}]" if limits else "")

@@ -208,6 +208,9 @@ class GeneratedRows:
         self.plan = SweepPlan.from_tables({**SWEEP, "points": 8})
         self.count, self.fails = count, fails
 
+    def find_outputs(self) -> tuple[str, ...]:
+        return self.plan.outputs
+
     def rows(self) -> Iterator[SweepRow]:
         axes, outputs = self.plan.point(0), dict.fromkeys(self.plan.outputs, 1.0 / 3.0)
         for point in range(self.count):

@@ -165,8 +165,10 @@ class Console:
 
     def show_moves(self, design: str, moves: Sequence[Move]) -> None:
         """Print what a fit has moved in a design, before anything is written; with --quiet it is part of the result."""
-        keys = ("parameter", "was", "is", "why")
-        rows = [(move.name, move.before, move.after, move.reason) for move in moves]
+        from fingertip.design.parameters import find_kind
+
+        keys = ("parameter", "kind", "was", "is", "why")
+        rows = [(move.name, find_kind(move.name), move.before, move.after, move.reason) for move in moves]
         self._moves += ({"design": design, **dict(zip(keys, row, strict=True))} for row in rows)
         title = f"{design}: fitted, {len(rows)} value{'s' if len(rows) > 1 else ''} moved"
         shown = align_columns([keys, *(tuple(map(str, row)) for row in rows)])

@@ -35,6 +35,7 @@ _WISHES: Ranges = {
     "skin.width_mm": (12.0, 26.0),
 }
 """Wishes of a file that may move in a second round, if the derived parameters alone do not suffice."""
+MOVABLE = (*DERIVED, *_WISHES)
 _STEPS = 1200
 """Largest number of designs that one search tries."""
 

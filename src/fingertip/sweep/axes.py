@@ -15,7 +15,7 @@ from pydantic.fields import FieldInfo
 
 from fingertip.catalogues.electronics import split_finger
 from fingertip.design.geometry import DesignTables
-from fingertip.design.parameters import ParameterTable
+from fingertip.design.parameters import ELECTRONIC_TABLES, ParameterTable
 from fingertip.design.parameters.declaration import (
     find_similar_name,
     issues_from_pydantic,
@@ -120,6 +120,11 @@ def select_changes(parameters: Mapping[str, Value], finger: str = "") -> dict[st
     """Select what a point changes in a design, or in a finger of a set, whose own parameters come last."""
     found = [(*split_finger(name), value) for name, value in parameters.items() if not name.startswith("scene.")]
     return {path: value for owner in dict.fromkeys(("", finger)) for of, path, value in found if of == owner}
+
+
+def is_of_parts(name: str) -> bool:
+    """Return whether the shape of parts may depend on a parameter, dotted."""
+    return split_finger(name)[1].partition(".")[0] not in {*ELECTRONIC_TABLES, "scene"}
 
 
 def list_parameter_names(model: type[BaseModel], prefix: str = "") -> list[str]:

@@ -103,6 +103,11 @@ class SweepTable:
         return len(self.point)
 
 
+def _quote_columns(plan: SweepPlan) -> list[str]:
+    """Quote the names of the columns of axes and numbers, as SQL writes them."""
+    return ['"' + name.replace('"', '""') + '"' for name in (*(axis.name for axis in plan.axes), *plan.recorded)]
+
+
 class SweepDatabase:
     """Folder of a sweep with its rows: open it with `create`, `resume` or `open`, and close it."""
 
@@ -132,8 +137,7 @@ class SweepDatabase:
         lock = lock_sweep(folder)
         database = cls(folder, connect(folder / FILE, "rwc"), lock)
         try:
-            names = [*(axis.name for axis in plan.axes), *plan.outputs]
-            columns = "".join(', "' + name.replace('"', '""') + '"' for name in names)
+            columns = "".join(f", {name}" for name in _quote_columns(plan))
             with database._transaction() as connection:
                 connection.execute(_META_TABLE)
                 connection.execute(f"{_ROWS_TABLE}{columns})")
@@ -208,7 +212,7 @@ class SweepDatabase:
 
     def add(self, rows: Sequence[StoredRow]) -> None:
         """Write rows in one transaction: all of them or none. Raises OutputError."""
-        marks = ", ".join("?" * (4 + len(self.plan.axes) + len(self.plan.outputs)))
+        marks = ", ".join("?" * (4 + len(self.plan.axes) + len(self.plan.recorded)))
         with self._transaction() as connection:
             connection.executemany(f"INSERT INTO rows VALUES ({marks})", rows)
 
@@ -216,6 +220,14 @@ class SweepDatabase:
         query = f"SELECT status, count(*) FROM rows WHERE status IN {STATUSES} GROUP BY status"
         counts = dict(self._fetch(query))
         return {status: int(counts.get(status, 0)) for status in STATUSES}
+
+    def find_outputs(self) -> tuple[str, ...]:
+        """Find the outputs to show: those of the plan, and the values that a fit has moved in any point."""
+        fitted, moved = self.plan.fitted, list[int | None]()
+        if fitted:
+            compared = ", ".join(f'max("{name}" != ?)' for name in fitted)
+            (moved,) = self._fetch(f"SELECT {compared} FROM rows", *fitted.values())
+        return (*self.plan.outputs, *(name for name, has_moved in zip(fitted, moved, strict=True) if has_moved))
 
     def find_missing_points(self) -> NDArray[np.bool_]:
         """Find the points without a row: (size,) true where a point has none."""
@@ -230,7 +242,8 @@ class SweepDatabase:
     def _read_valid_rows(self) -> Iterator[StoredRow]:
         """Read every row; a damaged file may hold any type in any column."""
         size, outputs_at = self.plan.size, 4 + len(self.plan.axes)
-        for row in itertools.chain.from_iterable(self._read_pages("*")):
+        columns = ", ".join(["point", "status", "field", "reason", *_quote_columns(self.plan)])
+        for row in itertools.chain.from_iterable(self._read_pages(columns)):
             point, status, *texts = row[:4]
             is_text = all(isinstance(text, str) for text in texts) and len(texts[0]) <= _MAX_FIELD_LENGTH
             if not (0 <= point < size and status in STATUSES and is_text):
@@ -241,18 +254,19 @@ class SweepDatabase:
 
     def rows(self) -> Iterator[SweepRow]:
         """Read every row in order of the points; few rows are in memory at a time."""
-        outputs, axis_count = self.plan.outputs, len(self.plan.axes)
+        outputs, axis_count = self.find_outputs(), len(self.plan.axes)
         for point, status, field, reason, *values in self._read_valid_rows():
             numbers = (math.nan if value is None else float(value) for value in values[axis_count:])
             pairs = zip(self.plan.axes, values[:axis_count], strict=True)
             axes = {axis.name: axis.restore_type(value) for axis, value in pairs}
-            yield SweepRow(point, axes, dict(zip(outputs, numbers, strict=True)), status, field, reason)
+            by_name = dict(zip(self.plan.recorded, numbers, strict=True))
+            yield SweepRow(point, axes, {name: by_name[name] for name in outputs}, status, field, reason)
 
     def table(self) -> SweepTable:
         plan = self.plan
         count = sum(self.count_by_status().values())
         point = np.empty(count, dtype=np.int64)
-        outputs = np.full((len(plan.outputs), count), np.nan)
+        outputs = np.full((len(plan.recorded), count), np.nan)
         texts: list[tuple[str, str, str]] = []
         # A running sweep may add rows after they were counted; those are left out.
         rows = itertools.islice(self._read_valid_rows(), count)
@@ -261,7 +275,7 @@ class SweepDatabase:
             point[i] = number
             outputs[:, i] = [math.nan if v is None else v for v in values[len(plan.axes) :]]
             texts.append((interned.setdefault(status, status), interned.setdefault(field, field), reason))
-        for name, column in zip(plan.outputs, outputs, strict=True):
+        for name, column in zip(plan.recorded, outputs, strict=True):
             sizes = np.abs(column[np.isfinite(column) & (column != 0.0)])
             if np.any((sizes < _MIN_OUTPUT) | (sizes > _MAX_OUTPUT)):
                 what = f"{name} is beyond {_MAX_OUTPUT:g}, or nearer to 0 than {_MIN_OUTPUT:g}"
@@ -269,7 +283,8 @@ class SweepDatabase:
         # Reasons are long and mostly differ: an array as wide as the longest one could take gigabytes.
         status, field = (np.array([text[i] for text in texts], dtype=np.str_) for i in range(2))
         reason = np.array([text[2] for text in texts], dtype=np.object_)
-        by_name = dict(zip(plan.outputs, outputs, strict=True))
+        columns = dict(zip(plan.recorded, outputs, strict=True))
+        by_name = {name: columns[name] for name in self.find_outputs()}
         return SweepTable(point, plan.columns(point), by_name, status, field, reason)
 
     def check_same_sweep(self, plan: SweepPlan) -> None:

@@ -13,13 +13,13 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, load_manifold, to_canonical_mesh
+from fingertip.cad.verification.fitting import fit_finger
 from fingertip.design.geometry.solids import Solid
 from fingertip.design.model import Design
-from fingertip.design.parameters import ELECTRONIC_TABLES
 from fingertip.design.refusal import describe_violations
 from fingertip.design.search import ELECTRONIC_RULES
 from fingertip.foundation.errors import DesignError
-from fingertip.sweep.axes import Value, select_changes
+from fingertip.sweep.axes import Value, is_of_parts, select_changes
 from fingertip.sweep.plan import SweepPlan
 
 if TYPE_CHECKING:
@@ -30,19 +30,29 @@ class DesignBuilder:
     def __init__(self, plan: SweepPlan, finger: str = "") -> None:
         self._finger, base = finger, plan.designs[finger]
         varied = select_changes(dict.fromkeys((axis.name for axis in plan.axes), 0), finger)
-        self._only_electronics_vary = all(name.partition(".")[0] in ELECTRONIC_TABLES for name in varied)
+        self._only_electronics_vary = not any(map(is_of_parts, varied))
         self._tables = base.model_dump()
         self._base = Design.model_construct(**dict(base))
+        self._fits = plan.file.fit
+        self._fitted: LruCache[Any, dict[str, Any]] = LruCache(MAX_FITS)
 
     def build(self, changes: Mapping[str, Value]) -> Design:
         """Build the design of a point. Raises DesignError."""
-        own_changes = select_changes(changes, self._finger)
+        own_changes: dict[str, Any] = {**select_changes(changes, self._finger)}
+        if self._fits:
+            given = {name: value for name, value in own_changes.items() if is_of_parts(name)}
+            key = tuple(given.values())
+            own_changes |= self._fitted.get(key, lambda: self._fit(given))
         if not self._only_electronics_vary:
             return Design.without_remedies(**apply_changes(self._tables, own_changes))
         design = self._base.with_values(own_changes)
         if issues := list(describe_violations(design, ELECTRONIC_RULES)):
             raise DesignError(issues)
         return design
+
+    def _fit(self, given: Mapping[str, Value]) -> dict[str, Any]:
+        """Find what moves with given values. Raises DesignError."""
+        return {move.name: move.after for move in fit_finger(self._base.with_values(given), tuple(given)).moves}
 
 
 def apply_changes(tables: dict[str, Any], changes: Mapping[str, Value]) -> dict[str, Any]:
@@ -84,6 +94,7 @@ class LruCache(Generic[K, V]):
 MAX_TRIANGLES = 400_000
 """Limit of the triangles of all cached solids: about 100 MB per worker."""
 MAX_MESHES = 12
+MAX_FITS = 4096
 
 
 def restrict_kernel_to_one_thread() -> None:

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.catalogues.electronics import split_finger
+from fingertip.design.fit import MOVABLE
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.design.refusal import find_remedies
@@ -25,6 +26,7 @@ from fingertip.design.rules.ruleset import find_violations
 from fingertip.design.search import RULES
 from fingertip.foundation import extras
 from fingertip.foundation.errors import Issue, SweepError, gather
+from fingertip.foundation.files import round_for_output
 from fingertip.slip.detectors.registry import find_detector_type
 from fingertip.sweep import sweep_file
 from fingertip.sweep.axes import Axis, Value, find_repeats, flatten_axes, read_axis, select_changes
@@ -34,6 +36,8 @@ from fingertip.sweep.sweep_file import MAX_POINTS, MAX_SAMPLED_VALUES, SweepFile
 if TYPE_CHECKING:
     from fingertip.sim.runs.files import SceneFile
 
+FITTED = "fitted."
+"""Beginning of the name of a column that holds what a fit has moved."""
 PointNumbers = NDArray[np.int64]
 
 
@@ -117,6 +121,22 @@ class SweepPlan:
     @property
     def outputs(self) -> tuple[str, ...]:
         return tuple(self.file.outputs)
+
+    @cached_property
+    def fitted(self) -> dict[str, float]:
+        """Column of each number that a fit may move -> its value in the base, such as "fitted.skin.tip_length_mm"."""
+        found = dict[str, float]()
+        axes = dict.fromkeys((axis.name for axis in self.axes), 0)
+        for finger, design in self.designs.items() if self.file.fit else ():
+            for name in sorted({*MOVABLE} - select_changes(axes, finger).keys()):
+                owner = f"fingers.{finger}." if finger else ""
+                found[f"{FITTED}{owner}{name}"] = round_for_output(design.value(name))
+        return found
+
+    @property
+    def recorded(self) -> tuple[str, ...]:
+        """Numbers that are stored for each point: outputs, and values that a fit may have moved."""
+        return (*self.outputs, *self.fitted)
 
     @property
     def groups(self) -> tuple[OutputGroup, ...]:
@@ -234,7 +254,7 @@ def _check_consistency(plan: SweepPlan) -> list[Issue]:
         if (finger := split_finger(axis.name)[0]) and finger not in plan.designs:
             remedy = suggest_name(finger, list(plan.designs)) if plan.is_set else "name a set with design = NAME."
             issues.append(Issue(f"axes.{axis.name}", f"names a finger that design does not have; {remedy}"))
-    for finger, design in plan.designs.items():
+    for finger, design in plan.designs.items() if not plan.file.fit else ():  # a fit may repair it
         swept = select_changes(dict.fromkeys((axis.name for axis in plan.axes), 0), finger).keys()
         broken = list(find_violations(RULES, design))
         lasting = [one for one in broken if not one.reads & swept]

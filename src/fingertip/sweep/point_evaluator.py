@@ -17,16 +17,17 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
 from typing import IO, TYPE_CHECKING, Any, TypeAlias
 
+from fingertip.catalogues.electronics import split_finger
 from fingertip.design.finger_set import FingerSet, build_set
 from fingertip.design.model import Design
 from fingertip.foundation.errors import FingertipError, Issue, gather
 from fingertip.foundation.files import round_for_output
 from fingertip.foundation.workers import report_step
 from fingertip.sweep import designs
-from fingertip.sweep.axes import Value
+from fingertip.sweep.axes import Value, is_of_parts
 from fingertip.sweep.compute import GROUP_FUNCTIONS, ISSUE, OutputValues, PointContext
 from fingertip.sweep.outputs import TRACES, OutputGroup
-from fingertip.sweep.plan import SweepPlan
+from fingertip.sweep.plan import FITTED, SweepPlan
 
 if TYPE_CHECKING:
     from fingertip.sim.runs.files import SceneFile
@@ -84,7 +85,7 @@ class PointEvaluator:
         self._trace_axes = _find_cache_axes(TRACES, plan)
         self._group_results: designs.LruCache[Any, OutputValues] = designs.LruCache(MAX_GROUP_RESULTS)
         self._trials: designs.LruCache[Any, Trace] = designs.LruCache(MAX_TRACE_BYTES)
-        self._no_outputs = (math.nan,) * len(plan.outputs)
+        self._no_outputs = (math.nan,) * len(plan.recorded)
 
     def evaluate(self, point: int, changes: Mapping[str, Value]) -> PointResult:
         """Evaluate a point. Every point gets a result: an exception becomes its status and reason."""
@@ -96,9 +97,13 @@ class PointEvaluator:
             more = f" (and {len(others)} more: {fields})" if others else ""
             return point, "refused", first.field, first.message + more, self._no_outputs
         load_trial = partial(self._load_trial, changes)
-        context = PointContext(built, scene, self.plan.file, lambda: self.mesh_evaluator, load_trial, fingers)
+        design = next(iter(built.values()))
+        context = PointContext(design, scene, self.plan.file, lambda: self.mesh_evaluator, load_trial, fingers)
         try:
             values: OutputValues = {}
+            for column in self.plan.fitted:
+                finger, path = split_finger(column.removeprefix(FITTED))
+                values[column] = built[finger].value(path)
             for group, cache_axes in self._groups:
                 compute = partial(GROUP_FUNCTIONS[group.name], context)
                 key = group.name, *(changes[name] for name in cache_axes or ())
@@ -110,7 +115,7 @@ class PointEvaluator:
             fault = f"{type(error).__name__}: {error} (in {last.name}, line {last.lineno})"
             return point, "failed", "", f"{fault}; this is a bug in fingertip.", self._no_outputs
         issue = values.get(ISSUE, _NO_ISSUE)
-        outputs = tuple(round_for_output(values[name]) for name in self.plan.outputs)
+        outputs = tuple(round_for_output(values[name]) for name in self.plan.recorded)
         return point, "ok", issue.field, issue.message, outputs
 
     @cached_property
@@ -118,8 +123,10 @@ class PointEvaluator:
         designs.restrict_kernel_to_one_thread()
         return designs.CachedEvaluator(self.plan.file.tolerance_mm)
 
-    def _build_inputs(self, changes: Mapping[str, Value]) -> tuple[Design, FingerSet | None, SceneFile | None]:
-        """Build design, set and scene of a point; of a set, the design is that of its first finger."""
+    def _build_inputs(
+        self, changes: Mapping[str, Value]
+    ) -> tuple[dict[str, Design], FingerSet | None, SceneFile | None]:
+        """Build design, set and scene of a point: "" -> design, or each finger -> design of a set."""
         issues: list[Issue] = []
         built, fingers, scene = dict[str, Design](), None, None
         for finger, builder in self._builders.items():
@@ -136,7 +143,7 @@ class PointEvaluator:
                 scene = SceneFile(**designs.apply_changes(self._scene, scene_changes))
         if issues:
             raise FingertipError(issues)
-        return next(iter(built.values())), fingers, scene
+        return built, fingers, scene
 
     def _load_trial(self, changes: Mapping[str, Value], seed: int, record: Callable[[], Trace]) -> Trace:
         if self._trace_axes is None:
@@ -153,7 +160,10 @@ def load_evaluator(text: str) -> PointEvaluator:
 
 def _find_cache_axes(group: OutputGroup, plan: SweepPlan) -> tuple[str, ...] | None:
     """Find the axes that a group reads, which are its cache key; None if it reads all axes, so no points share it."""
-    axes = tuple(axis.name for axis in plan.axes if group.depends_on(axis.name))
+    # What a fit moves depends on every axis of the parts.
+    axes = tuple(
+        axis.name for axis in plan.axes if group.depends_on(axis.name) or (plan.file.fit and is_of_parts(axis.name))
+    )
     return axes if len(axes) < len(plan.axes) else None
 
 

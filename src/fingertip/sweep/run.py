@@ -268,7 +268,7 @@ class _Run:
         if elapsed_s >= limit_s * self.engine.attempts:
             status, reason = "timeout", f"took longer than {limit_s:g} s (time_limit_s), twice."
         for single in blamed:
-            outputs = (math.nan,) * len(self.plan.outputs)
+            outputs = (math.nan,) * len(self.plan.recorded)
             self._add_rows(single, ChunkResult([(single.points[0], status, "", reason, outputs)], 0.0))
 
     def _add_rows(self, chunk: Chunk, result: ChunkResult) -> None:

@@ -44,6 +44,9 @@ class SweepFile(BaseModel):
     )
     points: int = quantity(0, "points", (0, MAX_POINTS), "Number of points that a sampler draws.")
     seed: int = quantity(0, "", (0, 2**31 - 1), "Random seed of the sampler.")
+    fit: bool = Field(
+        False, description="Whether what follows from the axes moves at each point until the design can be made."
+    )
     tolerance_mm: float = quantity(0.02, "mm", (0.0005, 1), "Maximum distance between a mesh and the exact surface.")
     time_limit_s: float = quantity(
         60.0, "s", (0.05, 86400), "Time limit of a point; a point that takes longer is given up."

@@ -11,9 +11,8 @@ from fingertip.design.files import to_toml
 from fingertip.design.finger_set import build_set, set_to_toml
 from fingertip.design.model import Design
 from fingertip.foundation.files import format_csv
-from fingertip.sweep.axes import select_changes
 from fingertip.sweep.database import SweepTable
-from fingertip.sweep.designs import apply_changes
+from fingertip.sweep.designs import DesignBuilder
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.report import statistics
 
@@ -129,8 +128,8 @@ def format_best_design(plan: SweepPlan, table: SweepTable, selection: Selection)
     lines += [f"  {name} = {value}" for name, value in parameters.items()]
     lines += [f"  {name}: {column[row]:.6g}" for name, column in table.outputs.items()]
     heading, built = "\n".join(lines), dict[str, Design]()
-    for finger, base in plan.designs.items():
-        built[finger] = Design(**apply_changes(base.model_dump(), select_changes(parameters, finger)))
+    for finger in plan.designs:
+        built[finger] = DesignBuilder(plan, finger).build(parameters)
     if not plan.is_set:
         return to_toml(built[""], heading)
     return set_to_toml(build_set(plan.file.design["name"], plan.file.design["side"], built), heading)

@@ -67,10 +67,10 @@ def write_csv(source: SweepDatabase, path: Path) -> None:
     with open_atomic(path, "--csv") as raw:
         text = io.TextIOWrapper(raw, encoding="utf-8", newline="", write_through=False)
         lines = csv.writer(text, lineterminator="\n")
-        axes = (axis.name for axis in source.plan.axes)
-        lines.writerow(["point", *axes, *source.plan.outputs, "status", "field", "reason"])
+        axes, outputs = (axis.name for axis in source.plan.axes), source.find_outputs()
+        lines.writerow(["point", *axes, *outputs, "status", "field", "reason"])
         for row in source.rows():
-            numbers = ("" if math.isnan(value) else value for value in row.outputs.values())
+            numbers = ("" if math.isnan(row.outputs[name]) else row.outputs[name] for name in outputs)
             lines.writerow([row.point, *row.axes.values(), *numbers, row.status, row.field, row.reason])
         text.flush()
         text.detach()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import json
 import os
 import random
@@ -10,13 +9,9 @@ import re
 import shlex
 import tomllib
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any
 
 import pytest
 
-from fingertip.cad.verification import verify
-from fingertip.cad.verification.check import Check
 from fingertip.catalogues.electronics import SENSORS
 from fingertip.design import Design
 from fingertip.design.files import list_parameters
@@ -63,9 +58,9 @@ def test_every_parameter_stands_in_the_file_once_and_is_described(sensor: str) -
 def test_the_top_of_the_file_is_short() -> None:
     lines = write_new_design("mine", "fsr400").text.splitlines()
     set_here = [line.partition(" = ")[0] for line in lines if line and not line.startswith("#")]
-    assert set_here[:3] == ["name", "sensor.model", "skin.width_mm"]
-    assert len(set_here) <= 12
-    assert max(i for i, line in enumerate(lines) if line and not line.startswith("#")) < 20
+    assert set_here[:3] == ["name", "sensor.model", "bone.interface"]
+    assert len(set_here) <= 18
+    assert max(i for i, line in enumerate(lines) if line and not line.startswith("#")) < 24
 
 
 @pytest.mark.full
@@ -98,23 +93,23 @@ def write_hand(folder: Path, **sizes: float) -> None:
 
 
 @pytest.mark.full
-def test_lost_travel_is_asked_for_and_the_file_holds_the_hands_own_sizes(folder: Path) -> None:
-    write_hand(folder, travel_deg=90.0, width_mm=6.9)
-    command = ("new", "mine", "--preset", "adult_finger", "--hand", "hand.toml")
-    refused = run_fingertip(*command)
-    assert refused.returncode == 2
-    assert re.search(r"hand.travel_deg: 90 would become \S+: 90 degrees leave", refused.stderr)
-    assert not (folder / "mine.toml").exists()
-    done = run_fingertip(*command, "--allow-shorter-travel")
+def test_the_file_states_the_hands_own_sizes_and_what_moved_for_them(folder: Path) -> None:
+    write_hand(folder, clearance_radius_mm=5.8, width_mm=6.9, travel_deg=45.0)
+    done = run_fingertip("new", "mine", "--preset", "adult_finger", "--hand", "hand.toml", "--json")
     assert done.returncode == 0, done.stderr
-    design = Design.load("mine.toml")
-    assert (design.bone.interface, design.hand.width_mm) == ("clevis", 6.9)
-    assert f"fitted: hand.travel_deg 90 -> {design.hand.travel_deg:g}" in done.stdout
-    to_axis_mm = design.skin.length_mm + design.bone.base_length_mm
-    assert done.stdout.startswith(f"{to_axis_mm:.1f} mm from the tip to the axis of the joint\n")
-    lines = Path("mine.toml").read_text().splitlines()
-    top = lines[: next(i for i, line in enumerate(lines) if line.startswith("# Other"))]
-    assert any(line.startswith("hand.width_mm = 6.9") for line in top)
+    design, result = Design.load("mine.toml"), json.loads(done.stdout)
+    assert design.hand == Design.load("adult_finger").hand.model_copy(
+        update={"clearance_radius_mm": 5.8, "width_mm": 6.9, "travel_deg": 45.0}
+    )
+    moved = {one["parameter"]: one for one in result["fitted"]}
+    assert "bone.base_length_mm" in moved
+    assert f"bone.base_length_mm  {moved['bone.base_length_mm']['was']}" in done.stderr
+    text = Path("mine.toml").read_text()
+    wishes, measured, fitted, derived = re.split("# (?:Measured on|Fitted to|Derived from) .*", text)[:4]
+    assert "skin.width_mm = 18.0" in wishes
+    assert "hand.width_mm = 6.9 " in measured
+    assert all(f"\n{name} = {one['is']}" in fitted + wishes for name, one in moved.items())
+    assert "\n#bone.channel_bend_radius_mm = 1.5" in derived
     made = run_fingertip("build", "mine.toml", "--formats", "stl", "--out", "out")
     assert made.returncode == 0, made.stderr
 
@@ -128,50 +123,11 @@ def test_a_design_that_make_refuses_is_not_written_and_one_that_passes_is_offere
     command = ("new", "mine", "--hand", "hand.toml")
     weak = run_fingertip(*command)
     assert weak.returncode == 2
-    assert "bone.safety_factor." in weak.stderr
     assert not (folder / "mine.toml").exists()
-    offered = re.search(r"it (?:passes with|holds lighter loads:) (--set .*)", weak.stderr)
+    offered = re.search(r"it passes with (--set .*)", weak.stderr)
     assert offered
     assert run_fingertip(*command, *shlex.split(offered[1])).returncode == 0
     assert run_fingertip("check", "mine.toml").returncode == 0
-    given = run_fingertip(*command, "--set", "skin.width_mm=18", "--set", "skin.semi_axis_dorsal_mm=8.9")
-    assert given.returncode == 2
-    assert "it passes with" not in given.stderr, "what is given stays"
-
-
-LOADS = "it holds lighter loads: --set strength.grip_force_n=12"
-
-
-@pytest.mark.parametrize(
-    ("gain", "given", "told", "tried"),
-    [
-        (1.0, (), "it passes with --set skin.width_mm=19 --set skin.semi_axis_dorsal_mm=9.4", 1),
-        (0.5, (), "it passes with --set skin.width_mm=20 --set skin.semi_axis_dorsal_mm=9.9", 2),
-        (0.3, ("skin.semi_axis_dorsal_mm=8.9",), "it passes with --set skin.width_mm=22", 4),
-        (0.25, (), "it passes with --set skin.width_mm=22 --set skin.semi_axis_dorsal_mm=10.9", 4),
-        (0.24, (), LOADS, 1),
-        (1.0, ("skin.width_mm=18", "skin.semi_axis_dorsal_mm=8.9"), LOADS, 0),
-    ],
-)  # fmt: skip
-@pytest.mark.every_case
-def test_the_first_larger_finger_that_passes_is_offered_or_lighter_loads(
-    gain: float, given: tuple[str, ...], told: str, tried: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A safety factor that is 1 at a width of 18 mm must be 2: steps of 1 mm to 4 mm, as long as they may reach it."""
-
-    def check(width_mm: float, **_: Any) -> Any:
-        factor = 1.0 + gain * (width_mm - 18.0)
-        loads = {"relation": "at least", "remedy": "strength.grip_force_n=12"}
-        return SimpleNamespace(checks=[Check("bone.safety_factor.grip", factor, 2.0, "", **loads)])
-
-    def begin(changes: list[str]) -> Any:
-        return SimpleNamespace(design=float(changes[len(given)].removeprefix("skin.width_mm=")), reasons={})
-
-    monkeypatch.setattr(verify, "check", check)
-    module, messages, design = importlib.import_module("fingertip.cli.new"), list[str](), Design.load("adult_finger")
-    order = module._Order("tip", Path("tip.toml"), given, False, [])
-    assert module._find_passing(order, begin, design, check(18.0).checks, messages.append) == told
-    assert [message[:25] for message in messages] == tried * ["trying a larger finger: s"]
 
 
 @pytest.mark.full
@@ -190,7 +146,7 @@ def test_make_refuses_no_finger_for_an_invented_hand(seed: int, folder: Path) ->
     ]
     (folder / "hand.toml").write_text("\n".join(["[hand]", *rows, ""]))
     preset = rng.choice(["adult_finger", "adult_thumb", "youth_finger"])
-    new = run_fingertip("new", "mine", "--preset", preset, "--hand", "hand.toml", "--allow-shorter-travel")
+    new = run_fingertip("new", "mine", "--preset", preset, "--hand", "hand.toml")
     print(rows, new.stdout, new.stderr)
     if new.returncode == 0:
         made = run_fingertip("build", "mine.toml", "--formats", "stl", "--out", "out")

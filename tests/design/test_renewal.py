@@ -12,6 +12,7 @@ import tomlkit
 from fingertip.design import Design
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import load_retired
+from fingertip.design.proportions import fill_in
 from fingertip.design.renewal import LEFT_OUT, renew_design
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.design.search import RULES
@@ -64,7 +65,7 @@ def test_an_old_design_keeps_its_sizes_as_far_as_the_rules_allow(name: str, tmp_
     old, renewed = OLD[name], renew_design("mine", write(name, tmp_path))
     design = renewed.made.design
     assert not list(find_violations(RULES, design))
-    assert Design(**tomllib.loads(renewed.made.text)) == design
+    assert Design(**fill_in(tomllib.loads(renewed.made.text))) == design
     before = old.get("sensor", {}).get("model", "fsr400")
     assert design.sensor.model == (SHORT[before] if old.get("sensor", {}).get("tail") else before)
     assert design.bone.interface == old.get("bone", {}).get("interface", "post")

@@ -41,7 +41,7 @@ def test_everything_that_is_wrong_is_said_at_once_before_a_fit(folder: Path) -> 
 
 def test_sizes_of_presets_give_a_set_of_presets_and_equal_fingers_one_form() -> None:
     sizes = ["ring=14.5x23", "index=14.5x23", "thumb=15.5x24"]
-    forms = fit_set(start_set("mine", sizes, None, None, None, ()), False, print, [])
+    forms = fit_set(start_set("mine", sizes, None, None, None, ()), print, [])
     assert [(form.fingers, form.file) for form in forms] == [
         (("thumb",), "child_thumb"),
         (("index", "ring"), "child_finger"),
@@ -53,8 +53,11 @@ def test_sizes_of_presets_give_a_set_of_presets_and_equal_fingers_one_form() -> 
 
 
 def test_a_longer_finger_feels_where_its_preset_does() -> None:
-    (form,) = fit_set(start_set("mine", ["ring=18x26"], None, None, None, ()), False, print, [])
-    assert form.design.fitted["sensor.distance_from_tip_mm"] == (9.7, 10.7)
+    (form,) = fit_set(start_set("mine", ["ring=18x26"], None, None, None, ()), print, [])
+    assert {move.name: (move.before, move.after) for move in form.design.moves}["sensor.distance_from_tip_mm"] == (
+        9.7,
+        10.7,
+    )
     assert survey_pad(form.design.design).worst_turn_on_n < 0.5
 
 
@@ -63,11 +66,11 @@ def test_a_set_of_sizes_shares_its_joint_and_passes_or_names_the_loads_that_it_h
     command = ("new", "mine", "--finger", "index=17x25", "--finger", "ring=17x25", "--finger", "little=15x24", "--json")
     weak = run_fingertip(*command, "--set", "skin.bump_height_mm=0.15")
     assert weak.returncode == 2
-    assert "error: index and ring: bone.safety_factor.grip: " in weak.stderr
-    lighter = re.findall(r"all fingers hold .*: (.*)", weak.stderr)
-    assert len(set(lighter)) == 1
+    lighter = re.findall(r"error: (?:index and ring|little): .* it passes with (--set .*)", weak.stderr)
+    assert lighter
     assert not Path("mine_index.toml").exists()
-    done = run_fingertip(*command, "--set", "skin.bump_height_mm=0.15", *shlex.split(lighter[0]))
+    least = min(lighter, key=lambda words: float(words.rpartition("=")[2]))
+    done = run_fingertip(*command, "--set", "skin.bump_height_mm=0.15", *shlex.split(least))
     assert done.returncode == 0, done.stderr
     result = json.loads(done.stdout)
     assert [(form["design"], form["fingers"]) for form in result["forms"]] == [

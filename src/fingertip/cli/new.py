@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import itertools
 import math
 import shlex
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -16,18 +14,15 @@ import typer
 
 from fingertip.catalogues.electronics import NAMES
 from fingertip.cli.console import Console
-from fingertip.cli.options import CHANGES, command, find_file_issues, flag
-from fingertip.foundation.errors import DesignError, FingertipError, Issue, gather, join_words
-from fingertip.foundation.progress import ReportProgress, Work
+from fingertip.cli.options import CHANGES, command, find_file_issues
+from fingertip.foundation.errors import FingertipError, Issue, gather, join_words
+from fingertip.foundation.progress import Work
 
 if TYPE_CHECKING:
     from fingertip.cad.verification.check import Check
     from fingertip.design import Design
     from fingertip.design.new_design import NewDesign
     from fingertip.design.new_set import Starts
-
-_LARGER_MM = (1.0, 2.0, 3.0, 4.0)
-"""Widths by which a finger that fails is made larger, and its height by half of them, until one passes [mm]."""
 
 
 @command
@@ -49,13 +44,12 @@ def new(
         None, "--from", metavar="FILE", help="Design file of an earlier version, whose sizes the new design keeps."
     ),
     out: Path | None = typer.Option(None, "--out", "-o", metavar="FILE", help="File to write; NAME.toml by default."),
-    allow_shorter_travel: bool = flag("Let the finger bend less, or its tendon lie nearer the joint."),
     changes: list[str] | None = CHANGES,
 ) -> None:
     """Write a design file with comments, to be edited: the main parameters, and all others as comments.
 
-    The bundled design of the sensor is the base, or the preset. With a preset or a hand, lengths that nobody measures
-    are fitted until the design can be made, and its parts are checked; what is changed with --set stays. An existing
+    The bundled design of the sensor is the base, or the preset. What follows from the sizes is fitted until the design
+    can be made, and its parts are checked. What is changed with --set stays, and no size of the hand moves. An existing
     file is never overwritten.
 
     With --finger, once for each finger of a hand, it writes a set of fingers on one joint, and beside it a design for
@@ -66,7 +60,7 @@ def new(
     """
     issues = list(find_file_issues("--out", out, ".toml", kept="give another name"))
     issues += _find_taken(name)
-    order = _Order(name, out or Path(f"{name}.toml"), changes or (), allow_shorter_travel, issues)
+    order = _Order(name, out or Path(f"{name}.toml"), changes or (), issues)
     if old:
         others = {"--sensor": sensor, "--preset": preset, "--hand": hand, "--finger": finger}
         for option in (option for option, value in others.items() if value):
@@ -75,12 +69,14 @@ def new(
     elif finger:
         from fingertip.design.new_set import start_set
 
+        console.fits = True
         _write_set(console, order, partial(start_set, name, finger, sensor, preset, hand, order.changes))
     else:
         from fingertip.design.new_design import write_new_design
 
-        begin = partial(write_new_design, name, sensor, preset, hand, progress=console.progress)
-        _write_one(console, order, begin, is_new=out is None, is_fitted=bool(preset or hand))
+        console.fits = bool(preset or hand or changes)
+        begin = partial(write_new_design, name, sensor, preset, hand, order.changes, console.progress)
+        _write_one(console, order, begin, is_new=out is None)
 
 
 @dataclass(frozen=True)
@@ -90,7 +86,6 @@ class _Order:
     name: str
     path: Path
     changes: Sequence[str]
-    may_change_joint: bool
     issues: list[Issue]
 
     @property
@@ -108,31 +103,29 @@ def _find_taken(name: str) -> Iterator[Issue]:
             yield Issue("NAME", f"{taken}; choose another, such as my_{name}.")
 
 
-def _write_one(console: Console, order: _Order, begin: Callable[..., NewDesign], is_new: bool, is_fitted: bool) -> None:
-    """Write one design, checked if its lengths are fitted."""
-    from fingertip.design.new_design import find_lost_travel
+def _write_one(console: Console, order: _Order, begin: Callable[[], NewDesign], is_new: bool) -> None:
+    """Write one design, checked if it was fitted."""
+    from fingertip.design.hand_sizes import describe_guesses
     from fingertip.foundation.files import write_file
 
     made, found, issues = None, list[Issue](), order.issues
     with gather(found):
-        made = begin(changes=order.changes)
-        if not order.may_change_joint:
-            found += find_lost_travel(made)
+        made = begin()
     issues += _name_options(found)
     if made and is_new:
         issues += find_file_issues("--out", order.path, ".toml", kept="give another name")
     if issues or made is None:
         raise FingertipError(issues)
     data, lines = _describe(order.path, made)
-    if is_fitted:
+    if console.fits:
+        console.show_moves(order.name, made.moves)
         failed, strength = _check(made.design, data, console.progress)
         if failed:
-            remedy = _find_passing(order, begin, made.design, failed, console.progress)
-            raise FingertipError(_refuse(failed, remedy))
+            raise FingertipError(_refuse(failed))
         lines += strength
     write_file(order.path, made.text.encode())
-    lines.append(f"wrote {order.path}; edit it, then run: {order.following}")
-    console.result(data | {"next": order.following}, "\n".join(lines))
+    lines += [f"wrote {order.path}; edit it, then run: {order.following}", describe_guesses(made.guessed)]
+    console.result(data | {"next": order.following}, "\n".join(filter(None, lines)))
 
 
 def _write_renewed(console: Console, order: _Order, old: Path) -> None:
@@ -146,14 +139,14 @@ def _write_renewed(console: Console, order: _Order, old: Path) -> None:
         renewed = renew_design(order.name, old, order.changes, left, console.progress)
         data, lines = _describe(order.path, renewed.made)
         failed, strength = _check(renewed.made.design, data, console.progress)
-        if lighter := _find_lighter_loads([failed]):
+        if lighter := _find_lighter_loads(failed):
             loads = [f"{load}={value:g}" for load, value in lighter.items()]
             renewed = renew_design(order.name, old, [*order.changes, *loads], left, console.progress)
             failed, strength = _check(renewed.made.design, data, console.progress)
         if not failed:
             break
     else:
-        raise FingertipError(_refuse(failed, ""))
+        raise FingertipError(_refuse(failed))
     write_file(order.path, renewed.made.text.encode())
     columns = max(map(len, renewed.changed), default=0)
     lines += (f"{parameter:{columns}}  {was} -> {now}" for parameter, (was, now) in renewed.changed.items())
@@ -176,6 +169,7 @@ def _tell_other_joint(made: NewDesign) -> Iterator[str]:
 
 
 def _write_set(console: Console, order: _Order, start: Callable[[], Starts]) -> None:
+    from fingertip.design.hand_sizes import describe_guesses
     from fingertip.design.new_set import fit_set, write_set_file
     from fingertip.foundation.files import write_file
 
@@ -189,22 +183,21 @@ def _write_set(console: Console, order: _Order, start: Callable[[], Starts]) -> 
     if issues:
         raise FingertipError(dict.fromkeys(issues))
     work = Work("", {"fit": 2.0 * len(starts), "checks": len(starts)}, console.progress)
-    forms = fit_set(starts, order.may_change_joint, work.within("fit"), issues)
+    forms = fit_set(starts, work.within("fit"), issues)
     checking = Work("checking", dict.fromkeys((join_words(form.fingers) for form in forms), 1.0), work.within("checks"))
     form_data: list[dict[str, Any]] = []
-    lines: list[str] = []
-    weak: dict[str, list[Check]] = {}
+    lines, guessed = list[str](), dict[str, None]()
     for form in forms:
         label = join_words(form.fingers)
         data, details = _describe(path.with_name(form.file), form.design)
         if form.is_own:
-            weak[label], strength = _check(form.design.design, data, checking.within(label))
+            console.show_moves(form.design.design.name, form.design.moves)
+            guessed |= dict.fromkeys(form.design.guessed)
+            failed, strength = _check(form.design.design, data, checking.within(label))
+            issues += (Issue(f"{label}: {issue.field}", issue.message) for issue in _refuse(failed))
             details += strength
         form_data.append(data | {"design": form.file, "fingers": list(form.fingers)})
         lines += [f"{label}: {form.file}, begun from {form.design.base}", *(f"  {line}" for line in details)]
-    loads = _offer_lighter_loads(weak.values(), "all fingers hold")
-    for label, failed in weak.items():
-        issues += (Issue(f"{label}: {issue.field}", issue.message) for issue in _refuse(failed, loads))
     if issues:
         raise FingertipError(issues)
     for form in forms:
@@ -214,7 +207,8 @@ def _write_set(console: Console, order: _Order, start: Callable[[], Starts]) -> 
     if missing := [finger for finger in NAMES if not any(finger in form.fingers for form in forms)]:
         lines.append(f"note: this hand has no {join_words(missing, 'and no')}")
     data = {"set": path.as_posix(), "name": order.name, "forms": form_data, "next": order.following}
-    console.result(data, "\n".join([*lines, f"wrote {path}; edit its designs, then run: {order.following}"]))
+    lines += [f"wrote {path}; edit its designs, then run: {order.following}", describe_guesses(guessed)]
+    console.result(data, "\n".join(filter(None, lines)))
 
 
 def _name_options(issues: Iterable[Issue]) -> list[Issue]:
@@ -223,15 +217,13 @@ def _name_options(issues: Iterable[Issue]) -> list[Issue]:
 
 
 def _describe(path: Path, made: NewDesign) -> tuple[dict[str, Any], list[str]]:
+    design = made.design
     data: dict[str, Any] = {
-        "design": path.as_posix(), "name": made.design.name, "sensor": made.design.sensor.model, "base": made.base,
-        "fitted": {name: list(values) for name, values in made.fitted.items()}, "reasons": dict(made.reasons),
+        "design": path.as_posix(), "name": design.name, "sensor": design.sensor.model, "base": made.base,
+        "guessed": list(made.guessed),
     }  # fmt: skip
-    to_axis_mm = made.design.skin.length_mm + made.design.bone.base_length_mm
-    lines = [f"{to_axis_mm:.1f} mm from the tip to the axis of the joint"] if made.design.dimensions.joint else []
-    lines += (f"fitted: {name} {before:g} -> {after:g}" for name, (before, after) in made.fitted.items())
-    lines += [f"note: {reason}: a measured value was changed" for reason in made.reasons.values()]
-    return data, lines
+    to_axis_mm = design.skin.length_mm + design.bone.base_length_mm
+    return data, [f"{to_axis_mm:.1f} mm from the tip to the axis of the joint"] if design.dimensions.joint else []
 
 
 def _check(design: Design, data: dict[str, Any], progress: Callable[[str], None]) -> tuple[list[Check], list[str]]:
@@ -246,51 +238,19 @@ def _check(design: Design, data: dict[str, Any], progress: Callable[[str], None]
     return failed, [describe_loads(verified.strength)]
 
 
-def _refuse(failed: Iterable[Check], remedy: str) -> Iterator[Issue]:
+def _refuse(failed: Iterable[Check]) -> Iterator[Issue]:
     for check in failed:
         problem = f"{check.value:.3g} {check.unit} must be {check.relation} {check.limit:g}, or `make` fails"
-        change = f"change {' or '.join(check.change)} with --set"
-        yield Issue(check.name, f"{problem}; {remedy or change}")
+        remedy = f"it passes with --set {check.remedy}" if check.remedy else f"change {' or '.join(check.change)}"
+        yield Issue(check.name, f"{problem}; {remedy}")
 
 
-def _find_passing(
-    order: _Order, begin: Callable[..., NewDesign], design: Design, failed: Sequence[Check], progress: ReportProgress
-) -> str:
-    """Find the first larger finger that passes every check, as options to be typed; else loads that this one holds."""
-    from fingertip.cad.verification.verify import check as check_design
-    from fingertip.design.new_design import find_lost_travel
-
-    shares = {"skin.width_mm": 1.0, "skin.semi_axis_dorsal_mm": 0.5}
-    free = {name: by for name, by in shares.items() if not any(change.startswith(name) for change in order.changes)}
-    for larger_mm in _LARGER_MM if free else ():
-        settings = [f"{name}={design.value(name) + by * larger_mm:g}" for name, by in free.items()]
-        progress(f"trying a larger finger: {' '.join(settings)}")
-        with contextlib.suppress(DesignError):
-            made = begin(changes=[*order.changes, *settings])
-            may_lose = order.may_change_joint or not find_lost_travel(made)
-            found = {check.name: check for check in check_design(made.design, progress=progress).checks}
-            if may_lose and all(check.passed for check in found.values()):
-                return "it passes with " + " ".join(f"--set {setting}" for setting in settings)
-            # A fit may take a minute: go on only if the largest finger reaches what this step has gained in proportion.
-            steps = _LARGER_MM[-1] / larger_mm
-            factors = [check for check in failed if check.name.startswith("bone.safety_factor.")]
-            if any(one.value + steps * (found[one.name].value - one.value) < one.limit for one in factors):
-                break
-    return _offer_lighter_loads([failed], "it holds")
-
-
-def _find_lighter_loads(weak: Iterable[Sequence[Check]]) -> dict[str, float]:
-    """Find loads that all bones hold which are too weak for theirs; none if more fails."""
+def _find_lighter_loads(weak: Iterable[Check]) -> dict[str, float]:
+    """Find loads that the bone holds which is too weak for its own; none if more fails."""
     loads: dict[str, float] = {}
-    for check in itertools.chain(*weak):
+    for check in weak:
         if not check.remedy:
             return {}
         for name, load in (setting.split("=") for setting in check.remedy.split(" --set ")):
             loads[name] = min(float(load), loads.get(name, math.inf))
     return loads
-
-
-def _offer_lighter_loads(weak: Iterable[Sequence[Check]], who: str) -> str:
-    """Offer loads that all bones hold, as options to be typed; nothing if there are none."""
-    settings = " ".join(f"--set {name}={load:g}" for name, load in _find_lighter_loads(weak).items())
-    return f"{who} lighter loads: {settings}" if settings else ""

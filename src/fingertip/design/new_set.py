@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import contextlib
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from fingertip.catalogues.electronics import NAMES
@@ -22,8 +21,6 @@ Size = tuple[float, float]
 Starts = Mapping[tuple[str, ...], new_design.Start]
 """Fingers of one size -> their design before its fit."""
 _SIZE = ("skin.width_mm", "skin.length_mm")
-_JOINT = ("hand.tendon_distance_mm", "hand.travel_deg")
-"""Sizes of the joint that a fit of a single finger may change."""
 _SIZE_REMEDY = re.compile(r"(skin\.(?:width|length)_mm)(?:=|: .*; at (?:least|most) )(\d+(?:\.\d+)?)")
 _EXAMPLE = "--finger index=18x25"
 
@@ -103,42 +100,23 @@ def start_set(
     return starts
 
 
-def fit_set(
-    starts: Starts, may_change_joint: bool, progress: Callable[[str], None], issues: list[Issue]
-) -> tuple[NewForm, ...]:
-    """Fit the designs of a set to one joint, and add what is wrong in all fingers to the issues.
+def fit_set(starts: Starts, progress: Callable[[str], None], issues: list[Issue]) -> tuple[NewForm, ...]:
+    """Fit the designs of a set, and add what is wrong in all fingers to the issues.
 
-    The fit of the narrowest finger decides on the joint, which loses travel or tendon distance only if it may. A thumb
-    has a joint of its own if no hand is given. A finger whose size is refused goes on with that of its remedy.
+    No fit moves a size of the hand, so all fingers turn on one joint; a thumb has one of its own if no hand is given.
     """
-    forms, joints = dict[tuple[str, ...], NewForm](), dict[str, dict[str, float]]()
+    forms: list[NewForm] = []
     work = Work("fitting", {join_words(fingers): 1.0 for fingers in starts}, progress)
-    for fingers, start in sorted(starts.items(), key=lambda one: one[1].tables.skin.width_mm):
-        label, shares = join_words(fingers), "all" if start.measured else start.base
-        report, found, made = work.within(label), list[Issue](), None
-        lost: list[Issue] = []
-        tables = start.tables.with_values(joints.get(shares, {}))
-        jointed = replace(start, tables=tables, fixed=(*start.fixed, *_JOINT))
+    for fingers, start in starts.items():
+        found: list[Issue] = []
         with gather(found):
-            made = new_design.fit_start(jointed if shares in joints else start, report)
-            lost = [] if shares in joints or may_change_joint else new_design.find_lost_travel(made)
-        if lost:  # a fit that holds the joint may find other lengths; one that cannot takes long
-            try:
-                made = new_design.fit_start(jointed, report)
-            except DesignError:
-                found = lost
-        if not made and (size := dict(_SIZE_REMEDY.findall("\n".join(issue.typed for issue in found)))):
-            sized = jointed.tables.with_values({field: float(value) for field, value in size.items()})
-            typed = "x".join(f"{sized.value(field):g}" for field in _SIZE)
-            with contextlib.suppress(DesignError):
-                made = new_design.fit_start(replace(jointed, tables=sized), report)
-                remedy = " ".join(f"--finger {finger}={typed}" for finger in fingers)
-                found = [Issue(found[0].field, f"{found[0].message.partition('; ')[0]}; it passes with {remedy}.")]
-        issues += (Issue(f"{label}: {issue.field}", issue.message) for issue in found)
-        if made:
-            forms[fingers] = NewForm(fingers, made)
-            joints.setdefault(shares, {field: made.design.value(field) for field in _JOINT})
-    return tuple(forms[fingers] for fingers in starts if fingers in forms)
+            forms.append(NewForm(fingers, new_design.fit_start(start, work.within(join_words(fingers)))))
+        if size := dict(_SIZE_REMEDY.findall("\n".join(issue.typed for issue in found))):
+            typed = "x".join(size.get(field, f"{start.tables.value(field):g}") for field in _SIZE)
+            remedy = " ".join(f"--finger {finger}={typed}" for finger in fingers)
+            found[0] = Issue(found[0].field, f"{found[0].message.partition('; ')[0]}; it passes with {remedy}.")
+        issues += (Issue(f"{join_words(fingers)}: {issue.field}", issue.message) for issue in found)
+    return tuple(forms)
 
 
 def _choose_preset(finger: str, sizes: Mapping[str, Size], preset: str | None) -> str:

@@ -17,7 +17,7 @@ from fingertip.design.files import flatten, load_tables
 from fingertip.design.fit import fit_design
 from fingertip.design.geometry import DesignTables
 from fingertip.design.model import Design
-from fingertip.design.new_design import NewDesign, list_lines
+from fingertip.design.new_design import NewDesign
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import load_retired, parse_tables
 from fingertip.design.rules.ruleset import RuleChecker
@@ -95,7 +95,7 @@ def renew_design(
     sizes = {path: wanted.value(path) for path in kept if path in _NEEDED or not path.startswith(without)}
     tables = _fit(_adopt_all(tables, sizes), sizes, fixed, progress)
     design = Design(**tables.model_dump())
-    return Renewal(NewDesign("\n".join([*list_lines(design, base), ""]), base, {}, {}, design), stated)
+    return Renewal(NewDesign(design, base), stated)
 
 
 def _measure_distance(wanted: DesignTables, base: str) -> tuple[bool, bool, float]:

@@ -202,6 +202,17 @@ def test_many_refusals_stand_beside_their_fields(opened: Any) -> None:
 
 
 @pytest.mark.full
+def test_a_fit_moves_the_other_values_and_marks_them(opened: Any) -> None:
+    assert "refused" in put(opened, "skin.width_mm", 16)
+    click(opened, "#fit")
+    assert "refused" not in wait_for_checks(opened)
+    assert value_of(opened, "skin.width_mm") == "16"
+    listed = opened.find_elements("css selector", "#fitted a")
+    marked = opened.find_elements("css selector", ".field.fitted.changed")
+    assert {each.text for each in listed} == {each.get_attribute("data-path") for each in marked} != set()
+
+
+@pytest.mark.full
 def test_a_parameter_is_found_and_highlighted(opened: Any) -> None:
     find = opened.find_element("id", "find")
     find.send_keys("sides of the cavity")

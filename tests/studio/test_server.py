@@ -233,3 +233,14 @@ def test_ends_cleanly_at_ctrl_c(arguments: list[str], tmp_path: Path) -> None:
     assert out == ""
     assert err == "studio ended\n"
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_fit_keeps_what_was_given_and_moves_what_follows(server: StudioServer, tables: dict[str, Any]) -> None:
+    narrow = change(tables, skin__width_mm=16)
+    assert post(server, "rules", narrow, field="skin.width_mm").content["issues"]
+    moves = post(server, "fit", narrow, field="skin.width_mm").content["fitted"]
+    assert moves
+    values = {move["name"].replace(".", "__"): move["after"] for move in moves}
+    assert "skin__width_mm" not in values
+    assert post(server, "rules", change(narrow, **values), field="skin.width_mm").content == {}
+    assert post(server, "fit", tables, field="").content == {"fitted": []}

@@ -10,7 +10,7 @@ import io
 import math
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -101,6 +101,8 @@ class Answer:
     issues: list[dict[str, str]] | None = None
     passing: float | None = None
     """Nearest value that passes; above, the reasons why the present one is refused."""
+    fitted: tuple[dict[str, Any], ...] | None = None
+    """What a fit has moved: `name`, `before`, `after` and `reason` of each value."""
 
 
 def answer_parts(design: Design, still_wanted: StillWanted) -> Answer:
@@ -298,6 +300,13 @@ def answer_rules(finder: BandFinder, tables: Mapping[str, Any], path: str, still
     return Answer()
 
 
+def answer_fit(finder: BandFinder, tables: Mapping[str, Any], given: str, still_wanted: StillWanted) -> Answer:
+    """Fit the form's design to what its user has given: names, separated by spaces. Raises DesignError."""
+    before = finder.opened.model_dump(mode="json")
+    fitted = Design.fit_tables(tables, before, given.split(), lambda _: still_wanted())
+    return Answer(fitted=tuple(asdict(move) for move in fitted.moves))
+
+
 def _find_nearest(present: object, opened: float, bands: Sequence[Band]) -> float:
     """Find the passing value that is nearest to the present one, or to the opened one if that is no number."""
     wanted = present if isinstance(present, int | float) and math.isfinite(present) else opened
@@ -305,5 +314,5 @@ def _find_nearest(present: object, opened: float, bands: Sequence[Band]) -> floa
     return min([*ends, *(opened for low, high in bands if low <= opened <= high)], key=lambda end: abs(end - wanted))
 
 
-AT_ONCE = {"rules": answer_rules, "bands": answer_bands}
+AT_ONCE = {"rules": answer_rules, "bands": answer_bands, "fit": answer_fit}
 """Name in the address -> function that answers a question on the parameter in hand, whatever the worker does."""

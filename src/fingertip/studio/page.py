@@ -36,6 +36,7 @@ def render_form(design: Design, moved: Mapping[str, tuple[str, ...]]) -> Markup:
             element("input", type="search", id="find", autocomplete="off"), class_="row",
         ),
         element("ul", "", id="other-refusals", class_="refusal", hidden=True),
+        element("ul", "", id="fitted", class_="hint", hidden=True),
         *(_render_group(name, fields, design, moved) for name, fields in make_form().items()),
         id="form", novalidate=True, autocomplete="off",
     )  # fmt: skip

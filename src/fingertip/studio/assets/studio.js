@@ -114,7 +114,7 @@
   }
 
   // The answer of a request; null if there is none to show, and the page then says why.
-  async function receive(response) {
+  async function receive(response, offersFit = true) {
     const answer = await response.json();
     if (answer.superseded) return null; // by a newer request of this page
     if (answer.issues) {
@@ -122,6 +122,11 @@
       keepPlace(() => showRefusals(answer.issues, answer.passing));
       const paths = answer.issues.map((issue) => issue.field).filter(find).slice(0, MAX_LINKS);
       say(`✗ ${answer.issues.length} refused; the view shows the last design that passed: `, 'failed', paths);
+      if (offersFit) {
+        const button = make('button', { type: 'button', id: 'fit', textContent: 'Fit the other values' });
+        button.addEventListener('click', fit);
+        byId('verdict').firstChild.append(button);
+      }
       return null;
     }
     if (answer.error) {
@@ -168,13 +173,36 @@
 
   // A change that comes meanwhile is sent at once: the server then gives this up.
   let work = new AbortController();
-  async function askUnlessChanged(address) {
+  async function askUnlessChanged(address, more = {}) {
     try {
-      return await receive(await ask(address, { signal: work.signal }));
+      return await receive(await ask(address, { signal: work.signal, ...more }), address !== 'fit');
     } catch (error) {
       if (error.name === 'AbortError') return null;
       throw error;
     }
+  }
+
+  // What was changed by hand stays; the other values follow where they have to, and are marked.
+  const given = new Set();
+  async function fit() {
+    say('fitting the other values', '');
+    root.dataset.busy = 'true';
+    const answer = await askUnlessChanged('fit', { field: [...given].join(' ') }).catch(() => say(SILENCE, 'failed'));
+    if (!isBusy) delete root.dataset.busy; // else a change came meanwhile
+    if (!answer) return;
+    for (const field of fields) field.element.classList.remove('fitted');
+    const moved = answer.fitted.map(({ name, before, after, reason }) => {
+      const field = find(name);
+      field.input.value = String(after);
+      field.element.classList.add('fitted');
+      follow(field);
+      const item = make('li', { textContent: `: ${before} became ${after}; ${reason}` });
+      item.prepend(make('a', { href: `#p-${name}`, textContent: name }));
+      return item;
+    });
+    byId('fitted').replaceChildren(...moved);
+    byId('fitted').hidden = moved.length === 0;
+    change(held);
   }
 
   async function showFigures() {
@@ -256,6 +284,12 @@
     field.input.value = value;
     follow(field);
     field.input.focus();
+    give(field);
+  }
+  function give(field) {
+    if (hasChanged(field)) given.add(field.path);
+    else given.delete(field.path);
+    field.element.classList.remove('fitted');
     change(field);
   }
   function tell({ slider, input, element }) {
@@ -266,14 +300,14 @@
     for (const taken of ['focusin', 'pointerdown']) element.addEventListener(taken, () => hold(field));
     input.addEventListener('input', () => {
       follow(field);
-      change(field);
+      give(field);
     });
     slider?.addEventListener('input', () => {
       const value = Number(slider.value);
       const chosen = 'log' in slider.dataset ? Number((10 ** value).toPrecision(3)) : Number(value.toPrecision(12));
       input.value = String(kind === 'integer' ? Math.round(chosen) : chosen);
       tell(field);
-      change(field);
+      give(field);
     });
     reset.addEventListener('click', () => put(field, field.initial));
     tell(field);
@@ -333,6 +367,7 @@
         field.input.value = String(presets[button.dataset.design][field.path]);
         follow(field);
       }
+      given.clear();
       change(null);
     });
   }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
@@ -11,8 +12,8 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.design.geometry import DesignTables
-from fingertip.design.hand_sizes import GUESSED, SIZES, complete_hand, describe_guesses, find_guesses
-from fingertip.design.new_design import list_hands
+from fingertip.design.hand_sizes import SIZES, complete_hand, find_guesses
+from fingertip.design.new_design import list_hands, write_new_design
 from fingertip.design.parameters.parts import Hand
 from fingertip.design.rules.ruleset import RuleChecker
 from fingertip.design.search import PART_RULES
@@ -22,7 +23,7 @@ from tests.conftest import ROOT, run_fingertip
 
 BASE = Design.load("adult_finger")
 HANDS = {name: tomllib.loads(path.read_text())["hand"] for name, path in list_hands().items()}
-LEFT_OUT = ("axis_height_mm", "clearance_radius_mm", "tendon_distance_mm", "tendon_diameter_mm", "travel_deg")
+LEFT_OUT = ("axis_height_mm", "clearance_radius_mm", "tendon_distance_mm", "travel_deg", "tendon_diameter_mm")
 
 
 def test_every_number_of_a_hand_has_a_letter_in_drawing_and_help() -> None:
@@ -60,12 +61,16 @@ def test_a_guess_is_blamed_by_no_rule_and_lets_the_hand_bend_nearly_as_far(name:
     assert not blame({**completed, "travel_deg": min(completed["travel_deg"], 45.0)}) - blame(HANDS[name])
 
 
-def test_what_is_guessed_is_told_and_what_cannot_be_is_asked_for() -> None:
+def test_what_is_guessed_is_marked_and_told_and_what_cannot_be_is_asked_for(tmp_path: Path) -> None:
+    hand, design = tmp_path / "hand.toml", tmp_path / "mine.toml"
+    hand.write_text('[hand]\nknuckle = "tongue"\nwidth_mm = 7.0\npin_diameter_mm = 2.9\n')
+    made = write_new_design("mine", hand=hand, changes=["hand.travel_deg=50.0"])
+    assert made.guessed == tuple(f"hand.{name}" for name in ("tendon_diameter_mm", *LEFT_OUT[:3]))
+    assert sorted(find_guesses(made.text)) == sorted(made.guessed)
+    design.write_text(made.text)
+    told = run_fingertip("params", str(design), "--set", "hand.axis_height_mm=5.6").stderr
+    assert set(re.findall(r"hand\.\w+", told)) == set(made.guessed) - {"hand.axis_height_mm"}
     with pytest.raises(DesignError, match="hand: lacks knuckle and pin_diameter_mm; `fingertip new --help`"):
         complete_hand({"width_mm": 5.0}, BASE.hand)
     with pytest.raises(DesignError, match="width_mm"):
         complete_hand({"width_mm": "wide"}, BASE.hand)
-    text = f"hand.width_mm = 5.0  # A\nhand.travel_deg = 55.0  # {GUESSED}. G\nhand.axis_height_mm = 5.0 # {GUESSED}. B"
-    assert find_guesses(text, ["hand.axis_height_mm"]) == ["hand.travel_deg"]
-    assert describe_guesses([]) == ""
-    assert "hand.travel_deg; measure" in describe_guesses(["hand.travel_deg"])

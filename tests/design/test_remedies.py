@@ -5,12 +5,14 @@ from __future__ import annotations
 import os
 import random
 from collections.abc import Sequence
+from functools import cache
 
 import pytest
 
+from fingertip.catalogues.file_kinds import DESIGN, list_bundled_files
 from fingertip.design import Design
 from fingertip.design.geometry import DesignTables
-from fingertip.design.parameters import PARAMETERS
+from fingertip.design.parameters import ELECTRONIC_TABLES, PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
 from fingertip.design.rules.skin import calibration_spans_forces
 from fingertip.design.search import Search
@@ -40,15 +42,57 @@ def test_search_begins_at_any_positive_number(smallest):
     assert 0.5 <= found <= 10.0
 
 
-def check_remedies(changes: Sequence[str], name: str = "fsr400") -> None:
-    """Type in the remedies of a refusal, all together and each alternative by itself; the design must then pass."""
+def check_remedies(changes: Sequence[str], name: str = "fsr400") -> tuple[Issue, ...]:
+    """Type in the remedies of a refusal, all together, and each alternative; the design must then pass."""
     issues = refuse(changes, name)
     for issue in issues:
         assert read_remedy(issue), f"{changes}: no remedy in {issue}"
+        others = [other for other in issues if is_electronic(other.field) != is_electronic(issue.field)]
         for alternative in read_alternatives(issue):
-            assert not refuse([*changes, alternative], name), f"{changes}: {alternative} of {issue}"
+            assert not refuse([*changes, *as_changes(others), alternative], name), (
+                f"{changes}: {alternative} of {issue}"
+            )
     remedies = as_changes(issues)
     assert not refuse([*changes, *remedies], name), f"{changes}: {remedies}"
+    return issues
+
+
+def is_electronic(name: str) -> bool:
+    return name.partition(".")[0] in ELECTRONIC_TABLES
+
+
+def check_change(name: str, preset: str, share: float) -> None:
+    """Change one number of a bundled design: a refusal must name it first, and its remedies must pass."""
+    present = load(preset).value(name)
+    value = round(share * present) if PARAMETERS[name].annotation is int else float(f"{share * present:.6g}")
+    if value != present and (issues := check_remedies([f"{name}={value!r}"], preset)):
+        assert issues[0].field == name, issues
+
+
+@cache
+def load(preset: str) -> Design:
+    return Design.load(design_file(preset))
+
+
+@pytest.mark.every_case
+@pytest.mark.parametrize(
+    ("preset", "name", "share"),
+    [
+        ("adult_finger", "skin.width_mm", 0.9), ("adult_finger", "hand.tendon_distance_mm", 1.1),
+        ("adult_finger", "bone.collar_length_mm", 1.3), ("child_thumb", "hand.travel_deg", 1.3),
+        ("fsr402", "bone.post_height_mm", 1.1), ("article", "board.passband_gain", 1.3),
+    ],
+)  # fmt: skip
+def test_a_refusal_names_the_changed_parameter_first(preset: str, name: str, share: float) -> None:
+    check_change(name, preset, share)
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("preset", sorted(list_bundled_files(DESIGN)))
+def test_a_refusal_names_any_changed_number_of_any_bundled_design_first(preset: str) -> None:
+    for name in NUMERIC:
+        for share in (0.97, 1.03, 0.9, 1.1, 0.7, 1.3):
+            check_change(name, preset, share)
 
 
 def draw_value(random_numbers: random.Random, name: str) -> float:

@@ -14,9 +14,14 @@ _EXAMPLE = re.compile(rf", such as ({_NUMBER})")
 _ASSIGNMENT = re.compile(r"([a-z_]+\.[a-z0-9_]+)=([^\s,]+?)(?=[,.]?(?:\s|$))")
 
 
+FIT = "--fit"
+
+
 def read_remedy(issue: Issue) -> dict[str, str]:
-    """Values that a message asks for, by field; its alternatives ("or ...") are left out."""
+    """Values that a message asks for, by field, or the option --fit; its alternatives ("or ...") are left out."""
     remedy = issue.message.rpartition("; ")[2].partition(", or ")[0]
+    if FIT in remedy:
+        return {FIT: ""}
     values = dict(_ASSIGNMENT.findall(remedy))
     if bound := _BOUND.match(remedy):
         last = _LAST_BOUND.search(remedy)
@@ -32,5 +37,5 @@ def read_alternatives(issue: Issue) -> list[str]:
 
 
 def as_changes(issues: Iterable[Issue]) -> list[str]:
-    """All remedies of a refusal, as changes."""
-    return [f"{name}={value}" for issue in issues for name, value in read_remedy(issue).items()]
+    """All remedies of a refusal, as changes; without the option --fit."""
+    return [f"{name}={value}" for issue in issues for name, value in read_remedy(issue).items() if name != FIT]

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import collections
 import contextlib
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
@@ -14,15 +15,28 @@ from fingertip.design.files import flatten
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS, ParameterTable
 from fingertip.design.parameters.declaration import find_bounds, find_unit, format_unit, issues_from_pydantic
-from fingertip.design.remedies import Refusal, Values, find_passing_value, resolve
+from fingertip.design.remedies import Ends, Refusal, Values, find_intervals, find_passing_value, list_ends, resolve
 from fingertip.design.rules.ruleset import BrokenRule, Rule, find_violations
-from fingertip.design.search import RULES, Search, cheapest_first, format_value, is_number, join_assignments
-from fingertip.foundation.errors import Issue
+from fingertip.design.search import (
+    ELECTRONIC_RULES,
+    PART_RULES,
+    RULES,
+    Search,
+    cheapest_first,
+    format_value,
+    is_number,
+    join_assignments,
+)
+from fingertip.foundation.errors import Issue, join_words
 
-_MAX_ALTERNATIVES = 2
+if TYPE_CHECKING:
+    from fingertip.design.fit import Fit
+
 _MAX_CHANGED = 3
-"""Maximum number of changed parameters among which alternatives are searched. More of them are a design of its own, in
-which none stands out."""
+"""Maximum number of parameters that differ from a design before and are taken for its changes, if nobody names these.
+More of them are a design of its own, in which none stands out."""
+FitFunction = Callable[[DesignTables], "Fit | None"]
+"""Fits a design, with what was changed as it is; None if no design is found that passes."""
 
 
 def find_remedies(
@@ -32,40 +46,55 @@ def find_remedies(
     changed: Sequence[str] = (),
     invalid: frozenset[str] = frozenset(),
     rules: Iterable[Rule] = RULES,
+    fit: FitFunction | None = None,
 ) -> list[Issue]:
-    """Describe what is wrong with a design, each problem with a remedy."""
+    """Describe what is wrong with a design, each problem with a remedy.
+
+    `before` is the design that was changed (the defaults if None), and `changed` names its changes, among which the
+    cause is sought. `fit` is tried on the design.
+    """
     before = before or DesignTables()
-    names = changed or [name for name in PARAMETERS if tables.value(name) != before.value(name)]
-    search = Search(cheapest_first(rules), cheapest_first(one.rule for one in broken), invalid, before)
-    refusal = Refusal(tables, tuple(broken), before, tuple(names), search)
-    return list(_describe(refusal, resolve(refusal)))
+    differing = [name for name in PARAMETERS if tables.value(name) != before.value(name)]
+    changed = tuple(changed or (differing if len(differing) <= _MAX_CHANGED else ()))
+    issues = list[Issue]()
+    for group in (PART_RULES, ELECTRONIC_RULES):  # which read no table of each other
+        if own := tuple(one for one in broken if one.rule in group):
+            checked = cheapest_first(rule for rule in rules if rule in group)
+            search = Search(checked, cheapest_first(one.rule for one in own), invalid, before)
+            fitted = fit(tables) if fit and group is PART_RULES and not invalid else None
+            issues += _describe(Refusal(tables, own, before, changed, search), fitted)
+    return issues
 
 
-def _describe(refusal: Refusal, values: Values) -> Iterator[Issue]:
-    """Yield one issue for each blamed field, with its part of the remedy."""
-    blamed = refusal.blamed
-    unblamed = [name for name in values if name not in blamed]
-    if len(blamed) > 1 and len(values) == 1 and unblamed:
-        (name,) = values
-        present = f"{format_value(name, refusal.tables.value(name))}{format_unit(find_unit(PARAMETERS[name]))}"
-        bound = _format_bound(refusal, name, values)
-        yield Issue(name, f"{present} breaks {len(blamed)} rules, listed below; {bound}.")
-        unblamed = []
-    parts = {name: [other for other in values if other in refusal.reads(name)] for name in blamed}
-    # What no broken rule reads repairs rules that are checked once these pass: it stands in the first message.
-    homeless = [name for name in values if not any(name in part for part in parts.values())]
-    parts[next(iter(parts))] += homeless
-    for name, broken in sorted(blamed.items(), key=lambda item: len(values) == 1 and item[0] not in values):
-        part = {other: values[other] for other in parts[name] or values}
-        extra = {other: values[other] for other in unblamed if other in part}
-        if name in values:
-            together = f", together with {join_assignments(extra)}" if extra else ""
-            remedy = _format_bound(refusal, name, values) + together
+def _describe(refusal: Refusal, fit: Fit | None) -> Iterator[Issue]:
+    """Yield an issue for the parameter whose change is the cause, then one for each other blamed or moved field."""
+    values, blamed = resolve(refusal, fit is not None), refusal.blamed
+    counts = collections.Counter(name for field in blamed for name in refusal.reads(field))
+    causes = sorted(filter(counts.get, refusal.changed), key=lambda name: (name not in values, name not in blamed))[:1]
+    moved = [name for name in values if counts[name]] if causes or len(blamed) > 1 else []
+    names = list(dict.fromkeys((*causes, *moved, *sorted(blamed, key=lambda name: name not in values))))
+    for name in names:
+        if name in blamed:
+            problem = blamed[name][0].violation.problem
         else:
-            assignments = join_assignments(part)
-            fixes = "fixes" if len(part) == 1 else "fix"
-            remedy = f"set {assignments}" if extra else f"{assignments} also {fixes} this"
-        yield Issue(name, f"{broken[0].violation.problem}; {remedy}{_find_alternatives(refusal, name, values)}.")
+            present = f"{format_value(name, refusal.tables.value(name))}{format_unit(find_unit(PARAMETERS[name]))}"
+            problem = f"{present} breaks {f'{counts[name]} rules' if counts[name] > 1 else 'a rule'}, listed below"
+        remedies = [_format_bound(refusal, name, values)] if name in values else []
+        if name == names[0]:
+            rest = {other: value for other, value in values.items() if other not in names} or (
+                {} if remedies else values
+            )
+            if rest:
+                remedies = [f"{remedies[0]}, together with " if remedies else "set "]
+                remedies[0] += join_assignments(rest)
+            remedies += _list_alternatives(refusal, values)
+            remedies += [f"add --fit, which moves {join_words(move.name for move in fit.moves)}"] if fit else []
+        elif not remedies:
+            part = {other: values[other] for other in values if other in refusal.reads(name)} or values
+            remedies = [
+                f"{join_assignments(part) if part else '--fit'} also {'fix' if len(part) > 1 else 'fixes'} this"
+            ]
+        yield Issue(name, f"{problem}; {', or '.join(remedies)}.")
 
 
 def _format_bound(refusal: Refusal, name: str, values: Values) -> str:
@@ -73,28 +102,25 @@ def _format_bound(refusal: Refusal, name: str, values: Values) -> str:
     value = values[name]
     if not is_number(name):
         return f"set {join_assignments({name: value})}{_suggest_bundled_design(refusal, name)}"
-    unit = format_unit(find_unit(PARAMETERS[name]))
-    notes = [broken.violation.note for broken in refusal.blamed.get(name, ()) if broken.violation.note]
-    if notes and len(refusal.blamed) == 1:
-        unit += f" {notes[0]}"
-    texts = [f"{'at least' if value > refusal.tables.value(name) else 'at most'} {format_value(name, value)}"]
-    passing = refusal.ranges.get(name)
-    if passing and len(refusal.blamed) == 1:
-        ends: dict[float | None, str] = {
-            end: format_value(name, end)
-            for interval in passing.intervals
-            for end in interval
-            if end is not None and (end == value or refusal.resolves(values | {name: end}))
-        }
-        texts = []
-        for low, high in passing.intervals:
-            if low in ends and low == high:
-                texts.append(ends[low])
-            elif low in ends and high in ends:
-                texts.append(f"between {ends[low]} and {ends[high]}")
-            elif low in ends or high in ends:
-                texts.append(f"at least {ends[low]}" if low in ends else f"at most {ends[high]}")
-    return " or ".join(texts) + unit
+    unit, intervals = format_unit(find_unit(PARAMETERS[name])), list[Ends]()
+    if set(refusal.blamed) == {name}:
+        intervals = find_intervals(name, refusal.broken)
+        unit += next((f" {broken.violation.note}" for broken in refusal.broken if broken.violation.note), "")
+    if value not in list_ends(refusal.tables, name, intervals):
+        intervals = [(value, None) if value > refusal.tables.value(name) else (None, value)]
+
+    def verify(end: float | None) -> float | None:
+        return end if end == value or (end is not None and refusal.resolves({name: end})) else None
+
+    texts = (_format_interval(name, verify(low), verify(high)) for low, high in intervals)
+    return " or ".join(filter(None, texts)) + unit
+
+
+def _format_interval(name: str, low: float | None, high: float | None) -> str:
+    texts = ["" if end is None else format_value(name, end) for end in (low, high)]
+    if all(texts):
+        return texts[0] if low == high else f"between {texts[0]} and {texts[1]}"
+    return f"at least {texts[0]}" if texts[0] else f"at most {texts[1]}" if texts[1] else ""
 
 
 def _suggest_bundled_design(refusal: Refusal, name: str) -> str:
@@ -105,27 +131,18 @@ def _suggest_bundled_design(refusal: Refusal, name: str) -> str:
     return f", or start from the bundled design {present.bundled_design}"
 
 
-def _find_alternatives(refusal: Refusal, name: str, values: Values) -> str:
-    """Find alternatives to the bound of the only blamed field: those of its rules, and values of changed fields."""
-    if len(refusal.blamed) > 1 or name not in values:
-        return ""
-    found = Values()
-    for broken in refusal.blamed[name]:
-        found |= broken.violation.alternatives
-    read = refusal.reads(name) - {name, *found}
-    changed = [other for other in refusal.changed if other in read and is_number(other)]
-    if len(refusal.changed) <= _MAX_CHANGED:
-        for other in changed[: max(0, _MAX_ALTERNATIVES - len(found))]:
-            found[other] = refusal.search.nearest(refusal.tables, other, thorough=False)
-    beside = Values()
+def _list_alternatives(refusal: Refusal, values: Values) -> Iterator[str]:
+    """Yield what resolves a refusal instead: the bound of the only blamed field, and values that its rules name."""
+    if len(refusal.blamed) > 1:
+        return
+    ((name, broken),) = refusal.blamed.items()
+    ends = list_ends(refusal.tables, name, find_intervals(name, broken))
+    found: Values = {name: ends[0]} if ends else {}
+    for one in broken:
+        found |= one.violation.alternatives
     for other, value in found.items():
-        if (
-            value is not None
-            and refusal.resolves({other: value})
-            and refusal.resolves(values | beside | {other: value})
-        ):
-            beside[other] = value
-    return "".join(f", or {join_assignments({other: value})}" for other, value in beside.items())
+        if values.get(other) != value and refusal.resolves({other: value}):
+            yield join_assignments({other: value})
 
 
 def describe_violations(tables: DesignTables, rules: Iterable[Rule] = RULES) -> Iterator[Issue]:
@@ -141,9 +158,8 @@ def explain_violations(
 ) -> list[Issue]:
     """Describe the rules that a design breaks, with remedies; the parameters are those of `find_remedies`."""
     valid_before = None
-    if before is not None:
-        with contextlib.suppress(ValidationError):
-            valid_before = DesignTables(**before)
+    with contextlib.suppress(ValidationError):
+        valid_before = DesignTables(**before) if before is not None else None
     return find_remedies(tables, broken, valid_before, changed)
 
 
@@ -183,38 +199,27 @@ def _keep_valid(tables: Mapping[str, Any], invalid: frozenset[str]) -> DesignTab
 
 def _extend_bound(issue: Issue, tables: Mapping[str, Any], valid: DesignTables, invalid: frozenset[str]) -> Issue:
     """Add to a violated bound the value that the rules require, if the bound itself would break them."""
-    name = issue.field
-    table, _, key = name.partition(".")
-    if name not in PARAMETERS or not key:
+    name, others = issue.field, invalid - {issue.field}
+    value = dict(flatten(tables)).get(name)
+    if name not in PARAMETERS or isinstance(value, bool) or not isinstance(value, int | float):
         return issue
-    value, bounds = tables[table][key], find_bounds(PARAMETERS[name])
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+    field = PARAMETERS[name]
+    bounds, unit = find_bounds(field), format_unit(find_unit(field))
+    if bounds.contain(value) or not math.isfinite(value):
         return issue
     if bounds.maximum is not None and value > bounds.maximum:
         word, bound = "at most", bounds.maximum
-    elif bounds.minimum is not None and value < bounds.minimum:
-        word, bound = "at least", bounds.minimum
-    elif bounds.above is not None and value <= bounds.above:
-        word, bound = "at least", bounds.above + 1e-6 * (bounds.maximum or 1.0)
-    else:
-        return issue
-    others, unit = invalid - {name}, format_unit(find_unit(PARAMETERS[name]))
-    if bounds.above is not None and word == "at least":  # the bound itself is no value to type in
-        default = PARAMETERS[name].default
-        if not any(name in one.reads for one in find_violations(RULES, valid.with_values({name: default}), others)):
-            return issue  # which names it as an example
-        issue = Issue(name, issue.message.partition(", such as")[0])
+    else:  # a bound that is not valid itself is no value to type in: the message names the default as an example
+        word, bound = "at least", field.default if bounds.minimum is None else bounds.minimum
     at_bound = valid.with_values({name: bound})
     violations = list(find_violations(RULES, at_bound, others))
     broken = [one for one in violations if name in one.reads]
-    if not broken:
-        return issue
     # Rules that fail whatever this parameter is have issues of their own.
     unrelated = {one.rule for one in violations} - {one.rule for one in broken}
     rules = cheapest_first(rule for rule in RULES if rule not in unrelated)
     search = Search(rules, cheapest_first(one.rule for one in broken), others)
-    passing = find_passing_value(search, at_bound, name, broken)
+    passing = find_passing_value(search, at_bound, name, broken) if broken else None
     if passing is None:
         return issue
     more = f", and {word} {format_value(name, passing)}{unit} with the other parameters as they are."
-    return Issue(name, issue.message.removesuffix(".") + more)
+    return Issue(name, issue.message.partition(", such as")[0].removesuffix(".") + more)

@@ -53,7 +53,7 @@ Band = tuple[float, float]
 
 @dataclass(frozen=True)
 class Search:
-    """Search for values near a design that pass all rules, or the one rule that is asked for; each was checked."""
+    """Search for values near a design that pass all rules; each was checked."""
 
     rules: tuple[Rule, ...]
     """Rules to pass, the cheapest first."""
@@ -64,12 +64,10 @@ class Search:
     before: DesignTables | None = None
     """Design whose values are tried too."""
 
-    def passes(self, tables: DesignTables, only: Rule | None = None) -> bool:
-        if only is not None:
-            return RuleChecker(tables, self.invalid).passes(only)
+    def passes(self, tables: DesignTables) -> bool:
         return next(find_violations((*self.suspects, *self.rules), tables, self.invalid), None) is None
 
-    def nearest(self, tables: DesignTables, name: str, only: Rule | None = None, *, thorough: bool = True) -> Any:
+    def nearest(self, tables: DesignTables, name: str, *, thorough: bool = True) -> Any:
         """Find the value of a numeric parameter that passes and is nearest to its present one; None if there is none.
 
         The value is the nearest one on a coarse grid between the parameter's bounds, or else, if the search is
@@ -86,17 +84,17 @@ class Search:
         fine = [value for value in grid if value not in coarse] if thorough else []
         for values in ([value for value in grid if value in coarse], fine):
             for value in values:
-                if self.passes(tables.with_values({name: value}), only):
+                if self.passes(tables.with_values({name: value})):
                     between = (v for v in failing if min(present, value) <= v <= max(present, value))
-                    return self.refine(tables, name, min(between, key=lambda v: abs(v - value)), value, only)
+                    return self.refine(tables, name, min(between, key=lambda v: abs(v - value)), value)
                 failing.add(value)
         return None
 
-    def refine(self, tables: DesignTables, name: str, failing: float, passing: float, only: Rule | None = None) -> Any:
+    def refine(self, tables: DesignTables, name: str, failing: float, passing: float) -> Any:
         """Move a passing value of a parameter towards a failing one by bisection, and round it."""
 
         def passes(value: float) -> bool:
-            return self.passes(tables.with_values({name: value}), only)
+            return self.passes(tables.with_values({name: value}))
 
         def between(share: float) -> float:
             if min(failing, passing) > 0.0 and max(failing, passing) > 4.0 * min(failing, passing):

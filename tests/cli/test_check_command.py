@@ -19,12 +19,19 @@ COARSE = ("--tolerance-mm", "0.05")
 @pytest.mark.full
 def test_valid_designs_exit_0(tmp_path: Path) -> None:
     report = tmp_path / "reports" / "check.xml"
-    done = run_fingertip("check", FSR400, FSR402, *COARSE, "--junit", report, "--json", "--quiet", PWD=str(tmp_path))
+    done = run_fingertip(
+        "check", FSR400, FSR402, *COARSE, "--junit", report, "--json", "--quiet", "--margins", PWD=str(tmp_path)
+    )
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
     output = json.loads(done.stdout)
     assert output["passed"] is True
     assert [design["design"] for design in output["designs"]] == ["fsr400", "fsr402"]
+    for one in output["designs"]:
+        margins = [margin["margin_percent"] for margin in one["margins"]]
+        assert len(margins) == 10
+        assert margins == sorted(margins)
+        assert margins[0] >= 0
     written = [case.get("name") for case in ElementTree.parse(report).iter("testcase")]
     assert written == [check["name"] for design in output["designs"] for check in design["checks"]]
     assert {"bone.stl.genus", "demolding_overlap.mold_palmar", "overlap.skin.core"} <= set(written)

@@ -11,13 +11,14 @@ from xml.etree.ElementTree import Element, SubElement
 
 import typer
 
-from fingertip.cli.console import Console
+from fingertip.cli.console import Console, align_columns
 from fingertip.cli.options import (
     CHANGES,
     DESIGN_FILES,
     VERBOSE,
     command,
     find_file_issues,
+    flag,
     load_design,
     load_fingers,
     refuse,
@@ -30,6 +31,9 @@ if TYPE_CHECKING:
     from fingertip.design import Design
 
 
+_MARGIN = ("name", "value", "limit", "unit", "relation", "margin_percent")
+_NEAREST = 10
+"""Number of margins that are listed."""
 FINE_MM = 0.01
 """Tolerance of meshes with which the bundled designs pass all checks [mm]."""
 
@@ -40,6 +44,7 @@ def check(
     designs: list[Path] = DESIGN_FILES,
     tolerance_mm: float = typer.Option(FINE_MM, help="Largest distance of a facet from the exact surface, in mm."),
     junit: Path | None = typer.Option(None, metavar="FILE.xml", help="JUnit report, for CI servers."),
+    margins: bool = flag("List the checks and rules that are nearest to their limits."),
     verbose: bool = VERBOSE,
     changes: list[str] | None = CHANGES,
 ) -> None:
@@ -60,7 +65,8 @@ def check(
     data: dict[str, Any] = {"passed": True}
     texts: list[str] = []
     if files:
-        data, texts = _check_designs(_load(files, changes or (), console), tolerance_mm, junit, console, verbose)
+        loaded = _load(files, changes or (), console)
+        data, texts = _check_designs(loaded, tolerance_mm, junit, console, verbose, margins)
     if folders:
         data["folders"], folder_texts = _check_folders(folders)
         texts += folder_texts
@@ -83,7 +89,12 @@ def _check_folders(folders: Sequence[Path]) -> tuple[list[dict[str, Any]], list[
 
 
 def _check_designs(
-    designs: Mapping[str, Design], tolerance_mm: float, junit: Path | None, console: Console, verbose: bool
+    designs: Mapping[str, Design],
+    tolerance_mm: float,
+    junit: Path | None,
+    console: Console,
+    verbose: bool,
+    margins: bool,
 ) -> tuple[dict[str, Any], list[str]]:
     from fingertip.cad.verification.verify import check
 
@@ -102,6 +113,15 @@ def _check_designs(
     ]
     data = {"passed": all(one["passed"] for one in found), "tolerance_mm": tolerance_mm, "designs": found}
     texts = [_format_table(label, checks, verbose) for label, checks in checks_by_design.items()]
+    if margins:
+        from fingertip.cad.verification.margins import list_margins
+
+        for i, (label, design) in enumerate(designs.items()):
+            nearest = list_margins(design, checks_by_design[label])[:_NEAREST]
+            found[i]["margins"] = [{key: getattr(one, key) for key in _MARGIN} for one in nearest]
+            rows = [(f"{one.margin_percent:.1f} %", one.name, f"{one.value:.5g} {one.sign} {one.limit:.5g} {one.unit}")
+                    for one in nearest]  # fmt: skip
+            texts.append("\n".join([f"{label}: nearest to their limits", *align_columns(rows)]))
     if not data["passed"] and tolerance_mm > FINE_MM:
         texts.append(f"The meshes are coarse, which alone may fail a check: try --tolerance-mm {FINE_MM:g} first.")
     return data, texts

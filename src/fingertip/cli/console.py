@@ -15,7 +15,7 @@ import re
 import shutil
 import sys
 import textwrap
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import typer
@@ -25,7 +25,7 @@ from fingertip.foundation.progress import ShareText, format_duration
 from fingertip.foundation.version import __version__
 
 if TYPE_CHECKING:
-    from fingertip.design.fit import Move
+    from fingertip.design import Design
     from fingertip.sweep.run import RunState
 
 
@@ -163,20 +163,22 @@ class Console:
             print(CLEAR_LINE, end="", file=sys.stderr, flush=True)
             Console.has_bar = False
 
-    def show_moves(self, design: str, moves: Sequence[Move]) -> None:
-        """Print what a fit has moved in a design, before anything is written; with --quiet it is part of the result."""
+    def show_moves(self, design: Design) -> None:
+        """Print what a fit has moved, before anything is written; with --quiet it is part of the result."""
         from fingertip.design.parameters import find_kind
 
         keys = ("parameter", "kind", "was", "is", "why")
-        rows = [(move.name, find_kind(move.name), move.before, move.after, move.reason) for move in moves]
-        self._moves += ({"design": design, **dict(zip(keys, row, strict=True))} for row in rows)
-        title = f"{design}: fitted, {len(rows)} value{'s' if len(rows) > 1 else ''} moved"
-        shown = align_columns([keys, *(tuple(map(str, row)) for row in rows)])
-        lines = [title, *shown] if rows else [f"{design}: passes as it is, nothing was moved"]
-        self._tables.append("\n".join(lines))
+        rows = [(move.name, find_kind(move.name), move.before, move.after, move.reason) for move in design.moves]
+        self._moves += ({"design": design.name, **dict(zip(keys, row, strict=True))} for row in rows)
+        said = f"{len(rows)} value{'s' * (len(rows) > 1)} moved" if rows else "passes as it is, nothing was moved"
+        cells = [list(map(str, row)) for row in (keys, *rows)] if rows else []
+        widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+        lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in cells]
+        self._tables.append("\n".join([f"{design.name}, fit: {said}", *lines]))
         if not self.quiet:
             self.clear()
-            print(escape_control(self._tables[-1], kept="\n"), file=sys.stderr, flush=True)
+            shown = fit_width(self._tables[-1], shutil.get_terminal_size().columns if self._is_terminal else 0)
+            print(escape_control(shown, kept="\n"), file=sys.stderr, flush=True)
 
     def warn(self, warnings: Iterable[str]) -> None:
         for warning in warnings:
@@ -223,12 +225,6 @@ class Console:
             issues = [{"field": issue.field, "message": issue.message} for issue in error.issues]
             with contextlib.suppress(OutputError):  # they are on stderr in any case
                 self.write(json.dumps({**(partial_result or {}), "issues": issues}, indent=2))
-
-
-def align_columns(rows: Sequence[Sequence[str]]) -> list[str]:
-    """Write rows of texts as lines with aligned columns."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
 
 
 MIN_WIDTH = 40

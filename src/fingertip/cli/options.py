@@ -6,7 +6,6 @@ import functools
 import inspect
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -114,10 +113,12 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
 def load_design(file: Path | None, changes: Sequence[str] | None, console: Console | None = None) -> Design:
     """Load the design of a file, or the default design, with changes; with --fit, fit it. Raises DesignError."""
     if console and console.fits:
+        from fingertip.design import Design
         from fingertip.design.files import load_tables
 
-        design = _fit(load_tables([file] if file else [], changes or ()), console)
-        console.show_moves(design.name, design.moves)
+        loaded = load_tables([file] if file else [], changes or ())
+        design = Design.fit_tables(loaded.tables, loaded.before, loaded.changed, console.progress)
+        console.show_moves(design)
     else:
         design, is_default = read_design(file, tuple(changes or ()))
         if file and is_default and console:
@@ -140,31 +141,23 @@ def read_design(file: Path | None, changes: tuple[str, ...]) -> tuple[Design, bo
     return Design.from_tables(loaded.tables, loaded.before, loaded.changed), not loaded.before
 
 
-def _fit(loaded: LoadedTables, console: Console) -> Design:
-    from fingertip.design import Design
-
-    return Design.fit_tables(loaded.tables, loaded.before, loaded.changed, console.progress)
-
-
 def load_fingers(file: Path, changes: Sequence[str] | None, console: Console) -> FingerSet:
     """Load a set of fingers; with --fit, fit each. Raises DesignError."""
     from fingertip.catalogues.electronics import split_finger
-    from fingertip.design.finger_set import load_set
+    from fingertip.design import Design
+    from fingertip.design.finger_set import build_set, load_set, read_set
 
     if not console.fits:
         return load_set(file, changes or ())
     typed = {split_finger(change.partition("=")[0].strip())[1] for change in changes or ()}
-    fitted: dict[str, Design] = {}
 
-    def read(loaded: LoadedTables) -> Design:
-        own = replace(loaded, changed=tuple(name for name in loaded.changed if name in typed))  # not those of the file
-        key = repr(own)
-        fitted[key] = fitted.get(key) or _fit(own, console)
-        return fitted[key]
+    def fit(loaded: LoadedTables) -> Design:
+        changed = [name for name in loaded.changed if name in typed]  # what the set's file states may move
+        return Design.fit_tables(loaded.tables, loaded.before, changed, console.progress)
 
-    fingers = load_set(file, changes or (), read)
+    fingers = build_set(*read_set(file, changes or (), fit))
     for form in fingers.forms:
-        console.show_moves(form.design.name, form.design.moves)
+        console.show_moves(form.design)
     return fingers
 
 

@@ -104,18 +104,14 @@ def is_set(given: str | Path) -> bool:
     return identify_kind(find_file(given, DESIGN, SET)) is SET
 
 
-def load_set(
-    file: str | Path,
-    changes: Sequence[str] = (),
-    read: Callable[[LoadedTables], Design] = lambda loaded: Design.from_tables(
-        loaded.tables, loaded.before, loaded.changed
-    ),
-) -> FingerSet:
-    """Load a set, of which `read` makes each finger. Raises DesignError, with all faults.
+def load_set(file: str | Path, changes: Sequence[str] = ()) -> FingerSet:
+    """Load a set. Raises DesignError, with all faults.
 
     Changes such as "board.cutoff_hz=80" are made in all fingers, "fingers.thumb.skin.width_mm=22" in one.
     """
-    return build_set(*read_set(file, changes, read))
+    return build_set(
+        *read_set(file, changes, lambda loaded: Design.from_tables(loaded.tables, loaded.before, loaded.changed))
+    )
 
 
 def read_set(

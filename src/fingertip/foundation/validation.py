@@ -91,3 +91,11 @@ class Comparison:
     def passed(self) -> bool:
         compare = {"at most": operator.le, "below": operator.lt, "at least": operator.ge, "exactly": operator.eq}
         return bool(compare[self.relation](self.value, self.limit))
+
+    @property
+    def margin_percent(self) -> float:
+        """Distance of the value from its limit, in percent of the limit; infinite where that has no meaning."""
+        if self.relation == "exactly" or self.limit == 0.0:
+            return math.inf
+        above = self.value - self.limit
+        return 100.0 * (above if self.relation == "at least" else -above) / abs(self.limit)

@@ -302,6 +302,7 @@ def compute_checks(context: PointContext) -> OutputValues:
     checks = [check for each in verified for check in each.checks]
     failed = [check for check in checks if not check.passed]
     values: OutputValues = {f"{prefix}checks_failed": len(failed), f"{prefix}checks_run": len(checks)}
+    values[f"{prefix}margin_percent"] = min(check.margin_percent for check in checks)
     if failed:
         first, *others = failed
         more = f" (and {len(others)} more: {', '.join(check.name for check in others)})" if others else ""

@@ -1,6 +1,7 @@
 """State of the sample loop of `fast`, by index, its limits, and the functions that update parts of it.
 
-The firmware's library has the same state and the same limits (`fingertip.firmware.sources`).
+The `CompiledLoop` of `fast_loop` inlines these functions. The firmware's library has the same state and the same limits
+(`fingertip.firmware.sources`).
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ import re
 import shutil
 import sys
 import textwrap
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import typer
@@ -171,9 +171,7 @@ class Console:
         rows = [(move.name, find_kind(move.name), move.before, move.after, move.reason) for move in design.moves]
         self._moves += ({"design": design.name, **dict(zip(keys, row, strict=True))} for row in rows)
         said = f"{len(rows)} value{'s' * (len(rows) > 1)} moved" if rows else "passes as it is, nothing was moved"
-        cells = [list(map(str, row)) for row in (keys, *rows)] if rows else []
-        widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-        lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in cells]
+        lines = align_columns([[*map(str, row)] for row in (keys, *rows)]) if rows else []
         self._tables.append("\n".join([f"{design.name}, fit: {said}", *lines]))
         if not self.quiet:
             self.clear()
@@ -225,6 +223,12 @@ class Console:
             issues = [{"field": issue.field, "message": issue.message} for issue in error.issues]
             with contextlib.suppress(OutputError):  # they are on stderr in any case
                 self.write(json.dumps({**(partial_result or {}), "issues": issues}, indent=2))
+
+
+def align_columns(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Write rows of texts as lines with aligned columns."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
 
 
 MIN_WIDTH = 40

@@ -25,7 +25,7 @@ from fingertip.foundation.progress import ShareText, format_duration
 from fingertip.foundation.version import __version__
 
 if TYPE_CHECKING:
-    from fingertip.design import Design
+    from fingertip.design.fit import Move
     from fingertip.sweep.run import RunState
 
 
@@ -163,16 +163,16 @@ class Console:
             print(CLEAR_LINE, end="", file=sys.stderr, flush=True)
             Console.has_bar = False
 
-    def show_moves(self, design: Design) -> None:
+    def show_moves(self, design: str, moves: Sequence[Move]) -> None:
         """Print what a fit has moved, before anything is written; with --quiet it is part of the result."""
         from fingertip.design.parameters import find_kind
 
         keys = ("parameter", "kind", "was", "is", "why")
-        rows = [(move.name, find_kind(move.name), move.before, move.after, move.reason) for move in design.moves]
-        self._moves += ({"design": design.name, **dict(zip(keys, row, strict=True))} for row in rows)
+        rows = [(move.name, find_kind(move.name), move.before, move.after, move.reason) for move in moves]
+        self._moves += ({"design": design, **dict(zip(keys, row, strict=True))} for row in rows)
         said = f"{len(rows)} value{'s' * (len(rows) > 1)} moved" if rows else "passes as it is, nothing was moved"
         lines = align_columns([[*map(str, row)] for row in (keys, *rows)]) if rows else []
-        self._tables.append("\n".join([f"{design.name}, fit: {said}", *lines]))
+        self._tables.append("\n".join([f"{design}, fit: {said}", *lines]))
         if not self.quiet:
             self.clear()
             shown = fit_width(self._tables[-1], shutil.get_terminal_size().columns if self._is_terminal else 0)

@@ -118,7 +118,7 @@ def load_design(file: Path | None, changes: Sequence[str] | None, console: Conso
 
         loaded = load_tables([file] if file else [], changes or ())
         design = Design.fit_tables(loaded.tables, loaded.before, loaded.changed, console.progress)
-        console.show_moves(design)
+        console.show_moves(design.name, design.moves)
     else:
         design, is_default = read_design(file, tuple(changes or ()))
         if file and is_default and console:
@@ -157,7 +157,7 @@ def load_fingers(file: Path, changes: Sequence[str] | None, console: Console) ->
 
     fingers = build_set(*read_set(file, changes or (), fit))
     for form in fingers.forms:
-        console.show_moves(form.design)
+        console.show_moves(form.design.name, form.design.moves)
     return fingers
 
 

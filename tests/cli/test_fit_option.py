@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import doctest
 import json
 import tomllib
 from pathlib import Path
@@ -46,12 +45,6 @@ def test_a_design_that_passes_stays_and_a_design_file_on_stdout_can_be_read() ->
     done = run_fingertip("params", "adult_finger", "--fit", "--toml", "--quiet")
     assert Design(**tomllib.loads(done.stdout)) == Design.load("adult_finger")
     assert "passes as it is" in run_fingertip("params", "adult_finger", "--fit").stderr
-
-
-@pytest.mark.full
-def test_example_of_the_method_runs() -> None:
-    (example,) = doctest.DocTestFinder().find(Design.fit, "fit", globs={"Design": Design})
-    assert doctest.DocTestRunner().run(example) == (0, 2)
 
 
 def test_each_finger_of_a_set_is_fitted(tmp_path: Path) -> None:

@@ -25,15 +25,10 @@ design = "adult_finger"
 """
 
 
-@pytest.fixture(scope="module")
-def plan(tmp_path_factory: pytest.TempPathFactory) -> SweepPlan:
-    file = tmp_path_factory.mktemp("fit") / "fitted.toml"
-    file.write_text(TEXT, encoding="utf-8")
-    return SweepPlan.load(file, ["fit=true"])
-
-
-def test_columns_hold_what_moved_and_each_row_is_a_design_that_passes(plan: SweepPlan, tmp_path: Path) -> None:
-    with SweepDatabase.create(tmp_path, plan) as database:
+def test_columns_hold_what_moved_and_each_row_is_a_design_that_passes(tmp_path: Path) -> None:
+    (tmp_path / "fitted.toml").write_text(TEXT, encoding="utf-8")
+    plan = SweepPlan.load(tmp_path / "fitted.toml", ["fit=true"])
+    with SweepDatabase.create(tmp_path / "rows", plan) as database:
         compute_rows(plan, database, ProcessEngine(1))
         rows, outputs = list(database.rows()), database.find_outputs()
         report = write_report(database, tmp_path)
@@ -50,21 +45,12 @@ def test_columns_hold_what_moved_and_each_row_is_a_design_that_passes(plan: Swee
         assert any(row.outputs[name] != first.value(name.removeprefix("fitted.")) for row in rows)
     with pytest.raises(DesignError):
         Design.load("adult_finger", changes=rows[0].axes)
+    # What the points before it were does not count.
+    again = PointEvaluator(plan).evaluate(0, plan.point(0))
+    assert again[4] == tuple({**dict.fromkeys(plan.recorded), **plan.fitted, **rows[0].outputs}.values())
     best = rows[report["best"]["point"]]
     written = Design.load(tmp_path / "best.toml")
     assert {name: written.value(name.removeprefix("fitted.")) for name in fitted} == {
         name: best.outputs[name] for name in fitted
     }
     assert (tmp_path / "rows.csv").read_text().splitlines()[0].split(",")[3:-3] == list(outputs)
-
-
-@pytest.mark.full
-def test_points_in_another_order_give_the_same_rows(plan: SweepPlan) -> None:
-    forward, backward = PointEvaluator(plan), PointEvaluator(plan)
-    there = [forward.evaluate(point, plan.point(point)) for point in range(4)]
-    assert [backward.evaluate(point, plan.point(point)) for point in reversed(range(4))] == there[::-1]
-
-
-def test_without_a_fit_no_column_is_added(plan: SweepPlan) -> None:
-    tables = plan.file.model_dump() | {"fit": False, "design": plan.designs[""].model_dump(), "scene": None}
-    assert SweepPlan.from_tables(tables).recorded == ("finger_length_mm",)

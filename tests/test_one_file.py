@@ -41,7 +41,7 @@ def edit(path: Path, old: str, new: str) -> None:
 
 def add_sensor(house: Path) -> None:
     rows = house / "src/fingertip/catalogues/sensors.csv"
-    edit(rows, "\nfsr402,", "\nmine,Mine,5.08,7.62,0.30,38,6.4,2.54,[D] mine,,fsr400,\nfsr402,")
+    edit(rows, "\nfsr402,", "\nmine,Mine,5.08,7.62,0.30,38,6.4,2.54,[D] mine,,fsr400,,,,,,yes,\nfsr402,")
 
 
 def add_surface(house: Path) -> None:

@@ -18,7 +18,7 @@ from fingertip.design.files import list_parameters
 from fingertip.design.new_design import PRESETS, write_new_design
 from tests.conftest import ROOT, run_fingertip, some_of
 
-CHOICES = ("fsr400", "fsr400_short", "fsr402", "fsr402_short", "custom")
+CHOICES = (*SENSORS, "custom")
 
 
 @pytest.fixture(autouse=True)

@@ -168,7 +168,7 @@ def test_an_esp32_s3_finds_slips_in_spite_of_its_nonlinearity_by_averaging() -> 
     assert wrong[1] > wrong[TASK_CONVERSIONS] == 0
 
 
-def test_dividers_are_limited_by_pins_and_conversions_and_boards_take_no_esp32() -> None:
+def test_dividers_are_limited_by_pins_and_conversions() -> None:
     planned = plan_fingers(DESIGN, "3", "pico_2")
     assert planned.inputs == (("A0",), ("A1",), ("A2",))
     assert not list(find_warnings(DESIGN, planned.controller))
@@ -180,5 +180,3 @@ def test_dividers_are_limited_by_pins_and_conversions_and_boards_take_no_esp32()
     for words, reason in refused.items():
         with pytest.raises(FingertipError, match=reason):
             plan_fingers(DESIGN, *words.split(","))
-    with pytest.raises(FingertipError, match="esp32_s3"):
-        plan_fingers(Design(), "1", "esp32_s3")

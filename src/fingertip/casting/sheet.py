@@ -99,7 +99,6 @@ _FILAMENT_STEP_G, _LINE_STEP_N, _KNOT = 5, 10.0, 4.0
 """Steps to which filament and the line's strength are rounded up [g, N], and that strength over a strand's force."""
 _LEAST_KNOT_MM = 8
 """Least distance of a knot from the joints of the solder at which fingers can tie it [mm]. An assumption."""
-_ORDER_NUMBERS = {"fsr400_short": ", order number 34-00004"}
 
 
 @dataclass(frozen=True)
@@ -215,9 +214,10 @@ def _mount(design: Design) -> Mount:
 
 def _list_things(design: Design, batch: Mixture, mount: Mount, printed: str, printed_g: float) -> tuple[Thing, ...]:
     silicone = design.silicone.material
-    example = find_example(silicone)
+    example, sensor = find_example(silicone), design.dimensions.sensor
+    number = f", order number {sensor.order_number}" if sensor.order_number else ""
     words = {
-        "sensor": f"{design.dimensions.sensor.label} with solder tabs{_ORDER_NUMBERS.get(design.sensor.model, '')}",
+        "sensor": f"{sensor.maker} {sensor.label} with solder tabs{number}".lstrip(),
         "silicone": f"{silicone.label}, such as {example['label']}" if example else silicone.label,
         "material": printed,
         "wire": _describe_wire(design),

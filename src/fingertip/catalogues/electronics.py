@@ -1,9 +1,8 @@
 """Catalogues of force-sensing resistors (FSR), operational amplifiers and controllers.
 
 They are read from `sensors.csv`, `amplifiers.csv` and `controllers.csv`, with the source of every figure. Of sensors,
-[G] is Interlink Electronics' FSR Integration Guide, and [D] its one-page data sheet of the model. Dimensions listed
-in `unverified` were not found in a document of Interlink, or differ between its editions. Measure your own sensor
-before you print.
+[D] is Interlink Electronics' one-page data sheet of the model. Dimensions listed in `unverified` were not found in a
+document of the maker, or differ between its editions. Measure your own sensor before you print.
 
 Figures of an amplifier listed in `unverified` were recalled from the data sheet, assumed, or derived; no document of
 the maker was read for them. Read the data sheet of the part you buy. The article's TL082 has a common-mode input
@@ -15,10 +14,11 @@ from __future__ import annotations
 
 import functools
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 from fingertip.foundation.tables import load_table, read_rows
 
@@ -45,15 +45,42 @@ class ForceSensor:
     tab_pitch_mm: float
     source: str
     unverified: tuple[str, ...]
-    """Names of the dimensions that no Interlink document confirms."""
+    """Names of the dimensions that no document of the maker confirms."""
     bundled_design: str = "fsr400"
     changes: tuple[str, ...] = ()
     """Changes of that design which the sensor needs."""
+    short: str = ""
+    """Model with a shorter tail."""
+    maker: str = ""
+    order_number: str = ""
+    names: tuple[str, ...] = ()
+    """Other names, as `plain_name` writes them."""
+    fits: Literal["yes", "custom", "never"] = "yes"
+    reason: str = ""
+    """Why it does not fit, and what to do."""
 
 
-SENSORS = {
-    sensor.model: sensor for sensor in load_table(ForceSensor, read_rows(Path(__file__).with_name("sensors.csv")))
-}
+def plain_name(text: str) -> str:
+    """Reduce the name of a part to what people agree on: "FSR-402" is "fsr402", "Arduino Nano 33 BLE" "nano33ble"."""
+    return re.sub("^(arduino|raspberrypi|stm32|interlink)", "", re.sub("[^a-z0-9]", "", text.lower()))
+
+
+_ROWS = tuple(read_rows(Path(__file__).with_name("sensors.csv")))
+_BY_NAME = {plain_name(name): row for row in _ROWS for name in (row["model"], row["label"], *row["names"].split())}
+SENSORS = {sensor.model: sensor for sensor in load_table(ForceSensor, (row for row in _ROWS if row["fits"] == "yes"))}
+
+
+def spell_sensor(word: str) -> str:
+    """Spell the name of a sensor as the catalogue does: "FSR-402" is "fsr402". Other words stay as they are."""
+    model = _BY_NAME.get(plain_name(word), {}).get("model", word)
+    return model if model in SENSORS else word
+
+
+def explain_sensor(word: str) -> str:
+    """Explain why a sensor that people know is not in the catalogue; nothing of a word that is none."""
+    row = _BY_NAME.get(plain_name(word), {"fits": "yes"})
+    how = {"yes": "", "custom": "fits as custom: {reason}", "never": "never fits: {reason}"}[row["fits"]]
+    return how and f"the {row['label']} {how.format(**row)}"
 
 
 @dataclass(frozen=True)
@@ -151,7 +178,7 @@ class ControllerBoard:
     converter: str
     """Resolution and range of the analog inputs."""
     timer: str
-    """Answer to whether `slip_timer.h` has its timer, or the sketch for dividers alone."""
+    """Answer to whether `slip_timer.h` has its timer, or the sketch for dividers alone; or "too slow"."""
     note: str
     inputs: str
     """Analog inputs that are free, as its core names them, separated by spaces."""
@@ -160,6 +187,8 @@ class ControllerBoard:
     """Time in which one input is converted [us]: by `analogRead`, or in a scan by DMA."""
     has_scan: bool
     """True if the converter scans all inputs by itself, and the interrupt waits for none."""
+    names: tuple[str, ...] = ()
+    """Other names, as `plain_name` writes them."""
 
     @property
     def core(self) -> str:
@@ -174,4 +203,4 @@ def load_controllers() -> tuple[ControllerBoard, ...]:
 
 
 def list_keys() -> tuple[str, ...]:
-    return tuple(board.key for board in load_controllers())
+    return tuple(board.key for board in load_controllers() if board.timer != "too slow")

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from fingertip.catalogues.electronics import NAMES
+from fingertip.catalogues.electronics import NAMES, spell_sensor
 from fingertip.cli.console import Console
 from fingertip.cli.options import CHANGES, command, find_file_issues
 from fingertip.foundation.errors import FingertipError, Issue, gather, join_words
@@ -58,6 +58,7 @@ def new(
     With --from, skin, hand, board, detector and printer are those of a design of an earlier version, as far as the
     rules allow; a table says what changed. Loads that its bone does not hold become those that it holds.
     """
+    sensor = sensor and spell_sensor(sensor)
     issues = list(find_file_issues("--out", out, ".toml", kept="give another name"))
     issues += _find_taken(name)
     order = _Order(name, out or Path(f"{name}.toml"), changes or (), issues)

@@ -13,6 +13,7 @@ from typing import Any
 
 from pydantic.fields import FieldInfo
 
+from fingertip.catalogues.electronics import spell_sensor
 from fingertip.catalogues.file_kinds import DESIGN, FileKind, find_file, read_file
 from fingertip.design.parameters import PARAMETERS, ParameterTable, Tables, find_kind
 from fingertip.design.parameters.declaration import find_bounds, find_unit, list_choices
@@ -79,6 +80,9 @@ def load_tables(
     tables = copy.deepcopy(before)
     for nested in parsed:
         merge(tables, nested)
+    for each in (before, tables):
+        if isinstance(sensor := each.get("sensor"), dict) and isinstance(model := sensor.get("model"), str):
+            sensor["model"] = spell_sensor(model)
     return LoadedTables(tables, before, tuple(name for nested in parsed for name, _ in flatten(nested)))
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from fingertip.catalogues.electronics import SENSORS
+from fingertip.catalogues.electronics import SENSORS, explain_sensor
 from fingertip.catalogues.file_kinds import PARAMS
 from fingertip.design.design_text import write_design
 from fingertip.design.files import load_tables, merge
@@ -101,7 +101,9 @@ def refuse_words(name: str, sensor: str | None, preset: str | None) -> None:
         parse_tables(DesignTables, {"name": name})
     for field, word, known in (("sensor", sensor, _SENSORS), ("preset", preset, PRESETS)):
         if word is not None and word not in known:
-            issues.append(Issue(field, f"{word!r} is not known; {suggest_name(word, known)}"))
+            reason = explain_sensor(word) if field == "sensor" else ""
+            found = f"is not in the catalogue; {reason}." if reason else f"is not known; {suggest_name(word, known)}"
+            issues.append(Issue(field, f"{word!r} {found}"))
     if issues:
         raise DesignError(issues)
 
@@ -114,7 +116,8 @@ def start_design(
     jointed = preset is not None or hand is not None
     base = (preset or "adult_finger") if jointed else fitted.bundled_design
     own = [f"sensor.model={sensor}"] if sensor else []
-    before = parse_tables(DesignTables, load_tables([base], [*own, *(() if jointed else fitted.changes)]).tables)
+    own += [change for change in fitted.changes if not jointed or change.startswith("skin.bump_")]
+    before = parse_tables(DesignTables, load_tables([base], own).tables)
     tables, changed = before.model_dump() | {"name": name}, load_tables((), changes)
     guessed: tuple[str, ...] = ()
     if hand is not None:

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from fingertip.catalogues.electronics import NAMES, ControllerBoard, load_controllers
+from fingertip.catalogues.electronics import NAMES, ControllerBoard, load_controllers, plain_name
 from fingertip.design import Design
 from fingertip.design.finger_set import FingerSet
 from fingertip.firmware.packaging import read_costs
@@ -95,8 +95,8 @@ def find_load(board: ControllerBoard, sample_rate_hz: float, fingers: int = 1) -
 def list_controllers(design: Design) -> list[ControllerBoard]:
     """List the controllers that read what the design has: a board, or a divider."""
     if not design.board.has_filter:
-        return [board for board in load_controllers() if board.timer != "no" and not board.has_scan]
-    return [board for board in load_controllers() if board.timer != "in the sketch"]
+        return [board for board in load_controllers() if board.timer in ("yes", "in the sketch") and not board.has_scan]
+    return [board for board in load_controllers() if board.timer in ("yes", "no")]
 
 
 def list_limits(board: ControllerBoard, sample_rate_hz: float, has_divider: bool = False) -> dict[str, int]:
@@ -114,10 +114,78 @@ def list_limits(board: ControllerBoard, sample_rate_hz: float, has_divider: bool
     }
 
 
-def find_controller(design: Design, key: str | None = None) -> ControllerBoard | None:
-    """Find a controller of `list_controllers`, or the one of several fingers."""
-    key = key or (DEFAULT_CONTROLLER if design.board.has_filter else DIVIDER_CONTROLLER)
-    return next((board for board in list_controllers(design) if board.key == key), None)
+def find_controller(design: Design, name: str | None = None) -> ControllerBoard | None:
+    """Find a controller of `list_controllers` by a usual name, or the one of several fingers, or one's own."""
+    name = name or (DEFAULT_CONTROLLER if design.board.has_filter else DIVIDER_CONTROLLER)
+    return _parse_generic(name) or _find_by_name(name, list_controllers(design))
+
+
+def _find_by_name(name: str, boards: Sequence[ControllerBoard]) -> ControllerBoard | None:
+    plain = plain_name(name)
+    return next((one for one in boards if plain in (plain_name(one.key), plain_name(one.name), *one.names)), None)
+
+
+GENERIC = "generic"
+_EXAMPLE = f"{GENERIC}:240MHz,12bit,A0,A1"
+"""Controller of one's own."""
+
+
+def _parse_generic(text: str) -> ControllerBoard | None:
+    """Parse a controller of one's own such as `_EXAMPLE`; None for another text, or without clock, bits and inputs.
+
+    It computes floats itself with the word `floats`. The range of its converter is 3.3 V, if no other one such as 5V
+    is stated. Its memory and the time of a conversion are those of the weakest boards of the table.
+    """
+    start, _, rest = text.replace(" ", "").partition(":")
+    words = rest.split(",")
+    sizes = {word: found for word in words if (found := _SIZE.fullmatch(word))}
+    given = {found[2].lower(): float(found[1]) for found in sizes.values()}
+    pins = [word for word in words if _PIN.fullmatch(word)]
+    if start != GENERIC or set(words) - {*sizes, *pins, "floats"} or not pins or "mhz" not in given:
+        return None
+    if not 8 <= given.get("bit", 0) <= 24:
+        return None
+    return ControllerBoard(
+        GENERIC, "your controller", "processor of your own", given["mhz"], "floats" in words,
+        f"{given['bit']:.0f} bits, 0 to {given.get('v', 3.3):g} V", "no",
+        "where `slip_timer.h` knows no timer of it, start one of your own", " ".join(pins), 32, 50.0, has_scan=False,
+    )  # fmt: skip
+
+
+_SIZE = re.compile(r"(?i)([1-9]\d*\.?\d*)(mhz|bit|v)s?")
+_PIN = re.compile(r"[A-Z]{0,4}_?\d{1,2}")
+
+
+def _explain_controller(design: Design, name: str, fingers: int) -> str:
+    """Explain why a controller is refused, and name those that the design takes."""
+    board, rate_hz = _find_by_name(name, load_controllers()), design.detector.sample_rate_hz
+    if board is None:
+        known = join_words([one.key for one in list_controllers(design)], "or")
+        return f"{quote_value(name)} is not known; give {known}, or your own such as {_EXAMPLE}."
+    if board.timer == "too slow":
+        load = find_load(board, rate_hz)
+        at_rest_ms, slip_ms = (cycles / (1e3 * board.clock_mhz) for cycles in (load.at_rest, load.mean))
+        reason = (
+            f"{board.name}: a sample takes at least {at_rest_ms:.1f} ms at {board.clock_mhz:g} MHz without floats, "
+            f"{slip_ms:.1f} ms in slip, and the next one comes after {1e3 / rate_hz:g} ms"
+        )
+    elif board.timer == "in the sketch":
+        reason = (
+            f"{board.name} converts {board.converter}, and a board gives up to {design.board.supply_v:g} V; it reads a "
+            "divider with --set board.variant=divider"
+        )
+    else:
+        reason = f"{board.name} has no timer in the sketch of a divider"
+    return f"{reason}; give --controller {_find_carrier(design, fingers)}."
+
+
+def _find_carrier(design: Design, fingers: int) -> str:
+    """Find a controller that carries the fingers, or that of most designs where none does."""
+    rate_hz, has_divider = design.detector.sample_rate_hz, not design.board.has_filter
+    boards = [one.key for one in list_controllers(design) if count_fingers(one, rate_hz, has_divider) >= fingers]
+    if not boards:
+        return "teensy40 with --set detector.sample_rate_hz=2000"
+    return "pico_2" if "pico_2" in boards else boards[0]
 
 
 def count_fingers(board: ControllerBoard, sample_rate_hz: float, has_divider: bool = False) -> int:
@@ -136,7 +204,7 @@ def plan_fingers(
     fingers
         Their number, or their names, separated by commas; None for as many as the design's board has channels.
     controller
-        Key of the controller; None for the default one of several fingers, and for any controller of one.
+        Name of the controller; None for the default one of several fingers, and for any controller of one.
     inputs
         Its analog inputs, T and S of each finger in turn, or one for each divider, separated by commas; None for the
         first ones.
@@ -155,8 +223,7 @@ def plan_fingers(
     if controller is not None or inputs is not None or names != Fingers.names:
         board = find_controller(design, controller)
         if board is None:
-            known = join_words([other.key for other in list_controllers(design)], "or")
-            issues.append(Issue("--controller", f"{quote_value(controller)} is not known; give {known}."))
+            issues.append(Issue("--controller", _explain_controller(design, controller or "", len(names))))
     if issues:
         raise FingertipError(issues)
     if board:
@@ -213,8 +280,7 @@ def _find_limit_issues(design: Design, board: ControllerBoard, fingers: int) -> 
     limits = list_limits(board, rate_hz, has_divider)
     if exceeded := [f"{limit} for {most}" for limit, most in limits.items() if fingers > most]:
         fewer = f"--fingers {carried} or " if (carried := count_fingers(board, rate_hz, has_divider)) else ""
-        boards = list_controllers(design)
-        fit = next(other.key for other in boards if count_fingers(other, rate_hz, has_divider) >= fingers)
+        fit = _find_carrier(design, fingers)
         text = f"{board.name} has {join_words(exceeded)} at {rate_hz:g} Hz, not for {fingers}"
         yield Issue("--fingers", f"{text}; give {fewer}--controller {fit}.")
 
@@ -233,7 +299,7 @@ def _read_inputs(
         owners = [signal for signal, own in zip(signals, pins, strict=False) if own == pin]
         if len(owners) > 1:
             problems.append(f"{quote_value(pin)} is the input of {join_words(owners)}")
-        if pin not in known if board else not re.fullmatch(r"[A-Z]{1,4}_?\d{1,2}", pin):
+        if pin not in known if board else not _PIN.fullmatch(pin):
             problems.append(f"{quote_value(pin)} is no free analog input" + (f" of {board.name}" if board else ""))
     usual = ",".join((known or ["A0", "A1"])[: len(signals)])
     issues += (Issue("--inputs", f"{problem}; give --inputs {usual}.") for problem in problems)

@@ -95,6 +95,11 @@ def find_warnings(design: Design, controller: ControllerBoard | None = None) -> 
             f"{controller.name} converts {controller.converter}, not {design.detector.adc_range_text}: voltages and "
             f"forces would be wrong; with --set detector.adc_range_v={range_v} they are right."
         )
+    if controller and int(bits := controller.converter.split()[0]) < design.detector.adc_bits:
+        yield (
+            f"{controller.name} converts {bits} bits, not {design.detector.adc_bits}: its steps are noise that the "
+            f"detector does not expect; with --set detector.adc_bits={bits} it does."
+        )
     detector, problems = design.detector, []
     if has_divider:
         bears_v = max(3.6, float(controller.converter.split()[-2])) if controller else 3.6

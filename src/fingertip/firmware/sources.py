@@ -15,7 +15,7 @@ from fingertip.board.analysis.board_values import find_tactile_response
 from fingertip.catalogues.output_files import BUFFER, HAND, SCAN, TIMER
 from fingertip.design import Design
 from fingertip.design.formulas.filter import filtered_range_v, signal_ground_ratio
-from fingertip.firmware.fingers import CONVERSIONS, TASK_CONVERSIONS, Fingers
+from fingertip.firmware.fingers import CONVERSIONS, GENERIC, TASK_CONVERSIONS, Fingers
 from fingertip.sim.runs.grip import HISTORY, LONGEST_STEP_S, MIN_PRESENT_N, ForceCurve, GripSettings
 from fingertip.slip.detectors import fast_state
 from fingertip.slip.detectors.fast import STILL_S, FastDetector, FastSettings
@@ -240,11 +240,13 @@ def library_sources(design: Design, fingers: Fingers) -> dict[str, bytes]:
 
 def lamp_sketch(design: Design, fingers: Fingers) -> dict[str, bytes]:
     """Sketch for dividers, whose head says what to wire and how far its forces can be trusted, and its header."""
+    board = fingers.controller
+    bits, *_, range_v, _ = (board.converter if board and board.key == GENERIC else "12 bits, 0 to 3.3 V").split()
     reliability = dict.fromkeys(finger.force_curve.describe() for finger in fingers.designs or (design,))
     values = {
         "supply": f"{design.board.supply_v:g}", "resistor": f"{design.board.divider_ohm / 1000:g} kohm",
         "forces": "\n// ".join(textwrap.wrap("; ".join(f"F{text[1:]}." for text in reliability), _WIDTH - 3)),
-        "conversions": CONVERSIONS, "task_conversions": TASK_CONVERSIONS,
+        "conversions": CONVERSIONS, "task_conversions": TASK_CONVERSIONS, "bits": bits, "range_v": range_v,
     }  # fmt: skip
     line = "slip_line.h"
     sketch = Template(read_template(f"examples/{LAMP}")).substitute(values)

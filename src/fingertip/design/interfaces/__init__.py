@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from fingertip.catalogues.electronics import SENSORS
 from fingertip.design.geometry import DesignTables
 from fingertip.design.interfaces.clevis import Clevis
 from fingertip.design.interfaces.flange import Flange
@@ -38,8 +37,8 @@ def base_holds_everything(design: DesignTables) -> Violation | None:
     if bone.base_length_mm >= minimum - SLACK:
         return None
     what = f"the hole of the wires, a wall and the {bone.interface}" if within else "the hole of the wires and a wall"
-    short = f"{design.sensor.model}_short"
-    is_shorter = dims.joint is not None and short in SENSORS  # no joint carries the load of so long a base
+    short = dims.sensor.short
+    is_shorter = dims.joint is not None and short  # no joint carries the load of so long a base
     return Violation(
         f"{bone.base_length_mm:g} mm does not hold {what} (the {dims.sensor.label} is "
         f"{dims.sensor.length_mm:g} mm long)",

@@ -7,7 +7,7 @@ import functools
 import itertools
 import json
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_origin
@@ -91,8 +91,9 @@ def quantity(
 class OneOf:
     """Annotation of a text that is a name of a table; schema and messages are those of a `Literal` of these names."""
 
-    def __init__(self, *names: str) -> None:
-        self.names = names
+    def __init__(self, *names: str, explain: Callable[[str], str] = lambda word: "") -> None:
+        self.names, self.explain = names, explain
+        """Names, and what explains why another word is none of them, with what to do."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
         return literal_schema([*self.names])
@@ -247,10 +248,15 @@ def _describe(details: Any, model: type[BaseModel]) -> Issue:
             return Issue(field, f"{shown}{unit} is too large; at most {context['le']:g}{unit}.")
         case "finite_number":
             return Issue(field, f"{shown} is not a finite number; give one{unit and ' in' + unit}.")
+        case "literal_error" if reason := _explain_choice(info, str(value)):
+            return Issue(field, f"{shown} is not in the catalogue; {reason}.")
         case "literal_error":
             similar = find_similar_name(str(value), list_choices(info)) if isinstance(info, FieldInfo) else None
             suggestion = f" Did you mean {similar}?" if similar else ""
-            return Issue(field, f"{shown} is not known; choose {context['expected']}.{suggestion}")
+            names = (".".join([*location[:-1], name]) for name in _find_table(location, model).model_fields)
+            own = [name for name in names if ".own_" in name and OWN in list_choices(info)]  # type: ignore[arg-type]
+            state = f" With {OWN}, state {join_words(own)}." if own else ""
+            return Issue(field, f"{shown} is not known; choose {context['expected']}.{suggestion}{state}")
         case "float_type" | "int_type" if isinstance(value, str) and "=" in value:
             return Issue(field, f"{shown} holds several changes; give --set once for each of them.")
         case "float_type" | "int_type" if isinstance(value, str) and re.match(r"\s*[-+]?\.?\d", value):
@@ -279,6 +285,11 @@ def _describe(details: Any, model: type[BaseModel]) -> Issue:
         case "string_pattern_mismatch":
             return Issue(field, f"{shown} cannot name a folder; use up to 40 letters, digits, - and _.")
     return Issue(field, f"{shown} is not valid: {details['msg']}.")
+
+
+def _explain_choice(info: Any, word: str) -> str:
+    annotations = info.metadata if isinstance(info, FieldInfo) else ()
+    return next((each.explain(word) for each in annotations if isinstance(each, OneOf)), "")
 
 
 def _find_table(location: Sequence[str], model: type[BaseModel]) -> type[BaseModel]:

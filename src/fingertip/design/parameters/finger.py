@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from fingertip.catalogues.electronics import PART_TO_PART, SENSORS
+from fingertip.catalogues.electronics import PART_TO_PART, SENSORS, explain_sensor
 from fingertip.catalogues.materials import MaterialProperty, Silicone, load_silicones
 from fingertip.design.parameters.declaration import OWN, Above, OneOf, ParameterTable, choice, quantity, text
 
@@ -12,7 +12,7 @@ from fingertip.design.parameters.declaration import OWN, Above, OneOf, Parameter
 class Sensor(ParameterTable):
     """Force-sensing resistor, and its pocket in the bone."""
 
-    model: Annotated[str, OneOf(*SENSORS, "custom")] = choice(
+    model: Annotated[str, OneOf(*SENSORS, "custom", explain=explain_sensor)] = choice(
         "fsr400", "Force-sensing resistor from the catalogue, or custom: [custom_sensor] then holds its outline."
     )
     distance_from_tip_mm: float = quantity(

@@ -1,7 +1,7 @@
 // Lights a lamp while something slips over the finger, and shows its force.
 //
-// Wire the sensor between $supply V (on a Pico ADC_VREF, pin 35) and pin A0 (GP26 on a Pico, GPIO1 on an ESP32-S3), and a
-// resistor of $resistor between A0 and GND. Open this file in the Arduino IDE, choose board and port, and upload. A Pico
+// Wire the sensor between $supply V (on a Pico ADC_VREF, pin 35) and pin A0 (GP26 on a Pico, GPIO1 on an ESP32-S3, 36 on an
+// ESP32, 0 on an ESP32-C3), and a resistor of $resistor between A0 and GND. Open this file in the Arduino IDE, choose board and port, and upload. A Pico
 // needs a core first: github.com/earlephilhower/arduino-pico says how to add it to the Boards Manager. Plug a new Pico in
 // with its button held, and choose "UF2 Board". The board's lamp lights for half a second. Leave the finger alone for a second, then open the Serial Plotter (115200 baud). Press:
 // force_n and volts rise. Let something slide over the skin: slip is 1, and the lamp is lit. "late" counts lost samples.
@@ -18,6 +18,9 @@
 
 static const uint32_t INPUTS[SLIP_FINGERS][1] = SLIP_INPUTS;  // pin of each finger
 static const char *const NAMES[SLIP_FINGERS] = SLIP_NAMES;
+#ifndef LED_BUILTIN
+#define LED_BUILTIN 2  // of most boards with an ESP32
+#endif
 static const int LAMP_PIN = LED_BUILTIN, LAMP_ON = HIGH;
 static const bool STREAM = false;  // true: each sample of the first finger, for `fingertip detect -`
 static const uint32_t RATE_HZ = SLIP_SAMPLE_RATE_MILLIHZ / 1000u, LINE_SAMPLES = RATE_HZ / 50u;
@@ -45,8 +48,8 @@ static bool slip_start_timer(void (*callback)()) {
 static const int BITS = 14, CONVERSIONS = $conversions;
 static const float COUNT_V = 5.0f / 16384;
 #else
-static const int BITS = 12, CONVERSIONS = $conversions;
-static const float COUNT_V = 3.3f / 4096;
+static const int BITS = $bits, CONVERSIONS = $conversions;
+static const float COUNT_V = (float)$range_v / (1u << BITS);
 #endif
 #endif
 

@@ -118,10 +118,7 @@ def drawing(
 def picture(
     console: Console,
     design: Path = options.DESIGN_FILE,
-    out: Path | None = typer.Option(
-        None,
-        help="Output PNG, or SVG with --pad or --measure; out/NAME/exploded.png, pad.svg or measure.svg by default.",
-    ),
+    out: Path | None = typer.Option(None, help="Output PNG, or SVG with --pad or --measure; in out/NAME by default."),
     pad: bool = flag("Draw what part of a force reaches the sensor, by place and by tilt."),
     measure: bool = flag("Draw where to put the calipers at the joint of your hand."),
     width_px: int = typer.Option(1600, help="Width of the picture, in pixels: 400 to 6000."),
@@ -138,10 +135,8 @@ def picture(
     refuse(find_file_issues("--out", out, ".svg" if pad or measure else ".png"), find_width_issues(width_px))
     loaded = load_design(design, changes, console)
     file = _File(loaded, out, HAND_VIEW if measure else PAD_VIEW if pad else EXPLODED_VIEW, force)
-    if measure:
-        file.write(draw_hand_sizes(loaded))
-    else:
-        file.write(write_svg(draw_pad(loaded)) if pad else draw(loaded, width_px, console.progress))
+    svg = draw_hand_sizes(loaded) if measure else write_svg(draw_pad(loaded)) if pad else None
+    file.write(svg or draw(loaded, width_px, console.progress))
     console.result({"picture": str(file.path)}, f"drawn to {file.path}")
 
 

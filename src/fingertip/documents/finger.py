@@ -49,11 +49,11 @@ def render_sheet(sheet: CastingSheet, pictures: Sequence[str] = ()) -> str:
 
 def draw_hand_sizes(design: Design | None = None) -> bytes:
     """Draw where to put the calipers at the joint of a hand, a cell for each size, as SVG; with a design its values."""
-    cells = []
-    for size in (SIZES["width_mm"], *SIZES.values()):  # a tongue, and a fork
-        name = f"hand.{size['name']}"
-        value = f" = {design.value(name):g}" if design else ""
-        cells.append((size["letter"], f"{name}{value}", textwrap.wrap(size["place"], 42)))
+    names = {f"hand.{name}": size for name, size in SIZES.items()}
+    cells = [
+        (size["letter"], f"{name} = {design.value(name):g}" if design else name, textwrap.wrap(size["place"], 42))
+        for name, size in (*[*names.items()][:1], *names.items())  # of a tongue, and of a fork
+    ]
     return render("hand_sizes.svg", cells=cells).encode()
 
 

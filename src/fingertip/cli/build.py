@@ -191,7 +191,7 @@ def firmware(
         None, help="Fingers that the controller reads: their number, or names separated by commas; those of the board."
     ),
     controller: str | None = typer.Option(
-        None, help="The controller, such as teensy40; black_pill_f411 for several fingers."
+        None, help="The controller, such as pico2, or generic:240MHz,12bit,A0,A1; black_pill_f411 for several fingers."
     ),
     inputs: str | None = typer.Option(
         None, help="Its analog inputs, T and S of each finger in turn (one for a divider), separated by commas."

@@ -12,7 +12,8 @@ from fingertip.design import Design
 from fingertip.design.files import load_tables
 from fingertip.design.fit import DERIVED, fit_design
 from fingertip.design.geometry import DesignTables
-from fingertip.design.new_design import PRESETS, find_hand, list_hands, write_new_design
+from fingertip.design.hand_sizes import find_hand, list_hands
+from fingertip.design.new_design import PRESETS, write_new_design
 from fingertip.design.proportions import fill_in
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.design.search import PART_RULES, RULES

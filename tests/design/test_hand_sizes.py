@@ -12,8 +12,8 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.design.geometry import DesignTables
-from fingertip.design.hand_sizes import SIZES, complete_hand, find_guesses
-from fingertip.design.new_design import list_hands, write_new_design
+from fingertip.design.hand_sizes import SIZES, complete_hand, find_guesses, list_hands
+from fingertip.design.new_design import write_new_design
 from fingertip.design.parameters.parts import Hand
 from fingertip.design.rules.ruleset import RuleChecker
 from fingertip.design.search import PART_RULES

@@ -115,7 +115,7 @@ COMPLETIONS: Mapping[str, Callable[..., Iterable[str]]] = {
     "sweep file": _files("sweep"),
     "changes": _settings,
     "sensor": _choices("sensor.model"),
-    "hand": _table("design.new_design:list_hands"),
+    "hand": _table("design.hand_sizes:list_hands"),
     "finger": _words(*(f"{name}=" for name in NAMES)),
     "preset": _table("design.new_design:PRESETS"),
     "formats": _sets_of_formats,

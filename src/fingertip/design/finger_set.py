@@ -18,8 +18,8 @@ from pydantic import BaseModel, ConfigDict, Field
 from fingertip.catalogues.electronics import NAMES, split_finger
 from fingertip.catalogues.file_kinds import DESIGN, SET, find_file, identify_kind, read_file
 from fingertip.design.files import LoadedTables, flatten, list_changes, load_tables
+from fingertip.design.hand_sizes import find_hand
 from fingertip.design.model import Design
-from fingertip.design.new_design import find_hand
 from fingertip.design.parameters.declaration import parse_tables, suggest_name
 from fingertip.design.parameters.finger import ForceCurve
 from fingertip.foundation.errors import DesignError, Issue, gather, join_words, quote_value

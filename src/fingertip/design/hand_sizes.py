@@ -1,4 +1,4 @@
-"""Sizes of a hand's joint: where calipers go for each of them, and guesses for those that nobody measured."""
+"""Sizes of a hand's joint: their files, where calipers go for each, and guesses for those that nobody measured."""
 
 from __future__ import annotations
 
@@ -7,11 +7,12 @@ from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
+from fingertip.catalogues.file_kinds import PARAMS
 from fingertip.design.parameters import Tables
-from fingertip.design.parameters.declaration import parse_tables
+from fingertip.design.parameters.declaration import parse_tables, suggest_name
 from fingertip.design.parameters.parts import Hand
-from fingertip.foundation.errors import DesignError, Issue, join_words
-from fingertip.foundation.tables import read_rows
+from fingertip.foundation.errors import DesignError, Issue, TomlFileError, join_words
+from fingertip.foundation.tables import read_rows, read_toml
 
 SIZES = {row["name"]: row for row in read_rows(Path(__file__).with_name("hand_sizes.csv"))}
 """Number of [hand] -> its letter, and the place of the calipers."""
@@ -20,6 +21,27 @@ GUESSED = "guessed: measure it"
 _STATED = ("knuckle", "width_mm", "pin_diameter_mm")
 _AROUND_PIN_MM, _TENDON_SHARE = 1.5, 0.75
 """Least clearance radius beyond the pin; tendon distance over axis height, 0.72 to 0.75 in two bundled hands."""
+
+
+def list_hands() -> dict[str, Path]:
+    return {path.stem: path for path in sorted((PARAMS / "hands").glob("*.toml"))}
+
+
+def find_hand(given: str | Path) -> Path:
+    """Find the file of a hand by path or by the name of a bundled one. Raises TomlFileError."""
+    hands, path = list_hands(), Path(given)
+    if path.name == str(given) and not path.suffix and not path.exists():
+        if path.name not in hands:
+            remedy = suggest_name(path.name, list(hands))
+            raise TomlFileError(Issue(path.name, f"is neither a file nor the name of a bundled hand; {remedy}"))
+        path = hands[path.name]
+    example = f"the bundled hand {next(iter(hands))}"
+    if path.is_dir():
+        raise TomlFileError(Issue(str(given), f"is a folder; give the path of a hand file, such as {example}."))
+    if others := [name for name in read_toml(path) if name != "hand"]:
+        message = f"holds {others[0]} besides [hand]; a hand file has the table [hand] alone, as {example} has."
+        raise TomlFileError(Issue(str(given), message))
+    return path
 
 
 def complete_hand(given: Mapping[str, Any], base: Hand) -> tuple[dict[str, Any], tuple[str, ...]]:

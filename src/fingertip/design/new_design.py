@@ -7,42 +7,20 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fingertip.catalogues.electronics import SENSORS, explain_sensor
-from fingertip.catalogues.file_kinds import PARAMS
 from fingertip.design.design_text import write_design
 from fingertip.design.files import load_tables, merge
 from fingertip.design.fit import Move
 from fingertip.design.geometry import DesignTables
-from fingertip.design.hand_sizes import complete_hand
+from fingertip.design.hand_sizes import complete_hand, find_hand
 from fingertip.design.model import Design
 from fingertip.design.parameters.declaration import parse_tables, suggest_name
-from fingertip.foundation.errors import DesignError, Issue, TomlFileError, gather
+from fingertip.foundation.errors import DesignError, Issue, gather
 from fingertip.foundation.tables import read_toml
 
 PRESETS = ("adult_finger", "adult_thumb", "youth_finger", "youth_thumb", "child_finger", "child_thumb")
 """Bundled designs of anatomical size, each with a clevis."""
 _SENSORS = (*SENSORS, "custom")
 _PLACE = "sensor.distance_from_tip_mm"
-
-
-def list_hands() -> dict[str, Path]:
-    return {path.stem: path for path in sorted((PARAMS / "hands").glob("*.toml"))}
-
-
-def find_hand(given: str | Path) -> Path:
-    """Find the file of a hand by path or by the name of a bundled one. Raises TomlFileError."""
-    hands, path = list_hands(), Path(given)
-    if path.name == str(given) and not path.suffix and not path.exists():
-        if path.name not in hands:
-            remedy = suggest_name(path.name, list(hands))
-            raise TomlFileError(Issue(path.name, f"is neither a file nor the name of a bundled hand; {remedy}"))
-        path = hands[path.name]
-    example = f"the bundled hand {next(iter(hands))}"
-    if path.is_dir():
-        raise TomlFileError(Issue(str(given), f"is a folder; give the path of a hand file, such as {example}."))
-    if others := [name for name in read_toml(path) if name != "hand"]:
-        message = f"holds {others[0]} besides [hand]; a hand file has the table [hand] alone, as {example} has."
-        raise TomlFileError(Issue(str(given), message))
-    return path
 
 
 @dataclass(frozen=True)

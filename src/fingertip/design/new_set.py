@@ -9,10 +9,10 @@ from pathlib import Path
 
 from fingertip.catalogues.electronics import NAMES
 from fingertip.design import new_design
-from fingertip.design.files import load_tables
 from fingertip.design.geometry import DesignTables
 from fingertip.design.model import Design
 from fingertip.design.parameters.declaration import parse_tables, suggest_name
+from fingertip.design.proportions import load_proportions
 from fingertip.foundation.errors import DesignError, Issue, gather, join_words, quote_value
 from fingertip.foundation.progress import Work
 
@@ -68,13 +68,9 @@ def read_sizes(texts: Sequence[str]) -> dict[str, Size]:
 
 
 def start_set(
-    name: str,
-    texts: Sequence[str],
-    sensor: str | None,
-    preset: str | None,
-    hand: str | Path | None,
+    name: str, texts: Sequence[str], sensor: str | None, preset: str | None, hand: str | Path | None,
     changes: Sequence[str],
-) -> Starts:
+) -> Starts:  # fmt: skip
     """Begin a design for each size, in the order of their first fingers. Raises DesignError with all faults."""
     issues: list[Issue] = []
     sizes: dict[str, Size] = {}
@@ -121,18 +117,16 @@ def fit_set(starts: Starts, progress: Callable[[str], None], issues: list[Issue]
 
 def _choose_preset(finger: str, sizes: Mapping[str, Size], preset: str | None) -> str:
     """Choose the preset of a finger, of the age that is given, or of that whose widths are nearest to all fingers."""
-    widths = {base: float(DesignTables(**load_tables([base], []).tables).skin.width_mm) for base in new_design.PRESETS}
+
+    def name(age: str, finger: str) -> str:
+        return f"{age}_{'thumb' if finger == 'thumb' else 'finger'}"
 
     def differ(age: str) -> float:
-        return sum(abs(width_mm - widths[_name_preset(age, other)]) for other, (width_mm, _) in sizes.items())
+        proven = load_proportions()
+        return sum((abs(size[0] - proven[name(age, other)]["skin"]["width_mm"]) for other, size in sizes.items()), 0.0)
 
     ages = (base.partition("_")[0] for base in new_design.PRESETS)
-    age = preset.partition("_")[0] if preset else min(ages, key=differ)
-    return _name_preset(age, finger)
-
-
-def _name_preset(age: str, finger: str) -> str:
-    return f"{age}_{'thumb' if finger == 'thumb' else 'finger'}"
+    return name(preset.partition("_")[0] if preset else min(ages, key=differ), finger)
 
 
 def write_set_file(name: str, forms: Sequence[NewForm]) -> str:

@@ -269,9 +269,10 @@ DAMAGED: dict[str, tuple[Callable[[], bytes], str]] = {
 
 @pytest.mark.parametrize("name", DAMAGED)
 def test_damaged_files_are_refused_in_sentences(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
-    monkeypatch.setattr(array_files, "TDMS_LIMIT_S", 1.0)
     monkeypatch.setenv("FINGERTIP_MAX_SAMPLES", str(2**23))
     make, message = DAMAGED[name]
+    if "1 s of computing" in message:  # the other files end by what they hold
+        monkeypatch.setattr(array_files, "TDMS_LIMIT_S", 1.0)
     for module, suffix in (("scipy", ".mat"), ("pyarrow", ".parquet"), ("nptdms", ".tdms")):
         if name.endswith(suffix):
             pytest.importorskip(module)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from importlib import import_module
@@ -15,7 +14,7 @@ from fingertip.design.files import Changes, list_parameters, load_tables, merge
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import parse_tables
-from fingertip.design.refusal import describe_violations, explain_invalid, explain_violations
+from fingertip.design.refusal import describe_violations, explain_invalid, find_remedies, read_valid
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.design.search import RULES
 from fingertip.foundation.display import Picture, html_table, plot, to_dataframe
@@ -110,14 +109,11 @@ class Design(DesignTables):
         """Make a design of tables as `from_tables` does, and move what follows from the changes. Raises DesignError."""
         # Strength is computed by what builds on a design, which therefore finds the function by its name.
         fit_finger = import_module("fingertip.cad.verification.fitting").fit_finger
-        former = None
-        with contextlib.suppress(ValidationError):  # a file may be valid with its changes only
-            former = DesignTables(**(before or {}))
         try:
             begun = DesignTables(**tables)
         except ValidationError as error:
             raise DesignError(explain_invalid(tables, error, changed)) from None
-        fit = fit_finger(begun, changed, former, lambda share: progress(ShareText("fitting", share)))
+        fit = fit_finger(begun, changed, read_valid(before), lambda share: progress(ShareText("fitting", share)))
         design = cls.from_tables(fit.tables.model_dump(), before, changed)
         design.__dict__["moves"] = fit.moves
         return design
@@ -194,4 +190,4 @@ class Design(DesignTables):
         except ValidationError as error:
             raise DesignError(explain_invalid(tables, error, changed)) from None
         if broken := list(find_violations(RULES, self)):
-            raise DesignError(explain_violations(self, broken, before, changed))
+            raise DesignError(find_remedies(self, broken, read_valid(before), changed))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import collections
 import contextlib
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
@@ -13,13 +13,22 @@ from pydantic import ValidationError
 from fingertip.catalogues.electronics import SENSORS
 from fingertip.design.files import flatten
 from fingertip.design.geometry import DesignTables
-from fingertip.design.parameters import PARAMETERS, ParameterTable
+from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds, find_unit, format_unit, issues_from_pydantic
-from fingertip.design.remedies import Ends, Refusal, Values, find_intervals, find_passing_value, list_ends, resolve
+from fingertip.design.remedies import (
+    Ends,
+    FitFunction,
+    Refusal,
+    Values,
+    approach,
+    find_intervals,
+    find_passing_value,
+    list_ends,
+    resolve,
+)
 from fingertip.design.rules.ruleset import BrokenRule, Rule, find_violations
 from fingertip.design.search import (
     ELECTRONIC_RULES,
-    PART_RULES,
     RULES,
     Search,
     cheapest_first,
@@ -35,8 +44,6 @@ if TYPE_CHECKING:
 _MAX_CHANGED = 3
 """Maximum number of parameters that differ from a design before and are taken for its changes, if nobody names these.
 More of them are a design of its own, in which none stands out."""
-FitFunction = Callable[[DesignTables], "Fit | None"]
-"""Fits a design, with what was changed as it is; None if no design is found that passes."""
 
 
 def find_remedies(
@@ -46,29 +53,34 @@ def find_remedies(
     changed: Sequence[str] = (),
     invalid: frozenset[str] = frozenset(),
     rules: Iterable[Rule] = RULES,
+    *,
     fit: FitFunction | None = None,
+    failed: bool = False,
 ) -> list[Issue]:
     """Describe what is wrong with a design, each problem with a remedy.
 
     `before` is the design that was changed (the defaults if None), and `changed` names its changes, among which the
-    cause is sought. `fit` is tried on the design.
+    cause is sought. `fit` is tried on the design; one that has failed is tried on values nearer to those before.
     """
     before = before or DesignTables()
     differing = [name for name in PARAMETERS if tables.value(name) != before.value(name)]
     changed = tuple(changed or (differing if len(differing) <= _MAX_CHANGED else ()))
     issues = list[Issue]()
-    for group in (PART_RULES, ELECTRONIC_RULES):  # which read no table of each other
-        if own := tuple(one for one in broken if one.rule in group):
-            checked = cheapest_first(rule for rule in rules if rule in group)
+    for of_parts in (True, False):  # printed parts and electronics read no table of each other
+        if own := tuple(one for one in broken if (one.rule not in ELECTRONIC_RULES) is of_parts):
+            checked = cheapest_first(rule for rule in rules if (rule not in ELECTRONIC_RULES) is of_parts)
             search = Search(checked, cheapest_first(one.rule for one in own), invalid, before)
-            fitted = fit(tables) if fit and group is PART_RULES and not invalid else None
-            issues += _describe(Refusal(tables, own, before, changed, search), fitted)
+            refusal = Refusal(tables, own, before, changed, search)
+            usable = fit if of_parts and not invalid else None
+            fitted = usable(tables, changed) if usable and not failed else None
+            values = resolve(refusal, fitted is not None)
+            issues += _describe(refusal, approach(refusal, values, usable) if usable and failed else values, fitted)
     return issues
 
 
-def _describe(refusal: Refusal, fit: Fit | None) -> Iterator[Issue]:
+def _describe(refusal: Refusal, values: Values, fit: Fit | None) -> Iterator[Issue]:
     """Yield an issue for the parameter whose change is the cause, then one for each other blamed or moved field."""
-    values, blamed = resolve(refusal, fit is not None), refusal.blamed
+    blamed = refusal.blamed
     counts = collections.Counter(name for field in blamed for name in refusal.reads(field))
     causes = sorted(filter(counts.get, refusal.changed), key=lambda name: (name not in values, name not in blamed))[:1]
     moved = [name for name in values if counts[name]] if causes or len(blamed) > 1 else []
@@ -153,14 +165,11 @@ def describe_violations(tables: DesignTables, rules: Iterable[Rule] = RULES) -> 
             yield Issue(broken.rule.field, f"{broken.violation.problem}.")
 
 
-def explain_violations(
-    tables: DesignTables, broken: Sequence[BrokenRule], before: Mapping[str, Any] | None, changed: Sequence[str]
-) -> list[Issue]:
-    """Describe the rules that a design breaks, with remedies; the parameters are those of `find_remedies`."""
-    valid_before = None
+def read_valid(tables: Mapping[str, Any] | None) -> DesignTables | None:
+    """Read tables that may be valid with changes only; None if they are not."""
     with contextlib.suppress(ValidationError):
-        valid_before = DesignTables(**before) if before is not None else None
-    return find_remedies(tables, broken, valid_before, changed)
+        return DesignTables(**tables) if tables is not None else None
+    return None
 
 
 def explain_invalid(tables: Mapping[str, Any], error: ValidationError, changed: Sequence[str]) -> list[Issue]:
@@ -168,7 +177,8 @@ def explain_invalid(tables: Mapping[str, Any], error: ValidationError, changed: 
     issues = issues_from_pydantic(error, DesignTables)
     invalid = frozenset(issue.field for issue in issues)
     invalid |= frozenset(_find_misplaced(tables, invalid))
-    valid = _keep_valid(tables, invalid)
+    values = {name: value for name, value in flatten(tables) if name in PARAMETERS and name not in invalid}
+    valid = DesignTables().with_values(values)  # with the defaults in place of the others
     broken = list(find_violations(RULES, valid, invalid))
     issues = [_extend_bound(issue, tables, valid, invalid) for issue in issues]
     known = [name for name in changed if name in PARAMETERS]  # an unknown name is one of the issues
@@ -180,21 +190,6 @@ def _find_misplaced(tables: Mapping[str, Any], unknown: frozenset[str]) -> Itera
     known = {name for name, _ in flatten(tables)}
     keys = {name.rpartition(".")[2] for name in unknown - set(PARAMETERS)}
     return (name for name in PARAMETERS if name.rpartition(".")[2] in keys and name not in known)
-
-
-def _keep_valid(tables: Mapping[str, Any], invalid: frozenset[str]) -> DesignTables:
-    """Make tables of the valid parameters, with the defaults in place of the others."""
-    fields: dict[str, Any] = {}
-    for name, info in DesignTables.model_fields.items():
-        table, default = tables.get(name), info.default
-        if isinstance(default, ParameterTable):
-            values = table if isinstance(table, Mapping) else {}
-            known = type(default).model_fields
-            valid = {key: v for key, v in values.items() if key in known and f"{name}.{key}" not in invalid}
-            fields[name] = default.model_copy(update=valid)
-        else:
-            fields[name] = default
-    return DesignTables.model_construct(**fields)
 
 
 def _extend_bound(issue: Issue, tables: Mapping[str, Any], valid: DesignTables, invalid: frozenset[str]) -> Issue:

@@ -19,20 +19,27 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds
 from fingertip.design.rules.ruleset import BrokenRule, Interval, find_violations
-from fingertip.design.search import Search, is_number, round_inwards
+from fingertip.design.search import Search, as_typed, is_number, round_digits, round_inwards
+
+if TYPE_CHECKING:
+    from fingertip.design.fit import Fit
 
 _MAX_ROUNDS = 3
 """Maximum number of times that fields which are blamed move to their bounds."""
+_MAX_FITS = 4
+"""Maximum number of fits by which a value approaches the one that was wished."""
 Values = dict[str, Any]
+FitFunction = Callable[[DesignTables, Collection[str]], "Fit | None"]
+"""Fits a design, with the named parameters as they are; None if no design is found that passes."""
 Ends = tuple[float | None, float | None]
 """Ends of an interval of values that pass; None where it has no end within the field's own bounds."""
 
@@ -66,19 +73,21 @@ def resolve(refusal: Refusal, fits: bool = False) -> Values:
     Nothing is returned only where a design `fits` and no simple way finds values.
     """
     return (
-        _move_one(refusal, refusal.changed, thorough=True)
+        _move_one(refusal, refusal.changed)
         or _move_to_bounds(refusal)
         or _return_choice(refusal)
-        or ({} if fits else _move_one(refusal, PARAMETERS, thorough=False) or _return_towards_before(refusal))
+        or (
+            {} if fits else _move_one(refusal, () if refusal.changed else PARAMETERS) or _return_towards_before(refusal)
+        )
     )
 
 
-def _move_one(refusal: Refusal, names: Iterable[str], thorough: bool) -> Values:
+def _move_one(refusal: Refusal, names: Iterable[str]) -> Values:
     """Move one number that all broken rules read to the nearest value that passes; blamed ones are tried first."""
     common = frozenset.intersection(*(broken.own_reads for broken in refusal.broken))
     for name in sorted(filter(is_number, names), key=lambda name: name not in refusal.blamed):
         if name in common:
-            value = find_passing_value(refusal.search, refusal.tables, name, refusal.broken, thorough=thorough)
+            value = find_passing_value(refusal.search, refusal.tables, name, refusal.broken)
             if value is not None:
                 return {name: value}
     return {}
@@ -125,15 +134,28 @@ def _return_towards_before(refusal: Refusal) -> Values:
     return values
 
 
-def find_passing_value(
-    search: Search, tables: DesignTables, name: str, broken: Iterable[BrokenRule], *, thorough: bool = True
-) -> Any:
+def approach(refusal: Refusal, values: Values, fit: FitFunction) -> Values:
+    """Move the changed number that resolves all back towards its wished value, as far as a fit follows."""
+    (name, *more) = values
+    if more or name not in refusal.changed or not is_number(name):
+        return values
+    failing, passing = refusal.tables.value(name), values[name]
+    for _ in range(_MAX_FITS):
+        middle = as_typed(name, round_digits((failing + passing) / 2, 3, up=passing > failing))
+        if middle in (failing, passing):
+            break
+        follows = fit(refusal.tables.with_values({name: middle}), refusal.changed) is not None
+        failing, passing = (failing, middle) if follows else (middle, passing)
+    return {name: passing}
+
+
+def find_passing_value(search: Search, tables: DesignTables, name: str, broken: Iterable[BrokenRule]) -> Any:
     """Find the passing value nearest to the present one, exact bounds of rules first; None if there is none."""
     intervals = [ends for one in broken if one.rule.field == name for ends in find_intervals(name, [one])]
     for end in list_ends(tables, name, intervals):
         if search.passes(tables.with_values({name: end})):
             return end
-    return search.nearest(tables, name, thorough=thorough)
+    return search.nearest(tables, name)
 
 
 def find_intervals(name: str, broken: Iterable[BrokenRule]) -> list[Ends]:

@@ -38,9 +38,7 @@ RULES = (*PART_RULES, *ELECTRONIC_RULES)
 SMALLEST = 1e-300
 """Absolute value below which a number has no digits that count."""
 _GRID_INTERVALS = 48
-"""Intervals of the fine grid between a parameter's bounds."""
-_STRIDE = 4
-"""Fine intervals in one interval of the coarse grid."""
+"""Intervals of the grid between a parameter's bounds."""
 _HALVINGS = 9
 """Halvings of the interval between a failing and a passing value."""
 _SHORT_DIGITS = (2, 3)
@@ -67,27 +65,20 @@ class Search:
     def passes(self, tables: DesignTables) -> bool:
         return next(find_violations((*self.suspects, *self.rules), tables, self.invalid), None) is None
 
-    def nearest(self, tables: DesignTables, name: str, *, thorough: bool = True) -> Any:
+    def nearest(self, tables: DesignTables, name: str) -> Any:
         """Find the value of a numeric parameter that passes and is nearest to its present one; None if there is none.
 
-        The value is the nearest one on a coarse grid between the parameter's bounds, or else, if the search is
-        thorough, on a fine one. Bisection then refines it. A range of passing values that is narrower than the grid may
-        be missed.
+        The value is the nearest one on a grid between the parameter's bounds, which bisection then refines. A range of
+        passing values that is narrower than the grid may be missed.
         """
         if not is_number(name) or name in self.invalid:
             return None
         present = tables.value(name)
-        grid = self.list_grid(name, present)
-        sides = [[value for value in grid if (value > present) is above] for above in (True, False)]
-        coarse = {value for side in sides for value in (*side[_STRIDE - 1 :: _STRIDE], *side[-1:])}
-        failing = {present}
-        fine = [value for value in grid if value not in coarse] if thorough else []
-        for values in ([value for value in grid if value in coarse], fine):
-            for value in values:
-                if self.passes(tables.with_values({name: value})):
-                    between = (v for v in failing if min(present, value) <= v <= max(present, value))
-                    return self.refine(tables, name, min(between, key=lambda v: abs(v - value)), value)
-                failing.add(value)
+        failing = {False: present, True: present}  # below and above the present value
+        for value in self.list_grid(name, present):
+            if self.passes(tables.with_values({name: value})):
+                return self.refine(tables, name, failing[value > present], value)
+            failing[value > present] = value
         return None
 
     def refine(self, tables: DesignTables, name: str, failing: float, passing: float) -> Any:
@@ -98,7 +89,7 @@ class Search:
 
         def between(share: float) -> float:
             if min(failing, passing) > 0.0 and max(failing, passing) > 4.0 * min(failing, passing):
-                return as_typed(name, _blend(failing, passing, share))
+                return as_typed(name, math.exp((1.0 - share) * math.log(failing) + share * math.log(passing)))
             return as_typed(name, failing + share * (passing - failing))
 
         below, share = bisect(lambda share: not passes(between(share)), 0.0, 1.0, halvings=_HALVINGS)
@@ -132,16 +123,6 @@ class Search:
             return abs(math.log(value / present)) if is_wide and present > 0.0 else abs(value - present)
 
         return sorted(inside, key=lambda value: (distance(value), value))
-
-
-def _blend(first: float, last: float, share: float) -> float:
-    """Blend two positive numbers in equal ratios: the first for a share of 0, the last for 1."""
-    ratio = last / first
-    if 0.0 < ratio < math.inf:
-        blend: float = first * ratio**share
-        return blend
-    # The ratio of two numbers that differ by more than 308 powers of ten is no number.
-    return math.exp((1.0 - share) * math.log(first) + share * math.log(last))
 
 
 def is_number(name: str) -> bool:

@@ -1,28 +1,29 @@
 """Fit of a design: parameters that follow from others are moved until every rule passes.
 
 What is given stays, and so do measurements. Wall thicknesses, the place of the sensor, the collar and the like move
-within sensible ranges. A seeded random search lowers the number of broken rules to zero: it moves a
-value to where a broken rule says that it passes, or a few values at random. Each value then moves back towards where it
-began, as far as the rules allow. The same input gives the same design.
+within sensible ranges. The search knows which parameters a broken rule reads: it moves each of them to the nearest
+value with which that rule passes, and goes on with the most promising design that it has found. Each value then moves
+back towards where it began, as far as the rules allow. The same input gives the same design.
 """
 
 from __future__ import annotations
 
+import heapq
+import itertools
 import math
-import random
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS
-from fingertip.design.parameters.declaration import find_follows
+from fingertip.design.parameters.declaration import find_follows, find_unit
 from fingertip.design.refusal import find_remedies
-from fingertip.design.rules.ruleset import BrokenRule, RuleChecker
+from fingertip.design.rules.ruleset import BrokenRule, Rule, RuleChecker
 from fingertip.design.search import PART_RULES, cheapest_first
 from fingertip.foundation.errors import DesignError
-from fingertip.foundation.numerics import bisect
 
+Progress = Callable[[float], None]
 Values = Mapping[str, float]
 Ranges = Mapping[str, tuple[float, float]]
 
@@ -36,27 +37,18 @@ _WISHES: Ranges = {
 }
 """Wishes of a file that may move in a second round, if the derived parameters alone do not suffice."""
 MOVABLE = (*DERIVED, *_WISHES)
-_STEPS = 1200
-"""Largest number of designs that one search tries."""
-
-
-@dataclass(frozen=True)
-class _Round:
-    """Searches of one kind, each from the beginning with another seed."""
-
-    searches: int
-    repairs: float
-    """Share of the steps that repair one rule instead of changing values at random."""
-    patience: int
-    """Number of designs without improvement after which a search ends."""
-    choice: int
-    """Number of designs that pass after which the round ends. The one that changes least is chosen."""
-
-
-_ROUNDS = (_Round(6, 0.8, 60, choice=6), _Round(5, 0.5, 350, choice=1))
-"""Rounds of the fit. A later one begins if none of the searches before found a design that passes."""
-_BACK_STEPS = 8
-"""Halvings by which a value moves back towards where it began."""
+_DESIGNS = 40
+"""Largest number of designs that are repaired in one round."""
+_HALVINGS, _BACK_HALVINGS = 6, 5
+"""Halvings of the way to the nearest value with which a rule passes, and of the way back to the beginning."""
+_STRONG_HALVINGS = 3
+"""Halvings of the way to what makes the bone stronger: each cuts its mesh."""
+_SHARES = (1.0, 0.5, 0.25)
+"""Shares of the way to the end of a parameter's range at which a rule is tried."""
+_NEARER = 0.9
+"""Part of a lack that may be left after a step towards a repair."""
+_OF_MOVES = 0.3
+"""Weight of the moves of a design, each relative to its range, beside the number of rules that it breaks."""
 
 
 @dataclass(frozen=True)
@@ -78,39 +70,16 @@ class Fit:
     moves: tuple[Move, ...]
 
 
-Holds = Callable[[DesignTables], Sequence[BrokenRule]]
-"""Judges a design that passes all rules: what is too weak, with the values that may hold; nothing if it holds."""
+@dataclass(frozen=True)
+class Holds:
+    """Judgement of what a design holds."""
 
-
-class _Judge:
-    """Checks a design with other free lengths, and scores each set of them once."""
-
-    def __init__(self, tables: DesignTables) -> None:
-        self._tables, self._rules = tables, cheapest_first(PART_RULES)
-        self._scores: dict[tuple[float, ...], float] = {}
-
-    def score(self, values: Values, limit: float = math.inf) -> tuple[float, list[BrokenRule]]:
-        """Return the score of a design and what it breaks, as far as the score stays within a limit.
-
-        Each broken rule adds one, and more if it is far from repaired.
-        """
-        key, found, score = tuple(values.values()), list[BrokenRule](), 0.0
-        if self._scores.get(key, 0.0) > limit:
-            return self._scores[key], found
-        for broken in RuleChecker(self._tables.with_values(values)).find_broken(self._rules):
-            found.append(broken)
-            score += 1.0 + _find_distance(broken)
-            if score > limit:
-                break
-        self._scores[key] = score
-        return score, found
-
-    def passes(self, values: Values) -> bool:
-        return self.score(values, 0.0)[0] == 0.0
-
-    def explain(self, values: Values) -> str:
-        found = self.score(values)[1]
-        return f"{found[0].rule.field} {found[0].violation.problem}" if found else ""
+    rules: tuple[Rule, ...]
+    """Rules that cost little, checked beside those of the design."""
+    judge: Callable[[DesignTables], Sequence[BrokenRule]]
+    """Finds what is too weak in a design that passes all rules."""
+    stronger: Mapping[str, float]
+    """Factors on parameters that make it stronger."""
 
 
 def fit_design(
@@ -119,7 +88,7 @@ def fit_design(
     before: DesignTables | None = None,
     *,
     holds: Holds | None = None,
-    progress: Callable[[float], None] = lambda share: None,
+    progress: Progress = lambda share: None,
 ) -> Fit:
     """Move the derived parameters of a design, but for those that are given, until its parts can be made.
 
@@ -127,107 +96,190 @@ def fit_design(
 
     Raises DesignError. Its remedies lead what is given towards the design `before`. Typed in, they pass.
     """
-    begin = {name: float(tables.value(name)) for name in (*DERIVED, *_WISHES) if name not in given}
-    judge = _Judge(tables)
+    if fit := find_fit(tables, given, holds=holds, progress=progress):
+        return fit
+    broken = _Search(tables, {}, holds).check({})[1] or (holds.judge(tables) if holds else ())
+    raise DesignError(find_remedies(tables, tuple(broken), before, [*given]))
+
+
+def find_fit(
+    tables: DesignTables,
+    given: Collection[str] = (),
+    *,
+    holds: Holds | None = None,
+    progress: Progress = lambda share: None,
+) -> Fit | None:
+    """Fit a design as `fit_design` does; None if it finds no design that passes."""
     for ranges in (DERIVED, {**DERIVED, **_WISHES}):
-        free = {name: (min(low, begin[name]), max(high, begin[name])) for name, (low, high) in ranges.items()
-                if name in begin}  # fmt: skip
-        values = _find_passing(free, {name: begin[name] for name in free}, judge, progress)
-        if values is not None:
-            break
-    else:
-        raise DesignError(find_remedies(tables, judge.score({})[1], before, [*given]))
-    for _ in range(2):
-        for name in free:
-            values[name] = _move_back(name, begin[name], values, judge.passes)
-    moves = (
-        Move(name, begin[name], values[name], judge.explain({**values, name: begin[name]}))
-        for name in free
-        if values[name] != begin[name]
-    )
-    return Fit(tables.with_values(values), tuple(moves))
-
-
-def _find_passing(
-    free: Ranges, begin: Values, judge: _Judge, progress: Callable[[float], None]
-) -> dict[str, float] | None:
-    """Find free lengths that pass, of several the nearest to those at the beginning; None if no search finds any."""
-    for number, kind in enumerate(_ROUNDS):
-        reached: list[tuple[float, dict[str, float]]] = []
-        for seed in range(kind.searches):
-            progress((number + seed / kind.searches) / len(_ROUNDS))
-            reached.append(_search(kind, seed, free, begin, judge))
-            if sum(score == 0.0 for score, _ in reached) == kind.choice:
-                break
-        nearest, values = min(reached, key=lambda found: (found[0], _measure_change(free, begin, found[1])))
-        if nearest == 0.0:
-            return values
-        # All searches end at a rule of the same fixed size: longer ones do not repair it either.
-        blamed = ({broken.rule.field for broken in judge.score(found)[1]} - set(free) for _, found in reached)
-        if set.intersection(*blamed):
-            break
+        free = {name: (min(low, present), max(high, present)) for name, (low, high) in ranges.items()
+                if name not in given for present in [tables.value(name)]}  # fmt: skip
+        search = _Search(tables, free, holds)
+        values = search.find_passing(progress)
+        if values is not None and (held := search.strengthen(search.move_back(values))) is not None:
+            return search.describe(held)
     return None
 
 
-def _search(kind: _Round, seed: int, free: Ranges, begin: Values, judge: _Judge) -> tuple[float, dict[str, float]]:
-    rng, values = random.Random(seed), dict(begin)
-    best, found = judge.score(values)
-    improved = 0
-    for step in range(_STEPS):
-        if best == 0.0 or step - improved > kind.patience:
-            break
-        repair = _list_repairs(found, free, values) if rng.random() < kind.repairs else []
-        trial = {**values, **(rng.choice(repair) if repair else _change_at_random(rng, free, values))}
-        score, found_now = judge.score(trial, best)
-        if score <= best:
-            improved = step if score < best else improved
-            best, values, found = score, trial, found_now
-    return best, values
+class _Search:
+    """Search for values of free parameters with which a design passes."""
+
+    def __init__(self, tables: DesignTables, free: Ranges, holds: Holds | None) -> None:
+        self._tables, self._free, self._holds = tables, free, holds
+        self._rules = (*cheapest_first(PART_RULES), *(holds.rules if holds else ()))
+        self._checked: dict[tuple[tuple[str, float], ...], tuple[float, tuple[BrokenRule, ...]]] = {}
+
+    def check(self, values: Values) -> tuple[float, tuple[BrokenRule, ...]]:
+        """Return a score, the number of broken rules and how far each is from passing, and these rules."""
+        key = tuple(sorted(values.items()))
+        if key not in self._checked:
+            found = tuple(RuleChecker(self._tables.with_values(values)).find_broken(self._rules))
+            self._checked[key] = sum(1.0 + _measure_lack(broken) for broken in found), found
+        return self._checked[key]
+
+    def find_passing(self, progress: Callable[[float], None]) -> dict[str, float] | None:
+        """Find values that pass: always repair the most promising design, at its first broken rule."""
+        order = itertools.count()
+        queue: list[tuple[float, int, dict[str, float]]] = [(self.check({})[0], next(order), {})]
+        if not self.check({})[1]:
+            return {}
+        seen = set[tuple[tuple[str, float], ...]]()
+        for number in range(_DESIGNS):
+            if not queue:
+                break
+            progress(number / _DESIGNS)
+            _, _, values = heapq.heappop(queue)
+            passing: list[tuple[float, dict[str, float]]] = []
+            for repair in self._list_repairs(values, self.check(values)[1][0]):
+                trial = {**values, **repair}
+                key = tuple(sorted(trial.items()))
+                if key in seen:
+                    continue
+                seen.add(key)
+                score, moved = self.check(trial)[0], self._measure_moves(trial)
+                if score == 0.0:
+                    passing.append((moved, trial))
+                heapq.heappush(queue, (score + _OF_MOVES * moved, next(order), trial))
+            if passing:
+                return min(passing, key=lambda found: found[0])[1]
+        return None
+
+    def _list_repairs(self, values: Values, broken: BrokenRule) -> Iterator[dict[str, float]]:
+        """List values of free parameters with which a rule passes, or is nearer to passing: of each, and of all."""
+        lack, tables, helpful = _measure_lack(broken), self._tables.with_values(values), dict[str, float]()
+        for name in sorted(broken.own_reads & self._free.keys()):
+            present, least, begin = tables.value(name), lack, self._tables.value(name)
+            for end in self._free[name]:
+                if (end - present) * (present - begin) < 0.0:
+                    continue  # towards where another repair came from
+                for share in _SHARES:
+                    value = _round(name, present + share * (end - present))
+                    if value == present:
+                        break
+                    left = self._lack_of(broken.rule, {**values, name: value})
+                    if left < least:
+                        helpful[name], least = value, left
+                    if left == 0.0:
+                        yield self._approach({name: present}, {name: value}, values, broken.rule)
+                        break
+                    if left < _NEARER * lack:
+                        yield {name: value}
+        failing = {name: tables.value(name) for name in helpful}
+        if len(helpful) > 1 and self._lack_of(broken.rule, {**values, **helpful}) == 0.0:
+            yield self._approach(failing, helpful, values, broken.rule)
+
+    def _lack_of(self, rule: Rule, values: Values) -> float:
+        design = self._tables.with_values(values)
+        checker = RuleChecker(design)
+        if checker.passes(rule):
+            return 0.0
+        violation = checker.violations.get(rule)
+        return _measure_lack(BrokenRule(rule, violation, design)) if violation else 1.0
+
+    def _approach(
+        self, failing: Values, passing: Values, rest: Values, rule: Rule | None = None, halvings: int = _HALVINGS
+    ) -> dict[str, float]:
+        """Move passing values towards failing ones by bisection; one rule must pass beside the rest, or all."""
+        for _ in range(halvings):
+            middle = {name: _round(name, (failing[name] + value) / 2) for name, value in passing.items()}
+            if middle in (failing, passing):
+                break
+            trial = {**rest, **middle}
+            holds = self._lack_of(rule, trial) == 0.0 if rule else not self.check(trial)[1]
+            failing, passing = (failing, middle) if holds else (middle, passing)
+        return dict(passing)
+
+    def _measure_moves(self, values: Values) -> float:
+        return sum(
+            abs(value - float(self._tables.value(name))) / (self._free[name][1] - self._free[name][0])
+            for name, value in values.items()
+        )
+
+    def move_back(self, values: Values) -> dict[str, float]:
+        """Move each value back towards where it began, as far as the design passes."""
+        values, changed = dict(values), True
+        while changed:
+            changed = False
+            for name in sorted(values):
+                rest = {other: value for other, value in values.items() if other != name}
+                if not self.check(rest)[1]:
+                    values, changed = rest, True
+                    continue
+                begin = {name: self._tables.value(name)}
+                nearer = self._approach(begin, {name: values[name]}, rest, halvings=_BACK_HALVINGS)
+                if nearer[name] != values[name]:
+                    values, changed = {**rest, **nearer}, True
+        return values
+
+    def strengthen(self, values: Values) -> dict[str, float] | None:
+        """Move what makes a design that passes all rules stronger, no further than it needs; None if it is too weak."""
+        if self._holds is None or not self._holds.judge(self._tables.with_values(values)):
+            return dict(values)
+        strong, tables = dict(values), self._tables.with_values(values)
+        for name, factor in self._holds.stronger.items():
+            for share in _SHARES if name in self._free else ():
+                (low, high), present = self._free[name], tables.value(name)
+                end = min(max(present * factor, low), high)
+                trial = {**strong, name: _round(name, present + share * (end - present))}
+                if not self.check(trial)[1]:
+                    strong = trial
+                    break
+        if not self._is_held(strong):
+            return None
+        moved = {name: value for name, value in strong.items() if value != tables.value(name)}
+        failing = {name: tables.value(name) for name in moved}
+        for _ in range(_STRONG_HALVINGS):
+            middle = {name: _round(name, (failing[name] + value) / 2) for name, value in moved.items()}
+            failing, moved = (failing, middle) if self._is_held({**values, **middle}) else (middle, moved)
+        for name in sorted(moved):
+            fewer = {other: value for other, value in moved.items() if other != name}
+            moved = fewer if self._is_held({**values, **fewer}) else moved
+        return {**values, **moved}
+
+    def _is_held(self, values: Values) -> bool:
+        assert self._holds
+        return not self.check(values)[1] and not self._holds.judge(self._tables.with_values(values))
+
+    def describe(self, values: Values) -> Fit:
+        moves = []
+        for name, value in sorted(values.items()):
+            if value != (begin := self._tables.value(name)):
+                moves.append(Move(name, begin, value, self._explain({**values, name: begin})))
+        return Fit(self._tables.with_values(values), tuple(moves))
+
+    def _explain(self, values: Values) -> str:
+        found = self.check(values)[1] or (self._holds.judge(self._tables.with_values(values)) if self._holds else ())
+        return f"{found[0].rule.field}: {found[0].violation.problem}" if found else ""
 
 
-def _measure_change(free: Ranges, begin: Values, values: Values) -> float:
-    """Add up the changes of all values, each relative to its range."""
-    return sum(abs(values[name] - begin[name]) / (high - low) for name, (low, high) in free.items())
+def _measure_lack(broken: BrokenRule) -> float:
+    """Return how far a design is from passing a rule, below 1: by its field, where the rule names values that pass."""
+    ends = [end for interval in broken.violation.passing for end in interval if math.isfinite(end)]
+    if not ends:
+        return broken.violation.lack / (1.0 + broken.violation.lack) if math.isfinite(broken.violation.lack) else 1.0
+    present = float(broken.design.value(broken.rule.field))
+    lack: float = min(abs(present - end) for end in ends) / max(1.0, abs(present))
+    return lack / (1.0 + lack)
 
 
-def _change_at_random(rng: random.Random, free: Ranges, values: Values) -> dict[str, float]:
-    """Change one to three values at random, mostly a little."""
-    changed = {}
-    for name in rng.sample(sorted(free), rng.randint(1, 3)):
-        low, high = free[name]
-        moved = values[name] + rng.gauss(0.0, 0.2) * (high - low) * rng.random()
-        changed[name] = round(min(max(moved, low), high), 2)
-    return changed
-
-
-def _list_repairs(found: Sequence[BrokenRule], free: Ranges, values: Values) -> list[dict[str, float]]:
-    """List the nearest value of each blamed field with which its rule says it passes, where the field is free."""
-    repairs = []
-    for rule in found:
-        name = rule.rule.field
-        if name in free:
-            low, high = free[name]
-            for start, end in rule.violation.passing:
-                inside = math.ceil(100 * max(start, low) - 1e-6) / 100, math.floor(100 * min(end, high) + 1e-6) / 100
-                if inside[0] <= inside[1]:
-                    repairs.append({name: min(max(values[name], inside[0]), inside[1])})
-    return repairs
-
-
-def _find_distance(rule: BrokenRule) -> float:
-    """Return how far a design is from passing a rule: below 0.9 if its field alone can repair it, else 1."""
-    ends = [end for interval in rule.violation.passing for end in interval if math.isfinite(end)]
-    present = float(rule.design.value(rule.rule.field)) if ends else 0.0
-    return min((0.9, *(abs(present - end) / max(1.0, abs(present)) for end in ends))) if ends else 1.0
-
-
-def _move_back(name: str, begin: float, values: Values, passes: Callable[[Values], bool]) -> float:
-    """Move one value towards where it began, as far as the design passes; rounded to hundredths."""
-    here = values[name]
-    if here == begin or passes({**values, name: begin}):
-        return begin
-
-    def between(share: float) -> float:
-        return round(here + share * (begin - here), 2)
-
-    return between(bisect(lambda share: passes({**values, name: between(share)}), 0.0, 1.0, halvings=_BACK_STEPS)[0])
+def _round(name: str, value: float) -> float:
+    return round(value, 2 if find_unit(PARAMETERS[name]) else 3)

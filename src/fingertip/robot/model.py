@@ -16,7 +16,6 @@ from fingertip.cad.shapes.parts import PARTS, find_frames, hardware, parts_by_na
 from fingertip.catalogues.electronics import FILM_G_CM3
 from fingertip.catalogues.hardware import STEEL_G_CM3
 from fingertip.design import Design
-from fingertip.design.geometry.joint import HORN_RADIUS_MM
 from fingertip.design.geometry.solids import Point3, cylinder
 from fingertip.design.interfaces import interface_of
 from fingertip.design.interfaces.interface import CrossBolted, middle_y
@@ -128,7 +127,10 @@ def build_finger(design: Design) -> FingerModel:
         stub = Body(part.name, evaluator.mesh(part.solid(design)), print_g_cm3, part.colour)
     if (anchor := dims.anchor) and (way := bench.guide(design)):
         for x in way.x:
-            horn, radius = (x, anchor.horn_y + HORN_RADIUS_MM, anchor.horn_low_z), HORN_RADIUS_MM + anchor.line / 2
+            horn, radius = (
+                (x, anchor.horn_y + anchor.horn_radius, anchor.horn_low_z),
+                anchor.horn_radius + anchor.line / 2,
+            )
             strands.append(Strand(place((x, way.y, way.mouth_z)), place(horn), 1e-3 * radius))
     return FingerModel(
         design.name, bodies, measure_inertia(bodies, offset), offset, joint is not None,

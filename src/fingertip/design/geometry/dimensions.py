@@ -26,6 +26,8 @@ _PIN_ENDS_MM = 2.0
 """Length by which a pin stands out of the eyes, both ends together [mm]."""
 _MIN_COLLAR_STEP_MM = 0.4
 """Least step from the base of a bone below a crown to its collar [mm]."""
+MAX_PROUD_MM = 1.5
+"""Height by which horns of the tendon, and the stop of a bent finger, may stand out of the collar's outline [mm]."""
 _SHARP = 0.8
 """Thickness over height, or height over thickness, below which an edge counts as sharp: 51 degrees on the average."""
 _RIM_POINTS = 64
@@ -97,10 +99,21 @@ class Dimensions(SkinDimensions):
         )
         slope = corner * (1.0 - min(1.0, (half + LEDGE_MM) / section.half_width))
         high = -self._design.bone.collar_length_mm - slope
-        return TendonAnchor(
-            joint.axis_y - hand.tendon_distance_mm, hand.tendon_distance_mm, line, half,
-            high - line - BESIDE_LINE_MM, high,
-        )  # fmt: skip
+        low, y = high - line - BESIDE_LINE_MM, joint.axis_y - hand.tendon_distance_mm
+        back = self.bone_outline.section.dorsal_height_at(half) - 1.5 * line
+        room = min(low - joint.shoulder_z, back - y)
+        return TendonAnchor(y, hand.tendon_distance_mm, line, half, low, high, room)
+
+    @cached_property
+    def joint_depth(self) -> float:
+        """Depth of the palmar side of a joint's base: that of the collar, or what horns and the bent stop need."""
+        collar, joint = self.collar.section.palmar, self.joint
+        if joint is None:
+            return collar
+        turned = math.radians(joint.travel_deg)
+        stop = joint.radius * math.sin(turned) + joint.pin_radius * max(0.0, math.cos(turned)) - joint.axis_y
+        deepest = max(-self.anchor.y if self.anchor else 0.0, stop if joint.travel_deg else 0.0)
+        return max(collar, min(deepest, collar + MAX_PROUD_MM))
 
     @property
     def joint_half_width(self) -> float:

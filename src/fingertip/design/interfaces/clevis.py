@@ -24,7 +24,7 @@ from fingertip.design.formulas.stress_and_knock import (
 )
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.dimensions import Dimensions
-from fingertip.design.geometry.joint import BESIDE_LINE_MM, HORN_RADIUS_MM, Joint, TendonAnchor
+from fingertip.design.geometry.joint import BESIDE_LINE_MM, Joint, TendonAnchor
 from fingertip.design.geometry.sizes import (
     ARROW_DEG,
     BEFORE_FACE,
@@ -133,7 +133,7 @@ class Clevis(JointInterface):
             yield LocalStress(
                 "bearing of the pin", joint.axis_z, (force + 1.0) / (thickness * 2 * joint.pin_radius), at_knock=False
             )
-            line_load = force / 2 / HORN_RADIUS_MM / anchor.line
+            line_load = force / 2 / anchor.horn_radius / anchor.line
             yield LocalStress("horn of the tendon", anchor.low_z, line_load, at_knock=False)
 
     def sizes(self, design: DesignTables) -> list[Size]:
@@ -211,7 +211,7 @@ class Clevis(JointInterface):
             Length("horns to the joint axis", STEP, "front", "right", "y", (pin[0], anchor.horn_y, anchor.horn_low_z),
                    pin, general(anchor.distance)),
             Circle("horns of the tendon", BEHIND_FACE, "front", "x",
-                   (pin[0], anchor.horn_y + HORN_RADIUS_MM, anchor.horn_low_z), HORN_RADIUS_MM, is_radius=True,
+                   (pin[0], anchor.horn_y + anchor.horn_radius, anchor.horn_low_z), anchor.horn_radius, is_radius=True,
                    hidden_deg=((-180.0, 90.0),), action="sharp: round it with fine paper, or it cuts the tendon"),
         ]  # fmt: skip
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 from fingertip.design.geometry import DesignTables
-from fingertip.design.geometry.joint import HORN_RADIUS_MM, Joint
+from fingertip.design.geometry.dimensions import MAX_PROUD_MM
+from fingertip.design.geometry.joint import Joint
 from fingertip.design.rules.bone import collar_carries_skin
 from fingertip.design.rules.ruleset import SLACK, Limit, Ruleset, Violation, at_most
 from fingertip.design.rules.skin import bone_left_at_sides, bone_left_dorsally
@@ -16,6 +17,8 @@ _MIN_SHOULDER = 0.1
 """Minimum distance of the hand's knuckle from the collar [mm]."""
 _MIN_SLOPE = 0.05
 """Least sine or cosine by which a length is divided."""
+_HAND_SLACK_MM, _HAND_SLACK_DEG = 0.1, 0.5
+"""Slack of the rules for sizes to which no hand is made or measured. Rules of walls have none."""
 _ANGLES = 120
 """Angles of the joint that are tried."""
 
@@ -114,11 +117,11 @@ def strands_beside_the_eyes(design: DesignTables) -> Violation | None:
     if joint is None or anchor is None:
         return None
     back_y = dims.bone_outline.section.dorsal_height_at(anchor.half_width) - anchor.line
-    low = max(joint.pin_radius + design.bone.wall_mm, joint.axis_y + HORN_RADIUS_MM - back_y) + anchor.line / 2
+    low = max(joint.pin_radius + design.bone.wall_mm, joint.axis_y + anchor.horn_radius - back_y) + anchor.line / 2
     if not joint.is_fork and anchor.half_width + anchor.line > joint.half_width - joint.clearance:
         low = max(low, hand.clearance_radius_mm + anchor.line)
-    high = joint.axis_y + dims.collar.section.palmar
-    if low - SLACK <= distance <= high + SLACK:
+    high = joint.axis_y + dims.collar.section.palmar + MAX_PROUD_MM
+    if low - _HAND_SLACK_MM <= distance <= high + _HAND_SLACK_MM:
         return None
     what = "no room for its strands beside pin and hand" if distance < low else "its strands no horn to turn over"
     return Violation(
@@ -153,7 +156,7 @@ def bent_stop_long_enough(design: DesignTables) -> Violation | None:
         is_long = _stop_length(design, joint, angle_deg) >= joint.pin_radius - SLACK
         return is_long and _leaves_horns(design, joint, angle_deg)
 
-    if holds(travel):
+    if any(holds(travel + slack) for slack in (0.0, -_HAND_SLACK_DEG, _HAND_SLACK_DEG)):
         return None
     passing = [angle / 10 for angle in range(10, 1101) if holds(angle / 10)]
     nearest = min(passing, key=lambda angle: abs(angle - travel), default=None)
@@ -170,7 +173,7 @@ def _stop_length(design: DesignTables, joint: Joint, angle_deg: float) -> float:
     across, along = max(math.cos(angle), _MIN_SLOPE), max(math.sin(angle), _MIN_SLOPE)
     assert dims.stops_top_z is not None
     top = dims.stops_top_z - design.bone.wall_mm - joint.axis_z  # of the blunt toe
-    return min((dims.collar.section.palmar + joint.axis_y - palmar) / across, (top + proximal) / along)
+    return min((dims.joint_depth + joint.axis_y - palmar) / across, (top + proximal) / along)
 
 
 def _leaves_horns(design: DesignTables, joint: Joint, angle_deg: float) -> bool:

@@ -11,7 +11,7 @@ import math
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.conic import TANGENT_STEP_MM, ConicBody
 from fingertip.design.geometry.foot import LEDGE_MM, flat_foot, foot_line
-from fingertip.design.geometry.joint import HORN_RADIUS_MM, Joint, TendonAnchor
+from fingertip.design.geometry.joint import Joint, TendonAnchor
 from fingertip.design.geometry.solids import (
     Box,
     Prism,
@@ -32,7 +32,7 @@ def joint_base(design: DesignTables, joint: Joint, top: float) -> Solid:
     dims, collar = design.dimensions, design.dimensions.collar.section
     low, half = joint.low_z - joint.radius, dims.joint_half_width
     outline = SuperconicSolid(ConicBody(collar, ((low, 1.0), (top, 1.0))))
-    base = union(outline, Box((-half, -collar.palmar, joint.low_z - 1.0), (half, joint.axis_y, top)))
+    base = union(outline, Box((-half, -dims.joint_depth, joint.low_z - 1.0), (half, joint.axis_y, top)))
     if not joint.travel_deg:
         return base
     reach = 2 * (collar.half_width + collar.dorsal + collar.palmar)
@@ -44,7 +44,7 @@ def stop_toe_y(design: DesignTables, joint: Joint, top: float) -> float:
     """Palmar end of the stop of the bent finger, which is a wall thick there."""
     angle, toe_z = math.radians(joint.travel_deg), top - design.bone.wall_mm - joint.axis_z
     toe_y = joint.axis_y - (joint.radius + toe_z * math.cos(angle)) / math.sin(angle)
-    return max(-design.dimensions.collar.section.palmar, toe_y)
+    return max(-design.dimensions.joint_depth, toe_y)
 
 
 def stop_top_y(design: DesignTables, joint: Joint) -> float:
@@ -109,9 +109,9 @@ def tendon_way(design: DesignTables, anchor: TendonAnchor, joint: Joint) -> tupl
     """
     section, foot = design.dimensions.collar.section, -design.bone.collar_length_mm
     reach, inner = 2 * (section.half_width + section.palmar + section.dorsal), anchor.half_width
-    low, y, z = joint.low_z - reach, anchor.horn_y + HORN_RADIUS_MM, anchor.horn_low_z
+    low, y, z = joint.low_z - reach, anchor.horn_y + anchor.horn_radius, anchor.horn_low_z
     angles = [math.pi / 2 * i / _HORN_CHORDS for i in range(_HORN_CHORDS + 1)]
-    horn = tuple((y - HORN_RADIUS_MM * math.cos(a), z + HORN_RADIUS_MM * math.sin(a)) for a in angles)
+    horn = tuple((y - anchor.horn_radius * math.cos(a), z + anchor.horn_radius * math.sin(a)) for a in angles)
     up = anchor.low_z + anchor.line / 2
     corners = ((-reach, low), (anchor.horn_y, low), *horn, (y, up), (-reach, up))
     slope, removed = collar_slope(design, anchor), [_back_way(design, anchor, joint)]
@@ -134,7 +134,7 @@ def _back_way(design: DesignTables, anchor: TendonAnchor, joint: Joint) -> Solid
 def strands(design: DesignTables, anchor: TendonAnchor, low_z: float) -> tuple[Solid, ...]:
     """Build both strands of the tendon beside the base, and straight from their horns to `low_z`, for checks."""
     radius, top = anchor.line / 2, design.dimensions.bone_outline.section.dorsal_height_at(anchor.half_width)
-    beside, along = (anchor.z, anchor.horn_y + HORN_RADIUS_MM), (anchor.horn_low_z, low_z)
+    beside, along = (anchor.z, anchor.horn_y + anchor.horn_radius), (anchor.horn_low_z, low_z)
     return tuple(
         solid
         for x in (-anchor.strand_x, anchor.strand_x)

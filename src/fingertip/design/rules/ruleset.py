@@ -50,6 +50,8 @@ class Violation:
     """Condition under which the bounds hold, such as "with this r5_ohm"."""
     alternatives: Mapping[str, Any] = field(default_factory=dict)
     """Values of other fields, each of which may pass instead."""
+    lack: float = math.inf
+    """Length by which a design misses the rule [mm], for one that names no values which pass."""
 
 
 RuleFunction = Callable[[DesignTables], Violation | None]

@@ -140,13 +140,14 @@ def ramp_on_flat(design: DesignTables) -> Limit | None:
 @RULES.rule("skin.width_mm", flat_within_bone, bone_left_at_sides, tip_within_skin, sensor_within_skin)
 def sensor_fits_flat(design: DesignTables) -> Violation | None:
     sensor, rim, clearance = design.dimensions.sensor, design.bone.rim_mm, design.sensor.clearance_mm
-    if design.dimensions.sensor_rim_margin(rim, clearance) >= 0:
+    if (margin := design.dimensions.sensor_rim_margin(rim, clearance)) >= 0:
         return None
     needed = sensor.head_diameter_mm + 2 * (clearance + rim)
     return Violation(
         f"the {sensor.label} and its rim need a flat {needed:.2f} mm across, which a finger of "
         f"{design.skin.width_mm:g} mm does not have",
         note="with this skin and rim",
+        lack=-margin,
     )
 
 
@@ -163,7 +164,8 @@ def flat_edges_within_skin(design: DesignTables) -> Violation | None:
         return None
     return Violation(
         f"{design.bone.palmar_fullness:g} brings the edges of the bone's flat to {max(0.0, thickness):.2f} mm from "
-        f"the skin's surface (measured sideways); at least {_EDGE_THICKNESS:g} mm are required"
+        f"the skin's surface (measured sideways); at least {_EDGE_THICKNESS:g} mm are required",
+        lack=_EDGE_THICKNESS - thickness,
     )
 
 

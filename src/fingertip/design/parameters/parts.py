@@ -142,7 +142,7 @@ class Strength(ParameterTable):
     hand_mass_kg: float = quantity(
         0.4, "kg", (0.01, 10), "Mass that moves with the fingertip when it knocks against something hard."
     )
-    knock_speed_m_s: float = quantity(0.15, "m/s", (0.01, 10), "Speed of that knock, at the same places.")
+    knock_speed_m_s: float = quantity(0.145, "m/s", (0.01, 10), "Speed of that knock, at the same places.")
     min_knock_factor: float = quantity(1.5, "", (0, 20), "Minimum safety factor of the bone at that knock.")
     print_material: Annotated[str, OneOf(*PRINT_MATERIALS, OWN)] = choice(
         "petg", "Material of the bone: three SLA resins, PETG, nylon 12, or own: the figures below then describe it."

@@ -313,9 +313,10 @@ def test_designs_far_from_the_articles_can_be_studied(cutoff_hz):
 
 @pytest.mark.full
 def test_all_studies_of_a_design():
-    """What their files say is compared with approved ones in test_study_report.py."""
     with compiled():
-        found = study(Design.load("fsr400"), CampaignPlan(8, 1.0)).results
+        studies = study(Design.load("fsr400"), CampaignPlan(8, 1.0))
+    assert studies.files().keys() >= {"studies.txt", "studies.md"}
+    found = studies.results
     assert 0.0 < found.bound_s(0.5) < 0.03  # of one band; `fast` sees the slow force too
     assert len(found.variations) == 1 + len(VARIATIONS)
     assert found.steps.trials == 4

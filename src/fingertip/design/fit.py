@@ -89,14 +89,15 @@ def fit_design(
     *,
     holds: Holds | None = None,
     progress: Progress = lambda share: None,
+    guessed: Collection[str] = (),
 ) -> Fit:
     """Move the derived parameters of a design, but for those that are given, until its parts can be made.
 
-    If they alone do not suffice, wishes that are not given move too. Measurements stay.
+    If they alone do not suffice, wishes that are not given move too. Measurements stay, but for those that are guessed.
 
     Raises DesignError. Its remedies lead what is given towards the design `before`. Typed in, they pass.
     """
-    if fit := find_fit(tables, given, holds=holds, progress=progress):
+    if fit := find_fit(tables, given, holds=holds, progress=progress, guessed=guessed):
         return fit
     broken = _Search(tables, {}, holds).check({})[1] or (holds.judge(tables) if holds else ())
     raise DesignError(find_remedies(tables, tuple(broken), before, [*given]))
@@ -108,9 +109,11 @@ def find_fit(
     *,
     holds: Holds | None = None,
     progress: Progress = lambda share: None,
+    guessed: Collection[str] = (),
 ) -> Fit | None:
     """Fit a design as `fit_design` does; None if it finds no design that passes."""
-    for ranges in (DERIVED, {**DERIVED, **_WISHES}):
+    derived = {**DERIVED, **{name: (0.8 * value, 1.2 * value) for name in guessed if (value := tables.value(name))}}
+    for ranges in (derived, {**derived, **_WISHES}):
         free = {name: (min(low, present), max(high, present)) for name, (low, high) in ranges.items()
                 if name not in given for present in [tables.value(name)]}  # fmt: skip
         search = _Search(tables, free, holds)

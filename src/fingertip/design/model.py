@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
@@ -105,6 +105,7 @@ class Design(DesignTables):
         before: Mapping[str, Any] | None = None,
         changed: Sequence[str] = (),
         progress: Callable[[str], None] = lambda message: None,
+        guessed: Collection[str] = (),
     ) -> Self:
         """Make a design of tables as `from_tables` does, and move what follows from the changes. Raises DesignError."""
         # Strength is computed by what builds on a design, which therefore finds the function by its name.
@@ -113,7 +114,9 @@ class Design(DesignTables):
             begun = DesignTables(**tables)
         except ValidationError as error:
             raise DesignError(explain_invalid(tables, error, changed)) from None
-        fit = fit_finger(begun, changed, read_valid(before), lambda share: progress(ShareText("fitting", share)))
+        fit = fit_finger(
+            begun, changed, read_valid(before), lambda share: progress(ShareText("fitting", share)), guessed
+        )
         design = cls.from_tables(fit.tables.model_dump(), before, changed)
         design.__dict__["moves"] = fit.moves
         return design

@@ -114,7 +114,9 @@ def fit_start(start: Start, progress: Callable[[str], None]) -> NewDesign:
     """Fit what follows from what is given. Raises DesignError."""
     if start.tables == start.before.with_values({"name": start.tables.name}):
         return NewDesign(Design(**start.tables.model_dump()), start.base, (), start.guessed)
-    design = Design.fit_tables(start.tables.model_dump(), start.before.model_dump(), start.given, progress)
+    design = Design.fit_tables(
+        start.tables.model_dump(), start.before.model_dump(), start.given, progress, start.guessed
+    )
     moves = {move.name: move for move in design.moves}
     was, place = start.before.value(_PLACE), design.value(_PLACE)
     if _PLACE not in start.given and place != was:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from fingertip.catalogues.electronics import NAMES
@@ -105,8 +105,9 @@ def fit_set(starts: Starts, progress: Callable[[str], None], issues: list[Issue]
     work = Work("fitting", {join_words(fingers): 1.0 for fingers in starts}, progress)
     for fingers, start in starts.items():
         found: list[Issue] = []
+        held = replace(start, given=(*start.given, *start.guessed))
         with gather(found):
-            forms.append(NewForm(fingers, new_design.fit_start(start, work.within(join_words(fingers)))))
+            forms.append(NewForm(fingers, new_design.fit_start(held, work.within(join_words(fingers)))))
         if size := dict(_SIZE_REMEDY.findall("\n".join(issue.typed for issue in found))):
             typed = "x".join(size.get(field, f"{start.tables.value(field):g}") for field in _SIZE)
             remedy = " ".join(f"--finger {finger}={typed}" for finger in fingers)

@@ -13,6 +13,7 @@ def fit_finger(
     given: Collection[str] = (),
     before: DesignTables | None = None,
     progress: Callable[[float], None] = lambda share: None,
+    guessed: Collection[str] = (),
 ) -> Fit:
     """Fit a design as `fit_design` does. Raises DesignError."""
-    return fit_design(tables, given, before, progress=progress)
+    return fit_design(tables, given, before, progress=progress, guessed=guessed)

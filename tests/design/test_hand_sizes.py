@@ -5,24 +5,21 @@ from __future__ import annotations
 import re
 import tomllib
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree
 
 import pytest
 
 from fingertip.design import Design
-from fingertip.design.geometry import DesignTables
 from fingertip.design.hand_sizes import SIZES, complete_hand, find_guesses, list_hands
 from fingertip.design.new_design import write_new_design
 from fingertip.design.parameters.parts import Hand
-from fingertip.design.rules.ruleset import RuleChecker
-from fingertip.design.search import PART_RULES
 from fingertip.documents.finger import draw_hand_sizes
 from fingertip.foundation.errors import DesignError
 from tests.conftest import ROOT, run_fingertip
 
 BASE = Design.load("adult_finger")
 HANDS = {name: tomllib.loads(path.read_text())["hand"] for name, path in list_hands().items()}
+HANDS["inmoov"]["tendon_distance_mm"] = 0.0  # as its refusal says: its own tendon runs through its fork
 LEFT_OUT = ("axis_height_mm", "clearance_radius_mm", "tendon_distance_mm", "travel_deg", "tendon_diameter_mm")
 
 
@@ -42,23 +39,15 @@ def test_every_number_of_a_hand_has_a_letter_in_drawing_and_help() -> None:
     assert draw_hand_sizes() == (ROOT / "docs/measure_your_hand.svg").read_bytes()
 
 
-def blame(hand: dict[str, Any]) -> set[str]:
-    """Find the sizes of the hand that rules blame, in the adult finger."""
-    tables = DesignTables(**BASE.model_dump()).with_values({f"hand.{name}": value for name, value in hand.items()})
-    fields = {broken.rule.field for broken in RuleChecker(tables).find_broken(PART_RULES)}
-    return {field for field in fields if field.startswith("hand.")}
-
-
 @pytest.mark.parametrize("left_out", LEFT_OUT)
 @pytest.mark.parametrize("name", HANDS)
-@pytest.mark.every_case
-def test_a_guess_is_blamed_by_no_rule_and_lets_the_hand_bend_nearly_as_far(name: str, left_out: str) -> None:
+def test_a_hand_of_which_a_size_is_left_out_gets_a_finger_and_keeps_all_others(name: str, left_out: str) -> None:
     given = {key: value for key, value in HANDS[name].items() if key != left_out}
-    completed, guessed = complete_hand(given, BASE.hand)
-    assert {key: completed[key] for key in given} == given
-    assert set(guessed) == {f"hand.{key}" for key in completed.keys() - given.keys()}
-    assert not blame(completed) & set(guessed) - blame(HANDS[name])
-    assert not blame({**completed, "travel_deg": min(completed["travel_deg"], 45.0)}) - blame(HANDS[name])
+    values, guessed = complete_hand(given, BASE.hand)
+    assert set(guessed) == {f"hand.{key}" for key in values.keys() - given.keys()}
+    tables = BASE.model_dump()
+    fitted = Design.fit_tables(tables | {"hand": tables["hand"] | values}, tables, guessed=guessed)
+    assert {key: getattr(fitted.hand, key) for key in given} == given
 
 
 def test_what_is_guessed_is_marked_and_told_and_what_cannot_be_is_asked_for(tmp_path: Path) -> None:

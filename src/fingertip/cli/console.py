@@ -168,7 +168,9 @@ class Console:
         from fingertip.design.parameters import find_kind
 
         keys = ("parameter", "kind", "was", "is", "why")
-        rows = [(move.name, find_kind(move.name), move.before, move.after, move.reason) for move in moves]
+        # Of what is measured, guesses alone move.
+        kinds = (find_kind(move.name).replace("measurement", "guess") for move in moves)
+        rows = [(m.name, kind, m.before, m.after, m.reason) for m, kind in zip(moves, kinds, strict=True)]
         self._moves += ({"design": design, **dict(zip(keys, row, strict=True))} for row in rows)
         said = f"{len(rows)} value{'s' * (len(rows) > 1)} moved" if rows else "passes as it is, nothing was moved"
         lines = align_columns([[*map(str, row)] for row in (keys, *rows)]) if rows else []

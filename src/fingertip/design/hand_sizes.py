@@ -19,8 +19,8 @@ SIZES = {row["name"]: row for row in read_rows(Path(__file__).with_name("hand_si
 GUESSED = "guessed: measure it"
 """Mark of a guess in a design file: its comment begins with it."""
 _STATED = ("knuckle", "width_mm", "pin_diameter_mm")
-_AROUND_PIN_MM, _TENDON_SHARE = 1.5, 0.75
-"""Least clearance radius beyond the pin; tendon distance over axis height, 0.72 to 0.75 in two bundled hands."""
+_AROUND_PIN_MM = 1.5
+"""Least clearance radius beyond the pin."""
 
 
 def list_hands() -> dict[str, Path]:
@@ -47,9 +47,10 @@ def find_hand(given: str | Path) -> Path:
 def complete_hand(given: Mapping[str, Any], base: Hand) -> tuple[dict[str, Any], tuple[str, ...]]:
     """Complete the table [hand], of which a part was measured, and name the parameters that are guesses.
 
-    The knuckle is round down to the palm, and a tendon lies at three quarters of the axis height. It passes palmar of
-    a fork, which is smaller by two tendons; there is none without room for it. All else is that of the `base`. Raises
-    DesignError if values are not valid, or if a size is missing that the others do not tell.
+    Clearance radius and axis height are in the proportion of the `base`, and all else is as there. A tendon lies no
+    nearer to the palm, and passes palmar of a fork, which is smaller by two tendons; there is none without room for it.
+
+    Raises DesignError if values are not valid, or if a size is missing that the others do not tell.
     """
     hand, values = parse_tables(Tables, {"hand": dict(given)}).hand, dict(given)
     if missing := [name for name in _STATED if name not in given]:
@@ -61,13 +62,16 @@ def complete_hand(given: Mapping[str, Any], base: Hand) -> tuple[dict[str, Any],
 
     line_mm = guess("tendon_diameter_mm", base.tendon_diameter_mm) if given.get("tendon_distance_mm") != 0 else 0.0
     palmar_mm = 2 * line_mm if hand.knuckle == "fork" else 0.0
-    known = given.get("clearance_radius_mm", 0.0) + palmar_mm, given.get("tendon_distance_mm", 0.0) / _TENDON_SHARE
-    height_mm = guess("axis_height_mm", max(base.axis_height_mm, *known))
-    radius_mm = guess("clearance_radius_mm", max(height_mm - palmar_mm, hand.pin_diameter_mm / 2 + _AROUND_PIN_MM))
-    distance_mm = max(_TENDON_SHARE * height_mm, radius_mm + line_mm if palmar_mm else 0.0)
+    share, to_palm_mm = base.clearance_radius_mm / base.axis_height_mm, base.axis_height_mm - base.tendon_distance_mm
+    by_radius_mm = given.get("clearance_radius_mm", 0.0) / share + palmar_mm
+    by_tendon_mm = given.get("tendon_distance_mm", 0.0) + to_palm_mm
+    height_mm = guess("axis_height_mm", max(base.axis_height_mm, by_radius_mm, by_tendon_mm))
+    least_mm = hand.pin_diameter_mm / 2 + _AROUND_PIN_MM
+    radius_mm = guess("clearance_radius_mm", max(share * (height_mm - palmar_mm), least_mm))
+    distance_mm = max(min(base.tendon_distance_mm, height_mm - to_palm_mm), radius_mm + line_mm if palmar_mm else 0.0)
     guess("tendon_distance_mm", distance_mm if distance_mm < height_mm else 0.0)
     guess("travel_deg", base.travel_deg)
-    return values, tuple(f"hand.{name}" for name in values if name not in given)
+    return values, tuple(f"hand.{name}" for name in SIZES if name in values.keys() - given.keys())
 
 
 def find_guesses(text: str, changed: Collection[str] = ()) -> list[str]:

@@ -66,8 +66,8 @@ def complete_hand(given: Mapping[str, Any], base: Hand) -> tuple[dict[str, Any],
     by_radius_mm = given.get("clearance_radius_mm", 0.0) / share + palmar_mm
     by_tendon_mm = given.get("tendon_distance_mm", 0.0) + to_palm_mm
     height_mm = guess("axis_height_mm", max(base.axis_height_mm, by_radius_mm, by_tendon_mm))
-    least_mm = hand.pin_diameter_mm / 2 + _AROUND_PIN_MM
-    radius_mm = guess("clearance_radius_mm", max(share * (height_mm - palmar_mm), least_mm))
+    min_mm = hand.pin_diameter_mm / 2 + _AROUND_PIN_MM
+    radius_mm = guess("clearance_radius_mm", max(share * (height_mm - palmar_mm), min_mm))
     distance_mm = max(min(base.tendon_distance_mm, height_mm - to_palm_mm), radius_mm + line_mm if palmar_mm else 0.0)
     guess("tendon_distance_mm", distance_mm if distance_mm < height_mm else 0.0)
     guess("travel_deg", base.travel_deg)

@@ -18,7 +18,7 @@ class _Named(Protocol):
     @property
     def name(self) -> str: ...
 
-    def model_dump(self, *, mode: str) -> dict[str, Any]: ...
+    def identity(self) -> dict[str, Any]: ...
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class OutputSet:
 
     def writer(self, design: _Named, folder: Path, force: bool = False, top: Path | None = None) -> SetWriter:
         """Writer of the set of a design in a folder; the others as for `SetWriter`."""
-        parameters = hash_parameters(design.model_dump(mode="json"))
+        parameters = hash_parameters(design.identity())
         return SetWriter(folder, self.kind, design.name, parameters, force, top=top)
 
 

@@ -32,7 +32,7 @@ def accuracy(
     outside = Issue("--cases", f"{cases} is out of bounds; choose 1 to 1000000.")
     refuse([] if 1 <= cases <= 1_000_000 else [outside])
     loaded = load_design(design, None, console)
-    writer = SetWriter(out, "accuracy", loaded.name, hash_parameters(loaded.model_dump(mode="json")))
+    writer = SetWriter(out, "accuracy", loaded.name, hash_parameters(loaded.identity()))
     writer.check(report.FILES)
     found = measure_accuracy(loaded, cases, console.progress, jobs)
     writer.write(report.as_files(found))

@@ -202,7 +202,7 @@ def validate(
     warnings = [*settings_warnings(loaded, detector), *find_range_warnings(loaded)]
     console.warn(warnings)
     folder = out or Path("out") / loaded.name / "validation"
-    writer = SetWriter(folder, "validation", loaded.name, hash_parameters(loaded.model_dump(mode="json")), force=force)
+    writer = SetWriter(folder, "validation", loaded.name, hash_parameters(loaded.identity()), force=force)
     writer.check(campaign.FILES)
     validation = campaign.validate(loaded, plan, detector, progress=console.progress, first_seed=seed, jobs=jobs)
     writer.write(validation.files(with_plots))

@@ -25,7 +25,7 @@ _WISHES = (
 """Wishes that every design states."""
 _INTERFACES = {
     "post": ("bone.post_", "bone.cross_bolt_"), "socket": ("bone.socket_", "bone.cross_bolt_"),
-    "flange": ("bone.flange_",), "clevis": ("hand.",),
+    "flange": ("bone.flange_",), "clevis": ("hand.",), "file": ("bone.adapter_",),
 }  # fmt: skip
 """Interface -> beginnings of its sizes."""
 _HEADINGS = {
@@ -42,6 +42,7 @@ def write_design(design: Tables, heading: Iterable[str], guessed: Collection[str
 
     Parameters of the hand that are `guessed` are marked. With `others`, all parameters stand in the file.
     """
+    design = design.with_bare_names()
     listed = {parameter.path: parameter for parameter in list_parameters()}
     main = list(_list_main(design))
     loaded = _load(design, main)

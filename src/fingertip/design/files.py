@@ -19,6 +19,7 @@ from fingertip.design.parameters import PARAMETERS, ParameterTable, Tables, find
 from fingertip.design.parameters.declaration import find_bounds, find_unit, list_choices
 from fingertip.design.proportions import fill_in
 from fingertip.foundation.errors import MAX_VALUE_LENGTH, DesignError, Issue, gather, quote_value, shorten
+from fingertip.foundation.input_files import is_safe_name
 from fingertip.foundation.tables import MAX_DEPTH, UnusableTomlError, parse_toml
 
 
@@ -69,7 +70,9 @@ def load_tables(
     issues: list[Issue] = []
     for file in files:
         with gather(issues):
-            merge(before, read_file(find_file(file, kind), kind, below))
+            tables = read_file(path := find_file(file, kind), kind, below)
+            resolve_names(tables, path.parent)
+            merge(before, tables)
     for change in list_changes(changes):
         with gather(issues):
             parsed.append(parse_change(change))
@@ -84,6 +87,16 @@ def load_tables(
         if isinstance(sensor := each.get("sensor"), dict) and isinstance(model := sensor.get("model"), str):
             sensor["model"] = spell_sensor(model)
     return LoadedTables(tables, before, tuple(name for nested in parsed for name, _ in flatten(nested)))
+
+
+def resolve_names(tables: Mapping[str, Any], folder: Path) -> None:
+    """Make paths of what tables name, which stands beside their file. Raises DesignError."""
+    bone = tables.get("bone")
+    if isinstance(bone, dict) and isinstance(name := bone.get("adapter_file"), str) and name:
+        if not is_safe_name(name):
+            message = f"{quote_value(name)} is no name of a file beside the design file; put it there."
+            raise DesignError(Issue("bone.adapter_file", message))
+        bone["adapter_file"] = str(folder / name)
 
 
 def parse_change(change: str) -> dict[str, Any]:
@@ -173,6 +186,7 @@ def to_toml(design: Tables, heading: str = "") -> str:
     """Write a whole design as TOML that reads back as equal, with descriptions and bounds as comments."""
     import tomlkit  # noqa: PLC0415
 
+    design = design.with_bare_names()
     described = {parameter.path: parameter for parameter in list_parameters()}
     document = tomlkit.document()
     for line in heading.splitlines():

@@ -17,7 +17,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from fingertip.catalogues.electronics import NAMES, split_finger
 from fingertip.catalogues.file_kinds import DESIGN, SET, find_file, identify_kind, read_file
-from fingertip.design.files import LoadedTables, flatten, list_changes, load_tables
+from fingertip.design.files import LoadedTables, flatten, list_changes, load_tables, resolve_names
 from fingertip.design.hand_sizes import find_hand
 from fingertip.design.model import Design
 from fingertip.design.parameters.declaration import parse_tables, suggest_name
@@ -92,10 +92,10 @@ class FingerSet:
         except DesignError:  # another variant than that of the board for several fingers
             return None
 
-    def model_dump(self, *, mode: str) -> dict[str, Any]:
+    def identity(self) -> dict[str, Any]:
         """Return all parameters, for the hash in a manifest."""
-        forms = [{"fingers": form.fingers, "design": form.design.model_dump(mode=mode)} for form in self.forms]
-        curves = {finger: design.force_curve.model_dump(mode=mode) for finger, design in self.calibrated.items()}
+        forms = [{"fingers": form.fingers, "design": form.design.identity()} for form in self.forms]
+        curves = {finger: design.force_curve.model_dump(mode="json") for finger, design in self.calibrated.items()}
         return {"name": self.name, "side": self.side, "forms": forms} | ({"calibrated": curves} if curves else {})
 
 
@@ -168,7 +168,7 @@ def set_to_toml(fingers: FingerSet, heading: str) -> str:
     lines = [f"# {line}" for line in heading.splitlines()]
     lines += _list_values({"name": fingers.name, "side": fingers.side})
     for finger, design in fingers.designs.items():
-        own = {"design": DESIGN.example, "name": design.name} | design.changes()
+        own = {"design": DESIGN.example, "name": design.name} | design.with_bare_names().changes()
         lines += ["", f"[fingers.{finger}]", *_list_values(own)]
     return "\n".join(lines) + "\n"
 
@@ -199,6 +199,7 @@ def _load_finger(path: Path, table: Mapping[str, Any], hand: Mapping[str, Any], 
         raise DesignError(Issue("design", "is missing; name a design, such as design = 'adult_finger'."))
     beside = _find_beside(path, "design", base)
     own = {name: value for name, value in table.items() if name != "design"}
+    resolve_names(own, path.parent)
     values = (*flatten(hand), *flatten(own))  # a finger may differ from the hand in one value
     typed = [*list_changes(dict(values)), *changes]
     return load_tables([beside or base], typed, below=path.parent if beside else None)

@@ -14,7 +14,7 @@ from typing import Any
 
 from fingertip.design import interfaces
 from fingertip.design.geometry import DesignTables
-from fingertip.design.interfaces import clevis_rules, flange, rigid
+from fingertip.design.interfaces import adapter, clevis_rules, flange, rigid
 from fingertip.design.parameters import ELECTRONIC_TABLES, PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds, find_unit, format_unit
 from fingertip.design.rules import amplifiers, board, bone, skin
@@ -24,7 +24,7 @@ from fingertip.foundation.numerics import bisect
 
 PART_RULES = (
     *skin.RULES, *bone.WALL_RULES, *interfaces.LENGTH_RULES, *clevis_rules.LENGTH_RULES, *bone.RULES, *rigid.RULES,
-    *flange.RULES, *clevis_rules.RULES, *bone.MOLD_RULES,
+    *flange.RULES, *clevis_rules.RULES, *adapter.RULES, *bone.MOLD_RULES,
 )  # fmt: skip
 """Rules of the printed parts and the skin. They read no electronic table."""
 ELECTRONIC_RULES = (

@@ -59,6 +59,8 @@ OUTPUT_LIMIT = Limit("FINGERTIP_MAX_OUTPUT_MB", 256, _MEGABYTE, "MB")
 """Largest file of an output folder that is read back [bytes]."""
 PARSED_LIMIT = Limit("FINGERTIP_MAX_PARSED_MB", 16, _MEGABYTE, "MB")
 """Largest file of an output folder that is parsed, such as a manifest [bytes]. It takes many times that in memory."""
+BODY_LIMIT = Limit("FINGERTIP_MAX_BODY_MB", 32, _MEGABYTE, "MB")
+"""Largest STEP or STL file of a body that another program has drawn [bytes]."""
 MAX_MEMBERS = 10_000
 MAX_DIRECTORY_BYTES = 2 * _MEGABYTE
 MAX_RATIO = 200

@@ -91,7 +91,7 @@ class Sources:
 
 def read_sources(design: Design, folder: Path) -> Sources:
     """Read the files of a design from its folder. Raises OutputError."""
-    wanted = hash_parameters(design.model_dump(mode="json"))
+    wanted = hash_parameters(design.identity())
     manifest = read_manifest(folder)
     if manifest is None or manifest.kind != "parts":
         raise OutputError(Issue(str(folder), f"holds no parts of {design.name!r}; {_MAKE} makes them."))

@@ -25,7 +25,8 @@ from typing import Any, NamedTuple
 from urllib.parse import SplitResult, parse_qs, urlsplit
 
 from fingertip.design import Design
-from fingertip.foundation.errors import FingertipError, Issue, StudioError
+from fingertip.design.files import flatten
+from fingertip.foundation.errors import DesignError, FingertipError, Issue, StudioError
 from fingertip.foundation.tables import UnusableTomlError, check_values
 from fingertip.studio.answers import (
     ANSWERS,
@@ -197,6 +198,10 @@ class _Handler(BaseHTTPRequestHandler):
         request = self._read_content()
         _, api, name, *rest = [*self._split_address().path.split("/"), "", ""]
         at_once, before = AT_ONCE.get(name), self.server.design
+        file = dict(flatten(request.tables)).get("bone.adapter_file", "")
+        if file not in ("", before.bone.adapter_file):
+            message = "is a file of this machine, which a page may not choose; name it when you start the studio."
+            raise DesignError(Issue("bone.adapter_file", message))
         _, answer = DOWNLOADS.get(rest[0], ("", None)) if name == "download" else ("", ANSWERS.get(name))
         if api == "api" and at_once:
             return _make_json(

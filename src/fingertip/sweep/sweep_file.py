@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from fingertip.catalogues.electronics import split_finger
 from fingertip.catalogues.file_kinds import DESIGN, SCENE, SET, SWEEP, find_file, identify_kind
-from fingertip.design.files import load_tables, merge
+from fingertip.design.files import load_tables, merge, resolve_names
 from fingertip.design.finger_set import SetFile, read_set
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import quantity
@@ -169,6 +169,8 @@ def _load_base(folder: Path, name: str, entry: Any, changes: list[str], is_typed
     if not isinstance(entry, Mapping):
         problem = f"{quote_value(entry)} is neither a file nor a table"
         raise SweepError(Issue(name, f"{problem}; give the path of a file, or a table [{name}]."))
+    if name == "design":
+        resolve_names(entry, folder)
     merge(base := fill_in(entry) if name == "design" and entry else dict(entry), load_tables((), changes).tables)
     return base
 

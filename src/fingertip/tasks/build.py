@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from fingertip.cad.files.step_process import StepFiles, StepJob, StepProcess
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.printing.settings import FDM, SLA
 from fingertip.cad.report import DESIGN_HEADING, Build, BuiltPart
-from fingertip.cad.shapes.parts import PARTS, hardware, parts_by_name, print_scale
+from fingertip.cad.shapes.parts import PARTS, exact_parts, hardware, parts_by_name, print_scale
 from fingertip.cad.verification.assembly import brep_balance_solids, check_brep_assembly
 from fingertip.cad.verification.printing import check_brep_solid
 from fingertip.cad.verification.verify import VerifiedParts, verify
@@ -22,6 +22,7 @@ from fingertip.catalogues import output_files
 from fingertip.catalogues.output_files import PART_FORMATS, part_file
 from fingertip.design import Design
 from fingertip.design.files import to_toml
+from fingertip.design.interfaces.adapter import read_adapter
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.documents.finger import list_steps, render_sheet
 from fingertip.foundation import extras
@@ -124,6 +125,14 @@ class BuildPlan:
     prints: SetWriter
     pictures: SetWriter
 
+    @property
+    def exact(self) -> tuple[str, ...]:
+        """Parts with a STEP file."""
+        return exact_parts(self.design, self.names) if "step" in self.formats else ()
+
+    def formats_of(self, part: str) -> Iterator[str]:
+        return (each for each in self.formats if each != "step" or part in self.exact)
+
 
 def plan_build(
     design: Design,
@@ -138,6 +147,10 @@ def plan_build(
     formats = select_names("--formats", wanted, tuple(PART_FORMATS))
     if "step" in formats:
         extras.require("--formats", "OCP", subject="step", alternative="leave step out with --formats stl,3mf")
+    if "cq" in formats and "bone" in names and design.bone.interface == "file":
+        raise DesignError(Issue("--formats", "cq cannot hold the adapter of bone.adapter_file; leave cq out."))
+    if "step" in formats and exact_parts(design, names) != names:
+        progress("left out: bone.step, and the bone in drawing and assembly; its adapter is an STL file")
     design, evaluator = design.with_silicone(options.material), MeshEvaluator(options.tolerance_mm)
     force = options.force
     plan = BuildPlan(
@@ -168,7 +181,7 @@ def run_build(
     work = Work("", stages, progress)
     with contextlib.ExitStack() as stack:
         # The B-rep kernel and the pictures have processes of their own while this process makes and checks the meshes.
-        process = stack.enter_context(StepProcess.start(_describe_step_job(plan))) if "step" in plan.formats else None
+        process = stack.enter_context(StepProcess.start(_describe_step_job(plan))) if plan.exact else None
         drawing: Callable[[], dict[str, bytes]] = dict
         if options.pictures and plan.is_whole:
             drawing = stack.enter_context(in_background(_draw_steps, design, options.tolerance_mm))
@@ -186,7 +199,7 @@ def run_build(
 
 
 def _describe_step_job(plan: BuildPlan) -> StepJob:
-    design, names = plan.design, plan.names
+    design, names = plan.design, plan.exact
     solids = tuple((name, PARTS[name].solid(design), PARTS[name].colour) for name in names)
     bought = tuple((item.name, item.solid, item.colour) for item in hardware(design, names))
     tools = tuple(name for name in names if PARTS[name].is_tool)
@@ -203,7 +216,7 @@ def _collect(
     for name, measured in step.measurements.items():
         scale = print_scale(design, PARTS[name])
         checks += check_brep_solid(design, PARTS[name], verified.meshes[name], measured, scale, tolerance_mm)
-    if "step" in plan.formats:
+    if plan.exact:
         checks += check_brep_assembly(design, step.measurements, step.volumes_mm3)
     contents = dict(verified.contents) | step.contents
     if plan.options.drawings:
@@ -213,15 +226,25 @@ def _collect(
     if casting:
         drawn = [f"{output_files.STEPS_FOLDER}/{name}" for name in pictures]
         contents[output_files.SHEET] = render_sheet(casting, drawn).encode()
-    files = {name: {each: part_file(name, each) for each in plan.formats} for name in plan.names}
+    files = {name: {each: part_file(name, each) for each in plan.formats_of(name)} for name in plan.names}
     built = tuple(BuiltPart(PARTS[n], verified.meshes[n], files[n], step.measurements.get(n)) for n in plan.names)
     result = Build(
         design, plan.parts.folder, tolerance_mm, built, contents, verified.prints, tuple(checks), verified.strength,
         casting,
     )  # fmt: skip
     contents[output_files.REPORT] = (json.dumps(result.report(), indent=2) + "\n").encode()
-    contents[output_files.DESIGN] = to_toml(design, DESIGN_HEADING).encode()
+    contents |= copy_design(design, output_files.DESIGN, DESIGN_HEADING)
     return result
+
+
+def copy_design(design: Design, name: str, heading: str) -> dict[str, bytes]:
+    """Write a design as a file of this name, with its adapter beside it."""
+    if design.bone.interface != "file":
+        return {name: to_toml(design, heading).encode()}
+    body = read_adapter(design)
+    beside = f"adapter{'.step' if body.brep else '.stl'}"
+    copy = design.with_values({"bone.adapter_file": beside})
+    return {name: to_toml(copy, heading).encode(), beside: body.data}
 
 
 def _write(plan: BuildPlan, made: Build, pictures: Mapping[str, bytes], progress: Callable[[str], None]) -> Build:
@@ -255,9 +278,10 @@ def _draw_steps(design: Design, tolerance_mm: float) -> dict[str, bytes]:
 
 
 def _name_files(plan: BuildPlan) -> list[str]:
-    names = [part_file(part, file_format) for part in plan.names for file_format in plan.formats]
-    names += [output_files.ASSEMBLY] if "step" in plan.formats else []
-    return [*names, *([output_files.SHEET] if plan.is_whole else []), output_files.REPORT, output_files.DESIGN]
+    names = [part_file(part, file_format) for part in plan.names for file_format in plan.formats_of(part)]
+    names += [output_files.ASSEMBLY] if plan.exact else []
+    names += [output_files.SHEET] if plan.is_whole else []
+    return [*names, output_files.REPORT, *copy_design(plan.design, output_files.DESIGN, "")]
 
 
 def _name_prints(plan: BuildPlan) -> list[str]:

@@ -33,7 +33,6 @@ from fingertip.catalogues.output_files import (
     SET_REPORT,
 )
 from fingertip.design import Design
-from fingertip.design.files import to_toml
 from fingertip.design.finger_set import FingerSet, Form
 from fingertip.design.geometry.solids import scaled
 from fingertip.documents.acceptance import acceptance_sheet
@@ -52,6 +51,7 @@ from fingertip.foundation.progress import Work
 from fingertip.page.render import render_set_page
 from fingertip.pictures.casting_scenes import draw_finger
 from fingertip.tasks.board import BRING_UP_FILES, plan_board
+from fingertip.tasks.build import copy_design
 from fingertip.tasks.make import Made, make
 
 _FILES = (SET_REPORT, OVERVIEW, CASTING_PLAN, PARTS_LIST, PARTS_CSV, BOARD_DESIGN, ACCEPTANCE, PAGE)
@@ -124,7 +124,7 @@ def make_set(
     failed = [made.parts.design.name for made in forms if not made.parts.passed]
     contents = _render_sheets(fingers, sheets, _list_files(collected, board, folder), failed)
     if board_design:
-        contents[BOARD_DESIGN] = to_toml(board_design, "Design of the board for all fingers.").encode()
+        contents |= copy_design(board_design, BOARD_DESIGN, "Design of the board for all fingers.")
     writer.write(contents)
     return MadeSet(folder, tuple(forms), board, sheets)
 

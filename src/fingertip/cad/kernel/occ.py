@@ -7,10 +7,12 @@ The order of what a boolean combines decides the order of the faces in STEP file
 
 from __future__ import annotations
 
+import io
 import math
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+from OCP.BinTools import BinTools
 from OCP.Bnd import Bnd_Box
 from OCP.BRepAlgoAPI import BRepAlgoAPI_Common, BRepAlgoAPI_Cut, BRepAlgoAPI_Fuse
 from OCP.BRepBndLib import BRepBndLib
@@ -167,6 +169,13 @@ def elbow_tube(
         BRepPrimAPI_MakeRevol(section, axis, math.pi / 2, True).Shape(),
         BRepPrimAPI_MakeCylinder(up, radius, end_y - turn_y).Shape(),
     )
+
+
+def placed(brep: bytes, rows: Sequence[Sequence[float]]) -> TopoDS_Shape:
+    shape, motion = TopoDS_Shape(), gp_Trsf()
+    BinTools.Read_s(shape, io.BytesIO(brep))
+    motion.SetValues(*(number for row in rows for number in row))
+    return transform(shape, motion)
 
 
 def superconic(*form: Any) -> TopoDS_Shape:

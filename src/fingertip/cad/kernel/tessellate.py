@@ -39,6 +39,8 @@ def tessellate(solid: solids.Primitive, tolerance_mm: float) -> tuple[Array, Tri
             return _elbow(solid, tolerance_mm)
         case solids.SuperconicSolid(body):
             return _superconic(body, tolerance_mm)
+        case solids.Placed():
+            return solid.move(), solid.body.triangles
 
 
 def arc_segments(a: float, b: float, weight: float, tolerance: float) -> int:

@@ -82,7 +82,7 @@ def _bone(design: Design) -> Supports:
     under = interface.supports_below + interface.supports_inside
     section = design.dimensions.collar.section
     reach = 2 * max(section.half_width, section.palmar + section.dorsal, design.bone.flange_width_mm)
-    below = -design.bone.base_length_mm - design.bone.post_length_mm - reach
+    below = interface.low_z(design) - design.bone.post_length_mm - reach
     outside = difference(
         Box((-reach, -reach, below), (reach, reach, 0.0)), finger.sensor_recess(design), finger.cable_channel(design)
     )

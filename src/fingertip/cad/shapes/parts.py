@@ -13,6 +13,7 @@ from fingertip.cad.shapes import bench, finger, mold
 from fingertip.cad.shapes.finger import sensor_body
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Point3, Solid, cylinder
+from fingertip.design.interfaces.adapter import read_adapter
 from fingertip.design.interfaces.interface import middle_y
 from fingertip.design.rules.ruleset import record_reads
 
@@ -67,6 +68,12 @@ PARTS: dict[str, Part] = {
 
 def parts_by_name(design: Design) -> dict[str, Part]:
     return {name: part for name, part in PARTS.items() if part.exists_in(design)}
+
+
+def exact_parts(design: Design, names: Iterable[str]) -> tuple[str, ...]:
+    """List the parts with an exact solid: a bone with an adapter of an STL file has none."""
+    is_mesh = design.bone.interface == "file" and not read_adapter(design).brep
+    return tuple(name for name in names if name != "bone" or not is_mesh)
 
 
 def print_scale(design: Design, part: Part) -> float:

@@ -21,6 +21,7 @@ from fingertip.cad.verification.check import (
     above_z,
     complement,
 )
+from fingertip.cad.verification.walls import NEGLIGIBLE_MM2, SPACING_MM, measure_walls
 from fingertip.catalogues.hardware import select_thread
 from fingertip.design import Design
 from fingertip.design.geometry.dimensions import HEAD_MM, LONGER_MM, TAIL_MM
@@ -81,8 +82,22 @@ def _check_channel_walls(design: Design, evaluator: MeshEvaluator, outside: Mani
     mouth = dims.bone_outline.section.dorsal - wall - design.bone.channel_diameter_mm
     buried = buried.trim_by_plane((0.0, -1.0, 0.0), -mouth)
     yield Check.min_distance("bone.wall.channel_to_outside", buried, outside, wall)
-    hole = evaluator.manifold(interface_of(design).shapes(design)[1][0])
-    yield Check.min_distance("bone.wall.channel_to_interface", buried, hole, wall)
+    for hole in interface_of(design).shapes(design)[1][:1]:
+        yield Check.min_distance("bone.wall.channel_to_interface", buried, evaluator.manifold(hole), wall)
+
+
+@CHECKS.register("bone", change={"bone.wall.adapter": ("bone.adapter_file", "printer.min_wall_mm")})
+def check_adapter(design: Design, solids: Solids) -> Iterator[Check]:
+    """Check the walls of an adapter, by rays; a few narrow places, such as a sharp edge, are left out."""
+    if design.bone.interface != "file":
+        return
+    limit = design.printer.min_wall_mm - 2 * solids.evaluator.tolerance_mm
+    found = measure_walls(solids["bone"], limit)
+    thin = found.thickness_mm[found.points[:, 2] < -design.bone.base_length_mm]
+    matters = len(thin) * SPACING_MM**2 > NEGLIGIBLE_MM2
+    yield Check(
+        "bone.wall.adapter", float(thin.min()) if matters else limit, limit, "mm", "at least", is_beyond=not matters
+    )
 
 
 def _check_sensor_seat(design: Design, solids: Solids) -> Iterator[Check]:

@@ -24,7 +24,7 @@ _INSIDE_MM = 1e-4
 """Depth at which a ray starts [mm], so that it does not meet the face that it leaves."""
 _R2 = (0.7548776662466927, 0.5698402909980532)
 """Steps of the R2 sequence, which spreads points evenly (M. Roberts, 2018)."""
-_NEGLIGIBLE_MM2 = 0.5
+NEGLIGIBLE_MM2 = 0.5
 """Area of thin walls that is not worth a mark [mm2]: four points."""
 
 
@@ -40,7 +40,7 @@ class ThinWalls:
 
     @property
     def matters(self) -> bool:
-        return self.area_mm2 > _NEGLIGIBLE_MM2
+        return self.area_mm2 > NEGLIGIBLE_MM2
 
     def patches(self) -> Mesh:
         """Build a small square at each point, for pictures."""

@@ -8,12 +8,18 @@ and all axes are parallel to x, y or z. Solids compare and hash by value, so tha
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from fingertip.design.geometry.conic import ConicBody
 
+if TYPE_CHECKING:
+    from fingertip.foundation.body_file import Body
+    from fingertip.foundation.numerics import Array
+
 Axis = Literal["x", "y", "z"]
 Point3: TypeAlias = tuple[float, float, float]
+_DECIMALS = 5
+"""Decimals of the corners of a body [mm]: files in single precision are off by so much."""
 
 
 def axis_point(axis: Axis, u: float, v: float, w: float) -> Point3:
@@ -88,6 +94,22 @@ class SuperconicSolid:
 
 
 @dataclass(frozen=True)
+class Placed:
+    """Body of a file, turned and moved by the rows of a matrix: each point (x, y, z, 1) is multiplied by them [mm]."""
+
+    body: Body
+    rows: tuple[tuple[float, ...], ...]
+
+    def move(self) -> Array:
+        """Move the corners of the body's mesh, (n, 3) [mm]. Rounding takes those in a plane of a part into it."""
+        x, y, z = self.body.vertices.T
+        moved = self.body.vertices.copy()
+        for i, (a, b, c, by) in enumerate(self.rows):
+            moved[:, i] = (a * x + b * y + c * z + by).round(_DECIMALS)
+        return moved
+
+
+@dataclass(frozen=True)
 class Union:
     solids: tuple[Solid, ...]
 
@@ -109,7 +131,7 @@ class Scaled:
     factor: float
 
 
-Primitive: TypeAlias = Box | Cone | Prism | ElbowTube | SuperconicSolid
+Primitive: TypeAlias = Box | Cone | Prism | ElbowTube | SuperconicSolid | Placed
 Solid: TypeAlias = Primitive | Union | Difference | Intersection | Scaled
 
 
@@ -150,6 +172,8 @@ def call_of(primitive: Primitive) -> tuple[str, tuple[Any, ...]]:
             section = body.section
             form = (section.half_width, section.palmar, section.dorsal, section.palmar_weight, section.dorsal_weight)
             return "superconic", (*form, _spans(body))
+        case Placed(body, rows):
+            return "placed", (body.brep, rows)
 
 
 def _spans(body: ConicBody) -> tuple[tuple[tuple[float, ...], ...], ...]:

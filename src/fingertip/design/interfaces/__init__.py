@@ -1,4 +1,4 @@
-"""Interfaces of the bone to the proximal phalanx: post, socket, flange and clevis, each with all that it brings.
+"""Interfaces of the bone to the proximal phalanx: post, socket, flange, clevis and adapter of a file, each with all.
 
 In: the tables of a design. Out: shapes, rules, sizes, stresses and words of its interface.
 
@@ -13,13 +13,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from fingertip.design.geometry import DesignTables
+from fingertip.design.interfaces.adapter import Adapter
 from fingertip.design.interfaces.clevis import Clevis
 from fingertip.design.interfaces.flange import Flange
 from fingertip.design.interfaces.interface import JointInterface
 from fingertip.design.interfaces.rigid import Post, Socket
 from fingertip.design.rules.ruleset import SLACK, Ruleset, Violation, at_least
 
-INTERFACES: Mapping[str, JointInterface] = {one.name: one for one in (Post(), Socket(), Flange(), Clevis())}
+INTERFACES: Mapping[str, JointInterface] = {one.name: one for one in (Post(), Socket(), Flange(), Clevis(), Adapter())}
 
 
 def interface_of(design: DesignTables) -> JointInterface:

@@ -10,6 +10,8 @@ In: the tables of a file. Out: frozen tables; the rules between parameters are c
 from __future__ import annotations
 
 from collections.abc import Mapping
+from hashlib import sha256
+from pathlib import Path
 from typing import Any, Literal, Self
 
 from pydantic import ConfigDict, Field
@@ -78,6 +80,20 @@ class Tables(Frozen):
             else:
                 update[key] = value
         return self.model_copy(update=update)
+
+    def identity(self) -> dict[str, Any]:
+        """Return all parameters, for the hash in a manifest: with the content of the adapter in place of its path."""
+        data = self.with_bare_names().model_dump(mode="json")
+        if self.bone.interface == "file":
+            from fingertip.foundation.body_file import read_body  # starts processes  # noqa: PLC0415
+
+            data["bone"]["adapter_file"] = sha256(read_body(Path(self.bone.adapter_file)).data).hexdigest()
+        return data
+
+    def with_bare_names(self) -> Self:
+        """Copy the tables with the bare name of the adapter's file, as it stands in a design file beside it."""
+        name = Path(self.bone.adapter_file).name
+        return self if name == self.bone.adapter_file else self.with_values({"bone.adapter_file": name})
 
     def with_silicone(self, name: str | None) -> Self:
         """Copy the tables with another silicone; the tables themselves if no name is given. Raises DesignError."""

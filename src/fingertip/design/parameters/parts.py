@@ -63,10 +63,11 @@ class Bone(ParameterTable):
     groove_distance_mm: float = quantity(
         1.2, "mm", (0.5, 60), "Distance from the collar to the groove.", follows=(0.6, 8)
     )
-    interface: Literal["post", "socket", "flange", "clevis"] = choice(
+    interface: Literal["post", "socket", "flange", "clevis", "file"] = choice(
         "post",
         "Interface to the proximal phalanx. post: a post on the bone, with two flats; socket: a hole for the phalanx's "
-        "post; flange: a plate with bolt holes; clevis: a joint with a pin, whose sizes stand in [hand].",
+        "post; flange: a plate with bolt holes; clevis: a joint with a pin, whose sizes stand in [hand]; file: an "
+        "adapter of your own.",
     )
     post_width_mm: float = quantity(10.8, "mm", (2, 40), "Diameter of the post, which is its width (interface post).")
     post_height_mm: float = quantity(
@@ -95,6 +96,23 @@ class Bone(ParameterTable):
     )
     flange_hole_diameter_mm: float = quantity(
         3.2, "mm", (MIN_HOLE_MM, 9), "Diameter of the flange's bolt holes (3.2: M3)."
+    )
+    adapter_file: str = choice(
+        "", "STEP or STL file of the adapter, beside the design file; with --set, its path (interface file)."
+    )
+    adapter_x_mm: float = quantity(
+        0.0, "mm", (-1000, 1000), "Point of the adapter, in its file, that meets the middle of the end of the base."
+    )
+    adapter_y_mm: float = quantity(0.0, "mm", (-1000, 1000), "Second coordinate of this point.")
+    adapter_z_mm: float = quantity(0.0, "mm", (-1000, 1000), "Third coordinate of this point.")
+    adapter_axis: Literal["x", "-x", "y", "-y", "z", "-z"] = choice(
+        "z", "Direction in the file that points to the tip; across it through the point, a plane meets the base."
+    )
+    adapter_turn_deg: float = quantity(
+        0.0, "degree", (-180, 180), "Turn of the adapter about this direction, counter-clockwise seen from the tip."
+    )
+    adapter_free_mm: float = quantity(
+        0.0, "mm", (0, 100), "Length of the adapter from the base on that the hand does not hold."
     )
     joint_clearance_mm: float = quantity(
         0.3, "mm", (0.05, 2), "Gap between bone and hand on every side of the joint (interface clevis)."

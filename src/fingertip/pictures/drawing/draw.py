@@ -11,7 +11,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any, TypeVar
 
-from fingertip.cad.shapes.parts import PARTS, parts_by_name
+from fingertip.cad.shapes.parts import PARTS, exact_parts, parts_by_name
 from fingertip.design import Design
 from fingertip.design.geometry.sizes import Length, PartDrawing, ViewName
 from fingertip.design.geometry.solids import Solid
@@ -36,7 +36,7 @@ _DRAWINGS: dict[str, Callable[[Design], PartDrawing]] = {
 
 
 def part_drawings(design: Design) -> tuple[PartDrawing, ...]:
-    printed = (name for name, part in parts_by_name(design).items() if part.is_printed)
+    printed = exact_parts(design, (name for name, part in parts_by_name(design).items() if part.is_printed))
     drawings = []
     for drawing in (_DRAWINGS[name](design) for name in printed):
         # Only the printer's offset is added: the scale of the files is there to give the design's size.

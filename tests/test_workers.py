@@ -155,6 +155,13 @@ def test_no_process_outlives_an_interruption(number: int, threads: int, call: st
         time.sleep(0.1)
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere it ends when its pipe is closed")
+def test_a_worker_whose_parent_ended_before_it_began_ends_too() -> None:
+    code = "from fingertip.foundation.workers import serve_parent; serve_parent(0)"
+    with subprocess.Popen([sys.executable, "-c", code], stdin=subprocess.PIPE) as process:
+        assert process.wait(60.0) == 0, "its pipe is open still"
+
+
 def is_alive(pid: int) -> bool:
     """Return whether a process is there, and not only its entry that nobody has taken note of."""
     try:

@@ -6,6 +6,7 @@ import contextlib
 import hashlib
 import json
 import multiprocessing
+import os
 import shutil
 import signal
 import time
@@ -15,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import fingertip
-from fingertip.foundation.workers import end_with_parent
+from fingertip.foundation.workers import end_with
 
 SILENCE_S = 600.0
 """Time after which a piece that has no new result hangs where no time limit of a case reaches."""
@@ -106,7 +107,7 @@ class Pieces:
 
     def _work(self, piece: int, cases: range) -> None:
         """Run a piece, in a process of its own."""
-        end_with_parent()
+        end_with(os.getppid())
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # the process that started this one kills it
         work = self.folder / f"work-{piece:05d}"
         shutil.rmtree(work, ignore_errors=True)

@@ -74,7 +74,9 @@ class Worker(contextlib.AbstractContextManager["Worker"]):
             return
         # Where this package is found by a path of the script alone, the worker finds it too.
         root = str(Path(__file__).parents[2])
-        program = f"import sys; sys.path.append({root!r}); from {__name__} import serve_parent; serve_parent()"
+        program = (
+            f"import sys; sys.path.append({root!r}); from {__name__} import serve_parent; serve_parent({os.getpid()})"
+        )
         command = [sys.executable, "-P", "-c", program]
         places = filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))
         environment = os.environ | {"PYTHONPATH": os.pathsep.join(map(os.path.abspath, places))}
@@ -300,25 +302,27 @@ def find_workers(jobs: int | None) -> int:
     return count_processors() if jobs is None else jobs
 
 
-def end_with_parent() -> None:
+def end_with(parent: int) -> None:
     """Let Linux kill this process when the one that started it ends; elsewhere it ends when its job is done."""
     if sys.platform == "linux":
         with contextlib.suppress(OSError, AttributeError):
             ctypes.CDLL(None).prctl(1, signal.SIGKILL, 0, 0, 0)  # PR_SET_PDEATHSIG
+        if os.getppid() != parent:  # it has ended before
+            os._exit(0)
 
 
-def serve_parent() -> None:
-    """Answer the calls on stdin, as the program of a new worker."""
+def serve_parent(parent: int) -> None:
+    """Answer the calls of the process with this number on stdin, as the program of a new worker."""
     calls, answers = os.dup(0), os.dup(1)
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     os.dup2(2, 1)  # libraries print there
-    _serve(calls, answers)
+    _serve(parent, calls, answers)
     os._exit(0)  # unloading the libraries of the B-rep kernel would take a third of a second
 
 
 def _fork() -> tuple[int, IO[bytes], IO[bytes]]:
     """Copy this process; returns its number, and where it is called and answers."""
-    (calls, calling), (answering, answers) = os.pipe(), os.pipe()
+    (calls, calling), (answering, answers), parent = os.pipe(), os.pipe(), os.getpid()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # which counts the threads of BLAS too
         pid = os.fork()
@@ -335,15 +339,15 @@ def _fork() -> tuple[int, IO[bytes], IO[bytes]]:
         bounds = (2, *sorted((calls, answers)), os.sysconf("SC_OPEN_MAX"))
         for low, high in itertools.pairwise(bounds):
             os.closerange(low + 1, high)
-        _serve(calls, answers)
+        _serve(parent, calls, answers)
     finally:
         os._exit(0)
 
 
-def _serve(calls: int, answers: int) -> None:
+def _serve(parent: int, calls: int, answers: int) -> None:
     """Answer calls until the other process closes its pipe."""
     global _answers, _pool
-    end_with_parent()
+    end_with(parent)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     _pool, _answers = None, os.fdopen(answers, "wb")
     with os.fdopen(calls, "rb") as pipe, contextlib.suppress(EOFError):

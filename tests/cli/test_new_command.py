@@ -115,18 +115,21 @@ def test_the_file_states_the_hands_own_sizes_and_what_moved_for_them(folder: Pat
 
 
 @pytest.mark.full
-def test_a_design_that_make_refuses_is_not_written_and_one_that_passes_is_offered(folder: Path) -> None:
+def test_loads_that_are_given_are_refused_if_too_heavy_and_others_become_what_the_finger_holds(folder: Path) -> None:
     write_hand(
         folder, width_mm=8.0, axis_height_mm=7.0, pin_diameter_mm=3.0, clearance_radius_mm=5.0, tendon_distance_mm=4.4,
         travel_deg=60.0,
     )  # fmt: skip
     command = ("new", "mine", "--hand", "hand.toml")
-    weak = run_fingertip(*command)
+    weak = run_fingertip(*command, "--set", "strength.grip_force_n=30", "--set", "strength.knock_speed_m_s=1")
     assert weak.returncode == 2
+    assert "strength.grip_force_n" in weak.stderr
     assert not (folder / "mine.toml").exists()
-    offered = re.search(r"it passes with (--set .*)", weak.stderr)
-    assert offered
-    assert run_fingertip(*command, *shlex.split(offered[1])).returncode == 0
+    done = run_fingertip(*command)
+    assert done.returncode == 0, done.stderr
+    held = Design.load("mine.toml").strength
+    assert held.grip_force_n <= 10.0
+    assert re.search(rf"strength\.knock_speed_m_s +wish +1\.0 +{held.knock_speed_m_s:g} +the bone holds no more", done.stderr)
     assert run_fingertip("check", "mine.toml").returncode == 0
 
 

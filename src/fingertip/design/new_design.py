@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
+from importlib import import_module
 from pathlib import Path
 
 from fingertip.catalogues.electronics import SENSORS, explain_sensor
@@ -21,6 +23,8 @@ PRESETS = ("adult_finger", "adult_thumb", "youth_finger", "youth_thumb", "child_
 """Bundled designs of anatomical size, each with a clevis."""
 _SENSORS = (*SENSORS, "custom")
 _PLACE = "sensor.distance_from_tip_mm"
+_LEAST_LOADS = {"strength.grip_force_n": 1.0, "strength.knock_speed_m_s": 0.01}
+"""Loads that are those of the bundled design unless they are given, with the least that may be stated."""
 
 
 @dataclass(frozen=True)
@@ -111,15 +115,32 @@ def start_design(
 
 
 def fit_start(start: Start, progress: Callable[[str], None]) -> NewDesign:
-    """Fit what follows from what is given. Raises DesignError."""
-    if start.tables == start.before.with_values({"name": start.tables.name}):
-        return NewDesign(Design(**start.tables.model_dump()), start.base, (), start.guessed)
-    design = Design.fit_tables(
-        start.tables.model_dump(), start.before.model_dump(), start.given, progress, start.guessed
+    """Fit what follows from what is given. Loads that are not given become those that the bone holds.
+
+    Raises DesignError.
+    """
+    tables, given = start.tables, start.given
+    if tables == start.before.with_values({"name": tables.name}):
+        return NewDesign(Design(**tables.model_dump()), start.base, (), start.guessed)
+    fit = partial(
+        Design.fit_tables, before=start.before.model_dump(), changed=given, progress=progress, guessed=start.guessed
     )
+    try:
+        design = fit(tables.model_dump())
+    except DesignError:
+        if not (light := {load: least for load, least in _LEAST_LOADS.items() if load not in given}):
+            raise
+        design = fit(tables.with_values(light).model_dump())
     moves = {move.name: move for move in design.moves}
+    design = design.with_values({load: tables.value(load) for load in _LEAST_LOADS})
+    # Strength is computed by what builds on a design, which is therefore found by its name.
+    held = import_module("fingertip.cad.verification.strength").find_lighter_loads(design)
+    for load, value in held.items():
+        if load not in given:
+            moves[load] = Move(load, tables.value(load), value, "the bone holds no more")
     was, place = start.before.value(_PLACE), design.value(_PLACE)
-    if _PLACE not in start.given and place != was:
+    if _PLACE not in given and place != was:
         longer = f"skin.length_mm is {design.skin.length_mm:g} in place of {start.before.skin.length_mm:g} mm"
         moves[_PLACE] = Move(_PLACE, was, place, moves[_PLACE].reason if _PLACE in moves else longer)
+    design = design.with_values({name: move.after for name, move in moves.items()})
     return NewDesign(design, start.base, tuple(moves.values()), start.guessed)

@@ -198,18 +198,9 @@ def check_stand(design: Design, solids: Solids) -> Iterator[Check]:
 )  # fmt: skip
 def check_strength(design: Design, solids: Solids) -> Iterator[Check]:
     """Check the safety factors. The loads that both allow are the remedy of one that is too small."""
-    stated, strength, lighter = design.strength, solids.strength, []
+    stated, strength = design.strength, solids.strength
     grip, knock = strength.grip_safety_factor, strength.knock_safety_factor
-    if grip < stated.min_grip_factor <= strength.breaks_n:  # the least grip of a design is 1 N
-        lighter.append(f"strength.grip_force_n={_round_down(strength.breaks_n / stated.min_grip_factor):g}")
-    if knock < stated.min_knock_factor:
-        lighter.append(f"strength.knock_speed_m_s={_round_down(strength.held_speed_m_s):g}")
+    lighter = " --set ".join(f"{name}={load:g}" for name, load in strength.lighter_loads.items())
     for load, factor, limit in (("grip", grip, stated.min_grip_factor), ("knock", knock, stated.min_knock_factor)):
-        remedy = " --set ".join(lighter) if factor < limit else ""
+        remedy = lighter if factor < limit else ""
         yield Check(f"bone.safety_factor.{load}", factor, limit, "", "at least", remedy=remedy)
-
-
-def _round_down(value: float) -> float:
-    """Round down to two digits."""
-    step = 10.0 ** (math.floor(math.log10(value)) - 1)
-    return float(f"{math.floor(value / step) * step:.6g}")

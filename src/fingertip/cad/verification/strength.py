@@ -39,6 +39,8 @@ from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.response import REFERENCE_POSE
 
 STATIONS = 160
+_FINE_MM = 0.01
+"""Tolerance of the mesh of `fingertip check` [mm]."""
 AT_COLLAR, AT_CHANNEL_MOUTH, REACH_MM = 1.6, 2.7, 1.0
 """Stress concentration beside the collar and at the channel's mouth, and how far that of the collar acts [mm].
 
@@ -145,6 +147,26 @@ class BoneStrength:
     @property
     def knock_safety_factor(self) -> float:
         return self.knock.safety_factor(self.stated)
+
+    @property
+    def lighter_loads(self) -> dict[str, float]:
+        """Loads that the bone holds, rounded down to two digits, in place of those that are stated and too heavy."""
+        stated, loads = self.stated, dict[str, float]()
+        if self.grip_safety_factor < stated.min_grip_factor <= self.breaks_n:  # the least grip of a design is 1 N
+            loads["strength.grip_force_n"] = _round_down(self.breaks_n / stated.min_grip_factor)
+        if self.knock_safety_factor < stated.min_knock_factor:
+            loads["strength.knock_speed_m_s"] = _round_down(self.held_speed_m_s)
+        return loads
+
+
+def _round_down(value: float) -> float:
+    step = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return float(f"{math.floor(value / step) * step:.6g}")
+
+
+def find_lighter_loads(design: Design) -> dict[str, float]:
+    """Find loads that the bone holds in place of those that are too heavy. Raises GeometryError."""
+    return assess_strength(design, MeshEvaluator(_FINE_MM)).lighter_loads
 
 
 def list_load_points(design: Design) -> dict[str, Point3]:

@@ -129,7 +129,8 @@ def test_loads_that_are_given_are_refused_if_too_heavy_and_others_become_what_th
     assert done.returncode == 0, done.stderr
     held = Design.load("mine.toml").strength
     assert held.grip_force_n <= 10.0
-    assert re.search(rf"strength\.knock_speed_m_s +wish +1\.0 +{held.knock_speed_m_s:g} +the bone holds no more", done.stderr)
+    moved = f"strength.knock_speed_m_s wish 1.0 {held.knock_speed_m_s:g} the bone holds no more"
+    assert moved in " ".join(done.stderr.split())
     assert run_fingertip("check", "mine.toml").returncode == 0
 
 

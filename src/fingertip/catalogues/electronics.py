@@ -57,7 +57,7 @@ class ForceSensor:
     """Other names, as `plain_name` writes them."""
     fits: Literal["yes", "custom", "never"] = "yes"
     reason: str = ""
-    """Why it does not fit, and what to do."""
+    """Reason why it does not fit, and what to do."""
 
 
 def plain_name(text: str) -> str:

@@ -46,11 +46,11 @@ def new(
     out: Path | None = typer.Option(None, "--out", "-o", metavar="FILE", help="File to write; NAME.toml by default."),
     changes: list[str] | None = CHANGES,
 ) -> None:
-    """Write a design file with comments, to be edited: the main parameters, and all others as comments.
+    """Write a design file to be edited: what you wish and what you measured, and all other parameters as comments.
 
     The bundled design of the sensor is the base, or the preset. What follows from the sizes is fitted until the design
-    can be made, and its parts are checked. What is changed with --set stays, and no size of the hand moves. An existing
-    file is never overwritten.
+    can be made, and its parts are checked. What is changed with --set stays, and no size of the hand moves. Loads that
+    are not set become those that the finger holds. An existing file is never overwritten.
 
     With --finger, once for each finger of a hand, it writes a set of fingers on one joint, and beside it a design for
     each size. The preset is then that whose widths are nearest.

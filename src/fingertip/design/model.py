@@ -123,7 +123,7 @@ class Design(DesignTables):
 
     @cached_property
     def moves(self) -> tuple[Move, ...]:
-        """What `fit` has moved, each with `name`, `before`, `after` and `reason`; nothing in another design."""
+        """Moves of `fit`, each with `name`, `before`, `after` and `reason`; nothing in another design."""
         return ()
 
     @classmethod

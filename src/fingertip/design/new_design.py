@@ -34,7 +34,7 @@ class NewDesign:
     design: Design
     base: str
     moves: tuple[Move, ...] = ()
-    """What differs from the bundled design, beside what is given."""
+    """Differences from the bundled design, beside what is given."""
     guessed: tuple[str, ...] = ()
     """Parameters of the hand that nobody measured."""
 

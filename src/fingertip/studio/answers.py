@@ -102,7 +102,7 @@ class Answer:
     passing: float | None = None
     """Nearest value that passes; above, the reasons why the present one is refused."""
     fitted: tuple[dict[str, Any], ...] | None = None
-    """What a fit has moved: `name`, `before`, `after` and `reason` of each value."""
+    """Moves of a fit: `name`, `before`, `after` and `reason` of each value."""
 
 
 def answer_parts(design: Design, still_wanted: StillWanted) -> Answer:

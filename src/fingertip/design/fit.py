@@ -8,6 +8,7 @@ back towards where it began, as far as the rules allow. The same input gives the
 
 from __future__ import annotations
 
+import functools
 import heapq
 import itertools
 import math
@@ -37,8 +38,8 @@ _WISHES: Ranges = {
 }
 """Wishes of a file that may move in a second round, if the derived parameters alone do not suffice."""
 MOVABLE = (*DERIVED, *_WISHES)
-_DESIGNS = 40
-"""Largest number of designs that are repaired in one round."""
+_DESIGNS, _FEW = 40, 5
+"""Largest number of designs that are repaired in one round, and in a round of a fit that a refusal tries."""
 _HALVINGS, _BACK_HALVINGS = 6, 5
 """Halvings of the way to the nearest value with which a rule passes, and of the way back to the beginning."""
 _STRONG_HALVINGS = 3
@@ -100,7 +101,8 @@ def fit_design(
     if fit := find_fit(tables, given, holds=holds, progress=progress, guessed=guessed):
         return fit
     broken = _Search(tables, {}, holds).check({})[1] or (holds.judge(tables) if holds else ())
-    raise DesignError(find_remedies(tables, tuple(broken), before, [*given]))
+    nearer = functools.partial(list_moved, holds=holds, guessed=guessed)
+    raise DesignError(find_remedies(tables, tuple(broken), before, [*given], fit=nearer, failed=True))
 
 
 def find_fit(
@@ -110,6 +112,7 @@ def find_fit(
     holds: Holds | None = None,
     progress: Progress = lambda share: None,
     guessed: Collection[str] = (),
+    designs: int = _DESIGNS,
 ) -> Fit | None:
     """Fit a design as `fit_design` does; None if it finds no design that passes."""
     derived = {**DERIVED, **{name: (0.8 * value, 1.2 * value) for name in guessed if (value := tables.value(name))}}
@@ -117,10 +120,18 @@ def find_fit(
         free = {name: (min(low, present), max(high, present)) for name, (low, high) in ranges.items()
                 if name not in given for present in [tables.value(name)]}  # fmt: skip
         search = _Search(tables, free, holds)
-        values = search.find_passing(progress)
+        values = search.find_passing(progress, designs)
         if values is not None and (held := search.strengthen(search.move_back(values))) is not None:
             return search.describe(held)
     return None
+
+
+def list_moved(
+    tables: DesignTables, given: Collection[str], *, holds: Holds | None = None, guessed: Collection[str] = ()
+) -> tuple[str, ...] | None:
+    """Fit a design as `find_fit` does, but give up early, as a refusal does not wait; name what moved."""
+    fit = find_fit(tables, given, holds=holds, guessed=guessed, designs=_FEW)
+    return tuple(move.name for move in fit.moves) if fit else None
 
 
 class _Search:
@@ -139,17 +150,17 @@ class _Search:
             self._checked[key] = sum(1.0 + _measure_lack(broken) for broken in found), found
         return self._checked[key]
 
-    def find_passing(self, progress: Callable[[float], None]) -> dict[str, float] | None:
+    def find_passing(self, progress: Progress, designs: int) -> dict[str, float] | None:
         """Find values that pass: always repair the most promising design, at its first broken rule."""
         order = itertools.count()
         queue: list[tuple[float, int, dict[str, float]]] = [(self.check({})[0], next(order), {})]
         if not self.check({})[1]:
             return {}
         seen = set[tuple[tuple[str, float], ...]]()
-        for number in range(_DESIGNS):
+        for number in range(designs):
             if not queue:
                 break
-            progress(number / _DESIGNS)
+            progress(number / designs)
             _, _, values = heapq.heappop(queue)
             passing: list[tuple[float, dict[str, float]]] = []
             for repair in self._list_repairs(values, self.check(values)[1][0]):

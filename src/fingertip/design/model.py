@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Self
 from pydantic import ValidationError
 
 from fingertip.design.files import Changes, list_parameters, load_tables, merge
+from fingertip.design.fit import list_moved
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import parse_tables
@@ -193,4 +194,4 @@ class Design(DesignTables):
         except ValidationError as error:
             raise DesignError(explain_invalid(tables, error, changed)) from None
         if broken := list(find_violations(RULES, self)):
-            raise DesignError(find_remedies(self, broken, read_valid(before), changed))
+            raise DesignError(find_remedies(self, broken, read_valid(before), changed, fit=list_moved))

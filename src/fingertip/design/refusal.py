@@ -6,7 +6,7 @@ import collections
 import contextlib
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from pydantic import ValidationError
 
@@ -37,9 +37,6 @@ from fingertip.design.search import (
     join_assignments,
 )
 from fingertip.foundation.errors import Issue, join_words
-
-if TYPE_CHECKING:
-    from fingertip.design.fit import Fit
 
 _MAX_CHANGED = 3
 """Maximum number of parameters that differ from a design before and are taken for its changes, if nobody names these.
@@ -74,11 +71,13 @@ def find_remedies(
             usable = fit if of_parts and not invalid else None
             fitted = usable(tables, changed) if usable and not failed else None
             values = resolve(refusal, fitted is not None)
-            issues += _describe(refusal, approach(refusal, values, usable) if usable and failed else values, fitted)
+            if usable and failed:
+                values = approach(refusal, values, usable)
+            issues += _describe(refusal, values, fitted or ())
     return issues
 
 
-def _describe(refusal: Refusal, values: Values, fit: Fit | None) -> Iterator[Issue]:
+def _describe(refusal: Refusal, values: Values, fitted: Sequence[str]) -> Iterator[Issue]:
     """Yield an issue for the parameter whose change is the cause, then one for each other blamed or moved field."""
     blamed = refusal.blamed
     counts = collections.Counter(name for field in blamed for name in refusal.reads(field))
@@ -100,7 +99,7 @@ def _describe(refusal: Refusal, values: Values, fit: Fit | None) -> Iterator[Iss
                 remedies = [f"{remedies[0]}, together with " if remedies else "set "]
                 remedies[0] += join_assignments(rest)
             remedies += _list_alternatives(refusal, values)
-            remedies += [f"add --fit, which moves {join_words(move.name for move in fit.moves)}"] if fit else []
+            remedies += [f"add --fit, which moves {join_words(fitted)}"] if fitted else []
         elif not remedies:
             part = {other: values[other] for other in values if other in refusal.reads(name)} or values
             remedies = [
@@ -149,7 +148,7 @@ def _list_alternatives(refusal: Refusal, values: Values) -> Iterator[str]:
         return
     ((name, broken),) = refusal.blamed.items()
     ends = list_ends(refusal.tables, name, find_intervals(name, broken))
-    found: Values = {name: ends[0]} if ends else {}
+    found: Values = {name: ends[0]} if ends and refusal.may_move(name) else {}
     for one in broken:
         found |= one.violation.alternatives
     for other, value in found.items():

@@ -22,24 +22,21 @@ import math
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from fingertip.design.geometry import DesignTables
-from fingertip.design.parameters import PARAMETERS
+from fingertip.design.parameters import PARAMETERS, find_kind
 from fingertip.design.parameters.declaration import find_bounds
 from fingertip.design.rules.ruleset import BrokenRule, Interval, find_violations
 from fingertip.design.search import Search, as_typed, is_number, round_digits, round_inwards
 
-if TYPE_CHECKING:
-    from fingertip.design.fit import Fit
-
 _MAX_ROUNDS = 3
 """Maximum number of times that fields which are blamed move to their bounds."""
-_MAX_FITS = 4
+_MAX_FITS = 3
 """Maximum number of fits by which a value approaches the one that was wished."""
 Values = dict[str, Any]
-FitFunction = Callable[[DesignTables, Collection[str]], "Fit | None"]
-"""Fits a design, with the named parameters as they are; None if no design is found that passes."""
+FitFunction = Callable[[DesignTables, Collection[str]], Sequence[str] | None]
+"""Fits a design, with the named parameters as they are, and names what moved; None if it finds none that passes."""
 Ends = tuple[float | None, float | None]
 """Ends of an interval of values that pass; None where it has no end within the field's own bounds."""
 
@@ -62,6 +59,10 @@ class Refusal:
 
     def reads(self, name: str) -> frozenset[str]:
         return frozenset().union(*(broken.own_reads for broken in self.blamed[name]))
+
+    def may_move(self, name: str) -> bool:
+        """Tell whether a remedy may name a parameter: what was measured is not the cause of another change."""
+        return not self.changed or name in self.changed or find_kind(name) != "measurement"
 
     def resolves(self, values: Mapping[str, Any]) -> bool:
         return self.search.passes(self.tables.with_values(values))
@@ -98,7 +99,8 @@ def _move_to_bounds(refusal: Refusal) -> Values:
     tables, broken, values = refusal.tables, list(refusal.broken), Values()
     for _ in range(_MAX_ROUNDS):
         for name in sorted({one.rule.field for one in broken}):
-            if not (ends := list_ends(tables, name, find_intervals(name, broken))):
+            ends = list_ends(tables, name, find_intervals(name, broken))
+            if not ends or not refusal.may_move(name):
                 return {}
             values[name] = ends[0]
         tables = refusal.tables.with_values(values)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import shlex
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -140,10 +139,6 @@ def _write_renewed(console: Console, order: _Order, old: Path) -> None:
         renewed = renew_design(order.name, old, order.changes, left, console.progress)
         data, lines = _describe(order.path, renewed.made)
         failed, strength = _check(renewed.made.design, data, console.progress)
-        if lighter := _find_lighter_loads(failed):
-            loads = [f"{load}={value:g}" for load, value in lighter.items()]
-            renewed = renew_design(order.name, old, [*order.changes, *loads], left, console.progress)
-            failed, strength = _check(renewed.made.design, data, console.progress)
         if not failed:
             break
     else:
@@ -244,14 +239,3 @@ def _refuse(failed: Iterable[Check]) -> Iterator[Issue]:
         problem = f"{check.value:.3g} {check.unit} must be {check.relation} {check.limit:g}, or `make` fails"
         remedy = f"it passes with --set {check.remedy}" if check.remedy else f"change {' or '.join(check.change)}"
         yield Issue(check.name, f"{problem}; {remedy}")
-
-
-def _find_lighter_loads(weak: Iterable[Check]) -> dict[str, float]:
-    """Find loads that the bone holds which is too weak for its own; none if more fails."""
-    loads: dict[str, float] = {}
-    for check in weak:
-        if not check.remedy:
-            return {}
-        for name, load in (setting.split("=") for setting in check.remedy.split(" --set ")):
-            loads[name] = min(float(load), loads.get(name, math.inf))
-    return loads

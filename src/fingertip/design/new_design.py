@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
@@ -132,15 +132,19 @@ def fit_start(start: Start, progress: Callable[[str], None]) -> NewDesign:
             raise
         design = fit(tables.with_values(light).model_dump())
     moves = {move.name: move for move in design.moves}
-    design = design.with_values({load: tables.value(load) for load in _LEAST_LOADS})
-    # Strength is computed by what builds on a design, which is therefore found by its name.
-    held = import_module("fingertip.cad.verification.strength").find_lighter_loads(design)
-    for load, value in held.items():
-        if load not in given:
-            moves[load] = Move(load, tables.value(load), value, "the bone holds no more")
     was, place = start.before.value(_PLACE), design.value(_PLACE)
     if _PLACE not in given and place != was:
-        longer = f"skin.length_mm is {design.skin.length_mm:g} in place of {start.before.skin.length_mm:g} mm"
-        moves[_PLACE] = Move(_PLACE, was, place, moves[_PLACE].reason if _PLACE in moves else longer)
-    design = design.with_values({name: move.after for name, move in moves.items()})
-    return NewDesign(design, start.base, tuple(moves.values()), start.guessed)
+        moves[_PLACE] = Move(
+            _PLACE, was, place, moves[_PLACE].reason if _PLACE in moves else "skin.length_mm is longer"
+        )
+    design, lighter = lower_loads(design.with_values({load: tables.value(load) for load in _LEAST_LOADS}), given)
+    return NewDesign(design, start.base, (*moves.values(), *lighter), start.guessed)
+
+
+def lower_loads(design: Design, given: Collection[str]) -> tuple[Design, list[Move]]:
+    """Lower loads that are not given to what the bone holds."""
+    # Strength is computed by what builds on a design, which is therefore found by its name.
+    held = import_module("fingertip.cad.verification.strength").find_lighter_loads(design)
+    moves = [Move(load, design.value(load), value, "the bone holds no more") for load, value in held.items()]
+    moves = [move for move in moves if move.name not in given]
+    return design.with_values({move.name: move.after for move in moves}), moves

@@ -7,7 +7,6 @@ others are what follows from these, and sizes of the interfaces that the finger 
 from __future__ import annotations
 
 import functools
-import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -47,24 +46,23 @@ def fill_in(tables: Mapping[str, Any]) -> dict[str, Any]:
 
 def _measure_distance(tables: Mapping[str, Any], proven: Mapping[str, Any]) -> tuple[float, bool, bool, float]:
     """Measure how far a finger is from a proven one: by head of the sensor, interface, knuckle, then by lengths."""
-    (head_mm, length_mm), (proven_head_mm, proven_length_mm) = map(_find_outline, (tables, proven))
+    (head_mm, *lengths), (proven_head_mm, *others) = map(_read_lengths, (tables, proven))
     interface, knuckle = (_read(tables, path) != _read(proven, path) for path in _CHOICES)
-    pairs = [(length_mm, proven_length_mm), *((_read(tables, path), _read(proven, path)) for path in _SIZES)]
-    return abs(head_mm - proven_head_mm), interface, knuckle, sum(abs(ours / theirs - 1.0) for ours, theirs in pairs)
+    relative = sum(abs(ours / theirs - 1.0) for ours, theirs in zip(lengths, others, strict=True))
+    return abs(head_mm - proven_head_mm), interface, knuckle, relative
 
 
-def _find_outline(tables: Mapping[str, Any]) -> tuple[float, float]:
-    """Find the diameter of the sensor's head and its length [mm]."""
-    if sensor := SENSORS.get(_read(tables, "sensor.model")):
-        return sensor.head_diameter_mm, sensor.length_mm
-    return _read(tables, "custom_sensor.head_diameter_mm"), _read(tables, "custom_sensor.length_mm")
+def _read_lengths(tables: Mapping[str, Any]) -> list[float]:
+    """Read diameter of the sensor's head, length of the sensor, and sizes of the skin [mm]."""
+    sensor = SENSORS.get(_read(tables, "sensor.model"))
+    names = ("head_diameter_mm", "length_mm")
+    outline = (getattr(sensor, name) if sensor else _read(tables, f"custom_sensor.{name}") for name in names)
+    return [*outline, *(_read(tables, path) for path in _SIZES)]
 
 
 def _read(tables: Mapping[str, Any], path: str) -> Any:
     """Read a value; the default in place of one that is missing or of another type."""
     (table, _, key), default = path.partition("."), PARAMETERS[path].default
     own = tables.get(table)
-    value = own.get(key, default) if isinstance(own, Mapping) else default
-    if isinstance(default, float):
-        return float(value) if type(value) in (int, float) and math.isfinite(value) else default
-    return value if isinstance(value, str) else default
+    value = own.get(key) if isinstance(own, Mapping) else None
+    return value if isinstance(value, int | float if isinstance(default, float) else str) else default

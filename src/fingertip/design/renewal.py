@@ -17,7 +17,7 @@ from fingertip.design.files import flatten, load_tables
 from fingertip.design.fit import fit_design
 from fingertip.design.geometry import DesignTables
 from fingertip.design.model import Design
-from fingertip.design.new_design import NewDesign
+from fingertip.design.new_design import NewDesign, lower_loads
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import load_retired, parse_tables
 from fingertip.design.rules.ruleset import RuleChecker
@@ -94,7 +94,7 @@ def renew_design(
     without = (*_MADE_ANEW, *fixed, *left_out)
     sizes = {path: wanted.value(path) for path in kept if path in _NEEDED or not path.startswith(without)}
     tables = _fit(_adopt_all(tables, sizes), sizes, fixed, progress)
-    design = Design(**tables.model_dump())
+    design, _ = lower_loads(Design(**tables.model_dump()), fixed)
     return Renewal(NewDesign(design, base), stated)
 
 

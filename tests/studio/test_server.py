@@ -77,6 +77,11 @@ def test_checks_are_those_of_the_design(server: StudioServer, tables: dict[str, 
     assert "1 of" in strip_elements(weak["verdict"])
 
 
+def test_a_page_chooses_no_file_of_this_machine(server: StudioServer, tables: dict[str, Any]) -> None:
+    (issue,) = post(server, "parts", change(tables, bone__adapter_file="/etc/hostname")).content["issues"]
+    assert issue["field"] == "bone.adapter_file"
+
+
 def test_rules_answer_with_the_nearest_value_that_passes(server: StudioServer, tables: dict[str, Any]) -> None:
     def judge(path: str, **values: object) -> Any:
         return post(server, "rules", change(tables, **values), field=path).content

@@ -1,4 +1,4 @@
-"""Interfaces of the bone to the proximal phalanx: post, socket, flange, clevis and adapter of a file, each with all.
+"""Interfaces of the bone to the proximal phalanx: post, socket, flange, clevis and adapter, each with all it brings.
 
 In: the tables of a design. Out: shapes, rules, sizes, stresses and words of its interface.
 

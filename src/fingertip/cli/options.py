@@ -5,7 +5,9 @@ from __future__ import annotations
 import functools
 import inspect
 import os
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -40,6 +42,8 @@ OPTIONAL_DESIGN = typer.Argument(None, help="Design file or bundled name; the de
 DESIGN_FILES = typer.Argument(
     metavar="DESIGN", help="Files or bundled names of designs and sets; or folders, to compare with their manifests."
 )
+_OFFER = re.compile(r", or add --fit, which moves .*\.$")
+"""Offer of a fit, which a command without the option --fit leaves out."""
 _FITTED = (DESIGN_FILE, OPTIONAL_DESIGN, DESIGN_FILES)
 """Arguments of the commands that have the option --fit."""
 MATERIAL = typer.Option(None, help="Silicone: {silicones}; the design's silicone.product if omitted.")
@@ -102,6 +106,9 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
                 console.clear()
                 raise typer.Exit(interruption.report(error)) from None
             refusal = error if isinstance(error, FingertipError) else describe_path_error(error)
+            if refusal and "fit" not in words:
+                issues = (replace(issue, message=_OFFER.sub(".", issue.message)) for issue in refusal.issues)
+                refusal = FingertipError(issues)
             console.print_issues(refusal or describe_fault(error))
             raise typer.Exit(BAD_INPUT if refusal else FAULT) from None
 

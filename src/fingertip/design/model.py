@@ -46,10 +46,11 @@ class Design(DesignTables):
 
     @classmethod
     @checked
-    def load(cls, *files: str | Path, changes: Changes = ()) -> Self:
+    def load(cls, *files: str | Path, changes: Changes = (), fit: bool = False) -> Self:
         """Read a design: the defaults, then each file, then changes; later values win.
 
         A change is a text such as "skin.width_mm=18"; a mapping such as {"skin.width_mm": 18} holds several, each once.
+        With `fit`, what follows moves as in `Design.fit`.
 
         Raises
         ------
@@ -57,7 +58,8 @@ class Design(DesignTables):
             If a file cannot be read, is not valid TOML or is of another kind, or if the design is refused.
         """
         loaded = load_tables(files, changes)
-        return cls.from_tables(loaded.tables, loaded.before, loaded.changed)
+        make = cls.fit_tables if fit else cls.from_tables
+        return make(loaded.tables, loaded.before, loaded.changed)
 
     @classmethod
     def from_tables(

@@ -74,7 +74,9 @@ def read_design(tables: Mapping[str, Any], before: Design) -> Design:
 
 
 def describe_issues(error: FingertipError) -> list[dict[str, str]]:
-    return [{"field": issue.field, "message": issue.message} for issue in error.issues]
+    """Describe issues in the words of the page, on which a button fits the other values."""
+    said = {issue: issue.message.replace("add --fit", "fit the other values") for issue in error.issues}
+    return [{"field": issue.field, "message": said[issue].replace("--fit", "the fit")} for issue in error.issues]
 
 
 @dataclass(frozen=True)

@@ -134,7 +134,7 @@ def _explain_first_point(summary: SweepSummary, rule: statistics.LimitingRule) -
             for issue in error.issues:
                 field = f"fingers.{finger}: {issue.field}" if finger else issue.field
                 if field == rule.rule and issue.message.startswith(rule.example.partition(" (and ")[0].rstrip(".")):
-                    return issue.message
+                    return issue.message.replace("add --fit", "set fit = true")
     return rule.example
 
 

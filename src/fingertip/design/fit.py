@@ -21,8 +21,8 @@ from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_follows, find_unit
 from fingertip.design.refusal import find_remedies
 from fingertip.design.rules.ruleset import BrokenRule, Rule, RuleChecker
-from fingertip.design.search import PART_RULES, cheapest_first
-from fingertip.foundation.errors import DesignError
+from fingertip.design.search import PART_RULES, cheapest_first, round_digits
+from fingertip.foundation.errors import DesignError, Issue
 
 Progress = Callable[[float], None]
 Values = Mapping[str, float]
@@ -38,8 +38,9 @@ _WISHES: Ranges = {
 }
 """Wishes of a file that may move in a second round, if the derived parameters alone do not suffice."""
 MOVABLE = (*DERIVED, *_WISHES)
-_DESIGNS, _FEW = 40, 5
-"""Largest number of designs that are repaired in one round, and in a round of a fit that a refusal tries."""
+_CHECKS, _FEW, _CHECK = 1000, 250, 5
+"""Largest number of single rules that are checked in one round, for a refusal a few, and the number that a check of all
+counts for."""
 _HALVINGS, _BACK_HALVINGS = 6, 5
 """Halvings of the way to the nearest value with which a rule passes, and of the way back to the beginning."""
 _STRONG_HALVINGS = 3
@@ -60,7 +61,7 @@ class Move:
     before: Any
     after: Any
     reason: str
-    """What the former value would break, as a part of a sentence."""
+    """Rule that the former value would break, as a part of a sentence."""
 
 
 @dataclass(frozen=True)
@@ -98,11 +99,14 @@ def fit_design(
 
     Raises DesignError. Its remedies lead what is given towards the design `before`. Typed in, they pass.
     """
-    if fit := find_fit(tables, given, holds=holds, progress=progress, guessed=guessed):
+    fit, weak = _find(tables, given, guessed, holds, progress)
+    if fit:
         return fit
-    broken = _Search(tables, {}, holds).check({})[1] or (holds.judge(tables) if holds else ())
+    if weak:
+        raise DesignError([_state_load(broken) for broken in weak])
     nearer = functools.partial(list_moved, holds=holds, guessed=guessed)
-    raise DesignError(find_remedies(tables, tuple(broken), before, [*given], fit=nearer, failed=True))
+    broken = _Search(tables, {}).check({})[1]
+    raise DesignError(find_remedies(tables, broken, before, [*given], fit=nearer, failed=True))
 
 
 def find_fit(
@@ -112,55 +116,84 @@ def find_fit(
     holds: Holds | None = None,
     progress: Progress = lambda share: None,
     guessed: Collection[str] = (),
-    designs: int = _DESIGNS,
+    checks: int = _CHECKS,
 ) -> Fit | None:
     """Fit a design as `fit_design` does; None if it finds no design that passes."""
+    return _find(tables, given, guessed, holds, progress, checks)[0]
+
+
+def _find(
+    tables: DesignTables,
+    given: Collection[str],
+    guessed: Collection[str],
+    holds: Holds | None,
+    progress: Progress,
+    checks: int = _CHECKS,
+) -> tuple[Fit | None, Sequence[BrokenRule]]:
+    """Find a design that passes; or else what is too weak in one that passes all rules."""
     derived = {**DERIVED, **{name: (0.8 * value, 1.2 * value) for name in guessed if (value := tables.value(name))}}
-    for ranges in (derived, {**derived, **_WISHES}):
+    for ranges in (derived, {**derived, **_WISHES})[: 1 if _WISHES.keys() <= set(given) else 2]:
         free = {name: (min(low, present), max(high, present)) for name, (low, high) in ranges.items()
                 if name not in given for present in [tables.value(name)]}  # fmt: skip
-        search = _Search(tables, free, holds)
-        values = search.find_passing(progress, designs)
-        if values is not None and (held := search.strengthen(search.move_back(values))) is not None:
-            return search.describe(held)
-    return None
+        search = _Search(tables, free)
+        values = search.find_passing({}, progress, checks)
+        if values is None:
+            continue
+        values = search.move_back(values)
+        if holds and (found := holds.judge(tables.with_values(values))):
+            search = _Search(tables, free, holds, {broken.rule.field for broken in found})
+            values = search.find_passing(values, progress, checks)
+            if values is None or (values := search.strengthen(search.move_back(values))) is None:
+                return None, found
+        return search.describe(values), ()
+    return None, ()
+
+
+def _state_load(broken: BrokenRule) -> Issue:
+    field, ((_, held),) = broken.rule.field, broken.violation.passing
+    return Issue(field, f"{broken.violation.problem}; at most {round_digits(held, 3, up=False):g}.")
 
 
 def list_moved(
     tables: DesignTables, given: Collection[str], *, holds: Holds | None = None, guessed: Collection[str] = ()
 ) -> tuple[str, ...] | None:
     """Fit a design as `find_fit` does, but give up early, as a refusal does not wait; name what moved."""
-    fit = find_fit(tables, given, holds=holds, guessed=guessed, designs=_FEW)
+    fit = find_fit(tables, given, holds=holds, guessed=guessed, checks=_FEW)
     return tuple(move.name for move in fit.moves) if fit else None
 
 
 class _Search:
     """Search for values of free parameters with which a design passes."""
 
-    def __init__(self, tables: DesignTables, free: Ranges, holds: Holds | None) -> None:
+    def __init__(
+        self, tables: DesignTables, free: Ranges, holds: Holds | None = None, loads: Collection[str] = ()
+    ) -> None:
         self._tables, self._free, self._holds = tables, free, holds
-        self._rules = (*cheapest_first(PART_RULES), *(holds.rules if holds else ()))
+        self._rules = (
+            *cheapest_first(PART_RULES),
+            *(rule for rule in (holds.rules if holds else ()) if rule.field in loads),
+        )
         self._checked: dict[tuple[tuple[str, float], ...], tuple[float, tuple[BrokenRule, ...]]] = {}
+        self._count = 0
 
     def check(self, values: Values) -> tuple[float, tuple[BrokenRule, ...]]:
         """Return a score, the number of broken rules and how far each is from passing, and these rules."""
         key = tuple(sorted(values.items()))
         if key not in self._checked:
+            self._count += _CHECK
             found = tuple(RuleChecker(self._tables.with_values(values)).find_broken(self._rules))
             self._checked[key] = sum(1.0 + _measure_lack(broken) for broken in found), found
         return self._checked[key]
 
-    def find_passing(self, progress: Progress, designs: int) -> dict[str, float] | None:
+    def find_passing(self, begin: Values, progress: Progress, checks: int = _CHECKS) -> dict[str, float] | None:
         """Find values that pass: always repair the most promising design, at its first broken rule."""
         order = itertools.count()
-        queue: list[tuple[float, int, dict[str, float]]] = [(self.check({})[0], next(order), {})]
-        if not self.check({})[1]:
-            return {}
+        queue: list[tuple[float, int, dict[str, float]]] = [(self.check(begin)[0], next(order), dict(begin))]
+        if not self.check(begin)[1]:
+            return dict(begin)
         seen = set[tuple[tuple[str, float], ...]]()
-        for number in range(designs):
-            if not queue:
-                break
-            progress(number / designs)
+        while queue and self._count < checks:
+            progress(self._count / checks)
             _, _, values = heapq.heappop(queue)
             passing: list[tuple[float, dict[str, float]]] = []
             for repair in self._list_repairs(values, self.check(values)[1][0]):
@@ -202,6 +235,7 @@ class _Search:
             yield self._approach(failing, helpful, values, broken.rule)
 
     def _lack_of(self, rule: Rule, values: Values) -> float:
+        self._count += 1
         design = self._tables.with_values(values)
         checker = RuleChecker(design)
         if checker.passes(rule):

@@ -1,11 +1,34 @@
-"""Fit of a finger: derived parameters move until all rules pass."""
+"""Fit of a finger: derived parameters move until all rules pass and the bone holds its loads."""
 
 from __future__ import annotations
 
+import functools
+import math
 from collections.abc import Callable, Collection
+from typing import cast
 
-from fingertip.design.fit import Fit, fit_design
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.verification.strength import BoneStrength, assess_strength, list_load_points
+from fingertip.design import Design
+from fingertip.design.fit import Fit, Holds, fit_design
+from fingertip.design.formulas.stress_and_knock import PIN
 from fingertip.design.geometry import DesignTables
+from fingertip.design.interfaces import interface_of
+from fingertip.design.rules.ruleset import BrokenRule, Limit, Ruleset, find_violations
+
+_TOLERANCE_MM = 0.05
+"""Tolerance of the meshes that are cut. A finer one changes the safety factors by 0.3 %."""
+_RESERVE = 1.005
+"""Factor on the safety factors that are wanted, which covers this."""
+_STRONGER = {
+    "skin.semi_axis_dorsal_mm": 1.3,
+    "skin.thickness_dorsal_mm": 0.5,
+    "skin.thickness_side_mm": 0.6,
+    "sensor.distance_from_tip_mm": 0.7,
+    "bone.foot_radius_mm": 1.6,
+}
+"""Factors on parameters that make a bone on a post stronger."""
+_JOINT, _BONE = Ruleset(lambda design: design.dimensions.joint), Ruleset()
 
 
 def fit_finger(
@@ -15,5 +38,46 @@ def fit_finger(
     progress: Callable[[float], None] = lambda share: None,
     guessed: Collection[str] = (),
 ) -> Fit:
-    """Fit a design as `fit_design` does. Raises DesignError."""
-    return fit_design(tables, given, before, progress=progress, guessed=guessed)
+    """Fit a design as `fit_design` does, until its bone also holds the loads that it states. Raises DesignError."""
+    holds = Holds(tuple(_JOINT), judge_strength, _STRONGER)
+    return fit_design(tables, given, before, holds=holds, progress=progress, guessed=guessed)
+
+
+def judge_strength(design: DesignTables) -> tuple[BrokenRule, ...]:
+    return tuple(find_violations(_BONE, design))
+
+
+@_JOINT.at_most("strength.grip_force_n", when=lambda design: design.strength.min_grip_factor)
+def joint_holds_the_grip(design: DesignTables) -> Limit:
+    at = [z for _, _, z in list_load_points(cast(Design, design)).values()]
+    worst = max(place.stress_per_n for z in at for place in interface_of(design).local_stresses(design, z))
+    force = design.strength.material.strength_mpa / worst / (_RESERVE * design.strength.min_grip_factor)
+    return Limit(force, f"is more than the joint holds with a safety factor of {design.strength.min_grip_factor:g}")
+
+
+@_JOINT.at_most("strength.knock_speed_m_s", when=lambda design: design.strength.min_knock_factor)
+def pin_breaks_first(design: DesignTables) -> Limit:
+    places = list(interface_of(design).local_stresses(design, design.skin.length_mm))
+    pin = max((place.stress_per_n for place in places if place.place == PIN), default=0.0)
+    eye = max((place.stress_per_n for place in places if place.at_knock), default=math.inf)
+    share = min(1.0, pin / eye / (_RESERVE * design.strength.min_knock_factor))
+    return Limit(share * design.strength.knock_speed_m_s, "breaks the eyes of the joint before its pin")
+
+
+@functools.lru_cache(maxsize=1)
+def _assess(design: DesignTables) -> BoneStrength:
+    return assess_strength(cast(Design, design), MeshEvaluator(_TOLERANCE_MM))
+
+
+@_BONE.at_most("strength.grip_force_n", when=lambda design: design.strength.min_grip_factor)
+def bone_holds_the_grip(design: DesignTables) -> Limit:
+    found, factor = _assess(design), design.strength.min_grip_factor
+    where = f"{found.weakest.place} at z = {found.weakest.z_mm:.0f} mm"
+    return Limit(found.breaks_n / (_RESERVE * factor), f"leaves the bone a safety factor below {factor:g} ({where})")
+
+
+@_BONE.at_most("strength.knock_speed_m_s", when=lambda design: design.strength.min_knock_factor)
+def bone_holds_the_knock(design: DesignTables) -> Limit:
+    found, factor = _assess(design), design.strength.min_knock_factor
+    where = f"{found.knock.weakest.place} at z = {found.knock.weakest.z_mm:.0f} mm"
+    return Limit(found.held_speed_m_s / _RESERVE, f"leaves the bone a safety factor below {factor:g} ({where})")

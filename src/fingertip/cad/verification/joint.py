@@ -12,7 +12,7 @@ from fingertip.cad.verification.check import VOLUME_TOLERANCE_MM3, Check, Checks
 from fingertip.design import Design
 from fingertip.design.geometry.joint import Joint
 from fingertip.design.geometry.solids import Box, cylinder, intersection, union
-from fingertip.design.interfaces.clevis_solids import eye_profile, knuckle, pin_bore, space, strands
+from fingertip.design.interfaces.clevis_solids import eye_profile, joint_base, knuckle, pin_bore, space, strands
 
 CHECKS = Checks()
 
@@ -54,10 +54,9 @@ def _check_eyes(design: Design, joint: Joint, solids: Solids) -> Iterator[Check]
     dims, half_length, evaluator = design.dimensions, 1.0, solids.evaluator
     wall = design.printer.min_wall_mm - evaluator.tolerance_mm
     reach = 2 * (joint.radius + dims.collar.section.dorsal + dims.collar.section.palmar)
-    heights = Box(
-        (-reach, -dims.base_flat_depth, -reach + joint.axis_z), (reach, dims.bone_outline.section.dorsal, reach)
-    )
-    around = complement(evaluator, intersection(eye_profile(joint, 2 * reach), heights))
+    assert dims.stops_top_z is not None
+    base = joint_base(design, joint, dims.stops_top_z)
+    around = complement(evaluator, intersection(eye_profile(joint, 2 * reach), base))
     bore = evaluator.manifold(pin_bore(joint, half_length))
     yield Check.min_distance("bone.wall.pin_to_outside", bore, around, wall)
     # Cheeks, or a tongue, beside the pin.
@@ -68,7 +67,7 @@ def _check_eyes(design: Design, joint: Joint, solids: Solids) -> Iterator[Check]
     if joint.is_fork:
         gap = evaluator.manifold(intersection(space(design, joint), beside))
         gap = gap.trim_by_plane((1.0, 0.0, 0.0), -joint.half_width).trim_by_plane((-1.0, 0.0, 0.0), -joint.half_width)
-        outside = complement(evaluator, filled_bone(design)) ^ evaluator.manifold(beside)
+        outside = complement(evaluator, union(filled_bone(design), base)) ^ evaluator.manifold(beside)
         yield Check.min_distance("bone.wall.cheek", gap, outside, wall)
     else:
         box = (solids["bone"] ^ evaluator.manifold(beside)).bounding_box()
@@ -101,8 +100,10 @@ def turn_about_pin(part: Manifold, joint: Joint, angle_deg: float) -> Manifold:
 
 def _wedge(design: Design, joint: Joint) -> float:
     """Half the volume of a stop as long as the pin's radius, pressed past the shoulder by the angle beyond it [mm3]."""
-    section = design.dimensions.bone_outline.section
-    width = 2 * (section.half_width - joint.half_width if joint.is_fork else joint.half_width)
+    dims = design.dimensions
+    # Beside the strands of a tendon the stop ends at their horns.
+    half = min(dims.bone_outline.section.half_width, dims.anchor.half_width if dims.anchor else dims.joint_half_width)
+    width = 2 * (half - joint.half_width if joint.is_fork else joint.half_width)
     depth = math.tan(math.radians(_BEYOND_STOP_DEG))
     return 0.25 * width * depth * joint.pin_radius**2
 

@@ -11,7 +11,7 @@ from functools import cached_property
 
 from fingertip.design.geometry.conic import ConicBody, CrossSection, Tip, weight_of_fullness
 from fingertip.design.geometry.foot import LEDGE_MM
-from fingertip.design.geometry.joint import BESIDE_LINE_MM, Joint, TendonAnchor
+from fingertip.design.geometry.joint import BESIDE_LINE_MM, HORN_RADIUS_MM, MIN_HORN_RADIUS_MM, Joint, TendonAnchor
 from fingertip.design.geometry.skin_dimensions import RAMP_SLOPE, SkinDimensions
 from fingertip.foundation.numerics import bisect
 
@@ -28,6 +28,7 @@ _MIN_COLLAR_STEP_MM = 0.4
 """Least step from the base of a bone below a crown to its collar [mm]."""
 MAX_PROUD_MM = 1.5
 """Height by which horns of the tendon, and the stop of a bent finger, may stand out of the collar's outline [mm]."""
+_HORN_RESERVE = 1.01
 _SHARP = 0.8
 """Thickness over height, or height over thickness, below which an edge counts as sharp: 51 degrees on the average."""
 _RIM_POINTS = 64
@@ -101,8 +102,12 @@ class Dimensions(SkinDimensions):
         high = -self._design.bone.collar_length_mm - slope
         low, y = high - line - BESIDE_LINE_MM, joint.axis_y - hand.tendon_distance_mm
         back = self.bone_outline.section.dorsal_height_at(half) - 1.5 * line
-        room = min(low - joint.shoulder_z, back - y)
-        return TendonAnchor(y, hand.tendon_distance_mm, line, half, low, high, room)
+        # The tendon presses on the horns at a grip: they are rounder where that needs more, and there is room.
+        stated, lever = self._design.strength, (self._design.skin.length_mm - joint.axis_z) / hand.tendon_distance_mm
+        pressed_n = _HORN_RESERVE * stated.min_grip_factor * stated.grip_force_n * lever / 2
+        wanted = max(HORN_RADIUS_MM, pressed_n / line / stated.material.strength_mpa)
+        radius = max(MIN_HORN_RADIUS_MM, min(wanted, low - joint.shoulder_z, back - y))
+        return TendonAnchor(y, hand.tendon_distance_mm, line, half, low, high, radius)
 
     @cached_property
     def joint_depth(self) -> float:

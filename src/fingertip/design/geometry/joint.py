@@ -82,7 +82,7 @@ class Joint:
         return tuple((self.axis_y + y, self.axis_z + z) for y, z in corners)
 
 
-HORN_RADIUS_MM, _MIN_HORN_RADIUS_MM = 4.0, 2.0
+HORN_RADIUS_MM, MIN_HORN_RADIUS_MM = 4.0, 2.0
 """Radius of the shoulders over which the tendon turns from around the base towards the hand, and the least one where
 the base is too short or too low for that [mm]. The least is five times that of a tendon of 0.8 mm. An assumption."""
 BESIDE_LINE_MM = 0.4
@@ -107,8 +107,7 @@ class TendonAnchor:
     """Proximal wall of the groove, where the horns begin."""
     high_z: float
     """Height at which the foot of the collar begins to slope outwards, so that it prints without supports."""
-    room: float
-    """Length that is left for a horn, along the finger and towards its back."""
+    horn_radius: float
 
     @property
     def z(self) -> float:
@@ -128,7 +127,3 @@ class TendonAnchor:
     @property
     def horn_low_z(self) -> float:
         return self.low_z - self.horn_radius
-
-    @property
-    def horn_radius(self) -> float:
-        return max(_MIN_HORN_RADIUS_MM, min(HORN_RADIUS_MM, self.room))

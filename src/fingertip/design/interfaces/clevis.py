@@ -49,6 +49,10 @@ _AT_GROOVE, _REACH_MM = 1.6, 1.0
 """Stress concentration at the proximal corner of the groove, as found beside collars, and how far it acts [mm]."""
 
 
+_GROOVE_RESERVE = 1.01
+"""Factor on the safety factors for which the grooves of a pin are cut."""
+
+
 class Clevis(JointInterface):
     """Joint with a pin, whose sizes stand in the table [hand]."""
 
@@ -109,23 +113,14 @@ class Clevis(JointInterface):
         thickness = _eye_thickness(design.dimensions, joint)
         # A pin that is printed standing of the bone's material shears across its layers beside both cheeks.
         is_printed = design.hand.pin == "printed"
-        shears = VON_MISES_SHEAR / (2 * math.pi * joint.printed_pin_radius**2)
+        shears = VON_MISES_SHEAR / (2 * math.pi * pin_shear_radius(design) ** 2)
         if joint.travel_deg:
-            # The stop pushes the finger away from the hand, and the pin holds it, besides the load itself. The pressure
-            # on the stop grows outwards, so its force acts at two thirds of the length.
-            lever = 2 / 3 * clevis_solids.stop_height_mm(design)
-            pull = (load_z - joint.axis_z) / lever + 1.0
-            palmar = min(joint.eye_radius, anchor.distance - anchor.line / 2) if anchor else joint.eye_radius
-            width, bore = joint.eye_radius + palmar, 2 * joint.pin_radius
+            pull = _pull_per_n(design, load_z)
             if is_printed:
-                factor = PIN_IN_EYE * pin_peak(thickness / 2, bore)
                 yield LocalStress(PIN, joint.axis_z, shears * pull, at_knock=False)
-            else:
-                stiffness = STEEL_MPA / design.strength.material.modulus_mpa
-                factor = STEEL_IN_EYE * pin_peak(thickness / 2, bore, stiffness)
-            yield LocalStress("eye", joint.axis_z, factor * pull / (thickness * (width - bore)), factor)
-            shear = pull / (2 * thickness * (joint.eye_radius - joint.pin_radius))
-            yield LocalStress("end of the eye", joint.low_z, VON_MISES_SHEAR * shear)
+            eye, factor, end = _eye_stresses(design)
+            yield LocalStress("eye", joint.axis_z, eye * pull, factor)
+            yield LocalStress("end of the eye", joint.low_z, end * pull)
         if anchor:
             force = tendon_force_per_n(design, load_z)
             if is_printed:
@@ -234,6 +229,47 @@ def tendon_force_per_n(design: DesignTables, load_z_mm: float) -> float:
     """Force of the tendon per newton of load on the pad or apex, by their levers about the pin; 0 without a tendon."""
     joint, anchor = design.dimensions.joint, design.dimensions.anchor
     return (load_z_mm - joint.axis_z) / anchor.distance if joint and anchor else 0.0
+
+
+def _pull_per_n(design: DesignTables, load_z: float) -> float:
+    """Force on the pin per newton of load on a straight finger.
+
+    The stop pushes the finger away from the hand, and the pin holds it, besides the load itself. The pressure on the
+    stop grows outwards, so its force acts at two thirds of the length.
+    """
+    return (load_z - _joint_of(design).axis_z) / (2 / 3 * clevis_solids.stop_height_mm(design)) + 1.0
+
+
+def _eye_stresses(design: DesignTables) -> tuple[float, float, float]:
+    """Stress of the eyes per newton on the pin [MPa/N], its concentration, and the stress of their ends."""
+    joint, anchor = _joint_of(design), design.dimensions.anchor
+    thickness = _eye_thickness(design.dimensions, joint)
+    palmar = min(joint.eye_radius, anchor.distance - anchor.line / 2) if anchor else joint.eye_radius
+    width, bore = joint.eye_radius + palmar, 2 * joint.pin_radius
+    factor = PIN_IN_EYE * pin_peak(thickness / 2, bore)
+    if design.hand.pin == "steel":
+        factor = STEEL_IN_EYE * pin_peak(thickness / 2, bore, STEEL_MPA / design.strength.material.modulus_mpa)
+    shear = VON_MISES_SHEAR / (2 * thickness * (joint.eye_radius - joint.pin_radius))
+    return factor / (thickness * (width - bore)), factor, shear
+
+
+def pin_shear_radius(design: DesignTables) -> float:
+    """Radius of a printed pin beside the cheeks [mm].
+
+    A pin that would outlast the eyes at a knock has a groove there, as deep as the grip allows: it breaks first.
+    """
+    joint, stated = _joint_of(design), design.strength
+    radius, slender = joint.printed_pin_radius, VON_MISES_SHEAR / (2 * math.pi)
+    eye, _, end = _eye_stresses(design) if joint.travel_deg else (0.0, 0.0, 0.0)
+    if design.hand.pin == "steel" or not stated.min_knock_factor or max(eye, end) <= 0.0:
+        return radius
+    at = design.skin.length_mm
+    pull = max(_pull_per_n(design, at), tendon_force_per_n(design, at) + 1.0)
+    grip = (
+        slender * pull * _GROOVE_RESERVE * stated.min_grip_factor * stated.grip_force_n / stated.material.strength_mpa
+    )
+    first = slender / (_GROOVE_RESERVE * stated.min_knock_factor * max(eye, end))
+    return min(radius, max(math.sqrt(first), math.sqrt(grip)))
 
 
 def _eye_thickness(dims: Dimensions, joint: Joint) -> float:

@@ -14,7 +14,7 @@ from fingertip.cad.verification.check import Solids
 from fingertip.cad.verification.strength import assess_strength
 from fingertip.design import Design
 from fingertip.design.formulas.stress_and_knock import pin_peak
-from fingertip.design.geometry.joint import HORN_RADIUS_MM, Joint
+from fingertip.design.geometry.joint import Joint
 from fingertip.design.geometry.solids import cylinder, union
 from fingertip.design.interfaces import clevis, clevis_solids, interface_of
 from fingertip.design.new_design import PRESETS
@@ -93,7 +93,7 @@ def test_pressure_on_a_horn_balances_the_pull_at_both_ends_of_its_strand() -> No
     design = load("adult_finger", "hand.tendon_diameter_mm=0.7")
     (horn,) = (each for each in interface_of(design).local_stresses(design, 25.0) if "horn" in each.place)
     angles = (np.arange(1000) + 0.5) * math.pi / 2 / 1000
-    on_part = horn.stress_per_n * 0.7 * HORN_RADIUS_MM * math.pi / 2 / 1000
+    on_part = horn.stress_per_n * 0.7 * design.dimensions.anchor.horn_radius * math.pi / 2 / 1000
     for share in (np.cos(angles), np.sin(angles)):
         assert on_part * share.sum() == pytest.approx(clevis.tendon_force_per_n(design, 25.0) / 2, rel=1e-5)
 

@@ -15,23 +15,20 @@ from fingertip.design.search import RULES
 from fingertip.foundation.errors import DesignError
 from tests.conftest import some_of
 
+SIZES = ("width_mm", "pin_diameter_mm", "axis_height_mm", "clearance_radius_mm", "tendon_distance_mm", "travel_deg")
 OTHERS = {
     # nbrookins/danger-finger, danger/finger_params.py at cb9a8411f26963829a02b598136f466a9a4282fc, and its version 4.1.
-    "danger_finger": "width_mm = 9.76\naxis_height_mm = 4.75\nclearance_radius_mm = 4.75\npin_diameter_mm = 2.24",
-    "danger_finger_4_1": "width_mm = 7.3\naxis_height_mm = 5.5\nclearance_radius_mm = 5.5\npin_diameter_mm = 2.14",
+    "danger_finger": (9.76, 2.24, 4.75, 4.75),
+    "danger_finger_4_1": (7.3, 2.14, 5.5, 5.5),
     # e-nable/Assembler, Second_Degree_Hand/V3/Include-HandParameters.scad at 53abd46913d7be68db777fb52358a34f3874df5c,
-    # at a scale of 1.
-    "second_degree": "width_mm = 4.4\naxis_height_mm = 5.8\nclearance_radius_mm = 5.8\npin_diameter_mm = 5.0\n"
-    "tendon_distance_mm = 4.2",
-    # e-nable/Assembler, Cyborg_Beast/OpenSCAD Files/cyborgfingermid002.scad at
+    # at a scale of 1, and Cyborg_Beast/OpenSCAD Files/cyborgfingermid002.scad at
     # 39725786dcf894dd481cf9bf6a201415a5a3164b.
-    "cyborg_beast": "width_mm = 4.4\naxis_height_mm = 5.0\nclearance_radius_mm = 4.9\npin_diameter_mm = 4.0\n"
-    "tendon_distance_mm = 3.25",
+    "second_degree": (4.4, 5.0, 5.8, 5.8, 4.2),
+    "cyborg_beast": (4.4, 4.0, 5.0, 4.9, 3.25),
     # mendenm/flexible_flyer, files/fingerator.scad at f80751be178ace7b6dcbf28eb52dffdd3464664b, at a scale of 1.
-    "flexible_flyer_1": "width_mm = 5.6\naxis_height_mm = 5.8\nclearance_radius_mm = 5.4\npin_diameter_mm = 1.6\n"
-    "tendon_distance_mm = 4.32\ntravel_deg = 90.0",
+    "flexible_flyer_1": (5.6, 1.6, 5.8, 5.4, 4.32, 90.0),
     # cannonpr/HumanHand, hand_bearings.scad at 812e928.
-    "human_hand": "width_mm = 11.0\npin_diameter_mm = 3.3",
+    "human_hand": (11.0, 3.3),
 }
 """Hand -> what its files state of the last joint, a tongue on a pin of steel; the rest is guessed."""
 REFUSED = {"inmoov": "hand.tendon_distance_mm"}
@@ -44,7 +41,8 @@ HANDS = (*list_hands(), *OTHERS)
 def begin(name: str, folder: Path) -> tuple[Path, NewDesign]:
     path = folder / "hand.toml"
     if name in OTHERS:
-        path.write_text(f'[hand]\nknuckle = "tongue"\npin = "steel"\n{OTHERS[name]}\n')
+        sizes = (f"{size} = {value}" for size, value in zip(SIZES, OTHERS[name], strict=False))
+        path.write_text("\n".join(["[hand]", 'knuckle = "tongue"', 'pin = "steel"', *sizes]))
     else:
         path = find_hand(name)
     return path, write_new_design("mine", hand=path)

@@ -10,9 +10,7 @@ import pytest
 from fingertip.design import Design
 from fingertip.design.files import flatten
 from fingertip.design.parameters import PARAMETERS, find_kind
-from fingertip.design.parameters.declaration import find_bounds, find_follows
 from fingertip.design.proportions import KEYS, fill_in, load_proportions
-from fingertip.foundation.errors import DesignError
 
 FINGERS = list(load_proportions())
 
@@ -35,7 +33,7 @@ def test_what_a_file_leaves_out_follows_and_what_it_states_stays(name: str, tmp_
 
 
 def test_a_change_beside_a_file_does_not_choose_another_finger() -> None:
-    assert Design.load("adult_finger", changes=["strength.grip_force_n=5"]).bone.platform_mm == 2.15
+    assert Design.load("adult_finger", changes=["skin.width_mm=18.2"]).bone.platform_mm == 2.15
     assert Design.load(changes=["sensor.adhesive_thickness_mm=0.1"]).skin == Design().skin
 
 
@@ -56,17 +54,3 @@ def test_the_nearest_finger_has_the_head_then_the_interface_then_the_sizes(table
     assert filled["skin"]["thickness_side_mm"] == expected["skin"]["thickness_side_mm"]
     assert all(filled[table][key] == value for table, own in tables.items() if isinstance(own, dict)
                for key, value in own.items())  # fmt: skip
-
-
-def test_the_range_of_a_derived_parameter_lies_within_its_bounds() -> None:
-    for field in PARAMETERS.values():
-        if follows := find_follows(field):
-            assert find_bounds(field).contain(follows.low)
-            assert find_bounds(field).contain(follows.high)
-
-
-def test_a_file_that_is_wrong_is_still_refused(tmp_path: Path) -> None:
-    path = tmp_path / "d.toml"
-    path.write_text("bone = 3\nskin.width_mm = 'wide'\n")
-    with pytest.raises(DesignError, match=r"(?s)bone: 3 is not a table.*skin\.width_mm: 'wide' is not a number"):
-        Design.load(path)

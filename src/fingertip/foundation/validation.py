@@ -95,7 +95,5 @@ class Comparison:
     @property
     def margin_percent(self) -> float:
         """Distance of the value from its limit, in percent of the limit; infinite where that has no meaning."""
-        if self.relation == "exactly" or self.limit == 0.0:
-            return math.inf
-        above = self.value - self.limit
-        return 100.0 * (above if self.relation == "at least" else -above) / abs(self.limit)
+        above = self.value - self.limit if self.relation == "at least" else self.limit - self.value
+        return math.inf if self.relation == "exactly" or not self.limit else 100.0 * above / abs(self.limit)

@@ -199,6 +199,16 @@ def test_given_capacitors_are_ignored_where_the_board_selects_its_own() -> None:
         load_article(changes[1:])
 
 
+def test_an_envelope_capacitor_needs_a_resistor_and_a_footprint_that_exist() -> None:
+    """1 / (2 pi f C) is 9.5 Mohm at 30 Hz with 0.56 nF, and 11.3 with 0.47 nF; the largest resistor has 10."""
+    at_30_hz = "board.envelope_cutoff_hz=30"
+    load_article([at_30_hz, "board.envelope_capacitor_uf=0.00056"])
+    with pytest.raises(DesignError, match=r"requires R_LP of 1\.129e\+07 ohm.*at least 0\.00056 uF"):
+        load_article([at_30_hz, "board.envelope_capacitor_uf=0.00047"])
+    with pytest.raises(DesignError, match=r"envelope_capacitor_uf.*C4"):
+        load_article([at_30_hz, "board.envelope_capacitor_uf=100"])
+
+
 # R1, R2 and R3 chosen together
 
 

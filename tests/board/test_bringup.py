@@ -16,7 +16,14 @@ from fingertip.board import board_circuit, board_values
 from fingertip.board.bringup import rectifier
 from fingertip.board.bringup.assessment import assess_readings, find_sources
 from fingertip.board.bringup.bench import COUPLING_FARAD, TONE_V, TOP_HZ, Fault, list_exchanges, list_faults
-from fingertip.board.bringup.diagnosis import Explanation, _merge_exchanges, diagnose, explain, list_mistakes
+from fingertip.board.bringup.diagnosis import (
+    Explanation,
+    _merge_exchanges,
+    diagnose,
+    explain,
+    fit_offset,
+    list_mistakes,
+)
 from fingertip.board.bringup.plan import BringUp, plan_bring_up
 from fingertip.board.bringup.prediction import (
     POINTS,
@@ -42,6 +49,7 @@ from fingertip.board.parts.nets import (
     REFERENCE,
     SENSOR,
     SLIP,
+    STAGE1_OUT,
     STAGE2_MID,
     TACTILE,
     THRESHOLD,
@@ -386,3 +394,14 @@ def test_exchanges_of_one_part_are_named_together_at_the_place_of_the_likeliest(
              for i, name in enumerate(pairs)]  # fmt: skip
     merged = [(one.fault.reference, one.misfit) for one in _merge_exchanges(found)]
     assert merged == [("R1 and one of R2, R3 and R4", 0.0), ("C1", 0.1), ("R5 and R6", pytest.approx(0.3))]
+
+
+def test_an_offset_that_a_bridged_capacitor_amplifies_explains_a_reading_on_either_side_as_far_as_it_goes() -> None:
+    board, name, spans_v = plan_of(ARTICLE)[1].board, name_voltage(STAGE1_OUT), []
+    for fault in list_faults(board.circuit, board.ends_v):
+        low_v, near_v, high_v = (fit_offset(board, fault, {name: 1.0}, {name: v})[name] for v in (-99.0, 1.001, 99.0))
+        assert high_v - 1.0 == pytest.approx(1.0 - low_v), fault.sentence
+        assert near_v == (1.001 if high_v > 1.0 else 1.0)
+        spans_v.append(high_v - 1.0)
+    assert 10 * 3e-3 < max(spans_v) < 1.0, "amplified by more than ten, TL082's 3 mV or more"
+    assert np.median(spans_v) == 0.0, "most faults amplify no offset"

@@ -5,8 +5,6 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -20,11 +18,8 @@ from fingertip.foundation.errors import TraceError
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, check_first_seed
 from fingertip.sim.simulation import article_trials
 from fingertip.slip.traces.truth import Interval
-from tests.approved import check_figures
 from tests.designs import ARTICLE
-from tests.figures import sum_up
 
-APPROVED = Path(__file__).parent / "approved"
 DESIGN = ARTICLE
 SLIP = next(article_trials())[0]
 
@@ -101,35 +96,6 @@ def test_band_noise_has_unit_strength_within_its_band():
     power = np.abs(np.fft.rfft(noise)) ** 2
     hz = np.fft.rfftfreq(8000, 1 / 2000)
     assert power[(hz < 29.9) | (hz > 90.1)].sum() < 1e-9 * power.sum()
-
-
-BAND_V = (0.006, 0.025)
-DRAWN: dict[str, tuple[float, ...]] = {
-    "abrupt_burst": BAND_V, "low_burst": BAND_V, "ringing_knock": (), "long_slide": (0.01,), "grip_steps": (),
-    "manipulation": (),
-}  # fmt: skip
-SCENES = {"grip_change": "grip change", "fast_closing": "fast closing", "taps": "tap"}
-
-
-def draw_signal(name: str, seed: int) -> Any:
-    if name in SCENES:
-        scene = mix.EVENTS[SCENES[name]][0](np.random.default_rng(seed))
-        return mix_signals.simulate_scene(DESIGN, scene, seed, SCENES[name])
-    return getattr(mix_signals, name)(DESIGN, seed, *DRAWN[name])
-
-
-@pytest.mark.every_case
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.full] if name == "grip_steps" else []) for name in (*DRAWN, *SCENES)]
-)
-def test_signals_are_the_approved_ones(name: str) -> None:
-    lines = []
-    drawn = [draw_signal(name, seed) for seed in (11, 12)]
-    for signal in (signal for one in drawn for signal in (one if isinstance(one, list) else [one])):
-        spans = [sum_up([vars(span)[key] for key in vars(span)]) for span in (*signal.slides, *signal.events)]
-        lines += [f"{signal.kind}: {signal.rate_hz:g} Hz, {signal.strength_v:.4g} V, alarms {signal.alarms_from_s:g} s"]
-        lines += [f"  {len(signal.slides)} slides: {'; '.join(spans)}", f"  {sum_up(signal.voltage_v)}"]
-    check_figures(APPROVED / f"signals_{name}.txt", lines, 1e-4, 1e-4)
 
 
 @pytest.mark.parametrize("name", list(mix_signals.NOISES))

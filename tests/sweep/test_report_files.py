@@ -182,6 +182,15 @@ def test_areas_of_the_feasibility_map_equal_the_shares_of_the_rules() -> None:
     assert total > 500_000
 
 
+def test_a_map_with_one_axis_in_steps_marks_each_design() -> None:
+    axes = {"a": np.repeat(np.arange(4.0), 50), "b": np.random.default_rng(0).uniform(size=200)}
+    table = make_table(axes, {}, ["ok"] * 200, [""] * 200, [""] * 200)
+    with keep_figures() as figures:
+        draw_feasibility(table.axes, classify_points(table), ["a", "b"])
+    (marks,) = figures[0].axes[0].collections
+    assert np.array_equal(marks.get_offsets()[:, 1], axes["b"])
+
+
 def test_csv_reads_back_as_the_rows(database: SweepDatabase, tmp_path: Path) -> None:
     write_csv(database, tmp_path / "rows.csv")
     with (tmp_path / "rows.csv").open(newline="", encoding="utf-8") as file:

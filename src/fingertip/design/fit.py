@@ -103,7 +103,7 @@ def fit_design(
     if fit:
         return fit
     if weak:
-        raise DesignError([_state_load(broken) for broken in weak])
+        raise DesignError([_state_bound(broken) for broken in weak])
     nearer = functools.partial(list_moved, holds=holds, guessed=guessed)
     broken = _Search(tables, {}).check({})[1]
     raise DesignError(find_remedies(tables, broken, before, [*given], fit=nearer, failed=True))
@@ -132,6 +132,7 @@ def _find(
 ) -> tuple[Fit | None, Sequence[BrokenRule]]:
     """Find a design that passes; or else what is too weak in one that passes all rules."""
     derived = {**DERIVED, **{name: (0.8 * value, 1.2 * value) for name in guessed if (value := tables.value(name))}}
+    weak: Sequence[BrokenRule] = ()
     for ranges in (derived, {**derived, **_WISHES})[: 1 if _WISHES.keys() <= set(given) else 2]:
         free = {name: (min(low, present), max(high, present)) for name, (low, high) in ranges.items()
                 if name not in given for present in [tables.value(name)]}  # fmt: skip
@@ -144,14 +145,19 @@ def _find(
             search = _Search(tables, free, holds, {broken.rule.field for broken in found})
             values = search.find_passing(values, progress, checks)
             if values is None or (values := search.strengthen(search.move_back(values))) is None:
-                return None, found
+                weak = found
+                if (_WISHES.keys() - {*given}) & {broken.rule.field for broken in found}:
+                    continue
+                break
         return search.describe(values), ()
-    return None, ()
+    return None, weak
 
 
-def _state_load(broken: BrokenRule) -> Issue:
-    field, ((_, held),) = broken.rule.field, broken.violation.passing
-    return Issue(field, f"{broken.violation.problem}; at most {round_digits(held, 3, up=False):g}.")
+def _state_bound(broken: BrokenRule) -> Issue:
+    ((low, high),) = broken.violation.passing
+    up = math.isfinite(low)
+    bound = round_digits(low if up else high, 3, up=up)
+    return Issue(broken.rule.field, f"{broken.violation.problem}; at {'least' if up else 'most'} {bound:g}.")
 
 
 def list_moved(

@@ -8,6 +8,8 @@ from collections.abc import Callable, Collection
 from typing import cast
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.cad.verification.mold import palmar_error_mm, palmar_error_share
+from fingertip.cad.verification.skin import MAX_REST_N
 from fingertip.cad.verification.strength import BoneStrength, assess_strength, list_load_points
 from fingertip.design import Design
 from fingertip.design.fit import Fit, Holds, fit_design
@@ -15,6 +17,8 @@ from fingertip.design.formulas.stress_and_knock import PIN
 from fingertip.design.geometry import DesignTables
 from fingertip.design.interfaces import interface_of
 from fingertip.design.rules.ruleset import BrokenRule, Limit, Ruleset, find_violations
+from fingertip.pad.layer import find_rest_n
+from fingertip.pad.pad_geometry import PadForm
 
 _TOLERANCE_MM = 0.05
 """Tolerance of the meshes that are cut. A finer one changes the safety factors by 0.3 %."""
@@ -28,7 +32,7 @@ _STRONGER = {
     "bone.foot_radius_mm": 1.6,
 }
 """Factors on parameters that make a bone on a post stronger."""
-_JOINT, _BONE = Ruleset(lambda design: design.dimensions.joint), Ruleset()
+_JOINT, _BONE, _SKIN = Ruleset(lambda design: design.dimensions.joint), Ruleset(), Ruleset()
 
 
 def fit_finger(
@@ -39,12 +43,29 @@ def fit_finger(
     guessed: Collection[str] = (),
 ) -> Fit:
     """Fit a design as `fit_design` does, until its bone also holds the loads that it states. Raises DesignError."""
-    holds = Holds(tuple(_JOINT), judge_strength, _STRONGER)
+    holds = Holds((*_SKIN, *_JOINT), judge, _STRONGER)
     return fit_design(tables, given, before, holds=holds, progress=progress, guessed=guessed)
 
 
-def judge_strength(design: DesignTables) -> tuple[BrokenRule, ...]:
-    return tuple(find_violations(_BONE, design))
+def judge(design: DesignTables) -> tuple[BrokenRule, ...]:
+    """Find the checks of a build that a design fails, of those that no rule foresees."""
+    return tuple(find_violations((*_SKIN, *_BONE), design))
+
+
+@_SKIN.at_most("skin.bump_height_mm", when=lambda design: design.skin.bump_height_mm)
+def bump_rests_lightly(design: DesignTables) -> Limit | None:
+    """The force at rest is proportional to the height of the bump."""
+    rest_n = find_rest_n(PadForm.of_design(cast(Design, design)))
+    return Limit(
+        design.skin.bump_height_mm * MAX_REST_N / max(rest_n, MAX_REST_N), "presses too hard on the sensor at rest"
+    )
+
+
+@_SKIN.at_least("skin.thickness_palmar_mm")
+def mold_is_true_over_the_sensor(design: DesignTables) -> Limit:
+    built = cast(Design, design)
+    least = palmar_error_mm(built) / palmar_error_share(built)
+    return Limit(least, "is too thin for the error with which the mold holds its core")
 
 
 @_JOINT.at_most("strength.grip_force_n", when=lambda design: design.strength.min_grip_factor)

@@ -54,9 +54,8 @@ def check_mold(design: Design, solids: Solids) -> Iterator[Check]:
     evaluator = solids.evaluator
     yield from _check_motions(design, evaluator)
     yield Check("mold.trapped_air", worst_air_mm3(design, evaluator), _MAX_AIR_MM3, "mm3")
-    thickness, error = design.skin.thickness_palmar_mm, palmar_error_mm(design)
-    share = _SHARE_PER_MM * min(max(design.printer.surface_error_mm, _ERRORS_MM[0]), _ERRORS_MM[1])
-    yield Check("mold.palmar_error", error, share * thickness, "mm")
+    share = palmar_error_share(design)
+    yield Check("mold.palmar_error", palmar_error_mm(design), share * design.skin.thickness_palmar_mm, "mm")
     pressure = plunge_pressure_kpa(design, evaluator)
     height = design.mold_layout.foot_z * design.mold_layout.cavity_half_width * 2
     yield Check("mold.plunge_pressure", pressure, 4e3 * _BAND_N / height, "kPa")
@@ -84,6 +83,11 @@ def _check_motions(design: Design, evaluator: MeshEvaluator) -> Iterator[Check]:
 def worst_air_mm3(design: Design, evaluator: MeshEvaluator) -> float:
     free = evaluator.manifold(difference(cavity(design), core_within_skin(design)))
     return max(trapped_mm3(free, lean) for lean in LEANS_DEG)
+
+
+def palmar_error_share(design: Design) -> float:
+    """Largest palmar error over the thickness of the silicone there."""
+    return _SHARE_PER_MM * min(max(design.printer.surface_error_mm, _ERRORS_MM[0]), _ERRORS_MM[1])
 
 
 def palmar_error_mm(design: Design) -> float:

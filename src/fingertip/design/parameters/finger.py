@@ -97,7 +97,7 @@ class Skin(ParameterTable):
         3.2, "mm", (1, 30), "Radius of the bump inside the skin, which presses on the sensor."
     )
     bump_height_mm: float = quantity(
-        0.2, "mm", (0, 1), "Height by which this bump is proud of the bone's shape; 0: no bump."
+        0.2, "mm", (0, 1), "Height by which this bump is proud of the bone's shape; 0: no bump.", follows=(0.05, 0.3)
     )
 
 

@@ -61,7 +61,7 @@ def find_remedies(
     """
     before = before or DesignTables()
     differing = [name for name in PARAMETERS if tables.value(name) != before.value(name)]
-    changed = tuple(changed or (differing if len(differing) <= _MAX_CHANGED else ()))
+    changed = tuple(filter(PARAMETERS.__contains__, changed or (differing if len(differing) <= _MAX_CHANGED else ())))
     issues = list[Issue]()
     for of_parts in (True, False):  # printed parts and electronics read no table of each other
         if own := tuple(one for one in broken if (one.rule not in ELECTRONIC_RULES) is of_parts):
@@ -180,8 +180,7 @@ def explain_invalid(tables: Mapping[str, Any], error: ValidationError, changed: 
     valid = DesignTables().with_values(values)  # with the defaults in place of the others
     broken = list(find_violations(RULES, valid, invalid))
     issues = [_extend_bound(issue, tables, valid, invalid) for issue in issues]
-    known = [name for name in changed if name in PARAMETERS]  # an unknown name is one of the issues
-    return issues + (find_remedies(valid, broken, None, known, invalid) if broken else [])
+    return issues + find_remedies(valid, broken, None, changed, invalid)
 
 
 def _find_misplaced(tables: Mapping[str, Any], unknown: frozenset[str]) -> Iterator[str]:

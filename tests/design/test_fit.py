@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import tomllib
 
 import pytest
 
@@ -17,10 +16,9 @@ from fingertip.design import Design
 from fingertip.design.files import load_tables
 from fingertip.design.fit import DERIVED, find_fit, fit_design
 from fingertip.design.geometry import DesignTables
-from fingertip.design.hand_sizes import find_hand, list_hands
+from fingertip.design.hand_sizes import find_hand
 from fingertip.design.interfaces.clevis import pin_shear_radius
 from fingertip.design.new_design import PRESETS, write_new_design
-from fingertip.design.proportions import fill_in
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.design.search import PART_RULES, RULES
 from fingertip.foundation.errors import DesignError, TomlFileError
@@ -29,25 +27,6 @@ from tests.conftest import design_file
 
 def tables(name: str, **values: float) -> DesignTables:
     return DesignTables(**load_tables([design_file(name)], []).tables).with_values(values)
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("hand", sorted(set(list_hands()) - {"inmoov"}))
-def test_bundled_hand_gets_a_tip_of_its_own_sizes(hand: str) -> None:
-    new = write_new_design("mine", hand=hand)
-    design = Design(**fill_in(tomllib.loads(new.text)))
-    given = tomllib.loads(find_hand(hand).read_text())["hand"]
-    for name, value in given.items():
-        assert getattr(design.hand, name) == value
-    assert "Not tried on the real hand." in " ".join(find_hand(hand).read_text().replace("#", "").split())
-    assert {move.name for move in new.moves} <= {
-        *DERIVED,
-        "skin.length_mm",
-        "skin.semi_axis_palmar_mm",
-        "skin.thickness_palmar_mm",
-        "strength.grip_force_n",
-        "strength.knock_speed_m_s",
-    }
 
 
 def test_a_tendon_that_runs_through_the_hands_fork_is_refused() -> None:

@@ -150,6 +150,8 @@ def test_values_in_messages_are_short_and_on_one_line() -> None:
     issue = Issue("a\n\x1b[31m", "\x07" + "y" * 50_000 + " \u202e\udcff; keep the end.")
     assert str(issue).isprintable()
     assert len(str(issue)) < 5000
+    assert Issue("", "word " * 800).message == "word " * 800
+    assert "...(4001 characters)..." in Issue("", "word " * 800 + "x").message
     assert issue.field == "a\\n\\x1b[31m"
     assert issue.message.endswith("\\u202e\\udcff; keep the end.")
     assert Issue("", "a\nb\n  - c\n d").message == "a\\nb\n  - c\\n d", "only indented lines stay lines"

@@ -163,3 +163,8 @@ def test_border_of_the_mesh_is_the_outline_at_the_height_of_the_rim(name: str) -
     assert side[:, 0] == pytest.approx([outline_x_mm(form, z) for z in side[:, 1]], abs=0.02)
     tip_mm = form.outer.section.palmar * form.outer.palmar_scale_at(border[:, 1].max())
     assert tip_mm == pytest.approx(RIM_MM, abs=1e-6)
+    sums, counts = np.zeros_like(plan), np.zeros(len(plan))
+    for i, j in np.concatenate([edges, edges[:, ::-1]]):
+        sums[i], counts[i] = sums[i] + plan[j], counts[i] + 1
+    away_mm = np.hypot(*(sums[counts > 0] / counts[counts > 0, None] - plan[counts > 0]).T)
+    assert np.mean(away_mm < 0.02 * 1.5) > 0.5, "free points are in the middle of their neighbours"

@@ -38,7 +38,7 @@ _WISHES: Ranges = {
 }
 """Wishes of a file that may move in a second round, if the derived parameters alone do not suffice."""
 MOVABLE = (*DERIVED, *_WISHES)
-_CHECKS, _FEW, _CHECK = 1000, 250, 5
+_CHECKS, _FEW, _CHECK = 1000, 500, 5
 """Largest number of single rules that are checked in one round, for a refusal a few, and the number that a check of all
 counts for."""
 _HALVINGS, _BACK_HALVINGS = 6, 5

@@ -41,6 +41,7 @@ LOOSE = {
     "skin_is_thick_enough": 0.002,  # leaves the slack of the section's measurement
     "travel_free": 0.03,  # whole degrees, found in steps of the travel
     "bent_stop_long_enough": 0.03,  # whole degrees
+    "strands_beside_the_eyes": 0.05,  # allows 0.1 mm beyond what it recommends
     "filter_resistors_in_range": 0.2,  # preferred values
     "envelope_resistor_in_range": 0.2,  # preferred values
     "amplifier_drives_the_filter": 0.1,  # preferred values

@@ -96,6 +96,11 @@ def test_command_runs(command: str, clone: Path) -> None:
     words, _, source = command.partition(" < ")
     if words.split()[1] == "drawing":
         require_module("reportlab")
+    if "socket.step" in words:  # a bar along x, to whose end at 20 mm the base is joined
+        cadquery = require_module("cadquery")
+        cadquery.exporters.export(
+            cadquery.Workplane().box(14, 8, 7.5).translate((13, 0, 0)), str(clone / "socket.step")
+        )
     given = (clone / source).read_text() if source else None
     done = run_fingertip(*shlex.split(words)[1:], given=given, PWD=str(clone))
     assert done.returncode == 0, done.stderr

@@ -103,7 +103,7 @@ def test_the_file_states_the_hands_own_sizes_and_what_moved_for_them(folder: Pat
     )
     moved = {one["parameter"]: one for one in result["fitted"]}
     assert "bone.base_length_mm" in moved
-    assert f"bone.base_length_mm  {moved['bone.base_length_mm']['was']}" in done.stderr
+    assert f"bone.base_length_mm  derived  {moved['bone.base_length_mm']['was']}" in done.stderr
     text = Path("mine.toml").read_text()
     wishes, measured, fitted, derived = re.split("# (?:Measured on|Fitted to|Derived from) .*", text)[:4]
     assert "skin.width_mm = 18.0" in wishes

@@ -9,11 +9,15 @@ from xml.etree import ElementTree
 
 import pytest
 
+from fingertip.cad.kernel.mesh import MeshEvaluator
+from fingertip.casting.sheet import casting_sheet
 from fingertip.design import Design
-from fingertip.design.hand_sizes import SIZES, complete_hand, find_guesses, list_hands
+from fingertip.design.files import to_toml
+from fingertip.design.fit import LEAST_LOADS
+from fingertip.design.hand_sizes import SIZES, complete_hand, list_hands
 from fingertip.design.new_design import write_new_design
 from fingertip.design.parameters.parts import Hand
-from fingertip.documents.finger import draw_hand_sizes
+from fingertip.documents.finger import draw_hand_sizes, list_steps
 from fingertip.foundation.errors import DesignError
 from tests.conftest import ROOT, run_fingertip
 
@@ -46,7 +50,7 @@ def test_a_hand_of_which_a_size_is_left_out_gets_a_finger_and_keeps_all_others(n
     values, guessed = complete_hand(given, BASE.hand)
     assert set(guessed) == {f"hand.{key}" for key in values.keys() - given.keys()}
     tables = BASE.model_dump()
-    fitted = Design.fit_tables(tables | {"hand": tables["hand"] | values}, tables, guessed=guessed)
+    fitted = Design.fit_tables(tables | {"hand": tables["hand"] | values}, tables, provisional=(*guessed, *LEAST_LOADS))
     assert {key: getattr(fitted.hand, key) for key in given} == given
 
 
@@ -55,11 +59,24 @@ def test_what_is_guessed_is_marked_and_told_and_what_cannot_be_is_asked_for(tmp_
     hand.write_text('[hand]\nknuckle = "tongue"\nwidth_mm = 7.0\npin_diameter_mm = 2.9\n')
     made = write_new_design("mine", hand=hand, changes=["hand.travel_deg=50.0"])
     assert made.guessed == tuple(f"hand.{name}" for name in SIZES if name in LEFT_OUT[:-1])
-    assert sorted(find_guesses(made.text)) == sorted(made.guessed)
     design.write_text(made.text)
+    design.write_text(to_toml(Design.load(design)))  # as a build copies it
+    assert draw_hand_sizes(loaded := Design.load(design)).count(b"guessed: measure it") == len(made.guessed)
+    assert f" print: {', '.join(made.guessed)} are" in list_steps(casting_sheet(loaded, MeshEvaluator(0.2)))[0].text
     told = run_fingertip("params", str(design), "--set", "hand.axis_height_mm=5.6").stderr
     assert set(re.findall(r"hand\.\w+", told)) == set(made.guessed) - {"hand.axis_height_mm"}
     with pytest.raises(DesignError, match="hand: lacks knuckle and pin_diameter_mm; `fingertip new --help`"):
         complete_hand({"width_mm": 5.0}, BASE.hand)
     with pytest.raises(DesignError, match="width_mm"):
         complete_hand({"width_mm": "wide"}, BASE.hand)
+
+
+@pytest.mark.full
+def test_a_load_that_new_lowered_is_lowered_again_by_a_fit_unless_it_is_given(tmp_path: Path) -> None:
+    (file := tmp_path / "mine.toml").write_text(write_new_design("mine", changes=["strength.min_grip_factor=8"]).text)
+    (held,) = re.findall("# Fitted to .*(?:\n[^#].*)*\nstrength.grip_force_n = (\\S+)", file.read_text())
+    weaker, given = "strength.min_grip_factor=16", f"strength.grip_force_n={held}"
+    lowered = Design.load(file, changes=[weaker], fit=True).strength
+    assert 2 * lowered.grip_force_n == pytest.approx(float(held), rel=0.1)
+    with pytest.raises(DesignError, match=r"strength\.grip_force_n: "):
+        Design.load(file, changes=[weaker, given], fit=True)

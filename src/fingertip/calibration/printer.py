@@ -84,7 +84,7 @@ def apply_calibration(design: Design, changes: Mapping[str, Any], name: str | No
     Raises DesignError.
     """
     tables = design.with_values(changes).model_dump() | {"name": name or design.name}
-    return Design.from_tables(tables, design.model_dump(), tuple(changes))
+    return Design.from_tables(tables, design.model_dump(), tuple(changes), design.provisional)
 
 
 def _find_mistakes(option: str, reading_mm: float, nominal_mm: float) -> Iterator[Issue]:

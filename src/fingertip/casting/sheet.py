@@ -166,6 +166,7 @@ class CastingSheet:
     knot_mm: int
     """Distance of the knot in both wires from the sensor's legs."""
     things: tuple[Thing, ...]
+    guessed_sizes: tuple[str, ...]
 
 
 def casting_sheet(design: Design, evaluator: MeshEvaluator) -> CastingSheet:
@@ -192,6 +193,7 @@ def casting_sheet(design: Design, evaluator: MeshEvaluator) -> CastingSheet:
         head_mm=(round(body.head_diameter_mm - HEAD_MM, 1), round(body.head_diameter_mm + HEAD_MM, 1)),
         knot_mm=max(_LEAST_KNOT_MM, math.ceil(to_hole_mm + 1.0)),
         things=_list_things(design, batch, mount, printed, printed_g),
+        guessed_sizes=tuple(name for name in design.provisional if name.startswith("hand.")),
     )  # fmt: skip
 
 

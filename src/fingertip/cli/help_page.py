@@ -73,6 +73,7 @@ class HelpCommand(TyperCommand):
 
             title = "Sizes in --hand FILE; `fingertip picture adult_finger --measure` draws them"
             groups[title] = [(f"{size['letter']} {name}", size["place"]) for name, size in SIZES.items()]
+            groups[title].append(("  knuckle, pin", "tongue or fork; printed, or steel to keep your hand's own"))
         _write_page(self, ctx, formatter, " ".join([*usage, "[OPTIONS]"]), groups)
 
 

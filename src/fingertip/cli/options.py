@@ -124,18 +124,17 @@ def load_design(file: Path | None, changes: Sequence[str] | None, console: Conso
         from fingertip.design.files import load_tables
 
         loaded = load_tables([file] if file else [], changes or ())
-        design = Design.fit_tables(loaded.tables, loaded.before, loaded.changed, console.progress)
+        design = Design.fit_tables(loaded.tables, loaded.before, loaded.changed, console.progress, loaded.provisional)
         console.show_moves(design.name, design.moves)
     else:
         design, is_default = read_design(file, tuple(changes or ()))
         if file and is_default and console:
             console.progress(f"{file} sets no parameter: this is the default design, fsr400")
-    if console and file and file.is_file():
-        from fingertip.design.hand_sizes import describe_guesses, find_guesses
+    if console and design.provisional:
+        from fingertip.design.hand_sizes import describe_guesses
 
-        text = file.read_text(encoding="utf-8")
-        if guesses := find_guesses(text, [change.partition("=")[0].strip() for change in changes or ()]):
-            console.progress(f"note: {describe_guesses(guesses)}")
+        if said := describe_guesses(design.provisional):
+            console.progress(f"note: {said}")
     return design
 
 
@@ -145,7 +144,7 @@ def read_design(file: Path | None, changes: tuple[str, ...]) -> tuple[Design, bo
     from fingertip.design.files import load_tables
 
     loaded = load_tables([file] if file else [], changes)
-    return Design.from_tables(loaded.tables, loaded.before, loaded.changed), not loaded.before
+    return Design.from_tables(loaded.tables, loaded.before, loaded.changed, loaded.provisional), not loaded.before
 
 
 def load_fingers(file: Path, changes: Sequence[str] | None, console: Console) -> FingerSet:
@@ -160,7 +159,7 @@ def load_fingers(file: Path, changes: Sequence[str] | None, console: Console) ->
 
     def fit(loaded: LoadedTables) -> Design:
         changed = [name for name in loaded.changed if name in typed]  # what the set's file states may move
-        return Design.fit_tables(loaded.tables, loaded.before, changed, console.progress)
+        return Design.fit_tables(loaded.tables, loaded.before, changed, console.progress, loaded.provisional)
 
     fingers = build_set(*read_set(file, changes or (), fit))
     for form in fingers.forms:

@@ -12,7 +12,6 @@ from typing import Any
 
 from fingertip.design.files import Parameter, list_parameters, merge
 from fingertip.design.geometry import DesignTables
-from fingertip.design.hand_sizes import GUESSED
 from fingertip.design.parameters import PARAMETERS, Tables
 from fingertip.design.parameters.declaration import OWN, parse_tables
 from fingertip.design.proportions import fill_in
@@ -37,20 +36,20 @@ _MAX_COLUMN_WIDTH = 40
 """Maximum column in which the comments of a block begin. A longer line shifts its own comment only."""
 
 
-def write_design(design: Tables, heading: Iterable[str], guessed: Collection[str] = (), others: bool = False) -> str:
+def write_design(design: Tables, heading: Iterable[str], marked: Collection[str] = (), others: bool = False) -> str:
     """Write a design as a file that reads back as equal, with meaning, unit and bounds of each parameter.
 
-    Parameters of the hand that are `guessed` are marked. With `others`, all parameters stand in the file.
+    Provisional parameters are `marked`. With `others`, all parameters stand in the file.
     """
     design = design.with_bare_names()
-    listed = {parameter.path: parameter for parameter in list_parameters()}
+    listed = {parameter.path: parameter for parameter in list_parameters(marked)}
     main = list(_list_main(design))
     loaded = _load(design, main)
     stated = [*main, *(path for path in listed if path not in main and design.value(path) != loaded.value(path))]
     lines = [*(f"# {line}".rstrip() for line in heading), "", *_format_block(design, [listed["name"]])]
     for kind, title in _HEADINGS.items():
         if block := [listed[path] for path in stated if listed[path].kind == kind and path != "name"]:
-            lines += ["", f"# {title}", *_format_block(design, block, guessed=guessed)]
+            lines += ["", f"# {title}", *_format_block(design, block)]
     rest = [parameter for path, parameter in listed.items() if path not in stated]
     lines += ["", "# Derived from the above. Remove the # in front of a name to state its value."]
     lines += _format_block(design, (parameter for parameter in rest if parameter.kind == "derived"), "#")
@@ -81,9 +80,7 @@ def _load(design: Tables, stated: Iterable[str]) -> DesignTables:
     return parse_tables(DesignTables, fill_in(tables))
 
 
-def _format_block(
-    design: Tables, parameters: Iterable[Parameter], prefix: str = "", guessed: Collection[str] = ()
-) -> Iterator[str]:
+def _format_block(design: Tables, parameters: Iterable[Parameter], prefix: str = "") -> Iterator[str]:
     """Format parameters one per line, with their comments in one column."""
     import tomlkit  # noqa: PLC0415
 
@@ -91,5 +88,4 @@ def _format_block(
     width = max((len(setting) for setting, _ in rows if len(setting) <= _MAX_COLUMN_WIDTH), default=0)
     for setting, parameter in rows:
         limits = ", ".join(text for text in (parameter.unit, parameter.bounds) if text)
-        mark = f"{GUESSED}. " if parameter.path in guessed else ""
-        yield f"{setting:{width}}  # {mark}{parameter.description}" + (f" [{limits}]" if limits else "")
+        yield f"{setting:{width}}  # {parameter.description}" + (f" [{limits}]" if limits else "")

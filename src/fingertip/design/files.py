@@ -6,7 +6,7 @@ import copy
 import json
 import re
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -29,6 +29,8 @@ class LoadedTables:
     before: dict[str, Any]
     changed: tuple[str, ...]
     """Names of the changed parameters, such as "skin.width_mm"."""
+    provisional: tuple[str, ...] = ()
+    """Names of those that the files mark as guessed or lowered, but for changed ones."""
 
 
 Changes = Iterable[str] | Mapping[str, Any]
@@ -68,11 +70,13 @@ def load_tables(
     before: dict[str, Any] = {}
     parsed: list[dict[str, Any]] = []
     issues: list[Issue] = []
+    marked = dict[str, None]()
     for file in files:
         with gather(issues):
             tables = read_file(path := find_file(file, kind), kind, below)
             resolve_names(tables, path.parent)
             merge(before, tables)
+            marked |= dict.fromkeys(_find_marked(path))
     for change in list_changes(changes):
         with gather(issues):
             parsed.append(parse_change(change))
@@ -86,7 +90,22 @@ def load_tables(
     for each in (before, tables):
         if isinstance(sensor := each.get("sensor"), dict) and isinstance(model := sensor.get("model"), str):
             sensor["model"] = spell_sensor(model)
-    return LoadedTables(tables, before, tuple(name for nested in parsed for name, _ in flatten(nested)))
+    changed = tuple(name for nested in parsed for name, _ in flatten(nested))
+    return LoadedTables(tables, before, changed, tuple(name for name in marked if name not in changed))
+
+
+_MARKS = {"hand": ("guessed: measure it. ", "measurement"), "strength": ("lowered to what the bone holds. ", "derived")}
+"""Table -> beginning of the comment and kind of those of its parameters that are provisional."""
+_MARKED = re.compile(rf"^(?:\[([\w.]+)\]|([\w.]+) *=.*# (?:{'|'.join(mark for mark, _ in _MARKS.values())}))", re.M)
+
+
+def _find_marked(path: Path) -> Iterator[str]:
+    """Find the parameters whose comments in a design file begin with a mark."""
+    prefix = ""
+    for table, name in _MARKED.findall(path.read_text(encoding="utf-8")) if path.is_file() else ():
+        prefix = f"{table}." if table else prefix
+        if name:
+            yield prefix + name
 
 
 def resolve_names(tables: Mapping[str, Any], folder: Path) -> None:
@@ -161,10 +180,11 @@ class Parameter:
     description: str
 
 
-def list_parameters() -> Iterator[Parameter]:
+def list_parameters(provisional: Collection[str] = ()) -> Iterator[Parameter]:
     for path, field in PARAMETERS.items():
-        bounds = _format_bounds(field)
-        yield Parameter(path, field.default, find_unit(field), bounds, find_kind(path), field.description or "")
+        bounds, meaning = _format_bounds(field), field.description or ""
+        mark, kind = _MARKS[path.partition(".")[0]] if path in provisional else ("", find_kind(path))
+        yield Parameter(path, field.default, find_unit(field), bounds, kind, mark + meaning)
 
 
 def format_parameter_table(rows: Iterable[Sequence[str]], *more: str) -> str:
@@ -187,7 +207,7 @@ def to_toml(design: Tables, heading: str = "") -> str:
     import tomlkit  # noqa: PLC0415
 
     design = design.with_bare_names()
-    described = {parameter.path: parameter for parameter in list_parameters()}
+    described = {parameter.path: parameter for parameter in list_parameters(getattr(design, "provisional", ()))}
     document = tomlkit.document()
     for line in heading.splitlines():
         document.add(tomlkit.comment(line) if line else tomlkit.nl())

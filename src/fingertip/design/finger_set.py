@@ -110,7 +110,7 @@ def load_set(file: str | Path, changes: Sequence[str] = ()) -> FingerSet:
     Changes such as "board.cutoff_hz=80" are made in all fingers, "fingers.thumb.skin.width_mm=22" in one.
     """
     return build_set(
-        *read_set(file, changes, lambda loaded: Design.from_tables(loaded.tables, loaded.before, loaded.changed))
+        *read_set(file, changes, lambda one: Design.from_tables(one.tables, one.before, one.changed, one.provisional))
     )
 
 

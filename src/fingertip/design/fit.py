@@ -13,7 +13,7 @@ import heapq
 import itertools
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from fingertip.design.geometry import DesignTables
@@ -51,6 +51,8 @@ _NEARER = 0.9
 """Part of a lack that may be left after a step towards a repair."""
 _OF_MOVES = 0.3
 """Weight of the moves of a design, each relative to its range, beside the number of rules that it breaks."""
+LEAST_LOADS = {"strength.grip_force_n": 1.0, "strength.knock_speed_m_s": 0.01}
+"""Loads that may become lower if they are not given, with the least that may be stated."""
 
 
 @dataclass(frozen=True)
@@ -106,7 +108,8 @@ def fit_design(
         raise DesignError([_state_bound(broken) for broken in weak])
     nearer = functools.partial(list_moved, holds=holds, guessed=guessed)
     broken = _Search(tables, {}).check({})[1]
-    raise DesignError(find_remedies(tables, broken, before, [*given], fit=nearer, failed=True))
+    issues = find_remedies(tables, broken, before, [*given], fit=nearer, failed=True)
+    raise DesignError([replace(one, message="(guessed) " * (one.field in guessed) + one.message) for one in issues])
 
 
 def find_fit(

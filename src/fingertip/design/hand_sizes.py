@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Collection, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +15,6 @@ from fingertip.foundation.tables import read_rows, read_toml
 
 SIZES = {row["name"]: row for row in read_rows(Path(__file__).with_name("hand_sizes.csv"))}
 """Number of [hand] -> its letter, and the place of the calipers."""
-GUESSED = "guessed: measure it"
-"""Mark of a guess in a design file: its comment begins with it."""
 _STATED = ("knuckle", "width_mm", "pin_diameter_mm")
 _AROUND_PIN_MM = 1.5
 """Least clearance radius beyond the pin."""
@@ -74,11 +71,7 @@ def complete_hand(given: Mapping[str, Any], base: Hand) -> tuple[dict[str, Any],
     return values, tuple(f"hand.{name}" for name in SIZES if name in values.keys() - given.keys())
 
 
-def find_guesses(text: str, changed: Collection[str] = ()) -> list[str]:
-    """Find the parameters that the text of a design file marks as guesses, but for those changed since."""
-    return [name for name in re.findall(rf"^(hand\.\w+) *=.*# {GUESSED}", text, re.MULTILINE) if name not in changed]
-
-
-def describe_guesses(names: Collection[str]) -> str:
+def describe_guesses(provisional: Iterable[str]) -> str:
     """Say which sizes of the hand are guesses; nothing if there are none."""
+    names = [name + " (0: no tendon)" * ("tendon_dist" in name) for name in provisional if name.startswith("hand.")]
     return f"guessed sizes of the hand: {join_words(names)}; measure them before you print" if names else ""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
@@ -59,12 +59,13 @@ class Design(DesignTables):
         """
         loaded = load_tables(files, changes)
         make = cls.fit_tables if fit else cls.from_tables
-        return make(loaded.tables, loaded.before, loaded.changed)
+        return make(loaded.tables, loaded.before, loaded.changed, provisional=loaded.provisional)
 
     @classmethod
     def from_tables(
-        cls, tables: Mapping[str, Any], before: Mapping[str, Any] | None = None, changed: Sequence[str] = ()
-    ) -> Self:
+        cls, tables: Mapping[str, Any], before: Mapping[str, Any] | None = None, changed: Sequence[str] = (),
+        provisional: Sequence[str] = (),
+    ) -> Self:  # fmt: skip
         """Make a design of tables that were changed. If it is refused, the cause is sought among the changes.
 
         `before` holds the contents without the changes, the defaults if None, and `changed` names such as
@@ -72,6 +73,7 @@ class Design(DesignTables):
         """
         design = cls.__new__(cls)
         design._validate(tables, before, changed)
+        design.__dict__["provisional"] = tuple(name for name in provisional if name not in changed)
         return design
 
     @checked
@@ -99,7 +101,7 @@ class Design(DesignTables):
         """
         loaded, tables = load_tables((), changes), self.model_dump()
         merge(tables, loaded.tables)
-        return self.fit_tables(tables, self.model_dump(), loaded.changed, progress)
+        return self.fit_tables(tables, self.model_dump(), loaded.changed, progress, self.provisional)
 
     @classmethod
     def fit_tables(
@@ -108,7 +110,7 @@ class Design(DesignTables):
         before: Mapping[str, Any] | None = None,
         changed: Sequence[str] = (),
         progress: Callable[[str], None] = lambda message: None,
-        guessed: Collection[str] = (),
+        provisional: Sequence[str] = (),
     ) -> Self:
         """Make a design of tables as `from_tables` does, and move what follows from the changes. Raises DesignError."""
         # Strength is computed by what builds on a design, which therefore finds the function by its name.
@@ -118,15 +120,20 @@ class Design(DesignTables):
         except ValidationError as error:
             raise DesignError(explain_invalid(tables, error, changed)) from None
         fit = fit_finger(
-            begun, changed, read_valid(before), lambda share: progress(ShareText("fitting", share)), guessed
+            begun, changed, read_valid(before), lambda share: progress(ShareText("fitting", share)), provisional
         )
-        design = cls.from_tables(fit.tables.model_dump(), before, changed)
+        design = cls.from_tables(fit.tables.model_dump(), before, changed, provisional)
         design.__dict__["moves"] = fit.moves
         return design
 
     @cached_property
     def moves(self) -> tuple[Move, ...]:
         """Moves of `fit`, each with `name`, `before`, `after` and `reason`; nothing in another design."""
+        return ()
+
+    @cached_property
+    def provisional(self) -> tuple[str, ...]:
+        """Guessed sizes of the hand, and loads that `fingertip new` lowered: parameters that the file marks so."""
         return ()
 
     @classmethod

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
-from importlib import import_module
 from pathlib import Path
 
 from fingertip.catalogues.electronics import SENSORS, explain_sensor
 from fingertip.design.design_text import write_design
 from fingertip.design.files import load_tables, merge
-from fingertip.design.fit import Move
+from fingertip.design.fit import LEAST_LOADS, Move
 from fingertip.design.geometry import DesignTables
 from fingertip.design.hand_sizes import complete_hand, find_hand
 from fingertip.design.model import Design
@@ -23,8 +21,6 @@ PRESETS = ("adult_finger", "adult_thumb", "youth_finger", "youth_thumb", "child_
 """Bundled designs of anatomical size, each with a clevis."""
 _SENSORS = (*SENSORS, "custom")
 _PLACE = "sensor.distance_from_tip_mm"
-_LEAST_LOADS = {"strength.grip_force_n": 1.0, "strength.knock_speed_m_s": 0.01}
-"""Loads that are those of the bundled design unless they are given, with the least that may be stated."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +40,8 @@ class NewDesign:
             f"Design of a fingertip, begun from the bundled design {self.base}.",
             "A comment holds the meaning of a parameter and, in brackets, its unit and bounds.",
         )
-        return write_design(self.design, heading, self.guessed, others=True)
+        lowered = (move.name for move in self.moves if move.name in LEAST_LOADS)
+        return write_design(self.design, heading, (*self.guessed, *lowered), others=True)
 
 
 @dataclass(frozen=True)
@@ -122,29 +119,11 @@ def fit_start(start: Start, progress: Callable[[str], None]) -> NewDesign:
     tables, given = start.tables, start.given
     if tables == start.before.with_values({"name": tables.name}):
         return NewDesign(Design(**tables.model_dump()), start.base, (), start.guessed)
-    fit = partial(
-        Design.fit_tables, before=start.before.model_dump(), changed=given, progress=progress, guessed=start.guessed
-    )
-    try:
-        design = fit(tables.model_dump())
-    except DesignError:
-        if not (light := {load: least for load, least in _LEAST_LOADS.items() if load not in given}):
-            raise
-        design = fit(tables.with_values(light).model_dump())
+    provisional = (*start.guessed, *LEAST_LOADS)
+    design = Design.fit_tables(tables.model_dump(), start.before.model_dump(), given, progress, provisional)
     moves = {move.name: move for move in design.moves}
     was, place = start.before.value(_PLACE), design.value(_PLACE)
     if _PLACE not in given and place != was:
-        moves[_PLACE] = Move(
-            _PLACE, was, place, moves[_PLACE].reason if _PLACE in moves else "skin.length_mm is longer"
-        )
-    design, lighter = lower_loads(design.with_values({load: tables.value(load) for load in _LEAST_LOADS}), given)
-    return NewDesign(design, start.base, (*moves.values(), *lighter), start.guessed)
-
-
-def lower_loads(design: Design, given: Collection[str]) -> tuple[Design, list[Move]]:
-    """Lower loads that are not given to what the bone holds."""
-    # Strength is computed by what builds on a design, which is therefore found by its name.
-    held = import_module("fingertip.cad.verification.strength").find_lighter_loads(design)
-    moves = [Move(load, design.value(load), value, "the bone holds no more") for load, value in held.items()]
-    moves = [move for move in moves if move.name not in given]
-    return design.with_values({move.name: move.after for move in moves}), moves
+        reason = moves[_PLACE].reason if _PLACE in moves else "skin.length_mm is longer"
+        moves[_PLACE] = Move(_PLACE, was, place, reason)
+    return NewDesign(design, start.base, tuple(moves[name] for name in sorted(moves)), start.guessed)

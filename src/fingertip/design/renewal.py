@@ -9,15 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from fingertip.catalogues.file_kinds import DESIGN, find_file, list_bundled_files, read_file
 from fingertip.design.files import flatten, load_tables
-from fingertip.design.fit import fit_design
+from fingertip.design.fit import LEAST_LOADS, fit_design
 from fingertip.design.geometry import DesignTables
 from fingertip.design.model import Design
-from fingertip.design.new_design import NewDesign, lower_loads
+from fingertip.design.new_design import NewDesign
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import load_retired, parse_tables
 from fingertip.design.rules.ruleset import RuleChecker
@@ -94,8 +95,9 @@ def renew_design(
     without = (*_MADE_ANEW, *fixed, *left_out)
     sizes = {path: wanted.value(path) for path in kept if path in _NEEDED or not path.startswith(without)}
     tables = _fit(_adopt_all(tables, sizes), sizes, fixed, progress)
-    design, _ = lower_loads(Design(**tables.model_dump()), fixed)
-    return Renewal(NewDesign(design, base), stated)
+    lower_loads = import_module("fingertip.cad.verification.fitting").lower_loads  # which builds on designs
+    lighter = lower_loads(tables, [load for load in LEAST_LOADS if load not in fixed])
+    return Renewal(NewDesign(Design(**lighter.tables.model_dump()), base, lighter.moves), stated)
 
 
 def _measure_distance(wanted: DesignTables, base: str) -> tuple[bool, bool, float]:

@@ -54,7 +54,8 @@ def draw_hand_sizes(design: Design | None = None) -> bytes:
         (size["letter"], f"{name} = {design.value(name):g}" if design else name, textwrap.wrap(size["place"], 42))
         for name, size in (*[*names.items()][:1], *names.items())  # of a tongue, and of a fork
     ]
-    return render("hand_sizes.svg", cells=cells).encode()
+    guessed = [size["letter"] for name, size in names.items() if design and name in design.provisional]
+    return render("hand_sizes.svg", cells=cells, guessed=guessed).encode()
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ from fingertip.cad.verification.verify import run_checks, verify
 from fingertip.casting.sheet import casting_sheet
 from fingertip.catalogues.output_files import DESIGN, PRINT_FOLDER
 from fingertip.design import Design
-from fingertip.design.files import to_toml
+from fingertip.design.files import flatten, to_toml
 from fingertip.design.geometry import DesignTables
 from fingertip.design.geometry.solids import Solid, scaled
 from fingertip.design.parameters import PARAMETERS
@@ -70,7 +70,8 @@ class AskingEvaluator(MeshEvaluator):
 
 
 def read_design(tables: Mapping[str, Any], before: Design) -> Design:
-    return Design.from_tables(tables, before.model_dump(mode="json"))
+    kept = [name for name, value in flatten(tables) if name in before.provisional and value == before.value(name)]
+    return Design.from_tables(tables, before.model_dump(mode="json"), provisional=kept)
 
 
 def describe_issues(error: FingertipError) -> list[dict[str, str]]:
@@ -305,7 +306,7 @@ def answer_rules(finder: BandFinder, tables: Mapping[str, Any], path: str, still
 def answer_fit(finder: BandFinder, tables: Mapping[str, Any], given: str, still_wanted: StillWanted) -> Answer:
     """Fit the form's design to what its user has given: names, separated by spaces. Raises DesignError."""
     before = finder.opened.model_dump(mode="json")
-    fitted = Design.fit_tables(tables, before, given.split(), lambda _: still_wanted())
+    fitted = Design.fit_tables(tables, before, given.split(), lambda _: still_wanted(), finder.opened.provisional)
     return Answer(fitted=tuple(asdict(move) for move in fitted.moves))
 
 

@@ -10,13 +10,14 @@ from typing import cast
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.verification.mold import palmar_error_mm, palmar_error_share
 from fingertip.cad.verification.skin import MAX_REST_N
-from fingertip.cad.verification.strength import BoneStrength, assess_strength, list_load_points
+from fingertip.cad.verification.strength import BoneStrength, assess_strength, find_lighter_loads, list_load_points
 from fingertip.design import Design
-from fingertip.design.fit import Fit, Holds, fit_design
+from fingertip.design.fit import LEAST_LOADS, Fit, Holds, Move, fit_design
 from fingertip.design.formulas.stress_and_knock import PIN
 from fingertip.design.geometry import DesignTables
 from fingertip.design.interfaces import interface_of
 from fingertip.design.rules.ruleset import BrokenRule, Limit, Ruleset, find_violations
+from fingertip.foundation.errors import DesignError
 from fingertip.pad.layer import find_rest_n
 from fingertip.pad.pad_geometry import PadForm
 
@@ -38,11 +39,31 @@ def fit_finger(
     given: Collection[str] = (),
     before: DesignTables | None = None,
     progress: Callable[[float], None] = lambda share: None,
-    guessed: Collection[str] = (),
+    provisional: Collection[str] = (),
 ) -> Fit:
-    """Fit a design as `fit_design` does, until its bone also holds the loads that it states. Raises DesignError."""
+    """Fit a design as `fit_design` does, until its bone also holds the loads that it states. Raises DesignError.
+
+    Guessed sizes of the hand that are `provisional` move too, and such loads become those that the bone holds.
+    """
+    light = {load: least for load, least in LEAST_LOADS.items() if load in provisional and load not in given}
+    guessed = [name for name in provisional if name not in LEAST_LOADS]
     holds = Holds((*_SKIN, *_JOINT), judge, _STRONGER)
-    return fit_design(tables, given, before, holds=holds, progress=progress, guessed=guessed)
+    fit = functools.partial(fit_design, given=given, before=before, holds=holds, progress=progress, guessed=guessed)
+    try:
+        fitted = fit(tables)
+    except DesignError:
+        if not light:
+            raise
+        fitted = fit(tables.with_values(light))
+    lighter = lower_loads(fitted.tables.with_values({load: tables.value(load) for load in light}), light)
+    return Fit(lighter.tables, (*fitted.moves, *lighter.moves))
+
+
+def lower_loads(tables: DesignTables, loads: Collection[str]) -> Fit:
+    """Lower some loads to what the bone holds. Raises GeometryError."""
+    held = find_lighter_loads(cast(Design, tables)) if loads else {}
+    moves = [Move(load, tables.value(load), held[load], "the bone holds no more") for load in loads if load in held]
+    return Fit(tables.with_values({move.name: move.after for move in moves}), tuple(moves))
 
 
 def judge(design: DesignTables) -> tuple[BrokenRule, ...]:

@@ -139,7 +139,10 @@ def test_a_file_that_cannot_be_used_is_refused_with_the_reason(tmp_path: Path, r
 
 def test_an_adapter_off_its_place_is_refused_with_the_one_that_passes(tmp_path: Path) -> None:
     path = write_stl(tmp_path / "bar.stl")
-    for y_mm, reason in ((2.0, "a gap of 1 mm between adapter and base; at least 3 mm."), (22.0, "beside it; ")):
+    for y_mm, reason in (
+        (2.0, "a gap of 1 mm between adapter and base; at least 3 mm."),
+        (22.0, "beside it or wholly within it; 3 mm."),
+    ):
         with pytest.raises(DesignError, match=reason):
             load(path, adapter_y_mm=y_mm)
     with pytest.raises(DesignError, match="touches 0% of the end of the base"):

@@ -19,7 +19,8 @@ FIT = "--fit"
 
 def read_remedy(issue: Issue) -> dict[str, str]:
     """Values that a message asks for, by field, or the option --fit; its alternatives ("or ...") are left out."""
-    remedy = issue.message.rpartition("; ")[2].partition(", or ")[0]
+    _, mark, remedy = issue.message.rpartition("; ")
+    remedy = remedy.partition(", or ")[0] if mark else ""
     if FIT in remedy:
         return {FIT: ""}
     values = dict(_ASSIGNMENT.findall(remedy))

@@ -41,6 +41,8 @@ from fingertip.foundation.errors import Issue, join_words
 _MAX_CHANGED = 3
 """Maximum number of parameters that differ from a design before and are taken for its changes, if nobody names these.
 More of them are a design of its own, in which none stands out."""
+_FILE = "bone.adapter_file"
+"""Parameter whose rules say themselves what to do: no other value mends a file."""
 
 
 def find_remedies(
@@ -62,7 +64,10 @@ def find_remedies(
     before = before or DesignTables()
     differing = [name for name in PARAMETERS if tables.value(name) != before.value(name)]
     changed = tuple(filter(PARAMETERS.__contains__, changed or (differing if len(differing) <= _MAX_CHANGED else ())))
-    issues = list[Issue]()
+    of_file = [one for one in broken if one.rule.field == _FILE and not any(map(is_number, one.own_reads & {*changed}))]
+    issues = [Issue(_FILE, f"{one.violation.problem}.") for one in of_file]
+    if of_file:
+        broken, invalid = [one for one in broken if one not in of_file], invalid | {_FILE}
     for of_parts in (True, False):  # printed parts and electronics read no table of each other
         if own := tuple(one for one in broken if (one.rule not in ELECTRONIC_RULES) is of_parts):
             checked = cheapest_first(rule for rule in rules if (rule not in ELECTRONIC_RULES) is of_parts)
@@ -100,12 +105,10 @@ def _describe(refusal: Refusal, values: Values, fitted: Sequence[str]) -> Iterat
                 remedies[0] += join_assignments(rest)
             remedies += _list_alternatives(refusal, values)
             remedies += [f"add --fit, which moves {join_words(fitted)}"] if fitted else []
-        elif not remedies:
-            part = {other: values[other] for other in values if other in refusal.reads(name)} or values
-            remedies = [
-                f"{join_assignments(part) if part else '--fit'} also {'fix' if len(part) > 1 else 'fixes'} this"
-            ]
-        yield Issue(name, f"{problem}; {', or '.join(remedies)}.")
+        elif name == names[-1] and not remedies:
+            fixes = f"{join_assignments(values) if values else '--fit'} {'fix' if len(values) > 1 else 'fixes'}"
+            remedies = [f"{fixes} {'all of ' * (len(blamed) > 1)}this"]
+        yield Issue(name, f"{problem}{'; ' * bool(remedies)}{', or '.join(remedies)}.")
 
 
 def _format_bound(refusal: Refusal, name: str, values: Values) -> str:

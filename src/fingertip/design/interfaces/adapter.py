@@ -120,10 +120,10 @@ def _rule_along(axis: str) -> Rule:
         past_mm, beside_mm, *_ = _measure(design)
         if past_mm >= -_TOUCH_MM and not beside_mm:
             return None
-        at, up = design.value(f"bone.adapter_{axis}_mm"), design.bone.adapter_axis[0] != "-"
-        moves = (beside_mm - _BESIDE_MM / 2 if beside_mm else -math.inf, past_mm)
-        low, high = sorted(at + move if up else at - move for move in moves)
-        beside = f"lets the adapter reach {beside_mm:.4g} mm past the end of the base, beside it"
+        at, up = design.value(f"bone.adapter_{axis}_mm"), -1.0 if design.bone.adapter_axis[0] == "-" else 1.0
+        face = math.floor(100.0 * (up * at + past_mm + _TOUCH_MM / 2)) / 100.0
+        low, high = sorted((up * face, up * min(face, round(up * at + beside_mm, 2)) if beside_mm else -up * math.inf))
+        beside = f"lets the adapter reach {beside_mm:.4g} mm past the end of the base, beside it or wholly within it"
         gap = f"leaves a gap of {-past_mm:.4g} mm between adapter and base"
         return Violation(f"{at:g} mm {beside if beside_mm else gap}", ((low, high),))
 
@@ -143,7 +143,8 @@ def adapter_touches_base(design: DesignTables) -> Violation | None:
 def _measure(design: DesignTables) -> tuple[float, float, CrossSection, float]:
     """Measure how far an adapter reaches past its datum plane [mm], negative with a gap, and how far beside the base.
 
-    Also returns the section in which both touch, and its share of the end of the base.
+    One of which nothing is left outside the base counts as beside it. Also returns the section in which both touch,
+    and its share of the end of the base.
     """
     from manifold3d import CrossSection, Manifold, Mesh64  # noqa: PLC0415
 
@@ -154,7 +155,8 @@ def _measure(design: DesignTables) -> tuple[float, float, CrossSection, float]:
     outline = CrossSection([[*right, *((-x, y) for x, y in reversed(right[:-1]))]])
     solid = Manifold(Mesh64(placed.move(), placed.body.triangles.astype("uint64")))
     room = outline.offset(_BESIDE_MM).extrude(-design.bone.collar_length_mm - end).translate((0.0, 0.0, end))
-    beside = solid.trim_by_plane((0.0, 0.0, 1.0), end + _BESIDE_MM) - room
+    beside = solid.trim_by_plane((0.0, 0.0, 1.0), end + _BESIDE_MM)
+    beside = beside - room if solid.bounding_box()[2] < end - _BESIDE_MM else beside  # something must stay outside
     beside_mm = beside.bounding_box()[5] - end if beside.volume() > 0.0 else 0.0
     touch = solid.slice(end - _BESIDE_MM / 2) ^ outline
     return solid.bounding_box()[5] - end, beside_mm, touch, touch.area() / outline.area()

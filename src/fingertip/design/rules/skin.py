@@ -164,7 +164,7 @@ def flat_edges_within_skin(design: DesignTables) -> Violation | None:
         return None
     return Violation(
         f"{design.bone.palmar_fullness:g} brings the edges of the bone's flat to {max(0.0, thickness):.2f} mm from "
-        f"the skin's surface (measured sideways); at least {_EDGE_THICKNESS:g} mm are required",
+        f"the skin's surface (measured sideways), less than {_EDGE_THICKNESS:g} mm",
         lack=_EDGE_THICKNESS - thickness,
     )
 

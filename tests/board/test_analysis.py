@@ -17,6 +17,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fingertip.board import board_circuit, board_values
+from fingertip.board.analysis.loads import _find_margin_deg
 from fingertip.board.analysis.report import analyse, bode_table
 from fingertip.board.analysis.response import RECTIFYING_DIODE, FilterModel, decibel, model_filter, target_response
 from fingertip.board.analysis.tolerance import (
@@ -460,3 +461,13 @@ def test_stage_fed_by_two_nets_is_refused() -> None:
     network = build_network(load("article")[1])
     with pytest.raises(ValueError, match="is fed by REFERENCE, SENSOR, not by one net"):
         find_stages(network, "VCC", "TACTILE")
+
+
+def test_phase_margins_of_loops_with_one_and_two_poles_are_those_of_the_textbook() -> None:
+    f, one_pole = np.geomspace(1.0, 1e4, 401), 1e3 / (1j * np.geomspace(1.0, 1e4, 401))
+    assert _find_margin_deg(one_pole) == pytest.approx(90.0)
+    crossing = math.sqrt((math.sqrt(5.0) - 1.0) / 2.0)  # of 1 / (x sqrt(1 + x^2)) = 1
+    margin_deg = 90.0 - math.degrees(math.atan(crossing))
+    assert _find_margin_deg(one_pole / (1 + 1j * f / 1e3)) == pytest.approx(margin_deg, abs=0.01)
+    assert _find_margin_deg(9.99 * one_pole) == pytest.approx(90.0), "it falls through 1 between the last two points"
+    assert (_find_margin_deg(10.1 * one_pole), _find_margin_deg(1e-4 * one_pole)) == (-math.inf, math.inf)

@@ -44,6 +44,13 @@ def test_search_begins_at_any_positive_number(smallest):
     assert 0.5 <= found <= 10.0
 
 
+def test_a_value_that_was_found_is_rounded_only_to_one_that_passes(monkeypatch):
+    low, high = 10.1234561, 10.1234569
+    monkeypatch.setattr(Search, "passes", lambda _, tables: low <= tables.force_curve.max_force_n <= high)
+    found = Search((), ()).refine(DesignTables(name="own"), "force_curve.max_force_n", 10.0, high)
+    assert low <= found <= high
+
+
 def check_remedies(changes: Sequence[str], name: str = "fsr400") -> tuple[Issue, ...]:
     """Type in the remedies of a refusal, all together, and each alternative; the design must then pass."""
     issues = refuse(changes, name)

@@ -170,6 +170,7 @@ def test_page_needs_the_token_and_the_host(server: StudioServer) -> None:
     assert page.status == 200
     assert server.token in page.data.decode()
     assert server.socket.getsockname()[0] == "127.0.0.1", "it listens on this machine alone"
+    assert server.socket.getsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR), "a server that ended leaves its port"
     assert page.headers["Cache-Control"] == "no-store"
     assert "frame-ancestors 'none'" in page.headers["Content-Security-Policy"]
     assert ask(server, "GET", path, Host=server.hosts[1]).status == 200

@@ -18,7 +18,7 @@ from fingertip.sim import ManipulationFile, article_manipulations, run_manipulat
 from fingertip.sim.contact.friction import LOAD_SCALE_N, Friction
 from fingertip.sim.contact.tangential import Mount
 from fingertip.sim.runs.files import Hand
-from fingertip.sim.runs.grasp_loop import Grasp, HeldObject, Pin
+from fingertip.sim.runs.grasp_loop import Grasp, HeldObject, Pin, refine
 from fingertip.sim.runs.motion import Motors, delay_commands, plan_motion
 from fingertip.sim.runs.stepper import HandSignals, ManipulationStepper
 from fingertip.sim.signal.converter import compute_bridge_v
@@ -96,6 +96,15 @@ def move_object(seconds: float, step_s: float, loads, mass=0.1, weight=0.98, pin
     load_n = np.repeat(np.array(loads)[:, None], length + 1, axis=1)
     found = Grasp(held, step_s, 1).advance(load_n, weights, pin_m, pin_m_s)
     return time[1:], found.object_m, found.position_m, found.over_object_m_s, found.pin_n
+
+
+@pytest.mark.parametrize("parts", [1, 4])
+def test_loads_within_a_step_are_on_a_straight_line_that_ends_at_the_next_point(parts):
+    loads = np.random.default_rng(1).normal(size=(2, 5))
+    fine = refine(loads, parts)
+    times = np.arange(4 * parts + 1) / parts
+    assert fine == pytest.approx(np.array([np.interp(times, np.arange(5), row) for row in loads]))
+    assert np.array_equal(fine[:, ::parts], loads)
 
 
 def test_released_object_falls():

@@ -18,7 +18,7 @@ from fingertip.design.hand_sizes import SIZES, complete_hand, list_hands
 from fingertip.design.new_design import write_new_design
 from fingertip.design.parameters.parts import Hand
 from fingertip.documents.finger import draw_hand_sizes, list_steps
-from fingertip.foundation.errors import DesignError
+from fingertip.foundation.errors import DesignError, join_words
 from tests.conftest import ROOT, run_fingertip
 
 BASE = Design.load("adult_finger")
@@ -62,7 +62,7 @@ def test_what_is_guessed_is_marked_and_told_and_what_cannot_be_is_asked_for(tmp_
     design.write_text(made.text)
     design.write_text(to_toml(Design.load(design)))  # as a build copies it
     assert draw_hand_sizes(loaded := Design.load(design)).count(b"guessed: measure it") == len(made.guessed)
-    assert f" print: {', '.join(made.guessed)} are" in list_steps(casting_sheet(loaded, MeshEvaluator(0.2)))[0].text
+    assert f" print: {join_words(made.guessed)} are" in list_steps(casting_sheet(loaded, MeshEvaluator(0.2)))[0].text
     told = run_fingertip("params", str(design), "--set", "hand.axis_height_mm=5.6").stderr
     assert set(re.findall(r"hand\.\w+", told)) == set(made.guessed) - {"hand.axis_height_mm"}
     with pytest.raises(DesignError, match="hand: lacks knuckle and pin_diameter_mm; `fingertip new --help`"):

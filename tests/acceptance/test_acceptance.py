@@ -18,6 +18,7 @@ from fingertip.documents.acceptance import (
     expect_readings,
     render_acceptance,
 )
+from fingertip.documents.board.divider import list_readings
 from tests.conftest import ROOT, design_file, run_fingertip
 
 NAMES = ("fsr400", "fsr402", *PRESETS)
@@ -66,6 +67,14 @@ def test_calibration_narrows_the_limits_in_its_range() -> None:
     assert light.limits_v == calibrated[0].limits_v
     width_v = heavy.limits_v[1] - heavy.limits_v[0]
     assert width_v > 2 * (calibrated[1].limits_v[1] - calibrated[1].limits_v[0]), "500 g lie beyond the calibration"
+
+
+def test_a_sensor_without_a_curve_has_no_voltages_until_it_is_calibrated() -> None:
+    for changes in (["sensor.model=custom"], ["sensor.model=custom", "board.variant=divider"]):
+        unknown, known = load("fsr400", *changes), load("fsr400", *changes, *CALIBRATED)
+        pages = [render_acceptance(acceptance_sheet(design)) for design in (unknown, known)]
+        assert [(page.count("expected:"), "fingertip calibrate" in page) for page in pages] == [(0, True), (2, False)]
+        assert [len(list_readings(design)) for design in (unknown, known)] == [1, 3]
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -179,7 +179,7 @@ def test_the_command_writes_a_design_that_the_printed_changes_give_too(tmp_path:
     assert data["fit"]["weighings"] == 6
     low, high = data["curve"][2]["interval_95_n"]
     assert low < data["curve"][2]["force_n"] < high
-    assert calibrated.force_curve.describe() in done.stdout
+    assert calibrated.force_curve.describe(calibrated.sensor.model) in done.stdout
     table = [line for line in done.stdout.splitlines() if " ohm " in line]
     assert table
     assert not [line for line in table if "e+" in line]
@@ -192,7 +192,7 @@ def test_forces_say_what_they_assume(tmp_path: Path) -> None:
     typical = (
         "forces hold for a typical sensor; the readings of real ones differ by a factor of 2 to 8 at the same force"
     )
-    assert DESIGN.force_curve.describe().startswith(typical)
+    assert DESIGN.force_curve.describe(DESIGN.sensor.model).startswith(typical)
     assert typical in run("board", "article", "--out", tmp_path / "b").stdout
     assert typical in run("simulate", "article", "--out", tmp_path / "t.csv").stderr
     changes = ("force_curve.curve=calibrated", "force_curve.interval_factor=1.4", "force_curve.conductance_us=60")

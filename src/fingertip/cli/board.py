@@ -151,7 +151,7 @@ def _write_divider(console: Console, design: Design, options: _Options) -> None:
     from fingertip.documents.board.divider import describe_readings, list_readings
 
     folder, written = _write(console, design, options)
-    console.warn(find_range_warnings(design))
+    console.warn([*find_range_warnings(design), *design.force_curve.find_doubt(design.sensor.model)])
     first = f"{design.name}, divider of {design.board.divider_ohm:g} ohm on one analog input; files in {folder}"
     readings = list_readings(design)
     console.result(written | {"readings": readings}, "\n  ".join([first, *describe_readings(readings)]))

@@ -148,7 +148,7 @@ def _format_sensor(calibration: SensorCalibration, calibrated: Design) -> list[s
         interval = f"{point.low_n:.2f} to {point.high_n:.2f} N"
         resistance = f"{ohm:.0f}" if ohm >= 1000.0 else f"{ohm:.4g}"
         lines.append(f"{point.force_n:6.2f} N {resistance:>8} ohm {point.voltage_v:14.3f} V   {interval}")
-    lines.append(calibrated.force_curve.describe())
+    lines.append(calibrated.force_curve.describe(calibrated.sensor.model))
     return [*lines, " ".join(f"--set {path}={value}" for path, value in calibration.changes.items())]
 
 

@@ -102,6 +102,7 @@ def _check_designs(
     work = Work("checking", dict.fromkeys(designs, 1.0), console.progress)
     for label, design in designs.items():
         work.begin(label)
+        console.warn(f"{label}: {doubt}" for doubt in design.force_curve.find_doubt(design.sensor.model))
         checks_by_design[label] = check(design, tolerance_mm=tolerance_mm).checks
     if junit is not None:
         from fingertip.foundation.files import write_file

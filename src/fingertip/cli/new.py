@@ -218,8 +218,12 @@ def _describe(path: Path, made: NewDesign) -> tuple[dict[str, Any], list[str]]:
         "design": path.as_posix(), "name": design.name, "sensor": design.sensor.model, "base": made.base,
         "guessed": list(made.guessed),
     }  # fmt: skip
-    to_axis_mm = design.skin.length_mm + design.bone.base_length_mm
-    return data, [f"{to_axis_mm:.1f} mm from the tip to the axis of the joint"] if design.dimensions.joint else []
+    lines = [f"note: {doubt}" for doubt in design.force_curve.find_doubt(design.sensor.model)]
+    if design.dimensions.joint:
+        short, axis_mm = design.dimensions.sensor.short, design.skin.length_mm + design.bone.base_length_mm
+        shorter = f"; {short} allows less" if short else ""
+        lines.append(f"{axis_mm:.1f} mm from the tip to the axis of the joint{shorter}")
+    return data, lines
 
 
 def _check(design: Design, data: dict[str, Any], progress: Callable[[str], None]) -> tuple[list[Check], list[str]]:

@@ -107,7 +107,7 @@ def _write(
             console.progress(f"removed what was made from earlier traces or another design: {', '.join(removed)}")
     console.warn(summary.find_warnings(record))
     if simulation.scene.sensing.bridge == "board":
-        console.progress(simulation.design.force_curve.describe())
+        console.progress(simulation.design.force_curve.describe(simulation.design.sensor.model))
     if plot is not None and picture is not None:
         write_file(plot, picture, "--plot")
     written = {"trace": path.as_posix()} | ({"plot": plot.as_posix()} if plot else {})

@@ -148,7 +148,7 @@ def _find(
             search = _Search(tables, free, holds, {broken.rule.field for broken in found})
             values = search.find_passing(values, progress, checks)
             if values is None or (values := search.strengthen(search.move_back(values))) is None:
-                weak = found
+                weak = [broken for broken in found if broken.rule.field not in free] or found
                 if (_WISHES.keys() - {*given}) & {broken.rule.field for broken in found}:
                     continue
                 break

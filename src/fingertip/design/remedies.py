@@ -138,7 +138,10 @@ def _return_towards_before(refusal: Refusal) -> Values:
 
 
 def approach(refusal: Refusal, values: Values, fit: FitFunction) -> Values:
-    """Move the changed number that resolves all back towards its wished value, as far as a fit follows."""
+    """Take a choice that a rule names, or move a changed number that resolves all back, as far as a fit follows."""
+    for name, value in (pair for one in refusal.broken for pair in one.violation.alternatives.items()):
+        if not is_number(name) and fit(refusal.tables.with_values({name: value}), refusal.changed) is not None:
+            return {name: value}
     (name, *more) = values
     if more or name not in refusal.changed or not is_number(name):
         return values

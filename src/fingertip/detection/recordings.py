@@ -274,7 +274,7 @@ def simulate_board(trace: Trace, design: Design, columns: ColumnMap, name: str, 
     voltage_v, circuits = trace.voltage_v, "the design's board"
     if not columns.in_volts:
         voltage_v, circuits = compute_bridge_v(design, voltage_v), "the design's bridge and board"
-        progress(design.force_curve.describe())
+        progress(design.force_curve.describe(design.sensor.model))
     missing, voltage = columns.name_in_file("envelope_v"), columns.name_in_file("voltage_v")
     progress(f"{name} has no column {missing}: simulating {circuits} for the column {voltage}")
     envelope_v = SimulatedBoardDetector(design).simulate_envelope_v(voltage_v)

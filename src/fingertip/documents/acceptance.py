@@ -86,7 +86,7 @@ class Idle:
 @dataclass(frozen=True)
 class WeightLimits:
     mass_g: float
-    tactile_v: float
+    tactile_v: float | None
     limits_v: tuple[float, ...]
 
 
@@ -102,16 +102,21 @@ class AcceptanceSheet:
     rises: bool
     """True if a force raises the voltage."""
     weights: tuple[WeightLimits, ...]
+    doubt: list[str]
+    """Why the voltages under the weights are not known."""
 
 
 def acceptance_sheet(design: Design) -> AcceptanceSheet:
+    doubt = design.force_curve.find_doubt(design.sensor.model)
     weights = (
-        WeightLimits(each.mass_g, round(each.tactile_v, 2), tuple(round(limit, 2) for limit in each.limits_v))
+        WeightLimits(each.mass_g, None, ()) if doubt
+        else WeightLimits(each.mass_g, round(each.tactile_v, 2), tuple(round(limit, 2) for limit in each.limits_v))
         for each in expect_readings(design)
-    )
+    )  # fmt: skip
     return AcceptanceSheet(
         design.name, design.board.variant, _HOLDERS.get(design.bone.interface, "hand"),
         Idle(round(expect_open_v(design), 2), IDLE_TOLERANCE_V), Bridge.of_board(design).response.rises, tuple(weights),
+        doubt,
     )  # fmt: skip
 
 

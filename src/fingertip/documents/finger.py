@@ -105,4 +105,4 @@ def render_start(screen: FirstScreen) -> str:
 
 def render_basis_table(design: Design) -> str:
     """Render where each kind of figure of a page comes from, as a table."""
-    return render_page("basis.md", printer=design.printer, curve=design.force_curve)
+    return render_page("basis.md", printer=design.printer, curve=design.force_curve, model=design.sensor.model)

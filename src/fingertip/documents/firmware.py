@@ -72,7 +72,7 @@ def _describe_forces(design: Design, fingers: Fingers) -> dict[str, list[str]]:
     """Describe how far the forces of the fingers can be trusted; fingers of which the same is true stand together."""
     names: dict[str, list[str]] = {}
     for name, finger in zip(fingers.names, fingers.designs or (design,) * fingers.count, strict=True):
-        names.setdefault(finger.force_curve.describe(), []).append(name)
+        names.setdefault(finger.force_curve.describe(finger.sensor.model), []).append(name)
     return names
 
 

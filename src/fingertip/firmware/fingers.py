@@ -166,17 +166,17 @@ def _explain_controller(design: Design, name: str, fingers: int) -> str:
         load = find_load(board, rate_hz)
         at_rest_ms, slip_ms = (cycles / (1e3 * board.clock_mhz) for cycles in (load.at_rest, load.mean))
         reason = (
-            f"{board.name}: a sample takes at least {at_rest_ms:.1f} ms at {board.clock_mhz:g} MHz without floats, "
-            f"{slip_ms:.1f} ms in slip, and the next one comes after {1e3 / rate_hz:g} ms"
+            f"{quote_value(name)} is too slow: a sample takes at least {at_rest_ms:.1f} ms at {board.clock_mhz:g} MHz "
+            f"without floats, {slip_ms:.1f} ms in slip, and the next one comes after {1e3 / rate_hz:g} ms; give"
         )
     elif board.timer == "in the sketch":
         reason = (
-            f"{board.name} converts {board.converter}, and a board gives up to {design.board.supply_v:g} V; it reads a "
-            "divider with --set board.variant=divider"
+            f"{board.name} converts {board.converter}, and a board gives up to {design.board.supply_v:g} V; give "
+            "--set board.variant=divider, which it reads, or"
         )
     else:
-        reason = f"{board.name} has no timer in the sketch of a divider"
-    return f"{reason}; give --controller {_find_carrier(design, fingers)}."
+        reason = f"{board.name} has no timer in the sketch of a divider; give"
+    return f"{reason} --controller {_find_carrier(design, fingers)}."
 
 
 def _find_carrier(design: Design, fingers: int) -> str:

@@ -242,7 +242,7 @@ def lamp_sketch(design: Design, fingers: Fingers) -> dict[str, bytes]:
     """Sketch for dividers, whose head says what to wire and how far its forces can be trusted, and its header."""
     board = fingers.controller
     bits, *_, range_v, _ = (board.converter if board and board.key == GENERIC else "12 bits, 0 to 3.3 V").split()
-    reliability = dict.fromkeys(finger.force_curve.describe() for finger in fingers.designs or (design,))
+    reliability = dict.fromkeys(one.force_curve.describe(one.sensor.model) for one in fingers.designs or (design,))
     values = {
         "supply": f"{design.board.supply_v:g}", "resistor": f"{design.board.divider_ohm / 1000:g} kohm",
         "forces": "\n// ".join(textwrap.wrap("; ".join(f"F{text[1:]}." for text in reliability), _WIDTH - 3)),

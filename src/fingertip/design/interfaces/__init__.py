@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from fingertip.catalogues.electronics import SENSORS
 from fingertip.design.geometry import DesignTables
 from fingertip.design.interfaces.adapter import Adapter
 from fingertip.design.interfaces.clevis import Clevis
@@ -40,9 +41,10 @@ def base_holds_everything(design: DesignTables) -> Violation | None:
     what = f"the hole of the wires, a wall and the {bone.interface}" if within else "the hole of the wires and a wall"
     short = dims.sensor.short
     is_shorter = dims.joint is not None and short  # no joint carries the load of so long a base
+    other = f", the {SENSORS[short].label} {SENSORS[short].length_mm:g} mm" if is_shorter else ""
     return Violation(
         f"{bone.base_length_mm:g} mm does not hold {what} (the {dims.sensor.label} is "
-        f"{dims.sensor.length_mm:g} mm long)",
+        f"{dims.sensor.length_mm:g} mm long{other})",
         () if is_shorter else at_least(minimum),
         alternatives={"sensor.model": short} if is_shorter else {},
     )

@@ -170,13 +170,21 @@ class ForceCurve(ParameterTable):
         "Factor within which a force read off the curve lies with 95 % probability, between these two forces.",
     )  # fmt: skip
 
-    def describe(self) -> str:
-        """Describe in a sentence how far forces can be trusted, for wherever a force is shown."""
+    def find_doubt(self, model: str) -> list[str]:
+        """Find why no voltage under a weight is known, in a sentence; nothing for a sensor that has the curve."""
+        if self.curve == "calibrated" or (model in SENSORS and SENSORS[model].maker == "Interlink"):
+            return []
+        return ["forces hold for Interlink's sensors; calibrate this one first: fingertip calibrate sensor"]
+
+    def describe(self, model: str) -> str:
+        """Describe in a sentence how far forces can be trusted for a sensor, for wherever a force is shown."""
         if self.curve == "calibrated":
             return (
                 f"forces hold for the calibrated sensor, within a factor of {self.interval_factor:.3g} (95 %) between "
                 f"{self.min_force_n:g} and {self.max_force_n:g} N"
             )
+        if doubt := self.find_doubt(model):
+            return doubt[0]
         usual, bad = PART_TO_PART
         return (
             f"forces hold for a typical sensor; the readings of real ones differ by a factor of {usual:g} to {bad:g} "

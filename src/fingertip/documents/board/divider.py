@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 from typing import Any
 
 from fingertip.board.circuits.board_circuit import divider_circuit
@@ -13,19 +12,19 @@ from fingertip.board.circuits.spice import divider_deck
 from fingertip.board.components.front_end import MAX_CURRENT_A_PER_CM2, MAX_FORCE_N, sensor_conductance_s
 from fingertip.board.fabrication.bom import COLUMNS, list_bom
 from fingertip.board.kicad.netlist import kicad_netlist_file
-from fingertip.catalogues.electronics import PART_TO_PART
 from fingertip.catalogues.output_files import BOM, DECK, NETLIST, README, VALUES, WIRING
 from fingertip.design import Design
 from fingertip.design.formulas.filter import find_preferred_neighbours
-from fingertip.documents.acceptance import IDLE_TOLERANCE_V, WEIGHTS_G, expect_open_v, expect_readings
+from fingertip.documents.acceptance import IDLE_TOLERANCE_V, WeightReading, expect_open_v, expect_readings
 from fingertip.documents.template import WIDTH, render, render_page
 from fingertip.foundation.files import format_csv
 
 
 def list_readings(design: Design) -> list[dict[str, Any]]:
-    """List voltage, limits and counts of the pin: untouched, and under each weight, as a good sensor gives them."""
+    """List voltage, limits and counts of the pin: untouched, and under each weight whose voltage is known."""
     idle_v, weights = expect_open_v(design), expect_readings(design)
-    idle = replace(weights[0], mass_g=0.0, tactile_v=idle_v, limits_v=(idle_v, idle_v + IDLE_TOLERANCE_V))
+    weights = () if design.force_curve.find_doubt(design.sensor.model) else weights
+    idle = WeightReading(0.0, math.inf, idle_v, (idle_v, idle_v + IDLE_TOLERANCE_V))
     return [
         {
             "mass_g": one.mass_g,
@@ -38,9 +37,8 @@ def list_readings(design: Design) -> list[dict[str, Any]]:
 
 
 def describe_readings(readings: Iterable[Mapping[str, Any]]) -> list[str]:
-    texts = ["untouched", *(f"pressed by {mass_g:g} g" for mass_g in WEIGHTS_G)]
     form = "{}: {tactile_v:.2f} V ({limits_v[0]:.2f} to {limits_v[1]:.2f}), {counts} counts"
-    return [form.format(text, **one) for text, one in zip(texts, readings, strict=True)]
+    return [form.format(f"pressed by {one['mass_g']:g} g" if one["mass_g"] else "untouched", **one) for one in readings]
 
 
 def divider_files(design: Design) -> dict[str, bytes]:
@@ -51,7 +49,7 @@ def divider_files(design: Design) -> dict[str, bytes]:
     values = {"parameters": parameters, "readings": readings, "current_over_limit": round(current, 3)}
     readme = render_page(
         "board/divider.md", WIDTH, design=design, readings=describe_readings(readings), current=current,
-        part_to_part=PART_TO_PART, safe_ohm=find_preferred_neighbours(design.board.divider_ohm * current, "E24")[1],
+        safe_ohm=find_preferred_neighbours(design.board.divider_ohm * current, "E24")[1],
     )  # fmt: skip
     return {
         # The wiring picture stands for a schematic.

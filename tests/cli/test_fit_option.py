@@ -41,6 +41,14 @@ def test_what_moved_is_listed_and_passes_when_it_is_typed(tmp_path: Path) -> Non
     ]
 
 
+def test_a_failed_check_offers_the_fit_that_mends_it() -> None:
+    words = ("check", "adult_finger", "--set", "skin.bump_radius_mm=3")
+    refused = run_fingertip(*words).stdout
+    assert "pad.rest_force: change" in refused
+    assert refused.endswith("  or add --fit, which moves skin.bump_height_mm\n")
+    assert "all 110 checks passed" in run_fingertip(*words, "--fit").stdout
+
+
 def test_a_design_that_passes_stays_and_a_design_file_on_stdout_can_be_read() -> None:
     done = run_fingertip("params", "adult_finger", "--fit", "--toml", "--quiet")
     assert Design(**tomllib.loads(done.stdout)) == Design.load("adult_finger")

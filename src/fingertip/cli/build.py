@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from fingertip.cli.check import format_failures
+from fingertip.cli.check import format_failures, offer_fit
 from fingertip.cli.console import Console
 from fingertip.cli.options import CHANGES, DESIGN_FILE, FORCE, MATERIAL, command, flag, load_design, load_fingers
 from fingertip.foundation.errors import FingertipError, Issue, join_words
@@ -53,8 +53,8 @@ def build(
         progress=console.progress,
     )
     data = json.loads(result.contents[REPORT]) | {"folder": str(result.folder), "removed": list(result.removed)}
-    lines = _format_build(result)
-    lines += _list_remarks(result, _MAX_LINES - len(lines) - 1)
+    lines, offer = _format_build(result), offer_fit(loaded, result.checks, changes or (), console)
+    lines += [*_list_remarks(result, _MAX_LINES - len(lines) - len(offer) - 1), *offer]
     if result.casting:
         lines.append(f"next: {result.folder / SHEET} says what to print, and how to cast the skin")
     console.result(data, "\n".join(lines), result.passed)
@@ -147,6 +147,7 @@ def make(
         f"next: print {printed}; follow {join_words(sheets, 'and')}",
     ]
     lines = _format_build(made.parts)
+    last[:0] = offer_fit(loaded, made.parts.checks, changes or (), console)
     lines += [*_list_remarks(made.parts, _MAX_LINES - len(lines) - len(last)), *last]
     console.result(data, "\n".join(lines), made.parts.passed)
 

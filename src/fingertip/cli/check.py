@@ -11,6 +11,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 import typer
 
+from fingertip.catalogues.electronics import split_finger
 from fingertip.cli.console import Console, align_columns
 from fingertip.cli.options import (
     CHANGES,
@@ -23,7 +24,7 @@ from fingertip.cli.options import (
     load_fingers,
     refuse,
 )
-from fingertip.foundation.errors import DesignError, Issue, gather
+from fingertip.foundation.errors import DesignError, Issue, gather, join_words
 from fingertip.foundation.progress import Work
 
 if TYPE_CHECKING:
@@ -66,7 +67,7 @@ def check(
     texts: list[str] = []
     if files:
         loaded = _load(files, changes or (), console)
-        data, texts = _check_designs(loaded, tolerance_mm, junit, console, verbose, margins)
+        data, texts = _check_designs(loaded, tolerance_mm, junit, console, verbose, margins, changes or ())
     if folders:
         data["folders"], folder_texts = _check_folders(folders)
         texts += folder_texts
@@ -95,6 +96,7 @@ def _check_designs(
     console: Console,
     verbose: bool,
     margins: bool,
+    changes: Sequence[str],
 ) -> tuple[dict[str, Any], list[str]]:
     from fingertip.cad.verification.verify import check
 
@@ -113,7 +115,10 @@ def _check_designs(
         for label, checks in checks_by_design.items()
     ]
     data = {"passed": all(one["passed"] for one in found), "tolerance_mm": tolerance_mm, "designs": found}
-    texts = [_format_table(label, checks, verbose) for label, checks in checks_by_design.items()]
+    texts = [
+        "\n".join([_format_table(label, checks, verbose), *offer_fit(designs[label], checks, changes, console)])
+        for label, checks in checks_by_design.items()
+    ]
     if margins:
         from fingertip.cad.verification.margins import list_margins
 
@@ -186,6 +191,16 @@ def describe_cause(check: Check) -> str:
     remedy = f"it passes with --set {check.remedy}; or " if check.remedy else ""
     cause = f"change {', '.join(check.change)}" if check.change else f"this is a bug in {check.source}"
     return f"  {check.name}: {remedy}{cause}"
+
+
+def offer_fit(design: Design, checks: Iterable[Check], changes: Iterable[str], console: Console) -> list[str]:
+    """Offer the fit for checks that failed, if it mends them all and was not asked for."""
+    from fingertip.cad.verification.fitting import find_mend
+
+    if console.fits or console.as_json or not any(check.change for check in checks if not check.passed):
+        return []
+    moved = find_mend(design, [split_finger(change.partition("=")[0].strip())[1] for change in changes])
+    return [f"  or add --fit, which moves {join_words(moved)}"] if moved else []
 
 
 _INVALID_IN_XML = re.compile(r"[^\t\n\r\x20-\uD7FF\uE000-\uFFFD\U00010000-\U0010FFFF]")

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from typing import cast
 
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.verification.mold import palmar_error_mm, palmar_error_share
 from fingertip.cad.verification.skin import MAX_REST_N
 from fingertip.cad.verification.strength import BoneStrength, assess_strength, find_lighter_loads, list_load_points
+from fingertip.cad.verification.verify import check
 from fingertip.design import Design
-from fingertip.design.fit import LEAST_LOADS, Fit, Holds, Move, fit_design
+from fingertip.design.fit import LEAST_LOADS, Fit, Holds, Move, find_fit, fit_design
 from fingertip.design.formulas.stress_and_knock import PIN
 from fingertip.design.geometry import DesignTables
 from fingertip.design.interfaces import interface_of
@@ -23,6 +24,8 @@ from fingertip.pad.pad_geometry import PadForm
 
 _TOLERANCE_MM = 0.01
 """Tolerance of the meshes that are cut, which is that of a build unless another is asked for."""
+_FEW = 200
+"""Number of single rules that are checked for an offer, so that it takes no longer than the checks."""
 _STRONGER = {
     "skin.semi_axis_dorsal_mm": 1.3,
     "skin.thickness_dorsal_mm": 0.5,
@@ -47,8 +50,7 @@ def fit_finger(
     """
     light = {load: least for load, least in LEAST_LOADS.items() if load in provisional and load not in given}
     guessed = [name for name in provisional if name not in LEAST_LOADS]
-    holds = Holds((*_SKIN, *_JOINT), judge, _STRONGER)
-    fit = functools.partial(fit_design, given=given, before=before, holds=holds, progress=progress, guessed=guessed)
+    fit = functools.partial(fit_design, given=given, before=before, holds=_HOLDS, progress=progress, guessed=guessed)
     try:
         fitted = fit(tables)
     except DesignError:
@@ -64,6 +66,13 @@ def lower_loads(tables: DesignTables, loads: Collection[str]) -> Fit:
     held = find_lighter_loads(cast(Design, tables)) if loads else {}
     moves = [Move(load, tables.value(load), held[load], "the bone holds no more") for load in loads if load in held]
     return Fit(tables.with_values({move.name: move.after for move in moves}), tuple(moves))
+
+
+def find_mend(design: Design, given: Collection[str]) -> Sequence[str]:
+    """Name what a fit moves of a design that fails checks, if it then passes all; nothing if that takes too long."""
+    fit = find_fit(design, given, holds=_HOLDS, checks=_FEW)
+    passes = fit and all(each.passed for each in check(Design.model_construct(None, **dict(fit.tables))).checks)
+    return [move.name for move in fit.moves] if fit and passes else []
 
 
 def judge(design: DesignTables) -> tuple[BrokenRule, ...]:
@@ -121,3 +130,6 @@ def bone_holds_the_knock(design: DesignTables) -> Limit:
     found, factor = _assess(design), design.strength.min_knock_factor
     where = f"{found.knock.weakest.place} at z = {found.knock.weakest.z_mm:.0f} mm"
     return Limit(found.held_speed_m_s, f"leaves the bone a safety factor below {factor:g} ({where})")
+
+
+_HOLDS = Holds((*_SKIN, *_JOINT), judge, _STRONGER)

@@ -16,10 +16,14 @@ from fingertip.foundation.validation import Comparison, Relation
 _TRIED: tuple[tuple[float, Relation], ...] = ((0.7, "at least"), (1.3, "at most"))
 """Shares of a value at which its rules are asked for their limits: what passes there too is not near."""
 
+_CHOSEN = 1e-4
+"""Margin below which a value stands at a limit of a rule because it was chosen there [%]."""
+
 
 def list_margins(design: Design, checks: Iterable[Check]) -> list[Comparison]:
     """List the checks and the rules of a design that compare a number with a limit, the nearest to it first."""
-    compared = (one for one in (*checks, *_list_limits(design)) if one.margin_percent < math.inf)
+    limits = (one for one in _list_limits(design) if abs(one.margin_percent) > _CHOSEN)
+    compared = (one for one in (*checks, *limits) if one.margin_percent < math.inf)
     return sorted(compared, key=lambda one: one.margin_percent)
 
 

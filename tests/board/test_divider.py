@@ -21,8 +21,8 @@ from fingertip.calibration.sensor import calibrate_sensor, read_weighings
 from fingertip.detection.live import detect_stream
 from fingertip.documents.acceptance import expect_readings
 from fingertip.documents.board.divider import compute_current_ratio, list_readings
-from fingertip.lab.campaign.plan import CampaignPlan, generate_trials
-from fingertip.lab.campaign.run import compare_grids, run_campaign
+from fingertip.lab.campaign.plan import CampaignPlan
+from fingertip.lab.campaign.run import run_campaign
 from fingertip.lab.divider import BOARD, DIVIDER, NOISY, compare_with_board
 from fingertip.lab.validation import validate
 from fingertip.sim import Trial, simulate
@@ -36,6 +36,7 @@ from tests.board.kicad import read_netlist
 from tests.board.ngspice import HOW_TO_INSTALL_NGSPICE
 from tests.conftest import run_fingertip
 from tests.tools import require_tool
+from tools.article.trials import compare_grids, generate_trials
 
 CHANGES = ["board.variant=divider"]
 DESIGN = Design.load("fsr400", changes=CHANGES)

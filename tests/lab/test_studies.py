@@ -11,14 +11,7 @@ import pytest
 from fingertip.design import Design
 from fingertip.foundation.jit import compiled
 from fingertip.lab.campaign.plan import NEGATIVE_SCENES, CampaignPlan, Case
-from fingertip.lab.campaign.run import (
-    COMPARED,
-    _find_shift_s,
-    compare_grids,
-    find_onset_s,
-    measure_vibration_n,
-    median_of_known,
-)
+from fingertip.lab.campaign.run import find_onset_s, measure_vibration_n, median_of_known
 from fingertip.sim import SceneFile, run_scene
 from fingertip.sim.runs.timeline import TrapezoidalMove
 from fingertip.sim.simulation import article_trials
@@ -52,6 +45,7 @@ from tools.article.sensitivity import (
 )
 from tools.article.steps import _pool_shifts, study_sampling_rates
 from tools.article.studies import DATA, study
+from tools.article.trials import COMPARED, _find_shift_s, compare_grids
 
 SLIDE = next(article_trials())[0]
 

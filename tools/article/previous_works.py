@@ -15,13 +15,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.lab.campaign.plan import HELD_OUT_FROM, Case, generate_trials
+from fingertip.lab.campaign.plan import HELD_OUT_FROM, Case
 from fingertip.lab.campaign.run import TrialResult, run_cases, score_trial, simulate_trace
 from fingertip.sim.contact.materials import SURFACES
 from fingertip.sim.simulation import article_trials
 from fingertip.slip.detectors.fft import FftDetector
 from tools.article.boards import with_article_board
 from tools.article.protocol import LATE_S, find_delays_s, with_threshold
+from tools.article.trials import generate_trials
 
 RIDGED = tuple(name for name, surface in SURFACES.items() if surface.ridge_depth_um)
 PLATE_FACTORS = (1.0, 5.0)

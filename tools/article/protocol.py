@@ -17,7 +17,7 @@ import numpy as np
 from fingertip.design import Design
 from fingertip.foundation.numerics import Array
 from fingertip.lab.campaign.closed_loop import ClosedLoopSummary, run_closed_loop, summarise
-from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_cases, generate_trials
+from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_cases
 from fingertip.lab.campaign.run import DetectorResult, TrialResult, evaluate, run_cases, simulate_trace, surface
 from fingertip.lab.divider import with_variant
 from fingertip.pad.response import Pad
@@ -29,6 +29,7 @@ from fingertip.sim.simulation import article_trials
 from fingertip.slip.detectors.analog_and_digital import noise_level
 from fingertip.slip.traces.truth import ENCODER_HZ, encoder_band_s
 from tools.article.boards import with_article_board
+from tools.article.trials import generate_trials
 
 MOVED_M = (0.0, 1e-5, 1e-4)
 """Motions from which on the robot counts as moving [m], as a good and a common encoder show (assumption)."""

@@ -21,10 +21,11 @@ from fingertip.design import Design
 from fingertip.detection.adaptation import adapt_rate
 from fingertip.foundation.errors import DesignError
 from fingertip.foundation.workers import call_each
-from fingertip.lab.campaign.plan import CampaignPlan, generate_limited_cases, generate_trials
-from fingertip.lab.campaign.run import COMPARED, STEPS_COMPARED, compare_grids, quantile_s, run_cases
+from fingertip.lab.campaign.plan import CampaignPlan
+from fingertip.lab.campaign.run import quantile_s, run_cases
 from fingertip.slip.detectors.registry import DETECTORS
 from tools.article.bounds import compute_bounds_s
+from tools.article.trials import COMPARED, STEPS_COMPARED, compare_grids, generate_limited_cases, generate_trials
 
 MAX_SHIFT_SAMPLES = 1.0
 """Shift of a delay that the goal permits [samples]: a sample is the resolution of every detector."""

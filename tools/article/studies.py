@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 from fingertip.design import Design
 from fingertip.documents.template import render_text
 from fingertip.foundation.progress import Work
-from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan, generate_trials
+from fingertip.lab.campaign.plan import HELD_OUT_FROM, CampaignPlan
 from fingertip.lab.report.results import format_ms
 from fingertip.pad.response import Pad
 from fingertip.sim.contact.materials import ARTICLE_SURFACES, SURFACES
@@ -25,6 +25,7 @@ from tools.article.robustness import LEVELS_ARE_ASSUMED, format_milli, format_mn
 from tools.article.sensitivity import study_accelerations, study_assumptions
 from tools.article.steps import GOAL_SHARE, study_sampling_rates, study_steps
 from tools.article.tables import StudyResults
+from tools.article.trials import generate_trials
 
 T = TypeVar("T")
 DATA = Path(__file__).with_name("beside_article.json")

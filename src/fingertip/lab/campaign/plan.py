@@ -14,7 +14,6 @@ from dataclasses import dataclass
 
 from fingertip.catalogues.file_kinds import PARAMS
 from fingertip.foundation.errors import Issue, TraceError, checked
-from fingertip.foundation.validation import raise_issues
 from fingertip.sim import SceneFile
 from fingertip.sim.simulation import article_trials
 
@@ -71,7 +70,7 @@ class CampaignPlan:
             issues.append(Issue("--trials", f"{self.trials} is refused; choose 1 to 100000 (article: 120)."))
         if not 0.5 <= self.negative_minutes <= 10_000:
             issues.append(Issue("--minutes", f"{self.negative_minutes:g} min is refused; choose 0.5 to 10000 min."))
-        raise_issues(issues)
+        TraceError.raise_for(issues)
 
 
 def generate_cases(plan: CampaignPlan, first_seed: int = HELD_OUT_FROM) -> Iterator[Case]:
@@ -86,15 +85,6 @@ def generate_cases(plan: CampaignPlan, first_seed: int = HELD_OUT_FROM) -> Itera
         for _ in range(math.ceil(60 * plan.negative_minutes * fraction / nominal_duration_s(cause))):
             yield Case(cause, scene, seed)
             seed += 1
-
-
-def generate_limited_cases(plan: CampaignPlan) -> Iterator[Case]:
-    """Generate those of all cases whose alarms a requirement limits."""
-    return (case for case in generate_cases(plan) if case.cause not in REPORTED_SEPARATELY)
-
-
-def generate_trials(trials: int, first_seed: int = HELD_OUT_FROM) -> Iterator[Case]:
-    return (case for case in generate_cases(CampaignPlan(trials, 0.5), first_seed) if case.cause == "slip")
 
 
 def nominal_duration_s(cause: str) -> float:

@@ -139,18 +139,6 @@ def to_png(figure: Figure) -> bytes:
     return out.getvalue()
 
 
-def to_svg(figure: Figure) -> bytes:
-    """Render a figure as SVG, its text as outlines, without date, version and random identifiers."""
-    import matplotlib  # noqa: PLC0415
-    from matplotlib.backends.backend_svg import FigureCanvasSVG  # noqa: PLC0415
-
-    out = io.BytesIO()
-    _take_literally(figure)
-    with matplotlib.rc_context({"svg.hashsalt": "fingertip", "svg.fonttype": "path"}):
-        FigureCanvasSVG(figure).print_svg(out, metadata={"Creator": None, "Date": None})
-    return out.getvalue()
-
-
 def _take_literally(figure: Figure) -> None:
     """Let no $ in a text begin a formula, as in the name of a file; the ticks of logarithmic axes are formulas."""
     from matplotlib.axis import Tick  # noqa: PLC0415

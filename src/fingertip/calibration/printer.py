@@ -55,8 +55,7 @@ def calibrate_printer(design: Design, half_thickness_mm: float, plate_width_mm: 
     if plate_width_mm is not None:
         readings["--plate-width-mm"] = plate_width_mm, plate
     issues = [issue for option, pair in readings.items() for issue in _find_mistakes(option, *pair)]
-    if issues:
-        raise DesignError(issues)
+    DesignError.raise_for(issues)
     percent = design.printer.scale_percent
     scale, uncertainty = 100.0 / percent, _USUAL_SCALE_ERROR
     if plate_width_mm is not None:

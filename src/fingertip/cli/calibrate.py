@@ -57,8 +57,7 @@ def printer(
         loaded = load_design(design, changes, console)
         calibration = calibrate_printer(loaded, half_thickness_mm, plate_width_mm)
         calibrated = apply_calibration(loaded, calibration.changes, out.stem if out else None)
-    if issues:
-        raise FingertipError(issues)
+    FingertipError.raise_for(issues)
     known = "known" if plate_width_mm else "assumed"
     figures = ("scale", "scale_uncertainty", "offset_mm", "offset_uncertainty_mm")
     data: dict[str, Any] = {name: round_for_output(getattr(calibration, name)) for name in figures}
@@ -116,8 +115,7 @@ def sensor(
         loaded = load_design(design, changes, console)
     with gather(issues):
         weighings = read_weighings(readings)
-    if issues:
-        raise FingertipError(issues)
+    FingertipError.raise_for(issues)
     calibration = calibrate_sensor(loaded, weighings, scale)
     calibrated = apply_calibration(loaded, calibration.changes)
     data, lines = _sensor_data(calibration), _format_sensor(calibration, calibrated)

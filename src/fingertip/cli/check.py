@@ -152,8 +152,7 @@ def _load(files: Sequence[Path], changes: Sequence[str], console: Console) -> di
         issues += (
             issue if issue.field == str(file) else Issue(f"{file}: {issue.field}", issue.message) for issue in found
         )
-    if issues:
-        raise DesignError(issues)
+    DesignError.raise_for(issues)
     names = [design.name for _, design in loaded]
     return {design.name if names.count(design.name) == 1 else label: design for label, design in loaded}
 

@@ -133,8 +133,7 @@ def _refuse_without_recording(options: Mapping[str, object]) -> None:
     if not sys.stdin or sys.stdin.closed:
         raise TraceError(Issue("-", "standard input is closed; pipe lines into it."))
     message = "requires the whole recording; save the lines in a file first."
-    if issues := [Issue(name, message) for name, value in options.items() if value is not None]:
-        raise TraceError(issues)
+    TraceError.raise_for(Issue(name, message) for name, value in options.items() if value is not None)
 
 
 def _follow_standard_input(console: Console, design: Design, detector: str, reading: _Reading) -> None:

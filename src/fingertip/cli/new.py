@@ -133,8 +133,7 @@ def _write_renewed(console: Console, order: _Order, old: Path) -> None:
     from fingertip.foundation.files import write_file
 
     order.issues.extend(find_file_issues("--out", order.path, ".toml", inputs=(old,), kept="give another name"))
-    if order.issues:
-        raise FingertipError(dict.fromkeys(order.issues))
+    FingertipError.raise_for(dict.fromkeys(order.issues))
     for left in LEFT_OUT:
         renewed = renew_design(order.name, old, order.changes, left, console.progress)
         data, lines = _describe(order.path, renewed.made)
@@ -176,8 +175,7 @@ def _write_set(console: Console, order: _Order, start: Callable[[], Starts]) -> 
     issues += _name_options(found)
     for file in (path, *(path.with_name(f"{one.tables.name}.toml") for one in starts.values())):
         issues += find_file_issues("--out", file, ".toml", kept="give another name")
-    if issues:
-        raise FingertipError(dict.fromkeys(issues))
+    FingertipError.raise_for(dict.fromkeys(issues))
     work = Work("", {"fit": 2.0 * len(starts), "checks": len(starts)}, console.progress)
     forms = fit_set(starts, work.within("fit"), issues)
     checking = Work("checking", dict.fromkeys((join_words(form.fingers) for form in forms), 1.0), work.within("checks"))
@@ -194,8 +192,7 @@ def _write_set(console: Console, order: _Order, start: Callable[[], Starts]) -> 
             details += strength
         form_data.append(data | {"design": form.file, "fingers": list(form.fingers)})
         lines += [f"{label}: {form.file}, begun from {form.design.base}", *(f"  {line}" for line in details)]
-    if issues:
-        raise FingertipError(issues)
+    FingertipError.raise_for(issues)
     for form in forms:
         if form.is_own:
             write_file(path.with_name(form.file), form.design.text.encode())

@@ -171,8 +171,7 @@ def load_fingers(file: Path, changes: Sequence[str] | None, console: Console) ->
 
 
 def refuse(*issues: Iterable[Issue]) -> None:
-    if found := [issue for each in issues for issue in each]:
-        raise OutputError(found)
+    OutputError.raise_for(issue for each in issues for issue in each)
 
 
 def find_idle_issues(mode: str, options: Mapping[str, object]) -> Iterator[Issue]:

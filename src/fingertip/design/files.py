@@ -80,8 +80,7 @@ def load_tables(
     for change in list_changes(changes):
         with gather(issues):
             parsed.append(parse_change(change))
-    if issues:
-        raise DesignError(issues)
+    DesignError.raise_for(issues)
     if before and kind is DESIGN:
         before = fill_in(before)
     tables = copy.deepcopy(before)

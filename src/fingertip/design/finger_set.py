@@ -148,15 +148,13 @@ def read_set(
             found.setdefault(issue, []).append(name)
     for issue, names in found.items():  # what is wrong in several fingers is said once
         issues.append(Issue(f"fingers.{', '.join(names)}: {issue.field}", issue.message))
-    if issues:
-        raise DesignError(issues)
+    DesignError.raise_for(issues)
     return contents.name, contents.side, fingers
 
 
 def build_set(name: str, side: str, designs: Mapping[str, Design]) -> FingerSet:
     """Build a set of the designs of its fingers. Raises DesignError if they do not share a hand's joint."""
-    if issues := list(_find_differences(designs)):
-        raise DesignError(issues)
+    DesignError.raise_for(_find_differences(designs))
     forms = tuple(_name_forms(designs))
     bases = {finger: form.design for form in forms for finger in form.fingers}
     calibrated = {finger: each for finger, each in designs.items() if each.force_curve != bases[finger].force_curve}

@@ -104,8 +104,7 @@ def fit_design(
     fit, weak = _find(tables, given, guessed, holds, progress)
     if fit:
         return fit
-    if weak:
-        raise DesignError([_state_bound(broken) for broken in weak])
+    DesignError.raise_for(_state_bound(broken) for broken in weak)
     nearer = functools.partial(list_moved, holds=holds, guessed=guessed)
     broken = _Search(tables, {}).check({})[1]
     issues = find_remedies(tables, broken, before, [*given], fit=nearer, failed=True)

@@ -143,8 +143,7 @@ class Design(DesignTables):
         A sweep refuses thousands of designs, and needs to know only why. Raises DesignError.
         """
         valid = parse_tables(DesignTables, tables)
-        if issues := list(describe_violations(valid)):
-            raise DesignError(issues)
+        DesignError.raise_for(describe_violations(valid))
         return cls.model_construct(None, **{name: getattr(valid, name) for name in cls.model_fields})
 
     def changes(self) -> dict[str, Any]:

@@ -83,8 +83,7 @@ def refuse_words(name: str, sensor: str | None, preset: str | None) -> None:
             reason = explain_sensor(word) if field == "sensor" else ""
             found = f"is not in the catalogue; {reason}." if reason else f"is not known; {suggest_name(word, known)}"
             issues.append(Issue(field, f"{word!r} {found}"))
-    if issues:
-        raise DesignError(issues)
+    DesignError.raise_for(issues)
 
 
 def start_design(

@@ -224,13 +224,11 @@ def plan_fingers(
         board = find_controller(design, controller)
         if board is None:
             issues.append(Issue("--controller", _explain_controller(design, controller or "", len(names))))
-    if issues:
-        raise FingertipError(issues)
+    FingertipError.raise_for(issues)
     if board:
         issues += _find_limit_issues(design, board, len(names))
     pins = _read_inputs(inputs, board, names, signals, issues)
-    if issues:
-        raise FingertipError(issues)
+    FingertipError.raise_for(issues)
     return Fingers(names, tuple(zip(*(pins[i :: len(signals)] for i in range(len(signals))), strict=True)), board)
 
 
@@ -250,8 +248,7 @@ def plan_set(fingers: FingerSet, controller: str | None = None, inputs: str | No
         for table in ("board", "detector")
         if any(getattr(design, table) != getattr(first, table) for design in designs.values())
     ]
-    if issues:
-        raise FingertipError(issues)
+    FingertipError.raise_for(issues)
     design = fingers.board_design or first.model_copy(update={"name": fingers.name})
     planned = plan_fingers(design, ",".join(designs), controller, inputs)
     return design, replace(planned, designs=tuple(designs.values()))

@@ -104,6 +104,12 @@ class FingertipError(Exception):
         self.issues: tuple[Issue, ...] = (issues,) if isinstance(issues, Issue) else tuple(issues)
         super().__init__("\n".join(str(issue) for issue in self.issues))
 
+    @classmethod
+    def raise_for(cls, issues: Iterable[Issue]) -> None:
+        """Raise an error of all issues, if there are any."""
+        if found := tuple(issues):
+            raise cls(found)
+
 
 @contextlib.contextmanager
 def gather(issues: list[Issue], prefix: str = "") -> Iterator[None]:

@@ -92,13 +92,11 @@ class SetWriter:
             # Another command may just have swapped the folder between two looks at it.
             with output_errors(self.folder), lock(parent):
                 self._refuse(names, revisions)
-        if issues := list(find_place_issues(self.folder, "choose another folder with --out")):
-            raise OutputError(issues)
+        OutputError.raise_for(find_place_issues(self.folder, "choose another folder with --out"))
 
     def _refuse(self, names: Collection[str], revisions: Revisions) -> None:
         with output_errors(self.folder):
-            if issues := list(self._find_issues(names, revisions)):
-                raise OutputError(issues)
+            OutputError.raise_for(self._find_issues(names, revisions))
 
     def _find_link(self) -> Path | None:
         return input_files.find_link(self.top or self.folder, self.folder)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.errors import Issue
 from fingertip.foundation.numerics import Array
 
 
@@ -61,12 +61,6 @@ def round_up(value: float) -> float:
     """Round a positive number up to three digits, so that the remedy of an error passes when it is typed back in."""
     unit = 10.0 ** (math.floor(math.log10(value)) - 2)
     return float(f"{math.ceil(value / unit * (1 - 1e-12)) * unit:.3g}")
-
-
-def raise_issues(issues: Iterable[Issue]) -> None:
-    """Raise all issues as one error, if there are any. Raises TraceError."""
-    if found := list(issues):
-        raise TraceError(found)
 
 
 Relation = Literal["at most", "below", "at least", "exactly"]

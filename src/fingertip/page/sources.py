@@ -104,8 +104,7 @@ def read_sources(design: Design, folder: Path) -> Sources:
     issues = [Issue(str(folder / name), f"is missing; {_MAKE} makes it.") for name in required if name not in files]
     message = f"was changed after it was written; {_MAKE} makes it again."
     issues += [Issue(str(folder / name), message) for name in changed]
-    if issues:
-        raise OutputError(issues)
+    OutputError.raise_for(issues)
     remarks, unread = {}, set(manifest.files)
     for kind in (STEPS_FOLDER, BOARD_FOLDER, SIGNAL_FOLDER):
         found = _read_current_set(folder, kind, wanted)

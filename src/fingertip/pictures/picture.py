@@ -24,10 +24,9 @@ from fingertip.design.geometry.joint import Joint
 from fingertip.design.geometry.solids import Point3, Solid
 from fingertip.design.interfaces.clevis_solids import knuckle
 from fingertip.foundation.display import Picture
-from fingertip.foundation.errors import Issue, checked
+from fingertip.foundation.errors import Issue, TraceError, checked
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.progress import Work
-from fingertip.foundation.validation import raise_issues
 from fingertip.pictures.raster import Camera, Canvas, Colour, Pen, bounds, to_png
 from fingertip.pictures.section import SENSOR_COLOUR, draw_scale_bar, draw_section, list_sections
 
@@ -96,7 +95,7 @@ def find_width_issues(width_px: int) -> Iterator[Issue]:
 @checked
 def draw(design: Design, width_px: int, progress: Callable[[str], None] = lambda message: None) -> bytes:
     """Draw two exploded views of a design above a section through the closed mold."""
-    raise_issues(find_width_issues(width_px))
+    TraceError.raise_for(find_width_issues(width_px))
     evaluator = MeshEvaluator(_TOLERANCE_MM)
     parts = {name: evaluator.mesh(part.solid(design)) for name, part in parts_by_name(design).items()}
     parts["sensor"] = evaluator.mesh(sensor_body(design))

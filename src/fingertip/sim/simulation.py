@@ -20,7 +20,6 @@ from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, find_fi
 from fingertip.design import Design
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import FingertipError, Issue, TraceError, checked, gather
-from fingertip.foundation.validation import raise_issues
 from fingertip.sim.contact.materials import ARTICLE_SURFACES, SURFACES, SurfaceFile, find_profile_warnings
 from fingertip.sim.runs.files import ManipulationFile, SceneFile
 from fingertip.sim.runs.manipulation import ManipulationResult, run_manipulation
@@ -148,8 +147,7 @@ def _find_files(file: str | Path | None, design_file: str | Path | None) -> tupl
     for given, kinds in ((file, (DESIGN, SCENE, MANIPULATION)), (design_file, (DESIGN,))):
         with gather(issues):
             found.append(find_file(given, *kinds) if given else None)
-    if issues:
-        raise FingertipError(issues)
+    FingertipError.raise_for(issues)
     return found[0], found[1]
 
 
@@ -201,7 +199,7 @@ class Trial:
             issues.append(Issue("--force-n", f"{self.force_n:g} N is refused; {remedy}."))
         if self.seed < 0:
             issues.append(Issue("--seed", f"{self.seed} is negative; choose a whole number of at least 0."))
-        raise_issues(issues)
+        TraceError.raise_for(issues)
 
     @property
     def scene(self) -> SceneFile:

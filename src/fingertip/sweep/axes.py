@@ -220,8 +220,7 @@ def _parse_range(name: str, field: str, entry: Mapping[str, Any], sampled: bool,
     if spacing not in get_args(Spacing):
         remedy = f"choose {' or '.join(get_args(Spacing))}."
         issues.append(Issue(f"{field}.spacing", f"{quote_value(spacing)} is unknown; {remedy}"))
-    if issues:
-        raise SweepError(issues)
+    SweepError.raise_for(issues)
     assert low is not None
     assert high is not None
     # Order of the ends, and what the spacing requires of them

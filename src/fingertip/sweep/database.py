@@ -130,8 +130,7 @@ class SweepDatabase:
         if folder.exists() and cls.exists(folder):
             problem = "holds a sweep already; continue it with --resume, report on it with --show, or choose another"
             raise make_error(folder, f"{problem} folder with --out. Nothing was changed.")
-        if issues := list(find_place_issues(folder, "choose another folder with --out")):
-            raise OutputError(issues)
+        OutputError.raise_for(find_place_issues(folder, "choose another folder with --out"))
         created = [path for path in (folder / FILE, folder, *folder.parents) if not path.exists()]
         folder.mkdir(parents=True, exist_ok=True)
         lock = lock_sweep(folder)

@@ -46,8 +46,7 @@ class DesignBuilder:
         if not self._only_electronics_vary:
             return Design.without_remedies(**apply_changes(self._tables, own_changes))
         design = self._base.with_values(own_changes)
-        if issues := list(describe_violations(design, ELECTRONIC_RULES)):
-            raise DesignError(issues)
+        DesignError.raise_for(describe_violations(design, ELECTRONIC_RULES))
         return design
 
     def _fit(self, given: Mapping[str, Value]) -> dict[str, Any]:

@@ -141,8 +141,7 @@ class PointEvaluator:
             scene_changes = {n.removeprefix("scene."): v for n, v in changes.items() if n.startswith("scene.")}
             with gather(issues, "scene."):
                 scene = SceneFile(**designs.apply_changes(self._scene, scene_changes))
-        if issues:
-            raise FingertipError(issues)
+        FingertipError.raise_for(issues)
         return built, fingers, scene
 
     def _load_trial(self, changes: Mapping[str, Value], seed: int, record: Callable[[], Trace]) -> Trace:

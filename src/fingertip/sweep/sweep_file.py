@@ -88,8 +88,7 @@ def read_sweep_file(file: str | Path, changes: Iterable[str] = ()) -> dict[str, 
             if name == "design" and "fingers" in tables[name] and not isinstance(entry, str):
                 message = "is a table of a set; write it in a file of its own, and name that."
                 raise SweepError(Issue("design.fingers", message))
-    if issues:
-        raise SweepError(issues)
+    SweepError.raise_for(issues)
     return {name: table for name, table in tables.items() if table is not None}
 
 

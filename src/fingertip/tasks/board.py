@@ -124,8 +124,7 @@ def plan_board(
         files, writer = divider_files(design), output_files.BOARD.writer(design, folder, force, top)
         writer.check(files)
         return BoardPlan(writer, files, {}, (), ())
-    if refusals := list(find_refusals(board_values(design).gate)):
-        raise BoardError(refusals)
+    BoardError.raise_for(find_refusals(board_values(design).gate))
     files = board_files(design)
 
     def make_layout(component_values: Mapping[str, str]) -> bytes:

@@ -309,8 +309,7 @@ def select_names(option: str, requested: Iterable[str], known: tuple[str, ...]) 
         is_of_others = name in PARTS  # a stand, or the hand's part of a joint
         message = f"{name!r} is not one of the choices; {suggest_name(name, known)}"
         issues.append(Issue(option, f"this design has no {name!r}." if is_of_others else message))
-    if issues:
-        raise DesignError(issues)
+    DesignError.raise_for(issues)
     if not selected:
         raise DesignError(Issue(option, f"is empty; choose from {', '.join(known)}."))
     return tuple(name for name in known if name in selected)

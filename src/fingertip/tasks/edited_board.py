@@ -105,8 +105,7 @@ def revise_edited(
                 )
             if is_layout and changed and not is_complete:
                 notes[-1] += " This design prints more or fewer lines of values than it shows: compare them."
-    if issues:
-        raise OutputError(issues)
+    OutputError.raise_for(issues)
     return revisions, notes
 
 

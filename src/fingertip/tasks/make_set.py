@@ -98,8 +98,7 @@ def make_set(
     issues = [Issue(str(link), "is a link; remove it.") for link in links]
     if BOARD_FOLDER in places:
         issues.append(Issue("name", f"{BOARD_FOLDER} is a folder of every set, and the name of a design; rename it."))
-    if issues:
-        raise OutputError(issues)
+    OutputError.raise_for(issues)
     for form in fingers.forms:
         PART_FILES.writer(form.design, places[form.design.name], force).check((PAGE, ACCEPTANCE))
     board_design = fingers.board_design
@@ -161,8 +160,7 @@ def _refuse_early(fingers: FingerSet) -> None:
             if (excess := build_volume_excess(design, mesh, lies.rotate_x_deg)) > 0.0:
                 text = f"{name} of {design.name} exceeds the build volume by {excess:.1f} mm"
                 issues.append(Issue("printer.bed_x_mm", f"{text}; {_name_larger_bed(design, name, mesh)}."))
-    if issues:
-        raise DesignError(issues)
+    DesignError.raise_for(issues)
 
 
 def _name_larger_bed(design: Design, part: str, mesh: Mesh) -> str:

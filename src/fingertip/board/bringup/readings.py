@@ -64,8 +64,7 @@ def format_entry(key: str, limits: Limits) -> str:
 def read_readings(path: Path, plan: BringUp) -> Readings:
     """Read a file of readings. Raises TomlFileError or BoardError."""
     tables = read_toml(path)
-    if issues := list(find_reading_issues(tables, plan, path)):
-        raise BoardError(issues)
+    BoardError.raise_for(find_reading_issues(tables, plan, path))
     return select_readings(tables, plan)
 
 
@@ -132,8 +131,7 @@ def read_fingers(path: Path, plan: BringUp, fingers: Sequence[str]) -> dict[str,
     content = read_toml(path)
     tables = {name: value for name, value in content.items() if isinstance(value, dict)}
     common = {name: value for name, value in content.items() if name not in tables}
-    if issues := list(_find_issues(common, tables, plan, fingers, path)):
-        raise BoardError(issues)
+    BoardError.raise_for(_find_issues(common, tables, plan, fingers, path))
     tone = {TONE: common[TONE]} if TONE in common else {}
     found = {WHOLE_BOARD: select_readings(common, plan)}
     found |= {finger: select_readings({**tone, **tables.get(finger, {})}, plan) for finger in fingers}

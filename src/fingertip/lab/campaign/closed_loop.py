@@ -60,8 +60,7 @@ def run_with_grip(
 ) -> tuple[ManipulationResult, tuple[float, ...]]:
     """Tighten the grip whenever a detector finds slip; also return the moments [s]. Raises FingertipError."""
     scene, design = simulation.scene, simulation.design
-    if issues := find_grip_issues(detector, simulation):
-        raise FingertipError(issues)
+    FingertipError.raise_for(find_grip_issues(detector, simulation))
     assert isinstance(scene, ManipulationFile)
     result, decisions = _close_loop(design, scene, detector, simulation.seed, progress)
     return result, tuple(decision.time_s for decision in decisions if decision.tightened)

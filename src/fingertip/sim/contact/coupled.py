@@ -27,7 +27,7 @@ import numpy as np
 
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
-from fingertip.foundation.validation import find_column_issues, find_negative, find_not_positive, raise_issues
+from fingertip.foundation.validation import find_column_issues, find_negative, find_not_positive
 from fingertip.sim.contact import coupled_loop
 from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S, Friction
 from fingertip.sim.contact.tangential import Mount, PadMotion
@@ -54,7 +54,7 @@ class NormalContact:
     """Ratio of the hand's stiffness behind the pad to the contact's; some 0.008 in trials (`pad.response`)."""
 
     def __post_init__(self) -> None:
-        raise_issues(
+        TraceError.raise_for(
             [
                 *find_not_positive("normal.resonance_hz", self.resonance_hz, "Hz", "90"),
                 *find_negative("normal.damping_ratio", self.damping_ratio, ""),
@@ -89,7 +89,7 @@ class CoupledContact:
         max_pressing_n: float,
         tolerance_n: float = 1e-6,
     ) -> None:
-        raise_issues(_find_setting_issues(step_s, max_pressing_n, tolerance_n))
+        TraceError.raise_for(_find_setting_issues(step_s, max_pressing_n, tolerance_n))
         omega = 2 * math.pi * normal.resonance_hz
         damping_per_s = 2 * normal.damping_ratio * omega
         self._parameters = (
@@ -121,7 +121,9 @@ class CoupledContact:
 
     def process(self, carriage_m: Array, carriage_m_s: Array, pressing_n: Array) -> CoupledMotion:
         """Return the motion at the next samples; the very first sample is the start. Raises TraceError."""
-        raise_issues(find_column_issues(carriage_m=carriage_m, carriage_m_s=carriage_m_s, pressing_n=pressing_n))
+        TraceError.raise_for(
+            find_column_issues(carriage_m=carriage_m, carriage_m_s=carriage_m_s, pressing_n=pressing_n)
+        )
         # The interval before a chunk's first sample begins at the last sample of the chunk before.
         repeated = self._last.shape[1]
         drive: tuple[Array, ...] = (carriage_m, carriage_m_s, pressing_n)
@@ -160,7 +162,7 @@ def integrate(
     """Integrate from standstill, in balance with the pressing force of the first sample. Raises TraceError."""
     issues = _find_setting_issues(step_s, 0.0, tolerance_n)
     issues += find_column_issues(carriage_m=carriage_m, carriage_m_s=carriage_m_s, pressing_n=pressing_n)
-    raise_issues(issues)
+    TraceError.raise_for(issues)
     max_pressing_n = max(float(np.max(pressing_n)), 0.0)
     contact = CoupledContact(friction, mount, normal, step_s, max_pressing_n, tolerance_n)
     return contact.process(carriage_m, carriage_m_s, pressing_n)

@@ -28,9 +28,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.foundation.errors import Issue
+from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.numerics import Array
-from fingertip.foundation.validation import raise_issues
 
 ELASTO_PLASTIC = 0.7
 """Usual value of `Friction.elastic`: bristles yield from 0.7 of their deflection in fast sliding. Assumption."""
@@ -110,7 +109,7 @@ class Friction:
             maximum = self.sigma2 * self.mu_c / (self.mu_s - self.mu_c)
             message = f"{self.sigma1:g} s/m lets bristles deliver energy; below {maximum:g}."
             issues.append(Issue("friction.sigma1", message))
-        raise_issues(issues)
+        TraceError.raise_for(issues)
 
     def with_stick_slip(self) -> Friction:
         """Friction that falls with speed so far and so widely that a pad swings on its mount. Assumption.

@@ -23,13 +23,7 @@ import numpy as np
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
-from fingertip.foundation.validation import (
-    find_column_issues,
-    find_negative,
-    find_not_positive,
-    raise_issues,
-    round_down,
-)
+from fingertip.foundation.validation import find_column_issues, find_negative, find_not_positive, round_down
 from fingertip.sim.contact.friction import LOAD_SCALE_N, RELAX_PER_S, ROS2_GAMMA, Curve, Friction, stribeck
 
 MAX_PHASE = 0.5
@@ -51,7 +45,7 @@ class Mount:
     damping_n_s_per_m: float
 
     def __post_init__(self) -> None:
-        raise_issues(
+        TraceError.raise_for(
             [
                 *find_not_positive("mount.mass_kg", self.mass_kg, "kg", "0.002"),
                 *find_negative("mount.stiffness_n_per_m", self.stiffness_n_per_m, "N/m"),
@@ -93,14 +87,14 @@ class DraggedPad:
         if friction.elastic:
             message = f"{friction.elastic:g} needs error control; use coupled.integrate."
             issues.append(Issue("friction.elastic", message))
-        raise_issues(issues)
+        TraceError.raise_for(issues)
         self._friction, self._mount, self._step_s = friction, mount, step_s
         self._state: Array | None = None
         self._last: tuple[Array, ...] = (np.zeros(0),) * 3
 
     def process(self, carriage_m: Array, carriage_m_s: Array, normal_n: Array) -> PadMotion:
         """Follow the pad over the next points; the first chunk begins with the initial point. Raises TraceError."""
-        raise_issues(find_column_issues(carriage_m=carriage_m, carriage_m_s=carriage_m_s, normal_n=normal_n))
+        TraceError.raise_for(find_column_issues(carriage_m=carriage_m, carriage_m_s=carriage_m_s, normal_n=normal_n))
         friction, mount = self._friction, self._mount
         max_load_n = float(np.max(normal_n, initial=0.0))
         longest = admissible_step_s(friction, mount, max_load_n)

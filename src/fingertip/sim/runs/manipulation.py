@@ -26,7 +26,7 @@ from fingertip.design import Design
 from fingertip.design.parameters.declaration import find_bounds, suggest_name
 from fingertip.foundation.errors import Issue, TraceError, checked
 from fingertip.foundation.numerics import Array
-from fingertip.foundation.validation import raise_issues, round_down, round_up
+from fingertip.foundation.validation import round_down, round_up
 from fingertip.pad.response import Pad
 from fingertip.sim.runs.files import GraspedObject, Hand, ManipulationFile
 from fingertip.sim.runs.motion import Controller, MotionPlan, Observation, delay_commands, plan_motion, thumb_force_n
@@ -173,7 +173,7 @@ def run_manipulation(
 def start_manipulation(
     design: Design, scene: ManipulationFile, seed: int, outputs: frozenset[str], grid: Grid | None, meter: CostMeter
 ) -> ManipulationStepper:
-    raise_issues(_find_issues(design, scene, seed))
+    TraceError.raise_for(_find_issues(design, scene, seed))
     pad = Pad.from_design(design)
     plan = plan_motion(design, scene, pad, seed)
     return ManipulationStepper(design, scene, plan, pad, seed, outputs, grid or Grid(), meter)

@@ -22,7 +22,6 @@ from fingertip.foundation import jit
 from fingertip.foundation.errors import Issue, TraceError, checked
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.progress import ReportProgress
-from fingertip.foundation.validation import raise_issues
 from fingertip.pad.response import Pad
 from fingertip.pad.touch import Pose
 from fingertip.sim.contact.friction import ELASTO_PLASTIC, Friction
@@ -118,7 +117,7 @@ class SceneRun:
     meter: CostMeter = field(default_factory=CostMeter)
 
     def __post_init__(self) -> None:
-        raise_issues(self.scene.find_design_issues(self.design, self.seed))
+        TraceError.raise_for(self.scene.find_design_issues(self.design, self.seed))
         if self.scene.slide.distance_m:
             plain = replace(self.friction, elastic=0.0)
             longest = admissible_step_s(plain, mount_pad(self.pad, self.force_n), self.max_load_n)

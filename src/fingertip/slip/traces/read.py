@@ -18,7 +18,6 @@ from fingertip.design import Design
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import Issue, TomlFileError, TraceError, gather
 from fingertip.foundation.input_files import check_archive
-from fingertip.foundation.validation import raise_issues
 from fingertip.slip.traces.array_files import LOADERS, RATE
 from fingertip.slip.traces.columns import suggest_options
 from fingertip.slip.traces.csv_file import read_csv
@@ -227,10 +226,10 @@ def _from_arrays(name: str, arrays: Mapping[str, Any], columns: ColumnMap) -> Ra
             # MATLAB has no arrays of one dimension: a signal is a row or a column.
             is_line = array.ndim == 2 and 1 in array.shape
             values[column] = (array.ravel() if is_line else array).astype(np.float64)
-    raise_issues(issues)
+    TraceError.raise_for(issues)
     with gather(issues, f"{name}, "):
         trace = columns.make_trace(values)
-    raise_issues(issues)
+    TraceError.raise_for(issues)
     return RawTrace(name, trace, in_volts=columns.in_volts, notes=tuple(notes))
 
 

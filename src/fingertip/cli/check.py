@@ -12,18 +12,8 @@ from xml.etree.ElementTree import Element, SubElement
 import typer
 
 from fingertip.catalogues.electronics import split_finger
+from fingertip.cli import options
 from fingertip.cli.console import Console, align_columns
-from fingertip.cli.options import (
-    CHANGES,
-    DESIGN_FILES,
-    VERBOSE,
-    command,
-    find_file_issues,
-    flag,
-    load_design,
-    load_fingers,
-    refuse,
-)
 from fingertip.foundation.errors import DesignError, Issue, gather, join_words
 from fingertip.foundation.progress import Work
 
@@ -39,15 +29,15 @@ FINE_MM = 0.01
 """Tolerance of meshes with which the bundled designs pass all checks [mm]."""
 
 
-@command
+@options.command
 def check(
     console: Console,
-    designs: list[Path] = DESIGN_FILES,
+    designs: list[Path] = options.DESIGN_FILES,
     tolerance_mm: float = typer.Option(FINE_MM, help="Largest distance of a facet from the exact surface, in mm."),
     junit: Path | None = typer.Option(None, metavar="FILE.xml", help="JUnit report, for CI servers."),
-    margins: bool = flag("List the checks and rules that are nearest to their limits."),
-    verbose: bool = VERBOSE,
-    changes: list[str] | None = CHANGES,
+    margins: bool = options.flag("List the checks and rules that are nearest to their limits."),
+    verbose: bool = options.VERBOSE,
+    changes: list[str] | None = options.CHANGES,
 ) -> None:
     """Check designs and folders. Exit code 0: no check failed, 1: a check failed, 2: a design is not valid.
 
@@ -62,7 +52,7 @@ def check(
     folders = [path for path in designs if path.is_dir()]
     files = [path for path in designs if not path.is_dir()]
     idle = [Issue("--junit", "reports on designs, but only folders are given; give a design too.")]
-    refuse(find_file_issues("--junit", junit, ".xml"), idle if junit and not files else ())
+    options.refuse(options.find_file_issues("--junit", junit, ".xml"), idle if junit and not files else ())
     data: dict[str, Any] = {"passed": True}
     texts: list[str] = []
     if files:
@@ -145,10 +135,10 @@ def _load(files: Sequence[Path], changes: Sequence[str], console: Console) -> di
         found: list[Issue] = []
         with gather(found):
             if is_set(file):
-                forms = load_fingers(file, changes, console).forms
+                forms = options.load_fingers(file, changes, console).forms
                 loaded += ((f"{file.as_posix()}: {form.design.name}", form.design) for form in forms)
             else:
-                loaded.append((file.as_posix(), load_design(file, changes, console)))
+                loaded.append((file.as_posix(), options.load_design(file, changes, console)))
         issues += (
             issue if issue.field == str(file) else Issue(f"{file}: {issue.field}", issue.message) for issue in found
         )

@@ -28,16 +28,7 @@ from fingertip.design import Design
 from fingertip.design.files import flatten
 from fingertip.foundation.errors import DesignError, FingertipError, Issue, StudioError
 from fingertip.foundation.tables import UnusableTomlError, check_values
-from fingertip.studio.answers import (
-    ANSWERS,
-    AT_ONCE,
-    DOWNLOADS,
-    Answer,
-    BandFinder,
-    Download,
-    describe_issues,
-    read_design,
-)
+from fingertip.studio import answers
 from fingertip.studio.page import render_locked, render_studio, render_way_in
 from fingertip.studio.worker import NewestWinsWorker, SupersededError
 
@@ -87,7 +78,7 @@ class StudioServer(ThreadingHTTPServer):
                 problem = "is in use, perhaps by another studio"
             message = f"{port} {problem}; choose another with --port, or --port 0 for any free one."
             raise StudioError(Issue("--port", message)) from error
-        self.worker, self.finder = NewestWinsWorker(), BandFinder(design)
+        self.worker, self.finder = NewestWinsWorker(), answers.BandFinder(design)
         # The page is made now, which also loads and warms up everything that a change of a slider needs.
         self.page = render_studio(design, self.token)
 
@@ -175,7 +166,7 @@ class _Handler(BaseHTTPRequestHandler):
         except SupersededError:
             reply = _make_json({"superseded": True})
         except FingertipError as error:  # a result like any other: browsers log other statuses as errors
-            reply = _make_json({"issues": describe_issues(error)})
+            reply = _make_json({"issues": answers.describe_issues(error)})
         except Exception:
             traceback.print_exc()
             message = "The studio failed at this request; its terminal shows where. This is a bug in fingertip."
@@ -197,12 +188,13 @@ class _Handler(BaseHTTPRequestHandler):
             raise _RefusedRequestError(HTTPStatus.FORBIDDEN, "The request carries not the token of this studio.")
         request = self._read_content()
         _, api, name, *rest = [*self._split_address().path.split("/"), "", ""]
-        at_once, before = AT_ONCE.get(name), self.server.design
+        at_once, before = answers.AT_ONCE.get(name), self.server.design
         file = dict(flatten(request.tables)).get("bone.adapter_file", "")
         if file not in ("", before.bone.adapter_file):
             message = "is a file of this machine, which a page may not choose; name it when you start the studio."
             raise DesignError(Issue("bone.adapter_file", message))
-        _, answer = DOWNLOADS.get(rest[0], ("", None)) if name == "download" else ("", ANSWERS.get(name))
+        is_download = name == "download"
+        answer = answers.DOWNLOADS.get(rest[0], ("", None))[1] if is_download else answers.ANSWERS.get(name)
         if api == "api" and at_once:
             return _make_json(
                 _list_fields(at_once(self.server.finder, request.tables, request.field, self._raise_if_gone))
@@ -210,12 +202,12 @@ class _Handler(BaseHTTPRequestHandler):
         if api != "api" or not answer:
             raise _RefusedRequestError(HTTPStatus.NOT_FOUND, "There is nothing at this address.")
         client = request.client
-        if name == "download":  # it is never superseded: it is a client of its own
+        if is_download:  # it is never superseded: it is a client of its own
             client = f"{client} {secrets.token_hex(8)}"
         made = self.server.worker.run(
-            client, lambda wanted: answer(read_design(request.tables, before), wanted), self._has_gone
+            client, lambda wanted: answer(answers.read_design(request.tables, before), wanted), self._has_gone
         )
-        if not isinstance(made, Download):
+        if not isinstance(made, answers.Download):
             return _make_json(_list_fields(made))
         shown = {"Content-Disposition": f'attachment; filename="{made.name}"'}
         return _Reply(HTTPStatus.OK, made.content_type, made.data, shown)
@@ -296,7 +288,7 @@ class _Handler(BaseHTTPRequestHandler):
             self.close_connection = True
 
 
-def _list_fields(answer: Answer) -> dict[str, Any]:
+def _list_fields(answer: answers.Answer) -> dict[str, Any]:
     return {name: value for name, value in vars(answer).items() if value is not None}
 
 

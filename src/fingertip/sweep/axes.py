@@ -15,14 +15,7 @@ from pydantic.fields import FieldInfo
 
 from fingertip.catalogues.electronics import split_finger
 from fingertip.design.geometry import DesignTables
-from fingertip.design.parameters import ELECTRONIC_TABLES, ParameterTable
-from fingertip.design.parameters.declaration import (
-    find_similar_name,
-    issues_from_pydantic,
-    list_choices,
-    load_retired,
-    suggest_name,
-)
+from fingertip.design.parameters import ELECTRONIC_TABLES, ParameterTable, declaration
 from fingertip.foundation.errors import Issue, SweepError, quote_value
 
 Value: TypeAlias = float | int | bool | str
@@ -150,9 +143,9 @@ def read_axis(name: str, entry: Any, sampled: bool) -> tuple[Axis, list[Issue]]:
             problem = "is a parameter of a manipulation, but a sweep simulates scenes of one finger"
             raise SweepError(Issue(field, f"{problem}; use `fingertip simulate` with --set for a manipulation."))
         known = list_parameter_names(DesignTables) + list_parameter_names(_load_scene_models()[0], "scene.")
-        if path in load_retired():
-            raise SweepError(Issue(field, load_retired()[path]))
-        similar = find_similar_name(name, known)
+        if path in declaration.load_retired():
+            raise SweepError(Issue(field, declaration.load_retired()[path]))
+        similar = declaration.find_similar_name(name, known)
         # The list of all names would be too long for a message.
         remedy = f"did you mean {similar}?" if similar else "`fingertip params` lists the names of a design."
         raise SweepError(Issue(field, f"there is no such parameter; {remedy}"))
@@ -196,11 +189,11 @@ def _parse_axis(name: str, field: str, entry: Any, sampled: bool, declared: Fiel
 def _parse_range(name: str, field: str, entry: Mapping[str, Any], sampled: bool, declared: FieldInfo) -> Axis:
     annotation = declared.annotation
     if annotation not in (float, int):
-        remedy = f"list its values, such as {list(list_choices(declared) or ('its values',))}"
+        remedy = f"list its values, such as {list(declaration.list_choices(declared) or ('its values',))}"
         raise SweepError(Issue(field, f"is not a number, so it has no range; {remedy}."))
     # Keys and types of their values
-    unknown = [key for key in entry if key not in RANGE_KEYS]
-    issues = [Issue(f"{field}.{key}", f"there is no such key; {suggest_name(key, RANGE_KEYS)}") for key in unknown]
+    unknown = {key: declaration.suggest_name(key, RANGE_KEYS) for key in entry if key not in RANGE_KEYS}
+    issues = [Issue(f"{field}.{key}", f"there is no such key; {remedy}") for key, remedy in unknown.items()]
     low, high = entry.get("low"), entry.get("high")
     for key, value in (("low", low), ("high", high)):
         if key not in entry:
@@ -270,5 +263,5 @@ def _check_value(model: type[BaseModel], path: str, field: str, value: Value) ->
         # This validates the fields alone. Rules between parameters are checked at each point.
         model.__pydantic_validator__.validate_python(tables, self_instance=model.model_construct())
     except ValidationError as error:
-        return [Issue(field, issue.message) for issue in issues_from_pydantic(error, model)]
+        return [Issue(field, issue.message) for issue in declaration.issues_from_pydantic(error, model)]
     return []

@@ -35,16 +35,8 @@ from fingertip.catalogues.output_files import (
 from fingertip.design import Design
 from fingertip.design.finger_set import FingerSet, Form
 from fingertip.design.geometry.solids import scaled
+from fingertip.documents import finger_set
 from fingertip.documents.acceptance import acceptance_sheet
-from fingertip.documents.finger_set import (
-    FormSheets,
-    SetSheets,
-    find_short_pot_lives,
-    render_set_start,
-    render_sheet,
-    set_sheets,
-    write_parts_csv,
-)
 from fingertip.foundation.errors import DesignError, Issue, OutputError
 from fingertip.foundation.input_files import find_link
 from fingertip.foundation.progress import Work
@@ -67,7 +59,7 @@ class MadeSet:
     forms: tuple[Made, ...]
     board: tuple[Path, ...]
     """Files of the board for all fingers; none if each finger keeps its own."""
-    sheets: SetSheets
+    sheets: finger_set.SetSheets
 
     @property
     def passed(self) -> bool:
@@ -119,7 +111,7 @@ def make_set(
     if board_design:
         planned = plan_board(board_design, folder / BOARD_FOLDER, force=force, bring_up=True, top=folder)
         board = planned.write(progress)
-    sheets = set_sheets(fingers, collected, has_board=board_design is not None)
+    sheets = finger_set.set_sheets(fingers, collected, has_board=board_design is not None)
     failed = [made.parts.design.name for made in forms if not made.parts.passed]
     contents = _render_sheets(fingers, sheets, _list_files(collected, board, folder), failed)
     if board_design:
@@ -128,7 +120,7 @@ def make_set(
     return MadeSet(folder, tuple(forms), board, sheets)
 
 
-def _list_files(sheets: Iterable[FormSheets], board: Iterable[Path], folder: Path) -> list[str]:
+def _list_files(sheets: Iterable[finger_set.FormSheets], board: Iterable[Path], folder: Path) -> list[str]:
     """List the files of a set that its page links to, without those of the page's own making."""
     own = f"{BOARD_FOLDER}/{README}"
     listed = [f"{each.form.design.name}/{file}" for each in sheets for file in (own, each.casting.plate)]
@@ -136,15 +128,15 @@ def _list_files(sheets: Iterable[FormSheets], board: Iterable[Path], folder: Pat
 
 
 def _render_sheets(
-    fingers: FingerSet, sheets: SetSheets, files: Sequence[str], failed: Sequence[str]
+    fingers: FingerSet, sheets: finger_set.SetSheets, files: Sequence[str], failed: Sequence[str]
 ) -> dict[str, bytes]:
     names = {OVERVIEW: "overview", CASTING_PLAN: "plan", PARTS_LIST: "parts", ACCEPTANCE: "acceptance"}
-    pages = {file: render_sheet(name, sheets) for file, name in names.items()}
+    pages = {file: finger_set.render_sheet(name, sheets) for file, name in names.items()}
     pictures = {form.design.name: draw_finger(form.design, _PICTURE_PX) for form in fingers.forms}
-    start = render_set_start(sheets, fingers.board_design)
+    start = finger_set.render_set_start(sheets, fingers.board_design)
     return {
         **{name: text.encode() for name, text in pages.items()},
-        PARTS_CSV: write_parts_csv(sheets.things),
+        PARTS_CSV: finger_set.write_parts_csv(sheets.things),
         SET_REPORT: (json.dumps(asdict(sheets), indent=2, allow_nan=False) + "\n").encode(),
         PAGE: render_set_page(sheets, pictures, start, pages.values(), [*pages, PARTS_CSV, *files], failed),
     }
@@ -153,7 +145,7 @@ def _render_sheets(
 def _refuse_early(fingers: FingerSet) -> None:
     """Refuse what a set can be refused for, before the work starts. Raises DesignError."""
     evaluator = MeshEvaluator(_COARSE_MM)
-    issues = list(find_short_pot_lives(form.design for form in fingers.forms))
+    issues = list(finger_set.find_short_pot_lives(form.design for form in fingers.forms))
     for design in (form.design for form in fingers.forms):
         for name, lies in print_orientations(design).items():
             mesh = evaluator.mesh(scaled(PARTS[name].solid(design), print_scale(design, PARTS[name])))
@@ -172,8 +164,8 @@ def _name_larger_bed(design: Design, part: str, mesh: Mesh) -> str:
     return f"it fits with {' '.join(changes)}"
 
 
-def _collect(fingers: FingerSet, form: Form, made: Made) -> FormSheets:
+def _collect(fingers: FingerSet, form: Form, made: Made) -> finger_set.FormSheets:
     assert made.parts.casting is not None, "all parts are built"
     own = {name: acceptance_sheet(fingers.calibrated[name]) for name in form.fingers if name in fingers.calibrated}
     verdict = count_checks(made.parts.checks)
-    return FormSheets(form, made.parts.casting, acceptance_sheet(form.design), verdict, own)
+    return finger_set.FormSheets(form, made.parts.casting, acceptance_sheet(form.design), verdict, own)

@@ -18,13 +18,7 @@ from fingertip.board.analysis.response import RECTIFYING_DIODE, decibel, find_en
 from fingertip.board.circuits.channels import leave_out_empty, name_net
 from fingertip.board.circuits.network import build_network
 from fingertip.board.circuits.spice import HOST_GROUND, HOST_SUPPLY
-from fingertip.board.components.front_end import (
-    AD623_SUPPLY_A,
-    AMPLIFIERS,
-    COMPARATOR_SUPPLY_A,
-    MAX_FORCE_N,
-    sensor_conductance_s,
-)
+from fingertip.board.components import front_end
 from fingertip.board.parts.circuit import Circuit, Component, Net, parse_component_value
 from fingertip.board.parts.nets import (
     ADC_FILTERED,
@@ -158,7 +152,7 @@ def compute_supply_ripple(
 ) -> SupplyRipple:
     band_hz = min(_MAX_LOW_HZ, cutoff_hz / 2.0), RIPPLE_END_HZ
     # A transimpedance stage amplifies what is left in its bias, the more the lower the sensor's resistance.
-    forces_n = (0.0, MAX_FORCE_N) if signal_ground == VMID else (0.0,)
+    forces_n = (0.0, front_end.MAX_FORCE_N) if signal_ground == VMID else (0.0,)
     gain, worst_hz, force_n = max(
         (*_find_largest_gain(circuit, gain_bandwidth_hz, signal_ground, band_hz, force_n), force_n)
         for force_n in forces_n
@@ -172,7 +166,7 @@ def _find_largest_gain(
     circuit: Circuit, gain_bandwidth_hz: float, signal_ground: str, band_hz: tuple[float, float], force_n: float
 ) -> tuple[float, float]:
     """Find the largest gain from the supply to the filtered signal at a force [N], and its frequency [Hz]."""
-    network = build_network(circuit, gain_bandwidth_hz, sensor_s=sensor_conductance_s(force_n))
+    network = build_network(circuit, gain_bandwidth_hz, sensor_s=front_end.sensor_conductance_s(force_n))
     network = network.restrict(FILTERED, signal_ground)
     nets = [FILTERED] if signal_ground in network.inputs else [FILTERED, signal_ground]
     worst_hz, gain = 0.0, 0.0
@@ -228,8 +222,8 @@ def compute_shared_figures(circuit: Circuit, gain_bandwidth_hz: float, board: Bo
 
 def compute_supply_current_a(circuit: Circuit, supply_v: float) -> float:
     """Typical current at rest [A]: of the amplifiers, and through the resistors at the supply."""
-    chips_a = {"AD623ARMZ": AD623_SUPPLY_A, "LMV331": COMPARATOR_SUPPLY_A}
-    chips_a |= {name: amplifier.supply_current_a * len(amplifier.units) for name, amplifier in AMPLIFIERS.items()}
+    chips_a = {"AD623ARMZ": front_end.AD623_SUPPLY_A, "LMV331": front_end.COMPARATOR_SUPPLY_A}
+    chips_a |= {name: each.supply_current_a * len(each.units) for name, each in front_end.AMPLIFIERS.items()}
     parts_a = [chips_a.get(part.symbol.name, 0.0) for part in circuit.components]
     branches = []
     for part in circuit.components:
@@ -285,7 +279,7 @@ def find_crosstalk(circuit: Circuit, board: Board, gain_bandwidth_hz: float) -> 
     worst = (0.0, 0.0)
     for force_n in _FORCES_N:
         network = build_network(
-            joined, gain_bandwidth_hz, sensor_s=sensor_conductance_s(force_n), is_supply_resistive=True
+            joined, gain_bandwidth_hz, sensor_s=front_end.sensor_conductance_s(force_n), is_supply_resistive=True
         )
         sources = [network.nets.index(name_net(SENSOR, k + 1)) for k in range(board.channels)]
         ground = network.transfers(f, HOST_GROUND)[:, sources]

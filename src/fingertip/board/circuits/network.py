@@ -24,13 +24,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.board.components.front_end import (
-    AD623_BANDWIDTH_HZ,
-    AMPLIFIERS,
-    GAIN_CONSTANT_OHM,
-    GAIN_RESISTOR,
-    SUPPRESSOR_F,
-)
+from fingertip.board.components import front_end
 from fingertip.board.parts.circuit import Circuit, parse_component_value
 from fingertip.board.parts.nets import GND, RAILS, UNCONNECTED, VCC
 from fingertip.catalogues.electronics import OPEN_LOOP_GAIN, Amplifier
@@ -258,15 +252,15 @@ def build_network(
         elif symbol == "AO3401A" and is_supply_resistive:
             equations.add(name, 1.0 / MAX_SWITCH_OHM, pins["3"], pins["2"])
         elif symbol == "D_TVS":
-            equations.add(name, SUPPRESSOR_F, pins["1"], pins["2"], order=1)
+            equations.add(name, front_end.SUPPRESSOR_F, pins["1"], pins["2"], order=1)
         elif symbol == "1N4148W":
             equations.values[name] = CONDUCTING_S
             if name in conducting:
                 equations.add(name, CONDUCTING_S, pins["1"], pins["2"])
         elif symbol == "AD623ARMZ":
             equations.add_instrumentation_amplifier(pins)
-        elif symbol in AMPLIFIERS:
-            equations.add_amplifiers(name, AMPLIFIERS[symbol], pins)
+        elif symbol in front_end.AMPLIFIERS:
+            equations.add_amplifiers(name, front_end.AMPLIFIERS[symbol], pins)
     return Network(tuple(equations.terms), equations.values, equations.rails)
 
 
@@ -299,10 +293,10 @@ class _Equations:
     def add_instrumentation_amplifier(self, pins: Mapping[str, str]) -> None:
         """Add v_out (1 + s A / (2 pi GBW)) = A (v_plus - v_minus) + v_ref with A = 1 + 100 kohm / R_gain."""
         out = pins["6"]
-        for quantity, factor in ((UNITY, 1.0), (GAIN_RESISTOR, GAIN_CONSTANT_OHM)):
+        for quantity, factor in ((UNITY, 1.0), (front_end.GAIN_RESISTOR, front_end.GAIN_CONSTANT_OHM)):
             self.terms += [Term(out, pins["3"], quantity, factor, 0), Term(out, pins["2"], quantity, -factor, 0)]
             if self._bandwidth_hz is not None:
-                self.terms.append(Term(out, out, quantity, -factor / (math.tau * AD623_BANDWIDTH_HZ), 1))
+                self.terms.append(Term(out, out, quantity, -factor / (math.tau * front_end.AD623_BANDWIDTH_HZ), 1))
         self.terms += [Term(out, pins["5"], UNITY, 1.0, 0), Term(out, out, UNITY, -1.0, 0)]
 
     def add_amplifiers(self, reference: str, data: Amplifier, pins: Mapping[str, str]) -> None:
@@ -347,7 +341,7 @@ def add_second_poles(network: Network, circuit: Circuit, f_hz: Array) -> Network
 def list_amplifiers(circuit: Circuit) -> Iterator[AmplifierOutput]:
     """Yield each amplifier of a circuit with the net that it drives, in the order of the components."""
     for component in circuit.components:
-        reference, data = component.reference, AMPLIFIERS.get(component.symbol.name)
+        reference, data = component.reference, front_end.AMPLIFIERS.get(component.symbol.name)
         units = data.units if data else {"": ("3", "2", "6")} if component.symbol.name == "AD623ARMZ" else {}
         for unit, pins in units.items():
             plus, minus, out = (circuit.net_by_pin[reference, pin] for pin in pins)

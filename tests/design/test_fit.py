@@ -14,7 +14,7 @@ from fingertip.cad.verification.fitting import fit_finger
 from fingertip.cad.verification.strength import assess_strength
 from fingertip.design import Design
 from fingertip.design.files import load_tables
-from fingertip.design.fit import DERIVED, find_fit, fit_design
+from fingertip.design.fit import DERIVED, fit_design
 from fingertip.design.geometry import DesignTables
 from fingertip.design.hand_sizes import find_hand
 from fingertip.design.interfaces.clevis import pin_shear_radius
@@ -97,9 +97,8 @@ def test_one_short_base_moves_to_the_bound_of_its_rule_and_nothing_else() -> Non
 @pytest.mark.parametrize("number", [4, 6, pytest.param(15, marks=pytest.mark.full)])
 def test_what_is_given_or_measured_stays_and_each_move_is_needed(number: int) -> None:
     begin, given, _ = draw(number, "begun", 7)
-    fit = find_fit(begin, given)
-    assert fit == find_fit(begin, given)
-    assert fit is not None
+    fit = fit_design(begin, given)
+    assert fit == fit_design(begin, given)
     assert fit.moves
     assert not list(find_violations(PART_RULES, fit.tables))
     moved = {move.name: move.after for move in fit.moves}

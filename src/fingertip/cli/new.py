@@ -120,8 +120,7 @@ def _write_one(console: Console, order: _Order, begin: Callable[[], NewDesign], 
     if console.fits:
         console.show_moves(order.name, made.moves)
         failed, strength = _check(made.design, data, console.progress)
-        if failed:
-            raise FingertipError(_refuse(failed))
+        FingertipError.raise_for(_refuse(failed))
         lines += strength
     write_file(order.path, made.text.encode())
     lines += [f"wrote {order.path}; edit it, then run: {order.following}", describe_guesses(made.guessed)]

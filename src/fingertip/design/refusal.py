@@ -11,21 +11,11 @@ from typing import Any
 from pydantic import ValidationError
 
 from fingertip.catalogues.electronics import SENSORS
+from fingertip.design import remedies
 from fingertip.design.files import flatten
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds, find_unit, format_unit, issues_from_pydantic
-from fingertip.design.remedies import (
-    Ends,
-    FitFunction,
-    Refusal,
-    Values,
-    approach,
-    find_intervals,
-    find_passing_value,
-    list_ends,
-    resolve,
-)
 from fingertip.design.rules.ruleset import BrokenRule, Rule, find_violations
 from fingertip.design.search import (
     ELECTRONIC_RULES,
@@ -53,7 +43,7 @@ def find_remedies(
     invalid: frozenset[str] = frozenset(),
     rules: Iterable[Rule] = RULES,
     *,
-    fit: FitFunction | None = None,
+    fit: remedies.FitFunction | None = None,
     failed: bool = False,
 ) -> list[Issue]:
     """Describe what is wrong with a design, each problem with a remedy.
@@ -72,17 +62,17 @@ def find_remedies(
         if own := tuple(one for one in broken if (one.rule not in ELECTRONIC_RULES) is of_parts):
             checked = cheapest_first(rule for rule in rules if (rule not in ELECTRONIC_RULES) is of_parts)
             search = Search(checked, cheapest_first(one.rule for one in own), invalid, before)
-            refusal = Refusal(tables, own, before, changed, search)
+            refusal = remedies.Refusal(tables, own, before, changed, search)
             usable = fit if of_parts and not invalid else None
             fitted = usable(tables, changed) if usable and not failed else None
-            values = resolve(refusal, fitted is not None)
+            values = remedies.resolve(refusal, fitted is not None)
             if usable and failed:
-                values = approach(refusal, values, usable)
+                values = remedies.approach(refusal, values, usable)
             issues += _describe(refusal, values, fitted or ())
     return issues
 
 
-def _describe(refusal: Refusal, values: Values, fitted: Sequence[str]) -> Iterator[Issue]:
+def _describe(refusal: remedies.Refusal, values: remedies.Values, fitted: Sequence[str]) -> Iterator[Issue]:
     """Yield an issue for the parameter whose change is the cause, then one for each other blamed or moved field."""
     blamed = refusal.blamed
     counts = collections.Counter(name for field in blamed for name in refusal.reads(field))
@@ -95,32 +85,30 @@ def _describe(refusal: Refusal, values: Values, fitted: Sequence[str]) -> Iterat
         else:
             present = f"{format_value(name, refusal.tables.value(name))}{format_unit(find_unit(PARAMETERS[name]))}"
             problem = f"{present} breaks {f'{counts[name]} rules' if counts[name] > 1 else 'a rule'}, listed below"
-        remedies = [_format_bound(refusal, name, values)] if name in values else []
+        offers = [_format_bound(refusal, name, values)] if name in values else []
         if name == names[0]:
-            rest = {other: value for other, value in values.items() if other not in names} or (
-                {} if remedies else values
-            )
+            rest = {other: value for other, value in values.items() if other not in names} or ({} if offers else values)
             if rest:
-                remedies = [f"{remedies[0]}, together with " if remedies else "set "]
-                remedies[0] += join_assignments(rest)
-            remedies += _list_alternatives(refusal, values)
-            remedies += [f"add --fit, which moves {join_words(fitted)}"] if fitted else []
-        elif name == names[-1] and not remedies:
+                offers = [f"{offers[0]}, together with " if offers else "set "]
+                offers[0] += join_assignments(rest)
+            offers += _list_alternatives(refusal, values)
+            offers += [f"add --fit, which moves {join_words(fitted)}"] if fitted else []
+        elif name == names[-1] and not offers:
             fixes = f"{join_assignments(values) if values else '--fit'} {'fix' if len(values) > 1 else 'fixes'}"
-            remedies = [f"{fixes} {'all of ' * (len(blamed) > 1)}this"]
-        yield Issue(name, f"{problem}{'; ' * bool(remedies)}{', or '.join(remedies)}.")
+            offers = [f"{fixes} {'all of ' * (len(blamed) > 1)}this"]
+        yield Issue(name, f"{problem}{'; ' * bool(offers)}{', or '.join(offers)}.")
 
 
-def _format_bound(refusal: Refusal, name: str, values: Values) -> str:
+def _format_bound(refusal: remedies.Refusal, name: str, values: remedies.Values) -> str:
     """Write the value that a field needs as a bound. The only blamed field may have several bounds, all verified."""
     value = values[name]
     if not is_number(name):
         return f"set {join_assignments({name: value})}{_suggest_bundled_design(refusal, name)}"
-    unit, intervals = format_unit(find_unit(PARAMETERS[name])), list[Ends]()
+    unit, intervals = format_unit(find_unit(PARAMETERS[name])), list[remedies.Ends]()
     if set(refusal.blamed) == {name}:
-        intervals = find_intervals(name, refusal.broken)
+        intervals = remedies.find_intervals(name, refusal.broken)
         unit += next((f" {broken.violation.note}" for broken in refusal.broken if broken.violation.note), "")
-    if value not in list_ends(refusal.tables, name, intervals):
+    if value not in remedies.list_ends(refusal.tables, name, intervals):
         intervals = [(value, None) if value > refusal.tables.value(name) else (None, value)]
 
     def verify(end: float | None) -> float | None:
@@ -137,7 +125,7 @@ def _format_interval(name: str, low: float | None, high: float | None) -> str:
     return f"at least {texts[0]}" if texts[0] else f"at most {texts[1]}" if texts[1] else ""
 
 
-def _suggest_bundled_design(refusal: Refusal, name: str) -> str:
+def _suggest_bundled_design(refusal: remedies.Refusal, name: str) -> str:
     """Name the bundled design for a sensor that the present design does not fit."""
     present, before = (SENSORS.get(tables.value(name)) for tables in (refusal.tables, refusal.before))
     if name != "sensor.model" or present is None or (before and before.bundled_design == present.bundled_design):
@@ -145,13 +133,13 @@ def _suggest_bundled_design(refusal: Refusal, name: str) -> str:
     return f", or start from the bundled design {present.bundled_design}"
 
 
-def _list_alternatives(refusal: Refusal, values: Values) -> Iterator[str]:
+def _list_alternatives(refusal: remedies.Refusal, values: remedies.Values) -> Iterator[str]:
     """Yield what resolves a refusal instead: the bound of the only blamed field, and values that its rules name."""
     if len(refusal.blamed) > 1:
         return
     ((name, broken),) = refusal.blamed.items()
-    ends = list_ends(refusal.tables, name, find_intervals(name, broken))
-    found: Values = {name: ends[0]} if ends and refusal.may_move(name) else {}
+    ends = remedies.list_ends(refusal.tables, name, remedies.find_intervals(name, broken))
+    found: remedies.Values = {name: ends[0]} if ends and refusal.may_move(name) else {}
     for one in broken:
         found |= one.violation.alternatives
     for other, value in found.items():
@@ -214,7 +202,7 @@ def _extend_bound(issue: Issue, tables: Mapping[str, Any], valid: DesignTables, 
     unrelated = {one.rule for one in violations} - {one.rule for one in broken}
     rules = cheapest_first(rule for rule in RULES if rule not in unrelated)
     search = Search(rules, cheapest_first(one.rule for one in broken), others)
-    passing = find_passing_value(search, at_bound, name, broken) if broken else None
+    passing = remedies.find_passing_value(search, at_bound, name, broken) if broken else None
     if passing is None:
         return issue
     more = f", and {word} {format_value(name, passing)}{unit} with the other parameters as they are."

@@ -16,18 +16,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fingertip.board.circuits.channels import PLACES, find_symbol, name_part, name_sheet, split_name
+from fingertip.board.kicad import sexpr
 from fingertip.board.kicad.back_print import print_values
 from fingertip.board.kicad.placement import Placement, read_placement, read_reference
-from fingertip.board.kicad.sexpr import (
-    Node,
-    Span,
-    change_property,
-    find_word,
-    first,
-    quote,
-    read_expression,
-    replace_spans,
-)
 from fingertip.board.parts.circuit import Circuit, Component, Symbol
 from fingertip.board.parts.select_part import symbol_fields
 from fingertip.catalogues.output_files import LAYOUT, PROJECT, SCHEMATIC
@@ -87,14 +78,14 @@ class StoredProject:
     """Content of the project file, which no design changes."""
 
     @functools.cached_property
-    def board(self) -> Node:
+    def board(self) -> sexpr.Node:
         """Lists of the layout without its zones, which come last: their fills are a third of the file."""
-        return read_expression(self.layout.partition("(zone")[0] + ")")
+        return sexpr.read_expression(self.layout.partition("(zone")[0] + ")")
 
     @functools.cached_property
-    def sheets(self) -> Mapping[str, Node]:
+    def sheets(self) -> Mapping[str, sexpr.Node]:
         """Lists of each schematic by the name of its file."""
-        return {file: read_expression(text) for file, text in self.schematics.items()}
+        return {file: sexpr.read_expression(text) for file, text in self.schematics.items()}
 
     @functools.cached_property
     def placement(self) -> Placement:
@@ -121,7 +112,7 @@ class StoredProject:
         """Enter a circuit into its project, and return the files by name. Raises BoardError if a field is missing."""
         changes = _enter_fields(self.layout, self.board, circuit)
         changes |= print_values(self.layout, self.board, circuit, self.placement)
-        files = {LAYOUT: replace_spans(self.layout, changes).encode()}
+        files = {LAYOUT: sexpr.replace_spans(self.layout, changes).encode()}
         drawn = {component.reference: library_id(component.symbol) for component in circuit.components}
         for file, sheet in self.sheets.items():
             text = self.schematics[file]
@@ -129,7 +120,7 @@ class StoredProject:
             if drawn != self.symbols:
                 parts = [name for part in sheet.children("symbol") if (name := read_reference(part)) in drawn]
                 changes |= _draw_symbols(text, sheet, {drawn[part]: self.symbols[part] for part in parts})
-            files[file] = replace_spans(text, changes).encode()
+            files[file] = sexpr.replace_spans(text, changes).encode()
         return files | {PROJECT: self.project}
 
 
@@ -151,55 +142,55 @@ def library_id(symbol: Symbol) -> str:
     return f"{symbol.library}:{symbol.name}"
 
 
-def _enter_fields(text: str, root: Node, circuit: Circuit) -> dict[Span, str]:
+def _enter_fields(text: str, root: sexpr.Node, circuit: Circuit) -> dict[sexpr.Span, str]:
     """Enter the fields of all components into the parts of a layout or a schematic.
 
     Raises BoardError if a part lacks a field.
     """
     components = {component.reference: component for component in circuit.components}
-    changes: dict[Span, str] = {}
+    changes: dict[sexpr.Span, str] = {}
     for part in root.children("footprint", "symbol"):
         if component := components.get(read_reference(part)):
             changes |= _enter_part(text, part, component)
     return changes
 
 
-def _enter_part(text: str, part: Node, component: Component) -> dict[Span, str]:
+def _enter_part(text: str, part: sexpr.Node, component: Component) -> dict[sexpr.Span, str]:
     fields = {"Value": component.value, "Description": component.symbol.description, **symbol_fields(component)}
-    changes: dict[Span, str] = {}
+    changes: dict[sexpr.Span, str] = {}
     for entry in part.children("property"):
         if entry.words[1] in fields:
-            changes |= change_property(text, entry, fields.pop(entry.words[1]))
+            changes |= sexpr.change_property(text, entry, fields.pop(entry.words[1]))
     if fields:
         raise BoardError(f"{component.reference} has no field {', '.join(sorted(fields))} in its KiCad project.")
     for item in part.children("descr"):
-        changes[find_word(text, item, 1)] = quote(component.role)
+        changes[sexpr.find_word(text, item, 1)] = sexpr.quote(component.role)
     for item in part.children("lib_id"):
-        changes[find_word(text, item, 1)] = quote(library_id(component.symbol))
+        changes[sexpr.find_word(text, item, 1)] = sexpr.quote(library_id(component.symbol))
     if not component.is_fitted:
         changes |= _mark_empty(text, part)
         changes |= {(item.end - 1, item.end - 1): " dnp" for item in part.children("attr")}
     return changes
 
 
-def _mark_empty(text: str, item: Node) -> dict[Span, str]:
+def _mark_empty(text: str, item: sexpr.Node) -> dict[sexpr.Span, str]:
     """Mark a symbol or a sheet as not fitted (KiCad: do not populate)."""
-    return {find_word(text, mark, 1): "yes" for mark in item.children("dnp")}
+    return {sexpr.find_word(text, mark, 1): "yes" for mark in item.children("dnp")}
 
 
-def _leave_out(text: str, schematic: Node, circuit: Circuit) -> dict[Span, str]:
+def _leave_out(text: str, schematic: sexpr.Node, circuit: Circuit) -> dict[sexpr.Span, str]:
     """Mark the sheets of the channels that are not fitted."""
     empty = {name_sheet(split_name(part.reference)[0]) for part in circuit.components if not part.is_fitted}
-    changes: dict[Span, str] = {}
+    changes: dict[sexpr.Span, str] = {}
     for sheet in schematic.children("sheet"):
         if any(entry.words[1] == "Sheetname" and entry.words[2] in empty for entry in sheet.children("property")):
             changes |= _mark_empty(text, sheet)
     return changes
 
 
-def _draw_symbols(text: str, schematic: Node, drawn_as: dict[str, str]) -> dict[Span, str]:
+def _draw_symbols(text: str, schematic: sexpr.Node, drawn_as: dict[str, str]) -> dict[sexpr.Span, str]:
     """Draw the symbols that a schematic uses in its library: each as the stored one that it stands in for."""
-    nodes = list(first(schematic, "lib_symbols").children("symbol"))
+    nodes = list(sexpr.first(schematic, "lib_symbols").children("symbol"))
     stored = {node.words[1]: text[node.start : node.end] for node in nodes}
     used = {name: symbol for name, symbol in stored.items() if name.startswith(_POWER)}
     for new, old in drawn_as.items():

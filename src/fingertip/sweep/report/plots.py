@@ -15,16 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.foundation import display as style
-from fingertip.sweep.report import statistics
+from fingertip.sweep.report import feasibility_plot, statistics
 from fingertip.sweep.report.best_design_file import Objective
-from fingertip.sweep.report.feasibility_plot import (
-    PlotScale,
-    choose_points,
-    draw_feasibility,
-    histogram_edges,
-    make_scale,
-    wrap_name,
-)
 from fingertip.sweep.report.statistics import Column, compute_cell_statistics
 from fingertip.sweep.report.summary import SweepSummary, format_percent
 
@@ -44,7 +36,7 @@ def draw_scatter_matrix(columns: dict[str, Column], feasible: NDArray[np.bool_],
     """Draw scatter plots below the diagonal, histograms on it, and rank correlations above it."""
     size = len(columns)
     panel = 1.75 if size > 4 else 2.4
-    points = choose_points(len(feasible), _MAX_POINTS)
+    points = feasibility_plot.choose_points(len(feasible), _MAX_POINTS)
     marker = min(5.0, max(2.4, 90 / math.sqrt(len(points))))
     width = panel * size + 1.0
     heading = _write_heading(len(points), len(feasible), left_out, width)
@@ -54,7 +46,8 @@ def draw_scatter_matrix(columns: dict[str, Column], feasible: NDArray[np.bool_],
     figure = style.new_figure(width, height, automatic_layout=False)
     figure.subplots_adjust(0.95 / width, 0.6 / height, 1 - 0.1 / width, 1 - top / height, 0.12, 0.12)
     panels = figure.subplots(size, size, squeeze=False)
-    scales = [make_scale(name, _select_finite(column), _HISTOGRAM_BINS) for name, column in columns.items()]
+    finite = {name: _select_finite(column) for name, column in columns.items()}
+    scales = [feasibility_plot.make_scale(name, column, _HISTOGRAM_BINS) for name, column in finite.items()]
     values = list(columns.values())
     for i, y in enumerate(scales):
         for j, x in enumerate(scales):
@@ -100,7 +93,7 @@ def _write_heading(shown: int, count: int, left_out: Sequence[str], width_in: fl
     return [line for sentence in sentences for line in textwrap.wrap(sentence, characters, break_long_words=False)]
 
 
-def _locate_with_jitter(scale: PlotScale, column: Column) -> NDArray[np.float64]:
+def _locate_with_jitter(scale: feasibility_plot.PlotScale, column: Column) -> NDArray[np.float64]:
     """Compute the positions of points; those of a category are spread out, or they would cover each other."""
     positions = scale.locate(column)
     if not scale.categories:
@@ -113,10 +106,10 @@ def _select_finite(column: Column) -> Column:
     return finite if len(finite) else np.zeros(1)
 
 
-def _draw_histogram(plot: Axes, x: PlotScale, column: Column, feasible: NDArray[np.bool_]) -> None:
+def _draw_histogram(plot: Axes, x: feasibility_plot.PlotScale, column: Column, feasible: NDArray[np.bool_]) -> None:
     """Draw how many points there are at each value; bars of unequal width show their number per mean width."""
     positions = x.locate(column)
-    edges = x.edges if x.categories else histogram_edges(positions, x, _HISTOGRAM_BINS)
+    edges = x.edges if x.categories else feasibility_plot.histogram_edges(positions, x, _HISTOGRAM_BINS)
     widths = np.diff(np.log(edges) if x.log else edges)
     per_width = widths.mean() / widths if len(widths) > 1 and not x.bins.is_exact else np.ones(len(widths))
     feasible_heights = per_width * np.histogram(positions[feasible], edges)[0]
@@ -150,7 +143,7 @@ def select_plots(summary: SweepSummary) -> Iterator[tuple[str, Callable[[], byte
         return
     if summary.limiting_rules:
         ranked = statistics.select_strongest_axes(summary.find_sensitivity(statistics.FEASIBLE), [*axes], len(axes))
-        yield "feasibility.png", partial(draw_feasibility, axes, summary.classes, ranked)
+        yield "feasibility.png", partial(feasibility_plot.draw_feasibility, axes, summary.classes, ranked)
     if summary.sensitivities:
         yield "sensitivity.png", partial(draw_sensitivities, summary.sensitivities, [*axes])
     # Outputs that vary, objectives first
@@ -218,7 +211,7 @@ def draw_heat_map(
     # One cell for each value of a grid while they can be told apart.
     counts = {name: len(np.unique(axes[name])) for name in axes}
     x, y = (
-        make_scale(name, axes[name], counts[name] if counts[name] <= _MAX_CELLS else max_cells)
+        feasibility_plot.make_scale(name, axes[name], counts[name] if counts[name] <= _MAX_CELLS else max_cells)
         for name in (x_name, y_name)
     )
     points, finite, best, mean = compute_cell_statistics(x.bins, y.bins, values, feasible, minimise is not False)
@@ -266,8 +259,9 @@ def draw_sensitivities(sensitivities: Sequence[statistics.OutputSensitivity], ax
             text = f"{format_percent(shares[i, j])}{arrow}"
             plot.text(j, i, text, ha="center", va="center", fontsize=9, color=colour)
     plot.imshow(shares, cmap="Blues", vmin=0, vmax=1, aspect="auto")
-    plot.set_xticks(range(len(columns)), [wrap_name(name, 16) for name in columns], fontsize=8)
-    plot.set_yticks(range(len(sensitivities)), [wrap_name(s.output, 30) for s in sensitivities], fontsize=9)
+    plot.set_xticks(range(len(columns)), [feasibility_plot.wrap_name(name, 16) for name in columns], fontsize=8)
+    rows = [feasibility_plot.wrap_name(each.output, 30) for each in sensitivities]
+    plot.set_yticks(range(len(rows)), rows, fontsize=9)
     plot.tick_params(length=0, top=True, labeltop=True, bottom=False, labelbottom=False)
     plot.spines[:].set_visible(False)
     for gap in range(1, len(columns)):
@@ -288,7 +282,7 @@ def draw_pareto_front(
     figure = style.new_figure(10, 7)
     plot = figure.subplots()
     x, y = values
-    points = choose_points(len(x), _MAX_CANDIDATES)
+    points = feasibility_plot.choose_points(len(x), _MAX_CANDIDATES)
     size = 3.5 if len(points) > 2000 else 6.0
     plot.plot(x[points], y[points], ".", color=style.PALE_BLUE, markersize=size, markeredgewidth=0)
     order = front[np.lexsort((y[front], x[front]))]
@@ -315,7 +309,7 @@ def draw_pareto_front(
 def _draw_cells(
     figure: Figure,
     plot: Axes,
-    scales: tuple[PlotScale, PlotScale],
+    scales: tuple[feasibility_plot.PlotScale, feasibility_plot.PlotScale],
     values: Column,
     points: NDArray[np.intp],
     title: str,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -58,8 +58,11 @@ def board(
     loaded = load_design(design, changes, console)
     options = _Options(out, fab, analysis, bode, bringup, article, verbose, force)
     if not loaded.board.has_filter:
+        from fingertip.board.components.values import BOARD_REMEDY
+
         needing = {"--fab": fab, "--analysis": analysis, "--readings": readings, "--article": article} | writing
-        _refuse_for_divider(option for option, given in needing.items() if given)
+        message = f"needs a board, and a divider is none; leave it out, or {BOARD_REMEDY}."
+        refuse(Issue(option, message) for option, given in needing.items() if given)
     if readings:
         _assess(console, loaded, readings)
     elif check:
@@ -136,13 +139,6 @@ def _write_board(console: Console, design: Design, options: _Options) -> None:
         data["analysis"] = found.as_data()
         lines += ["", analysis_text(design, found)]
     console.result(data | written | {"verdict": verdict, "warnings": warnings}, "\n".join(lines))
-
-
-def _refuse_for_divider(needing_a_board: Iterable[str]) -> None:
-    from fingertip.board.components.values import BOARD_REMEDY
-
-    message = f"needs a board, and a divider is none; leave it out, or {BOARD_REMEDY}."
-    refuse([Issue(option, message) for option in needing_a_board])
 
 
 def _write_divider(console: Console, design: Design, options: _Options) -> None:

@@ -228,7 +228,6 @@ class Console:
 
 
 def align_columns(rows: Sequence[Sequence[str]]) -> list[str]:
-    """Write rows of texts as lines with aligned columns."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
 

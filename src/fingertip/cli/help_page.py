@@ -29,7 +29,6 @@ MAX_TERM = 26
 _METAVARS = dict.fromkeys(("int", "integer", "float"), "NUMBER") | dict.fromkeys(("path", "file", "directory"), "PATH")
 """Name of a type in typer -> what stands for a value on a help page."""
 
-
 MOVED = {
     "bench": "`fingertip accuracy` states the errors of the simulation; in a clone, `python -m benchmarks.peers` "
     "compares it with other solvers, and `python -m benchmarks.slip` the slip detectors with others."

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Collection, Iterable, Iterator
-from typing import Any
 
-from fingertip.design.files import Parameter, list_parameters, merge
+from fingertip.design.files import Parameter, list_parameters, load_tables
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS, Tables
 from fingertip.design.parameters.declaration import OWN, parse_tables
@@ -44,7 +43,7 @@ def write_design(design: Tables, heading: Iterable[str], marked: Collection[str]
     design = design.with_bare_names()
     listed = {parameter.path: parameter for parameter in list_parameters(marked)}
     main = list(_list_main(design))
-    loaded = _load(design, main)
+    loaded = parse_tables(DesignTables, fill_in(load_tables((), {path: design.value(path) for path in main}).tables))
     stated = [*main, *(path for path in listed if path not in main and design.value(path) != loaded.value(path))]
     lines = [*(f"# {line}".rstrip() for line in heading), "", *_format_block(design, [listed["name"]])]
     for kind, title in _HEADINGS.items():
@@ -68,16 +67,6 @@ def _list_main(design: Tables) -> Iterator[str]:
     own += ["custom_sensor."] * (design.sensor.model == "custom") + ["silicone."] * (design.silicone.product == OWN)
     found = (path for path in PARAMETERS if path.startswith(tuple(own)))
     yield from dict.fromkeys(("name", *_WISHES[:2], *found, *_WISHES[2:]))
-
-
-def _load(design: Tables, stated: Iterable[str]) -> DesignTables:
-    """Load the design of a file that states some parameters only."""
-    tables: dict[str, Any] = {}
-    for path in stated:
-        *steps, key = path.split(".")
-        value: Any = {key: design.value(path)}
-        merge(tables, {steps[0]: value} if steps else value)
-    return parse_tables(DesignTables, fill_in(tables))
 
 
 def _format_block(design: Tables, parameters: Iterable[Parameter], prefix: str = "") -> Iterator[str]:

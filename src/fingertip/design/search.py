@@ -34,7 +34,6 @@ ELECTRONIC_RULES = (
 """Rules of the board and of slip detection. They read only the electronic tables."""
 RULES = (*PART_RULES, *ELECTRONIC_RULES)
 
-
 SMALLEST = 1e-300
 """Absolute value below which a number has no digits that count."""
 _GRID_INTERVALS = 48

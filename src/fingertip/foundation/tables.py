@@ -68,7 +68,6 @@ _READERS: Mapping[Any, Callable[[str], Any]] = {
     bool: {"yes": True, "no": False}.__getitem__,
 }
 
-
 MAX_DEPTH = 12
 """Maximum depth of tables and lists in a file. A sweep of scenes needs five."""
 _TOO_DEEP = f"nests tables and lists more than {MAX_DEPTH} deep; write them side by side"

@@ -37,7 +37,6 @@ from fingertip.pictures.casting_scenes import draw_finger
 
 _BEFORE = "Before you begin"
 
-
 Tab = tuple[str, str, tuple[Markup, ...]]
 """Name of a panel, by which links lead to it, its label and its content."""
 

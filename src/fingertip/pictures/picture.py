@@ -73,7 +73,6 @@ _COLOURS: Mapping[str, Colour] = {
 _MARK_REACH_MM = 1.0
 """Distance along the finger within which the surface above a weak section is looked for."""
 
-
 Mark = tuple[str, Point3]
 """Text with an arrow to a point [mm]."""
 

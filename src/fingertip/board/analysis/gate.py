@@ -72,7 +72,6 @@ def _compare(
 
 at_most, at_least = functools.partial(_compare, "at most"), functools.partial(_compare, "at least")
 
-
 CURRENT, OFFSET, BANDWIDTH, MARGIN, PEAKING = (
     "output current", "offset over swing", "gain-bandwidth product", "phase margin", "gain beyond the band",
 )  # fmt: skip

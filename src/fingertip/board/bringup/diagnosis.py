@@ -88,7 +88,6 @@ _TWO_GROUNDS = (
     ),
 )
 
-
 MIN_READINGS = 3
 _MODEL_RATIO = 0.03
 """Error of a predicted reading beyond that of a good board, as a ratio of it."""

@@ -176,7 +176,6 @@ def _draw_offset(path: Network, board: Board, net: str, ground: str, random: np.
 CURRENT_RATIOS = (0.4, 1.7)
 """Limits of the supply current as ratios of the typical one: data sheets allow amplifiers about half as much more."""
 
-
 SUPPLY_MA = "supply_ma"
 QUIET, SLIP_TONE = "tp3_quiet_v", "slip_tone_v"
 _NOISE_FACTOR = 4.0

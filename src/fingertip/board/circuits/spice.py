@@ -26,7 +26,6 @@ HOST_SUPPLY, HOST_GROUND = "HOST_SUPPLY", "HOST_GROUND"
 SENSOR_FORCE_N = 0.8
 """Force on the deck's sensor: the middle of the three forces for which the article states a voltage."""
 
-
 _ELEMENTS = {
     **dict.fromkeys(("R", "C"), "{0} {1} {2} {value}"),
     "1N4148W": "{0} {2} {1} D1N4148",

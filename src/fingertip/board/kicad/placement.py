@@ -120,7 +120,6 @@ def view_channel(placement: Placement, channel: int) -> Placement:
 
 
 def read_placement(board: Node) -> Placement:
-    """Read the placement from a layout."""
     edges = [item for item in board.children("gr_line", "gr_arc") if item.word("layer") == "Edge.Cuts"]
     ends = [numbers(first(item, end)) for item in edges for end in ("start", "end")]
     left, top = (min(end[axis] for end in ends) for axis in (0, 1))

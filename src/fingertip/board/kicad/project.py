@@ -132,7 +132,6 @@ def load_project(variant: str, channels: int = 1) -> StoredProject:
 
 
 def make_project(name: str, files: Mapping[str, bytes]) -> StoredProject:
-    """Make a project of its files."""
     sheets = {file: data.decode() for file, data in files.items() if file.endswith(Path(SCHEMATIC).suffix)}
     return StoredProject(name, files[LAYOUT].decode(), sheets, files[PROJECT])
 

@@ -33,7 +33,6 @@ VMID_OUT = "M_OUT"
 RAILS = (GND, VCC, VEE)
 """Nets that power symbols name in a schematic."""
 
-
 UNCONNECTED = "unconnected-("
 """Beginning of the name that KiCad gives the net of a pin that is left open on purpose."""
 

@@ -27,7 +27,6 @@ VOLUME_TOLERANCE_MM3 = 1e-3
 PLANE_OFFSET_MM = 0.02
 """Distance of a cut from a plane on which solids end [mm]. In the plane itself they would touch."""
 
-
 _REACH_GROWTH = 1.25
 """Factor from one search for a distance to the next. The time of a search grows with about the cube of its reach."""
 _MIN_REACH_MM = 0.1

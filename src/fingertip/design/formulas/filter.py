@@ -117,7 +117,6 @@ MIN_CUTOFF_RATIO = 10.0
 """Minimum ratio of the cutoff to the corner frequency of R4 and its series capacitor. The gain at the cutoff is then
 reduced by at most 0.5 %."""
 
-
 VMID_TOP_OHM, VMID_BOTTOM_OHM = 51e3, 51e3
 """Divider of VMID [ohm]. With its capacitor it filters the supply's ripple above 0.6 Hz."""
 

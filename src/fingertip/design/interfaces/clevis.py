@@ -48,7 +48,6 @@ from fingertip.design.interfaces.interface import JointInterface, Shapes
 _AT_GROOVE, _REACH_MM = 1.6, 1.0
 """Stress concentration at the proximal corner of the groove, as found beside collars, and how far it acts [mm]."""
 
-
 _GROOVE_RESERVE = 1.01
 """Factor on the safety factors for which the grooves of a pin are cut."""
 

@@ -164,7 +164,6 @@ _MAX_LISTED = 100
 _MAX_COMPARED_LENGTH = 60
 """Maximum length of a word that known names are compared with [characters]."""
 
-
 _FEW = 2
 """Number of groups up to which lines are soon mended by hand."""
 

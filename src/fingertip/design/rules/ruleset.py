@@ -23,7 +23,6 @@ SLACK = 1e-6
 """Slack of the rules for lengths. A bound that is computed from other lengths carries rounding errors, and a design at
 the bound must not fail by one."""
 
-
 Interval = tuple[float, float]
 """Closed interval of values of a field; infinite where it is open."""
 

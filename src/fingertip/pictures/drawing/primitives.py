@@ -201,7 +201,6 @@ _WIDTHS = {
 }  # fmt: skip
 """Width of characters in thousandths of the size of the font (Adobe's metrics of Helvetica)."""
 
-
 Line2: TypeAlias = tuple[Point, ...]
 
 

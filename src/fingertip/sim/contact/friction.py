@@ -51,7 +51,6 @@ MAX_MU = 100.0
 GROSS_SLIP_M_S = 1e-3
 """Sliding speed above which slip is gross [m/s]. Assumption: 1/40 of the article's slowest slide."""
 
-
 Curve = tuple[float, float, float]
 """Stribeck curve: mu_c, mu_s - mu_c, and Stribeck velocity [m/s]."""
 Velocity = TypeVar("Velocity", float, Array)

@@ -47,10 +47,8 @@ from fingertip.slip.detectors.registry import Detector, DetectorOutput
 _FIRST, _SECOND, _INPUT = range(3)
 """Indices of the filter's state: voltages of the first and the second capacitor, and the previous input [V]."""
 
-
 PINS = {ADC_TACTILE: TACTILE, ADC_ENVELOPE: ENVELOPE, ADC_FILTERED: FILTERED}
 """Pin of the ADC -> output of the board ahead of its filter. The last one is on boards for a controller."""
-
 
 _NO_POLES = (0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0)
 """Matrix of a pin without poles, whose voltage is the input."""

@@ -66,7 +66,6 @@ voltage of the comparator's output, low while it reports slip. Of a manipulation
 commanded closing; and of the object object_m, its position; pin_n, force of the pin.
 """
 
-
 FILTER_OUTPUTS = frozenset({"filtered_v", "envelope_v", "slip_pin_v", "sampled_envelope_v", "sampled_filtered_v"})
 """Outputs that need the filter board."""
 

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 _VALUES_PER_BIN = 10
 """Number of distinct values in a bin above which no comb can be seen."""
 
-
 _SIDE_BY_SIDE = 45
 """Letters of all words below a plot from which on they are turned: they would lie on each other."""
 

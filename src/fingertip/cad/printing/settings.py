@@ -122,8 +122,6 @@ def describe_part(
     return text + supports.note
 
 
-ERROR_PERCENT = 15
-"""Error within which PrusaSlicer's times lie, rounded up."""
 _COARSE_MM = 0.2
 """Tolerance of the meshes [mm]: finer ones change the time by 0.2 %."""
 _LINE_MM, _CLOSED_LAYERS = 0.45, 3

@@ -11,17 +11,10 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
+from fingertip.board.bringup import resistances
 from fingertip.board.bringup.bench import HOST, Fault, list_exchanges, list_faults
 from fingertip.board.bringup.plan import METER_AC, BringUp
 from fingertip.board.bringup.prediction import POINTS, Board, Limits, find_failed, is_tone, name_voltage, predict
-from fingertip.board.bringup.resistances import (
-    METER_CONSTANT_OHM,
-    choose_follow_up,
-    limit_board_resistances,
-    list_measurable,
-    name_resistance,
-    predict_resistance,
-)
 from fingertip.board.circuits.network import build_network
 from fingertip.board.components.front_end import AMPLIFIERS
 from fingertip.board.parts.nets import ENVELOPE, RECT_OUT, STAGE1_OUT, VMID
@@ -154,20 +147,21 @@ def diagnose(
     singles, exchanges = list_faults(board.circuit, board.ends_v), list_exchanges(board.circuit)
     faults = [Fault("", "", board.circuit), *filter(is_possible, singles), *filter(is_possible, exchanges)]
     predicted = []
-    across = [name for name in list_measurable(board.circuit) if name_resistance(name) in readings]
+    measurable = {resistances.name_resistance(name): name for name in resistances.list_measurable(board.circuit)}
+    across = {reading: name for reading, name in measurable.items() if reading in readings}
     for fault, values in zip(faults, predict(board, faults, tone_v), strict=True):
-        ohms = {name_resistance(name): predict_resistance(fault.circuit, name) for name in across}
+        ohms = {reading: resistances.predict_resistance(fault.circuit, name) for reading, name in across.items()}
         predicted.append((fault, fit_offset(board, fault, values, readings) | ohms))
     likely = explain(predicted, limits, readings, list_mistakes(board))
     named = likely[0].fault.reference.split(" and ") if likely else []
-    is_measured = {name_resistance(name) for name in named} <= readings.keys()
+    is_measured = {resistances.name_resistance(name) for name in named} <= readings.keys()
     if not likely or likely[0].mistake or (len(likely) == 1 and is_measured):
         return Diagnosis(failed, likely)
     # Where the best explanation is poor, errors of the prediction are larger.
     margin = max(_CLOSE / len(readings), likely[0].misfit)
     alone = find_alone(predicted, limits, readings)
     near = [each.fault.circuit for each in alone if each.misfit - likely[0].misfit < margin]
-    return Diagnosis(failed, likely, choose_follow_up(board.circuit, near, readings, named))
+    return Diagnosis(failed, likely, resistances.choose_follow_up(board.circuit, near, readings, named))
 
 
 def fit_offset(board: Board, fault: Fault, values: dict[str, float], readings: Mapping[str, float]) -> dict[str, float]:
@@ -271,7 +265,7 @@ def _misfit(predicted: Mapping[str, float], readings: Mapping[str, float], limit
 def _difference(name: str, predicted_v: float, measured_v: float, limits: Mapping[str, Limits]) -> float:
     spread = (limits[name].high_v - limits[name].low_v) / 4.0
     if name.endswith("_ohm"):
-        spread = METER_CONSTANT_OHM + spread * predicted_v / limits[name].expected_v
+        spread = resistances.METER_CONSTANT_OHM + spread * predicted_v / limits[name].expected_v
     if is_tone(name) and limits[name].low_v > 0.0:
         # What is left of a tone has the same relative spread, and the meter's own error.
         expected_v = limits[name].expected_v
@@ -301,7 +295,7 @@ def list_hidden_faults(plan: BringUp) -> dict[str, list[str]]:
         values = fit_offset(board, fault, found, beyond)
         if not all(limits.allow(values[name]) for name, limits in plan.levels.items()):
             continue
-        ohms = limit_board_resistances(replace(board, circuit=fault.circuit))
+        ohms = resistances.limit_board_resistances(replace(board, circuit=fault.circuit))
         if all(limits.allow(ohms[name].expected_v) for name, limits in plan.before_power.items()):
             what = fault.description.removeprefix("is ").partition(":")[0]
             hidden.setdefault(what, []).append(fault.reference)

@@ -26,7 +26,7 @@ from fingertip.design.files import to_toml
 from fingertip.design.new_design import PRESETS
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_bounds, list_choices
-from fingertip.foundation.errors import FingertipError, TraceError
+from fingertip.foundation.errors import FingertipError, TraceError, raise_issues
 from fingertip.sim import ManipulationFile, SceneFile, Simulation, load_simulation
 from fingertip.sim.signal.parameters import FILTER_OUTPUTS
 from fingertip.sweep.outputs import load_outputs
@@ -204,7 +204,7 @@ class _Drawing:
 
             def load(typed: list[str]) -> Simulation:
                 simulation = load_simulation(name, path, changes=typed)
-                TraceError.raise_for(simulation.scene.find_design_issues(simulation.design, 0))
+                raise_issues(TraceError, simulation.scene.find_design_issues(simulation.design, 0))
                 return simulation
 
             simulation, changes = settle(load, changes)

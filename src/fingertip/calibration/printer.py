@@ -14,7 +14,7 @@ from typing import Any
 
 from fingertip.design import Design
 from fingertip.design.geometry.mold_layout import LEDGE_MM
-from fingertip.foundation.errors import DesignError, Issue
+from fingertip.foundation.errors import DesignError, Issue, raise_issues
 
 CALIPER_MM = 0.03
 """Error of a reading, of the calipers and of the hand together [mm]. An assumption."""
@@ -55,7 +55,7 @@ def calibrate_printer(design: Design, half_thickness_mm: float, plate_width_mm: 
     if plate_width_mm is not None:
         readings["--plate-width-mm"] = plate_width_mm, plate
     issues = [issue for option, pair in readings.items() for issue in _find_mistakes(option, *pair)]
-    DesignError.raise_for(issues)
+    raise_issues(DesignError, issues)
     percent = design.printer.scale_percent
     scale, uncertainty = 100.0 / percent, _USUAL_SCALE_ERROR
     if plate_width_mm is not None:

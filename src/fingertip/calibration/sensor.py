@@ -17,7 +17,7 @@ from fingertip.board.analysis.limits import TactileResponse
 from fingertip.board.components.front_end import NEWTON_PER_GRAM
 from fingertip.design import Design
 from fingertip.design.parameters.declaration import suggest_name
-from fingertip.foundation.errors import InputFileError, Issue, TraceError, quote_value
+from fingertip.foundation.errors import InputFileError, Issue, TraceError, quote_value, raise_issues
 from fingertip.foundation.input_files import RECORDING_LIMIT, read_input
 from fingertip.foundation.numerics import CONFIDENCE, t_quantile
 from fingertip.sim.signal.bridge import TURN_ON_WIDTH_N, fit_conductance_curve
@@ -122,7 +122,7 @@ def parse_weighings(text: str, source: str) -> Weighings:
             "are needed for a curve and its interval."
         )
         issues.append(Issue(source, message))
-    TraceError.raise_for(issues)
+    raise_issues(TraceError, issues)
     return Weighings(source, kind, loaded, unloaded)
 
 
@@ -265,7 +265,7 @@ def calibrate_sensor(design: Design, weighings: Weighings, scale: float | None =
         else:
             forces.append(row.force_n)
             conductances.append(found)
-    TraceError.raise_for(issues)
+    raise_issues(TraceError, issues)
     law = fit_power_law(forces, conductances, turn_on)
     if law.exponent <= 0.0:
         message = "the readings do not grow with the load; check the order of the columns, and the wiring."

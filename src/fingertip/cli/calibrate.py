@@ -12,7 +12,7 @@ from fingertip.cli import options
 from fingertip.cli.console import Console
 from fingertip.cli.help_page import HelpCommand, HelpGroup
 from fingertip.cli.options import command, find_file_issues, load_design
-from fingertip.foundation.errors import FingertipError, gather
+from fingertip.foundation.errors import FingertipError, gather, raise_issues
 
 if TYPE_CHECKING:
     from fingertip.calibration.sensor import SensorCalibration
@@ -57,7 +57,7 @@ def printer(
         loaded = load_design(design, changes, console)
         calibration = calibrate_printer(loaded, half_thickness_mm, plate_width_mm)
         calibrated = apply_calibration(loaded, calibration.changes, out.stem if out else None)
-    FingertipError.raise_for(issues)
+    raise_issues(FingertipError, issues)
     known = "known" if plate_width_mm else "assumed"
     figures = ("scale", "scale_uncertainty", "offset_mm", "offset_uncertainty_mm")
     data: dict[str, Any] = {name: round_for_output(getattr(calibration, name)) for name in figures}
@@ -115,7 +115,7 @@ def sensor(
         loaded = load_design(design, changes, console)
     with gather(issues):
         weighings = read_weighings(readings)
-    FingertipError.raise_for(issues)
+    raise_issues(FingertipError, issues)
     calibration = calibrate_sensor(loaded, weighings, scale)
     calibrated = apply_calibration(loaded, calibration.changes)
     data, lines = _sensor_data(calibration), _format_sensor(calibration, calibrated)

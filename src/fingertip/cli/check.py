@@ -14,7 +14,7 @@ import typer
 from fingertip.catalogues.electronics import split_finger
 from fingertip.cli import options
 from fingertip.cli.console import Console, align_columns
-from fingertip.foundation.errors import DesignError, Issue, gather, join_words
+from fingertip.foundation.errors import DesignError, Issue, gather, join_words, raise_issues
 from fingertip.foundation.progress import Work
 
 if TYPE_CHECKING:
@@ -142,7 +142,7 @@ def _load(files: Sequence[Path], changes: Sequence[str], console: Console) -> di
         issues += (
             issue if issue.field == str(file) else Issue(f"{file}: {issue.field}", issue.message) for issue in found
         )
-    DesignError.raise_for(issues)
+    raise_issues(DesignError, issues)
     names = [design.name for _, design in loaded]
     return {design.name if names.count(design.name) == 1 else label: design for label, design in loaded}
 

@@ -13,7 +13,7 @@ import typer
 from fingertip.cli import options
 from fingertip.cli.console import BAD_INPUT, Console
 from fingertip.cli.options import CHANGES, command, find_file_issues, load_design, refuse
-from fingertip.foundation.errors import FingertipError, Issue, TraceError
+from fingertip.foundation.errors import FingertipError, Issue, TraceError, raise_issues
 from fingertip.foundation.interruption import INTERRUPTIONS, exit_code
 from fingertip.slip.detectors.registry import DEFAULT
 
@@ -133,7 +133,7 @@ def _refuse_without_recording(options: Mapping[str, object]) -> None:
     if not sys.stdin or sys.stdin.closed:
         raise TraceError(Issue("-", "standard input is closed; pipe lines into it."))
     message = "requires the whole recording; save the lines in a file first."
-    TraceError.raise_for(Issue(name, message) for name, value in options.items() if value is not None)
+    raise_issues(TraceError, (Issue(name, message) for name, value in options.items() if value is not None))
 
 
 def _follow_standard_input(console: Console, design: Design, detector: str, reading: _Reading) -> None:

@@ -14,7 +14,7 @@ import typer
 from fingertip.catalogues.electronics import NAMES, spell_sensor
 from fingertip.cli.console import Console
 from fingertip.cli.options import CHANGES, command, find_file_issues
-from fingertip.foundation.errors import FingertipError, Issue, gather, join_words
+from fingertip.foundation.errors import FingertipError, Issue, gather, join_words, raise_issues
 from fingertip.foundation.progress import Work
 
 if TYPE_CHECKING:
@@ -120,7 +120,7 @@ def _write_one(console: Console, order: _Order, begin: Callable[[], NewDesign], 
     if console.fits:
         console.show_moves(order.name, made.moves)
         failed, strength = _check(made.design, data, console.progress)
-        FingertipError.raise_for(_refuse(failed))
+        raise_issues(FingertipError, _refuse(failed))
         lines += strength
     write_file(order.path, made.text.encode())
     lines += [f"wrote {order.path}; edit it, then run: {order.following}", describe_guesses(made.guessed)]
@@ -132,7 +132,7 @@ def _write_renewed(console: Console, order: _Order, old: Path) -> None:
     from fingertip.foundation.files import write_file
 
     order.issues.extend(find_file_issues("--out", order.path, ".toml", inputs=(old,), kept="give another name"))
-    FingertipError.raise_for(dict.fromkeys(order.issues))
+    raise_issues(FingertipError, dict.fromkeys(order.issues))
     for left in LEFT_OUT:
         renewed = renew_design(order.name, old, order.changes, left, console.progress)
         data, lines = _describe(order.path, renewed.made)
@@ -174,7 +174,7 @@ def _write_set(console: Console, order: _Order, start: Callable[[], Starts]) -> 
     issues += _name_options(found)
     for file in (path, *(path.with_name(f"{one.tables.name}.toml") for one in starts.values())):
         issues += find_file_issues("--out", file, ".toml", kept="give another name")
-    FingertipError.raise_for(dict.fromkeys(issues))
+    raise_issues(FingertipError, dict.fromkeys(issues))
     work = Work("", {"fit": 2.0 * len(starts), "checks": len(starts)}, console.progress)
     forms = fit_set(starts, work.within("fit"), issues)
     checking = Work("checking", dict.fromkeys((join_words(form.fingers) for form in forms), 1.0), work.within("checks"))
@@ -191,7 +191,7 @@ def _write_set(console: Console, order: _Order, start: Callable[[], Starts]) -> 
             details += strength
         form_data.append(data | {"design": form.file, "fingers": list(form.fingers)})
         lines += [f"{label}: {form.file}, begun from {form.design.base}", *(f"  {line}" for line in details)]
-    FingertipError.raise_for(issues)
+    raise_issues(FingertipError, issues)
     for form in forms:
         if form.is_own:
             write_file(path.with_name(form.file), form.design.text.encode())

@@ -16,7 +16,7 @@ import typer
 from fingertip.cli.completion import COMPLETIONS
 from fingertip.cli.console import BAD_INPUT, FAULT, Console, describe_fault, describe_path_error, discard_stdout
 from fingertip.foundation import interruption
-from fingertip.foundation.errors import FingertipError, Issue, OutputError
+from fingertip.foundation.errors import FingertipError, Issue, OutputError, raise_issues
 
 if TYPE_CHECKING:
     from fingertip.design import Design
@@ -171,7 +171,7 @@ def load_fingers(file: Path, changes: Sequence[str] | None, console: Console) ->
 
 
 def refuse(*issues: Iterable[Issue]) -> None:
-    OutputError.raise_for(issue for each in issues for issue in each)
+    raise_issues(OutputError, *issues)
 
 
 def find_idle_issues(mode: str, options: Mapping[str, object]) -> Iterator[Issue]:

@@ -18,7 +18,7 @@ from fingertip.catalogues.file_kinds import DESIGN, FileKind, find_file, read_fi
 from fingertip.design.parameters import PARAMETERS, ParameterTable, Tables, find_kind
 from fingertip.design.parameters.declaration import find_bounds, find_unit, list_choices
 from fingertip.design.proportions import fill_in
-from fingertip.foundation.errors import MAX_VALUE_LENGTH, DesignError, Issue, gather, quote_value, shorten
+from fingertip.foundation.errors import MAX_VALUE_LENGTH, DesignError, Issue, gather, quote_value, raise_issues, shorten
 from fingertip.foundation.input_files import is_safe_name
 from fingertip.foundation.tables import MAX_DEPTH, UnusableTomlError, parse_toml
 
@@ -80,7 +80,7 @@ def load_tables(
     for change in list_changes(changes):
         with gather(issues):
             parsed.append(parse_change(change))
-    DesignError.raise_for(issues)
+    raise_issues(DesignError, issues)
     if before and kind is DESIGN:
         before = fill_in(before)
     tables = copy.deepcopy(before)

@@ -22,7 +22,7 @@ from fingertip.design.hand_sizes import find_hand
 from fingertip.design.model import Design
 from fingertip.design.parameters.declaration import parse_tables, suggest_name
 from fingertip.design.parameters.finger import ForceCurve
-from fingertip.foundation.errors import DesignError, Issue, gather, join_words, quote_value
+from fingertip.foundation.errors import DesignError, Issue, gather, join_words, quote_value, raise_issues
 from fingertip.foundation.input_files import is_safe_name
 
 T = TypeVar("T")
@@ -148,13 +148,13 @@ def read_set(
             found.setdefault(issue, []).append(name)
     for issue, names in found.items():  # what is wrong in several fingers is said once
         issues.append(Issue(f"fingers.{', '.join(names)}: {issue.field}", issue.message))
-    DesignError.raise_for(issues)
+    raise_issues(DesignError, issues)
     return contents.name, contents.side, fingers
 
 
 def build_set(name: str, side: str, designs: Mapping[str, Design]) -> FingerSet:
     """Build a set of the designs of its fingers. Raises DesignError if they do not share a hand's joint."""
-    DesignError.raise_for(_find_differences(designs))
+    raise_issues(DesignError, _find_differences(designs))
     forms = tuple(_name_forms(designs))
     bases = {finger: form.design for form in forms for finger in form.fingers}
     calibrated = {finger: each for finger, each in designs.items() if each.force_curve != bases[finger].force_curve}

@@ -22,7 +22,7 @@ from fingertip.design.parameters.declaration import find_follows, find_unit
 from fingertip.design.refusal import find_remedies
 from fingertip.design.rules.ruleset import BrokenRule, Rule, RuleChecker
 from fingertip.design.search import PART_RULES, cheapest_first, round_digits
-from fingertip.foundation.errors import DesignError, Issue
+from fingertip.foundation.errors import DesignError, Issue, raise_issues
 
 Progress = Callable[[float], None]
 Values = Mapping[str, float]
@@ -104,7 +104,7 @@ def fit_design(
     fit, weak = _find(tables, given, guessed, holds, progress)
     if fit:
         return fit
-    DesignError.raise_for(_state_bound(broken) for broken in weak)
+    raise_issues(DesignError, (_state_bound(broken) for broken in weak))
     nearer = functools.partial(list_moved, holds=holds, guessed=guessed)
     broken = _Search(tables, {}).check({})[1]
     issues = find_remedies(tables, broken, before, [*given], fit=nearer, failed=True)

@@ -19,7 +19,7 @@ from fingertip.design.refusal import describe_violations, explain_invalid, find_
 from fingertip.design.rules.ruleset import find_violations
 from fingertip.design.search import RULES
 from fingertip.foundation.display import Picture, html_table, plot, to_dataframe
-from fingertip.foundation.errors import DesignError, checked
+from fingertip.foundation.errors import DesignError, checked, raise_issues
 from fingertip.foundation.progress import ShareText
 
 if TYPE_CHECKING:
@@ -143,7 +143,7 @@ class Design(DesignTables):
         A sweep refuses thousands of designs, and needs to know only why. Raises DesignError.
         """
         valid = parse_tables(DesignTables, tables)
-        DesignError.raise_for(describe_violations(valid))
+        raise_issues(DesignError, describe_violations(valid))
         return cls.model_construct(None, **{name: getattr(valid, name) for name in cls.model_fields})
 
     def changes(self) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from fingertip.design.geometry import DesignTables
 from fingertip.design.hand_sizes import complete_hand, find_hand
 from fingertip.design.model import Design
 from fingertip.design.parameters.declaration import parse_tables, suggest_name
-from fingertip.foundation.errors import DesignError, Issue, gather
+from fingertip.foundation.errors import DesignError, Issue, gather, raise_issues
 from fingertip.foundation.tables import read_toml
 
 PRESETS = ("adult_finger", "adult_thumb", "youth_finger", "youth_thumb", "child_finger", "child_thumb")
@@ -83,7 +83,7 @@ def refuse_words(name: str, sensor: str | None, preset: str | None) -> None:
             reason = explain_sensor(word) if field == "sensor" else ""
             found = f"is not in the catalogue; {reason}." if reason else f"is not known; {suggest_name(word, known)}"
             issues.append(Issue(field, f"{word!r} {found}"))
-    DesignError.raise_for(issues)
+    raise_issues(DesignError, issues)
 
 
 def start_design(

@@ -13,7 +13,7 @@ from fingertip.design.geometry import DesignTables
 from fingertip.design.model import Design
 from fingertip.design.parameters.declaration import parse_tables, suggest_name
 from fingertip.design.proportions import load_proportions
-from fingertip.foundation.errors import DesignError, Issue, gather, join_words, quote_value
+from fingertip.foundation.errors import DesignError, Issue, gather, join_words, quote_value, raise_issues
 from fingertip.foundation.progress import Work
 
 Size = tuple[float, float]
@@ -62,7 +62,7 @@ def read_sizes(texts: Sequence[str]) -> dict[str, Size]:
             if width_mm > length_mm:
                 remedy = f"the width comes first: --finger {name}={found[2]}x{found[1]}"
                 issues.append(Issue(field, f"is wider than long; {remedy}."))
-    DesignError.raise_for(issues)
+    raise_issues(DesignError, issues)
     return {name: sizes[name] for name in NAMES if name in sizes}
 
 
@@ -80,7 +80,7 @@ def start_set(
     for change in changes:
         if change.partition("=")[0].strip() in _SIZE:
             issues.append(Issue(f"--set {change}", "is one size for all fingers; --finger gives each its own."))
-    DesignError.raise_for(issues)
+    raise_issues(DesignError, issues)
     groups: dict[tuple[str, Size], list[str]] = {}
     for finger, size in sizes.items():
         groups.setdefault((_choose_preset(finger, sizes, preset), size), []).append(finger)
@@ -89,7 +89,7 @@ def start_set(
         own = [*changes, *(f"{field}={value!r}" for field, value in zip(_SIZE, size, strict=True))]
         with gather(issues):
             starts[tuple(fingers)] = new_design.start_design(f"{name}_{fingers[0]}", sensor, base, hand, own)
-    DesignError.raise_for(dict.fromkeys(issues))  # what is wrong in several is said once
+    raise_issues(DesignError, dict.fromkeys(issues))  # what is wrong in several is said once
     return starts
 
 

@@ -35,7 +35,6 @@ def render(name: str, /, **data: Any) -> str:
 
 
 def render_text(template: str, /, **data: Any) -> str:
-    """Render a template that is given as text."""
     return _environment().from_string(template).render(data)
 
 

@@ -11,7 +11,7 @@ from fingertip.catalogues.electronics import NAMES, ControllerBoard, load_contro
 from fingertip.design import Design
 from fingertip.design.finger_set import FingerSet
 from fingertip.firmware.packaging import read_costs
-from fingertip.foundation.errors import FingertipError, Issue, join_words, quote_value
+from fingertip.foundation.errors import FingertipError, Issue, join_words, quote_value, raise_issues
 from fingertip.slip.detectors.fast import TICK_S
 
 DEFAULT_CONTROLLER = "black_pill_f411"
@@ -224,11 +224,11 @@ def plan_fingers(
         board = find_controller(design, controller)
         if board is None:
             issues.append(Issue("--controller", _explain_controller(design, controller or "", len(names))))
-    FingertipError.raise_for(issues)
+    raise_issues(FingertipError, issues)
     if board:
         issues += _find_limit_issues(design, board, len(names))
     pins = _read_inputs(inputs, board, names, signals, issues)
-    FingertipError.raise_for(issues)
+    raise_issues(FingertipError, issues)
     return Fingers(names, tuple(zip(*(pins[i :: len(signals)] for i in range(len(signals))), strict=True)), board)
 
 
@@ -248,7 +248,7 @@ def plan_set(fingers: FingerSet, controller: str | None = None, inputs: str | No
         for table in ("board", "detector")
         if any(getattr(design, table) != getattr(first, table) for design in designs.values())
     ]
-    FingertipError.raise_for(issues)
+    raise_issues(FingertipError, issues)
     design = fingers.board_design or first.model_copy(update={"name": fingers.name})
     planned = plan_fingers(design, ",".join(designs), controller, inputs)
     return design, replace(planned, designs=tuple(designs.values()))

@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import inspect
+import itertools
 import re
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
@@ -104,11 +105,11 @@ class FingertipError(Exception):
         self.issues: tuple[Issue, ...] = (issues,) if isinstance(issues, Issue) else tuple(issues)
         super().__init__("\n".join(str(issue) for issue in self.issues))
 
-    @classmethod
-    def raise_for(cls, issues: Iterable[Issue]) -> None:
-        """Raise an error of all issues, if there are any."""
-        if found := tuple(issues):
-            raise cls(found)
+
+def raise_issues(kind: type[FingertipError], *issues: Iterable[Issue]) -> None:
+    """Raise an error of all issues, if there are any."""
+    if found := tuple(itertools.chain(*issues)):
+        raise kind(found)
 
 
 @contextlib.contextmanager

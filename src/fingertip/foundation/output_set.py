@@ -18,7 +18,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from fingertip.foundation import folder_swap, input_files
-from fingertip.foundation.errors import InputFileError, Issue, OutputError
+from fingertip.foundation.errors import InputFileError, Issue, OutputError, raise_issues
 from fingertip.foundation.files import write_file
 from fingertip.foundation.folder_swap import Content, hash_content, is_folder, lock, output_errors, recover
 from fingertip.foundation.version import __version__
@@ -92,11 +92,11 @@ class SetWriter:
             # Another command may just have swapped the folder between two looks at it.
             with output_errors(self.folder), lock(parent):
                 self._refuse(names, revisions)
-        OutputError.raise_for(find_place_issues(self.folder, "choose another folder with --out"))
+        raise_issues(OutputError, find_place_issues(self.folder, "choose another folder with --out"))
 
     def _refuse(self, names: Collection[str], revisions: Revisions) -> None:
         with output_errors(self.folder):
-            OutputError.raise_for(self._find_issues(names, revisions))
+            raise_issues(OutputError, self._find_issues(names, revisions))
 
     def _find_link(self) -> Path | None:
         return input_files.find_link(self.top or self.folder, self.folder)

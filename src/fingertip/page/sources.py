@@ -19,7 +19,7 @@ from fingertip.casting.sheet import CastingSheet
 from fingertip.catalogues.output_files import BOARD_FOLDER, PRINT_FOLDER, REPORT, SHEET, SIGNAL_FOLDER, STEPS_FOLDER
 from fingertip.design import Design
 from fingertip.documents.finger import Loads
-from fingertip.foundation.errors import Issue, OutputError
+from fingertip.foundation.errors import Issue, OutputError, raise_issues
 from fingertip.foundation.folder_swap import hash_content
 from fingertip.foundation.input_files import OUTPUT_LIMIT, read_input
 from fingertip.foundation.output_set import Manifest, hash_parameters, read_manifest
@@ -104,7 +104,7 @@ def read_sources(design: Design, folder: Path) -> Sources:
     issues = [Issue(str(folder / name), f"is missing; {_MAKE} makes it.") for name in required if name not in files]
     message = f"was changed after it was written; {_MAKE} makes it again."
     issues += [Issue(str(folder / name), message) for name in changed]
-    OutputError.raise_for(issues)
+    raise_issues(OutputError, issues)
     remarks, unread = {}, set(manifest.files)
     for kind in (STEPS_FOLDER, BOARD_FOLDER, SIGNAL_FOLDER):
         found = _read_current_set(folder, kind, wanted)

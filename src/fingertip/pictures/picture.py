@@ -24,7 +24,7 @@ from fingertip.design.geometry.joint import Joint
 from fingertip.design.geometry.solids import Point3, Solid
 from fingertip.design.interfaces.clevis_solids import knuckle
 from fingertip.foundation.display import Picture
-from fingertip.foundation.errors import Issue, TraceError, checked
+from fingertip.foundation.errors import Issue, TraceError, checked, raise_issues
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.progress import Work
 from fingertip.pictures.raster import Camera, Canvas, Colour, Pen, bounds, to_png
@@ -94,7 +94,7 @@ def find_width_issues(width_px: int) -> Iterator[Issue]:
 @checked
 def draw(design: Design, width_px: int, progress: Callable[[str], None] = lambda message: None) -> bytes:
     """Draw two exploded views of a design above a section through the closed mold."""
-    TraceError.raise_for(find_width_issues(width_px))
+    raise_issues(TraceError, find_width_issues(width_px))
     evaluator = MeshEvaluator(_TOLERANCE_MM)
     parts = {name: evaluator.mesh(part.solid(design)) for name, part in parts_by_name(design).items()}
     parts["sensor"] = evaluator.mesh(sensor_body(design))

@@ -19,7 +19,7 @@ from fingertip.board.analysis.board_values import find_range_warnings, find_tact
 from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, find_file, identify_kind, split_changes
 from fingertip.design import Design
 from fingertip.design.parameters.declaration import suggest_name
-from fingertip.foundation.errors import FingertipError, Issue, TraceError, checked, gather
+from fingertip.foundation.errors import FingertipError, Issue, TraceError, checked, gather, raise_issues
 from fingertip.sim.contact.materials import ARTICLE_SURFACES, SURFACES, SurfaceFile, find_profile_warnings
 from fingertip.sim.runs.files import ManipulationFile, SceneFile
 from fingertip.sim.runs.manipulation import ManipulationResult, run_manipulation
@@ -147,7 +147,7 @@ def _find_files(file: str | Path | None, design_file: str | Path | None) -> tupl
     for given, kinds in ((file, (DESIGN, SCENE, MANIPULATION)), (design_file, (DESIGN,))):
         with gather(issues):
             found.append(find_file(given, *kinds) if given else None)
-    FingertipError.raise_for(issues)
+    raise_issues(FingertipError, issues)
     return found[0], found[1]
 
 
@@ -199,7 +199,7 @@ class Trial:
             issues.append(Issue("--force-n", f"{self.force_n:g} N is refused; {remedy}."))
         if self.seed < 0:
             issues.append(Issue("--seed", f"{self.seed} is negative; choose a whole number of at least 0."))
-        TraceError.raise_for(issues)
+        raise_issues(TraceError, issues)
 
     @property
     def scene(self) -> SceneFile:

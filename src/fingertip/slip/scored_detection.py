@@ -9,7 +9,7 @@ import numpy as np
 
 from fingertip.design import Design
 from fingertip.foundation.display import Picture, html_table, plot, to_dataframe
-from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.errors import Issue, TraceError, raise_issues
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import find_not_positive
 from fingertip.slip.detectors import registry
@@ -138,7 +138,7 @@ def detect(trace: Trace, design: Design, detector: str = registry.DEFAULT, noise
         remedy = f"record it, or use --detector {registry.DEFAULT}, which works without a board"
         message = f"is missing: the detector {detector} works on the board's output; {remedy}."
         issues.append(Issue("trace, envelope_v", message))
-    TraceError.raise_for(issues)
+    raise_issues(TraceError, issues)
     instance = registry.make_detector(detector, design, noise_v)
     output = instance.process(*inputs)
     detected = intervals(trace.time_s, output.on)

@@ -16,7 +16,7 @@ from pydantic.fields import FieldInfo
 from fingertip.catalogues.electronics import split_finger
 from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import ELECTRONIC_TABLES, ParameterTable, declaration
-from fingertip.foundation.errors import Issue, SweepError, quote_value
+from fingertip.foundation.errors import Issue, SweepError, quote_value, raise_issues
 
 Value: TypeAlias = float | int | bool | str
 Spacing: TypeAlias = Literal["linear", "logarithmic"]
@@ -213,7 +213,7 @@ def _parse_range(name: str, field: str, entry: Mapping[str, Any], sampled: bool,
     if spacing not in get_args(Spacing):
         remedy = f"choose {' or '.join(get_args(Spacing))}."
         issues.append(Issue(f"{field}.spacing", f"{quote_value(spacing)} is unknown; {remedy}"))
-    SweepError.raise_for(issues)
+    raise_issues(SweepError, issues)
     assert low is not None
     assert high is not None
     # Order of the ends, and what the spacing requires of them

@@ -26,7 +26,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.foundation.errors import OutputError, SweepError
+from fingertip.foundation.errors import OutputError, SweepError, raise_issues
 from fingertip.foundation.input_files import TOML_LIMIT
 from fingertip.foundation.output_set import find_place_issues
 from fingertip.sweep.axes import Value
@@ -130,7 +130,7 @@ class SweepDatabase:
         if folder.exists() and cls.exists(folder):
             problem = "holds a sweep already; continue it with --resume, report on it with --show, or choose another"
             raise make_error(folder, f"{problem} folder with --out. Nothing was changed.")
-        OutputError.raise_for(find_place_issues(folder, "choose another folder with --out"))
+        raise_issues(OutputError, find_place_issues(folder, "choose another folder with --out"))
         created = [path for path in (folder / FILE, folder, *folder.parents) if not path.exists()]
         folder.mkdir(parents=True, exist_ok=True)
         lock = lock_sweep(folder)

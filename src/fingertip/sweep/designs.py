@@ -18,7 +18,7 @@ from fingertip.design.geometry.solids import Solid
 from fingertip.design.model import Design
 from fingertip.design.refusal import describe_violations
 from fingertip.design.search import ELECTRONIC_RULES
-from fingertip.foundation.errors import DesignError
+from fingertip.foundation.errors import DesignError, raise_issues
 from fingertip.sweep.axes import Value, is_of_parts, select_changes
 from fingertip.sweep.plan import SweepPlan
 
@@ -46,7 +46,7 @@ class DesignBuilder:
         if not self._only_electronics_vary:
             return Design.without_remedies(**apply_changes(self._tables, own_changes))
         design = self._base.with_values(own_changes)
-        DesignError.raise_for(describe_violations(design, ELECTRONIC_RULES))
+        raise_issues(DesignError, describe_violations(design, ELECTRONIC_RULES))
         return design
 
     def _fit(self, given: Mapping[str, Value]) -> dict[str, Any]:

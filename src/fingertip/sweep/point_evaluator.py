@@ -20,7 +20,7 @@ from typing import IO, TYPE_CHECKING, Any, TypeAlias
 from fingertip.catalogues.electronics import split_finger
 from fingertip.design.finger_set import FingerSet, build_set
 from fingertip.design.model import Design
-from fingertip.foundation.errors import FingertipError, Issue, gather
+from fingertip.foundation.errors import FingertipError, Issue, gather, raise_issues
 from fingertip.foundation.files import round_for_output
 from fingertip.foundation.workers import report_step
 from fingertip.sweep import designs
@@ -141,7 +141,7 @@ class PointEvaluator:
             scene_changes = {n.removeprefix("scene."): v for n, v in changes.items() if n.startswith("scene.")}
             with gather(issues, "scene."):
                 scene = SceneFile(**designs.apply_changes(self._scene, scene_changes))
-        FingertipError.raise_for(issues)
+        raise_issues(FingertipError, issues)
         return built, fingers, scene
 
     def _load_trial(self, changes: Mapping[str, Value], seed: int, record: Callable[[], Trace]) -> Trace:

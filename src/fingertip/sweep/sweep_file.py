@@ -20,7 +20,7 @@ from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import quantity
 from fingertip.design.parameters.declaration import issues_from_pydantic, parse_tables, suggest_name
 from fingertip.design.proportions import fill_in
-from fingertip.foundation.errors import FingertipError, Issue, SweepError, gather, quote_value
+from fingertip.foundation.errors import FingertipError, Issue, SweepError, gather, quote_value, raise_issues
 from fingertip.foundation.input_files import is_safe_name
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def read_sweep_file(file: str | Path, changes: Iterable[str] = ()) -> dict[str, 
             if name == "design" and "fingers" in tables[name] and not isinstance(entry, str):
                 message = "is a table of a set; write it in a file of its own, and name that."
                 raise SweepError(Issue("design.fingers", message))
-    SweepError.raise_for(issues)
+    raise_issues(SweepError, issues)
     return {name: table for name, table in tables.items() if table is not None}
 
 

@@ -30,7 +30,7 @@ from fingertip.documents.board.divider import divider_files
 from fingertip.documents.board.readme import folder_readme
 from fingertip.documents.wiring import wiring_diagram
 from fingertip.foundation import extras
-from fingertip.foundation.errors import BoardError, Issue, OutputError
+from fingertip.foundation.errors import BoardError, Issue, OutputError, raise_issues
 from fingertip.foundation.output_set import Revision, SetWriter, finish_interrupted, hash_parameters
 from fingertip.pictures.assembly_drawing import draw_assembly
 from fingertip.pictures.drawing.render import render_pdf, render_svg
@@ -124,7 +124,7 @@ def plan_board(
         files, writer = divider_files(design), output_files.BOARD.writer(design, folder, force, top)
         writer.check(files)
         return BoardPlan(writer, files, {}, (), ())
-    BoardError.raise_for(find_refusals(board_values(design).gate))
+    raise_issues(BoardError, find_refusals(board_values(design).gate))
     files = board_files(design)
 
     def make_layout(component_values: Mapping[str, str]) -> bytes:

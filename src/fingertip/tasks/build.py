@@ -26,7 +26,7 @@ from fingertip.design.interfaces.adapter import read_adapter
 from fingertip.design.parameters.declaration import suggest_name
 from fingertip.documents.finger import list_steps, render_sheet
 from fingertip.foundation import extras
-from fingertip.foundation.errors import DesignError, Issue
+from fingertip.foundation.errors import DesignError, Issue, raise_issues
 from fingertip.foundation.output_set import SetWriter, read_manifest
 from fingertip.foundation.progress import ReportProgress, Work
 from fingertip.foundation.workers import in_background
@@ -309,7 +309,7 @@ def select_names(option: str, requested: Iterable[str], known: tuple[str, ...]) 
         is_of_others = name in PARTS  # a stand, or the hand's part of a joint
         message = f"{name!r} is not one of the choices; {suggest_name(name, known)}"
         issues.append(Issue(option, f"this design has no {name!r}." if is_of_others else message))
-    DesignError.raise_for(issues)
+    raise_issues(DesignError, issues)
     if not selected:
         raise DesignError(Issue(option, f"is empty; choose from {', '.join(known)}."))
     return tuple(name for name in known if name in selected)

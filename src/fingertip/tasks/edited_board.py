@@ -26,7 +26,7 @@ from fingertip.catalogues.output_files import (
     SCHEMATIC,
     VALUES,
 )
-from fingertip.foundation.errors import Issue, OutputError
+from fingertip.foundation.errors import Issue, OutputError, raise_issues
 from fingertip.foundation.input_files import PARSED_LIMIT, read_input
 from fingertip.foundation.output_set import Revision, has_hash, read_manifest
 
@@ -105,7 +105,7 @@ def revise_edited(
                 )
             if is_layout and changed and not is_complete:
                 notes[-1] += " This design prints more or fewer lines of values than it shows: compare them."
-    OutputError.raise_for(issues)
+    raise_issues(OutputError, issues)
     return revisions, notes
 
 

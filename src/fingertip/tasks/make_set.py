@@ -37,7 +37,7 @@ from fingertip.design.finger_set import FingerSet, Form
 from fingertip.design.geometry.solids import scaled
 from fingertip.documents import finger_set
 from fingertip.documents.acceptance import acceptance_sheet
-from fingertip.foundation.errors import DesignError, Issue, OutputError
+from fingertip.foundation.errors import DesignError, Issue, OutputError, raise_issues
 from fingertip.foundation.input_files import find_link
 from fingertip.foundation.progress import Work
 from fingertip.page.render import render_set_page
@@ -90,7 +90,7 @@ def make_set(
     issues = [Issue(str(link), "is a link; remove it.") for link in links]
     if BOARD_FOLDER in places:
         issues.append(Issue("name", f"{BOARD_FOLDER} is a folder of every set, and the name of a design; rename it."))
-    OutputError.raise_for(issues)
+    raise_issues(OutputError, issues)
     for form in fingers.forms:
         PART_FILES.writer(form.design, places[form.design.name], force).check((PAGE, ACCEPTANCE))
     board_design = fingers.board_design
@@ -152,7 +152,7 @@ def _refuse_early(fingers: FingerSet) -> None:
             if (excess := build_volume_excess(design, mesh, lies.rotate_x_deg)) > 0.0:
                 text = f"{name} of {design.name} exceeds the build volume by {excess:.1f} mm"
                 issues.append(Issue("printer.bed_x_mm", f"{text}; {_name_larger_bed(design, name, mesh)}."))
-    DesignError.raise_for(issues)
+    raise_issues(DesignError, issues)
 
 
 def _name_larger_bed(design: Design, part: str, mesh: Mesh) -> str:

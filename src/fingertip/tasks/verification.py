@@ -127,7 +127,6 @@ def _find_owner(place: Path, folder: Path, found: Mapping[Path, Manifest]) -> Pa
 
 
 def _describe_unfinished(path: Path) -> Issue:
-    """Describe what a command has left unfinished."""
     try:
         read_plan(path)
     except OutputError as error:

@@ -14,7 +14,7 @@ from fingertip.board.bringup.prediction import Limits
 from fingertip.board.bringup.resistances import SUPPLY_OHM, limit_resistances
 from fingertip.board.parts.nets import VCC
 from fingertip.design.parameters.declaration import suggest_name
-from fingertip.foundation.errors import BoardError, Issue
+from fingertip.foundation.errors import BoardError, Issue, raise_issues
 from fingertip.foundation.tables import read_toml
 
 IDENTITY, TONE = "board", "tone_v"
@@ -64,7 +64,7 @@ def format_entry(key: str, limits: Limits) -> str:
 def read_readings(path: Path, plan: BringUp) -> Readings:
     """Read a file of readings. Raises TomlFileError or BoardError."""
     tables = read_toml(path)
-    BoardError.raise_for(find_reading_issues(tables, plan, path))
+    raise_issues(BoardError, find_reading_issues(tables, plan, path))
     return select_readings(tables, plan)
 
 
@@ -131,7 +131,7 @@ def read_fingers(path: Path, plan: BringUp, fingers: Sequence[str]) -> dict[str,
     content = read_toml(path)
     tables = {name: value for name, value in content.items() if isinstance(value, dict)}
     common = {name: value for name, value in content.items() if name not in tables}
-    BoardError.raise_for(_find_issues(common, tables, plan, fingers, path))
+    raise_issues(BoardError, _find_issues(common, tables, plan, fingers, path))
     tone = {TONE: common[TONE]} if TONE in common else {}
     found = {WHOLE_BOARD: select_readings(common, plan)}
     found |= {finger: select_readings({**tone, **tables.get(finger, {})}, plan) for finger in fingers}

@@ -127,7 +127,6 @@ def _place_socket(part: Component, nets: dict[str, str], channel: int) -> tuple[
 
 
 def leave_out_empty(circuit: Circuit) -> Circuit:
-    """Leave out the parts of empty places."""
     return circuit.without(*(part.reference for part in circuit.components if not part.is_fitted))
 
 

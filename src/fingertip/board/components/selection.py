@@ -125,7 +125,6 @@ class FilterSelection:
 
 
 def select_filter(board: Board) -> FilterSelection:
-    """Select the components of filter and envelope."""
     ideal = formulas.ideal_components(select_capacitors(board))
     preferred = select_resistors(ideal, board.series, jointly=board.resistor_choice == "joint")
     if board.variant == "article":

@@ -137,7 +137,6 @@ def find_word(text: str, node: Node, index: int) -> Span:
 
 
 def replace_spans(text: str, changes: Mapping[Span, str]) -> str:
-    """Replace some pieces of a text."""
     pieces, position = [], 0
     for (start, end), new in sorted(changes.items()):
         pieces += [text[position:start], new]

@@ -67,7 +67,6 @@ every impact multiplies the errors before it."""
 
 
 def _draw_contact(draw: Draw, sigma0_per_m: Range) -> tuple[Friction, Mount]:
-    """Draw a pad and its friction."""
     mu_c = draw.log("mu_c", (0.01, 2.3), (1e-6, 10.0))
     stribeck = draw.log("Stribeck velocity [m/s]", (1e-3, 1.0), (1e-6, 10.0))
     sigma0 = draw.log("sigma0 [1/m]", (25e3, 25.001e3), sigma0_per_m)

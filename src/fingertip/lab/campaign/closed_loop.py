@@ -18,7 +18,7 @@ from functools import partial
 import numpy as np
 
 from fingertip.design import Design
-from fingertip.foundation.errors import FingertipError, Issue, gather
+from fingertip.foundation.errors import FingertipError, Issue, gather, raise_issues
 from fingertip.foundation.workers import call_each
 from fingertip.lab.campaign.plan import HELD_OUT_FROM
 from fingertip.lab.campaign.run import select_board_outputs
@@ -60,7 +60,7 @@ def run_with_grip(
 ) -> tuple[ManipulationResult, tuple[float, ...]]:
     """Tighten the grip whenever a detector finds slip; also return the moments [s]. Raises FingertipError."""
     scene, design = simulation.scene, simulation.design
-    FingertipError.raise_for(find_grip_issues(detector, simulation))
+    raise_issues(FingertipError, find_grip_issues(detector, simulation))
     assert isinstance(scene, ManipulationFile)
     result, decisions = _close_loop(design, scene, detector, simulation.seed, progress)
     return result, tuple(decision.time_s for decision in decisions if decision.tightened)

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from fingertip.catalogues.file_kinds import PARAMS
-from fingertip.foundation.errors import Issue, TraceError, checked
+from fingertip.foundation.errors import Issue, TraceError, checked, raise_issues
 from fingertip.sim import SceneFile
 from fingertip.sim.simulation import article_trials
 
@@ -70,7 +70,7 @@ class CampaignPlan:
             issues.append(Issue("--trials", f"{self.trials} is refused; choose 1 to 100000 (article: 120)."))
         if not 0.5 <= self.negative_minutes <= 10_000:
             issues.append(Issue("--minutes", f"{self.negative_minutes:g} min is refused; choose 0.5 to 10000 min."))
-        TraceError.raise_for(issues)
+        raise_issues(TraceError, issues)
 
 
 def generate_cases(plan: CampaignPlan, first_seed: int = HELD_OUT_FROM) -> Iterator[Case]:

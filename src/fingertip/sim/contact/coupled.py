@@ -25,7 +25,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.errors import Issue, TraceError, raise_issues
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import find_column_issues, find_negative, find_not_positive
 from fingertip.sim.contact import coupled_loop
@@ -54,12 +54,11 @@ class NormalContact:
     """Ratio of the hand's stiffness behind the pad to the contact's; some 0.008 in trials (`pad.response`)."""
 
     def __post_init__(self) -> None:
-        TraceError.raise_for(
-            [
-                *find_not_positive("normal.resonance_hz", self.resonance_hz, "Hz", "90"),
-                *find_negative("normal.damping_ratio", self.damping_ratio, ""),
-                *find_not_positive("normal.hand_ratio", self.hand_ratio, "", "0.02"),
-            ]
+        raise_issues(
+            TraceError,
+            find_not_positive("normal.resonance_hz", self.resonance_hz, "Hz", "90"),
+            find_negative("normal.damping_ratio", self.damping_ratio, ""),
+            find_not_positive("normal.hand_ratio", self.hand_ratio, "", "0.02"),
         )
 
 
@@ -89,7 +88,7 @@ class CoupledContact:
         max_pressing_n: float,
         tolerance_n: float = 1e-6,
     ) -> None:
-        TraceError.raise_for(_find_setting_issues(step_s, max_pressing_n, tolerance_n))
+        raise_issues(TraceError, _find_setting_issues(step_s, max_pressing_n, tolerance_n))
         omega = 2 * math.pi * normal.resonance_hz
         damping_per_s = 2 * normal.damping_ratio * omega
         self._parameters = (
@@ -121,8 +120,8 @@ class CoupledContact:
 
     def process(self, carriage_m: Array, carriage_m_s: Array, pressing_n: Array) -> CoupledMotion:
         """Return the motion at the next samples; the very first sample is the start. Raises TraceError."""
-        TraceError.raise_for(
-            find_column_issues(carriage_m=carriage_m, carriage_m_s=carriage_m_s, pressing_n=pressing_n)
+        raise_issues(
+            TraceError, find_column_issues(carriage_m=carriage_m, carriage_m_s=carriage_m_s, pressing_n=pressing_n)
         )
         # The interval before a chunk's first sample begins at the last sample of the chunk before.
         repeated = self._last.shape[1]
@@ -162,7 +161,7 @@ def integrate(
     """Integrate from standstill, in balance with the pressing force of the first sample. Raises TraceError."""
     issues = _find_setting_issues(step_s, 0.0, tolerance_n)
     issues += find_column_issues(carriage_m=carriage_m, carriage_m_s=carriage_m_s, pressing_n=pressing_n)
-    TraceError.raise_for(issues)
+    raise_issues(TraceError, issues)
     max_pressing_n = max(float(np.max(pressing_n)), 0.0)
     contact = CoupledContact(friction, mount, normal, step_s, max_pressing_n, tolerance_n)
     return contact.process(carriage_m, carriage_m_s, pressing_n)

@@ -28,7 +28,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.errors import Issue, TraceError, raise_issues
 from fingertip.foundation.numerics import Array
 
 ELASTO_PLASTIC = 0.7
@@ -108,7 +108,7 @@ class Friction:
             maximum = self.sigma2 * self.mu_c / (self.mu_s - self.mu_c)
             message = f"{self.sigma1:g} s/m lets bristles deliver energy; below {maximum:g}."
             issues.append(Issue("friction.sigma1", message))
-        TraceError.raise_for(issues)
+        raise_issues(TraceError, issues)
 
     def with_stick_slip(self) -> Friction:
         """Friction that falls with speed so far and so widely that a pad swings on its mount. Assumption.

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.errors import Issue, TraceError, raise_issues
 from fingertip.foundation.jit import CompiledLoop
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import find_column_issues, find_negative, find_not_positive, round_down
@@ -45,12 +45,11 @@ class Mount:
     damping_n_s_per_m: float
 
     def __post_init__(self) -> None:
-        TraceError.raise_for(
-            [
-                *find_not_positive("mount.mass_kg", self.mass_kg, "kg", "0.002"),
-                *find_negative("mount.stiffness_n_per_m", self.stiffness_n_per_m, "N/m"),
-                *find_negative("mount.damping_n_s_per_m", self.damping_n_s_per_m, "N s/m"),
-            ]
+        raise_issues(
+            TraceError,
+            find_not_positive("mount.mass_kg", self.mass_kg, "kg", "0.002"),
+            find_negative("mount.stiffness_n_per_m", self.stiffness_n_per_m, "N/m"),
+            find_negative("mount.damping_n_s_per_m", self.damping_n_s_per_m, "N s/m"),
         )
 
 
@@ -87,14 +86,16 @@ class DraggedPad:
         if friction.elastic:
             message = f"{friction.elastic:g} needs error control; use coupled.integrate."
             issues.append(Issue("friction.elastic", message))
-        TraceError.raise_for(issues)
+        raise_issues(TraceError, issues)
         self._friction, self._mount, self._step_s = friction, mount, step_s
         self._state: Array | None = None
         self._last: tuple[Array, ...] = (np.zeros(0),) * 3
 
     def process(self, carriage_m: Array, carriage_m_s: Array, normal_n: Array) -> PadMotion:
         """Follow the pad over the next points; the first chunk begins with the initial point. Raises TraceError."""
-        TraceError.raise_for(find_column_issues(carriage_m=carriage_m, carriage_m_s=carriage_m_s, normal_n=normal_n))
+        raise_issues(
+            TraceError, find_column_issues(carriage_m=carriage_m, carriage_m_s=carriage_m_s, normal_n=normal_n)
+        )
         friction, mount = self._friction, self._mount
         max_load_n = float(np.max(normal_n, initial=0.0))
         longest = admissible_step_s(friction, mount, max_load_n)

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from fingertip.design import Design
 from fingertip.design.parameters.declaration import find_bounds, suggest_name
-from fingertip.foundation.errors import Issue, TraceError, checked
+from fingertip.foundation.errors import Issue, TraceError, checked, raise_issues
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import round_down, round_up
 from fingertip.pad.response import Pad
@@ -173,7 +173,7 @@ def run_manipulation(
 def start_manipulation(
     design: Design, scene: ManipulationFile, seed: int, outputs: frozenset[str], grid: Grid | None, meter: CostMeter
 ) -> ManipulationStepper:
-    TraceError.raise_for(_find_issues(design, scene, seed))
+    raise_issues(TraceError, _find_issues(design, scene, seed))
     pad = Pad.from_design(design)
     plan = plan_motion(design, scene, pad, seed)
     return ManipulationStepper(design, scene, plan, pad, seed, outputs, grid or Grid(), meter)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from fingertip.design import Design
 from fingertip.foundation import jit
-from fingertip.foundation.errors import Issue, TraceError, checked
+from fingertip.foundation.errors import Issue, TraceError, checked, raise_issues
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.progress import ReportProgress
 from fingertip.pad.response import Pad
@@ -117,7 +117,7 @@ class SceneRun:
     meter: CostMeter = field(default_factory=CostMeter)
 
     def __post_init__(self) -> None:
-        TraceError.raise_for(self.scene.find_design_issues(self.design, self.seed))
+        raise_issues(TraceError, self.scene.find_design_issues(self.design, self.seed))
         if self.scene.slide.distance_m:
             plain = replace(self.friction, elastic=0.0)
             longest = admissible_step_s(plain, mount_pad(self.pad, self.force_n), self.max_load_n)

@@ -27,7 +27,7 @@ from fingertip.board.components.values import select_components
 from fingertip.board.parts.nets import FILTERED, STAGE1_OUT, TACTILE, VMID
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
-from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.errors import Issue, TraceError, raise_issues
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import find_negative, find_not_positive
 from fingertip.sim.signal.envelope_loop import ABSCISSAE, BLOCK, LEVELS
@@ -118,7 +118,7 @@ class AnalogBoard:
                 # The input stage of a slow amplifier saturates at a rail, and no data sheet says how it recovers.
                 problem = f"{self.rail_v:g} V cannot be combined with a gain-bandwidth product"
                 issues.append(Issue("board.rail_v", f"{problem}; both together are not modelled; leave one out."))
-        TraceError.raise_for(issues)
+        raise_issues(TraceError, issues)
 
     @classmethod
     def from_design(cls, design: Design, gain_bandwidth_hz: float | None = None) -> AnalogBoard:
@@ -148,7 +148,7 @@ class AnalogBoard:
             for name in values
             if name not in known
         ]
-        TraceError.raise_for([*issues, *_find_component_issues(values)])
+        raise_issues(TraceError, [*issues, *_find_component_issues(values)])
         quantities = {name: 1 / value if name.startswith("R") else value for name, value in values.items()}
         return replace(self, network=self.network.with_values(quantities))
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from fingertip.board import board_values
 from fingertip.design import Design
-from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.errors import Issue, TraceError, raise_issues
 from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import find_column_issues, find_not_finite, find_not_positive
@@ -56,13 +56,9 @@ def simulate_board(
     """
     after = voltage_v if after_v is None else after_v
     given = {"voltage_v": voltage_v} | ({} if after_v is None else {"after_v": after_v})
-    TraceError.raise_for(
-        [
-            *_find_setting_issues(step_s, tolerance_v),
-            *(columns := list(find_column_issues(**given))),
-            *(issue for name, rows in given.items() if not columns for issue in find_voltage_issues(name, rows)),
-        ]
-    )
+    columns = list(find_column_issues(**given))
+    voltages = (issue for name, rows in given.items() if not columns for issue in find_voltage_issues(name, rows))
+    raise_issues(TraceError, _find_setting_issues(step_s, tolerance_v), columns, voltages)
     values = _values(board)
     is_one = all(np.ndim(value) == 0 for value in values)
     by_name = values if is_one else np.broadcast_arrays(*map(np.atleast_1d, values))
@@ -82,7 +78,7 @@ class AnalogStream:
     """One board; voltages in any chunks give the bits of `simulate_board`. Raises TraceError."""
 
     def __init__(self, board: AnalogBoard, step_s: float, tolerance_v: float = 1e-4) -> None:
-        TraceError.raise_for(_find_setting_issues(step_s, tolerance_v))
+        raise_issues(TraceError, _find_setting_issues(step_s, tolerance_v))
         fixed = np.array([[float(value) for value in _values(board)[:_FIXED]]])
         self.integrator = Integrator(board, step_s, tolerance_v, fixed)
         self._state: tuple[Array, Array] | None = None
@@ -94,7 +90,7 @@ class AnalogStream:
         """Return filtered voltages and envelopes [V] at the next samples. Raises TraceError."""
         after = voltage_v if after_v is None else after_v
         given = {"voltage_v": voltage_v} | ({} if after_v is None else {"after_v": after_v})
-        TraceError.raise_for(issue for name, volts in given.items() for issue in find_voltage_issues(name, volts))
+        raise_issues(TraceError, (issue for name, volts in given.items() for issue in find_voltage_issues(name, volts)))
         # The interval before a chunk's first sample begins at the last sample of the chunk before.
         known = np.concatenate((self._last, [voltage_v, after]), axis=1)
         if self._state is None:
@@ -204,7 +200,7 @@ class Comparator:
         if not self.off_v < self.on_v:
             message = f"{self.off_v:g} V is not below on_v, so the output would oscillate; choose less than"
             issues.append(Issue("comparator.off_v", f"{message} {self.on_v:g} V."))
-        TraceError.raise_for(issues)
+        raise_issues(TraceError, issues)
 
     @classmethod
     def from_design(cls, design: Design) -> Comparator:
@@ -224,14 +220,14 @@ class ComparatorStream:
         if board.rectifier != "precision":
             message = f"{board.rectifier!r} has no comparator behind it; use 'precision'."
             issues.insert(0, Issue("board.rectifier", message))
-        TraceError.raise_for(issues)
+        raise_issues(TraceError, issues)
         self._comparator, self._board, self._step_s = comparator, board, step_s
         self._state = np.zeros(0)
         self._last = np.zeros((2, 0))
 
     def process(self, filtered_v: Array, envelope_v: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Return the mean [V], and whether it is ON, for the next outputs of the board [V]. Raises TraceError."""
-        TraceError.raise_for(find_column_issues(filtered_v=filtered_v, envelope_v=envelope_v))
+        raise_issues(TraceError, find_column_issues(filtered_v=filtered_v, envelope_v=envelope_v))
         levels, board = self._comparator, self._board
         slope = (board.envelope_gain * np.maximum(filtered_v, 0.0) - envelope_v) / np.asarray(board.envelope_decay_s)
         if not len(self._state):

@@ -19,7 +19,7 @@ from fingertip.design import Design
 from fingertip.design.files import format_parameter_table, format_value, load_tables
 from fingertip.design.parameters import Above, ParameterTable, choice, quantity
 from fingertip.design.parameters.declaration import issues_from_pydantic, suggest_name
-from fingertip.foundation.errors import FingertipError, Issue, TraceError
+from fingertip.foundation.errors import FingertipError, Issue, TraceError, raise_issues
 
 ACCELERATION_M_S2 = 1.0
 """Acceleration of a move [m/s2]. Assumption: 4 cm at 4 cm/s take the article about one second, here 1.04 s."""
@@ -87,7 +87,7 @@ class SimulationFile(BaseModel):
         except ValidationError as error:
             issues = issues_from_pydantic(error, type(self))
             raise TraceError([*issues, *self._rule_issues_beside(tables, issues)]) from None
-        TraceError.raise_for(issue for issue, _ in self.find_rule_issues())
+        raise_issues(TraceError, (issue for issue, _ in self.find_rule_issues()))
 
     def find_rule_issues(self) -> Iterator[tuple[Issue, set[str]]]:
         """Yield each broken rule between parameters, with the names of the parameters it reads."""

@@ -34,16 +34,7 @@ from fingertip.design import Design
 from fingertip.design.formulas.filter import filtered_range_v
 from fingertip.foundation.jit import as_samples
 from fingertip.foundation.numerics import Array
-from fingertip.slip.detectors import fast_state
-from fingertip.slip.detectors.fast_coefficients import (
-    LOW_HZ,
-    FastCoefficients,
-    FastModel,
-    design_board_filter,
-    design_filters,
-    load_model,
-    noise_energies,
-)
+from fingertip.slip.detectors import fast_coefficients, fast_state
 from fingertip.slip.detectors.fast_loop import LOOP
 from fingertip.slip.detectors.fast_state import COUNT
 from fingertip.slip.detectors.noise import input_noise_v
@@ -171,9 +162,9 @@ class FastDetector(Detector):
     memory_s = math.log(1 / (fast_state.DECAY_RATIO * STAY_RATIO)) * LONG_S
     """Time until an abrupt end is recognised [s]: by the ratio of the energies or, after a weak slip, the floor."""
 
-    def __init__(self, settings: FastSettings, model: FastModel | None = None) -> None:
+    def __init__(self, settings: FastSettings, model: fast_coefficients.FastModel | None = None) -> None:
         self.settings = settings
-        self._model = model = model or load_model()
+        self._model = model = model or fast_coefficients.load_model()
         self.coefficients = _compute_coefficients(settings, model, with_filtered=False)
         """Constants of the loop at this sampling rate and noise."""
         self._state = [0.0] * fast_state.STATES
@@ -204,10 +195,10 @@ class FastDetector(Detector):
     def equivalent_noise_v(cls, design: Design, quiet_v: Array) -> float:
         """Compute the white RMS noise that has as much energy in the bands as these samples of a quiet signal [V]."""
         rate = design.detector.sample_rate_hz
-        responses = design_filters(rate).impulse_responses(round(4 * rate / LOW_HZ))
+        responses = fast_coefficients.design_filters(rate).impulse_responses(round(4 * rate / fast_coefficients.LOW_HZ))
         return max(
             math.sqrt(float(np.mean(np.convolve(quiet_v - quiet_v[0], h, "valid") ** 2)) / energy)
-            for h, energy in zip(responses, noise_energies(rate), strict=True)
+            for h, energy in zip(responses, fast_coefficients.noise_energies(rate), strict=True)
         )
 
     @staticmethod
@@ -324,10 +315,12 @@ def _band_noise_v(settings: FastSettings, with_filtered: bool) -> float:
     return _min_noise_v(settings.sample_rate_hz) if with_filtered else settings.noise_v
 
 
-def _compute_coefficients(settings: FastSettings, model: FastModel, with_filtered: bool) -> FastCoefficients:
-    rate, filters = settings.sample_rate_hz, design_filters(settings.sample_rate_hz)
-    board, restore = design_board_filter(rate, settings.cutoff_hz)
-    wide, upper = noise_energies(rate)
+def _compute_coefficients(
+    settings: FastSettings, model: fast_coefficients.FastModel, with_filtered: bool
+) -> fast_coefficients.FastCoefficients:
+    rate, filters = settings.sample_rate_hz, fast_coefficients.design_filters(settings.sample_rate_hz)
+    board, restore = fast_coefficients.design_board_filter(rate, settings.cutoff_hz)
+    wide, upper = fast_coefficients.noise_energies(rate)
     tick = max(1, round(TICK_S * rate))
     ticks_per_s = rate / tick
     least = (MIN_NOISE_SHARE * _band_noise_v(settings, with_filtered)) ** 2
@@ -338,7 +331,7 @@ def _compute_coefficients(settings: FastSettings, model: FastModel, with_filtere
     lowest, highest = settings.possible_v
     threshold = LOWEST_SCORE + settings.threshold_scale * (model.threshold - LOWEST_SCORE)
     jump_ratios = (JUMP_RATIO, FILTERED_JUMP_RATIO) if settings.suspects_jumps else (NUMBER_RATIO, NUMBER_RATIO)
-    return FastCoefficients(
+    return fast_coefficients.FastCoefficients(
         *board,
         *restore,
         filters.high_edge,

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from fingertip.design.parameters.declaration import suggest_name
-from fingertip.foundation.errors import Issue, TraceError
+from fingertip.foundation.errors import Issue, TraceError, raise_issues
 from fingertip.slip.traces.columns import (
     DELIMITERS,
     SPACES,
@@ -85,7 +85,7 @@ def find_header(name: str, lines: Iterable[str], columns: ColumnMap, *alternativ
                 return Header(*found, number - 1, _strip_comment(before))
             cells, delimiter = _split(text, candidate)
             if all(candidate.name_in_file(column) in cells for column in candidate.required):
-                TraceError.raise_for(_duplicate_issues(f"{name}, line {number}", cells, candidate))
+                raise_issues(TraceError, _duplicate_issues(f"{name}, line {number}", cells, candidate))
                 return Header(tuple(cells), delimiter, number, _strip_comment(text), has_samples_above=above > 0)
         if not is_comment and text.strip() and not _SEPARATOR.fullmatch(text.strip()):
             if not above:  # the lines from the first sample on say nothing of a header above it

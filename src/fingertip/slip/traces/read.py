@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, identify_kind
 from fingertip.design import Design
 from fingertip.design.parameters.declaration import suggest_name
-from fingertip.foundation.errors import Issue, TomlFileError, TraceError, gather
+from fingertip.foundation.errors import Issue, TomlFileError, TraceError, gather, raise_issues
 from fingertip.foundation.input_files import check_archive
 from fingertip.slip.traces.array_files import LOADERS, RATE
 from fingertip.slip.traces.columns import suggest_options
@@ -226,10 +226,10 @@ def _from_arrays(name: str, arrays: Mapping[str, Any], columns: ColumnMap) -> Ra
             # MATLAB has no arrays of one dimension: a signal is a row or a column.
             is_line = array.ndim == 2 and 1 in array.shape
             values[column] = (array.ravel() if is_line else array).astype(np.float64)
-    TraceError.raise_for(issues)
+    raise_issues(TraceError, issues)
     with gather(issues, f"{name}, "):
         trace = columns.make_trace(values)
-    TraceError.raise_for(issues)
+    raise_issues(TraceError, issues)
     return RawTrace(name, trace, in_volts=columns.in_volts, notes=tuple(notes))
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from fingertip.design.parameters.electronics import Detector as DetectorParameters
 from fingertip.foundation.display import Picture, html_table, plot, to_dataframe
-from fingertip.foundation.errors import ArgumentError, InputFileError, Issue, TraceError, quote_value
+from fingertip.foundation.errors import ArgumentError, InputFileError, Issue, TraceError, quote_value, raise_issues
 from fingertip.foundation.input_files import RECORDING_LIMIT, SAMPLES_LIMIT, check_regular
 from fingertip.foundation.numerics import Array
 from fingertip.slip.traces.sampling import TIME_UNITS_S, find_rounding, sample_location, time_issues
@@ -129,7 +129,7 @@ class ColumnMap:
         if not 0.0 < self.time_scale < float("inf"):
             message = f"{self.time_scale:g} is not a unit of time; give its length in seconds, or one of "
             issues.append(Issue("--time-scale", f"{message}{', '.join(TIME_UNITS_S)}."))
-        TraceError.raise_for(issues)
+        raise_issues(TraceError, issues)
 
     def name_in_file(self, column: str) -> str:
         return self.names.get(column, column)
@@ -198,7 +198,7 @@ class RawTrace:
 
     def validate(self, detector: DetectorParameters) -> Trace:
         """Return the trace if it is valid for a detector's sampling rate, window and ADC. Raises TraceError."""
-        TraceError.raise_for(self.find_issues(detector))
+        raise_issues(TraceError, self.find_issues(detector))
         return self.trace
 
     def find_issues(self, detector: DetectorParameters) -> list[Issue]:

@@ -108,7 +108,6 @@ def merge(parts: Sequence[Interval], gap_s: float) -> tuple[Interval, ...]:
 
 
 def score(detected: Sequence[Interval], truth: Sequence[Interval], memory_s: float) -> Score:
-    """Score detected intervals against true slips."""
     slips = merge(truth, STICK_S)
     delays = []
     for slip in slips:

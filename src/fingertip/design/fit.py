@@ -111,6 +111,19 @@ def fit_design(
     raise DesignError([replace(one, message="(guessed) " * (one.field in guessed) + one.message) for one in issues])
 
 
+def find_fit(
+    tables: DesignTables,
+    given: Collection[str] = (),
+    *,
+    holds: Holds | None = None,
+    progress: Progress = lambda share: None,
+    guessed: Collection[str] = (),
+    checks: int = _CHECKS,
+) -> Fit | None:
+    """Fit a design as `fit_design` does; None if it finds no design that passes."""
+    return _find(tables, given, guessed, holds, progress, checks)[0]
+
+
 def _find(
     tables: DesignTables,
     given: Collection[str],
@@ -152,8 +165,8 @@ def _state_bound(broken: BrokenRule) -> Issue:
 def list_moved(
     tables: DesignTables, given: Collection[str], *, holds: Holds | None = None, guessed: Collection[str] = ()
 ) -> tuple[str, ...] | None:
-    """Fit a design as `fit_design` does, but give up early, as a refusal does not wait; name what moved."""
-    fit, _ = _find(tables, given, guessed, holds, lambda share: None, _FEW)
+    """Fit a design as `find_fit` does, but give up early, as a refusal does not wait; name what moved."""
+    fit = find_fit(tables, given, holds=holds, guessed=guessed, checks=_FEW)
     return tuple(move.name for move in fit.moves) if fit else None
 
 

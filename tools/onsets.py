@@ -15,7 +15,7 @@ from fingertip.foundation.jit import compiled
 from fingertip.sim import run_scene
 from fingertip.sim.contact.friction import GROSS_SLIP_M_S
 from fingertip.sim.runs.scene import SceneRun
-from tools.article.trials import generate_trials
+from tools.article.steps import generate_trials
 
 PATH = Path(__file__).resolve().parents[1] / "src/fingertip/lab/report/onsets.toml"
 SLIDING_QUANTILES = (0.25, 0.95)

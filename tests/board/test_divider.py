@@ -36,7 +36,7 @@ from tests.board.kicad import read_netlist
 from tests.board.ngspice import HOW_TO_INSTALL_NGSPICE
 from tests.conftest import run_fingertip
 from tests.tools import require_tool
-from tools.article.trials import compare_grids, generate_trials
+from tools.article.steps import compare_grids, generate_trials
 
 CHANGES = ["board.variant=divider"]
 DESIGN = Design.load("fsr400", changes=CHANGES)

@@ -43,9 +43,8 @@ from tools.article.sensitivity import (
     study_accelerations,
     study_assumptions,
 )
-from tools.article.steps import _pool_shifts, study_sampling_rates
+from tools.article.steps import COMPARED, _find_shift_s, _pool_shifts, compare_grids, study_sampling_rates
 from tools.article.studies import DATA, study
-from tools.article.trials import COMPARED, _find_shift_s, compare_grids
 
 SLIDE = next(article_trials())[0]
 

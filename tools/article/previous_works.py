@@ -22,7 +22,7 @@ from fingertip.sim.simulation import article_trials
 from fingertip.slip.detectors.fft import FftDetector
 from tools.article.boards import with_article_board
 from tools.article.protocol import LATE_S, find_delays_s, with_threshold
-from tools.article.trials import generate_trials
+from tools.article.steps import generate_trials
 
 RIDGED = tuple(name for name, surface in SURFACES.items() if surface.ridge_depth_um)
 PLATE_FACTORS = (1.0, 5.0)

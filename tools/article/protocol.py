@@ -29,7 +29,7 @@ from fingertip.sim.simulation import article_trials
 from fingertip.slip.detectors.analog_and_digital import noise_level
 from fingertip.slip.traces.truth import ENCODER_HZ, encoder_band_s
 from tools.article.boards import with_article_board
-from tools.article.trials import generate_trials
+from tools.article.steps import generate_trials
 
 MOVED_M = (0.0, 1e-5, 1e-4)
 """Motions from which on the robot counts as moving [m], as a good and a common encoder show (assumption)."""

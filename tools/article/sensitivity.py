@@ -30,7 +30,7 @@ from fingertip.sim import SceneFile, run_scene
 from fingertip.slip.detectors.analog_and_digital import noise_level
 from fingertip.slip.detectors.registry import DETECTORS
 from tools.article.bounds import compute_bounds_s
-from tools.article.trials import generate_limited_cases, generate_trials
+from tools.article.steps import generate_limited_cases, generate_trials
 
 ACCELERATIONS_M_S2 = (0.5, 1.0, 2.0, 5.0, 10.0)
 ASSUMED_M_S2 = 1.0

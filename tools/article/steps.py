@@ -11,7 +11,7 @@ its power in the band of slip. The article's ADC (NI 6002) makes 50 000 conversi
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -21,11 +21,55 @@ from fingertip.design import Design
 from fingertip.detection.adaptation import adapt_rate
 from fingertip.foundation.errors import DesignError
 from fingertip.foundation.workers import call_each
-from fingertip.lab.campaign.plan import CampaignPlan
-from fingertip.lab.campaign.run import quantile_s, run_cases
+from fingertip.lab.campaign.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, Case, generate_cases
+from fingertip.lab.campaign.run import evaluate, quantile_s, run_cases, select_board_outputs
+from fingertip.sim import run_scene
+from fingertip.sim.runs.scene import SceneRun
+from fingertip.sim.signal.grid import Grid
 from fingertip.slip.detectors.registry import DETECTORS
 from tools.article.bounds import compute_bounds_s
-from tools.article.trials import COMPARED, STEPS_COMPARED, compare_grids, generate_limited_cases, generate_trials
+
+
+def generate_limited_cases(plan: CampaignPlan) -> Iterator[Case]:
+    """Generate those of all cases whose alarms a requirement limits."""
+    return (case for case in generate_cases(plan) if case.cause not in REPORTED_SEPARATELY)
+
+
+def generate_trials(trials: int, first_seed: int = HELD_OUT_FROM) -> Iterator[Case]:
+    return (case for case in generate_cases(CampaignPlan(trials, 0.5), first_seed) if case.cause == "slip")
+
+
+STEPS_COMPARED = 16
+"""Number of steps of the finer grid per step of the shipped one."""
+COMPARED = ("force_n", "voltage_v", "envelope_v")
+
+
+def compare_grids(
+    design: Design, case: Case, detectors: Sequence[str] = tuple(DETECTORS), refinement: int = STEPS_COMPARED
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Run one trial on the shipped grid and on a finer one, with the same noise.
+
+    Returns by signal the largest difference, in the signal's unit, and by detector the shift of the delay [samples]:
+    infinite if slips are found on one grid only, NaN if on neither.
+    """
+    sampled = select_board_outputs(design, detectors)
+    signals = COMPARED if design.board.has_filter else COMPARED[:2]
+    scene = case.scene.model_copy(update={"outputs": ["slip", *signals, *sampled]})
+    shipped = SceneRun(design, scene, case.seed).grid
+    assert shipped
+    pair = [run_scene(design, scene, case.seed, grid=Grid(parts * shipped.refinement)) for parts in (1, refinement)]
+    errors = {name: float(np.max(np.abs(pair[0].columns[name] - pair[1].columns[name]))) for name in signals}
+    rate = design.detector.sample_rate_hz
+    delays = {name: [evaluate(case, one.trace, name, design, [1.0])[0].delays_s for one in pair] for name in detectors}
+    return errors, {name: rate * _find_shift_s(*both) for name, both in delays.items()}
+
+
+def _find_shift_s(coarse_s: Sequence[float], fine_s: Sequence[float]) -> float:
+    """Largest shift of a delay [s]; infinite if the numbers of slips found differ, NaN if there are none."""
+    if len(coarse_s) != len(fine_s):
+        return math.inf
+    return max((abs(a - b) for a, b in zip(coarse_s, fine_s, strict=True)), default=math.nan)
+
 
 MAX_SHIFT_SAMPLES = 1.0
 """Shift of a delay that the goal permits [samples]: a sample is the resolution of every detector."""
@@ -104,10 +148,9 @@ class SamplingRateResult:
     bound_median_s: float
     """Median of Lorden's bound (`tools.article.bounds`) [s]."""
     bound_p90_s: float
-    """90th percentile of Lorden's bound [s]."""
     found_share: float
     median_s: float
-    """Median delay [s]; infinite if fewer than half of the slips were found."""
+    """Infinite if fewer than half of the slips were found."""
     p90_s: float
     alarms_per_minute: float
 
@@ -122,11 +165,8 @@ def study_sampling_rates(
             adapted = adapt_rate(design, rate)
         except DesignError:
             continue
-        cases = generate_limited_cases(plan)
-        (pooled,), bounds = (
-            run_cases(adapted, list(cases), {DETECTOR: (1.0,)})[DETECTOR],
-            compute_bounds_s(adapted, generate_trials(trials)),
-        )
+        (pooled,) = run_cases(adapted, list(generate_limited_cases(plan)), {DETECTOR: (1.0,)})[DETECTOR]
+        bounds = compute_bounds_s(adapted, generate_trials(trials))
         results.append(
             SamplingRateResult(
                 rate, quantile_s(bounds, len(bounds), 0.5), quantile_s(bounds, len(bounds), 0.9),

@@ -23,9 +23,8 @@ from tools.article.previous_works import study_previous_works
 from tools.article.protocol import RESONANCES_HZ, compute_spectra, study_article_protocol, study_windows
 from tools.article.robustness import LEVELS_ARE_ASSUMED, format_milli, format_mn, format_mv
 from tools.article.sensitivity import study_accelerations, study_assumptions
-from tools.article.steps import GOAL_SHARE, study_sampling_rates, study_steps
+from tools.article.steps import GOAL_SHARE, generate_trials, study_sampling_rates, study_steps
 from tools.article.tables import StudyResults
-from tools.article.trials import generate_trials
 
 T = TypeVar("T")
 DATA = Path(__file__).with_name("beside_article.json")

@@ -103,7 +103,7 @@ class AcceptanceSheet:
     """True if a force raises the voltage."""
     weights: tuple[WeightLimits, ...]
     doubt: list[str]
-    """Why the voltages under the weights are not known."""
+    """Reasons why the voltages under the weights are not known."""
 
 
 def acceptance_sheet(design: Design) -> AcceptanceSheet:

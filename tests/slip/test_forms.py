@@ -1,0 +1,62 @@
+"""Corpus of forms (tests/slip/forms.py): each is read right or answered by what to do, none read wrong in silence."""
+
+from __future__ import annotations
+
+import json
+import re
+import shlex
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from tests.slip.forms import COUNT, SLIP_S, Form, list_forms
+from tests.slip.recordings import run
+
+_OPTION = re.compile(r"--(?:column|rate-hz|time-scale|scale|offset) (?:'[^']*'|[^\s';]*[^\s';.,])+")
+_MOST = 3
+"""Largest number of proposals that are followed one after another."""
+
+
+def judge(path: Path) -> str:
+    """Do what the messages say: 'right', 'wrong' without a warning, 'warned', or 'refused' where none is left."""
+    options: list[str] = []
+    for _ in range(_MOST + 1):
+        done = run("detect", path, "--detector", "fast", "--json", *options)
+        if done.exit_code == 0:
+            found = json.loads(done.stdout)["intervals"]
+            is_right = len(found) == 1 and all(
+                abs(found[0][key] - true_s) < allowed_s
+                for key, true_s, allowed_s in (("onset_s", SLIP_S[0], 0.06), ("end_s", SLIP_S[1], 0.15))
+                if key in found[0]
+            )
+            return "right" if is_right else "warned" if "warning" in done.stderr else "wrong"
+        assert done.exit_code in (1, 2), (done.exit_code, done.stderr)
+        assert "error: " in done.stderr, done.stderr
+        proposed = [word for option in _OPTION.findall(done.stderr) for word in shlex.split(option)]
+        if not proposed or proposed == options[-len(proposed) :]:
+            return "refused"
+        options += proposed
+    return "refused"
+
+
+FORMS = {form.name: form for form in list_forms()}
+
+
+def test_the_corpus_has_two_hundred_forms() -> None:
+    assert len(FORMS) == COUNT
+    assert len({form.content for form in FORMS.values()}) >= 0.8 * COUNT
+
+
+@pytest.mark.parametrize("form", FORMS.values(), ids=FORMS)
+def test_no_form_is_read_wrong_in_silence(form: Form, tmp_path: Path) -> None:
+    assert judge(form.write(tmp_path)) != "wrong"
+
+
+if __name__ == "__main__":
+    import tempfile
+
+    with tempfile.TemporaryDirectory() as folder:
+        results = {name: judge(form.write(Path(folder))) for name, form in FORMS.items()}
+    print(Counter(results.values()))
+    print("\n".join(f"{result:8} {name}" for name, result in results.items()))

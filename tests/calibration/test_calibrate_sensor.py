@@ -111,6 +111,29 @@ def test_readings_without_load_take_the_offset_off() -> None:
     assert abs(without.law.exponent - 0.7) > 0.01
 
 
+@pytest.mark.parametrize(("kind", "scale", "end"), [("counts", 3.3 / 4096, 4095.0), ("voltage_v", None, 2.0)])
+def test_weighings_at_a_limit_are_left_out_and_named(kind: str, scale: float | None, end: float) -> None:
+    """The readings of the largest loads stand still; without them the curve is that of the others."""
+    design = Design.load("fsr400")
+    response, curve = board_values(design).tactile_response, ConductanceCurve(TURN_ON_N, WEAK.scale, 0.52)
+    forces = (0.5, 1.0, 2.0, 3.0, 20.0, 40.0)
+    readings = [response.tactile_v(curve.conductance_s(force)) / (scale or 1.0) for force in forces[:4]] + [end, end]
+    table = f"force_n,{kind}\n" + "".join(f"{f},{r:.6f}\n" for f, r in zip(forces, readings, strict=True))
+    weighings = parse_weighings(table, "w.csv")
+    assert [row.line for row in weighings.saturated] == [6, 7]
+    assert "lines 6 and 7 at" in list_warnings(weighings)[0]
+    assert calibrate_sensor(design, weighings, scale).law.exponent == pytest.approx(0.52, abs=1e-3)
+
+
+def test_a_sensor_that_is_pressed_at_rest_is_named() -> None:
+    for offset_v in (0.3, -0.3):
+        text = weighings_csv(offset_v=offset_v) + f"0,{RESPONSE.open_v + offset_v:.6f}\n"
+        weighings = parse_weighings(text, "w.csv")
+        found = calibrate_sensor(DESIGN, weighings)
+        pressed = (found.points[-1].voltage_v - found.points[0].voltage_v) * found.offset_v > 0
+        assert any("the skin presses on the sensor" in each for each in list_warnings(weighings, found)) == pressed
+
+
 def test_fit_equals_numpys_and_its_interval_is_that_of_a_prediction() -> None:
     rng = np.random.default_rng(3)
     forces = np.array([0.5, 1.0, 2.0, 5.0, 10.0, 10.0])

@@ -381,7 +381,7 @@ def test_quoted_numbers_are_read(tmp_path, delimiter, comma):
     assert transitions[0] == {"on": True, "time_s": ONSET}
     (tmp_path / "t.csv").write_text(text.replace('"0' + ("," if comma else ".") + '000500"', '"NA"'))
     stderr = run("detect", tmp_path / "t.csv").stderr
-    assert "'\"NA\"' in line 3 is not a number" in stderr
+    assert "'NA' in line 3 is not a number" in stderr
 
 
 SAVED = {
@@ -413,7 +413,7 @@ def test_preambles_and_unit_lines_are_skipped(tmp_path, name):
 
 
 SUGGESTIONS = {
-    "Time [s],AI0 (V)": "; or name the file's columns: --column time_s='Time [s]' --column voltage_v='AI0 (V)'",
+    "Time [s],AI0 (V)": " Or name the file's columns: --column time_s='Time [s]' --column voltage_v='AI0 (V)'",
     "AI0,Time": "--column time_s=Time --column voltage_v=AI0",
     "date,temp,elapsed_s,ch1": "--column time_s=elapsed_s --column voltage_v=ch1",
     "time_s,force_n": "Or name the file's column: --column voltage_v=force_n --calibrate 0:0.5",

@@ -16,8 +16,7 @@ from fingertip.board.analysis.board_values import find_tactile_response
 from fingertip.board.analysis.limits import TactileResponse
 from fingertip.board.components.front_end import NEWTON_PER_GRAM
 from fingertip.design import Design
-from fingertip.design.parameters.declaration import suggest_name
-from fingertip.foundation.errors import InputFileError, Issue, TraceError, quote_value, raise_issues
+from fingertip.foundation.errors import InputFileError, Issue, TraceError, join_words, quote_value, raise_issues
 from fingertip.foundation.input_files import RECORDING_LIMIT, read_input
 from fingertip.foundation.numerics import CONFIDENCE, t_quantile
 from fingertip.sim.signal.bridge import TURN_ON_WIDTH_N, fit_conductance_curve
@@ -32,6 +31,8 @@ MIN_LOADS = 3
 """Least number of different loads among them."""
 MAX_BYTES = 2**20
 """Maximum size of a file of weighings [bytes]."""
+_FULL_SCALES = frozenset(2.0**bits - 1 for bits in (8, 10, 12, 14, 16, 18, 20, 24))
+"""Largest counts of converters."""
 MAX_FORCE_N = 1000.0
 """Largest force that a sensor survives, with a wide margin [N]."""
 
@@ -53,6 +54,8 @@ class Weighings:
     """Weighings under load."""
     unloaded: tuple[Weighing, ...]
     """Readings without load, which show the offset of the board."""
+    saturated: tuple[Weighing, ...] = ()
+    """Weighings that are left out: their readings do not grow with the load."""
 
 
 def read_weighings(path: str | Path) -> Weighings:
@@ -88,10 +91,8 @@ def parse_weighings(text: str, source: str) -> Weighings:
         found = [name for name in names if name in header]
         if len(found) != 1:
             problem = f"names {' and '.join(found)}" if found else f"names no column of {noun}"
-            remedy = f"give one of {', '.join(names)}"
-            if not found:
-                remedy = f"one of {', '.join(names)}; {suggest_name(names[0], header)}"
-            raise TraceError(Issue(f"{source}, line {number}", f"{problem}; {remedy.rstrip('.')}."))
+            remedy = f"give one of {', '.join(names)}, with values in that unit"
+            raise TraceError(Issue(f"{source}, line {number}", f"{problem}; {remedy}."))
         places.append(header.index(found[0]))
     load, kind = header[places[0]], header[places[1]]
     rows, issues = list[Weighing](), list[Issue]()
@@ -115,15 +116,41 @@ def parse_weighings(text: str, source: str) -> Weighings:
         elif kind == "resistance_ohm" and row.reading <= 0.0:
             issues.append(Issue(field, f"{row.reading:g} ohm is not a resistance; give a value above 0."))
     loaded, unloaded = (tuple(row for row in rows if (row.force_n > 0.0) is under) for under in (True, False))
+    saturated = () if issues else _find_saturated(kind, loaded)
+    loaded = tuple(row for row in loaded if row not in saturated)
     loads = len({row.force_n for row in loaded})
     if not issues and (len(loaded) < MIN_WEIGHINGS or loads < MIN_LOADS):
         message = (
             f"holds {len(loaded)} weighings under {loads} different loads; at least {MIN_WEIGHINGS} under {MIN_LOADS} "
             "are needed for a curve and its interval."
         )
+        if saturated:
+            message = f"{_describe_saturated(kind, saturated)}; without them it {message[:-1]} (weigh smaller loads)."
         issues.append(Issue(source, message))
     raise_issues(TraceError, issues)
-    return Weighings(source, kind, loaded, unloaded)
+    return Weighings(source, kind, loaded, unloaded, saturated)
+
+
+_FLAT_SHARE, _FLAT_LOADS = 0.002, 1.2
+"""Largest difference between readings at a limit, as a share of the span of all, and least ratio of their loads."""
+
+
+def _find_saturated(kind: str, loaded: Sequence[Weighing]) -> tuple[Weighing, ...]:
+    """Find weighings at the end of a converter, or at the limit that the readings of the largest loads do not leave."""
+    if kind == "resistance_ohm" or not loaded:
+        return ()
+    last, readings = max(loaded, key=lambda row: row.force_n), [row.reading for row in loaded]
+    near = _FLAT_SHARE * (max(readings) - min(readings))
+    flat = tuple(row for row in loaded if abs(row.reading - last.reading) <= near)
+    is_end = kind == "counts" and last.reading in _FULL_SCALES
+    return flat if is_end or last.force_n >= _FLAT_LOADS * min(row.force_n for row in flat) else ()
+
+
+def _describe_saturated(kind: str, rows: Sequence[Weighing]) -> str:
+    limit = "the end of a converter" if rows[0].reading in _FULL_SCALES else "a limit that larger loads do not move"
+    unit, lines = "V" if kind == "voltage_v" else kind, join_words([str(row.line) for row in rows])
+    plural = "s" * (len(rows) > 1)
+    return f"line{plural} {lines} at {rows[0].reading:.6g} {unit} reached {limit}, where the load does not show"
 
 
 # Power law fitted to weighings, with the interval of a force that is read off it. The conductance G under a force F
@@ -192,6 +219,8 @@ def fit_power_law(forces_n: Sequence[float], conductances_s: Sequence[float], tu
 
 MAX_OFFSET_V = 0.5
 """Largest difference between the readings without load and the design's voltage of an open sensor [V]."""
+_MAX_IDLE_V = 0.1
+"""Voltage of an untouched finger towards that of a load from which its skin presses on it [V], as in acceptance.md."""
 _DIGITS = 6
 """Significant digits of the figures that are written into a design."""
 
@@ -284,13 +313,23 @@ def calibrate_sensor(design: Design, weighings: Weighings, scale: float | None =
     return calibration
 
 
-def list_warnings(weighings: Weighings) -> list[str]:
+def list_warnings(weighings: Weighings, calibration: SensorCalibration | None = None) -> list[str]:
     """List what makes a calibration less certain than its interval says."""
+    kind, saturated = weighings.kind, weighings.saturated
+    warnings = [f"{weighings.source}: {_describe_saturated(kind, saturated)}: left out"] if saturated else []
+    if calibration and abs(calibration.offset_v) > _MAX_IDLE_V:
+        first, *_, last = calibration.points
+        if (last.voltage_v - first.voltage_v) * calibration.offset_v > 0.0:
+            warnings.append(
+                f"{1000 * calibration.offset_v:+.0f} mV without load is more than a board's offset: the skin presses "
+                "on the sensor, and taking that off bends the curve; pull the skin on again, and weigh again."
+            )
     if weighings.unloaded or weighings.kind == "resistance_ohm":
-        return []
+        return warnings
     return [
+        *warnings,
         f"{weighings.source} holds no reading without load, so the offset of the board counts as 0; add a line with "
-        f"load 0 and the {weighings.kind} of the untouched finger."
+        f"load 0 and the {weighings.kind} of the untouched finger.",
     ]
 
 

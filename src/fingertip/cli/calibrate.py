@@ -119,7 +119,7 @@ def sensor(
     calibration = calibrate_sensor(loaded, weighings, scale)
     calibrated = apply_calibration(loaded, calibration.changes)
     data, lines = _sensor_data(calibration), _format_sensor(calibration, calibrated)
-    data["warnings"] = list_warnings(weighings)
+    data["warnings"] = list_warnings(weighings, calibration)
     console.warn(data["warnings"])
     if out is not None:
         heading = f"{loaded.name}, with the force curve of one sensor on one board, by `fingertip calibrate sensor`."

@@ -14,9 +14,9 @@ from fingertip.detection.warnings import StepWatch, settings_warnings
 from fingertip.foundation.errors import Issue, TraceError, shorten
 from fingertip.slip.detectors import registry
 from fingertip.slip.traces import sampling
-from fingertip.slip.traces.columns import split_cells, unquote
+from fingertip.slip.traces.columns import parse_number, split_cells
 from fingertip.slip.traces.csv_dialect import Header, find_header
-from fingertip.slip.traces.trace import ColumnMap, bounded_lines, length_message, range_message
+from fingertip.slip.traces.trace import NANOSEC, ColumnMap, bounded_lines
 
 NAME = "standard input"
 _MAX_QUOTED = 100
@@ -144,6 +144,7 @@ def follow(
     time_index = names.index(time_name) if time_name in names else None
     second_name = columns.name_in_file(second_column) if second_column else ""
     second_index = names.index(second_name) if second_name in names else None
+    nanosec_index = names.index(columns.names[NANOSEC]) if NANOSEC in columns.names else None
     clock, on, all_whole, width, sample = _SampleClock(parameters), False, True, 0, -1
     for number, line in rows:
         if header.is_repeated(line):
@@ -154,26 +155,28 @@ def follow(
         if len(cells) != width:
             message = f"has {len(cells)} cells, but the header has {len(names)}; give one per column."
             raise _line_error(number, f"{message} {_quote(line)}")
-        volts = _parse_number(cells[voltage_index], delimiter, number, line) * columns.scale
+        volts = _parse_number(cells[voltage_index], number, line) * columns.scale
         all_whole = all_whole and volts % 1 == 0
         if watch is not None and (warning := watch.add(volts)):
             report(f"warning: {warning}")
         if columns.in_volts and not parameters.adc_low_v <= volts <= parameters.adc_range_v:
-            raise _line_error(number, range_message(f"{volts:g}", all_whole, parameters))
+            raise _line_error(number, sampling.range_message(volts, "", all_whole, parameters))
         time_s = sample / parameters.sample_rate_hz
         if time_index is not None:
-            time_s = _parse_number(cells[time_index], delimiter, number, line) * columns.time_scale
+            time_s = _parse_number(cells[time_index], number, line) * columns.time_scale
+            if nanosec_index is not None:
+                time_s += 1e-9 * _parse_number(cells[nanosec_index], number, line)
             clock.check(time_s, number)
         values = [volts]
         if second_index is not None:
-            values.append(_parse_number(cells[second_index], delimiter, number, line) * columns.scale)
+            values.append(_parse_number(cells[second_index], number, line) * columns.scale)
         if detector.step(*values) != on:
             on = not on
             yield Transition(on, time_s)
     if sample < 0:
         raise TraceError(Issue(NAME, "has no samples below its header; write at least one line of samples."))
     if sample + 1 < parameters.window_samples:
-        raise TraceError(Issue(NAME, length_message(sample + 1, parameters.window_samples)))
+        raise TraceError(Issue(NAME, sampling.length_message(sample + 1, parameters.window_samples)))
 
 
 class _SampleClock:
@@ -222,15 +225,13 @@ class _SampleClock:
             self._start_s, self._steps = time_s, 0
 
 
-def _parse_number(cell: str, delimiter: str, number: int, line: str) -> float:
-    plain = unquote(cell) if '"' in cell else cell
-    try:
-        value = float(plain if delimiter == "," else plain.replace(",", "."))
-    except ValueError:
+def _parse_number(cell: str, number: int, line: str) -> float:
+    value = parse_number(cell)
+    if value is None:
         message = f"{cell.strip()!r} is not a number; write it with a decimal point."
-        if not plain.strip():
+        if not cell.strip():
             message = "has an empty cell; give one number per column."
-        raise _line_error(number, f"{message} {_quote(line)}") from None
+        raise _line_error(number, f"{message} {_quote(line)}")
     if not math.isfinite(value):
         raise _line_error(number, f"{value} is not a finite number; detection cannot continue across it.")
     return value

@@ -217,6 +217,7 @@ def _doubt_signals(recording: _Recording) -> Iterator[str]:
     yield from warnings.hum_warnings(volts, design.detector.sample_rate_hz)
     yield from warnings.polarity_warnings(volts, design)
     yield from signal_warnings(trace, design.detector, design.board.has_filter)
+    yield from warnings.flat_warnings(volts, design)
     yield from warnings.settings_warnings(design, recording.detector)
     # A filtered signal has finer steps. Thresholds follow from the recording itself after a calibration.
     if registry.find_second_column(design, recording.detector) is not None and trace.filtered_v is not None:
@@ -259,7 +260,8 @@ def _doubt_result(
     if recording.columns.in_volts:
         # Noise jumps, too.
         noisy = list(warnings.noise_warnings(detection.learned_noise_v, design, noise_v))
-        yield from noisy or warnings.glitch_warnings(detection.output, trace)
+        if not any(warnings.flat_warnings(trace.voltage_v, design)):  # a clipped signal jumps, and is named as such
+            yield from noisy or warnings.glitch_warnings(detection.output, trace)
     if level:
         may_be_lower = quiet is not None or not registry.find_detector_type(recording.detector).takes_envelope
         yield from warnings.threshold_warnings(detection.threshold_v, level, may_be_lower)

@@ -30,6 +30,8 @@ _MAX_STEPS = 1000
 """Number of steps between two neighbouring voltages above which rounding hides whether it is whole."""
 _FIRST_LOOK, _LAST_LOOK = 1000, 2**20
 """Samples of a stream after which its steps are examined for the first and for the last time."""
+_RECENT = 4000
+"""Samples of a stream that are examined together for a limit of the signal."""
 _MAX_LEVELS = 10_000
 """Number of different voltages in a stream beyond which its steps are fine."""
 _MARGIN_STEPS = 2
@@ -65,15 +67,55 @@ def step_warnings(volts: Array, design: Design, detector: str) -> Iterator[str]:
     )
 
 
+# Warnings of a signal that is limited below the end of the converter, as by the supply of an amplifier.
+
+_LEAST_RUN, _LEAST_FLAT, _DEVIATIONS = 4, 10, 6.0
+"""Least equal samples in a row, all samples in such rows, and standard deviations over chance, that are a limit."""
+_BLOCK = 100
+"""Samples in a part of which the share of repeated samples is taken; the quietest part tells what steps explain."""
+
+
+def flat_warnings(volts: Array, design: Design) -> Iterator[str]:
+    """Warn of runs of the largest or smallest voltage [V] that are longer than steps and noise of the rest explain."""
+    low, high = design.detector.adc_low_v, design.detector.adc_range_v - 1.5 * design.detector.adc_step_v
+    for limit, noun in ((volts.max(initial=low), "largest"), (volts.min(initial=high), "smallest")):
+        at_rest = noun == "smallest" and not design.board.has_filter  # a divider rests at 0 V
+        is_flat = volts == limit
+        edges = np.flatnonzero(np.diff(is_flat.astype(np.int8), prepend=0, append=0))
+        runs, rest = edges[1::2] - edges[::2], volts[~is_flat]
+        blocks = (np.diff(rest) == 0.0)[: (len(rest) - 1) // _BLOCK * _BLOCK].reshape(-1, _BLOCK)
+        if at_rest or limit >= high or limit <= low + design.detector.adc_step_v / 2 or not len(blocks):
+            continue  # the end of the converter is told as such
+        repeats = min(0.999, float(blocks.mean(axis=1).max()) + 1 / len(rest))
+        runs = np.sort(runs)[::-1]
+        chance = len(runs) * repeats ** (runs - 1.0)  # how many runs of a length or more are expected
+        is_long = (np.arange(1, len(runs) + 1) - chance > _DEVIATIONS * np.sqrt(chance)) & (runs >= _LEAST_RUN)
+        count = int(runs[: np.flatnonzero(is_long)[-1] + 1].sum()) if is_long.any() else 0
+        if count >= _LEAST_FLAT:
+            yield (
+                f"{count} of {len(volts)} samples ({100 * count / len(volts):.2g} %) are flat at {limit:.4g} V, the "
+                f"{noun} voltage: an amplifier, or the sensor itself, is at its limit, and slip is not visible there. "
+                "Lower the gain or the force, or move the rest of the signal."
+            )
+
+
 class StepWatch:
-    """Voltages of a stream, examined for coarse steps ever more rarely until one warning is given."""
+    """Voltages of a stream, examined for a limit, and for coarse steps ever more rarely, until each is warned of."""
 
     def __init__(self, design: Design, detector: str) -> None:
         self._design, self._detector = design, detector
         self._levels: set[float] = set()
         self._count, self._next = 0, _FIRST_LOOK
+        self._recent: list[float] | None = []
 
     def add(self, volts: float) -> str | None:
+        if self._recent is not None:
+            self._recent.append(volts)
+            if len(self._recent) == _RECENT:
+                if flat := next(flat_warnings(np.array(self._recent), self._design), None):
+                    self._recent = None
+                    return flat
+                del self._recent[: _RECENT // 2]
         if not self._next:
             return None
         self._levels.add(volts)

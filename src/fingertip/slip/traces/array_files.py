@@ -13,7 +13,8 @@ import struct
 import wave
 import zipfile
 import zlib
-from collections.abc import Callable, Iterator, Mapping
+from collections import Counter
+from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -24,7 +25,7 @@ from fingertip.foundation import extras
 from fingertip.foundation.errors import FingertipError, Issue, TraceError, shorten
 from fingertip.foundation.input_files import RECORDING_LIMIT, check_archive, check_member
 from fingertip.foundation.workers import call_within_limits
-from fingertip.slip.traces.trace import BOARD_COLUMNS, COLUMNS, ColumnMap, max_table_bytes, shape_message, total_message
+from fingertip.slip.traces.trace import BOARD_COLUMNS, ColumnMap, max_table_bytes, shape_message, total_message
 
 # Claims of files of arrays: how much a library would unpack or list, found before it does so.
 #
@@ -99,7 +100,10 @@ def _damage_reported(path: Path, kind: str, remedy: str) -> Iterator[None]:
 
 
 def _wanted(columns: ColumnMap) -> set[str]:
-    return {*map(columns.name_in_file, COLUMNS), *(f"sampled_{column}" for column in BOARD_COLUMNS), RATE}
+    """Return the names of the arrays that a trace takes; `NAME/2` is a column of the array NAME."""
+    names = {*map(columns.name_in_file, columns.looked_for)}
+    tables = {name.rpartition("/")[0] for name in names if name.rpartition("/")[2].isdecimal()}
+    return {*names, *tables, *(f"sampled_{column}" for column in BOARD_COLUMNS), RATE}
 
 
 def _load_numbers(path: Path, claims: Mapping[str, Claim], load: Callable[[str], Any]) -> dict[str, Any]:
@@ -140,17 +144,14 @@ def _name_columns(path: Path, array: NDArray[Any], columns: ColumnMap) -> Mappin
         array = array.ravel()
     if array.ndim == 1:
         return {voltage: array}
-    if array.ndim == 2 and (voltage.isdecimal() or time.isdecimal()):
-        return {str(number): column for number, column in enumerate(array.T, 1)}
-    if array.ndim == 2 and array.shape[1] == 2:
+    if array.ndim == 2 and array.shape[1] == 2 and not (voltage.isdecimal() or time.isdecimal()):
         # The columns of an array have no names: a name for the time (`--column time_s=none`) means to ignore it.
         if columns.rate_hz is not None and "time_s" in columns.names:
             return {voltage: array[:, 1]}
         return {time: array[:, 0], voltage: array[:, 1]}
-    message = (
-        f"has shape {array.shape}; give (samples,) with --rate-hz, (samples, 2) for time and voltage, or choose "
-        "columns by number, such as --column time_s=1 --column voltage_v=2."
-    )
+    if array.ndim == 2:
+        return {str(number): column for number, column in enumerate(array.T, 1)}
+    message = f"has shape {array.shape}; give (samples,) with --rate-hz, or (samples, columns)."
     raise TraceError(Issue(str(path), message))
 
 
@@ -193,7 +194,32 @@ def _load_mat(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
         variables = scipy_io.whosmat(path)[::-1]  # of two variables with one name, the first one is loaded
         claims = {name: (shape, _mat_type(kind)) for name, shape, kind in variables if name in _wanted(columns)}
         arrays = _load_numbers(path, claims, lambda name: scipy_io.loadmat(path, variable_names=[name])[name])
-        return dict.fromkeys(name for name, _, _ in variables) | arrays
+        structs = {name for name, _, kind in variables if kind in ("struct", "cell")}
+        names = dict.fromkeys(name for name, _, _ in variables if name not in structs)
+        if structs and not set(map(columns.name_in_file, columns.required)) <= names.keys():
+            arrays |= call_within_limits(TDMS_LIMIT_S, 4 * max_table_bytes(), _read_structs, path, structs)
+        return names | arrays
+
+
+def _read_structs(path: Path, structs: Collection[str]) -> Mapping[str, Any]:
+    """Read the numbers in structures and cells as STRUCT/FIELD, of several ones as STRUCT(1)/FIELD."""
+    scipy_io = extras.load("scipy.io", str(path), alternative=AS_CSV)
+    found = dict[str, Any]()
+
+    def add(name: str, value: Any) -> None:
+        if isinstance(value, dict):
+            for field, element in value.items():
+                add(f"{name}/{field}", element)
+        elif isinstance(value, (list, np.ndarray)) and np.asarray(value).dtype.kind == "O":
+            for number, element in enumerate(np.ravel(value), 1):
+                add(f"{name}({number})", element)
+        elif np.asarray(value).dtype.kind in "bifu":
+            found[name] = np.asarray(value)
+
+    variables = scipy_io.loadmat(path, variable_names=structs, simplify_cells=True)
+    for name in filter(structs.__contains__, variables):
+        add(name, variables[name])
+    return found
 
 
 def _mat_type(kind: str) -> np.dtype[Any]:
@@ -278,11 +304,14 @@ def _read_tdms(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
     # By its path, the library would also read an index file beside it.
     with path.open("rb") as file, nptdms.TdmsFile.open(file) as recording:
         channels = [channel for group in recording.groups() for channel in group.channels()]
-        by_name = {channel.name: channel for channel in channels}
+        by_path = {f"{channel.group_name}/{channel.name}": channel for channel in channels}
+        counts = Counter(channel.name for channel in channels)
+        listed = {each.name if counts[each.name] == 1 else key: each for key, each in by_path.items()}
         if len(channels) == 1 and "voltage_v" not in columns.names:
-            by_name = {"voltage_v": channels[0]}
+            listed = {"voltage_v": channels[0]}
+        by_name = {**by_path, **listed}
         claims = {name: read_claim(by_name[name]) for name in by_name if name in _wanted(columns)}
-        arrays = dict.fromkeys(by_name) | _load_numbers(path, claims, lambda name: by_name[name][:])
+        arrays = dict.fromkeys(listed) | _load_numbers(path, claims, lambda name: by_name[name][:])
         voltage = by_name.get(columns.name_in_file("voltage_v"))
         increment = voltage.properties.get("wf_increment") if voltage is not None else None
         if increment is not None:

@@ -1,16 +1,17 @@
-"""Cells and columns of a recording's lines: parsing, guesses of what a trace requires, and LabVIEW's own names."""
+"""Cells and columns of a recording's lines: parsing, and LabVIEW's own names."""
 
 from __future__ import annotations
 
+import contextlib
+import csv
 import datetime
 import re
-import shlex
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
 from fingertip.foundation.errors import Issue, TraceError
-from fingertip.slip.traces.trace import ColumnMap, is_force
+from fingertip.slip.traces.trace import ColumnMap
 
 T = TypeVar("T")
 
@@ -22,8 +23,19 @@ SPACES = " "
 
 
 def split_cells(line: str, delimiter: str) -> list[str]:
-    """Split a line into its cells, with the spaces and quotes around them."""
-    return line.split() if delimiter == SPACES else line.rstrip("\r\n").split(delimiter)
+    """Split a line into its cells, with the spaces around them. A quoted cell may hold the delimiter."""
+    if delimiter == SPACES:
+        return line.split()
+    line = line.rstrip("\r\n")
+    if '"' in line and delimiter in line:
+        with contextlib.suppress(csv.Error, StopIteration):  # of a cell that is too long
+            return next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
+    return line.split(delimiter)
+
+
+def split_plain(line: str, delimiter: str) -> list[str]:
+    """Split a line into its cells, without the spaces and quotes around them."""
+    return [unquote(cell) for cell in split_cells(line, delimiter)]
 
 
 def unquote(cell: str) -> str:
@@ -31,18 +43,45 @@ def unquote(cell: str) -> str:
     return cell.strip().strip('"')
 
 
-def is_number(cell: str) -> bool:
-    """Return whether a cell contains a number, with a decimal point or a decimal comma."""
+_PREFIXES = {"m": 1e-3, "u": 1e-6, "µ": 1e-6, "μ": 1e-6, "n": 1e-9, "k": 1e3}
+_QUANTITY = re.compile(r"([-+]?[\d.,]+)([eE][-+]?\d+)?\s*(?:([munkµμ]?)(?:V|v|Volts?|s|N|Hz))?")
+_THOUSANDS = re.compile(r"[-+]?\d{1,3}(?:[.,]\d{3})+")
+_OVER_RANGE = re.compile(r"[*#]+|-{2,}|[-+]?(ol|ovl?d?|over\w*|clip\w*)", re.IGNORECASE)
+
+
+def parse_number(cell: str) -> float | None:
+    """Parse a number, quoted or not, with a decimal point or comma, marks of thousands, and a unit; else None.
+
+    Of two kinds of marks, the last one is the decimal. A prefix of the unit is a factor: 12 mV is 0.012.
+    """
     try:
-        float(cell.replace(",", "."))
+        return float(cell)
     except ValueError:
-        return False
-    return True
+        plain = unquote(cell)
+    if plain != cell:
+        return parse_number(plain)
+    if not (found := _QUANTITY.fullmatch(plain)):
+        return None
+    digits, power, prefix = found.groups()
+    whole, mark, decimals = re.fullmatch(r"(.*?)(?:([.,])([^.,]*))?", digits).groups("")  # type: ignore[union-attr]
+    if mark in whole and mark:  # a mark that is repeated separates thousands
+        whole, decimals = digits, ""
+    if ("," in whole or "." in whole) and not _THOUSANDS.fullmatch(whole):
+        return None
+    try:
+        return float(f"{re.sub('[.,]', '', whole)}.{decimals}{power or ''}") * _PREFIXES.get(prefix, 1.0)
+    except ValueError:
+        return None
+
+
+def is_over_range(cell: str) -> bool:
+    """Return whether a cell marks that the signal left an instrument's range."""
+    return _OVER_RANGE.fullmatch(unquote(cell)) is not None
 
 
 def is_value(cell: str) -> bool:
     """Return whether a cell contains a number, or a time in ISO 8601."""
-    return is_number(cell) or parse_instant(cell) is not None
+    return parse_number(cell) is not None or parse_instant(cell) is not None
 
 
 def parse_instant(cell: str) -> datetime.datetime | None:
@@ -64,46 +103,6 @@ def count_decimals(cell: str) -> int:
     """Count the digits behind the decimal point or comma of a number."""
     _, _, decimals = unquote(cell).replace(",", ".").partition(".")
     return len(decimals)
-
-
-_TIME = re.compile(r"(time|zeit|timestamp|elapsed|seconds?|x_value|t)\b|.*([\[(]s[\])]|_s)$", re.IGNORECASE)
-_VOLTAGE = re.compile(r".*(volt|[\[(]V[\])]|_v$)|(ai|ch|channel) ?\d", re.IGNORECASE)
-
-
-def suggest_options(names: Sequence[str], columns: ColumnMap) -> str:
-    """Suggest ``--column`` options for the required columns that a file's names do not contain."""
-    candidates = [name for name in names if name and not is_number(name)]
-    guesses: dict[str, str] = {}
-    for column in columns.required:
-        if columns.name_in_file(column) in candidates:
-            candidates.remove(columns.name_in_file(column))
-    for column, pattern in (("time_s", _TIME), ("voltage_v", _VOLTAGE)):
-        if column in columns.required and columns.name_in_file(column) not in names and candidates:
-            best = next((name for name in candidates if pattern.match(name)), None)
-            if best is None and column == "time_s" and len(candidates) == 1:
-                continue  # the only other column is the signal
-            guess = best or candidates[0]
-            candidates.remove(guess)
-            if guess != column:  # a file that has this column needs no option
-                guesses[column] = guess
-    if not guesses:
-        return ""
-    options = [f"--column {column}={shlex.quote(name)}" for column, name in guesses.items()]
-    if is_force(guesses.get("voltage_v", "")):
-        reason = "a force has no threshold in volts: give the interval in which nothing happens"
-        options.append(f"--calibrate 0:0.5 ({reason})")
-    return f"name the file's column{'s' * (len(guesses) > 1)}: {' '.join(options)}"
-
-
-def suggest_numbers(count: int, columns: ColumnMap) -> str:
-    """Suggest the options that read a file without a header, whose lines have `count` cells."""
-    by_name = [column for column in columns.required if not columns.name_in_file(column).isdecimal()]
-    if by_name == ["time_s"] and "time_s" in columns.names:  # such as none
-        return "the file has no header and its times are left out: give the sampling rate with --rate-hz, such as 2000"
-    options = [f"--column {column}={number}" for number, column in enumerate(columns.required, 1)]
-    if count < len(options):
-        options = ["--rate-hz HZ", "--column voltage_v=1"]
-    return f"the file has no header: give its columns by number, such as {' '.join(options)}"
 
 
 # LabVIEW's measurement files (LVM): the names of their columns, their times, and headers between their segments.
@@ -165,8 +164,9 @@ def adapt_columns(name: str, lines: Iterable[str], columns: ColumnMap) -> Column
     if "voltage_v" not in columns.names and "voltage_v" not in names:
         channels = [each for each in names if each not in (_TIMES, _COMMENT)]
         if len(channels) != 1:
-            options = " or ".join(f"--column voltage_v={each!r}" for each in channels[:4])
-            raise TraceError(Issue(name, f"holds {len(channels)} channels; choose one with {options}."))
+            listed = ", ".join(map(repr, channels[:4])) + ", ..." * (len(channels) > 4)
+            message = f"holds {len(channels)} channels, {listed}; choose one with --column voltage_v=NAME."
+            raise TraceError(Issue(name, message))
         added["voltage_v"] = channels[0]
     rate_hz = columns.rate_hz
     if "time_s" not in columns.names:
@@ -193,7 +193,7 @@ def without_headers(rows: Iterable[tuple[int, str]], passed_over: NotedLines[str
 
 def _read_rate(name: str, steps: Sequence[str]) -> float:
     step = steps[0].replace(",", ".") if steps else ""
-    step_s = float(step) if is_number(step) else 0.0
+    step_s = parse_number(step) or 0.0
     if not 0.0 < step_s < float("inf"):
         raise TraceError(Issue(name, f"has no times, and states the step {step!r} between samples; give --rate-hz."))
     return float(f"{1 / step_s:.9g}")

@@ -21,18 +21,10 @@ import numpy as np
 from fingertip.foundation.errors import Issue, TraceError, quote_value
 from fingertip.foundation.input_files import SAMPLES_LIMIT
 from fingertip.foundation.numerics import Array
-from fingertip.slip.traces.columns import (
-    LVM_HEADER_LINES,
-    NotedLines,
-    adapt_columns,
-    count_decimals,
-    parse_instant,
-    split_cells,
-    unquote,
-    without_headers,
-)
-from fingertip.slip.traces.csv_dialect import NOT_TEXT, Header, find_header
-from fingertip.slip.traces.trace import COLUMNS, ColumnMap, RawTrace, bounded_lines, max_lines, max_rows, shape_message
+from fingertip.slip.traces import columns as text
+from fingertip.slip.traces.csv_dialect import NOT_TEXT, Header, find_header, find_numbered_header, list_numbers
+from fingertip.slip.traces.survey import SURVEYED_LINES
+from fingertip.slip.traces.trace import ColumnMap, RawTrace, bounded_lines, max_lines, max_rows, shape_message
 
 _TAIL_BYTES = 4096
 """Length of the end of a file that is examined for a number that was cut off [bytes]."""
@@ -55,15 +47,20 @@ def read_csv(path: Path, columns: ColumnMap) -> RawTrace:
     try:
         encoding = _detect_encoding(path)
         with path.open(encoding=encoding) as file:
-            adapted = adapt_columns(name, itertools.islice(bounded_lines(file, name), LVM_HEADER_LINES), columns)
+            adapted = text.adapt_columns(
+                name, itertools.islice(bounded_lines(file, name), text.LVM_HEADER_LINES), columns
+            )
         with path.open(encoding=encoding) as file:
             lines = bounded_lines(file, name)
-            header = find_header(name, lines, adapted)
+            start = list(itertools.islice(lines, SURVEYED_LINES if list_numbers(adapted) else 0))
+            numbered = find_numbered_header(start, adapted)
+            lines = itertools.chain(start[numbered.line if numbered else 0 :], lines)
+            header = numbered or find_header(name, lines, adapted)
             below = next(lines, "")
     except UnicodeError:
         raise TraceError(Issue(name, NOT_TEXT)) from None
     header = replace(header, is_loose=adapted is not columns)
-    first_line = header.line + (2 if header.is_unit_line(below) else 1)
+    first_line = header.line + (2 if below.strip() and header.is_unit_line(below) else 1)
     source = _Source(path, encoding, header, first_line, adapted.with_simulated_names(header.names))
     return _read_valid(source) or _read_by_line(source)
 
@@ -95,7 +92,7 @@ class _Source:
     @property
     def places(self) -> dict[str, int]:
         """Index of each column of the trace that the file has."""
-        names = {column: self.columns.name_in_file(column) for column in COLUMNS}
+        names = {column: self.columns.name_in_file(column) for column in self.columns.looked_for}
         return {column: self.header.names.index(name) for column, name in names.items() if name in self.header.names}
 
     @property
@@ -114,11 +111,11 @@ class _Source:
             lines = file.read().decode("latin-1").splitlines(keepends=True)
         if not lines or lines[-1].endswith(("\n", "\r")) or len(lines) < _TAIL_LINES + 2:
             return False
-        *before, last = (split_cells(line, self.header.delimiter) for line in lines[-_TAIL_LINES - 1 :])
+        *before, last = (text.split_cells(line, self.header.delimiter) for line in lines[-_TAIL_LINES - 1 :])
         if any(len(cells) != len(last) for cells in before):
             return False
-        decimals = {count_decimals(cells[-1]) for cells in before}
-        return len(decimals) == 1 and count_decimals(last[-1]) < decimals.pop()
+        decimals = {text.count_decimals(cells[-1]) for cells in before}
+        return len(decimals) == 1 and text.count_decimals(last[-1]) < decimals.pop()
 
 
 def _read_valid(source: _Source) -> RawTrace | None:
@@ -154,11 +151,11 @@ class _Samples:
 
     values: dict[str, array.array[float]]
     lines: array.array[int] = field(default_factory=lambda: array.array("q"))
-    uneven: NotedLines[int] = field(default_factory=lambda: NotedLines[int]())
+    uneven: text.NotedLines[int] = field(default_factory=lambda: text.NotedLines[int]())
     """Line number and number of cells of lines with another number of cells than the others."""
-    wrong: dict[str, NotedLines[str]] = field(default_factory=dict)
+    wrong: dict[str, text.NotedLines[str]] = field(default_factory=dict)
     """Line number and text of the cells of each column that cannot be read."""
-    passed_over: NotedLines[str] = field(default_factory=lambda: NotedLines[str]())
+    passed_over: text.NotedLines[str] = field(default_factory=lambda: text.NotedLines[str]())
     """Lines of headers and comments among the samples."""
     width: int = 0
     """Number of cells that each line must have."""
@@ -200,7 +197,7 @@ def _read_by_line(source: _Source) -> RawTrace:
         notes.append(f"{name}, time_s: dates are read as seconds since {samples.start.isoformat()}")
     issues = list(_find_issues(name, source, samples))
     values: dict[str, Array] = {column: np.array(cells) for column, cells in samples.values.items()}
-    has_all_times = not samples.uneven.count and not samples.wrong.get("time_s", NotedLines[str]()).count
+    has_all_times = not samples.uneven.count and not samples.wrong.get("time_s", text.NotedLines[str]()).count
     if samples.start is not None:  # dates are in seconds: their scale is an issue, and would make others
         columns = replace(columns, time_scale=1.0)
     trace = columns.make_trace(values)
@@ -211,17 +208,17 @@ def _collect(source: _Source, lines: Iterable[tuple[int, str]]) -> _Samples:
     """Collect the samples of numbered lines. Cells that cannot be read become 0, so that the others are validated."""
     header, places = source.header, source.places
     samples = _Samples(
-        {column: array.array("d") for column in places}, wrong={column: NotedLines[str]() for column in places}
+        {column: array.array("d") for column in places}, wrong={column: text.NotedLines[str]() for column in places}
     )
     after_header, most = False, SAMPLES_LIMIT.value
     below = (entry for entry in lines if entry[0] >= source.first_line and entry[1].strip())
-    for number, line in without_headers(below, samples.passed_over) if header.is_loose else below:
+    for number, line in text.without_headers(below, samples.passed_over) if header.is_loose else below:
         if header.is_repeated(line) or line.lstrip().startswith("#") or (after_header and header.is_unit_line(line)):
             samples.passed_over.add(number, line)
             after_header = True
             continue
         after_header = False
-        cells = split_cells(line, header.delimiter)
+        cells = text.split_cells(line, header.delimiter)
         if header.is_loose:
             cells = cells[: len(header.names)]
             samples.width = len(cells) if len(cells) > max(places.values()) else len(header.names)
@@ -235,7 +232,7 @@ def _collect(source: _Source, lines: Iterable[tuple[int, str]]) -> _Samples:
         for column, place in places.items():
             value = 0.0
             if len(cells) == width:
-                parsed = _parse(cells[place], column, header.delimiter, samples)
+                parsed = _parse(cells[place], column, samples)
                 if parsed is None:
                     samples.wrong[column].add(number, cells[place])
                 else:
@@ -244,10 +241,10 @@ def _collect(source: _Source, lines: Iterable[tuple[int, str]]) -> _Samples:
     return samples
 
 
-def _parse(cell: str, column: str, delimiter: str, samples: _Samples) -> float | None:
+def _parse(cell: str, column: str, samples: _Samples) -> float | None:
     """Parse a cell, quoted or not, as a number, NaN too, or as seconds since the first date; None if it is neither."""
-    plain = unquote(cell)
-    if column == "time_s" and ":" in plain and (instant := parse_instant(plain)) is not None:
+    plain = text.unquote(cell)
+    if column == "time_s" and ":" in plain and (instant := text.parse_instant(plain)) is not None:
         if samples.start is None and len(samples.lines) == 1:
             samples.start = instant
         try:
@@ -256,10 +253,7 @@ def _parse(cell: str, column: str, delimiter: str, samples: _Samples) -> float |
             return None
     if column == "slip" and plain.lower() in _FLAGS:
         return _FLAGS[plain.lower()]
-    try:
-        return float(plain if delimiter == "," else plain.replace(",", "."))
-    except ValueError:
-        return None
+    return text.parse_number(plain)
 
 
 def _find_issues(name: str, source: _Source, samples: _Samples) -> Iterator[Issue]:
@@ -272,9 +266,13 @@ def _find_issues(name: str, source: _Source, samples: _Samples) -> Iterator[Issu
         if not wrong.first:
             continue
         number, cell = wrong.first
-        if not unquote(cell):
+        if not text.unquote(cell):
             message = f"is missing in line {number}{_count_others(wrong.count)}"
             yield Issue(f"{name}, {column}", f"{message}; fill it in, such as with the value before it.")
+        elif text.is_over_range(cell):
+            value = f"{quote_value(text.unquote(cell))} in line {number}{_count_others(wrong.count)}"
+            message = f"{value} marks that the signal left the instrument's range; record again with a wider one"
+            yield Issue(f"{name}, {column}", f"{message}, or cut the recording there.")
         else:
             value = f"{quote_value(cell.strip())} in line {number}"
             form = ", or a date as 2024-05-31T12:00:00.0005" if column == "time_s" else ""

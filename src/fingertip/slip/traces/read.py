@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import re
 import struct
 import zipfile
 from collections.abc import Mapping
@@ -15,13 +16,13 @@ from numpy.typing import NDArray
 
 from fingertip.catalogues.file_kinds import DESIGN, MANIPULATION, SCENE, identify_kind
 from fingertip.design import Design
-from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import Issue, TomlFileError, TraceError, gather, raise_issues
 from fingertip.foundation.input_files import check_archive
+from fingertip.foundation.numerics import Array
 from fingertip.slip.traces.array_files import LOADERS, RATE
-from fingertip.slip.traces.columns import suggest_options
 from fingertip.slip.traces.csv_file import read_csv
 from fingertip.slip.traces.sampling import check_rate, restore_even_times
+from fingertip.slip.traces.survey import Content, Survey, examine, join_seconds
 from fingertip.slip.traces.trace import COLUMNS, ColumnMap, RawTrace, Trace, check_trace_file
 
 # Kinds of files, known by their first bytes: how each is read, or the sentence that says how to convert it.
@@ -62,6 +63,8 @@ _ENDINGS = {
 }  # fmt: skip
 """Endings of names -> how to convert such a file, if its first bytes are unknown."""
 _HEAD_BYTES = 64
+_MOST_SURVEYED, _SURVEYED_SAMPLES, _MAX_TABLE = 60, 20_000, 64
+"""Maximum number of arrays that are surveyed, of samples of each, and of columns of an array that can be chosen."""
 _MIN_STATED_HZ = 1e-300
 """Rate below which the times of a recording overflow [Hz]."""
 
@@ -156,7 +159,44 @@ def read_raw_trace(path: Path, columns: ColumnMap) -> RawTrace:
     except OSError as error:
         reason = error.strerror or str(error)
         raise TraceError(Issue(str(path), f"cannot be read ({reason}); give the path of a trace.")) from None
+    arrays = _split_tables(arrays)
+    columns = columns.with_simulated_names(arrays)
+    missing = [column for column in columns.required if columns.name_in_file(column) not in arrays]
+    if RATE in arrays and "time_s" in missing:
+        missing.remove("time_s")
+    if arrays and missing:
+        _raise_missing(path, kind, arrays, columns, missing)
     return _with_even_times(_from_arrays(str(path), arrays, columns), columns)
+
+
+def _split_tables(arrays: Mapping[str, Any]) -> dict[str, Any]:
+    """Add the columns of arrays of two dimensions as NAME/1, NAME/2."""
+    found = dict(arrays)
+    for name, array in arrays.items():
+        if getattr(array, "ndim", 0) == 2 and 1 < min(array.shape) <= _MAX_TABLE:
+            rows = array.T if array.shape[0] > array.shape[1] else array
+            found |= {f"{name}/{number}": row for number, row in enumerate(rows, 1)}
+    return found
+
+
+def _raise_missing(path: Path, kind: str, arrays: Mapping[str, Any], columns: ColumnMap, missing: list[str]) -> None:
+    """Propose the columns that are missing by the content of all arrays."""
+    loaded, values, contents = dict(arrays), dict[str, Array](), list[Content]()
+    unread = [name for name, array in arrays.items() if array is None][:_MOST_SURVEYED]
+    for batch in (unread[i : i + len(COLUMNS)] for i in range(0, len(unread), len(COLUMNS))):
+        with contextlib.suppress(TraceError):  # of one that is too large
+            found = LOADERS[kind](path, ColumnMap(dict(zip(COLUMNS, batch, strict=False)), 1.0))
+            loaded |= {name: found[name] for name in (*batch, RATE) if name in found}
+    for name, array in _split_tables(loaded).items():
+        flat = np.ravel(() if array is None else array)
+        if name != RATE and flat.dtype.kind in "bifuM" and flat.size == max(np.shape(array), default=1):
+            seconds = _read_dates(flat)[0] if flat.dtype.kind == "M" else flat
+            values[name] = seconds[:_SURVEYED_SAMPLES].astype(np.float64)
+            contents.append(examine(name, values[name], re.split(r"[/.]", name)[-1]))
+    if RATE in loaded and "voltage_v" in missing:
+        missing = [column for column in missing if column != "time_s"]
+    survey = Survey(tuple(join_seconds(contents, values)))
+    raise TraceError([*survey.find_issues(str(path), "array", list(arrays), columns, missing)])
 
 
 def _with_even_times(raw: RawTrace, columns: ColumnMap) -> RawTrace:
@@ -198,17 +238,9 @@ def _from_arrays(name: str, arrays: Mapping[str, Any], columns: ColumnMap) -> Ra
             issues.append(Issue(f"{name}, {RATE}", f"{message}, or give --rate-hz."))
         # A placeholder replaces a wrong rate, so that the other arrays are still validated.
         columns = replace(columns, rate_hz=rate_hz or 1.0)
-    columns = columns.with_simulated_names(arrays)
-    missing = [column for column in columns.required if columns.name_in_file(column) not in arrays]
-    for column in COLUMNS:
+    for column in columns.looked_for:
         name_in_file = columns.name_in_file(column)
         if name_in_file not in arrays:
-            if column in missing:
-                remedy = suggest_name(name_in_file, list(arrays))
-                remedy += f" Or give --rate-hz, or {RATE} in the file." if column == "time_s" else ""
-                if column == missing[-1] and (options := suggest_options(list(arrays), columns)):
-                    remedy += f" Or {options}."
-                issues.append(Issue(name, f"there is no array {name_in_file}; {remedy}"))
             continue
         array = np.asarray(arrays[name_in_file])
         if column == "time_s" and array.dtype.kind in "Mm":

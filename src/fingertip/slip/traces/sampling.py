@@ -1,4 +1,4 @@
-"""Sampling times of a trace: their rate, gaps, and times that were rounded to too few decimals."""
+"""Samples of a trace: their number, range and times, with rate, gaps, and rounding to too few decimals."""
 
 from __future__ import annotations
 
@@ -23,6 +23,8 @@ _MIN_REPEATS = 0.05
 """Minimum share of repeated times in a rounded trace; fewer repetitions are reported one by one."""
 _MAX_DEVIATION_STEPS = 1.5
 """Maximum deviation of a rounded time from even spacing, in rounding steps; rounding itself causes less than one."""
+_MIN_RISES, _MIN_EVEN = 20, 0.98
+"""Number of rises above which a column may hold times, and least share of even steps, of which some may be missing."""
 _MAX_RATE_UNCERTAINTY = 0.005
 """Relative uncertainty above which the rate of rounded times is not reported."""
 
@@ -61,6 +63,41 @@ def round_rate(rate_hz: float, uncertainty: float) -> float | None:
         return None
     candidates = (float(f"{rate_hz:.{digits}g}") for digits in range(1, 6))
     return next((rate for rate in candidates if abs(rate / rate_hz - 1) <= uncertainty), rate_hz)
+
+
+def rises_evenly(values: Array) -> bool:
+    """Return whether finite values rise by about the same at each step, but for a few."""
+    usual = float(np.median(steps)) if len(steps := np.diff(values)) else 0.0
+    return usual > 0.0 and float((np.abs(steps - usual) <= STEP_TOLERANCE * usual).mean()) > _MIN_EVEN
+
+
+@np.errstate(over="ignore", invalid="ignore")
+def rises_as_time(values: Array) -> bool:
+    """Return whether finite values rise as times and counters do: evenly, rounded, or mostly and without a fall."""
+    steps = np.diff(values)
+    is_rising = np.count_nonzero(steps > 0.0) > _MIN_RISES and not (steps < 0.0).any()
+    is_steady = is_rising and (float((steps > 0.0).mean()) > 0.5 or find_rounding(values) is not None)
+    return is_steady or rises_evenly(values)
+
+
+def length_message(count: int, minimum: int) -> str:
+    """Describe a trace of fewer samples than one window, with the remedy."""
+    samples = f"{count} sample{'s' * (count != 1)}"
+    return f"has {samples}; at least one window of {minimum} is required; record for longer."
+
+
+def range_message(volts: float, where: str, whole: bool, detector: DetectorParameters, is_array: bool = False) -> str:
+    """Describe a voltage outside the ADC range [V], with the remedy."""
+    scale, remedy = "--scale", "use --scale if the column is not in volts, or set"
+    if is_array:
+        scale, remedy = "a factor of", "multiply the voltages if they are not in volts, or give a Design with"
+    elif 10 * detector.adc_range_v < volts <= 1000 * detector.adc_range_v:
+        remedy = "if the column is in millivolts, use --scale 0.001; otherwise give another --scale, or set"
+    remedy += " a wider detector.adc_range_v"
+    if whole:
+        scale = f"{scale} {detector.adc_step_v:.8g} converts counts of {detector.adc_bits} bits to volts; of other bits"
+        remedy = f"the values are whole numbers, as ADC counts are: {scale}, give the step of that converter"
+    return f"{volts:g}{where} exceeds the ADC range of {detector.adc_range_text}; {remedy}."
 
 
 def time_issues(

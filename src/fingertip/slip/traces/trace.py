@@ -17,13 +17,16 @@ from fingertip.foundation.display import Picture, html_table, plot, to_dataframe
 from fingertip.foundation.errors import ArgumentError, InputFileError, Issue, TraceError, quote_value, raise_issues
 from fingertip.foundation.input_files import RECORDING_LIMIT, SAMPLES_LIMIT, check_regular
 from fingertip.foundation.numerics import Array
-from fingertip.slip.traces.sampling import TIME_UNITS_S, find_rounding, sample_location, time_issues
+from fingertip.slip.traces import sampling
+from fingertip.slip.traces.sampling import TIME_UNITS_S, find_rounding, rises_as_time, sample_location, time_issues
 from fingertip.slip.traces.truth import UNKNOWN, Origin
 
 if TYPE_CHECKING:
     import pandas
 
 COLUMNS = ("time_s", "voltage_v", "force_n", "slip", "envelope_v", "filtered_v")
+NANOSEC = "nanosec"
+"""Column of nanoseconds that is added to the times, where these are given as A+B."""
 BOARD_COLUMNS = ("envelope_v", "filtered_v")
 """Columns that come from the board. A simulation calls them sampled_envelope_v and sampled_filtered_v."""
 _FORCE = re.compile(r".*(_n|[\[(]N[\])]|force)$|force", re.IGNORECASE)
@@ -119,7 +122,7 @@ class ColumnMap:
         issues = [
             Issue("--column", f"{name!r} is not a column of a trace; choose one of {', '.join(COLUMNS)}.")
             for name in self.names
-            if name not in COLUMNS
+            if name not in (*COLUMNS, NANOSEC)
         ]
         if self.rate_hz is not None and not 0.0 < self.rate_hz < float("inf"):
             issues.append(Issue("--rate-hz", f"{self.rate_hz:g} Hz is not a sampling rate; choose 1000 to 20000 Hz."))
@@ -130,9 +133,16 @@ class ColumnMap:
             message = f"{self.time_scale:g} is not a unit of time; give its length in seconds, or one of "
             issues.append(Issue("--time-scale", f"{message}{', '.join(TIME_UNITS_S)}."))
         raise_issues(TraceError, issues)
+        seconds, plus, nanosec = self.names.get("time_s", "").partition("+")
+        if seconds and plus and nanosec:
+            object.__setattr__(self, "names", {**self.names, "time_s": seconds, NANOSEC: nanosec})
 
     def name_in_file(self, column: str) -> str:
         return self.names.get(column, column)
+
+    @property
+    def looked_for(self) -> tuple[str, ...]:
+        return (*COLUMNS, NANOSEC) if NANOSEC in self.names else COLUMNS
 
     def with_simulated_names(self, names: Collection[str]) -> ColumnMap:
         """Map the board's columns to the names that a simulation gives them, where a file has those only."""
@@ -146,7 +156,7 @@ class ColumnMap:
     @property
     def required(self) -> tuple[str, ...]:
         """Columns that every trace must have, and those of the board that are named."""
-        named = tuple(column for column in BOARD_COLUMNS if column in self.names)
+        named = tuple(column for column in (NANOSEC, *BOARD_COLUMNS) if column in self.names)
         return ("voltage_v", *named) if self.rate_hz is not None else ("time_s", "voltage_v", *named)
 
     @property
@@ -161,8 +171,8 @@ class ColumnMap:
         if time is None:
             assert self.rate_hz is not None
             time = np.arange(len(columns["voltage_v"])) / self.rate_hz
-        elif self.time_scale != 1.0:
-            time = time * self.time_scale
+        else:
+            time = (time + 1e-9 * columns[NANOSEC] if NANOSEC in columns else time) * self.time_scale
         volts: dict[str, Any] = {name: columns[name] for name in ("voltage_v", *BOARD_COLUMNS) if name in columns}
         if self.scale != 1.0:
             volts = {name: values * self.scale for name, values in volts.items()}
@@ -210,7 +220,7 @@ class RawTrace:
     def _value_issues(self, detector: DetectorParameters) -> Iterator[Issue]:
         count, minimum = len(self.trace.time_s), max(2, detector.window_samples)
         if count < minimum:
-            yield Issue(self.name, length_message(count, minimum))
+            yield Issue(self.name, sampling.length_message(count, minimum))
         for column, values in self.trace._columns():
             if (wrong := np.flatnonzero(~np.isfinite(values))).size:
                 first = int(wrong[0])
@@ -219,37 +229,24 @@ class RawTrace:
                 message = f"{values[first]} {location} is not a finite number{others}; record again or remove it."
                 yield Issue(f"{self.name}, {column}", message)
         volts = self.trace.voltage_v
+        if count >= minimum and np.isfinite(volts).all() and rises_as_time(volts):
+            step = (volts[-1] - volts[0]) / (count - 1)
+            message = f"rises by {step:.4g} per sample: it is a time or a counter; name the column of the voltage."
+            yield Issue(f"{self.name}, voltage_v", message)
+            return
         if not self.in_volts:
             return
         outside = np.flatnonzero(np.isfinite(volts) & ((volts > detector.adc_range_v) | (volts < detector.adc_low_v)))
         if outside.size:
             first = int(outside[0])
-            all_whole = bool(np.all(volts[np.isfinite(volts)] % 1 == 0))
-            value = f"{volts[first]:g} {sample_location(first, self.lines)}"
-            yield Issue(f"{self.name}, voltage_v", range_message(value, all_whole, detector, self.is_array))
+            all_whole, where = bool(np.all(volts[np.isfinite(volts)] % 1 == 0)), sample_location(first, self.lines)
+            message = sampling.range_message(float(volts[first]), f" {where}", all_whole, detector, self.is_array)
+            yield Issue(f"{self.name}, voltage_v", message)
 
     @property
     def _times_are_valid(self) -> bool:
         time_s = self.trace.time_s
         return self.has_all_times and len(time_s) > 1 and bool(np.isfinite(time_s).all())
-
-
-def length_message(count: int, minimum: int) -> str:
-    """Describe a trace of fewer samples than one window, with the remedy."""
-    samples = f"{count} sample{'s' * (count != 1)}"
-    return f"has {samples}; at least one window of {minimum} is required; record for longer."
-
-
-def range_message(value: str, all_whole: bool, detector: DetectorParameters, is_array: bool = False) -> str:
-    """Describe a voltage outside the ADC range, with the remedy."""
-    scale, remedy = "--scale", "use --scale if the column is not in volts, or set"
-    if is_array:
-        scale, remedy = "a factor of", "multiply the voltages if they are not in volts, or give a Design with"
-    remedy += " a wider detector.adc_range_v"
-    if all_whole:
-        scale = f"{scale} {detector.adc_step_v:.8g} converts counts of {detector.adc_bits} bits to volts; of other bits"
-        remedy = f"the values are whole numbers, as ADC counts are: {scale}, give the step of that converter"
-    return f"{value} exceeds the ADC range of {detector.adc_range_text}; {remedy}."
 
 
 def signal_warnings(trace: Trace, detector: DetectorParameters, has_filter: bool = True) -> Iterator[str]:

@@ -1,0 +1,107 @@
+"""Columns by their content: numbers as instruments write them, proposals, containers, and signals at a limit."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fingertip.design import Design
+from fingertip.detection.warnings import flat_warnings
+from fingertip.slip.traces.columns import parse_number
+from fingertip.slip.traces.csv_dialect import BARE
+from fingertip.slip.traces.read import read_raw_trace
+from fingertip.slip.traces.survey import examine
+from fingertip.slip.traces.trace import ColumnMap
+from tests.slip.recordings import ONSET, T, V, csv, rows, run, single_onset
+
+NUMBERS = {
+    "1.25": 1.25, "1,25": 1.25, "-1,5E-3": -1.5e-3, "1,000.5": 1000.5, "1.000,5": 1000.5, "1,000,000": 1e6,
+    "1.2 V": 1.2, "12 mV": 0.012, "2 kHz": 2000.0, "+.5": 0.5, "1.2.3": None, "0,5,3": None, "OL": None, "": None,
+    "1 234": None, "5 apples": None,
+}  # fmt: skip
+# As sketches, plotters and monitors print them -> as the command in the message leaves them.
+NAMED = {
+    "FSR1:176,FSR2:12": "176,12", "FSR1: 176 FSR2: 12": "176 12", "A0=512": "512", "A0 = 512": "512",
+    "val1: -1.5e-3; val2: 7": "-1.5e-3; 7", "x=1 y=2 z=3": "1 2 3", "Force: 3.2\tVoltage: 12 mV": "3.2\t12 mV",
+    "sensor 1 = 3 , sensor 2 = 2": "3 , 2", "Analog reading = 512": "512", "12:30:01.123 -> 176": "176",
+    "12:30:01.123 -> 176,12": "176,12", "12:30:01.123 -> FSR1:176": "176", "12:30:01.123 > A0=1.25 V": "1.25 V",
+    "2026-11-28 12:30:01.123 -> 17": "17", "12:30:01.123 -> 0.5\t0.7": "0.5\t0.7", "t_ms:12,a1:+.5": "12,+.5",
+    '{"t": 0.5, "v": 2.5}': "0.5, 2.5", '{"v":176}': "176", '{"a0": -2, "b": 1e-3}': "-2, 1e-3",
+    '{"stamp": {"sec": 1, "nanosec": 5}, "data": 2}': "1, 5, 2",
+}  # fmt: skip
+
+
+def test_numbers_are_read_as_instruments_write_them() -> None:
+    assert {text: parse_number(text) for text in NUMBERS} == pytest.approx(NUMBERS)
+
+
+def test_lines_that_name_their_values_are_answered_by_a_command_that_leaves_these(tmp_path: Path) -> None:
+    path = tmp_path / "t.txt"
+    for line in NAMED:
+        path.write_text(f"{line}\n" * 30)
+        assert f"keep the values with: {BARE}" in run("detect", path).stderr, line
+    path.write_text("".join(f"{line}\n" for line in NAMED))
+    subprocess.run(BARE.replace("FILE", path.name), shell=True, cwd=tmp_path, check=True)
+    assert (tmp_path / "bare.csv").read_text().splitlines() == list(NAMED.values())
+
+
+@pytest.mark.parametrize(
+    ("kind", "values"),
+    [
+        ("signal", V), ("time", T), ("time", T - 0.5), ("time", np.floor(T * 1000)), ("counter", np.arange(2000.0)),
+        ("time", np.cumsum(np.random.default_rng(0).exponential(5e-4, 2000))), ("constant", np.full(2000, 2.0)),
+        ("text", np.full(2000, np.nan)), ("signal", (T > 0.5) * 1.0), ("time", np.delete(T, [50, 90, 91])),
+    ],
+)  # fmt: skip
+def test_content_tells_what_a_column_can_be(kind: str, values: np.ndarray) -> None:
+    assert examine("c", values).kind == kind
+
+
+def test_a_time_is_no_voltage_in_any_kind_of_file(tmp_path: Path) -> None:
+    (tmp_path / "t.csv").write_text(csv(T, T))
+    np.savez(tmp_path / "t.npz", time_s=T, voltage_v=np.floor(T * 1000) / 1000)
+    for name in ("t.csv", "t.npz"):
+        said = run("detect", tmp_path / name).stderr
+        assert re.search(r"voltage_v: rises by 0.000\d+ per sample: it is a time or a counter", said)
+
+
+def test_seconds_and_nanoseconds_are_joined(tmp_path: Path) -> None:
+    start = 1_717_199_999_700_000_000
+    stamps = [start + 500_000 * i for i in range(len(T))]
+    text = "".join(f"{n // 10**9},{n % 10**9},finger,{v:.6f}\n" for n, v in zip(stamps, V, strict=True))
+    (tmp_path / "t.csv").write_text(text)
+    assert "--column time_s=1+2 --column voltage_v=4" in run("detect", tmp_path / "t.csv").stderr
+    options = ("--column", "time_s=1+2", "--column", "voltage_v=4", "--json")
+    assert single_onset(run("detect", tmp_path / "t.csv", *options)) - start / 1e9 == pytest.approx(ONSET, abs=1e-6)
+    live = json.loads(run("detect", "-", *options, lines=text).stdout)["transitions"][0]
+    assert live["time_s"] - start / 1e9 == pytest.approx(ONSET, abs=1e-6)
+
+
+def test_containers_list_what_they_hold_and_take_group_and_channel(tmp_path: Path) -> None:
+    savemat = pytest.importorskip("scipy.io").savemat
+    other = 2.0 + 1e-4 * np.random.default_rng(0).normal(size=len(T))
+    savemat(tmp_path / "t.mat", {name: {"time_s": T, "voltage_v": v} for name, v in (("a", other), ("b", V))})
+    np.savez(tmp_path / "t.npz", a=np.column_stack([T, other]), b=np.column_stack([T, V]))
+    for name, time, voltage in (("t.mat", "b/time_s", "b/voltage_v"), ("t.npz", "b/1", "b/2")):
+        said = run("detect", tmp_path / name).stderr
+        assert f"2 columns can be the voltage, {voltage.replace('b', 'a', 1)} (" in said
+        assert "--column voltage_v=NAME" in said
+        trace = read_raw_trace(tmp_path / name, ColumnMap({"time_s": time, "voltage_v": voltage})).trace
+        assert np.array_equal(trace.voltage_v, V)
+
+
+def test_runs_at_a_limit_are_told_from_steps_and_noise() -> None:
+    noise = np.random.default_rng(0).normal(0, 4e-4, 8000)
+    press = 1.0 + np.clip(np.arange(8000) / 4000 - 0.5, 0, 1)
+    assert "of 8000 samples" in next(flat_warnings(np.minimum(press + noise, 1.8), Design()))
+    assert "the smallest voltage" in next(flat_warnings(np.maximum(-press - noise, -1.8) + 3.0, Design()))
+    assert not list(flat_warnings(press + noise, Design()))
+    assert not list(flat_warnings(np.round(press / 0.02) * 0.02, Design())), "a held press of a coarse converter"
+    limited = np.tile(np.minimum(press + noise, 1.8), 2)
+    live = run("detect", "-", lines="time_s,voltage_v\n" + rows(np.arange(16_000) / 2000, volts=limited))
+    assert live.stderr.count("are flat at 1.8 V, the largest voltage") == 1

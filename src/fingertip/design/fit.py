@@ -20,9 +20,9 @@ from fingertip.design.geometry import DesignTables
 from fingertip.design.parameters import PARAMETERS
 from fingertip.design.parameters.declaration import find_follows, find_unit
 from fingertip.design.refusal import find_remedies
-from fingertip.design.rules.ruleset import BrokenRule, Rule, RuleChecker
+from fingertip.design.rules.ruleset import BrokenRule, Rule, RuleChecker, record_reads
 from fingertip.design.search import PART_RULES, cheapest_first, round_digits
-from fingertip.foundation.errors import DesignError, Issue, raise_issues
+from fingertip.foundation.errors import DesignError, Issue
 
 Progress = Callable[[float], None]
 Values = Mapping[str, float]
@@ -43,7 +43,7 @@ _CHECKS, _FEW, _CHECK = 1000, 500, 5
 counts for."""
 _HALVINGS, _BACK_HALVINGS = 6, 5
 """Halvings of the way to the nearest value with which a rule passes, and of the way back to the beginning."""
-_STRONG_HALVINGS = 3
+_STRONG_HALVINGS = 2
 """Halvings of the way to what makes the bone stronger: each cuts its mesh."""
 _SHARES = (1.0, 0.5, 0.25)
 """Shares of the way to the end of a parameter's range at which a rule is tried."""
@@ -104,7 +104,16 @@ def fit_design(
     fit, weak = _find(tables, given, guessed, holds, progress)
     if fit:
         return fit
-    raise_issues(DesignError, (_state_bound(broken) for broken in weak))
+    if weak:
+        noting, reads = record_reads(tables)
+        list(RuleChecker(noting).find_broken(PART_RULES))
+        named, bounds = {broken.rule.field: broken for broken in weak}, _find_bounds(weak)
+        if reads & bounds.keys():  # parts follow the loads too, so that these are tried as they are typed in
+            weak = _find(tables.with_values(bounds), given, guessed, holds, progress, _FEW)[1]
+            named, bounds = {broken.rule.field: broken for broken in weak} | named, bounds | _find_bounds(weak)
+        sides = {name: "least" if bound > tables.value(name) else "most" for name, bound in bounds.items()}
+        texts = {name: f"{named[name].violation.problem}; at {sides[name]} {bounds[name]:g}." for name in named}
+        raise DesignError([Issue(name, text) for name, text in texts.items()])
     nearer = functools.partial(list_moved, holds=holds, guessed=guessed)
     broken = _Search(tables, {}).check({})[1]
     issues = find_remedies(tables, broken, before, [*given], fit=nearer, failed=True)
@@ -116,12 +125,11 @@ def find_fit(
     given: Collection[str] = (),
     *,
     holds: Holds | None = None,
-    progress: Progress = lambda share: None,
     guessed: Collection[str] = (),
     checks: int = _CHECKS,
 ) -> Fit | None:
     """Fit a design as `fit_design` does; None if it finds no design that passes."""
-    return _find(tables, given, guessed, holds, progress, checks)[0]
+    return _find(tables, given, guessed, holds, lambda share: None, checks)[0]
 
 
 def _find(
@@ -145,21 +153,24 @@ def _find(
         values = search.move_back(values)
         if holds and (found := holds.judge(tables.with_values(values))):
             search = _Search(tables, free, holds, {broken.rule.field for broken in found})
-            values = search.find_passing(values, progress, checks)
-            if values is None or (values := search.strengthen(search.move_back(values))) is None:
+            nearer = search.find_passing(values, progress, checks)
+            values = search.move_back(nearer) if nearer is not None else values
+            strong = search.strengthen(values) if nearer is not None else None
+            if strong is None:
+                found = holds.judge(tables.with_values(values))
                 weak = [broken for broken in found if broken.rule.field not in free] or found
                 if (_WISHES.keys() - {*given}) & {broken.rule.field for broken in found}:
                     continue
                 break
+            values = strong
         return search.describe(values), ()
     return None, weak
 
 
-def _state_bound(broken: BrokenRule) -> Issue:
-    ((low, high),) = broken.violation.passing
-    up = math.isfinite(low)
-    bound = round_digits(low if up else high, 3, up=up)
-    return Issue(broken.rule.field, f"{broken.violation.problem}; at {'least' if up else 'most'} {bound:g}.")
+def _find_bounds(weak: Sequence[BrokenRule]) -> dict[str, float]:
+    """Find the values with which a design that is too weak holds, rounded inwards."""
+    ends = ((broken.rule.field, *broken.violation.passing[0]) for broken in weak)
+    return {name: round_digits(low if high == math.inf else high, 3, up=high == math.inf) for name, low, high in ends}
 
 
 def list_moved(
@@ -221,6 +232,11 @@ class _Search:
     def _list_repairs(self, values: Values, broken: BrokenRule) -> Iterator[dict[str, float]]:
         """List values of free parameters with which a rule passes, or is nearer to passing: of each, and of all."""
         lack, tables, helpful = _measure_lack(broken), self._tables.with_values(values), dict[str, float]()
+        if self._holds and broken.rule in self._holds.rules and (name := broken.rule.field) in self._free:
+            bound = _find_bounds([broken])[name]
+            if self._free[name][0] <= bound <= self._free[name][1]:
+                yield {name: bound}
+                return
         for name in sorted(broken.own_reads & self._free.keys()):
             present, least, begin = tables.value(name), lack, self._tables.value(name)
             for end in self._free[name]:

@@ -33,8 +33,6 @@ from fingertip.design.search import Search, as_typed, is_number, round_digits, r
 
 _MAX_ROUNDS = 3
 """Maximum number of times that fields which are blamed move to their bounds."""
-_MAX_FITS = 3
-"""Maximum number of fits by which a value approaches the one that was wished."""
 Values = dict[str, Any]
 FitFunction = Callable[[DesignTables, Collection[str]], Sequence[str] | None]
 """Fits a design, with the named parameters as they are, and names what moved; None if it finds none that passes."""
@@ -138,7 +136,10 @@ def _return_towards_before(refusal: Refusal) -> Values:
 
 
 def approach(refusal: Refusal, values: Values, fit: FitFunction) -> Values:
-    """Take a choice that a rule names, or move a changed number that resolves all back, as far as a fit follows."""
+    """Take a choice that a rule names, or move a changed number that resolves all half the way back, if a fit follows.
+
+    A fit takes long: one is tried.
+    """
     for name, value in (pair for one in refusal.broken for pair in one.violation.alternatives.items()):
         if not is_number(name) and fit(refusal.tables.with_values({name: value}), refusal.changed) is not None:
             return {name: value}
@@ -146,13 +147,10 @@ def approach(refusal: Refusal, values: Values, fit: FitFunction) -> Values:
     if more or name not in refusal.changed or not is_number(name):
         return values
     failing, passing = refusal.tables.value(name), values[name]
-    for _ in range(_MAX_FITS):
-        middle = as_typed(name, round_digits((failing + passing) / 2, 3, up=passing > failing))
-        if middle in (failing, passing):
-            break
-        follows = fit(refusal.tables.with_values({name: middle}), refusal.changed) is not None
-        failing, passing = (failing, middle) if follows else (middle, passing)
-    return {name: passing}
+    middle = as_typed(name, round_digits((failing + passing) / 2, 3, up=passing > failing))
+    if middle in (failing, passing) or fit(refusal.tables.with_values({name: middle}), refusal.changed) is None:
+        return values
+    return {name: middle}
 
 
 def find_passing_value(search: Search, tables: DesignTables, name: str, broken: Iterable[BrokenRule]) -> Any:

@@ -98,8 +98,8 @@ def mold_is_true_over_the_sensor(design: DesignTables) -> Limit:
 
 @_JOINT.at_most("strength.grip_force_n", when=lambda design: design.strength.min_grip_factor)
 def joint_holds_the_grip(design: DesignTables) -> Limit:
-    at = [z for _, _, z in list_load_points(cast(Design, design)).values()]
-    worst = max(place.stress_per_n for z in at for place in interface_of(design).local_stresses(design, z))
+    farthest_z = max(z for _, _, z in list_load_points(cast(Design, design)).values())
+    worst = max(place.stress_per_n for place in interface_of(design).local_stresses(design, farthest_z))
     force = design.strength.material.strength_mpa / worst / design.strength.min_grip_factor
     return Limit(force, f"is more than the joint holds with a safety factor of {design.strength.min_grip_factor:g}")
 
@@ -113,7 +113,7 @@ def pin_breaks_first(design: DesignTables) -> Limit:
     return Limit(share * design.strength.knock_speed_m_s, "breaks the eyes of the joint before its pin")
 
 
-@functools.lru_cache(maxsize=1)
+@functools.lru_cache(maxsize=16)
 def _assess(design: DesignTables) -> BoneStrength:
     return assess_strength(cast(Design, design), MeshEvaluator(_TOLERANCE_MM))
 

@@ -39,7 +39,7 @@ SURVEYED_LINES, _LEAST_RUN = 5200, 20
 
 @dataclass(frozen=True)
 class Content:
-    """What a column holds, from its values."""
+    """Content of a column, from its values."""
 
     key: str
     """Name or number that selects it."""

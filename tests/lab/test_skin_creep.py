@@ -7,8 +7,8 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.sim import SceneFile, run_scene
+from fingertip.sim.runs.pose import GRASP_POSE
 from fingertip.slip.detectors.registry import make_detector
-from tools.detector_training.signals import GRASP_POSE
 
 HOLD = {"mode": "grasp", "min_force_n": 0.5, "max_force_n": 2.0, "min_s": 4.0}
 SEEDS = range(6)

@@ -25,12 +25,10 @@ from fingertip.foundation.workers import call_each
 from fingertip.lab.campaign.plan import NEGATIVE_SCENES, nominal_duration_s
 from fingertip.sim import SceneFile
 from fingertip.sim.runs.files import DIRECTIONS
-from fingertip.sim.runs.pose import ScenePose
+from fingertip.sim.runs.pose import GRASP_POSE
 from fingertip.sim.simulation import article_trials
 from tools.detector_training.disturbances import generate_disturbances
 
-GRASP_POSE = ScenePose(tilt_deg=5.0, tilt_spread_deg=10.0, roll_spread_deg=10.0)
-"""Poses in which a grasp meets its object. Assumption: the range in which the pad of fsr400 feels."""
 FIRST_SEED = 200_000
 """First seed of training."""
 MANIPULATIONS_FROM = 400_000

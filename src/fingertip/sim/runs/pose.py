@@ -71,6 +71,8 @@ class ScenePose(ParameterTable):
         )  # fmt: skip
 
 
+GRASP_POSE = ScenePose(tilt_deg=5.0, tilt_spread_deg=10.0, roll_spread_deg=10.0)
+"""Poses in which a grasp meets its object. Assumption: the range in which the pad of fsr400 feels."""
 MOUNTS: Mapping[str, Backing] = {
     # Mass: assumption. Stiffness: article, III.C.
     "robot_arm": Backing(),

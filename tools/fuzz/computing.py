@@ -31,7 +31,7 @@ from fingertip.sim import ManipulationFile, SceneFile, Simulation, load_simulati
 from fingertip.sim.signal.parameters import FILTER_OUTPUTS
 from fingertip.sweep.outputs import load_outputs
 from tools.fuzz.cases import Case
-from tools.fuzz.remedies import as_changes
+from tools.fuzz.remedies import FIT, as_changes
 from tools.fuzz.values import list_parameters, write_text
 
 LIMIT_S = 120.0
@@ -162,7 +162,7 @@ class _Drawing:
         try:
             Design.load(self.base, changes=changes)
         except FingertipError as error:
-            return not any("adapter_file" in str(issue) or "fit" in issue.message for issue in error.issues)
+            return not any(issue.field == "bone.adapter_file" or FIT in issue.message for issue in error.issues)
         return True
 
     def _write_design(self) -> str:

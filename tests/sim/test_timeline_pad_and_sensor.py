@@ -20,7 +20,14 @@ from fingertip.sim.contact.surfaces import SurfaceProfile, generate_profile
 from fingertip.sim.contact.vibration import ContactResonance, ProfileForce, high_pass
 from fingertip.sim.runs.pose import MOUNTS, MountTable
 from fingertip.sim.runs.timeline import LIFT_M, TrapezoidalMove, build_timeline
-from fingertip.sim.signal.bridge import TURN_ON_WIDTH_N, Bridge, ForceSensor, fit_conductance_curve, turn_on_power
+from fingertip.sim.signal.bridge import (
+    STRAIGHT,
+    TURN_ON_WIDTH_N,
+    Bridge,
+    ForceSensor,
+    fit_conductance_curve,
+    turn_on_power,
+)
 from fingertip.sim.signal.converter import AdcRange
 from fingertip.sim.simulation import MAX_FORCE_N, Trial
 
@@ -90,7 +97,7 @@ def test_resonance_matches_closed_form(frequency):
     tail = out[-8000:] - 5.0  # a second: whole periods
     r = frequency / f0
     gain = 1 / math.hypot(1 - r * r, 2 * zeta * r)
-    assert math.sqrt(2 * np.mean(tail**2)) == pytest.approx(gain, rel=5e-3)
+    assert math.sqrt(2 * np.mean(tail**2)) == pytest.approx(gain, rel=1e-4)  # ramps alone: 2e-3
 
 
 def test_hand_follows_slow_waves_only():
@@ -167,23 +174,34 @@ def test_curves_fall_and_follow_the_data_sheet():
 
 def test_hysteresis_stays_below_ten_percent_and_passes_vibration():
     up, down = np.linspace(0.0, 2.0, 401), np.linspace(2.0, 0.0, 401)
-    shown = ForceSensor(1e-3).process(np.concatenate((up, down)))
+    shown = ForceSensor(1e-3).process(np.concatenate((up, down)))[0]
     assert np.array_equal(shown[:401], up)
     above = shown[401:-1] / down[:-1]
     assert above[0] == 1.0
     assert (above >= 1.0).all()
     assert above.max() == pytest.approx(1.10)
     assert shown[-1] == 0.0
-    shaken = ForceSensor(1e-3).process(1 + 0.001 * np.sin(np.arange(1000) / 10))
+    shaken = ForceSensor(1e-3).process(1 + 0.001 * np.sin(np.arange(1000) / 10))[0]
     assert np.ptp(shaken[500:]) == pytest.approx(0.8 * 0.002, rel=0.01)
 
 
+def test_force_in_the_middle_of_a_step_keeps_the_area_of_the_curve():
+    """Of a sine with play, whose points are 2 ms apart: by hand with points that are 100 times as close."""
+    force_n = 1.0 + 0.2 * np.sin(np.arange(100_000) / 3183.1)  # 20 Hz where a hundred points take 0.5 ms
+    fine, (shown, middle) = ForceSensor(1e-5).process(force_n)[0], ForceSensor(1e-3).process(force_n[::100])
+    exact = fine[:99_900].reshape(-1, 100).sum(axis=1) + 0.5 * (fine[100:100_000:100] - fine[:99_900:100])
+    bent = np.where(middle == STRAIGHT, 0.0, middle - 0.5 * (shown + np.roll(shown, 1)))[1:]
+    straight = 50 * (shown[1:] + shown[:-1])
+    assert np.abs(straight - exact)[10:].max() > 5e-4
+    assert np.abs(straight + 50 * bent - exact)[10:].max() < 2e-4
+
+
 def test_creep_grows_per_decade_of_time_under_load_and_begins_anew():
-    """5 % per decade, as data sheets state it: 1.05, 1.10 and 1.15 after 10, 100 and 1000 s, counted from 1 s."""
-    loaded = np.ones(999)
-    shown = ForceSensor(1.0, 0.05).process(np.concatenate((loaded, [0.0], loaded)))
-    assert shown[[8, 98, 998]] == pytest.approx([1.05, 1.10, 1.15])
-    assert shown[1000:].tolist() == shown[:999].tolist(), "unloading ends it"
+    """5 % per decade, as data sheets state it: 1.05 and 1.10 after 10 and 100 s, counted from 1 s."""
+    loaded = np.ones(9900)
+    shown = ForceSensor(0.01, 0.05).process(np.concatenate(([0.0], loaded, [0.0], loaded)))[0][1:]
+    assert shown[[899, 9899]] == pytest.approx([1.05, 1.10], rel=1e-4)
+    assert shown[9901:].tolist() == shown[:9900].tolist(), "unloading ends it"
 
 
 def test_the_sensor_gets_its_share_of_the_force_and_what_shear_adds():

@@ -35,12 +35,13 @@ def smoothstep(x: Array) -> Array:
 # with the load, by the law of the surface (`SurfaceTable.load_law`). Unless a scene asks for the average over the
 # contact patch, the pad follows the summits of one line, which gives an upper bound.
 #
-# All inputs are taken as linear between the points of the grid, and both filters are exact for such inputs.
+# Heights are taken as linear between the points of the grid, which the filter follows exactly, and drives as cubic.
 
 _HAND, _HEIGHT = range(2)
 """Indices of the state of the hand that follows a surface: its height, and the previous height of the surface [m]."""
-_FORCE, _RATE, _DRIVE = range(3)
-"""Indices of the state of the resonance: force [N], its rate [N/s], and the previous drive [N]."""
+_FORCE, _RATE, _DRIVE, _ONE, _TWO, _THREE = range(6)
+"""Indices of the state of the resonance: force [N], its rate [N/s], the previous drive of its ramp, and the last three
+drives [N]."""
 
 
 def transmit(load_n: Array) -> Array:
@@ -94,7 +95,7 @@ class ContactResonance:
         # For a drive that is a ramp, y = particular solution + e, where e decays freely: e'' + 2 zeta w e' + w^2 e = 0.
         # One step multiplies (e, e') by this matrix.
         self._free = (C + zeta * w * S, S, -w * w * S, C - zeta * w * S)
-        self._lag, self._step_s, self._state = 2 * zeta / w, h, np.zeros(3)
+        self._lag, self._step_s, self._state = 2 * zeta / w, h, np.zeros(6)
 
     def process(self, drive_n: Array, load_n: Array, jump_n: Array | None = None) -> Array:
         """Return the contact force [N]. A drive may jump by `jump_n` [N] right after the previous point."""
@@ -138,10 +139,13 @@ def _resonance_loop(
     out: MutableFloats,
 ) -> None:
     a11, a12, a21, a22 = free
-    y, rate, before = state[_FORCE], state[_RATE], state[_DRIVE]
+    y, rate, before, u1, u2, u3 = state[_FORCE], state[_RATE], state[_DRIVE], state[_ONE], state[_TWO], state[_THREE]
     for i in range(len(drive)):
-        before += jump[i]
-        now = drive[i]
+        before, u1, u2, u3 = before + jump[i], u1 + jump[i], u2 + jump[i], u3 + jump[i]
+        # Ramps cut a curve u(t) short by h^2 u'' / 12 on average. Their ends are moved by as much, which gives order 4.
+        # u'' is that of the cubic through the last four drives.
+        now = (10.0 * drive[i] + 5.0 * u1 - 4.0 * u2 + u3) * (1 / 12)
+        u1, u2, u3 = drive[i], u1, u2
         if load[i] > 0.0:
             # Subtract the particular solution (drive - lag * ramp), advance the free part, add the solution again.
             ramp = (now - before) / h
@@ -152,7 +156,7 @@ def _resonance_loop(
             y = rate = 0.0
         before = now
         out[i] = y if y > 0.0 else 0.0
-    state[_FORCE], state[_RATE], state[_DRIVE] = y, rate, before
+    state[_FORCE], state[_RATE], state[_DRIVE], state[_ONE], state[_TWO], state[_THREE] = y, rate, before, u1, u2, u3
 
 
 _high_pass = CompiledLoop(_high_pass_loop, outputs=2, samples="heights", plain_us=0.3)

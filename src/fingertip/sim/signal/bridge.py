@@ -80,13 +80,21 @@ class Bridge:
 
     def voltage_v(self, force_n: Array) -> Array:
         """Tactile voltage [V] at the forces that the sensor shows [N]."""
+        return self.follow(force_n, np.full(len(force_n), STRAIGHT), np.zeros(1))[0]
+
+    def follow(self, force_n: Array, middle_n: Array, last_v: Array) -> tuple[Array, Array]:
+        """Tactile voltage [V], and how far it bends from the straight line in the middle of the step before [V].
+
+        The forces [N] are those that the sensor shows at the points and in the middle of the step before each.
+        """
         curve, response = self.curve, self.response
-        out = np.zeros(len(force_n))
+        out, bend_v = np.zeros((2, len(force_n)))
         convert(
             (curve.turn_on_n, curve.scale, curve.exponent, TURN_ON_WIDTH_N),
-            (response.open_v, response.sensor_v, response.source_ohm, response.transfer_ohm), force_n, out,
+            (response.open_v, response.sensor_v, response.source_ohm, response.transfer_ohm), force_n, middle_n,
+            last_v, out, bend_v,
         )  # fmt: skip
-        return out
+        return out, bend_v
 
 
 def reads_whole_finger(design: Design, bridge: str) -> bool:
@@ -116,7 +124,10 @@ def fit_conductance_curve() -> ConductanceCurve:
     return ConductanceCurve(f0, g1 / (f1 - f0) ** exponent, exponent)
 
 
-def _convert_loop(curve: Floats, response: Floats, forces: Floats, out: MutableFloats) -> None:
+def _convert_loop(
+    curve: Floats, response: Floats, forces: Floats, middles: Floats, last: MutableFloats, out: MutableFloats,
+    bend: MutableFloats,
+) -> None:  # fmt: skip
     turn_on, scale, exponent, width = curve
     open_v, sensor_v, source_ohm, transfer_ohm = response
     # A finger in the air or at rest shows the same force for long.
@@ -127,9 +138,15 @@ def _convert_loop(curve: Floats, response: Floats, forces: Floats, out: MutableF
             g = scale * turn_on_power(force - turn_on, exponent, width)
             voltage = open_v - transfer_ohm * (sensor_v * g / (1.0 + source_ohm * g))
         out[i] = voltage
+        bend[i] = 0.0
+        if middles[i] >= 0.0:
+            g = scale * turn_on_power(middles[i] - turn_on, exponent, width)
+            between = open_v - transfer_ohm * (sensor_v * g / (1.0 + source_ohm * g))
+            bend[i] = between - 0.5 * ((out[i - 1] if i > 0 else last[0]) + voltage)
+    last[0] = voltage if len(forces) else last[0]
 
 
-convert = CompiledLoop(_convert_loop, turn_on_power, outputs=1, samples="forces", plain_us=0.9)
+convert = CompiledLoop(_convert_loop, turn_on_power, outputs=3, samples="forces", plain_us=0.9)
 
 
 # Force-sensing resistor: from the force on its active area to the force that it shows.
@@ -140,8 +157,16 @@ PLAY_FRACTION = 0.2
 """Fraction of the force through the play operator. Assumption: the article's small vibrations do pass."""
 CREEP_FROM_S = 1.0
 """Time under load from which creep is counted in decades [s]: data sheets read the sensor then. Assumption."""
-_PLAY, _LOADED = range(2)
-"""Indices of the sensor's state: play [N], and the number of points since it was loaded."""
+LIGHT_N = 1e-3
+"""Force at which time under load counts by half [N]."""
+_PLAY, _LOADED, _ONE, _TWO, _THREE = range(5)
+"""Indices of the sensor's state: play [N], number of steps since it was loaded, and the last three forces [N]."""
+NEW = (0.0, 0.0, math.nan, math.nan, math.nan)
+"""State of a sensor before its first force."""
+STRAIGHT = -1.0
+"""Force in the middle of a step that is as good as straight [N]."""
+BEND_N = 1e-6
+"""Force by which a step must bend to count as two [N]: 0.03 mV of an envelope."""
 
 
 class ForceSensor:
@@ -153,29 +178,59 @@ class ForceSensor:
     """
 
     def __init__(self, step_s: float, share_per_decade: float = 0.0) -> None:
-        self._step_s, self._share, self._state = step_s, share_per_decade, np.zeros(2)
+        self._step_s, self._share, self._state = step_s, share_per_decade, np.array(NEW)
 
-    def process(self, sensed_n: Array) -> Array:
-        """Return the force that the sensor shows [N], from the force on its active area [N]."""
-        shown = np.zeros(len(sensed_n))
+    def process(self, sensed_n: Array) -> tuple[Array, Array]:
+        """Return the force that the sensor shows [N] at each point, and in the middle of the step before it.
+
+        The latter is chosen such that two straight lines enclose the area of the curve, or it is `STRAIGHT`.
+        """
+        shown, middle = np.zeros((2, len(sensed_n)))
         play = 1 + HYSTERESIS / PLAY_FRACTION
-        indicate(play, self._share, self._step_s / CREEP_FROM_S, sensed_n, self._state, shown)
-        return shown
+        indicate(play, self._share, self._step_s / CREEP_FROM_S, sensed_n, self._state, shown, middle)
+        return shown, middle
 
 
 def _indicate_loop(
-    play_ratio: float, creep: float, step: float, forces: Floats, state: MutableFloats, shown: MutableFloats
-) -> None:
-    p, loaded = state[_PLAY], state[_LOADED]
+    play_ratio: float, creep: float, step: float, forces: Floats, state: MutableFloats, shown: MutableFloats,
+    middle: MutableFloats,
+) -> None:  # fmt: skip
+    p, loaded, f1, f2, f3 = state[_PLAY], state[_LOADED], state[_ONE], state[_TWO], state[_THREE]
     for i in range(len(forces)):
         force = forces[i]
+        is_new = f1 != f1
+        if is_new:
+            p = f1 = f2 = f3 = force
+        start = f1 + PLAY_FRACTION * (p - f1)
+        middle[i] = STRAIGHT
+        bent = not f3 == f2 == f1 == force
+        if bent:
+            # Quarters of the step before, where the play turns and catches between points: on the cubic through four
+            # points, and on the straight line where a corner bends the curve.
+            bend, before = force - 2 * f1 + f2, f1 - 2 * f2 + f3
+            if not abs(before - 1.25 * bend) < abs(bend):
+                bend = before = 0.0
+            total = 0.0
+            for quarter in range(1, 4):
+                t = 0.25 * quarter
+                q = f1 + t * (force - f1 - 0.5 * (1 - t) * (bend + (1 + t) / 3 * (bend - before)))
+                p = min(max(p, q), q * play_ratio)
+                total += q + PLAY_FRACTION * (p - q)
         p = min(max(p, force), force * play_ratio)
         value = force + PLAY_FRACTION * (p - force)
+        if bent and abs(total - 1.5 * (start + value)) > 2 * BEND_N:
+            middle[i] = max(0.5 * total - 0.25 * (start + value), 0.0)
         if creep > 0.0:
-            loaded = loaded + 1.0 if value > 0.0 else 0.0
-            value *= 1 + creep * math.log10(1 + loaded * step)
+            # Time counts as far as the load is above nothing: a whole point from the first on would have order 1.
+            if not is_new:
+                loaded += 0.5 * (start / (start + LIGHT_N) + value / (value + LIGHT_N))
+            loaded = loaded if value > 0.0 else 0.0
+            growth = 1 + creep * math.log10(1 + loaded * step)
+            value *= growth
+            middle[i] *= growth
         shown[i] = value
-    state[_PLAY], state[_LOADED] = p, loaded
+        f1, f2, f3 = force, f1, f2
+    state[_PLAY], state[_LOADED], state[_ONE], state[_TWO], state[_THREE] = p, loaded, f1, f2, f3
 
 
-indicate = CompiledLoop(_indicate_loop, outputs=2, samples="forces", plain_us=0.4)
+indicate = CompiledLoop(_indicate_loop, outputs=3, samples="forces", plain_us=0.7)

@@ -105,6 +105,7 @@ def _envelope_loop(
     constants: Constants,
     before: Floats,
     after: Floats,
+    bend: Floats,
     step_columns: Floats,
     output_rows: Floats,
     amplifier1_row: Floats,
@@ -118,8 +119,9 @@ def _envelope_loop(
     statistics: MutableFloats,
 ) -> None:
     """Follow the envelope over a chunk: exact steps of the circuit, and an implicit method where the diode conducts."""
-    # The input is given right before and right after each sample. step_columns, output_rows and amplifier1_row are
-    # those of `fingertip.sim.signal.analog_circuit.compute_step_matrices`.
+    # The input is given right before and right after each sample. Between two samples it is one straight line, or two
+    # that meet in the middle of the step, higher than the one by `bend` of the step's end. step_columns, output_rows
+    # and amplifier1_row are those of `fingertip.sim.signal.analog_circuit.compute_step_matrices`.
     tolerance, H, states, rows, levels, rail, precision, (saturation, nvt, series), (R, C) = constants
     width = states + 3
     u1_at = states  # places of the filter's output at `ABSCISSAE` in a product with step_columns
@@ -139,11 +141,14 @@ def _envelope_loop(
     envelope[0] = v
     mode = 0
     for i in range(len(before) - 1):
-        # The input is linear over the interval: z holds the circuit's states, the input, its slope and 1.
+        # The input is linear over a step: z holds the circuit's states, the input, its slope and 1.
+        slope, bow = (before[i + 1] - after[i]) / H, bend[i + 1]
         z[states] = after[i]
-        z[states + 1] = (before[i + 1] - after[i]) / H
+        z[states + 1] = slope + 2 * bow / H
         z[states + 2] = 1.0
-        tick = 0
+        tick, corner = 0, 0
+        if bow != 0.0:
+            corner, level = ticks_per_sample >> 1, max(level, 1)
         if before[i] != after[i]:
             u0 = dot(output_rows, 0, z, width)
             level = shortest  # after a jump the response may be arbitrarily fast
@@ -284,11 +289,12 @@ def _envelope_loop(
             for a in range(states):
                 z[a] = z_next[a]
             tick += step_ticks
-            z[states] = (
-                before[i + 1]
-                if tick == ticks_per_sample
-                else after[i] + z[states + 1] * (H * (tick / ticks_per_sample))
-            )
+            part = tick / ticks_per_sample
+            z[states] = before[i + 1] if tick == ticks_per_sample else after[i] + slope * (H * part)
+            if corner:
+                z[states] += 2 * bow * min(part, 1 - part)
+                if tick == corner:
+                    z[states + 1] = slope - 2 * bow / H
             if level > 0 and error < 0.03 * tolerance and not tick & (2 * step_ticks - 1):
                 level -= 1
         if rail > 0.0:

@@ -65,10 +65,10 @@ def simulate_board(
     rows = np.array(by_name, dtype=np.float64).reshape(len(values), -1).T
     integrator = Integrator(board, step_s, tolerance_v, rows[:, :_FIXED])
     filtered_v, envelope_v = np.zeros((2, len(rows), len(voltage_v)))
-    counts = np.zeros(3)
+    counts, straight = np.zeros(3), np.zeros(len(voltage_v))
     for i in range(len(rows)):
         state = integrator.steady_state(i, voltage_v[0])
-        counts += integrator.integrate(i, *state, voltage_v, after, filtered_v[i], envelope_v[i])
+        counts += integrator.integrate(i, *state, voltage_v, after, straight, filtered_v[i], envelope_v[i])
     if is_one:
         filtered_v, envelope_v = filtered_v[0], envelope_v[0]
     return BoardSignals(filtered_v, envelope_v, *(int(count) for count in counts))
@@ -82,21 +82,28 @@ class AnalogStream:
         fixed = np.array([[float(value) for value in _values(board)[:_FIXED]]])
         self.integrator = Integrator(board, step_s, tolerance_v, fixed)
         self._state: tuple[Array, Array] | None = None
-        self._last = np.zeros((2, 0))
+        self._last = np.zeros((3, 0))
         self.steps = 0
         """Steps taken so far, accepted and rejected."""
 
-    def process(self, voltage_v: Array, after_v: Array | None = None) -> tuple[Array, Array]:
-        """Return filtered voltages and envelopes [V] at the next samples. Raises TraceError."""
+    def process(
+        self, voltage_v: Array, after_v: Array | None = None, bend_v: Array | None = None
+    ) -> tuple[Array, Array]:
+        """Return filtered voltages and envelopes [V] at the next samples. Raises TraceError.
+
+        In the middle of the step before a sample, the input is `bend_v` [V] above the straight line; None: it is on it.
+        """
         after = voltage_v if after_v is None else after_v
         given = {"voltage_v": voltage_v} | ({} if after_v is None else {"after_v": after_v})
         raise_issues(TraceError, (issue for name, volts in given.items() for issue in find_voltage_issues(name, volts)))
         # The interval before a chunk's first sample begins at the last sample of the chunk before.
-        known = np.concatenate((self._last, [voltage_v, after]), axis=1)
+        bends = np.zeros(len(voltage_v)) if bend_v is None else bend_v
+        known = np.concatenate((self._last, [voltage_v, after, bends]), axis=1)
         if self._state is None:
             self._state = self.integrator.steady_state(0, voltage_v[0])
-        filtered_v, envelope_v = np.zeros_like(known)
-        counts = self.integrator.integrate(0, *self._state, known[0], known[1], filtered_v, envelope_v)
+        filtered_v, envelope_v = np.zeros_like(known[:2])
+        before, after, bends = known
+        counts = self.integrator.integrate(0, *self._state, before, after, bends, filtered_v, envelope_v)
         self.steps += int(counts[envelope_loop.STEPS] + counts[envelope_loop.REJECTED])
         repeated = self._last.shape[1]
         self._last = known[:, -1:].copy()
@@ -136,12 +143,13 @@ class Integrator:
         return carried, z
 
     def integrate(
-        self, i: int, carried: Array, z: Array, before: Array, after: Array, filtered_v: Array, envelope_v: Array
-    ) -> Array:
+        self, i: int, carried: Array, z: Array, before: Array, after: Array, bend: Array, filtered_v: Array,
+        envelope_v: Array,
+    ) -> Array:  # fmt: skip
         """Integrate board i from the first sample to the last; returns the loop's statistics."""
         statistics = np.zeros(3)
         envelope_loop.run(
-            self.constants(i), before, after, *self.matrices(i), carried, z, *self.make_scratch(), filtered_v,
+            self.constants(i), before, after, bend, *self.matrices(i), carried, z, *self.make_scratch(), filtered_v,
             envelope_v, statistics,
         )  # fmt: skip
         envelope_v *= self.gain(i)

@@ -157,13 +157,13 @@ class Finger:
                 found["force_n"] = self._force.process(contact_n, at)
         if self._bridge:
             assert contact_n is not None
-            bridge_v, jumps = self._bridge.process(drive, contact_n)
+            bridge_v, jumps, bend_v = self._bridge.process(drive, contact_n)
             if self._converter:
                 with self._meter.stage("ADC"):
                     before_v = bridge_v if jumps is None else bridge_v - jumps
                     found["voltage_v"] = self._converter.process(before_v, at, bridge_v)
             if self._board:
-                found |= self._board.process(bridge_v, jumps, at)
+                found |= self._board.process(bridge_v, jumps, bend_v, at)
         return FingerSignals(**found)
 
 
@@ -233,24 +233,24 @@ class _BridgeVoltage:
         # halves of the sensor cancels.
         self._shear_n_per_m = -setup.towards_tip * setup.pad.tangential_stiffness_n_per_m(setup.held_n)
         with meter.stage("bridge"):
-            self._bridge = Bridge.select(setup.design, setup.path.sensing.bridge)
+            self._bridge, self._last_v = Bridge.select(setup.design, setup.path.sensing.bridge), np.zeros(1)
         self._interference = InterferenceSource(
             grid, setup.path.drift, setup.path.cable, setup.path.noise, setup.event_origin_s,
             lambda purpose: open_stream(setup.seed[0], setup.seed[1], purpose),
         )  # fmt: skip
 
-    def process(self, drive: FingerDrive, contact_n: Array) -> tuple[Array, Array | None]:
-        """Return the voltage [V], and by how much it jumps at each point."""
+    def process(self, drive: FingerDrive, contact_n: Array) -> tuple[Array, Array | None, Array]:
+        """Return the voltage [V], how it jumps at each point, and how it bends in the middle of the step before."""
         with self._meter.stage("sensor", 1, len(contact_n)):
             shear_n = None if drive.shear_m is None else self._shear_n_per_m * drive.shear_m
-            shown_n = self._sensor.process(self._pad.sensed_n(contact_n, shear_n, self._is_relative))
+            shown_n, middle_n = self._sensor.process(self._pad.sensed_n(contact_n, shear_n, self._is_relative))
         with self._meter.stage("bridge"):
-            volts = self._bridge.voltage_v(shown_n)
+            volts, bend_v = self._bridge.follow(shown_n, middle_n, self._last_v)
         if self._interference.is_silent:
-            return volts, None
+            return volts, None, bend_v
         with self._meter.stage("interference"):
             added, jumps = self._interference.process(contact_n)
-        return volts + added, jumps
+        return volts + added, jumps, bend_v
 
 
 _ADC_STAGES = {"envelope": "ADC of the envelope", "filtered": "ADC of the filtered signal"}
@@ -289,7 +289,7 @@ class _BoardSignals:
                     converter = _build_converter(setup, grid, f"{source} noise", pin, from_signal_ground=True)
                     self._converters[source] = converter
 
-    def process(self, bridge_v: Array, jumps: Array | None, at: Instants) -> dict[str, Array]:
+    def process(self, bridge_v: Array, jumps: Array | None, bend_v: Array, at: Instants) -> dict[str, Array]:
         count, found = len(bridge_v), {}
         tactile_v = bridge_v
         if self._noise:
@@ -302,7 +302,7 @@ class _BoardSignals:
         taken = self._board.steps
         with self._meter.stage("filter board", 4):
             before_v = tactile_v if jumps is None else tactile_v - jumps
-            filtered, envelope = self._board.process(before_v, None if jumps is None else tactile_v)
+            filtered, envelope = self._board.process(before_v, None if jumps is None else tactile_v, bend_v)
         self._meter.add("filter board", 4, self._board.steps - taken)
         signals = {"filtered_v": filtered, "envelope_v": envelope}
         if self._pin:

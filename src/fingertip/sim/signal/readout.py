@@ -106,11 +106,11 @@ class Readout:
         shares = np.array([(*part, scale, rest) for part, rest in zip(parts, rests, strict=True)])
         self._points, self._is_new, self._forces = round(grid.rate_hz / rate_hz), True, np.zeros((4, count))
         carried, z = board.steady_state(0, 1.0)
-        states = (count, 2), (2, count, 3), (count, len(carried)), (count, len(z)), (count,)
-        rows = np.zeros((8, max(4, self._points + 1)))
+        states = (2, count, 3), (count, len(carried)), (count, len(z)), (count,), (count, 1)
+        rows = np.zeros((10, max(4, self._points + 1)))
         self._arrays = (
             board.matrices(0), (*board.make_scratch(), z[:-3], rows),
-            (shares, self._forces, *(np.zeros(shape) for shape in states)),
+            (shares, self._forces, np.tile(bridge.NEW, (count, 1)), *(np.zeros(shape) for shape in states)),
         )  # fmt: skip
         purposes = "board noise", "noise", "filtered noise" if self.has_filtered else "envelope noise"
         self._draws = [[_open_noise(design, grid, seed, name, purpose) for name in names] for purpose in purposes]
@@ -160,8 +160,9 @@ def _readout_loop(
     play_ratio, step_s, min_n, max_n, gain = numbers
     step_columns, output_rows, amplifier1_row = matrices
     z_next, z_end, tables, steady, rows = scratch
-    shares, forces, play, pole_states, carried, z, last_v = fingers
+    shares, forces, play, pole_states, carried, z, last_v, last_bridge_v = fingers
     force_n, shown_n, bridge_v, pin_v, statistics = rows[0], rows[1], rows[2], rows[3], rows[7]
+    middle_n, bend_v = rows[8], rows[9]
     states = z.shape[1] - 3
     first = 1 if is_new else 0  # the interval before a chunk's first point begins at the last one before
     end = points + 1
@@ -177,8 +178,8 @@ def _readout_loop(
             along = ((share[3] * root + share[2]) * root + share[1]) * root + share[0]
             across = ((share[7] * root + share[6]) * root + share[5]) * root + share[4]
             force_n[i] = max((contact * along + shear * across) / share[8] + share[9], 0.0)
-        _INDICATE(play_ratio, 0.0, step_s, force_n[:points], play[f], shown_n)
-        _CONVERT(curve, response, shown_n[:points], bridge_v)
+        _INDICATE(play_ratio, 0.0, step_s, force_n[:points], play[f], shown_n, middle_n)
+        _CONVERT(curve, response, shown_n[:points], middle_n, last_bridge_v[f], bridge_v, bend_v[1:])
         rows[4, 0] = last_v[f]
         for i in range(points):
             rows[4, i + 1] = bridge_v[i] + board_noise[begin + i, f]
@@ -192,8 +193,8 @@ def _readout_loop(
             for i in range(states + 3):
                 carried[f, envelope_loop.OUTPUT] += output_rows[i] * z[f, i]
         _FILTER(
-            board, board_v, board_v, step_columns, output_rows, amplifier1_row, carried[f], z[f], z_next, z_end,
-            tables, filtered_v, envelope_v, statistics,
+            board, board_v, board_v, bend_v[first:end], step_columns, output_rows, amplifier1_row, carried[f], z[f],
+            z_next, z_end, tables, filtered_v, envelope_v, statistics,
         )  # fmt: skip
         _PASS(poles[0], bridge_v[:points], bridge_v[:points], pole_states[0, f], pin_v)
         low_v, code_v, most = ranges[0]

@@ -30,7 +30,6 @@ from benchmarks.slip.recordings import (
 from fingertip.foundation.errors import Issue, TraceError
 from fingertip.foundation.input_files import RECORDING_LIMIT, read_input
 from fingertip.foundation.numerics import Array
-from fingertip.slip.traces.array_files import check_mat_variables
 from fingertip.slip.traces.trace import ColumnMap, RawTrace, Trace
 from fingertip.slip.traces.truth import intervals
 
@@ -87,8 +86,6 @@ def _read_stage(folder: Path) -> RecordingSet:
     from scipy.io import loadmat
 
     def read(path: Path) -> Iterator[Any]:
-        with path.open("rb") as file:
-            check_mat_variables(file)
         table = np.asarray(loadmat(path, variable_names=["dataQ"]).get("dataQ", np.zeros((0, 0))), dtype=np.float64)
         if table.ndim != 2 or table.shape[1] != 5 or len(table) < _STAGE_HZ:
             raise TraceError(Issue(str(path), f"has no variable dataQ of 5 columns and at least {_STAGE_HZ:g} rows."))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +11,7 @@ import pytest
 
 from fingertip.design import Design
 from fingertip.detection.warnings import flat_warnings
-from fingertip.slip.traces.columns import parse_number
-from fingertip.slip.traces.csv_dialect import BARE
+from fingertip.slip.traces.columns import bare, is_named, parse_number
 from fingertip.slip.traces.read import read_raw_trace
 from fingertip.slip.traces.survey import examine
 from fingertip.slip.traces.trace import ColumnMap
@@ -24,15 +22,15 @@ NUMBERS = {
     "1.2 V": 1.2, "12 mV": 0.012, "2 kHz": 2000.0, "+.5": 0.5, "1.2.3": None, "0,5,3": None, "OL": None, "": None,
     "1 234": None, "5 apples": None,
 }  # fmt: skip
-# As sketches, plotters and monitors print them -> as the command in the message leaves them.
+# As sketches, plotters and monitors print them -> their values.
 NAMED = {
     "FSR1:176,FSR2:12": "176,12", "FSR1: 176 FSR2: 12": "176 12", "A0=512": "512", "A0 = 512": "512",
     "val1: -1.5e-3; val2: 7": "-1.5e-3; 7", "x=1 y=2 z=3": "1 2 3", "Force: 3.2\tVoltage: 12 mV": "3.2\t12 mV",
     "sensor 1 = 3 , sensor 2 = 2": "3 , 2", "Analog reading = 512": "512", "12:30:01.123 -> 176": "176",
     "12:30:01.123 -> 176,12": "176,12", "12:30:01.123 -> FSR1:176": "176", "12:30:01.123 > A0=1.25 V": "1.25 V",
     "2026-11-28 12:30:01.123 -> 17": "17", "12:30:01.123 -> 0.5\t0.7": "0.5\t0.7", "t_ms:12,a1:+.5": "12,+.5",
-    '{"t": 0.5, "v": 2.5}': "0.5, 2.5", '{"v":176}': "176", '{"a0": -2, "b": 1e-3}': "-2, 1e-3",
-    '{"stamp": {"sec": 1, "nanosec": 5}, "data": 2}': "1, 5, 2",
+    '{"t": 0.5, "v": 2.5}': "0.5,2.5", '{"v":176}': "176", '{"a0": -2, "b": 1e-3}': "-2,0.001",
+    '{"stamp": {"sec": 1, "nanosec": 5}, "data": 2}': "1,5,2",
 }  # fmt: skip
 
 
@@ -40,14 +38,19 @@ def test_numbers_are_read_as_instruments_write_them() -> None:
     assert {text: parse_number(text) for text in NUMBERS} == pytest.approx(NUMBERS)
 
 
-def test_lines_that_name_their_values_are_answered_by_a_command_that_leaves_these(tmp_path: Path) -> None:
-    path = tmp_path / "t.txt"
-    for line in NAMED:
-        path.write_text(f"{line}\n" * 30)
-        assert f"keep the values with: {BARE}" in run("detect", path).stderr, line
-    path.write_text("".join(f"{line}\n" for line in NAMED))
-    subprocess.run(BARE.replace("FILE", path.name), shell=True, cwd=tmp_path, check=True)
-    assert (tmp_path / "bare.csv").read_text().splitlines() == list(NAMED.values())
+def test_lines_that_name_their_values_leave_these(tmp_path: Path) -> None:
+    assert all(map(is_named, NAMED))
+    assert {line: bare(line).strip() for line in NAMED} == NAMED
+    assert bare('{"t": 1, "v": 2') == '{"t": 1, "v": 2', "a line that was cut off is no object"
+    volts = (f"{v:.5f}" for v in V)
+    lines = [f'{{"v": {v}, "at": {{"t": {t:.4f}}}}}' for v, t in zip(volts, T, strict=True)]
+    (tmp_path / "t.txt").write_text("ready\n" + "\n".join(lines) + '\n{"v": 1.2')
+    said = run("detect", tmp_path / "t.txt").stderr
+    assert "the file holds JSON lines" in said
+    assert "--column time_s=2 --column voltage_v=1" in said
+    done = run("detect", tmp_path / "t.txt", "--column", "time_s=2", "--column", "voltage_v=1", "--json")
+    assert single_onset(done) == ONSET
+    assert "line 2002: is cut off" in done.stderr
 
 
 @pytest.mark.parametrize(

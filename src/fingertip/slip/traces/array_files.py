@@ -8,15 +8,12 @@ from __future__ import annotations
 import contextlib
 import io
 import math
-import os
-import struct
 import wave
 import zipfile
-import zlib
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,52 +24,10 @@ from fingertip.foundation.input_files import RECORDING_LIMIT, check_archive, che
 from fingertip.foundation.workers import call_within_limits
 from fingertip.slip.traces.trace import BOARD_COLUMNS, ColumnMap, max_table_bytes, shape_message, total_message
 
-# Claims of files of arrays: how much a library would unpack or list, found before it does so.
-#
-# References: National Instruments, "TDMS File Format Internal Structure"; MathWorks, "MAT-File Format", Level 5.
-
-TDMS_LIMIT_S = 60.0
-"""Time for a TDMS file, which may state lists, chunks and scales that take the library hours or all memory [s]."""
-_COMPRESSED = 15
-_PIECE_BYTES = 2**20
-_MAT_HEAD_BYTES = 24
-"""Length of the start of a variable of a MATLAB file, which states its class and its flags [bytes]."""
-_MAT_NUMBERS = range(6, 16)
-"""Classes of variables of numbers; the others, such as cells, hold variables themselves."""
-_MAT_LOGICAL = 1 << 9
+LIMIT_S = 60.0
+"""Time for a file that may state lists, chunks and scales that take a library hours or all memory [s]."""
 _MAX_HEADER_BYTES = 2**16
 """Maximum length of the header of a NumPy array. The library reads 10 000 characters."""
-
-
-def check_mat_variables(file: BinaryIO) -> None:
-    """Unpack the compressed variables of a MATLAB file piece by piece, keeping none. Raises ValueError or error."""
-    header = file.read(128)
-    order = "<" if header[126:128] == b"IM" else ">"
-    left = max_table_bytes()
-    # A file of MATLAB 4 has a zero there, and neither compression nor cells.
-    while 0 not in header[:4] and len(tag := file.read(8)) == 8:
-        kind, length = struct.unpack(f"{order}II", tag)
-        end = file.tell() + length
-        head = b"" if kind == _COMPRESSED else tag + file.read(_MAT_HEAD_BYTES - len(tag))
-        unpacker = zlib.decompressobj()
-        while kind == _COMPRESSED and file.tell() < end and not unpacker.eof:
-            piece = file.read(min(_PIECE_BYTES, end - file.tell()))
-            while piece:
-                unpacked = unpacker.decompress(piece, _PIECE_BYTES)
-                head += unpacked[: _MAT_HEAD_BYTES - len(head)]
-                left -= len(unpacked)
-                if left < 0:
-                    raise ValueError(f"its variables unpack to more than {max_table_bytes() / 2**20:.0f} MB")
-                piece = unpacker.unconsumed_tail
-            if file.tell() >= os.fstat(file.fileno()).st_size:
-                break
-        flags = struct.unpack_from(f"{order}I", head, 16)[0] if len(head) == _MAT_HEAD_BYTES else 0
-        if flags & _MAT_LOGICAL and flags & 0xFF not in _MAT_NUMBERS:  # the library would call it logical
-            raise ValueError(f"a variable of the class {flags & 0xFF} states that it is logical")
-        file.seek(end)
-    file.seek(0)
-
-
 RATE = "sample_rate_hz"
 """Name of a number in a file that replaces its times."""
 _MAX_TEXT_BYTES = 1000
@@ -187,22 +142,17 @@ def _read_npy_header(recording: Any) -> Claim:
 
 
 def _load_mat(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
-    scipy_io = extras.load("scipy.io", str(path), alternative=AS_CSV)
+    extras.require(str(path), "scipy", alternative=AS_CSV)
     with _damage_reported(path, "a MATLAB file", "save it with -v7, or as CSV"):
-        with path.open("rb") as file:
-            check_mat_variables(file)
-        variables = scipy_io.whosmat(path)[::-1]  # of two variables with one name, the first one is loaded
-        claims = {name: (shape, _mat_type(kind)) for name, shape, kind in variables if name in _wanted(columns)}
-        arrays = _load_numbers(path, claims, lambda name: scipy_io.loadmat(path, variable_names=[name])[name])
-        structs = {name for name, _, kind in variables if kind in ("struct", "cell")}
-        names = dict.fromkeys(name for name, _, _ in variables if name not in structs)
-        if structs and not set(map(columns.name_in_file, columns.required)) <= names.keys():
-            arrays |= call_within_limits(TDMS_LIMIT_S, 4 * max_table_bytes(), _read_structs, path, structs)
-        return names | arrays
+        return call_within_limits(LIMIT_S, _memory_bytes(), _read_mat, path, columns)
 
 
-def _read_structs(path: Path, structs: Collection[str]) -> Mapping[str, Any]:
-    """Read the numbers in structures and cells as STRUCT/FIELD, of several ones as STRUCT(1)/FIELD."""
+def _memory_bytes() -> int:
+    return 2**30 + 4 * max_table_bytes()  # a library itself takes some
+
+
+def _read_mat(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
+    """Read variables by name, and the numbers in structures and cells as STRUCT/FIELD, of several STRUCT(1)/FIELD."""
     scipy_io = extras.load("scipy.io", str(path), alternative=AS_CSV)
     found = dict[str, Any]()
 
@@ -213,19 +163,17 @@ def _read_structs(path: Path, structs: Collection[str]) -> Mapping[str, Any]:
         elif isinstance(value, (list, np.ndarray)) and np.asarray(value).dtype.kind == "O":
             for number, element in enumerate(np.ravel(value), 1):
                 add(f"{name}({number})", element)
-        elif np.asarray(value).dtype.kind in "bifu":
+        else:
             found[name] = np.asarray(value)
+            _check_shape(path, name, found[name].shape, found[name].itemsize)
 
-    variables = scipy_io.loadmat(path, variable_names=structs, simplify_cells=True)
-    for name in filter(structs.__contains__, variables):
-        add(name, variables[name])
-    return found
-
-
-def _mat_type(kind: str) -> np.dtype[Any]:
-    """Return the type of a MATLAB class; of one that holds other variables, in which the library recurses, objects."""
-    kind = {"logical": "?", "char": "U1"}.get(kind, kind)
-    return np.dtype(kind if kind.startswith(("?", "U1", "double", "single", "int", "uint")) else "O")
+    names = [name for name, _, _ in scipy_io.whosmat(path)]
+    has_all = set(map(columns.name_in_file, columns.required)) <= set(names)
+    wanted = _wanted(columns).intersection(names) if has_all else names
+    for name, value in scipy_io.loadmat(path, variable_names=list(wanted), simplify_cells=True).items():
+        if name in wanted:
+            add(name, value)
+    return dict.fromkeys(names if has_all else ()) | found
 
 
 def _load_parquet(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
@@ -290,7 +238,7 @@ def _load_tdms(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
     """Load channels by name. A single channel is the voltage, and the recording's increment gives the times."""
     extras.require(str(path), "nptdms", alternative=AS_CSV)
     with _damage_reported(path, "a TDMS file", "export it again, or save it as CSV"):
-        return call_within_limits(TDMS_LIMIT_S, 4 * max_table_bytes(), _read_tdms, path, columns)
+        return call_within_limits(LIMIT_S, _memory_bytes(), _read_tdms, path, columns)
 
 
 def _read_tdms(path: Path, columns: ColumnMap) -> Mapping[str, Any]:

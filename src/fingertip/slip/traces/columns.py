@@ -1,17 +1,15 @@
-"""Cells and columns of a recording's lines: parsing, and LabVIEW's own names."""
+"""Cells of a recording's lines: splitting, parsing, and lines that name their values."""
 
 from __future__ import annotations
 
 import contextlib
 import csv
 import datetime
+import json
 import re
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Generic, TypeVar
-
-from fingertip.foundation.errors import Issue, TraceError
-from fingertip.slip.traces.trace import ColumnMap
 
 T = TypeVar("T")
 
@@ -105,22 +103,32 @@ def count_decimals(cell: str) -> int:
     return len(decimals)
 
 
-# LabVIEW's measurement files (LVM): the names of their columns, their times, and headers between their segments.
-#
-# Reference: National Instruments, "Specification for the LabVIEW Measurement File (.lvm)". A file has a header, and
-# each segment another one; both end with `***End_of_Header***`. The names of the columns follow: `X_Value`, the
-# channels, and `Comment`. Where the file has no column of times (`X_Columns No`), `Delta_X` is the step between
-# samples.
+# Lines that name each value, as plotters, JSON and serial monitors write them.
 
-LVM_HEADER_LINES = 200
-TITLE = "LabVIEW Measurement"
-_END = "***End_of_Header***"
-_SEGMENT_KEYS = (
-    "Channels", "Samples", "Date", "Time", "Y_Unit_Label", "X_Dimension", "X0", "Delta_X", "Notes", "Test_Name",
-    "Test_Numbers", "Test_Series", "UUT_M/N", "UUT_Name", "UUT_S/N", "Y_Dimension", _END,
-)  # fmt: skip
-"""First cells of the lines in the header of a segment."""
-_TIMES, _COMMENT = "X_Value", "Comment"
+_NAMED = re.compile(r"\s*(\{.*\}|.* -?> .*|[A-Za-z_][^,;\t:=]*[:=]\s*[-+.\d].*)\s*")
+"""Line that names each value, or that begins with a monitor's time stamp."""
+_NAME = re.compile(r"(^.* -?> )|[A-Za-z_][A-Za-z_0-9 .]*[:=] *")
+
+
+def is_named(line: str) -> bool:
+    """Return whether a line names its values, or begins with a monitor's time stamp."""
+    return _NAMED.fullmatch(line) is not None
+
+
+def bare(line: str) -> str:
+    """Leave the values of a line that names them; of a JSON object those within others too, in their order."""
+    if line.lstrip().startswith("{"):
+        with contextlib.suppress(ValueError, RecursionError):
+            return f"{','.join(_list_values(json.loads(line)))}\n"
+    return _NAME.sub("", line)
+
+
+def _list_values(value: object) -> Iterator[str]:
+    if isinstance(value, dict | list):
+        for each in value.values() if isinstance(value, dict) else value:
+            yield from _list_values(each)
+    else:
+        yield str(value).replace(",", " ")
 
 
 @dataclass
@@ -143,63 +151,3 @@ class NotedLines(Generic[T]):
             self.count -= 1
             self.last = None  # the one before is not known, and nobody asks for it
             self.first = self.first if self.count else None
-
-
-def adapt_columns(name: str, lines: Iterable[str], columns: ColumnMap) -> ColumnMap:
-    """Fill in the names of an LVM file's columns that `columns` lacks; leave it for other files. Raises TraceError."""
-    rows = iter(lines)
-    if not next(rows, "").lstrip("\ufeff").startswith(TITLE):
-        return columns
-    settings: dict[str, list[str]] = {}
-    names: list[str] = []
-    for line in rows:
-        cells = _split(line)
-        if cells[0] == _TIMES:
-            names = [cell for cell in cells if cell]
-            break
-        settings[cells[0]] = cells[1:]
-    if not names:
-        return columns  # a program has written columns of its own below the header
-    added: dict[str, str] = {}
-    if "voltage_v" not in columns.names and "voltage_v" not in names:
-        channels = [each for each in names if each not in (_TIMES, _COMMENT)]
-        if len(channels) != 1:
-            listed = ", ".join(map(repr, channels[:4])) + ", ..." * (len(channels) > 4)
-            message = f"holds {len(channels)} channels, {listed}; choose one with --column voltage_v=NAME."
-            raise TraceError(Issue(name, message))
-        added["voltage_v"] = channels[0]
-    rate_hz = columns.rate_hz
-    if "time_s" not in columns.names:
-        added["time_s"] = _TIMES
-        if settings.get("X_Columns", [""])[0] == "No":
-            added["time_s"] = "no times"
-            rate_hz = rate_hz or _read_rate(name, settings.get("Delta_X", []))
-    return replace(columns, names={**columns.names, **added}, rate_hz=rate_hz)
-
-
-def without_headers(rows: Iterable[tuple[int, str]], passed_over: NotedLines[str]) -> Iterator[tuple[int, str]]:
-    """Yield numbered lines but those of the headers of segments, whose first line is added to `passed_over`."""
-    within = False
-    for number, line in rows:
-        if line[:1].isalpha() or line.startswith(_END):
-            first = _split(line)[0]
-            if first in _SEGMENT_KEYS:
-                if not within:
-                    passed_over.add(number, line)
-                within = first != _END
-                continue
-        yield number, line
-
-
-def _read_rate(name: str, steps: Sequence[str]) -> float:
-    step = steps[0].replace(",", ".") if steps else ""
-    step_s = parse_number(step) or 0.0
-    if not 0.0 < step_s < float("inf"):
-        raise TraceError(Issue(name, f"has no times, and states the step {step!r} between samples; give --rate-hz."))
-    return float(f"{1 / step_s:.9g}")
-
-
-def _split(line: str) -> list[str]:
-    """Split a line at its tabs, or at another delimiter if it has none."""
-    delimiter = next((each for each in ("\t", *DELIMITERS) if each in line), "\t")
-    return [cell.strip() for cell in line.split(delimiter)]

@@ -5,9 +5,10 @@ The delimiter is a comma, a semicolon, a tab or spaces. Lines that a program wro
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from fingertip.foundation.errors import Issue, TraceError, raise_issues
 from fingertip.slip.traces.columns import DELIMITERS, SPACES, is_value, split_plain
@@ -53,6 +54,33 @@ class Header:
         taken = {*map(columns.name_in_file, columns.looked_for)} & set(self.names)
         minimum = 1 + max(map(self.names.index, taken))
         return first if minimum <= first < len(self.names) else len(self.names)
+
+
+def read_start(lines: Iterable[str]) -> list[str]:
+    """Read the first lines of a file, in which its header must be."""
+    start, size = list[str](), 0
+    for line in itertools.islice(lines, SURVEYED_LINES):
+        start.append(line)
+        if (size := size + len(line)) > _MAX_SURVEYED:
+            break
+    return start
+
+
+def adapt_labview(lines: Sequence[str], columns: ColumnMap) -> ColumnMap:
+    """Fill in what a LabVIEW file tells: its times or their step, and the voltage if there is one signal."""
+    survey = survey_lines(lines)
+    if survey is None:
+        return columns
+    names, rate_hz = dict(columns.names), columns.rate_hz
+    times = [each.key for each in survey.columns if each.kind == "time"]
+    if times:
+        names.setdefault("time_s", times[0])
+    elif "time_s" not in names:
+        rate_hz = rate_hz or survey.rate_hz
+    signals = [each.key for each in survey.columns if each.kind == "signal"]
+    if len(signals) == 1:
+        names.setdefault("voltage_v", signals[0])
+    return replace(columns, names=names, rate_hz=rate_hz)
 
 
 def find_header(name: str, lines: Iterable[str], columns: ColumnMap, *alternatives: ColumnMap) -> Header:
@@ -154,19 +182,9 @@ def _is_sample(line: str) -> bool:
     return any(all(map(is_value, split_plain(line, delimiter))) for delimiter in DELIMITERS)
 
 
-_NAMED = re.compile(r"\s*(\{.*\}|.* -?> .*|[A-Za-z_][^,;\t:=]*[:=]\s*[-+.\d].*)\s*")
-"""Line that names each value, or that begins with a monitor's time stamp."""
-BARE = """sed -E 's/.* -?> //; s/[{}"]//g; s/[A-Za-z_][A-Za-z_0-9 .]*[:=] *//g' FILE > bare.csv"""
-"""Command that leaves the values of such lines."""
-
-
 def _header_issues(name: str, lines: Sequence[str], columns: ColumnMap) -> list[Issue]:
     number, line = next((i, line) for i, line in enumerate(lines, 1) if line.strip())
     start, field = line.strip()[:60], f"{name}, line {number}"
-    if _NAMED.fullmatch(last := next(filter(str.strip, reversed(lines)))):
-        what = "JSON lines" if last.lstrip().startswith("{") else "labels or time stamps"
-        message = f"{start!r} is not the header of a trace; the file holds {what}; keep the values with: {BARE}."
-        return [Issue(field, message)]
     survey = survey_lines(lines)
     if survey is None:
         if all(columns.name_in_file(column) in line for column in columns.required):

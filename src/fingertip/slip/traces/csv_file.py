@@ -12,7 +12,7 @@ import codecs
 import datetime
 import itertools
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -22,8 +22,7 @@ from fingertip.foundation.errors import Issue, TraceError, quote_value
 from fingertip.foundation.input_files import SAMPLES_LIMIT
 from fingertip.foundation.numerics import Array
 from fingertip.slip.traces import columns as text
-from fingertip.slip.traces.csv_dialect import NOT_TEXT, Header, find_header, find_numbered_header, list_numbers
-from fingertip.slip.traces.survey import SURVEYED_LINES
+from fingertip.slip.traces.csv_dialect import Header, adapt_labview, find_header, find_numbered_header, read_start
 from fingertip.slip.traces.trace import ColumnMap, RawTrace, bounded_lines, max_lines, max_rows, shape_message
 
 _TAIL_BYTES = 4096
@@ -33,36 +32,46 @@ _TAIL_LINES = 10
 _PROBE_BYTES = 2**20
 """Length of the pieces in which the encoding of a file is tested [bytes]."""
 
+# LabVIEW's measurement files (LVM): a header, and one more above each segment; both end with the same line.
+#
+# Reference: National Instruments, "Specification for the LabVIEW Measurement File (.lvm)".
+
+_LVM, _SEGMENT, _END = "LabVIEW Measurement", "Channels", "***End_of_Header***"
+
+Change = Callable[[str], str]
 _FLAGS = {"true": 1.0, "false": 0.0}
 """Words for slip, as data frames write it, in small letters -> number."""
 
 
 def read_csv(path: Path, columns: ColumnMap) -> RawTrace:
-    """Read a CSV file in UTF-8, in UTF-16 with a byte order mark, or in Latin-1.
+    """Read a CSV file in UTF-8, in UTF-16 with a byte order mark, or in Latin-1, with any marks of decimals.
 
-    With another delimiter than the comma, numbers may have a decimal comma. LabVIEW's measurement files (LVM) are read
-    by their own names of the columns. Raises TraceError or OSError.
+    LabVIEW's measurement files (LVM) are read by their own names of the columns. Raises TraceError or OSError.
     """
-    name = str(path)
+    name, encoding = str(path), _detect_encoding(path)
+    start = read_start(_read_lines(path, encoding))
+    last = [*filter(str.strip, start)][-20:]
+    change: Change = text.bare if 2 * sum(map(text.is_named, last)) > len(last) else str
+    start, is_lvm = [*map(change, start)], start[:1] != [] and start[0].lstrip("\ufeff").startswith(_LVM)
+    if is_lvm:
+        columns = adapt_labview(start, columns)
     try:
-        encoding = _detect_encoding(path)
-        with path.open(encoding=encoding) as file:
-            adapted = text.adapt_columns(
-                name, itertools.islice(bounded_lines(file, name), text.LVM_HEADER_LINES), columns
-            )
-        with path.open(encoding=encoding) as file:
-            lines = bounded_lines(file, name)
-            start = list(itertools.islice(lines, SURVEYED_LINES if list_numbers(adapted) else 0))
-            numbered = find_numbered_header(start, adapted)
-            lines = itertools.chain(start[numbered.line if numbered else 0 :], lines)
-            header = numbered or find_header(name, lines, adapted)
-            below = next(lines, "")
-    except UnicodeError:
-        raise TraceError(Issue(name, NOT_TEXT)) from None
-    header = replace(header, is_loose=adapted is not columns)
+        header = find_numbered_header(start, columns) or find_header(name, start, columns)
+    except TraceError as error:
+        if change is str:
+            raise
+        what = "JSON lines" if last[0].lstrip().startswith("{") else "labels or time stamps"
+        note = f"the file holds {what}, whose values are taken in their order: "
+        raise TraceError(replace(issue, message=note + issue.message) for issue in error.issues) from None
+    header, below = replace(header, is_loose=is_lvm), "".join(start[header.line : header.line + 1])
     first_line = header.line + (2 if below.strip() and header.is_unit_line(below) else 1)
-    source = _Source(path, encoding, header, first_line, adapted.with_simulated_names(header.names))
+    source = _Source(path, encoding, change, header, first_line, columns.with_simulated_names(header.names))
     return _read_valid(source) or _read_by_line(source)
+
+
+def _read_lines(path: Path, encoding: str, change: Change = str, most: int | None = None) -> Iterator[str]:
+    with path.open(encoding=encoding, errors="replace") as file:
+        yield from map(change, bounded_lines(file, str(path), most))
 
 
 def _detect_encoding(path: Path) -> str:
@@ -84,10 +93,15 @@ def _detect_encoding(path: Path) -> str:
 class _Source:
     path: Path
     encoding: str
+    change: Change
+    """What leaves the values of a line."""
     header: Header
     first_line: int
     """Line number of the first sample."""
     columns: ColumnMap
+
+    def read_lines(self) -> Iterator[str]:
+        return _read_lines(self.path, self.encoding, self.change, max_lines())
 
     @property
     def places(self) -> dict[str, int]:
@@ -108,7 +122,7 @@ class _Source:
             return False
         with self.path.open("rb") as file:
             file.seek(max(0, self.path.stat().st_size - _TAIL_BYTES))
-            lines = file.read().decode("latin-1").splitlines(keepends=True)
+            lines = [*map(self.change, file.read().decode("latin-1").splitlines(keepends=True))]
         if not lines or lines[-1].endswith(("\n", "\r")) or len(lines) < _TAIL_LINES + 2:
             return False
         *before, last = (text.split_cells(line, self.header.delimiter) for line in lines[-_TAIL_LINES - 1 :])
@@ -123,9 +137,9 @@ def _read_valid(source: _Source) -> RawTrace | None:
     header, columns, places = source.header, source.columns, source.places
     delimiter = None if header.delimiter.isspace() and header.delimiter != "\t" else header.delimiter
     try:
-        with source.path.open(encoding=source.encoding) as file, warnings.catch_warnings():
+        with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # of no data, which is reported as an issue
-            rows = itertools.islice(bounded_lines(file, str(source.path), max_lines()), source.first_line - 1, None)
+            rows = itertools.islice(source.read_lines(), source.first_line - 1, None)
             most = max_rows(len(header.names))
             table = np.loadtxt(rows, delimiter=delimiter, comments=None, ndmin=2, max_rows=most)
     except ValueError:
@@ -184,8 +198,7 @@ class _Samples:
 
 def _read_by_line(source: _Source) -> RawTrace:
     name, columns = str(source.path), source.columns
-    with source.path.open(encoding=source.encoding, errors="replace") as file:
-        samples = _collect(source, enumerate(bounded_lines(file, name, max_lines()), 1))
+    samples = _collect(source, enumerate(source.read_lines(), 1))
     notes = list(source.notes)
     if len(samples.lines) > 1 and (samples.is_last_cut_off() or source.is_cut_off()):
         notes.append(f"{name}, line {samples.lines[-1]}: is cut off, and passed over")
@@ -196,6 +209,9 @@ def _read_by_line(source: _Source) -> RawTrace:
     if samples.start is not None:
         notes.append(f"{name}, time_s: dates are read as seconds since {samples.start.isoformat()}")
     issues = list(_find_issues(name, source, samples))
+    if source.header.is_loose and samples.passed_over.count and "time_s" not in samples.values:
+        message = "holds several segments, and no times that join them; keep the lines of one, or export X_Columns One."
+        issues.append(Issue(name, message))
     values: dict[str, Array] = {column: np.array(cells) for column, cells in samples.values.items()}
     has_all_times = not samples.uneven.count and not samples.wrong.get("time_s", text.NotedLines[str]()).count
     if samples.start is not None:  # dates are in seconds: their scale is an issue, and would make others
@@ -212,7 +228,13 @@ def _collect(source: _Source, lines: Iterable[tuple[int, str]]) -> _Samples:
     )
     after_header, most = False, SAMPLES_LIMIT.value
     below = (entry for entry in lines if entry[0] >= source.first_line and entry[1].strip())
-    for number, line in text.without_headers(below, samples.passed_over) if header.is_loose else below:
+    within = False
+    for number, line in below:
+        if header.is_loose and (within or line.startswith(_SEGMENT)):
+            if not within:
+                samples.passed_over.add(number, line)
+            within = not line.startswith(_END)
+            continue
         if header.is_repeated(line) or line.lstrip().startswith("#") or (after_header and header.is_unit_line(line)):
             samples.passed_over.add(number, line)
             after_header = True

@@ -17,13 +17,13 @@ from fingertip.design.parameters.declaration import suggest_name
 from fingertip.foundation.errors import Issue, join_words
 from fingertip.foundation.numerics import Array
 from fingertip.slip.traces import sampling
-from fingertip.slip.traces.columns import SPACES, is_value, parse_instant, parse_number, split_plain
+from fingertip.slip.traces.columns import DELIMITERS, SPACES, is_value, parse_instant, parse_number, split_plain
 from fingertip.slip.traces.sampling import MAX_RATE_HZ, MIN_RATE_HZ, TIME_UNITS_S
 from fingertip.slip.traces.trace import COLUMNS, ColumnMap, is_force
 
 _TIME = re.compile(r"%?(time|zeit|date|.*stamp|elapsed|[tx]|[mun]s|millis|micros|x.?axis|seconds?|x_value)\b", re.I)
 _SENSOR = re.compile(r"fsr|force|tactile|touch|finger|sensor|volt", re.I)
-_RATE = re.compile(r"fs|(sampl\w*|acq\w*|scan)?[ _]?(rate|freq\w*).*", re.I)
+_RATE = re.compile(r"fs\b.*|(sampl\w*|acq\w*|scan)?[ _]?(rate|freq\w*).*", re.I)
 _INTERVAL = re.compile(r"(sampl\w*|scan)[ _]?(interval|period|time|step).*|.*increment|delta[ _]?[xt]|dt", re.I)
 _SETTING = re.compile(r"model|serial|firmware|version|instrument|device|source|record|operator|title", re.I)
 _UNIT_IN_NAME = re.compile(r".*?(?:[\[(]\s*([a-zµμ]+)\s*[\])]|_(ms|us|ns|mv|uv|v|s))$", re.I)
@@ -184,14 +184,18 @@ def survey_lines(lines: Sequence[str]) -> Survey | None:
     width = Counter(len(cells) for _, cells in rows[len(rows) // 2 :]).most_common(1)[0][0]
     columns = zip(*(cells for _, cells in rows if len(cells) == width), strict=True)
     numeric = [i for i, cells in enumerate(columns) if 2 * sum(map(is_value, cells)) > len(cells)]
-    shown = ([cells[i] for i in numeric] if len(cells) == width else [] for _, cells in rows)
+    shown = ([cells[i] for i in numeric] if len(cells) >= width else [] for _, cells in rows)  # the last one a comment
     is_sample = [any(cells) and all(is_value(cell) for cell in cells if cell) for cells in shown]
     place = next((i for i in range(len(rows)) if all(is_sample[i : i + _LEAST_RUN])), None)
     if place is None:
         return None
-    first, body = rows[place][0], [cells for _, cells in rows[place:] if len(cells) == width]
-    above = [(number, split_plain(line.lstrip("# "), delimiter)) for number, line in filled if number < first]
+    found = zip(rows[place:], is_sample[place:], strict=True)
+    first, body = rows[place][0], [cells for (_, cells), is_one in found if is_one]
+    above = [(number, _split_above(line.lstrip("# "), delimiter)) for number, line in filled if number < first]
     header, names, units = _find_header(above, width, numeric)
+    # Rigol writes the increment below its name, and Tektronix the settings beside the samples.
+    settings = [*(cells for _, cells in above), *zip(names, units, strict=False), *(cells[:3] for cells in body[:30])]
+    names = names[:width]  # LabVIEW names comments too
     is_plain = len(names) == width == len(set(names)) and all(names) and not any("+" in name for name in names)
     is_plain = is_plain and sum(map(str.isdecimal, names)) != 1  # two names that are numbers win over numbers
     contents, values = list[Content](), dict[str, Array]()
@@ -201,9 +205,12 @@ def survey_lines(lines: Sequence[str]) -> Survey | None:
         values[key] = np.array([_parse(cells[i]) for cells in body])
         match = UNIT_WORD.fullmatch(unit)
         contents.append(examine(key, values[key], name, match[1] if match else ""))
-    # Rigol writes the increment below its name, and Tektronix the settings beside the samples.
-    settings = [*(cells for _, cells in above), *zip(names, units, strict=False), *(cells[:3] for cells in body[:30])]
     return Survey(tuple(join_seconds(contents, values)), _find_rate(settings), delimiter, first, header)
+
+
+def _split_above(line: str, delimiter: str) -> list[str]:
+    """Split a line above the body, which may have another delimiter."""
+    return split_plain(line, next((each for each in (delimiter, *DELIMITERS) if each in line), delimiter))
 
 
 def _find_delimiter(lines: Sequence[str]) -> str:

@@ -21,7 +21,7 @@ from fingertip.cad.files.step_process import StepJob, StepProcess
 from fingertip.cad.report import Build
 from fingertip.cad.shapes.parts import PARTS, hardware
 from fingertip.cad.verification.check import Check
-from fingertip.cli.check import to_bytes
+from fingertip.cli.check_reports import to_junit
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Box, Solid, difference
 from fingertip.foundation.errors import GeometryError
@@ -218,7 +218,7 @@ ALLOWED = {
 
 
 def test_junit_report_counts_its_cases_and_conforms_to_the_schema() -> None:
-    root = ElementTree.fromstring(to_bytes({"one": [PASSED, FAILED], "two": [PASSED]}))
+    root = ElementTree.fromstring(to_junit({"one": [PASSED, FAILED], "two": [PASSED]}))
     assert (root.get("tests"), root.get("failures"), root.get("errors")) == ("3", "1", "0")
     assert [(s.get("name"), s.get("tests"), s.get("failures")) for s in root] == [("one", "2", "1"), ("two", "1", "0")]
     (failure,) = root.iter("failure")
@@ -227,14 +227,14 @@ def test_junit_report_counts_its_cases_and_conforms_to_the_schema() -> None:
     for element in root.iter():
         required, allowed = ALLOWED[element.tag]
         assert required <= set(element.attrib) <= allowed, element.tag
-    nan = ElementTree.fromstring(to_bytes({"one": [Check("overlap", float("nan"), 1.0, "mm3")]}))
+    nan = ElementTree.fromstring(to_junit({"one": [Check("overlap", float("nan"), 1.0, "mm3")]}))
     assert nan.get("failures") == "1"
     read = pytest.importorskip("junitparser").JUnitXml.fromroot(root)
     assert [[case.is_passed for case in suite] for suite in read] == [[True, False], [True]]
 
 
 def test_junit_report_replaces_invalid_characters() -> None:
-    root = ElementTree.fromstring(to_bytes({'a<&"\x00\x1b.toml': [PASSED]}))
+    root = ElementTree.fromstring(to_junit({'a<&"\x00\x1b.toml': [PASSED]}))
     assert root[0].get("name") == 'a<&"??.toml'
     (case,) = root.iter("testcase")
     assert case.get("classname", "").count(".") == 1, "readers group test cases by the dots in the class name"

@@ -25,6 +25,7 @@ FILES = (
     ("sheet fsr400", "--out", ".md", "fingertip.casting.sheet.casting_sheet"),
     ("acceptance fsr400", "--out", ".md", "fingertip.documents.acceptance.acceptance_sheet"),
     ("check fsr400", "--junit", ".xml", "fingertip.cad.verification.verify.verify"),
+    ("check fsr400", "--sarif", ".sarif", "fingertip.cad.verification.verify.verify"),
     ("simulate", "--out", ".csv", "fingertip.sim.Simulation.write"),
     ("simulate", "--plot", ".png", "fingertip.sim.Simulation.run"),
     ("detect trace.csv", "--plot", ".png", "fingertip.detection.recordings.detect_file"),

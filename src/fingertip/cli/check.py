@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Mapping, Sequence
+import os
+import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from xml.etree import ElementTree
-from xml.etree.ElementTree import Element, SubElement
 
 import typer
 
 from fingertip.catalogues.electronics import split_finger
 from fingertip.cli import options
-from fingertip.cli.console import Console, align_columns
-from fingertip.foundation.errors import DesignError, Issue, gather, join_words, raise_issues
+from fingertip.cli.check_reports import Finding, message, to_junit, to_sarif
+from fingertip.cli.console import BAD_INPUT, Console, align_columns
+from fingertip.foundation.errors import DesignError, Issue, gather, join_words
+from fingertip.foundation.files import write_file
 from fingertip.foundation.progress import Work
 
 if TYPE_CHECKING:
@@ -35,6 +36,7 @@ def check(
     designs: list[Path] = options.DESIGN_FILES,
     tolerance_mm: float = typer.Option(FINE_MM, help="Largest distance of a facet from the exact surface, in mm."),
     junit: Path | None = typer.Option(None, metavar="FILE.xml", help="JUnit report, for CI servers."),
+    sarif: Path | None = typer.Option(None, metavar="FILE.sarif", help="SARIF report, for code scanning and editors."),
     margins: bool = options.flag("List the checks and rules that are nearest to their limits."),
     verbose: bool = options.VERBOSE,
     changes: list[str] | None = options.CHANGES,
@@ -44,24 +46,48 @@ def check(
     The checks read the STL file that each part would have. A wall must reach printer.min_wall_mm and the skin
     skin.min_thickness_mm, both less the tolerance of the mesh. The genus of a part is the number of its through holes.
     A check that passes may warn of what is expected to go wrong.
-    If any design is not valid, the errors of all designs are listed, no design is checked and no report is written.
+    Every valid design is checked. One that is refused is an error in the reports, and the exit code is 2. Where
+    GITHUB_ACTIONS is true, each finding is an annotation of its line too.
 
     A folder that build, board or another command wrote is compared with its manifests: every file must be as written.
     Nothing in it is changed.
     """
     folders = [path for path in designs if path.is_dir()]
     files = [path for path in designs if not path.is_dir()]
-    idle = [Issue("--junit", "reports on designs, but only folders are given; give a design too.")]
-    options.refuse(options.find_file_issues("--junit", junit, ".xml"), idle if junit and not files else ())
+    reports = {"--junit": (junit, ".xml"), "--sarif": (sarif, ".sarif")}
+    options.refuse(*(options.find_file_issues(option, *pair) for option, pair in reports.items()), (
+        Issue(option, "reports on designs, but only folders are given; give a design too.")
+        for option, (report, _) in reports.items() if report and not files
+    ))  # fmt: skip
     data: dict[str, Any] = {"passed": True}
-    texts: list[str] = []
+    texts, refused = list[str](), dict[Path, list[Issue]]()
     if files:
-        loaded = _load(files, changes or (), console)
-        data, texts = _check_designs(loaded, tolerance_mm, junit, console, verbose, margins, changes or ())
+        loaded, refused = _load(files, changes or (), console)
+        data, texts, checks = _check_designs(loaded, tolerance_mm, console, verbose, margins, changes or ())
+        findings = list(_list_findings(loaded, checks, refused))
+        data |= {"passed": not findings, "issues": [vars(finding) for finding in findings]}
+        for option, path, content in (
+            ("--junit", junit, to_junit(checks, {path.as_posix(): found for path, found in refused.items()})),
+            ("--sarif", sarif, to_sarif(findings)),
+        ):
+            if path is not None:
+                write_file(path, content, option)
+        if os.environ.get("GITHUB_ACTIONS") == "true":
+            print(*(found.to_annotation() for found in findings), sep="\n", file=sys.stderr)
     if folders:
         data["folders"], folder_texts = _check_folders(folders)
         texts += folder_texts
         data["passed"] = data["passed"] and all(folder["passed"] for folder in data["folders"])
+    if refused:
+        if texts and not console.as_json:
+            console.write("\n\n".join(texts))
+        named = (
+            one if one.field == str(path) else Issue(f"{path}: {one.field}", one.message)
+            for path, found in refused.items()
+            for one in found
+        )
+        console.print_issues(DesignError(named), data)
+        raise typer.Exit(BAD_INPUT)
     console.result(data, "\n\n".join(texts), data["passed"])
 
 
@@ -80,30 +106,27 @@ def _check_folders(folders: Sequence[Path]) -> tuple[list[dict[str, Any]], list[
 
 
 def _check_designs(
-    designs: Mapping[str, Design],
+    loaded: Mapping[str, tuple[Path, Design]],
     tolerance_mm: float,
-    junit: Path | None,
     console: Console,
     verbose: bool,
     margins: bool,
     changes: Sequence[str],
-) -> tuple[dict[str, Any], list[str]]:
+) -> tuple[dict[str, Any], list[str], dict[str, tuple[Check, ...]]]:
     from fingertip.cad.verification.verify import check
 
     checks_by_design: dict[str, tuple[Check, ...]] = {}
+    designs = {label: design for label, (_, design) in loaded.items()}
     work = Work("checking", dict.fromkeys(designs, 1.0), console.progress)
     for label, design in designs.items():
         work.begin(label)
         console.warn(f"{label}: {doubt}" for doubt in design.force_curve.find_doubt(design.sensor.model))
         checks_by_design[label] = check(design, tolerance_mm=tolerance_mm).checks
-    if junit is not None:
-        from fingertip.foundation.files import write_file
-
-        write_file(junit, to_bytes(checks_by_design), "--junit")
     found = [
-        {"design": label, "passed": all(c.passed for c in checks), "checks": [c.to_dict() for c in checks]}
+        {"design": label, "file": loaded[label][0].as_posix(), "passed": all(c.passed for c in checks),
+         "checks": [c.to_dict() for c in checks]}
         for label, checks in checks_by_design.items()
-    ]
+    ]  # fmt: skip
     data = {"passed": all(one["passed"] for one in found), "tolerance_mm": tolerance_mm, "designs": found}
     texts = [
         "\n".join([_format_table(label, checks, verbose), *offer_fit(designs[label], checks, changes, console)])
@@ -120,31 +143,48 @@ def _check_designs(
             texts.append("\n".join([f"{label}: nearest to their limits", *align_columns(rows)]))
     if not data["passed"] and tolerance_mm > FINE_MM:
         texts.append(f"The meshes are coarse, which alone may fail a check: try --tolerance-mm {FINE_MM:g} first.")
-    return data, texts
+    return data, texts, checks_by_design
 
 
-def _load(files: Sequence[Path], changes: Sequence[str], console: Console) -> dict[str, Design]:
-    """Load the designs by name, or by file where two have the same name (as files that leave the name out do)."""
+def _list_findings(
+    loaded: Mapping[str, tuple[Path, Design]],
+    checks: Mapping[str, Sequence[Check]],
+    refused: Mapping[Path, Sequence[Issue]],
+) -> Iterator[Finding]:
+    for path, issues in refused.items():
+        yield from (Finding.make(path, issue) for issue in issues)
+    for label, each in checks.items():
+        for one in each:
+            if not one.passed:
+                issue = Issue(one.name, f"{message(one)};{describe_cause(one).partition(':')[2]}")
+                yield Finding.make(loaded[label][0], issue, one.change[0] if one.change else "")
+
+
+def _load(
+    files: Sequence[Path], changes: Sequence[str], console: Console
+) -> tuple[dict[str, tuple[Path, Design]], dict[Path, list[Issue]]]:
+    """Load the designs by name, or by file where two have the same name; return them, and what refuses the others."""
     from fingertip.design.files import load_tables
     from fingertip.design.finger_set import is_set
 
     load_tables((), changes)  # reports invalid changes once instead of once per file
-    loaded: list[tuple[str, Design]] = []
-    issues: list[Issue] = []
+    loaded: list[tuple[str, Path, Design]] = []
+    refused: dict[Path, list[Issue]] = {}
     for file in dict.fromkeys(files):
-        found: list[Issue] = []
-        with gather(found):
+        issues: list[Issue] = []
+        with gather(issues):
             if is_set(file):
                 forms = options.load_fingers(file, changes, console).forms
-                loaded += ((f"{file.as_posix()}: {form.design.name}", form.design) for form in forms)
+                loaded += ((f"{file.as_posix()}: {form.design.name}", file, form.design) for form in forms)
             else:
-                loaded.append((file.as_posix(), options.load_design(file, changes, console)))
-        issues += (
-            issue if issue.field == str(file) else Issue(f"{file}: {issue.field}", issue.message) for issue in found
-        )
-    raise_issues(DesignError, issues)
-    names = [design.name for _, design in loaded]
-    return {design.name if names.count(design.name) == 1 else label: design for label, design in loaded}
+                loaded.append((file.as_posix(), file, options.load_design(file, changes, console, may_be_empty=False)))
+        if issues:
+            refused[file] = issues
+    names = [design.name for _, _, design in loaded]
+    designs = {
+        design.name if names.count(design.name) == 1 else label: (file, design) for label, file, design in loaded
+    }
+    return designs, refused
 
 
 def _format_table(label: str, checks: Sequence[Check], verbose: bool) -> str:
@@ -190,46 +230,3 @@ def offer_fit(design: Design, checks: Iterable[Check], changes: Iterable[str], c
         return []
     moved = find_mend(design, [split_finger(change.partition("=")[0].strip())[1] for change in changes])
     return [f"  or add --fit, which moves {join_words(moved)}"] if moved else []
-
-
-_INVALID_IN_XML = re.compile(r"[^\t\n\r\x20-\uD7FF\uE000-\uFFFD\U00010000-\U0010FFFF]")
-
-
-def to_bytes(suites: Mapping[str, Iterable[Check]]) -> bytes:
-    """Write a JUnit XML report, in the dialect that Jenkins, GitLab and GitHub readers share.
-
-    Each design, given by its name, is a test suite and each check a test case. The report holds
-    no times, dates or host names: the same designs give the same bytes.
-    """
-    root = Element("testsuites", name="fingertip check")
-    for name, checks in suites.items():
-        _suite(root, _clean(name), tuple(checks))
-    for count in ("tests", "failures", "errors"):
-        root.set(count, str(sum(int(suite.get(count, "0")) for suite in root)))
-    ElementTree.indent(root)
-    text: bytes = ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True)
-    return text + b"\n"
-
-
-def message(check: Check) -> str:
-    """Describe a check's value and limit, such as `value 3 edges, must be exactly 0`."""
-    return f"value {check.value:g} {check.unit}".rstrip() + f", must be {check.relation} {check.limit:g}"
-
-
-def _suite(root: Element, name: str, checks: tuple[Check, ...]) -> None:
-    failed = sum(not check.passed for check in checks)
-    # Readers group test cases by the dots in the class name, so dots in the design's name are replaced.
-    classname = "fingertip." + name.replace(".", "_")
-    suite = SubElement(root, "testsuite", name=name, tests=str(len(checks)), failures=str(failed), errors="0")
-    suite.set("skipped", "0")
-    for check in checks:
-        case = SubElement(suite, "testcase", classname=classname, name=_clean(check.name))
-        if not check.passed:
-            failure = SubElement(case, "failure", type="check", message=message(check))
-            failure.text = f"{name}: {check.name}: {message(check)}"
-        SubElement(case, "system-out").text = _clean(message(check))
-
-
-def _clean(text: str) -> str:
-    """Replace characters that XML 1.0 cannot represent, not even escaped, by question marks."""
-    return _INVALID_IN_XML.sub("?", text)

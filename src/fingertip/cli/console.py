@@ -224,7 +224,7 @@ class Console:
         if self.as_json:
             issues = [{"field": issue.field, "message": issue.message} for issue in error.issues]
             with contextlib.suppress(OutputError):  # they are on stderr in any case
-                self.write(json.dumps({**(partial_result or {}), "issues": issues}, indent=2))
+                self.write(json.dumps({"issues": issues, **(partial_result or {})}, indent=2))
 
 
 def align_columns(rows: Sequence[Sequence[str]]) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -22,6 +23,10 @@ if TYPE_CHECKING:
     from fingertip.design import Design
     from fingertip.design.new_design import NewDesign
     from fingertip.design.new_set import Starts
+
+
+_WINDOWS = re.compile(r"con|prn|aux|nul|(com|lpt)\d", re.IGNORECASE)
+"""Names of devices, of which no file can be checked out there."""
 
 
 @command
@@ -94,9 +99,11 @@ class _Order:
 
 
 def _find_taken(name: str) -> Iterator[Issue]:
-    """Find why a name is refused: a bundled file has it."""
+    """Find why a name is refused: a bundled file has it, or Windows makes no file of it."""
     from fingertip.catalogues.file_kinds import DESIGN, SET, list_bundled_files
 
+    if _WINDOWS.fullmatch(name):
+        yield Issue("NAME", f"{name} names no file on Windows; choose another, such as my_{name}.")
     for kind in (DESIGN, SET):
         if name in list_bundled_files(kind):
             taken = f"{name} is the name of a bundled {kind.name}"

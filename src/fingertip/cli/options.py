@@ -16,7 +16,7 @@ import typer
 from fingertip.cli.completion import COMPLETIONS
 from fingertip.cli.console import BAD_INPUT, FAULT, Console, describe_fault, describe_path_error, discard_stdout
 from fingertip.foundation import interruption
-from fingertip.foundation.errors import FingertipError, Issue, OutputError, raise_issues
+from fingertip.foundation.errors import DesignError, FingertipError, Issue, OutputError, raise_issues
 
 if TYPE_CHECKING:
     from fingertip.design import Design
@@ -117,7 +117,9 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
     return run
 
 
-def load_design(file: Path | None, changes: Sequence[str] | None, console: Console | None = None) -> Design:
+def load_design(
+    file: Path | None, changes: Sequence[str] | None, console: Console | None = None, may_be_empty: bool = True
+) -> Design:
     """Load the design of a file, or the default design, with changes; with --fit, fit it. Raises DesignError."""
     if console and console.fits:
         from fingertip.design import Design
@@ -128,6 +130,9 @@ def load_design(file: Path | None, changes: Sequence[str] | None, console: Conso
         console.show_moves(design.name, design.moves)
     else:
         design, is_default = read_design(file, tuple(changes or ()))
+        if file and is_default and not may_be_empty:
+            message = "sets no parameter, so it would be fsr400; state what differs, at least its name."
+            raise DesignError(Issue(str(file), message))
         if file and is_default and console:
             console.progress(f"{file} sets no parameter: this is the default design, fsr400")
     if console and design.provisional:

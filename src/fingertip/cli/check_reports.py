@@ -1,0 +1,136 @@
+"""Reports of `fingertip check` for machines: findings with file and line, JUnit, SARIF, and annotations of GitHub."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement
+
+from fingertip.foundation.errors import FingertipError, Issue
+from fingertip.foundation.tables import UnusableTomlError, parse_toml
+
+if TYPE_CHECKING:
+    from fingertip.cad.verification.check import Check
+
+_TABLE = re.compile(r"\s*\[+\s*([\w.-]+)\s*\]")
+_KEY = re.compile(r"\s*([\w.-]+)\s*=")
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Refusal of a design, or failed check."""
+
+    file: str
+    line: int | None
+    """Line that states the field; None if the file does not."""
+    field: str
+    message: str
+    value: Any = None
+
+    @classmethod
+    def make(cls, path: Path, issue: Issue, field: str = "") -> Finding:
+        """Make a finding of an issue, whose place is that of a field, by default its own."""
+        field = field or issue.field
+        line, value = _find_place(path, field)
+        return cls(path.as_posix(), line, issue.field, issue.message, value)
+
+    def to_annotation(self) -> str:
+        """Write a command of GitHub's workflows, which marks the line."""
+        message, title = (
+            re.sub(pattern, lambda found: f"%{ord(found[0]):02X}", text)
+            for pattern, text in (("[%\r\n]", self.message), ("[%\r\n:,]", self.field))
+        )
+        line = f",line={self.line}" if self.line else ""
+        return f"::error file={self.file}{line},title={title}::{message}"
+
+
+def _find_place(path: Path, field: str) -> tuple[int | None, Any]:
+    """Find the line of a TOML file that states a parameter, and its value as it stands there."""
+    try:
+        text = path.read_text(encoding="utf-8")
+        value: Any = parse_toml(text)
+    except (OSError, UnicodeError, UnusableTomlError, FingertipError):
+        return None, None
+    for key in field.split("."):
+        value = value.get(key) if isinstance(value, dict) else None
+    table = ""
+    for number, line in enumerate(text.splitlines(), 1):
+        if heading := _TABLE.match(line):
+            table = f"{heading[1]}."
+        elif (key_found := _KEY.match(line)) and table + key_found[1] == field:
+            return number, value if isinstance(value, str | int | float | bool) else None
+    return None, None
+
+
+def to_sarif(findings: Iterable[Finding]) -> bytes:
+    """Write findings in SARIF 2.1.0, which code scanning of GitHub and editors read."""
+    results = []
+    for found in findings:
+        place: dict[str, Any] = {"artifactLocation": {"uri": found.file}}
+        if found.line:
+            place["region"] = {"startLine": found.line}
+        message = {"text": f"{found.field}: {found.message}"}
+        locations = [{"physicalLocation": place}]
+        results.append({"ruleId": found.field, "level": "error", "message": message, "locations": locations})
+    run = {"tool": {"driver": {"name": "fingertip"}}, "results": results}
+    schema = "https://json.schemastore.org/sarif-2.1.0.json"
+    return (json.dumps({"$schema": schema, "version": "2.1.0", "runs": [run]}, indent=2) + "\n").encode()
+
+
+_INVALID_IN_XML = re.compile(r"[^\t\n\r\x20-\uD7FF\uE000-\uFFFD\U00010000-\U0010FFFF]")
+
+
+def to_junit(suites: Mapping[str, Iterable[Check]], refused: Mapping[str, Iterable[Issue]] | None = None) -> bytes:
+    """Write a JUnit XML report, in the dialect that Jenkins, GitLab and GitHub readers share.
+
+    Each design, given by its name, is a test suite and each check a test case; of one that is refused, each issue is
+    a case with an error. No times, dates or host names: the same designs give the same bytes.
+    """
+    root = Element("testsuites", name="fingertip check")
+    for name, checks in suites.items():
+        _suite(root, _clean(name), tuple(checks))
+    for name, issues in (refused or {}).items():
+        _refused_suite(root, _clean(name), tuple(issues))
+    for count in ("tests", "failures", "errors"):
+        root.set(count, str(sum(int(suite.get(count, "0")) for suite in root)))
+    ElementTree.indent(root)
+    text: bytes = ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True)
+    return text + b"\n"
+
+
+def message(check: Check) -> str:
+    """Describe a check's value and limit, such as `value 3 edges, must be exactly 0`."""
+    return f"value {check.value:g} {check.unit}".rstrip() + f", must be {check.relation} {check.limit:g}"
+
+
+def _suite(root: Element, name: str, checks: tuple[Check, ...]) -> None:
+    failed = sum(not check.passed for check in checks)
+    # Readers group test cases by the dots in the class name, so dots in the design's name are replaced.
+    classname = "fingertip." + name.replace(".", "_")
+    suite = SubElement(root, "testsuite", name=name, tests=str(len(checks)), failures=str(failed), errors="0")
+    suite.set("skipped", "0")
+    for check in checks:
+        case = SubElement(suite, "testcase", classname=classname, name=_clean(check.name))
+        if not check.passed:
+            failure = SubElement(case, "failure", type="check", message=message(check))
+            failure.text = f"{name}: {check.name}: {message(check)}"
+        SubElement(case, "system-out").text = _clean(message(check))
+
+
+def _refused_suite(root: Element, name: str, issues: tuple[Issue, ...]) -> None:
+    suite = SubElement(root, "testsuite", name=name, tests=str(len(issues)), failures="0", errors=str(len(issues)))
+    suite.set("skipped", "0")
+    for issue in issues:
+        field, text = _clean(issue.field), _clean(issue.message)
+        case = SubElement(suite, "testcase", classname="fingertip." + name.replace(".", "_"), name=field or "design")
+        SubElement(case, "error", type="refused", message=text).text = f"{name}: {field}: {text}"
+
+
+def _clean(text: str) -> str:
+    """Replace characters that XML 1.0 cannot represent, not even escaped, by question marks."""
+    return _INVALID_IN_XML.sub("?", text)

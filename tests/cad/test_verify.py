@@ -73,8 +73,8 @@ def test_check_of_another_package_joins_the_others_under_a_name_of_its_own(
     solids = Solids.of(Design(), MeshEvaluator(TOLERANCE), ["skin"])
     if name == "bone.colour":
         *_, last = checks.run_checks(Design(), solids)
-        assert describe_cause(last) == "  bone.colour: change skin.width_mm"
-        assert describe_cause(replace(last, change=())) == "  bone.colour: this is a bug in mine"
+        assert describe_cause(last) == "change skin.width_mm"
+        assert describe_cause(replace(last, change=())) == "this is a bug in mine"
     else:
         with pytest.raises(FingertipError, match="no Check with a name of its own"):
             list(checks.run_checks(Design(), solids))

@@ -74,8 +74,8 @@ def test_an_error_of_a_path_is_no_fault(monkeypatch: pytest.MonkeyPatch) -> None
     )
 
 
-def test_details_that_cannot_be_written_are_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tempfile.tempdir", "/nonexistent")
+def test_details_that_cannot_be_written_are_left_out(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "missing"))
     fail_with(ValueError("x\x1b[31m\n" + "y" * 10_000), monkeypatch)
     done = run_fingertip("params")
     assert done.returncode == 70

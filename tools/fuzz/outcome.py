@@ -99,7 +99,10 @@ def judge(case: Case, top: Path, run: Callable[[Case, Path], Outcome]) -> tuple[
             if outcomes[-1].code == 2 and sorted(folder.rglob("*")) != before and case.promise == "files":
                 faults.append("litter: refused, and yet written")
             if left := [
-                path for place in (temporary, folder) for path in place.rglob("[.]*" if place == folder else "*")
+                path
+                for place in (temporary, folder)
+                for path in place.rglob("[.]*" if place == folder else "*")
+                if path.name != ".gitattributes"
             ]:
                 faults.append(f"litter: {[read_end(path) for path in left]}")
             if faults or outcomes[-1].code == 2:

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from fingertip.cli.check import format_failures, offer_fit
+from fingertip.cli.check import describe_cause, offer_fit
+from fingertip.cli.check_reports import message
 from fingertip.cli.console import Console
 from fingertip.cli.options import CHANGES, DESIGN_FILE, FORCE, MATERIAL, command, flag, load_design, load_fingers
 from fingertip.foundation.errors import FingertipError, Issue, join_words
@@ -53,10 +54,10 @@ def build(
         progress=console.progress,
     )
     data = json.loads(result.contents[REPORT]) | {"folder": str(result.folder), "removed": list(result.removed)}
-    lines, offer = _format_build(result), offer_fit(loaded, result.checks, changes or (), console)
-    lines += [*_list_remarks(result, _MAX_LINES - len(lines) - len(offer) - 1), *offer]
-    if result.casting:
-        lines.append(f"next: {result.folder / SHEET} says what to print, and how to cast the skin")
+    following = f"{result.folder / SHEET} says what to print, and how to cast the skin" if result.casting else ""
+    lines = _format_build(result)
+    last = _tell_next(result, following, offer_fit(loaded, result.checks, changes or (), console))
+    lines += [*_list_remarks(result, _MAX_LINES - len(lines) - len(last)), *last]
     console.result(data, "\n".join(lines), result.passed)
 
 
@@ -83,11 +84,21 @@ def _list_remarks(result: Build, room: int, rewrite: Callable[[str], str] = str)
     """List failed checks in so many lines: each is cut to its share, and those without one are counted."""
     from fingertip.catalogues.output_files import REPORT
 
-    remarks = [" ".join(format_failures([check])) for check in result.checks if not check.passed]
+    failed = (check for check in result.checks if not check.passed)
+    remarks = [f"FAILED {check.name}: {message(check)}; {describe_cause(check, False)}" for check in failed]
     shown = [rewrite(remark) for remark in (remarks if len(remarks) <= room else remarks[: room - 1])]
     share: dict[str, Any] = {"max_lines": room // max(1, len(shown)), "subsequent_indent": "  ", "placeholder": " ..."}
     lines = [line for remark in shown for line in textwrap.wrap(remark, _MAX_WIDTH, **share)]
     return lines + ([f"and {len(remarks) - len(shown)} more, in {REPORT}"] if len(shown) < len(remarks) else [])
+
+
+def _tell_next(result: Build, following: str, offers: Sequence[str]) -> list[str]:
+    """Tell what follows; where checks failed, the one command that mends them."""
+    if result.passed:
+        return [f"next: {following}"] if following else []
+    remedies = dict.fromkeys(f"--set {check.remedy}" for check in result.checks if check.remedy)
+    offers = [*([" ".join(remedies)] if remedies else []), *(offer.removeprefix("  or add ") for offer in offers)]
+    return [f"next: run it again with {', or '.join(offers) or 'a change that mends what failed'}"]
 
 
 def split_names(text: str | None) -> list[str] | None:
@@ -144,10 +155,9 @@ def make(
     last = [
         f"{electronics}; simulated trial: slip {found}",
         f"look at: {made.page or made.parts.folder}{' in a browser' if made.page else ''}{drawings}",
-        f"next: print {printed}; follow {join_words(sheets, 'and')}",
     ]
-    lines = _format_build(made.parts)
-    last[:0] = offer_fit(loaded, made.parts.checks, changes or (), console)
+    lines, following = _format_build(made.parts), f"print {printed}; follow {join_words(sheets, 'and')}"
+    last += _tell_next(made.parts, following, offer_fit(loaded, made.parts.checks, changes or (), console))
     lines += [*_list_remarks(made.parts, _MAX_LINES - len(lines) - len(last)), *last]
     console.result(data, "\n".join(lines), made.parts.passed)
 
@@ -171,8 +181,9 @@ def _make_set(
         f"{silicone_g:g} g of silicone in {totals.mixtures} mixtures on day {plan.cast_day}, "
         f"{plan.cure_h:g} h to cure; {plan.days} days{boards}",
         f"look at: {made.folder / PAGE}",
-        f"next: {made.folder / OVERVIEW} says what to print, cast and build",
     ]
+    following = f"{made.folder / OVERVIEW} says what to print, cast and build"
+    last.append(f"next: {following if made.passed else 'mend what failed, and make it again'}")
     for each, form in zip(made.forms, fingers.forms, strict=True):
         console.warn(map(form.name_values, each.detection.warnings))
         room = (_MAX_LINES - len(last)) // len(made.forms) - 1

@@ -156,7 +156,7 @@ def _list_findings(
     for label, each in checks.items():
         for one in each:
             if not one.passed:
-                issue = Issue(one.name, f"{message(one)};{describe_cause(one).partition(':')[2]}")
+                issue = Issue(one.name, f"{message(one)}; {describe_cause(one)}")
                 yield Finding.make(loaded[label][0], issue, one.change[0] if one.change else "")
 
 
@@ -204,22 +204,12 @@ def _format_table(label: str, checks: Sequence[Check], verbose: bool) -> str:
     widths = [max(len(row[i]) for row in rows) for i in range(6)]
     aligned = ((f"{text:{'>' if i in (1, 3) else ''}{widths[i]}}" for i, text in enumerate(row)) for row in rows)
     lines = [verdict, *(" ".join(row).rstrip() for row in aligned)]
-    return "\n".join([*lines, *(describe_cause(c) for c in shown if not c.passed)])
+    return "\n".join([*lines, *(f"  {c.name}: {describe_cause(c)}" for c in shown if not c.passed)])
 
 
-def format_failures(checks: Iterable[Check]) -> list[str]:
-    lines = []
-    for check in checks:
-        if not check.passed:
-            lines.append(f"FAILED {check.name}: {check.value:g} {check.unit}, must be {check.relation} {check.limit:g}")
-            lines.append(describe_cause(check))
-    return lines
-
-
-def describe_cause(check: Check) -> str:
-    remedy = f"it passes with --set {check.remedy}; or " if check.remedy else ""
-    cause = f"change {', '.join(check.change)}" if check.change else f"this is a bug in {check.source}"
-    return f"  {check.name}: {remedy}{cause}"
+def describe_cause(check: Check, with_remedy: bool = True) -> str:
+    remedy = f"it passes with --set {check.remedy}; or " if check.remedy and with_remedy else ""
+    return remedy + (f"change {', '.join(check.change)}" if check.change else f"this is a bug in {check.source}")
 
 
 def offer_fit(design: Design, checks: Iterable[Check], changes: Iterable[str], console: Console) -> list[str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import shlex
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -16,6 +15,7 @@ from fingertip.catalogues.electronics import NAMES, spell_sensor
 from fingertip.cli.console import Console
 from fingertip.cli.options import CHANGES, command, find_file_issues
 from fingertip.foundation.errors import FingertipError, Issue, gather, join_words, raise_issues
+from fingertip.foundation.input_files import is_safe_name
 from fingertip.foundation.progress import Work
 
 if TYPE_CHECKING:
@@ -23,10 +23,6 @@ if TYPE_CHECKING:
     from fingertip.design import Design
     from fingertip.design.new_design import NewDesign
     from fingertip.design.new_set import Starts
-
-
-_WINDOWS = re.compile(r"con|prn|aux|nul|(com|lpt)\d", re.IGNORECASE)
-"""Names of devices, of which no file can be checked out there."""
 
 
 @command
@@ -102,7 +98,7 @@ def _find_taken(name: str) -> Iterator[Issue]:
     """Find why a name is refused: a bundled file has it, or Windows makes no file of it."""
     from fingertip.catalogues.file_kinds import DESIGN, SET, list_bundled_files
 
-    if _WINDOWS.fullmatch(name):
+    if not is_safe_name(f"{name}.toml") and name.isalnum():
         yield Issue("NAME", f"{name} names no file on Windows; choose another, such as my_{name}.")
     for kind in (DESIGN, SET):
         if name in list_bundled_files(kind):

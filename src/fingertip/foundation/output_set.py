@@ -292,8 +292,24 @@ def hash_file(path: Path) -> str:
 
 
 def has_hash(path: Path, *digests: str | None) -> bool:
-    """Return whether a file is a regular one with one of these hashes."""
+    """Return whether a file is a regular one with one of these hashes, as it is or as git for Windows checks it out."""
     try:
-        return hash_file(path) in digests
+        return hash_file(path) in digests or _hash_folded(path) in digests
     except InputFileError:
         return False
+
+
+def _hash_folded(path: Path) -> str:
+    data = input_files.read_input(path, input_files.RECORDING_LIMIT, below=path.parent)
+    return hash_content(fold_lines(data))
+
+
+def fold_lines(data: bytes) -> bytes:
+    """Replace the line endings of Windows."""
+    return data.replace(b"\r\n", b"\n")
+
+
+def write_attributes(folder: Path) -> None:
+    """Tell git, in a folder that is meant for a repository, to leave line endings as they are; keep what says so."""
+    if not os.path.lexists(path := folder / ".gitattributes"):
+        write_file(path, b"* -text\n")

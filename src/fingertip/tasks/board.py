@@ -31,7 +31,7 @@ from fingertip.documents.board.readme import folder_readme
 from fingertip.documents.wiring import wiring_diagram
 from fingertip.foundation import extras
 from fingertip.foundation.errors import BoardError, Issue, OutputError, raise_issues
-from fingertip.foundation.output_set import Revision, SetWriter, finish_interrupted, hash_parameters
+from fingertip.foundation.output_set import Revision, SetWriter, finish_interrupted, hash_parameters, write_attributes
 from fingertip.pictures.assembly_drawing import draw_assembly
 from fingertip.pictures.drawing.render import render_pdf, render_svg
 from fingertip.tasks.edited_board import find_edited, refuse_other_circuit, revise_edited
@@ -106,6 +106,7 @@ class BoardPlan:
         removed = self.writer.write(self.files, revisions=self.revisions)
         for writer, contents in self.models:
             writer.write(contents)
+        write_attributes(self.writer.folder)
         for note in self.notes:
             progress(note)
         if removed:

@@ -11,6 +11,7 @@ from fingertip.documents.firmware import render_readme
 from fingertip.firmware.fingers import ONE_FINGER, Fingers
 from fingertip.firmware.packaging import library_manifest, library_properties
 from fingertip.firmware.sources import LAMP, lamp_sketch, library_sources, read_template
+from fingertip.foundation.output_set import write_attributes
 from fingertip.tasks.verification import compare_with_design
 
 SOURCES, EXAMPLES = "src", "examples"
@@ -78,6 +79,7 @@ def plan_firmware(
     def write() -> tuple[Path, ...]:
         for writer, contents in sets:
             writer.write(contents)
+        write_attributes(folder)
         return tuple(writer.folder / name for writer, contents in sets for name in contents)
 
     return write

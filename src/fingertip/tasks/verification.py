@@ -11,7 +11,7 @@ from fingertip.catalogues.output_files import PART_FILES, SET_FILES
 from fingertip.foundation.errors import InputFileError, Issue, OutputError
 from fingertip.foundation.folder_swap import find_output_folder, is_folder, lock, read_plan, staging_folder
 from fingertip.foundation.input_files import OUTPUT_LIMIT, read_input
-from fingertip.foundation.output_set import MANIFEST, Manifest, hash_file, read_manifest
+from fingertip.foundation.output_set import MANIFEST, Manifest, fold_lines, has_hash, hash_file, read_manifest
 
 _OF_ONE_DESIGN = ("parts", "print", "steps", "board", "fabrication", "signal", "firmware", "robot")
 """Kinds of sets in the folder of a design, which belong together if they were made from the same parameters."""
@@ -41,7 +41,7 @@ def compare_with_design(folder: Path, expected: Mapping[str, bytes]) -> list[str
     found: list[str] = []
     for name, data in expected.items():
         try:
-            if read_input(folder / name, OUTPUT_LIMIT, below=folder) != data:
+            if fold_lines(read_input(folder / name, OUTPUT_LIMIT, below=folder)) != fold_lines(data):
                 found.append(f"{folder / name}: differs from what this design gives.")
         except InputFileError as error:
             found += (issue.typed for issue in error.issues)
@@ -105,7 +105,7 @@ def _compare(folder: Path) -> tuple[int, list[str]]:
         for name, digest in manifest.files.items():
             path = place / name
             try:
-                if hash_file(path) != digest:
+                if hash_file(path) != digest and not has_hash(path, digest):
                     issues.append(Issue(str(path), "was changed after it was written."))
             except InputFileError as error:
                 issues += error.issues if os.path.lexists(path) else [Issue(str(path), "is missing.")]

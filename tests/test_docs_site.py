@@ -61,13 +61,13 @@ def test_the_site_holds_what_is_generated_and_asks_nothing_of_another_server(sit
     for sheet in site.rglob("*.css"):
         text = sheet.read_text(encoding="utf-8")
         assert not re.search(r"@import|url\(['\"]?(?:https?:)?//", text)
-    assert "Usage: fingertip sweep" in (site / "commands.html").read_text()
-    assert "distance_from_tip_mm" in (site / "parameters.html").read_text()
+    assert "Usage: fingertip sweep" in (site / "reference.html").read_text()
+    assert "distance_from_tip_mm" in (site / "reference.html").read_text()
     tutorial = (site / "tutorial.html").read_text()
     pictures = re.findall(r'src="(steps/[^"]+)"', tutorial)
     assert len(pictures) > 15
     assert all((site / name).stat().st_size > 1000 for name in pictures)
-    ran = (site / "notebook.html").read_text()
+    ran = (site / "python.html").read_text()
     assert ran.count("data:image/png;base64,") == 2
     assert "Detection(fast: 1 interval ON, 1 of 1 slips found" in ran
     assert "at least 16.9 mm." in ran

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fingertip.design.geometry.conic import ELLIPSE, ConicBody, CrossSection, Tip, arc_abscissa, arc_point
+from fingertip.design.geometry.conic import ELLIPSE, ConicBody, CrossSection, arc_abscissa, arc_point
+from fingertip.design.geometry.profile import Tip
 from tests.oracles.conic_area import arc_area
 
 WEIGHTS = st.floats(0.4, 8.0)
@@ -42,7 +43,7 @@ def test_tip_continues_the_taper_without_a_kink(t: float) -> None:
     (z0, s0), (z1, s1) = BODY.stations
     h = 1e-6
     assert (BODY.scale_at(z1 + h) - s1) / h == pytest.approx((s1 - s0) / (z1 - z0), abs=1e-5)
-    z, scale, _ = BODY.tip_span.evaluate(t)
+    z, scale, _ = BODY.spans[-1].evaluate(t)
     assert BODY.scale_at(z) == pytest.approx(scale, abs=1e-9)
 
 

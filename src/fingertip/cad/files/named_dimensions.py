@@ -1,180 +1,403 @@
-"""Numbers of a design that know their names and how they are computed, and names of the solids that are made of them.
+"""Numbers that remember how they were computed from the parameters of a design, and the solids made of them.
 
-A copy of the design holds such numbers in place of plain ones. Its parts are the same, bit by bit, and each number in
-their trees can be written as it was computed, such as `-flat_depth + channel_depth`. A number that no arithmetic
-yields, but a function of the math module or a search, is written as a number.
+A part is built once more with such numbers in place of plain ones. It is the same, bit by bit, and each number in its
+tree is a term that can be written: of parameters, of constants of the program, of arithmetic, and of calls of functions
+of the math module or of `CARRIED`, which a script holds as they stand. A comparison of such numbers decides which solid
+is made: it is noted, and the script asks again.
 """
 
 from __future__ import annotations
 
+import contextlib
+import inspect
+import math
 import operator
 import sys
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields, is_dataclass, replace
-from types import FrameType
+from functools import cached_property
+from itertools import pairwise
+from types import FrameType, ModuleType
 from typing import Any
 
+from fingertip.cad.shapes import mold
+from fingertip.cad.shapes.engraving import letter_outlines
 from fingertip.design import Design
-from fingertip.design.geometry.dimensions import Dimensions
-from fingertip.design.geometry.mold_layout import MoldLayout
-from fingertip.design.geometry.solids import Solid
+from fingertip.design.geometry import conic, dimensions, foot, mold_layout, profile
+from fingertip.design.geometry.solids import Difference, Intersection, Scaled, Solid, SuperconicSolid, Union
 from fingertip.design.parameters import PARAMETERS
+from fingertip.foundation import numerics
 
-_CONSTANT = 3
-"""Most decimals of a constant of the program. A number with more was computed from others, and would not follow."""
-_MAX_LENGTH = 90
-"""Longest expression that says more than its value [characters]."""
-_NEARBY = 1e-6
-"""Relative difference of the parameters by which definitions are confirmed."""
-_SUM, _PRODUCT, _ATOM = range(3)
-"""Ranks of expressions: the higher one binds more tightly."""
+NUMBERS = (
+    conic.arc_abscissa, conic.weight_of_fullness, conic.farthest_corner, conic.farthest_side, profile.lay_spans,
+    profile.lay_crown, profile.palmar_scale, profile.tip_control, foot.foot_line, foot.foot_length,
+)  # fmt: skip
+"""Functions of plain numbers that scripts carry."""
+SOLIDS = (foot.round_foot, foot.flat_foot, mold.extrude, mold.belt_seat, mold.engrave_letter)
+"""Functions that make a solid of plain numbers, which scripts carry too."""
+_MODULES = ("fingertip.cad.shapes.", "fingertip.design.interfaces.", "fingertip.design.geometry")
+"""Modules that make solids of parameters."""
+_SHORT = 5
+"""Length up to which the name of a variable says too little without that of its function."""
+_LOCK, _thread = threading.Lock(), threading.local()
 
 
-def _operators(sign: str, rank: int, compute: Callable[[float, float], float]) -> tuple[Any, Any]:
+@dataclass(frozen=True, eq=False)
+class Term:
+    """Expression: an operation and its operands. Equal ones have the same key."""
+
+    operation: str
+    """Name of it: a sign, "name", "constant", "call", "item", "tuple", "lambda" or "probe"."""
+    operands: tuple[Any, ...]
+    length: int = 0
+    """Number of items, of a sequence."""
+
+    @cached_property
+    def key(self) -> int:
+        return hash((self.operation, *(each.key if isinstance(each, Term) else repr(each) for each in self.operands)))
+
+    @cached_property
+    def is_free(self) -> bool:
+        """True unless it holds the variable of a lambda."""
+        terms = (each for each in self.operands if isinstance(each, Term))
+        return self.operation in ("lambda", "name") or (self.operation != "probe" and all(t.is_free for t in terms))
+
+
+def term_of(value: Any) -> Term:
+    """Return the term of a value: of a sequence that a call returned, that call."""
+    if isinstance(value, Named):
+        return value.term
+    if not isinstance(value, tuple | list):
+        return value if isinstance(value, Term) else Term("constant", (value,))
+    terms = tuple(map(term_of, value))
+    whole = terms[0].operands[0] if terms and terms[0].operation == "item" else None
+    if whole and whole.length == len(terms) and all(t.operands == (whole, i) for i, t in enumerate(terms)):
+        return whole  # type: ignore[no-any-return]
+    return Term("tuple", terms)
+
+
+def _operators(sign: str, compute: Callable[[float, float], float], neutral: float | None) -> tuple[Any, Any]:
     """Return the methods of an operator for a named number on its left, and on its right."""
 
     def combine(left: Any, right: Any) -> Any:
         if not isinstance(left, float | int) or not isinstance(right, float | int):
             return NotImplemented
-        value, is_right = compute(float(left), float(right)), isinstance(left, Named)
-        named, constant = (left, right) if is_right else (right, left)
-        if not isinstance(constant, Named):
-            if constant == (0.0 if rank == _SUM else 1.0) and (is_right or sign in "+*"):
-                return named
-            if sign == "-" and constant == 0.0:
-                return -named
-            if constant == 0.0 or round(constant, _CONSTANT) != constant:
-                return value
-        # The right side of an operator needs brackets around others of its rank: a - (b + c).
-        text = f"{_operand(left, rank)} {sign} {_operand(right, rank + 1)}"
-        return Named(value, text, rank) if len(text) <= _MAX_LENGTH else value
+        if not isinstance(right, Named) and (right == neutral or (right == 0.0 and sign == "*")):
+            return left if right == neutral else 0.0
+        if not isinstance(left, Named) and (left == 0.0 or (left == neutral and sign in "+*")):
+            return right if left == neutral and sign != "-" else -right if sign == "-" else 0.0
+        return Named(compute(float(left), float(right)), Term(sign, (term_of(left), term_of(right))))
 
     return combine, lambda right, left: combine(left, right)
 
 
-class Named(float):
-    """Number with the expression that yields it."""
+def _comparison(sign: str, opposite: str, compute: Callable[[float, float], bool]) -> Any:
+    def compare(left: Any, right: Any) -> Any:
+        if not isinstance(right, float | int):
+            return NotImplemented
+        outcome = compute(float(left), float(right))
+        if (noted := getattr(_thread, "conditions", None)) is not None:
+            noted.append(Term(sign if outcome else opposite, (term_of(left), term_of(right))))
+        return outcome
 
-    def __new__(cls, value: float, text: str, rank: int = _ATOM) -> Named:
+    return compare
+
+
+class Named(float):
+    """Number with the term that yields it."""
+
+    def __new__(cls, value: float, term: Term) -> Named:
         made = super().__new__(cls, value)
-        made.text, made.rank = text, rank
+        made.term = term
         return made
 
-    text: str
-    rank: int
-    __add__, __radd__ = _operators("+", _SUM, operator.add)
-    __sub__, __rsub__ = _operators("-", _SUM, operator.sub)
-    __mul__, __rmul__ = _operators("*", _PRODUCT, operator.mul)
-    __truediv__, __rtruediv__ = _operators("/", _PRODUCT, operator.truediv)
+    term: Term
+    __hash__ = float.__hash__
+    __add__, __radd__ = _operators("+", operator.add, 0.0)
+    __sub__, __rsub__ = _operators("-", operator.sub, 0.0)
+    __mul__, __rmul__ = _operators("*", operator.mul, 1.0)
+    __truediv__, __rtruediv__ = _operators("/", operator.truediv, 1.0)
+    __pow__, __rpow__ = _operators("**", operator.pow, None)
+    __lt__, __ge__ = _comparison("<", ">=", operator.lt), _comparison(">=", "<", operator.ge)
+    __gt__, __le__ = _comparison(">", "<=", operator.gt), _comparison("<=", ">", operator.le)
+    __eq__, __ne__ = _comparison("==", "!=", operator.eq), _comparison("!=", "==", operator.ne)
+
+    def __bool__(self) -> bool:
+        return bool(self != 0.0)
 
     def __neg__(self) -> Named:
-        return Named(-float(self), f"-{_operand(self, _PRODUCT)}", _PRODUCT)
+        if self.term.operation == "negative":
+            return Named(-float(self), self.term.operands[0])
+        return Named(-float(self), Term("negative", (self.term,)))
+
+    def __abs__(self) -> Named:
+        return self if self >= 0.0 else -self
 
 
-def literal(value: Any) -> str:
-    """Write numbers, texts and tuples of them as Python does, and named numbers as they were computed."""
-    if isinstance(value, Named):
-        return value.text
-    if isinstance(value, tuple):
-        return f"({', '.join(map(literal, value))}{',' * (len(value) == 1)})"
-    return f'"{value}"' if isinstance(value, str) else repr(float(value))
+def is_named(value: Any) -> bool:
+    return isinstance(value, Named) or (isinstance(value, tuple | list) and any(map(is_named, value)))
 
 
-def _operand(value: float, rank: int) -> str:
-    return f"({value.text})" if isinstance(value, Named) and value.rank < rank else literal(value)
+def _plain(value: Any) -> Any:
+    if isinstance(value, tuple | list):
+        kept = [_plain(each) for each in value]
+        return type(value)(*kept) if hasattr(value, "_fields") else type(value)(kept)
+    return float(value) if isinstance(value, Named) else value
+
+
+def wrap(value: Any, term: Term) -> Any:
+    """Name a number, or all numbers of a sequence, by a term that yields it."""
+    if isinstance(value, tuple | list):
+        whole = Term(term.operation, term.operands, len(value))
+        items = [wrap(each, Term("item", (whole, i))) for i, each in enumerate(value)]
+        return type(value)(*items) if hasattr(value, "_fields") else type(value)(items)
+    return Named(float(value), term) if isinstance(value, float | int) else value
 
 
 @dataclass(frozen=True)
-class Definition:
-    """Named number: its value, the expression that yields it, and what it is."""
+class Atom:
+    """Number that stands in a script as it is: its value, and what it means."""
 
-    value: float
-    text: str
-    description: str
+    value: Any
+    meaning: str
+    kind: str
+    """One of "parameter", "bought" and "fixed"."""
 
 
-class Names:
-    """Names of a design's numbers, in an order in which each is defined before it is used.
-
-    The `design` of it is a copy with named numbers: its parameters, and the lengths that are derived from them.
-    """
+class Trace:
+    """Build of parts with named numbers."""
 
     def __init__(self, design: Design) -> None:
-        self.definitions: dict[str, Definition] = {}
-        self._read: dict[tuple[str, str], None] = {}
-        values = {
-            path: self._name(path.replace(".", "_"), design.value(path), declared.description or "")
-            for path, declared in PARAMETERS.items()
+        self.atoms: dict[str, Atom] = {}
+        self.functions: dict[str, Callable[..., Any]] = {
+            each.__name__: each for each in (numerics.bisect, *NUMBERS, *SOLIDS)
         }
-        self.design = design.with_values(values)
-        self.design.__dict__["dimensions"] = self._derive(Dimensions, self.design)
-        self.design.__dict__["mold_layout"] = self._derive(MoldLayout, self.design, self.design.dimensions)
+        self.preferred: dict[int, tuple[str, str]] = {}
+        """Key of a term -> name of a derived length, and its meaning."""
+        self.variables: dict[int, str] = {}
+        """Key of a term -> variable that held it, or function that returned it."""
+        self.solid_names: list[tuple[Solid, str]] = []
+        self.calls: dict[int, tuple[Solid, Term]] = {}
+        """Identity of a solid -> that solid, and the call that made it."""
+        self.conditions: list[Term] = []
+        self._design = design
 
-    def confirmed(self, design: Design) -> dict[str, Definition]:
-        """Return the definitions, those that do not hold for a design with slightly other parameters as numbers."""
-        numbers = ((path, design.value(path)) for path in PARAMETERS)
-        nearby = {path: x * (1.0 + i * _NEARBY) for i, (path, x) in enumerate(numbers, 1) if isinstance(x, float)}
-        other = Names(design.with_values(nearby))
-        for source, key in self._read:
-            getattr(getattr(other.design, source), key)
-        return {
-            name: defined if defined.text == getattr(other.definitions.get(name), "text", None)
-            else replace(defined, text=literal(defined.value))
-            for name, defined in self.definitions.items()
-        }  # fmt: skip
+    def build(self, *makers: Callable[[Design], Solid]) -> list[Solid]:
+        """Build parts; several at once share what is equal."""
+        values = {
+            path: self._atom(path.replace(".", "_"), value, declared.description or "", "parameter")
+            for path, declared in PARAMETERS.items()
+            if isinstance(value := self._design.value(path), float)
+        }
+        with _LOCK, self._replaced(), self._watched():
+            _thread.conditions = self.conditions
+            try:
+                design = self._design.with_values(values)
+                solids = [maker(design) for maker in makers]
+                for solid in solids:
+                    _lay_all(solid)
+            finally:
+                _thread.conditions = None
+        return solids
 
-    def _name(self, name: str, value: Any, description: str = "") -> Any:
-        """Name a number, or those of a data class, unless it is another number under its own name."""
-        if is_dataclass(value) and not isinstance(value, type):
-            named = {each.name: self._name(f"{name}_{each.name}", getattr(value, each.name)) for each in fields(value)}
-            return replace(value, **named)
-        if not isinstance(value, float) or (isinstance(value, Named) and value.text in self.definitions):
-            return value
-        definition = Definition(float(value), literal(value), description)
-        while self.definitions.setdefault(name, definition).text != definition.text:
+    def _atom(self, name: str, value: Any, meaning: str, kind: str) -> Any:
+        while self.atoms.setdefault(name, Atom(value, meaning, kind)).value != value:
             name += "_"
-        return Named(definition.value, name)
+        return wrap(value, Term("name", (name,)))
 
-    def _derive(self, kind: Any, *arguments: Any) -> Any:
-        """Make lengths that are derived from parameters, and name each when it is read."""
-        source = "dimensions" if kind is Dimensions else "mold_layout"
+    @contextlib.contextmanager
+    def _replaced(self) -> Iterator[None]:
+        """Replace functions, constants and derived lengths in the modules that make solids by those that name."""
+        by_identity: dict[int, Any] = {id(math): self._math()}
+        by_identity |= {id(each): self._traced(each) for each in NUMBERS}
+        by_identity |= {id(each): self._traced(each, makes_solid=True) for each in SOLIDS}
+        by_identity[id(numerics.bisect)] = self._bisect
+        by_identity[id(letter_outlines)] = self._outline_letters
+        for kind in (dimensions.Dimensions, mold_layout.MoldLayout):
+            by_identity[id(kind)] = self._derive(kind)
+        before: list[tuple[ModuleType, str, Any]] = []
+        for module in [each for name, each in sorted(sys.modules.items()) if name.startswith(_MODULES)]:
+            meanings = read_meanings(module)
+            for name, value in list(vars(module).items()):
+                new = by_identity.get(id(value))
+                if new is None and name.isupper() and isinstance(_first(value), float):
+                    new = self._atom(name.strip("_"), value, meanings.get(name, ""), "fixed")
+                if new is not None:
+                    before.append((module, name, value))
+                    setattr(module, name, new)
+            for name, function in (("min", min), ("max", max)):
+                setattr(module, name, self._extreme(function))
+                before.append((module, name, None))
+        try:
+            yield
+        finally:
+            for module, name, value in before:
+                if value is None:
+                    delattr(module, name)
+                else:
+                    setattr(module, name, value)
+
+    def _traced(self, function: Callable[..., Any], name: str = "", makes_solid: bool = False) -> Any:
+        name = name or function.__name__
+
+        def call(*given: Any, **by_name: Any) -> Any:
+            arguments = inspect.signature(function).bind(*given, **by_name).args if by_name else given
+            if not any(map(is_named, arguments)):
+                return function(*arguments)
+            while arguments[-1] is None:
+                arguments = arguments[:-1]
+            value, term = function(*map(_plain, arguments)), _call(name, arguments)
+            if makes_solid:
+                self.calls[id(value)] = value, term
+                return value
+            return wrap(value, term)
+
+        return call
+
+    def _math(self) -> Any:
+        names = vars(math).items()
+        return type("math", (), {
+            name: staticmethod(self._traced(each, f"math.{name}")) if callable(each) else each for name, each in names
+        })  # fmt: skip
+
+    def _extreme(self, function: Any) -> Any:
+        def choose(*given: Any, **how: Any) -> Any:
+            values = tuple(given[0]) if len(given) == 1 else given
+            if how or not any(isinstance(each, Named) for each in values):
+                return function(values, **how)
+            return wrap(function(map(float, values)), _call(function.__name__, values))
+
+        return choose
+
+    def _bisect(self, is_below: Callable[[float], bool], low: float, high: float, *, halvings: int) -> Any:
+        """Bisect, and write the function: its last comparison, of a probe."""
+        found, _thread.conditions = _thread.conditions, []
+        try:
+            ends = numerics.bisect(is_below, float(low), float(high), halvings=halvings)
+            _thread.conditions = []
+            is_true = is_below(Named(ends[0], Term("probe", ("y",))))
+            condition = _thread.conditions[-1] if _thread.conditions else None
+        finally:
+            _thread.conditions = found
+        if condition is None:
+            return ends
+        if not is_true:  # where it holds nowhere
+            opposite = {"<": ">=", ">=": "<", ">": "<=", "<=": ">"}
+            condition = Term(opposite[condition.operation], condition.operands)
+        operands = Term("lambda", ("y", condition)), low, high
+        return wrap(ends, Term("call", ("bisect", *map(term_of, operands), Term("word", (f"halvings={halvings}",)))))
+
+    def _outline_letters(self, text: str, stroke_width: float) -> Any:
+        outlines = letter_outlines(text, float(stroke_width))
+        meaning = f'Outlines of the letters "{text}" in units of their grid, fixed by the name of the design'
+        return self._atom(f"letters_{text.lower().replace('-', '_')}", outlines, meaning, "fixed")
+
+    def _derive(self, kind: Any) -> Any:
+        """Derive a class of lengths that follow from parameters, and name each when it is read."""
 
         def read(derived: Any, key: str) -> Any:
             value = kind.__getattribute__(derived, key)
             if key.startswith("_") or callable(value):
                 return value
-            self._read[source, key] = None
-            value = self._name(key, value, getattr(getattr(kind, key, None), "__doc__", None) or "")
+            meaning = getattr(getattr(kind, key, None), "__doc__", None) or ""
+            value = self._name(key, value, meaning)
             if key in derived.__dict__:  # a property that keeps its value
                 derived.__dict__[key] = value
             return value
 
-        return type(kind.__name__, (kind,), {"__getattribute__": read})(*arguments)
+        return type(kind.__name__, (kind,), {"__getattribute__": read})
+
+    def _name(self, name: str, value: Any, meaning: str = "") -> Any:
+        """Name a number, or those of a data class; a plain number of it is one of something bought."""
+        if is_dataclass(value) and not isinstance(value, type):
+            named = {each.name: self._name(f"{name}_{each.name}", getattr(value, each.name)) for each in fields(value)}
+            if all(isinstance(each, float) for each in named.values()):
+                self.preferred.setdefault(term_of(tuple(named.values())).key, (name, meaning))
+            if name == "sensor":
+                named |= {
+                    key: self._atom(f"{name}_{key}", each, f"of the {getattr(value, 'label', name)}", "bought")
+                    for key, each in named.items()
+                    if isinstance(each, float) and not isinstance(each, Named)
+                }
+            return replace(value, **named)
+        if hasattr(value, "_fields"):
+            return value._replace(**{key: self._name(f"{name}_{key}", each) for key, each in value._asdict().items()})
+        if isinstance(value, Named):
+            self.preferred.setdefault(value.term.key, (name, meaning))
+        return value
+
+    @contextlib.contextmanager
+    def _watched(self) -> Iterator[None]:
+        """Note the variables that hold solids and numbers, and the functions that return them."""
+        functions: list[tuple[Solid, str]] = []
+        module = ""
+
+        def watch(frame: FrameType, event: str, result: Any) -> None:
+            nonlocal module
+            if event != "return":
+                return
+            module, name = frame.f_globals.get("__name__", ""), frame.f_code.co_name
+            if (
+                not module.startswith(_MODULES)
+                or module.endswith(".solids")
+                or not name.lstrip("_")[:1].isalpha()
+                or name[:2] == "__"
+            ):
+                return
+            owner = frame.f_locals.get("self")
+            name = getattr(owner, "name", name) if name == "shapes" else name.strip("_").removeprefix("add_")
+            for variable, value in frame.f_locals.items():
+                if isinstance(value, Solid) and variable != "self" and name not in self.functions:
+                    self.solid_names.append((value, variable))
+                elif is_named(value):
+                    long = variable if len(variable) > _SHORT else f"{name}_{variable}"
+                    self.variables[term_of(value).key] = long
+            if is_named(result):
+                self.variables.setdefault(term_of(result).key, name)
+            if name not in self.functions:
+                functions.extend((each, name) for each in (result if isinstance(result, tuple) else (result,))
+                                 if isinstance(each, Solid))  # fmt: skip
+
+        before = sys.getprofile()
+        sys.setprofile(watch)
+        try:
+            yield
+        finally:
+            sys.setprofile(before)
+            self.solid_names += functions
 
 
-_SHAPES = ("fingertip.cad.shapes.", "fingertip.design.interfaces.", "fingertip.design.geometry.foot")
-"""Modules that make solids, whose variables and functions name them."""
+def _call(name: str, arguments: tuple[Any, ...]) -> Term:
+    return Term("call", (name, *map(term_of, arguments)))
 
 
-def build_with_names(build: Callable[[Design], Solid], design: Design) -> tuple[Solid, dict[Solid, str]]:
-    """Build a part, and name each solid by the variable that holds it, or the function that returns it."""
-    variables, functions = dict[Solid, str](), dict[Solid, str]()
+def _first(value: Any) -> Any:
+    return value[0] if isinstance(value, tuple) and value else value
 
-    def watch(frame: FrameType, event: str, result: Any) -> None:
-        if event != "return" or not frame.f_globals.get("__name__", "").startswith(_SHAPES):
-            return
-        for name, value in frame.f_locals.items():
-            if isinstance(value, Solid):
-                variables.setdefault(value, name)
-        name = frame.f_code.co_name.strip("_")
-        for value in result if isinstance(result, tuple) else (result,):
-            if isinstance(value, Solid) and name.isidentifier():
-                functions.setdefault(value, name)
 
-    before = sys.getprofile()
-    sys.setprofile(watch)
-    try:
-        solid = build(design)
-    finally:
-        sys.setprofile(before)
-    return solid, functions | variables
+def read_meanings(module: ModuleType) -> dict[str, str]:
+    """Read the texts below the constants of a module."""
+    import ast  # noqa: PLC0415
+
+    body, found = ast.parse(inspect.getsource(module)).body, dict[str, str]()
+    for statement, after in pairwise(body):
+        if isinstance(statement, ast.Assign) and isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant):
+            names = [each.id for each in ast.walk(statement.targets[0]) if isinstance(each, ast.Name)]
+            found |= dict.fromkeys(names, str(after.value.value))
+    return found
+
+
+def _lay_all(solid: Solid) -> None:
+    """Compute the spans of all bodies, while what they are computed of is named."""
+    match solid:
+        case Union(solids) | Intersection(solids):
+            for each in solids:
+                _lay_all(each)
+        case Difference(first, subtracted):
+            for each in (first, *subtracted):
+                _lay_all(each)
+        case Scaled(inner):
+            _lay_all(inner)
+        case SuperconicSolid(body):
+            body.spans  # noqa: B018 # it keeps its value

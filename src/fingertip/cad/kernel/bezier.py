@@ -31,17 +31,19 @@ def volume(shape: Any) -> float:
     kernel's plain quadrature (cadquery's `Volume()`) is off by 0.3 mm3, and its adaptive Gauss quadrature with a stated
     tolerance of 1e-6 by 11 mm3.
     """
-    properties = GProp_GProps()
+    properties, shape = GProp_GProps(), getattr(shape, "wrapped", shape)
     BRepGProp.VolumePropertiesGK_s(shape, properties, 1e-6, False, True, False, False, False)
     return float(properties.Mass())
 
 
 def bezier_face(quadrant: Any, span: Any) -> Any:
     """Make a rational Bezier face: the tensor product of an arc of the section with a span."""
-    poles = TColgp_Array2OfPnt(1, len(quadrant), 1, len(span))
-    weights = TColStd_Array2OfReal(1, len(quadrant), 1, len(span))
+    rows = list(zip(span.z, span.scale, span.palmar, (1.0, span.weight, 1.0), strict=True))
+    rows = rows[::2] if span.is_straight else rows
+    poles = TColgp_Array2OfPnt(1, len(quadrant), 1, len(rows))
+    weights = TColStd_Array2OfReal(1, len(quadrant), 1, len(rows))
     for i, (x, y, w) in enumerate(quadrant, 1):
-        for j, (z, scale, palmar_scale, v) in enumerate(span, 1):
+        for j, (z, scale, palmar_scale, v) in enumerate(rows, 1):
             poles.SetValue(i, j, gp_Pnt(x * scale, y * (palmar_scale if y < 0 else scale), z))
             weights.SetValue(i, j, w * v)
     return BRepBuilderAPI_MakeFace(Geom_BezierSurface(poles, weights), SEWING_MM).Face()
@@ -59,7 +61,7 @@ def bezier_edge(row: Sequence[tuple[float, float, float]], z: float) -> Any:
 
 
 def sew_superconic(section: Sequence[float], spans: Any, make_face: Any) -> Any:
-    """Sew a section of four conic arcs, scaled along z: four faces for each span, and flat ends where it has a width.
+    """Sew four faces for each span along z, and flat ends where it has a width, from a section of four conic arcs.
 
     The section holds its half width, the heights of its palmar and dorsal half, and the weights of their arcs.
     `make_face` makes a plane face of a list of edges.
@@ -72,7 +74,8 @@ def sew_superconic(section: Sequence[float], spans: Any, make_face: Any) -> Any:
         ((0, -palmar, 1), (a, -palmar, palmar_weight), (a, 0, 1)),
     ]
     faces = [bezier_face(quadrant, span) for quadrant in quadrants for span in spans]
-    for z, scale, palmar_scale, _ in (spans[0][0], spans[-1][-1]):
+    for span, end in ((spans[0], 0), (spans[-1], 2)):
+        z, scale, palmar_scale = span.z[end], span.scale[end], span.palmar[end]
         if scale:
             rows = [[(x * scale, y * (palmar_scale if y < 0 else scale), w) for x, y, w in arc] for arc in quadrants]
             faces.append(make_face([bezier_edge(row, z) for row in rows]))

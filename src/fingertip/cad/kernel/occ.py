@@ -178,6 +178,5 @@ def placed(brep: bytes, rows: Sequence[Sequence[float]]) -> TopoDS_Shape:
     return transform(shape, motion)
 
 
-def superconic(*form: Any) -> TopoDS_Shape:
-    *section, spans = form
+def superconic(section: Sequence[float], spans: Any) -> TopoDS_Shape:
     return sew_superconic(section, spans, lambda edges: make_face(make_wire(edges)))

@@ -5,11 +5,10 @@ The core may be smaller than the bone by an inset, which makes the skin fit tigh
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 from fingertip.design import Design
-from fingertip.design.geometry.conic import ConicBody, add_groove, inset_body, quarter_outline
+from fingertip.design.geometry.conic import ConicBody, add_groove, farthest_corner, inset_body
 from fingertip.design.geometry.foot import LEDGE_MM
 from fingertip.design.geometry.solids import (
     Box,
@@ -140,7 +139,7 @@ def _sloping_collar(design: Design) -> Solid:
     dims, section, base = design.dimensions, design.dimensions.collar.section, design.dimensions.bone_outline.section
     palm = (dims.base_flat_depth + LEDGE_MM) / section.palmar
     share = min(base.half_width / section.half_width, base.dorsal / section.dorsal, palm) - _INTO_BASE
-    corner = max(math.hypot(x, y) for x, y in quarter_outline(section, True, _OUTLINE_POINTS))
+    corner = farthest_corner(section.half_width, section.dorsal, section.dorsal_weight, _OUTLINE_POINTS)
     low = dims.collar.stations[0][0]
     return SuperconicSolid(ConicBody(section, ((low - corner * (1.0 - share), share), (low, 1.0), (0.0, 1.0))))
 

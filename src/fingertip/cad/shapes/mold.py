@@ -5,7 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from fingertip.cad.shapes.engraving import HEIGHT, MIN_STROKE_MM, STROKE_WIDTH, letter_outlines, signed_area, text_width
+from fingertip.cad.shapes.engraving import (
+    HEIGHT,
+    MIN_STROKE_MM,
+    STROKE_WIDTH,
+    Rings,
+    letter_outlines,
+    signed_area,
+    text_width,
+)
 from fingertip.cad.shapes.finger import cavity, core_within_skin
 from fingertip.design import Design
 from fingertip.design.geometry.conic import ConicBody, offset_section
@@ -70,8 +78,8 @@ def seam_cuts(design: Design) -> tuple[Solid, ...]:
         (m.foot_z - height - _PAST_MM, face + _PAST_MM),
     )  # fmt: skip
     return (
-        _extrude("x", ((low, 0.0), (past, -wide), (past, wide)), -far, far),
-        *(_extrude("y", [(z, way * x) for z, x in slot], -half, half) for way in (-1.0, 1.0)),
+        extrude("x", ((low, 0.0), (past, -wide), (past, wide)), -far, far),
+        *(extrude("y", [(z, way * x) for z, x in slot], -half, half) for way in (-1.0, 1.0)),
     )
 
 
@@ -94,12 +102,12 @@ def _along_spokes(
     ring = [(z, -half) for z, half in profile] + [(z, half) for z, half in reversed(profile)]
     side, dorsal = design.mold_layout.ridge_begins
     return (
-        _extrude("x", ring, side + begin, side + end), _extrude("x", ring, -side - end, -side - begin),
-        _extrude("y", ring, dorsal + begin, dorsal + end),
+        extrude("x", ring, side + begin, side + end), extrude("x", ring, -side - end, -side - begin),
+        extrude("y", ring, dorsal + begin, dorsal + end),
     )  # fmt: skip
 
 
-def _extrude(axis: Axis, outline: Sequence[tuple[float, float]], low: float, high: float) -> Prism:
+def extrude(axis: Axis, outline: Sequence[tuple[float, float]], low: float, high: float) -> Prism:
     """Extrude an outline, given by heights z and distances across in either direction, along x or y."""
     ring = tuple(outline) if axis == "y" else tuple((across, z) for z, across in outline)
     return Prism(axis, ring if signed_area(ring) > 0.0 else ring[::-1], low, high)
@@ -119,14 +127,14 @@ def belts(design: Design) -> tuple[Solid, ...]:
     faces: tuple[tuple[Axis, float], ...] = (
         ("y", m.half_width), ("y", -m.half_width), ("x", m.dorsal_height), ("x", -m.palmar_height)
     )  # fmt: skip
-    found = []
-    for z in m.belts_z:
-        for axis, face in faces:
-            inner, outer = face - math.copysign(depth, face), face + math.copysign(_PAST_MM, face)
-            low, high = height / 2, height / 2 + depth + _PAST_MM
-            outline = ((z - high, outer), (z - low, inner), (z + low, inner), (z + high, outer))
-            found.append(_extrude(axis, outline, -far, far))
-    return tuple(found)
+    return tuple(belt_seat(axis, face, z, (height, depth), far) for z in m.belts_z for axis, face in faces)
+
+
+def belt_seat(axis: Axis, face: float, z: float, size: tuple[float, float], far: float) -> Prism:
+    """Build the seat of a band in a face of the cup, by its height and depth."""
+    inner, outer = face - math.copysign(size[1], face), face + math.copysign(_PAST_MM, face)
+    low, high = size[0] / 2, size[0] / 2 + size[1] + _PAST_MM
+    return extrude(axis, ((z - high, outer), (z - low, inner), (z + low, inner), (z + high, outer)), -far, far)
 
 
 def strap_seats(design: Design) -> tuple[Solid, ...]:
@@ -182,16 +190,18 @@ def _engrave(
         return ()
     low, high = face - _PAST_MM, face + design.mold.engraving_depth_mm
     up = 1.0 if axis == "z" else -1.0  # on the plate y is up, on the standing cup -z
-    prisms = []
-    for letter in letter_outlines(text, STROKE_WIDTH):
-        rings = [
-            [(unit * (text_width(text) / 2 - u), centre + up * unit * (v - HEIGHT / 2)) for u, v in r] for r in letter
-        ]
-        if axis == "y":
-            rings = [[(z, x) for x, z in ring] for ring in rings]
-        outline, *holes = rings if signed_area(rings[0]) > 0.0 else [ring[::-1] for ring in rings]
-        prisms.append(Prism(axis, tuple(outline), low, high, tuple(map(tuple, holes))))
-    return tuple(prisms)
+    at = text_width(text) / 2, centre, unit, up * unit
+    return tuple(engrave_letter(axis, letter, at, low, high) for letter in letter_outlines(text, STROKE_WIDTH))
+
+
+def engrave_letter(axis: Axis, letter: Rings, at: tuple[float, float, float, float], low: float, high: float) -> Prism:
+    """Build a letter; `at` holds the middle of its line, where that comes to lie, and its units across and up."""
+    middle, centre, unit, up = at
+    rings = [[(unit * (middle - u), centre + up * (v - HEIGHT / 2)) for u, v in ring] for ring in letter]
+    if axis == "y":
+        rings = [[(z, x) for x, z in ring] for ring in rings]
+    outline, *holes = rings if signed_area(rings[0]) > 0.0 else [ring[::-1] for ring in rings]
+    return Prism(axis, tuple(outline), low, high, tuple(map(tuple, holes)))
 
 
 def mold_palmar(design: Design) -> Solid:

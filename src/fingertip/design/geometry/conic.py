@@ -19,10 +19,18 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from fingertip.design.geometry.profile import Crown, Parameter, Span, lay_crown, straight_span
+from fingertip.design.geometry.profile import (
+    Crown,
+    Parameter,
+    Span,
+    Tip,
+    lay_crown,
+    lay_spans,
+    palmar_scale,
+    tip_control,
+)
 
 if TYPE_CHECKING:
     from fingertip.design.parameters.parts import Bone
@@ -48,7 +56,7 @@ def arc_abscissa(y: float, w: float) -> float:
 
 
 def weight_of_fullness(fullness: float) -> float:
-    """Return the weight of the arc with a width at y = 1/2, from its equation (x + y - 1)^2 = 4 w^2 (1 - x) (1 - y)."""
+    """Return the weight of the arc with a width at y = 1/2, from (x + y - 1)^2 = 4 w^2 (1 - x) (1 - y)."""
     return (fullness - 0.5) / math.sqrt(2.0 * (1.0 - fullness))
 
 
@@ -82,12 +90,6 @@ class CrossSection:
 
 
 @dataclass(frozen=True)
-class Tip:
-    z: float
-    weight: float
-
-
-@dataclass(frozen=True)
 class ConicBody:
     """Section that is scaled along z and then closed, flat or by a tip."""
 
@@ -100,27 +102,15 @@ class ConicBody:
     @cached_property
     def spans(self) -> tuple[Span, ...]:
         """Pieces of the body along z, from its beginning to the tip's apex."""
-        spans = tuple(straight_span(low, high) for low, high in pairwise(self.stations))
-        if self.crown:
-            (taper,) = spans
-            return lay_crown(self.crown, taper, self.tip_span, self.section.palmar)
-        return (*spans, self.tip_span) if self.tip else spans
-
-    @cached_property
-    def tip_span(self) -> Span:
-        """The tip's conic, from the last station to the apex, without a crown."""
-        assert self.tip is not None
-        (z, s), control, apex = self.stations[-1], self.tip_control(), self.tip.z
-        return Span((z, apex, apex), (s, control, 0.0), (s, control, 0.0), self.tip.weight)
+        if self.crown and self.tip:
+            return lay_crown(self.crown, self.stations, self.tip, self.section.palmar)
+        return lay_spans(self.stations, self.tip)
 
     def palmar_scale_at(self, z: float) -> float:
         """Return the scale of the palmar height at height z [mm]; 0 outside the body."""
         if self.crown is None:
             return self.scale_at(z)
-        for span in self.spans:
-            if span.z[0] <= z <= span.z[2] and z < self.spans[-1].z[2]:
-                return span.evaluate(span.parameter_at(z))[2]
-        return 0.0
+        return palmar_scale(self.spans, z)
 
     def palmar_height_at(self, x: float, z: float) -> float:
         """Return the height [mm] of the palmar side, positive towards the palm, at (x, z) [mm]; 0 outside it."""
@@ -130,12 +120,9 @@ class ConicBody:
         return self.palmar_scale_at(z) * self.section.palmar * arc_abscissa(abs(x) / width, self.section.palmar_weight)
 
     def tip_control(self) -> float:
-        """Return the scale of the tip's control point, where the last taper line meets the height of the apex."""
+        """Return the scale of the tip's control point."""
         assert self.tip is not None
-        (z0, s0), (z1, s1) = self.stations[-2:]
-        if z1 == z0:
-            return s1
-        return s1 + (s1 - s0) / (z1 - z0) * (self.tip.z - z1)
+        return tip_control(self.stations, self.tip)
 
     def scale_at(self, z: float) -> float:
         """Return the scale of the section at height z [mm]; 0 outside the body."""
@@ -174,13 +161,25 @@ def offset_section(section: CrossSection, gap_mm: float) -> CrossSection:
 def inset_body(body: ConicBody, inset: float) -> ConicBody:
     """Shrink section and tip of a body by `inset` [mm]."""
     assert body.tip is not None
-    return replace(body, section=offset_section(body.section, -inset), tip=replace(body.tip, z=body.tip.z - inset))
+    return replace(body, section=offset_section(body.section, -inset), tip=body.tip._replace(z=body.tip.z - inset))
 
 
 def quarter_outline(section: CrossSection, dorsal: bool, count: int) -> list[tuple[float, float]]:
     """Return `count` + 1 points [mm] of the dorsal or palmar quarter of an outline, from its side; both with y >= 0."""
     height, weight = (section.dorsal, section.dorsal_weight) if dorsal else (section.palmar, section.palmar_weight)
     return [(section.half_width * x, height * y) for x, y in (arc_point(i / count, weight) for i in range(count + 1))]
+
+
+def farthest_corner(half_width: float, height: float, weight: float, count: int, middle: float = 0.0) -> float:
+    """Return the largest distance [mm] of a quarter of an outline, at `count` + 1 points, from (0, `middle`)."""
+    points = (arc_point(i / count, weight) for i in range(count + 1))
+    return max(math.hypot(half_width * x, height * y - middle) for x, y in points)
+
+
+def farthest_side(half_width: float, height: float, weight: float, count: int) -> float:
+    """Return the largest distance [mm] from the axis of a quarter of an outline, at `count` + 1 heights."""
+    heights = (height * i / count for i in range(count + 1))
+    return max(math.hypot(half_width * arc_abscissa(y / height, weight), y) for y in heights)
 
 
 def add_groove(bone: Bone, body: ConicBody) -> ConicBody:

@@ -9,9 +9,10 @@ from __future__ import annotations
 import math
 from functools import cached_property
 
-from fingertip.design.geometry.conic import ConicBody, CrossSection, Tip, weight_of_fullness
+from fingertip.design.geometry.conic import ConicBody, CrossSection, farthest_side, weight_of_fullness
 from fingertip.design.geometry.foot import LEDGE_MM
 from fingertip.design.geometry.joint import BESIDE_LINE_MM, HORN_RADIUS_MM, MIN_HORN_RADIUS_MM, Joint, TendonAnchor
+from fingertip.design.geometry.profile import Tip
 from fingertip.design.geometry.skin_dimensions import RAMP_SLOPE, SkinDimensions
 from fingertip.foundation.numerics import bisect
 
@@ -64,7 +65,7 @@ class Dimensions(SkinDimensions):
         section, joint = self.eyes, self.joint
         axis_y, radius = (joint.axis_y, joint.pin_radius) if joint else (0.0, 0.0)
         across = 2 * min(section.half_width_at(axis_y + side * radius) for side in (-1.0, 1.0))
-        return float(math.ceil(across)) + _PIN_ENDS_MM
+        return math.ceil(across) + _PIN_ENDS_MM
 
     @cached_property
     def stops_top_z(self) -> float | None:
@@ -94,10 +95,7 @@ class Dimensions(SkinDimensions):
         if joint is None or hand.tendon_distance_mm == 0.0:
             return None
         line, half = hand.tendon_diameter_mm, self.joint_half_width - 1.5 * hand.tendon_diameter_mm
-        corner = max(
-            math.hypot(section.half_width_at(y), y)
-            for y in (section.dorsal * i / _RIM_POINTS for i in range(_RIM_POINTS + 1))
-        )
+        corner = farthest_side(section.half_width, section.dorsal, section.dorsal_weight, _RIM_POINTS)
         slope = corner * (1.0 - min(1.0, (half + LEDGE_MM) / section.half_width))
         high = -self._design.bone.collar_length_mm - slope
         low, y = high - line - BESIDE_LINE_MM, joint.axis_y - hand.tendon_distance_mm

@@ -61,4 +61,4 @@ def flat_foot(
 def conic_foot(section: CrossSection, foot: list[tuple[float, float]], end: float) -> Solid:
     """Build the foot of a superconic section; it ends at z = `end` [mm]."""
     stations = [(z, 1.0 + out / section.half_width) for z, out in (*foot, (end, foot[-1][1]))]
-    return SuperconicSolid(ConicBody(section, tuple(sorted(stations))))
+    return SuperconicSolid(ConicBody(section, tuple(stations[::-1])))

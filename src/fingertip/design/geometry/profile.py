@@ -9,8 +9,9 @@ Reference: L. Piegl and W. Tiller, The NURBS Book, 2nd ed., section 7.3 (the qua
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, TypeVar
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 if TYPE_CHECKING:
     from fingertip.foundation.numerics import Array
@@ -30,8 +31,7 @@ def conic_point(t: Parameter, weight: float, *coordinates: Control) -> tuple[Par
     return tuple((side * p[0] + middle * p[1] + top * p[2]) / d for p in coordinates)
 
 
-@dataclass(frozen=True)
-class Span:
+class Span(NamedTuple):
     """Piece of a body along z: a rational quadratic curve of height z, scale and palmar scale, with one weight.
 
     The weights of both ends are one. A straight piece has its control point in the middle, and the weight one.
@@ -60,8 +60,12 @@ class Span:
         return (root - middle) / (root - middle + high)
 
 
-@dataclass(frozen=True)
-class Crown:
+class Tip(NamedTuple):
+    z: float
+    weight: float
+
+
+class Crown(NamedTuple):
     """Profile of a pad along z: an arc about its apex, and another one that leads on to a lower, straight base.
 
     Both arcs have the same radius. Towards the tip the arc ends where it has turned by `flank`.
@@ -83,28 +87,53 @@ def straight_span(low: tuple[float, float], high: tuple[float, float]) -> Span:
     return Span((z0, 0.5 * (z0 + z1), z1), scale, scale, 1.0)
 
 
+def lay_spans(stations: Sequence[tuple[float, float]], tip: Tip | None = None) -> tuple[Span, ...]:
+    """Lay straight spans between stations (z, scale), and from the last one the conic of a tip."""
+    spans = tuple(straight_span(low, high) for low, high in pairwise(stations))
+    if not tip:
+        return spans
+    (z, scale), (apex, weight), control = stations[-1], tip, tip_control(stations, tip)
+    return (*spans, Span((z, apex, apex), (scale, control, 0.0), (scale, control, 0.0), weight))
+
+
+def tip_control(stations: Sequence[tuple[float, float]], tip: Tip) -> float:
+    """Return the scale of the tip's control point, where the last taper line meets the height of the apex."""
+    (z0, s0), (z1, s1) = stations[-2:]
+    return s1 + (s1 - s0) / (z1 - z0) * (tip[0] - z1) if z1 != z0 else s1
+
+
+def palmar_scale(spans: Sequence[Span], z: float) -> float:
+    """Return the scale of the palmar height at height z [mm]; 0 outside the body."""
+    for span in spans:
+        if span.z[0] <= z <= span.z[2] and z < spans[-1].z[2]:
+            return span.evaluate(span.parameter_at(z))[2]
+    return 0.0
+
+
 _LEAST_SPAN_MM = 1e-3
 """Length below which a piece of a crown is left out, and its neighbour takes its place [mm]."""
 
 
-def lay_crown(crown: Crown, taper: Span, tip: Span, height: float) -> tuple[Span, ...]:
-    """Lay the palmar profile of a crown over the scale of a body with one taper and a tip; `height` is the palmar one.
+def lay_crown(
+    crown: Crown, stations: Sequence[tuple[float, float]], tip_at: Tip, height: float
+) -> tuple[Span, ...]:  # fmt: skip
+    """Lay the palmar profile of a crown over the scale of a body with one taper and a tip, of a palmar height.
 
     On the taper the arcs are circles: height and palmar scale meet at the tangents' intersection, and the weight is the
     cosine of half the angle. On the tip the weights are those of the scale's conic, cut at the end of the crown, so the
     profile there only continues the tangents.
     """
+    (apex, radius, drop, slope_at_end), (taper, tip) = crown, lay_spans(stations, tip_at)
     begin, _, join = taper.z
-    radius = crown.radius
-    sine = crown_sine(crown.drop * height, radius)
-    flank = crown.flank / math.hypot(1.0, crown.flank)
+    sine = crown_sine(drop * height, radius)
+    flank = slope_at_end / math.hypot(1.0, slope_at_end)
     # Knots on the taper: position, and sine of the profile's slope there (rising towards the apex is positive).
-    end = crown.z + radius * flank
+    end = apex + radius * flank
     last = end if end < join - _LEAST_SPAN_MM else join
-    turned = (crown.z - last) / radius
-    base = max(begin, crown.z - 2.0 * radius * sine)
-    knots = [(begin, 0.0), (base, 0.0), (crown.z - radius * sine, sine), (last, turned), (join, turned)]
-    low, spans = 1.0 - crown.drop, []
+    turned = (apex - last) / radius
+    base = max(begin, apex - 2.0 * radius * sine)
+    knots = [(begin, 0.0), (base, 0.0), (apex - radius * sine, sine), (last, turned), (join, turned)]
+    low, spans = 1.0 - drop, []
     z0, sine0 = knots[0]
     for z1, sine1 in knots[1:]:
         if z1 - z0 < _LEAST_SPAN_MM:
@@ -115,11 +144,11 @@ def lay_crown(crown: Crown, taper: Span, tip: Span, height: float) -> tuple[Span
     if end > join + _LEAST_SPAN_MM:
         near, tip = _cut(tip, tip.parameter_at(end))
         middle = low + slope * (near.z[1] - near.z[0])
-        slope = -crown.flank / height
+        slope = -slope_at_end / height
         high = middle + slope * (near.z[2] - near.z[1])
-        spans.append(replace(near, palmar=(low, middle, high)))
+        spans.append(near._replace(palmar=(low, middle, high)))
         low = high
-    spans.append(replace(tip, palmar=(low, low + slope * (tip.z[1] - tip.z[0]), 0.0)))
+    spans.append(tip._replace(palmar=(low, low + slope * (tip.z[1] - tip.z[0]), 0.0)))
     return tuple(spans)
 
 

@@ -10,8 +10,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from fingertip.catalogues.electronics import SENSORS, ForceSensor
-from fingertip.design.geometry.conic import ConicBody, CrossSection, Tip, weight_of_fullness
-from fingertip.design.geometry.profile import Crown
+from fingertip.design.geometry.conic import ConicBody, CrossSection, weight_of_fullness
+from fingertip.design.geometry.profile import Crown, Tip
 
 if TYPE_CHECKING:
     from fingertip.design.parameters import Tables

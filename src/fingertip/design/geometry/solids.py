@@ -171,15 +171,6 @@ def call_of(primitive: Primitive) -> tuple[str, tuple[Any, ...]]:
         case SuperconicSolid(body):
             section = body.section
             form = (section.half_width, section.palmar, section.dorsal, section.palmar_weight, section.dorsal_weight)
-            return "superconic", (*form, _spans(body))
+            return "superconic", (form, body.spans)
         case Placed(body, rows):
             return "placed", (body.brep, rows)
-
-
-def _spans(body: ConicBody) -> tuple[tuple[tuple[float, ...], ...], ...]:
-    """List the control points (z, scale, palmar scale, weight) of each span; straight ones have two."""
-    spans = []
-    for span in body.spans:
-        rows = (*zip(span.z, span.scale, span.palmar, (1.0, span.weight, 1.0), strict=True),)
-        spans.append(rows[::2] if span.is_straight else rows)
-    return tuple(spans)

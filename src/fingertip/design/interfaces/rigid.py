@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from fingertip.design.formulas.stress_and_knock import StressFactors, at_foot
 from fingertip.design.geometry import DesignTables
-from fingertip.design.geometry.conic import TANGENT_STEP_MM, ConicBody, offset_section, quarter_outline
+from fingertip.design.geometry.conic import TANGENT_STEP_MM, ConicBody, farthest_corner, offset_section
 from fingertip.design.geometry.foot import LEDGE_MM, flat_foot, foot_length, foot_line, round_foot
 from fingertip.design.geometry.sizes import ARROW_DEG, BEFORE_FACE, INNER, OUTER, STEP, Circle, Length, Size
 from fingertip.design.geometry.solids import (
@@ -94,8 +94,8 @@ class Post(CrossBolted):
             return 0.0
         dims, middle = design.dimensions, interface.middle_y(design.dimensions)
         section, flat = dims.bone_outline.section, -dims.base_flat_depth
-        corners = [*quarter_outline(section, True, _OUTLINE_POINTS), (section.half_width_at(flat), flat)]
-        corner = max(math.hypot(x, y - middle) for x, y in corners)
+        corner = farthest_corner(section.half_width, section.dorsal, section.dorsal_weight, _OUTLINE_POINTS, middle)
+        corner = max(corner, math.hypot(section.half_width_at(flat), flat - middle))
         return max(0.0, corner - design.bone.post_width_mm / 2 - LEDGE_MM)
 
     def foot_length(self, design: DesignTables) -> float:

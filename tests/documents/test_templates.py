@@ -24,7 +24,7 @@ FIELDS: dict[str, tuple[type, dict[str, Any]]] = {
     "acceptance.md": (AcceptanceSheet, {}),
     "casting.md": (CastingSheet, {"steps": tuple[Step, ...], "pictures": Any}),
     "steps.md": (CastingSheet, {}),
-    "start.md": (FirstScreen, {"cost": BoardCost}),
+    "start.md": (FirstScreen, {"cost": BoardCost, "usd": Any}),
     "robot.md": (ModelFigures, dict.fromkeys(ROBOT, Any)),
     "set_acceptance.md": (SetSheets, {}),
     "set_overview.md": (SetSheets, {}),

@@ -6,6 +6,8 @@ Values are rounded here, once, so that page, pictures and report agree.
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -113,6 +115,14 @@ class Thing:
     reason: str
     each: str
     """Item of a set that takes this amount: every finger, or every mixture; empty if all share it."""
+
+
+def add_prices(things: Iterable[Thing]) -> tuple[int, int, int]:
+    """Add the classes of prices: least and largest sum of what is to order, largest sum of all [US dollars]."""
+    priced = [([int(price) for price in re.findall(r"\d+", thing.price_usd)], thing.reason) for thing in things]
+    order = [prices for prices, reason in priced if reason]
+    least = sum(prices[0] for prices in order if len(prices) == 2)
+    return least, sum(prices[-1] for prices in order), sum(prices[-1] for prices, _ in priced)
 
 
 @dataclass(frozen=True)

@@ -44,12 +44,11 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 COMMANDS = {
-    "Everything of a design": (new, make, check, params, page, studio),
-    "Parts and mold": (build, pad, sheet, acceptance, picture, drawing, calibrate),
-    "Board and controller": (board, firmware),
-    "Signal and slip": (simulate, detect, validate, accuracy, robot),
+    "Make a finger": (new, make, check, studio, build, calibrate),
+    "Board, controller and slip": (board, firmware, simulate, detect, validate),
     "Many designs": (sweep,),
-    "Editors and shells": (schema, completion),
+    "Look up and export": (params, pad, accuracy, robot, schema, completion),
+    "What make includes, one by one": (page, sheet, acceptance, picture, drawing),
 }
 """Subject on the help page of the program -> its commands."""
 for _subject, _commands in COMMANDS.items():

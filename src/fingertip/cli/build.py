@@ -15,6 +15,7 @@ from fingertip.cli.check_reports import message
 from fingertip.cli.console import Console
 from fingertip.cli.options import CHANGES, DESIGN_FILE, FORCE, MATERIAL, command, flag, load_design, load_fingers
 from fingertip.foundation.errors import FingertipError, Issue, join_words
+from fingertip.foundation.files import write_zip
 
 if TYPE_CHECKING:
     from fingertip.cad.report import Build
@@ -66,15 +67,21 @@ _MAX_LINES, _MAX_WIDTH = 12, 100
 
 
 def _format_build(result: Build) -> list[str]:
-    """Format verdict, parts, time to print and strength in five or six lines."""
+    """Format verdict, what it takes and strength in five or six lines."""
     from fingertip.cad.verification.check import count_checks
     from fingertip.cad.verification.strength import describe_loads
+    from fingertip.casting.sheet import add_prices
 
-    parts = ", ".join(f"{built.part.name} {built.mesh.volume() / 1000:.2f}" for built in result.parts)
     lines = [f"{result.design.name}: {count_checks(result.checks)}; in {result.folder}"]
-    lines += textwrap.wrap(f"parts, cm3: {parts}", _MAX_WIDTH, subsequent_indent="  ")
     if sheet := result.casting:
-        lines.append(f"print: one plate, some {sheet.print_h:g} h, {sheet.printed_g:g} g")
+        (least, most, in_all), batch = add_prices(sheet.things), sheet.batch
+        lines += [
+            f"print: {sheet.printed_g:g} g of {sheet.material}, some {sheet.print_h:g} h on one plate",
+            f"cast: {batch.total_g:g} g of silicone, {batch.cure_h:g} h of cure; {sheet.days} days in all",
+            f"buy: {least} to {most} US dollars to order, up to {in_all} with all tools (estimates)",
+        ]
+    else:
+        lines.append(f"parts: {', '.join(built.part.name for built in result.parts)}")
     if found := result.strength:
         lines += textwrap.wrap(describe_loads(found), _MAX_WIDTH, subsequent_indent="  ")
     return lines
@@ -114,6 +121,9 @@ def make(
     formats: str | None = typer.Option(
         None, help="File formats of the parts ({formats}), separated by commas; as for build."
     ),
+    zip_file: Path | None = typer.Option(
+        None, "--zip", metavar="PATH", help="Also write the whole folder as one ZIP file, to be mailed."
+    ),
     force: bool = FORCE,
     changes: list[str] | None = CHANGES,
 ) -> None:
@@ -124,11 +134,13 @@ def make(
     """
     from fingertip.design.finger_set import is_set
 
+    if zip_file and zip_file.is_dir():
+        raise FingertipError(Issue("--zip", f"{zip_file} is a folder; give the name of a file."))
     if is_set(design):
-        _make_set(console, design, out, split_names(formats), force, changes or ())
+        _make_set(console, design, out, split_names(formats), force, changes or (), zip_file)
         return
-    from fingertip.catalogues.output_files import ACCEPTANCE, BOARD_FOLDER, BOM, PRINT_FOLDER, README, SHEET, WIRING
-    from fingertip.slip.report import as_data, format_delay
+    from fingertip.catalogues.output_files import ACCEPTANCE, BOARD_FOLDER, PRINT_FOLDER, README, SHEET
+    from fingertip.slip.report import as_data
     from fingertip.tasks.make import make as make_everything
 
     loaded = load_design(design, changes, console)
@@ -144,27 +156,24 @@ def make(
         "page": None if made.page is None else str(made.page),
         "detection": as_data(made.detection.detection, made.detection.noise),
     }
+    if zip_file:
+        write_zip(zip_file, made.parts.folder)
     prints = made.parts.prints
     printed = f"{PRINT_FOLDER}/{'plate_*.3mf' if prints.plates else '*.stl'}" if prints.contents else "the parts"
-    score = made.detection.detection.score
-    found = ", ".join(map(format_delay, score.delays_s)) if score else "of unknown time"
-    drawings = f", and {made.drawings[-1].name}" if made.drawings else ""
-    has_board = loaded.board.has_filter
-    sheets = (SHEET, f"{BOARD_FOLDER}/{README}", ACCEPTANCE) if has_board else (SHEET, ACCEPTANCE)
-    electronics = f"board: {BOARD_FOLDER}/{BOM} lists what to buy" if has_board else f"wiring: {BOARD_FOLDER}/{WIRING}"
+    sheets = (SHEET, f"{BOARD_FOLDER}/{README}", ACCEPTANCE) if loaded.board.has_filter else (SHEET, ACCEPTANCE)
     last = [
-        f"{electronics}; simulated trial: slip {found}",
-        f"look at: {made.page or made.parts.folder}{' in a browser' if made.page else ''}{drawings}",
+        f"look at: {made.page or made.parts.folder}{' in a browser' if made.page else ''}",
     ]
-    lines, following = _format_build(made.parts), f"print {printed}; follow {join_words(sheets, 'and')}"
+    lines, following = _format_build(made.parts), f"print {printed}, then follow {join_words(sheets, 'and')}"
     last += _tell_next(made.parts, following, offer_fit(loaded, made.parts.checks, changes or (), console))
     lines += [*_list_remarks(made.parts, _MAX_LINES - len(lines) - len(last)), *last]
     console.result(data, "\n".join(lines), made.parts.passed)
 
 
 def _make_set(
-    console: Console, file: Path, out: Path | None, formats: list[str] | None, force: bool, changes: Sequence[str]
-) -> None:
+    console: Console, file: Path, out: Path | None, formats: list[str] | None, force: bool, changes: Sequence[str],
+    zip_file: Path | None,
+) -> None:  # fmt: skip
     from dataclasses import asdict
 
     from fingertip.catalogues.output_files import OVERVIEW, PAGE
@@ -172,6 +181,8 @@ def _make_set(
 
     fingers = load_fingers(file, changes, console)
     made = make_set(fingers, out, formats=formats, force=force, progress=console.progress)
+    if zip_file:
+        write_zip(zip_file, made.folder)
     totals, plan, lines = made.sheets.totals, made.sheets.plan, list[str]()
     silicone_g = sum(totals.silicone_g.values())
     boards = "; one board for all fingers" if made.board else ""

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from fingertip.board.analysis.board_values import board_values
 from fingertip.board.circuits.board_circuit import board_circuit
 from fingertip.board.fabrication.bom import estimate_cost, purchased_components
-from fingertip.casting.sheet import CastingSheet
+from fingertip.casting.sheet import CastingSheet, add_prices
 from fingertip.design import Design
 from fingertip.design.hand_sizes import SIZES
 from fingertip.documents.template import render, render_page
@@ -100,7 +100,8 @@ class FirstScreen:
 
 
 def render_start(screen: FirstScreen) -> str:
-    return render_page("start.md", **vars(screen), cost=BoardCost.of_design(screen.design))
+    usd = add_prices(screen.casting.things) if screen.casting else None
+    return render_page("start.md", **vars(screen), cost=BoardCost.of_design(screen.design), usd=usd)
 
 
 def render_basis_table(design: Design) -> str:

@@ -19,6 +19,7 @@ import os
 import shutil
 import stat
 import tempfile
+import zipfile
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -44,6 +45,16 @@ class _RawFile(io.FileIO):
         except OSError as error:
             error.filename = self.name
             raise
+
+
+def write_zip(path: Path, folder: Path) -> None:
+    """Write the files of a folder, but no links, as one ZIP archive without dates. Raises OutputError."""
+    files = [file for file in sorted(folder.rglob("*")) if file.is_file() and not file.is_symlink() and file != path]
+    with open_atomic(path, "--zip") as opened, zipfile.ZipFile(opened, "w") as archive:
+        for file in files:
+            name = f"{folder.resolve().name}/{file.relative_to(folder).as_posix()}"
+            member = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
+            archive.writestr(member, file.read_bytes(), zipfile.ZIP_DEFLATED)
 
 
 @contextlib.contextmanager

@@ -7,12 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from urllib.parse import quote
 
 from fingertip.catalogues.output_files import PAGE
 from fingertip.design import Design
 from fingertip.documents.finger import FirstScreen, render_start
 from fingertip.documents.finger_set import SetSheets
+from fingertip.foundation.tables import read_rows
 from fingertip.foundation.version import __version__
 from fingertip.page import markdown_sheets
 from fingertip.page.board_section import draw_response, render_board
@@ -26,6 +28,7 @@ from fingertip.page.html import (
     read_asset,
     read_viewer_library,
     render_document,
+    table,
 )
 from fingertip.page.markdown_sheets import TICKED_THINGS, render_facts, render_markdown, split_sections
 from fingertip.page.model_section import list_items, measure_finger, render_model, render_no_view, scene_json
@@ -35,7 +38,9 @@ from fingertip.page.sources import Sources
 from fingertip.page.trial_section import render_trial
 from fingertip.pictures.casting_scenes import draw_finger
 
-_BEFORE = "Before you begin"
+_MAIL = "Its links lead to files beside it: mail the folder, which fingertip make packs into one file with --zip."
+_WORDS = Path(__file__).parent / "assets" / "words.csv"
+_BEFORE = "Is this for you?"
 
 Tab = tuple[str, str, tuple[Markup, ...]]
 """Name of a panel, by which links lead to it, its label and its content."""
@@ -54,7 +59,7 @@ def render_tabs(
         element("header", element("h1", title), banner),
         element("nav", element("ul", *links, id="tabs"), aria_label="sections"),
         element("main", *panels, id="content"),
-        element("footer", end, element("p", f"Made by fingertip {__version__}. This page needs no network.")),
+        element("footer", end, element("p", f"Made by fingertip {__version__}. This page needs no network. {_MAIL}")),
     )
     every = (read_asset("page.js"), *scripts)
     return render_document(f"{name}: fingertip", body, read_asset("page.css"), every, data_design=name)
@@ -140,6 +145,7 @@ def render_page(sources: Sources, prepared: Prepared | None = None) -> bytes:
                 ("pad", "What the sensor feels", prepared.pad or render_pad(design)),
                 ("response", "Response of the board", prepared.response),
                 ("trial", "Trial and detection", render_trial(sources)),
+                ("words", "Words", table(("word", "meaning"), [[*row.values()] for row in read_rows(_WORDS)], "words")),
             )
             if content
         )),

@@ -279,10 +279,9 @@ def _find_concentration(design: Design, z: float) -> StressFactors:
 def describe_loads(strength: BoneStrength) -> str:
     """Say in a sentence what the finger holds."""
     return (
-        f"breaks at {strength.breaks_n:.0f} N ({strength.stated.material.label}, {strength.weakest.place} at "
-        f"z = {strength.weakest.z_mm:.0f} mm); survives a drop of {strength.drop_mm:.1f} mm "
-        f"with a hand of {strength.stated.hand_mass_kg:g} kg; safety factors "
-        f"{strength.grip_safety_factor:.2f} at the grip, {strength.knock_safety_factor:.2f} at the knock"
+        f"grip: at most {strength.stated.grip_force_n:g} N; breaks at {strength.breaks_n:.0f} N "
+        f"({strength.stated.material.label}); survives a drop of {strength.drop_mm:.1f} mm "
+        f"with a {strength.stated.hand_mass_kg:g} kg hand"
     )
 
 

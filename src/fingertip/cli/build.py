@@ -76,7 +76,7 @@ def _format_build(result: Build) -> list[str]:
     if sheet := result.casting:
         (least, most, in_all), batch = add_prices(sheet.things), sheet.batch
         lines += [
-            f"print: {sheet.printed_g:g} g of {sheet.material}, some {sheet.print_h:g} h on one plate",
+            f"print: {sheet.printed_g:g} g of {sheet.material}, some {sheet.print_h:g} h",
             f"cast: {batch.total_g:g} g of silicone, {batch.cure_h:g} h of cure; {sheet.days} days in all",
             f"buy: {least} to {most} US dollars to order, up to {in_all} with all tools (estimates)",
         ]
@@ -161,9 +161,7 @@ def make(
     prints = made.parts.prints
     printed = f"{PRINT_FOLDER}/{'plate_*.3mf' if prints.plates else '*.stl'}" if prints.contents else "the parts"
     sheets = (SHEET, f"{BOARD_FOLDER}/{README}", ACCEPTANCE) if loaded.board.has_filter else (SHEET, ACCEPTANCE)
-    last = [
-        f"look at: {made.page or made.parts.folder}{' in a browser' if made.page else ''}",
-    ]
+    last = [f"look at: {made.page or made.parts.folder}{' in a browser' if made.page else ''}"]
     lines, following = _format_build(made.parts), f"print {printed}, then follow {join_words(sheets, 'and')}"
     last += _tell_next(made.parts, following, offer_fit(loaded, made.parts.checks, changes or (), console))
     lines += [*_list_remarks(made.parts, _MAX_LINES - len(lines) - len(last)), *last]

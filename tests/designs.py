@@ -12,6 +12,7 @@ VARIANT_BY_CHANGE = {changes[0]: changes for changes in VARIANT_CHANGES.values()
 ARTICLE_CHANGES = (
     "board.variant=article",
     "board.supply_v=5",
+    "board.capacitor_uf=1",
     "detector.threshold_v=0.017",
     "detector.noise_v=0.0004",
     "detector.adc_bits=16",
@@ -27,10 +28,12 @@ ARTICLE_OPTIONS = [word for change in ARTICLE_CHANGES for word in ("--set", chan
 def load_article(changes: Iterable[str] = ()) -> Design:
     """Load the default design with the article's circuit, supply and converter, and then these changes.
 
-    Another variant gets its own supply.
+    Another variant gets its own supply and capacitors.
     """
     changes = list(changes)
     supplies = [word for change in changes if change in VARIANT_BY_CHANGE for word in VARIANT_BY_CHANGE[change]]
+    if supplies and "board.variant=article" not in supplies:
+        supplies.append("board.capacitor_uf=0.1")
     return Design.load(changes=[*ARTICLE_CHANGES, *supplies, *changes])
 
 

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from fingertip.board.bringup import diagnosis
-from fingertip.board.bringup.bench import Fault
-from fingertip.board.bringup.prediction import Board, predict
 from fingertip.board.components.values import VARIANT_CHANGES
 from fingertip.tasks.board import write_board
 from tests.designs import load_article
@@ -39,19 +36,3 @@ def board_folder(tmp_path_factory: pytest.TempPathFactory) -> BoardFolder:
         return folders[changes]
 
     return folder
-
-
-@pytest.fixture(scope="session")
-def predict_once() -> Iterator[None]:
-    """Predict the readings of a board's faults once for all tests: their diagnoses differ in the readings alone."""
-    found: dict[tuple[object, ...], tuple[Board, list[dict[str, float]]]] = {}
-
-    def look_up(board: Board, faults: Sequence[Fault], *tones_v: float) -> list[dict[str, float]]:
-        key = (id(board), tones_v, tuple(fault.sentence for fault in faults))
-        if key not in found:  # the board is kept too, so that no other has its id
-            found[key] = board, predict(board, faults, *tones_v)
-        return found[key][1]
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(diagnosis, "predict", look_up)
-        yield

@@ -17,23 +17,20 @@ import pytest
 from fingertip.board import board_circuit, board_values
 from fingertip.board.analysis import interference
 from fingertip.board.analysis.interference import compute_supply_current_a
-from fingertip.board.bringup.assessment import FingersAssessment
-from fingertip.board.bringup.bench import HOST, Fault, list_faults
-from fingertip.board.bringup.plan import BringUp, plan_bring_up
-from fingertip.board.bringup.prediction import Board, predict
-from fingertip.board.circuits.channels import PLACES, list_sockets, name_part, share_host, split_name, split_net
+from fingertip.board.circuits.channels import PLACES, list_sockets, name_part, split_name, split_net
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.fabrication.bom import list_bom, purchased_components
 from fingertip.board.kicad.project import load_project
+from fingertip.board.parts.circuit import HOST_CONNECTOR as HOST
 from fingertip.board.parts.circuit import SENSOR_CONNECTOR
 from fingertip.board.parts.nets import ADC_FILTERED, ADC_TACTILE, GND
 from fingertip.catalogues.electronics import NAMES
-from fingertip.catalogues.output_files import BRING_UP_READINGS, CHANNEL_SHEET, LAYOUT, SCHEMATIC
+from fingertip.catalogues.output_files import CHANNEL_SHEET, LAYOUT, SCHEMATIC
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
 from fingertip.firmware.fingers import plan_fingers
 from fingertip.foundation.errors import FingertipError
-from fingertip.tasks.board import assess_board, board_files, bring_up_files, write_board
+from fingertip.tasks.board import board_files, write_board
 from tests.board.ngspice import run_ngspice
 from tests.conftest import run_fingertip
 
@@ -60,8 +57,6 @@ def test_each_channel_is_the_board_of_one_finger() -> None:
             assert name in connectors or by_pin[name, pin] == net
         pins = [net for _, net in sorted_pins(whole) if split_net(net)[0] == channel]
         assert pins == [f"F{channel}/{ADC_TACTILE}", f"F{channel}/{ADC_FILTERED}"]
-    shared = [net for _, net in sorted_pins(share_host(single)) if net in (ADC_TACTILE, ADC_FILTERED)]
-    assert shared == [ADC_TACTILE, ADC_FILTERED]
     for part in whole.components:
         channel, name = split_name(part.reference)
         assert part.reference == (name_part(name, channel) if channel else name)
@@ -152,79 +147,6 @@ def test_long_cables_warn_with_a_length_that_does_not() -> None:
     assert found, warning
     assert not warn(f"board.cable_m={found[1]}")
     assert warn(f"board.cable_m={float(found[1]) + 0.03}")
-
-
-def plan(channels: int) -> BringUp:
-    circuit = share_host(board_circuit(values := board_values(load(channels))))
-    return plan_bring_up(Board.of_design(load(channels), circuit), values)
-
-
-def write_readings(path: Path, channels: int, faults: dict[str, str]) -> Path:
-    """Write readings as boards of each finger with a fault, by its part, would give them."""
-    planned = plan(channels)
-    board, lines = planned.board, [f'board = "{planned.identity}"', "supply_ma = 6.6"]
-    known = {fault.sentence: fault for fault in list_faults(board.circuit, board.ends_v)}
-    for finger in NAMES[:channels]:
-        sentence = faults.get(finger)
-        fault = known[sentence] if sentence else Fault("", "", board.circuit)
-        (values,) = predict(board, [fault])
-        lines += [f"[{finger}]", *(f"{name} = {values[name]!r}" for name in planned.levels if name in values)]
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    return path
-
-
-def assess(design: Design, path: Path) -> FingersAssessment:
-    found = assess_board(design, path)
-    assert isinstance(found, FingersAssessment)
-    return found
-
-
-@pytest.mark.full
-def test_fault_of_one_finger_is_found_in_its_own_parts(tmp_path: Path) -> None:
-    broken = "R2 is open: not soldered, or cracked"
-    data = assess(load(3), write_readings(tmp_path / "r.toml", 3, {"index": broken}))
-    assert data.verdict.startswith("index: ")
-    assert [each.passed for each in data.fingers.values()] == [True, True, False, True]
-    assert data.fingers["index"].likely[0].startswith("R202 is open")
-    # What looks like a shared part's fault cannot be one while other fingers pass.
-    mistaken = write_readings(tmp_path / "s.toml", 3, {"index": "R23 is open: not soldered, or cracked"})
-    likely = assess(load(3), mistaken).fingers["index"].likely
-    assert {split_name(one.split()[0])[0] for one in likely} <= {2}, likely
-    # A finger that was not measured where the other fails clears nothing.
-    lines = mistaken.read_text("utf-8").split("[middle]")[0].splitlines()
-    thumb = lines.index("[thumb]")
-    kept = [line for i, line in enumerate(lines) if not thumb < i < lines.index("[index]") or line.startswith("tp3")]
-    mistaken.write_text("\n".join(kept) + "\n", encoding="utf-8")
-    data = assess(load(3), mistaken)
-    assert data.fingers["thumb"].passed
-    assert data.fingers["index"].likely[0].startswith("R23 is open")
-
-
-@pytest.mark.full
-def test_fault_that_all_fingers_show_is_found_in_a_shared_part(tmp_path: Path) -> None:
-    broken = "R23 is open: not soldered, or cracked"
-    data = assess(load(2), write_readings(tmp_path / "r.toml", 2, dict.fromkeys(NAMES[:2], broken)))
-    for finger in NAMES[:2]:
-        likely = data.fingers[finger].likely
-        assert {split_name(one.split()[0])[0] for one in likely} == {0}, likely
-
-
-def test_readings_of_several_fingers_are_refused_with_all_faults(tmp_path: Path) -> None:
-    text = bring_up_files(load(2))[BRING_UP_READINGS].decode()
-    assert (text.count("\ntp1_open_v = nan"), text.count("supply_ma")) == (2, 1)
-    path = tmp_path / "r.toml"
-    path.write_text(
-        text.replace("tp1_open_v = nan", "tp1_open_v = 33", 1).replace("[index]", "tp9 = 1\n[indx]"), encoding="utf-8"
-    )
-    with pytest.raises(FingertipError) as error:
-        assess_board(load(2), path)
-    assert [issue.field for issue in error.value.issues] == ["[indx]", "thumb.tp1_open_v", "thumb.tp9"]
-    path.write_text(text.replace("tp1_open_v = nan", 'tp1_open_v = "2.5"', 1), encoding="utf-8")
-    with pytest.raises(FingertipError, match=r"'2\.5' is no number"):
-        assess_board(load(2), path)
-    path.write_text(text, encoding="utf-8")
-    with pytest.raises(FingertipError, match="holds no reading"):
-        assess_board(load(2), path)
 
 
 @pytest.mark.full

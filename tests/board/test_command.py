@@ -140,7 +140,7 @@ def test_sheet_of_another_design_is_removed_with_a_word(tmp_path: Path) -> None:
     assert notes == []
     write_board(load_article(["board.cutoff_hz=80"]), tmp_path, progress=notes.append)
     (note,) = notes
-    assert note.startswith("removed files of another design: bringup.md, bringup_readings.toml, wiring.svg; --bringup")
+    assert note.startswith("removed files of another design: bringup.md, bringup.ino, wiring.svg; --bringup")
     assert not (tmp_path / "bringup.md").exists()
 
 

@@ -78,8 +78,8 @@ def bom_rows(content: bytes) -> list[dict[str, str]]:
 
 
 def test_component_added_in_one_place_is_everywhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """R99 of 4.7k parallel to R3, which it halves, where the signal path is wired."""
-    parallel = {"boards": "", "reference": "R99", "kind": "part", "value": "4.7k", "symbol": "R", "footprint": "R_0603",
+    """R99 of 47k parallel to R3, which it halves, where the signal path is wired."""
+    parallel = {"boards": "", "reference": "R99", "kind": "part", "value": "47k", "symbol": "R", "footprint": "R_0603",
                 "role": "parallel to R3", "pins": "1=STAGE2_IN 2=GND"}  # fmt: skip
     rows = (*circuits.load_rows(), parallel)
     original_gain = bode_gain(DESIGN)

@@ -47,7 +47,7 @@ FOLDERS = (
     ("sweep board", "fingertip.sweep.run.compute_rows"),
 )
 """Words of a command whose --out is a folder, and what must not be called."""
-READ = {"--design", "--hand", "--readings", "--own", "--from"}
+READ = {"--design", "--hand", "--own", "--from"}
 """Options that name a file to read."""
 
 

@@ -96,6 +96,8 @@ class Amplifier:
     """Phase margin of a follower, typical [degree]. It places the second pole."""
     noise_v: float
     """White noise density at the input [V/sqrt(Hz)]."""
+    noise_corner_hz: float
+    """Frequency at which 1/f noise equals it [Hz]."""
     offset_v: float
     max_offset_v: float
     """Maximum input offset voltage at 25 degrees Celsius [V], for the grade in `order_name`."""

@@ -93,7 +93,7 @@ CHANNEL_SHEET = "channel.kicad_sch"
 README = "README.md"
 ASSEMBLY_DRAWING, ASSEMBLY_PDF = "assembly.svg", "assembly.pdf"
 """Assembly drawing of the board, and the same for printing, among the fabrication files."""
-BRING_UP, BRING_UP_READINGS, WIRING = "bringup.md", "bringup_readings.toml", "wiring.svg"
+BRING_UP, BRING_UP_SKETCH, WIRING = "bringup.md", "bringup.ino", "wiring.svg"
 FABRICATION = OutputSet("fabrication", f"{BOARD_FOLDER}/{FAB_FOLDER}")
 PROVENANCE = "made_from.sha256"
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +14,6 @@ from fingertip.cli.board_tables import analysis_text, channel_lines, gate_lines,
 from fingertip.cli.console import Console
 from fingertip.cli.options import command, find_file_issues, find_idle_issues, flag, load_design, refuse
 from fingertip.foundation.errors import Issue
-from fingertip.foundation.progress import ShareText
 
 if TYPE_CHECKING:
     from fingertip.board.analysis.board_values import BoardValues
@@ -37,13 +36,7 @@ def board(
     fab: bool = flag("Also write gerbers, drill files, placement, parts and renderings to OUT/fab; requires KiCad 9."),
     analysis: bool = flag("Also analyse noise, offsets, tolerances (10 000 boards), sensitivities."),
     bode: Path | None = typer.Option(None, metavar="FILE", help="Write the Bode table of each stage as CSV."),
-    bringup: bool = flag("Also write bringup.md, how to test a soldered board, and a file for readings."),
-    readings: Path | None = typer.Option(
-        None,
-        metavar="FILE",
-        help="Write nothing; compare the readings of a soldered board with their limits; name the likely fault and "
-        "exit 1 if one fails.",
-    ),
+    bringup: bool = flag("Also write bringup.md, how to test a soldered board, and a sketch that plays the tones."),
     article: bool = flag("Also print what the article states about its own board, and what is so."),
     verbose: bool = options.VERBOSE,
     force: bool = options.FORCE,
@@ -52,20 +45,16 @@ def board(
     """Compute the board's component values; write schematic, layout, netlist, SPICE deck and bill of materials."""
     writing = {"--bode": bode, "--bringup": bringup}
     idle = find_idle_issues("--check", writing if check else {})
-    if readings:
-        idle = find_idle_issues("--readings", {"--check": check, "--fab": fab, **writing})
     refuse(find_file_issues("--bode", bode, ".csv"), idle)
     loaded = load_design(design, changes, console)
     options = _Options(out, fab, analysis, bode, bringup, article, verbose, force)
     if not loaded.board.has_filter:
         from fingertip.board.components.values import BOARD_REMEDY
 
-        needing = {"--fab": fab, "--analysis": analysis, "--readings": readings, "--article": article} | writing
+        needing = {"--fab": fab, "--analysis": analysis, "--article": article} | writing
         message = f"needs a board, and a divider is none; leave it out, or {BOARD_REMEDY}."
         refuse(Issue(option, message) for option, given in needing.items() if given)
-    if readings:
-        _assess(console, loaded, readings)
-    elif check:
+    if check:
         _compare(console, loaded, out, fab)
     elif loaded.board.has_filter:
         _write_board(console, loaded, options)
@@ -85,15 +74,6 @@ class _Options:
     article: bool
     verbose: bool
     force: bool
-
-
-def _assess(console: Console, design: Design, readings: Path) -> None:
-    """Compare the readings of a soldered board with their limits."""
-    from fingertip.tasks.board import assess_board
-
-    console.progress(ShareText("comparing the readings with those of some 500 faults", 0.0))
-    assessment = assess_board(design, readings)
-    console.result(asdict(assessment), assessment.as_text(), assessment.passed)
 
 
 def _write_board(console: Console, design: Design, options: _Options) -> None:

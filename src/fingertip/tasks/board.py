@@ -7,25 +7,21 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from fingertip.board.analysis.board_values import BoardValues, board_values
+from fingertip.board.analysis.board_values import board_values
 from fingertip.board.analysis.gate import find_refusals
 from fingertip.board.analysis.interference import connect_cables
-from fingertip.board.bringup.assessment import Assessment, FingersAssessment, assess_fingers, assess_readings
-from fingertip.board.bringup.plan import BringUp, plan_bring_up
-from fingertip.board.bringup.prediction import Board
-from fingertip.board.bringup.readings import read_fingers, read_readings, readings_template, write_template
+from fingertip.board.bringup.plan import Board, plan_bring_up
 from fingertip.board.circuits.board_circuit import board_circuit, divider_circuit
-from fingertip.board.circuits.channels import leave_out_empty, share_host
+from fingertip.board.circuits.channels import leave_out_empty
 from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.fabrication.bom import bill_of_materials
 from fingertip.board.fabrication.fabrication_files import find_outdated_files, provenance_record
 from fingertip.board.kicad.netlist import kicad_netlist_file
 from fingertip.board.kicad.project import MODEL_FOLDER, load_project, model_files
 from fingertip.catalogues import output_files
-from fingertip.catalogues.electronics import NAMES
 from fingertip.design import Design
 from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
-from fingertip.documents.board.bringup import render_sheet
+from fingertip.documents.board.bringup import render_sheet, render_sketch
 from fingertip.documents.board.divider import divider_files
 from fingertip.documents.board.readme import folder_readme
 from fingertip.documents.wiring import wiring_diagram
@@ -37,7 +33,7 @@ from fingertip.pictures.drawing.render import render_pdf, render_svg
 from fingertip.tasks.edited_board import find_edited, refuse_other_circuit, revise_edited
 from fingertip.tasks.verification import compare_with_design
 
-BRING_UP_FILES = (output_files.BRING_UP, output_files.BRING_UP_READINGS, output_files.WIRING)
+BRING_UP_FILES = (output_files.BRING_UP, output_files.BRING_UP_SKETCH, output_files.WIRING)
 """Names of the files for bringing a board up, which are written where they are asked for."""
 
 
@@ -248,37 +244,12 @@ def fabrication_differences(design: Design, folder: str | Path, expected: bool =
     return find_outdated_files(fab, output_files.PROVENANCE, board_files(design))
 
 
-# Files of a bring-up, and the assessment of readings, for a design.
-
-
 def bring_up_files(design: Design) -> dict[str, bytes]:
-    """Content of the bring-up sheet, of its wiring diagram and of the file of readings, by name."""
-    values = board_values(design)
-    plan, channels = _plan(design, values), design.board.channels
-    if channels > 1:
-        template = write_template(plan, NAMES[:channels], design.name)
-    else:
-        template = readings_template(plan, design.name)
+    """Content of the bring-up sheet, of its sketch and of the wiring diagram, by name."""
+    values, channels = board_values(design), design.board.channels
+    plan = plan_bring_up(Board.of_design(design, board_circuit(values)), values)
     return {
         output_files.BRING_UP: render_sheet(plan, values, design, output_files.WIRING).encode(),
         output_files.WIRING: wiring_diagram(board_circuit(values, channels), design.board.supply_v, design.name),
-        output_files.BRING_UP_READINGS: template.encode(),
+        output_files.BRING_UP_SKETCH: render_sketch(plan, values, design).encode(),
     }
-
-
-def assess_board(design: Design, path: Path) -> Assessment | FingersAssessment:
-    """Assess the readings in a file. Raises TomlFileError, BoardError."""
-    values = board_values(design)
-    if fingers := NAMES[: design.board.channels] if design.board.channels > 1 else ():
-        taken = read_fingers(path, _plan(design, values), fingers)
-        tone_v = next(iter(taken.values())).tone_v
-        return assess_fingers(_plan(design, values, tone_v), taken, fingers)
-    readings = read_readings(path, _plan(design, values))
-    return assess_readings(_plan(design, values, readings.tone_v), readings)
-
-
-def _plan(design: Design, values: BoardValues, *tone_v: float) -> BringUp:
-    circuit = board_circuit(values)
-    if design.board.channels > 1:  # the first finger, with the connector that all share
-        circuit = share_host(circuit)
-    return plan_bring_up(Board.of_design(design, circuit), values, *tone_v)

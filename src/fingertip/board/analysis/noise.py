@@ -1,6 +1,7 @@
 """Noise of the board, and the contribution of each component.
 
-The analysis includes white noise only, with typical data-sheet values. On the article's board nearly all of it comes
+The analysis includes white noise, and the 1/f noise of the operational amplifiers, with typical values; the corner of
+the AD623 lies below 10 Hz. The sensor's own 1/f noise stands in no data sheet. On the article's board nearly all comes
 from the bridge's amplifier: its source impedance is a few hundred ohm, its gain amplifies its 35 nV/sqrt(Hz) 68 times,
 and the first stage amplifies them 68 times again, up to the bandwidth of either amplifier. A low-pass above the
 vibrations removes most of it. The article has none. A transimpedance stage amplifies its own noise by 1 + R30 / Rs for
@@ -44,6 +45,8 @@ class Source:
     """Net -> what 1 A or 1 V of the source adds to the right-hand side of its equation."""
     noise: float
     """White noise density [A/sqrt(Hz) or V/sqrt(Hz)]."""
+    corner_hz: float = 0.0
+    """Frequency at which 1/f noise equals it [Hz]."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +78,8 @@ class NoisyNetwork:
         """Mean square of each source's noise at a net over `NOISE_BAND_HZ` [V^2]."""
         low, high = NOISE_BAND_HZ
         f = np.geomspace(low, high, round(_POINTS_PER_DECADE * math.log10(high / low)) + 1)
-        density = np.array([source.noise for source in self.sources])
+        corners_hz = np.array([source.corner_hz for source in self.sources])
+        density = np.array([source.noise for source in self.sources]) * np.sqrt(1.0 + corners_hz / f[:, None])
         return np.asarray(np.trapezoid(np.abs(self._transfers(f, net) * density) ** 2, f, axis=0))
 
     def total_v(self, net: str) -> float:
@@ -105,7 +109,7 @@ def _sources(circuit: Circuit, network: Network) -> Iterator[Source]:
             yield Source(reference, entries, _thermal_noise(float(network.values[reference])))
         for name, _, out, _, data in (output for output in amplifiers if output.reference == reference):
             if data:
-                yield Source(name, {out: -1.0}, data.noise_v)
+                yield Source(name, {out: -1.0}, data.noise_v, data.noise_corner_hz)
                 continue
             resistor_ohm = parse_component_value(circuit.component(front_end.GAIN_RESISTOR).value)
             gain = 1.0 + front_end.GAIN_CONSTANT_OHM / resistor_ohm

@@ -25,7 +25,7 @@ class Analysis:
     """Values that the analysis of a board adds to those of its parts."""
 
     noise: tuple[Contribution, ...]
-    """RMS noise over `NOISE_BAND_HZ`, largest first; white noise only, typical data-sheet values."""
+    """RMS noise over `NOISE_BAND_HZ`, largest first; white and 1/f noise, typical values."""
     noise_total_v: tuple[float, ...]
     component_percent: dict[str, float]
     boards: int

@@ -128,11 +128,3 @@ def _place_socket(part: Component, nets: dict[str, str], channel: int) -> tuple[
 
 def leave_out_empty(circuit: Circuit) -> Circuit:
     return circuit.without(*(part.reference for part in circuit.components if not part.is_fitted))
-
-
-def share_host(single: Circuit) -> Circuit:
-    """Give the circuit of one finger the host connector that all fingers share, wired as for the first one."""
-    pins = {number: split_net(net)[1] if split_net(net)[0] < 2 else net for number, net in host_pins().items()}
-    shared = single.without(HOST_CONNECTOR).connect(_host_connector(single), pins)
-    # Shared parts come first, as on the board of several fingers.
-    return replace(shared, components=tuple(sorted(shared.components, key=lambda c: c.reference not in SHARED_PARTS)))

@@ -3,7 +3,7 @@
 `ngspice -b slip_filter.cir` prints the levels at TACTILE, STAGE1_OUT and FILTERED [dBV] over frequency, without their
 phase; of several fingers those of the filtered signals at the controller, for slip at the first finger. The sensor is a
 resistor in parallel with an AC current source of 1 uA, so only the difference of two levels has a meaning: it is the
-gain between their nets [dB]. The amplifiers have the noise of their data sheets, modelled as that of a resistor:
+gain between their nets [dB]. The amplifiers have the noise of their data sheets, modelled as that of resistors:
 `noise v(filtered) IJ1 dec 50 1 1meg` includes it.
 """
 
@@ -104,6 +104,8 @@ def divider_deck(divider: Circuit, supply_v: float, low_ohm: float, high_ohm: fl
 
 # Models: amplifiers with their bandwidth and noise, comparator and diodes
 
+_FLICKER_OHM = 1e3
+"""Transresistance of the 1/f noise: so small that the thermal noise of the model's resistors adds nothing."""
 _OUTPUT = "E1 out 0 pole 0 1"
 _SUPPLIED_OUTPUT = "E1 driven 0 pole 0 1\nVS driven out 0\nFS vcc 0 VS 1"
 """Output of an amplifier; and the same with its current drawn from the supply, as if none returned to ground."""
@@ -131,6 +133,10 @@ def _models(circuit: Circuit, gain_bandwidth_hz: float, worst_case: bool) -> Ite
             bandwidth=gain_bandwidth_hz,
             noise=amplifier.noise_v,
             noise_ohm=_equivalent_noise_ohm(amplifier.noise_v),
+            corner_hz=amplifier.noise_corner_hz,
+            # The current is 1 uA, and its noise over this resistance is the amplifier's.
+            flicker_ohm=_FLICKER_OHM,
+            flicker=amplifier.noise_corner_hz * (amplifier.noise_v / (1e-6 * _FLICKER_OHM)) ** 2,
             # Across 1 ohm this capacitance puts the pole at GBW / A0.
             pole_farad=OPEN_LOOP_GAIN / (math.tau * gain_bandwidth_hz),
         )

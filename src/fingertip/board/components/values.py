@@ -62,7 +62,7 @@ VARIANT_CHANGES = {
     variant: (f"board.variant={variant}", f"board.supply_v={supply.nominal_v:g}")
     for variant, supply in SUPPLIES.items()
 }
-"""Changes to a design that select each board."""
+"""Changes to a design that select each board. The bundled design `article` keeps the article's 1 uF too."""
 BOARD_REMEDY = "use " + " ".join(f"--set {change}" for change in VARIANT_CHANGES["precision"])
 """Remedy of what a divider lacks."""
 

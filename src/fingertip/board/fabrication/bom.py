@@ -5,10 +5,13 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from fingertip.board.components.front_end import AMPLIFIERS
 from fingertip.board.kicad.placement import Placement
 from fingertip.board.parts.circuit import Circuit, Component, reference_sort_key
+from fingertip.board.parts.nets import VEE
 from fingertip.board.parts.select_part import Selection, select_part
 from fingertip.board.parts.table import BASIC_SOURCE, PRICES, load_table
+from fingertip.catalogues.electronics import list_dual_amplifiers
 from fingertip.foundation.files import format_csv
 
 PRICE = "Price of one [USD, estimate of 2026-11]"
@@ -16,6 +19,8 @@ COLUMNS = (
     "Quantity", "References", "Value", "Footprint", "Rating", "Manufacturer", "MPN", "Alternate", "LCSC", PRICE,
     "Source", "Note",
 )  # fmt: skip
+
+_MANY = 5
 
 
 @dataclass(frozen=True)
@@ -30,22 +35,37 @@ class BomLine:
     rating: str
     selection: Selection
 
+    @property
+    def name(self) -> str:
+        """References, of which only the ends are named where there are many."""
+        first, *_, last = (*self.references, self.references[-1])
+        return " ".join(self.references) if len(self.references) < _MANY else f"{first} to {last}"
+
 
 def bill_of_materials(circuit: Circuit) -> bytes:
     """Content of the CSV file: a line for each value, footprint and rating, whose note says why a number is missing."""
     rows = []
     for line in list_bom(circuit):
         fields, part, alternate = line.selection.fields, line.selection.part, line.selection.alternate
+        alternates = [f"{alternate.manufacturer} {alternate.number}".strip()] if alternate else []
+        alternates += [f"{other} with --set board.amplifier={other}" for other in _list_other_amplifiers(line, circuit)]
         sources = dict.fromkeys(each.source_text for each in (part, alternate) if each)
         low, high = PRICES[part.price] if part else (0.0, 0.0)
         price = f"{low:g} to {high:g}" if low else f"below {high:g}"
         rows.append((
             str(len(line.components)), " ".join(line.references), line.value, line.footprint, line.rating,
             fields["Manufacturer"], fields["MPN"],
-            f"{alternate.manufacturer} {alternate.number}".strip() if alternate else "",
+            "; or ".join(alternates),
             fields["LCSC"], price if part else "", "; alternate: ".join(sources), line.selection.note,
         ))  # fmt: skip
     return format_csv(COLUMNS, rows)
+
+
+def _list_other_amplifiers(line: BomLine, circuit: Circuit) -> list[str]:
+    """Name the amplifier that fits the pads in the place of a dual amplifier, with values that the command computes."""
+    symbol, supply_v = line.components[0].symbol.name, 10.0 if VEE in circuit.net_by_pin.values() else 3.3
+    fitting = (a for a in list_dual_amplifiers() if a.symbol != symbol and a.min_supply_v <= supply_v <= a.max_supply_v)
+    return [other.name for other in fitting][:1] if symbol in AMPLIFIERS else []
 
 
 def list_bom(circuit: Circuit) -> list[BomLine]:
@@ -109,7 +129,7 @@ def assembly_bom_file(circuit: Circuit) -> bytes:
 
 def missing_numbers_note(circuit: Circuit) -> str:
     """Name the lines to assemble whose number is missing or unsure; empty if none is."""
-    found = [" ".join(line.references) for line in _list_unconfirmed(circuit)]
+    found = [line.name for line in _list_unconfirmed(circuit)]
     if not found:
         return ""
     return (
@@ -134,7 +154,7 @@ def estimate_cost(circuit: Circuit) -> tuple[float, float]:
 def list_extended(circuit: Circuit) -> list[str]:
     """List the lines to assemble, by reference, which are not among the house's basic and preferred parts."""
     known = ((line, line.selection.part) for line in _list_assembled(circuit))
-    return [" ".join(line.references) for line, part in known if part and BASIC_SOURCE not in part.sources]
+    return [line.name for line, part in known if part and BASIC_SOURCE not in part.sources]
 
 
 def _list_unconfirmed(circuit: Circuit) -> list[BomLine]:

@@ -179,17 +179,20 @@ SOLD_PERCENT = {"C0G": 5.0, "X7R": 10.0, "X5R": 20.0}
 
 _C0G = CapacitorRequirement(("C0G",), 25.0, 0.0)
 _X7R = CapacitorRequirement(("X7R",), 16.0, 0.0)
-_LARGE = CapacitorRequirement(("X5R", "X7R"), 6.3, 0.0)
-"""Large capacitors have no direct voltage across them and set no cutoff."""
+_LARGE, _LARGEST = CapacitorRequirement(("X7R",), 6.3, 0.0), CapacitorRequirement(("X5R", "X7R"), 6.3, 0.0)
+"""Large capacitors have no direct voltage across them and set no cutoff. From `_MAX_X7R_F` on, X5R is all there is."""
+_MAX_X7R_F = 22e-6
 SUPPLY_CAPACITOR = CapacitorRequirement(("X7R",), 25.0, 10.0)
-BULK_CAPACITOR = CapacitorRequirement(("X5R", "X7R"), 25.0, 10.0)
-"""Large capacitors at the entry of the supply and across dividers, whose capacitance matters little."""
+BULK_CAPACITOR = CapacitorRequirement(("X7R",), 16.0, 10.0)
+"""Large capacitors at the entry of the supply and across dividers, whose capacitance matters little. Voltages of the
+dividers are amplified: X5R, which is the better microphone, is left out."""
 
 
 def require_capacitor(farad: float, package: str, stated_percent: float = 0.0) -> CapacitorRequirement:
     """Return the requirement for a capacitor of the signal path. Units: `farad` [F]."""
     if farad > MAX_1206_F * (1.0 + _ROUNDING):
-        return replace(_LARGE, tolerance_percent=find_sold_percent(farad, package, _LARGE))
+        large = _LARGE if farad <= _MAX_X7R_F * (1.0 + _ROUNDING) else _LARGEST
+        return replace(large, tolerance_percent=find_sold_percent(farad, package, large))
     kind = _C0G if farad <= MAX_C0G_F[package] * (1.0 + _ROUNDING) else _X7R
     return replace(kind, tolerance_percent=stated_percent or find_sold_percent(farad, package, kind))
 

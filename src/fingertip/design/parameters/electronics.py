@@ -35,7 +35,9 @@ class Board(ParameterTable):
     cutoff_hz: float = quantity(
         67.0, "Hz", (Above(0), 10000), "Cutoff frequency of the third-order Butterworth high-pass."
     )
-    capacitor_uf: float = quantity(1.0, "uF", (1e-6, 1000), "Filter capacitors C1 = C2 = C3.")
+    capacitor_uf: float = quantity(
+        0.1, "uF", (1e-6, 1000), "Filter capacitors C1 = C2 = C3: C0G up to 0.1 uF; the article has 1 uF."
+    )
     passband_gain: float = quantity(
         1 + 100 / 1.5, "", (Above(1), 10000),
         "Passband gain G = 1 + R5/R4; the article prints 66.7, which is R5/R4 alone.",

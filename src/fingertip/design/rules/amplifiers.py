@@ -45,7 +45,9 @@ def voltage_fits_the_supply(design: DesignTables) -> Violation | None:
     low, high = ranges_v.get(board.variant, CONTROLLER_RANGE_V)
     if low <= board.supply_v <= high:
         return None
-    return Violation(f"{board.supply_v:g} V lies outside the range of variant {board.variant}", ((low, high),))
+    is_controllers = board.variant == "article" and CONTROLLER_RANGE_V[0] <= board.supply_v <= CONTROLLER_RANGE_V[1]
+    others = ", in that of precision and comparator" if is_controllers else ""
+    return Violation(f"{board.supply_v:g} V lies outside the range of variant {board.variant}{others}", ((low, high),))
 
 
 @RULES.rule("board.amplifier", voltage_fits_the_supply)

@@ -9,11 +9,8 @@ from typing import Any
 from fingertip.board.analysis import interference
 from fingertip.board.analysis.board_values import TOUCHES, BoardValues
 from fingertip.board.analysis.limits import describe_adc_range
-from fingertip.board.analysis.loads import signal_band_hz
-from fingertip.board.analysis.noise import noise_warning
-from fingertip.board.circuits.board_circuit import board_circuit
+from fingertip.board.analysis.noise import NOISE_FORCE_N, noise_warning
 from fingertip.board.circuits.channels import PLACES, describe_sockets, list_sockets
-from fingertip.board.circuits.network import MAX_SWITCH_OHM
 from fingertip.board.components import values as ratings
 from fingertip.board.components.front_end import MAX_FORCE_N, POWER_UP_S, Bridge, sensor_conductance_s
 from fingertip.board.fabrication import bom
@@ -21,17 +18,14 @@ from fingertip.board.kicad import project
 from fingertip.board.kicad.project import StoredProject
 from fingertip.board.parts import table
 from fingertip.board.parts.circuit import SENSOR_CONNECTOR, Circuit, Component
-from fingertip.board.parts.select_part import NO_LCSC
 from fingertip.board.parts.symbols import CAPACITOR, RESISTOR
 from fingertip.catalogues.electronics import AMPLIFIER_CATALOGUE, NAMES
 from fingertip.design import Design
 from fingertip.design.formulas import filter as formulas
-from fingertip.design.formulas.amplifiers import DIODE_V
 from fingertip.design.rules.amplifiers import CONTROLLER_RANGE_V
 from fingertip.documents import wiring
 from fingertip.documents.template import render
 from fingertip.foundation.errors import join_words
-from fingertip.foundation.files import format_figure
 
 _NO_DIRECTION = (RESISTOR, CAPACITOR)
 """Symbols of components that may be turned by 180 degrees."""
@@ -62,12 +56,6 @@ def folder_readme(circuit: Circuit, stored: StoredProject, values: BoardValues, 
         adc_range=adc_range[:1].upper() + adc_range[1:],
         amplifier=AMPLIFIER_CATALOGUE[values.amplifier],
         touches=TOUCHES,
-        diode_v=DIODE_V,
-        band_hz=signal_band_hz(design.board.cutoff_hz),
-        loads=", ".join(
-            f"{load.amplifier} {format_figure(load.min_ohm, 3)} ohm ({format_figure(1e3 * load.max_current_a, 2)} mA)"
-            for load in values.amplifier_loads
-        ),
         pin_ohm=max(limits.tactile_pin_ohm, limits.output_pin_ohm),
         ratings=ratings,
         circuit=circuit,
@@ -75,12 +63,11 @@ def folder_readme(circuit: Circuit, stored: StoredProject, values: BoardValues, 
         pressed_v=values.tactile_response.tactile_v(sensor_conductance_s(MAX_FORCE_N)),
         wiring=wiring,
         supply_range_v=CONTROLLER_RANGE_V,
-        switch_ohm=MAX_SWITCH_OHM,
         power_up_s=POWER_UP_S,
+        noise_force_n=NOISE_FORCE_N,
         noise_warning=noise_warning(values.noise, design.detector.threshold_v),
         interference=interference,
         **_collect_order(circuit, stored),
-        functions=bom.purchased_components(circuit if channels == 1 else board_circuit(values)),
         bridge_shift_v=_find_bridge_shift_v(values.bridge, design.board.supply_v) if values.bridge else 0.0,
         missing_numbers=bom.missing_numbers_note(circuit),
         unconfirmed=table.UNCONFIRMED,
@@ -91,7 +78,7 @@ def folder_readme(circuit: Circuit, stored: StoredProject, values: BoardValues, 
 
 
 def collect_board(values: BoardValues, design: Design) -> dict[str, Any]:
-    """Data that every document of a board refers to, and the figures of `trimming.md`."""
+    """Data that every document of a board refers to."""
     return {
         "values": values,
         "board": design.board,
@@ -107,7 +94,7 @@ def collect_board(values: BoardValues, design: Design) -> dict[str, Any]:
 
 
 def _list_cables(circuit: Circuit, design: Design) -> Iterator[tuple[str, ...]]:
-    """Yield what to buy for each connector's cable, with the source of its numbers or the reason why there are none."""
+    """Yield what to buy for each connector's cable, with its numbers or the reason why there are none."""
     sensors = {SENSOR_CONNECTOR, *list_sockets()}
     plug = table.find_plug_wire(
         circuit.component(SENSOR_CONNECTOR if design.board.channels == 1 else list_sockets()[0])
@@ -125,10 +112,8 @@ def _list_cables(circuit: Circuit, design: Design) -> Iterator[tuple[str, ...]]:
             is_lead, is_cable = (mating.item.startswith(word) for word in ("or leads", "either"))
             if (is_sensor := alike[0].reference in sensors) and (is_cable or (is_lead and not takes_leads)):
                 continue
-            numbers = ("", "", mating.reason)
-            if part := mating.part:
-                source = part.source_text if part.lcsc else f"{part.source_text}; {NO_LCSC}"
-                numbers = (f"{part.manufacturer} {part.number}", part.lcsc, source)
+            part = mating.part
+            numbers = (f"{part.manufacturer} {part.number}", part.lcsc or "to confirm") if part else (mating.reason, "")
             count, item = mating.count(len(circuit.list_wires(alike[0]))), mating.item
             yield names, str(count * len(alike)), item.removeprefix("or: ") if is_sensor else item, *numbers
 

@@ -55,6 +55,22 @@ def test_json_output_equals_the_values_file_and_quiet_prints_no_messages(tmp_pat
     assert all(values[key] == data[key] for key in ("ideal", "preferred", "achieved_response", "errata"))
 
 
+@pytest.mark.full
+def test_panel_is_written_by_kikit_or_by_the_command_that_is_named(tmp_path: Path) -> None:
+    refused = run_fingertip("board", "--panel", "2by3", "--out", tmp_path / "b")
+    assert refused.returncode == 2
+    assert "write rows and columns" in refused.stderr
+    assert not (tmp_path / "b").exists()
+    said = run_fingertip("board", "--panel", "2x3", "--out", tmp_path / "b", PATH="/nowhere").stdout
+    assert "kikit panelize --layout 'grid; rows: 2; cols: 3; space: 0mm'" in said
+    kikit = tmp_path / "kikit"
+    kikit.write_text('#!/bin/sh\nfor last; do :; done\necho panel > "$last"\n')
+    kikit.chmod(0o755)
+    said = run_fingertip("board", "--panel", "2x3", "--out", tmp_path / "b", PATH=f"{tmp_path}:/bin").stdout
+    assert "panel of 2 x 3 in" in said
+    assert (tmp_path / "b/panel/slip_filter.kicad_pcb").read_text() == "panel\n"
+
+
 def test_default_output_folder_is_that_of_the_design(tmp_path: Path) -> None:
     missing = run_fingertip("board", "fsr400", "--check", PWD=str(tmp_path))
     assert missing.returncode == 1

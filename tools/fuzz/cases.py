@@ -162,8 +162,8 @@ def recording_cases(draw: st.DrawFn) -> Case:
 
 @st.composite
 def reading_cases(draw: st.DrawFn) -> Case:
-    """Damaged files of readings: weighings, calipers, a board's voltages, a hand's sizes."""
-    kind = draw(st.integers(0, 3))
+    """Damaged files of readings: weighings, calipers, a hand's sizes."""
+    kind = draw(st.integers(0, 2))
     if kind == 0:
         command = ("calibrate", "sensor", "fsr400", "a.csv", "--out", "b.toml")
         return Case("weighings", command, {"a.csv": draw(damaged(originals.weighings()))}, may_fail=True)
@@ -171,14 +171,11 @@ def reading_cases(draw: st.DrawFn) -> Case:
         command = ("new", "mine", "--hand", "a.toml", "--out", "b.toml")
         file = draw(damaged(draw(st.sampled_from(originals.hands()))))
         return Case("hand", command, {"a.toml": file}, limit_s=_FITTED_S)  # `new` fits a finger and checks it
-    if kind == 2:
-        readings = (draw(st.sampled_from((*ODD_NUMBERS, *ODD_TEXTS, "10.1"))) for _ in range(2))
-        options = [
-            f"--{name}={value}" for name, value in zip(("half-thickness-mm", "plate-width-mm"), readings, strict=True)
-        ]
-        return Case("calipers", _no_nul(["calibrate", "printer", "fsr400", *options]))
-    board = ("board", "fsr400", "--readings", "a.toml")
-    return Case("board readings", board, {"a.toml": draw(damaged(originals.board_readings(), 8))}, may_fail=True)
+    readings = (draw(st.sampled_from((*ODD_NUMBERS, *ODD_TEXTS, "10.1"))) for _ in range(2))
+    options = [
+        f"--{name}={value}" for name, value in zip(("half-thickness-mm", "plate-width-mm"), readings, strict=True)
+    ]
+    return Case("calipers", _no_nul(["calibrate", "printer", "fsr400", *options]))
 
 
 _HANDS = {

@@ -119,17 +119,6 @@ def weighings() -> bytes:
 
 
 @cache
-def board_readings() -> bytes:
-    """File of readings of the default design's board."""
-    from fingertip.design import Design
-    from fingertip.tasks.board import bring_up_files
-
-    files = bring_up_files(Design())
-    text = next(data for name, data in files.items() if name.endswith(".toml")).decode()
-    return text.replace("= nan", "= 2.5").encode()
-
-
-@cache
 def sweep_database() -> bytes:
     """Database of a small finished sweep."""
     from fingertip.sweep.database import SweepDatabase

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import shlex
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -34,6 +36,11 @@ def board(
         "Write nothing; compare the folder (with --fab also OUT/fab) with the design; exit 1 if they differ."
     ),
     fab: bool = flag("Also write gerbers, drill files, placement, parts and renderings to OUT/fab; requires KiCad 9."),
+    panel: str | None = typer.Option(
+        None,
+        metavar="ROWSxCOLUMNS",
+        help="Also write a panel of so many boards, such as 2x3, to OUT/panel; needs KiKit.",
+    ),
     analysis: bool = flag("Also analyse noise, offsets, tolerances (10 000 boards), sensitivities."),
     bode: Path | None = typer.Option(None, metavar="FILE", help="Write the Bode table of each stage as CSV."),
     bringup: bool = flag("Also write bringup.md, how to test a soldered board, and a sketch that plays the tones."),
@@ -43,11 +50,14 @@ def board(
     changes: list[str] | None = options.CHANGES,
 ) -> None:
     """Compute the board's component values; write schematic, layout, netlist, SPICE deck and bill of materials."""
-    writing = {"--bode": bode, "--bringup": bringup}
+    writing = {"--bode": bode, "--bringup": bringup, "--panel": panel}
     idle = find_idle_issues("--check", writing if check else {})
     refuse(find_file_issues("--bode", bode, ".csv"), idle)
+    shape = re.fullmatch("([1-9])x([1-9])", panel or "1x1")
+    message = f"{panel} is no panel; write rows and columns, 1 to 9 each, such as 2x3."
+    refuse([] if shape else [Issue("--panel", message)])
     loaded = load_design(design, changes, console)
-    options = _Options(out, fab, analysis, bode, bringup, article, verbose, force)
+    options = _Options(out, fab, shape if panel else None, analysis, bode, bringup, article, verbose, force)
     if not loaded.board.has_filter:
         from fingertip.board.components.values import BOARD_REMEDY
 
@@ -68,6 +78,8 @@ class _Options:
 
     out: Path | None
     fab: bool
+    panel: re.Match[str] | None
+    """Rows and columns of the panel."""
     analysis: bool
     bode: Path | None
     bring_up: bool
@@ -93,6 +105,8 @@ def _write_board(console: Console, design: Design, options: _Options) -> None:
         "",
         *table_lines(design, values),
     ]
+    if options.panel:
+        lines += ["", _write_panel(folder, *map(int, options.panel.groups()))]
     if options.verbose:
         lines += ["", *load_lines(design, values), "", *gate_lines(values)]
     if options.fab:
@@ -119,6 +133,19 @@ def _write_board(console: Console, design: Design, options: _Options) -> None:
         data["analysis"] = found.as_data()
         lines += ["", analysis_text(design, found)]
     console.result(data | written | {"verdict": verdict, "warnings": warnings}, "\n".join(lines))
+
+
+def _write_panel(folder: Path, rows: int, columns: int) -> str:
+    """Write a panel of a board beside it, or name the command that does it where KiKit is not installed."""
+    from fingertip.board.fabrication.fabrication_files import panel_command, run_kikit
+    from fingertip.catalogues.output_files import LAYOUT
+
+    panel = folder / "panel" / LAYOUT
+    command = panel_command(folder / LAYOUT, panel, rows, columns)
+    panel.parent.mkdir(exist_ok=True)
+    if run_kikit(command):
+        return f"panel of {rows} x {columns} in {panel}"
+    return f"KiKit is not installed; where it is, this writes the panel: {shlex.join(command)}"
 
 
 def _write_divider(console: Console, design: Design, options: _Options) -> None:

@@ -122,6 +122,30 @@ def export_gerbers(folder: Path, run: RunKicad, name: str) -> bytes:
     return buffer.getvalue()
 
 
+def panel_command(layout: Path, panel: Path, rows: int, columns: int) -> list[str]:
+    """Command of KiKit for a panel of a board: V-cuts, and rails with fiducials and tooling holes.
+
+    No pad but those of the sockets lies within a millimetre of an edge, which a V-cut takes.
+    """
+    return [
+        "kikit", "panelize", "--layout", f"grid; rows: {rows}; cols: {columns}; space: 0mm", "--tabs", "full",
+        "--cuts", "vcuts", "--framing", "railstb; width: 5mm; space: 0mm", "--fiducials",
+        "3fid; hoffset: 5mm; voffset: 2.5mm; coppersize: 1mm; opening: 2mm", "--tooling",
+        "3hole; hoffset: 2.5mm; voffset: 2.5mm; size: 1.5mm", str(layout), str(panel),
+    ]  # fmt: skip
+
+
+def run_kikit(command: list[str]) -> bool:
+    """Run the command where KiKit is installed, and return whether it is. Raises BoardError."""
+    if not (kikit := shutil.which(command[0])):
+        return False
+    process = subprocess.run([kikit, *command[1:]], capture_output=True, text=True, check=False)
+    if process.returncode:
+        output = " ".join((process.stdout + process.stderr).split())[-400:]
+        raise BoardError(f"KiKit failed ({output}); the files of the board itself are unchanged.")
+    return True
+
+
 # Provenance of fabrication files: hashes of the board they were made from.
 #
 # They reveal gerbers of an earlier board before anybody sends them to a board house.

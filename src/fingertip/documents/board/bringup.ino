@@ -81,7 +81,11 @@ void loop() {
 {% endfor %}
   report("S quiet, RMS: ", rms_v, 0.0f, {{ plan.quiet_v.high | fixed(4) }}f);
 {% for tone in plan.tones %}
-  measure({{ letters[tone.net] }}_PIN, {{ tone.samples }}, 1);
+{% set is_long = plan.envelope_v and tone.samples == setup.periods[2] %}
+{% if is_long %}
+  Serial.println("Measure TP4 and SLIP now, for 20 seconds.");
+{% endif %}
+  measure({{ letters[tone.net] }}_PIN, {{ tone.samples }}, {{ 20 if is_long else 1 }});
   report("{{ letters[tone.net] }} with {{ tone.hz | fixed(1) }} Hz, RMS: ", tone_v, {{ tone.limits.low | fixed(4) }}f, {{ tone.limits.high | fixed(4) }}f);
 {% endfor %}
   Serial.println("Tap the board now, for 10 seconds.");

@@ -32,7 +32,7 @@ _TOP_DEPENDS = {nets.ADC_TACTILE: "R8, R9, C9, C19", nets.ADC_FILTERED: "C20, R2
 
 def render_sheet(plan: BringUp, values: BoardValues, design: Design, wiring: str) -> str:
     """Render the bring-up sheet of a design's board as Markdown, with the file of its wiring diagram."""
-    return render("board/bringup.md", **_collect(plan, values, design), wiring=wiring)
+    return render("board/bringup.md", **_collect(plan, values, design), wiring=wiring).rstrip() + "\n"
 
 
 def render_sketch(plan: BringUp, values: BoardValues, design: Design) -> str:

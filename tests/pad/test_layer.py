@@ -54,7 +54,7 @@ def bring_sphere(radius, thickness, young=1.0, active=2.0):
     line = layer.GRID_MM * np.arange(-32.0, 33.0)
     form = replace(STRAIGHT, young_mpa=young, active_radius_mm=active, poisson=0.45)
     gap = (line[:, None] ** 2 + line[None, :] ** 2) / (2 * radius)
-    return layer._Approach(form, line, line, gap, thickness)
+    return layer._Approach(form, line, line, gap, thickness, layer.GRID_MM)
 
 
 def test_a_thick_layer_is_hertz_half_space(monkeypatch):
@@ -90,10 +90,9 @@ def test_extremes_converge(thickness, young, monkeypatch):
 def test_a_contact_does_not_depend_on_the_grid(monkeypatch):
     poses = [Pose(10.0), Pose(2.0, 10.0), Pose(0.0, 0.0, "sphere", 8.0, 1.0)]
     coarse = [find_contacts(STRAIGHT, pose, (1.0, 4.0)) for pose in poses]
-    monkeypatch.setattr(layer, "GRID_MM", 0.125)
     monkeypatch.setattr(layer, "_SIZES", tuple(range(16, 1200, 4)))
     for found, pose in zip(coarse, poses, strict=True):
-        for one, other in zip(found, find_contacts(STRAIGHT, pose, (1.0, 4.0)), strict=True):
+        for one, other in zip(found, find_contacts(STRAIGHT, pose, (1.0, 4.0), grid_mm=0.125), strict=True):
             assert one.share == pytest.approx(other.share, abs=0.006)
             assert one.depth_mm == pytest.approx(other.depth_mm, rel=0.02)
 

@@ -14,6 +14,7 @@ from fingertip.cli.options import JOBS, OPTIONAL_DESIGN, command, load_design, r
 def accuracy(
     console: Console,
     design: Path | None = OPTIONAL_DESIGN,
+    of: Path | None = typer.Argument(None, metavar="[DESIGN]", help="Design after the word budget."),
     cases: int = typer.Option(5000, help="Number of extreme cases, 1 to 1000000."),
     jobs: int | None = JOBS,
     out: Path = typer.Option(Path("out/accuracy"), "--out", "-o", help="Folder for accuracy.txt, .json and .png."),
@@ -23,17 +24,31 @@ def accuracy(
     A trial and a grasp of the design run with the program's time step, a half and a quarter of it; the reference has
     steps 16 times as short, and scipy integrates the contact once more. Extreme and stiff cases of contact and board
     are held, refused with a reason, or wrong.
+
+    After the word budget: errors of 25 named outputs at three settings of steps, grids, meshes and samples each, with
+    their CPU time.
     """
     from fingertip.foundation.errors import Issue
     from fingertip.foundation.output_set import SetWriter, hash_parameters
-    from fingertip.lab.accuracy import report
+    from fingertip.lab.accuracy import budget_report, report
+    from fingertip.lab.accuracy.budget import measure_budget
     from fingertip.lab.accuracy.measure import measure_accuracy
+    from fingertip.sweep.outputs import load_outputs
 
     outside = Issue("--cases", f"{cases} is out of bounds; choose 1 to 1000000.")
     refuse([] if 1 <= cases <= 1_000_000 else [outside])
-    loaded = load_design(design, None, console)
+    is_budget = design == Path("budget")
+    extra = Issue("DESIGN", f"{of} is one design too many; name one, or write budget ahead of it.")
+    refuse([extra] if of and not is_budget else [])
+    loaded = load_design(of if is_budget else design, None, console)
     writer = SetWriter(out, "accuracy", loaded.name, hash_parameters(loaded.identity()))
-    writer.check(report.FILES)
+    writer.check(budget_report.FILES if is_budget else report.FILES)
+    if is_budget:
+        curves = measure_budget(loaded, console.progress)
+        shown = loaded.name, curves, {name: output.group for name, output in load_outputs().items()}
+        writer.write(budget_report.as_files(*shown))
+        console.result(budget_report.as_data(*shown), budget_report.as_text(*shown))
+        return
     found = measure_accuracy(loaded, cases, console.progress, jobs)
     writer.write(report.as_files(found))
     text = f"{report.as_text(found)}\ndetails: {out / report.FILES[0]}"

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, TypeAlias
 
 if TYPE_CHECKING:
@@ -104,3 +104,36 @@ def _cumulative(count: int, mean: float) -> float:
     if mean <= 0.0:
         return 1.0
     return math.fsum(math.exp(k * math.log(mean) - mean - math.lgamma(k + 1)) for k in range(count + 1))
+
+
+def binomial_interval(count: int, total: int) -> tuple[float, float]:
+    """Compute the interval of a share from a count (C. J. Clopper, E. S. Pearson, Biometrika 26, 1934, 404)."""
+    tail = (1 - CONFIDENCE) / 2
+    low = bisect(lambda p: 1 - _at_most(count - 1, total, p) < tail, 0.0, 1.0, halvings=60)[0] if count else 0.0
+    high = bisect(lambda p: _at_most(count, total, p) > tail, 0.0, 1.0, halvings=60)[0] if count < total else 1.0
+    return low, high
+
+
+def quantile_ranks(total: int, fraction: float) -> tuple[int, int]:
+    """Compute the ranks, from 0, of the sorted values between which a quantile lies, whatever their distribution.
+
+    A rank of -1 or `total` says that there are too few values for a bound on that side.
+    """
+    tail, below = (1 - CONFIDENCE) / 2, list(itertools.accumulate(_probabilities(total, total, fraction)))
+    return sum(p <= tail for p in below) - 1, sum(p < 1 - tail for p in below)
+
+
+def _at_most(count: int, total: int, share: float) -> float:
+    """Probability that at most `count` of `total` independent events happen."""
+    return math.fsum(_probabilities(count, total, share))
+
+
+def _probabilities(count: int, total: int, share: float) -> Iterator[float]:
+    """Yield the probabilities that 0 to `count` of `total` independent events happen."""
+    if not 0.0 < share < 1.0:
+        yield float(count >= (total if share >= 1.0 else 0))
+        return
+    odds = math.log(share), math.log1p(-share)
+    for k in range(count + 1):
+        ways = math.lgamma(total + 1) - math.lgamma(k + 1) - math.lgamma(total - k + 1)
+        yield math.exp(ways + k * odds[0] + (total - k) * odds[1])

@@ -96,13 +96,14 @@ class _Layout:
     x_mm: Array
     dz_mm: Array
     thickness_mm: float
+    grid_mm: float
 
 
 def find_contacts(
-    form: PadForm, pose: Pose, forces_n: Sequence[float], max_strain: float = MAX_STRAIN
+    form: PadForm, pose: Pose, forces_n: Sequence[float], max_strain: float = MAX_STRAIN, grid_mm: float = GRID_MM
 ) -> list[Contact]:
     """Find the contact at each of some growing forces. Raises TraceError."""
-    near = bring(form, pose)
+    near = bring(form, pose, grid_mm)
     layout, pressure, inside = near.lay_out(_FIRST_REACH_MM), None, _lay_rings(form)
     found: list[Contact] = []
     for force_n in forces_n:
@@ -133,7 +134,7 @@ def _lay_rings(form: PadForm) -> Inside | None:
 def _meet_bone(contact: Contact, layout: _Layout, pressure: Array, inside: Inside) -> Contact:
     """Correct a contact for where the inside of the skin meets the bone."""
     on, distance = pressure > 0.0, np.hypot(layout.x_mm[:, None], layout.dz_mm[None, :])
-    more_n, sunk = inside.compare(pressure[on] * GRID_MM**2, distance[on])
+    more_n, sunk = inside.compare(pressure[on] * layout.grid_mm**2, distance[on])
     share, depth = contact.share + more_n / contact.force_n, contact.depth_mm + sunk / contact.force_n
     return replace(contact, share=max(0.0, share), depth_mm=depth)
 
@@ -164,33 +165,35 @@ class _Approach:
     dz_mm: Array
     gap_mm: Array
     thickness_mm: float
+    grid_mm: float
 
     def lay_out(self, reach_mm: float) -> _Layout:
         """Lay a grid around the part of the pad that lies within reach of the object."""
         used = self.gap_mm < reach_mm
         ends = [np.flatnonzero(used.any(axis=axis))[[0, -1]] for axis in (1, 0)]
-        margin = math.ceil(_MARGIN * self.thickness_mm / GRID_MM)
+        margin = math.ceil(_MARGIN * self.thickness_mm / self.grid_mm)
         counts = [int(high - low) + 1 for low, high in ends]
         sizes = [next(n for n in _SIZES if n >= count + margin) for count in counts]
         gap = np.full(sizes, math.inf)
         inside = tuple(slice(int(low), int(high) + 1) for low, high in ends)
         gap[: counts[0], : counts[1]] = np.where(used, self.gap_mm, math.inf)[inside]
         x, dz = (
-            _unwrap(float(line[low]), size, count)
+            _unwrap(float(line[low]), size, count, self.grid_mm)
             for line, (low, _), size, count in zip((self.x_mm, self.dz_mm), ends, sizes, counts, strict=True)
         )
-        form = self.form
-        kernels = _kernels(sizes, self.thickness_mm, _FREE_SIDES * form.young_mpa, form.poisson, form.held_part)
-        return _Layout(gap, reach_mm, *kernels, _cover(x, dz, form.active_radius_mm), x, dz, self.thickness_mm)
+        form, grid = self.form, self.grid_mm
+        kernels = _kernels(sizes, self.thickness_mm, _FREE_SIDES * form.young_mpa, form.poisson, form.held_part, grid)
+        active = _cover(x, dz, form.active_radius_mm, grid)
+        return _Layout(gap, reach_mm, *kernels, active, x, dz, self.thickness_mm, grid)
 
 
-def bring(form: PadForm, pose: Pose) -> _Approach:
+def bring(form: PadForm, pose: Pose, grid_mm: float = GRID_MM) -> _Approach:
     """Bring the object of a pose to the pad. Raises TraceError for a pose that cannot be."""
     half, length = form.outer.section.half_width, form.outer.spans[-1].z[2]
-    count = math.ceil(half / GRID_MM)
-    x = GRID_MM * np.arange(-count, count + 1, dtype=np.float64)
-    low, high = (math.ceil(z / GRID_MM) for z in (-form.sensor_z_mm, length - form.sensor_z_mm))
-    dz = GRID_MM * np.arange(low, high + 1, dtype=np.float64)
+    count = math.ceil(half / grid_mm)
+    x = grid_mm * np.arange(-count, count + 1, dtype=np.float64)
+    low, high = (math.ceil(z / grid_mm) for z in (-form.sensor_z_mm, length - form.sensor_z_mm))
+    dz = grid_mm * np.arange(low, high + 1, dtype=np.float64)
     xs, zs = np.meshgrid(x, dz, indexing="ij")
     surface = form.skin_mm(xs, zs + form.sensor_z_mm)
     on_skin = np.isfinite(surface)
@@ -199,7 +202,7 @@ def bring(form: PadForm, pose: Pose) -> _Approach:
     gap = np.full(xs.shape, math.inf)
     gap[on_skin] = touch.clear_mm(points)
     thickness = float(height - max(form.bone_mm(at_x[None], at_z[None])[0], 0.0))
-    return _Approach(form, x, dz, gap, thickness)
+    return _Approach(form, x, dz, gap, thickness, grid_mm)
 
 
 @lru_cache(maxsize=1024)
@@ -210,24 +213,24 @@ def is_possible(form: PadForm, pose: Pose) -> bool:
     return False
 
 
-def _unwrap(start: float, size: int, used: int) -> Array:
+def _unwrap(start: float, size: int, used: int, grid_mm: float) -> Array:
     """Return the positions of a grid that wraps around: the second half of its margin lies before its start."""
     index, behind = np.arange(size), (size - used) // 2
-    return start + GRID_MM * np.where(index < size - behind, index, index - size)
+    return start + grid_mm * np.where(index < size - behind, index, index - size)
 
 
-def _cover(x: Array, dz: Array, radius: float) -> Array:
-    inner = GRID_MM * ((np.arange(_SUPERSAMPLED) + 0.5) / _SUPERSAMPLED - 0.5)
+def _cover(x: Array, dz: Array, radius: float, grid_mm: float = GRID_MM) -> Array:
+    inner = grid_mm * ((np.arange(_SUPERSAMPLED) + 0.5) / _SUPERSAMPLED - 0.5)
     squares = ((x[:, None] + inner) ** 2)[:, None, :, None] + ((dz[:, None] + inner) ** 2)[None, :, None, :]
     return np.asarray((squares <= radius * radius).mean(axis=(2, 3)))
 
 
 def _kernels(
-    sizes: list[int], h: float, young: float, nu: float, held: float = 1.0
+    sizes: list[int], h: float, young: float, nu: float, held: float = 1.0, grid_mm: float = GRID_MM
 ) -> tuple[Array, Array, NDArray[np.complex128]]:
     """Evaluate C, T and S on the waves of a grid. All terms are divided by exp(2 w), which overflows."""
-    kx = 2.0 * math.pi * np.fft.fftfreq(sizes[0], GRID_MM)[:, None]
-    kz = 2.0 * math.pi * np.fft.rfftfreq(sizes[1], GRID_MM)[None, :]
+    kx = 2.0 * math.pi * np.fft.fftfreq(sizes[0], grid_mm)[:, None]
+    kz = 2.0 * math.pi * np.fft.rfftfreq(sizes[1], grid_mm)[None, :]
     k = np.hypot(kx, kz)
     w, ka = k * h, 3.0 - 4.0 * nu
     one, two = np.exp(-w), np.exp(-2.0 * w)
@@ -250,7 +253,7 @@ def _kernels(
 
 def _press(layout: _Layout, force_n: float, start: Array | None) -> tuple[Contact, Array]:
     """Find the pressures [MPa] at a force; `start` are those of a smaller one."""
-    cell, may_press = GRID_MM**2, np.isfinite(layout.gap_mm)
+    cell, may_press = layout.grid_mm**2, np.isfinite(layout.gap_mm)
     gap = np.where(may_press, layout.gap_mm, 0.0)
     p = (may_press & (gap < 0.25 * layout.reach_mm)) / cell if start is None else start
     p = p * (force_n / (p.sum() * cell))
@@ -284,7 +287,7 @@ def _apply(p: Array, kernel: NDArray[np.float64] | NDArray[np.complex128]) -> Ar
 
 
 def _summarise(layout: _Layout, force_n: float, p: Array, gap: Array) -> Contact:
-    cell, on = GRID_MM**2, p > 0.0
+    cell, on = layout.grid_mm**2, p > 0.0
 
     def mean(values: Array) -> float:
         return float((p * values).sum()) * cell / force_n

@@ -10,7 +10,7 @@ from typing import Any
 
 from fingertip.design import Design
 from fingertip.foundation.errors import TraceError
-from fingertip.pad.layer import Contact, find_contacts, find_rest_n
+from fingertip.pad.layer import GRID_MM, Contact, find_contacts, find_rest_n
 from fingertip.pad.pad_geometry import PadForm
 from fingertip.pad.touch import Pose
 
@@ -110,10 +110,10 @@ def _survey(form: PadForm) -> PadSurvey:
     return PadSurvey(shares, turn_on, rolled, stiffness, firm.strain, find_rest_n(form))
 
 
-def try_contacts(form: PadForm, pose: Pose, *forces_n: float) -> list[Contact]:
+def try_contacts(form: PadForm, pose: Pose, *forces_n: float, grid_mm: float = GRID_MM) -> list[Contact]:
     """Find the contacts whatever the strain, which is a figure of its own; none in a pose that cannot be."""
     try:
-        return find_contacts(form, pose, forces_n, math.inf)
+        return find_contacts(form, pose, forces_n, math.inf, grid_mm)
     except TraceError:
         return []
 

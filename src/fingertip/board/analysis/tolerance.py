@@ -108,10 +108,12 @@ YIELD_BOARDS, YIELD_RATIO, LEAST_YIELD = 4000, 0.1, 0.99
 """Boards that are drawn for a yield, deviation from the design within which a board counts, and share that must."""
 
 
-def compute_yields(model: FilterModel, values: Mapping[str, Value], circuit: Circuit, board: Board) -> dict[str, float]:
+def compute_yields(
+    model: FilterModel, values: Mapping[str, Value], circuit: Circuit, board: Board, boards: int = YIELD_BOARDS
+) -> dict[str, float]:
     """Compute the share of boards within `YIELD_RATIO` of the design's cutoff, and of its gain."""
     toleranced = TolerancedFilter(model, values)
-    deviations = draw_deviations(toleranced, component_tolerances(circuit), YIELD_BOARDS, seed=1)
+    deviations = draw_deviations(toleranced, component_tolerances(circuit), boards, seed=1)
     found = toleranced.quantities(deviations)
     wanted = {"cutoff_hz": board.cutoff_hz, "passband_gain": board.passband_gain}
     return {name: float(np.mean(np.abs(found[name] / v - 1.0) <= YIELD_RATIO)) for name, v in wanted.items()}

@@ -179,10 +179,10 @@ def list_load_points(design: Design) -> dict[str, Point3]:
     }
 
 
-def assess_strength(design: Design, evaluator: MeshEvaluator) -> BoneStrength:
+def assess_strength(design: Design, evaluator: MeshEvaluator, stations: int = STATIONS) -> BoneStrength:
     """Find the weakest place of the bone, and what it holds. Raises GeometryError."""
     stated, interface, stress = design.strength, interface_of(design), attrgetter("stress_per_n")
-    cuts = [(z, section, _find_concentration(design, z)) for z, section in _cut(design, evaluator)]
+    cuts = [(z, section, _find_concentration(design, z)) for z, section in _cut(design, evaluator, stations)]
     (pressed,) = find_contacts(PadForm.of_design(design), REFERENCE_POSE, (PRESSED_N,), math.inf)
     places: list[Weakness] = []
     knocks: list[Knock] = []
@@ -213,13 +213,13 @@ def _bending_stiffness(design: Design, load_z: float, cuts: Sequence[_CutPlane])
     return float(design.strength.material.modulus_mpa / (step * (bent[:, None] / seconds).sum(axis=0).min()))
 
 
-def _cut(design: Design, evaluator: MeshEvaluator) -> Iterator[tuple[float, Section]]:
+def _cut(design: Design, evaluator: MeshEvaluator, stations: int) -> Iterator[tuple[float, Section]]:
     """Cut the bone from its proximal end to the rounded tip, which the skin around it loads as a whole."""
     solid = evaluator.manifold(PARTS["bone"].solid(design))
     low, high = solid.bounding_box()[2], design.dimensions.taper_end_z
     low = interface_of(design).beam_begin_z(design, low)
-    for i in range(STATIONS):
-        z = low + (i + 0.5) * (high - low) / STATIONS
+    for i in range(stations):
+        z = low + (i + 0.5) * (high - low) / stations
         section = measure_section([np.asarray(polygon) for polygon in solid.slice(z).to_polygons()])
         if section:
             yield z, section

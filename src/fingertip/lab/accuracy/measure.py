@@ -1,4 +1,4 @@
-"""Errors of simulated traces: those of the time step against run time, and the contribution of each stage.
+"""Errors of simulated traces by the time step, against run time.
 
 Errors are differences from steps `REFERENCE` times as short. Noise is drawn on the base grid and stays the same, so
 every difference is an error of the step. scipy integrates the contact once more, around the onset of slip.
@@ -24,7 +24,6 @@ from fingertip.sim import ManipulationFile, ManipulationResult, SceneFile, Scene
 from fingertip.sim.contact.friction import LOAD_SCALE_N, stribeck
 from fingertip.sim.runs.scene import SceneRun
 from fingertip.sim.runs.timeline import mount_pad
-from fingertip.sim.signal.bridge import HYSTERESIS, Bridge
 from fingertip.sim.signal.grid import Grid
 from fingertip.sim.simulation import Trial
 
@@ -53,7 +52,7 @@ class StepError:
 def measure_steps(design: Design, name: str, scene: SceneFile | ManipulationFile) -> list[StepError]:
     """Run a scene without noise with the shipped step, a half and a quarter of it. Raises TraceError."""
     signals = ["force_n", "tactile_v", *(["envelope_v"] if design.board.has_filter else [])]
-    scene, runs, cpu_s = _silence(scene, signals), list[SceneResult | ManipulationResult](), list[float]()
+    scene, runs, cpu_s = silence(scene, signals), list[SceneResult | ManipulationResult](), list[float]()
     base = (SceneRun(design, scene).grid or Grid()).refinement if isinstance(scene, SceneFile) else 1
     for refinement in (1, *_REFINEMENTS, REFERENCE):  # the first run loads the loops
         begin, grid = time.process_time(), Grid(base * refinement)
@@ -74,7 +73,7 @@ def measure_steps(design: Design, name: str, scene: SceneFile | ManipulationFile
     return found
 
 
-def _silence(scene: Any, outputs: Sequence[str]) -> Any:
+def silence(scene: Any, outputs: Sequence[str]) -> Any:
     """Copy of a scene without noise, with other outputs."""
     quiet = scene.sensing.model_copy(update={"noise": False})
     return scene.model_copy(update={"outputs": [*outputs], "sensing": quiet})
@@ -82,7 +81,7 @@ def _silence(scene: Any, outputs: Sequence[str]) -> Any:
 
 def compare_with_scipy(design: Design, trial: Trial) -> float:
     """Largest difference of the pad's pull from scipy's solution of its equations, around the onset of slip [N]."""
-    run = SceneRun(design, _silence(trial.scene, ["shear_m"]), trial.seed)
+    run = SceneRun(design, silence(trial.scene, ["shear_m"]), trial.seed)
     assert run.timeline.slide
     found = run_scene(design, run.scene, trial.seed, grid=Grid(REFERENCE * (run.grid or Grid()).refinement))
     since_s = found.time_s - run.timeline.slide.start_s
@@ -120,43 +119,12 @@ def _integrate_contact(run: SceneRun, since_s: Array) -> Array:
     return np.array(shear)
 
 
-@dataclass(frozen=True)
-class Contribution:
-    """Contribution of one stage to the error of the default trial."""
-
-    stage: str
-    kind: str
-    """"largest" and "rms" are computed, "stated" is a constant of the model with its source in the code."""
-    error_n: float | None
-    error_v: float
-    """Error as force, and at the tactile voltage or the output that the stage names."""
-
-
-def find_budget(design: Design, step: StepError) -> list[Contribution]:
-    """Find what each stage contributes to the default trial, of which `step` holds the errors at the shipped step."""
-    run, noise_v = SceneRun(design, Trial().scene), design.detector.noise_v
-    forces_n = run.force_n * np.array([0.99, 1.01])
-    low_v, high_v = Bridge.of_board(design).voltage_v(np.asarray(run.pad.sensed_n(forces_n)))
-    volt_per_n = abs(high_v - low_v) / (0.02 * run.force_n)
-    step_v, hysteresis_n = design.detector.adc_step_v / math.sqrt(12), HYSTERESIS * run.force_n
-    rows = [Contribution("contact, time step", "largest", step.errors["force_n"], step.errors["tactile_v"])]
-    if design.board.has_filter:
-        rows.append(Contribution("board, time step (envelope)", "largest", None, step.errors["envelope_v"]))
-    return [
-        *rows,
-        Contribution("converter, quantisation", "rms", step_v / volt_per_n, step_v),
-        Contribution("converter, noise", "rms", noise_v / volt_per_n, noise_v),
-        Contribution("sensor, hysteresis", "stated", hysteresis_n, hysteresis_n * volt_per_n),
-    ]
-
-
 @dataclass(frozen=True, eq=False)
 class Accuracy:
     design: Design
     steps: tuple[StepError, ...]
     scipy_n: float
     """Largest difference from scipy [N]."""
-    budget: tuple[Contribution, ...]
     extremes: tuple[FamilyResult, ...]
 
 
@@ -170,6 +138,6 @@ def measure_accuracy(
         work.begin("time steps")
         grasp = ManipulationFile.load("real_manipulation")
         steps = *measure_steps(design, "trial", Trial().scene), *measure_steps(design, "grasp", grasp)
-        scipy_n, budget = compare_with_scipy(design, Trial()), find_budget(design, steps[0])
+        scipy_n = compare_with_scipy(design, Trial())
         work.begin("extreme cases")
-        return Accuracy(design, steps, scipy_n, tuple(budget), tuple(try_families(cases, work.advance)))
+        return Accuracy(design, steps, scipy_n, tuple(try_families(cases, work.advance)))

@@ -27,19 +27,15 @@ def as_files(found: Accuracy) -> dict[str, bytes]:
 
 def as_text(found: Accuracy) -> str:
     wrong = [line for one in found.extremes for line in _describe_cases(one) if line.startswith("WRONG")]
-    budget = ([one.stage, one.kind, *map(_short, (one.error_n, one.error_v))] for one in found.budget)
     lines = [
         f"{found.design.name}: largest errors of a trial and of a grasp, against steps / {REFERENCE}",
-        *_table(("run", "step [us]", *map(SIGNALS.get, found.steps[0].errors), "CPU [s]", "x real time"),
+        *as_table(("run", "step [us]", *map(SIGNALS.get, found.steps[0].errors), "CPU [s]", "x real time"),
                 ([one.run, f"{1e6 * one.step_s:g}", *map(_short, one.errors.values()), f"{one.cpu_s:.2f}",
                   f"{one.real_time_ratio:.0f}"] for one in found.steps)),
         f"scipy's LSODA integrates the contact at the onset of slip: it differs by {found.scipy_n:.1e} N",
         "",
-        "what each stage of the trial contributes:",
-        *_table(("stage", "kind", "[N]", "[V]"), budget),
-        "",
         f"extreme cases: {f'{len(wrong)} are WRONG' if wrong else 'none is wrong'}",
-        *_table(EXTREMES, map(_count_outcomes, found.extremes)),
+        *as_table(EXTREMES, map(_count_outcomes, found.extremes)),
         *wrong,
     ]  # fmt: skip
     return "\n".join(lines)
@@ -63,16 +59,17 @@ def _describe_cases(one: FamilyResult) -> Iterator[str]:
 
 def as_data(found: Accuracy) -> dict[str, Any]:
     extremes = {one.name: dict(zip(EXTREMES[1:], _count_outcomes(one)[1:], strict=True)) for one in found.extremes}
-    steps, budget = [asdict(one) for one in found.steps], [asdict(one) for one in found.budget]
-    return {"design": found.design.name, "steps": steps, "difference_from_scipy_n": found.scipy_n, "budget": budget,
-            "extremes": extremes}  # fmt: skip
+    steps = [asdict(one) for one in found.steps]
+    return {
+        "design": found.design.name, "steps": steps, "difference_from_scipy_n": found.scipy_n, "extremes": extremes
+    }  # fmt: skip
 
 
-def _short(value: float | None) -> str:
-    return "-" if value is None else f"{value:.1e}"
+def _short(value: float) -> str:
+    return f"{value:.1e}"
 
 
-def _table(header: Sequence[object], rows: Iterable[Sequence[object]]) -> list[str]:
+def as_table(header: Sequence[object], rows: Iterable[Sequence[object]]) -> list[str]:
     return [f"| {' | '.join(map(str, row))} |" for row in (header, ["---"] * len(header), *rows)]
 
 

@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fingertip.design import Design
-from fingertip.foundation.numerics import Array, poisson_interval
+from fingertip.foundation.numerics import Array, binomial_interval, poisson_interval, quantile_ranks
 from fingertip.foundation.workers import call_each
 from fingertip.lab.campaign.plan import HELD_OUT_FROM, REPORTED_SEPARATELY, CampaignPlan, Case, generate_cases
 from fingertip.sim import SceneFile, run_scene
 from fingertip.sim.runs.scene import SceneRun
+from fingertip.sim.signal.grid import Grid
 from fingertip.slip.detectors import registry
 from fingertip.slip.detectors.fast import FastDetector, FastOutput
 from fingertip.slip.traces.trace import Trace
@@ -55,10 +56,10 @@ class TrialResult:
         return tuple(delay + self.creep_s for delay in self.delays_s)
 
 
-def simulate_trace(design: Design, case: Case, detectors: Sequence[str]) -> Trace:
+def simulate_trace(design: Design, case: Case, detectors: Sequence[str], grid: Grid | None = None) -> Trace:
     """Simulate the recording of a case, through the ADC."""
     outputs = ["voltage_v", "force_n", "slip", *select_board_outputs(design, detectors)]
-    return run_scene(design, case.scene.model_copy(update={"outputs": outputs}), case.seed).trace
+    return run_scene(design, case.scene.model_copy(update={"outputs": outputs}), case.seed, grid=grid).trace
 
 
 def select_board_outputs(design: Design, detectors: Sequence[str]) -> list[str]:
@@ -184,6 +185,13 @@ def quantile_s(delays_s: Sequence[float], slips: int, fraction: float) -> float:
     return float(ranked[min(len(ranked) - 1, int(fraction * len(ranked)))]) if ranked else math.inf
 
 
+def quantile_interval_s(delays_s: Sequence[float], slips: int, fraction: float) -> tuple[float, float]:
+    """Interval that holds a quantile with 95 %, from order statistics [s]."""
+    low, high = quantile_ranks(slips, fraction)
+    ranked = [0.0, *sorted(delays_s), *[math.inf] * (slips + 1 - len(delays_s))]
+    return ranked[low + 1], ranked[high + 1]
+
+
 @dataclass(frozen=True)
 class DetectorResult:
     """Pooled results of one detector at one threshold."""
@@ -202,6 +210,18 @@ class DetectorResult:
     @property
     def found_share(self) -> float:
         return len(self.delays_s) / self.slips if self.slips else 0.0
+
+    @property
+    def found_interval(self) -> tuple[float, float]:
+        """Interval that contains the share of slips found with 95 % probability."""
+        return binomial_interval(len(self.delays_s), self.slips)
+
+    def delay_interval(self, fraction: float) -> tuple[float, float]:
+        """Interval that contains a quantile of the delay with 95 % probability [s]; infinite: too few were found."""
+        return quantile_interval_s(self.delays_s, self.slips, fraction)
+
+    def motion_delay_interval(self, fraction: float) -> tuple[float, float]:
+        return quantile_interval_s([d for t in self.trials for d in t.motion_delays_s], self.slips, fraction)
 
     @property
     def share_within_30_ms(self) -> float:

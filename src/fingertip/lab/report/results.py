@@ -36,6 +36,12 @@ def format_ms(seconds: float, otherwise: str = "missed", form: str = ".1f", unit
     return f"{1000 * seconds:{form}}{unit}" if math.isfinite(seconds) else otherwise
 
 
+def format_interval(span_s: tuple[float, float]) -> str:
+    """Write an interval of delays in ms; without an upper end if too few slips are there, or were found, for one."""
+    low, high = (format_ms(end, unit="") for end in span_s)
+    return f"{low}-{high}" if math.isfinite(span_s[1]) else f"from {low}"
+
+
 def to_number(value: float) -> float | None:
     """Round a number for JSON; None stands for one that is not finite."""
     return round(value, 7) if math.isfinite(value) else None
@@ -92,8 +98,11 @@ def _summary(result: DetectorResult) -> dict[str, Any]:
     return {
         "scale": result.scale,
         "found_share": round(result.found_share, 5),
+        "found_share_95": [round(share, 5) for share in result.found_interval],
         "median_s": to_number(result.delay_s(0.5)),
         "p90_s": to_number(result.delay_s(0.9)),
+        "median_s_95": [to_number(s) for s in result.delay_interval(0.5)],
+        "p90_s_95": [to_number(s) for s in result.delay_interval(0.9)],
         "worst_s": to_number(result.worst_s),
         "median_since_motion_s": to_number(result.motion_delay_s(0.5)),
         "p90_since_motion_s": to_number(result.motion_delay_s(0.9)),
@@ -133,6 +142,13 @@ def _delay_table(result: CampaignResult) -> Iterator[str]:
             f"{_ms(nominal.worst_s)} {_ms(nominal.motion_delay_s(0.5))} {_ms(p90_s)} "
             f"{band:>18} {100 * nominal.share_within_30_ms:6.1f}%"
         )
+    yield f"{'95 %':8} {'found':>13} {'median':>13} {'p90':>13} {'motion median':>14} {'motion p90':>13}   from - to"
+    for name in result.detectors:
+        nominal = result.at_nominal_threshold(name)
+        low, high = (100 * share for share in nominal.found_interval)
+        spans = (*map(nominal.delay_interval, (0.5, 0.9)), *map(nominal.motion_delay_interval, (0.5, 0.9)))
+        delays = " ".join(f"{format_interval(span):>13}" for span in spans)
+        yield f"{name:8} {f'{low:.1f}-{high:.1f}%':>13} {delays}"
     yield "found, median, p90, worst: slips found, percentiles of the delay, longest found."
     yield "Since gross slip: the pad slides at 1 mm/s. Since motion: the robot moved;"
     yield f"{ENCODER_NOTE}."

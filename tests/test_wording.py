@@ -122,3 +122,36 @@ def test_paths_in_the_developers_pages_exist(page: str) -> None:
     assert named
     assert not missing
     assert "@@" not in text
+
+
+INSTRUCTIONS = [
+    "README.md",
+    *(f"docs/{name}.md" for name in ("index", "install", "tutorial", "casting", "sets", "sensor")),
+]
+"""Pages to be followed step by step; the casting sheet is another."""
+
+
+def sentences(text: str) -> Iterator[list[str]]:
+    """Words of each sentence of a Markdown page, without tables, headings, pictures, quotations and blocks of code."""
+    text = re.sub(r"```.*?```|!\[[^\]]*\]\([^)]*\)", "\n\n", text, flags=re.DOTALL)
+    text = re.sub(r"^(?:\||#|>).*$", "", text, flags=re.MULTILINE)
+    text = re.sub(r"`[^`]*`", "x", re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", text))
+    for block in re.split(r"\n\s*\n|\n(?=\s*(?:- |\d+\. ))", text):
+        for sentence in re.split(r"(?<=[.?!])\s+", re.sub(r"^\s*(?:- |\d+\. )", "", block)):
+            if re.search(r"\w", sentence):
+                yield sentence.split()
+
+
+@pytest.mark.parametrize("page", [*INSTRUCTIONS, "tests/documents/approved/adult_finger_casting.md"])
+def test_instructions_have_short_sentences(page: str) -> None:
+    found = list(sentences((ROOT / page).read_text(encoding="utf-8")))
+    assert sum(map(len, found)) <= 16 * len(found)
+    assert [" ".join(words) for words in found if len(words) > 30] == []
+
+
+def test_the_manual_stays_small_and_says_whom_each_page_is_for() -> None:
+    pages = {path.name: path.read_text(encoding="utf-8") for path in (ROOT / "docs").glob("*.md")}
+    assert len(pages) <= 26
+    assert sum(len(text.split()) for text in (*pages.values(), (ROOT / "README.md").read_text())) <= 31_000
+    led = [name for name, text in pages.items() if re.match(r"# .*\n\n(?:For .*|.*after this page)", text)]
+    assert sorted(pages) == sorted(led)

@@ -47,6 +47,8 @@ _CLASSIFIED = {
 _HEADING = """\
 # Licences of the dependencies
 
+For whoever passes an installation on: after this page you know whose terms it must keep to.
+
 fingertip is under Apache-2.0. The packages that it needs keep their own licences. This page lists all that
 `pip install "fingertip-kit[all]"` brings, as their metadata states it. `python -m tools.dependencies.licences` makes
 the page; tests compare it with what is installed.
@@ -57,6 +59,9 @@ ask, among other things, that the library can be replaced; a Python environment 
 
 ## Parts under the LGPL or the GPL
 """
+
+
+_LISTED = "By licence; in parentheses what brings the package, the core or an extra. Without one it is `cadquery`."
 
 
 @dataclass(frozen=True)
@@ -122,9 +127,15 @@ def format_page(licences: Iterable[Licence]) -> str:
     special = [
         f"- **{one.name}**: {COPYLEFT[canonical(one.name)]}." for one in licences if canonical(one.name) in COPYLEFT
     ]
-    rows = [f"| {one.name} | {one.asked_by} | {one.text} |" for one in licences]
-    table = ["| package | asked for by | licence |", "| --- | --- | --- |", *rows]
-    return "\n".join([_HEADING, *special, "", "## All packages", "", *table, ""])
+    by_text: dict[str, list[str]] = {}
+    for one in licences:
+        by_text.setdefault(one.text, []).append(
+            one.name if one.asked_by == "cadquery" else f"{one.name} ({one.asked_by})"
+        )
+    rows = [
+        f"- {text}: {', '.join(names)}" for text, names in sorted(by_text.items(), key=lambda each: each[0].lower())
+    ]
+    return "\n".join([_HEADING, *special, "", "## All packages", "", _LISTED, "", *rows, ""])
 
 
 if __name__ == "__main__":

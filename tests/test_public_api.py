@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import re
+import time
 from pathlib import Path
 from typing import Any
 
@@ -69,6 +70,11 @@ def test_part_as_cadquery_solid_and_trimesh() -> None:
     assert abs(cadquery.Workplane(solid).val().Volume() - mesh.volume) / mesh.volume < 0.002
     with pytest.raises(fingertip.FingertipError, match="did you mean bone"):
         fingertip.part_mesh(design, "bome")
+    assert fingertip.part_solid(design, "sensor").isValid()
+    assert fingertip.mesh_of(solid).volume() == pytest.approx(mesh.volume, rel=2e-3)
+    assert design.replace({"bone.wall_mm": 0.82}).changes() == {"bone.wall_mm": 0.82}
+    with pytest.raises(fingertip.FingertipError, match="wall_mm"):
+        design.replace({"bone.wall_mm": 90})
 
 
 @pytest.mark.full
@@ -77,10 +83,18 @@ def test_faces_of_a_part_are_tagged_and_frames_are_places_of_cadquery(name: str)
     import cadquery
 
     design = fingertip.Design.load(name)
-    parts = {part: fingertip.part_workplane(design, part) for part in ("bone", "skin", "mold_palmar", "mold_dorsal")}
+    mold = fingertip.mold(design)
+    parts = {"bone": fingertip.bone(design), "skin": fingertip.skin(design), "mold_palmar": mold.palmar,
+             "mold_dorsal": mold.dorsal}  # fmt: skip
+    begin = time.process_time()
+    assert fingertip.part_workplane(design, "bone").faces(tag="channel").size() == len(
+        parts["bone"].ctx.tags["channel"].vals()
+    )
+    assert time.process_time() - begin <= 0.05
     tags = {part: set(workplane.ctx.tags) for part, workplane in parts.items()}
     assert tags == {
-        "bone": {"pocket", "post"}, "skin": {"pad"}, "mold_palmar": {"pad", "parting"}, "mold_dorsal": {"parting"},
+        "bone": {"channel", "pocket", "post"}, "skin": {"pad"}, "mold_palmar": {"pad", "parting"},
+        "mold_dorsal": {"parting"},
     }  # fmt: skip
     rows = re.findall(r"(?m)^\| `(\w+)` \| (`.*) \|$", (ROOT / "docs/python.md").read_text(encoding="utf-8"))
     assert {part: set(re.findall(r"`(\w+)`", said)) for part, said in rows if part in tags} == tags

@@ -20,7 +20,18 @@ from fingertip.foundation.version import __version__
 
 if TYPE_CHECKING:
     from fingertip.board import BoardValues, board_values
-    from fingertip.cad.convert import assembly, frames, part_mesh, part_solid, part_trimesh, part_workplane
+    from fingertip.cad.convert import (
+        assembly,
+        bone,
+        frames,
+        mesh_of,
+        mold,
+        part_mesh,
+        part_solid,
+        part_trimesh,
+        part_workplane,
+        skin,
+    )
     from fingertip.cad.report import Build
     from fingertip.cad.verification.verify import check
     from fingertip.calibration.printer import calibrate_printer
@@ -49,7 +60,7 @@ if TYPE_CHECKING:
 
 _NAMES = {
     "board": "BoardValues board_values",
-    "cad.convert": "assembly frames part_mesh part_solid part_trimesh part_workplane",
+    "cad.convert": "assembly bone frames mesh_of mold part_mesh part_solid part_trimesh part_workplane skin",
     "cad.report": "Build",
     "cad.verification.verify": "check",
     "calibration.printer": "calibrate_printer",
@@ -82,10 +93,10 @@ _MODULES = {name: f"fingertip.{module}" for module, names in _NAMES.items() for 
 __all__ = [
     "BoardValues", "Build", "CampaignPlan", "Design", "Detection", "FileDetection", "FingertipError", "Made",
     "ManipulationFile", "Picture", "Readout", "SceneFile", "SlipChain", "StreamDetection", "Trace", "Trial",
-    "__version__", "assembly", "board_values", "build", "calibrate_printer", "calibrate_sensor", "check", "detect",
-    "detect_file", "detect_stream", "frames", "make", "part_mesh", "part_solid", "part_trimesh", "part_workplane",
-    "picture", "read_trace", "read_weighings", "run_manipulation", "run_scene", "run_sweep",
-    "simulate", "validate", "write_board", "write_drawing", "write_firmware", "write_robot",
+    "__version__", "assembly", "board_values", "bone", "build", "calibrate_printer", "calibrate_sensor", "check",
+    "detect", "detect_file", "detect_stream", "frames", "make", "mesh_of", "mold", "part_mesh", "part_solid",
+    "part_trimesh", "part_workplane", "picture", "read_trace", "read_weighings", "run_manipulation", "run_scene",
+    "run_sweep", "simulate", "skin", "validate", "write_board", "write_drawing", "write_firmware", "write_robot",
 ]  # fmt: skip
 
 

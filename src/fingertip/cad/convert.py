@@ -7,10 +7,13 @@ from __future__ import annotations
 
 import contextlib
 import importlib
+from functools import lru_cache
 from importlib import metadata
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
+import numpy as np
+
+from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator, join_equal, to_canonical_mesh, to_manifold
 from fingertip.cad.shapes.parts import find_frames, hardware, parts_by_name
 from fingertip.design import Design
 from fingertip.design.geometry.solids import Solid
@@ -24,12 +27,16 @@ if TYPE_CHECKING:
     import trimesh
 
 
+_ANGLE_RAD, _DECIMALS = 0.1, 6
+"""Angle between neighbouring facets of cadquery's meshes, and decimals [mm] to which their corners are joined."""
+_KEPT = 32
+"""Number of exact solids that are kept, and made once: a design has some ten."""
 _ALONG, _NEAR_MM, _POCKET_MM = 0.999, 0.02, 0.3
 """Component of a normal along an axis, distance from a place, and depth of the pocket besides the sensor's."""
 
 
 def part_solid(design: Design, name: str) -> cadquery.Solid:
-    """Build a part as an exact `cadquery.Solid` [mm].
+    """Build a part, or a bought item such as "sensor", as an exact `cadquery.Solid` [mm]; equal ones are made once.
 
     Raises
     ------
@@ -38,41 +45,91 @@ def part_solid(design: Design, name: str) -> cadquery.Solid:
     MissingLibraryError
         If cadquery, or a system library it needs, is missing.
     """
-    solid = _find_solid(design, name)
     cadquery = _load_cadquery("part_solid")
-    from fingertip.cad.kernel import brep  # noqa: PLC0415
+    return cadquery.Solid(_evaluate(_find_solid(design, name)))
 
-    return cadquery.Solid(brep.BrepEvaluator().solid(solid))
+
+class Mold(NamedTuple):
+    """Two-part mold, and the core that is lowered into it."""
+
+    palmar: cadquery.Workplane
+    dorsal: cadquery.Workplane
+    core: cadquery.Workplane
+
+
+def bone(design: Design) -> cadquery.Workplane:
+    """Build the bone, with the cable channel and the sensor's pocket, as `part_workplane`."""
+    return part_workplane(design, "bone")
+
+
+def skin(design: Design) -> cadquery.Workplane:
+    """Build the silicone skin as `part_workplane`."""
+    return part_workplane(design, "skin")
+
+
+def mold(design: Design) -> Mold:
+    """Build the mold of the skin as `part_workplane`."""
+    return Mold(*(part_workplane(design, name) for name in ("mold_palmar", "mold_dorsal", "core")))
 
 
 def part_workplane(design: Design, name: str) -> cadquery.Workplane:
     """Build a part as a `cadquery.Workplane` with tagged faces, such as `bone.faces(tag="post").workplane()`.
 
     The tag "pad" is on the skin over the sensor, or on what shapes it; "pocket" on the floor that the sensor lies on;
-    "post" on the proximal end of the bone, in several faces on a clevis; "parting" on the parting plane of a mold half.
-    Raises as `part_solid`.
+    "channel" on the wall of the cable channel; "post" on the proximal end of the bone, in several faces on a clevis;
+    "parting" on the parting plane of a mold half. Raises as `part_solid`.
     """
-    solid, cadquery = part_solid(design, name), _load_cadquery("part_workplane")
-    workplane, form, dims = cadquery.Workplane(solid), PadForm.of_design(design), design.dimensions
+    made = part_solid(design, name)
+    workplane = _load_cadquery("part_workplane").Workplane(made)
+    numbers, faces = _tag_faces(_find_solid(design, name), design, name), made.Faces()
+    for tag, tagged in numbers.items():
+        workplane.newObject([faces[i] for i in tagged]).tag(tag)
+    return workplane
+
+
+@lru_cache(_KEPT)
+def _evaluate(solid: Solid) -> Any:
+    from fingertip.cad.kernel import brep  # noqa: PLC0415
+
+    return brep.BrepEvaluator().solid(solid)
+
+
+@lru_cache(_KEPT)
+def _tag_faces(solid: Solid, design: Design, name: str) -> dict[str, list[int]]:
+    """Find the faces of each tag, by their numbers in the solid."""
+    cadquery = _load_cadquery("part_workplane")
+    made = cadquery.Solid(_evaluate(solid))
+    form, dims = PadForm.of_design(design), design.dimensions
     over_sensor = cadquery.Vertex.makeVertex(0.0, -form.platform_mm - form.over_sensor_mm, form.sensor_z_mm)
-    tagged = {"pad": [face for face in solid.Faces() if face.distance(over_sensor) < _NEAR_MM]}
-    level = [(face, face.normalAt(), face.Center()) for face in solid.Faces() if face.geomType() == "PLANE"]
+    faces = dict(enumerate(made.Faces()))
+    tagged = {"pad": [i for i, face in faces.items() if face.distance(over_sensor) < _NEAR_MM]}
+    level = [(i, face.normalAt(), face.Center()) for i, face in faces.items() if face.geomType() == "PLANE"]
     if name == "bone":
-        base_z, least_y = solid.BoundingBox().zmin, -form.platform_mm
-        tagged["post"] = [face for face, _, at in level if abs(at.z - base_z) < _NEAR_MM]
+        base_z, least_y, radius = made.BoundingBox().zmin, -form.platform_mm, design.bone.channel_diameter_mm / 2
+        tagged["post"] = [i for i, _, at in level if abs(at.z - base_z) < _NEAR_MM]
         # The floor is the deepest of the faces under the sensor's head that look out of the pad.
         under = [
-            (face, at.y) for face, normal, at in level
+            (i, at.y) for i, normal, at in level
             if normal.y < -_ALONG and abs(at.z - dims.sensor_z) < dims.sensor.head_diameter_mm / 2
             and at.y < least_y + dims.sensor.thickness_mm + _POCKET_MM
         ]  # fmt: skip
-        tagged["pocket"] = [face for face, y in under if y > max(y for _, y in under) - _NEAR_MM]
+        tagged["pocket"] = [i for i, y in under if y > max(y for _, y in under) - _NEAR_MM]
+        tagged["channel"] = [i for i, face in faces.items() if _is_wire_way(face, radius)]
     elif name.startswith("mold"):
-        tagged["parting"] = [face for face, normal, at in level if abs(normal.y) > _ALONG and abs(at.y) < _NEAR_MM]
-    for tag, faces in tagged.items():
-        if faces:
-            workplane.newObject(faces).tag(tag)
-    return workplane
+        tagged["parting"] = [i for i, normal, at in level if abs(normal.y) > _ALONG and abs(at.y) < _NEAR_MM]
+    return {tag: found for tag, found in tagged.items() if found}
+
+
+def _is_wire_way(face: Any, radius: float) -> bool:
+    """Return whether a face is a pipe of this radius in the middle plane: no other round face bends along it."""
+    kind, surface = face.geomType(), face._geomAdaptor()
+    if kind == "TORUS":
+        return bool(abs(surface.Torus().MinorRadius() - radius) < _NEAR_MM)
+    if kind != "CYLINDER":
+        return False
+    along = surface.Cylinder().Axis()
+    is_middle = abs(along.Location().X()) < _NEAR_MM and abs(along.Direction().X()) < _NEAR_MM
+    return bool(is_middle and abs(surface.Cylinder().Radius() - radius) < _NEAR_MM)
 
 
 def frames(design: Design) -> dict[str, cadquery.Location]:
@@ -94,6 +151,24 @@ def part_mesh(design: Design, name: str, tolerance_mm: float = 0.01) -> Mesh:
         If the design has no part of this name.
     """
     return MeshEvaluator(tolerance_mm).mesh(_find_solid(design, name))
+
+
+def mesh_of(shape: cadquery.Workplane | cadquery.Shape, tolerance_mm: float = 0.01) -> Mesh:
+    """Mesh what was made with cadquery, such as a part with a nail, for the STL writer and the checks of files.
+
+    Raises
+    ------
+    DesignError
+        If the tolerance is out of bounds.
+    GeometryError
+        If the mesh is not closed.
+    """
+    tolerance_mm = MeshEvaluator(tolerance_mm).tolerance_mm
+    points, triangles = getattr(shape, "val", lambda: shape)().tessellate(tolerance_mm, _ANGLE_RAD)
+    joined, number = join_equal(np.round(np.array([each.toTuple() for each in points]), _DECIMALS))
+    corners = number[np.array(triangles)]
+    distinct = (corners != np.roll(corners, 1, axis=1)).all(axis=1)
+    return to_canonical_mesh(to_manifold(joined, corners[distinct]))
 
 
 def part_trimesh(design: Design, name: str, tolerance_mm: float = 0.01) -> trimesh.Trimesh:
@@ -120,14 +195,12 @@ def assembly(design: Design) -> cadquery.Assembly:
         If cadquery, or a system library it needs, is missing.
     """
     cadquery = _load_cadquery("assembly")
-    from fingertip.cad.kernel import brep  # noqa: PLC0415
-
-    evaluator, parts = brep.BrepEvaluator(), parts_by_name(design)
+    parts = parts_by_name(design)
     placed = [(name, part.solid(design), part.colour) for name, part in parts.items()]
     placed += [(item.name, item.solid, item.colour) for item in hardware(design, list(parts))]
     whole = cadquery.Assembly(name=design.name)
     for name, solid, colour in placed:
-        whole.add(cadquery.Solid(evaluator.solid(solid)), name=name, color=cadquery.Color(*colour))
+        whole.add(cadquery.Solid(_evaluate(solid)), name=name, color=cadquery.Color(*colour))
     return whole
 
 
@@ -149,6 +222,9 @@ def _load_cadquery(field: str) -> Any:
 
 def _find_solid(design: Design, name: str) -> Solid:
     parts = parts_by_name(design)
-    if name not in parts:
-        raise DesignError(Issue("name", f"there is no {name!r}; {suggest_name(name, tuple(parts))}"))
-    return parts[name].solid(design)
+    if name in parts:
+        return parts[name].solid(design)
+    bought = {item.name: item.solid for item in hardware(design, parts)}
+    if name not in bought:
+        raise DesignError(Issue("name", f"there is no {name!r}; {suggest_name(name, (*parts, *bought))}"))
+    return bought[name]

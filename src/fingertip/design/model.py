@@ -77,6 +77,22 @@ class Design(DesignTables):
         return design
 
     @checked
+    def replace(self, changes: Changes) -> Self:
+        """Return the design with changes as those of `load`, checked as a whole.
+
+        >>> Design().replace({"skin.width_mm": 18}).skin.width_mm
+        18.0
+
+        Raises
+        ------
+        DesignError
+            If a change is not valid, or the design with all of them is refused.
+        """
+        loaded, tables = load_tables((), changes), self.model_dump()
+        merge(tables, loaded.tables)
+        return self.from_tables(tables, self.model_dump(), loaded.changed, self.provisional)
+
+    @checked
     def fit(self, changes: Changes = (), progress: Callable[[str], None] = lambda message: None) -> Self:
         """Change the design, and move what follows until every rule passes and the bone holds its loads.
 

@@ -1,0 +1,31 @@
+"""Continue with parts of a design in plain CadQuery: a nail on the skin, a rib and a logo on the bone.
+
+Each goes through the project's checks of STL files, and is written by its STL writer, which gives the same bytes each
+time: .venv/bin/python examples/continue_in_cadquery.py
+"""
+
+import tempfile
+from pathlib import Path
+
+import cadquery as cq
+
+from fingertip import Design, bone, mesh_of, skin
+from fingertip.cad.files import stl
+from fingertip.cad.shapes.parts import PARTS
+from fingertip.cad.verification.printing import check_mesh_file
+
+design = Design.load("fsr400").replace({"skin.width_mm": 18})
+back, length = design.skin.semi_axis_dorsal_mm, design.skin.length_mm
+nail = cq.Workplane("XY").ellipse(5.0, 1.0).extrude(12.0).translate((0.0, back - 1.0, length - 18.0))
+beside = design.dimensions.bone_outline.section.half_width
+rib = cq.Workplane("XY").box(1.2, 1.2, 6.0).translate((beside, 0.0, -10.0))
+logo = bone(design).faces(tag="post").workplane().slot2D(4.0, 1.2).cutBlind(-0.8)
+
+folder = Path(tempfile.mkdtemp())
+for name, part in (("skin", skin(design).union(nail)), ("bone", logo.union(rib))):
+    mesh = mesh_of(part)
+    data = stl.to_bytes(mesh, name, "with features of its own")
+    checks = list(check_mesh_file(design, PARTS[name], stl.from_bytes(data), "stl"))
+    assert all(check.passed for check in checks), [check.name for check in checks if not check.passed]
+    (folder / f"{name}.stl").write_bytes(data)
+    print(f"{folder / name}.stl: {mesh.volume():.1f} mm3, {len(checks)} checks passed")

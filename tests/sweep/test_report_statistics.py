@@ -40,6 +40,7 @@ from fingertip.sweep.report.statistics import (
     suits_log_scale,
     to_sortable,
 )
+from fingertip.sweep.report.summary import describe_tied
 from tests.sweep.examples import make_plan, make_table
 from tests.tools import require_module
 
@@ -120,6 +121,22 @@ def test_first_order_indices_of_a_linear_function_are_its_squared_coefficients()
     assert signs["b"] < -0.3
     assert select_strongest_axes(sensitivity, list(axes), 2) == ["a", "b"]
     assert select_strongest_axes(None, list(axes), 2) == ["a", "b"]
+
+
+def test_axes_that_rules_tie_to_each_other_have_no_index() -> None:
+    """Of points near a line, on which two axes each explain 99 %: the output is the one, and the other says as much."""
+    rng = np.random.default_rng(1)
+    x, free = rng.random(500), rng.random(500)
+    axes = {"x": x, "beside": -x + 0.01 * rng.random(500), "free": free}
+    sensitivity = compute_sensitivity("y", x + 0.3 * free, axes)
+    assert sensitivity is not None
+    assert {axis.axis: axis.tied_to for axis in sensitivity.axes} == {"x": ("beside",), "beside": ("x",), "free": ()}
+    assert get_indices(sensitivity)["x"] == get_indices(sensitivity)["beside"] == 0.0 < get_indices(sensitivity)["free"]
+    assert describe_tied(sensitivity) == ["beside and x cannot be told apart"]
+    assert set(select_strongest_axes(sensitivity, list(axes), 2)) == {"x", "beside"}
+    independent = compute_sensitivity("y", x + 0.3 * free, {"x": x, "free": free})
+    assert independent is not None
+    assert not describe_tied(independent)
 
 
 @pytest.mark.parametrize("count", [3, 6])

@@ -246,9 +246,12 @@ def draw_sensitivities(sensitivities: Sequence[statistics.OutputSensitivity], ax
     for i, sensitivity in enumerate(sensitivities):
         correlations = {axis.axis: axis.rank_correlation for axis in sensitivity.axes}
         indices = {axis.axis: axis.first_order_index for axis in sensitivity.axes}
+        tied = {axis.axis for axis in sensitivity.axes if axis.tied_to}
         indices[columns[-1]] = max(0.0, sensitivity.unexplained)
         for j, name in enumerate(columns):
             shares[i, j] = indices.get(name, 0.0)
+            if name in tied:
+                plot.text(j, i, "?", ha="center", va="center", fontsize=9)
             if shares[i, j] <= 0:
                 continue
             correlation = correlations.get(name, math.nan)
@@ -268,8 +271,8 @@ def draw_sensitivities(sensitivities: Sequence[statistics.OutputSensitivity], ax
         plot.axvline(gap - 0.5, color="white", linewidth=2)
     title = (
         "share of the output's variance that an axis explains alone (first-order Sobol index), over the feasible "
-        "designs\narrow: the output rises or falls with the axis; empty: not significant; shares may overlap where "
-        "designs are infeasible"
+        "designs\narrow: the output rises or falls with the axis; empty: not significant; ?: cannot be told apart "
+        "from another axis"
     )
     figure.suptitle(title, x=0.01, ha="left", fontsize=9)
     return style.to_png(figure)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,6 +17,10 @@ Column = NDArray[Any]
 
 MIN_POINTS = 20
 """Minimum number of points for an estimate of explained variance."""
+
+
+TIED = 0.3
+"""Rank correlation beyond which two axes vary with each other: the one explains 9 % of the other."""
 
 
 @dataclass(frozen=True)
@@ -275,6 +279,9 @@ class AxisSensitivity:
     """Share of the output's variance that the axis explains alone; 0 if it is not significant."""
     rank_correlation: float
     """Spearman's rank correlation, from -1 (falling) to 1 (rising); NaN if the axis is categorical."""
+    tied_to: tuple[str, ...] = ()
+    """Axes that vary with this one over the points that count: what it explains alone cannot be told from what they do,
+    and its index is 0."""
 
 
 @dataclass(frozen=True)
@@ -282,8 +289,8 @@ class OutputSensitivity:
     """Sensitivity of one output to all axes: Sobol's first-order indices.
 
     An index (Saltelli et al., *Global Sensitivity Analysis*, 2008, section 1.2.8) is the variance of the output's mean
-    in bins of the axis, divided by the output's variance, corrected for chance. It holds for axes that are sampled
-    independently. Points that a rule refuses leave gaps, and then the shares of different axes may overlap.
+    in bins of the axis, divided by the output's variance, corrected for chance. It holds for axes that vary
+    independently, and only they have one: points that a rule refuses leave gaps, which tie axes to each other.
     """
 
     output: str
@@ -314,7 +321,7 @@ def compute_sensitivity(output: str, column: Column, axes: dict[str, Column]) ->
     if len(y) < MIN_POINTS or np.ptp(y) <= 1e-12 * np.max(np.abs(y)):
         return None
     max_bins = min(32, max(2, math.isqrt(len(y)) // 2))
-    y_ranks = compute_ranks(y)
+    y_ranks, tied = compute_ranks(y), find_tied({name: axis[finite] for name, axis in axes.items()})
     sensitivities, max_deviation = [], 0.0
     for name, axis in axes.items():
         x = axis[finite]
@@ -328,9 +335,21 @@ def compute_sensitivity(output: str, column: Column, axes: dict[str, Column]) ->
         index = estimate_explained_variance(y, bins)
         rank_correlation = math.nan if is_categorical(x) else compute_correlation(compute_ranks(x), y_ranks)
         # Two standard deviations: about the 95th percentile for an axis without effect
-        sensitivities.append(AxisSensitivity(name, index if index > 2 * deviation else 0.0, rank_correlation))
-    sensitivities.sort(key=lambda axis: -axis.first_order_index)
-    return OutputSensitivity(output, len(y), max_deviation, tuple(sensitivities))
+        index = index if index > 2 * deviation else 0.0
+        ties = tied[name] if index else ()
+        sensitivities.append((index, AxisSensitivity(name, 0.0 if ties else index, rank_correlation, ties)))
+    sensitivities.sort(key=lambda one: -one[0])
+    return OutputSensitivity(output, len(y), max_deviation, tuple(axis for _, axis in sensitivities))
+
+
+def find_tied(axes: Mapping[str, Column]) -> dict[str, tuple[str, ...]]:
+    """Find the axes that vary with each one by more than chance; words have their alphabetical ranks."""
+    ranks = {name: compute_ranks(to_sortable(column)) for name, column in axes.items()}
+    least = max([TIED, *(3.0 / math.sqrt(len(own)) for own in ranks.values())])
+    return {
+        name: tuple(other for other in ranks if other != name and abs(compute_correlation(own, ranks[other])) > least)
+        for name, own in ranks.items()
+    }
 
 
 def select_strongest_axes(sensitivity: OutputSensitivity | None, axes: Sequence[str], count: int) -> list[str]:

@@ -73,6 +73,7 @@ def _to_json_object(record: Any) -> dict[str, Any]:
     data |= {name: _to_json_number(value) for name, value in data.items() if isinstance(value, float)}
     if "limiting_ranges" in data:
         data["limiting_ranges"] = [list(ends) for ends in data["limiting_ranges"]]
+    data |= {name: list(value) for name, value in data.items() if name == "tied_to"}
     return data | {"axes": [_to_json_object(axis) for axis in data["axes"]]} if "axes" in data else data
 
 
@@ -222,8 +223,15 @@ def _format_sensitivities(sensitivities: Sequence[statistics.OutputSensitivity])
                 if abs(axis.rank_correlation) >= _MIN_CORRELATION:  # false for NaN, of a categorical axis
                     direction = " +" if axis.rank_correlation > 0 else " -"
                 axes.append(f"{axis.axis} {format_percent(axis.first_order_index)}{direction}")
+        axes += describe_tied(sensitivity)
         lines.append(f"{sensitivity.output:34} {', '.join(axes) or 'no significant axis'}")
     return lines
+
+
+def describe_tied(sensitivity: statistics.OutputSensitivity) -> list[str]:
+    """Name each group of axes that vary with each other, and so have no index of their own."""
+    groups = dict.fromkeys(tuple(sorted({axis.axis, *axis.tied_to})) for axis in sensitivity.axes if axis.tied_to)
+    return [f"{' and '.join(group)} cannot be told apart" for group in groups]
 
 
 def _format_value(value: Any) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import io
 import json
 import re
 import shlex
@@ -314,3 +316,36 @@ def test_detect_file_in_python_returns_warnings(tmp_path):
     constant, threshold = fingertip.detect_file(tmp_path / "t.csv", design).warnings
     assert constant == "the voltage is constant at 2.3 V; is a sensor connected?"
     assert "is below the mean noise level" in threshold
+
+
+class _Port(io.RawIOBase):
+    """Serial port as pyserial gives it: bytes, line by line; a pseudo terminal that closes ends with EIO."""
+
+    def __init__(self, text: str) -> None:
+        self._lines = iter(text.encode().splitlines(keepends=True))
+
+    def readline(self, size: int | None = -1) -> bytes:
+        try:
+            return next(self._lines)
+        except StopIteration:
+            raise OSError(errno.EIO, "Input/output error") from None
+
+
+@pytest.mark.parametrize("rate_hz", [1250.0, 2000.0])
+def test_a_serial_port_gives_bytes_its_rate_and_its_end(rate_hz: float) -> None:
+    text = csv(np.arange(len(V)) / rate_hz, V)
+    found = fingertip.detect_stream(_Port(text))
+    assert found.design.detector.sample_rate_hz == rate_hz
+    assert [transition.on for transition in found.transitions][:1] == [True]
+
+
+@pytest.mark.parametrize("unit", ["s", "ms"])
+def test_a_series_whose_index_holds_the_times(unit: str) -> None:
+    pandas = pytest.importorskip("pandas")
+    index = T if unit == "s" else pandas.to_timedelta(1000 * T, unit="ms")
+    onset_s = fingertip.detect(pandas.Series(V, index=index)).intervals[0].onset_s
+    assert onset_s == fingertip.detect(np.column_stack([T, V])).intervals[0].onset_s
+    wide = np.column_stack([T, V, V, V, V])
+    with pytest.raises(fingertip.FingertipError, match=r"a time and 4 columns; .* as in recording\[:, \[0, 1\]\]"):
+        fingertip.detect(wide)
+    assert fingertip.detect(wide[:, [0, 1]]).intervals[0].onset_s == onset_s

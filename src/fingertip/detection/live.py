@@ -7,20 +7,25 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from fingertip.design import Design
 from fingertip.design.parameters.electronics import Detector as DetectorParameters
 from fingertip.detection.adaptation import Adaptation
 from fingertip.detection.warnings import StepWatch, settings_warnings
 from fingertip.foundation.errors import Issue, TraceError, shorten
+from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors import registry
 from fingertip.slip.traces import sampling
-from fingertip.slip.traces.columns import parse_number, split_cells
+from fingertip.slip.traces.columns import bare, is_named, parse_number, split_cells
 from fingertip.slip.traces.csv_dialect import Header, find_header
-from fingertip.slip.traces.trace import NANOSEC, ColumnMap, bounded_lines
+from fingertip.slip.traces.trace import NANOSEC, ColumnMap, RawTrace, bounded_lines
 
 NAME = "standard input"
 _MAX_QUOTED = 100
 """Maximum length of a line in an error message [characters]."""
+_FIRST = 100
+"""Number of samples from whose times the rate follows."""
 _RATE_WINDOWS = 100
 """Number of windows over which the mean rate is measured before the measurement restarts."""
 
@@ -50,7 +55,7 @@ class StreamDetection:
 
 
 def detect_stream(
-    lines: Iterable[str],
+    lines: Iterable[str | bytes],
     design: Design | None = None,
     detector: str = registry.DEFAULT,
     *,
@@ -62,13 +67,16 @@ def detect_stream(
     keep_window: bool = False,
     progress: Callable[[str], None] | None = None,
 ) -> StreamDetection:
-    """Detect slip in CSV lines while they arrive. The header is read at once, the samples as transitions are taken.
+    """Detect slip in CSV lines while they arrive. The samples are read as transitions are taken.
+
+    The header is read at once. If neither design nor `rate_hz` state a rate, it follows from the first samples' times.
 
     Parameters
     ----------
     lines
-        CSV lines, as in a file. The detector `analog` takes the column `envelope_v` and, if there is none, the output
-        of the design's board, simulated for the voltage.
+        CSV lines, as in a file: texts or bytes, or what has a method `readline`, such as a `serial.Serial`. The
+        detector `analog` takes the column `envelope_v` and, if there is none, the output of the design's board,
+        simulated for the voltage.
     design, detector, rate_hz, scale, time_scale, columns, keep_threshold, keep_window, progress
         As for `detect_file`, but the voltage may not be the column of a force.
 
@@ -81,14 +89,20 @@ def detect_stream(
     """
     report, design = progress or (lambda message: None), design or Design()
     kind = registry.check_detector(design, detector)
+    adaptation = Adaptation(detector, keep_threshold, keep_window, report=report)
     if rate_hz is not None:
-        design = Adaptation(detector, keep_threshold, keep_window, report=report).to_rate(design, rate_hz)
+        design = adaptation.to_rate(design, rate_hz)
     voltage = ColumnMap(columns or {}, rate_hz, scale, time_scale)
     if not voltage.in_volts:
         problem = "names a force, whose thresholds require --calibrate and the whole recording"
         raise TraceError(Issue("--column", f"{problem}; save the lines in a file."))
     header, rows = open_stream(lines, voltage, *([_map_envelope(voltage)] if kind.takes_envelope else []))
     voltage = voltage.with_simulated_names(header.names)
+    if rate_hz is None and "sample_rate_hz" not in design.detector.model_fields_set:
+        first = list(itertools.islice(rows, _FIRST))
+        rows = itertools.chain(first, rows)
+        if raw := _read_times(header, first, voltage):
+            design = adaptation.to_recording(design, raw)
     instance, column_map = _select_stream_detector(header.names, design, detector, voltage, report)
     second = registry.find_second_column(design, detector)
     reads_second = second is not None and voltage.name_in_file(second) in header.names
@@ -117,9 +131,27 @@ def _select_stream_detector(
     return SimulatedBoardDetector(design), voltage
 
 
-def open_stream(lines: Iterable[str], columns: ColumnMap, *alternatives: ColumnMap) -> tuple[Header, NumberedLines]:
+def _read_times(header: Header, rows: Sequence[tuple[int, str]], columns: ColumnMap) -> RawTrace | None:
+    """Read the times of lines, by which the rate is known; None if a line holds none, which is told as it is taken."""
+    found, names = dict[str, Array](), {"time_s": columns.name_in_file("time_s"), NANOSEC: columns.names.get(NANOSEC)}
+    for column, name in names.items():
+        if name in header.names:
+            cells = (split_cells(line, header.delimiter) for _, line in rows)
+            place = header.names.index(name)
+            values = [parse_number(each[place]) if len(each) > place else None for each in cells]
+            if None in values:
+                return None
+            found[column] = np.array(values, dtype=float)
+    if "time_s" not in found:
+        return None
+    return RawTrace(NAME, columns.make_trace({**found, "voltage_v": np.zeros(len(rows))}))
+
+
+def open_stream(
+    lines: Iterable[str | bytes], columns: ColumnMap, *alternatives: ColumnMap
+) -> tuple[Header, NumberedLines]:
     """Read the header and the line of units; return it and all lines below that are not empty. Raises TraceError."""
-    remaining = bounded_lines(lines, NAME)
+    remaining = (bare(line) if is_named(line) else line for line in bounded_lines(lines, NAME))
     header = find_header(NAME, remaining, columns, *alternatives)
     rows = ((n, line) for n, line in enumerate(remaining, start=header.line + 1) if line.strip())
     if (first := next(rows, None)) is None or header.is_unit_line(first[1]):
@@ -173,6 +205,8 @@ def follow(
         if detector.step(*values) != on:
             on = not on
             yield Transition(on, time_s)
+    if watch is not None and (warning := watch.end()):
+        report(f"warning: {warning}")
     if sample < 0:
         raise TraceError(Issue(NAME, "has no samples below its header; write at least one line of samples."))
     if sample + 1 < parameters.window_samples:

@@ -24,7 +24,7 @@ from fingertip.slip.detectors.noise import NoiseLevel
 from fingertip.slip.scored_detection import Detection
 from fingertip.slip.scored_detection import detect as detect_in_trace
 from fingertip.slip.traces.read import read_raw_trace
-from fingertip.slip.traces.sampling import check_rate
+from fingertip.slip.traces.sampling import check_rate, rises_as_time
 from fingertip.slip.traces.trace import ColumnMap, RawTrace, Trace, as_numbers, signal_warnings
 from fingertip.slip.traces.truth import Origin, read_origin
 
@@ -44,7 +44,8 @@ def detect(
     Parameters
     ----------
     recording
-        A trace, or what numpy makes an array of: voltages, which take `rate_hz`, or rows of time and voltage. Without
+        A trace, or what numpy makes an array of: voltages, which take `rate_hz`, or rows of time and voltage; or a
+        series of pandas whose index holds the times. Without
         `envelope_v`, the detector `analog` takes the output of the design's board, simulated for the voltage.
     design
         Source of filters, window, threshold and board; by default the default design. It is adapted to the rate of the
@@ -80,11 +81,18 @@ def detect(
 def _read_array(recording: Any, rate_hz: float | None) -> Trace:
     if isinstance(recording, Trace):
         return recording
+    times: Any = getattr(getattr(recording, "index", None), "values", None)  # of a series of pandas
+    if rate_hz is None and isinstance(times, np.ndarray) and times.dtype.kind in "fmM" and len(times):
+        times = times if times.dtype.kind == "f" else (times - times[0]) / np.timedelta64(1, "s")
+        recording = np.column_stack([times, as_numbers("recording", recording)])
     array = as_numbers("recording", recording)
     if array.ndim == 2 and array.shape[1] == 2:
         return Trace(array[:, 0].copy(), array[:, 1].copy())
     if array.ndim != 1 or rate_hz is None:
         shape = f"has shape {array.shape} and {'no rate' if rate_hz is None else f'rate_hz={rate_hz:g}'}"
+        if array.ndim == 2 and array.shape[1] > 2 and rises_as_time(array[:, 0]):
+            problem = f"has a time and {array.shape[1] - 1} columns; give one of these, as in recording[:, [0, 1]]."
+            raise TraceError(Issue("recording", problem))
         raise TraceError(Issue("recording", f"{shape}; give voltages (n,) with rate_hz, or time and voltage (n, 2)."))
     check_rate(rate_hz)
     return Trace(np.arange(len(array)) / rate_hz, array)

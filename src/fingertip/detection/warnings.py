@@ -108,11 +108,15 @@ class StepWatch:
         self._count, self._next = 0, _FIRST_LOOK
         self._recent: list[float] | None = []
 
+    def end(self) -> str | None:
+        """Return a warning of the last samples at the end of the stream, which may be the only ones."""
+        return next(flat_warnings(np.array(self._recent), self._design), None) if self._recent else None
+
     def add(self, volts: float) -> str | None:
         if self._recent is not None:
             self._recent.append(volts)
             if len(self._recent) == _RECENT:
-                if flat := next(flat_warnings(np.array(self._recent), self._design), None):
+                if flat := self.end():
                     self._recent = None
                     return flat
                 del self._recent[: _RECENT // 2]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import itertools
 import math
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -302,11 +304,22 @@ def max_lines() -> int:
     return 2 * SAMPLES_LIMIT.value + 10_000
 
 
-def bounded_lines(lines: Iterable[str], name: str, most: int | None = None) -> Iterator[str]:
-    """Yield lines of a text file or stream, none of which is longer than `MAX_LINE`. Raises TraceError."""
-    readline = getattr(lines, "readline", None)
-    pieces = iter(lambda: readline(MAX_LINE + 1), "") if readline else iter(lines)
-    for number, line in enumerate(pieces, 1):
+def bounded_lines(lines: Iterable[str | bytes], name: str, most: int | None = None) -> Iterator[str]:
+    """Yield lines of a text file or stream, none of which is longer than `MAX_LINE`. Raises TraceError.
+
+    Bytes, as of a serial port, are UTF-8. An empty read is the end, and so is that of a pseudo terminal that closes.
+    """
+    readline, rest = getattr(lines, "readline", None), iter(() if hasattr(lines, "readline") else lines)
+    for number in itertools.count(1):
+        try:
+            line: str | bytes = readline(MAX_LINE + 1) if readline else next(rest, "")
+        except OSError as error:
+            if error.errno != errno.EIO:
+                raise
+            return
+        if line in ("", b""):
+            return
+        line = line.decode("utf-8", "replace") if isinstance(line, bytes) else line
         if not isinstance(line, str):
             message = f"is {quote_value(line)}, no text; give lines of CSV, or arrays to `detect`."
             raise ArgumentError(Issue(f"{name}, line {number}", message))

@@ -7,24 +7,21 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from fingertip.design import Design
 from fingertip.design.parameters.electronics import Detector as DetectorParameters
 from fingertip.detection.adaptation import Adaptation
 from fingertip.detection.warnings import StepWatch, settings_warnings
 from fingertip.foundation.errors import Issue, TraceError, shorten
-from fingertip.foundation.numerics import Array
 from fingertip.slip.detectors import registry
 from fingertip.slip.traces import sampling
 from fingertip.slip.traces.columns import bare, is_named, parse_number, split_cells
 from fingertip.slip.traces.csv_dialect import Header, find_header
-from fingertip.slip.traces.trace import NANOSEC, ColumnMap, RawTrace, bounded_lines
+from fingertip.slip.traces.trace import NANOSEC, ColumnMap, bounded_lines
 
 NAME = "standard input"
 _MAX_QUOTED = 100
 """Maximum length of a line in an error message [characters]."""
-_FIRST = 100
+_FIRST = 200
 """Number of samples from whose times the rate follows."""
 _RATE_WINDOWS = 100
 """Number of windows over which the mean rate is measured before the measurement restarts."""
@@ -101,8 +98,8 @@ def detect_stream(
     if rate_hz is None and "sample_rate_hz" not in design.detector.model_fields_set:
         first = list(itertools.islice(rows, _FIRST))
         rows = itertools.chain(first, rows)
-        if raw := _read_times(header, first, voltage):
-            design = adaptation.to_recording(design, raw)
+        if found_hz := _find_rate(header, first, voltage, design.detector.sample_rate_hz):
+            design = adaptation.to_rate(design, found_hz)
     instance, column_map = _select_stream_detector(header.names, design, detector, voltage, report)
     second = registry.find_second_column(design, detector)
     reads_second = second is not None and voltage.name_in_file(second) in header.names
@@ -131,20 +128,24 @@ def _select_stream_detector(
     return SimulatedBoardDetector(design), voltage
 
 
-def _read_times(header: Header, rows: Sequence[tuple[int, str]], columns: ColumnMap) -> RawTrace | None:
-    """Read the times of lines, by which the rate is known; None if a line holds none, which is told as it is taken."""
-    found, names = dict[str, Array](), {"time_s": columns.name_in_file("time_s"), NANOSEC: columns.names.get(NANOSEC)}
-    for column, name in names.items():
-        if name in header.names:
-            cells = (split_cells(line, header.delimiter) for _, line in rows)
-            place = header.names.index(name)
-            values = [parse_number(each[place]) if len(each) > place else None for each in cells]
-            if None in values:
-                return None
-            found[column] = np.array(values, dtype=float)
-    if "time_s" not in found:
+def _find_rate(header: Header, rows: Sequence[tuple[int, str]], columns: ColumnMap, known_hz: float) -> float | None:
+    """Find the rate from the times of the first lines [Hz]; None if it is the known one, or if there are none."""
+    names = [columns.name_in_file("time_s"), *([columns.names[NANOSEC]] if NANOSEC in columns.names else [])]
+    if not set(names) <= set(header.names) or len(rows) < 2:
         return None
-    return RawTrace(NAME, columns.make_trace({**found, "voltage_v": np.zeros(len(rows))}))
+    seconds = []
+    for cells in (split_cells(line, header.delimiter) for _, line in (rows[0], rows[-1])):
+        parts = [parse_number(cells[place]) for place in map(header.names.index, names) if place < len(cells)]
+        if len(parts) < len(names) or None in parts:
+            return None
+        seconds.append(
+            sum(scale * (part or 0.0) for scale, part in zip((columns.time_scale, 1e-9), parts, strict=False))
+        )
+    spread, duration_s = sampling.STEP_TOLERANCE / len(rows), seconds[1] - seconds[0]
+    rate_hz = (len(rows) - 1) / duration_s if duration_s > 0.0 else 0.0
+    if sampling.rate_bounds_message(rate_hz) or abs(rate_hz / known_hz - 1) <= sampling.RATE_TOLERANCE + spread:
+        return None
+    return sampling.round_rate(rate_hz, spread)
 
 
 def open_stream(

@@ -98,6 +98,33 @@ def test_containers_list_what_they_hold_and_take_group_and_channel(tmp_path: Pat
         assert np.array_equal(trace.voltage_v, V)
 
 
+@pytest.mark.parametrize("plugin", ["MCAP", "SQLITE3"])
+def test_a_bag_lists_its_topics_and_takes_a_field_of_one(plugin: str, tmp_path: Path) -> None:
+    rosbag2 = pytest.importorskip("rosbags.rosbag2")
+    store = (typesys := pytest.importorskip("rosbags.typesys")).get_typestore(typesys.Stores.ROS2_HUMBLE)
+    known, begin = store.types, 1_717_199_999_700_000_000
+    with rosbag2.Writer(tmp_path / "bag", version=9, storage_plugin=rosbag2.StoragePlugin[plugin]) as bag:
+        both = {
+            each: bag.add_connection(f"/{each}", "std_msgs/msg/Float64", typestore=store) for each in ("fsr", "arm")
+        }
+        stamped = bag.add_connection("/clock", "std_msgs/msg/Header", typestore=store)
+        for i, volts in enumerate(V):
+            at = begin + 500_000 * i
+            for each, value in (("fsr", volts), ("arm", np.sin(i))):
+                message = known["std_msgs/msg/Float64"](float(value))
+                bag.write(both[each], at, store.serialize_cdr(message, "std_msgs/msg/Float64"))
+            stamp = known["builtin_interfaces/msg/Time"](at // 10**9, at % 10**9)
+            header = store.serialize_cdr(known["std_msgs/msg/Header"](stamp, "x"), "std_msgs/msg/Header")
+            bag.write(stamped, at, header)
+    [path] = [file for file in (tmp_path / "bag").iterdir() if file.suffix != ".yaml"]
+    said = run("detect", path).stderr
+    assert "2 columns can be the voltage, /fsr.data (" in said
+    assert "--column time_s=/fsr.bag_time --column voltage_v=/fsr.data" in said
+    for time, start in (("/fsr.bag_time", 0.0), ("/clock.stamp.sec+/clock.stamp.nanosec", begin / 1e9)):
+        done = run("detect", path, "--column", f"time_s={time}", "--column", "voltage_v=/fsr.data", "--json")
+        assert single_onset(done) - start == pytest.approx(ONSET, abs=1e-6)
+
+
 def test_runs_at_a_limit_are_told_from_steps_and_noise() -> None:
     noise = np.random.default_rng(0).normal(0, 4e-4, 8000)
     press = 1.0 + np.clip(np.arange(8000) / 4000 - 0.5, 0, 1)

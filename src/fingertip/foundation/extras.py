@@ -31,8 +31,8 @@ DISTRIBUTION = "fingertip-kit"
 """Name to pip: on the package index `fingertip` is somebody else's."""
 EXTRAS = {
     "OCP": "step", "cadquery": "cadquery", "trimesh": "mesh", "matplotlib": "plots", "scipy": "sweep",
-    "reportlab": "drawing", "numba": "fast", "pyarrow": "parquet", "nptdms": "tdms", "distributed": "cluster",
-    "dask": "cluster", "pandas": "frames",
+    "reportlab": "drawing", "numba": "fast", "pyarrow": "parquet", "nptdms": "tdms", "rosbags": "ros",
+    "distributed": "cluster", "dask": "cluster", "pandas": "frames",
 }  # fmt: skip
 """Module of an optional package -> extra that installs it."""
 _PACKAGES = {"OCP": "cadquery-ocp-novtk", "nptdms": "npTDMS"}

@@ -1,4 +1,4 @@
-"""Trace files that hold arrays: NumPy, MATLAB, Parquet, WAV and TDMS.
+"""Trace files that hold arrays: NumPy, MATLAB, Parquet, WAV, TDMS and bags of ROS.
 
 Every array is measured by its header before it is read, and only those are read that a trace takes.
 """
@@ -30,6 +30,8 @@ _MAX_HEADER_BYTES = 2**16
 """Maximum length of the header of a NumPy array. The library reads 10 000 characters."""
 RATE = "sample_rate_hz"
 """Name of a number in a file that replaces its times."""
+_ROS_MODULES, _MOST_ELEMENTS = ("highlevel", "typesys"), 64
+"""Modules that read bags, and largest length of a list of a message whose elements can be chosen."""
 _MAX_TEXT_BYTES = 1000
 """Maximum size of an array of text that is loaded, as a rate may be [bytes]."""
 _MAX_REASON = 200
@@ -268,9 +270,43 @@ def _read_tdms(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
         return arrays
 
 
+def _load_bag(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
+    extras.require(str(path), "rosbags", alternative="convert one topic to CSV with `ros2 topic echo --csv /topic`")
+    with _damage_reported(path, "a bag of ROS", "convert one topic to CSV"):
+        return call_within_limits(LIMIT_S, _memory_bytes(), _read_bag, path, columns)
+
+
+def _read_bag(path: Path, columns: ColumnMap) -> Mapping[str, Any]:
+    """Read the numbers of messages as /topic.field, and elements of their lists as /topic.field/2.
+
+    The time of each message in the bag is /topic.bag_time [s].
+    """
+    highlevel, typesys = (extras.load(f"rosbags.{name}", str(path), alternative=AS_CSV) for name in _ROS_MODULES)
+    found, begin_ns = dict[str, list[float]](), 0
+
+    def add(name: str, value: Any) -> None:
+        if fields := getattr(value, "__dataclass_fields__", None):
+            for field in fields:
+                add(f"{name}.{field}", getattr(value, field))
+        elif np.ndim(value) == 1 and len(value) <= _MOST_ELEMENTS:
+            for number, element in enumerate(value, 1):
+                add(f"{name}/{number}", element)
+        elif np.ndim(value) == 0 and np.asarray(value).dtype.kind in "biuf":
+            found.setdefault(name, []).append(float(value))
+
+    wanted, store = _wanted(columns), typesys.get_typestore(typesys.Stores.LATEST)
+    with highlevel.AnyReader([path], default_typestore=store) as bag:
+        named = [each for each in bag.connections if any(name.startswith(f"{each.topic}.") for name in wanted)]
+        for connection, time_ns, data in bag.messages(named):
+            begin_ns = begin_ns or time_ns
+            add(f"{connection.topic}.bag_time", 1e-9 * (time_ns - begin_ns))
+            add(connection.topic, bag.deserialize(data, connection.msgtype))
+    return {name: np.array(values) for name, values in found.items()}
+
+
 LOADERS: Mapping[str, Callable[[Path, ColumnMap], Mapping[str, Any]]] = {
     "npy": _load_npy, "npz": _load_npz, "mat": _load_mat, "parquet": _load_parquet, "wav": _load_wav,
-    "tdms": _load_tdms,
+    "tdms": _load_tdms, "bag": _load_bag,
 }  # fmt: skip
 """Kind of file -> function that loads arrays by name; those that no column names are None, so that messages suggest
 them. Raises TraceError."""

@@ -32,11 +32,6 @@ _HDF5 = (
     "time_s=..., voltage_v=...)."
 )
 _WORKBOOK = "is a workbook of a spreadsheet; save its sheet as CSV."
-_ROS1 = "is a bag of ROS 1; convert one topic to CSV with `rostopic echo -b FILE -p /topic > trace.csv`."
-_ROS2 = (
-    "is a bag of ROS 2; play it with `ros2 bag play FILE`, and save one topic with "
-    "`ros2 topic echo --csv /topic > trace.csv`."
-)
 _COMPRESSED = "is compressed; unpack it first, and give the trace inside."
 _PICKLE = "is a pickle, which may run programs when it is read; save numbers with numpy.savez."
 
@@ -47,8 +42,7 @@ _SIGNATURES = {
     "parquet": (b"PAR1",),
     _HDF5: (b"MATLAB 7.3 MAT-file", b"\x89HDF\r\n\x1a\n"),
     _WORKBOOK: (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1",),
-    _ROS1: (b"#ROSBAG V",),
-    _ROS2: (b"SQLite format 3\0", b"\x89MCAP"),
+    "bag": (b"#ROSBAG V", b"SQLite format 3\0", b"\x89MCAP"),
     _COMPRESSED: (b"\x1f\x8b", b"BZh", b"\xfd7zXZ\0", b"7z\xbc\xaf\x27\x1c", b"Rar!", b"\x28\xb5\x2f\xfd"),
     _PICKLE: (b"\x80\x03", b"\x80\x04", b"\x80\x05"),
     "is an Arrow or Feather file; save it as Parquet or CSV.": (b"ARROW1",),
@@ -57,8 +51,8 @@ _SIGNATURES = {
 }
 """Kind of file, or how to convert it -> its first bytes, one of these."""
 _ENDINGS = {
-    ".xlsx": _WORKBOOK, ".xls": _WORKBOOK, ".ods": _WORKBOOK, ".bag": _ROS1, ".mcap": _ROS2, ".db3": _ROS2,
-    ".h5": _HDF5, ".hdf5": _HDF5, ".pkl": _PICKLE, ".pickle": _PICKLE,
+    ".xlsx": _WORKBOOK, ".xls": _WORKBOOK, ".ods": _WORKBOOK,
+    ".mcap": "bag", ".db3": "bag", ".h5": _HDF5, ".hdf5": _HDF5, ".pkl": _PICKLE, ".pickle": _PICKLE,
     ".json": "is a JSON file; convert it to CSV with the columns time_s,voltage_v.",
 }  # fmt: skip
 """Endings of names -> how to convert such a file, if its first bytes are unknown."""

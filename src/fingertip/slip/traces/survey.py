@@ -114,11 +114,12 @@ class Survey:
         if "voltage_v" in missing and not signals:
             kinds = ", ".join([f"{each.key} ({each.kind})" for each in self.columns[:_MOST_LISTED]])
             return f" No column varies as a signal does: {kinds or 'none holds numbers'}."
+        named = [each for each in signals if len(signals) == 1 or _SENSOR.search(f"{each.key} {each.name}")]
+        best = named[0] if len(named) == 1 else Content("NAME", "", "", "signal")
         if "time_s" in missing:
-            notes, options, units = self._propose_time(len(signals) == 1, columns)
+            group = re.sub(r"[^/.]*$", "", best.key) if len(named) == 1 else ""
+            notes, options, units = self._propose_time(len(signals) == 1, columns, group)
         if "voltage_v" in missing:
-            named = [each for each in signals if len(signals) == 1 or _SENSOR.search(each.name)]
-            best = named[0] if len(named) == 1 else Content("NAME", "", "", "signal")
             notes += _list_candidates("voltage", signals)
             options += [f"--column voltage_v={shlex.quote(best.key)}"] * (best.key != "voltage_v")
             if columns.scale == 1.0 and best.unit in _FACTORS:
@@ -133,9 +134,10 @@ class Survey:
         proposal = f"{either}{verb}: {' '.join([*options, *units])}"
         return notes + (f" {proposal[0].upper()}{proposal[1:]}" if options or units else "")
 
-    def _propose_time(self, is_free: bool, columns: ColumnMap) -> tuple[str, list[str], list[str]]:
+    def _propose_time(self, is_free: bool, columns: ColumnMap, group: str) -> tuple[str, list[str], list[str]]:
         """Propose the times, or the rate where there are none: notes, options, and the option of a unit."""
         times = [each for each in self.columns if each.kind == "time"]
+        times = [each for each in times if each.key.startswith(group)] or times
         for rank in (lambda c: not c.is_uneven, lambda c: _TIME.match(c.name), lambda c: c.time_unit):
             times = [each for each in times if rank(each)] or times
         if len(times) > 1 and not is_free:

@@ -219,7 +219,7 @@ def test_first_screen_says_what_it_takes_and_links_to_the_files(opened: Any, fol
     cost = re.search(r"The parts of one board cost (\d+ to \d+ US dollars)", readme)
     assert cost
     for words in (
-        "Nobody has made one yet", f"{casting['batch']['total_g']:g} g in one mixture", "2 days after printing",
+        "Nobody has made one yet", f"{casting['batch']['total_g']:g} g to mix", "2 days after printing",
         cost[1], f"{len(casting['things'])} things", "12 steps with pictures",
     ):  # fmt: skip
         assert words in text, words

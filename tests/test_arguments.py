@@ -42,6 +42,14 @@ def stated() -> Design:
     return Design.load(changes={"detector.sample_rate_hz": 2000})
 
 
+_HUGE: tuple[Callable[[Path], Any], ...] = (
+    lambda folder: Design(skin={"width_mm": 10**400}), lambda folder: fingertip.Trial(speed_m_s=10**400),
+    lambda folder: fingertip.detect(np.zeros(9), rate_hz=10**400),
+    lambda folder: fingertip.calibrate_printer(Design(), 10**400),
+    lambda folder: Trace([10**400], [0.0]), lambda folder: fingertip.detect([10**400, 1], rate_hz=2000),
+)  # fmt: skip
+
+
 @pytest.mark.parametrize(
     ("call", "said"),
     [
@@ -81,6 +89,13 @@ def stated() -> Design:
         (lambda folder: setattr(Design().skin, "width_mm", 18), 'load it again with changes={"skin.width_mm": 18}'),
         (lambda folder: Design.load(changes={"skin.width_mm": 18, "skin": {"width_mm": 19}}), "is given twice, as 18"),
         (lambda folder: fingertip.part_mesh(Design(), "bonee"), "name: there is no 'bonee'; did you mean bone?"),
+        (lambda folder: fingertip.calibrate_printer(Design(), folder), "give a number"),  # type: ignore[arg-type]
+        (lambda folder: fingertip.Readout(Design(), b"x"), "pads: is b'x', of type bytes; give a list"),  # type: ignore[arg-type]
+        (lambda folder: Design.load(changes=Design()), "changes: holds ('name', 'fsr400'); give texts"),  # type: ignore[arg-type]
+        (lambda folder: Trace(float("inf"), True), "time_s: has shape (); give one"),  # type: ignore[arg-type]
+        *((call, "int too large" if place > 3 else "beyond every float" if place else "is too large")
+          for place, call in enumerate(_HUGE)),
+        (lambda folder: fingertip.run_sweep({"outputs": []}, {"fit": True}), "changes: change a file"),
         (lambda folder: fingertip.run_sweep("board", out=folder, jobs=0), "jobs: 0 is out of range; choose 1 to"),
     ],
 )  # fmt: skip

@@ -18,7 +18,16 @@ from fingertip.catalogues.file_kinds import DESIGN, FileKind, find_file, read_fi
 from fingertip.design.parameters import PARAMETERS, ParameterTable, Tables, find_kind
 from fingertip.design.parameters.declaration import find_bounds, find_unit, list_choices
 from fingertip.design.proportions import fill_in
-from fingertip.foundation.errors import MAX_VALUE_LENGTH, DesignError, Issue, gather, quote_value, raise_issues, shorten
+from fingertip.foundation.errors import (
+    MAX_VALUE_LENGTH,
+    ArgumentError,
+    DesignError,
+    Issue,
+    gather,
+    quote_value,
+    raise_issues,
+    shorten,
+)
 from fingertip.foundation.input_files import is_safe_name
 from fingertip.foundation.tables import MAX_DEPTH, UnusableTomlError, parse_toml
 
@@ -56,7 +65,10 @@ def list_changes(changes: Changes) -> Sequence[str]:
                 message = f"{quote_value(value)} is no value; give a number, a text, True, False or a list."
                 raise DesignError(Issue(f"changes {name}", message)) from None
         return texts
-    return list(changes)
+    texts = list(changes)
+    if wrong := [each for each in texts if not isinstance(each, str)]:
+        raise ArgumentError(Issue("changes", f"holds {quote_value(wrong[0])}; give texts such as skin.width_mm=18."))
+    return texts
 
 
 def load_tables(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import collections
 import contextlib
-import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
@@ -189,7 +188,7 @@ def _extend_bound(issue: Issue, tables: Mapping[str, Any], valid: DesignTables, 
         return issue
     field = PARAMETERS[name]
     bounds, unit = find_bounds(field), format_unit(find_unit(field))
-    if bounds.contain(value) or not math.isfinite(value):
+    if bounds.contain(value) or not -1e308 < value < 1e308:
         return issue
     if bounds.maximum is not None and value > bounds.maximum:
         word, bound = "at most", bounds.maximum

@@ -204,6 +204,7 @@ def _literal(word: str) -> str:
     return {"true": "True", "false": "False"}.get(word, f'"{word}"')
 
 
+_LARGEST = 10**308
 F = TypeVar("F", bound=Callable[..., Any])
 _KINDS = {
     "NoneType": "None", "Callable": "a function", "Iterable": "a list", "Sequence": "a list", "Collection": "a list",
@@ -250,10 +251,12 @@ def _fit(field: str, value: Any, hint: Any) -> Any:
         plain = get_origin(kind) or kind
         if plain is tuple and type(value) is list:
             value = tuple(value)
+        if plain is float and isinstance(value, int) and not -_LARGEST < value < _LARGEST:
+            raise ArgumentError(Issue(field, f"is {quote_value(value)}, beyond every float; give a smaller number."))
         if plain is Any or (plain is float and isinstance(value, int)):
             return value
         try:
-            fits = isinstance(value, plain)
+            fits = isinstance(value, plain) and not (isinstance(value, bytes) and plain is not bytes)
         except TypeError:  # a protocol
             return value
         if fits:

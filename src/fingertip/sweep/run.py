@@ -10,11 +10,11 @@ from __future__ import annotations
 import math
 import time
 from collections import deque
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,7 +93,7 @@ class RunState:
 
 
 def run_sweep(
-    file: str | Path,
+    file: str | Path | Mapping[str, Any],
     changes: Changes = (),
     out: str | Path | None = None,
     *,
@@ -105,7 +105,7 @@ def run_sweep(
     Parameters
     ----------
     file
-        A sweep file, or a bundled sweep, such as "board".
+        A sweep file, a bundled sweep, such as "board", or the tables of one, with the design as a table.
     changes
         Changes of the sweep, of its design or of its scene.
     out
@@ -123,7 +123,12 @@ def run_sweep(
         If pandas is not installed.
     """
     frames = load("pandas", "run_sweep")
-    plan = SweepPlan.load(Path(file), list_changes(changes))
+    if isinstance(file, Mapping) and changes:
+        raise SweepError(Issue("changes", "change a file; state them in the tables."))
+    if isinstance(file, Mapping):
+        plan = SweepPlan.from_tables(file)
+    else:
+        plan = SweepPlan.load(Path(file), list_changes(changes))
     folder = Path("out", "sweeps", plan.file.name) if out is None else Path(out)
     begin = SweepDatabase.resume if SweepDatabase.exists(folder) else SweepDatabase.create
     engine = ProcessEngine(find_workers(jobs))

@@ -272,7 +272,8 @@ def _describe(details: Any, model: type[BaseModel]) -> Issue:
         case "bool_type" | "bool_parsing":
             return Issue(field, f"{shown} is neither true nor false; write true or false, without quotes.")
         case "list_type":
-            text = shorten(str(value), MAX_VALUE_LENGTH).strip("[]").split(",")
+            plain = ",".join(map(str, value.values())) if isinstance(value, dict) else str(value)
+            text = shorten(plain, MAX_VALUE_LENGTH).strip("[]").split(",")
             items = ",".join(json.dumps(item.strip(), ensure_ascii=False) for item in text)
             return Issue(field, f"{shown} is not a list; write '{field}=[{items}]', with both kinds of quotes.")
         case "dict_type":

@@ -41,7 +41,7 @@ def as_numbers(name: str, values: Any) -> Array:
         if array.dtype.kind not in "iufO":  # complex numbers, texts, flags or dates, which numpy would convert
             raise TypeError(f"its type is {array.dtype}")
         return np.asarray(array.astype(float, copy=False).filled(np.nan))
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise TraceError(Issue(name, f"is no array of numbers ({error}); give one per sample.")) from None
 
 
@@ -66,7 +66,7 @@ class Trace:
                 continue
             array = np.asarray(values, dtype=bool) if name == "slip" else as_numbers(name, values)
             object.__setattr__(self, name, array)
-            if len(self.time_s) == 0 < array.size:
+            if array.ndim == 1 and len(self.time_s) == 0 < array.size:
                 raise TraceError(Issue("time_s", "has 0 samples; give the time of each."))
             if array.ndim != 1 or len(array) != len(self.time_s):
                 times = "" if name == "time_s" else f", but time_s has shape {self.time_s.shape}"

@@ -9,7 +9,10 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from fingertip.cad.files import stl
+from fingertip.cad.kernel.mesh import Mesh, MeshEvaluator
 from fingertip.cad.verification import check
+from fingertip.design.geometry.solids import Box
 from tests.conftest import design_file, run_fingertip
 
 FSR400, FSR402 = design_file("fsr400"), design_file("fsr402")
@@ -36,6 +39,34 @@ def test_valid_designs_exit_0(tmp_path: Path) -> None:
     assert written == [check["name"] for design in output["designs"] for check in design["checks"]]
     assert {"bone.stl.genus", "demolding_overlap.mold_palmar", "overlap.skin.core"} <= set(written)
     assert [path.name for path in tmp_path.rglob("*") if path.is_file()] == ["check.xml"], "nothing is exported"
+
+
+def test_any_mesh_is_checked_and_another_file_is_told_what_check_takes(tmp_path: Path) -> None:
+    halves = [Box((0.0, 0.0, 0.0), (9.0, 4.0, 9.0)), Box((0.0, -4.0, 0.0), (9.0, 0.0, 9.0))]
+    meshes = [MeshEvaluator(0.1).mesh(half) for half in halves]
+    for name, mesh in zip(("mold_dorsal", "mold_palmar"), meshes, strict=True):
+        (tmp_path / f"{name}.stl").write_bytes(stl.to_bytes(mesh, name))
+    done = run_fingertip("check", tmp_path / "mold_dorsal.stl", "--verbose")
+    assert done.returncode == 0, done.stderr
+    assert "all 10 checks passed" in done.stdout
+    assert "mold_palmar.pull_overlap" in done.stdout
+    open_mesh = Mesh(meshes[0].vertices, meshes[0].triangles[1:])
+    (tmp_path / "open.stl").write_bytes(stl.to_bytes(open_mesh, "open"))
+    deeper = MeshEvaluator(0.1).mesh(Box((0.0, -4.0, 0.0), (9.0, 1.0, 9.0)))
+    (tmp_path / "mold_palmar.stl").write_bytes(stl.to_bytes(deeper, "deeper"))
+    done = run_fingertip("check", tmp_path / "open.stl", tmp_path / "mold_dorsal.stl", "--json")
+    assert done.returncode == 1
+    failed = {c["name"] for mesh in json.loads(done.stdout)["meshes"] for c in mesh["checks"] if not c["passed"]}
+    assert failed >= {"open_edges", "mesh.trimesh.open", "mold_palmar.overlap"}
+    (tmp_path / "cut.stl").write_bytes(b"no mesh")
+    (tmp_path / "part.step").write_bytes(b"\xff")
+    for name, said in (
+        ("cut.stl", "cannot be read as a mesh"),
+        ("part.step", "is no design; check takes design files"),
+    ):
+        done = run_fingertip("check", tmp_path / name)
+        assert done.returncode == 2
+        assert said in done.stderr
 
 
 def test_failed_checks_exit_1_and_appear_in_every_report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -35,6 +35,7 @@ def build(
     tolerance_mm: float = typer.Option(0.01, help="Largest distance of a facet from the exact surface, in mm."),
     material: str | None = MATERIAL,
     pictures: bool = flag("Draw a picture of each casting step, for the casting sheet."),
+    verify: bool = flag("Read each STL and 3MF file with trimesh too, as a second opinion."),
     force: bool = FORCE,
     changes: list[str] | None = CHANGES,
 ) -> None:
@@ -52,6 +53,7 @@ def build(
         material=material,
         pictures=pictures,
         force=force,
+        verify=verify,
         progress=console.progress,
     )
     data = json.loads(result.contents[REPORT]) | {"folder": str(result.folder), "removed": list(result.removed)}

@@ -24,6 +24,11 @@ if TYPE_CHECKING:
 
 
 _MARGIN = ("name", "value", "limit", "unit", "relation", "margin_percent")
+_MESHES = (".stl", ".3mf", ".obj", ".ply")
+_NO_DESIGN = (
+    f"is no design; check takes design files (.toml), bundled names, folders that a command wrote, and meshes "
+    f"({', '.join(_MESHES)})."
+)
 _NEAREST = 10
 """Number of margins that are listed."""
 FINE_MM = 0.01
@@ -37,6 +42,7 @@ def check(
     tolerance_mm: float = typer.Option(FINE_MM, help="Largest distance of a facet from the exact surface, in mm."),
     junit: Path | None = typer.Option(None, metavar="FILE.xml", help="JUnit report, for CI servers."),
     sarif: Path | None = typer.Option(None, metavar="FILE.sarif", help="SARIF report, for code scanning and editors."),
+    verify: bool = options.flag("Let trimesh read the STL files too, as a second opinion."),
     margins: bool = options.flag("List the checks and rules that are nearest to their limits."),
     verbose: bool = options.VERBOSE,
     changes: list[str] | None = options.CHANGES,
@@ -51,19 +57,23 @@ def check(
 
     A folder that build, board or another command wrote is compared with its manifests: every file must be as written.
     Nothing in it is changed.
+
+    A mesh (.stl, .3mf, .obj, .ply) of any program is checked too, and the half of a mold with the other beside it.
     """
     folders = [path for path in designs if path.is_dir()]
-    files = [path for path in designs if not path.is_dir()]
+    meshes = [path for path in designs if path.suffix.lower() in _MESHES and path not in folders]
+    files = [path for path in designs if path not in (*folders, *meshes)]
+    options.refuse(Issue(str(path), _NO_DESIGN) for path in files if path.suffix not in ("", ".toml") and path.exists())
     reports = {"--junit": (junit, ".xml"), "--sarif": (sarif, ".sarif")}
     options.refuse(*(options.find_file_issues(option, *pair) for option, pair in reports.items()), (
-        Issue(option, "reports on designs, but only folders are given; give a design too.")
+        Issue(option, "reports on designs, but only folders or meshes are given; give a design too.")
         for option, (report, _) in reports.items() if report and not files
     ))  # fmt: skip
     data: dict[str, Any] = {"passed": True}
     texts, refused = list[str](), dict[Path, list[Issue]]()
     if files:
         loaded, refused = _load(files, changes or (), console)
-        data, texts, checks = _check_designs(loaded, tolerance_mm, console, verbose, margins, changes or ())
+        data, texts, checks = _check_designs(loaded, tolerance_mm, console, verbose, margins, changes or (), verify)
         findings = list(_list_findings(loaded, checks, refused))
         data |= {"passed": not findings, "issues": [vars(finding) for finding in findings]}
         for option, path, content in (
@@ -78,6 +88,10 @@ def check(
         data["folders"], folder_texts = _check_folders(folders)
         texts += folder_texts
         data["passed"] = data["passed"] and all(folder["passed"] for folder in data["folders"])
+    if meshes:
+        data["meshes"], mesh_texts = _check_meshes(meshes, verbose)
+        texts += mesh_texts
+        data["passed"] = data["passed"] and all(mesh["passed"] for mesh in data["meshes"])
     if refused:
         if texts and not console.as_json:
             console.write("\n\n".join(texts))
@@ -89,6 +103,17 @@ def check(
         console.print_issues(DesignError(named), data)
         raise typer.Exit(BAD_INPUT)
     console.result(data, "\n\n".join(texts), data["passed"])
+
+
+def _check_meshes(paths: Sequence[Path], verbose: bool) -> tuple[list[dict[str, Any]], list[str]]:
+    from fingertip.cad.verification.second_opinion import check_file
+
+    checks = {path: check_file(path) for path in dict.fromkeys(paths)}
+    results = [
+        {"file": path.as_posix(), "passed": all(c.passed for c in found), "checks": [c.to_dict() for c in found]}
+        for path, found in checks.items()
+    ]
+    return results, [_format_table(path.as_posix(), found, verbose, "mend the mesh") for path, found in checks.items()]
 
 
 def _check_folders(folders: Sequence[Path]) -> tuple[list[dict[str, Any]], list[str]]:
@@ -112,7 +137,9 @@ def _check_designs(
     verbose: bool,
     margins: bool,
     changes: Sequence[str],
+    verify: bool,
 ) -> tuple[dict[str, Any], list[str], dict[str, tuple[Check, ...]]]:
+    from fingertip.cad.verification.second_opinion import second_opinions
     from fingertip.cad.verification.verify import check
 
     checks_by_design: dict[str, tuple[Check, ...]] = {}
@@ -121,7 +148,8 @@ def _check_designs(
     for label, design in designs.items():
         work.begin(label)
         console.warn(f"{label}: {doubt}" for doubt in design.force_curve.find_doubt(design.sensor.model))
-        checks_by_design[label] = check(design, tolerance_mm=tolerance_mm).checks
+        made = check(design, tolerance_mm=tolerance_mm)
+        checks_by_design[label] = (*made.checks, *(second_opinions(made.contents, made.meshes) if verify else ()))
     found = [
         {"design": label, "file": loaded[label][0].as_posix(), "passed": all(c.passed for c in checks),
          "checks": [c.to_dict() for c in checks]}
@@ -187,7 +215,7 @@ def _load(
     return designs, refused
 
 
-def _format_table(label: str, checks: Sequence[Check], verbose: bool) -> str:
+def _format_table(label: str, checks: Sequence[Check], verbose: bool, cause: str = "") -> str:
     """Verdict on a design, then the checks that failed, or all of them."""
     from fingertip.cad.verification.check import count_checks
     from fingertip.foundation.files import round_for_output
@@ -204,7 +232,7 @@ def _format_table(label: str, checks: Sequence[Check], verbose: bool) -> str:
     widths = [max(len(row[i]) for row in rows) for i in range(6)]
     aligned = ((f"{text:{'>' if i in (1, 3) else ''}{widths[i]}}" for i, text in enumerate(row)) for row in rows)
     lines = [verdict, *(" ".join(row).rstrip() for row in aligned)]
-    return "\n".join([*lines, *(f"  {c.name}: {describe_cause(c)}" for c in shown if not c.passed)])
+    return "\n".join([*lines, *(f"  {c.name}: {cause or describe_cause(c)}" for c in shown if not c.passed)])
 
 
 def describe_cause(check: Check, with_remedy: bool = True) -> str:

@@ -16,6 +16,7 @@ from fingertip.cad.report import DESIGN_HEADING, Build, BuiltPart
 from fingertip.cad.shapes.parts import PARTS, exact_parts, hardware, parts_by_name, print_scale
 from fingertip.cad.verification.assembly import brep_balance_solids, check_brep_assembly
 from fingertip.cad.verification.printing import check_brep_solid
+from fingertip.cad.verification.second_opinion import second_opinions
 from fingertip.cad.verification.verify import VerifiedParts, verify
 from fingertip.casting.sheet import CastingSheet, casting_sheet
 from fingertip.catalogues import output_files
@@ -44,6 +45,7 @@ class BuildOptions:
     pictures: bool = False
     drawings: bool = False
     force: bool = False
+    verify: bool = False
 
 
 def build(
@@ -57,6 +59,7 @@ def build(
     pictures: bool = False,
     drawings: bool = False,
     force: bool = False,
+    verify: bool = False,
     progress: Callable[[str], None] = lambda message: None,
 ) -> Build:
     """Build parts, check them, and write them with `design.toml`, `casting.md` and `report.json`.
@@ -90,6 +93,8 @@ def build(
         Whether the drawings are made too, beside the STEP files of all parts.
     force
         Whether files may be overwritten that no build wrote, or that were changed since.
+    verify
+        Whether trimesh reads each STL and 3MF file too, as a second opinion among the checks.
     progress
         Called with a message at each step.
 
@@ -105,7 +110,7 @@ def build(
         If the folder cannot be written, or holds a file of these names that is somebody's own. No file has been
         written then.
     """
-    options = BuildOptions(parts, formats, tolerance_mm, material, pictures, drawings, force)
+    options = BuildOptions(parts, formats, tolerance_mm, material, pictures, drawings, force, verify)
     return run_build(plan_build(design, out, options, progress), progress)
 
 
@@ -147,6 +152,8 @@ def plan_build(
     formats = select_names("--formats", wanted, tuple(PART_FORMATS))
     if "step" in formats:
         extras.require("--formats", "OCP", subject="step", alternative="leave step out with --formats stl,3mf")
+    if options.verify:
+        extras.require("--verify", "trimesh", alternative="leave it out")
     if "cq" in formats and "bone" in names and design.bone.interface == "file":
         raise DesignError(Issue("--formats", "cq cannot hold the adapter of bone.adapter_file; leave cq out."))
     if "step" in formats and exact_parts(design, names) != names:
@@ -219,6 +226,8 @@ def _collect(
     if plan.exact:
         checks += check_brep_assembly(design, step.measurements, step.volumes_mm3)
     contents = dict(verified.contents) | step.contents
+    if plan.options.verify:
+        checks += second_opinions(contents, verified.meshes)
     if plan.options.drawings:
         contents |= render_sheets(design, step.also)
     if "cq" in plan.formats:

@@ -73,8 +73,8 @@ def list_kinds(curves: Sequence[Curve], groups: Groups) -> dict[str, list[str]]:
 
 def plot(curves: Sequence[Curve]) -> bytes:
     """Plot the relative error of each output over the CPU time, the setting in use filled; returns a PNG."""
-    figure = display.new_figure(14, 8)
-    for axes, curve in zip(figure.subplots(2, -(-len(curves) // 2), squeeze=False).flat, curves, strict=False):
+    figure, drawn = display.new_figure(14, 8), [curve for curve in curves if any(map(any, curve.errors.values()))]
+    for axes, curve in zip(figure.subplots(2, -(-len(drawn) // 2), squeeze=False).flat, drawn, strict=False):
         for colour, (name, errors) in zip(itertools.cycle(display.SERIES), curve.errors.items(), strict=False):
             relative = [error / (abs(curve.values[name]) or 1.0) for error in errors]
             known = [i for i, error in enumerate(relative) if 0.0 < error < math.inf]

@@ -20,7 +20,7 @@ from fingertip.foundation.numerics import Array
 from fingertip.foundation.progress import ReportProgress, Work
 
 BASE_HZ = 10_000.0
-"""Points per second: forces within 0.1 mN, envelopes within 1 mV of vanishing steps, mostly (docs/accuracy.md)."""
+"""Points per second: forces within 0.05 mN, envelopes within 0.8 mV of vanishing steps, mostly (docs/accuracy.md)."""
 _SNAP = 1e-6
 """Distance from a point, in steps, at which an instant counts as that point."""
 

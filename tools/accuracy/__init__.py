@@ -1,0 +1,1 @@
+"""Page docs/accuracy.md, made by one command."""

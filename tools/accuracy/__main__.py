@@ -1,0 +1,102 @@
+"""Command `python -m tools.accuracy`: measure what docs/accuracy.md states, and write the page and its pictures."""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+from collections import defaultdict
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.peers.board import measure_board
+from benchmarks.peers.contact import measure_contact
+from benchmarks.peers.native import compile_solvers
+from benchmarks.peers.plots import draw
+from benchmarks.peers.run import SECONDS
+from benchmarks.peers.work_precision import WorkPrecision
+from fingertip.design import Design
+from fingertip.foundation.jit import compiled
+from fingertip.lab.accuracy import budget_report, report
+from fingertip.lab.accuracy.budget import measure_budget
+from fingertip.lab.accuracy.measure import measure_accuracy
+from fingertip.sweep.outputs import load_outputs
+from tools.article.steps import compare_grids, generate_trials
+
+DOCS, TEMPLATE = Path("docs"), Path(__file__).with_name("page.md")
+DESIGN, COMPARED = "fsr400", ("fsr400", "article")
+TRIALS = 60
+SOLVERS = ("odeint", "CVODE", "RADAU5", "RADAU", "Rodas5P")
+TARGETS_N, TARGETS_V = 5e-5, 8e-4
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m tools.accuracy", description=__doc__)
+    parser.add_argument("--cases", type=int, default=50_000, help="number of extreme cases")
+    parser.add_argument("--rounds", type=int, default=3, help="number of runs of the comparison with other solvers")
+    options = parser.parse_args()
+    design = Design.load(DESIGN)
+    found, curves = measure_accuracy(design, options.cases), measure_budget(design)
+    groups = {name: output.group for name, output in load_outputs().items()}
+    whole = report.as_text(found).splitlines()
+    budget = budget_report.as_text(DESIGN, curves, groups).splitlines()
+    peers, picture = _compare_solvers(options.rounds)
+    values = {
+        "design": DESIGN, "cases": f"{options.cases}", "rounds": f"{options.rounds}",
+        "budget": "\n".join([line for line in budget if line.startswith("|")]),
+        "kinds": "\n".join(line for line in budget if line.startswith("- ")),
+        "steps": "\n".join(_cut(whole, "| run |")), "extremes": "\n".join(_cut(whole, "| family |")),
+        "scipy": f"{found.scipy_n:.0e}", "trials": "\n".join(_compare_trials()), "peers": "\n".join(peers),
+    }  # fmt: skip
+    page = TEMPLATE.read_text()
+    for name, value in values.items():
+        page = page.replace(f"{{{{ {name} }}}}", value)
+    (DOCS / "accuracy.md").write_text(page)
+    (DOCS / "accuracy.png").write_bytes(budget_report.plot(curves))
+    (DOCS / "work_precision.png").write_bytes(picture)
+
+
+def _cut(lines: list[str], header: str) -> list[str]:
+    """Return the table that begins with a header."""
+    first = next(i for i, line in enumerate(lines) if line.startswith(header))
+    return [line for line in lines[first : lines.index("", first) if "" in lines[first:] else None] if line[:1] == "|"]
+
+
+def _compare_trials() -> Iterator[str]:
+    """Yield the table of the errors of the article's trials, of each design."""
+    yield "| design | signal | median | 90th percentile | worst | target |"
+    yield "| --- | --- | --- | --- | --- | --- |"
+    with compiled():
+        for name in COMPARED:
+            errors = defaultdict[str, list[float]](list)
+            for case in generate_trials(TRIALS):
+                for signal, error in compare_grids(Design.load(name), case, ("fast",))[0].items():
+                    errors[signal].append(error)
+            for signal, limit in (("force_n", TARGETS_N), ("envelope_v", TARGETS_V)):
+                median, most, worst = np.quantile(errors[signal], (0.5, 0.9, 1.0))
+                held = np.mean(np.array(errors[signal]) <= limit)
+                yield f"| {name} | {signal} | {median:.1e} | {most:.1e} | {worst:.1e} | {limit:g} in {held:.0%} |"
+
+
+def _compare_solvers(rounds: int) -> tuple[list[str], bytes]:
+    """Return the table of other solvers' CPU times, and the diagrams of the last round."""
+    ratios: dict[tuple[str, str], list[float]] = defaultdict(list)
+    diagrams: list[WorkPrecision] = []
+    with compiled(), compile_solvers(SOLVERS) as native:
+        for _ in range(rounds):
+            diagrams = [measure_contact(SECONDS, SOLVERS, native), measure_board(SECONDS / 5, SOLVERS, native)]
+            for diagram in diagrams:
+                for solver, one in diagram.comparisons().items():
+                    if one.mean and "fingertip" not in solver:
+                        ratios[diagram.problem.partition(",")[0], solver].append(one.mean)
+    lines = ["| problem | solver | multiple | range |", "| --- | --- | --- | --- |"]
+    for (problem, solver), found in sorted(ratios.items(), key=lambda item: (item[0][0], statistics.median(item[1]))):
+        lines.append(
+            f"| {problem} | {solver} | {statistics.median(found):.1f} | {min(found):.1f} to {max(found):.1f} |"
+        )
+    return lines, draw(diagrams, "CPU time of the integration, without start-up and input.")
+
+
+if __name__ == "__main__":
+    main()

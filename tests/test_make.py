@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import zipfile
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +15,7 @@ from fingertip.catalogues.output_files import ACCEPTANCE, PART_FILES
 from fingertip.documents.acceptance import acceptance_sheet, render_acceptance
 from fingertip.foundation import extras
 from fingertip.foundation.errors import OutputError
+from fingertip.foundation.files import write_zip
 from fingertip.pictures.drawing.draw import file_names
 from fingertip.tasks import make as make_files
 from fingertip.tasks.board import write_board
@@ -114,3 +117,23 @@ def test_command_prints_where_everything_is(tmp_path: Path) -> None:
     assert all((tmp_path / name).is_file() for name in (*data["board"], *data["signal"]))
     assert data["parts"]["passed"]
     assert data["detection"]["intervals"]
+
+
+def test_a_folder_becomes_one_archive_without_dates_and_links(tmp_path: Path) -> None:
+    folder = tmp_path / "finger"
+    (folder / "print").mkdir(parents=True)
+    (folder / "print/plate.3mf").write_bytes(b"1")
+    (folder / "link").symlink_to("print/plate.3mf")
+    inside, beside = folder / "all.zip", tmp_path / "all.zip"
+    write_zip(beside, folder)
+    os.utime(folder / "print/plate.3mf", (0, 0))
+    for _ in range(2):
+        write_zip(inside, folder)
+        assert inside.read_bytes() == beside.read_bytes()
+    assert zipfile.ZipFile(inside).namelist() == ["finger/print/plate.3mf"]
+
+
+def test_a_folder_in_place_of_the_archive_is_refused_before_work_starts() -> None:
+    done = run_fingertip("make", "first_finger", "--zip", ".")
+    assert done.returncode == 2
+    assert done.stderr == "error: --zip: . is a folder; give the name of a file.\n"

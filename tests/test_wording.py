@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from fingertip.foundation.tables import read_rows
 from tests.conftest import ROOT
 
 SOURCES = sorted(
@@ -155,3 +156,10 @@ def test_the_manual_stays_small_and_says_whom_each_page_is_for() -> None:
     assert sum(len(text.split()) for text in (*pages.values(), (ROOT / "README.md").read_text())) <= 33_450
     led = [name for name, text in pages.items() if re.match(r"# .*\n\n(?:For .*|.*after this page)", text)]
     assert sorted(pages) == sorted(led)
+
+
+def test_words_of_the_page_stand_in_the_manual() -> None:
+    manual = (ROOT / "docs/reference.md").read_text(encoding="utf-8").replace("`", "")
+    rows = [row.values() for row in read_rows(ROOT / "src/fingertip/page/assets/words.csv")]
+    assert len(rows) > 10
+    assert [row for row in rows if f"| {' | '.join(row)} |" not in manual] == []

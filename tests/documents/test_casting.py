@@ -14,7 +14,7 @@ from PIL import Image
 from fingertip.board import board_circuit, board_values
 from fingertip.cad.kernel.mesh import MeshEvaluator
 from fingertip.cad.shapes.parts import PARTS
-from fingertip.casting.sheet import CastingSheet, casting_sheet
+from fingertip.casting.sheet import CastingSheet, add_prices, casting_sheet
 from fingertip.design import Design
 from fingertip.design.new_design import PRESETS
 from fingertip.documents.acceptance import acceptance_sheet, render_acceptance
@@ -24,7 +24,7 @@ from fingertip.pictures.casting_scenes import SCENES, draw_steps
 from fingertip.pictures.scene import Bench, Scene
 from fingertip.tasks.board import board_files
 from fingertip.tasks.firmware import firmware_files
-from tests.conftest import design_file
+from tests.conftest import ROOT, design_file
 
 NAMES = ("first_finger", "article", "fsr400", "fsr402", *PRESETS)
 FLANGE = "first_finger bone.interface=flange bone.foot_radius_mm=0.45"
@@ -94,6 +94,19 @@ def test_builder_reads_little_buys_little_and_waits_little(name: str) -> None:
     assert 0 < sum(bool(thing.reason) for thing in sheet.things) <= 8
     assert sheet.days <= 2
     assert sum(map(count_words, to_read(name).values())) <= most_words, name
+
+
+def test_the_readme_states_what_a_first_finger_takes() -> None:
+    sheet, readme = load("first_finger")[1], (ROOT / "README.md").read_text(encoding="utf-8")
+    least, most, in_all = add_prices(sheet.things)
+    at_hand = add_prices(replace(thing, reason="all") for thing in sheet.things)
+    assert at_hand[1:] == (in_all, in_all)
+    for words in (
+        f"{sheet.printed_g:g} g of PETG, {round(sheet.print_h)} hours", f"{sheet.batch.total_g:g} g of two-part",
+        f"{sheet.days} days: printing, {sheet.work_h[0]:g} hours, a day of cure, {sheet.work_h[1]:g} hours",
+        f"{least} to {most} US dollars to order; {at_hand[0]} to {in_all}",
+    ):  # fmt: skip
+        assert words in readme
 
 
 @pytest.mark.parametrize("name", [*NAMES, *list(MOUNTED)[1:]])

@@ -114,11 +114,11 @@ def decode_capacitor(number: str) -> tuple[float, str, float]:
         "Samsung": r"CL\d\d(?P<kind>[ABC])(?P<code>\d{3})(?P<tol>[JKM])\w+",
         "Fenghua": r"\d{4}(?P<kind>B|CG)(?P<code>\d{3})(?P<tol>[JKM])\d{3}NT",
         "Yageo": r"CC\d{4}(?P<tol>[JKM])R(?P<kind>X7R|NPO)\dBB?N?(?P<code>\d{3})",
-        "Murata": r"GRM\w{3}(?P<kind>5C|R6|R7)1[AH](?P<code>\d{3})(?P<tol>[JKM])\w+",
+        "Murata": r"GRM\w{3}(?P<kind>5C|R6|R7|Z7)1[ACH](?P<code>\d{3})(?P<tol>[JKM])\w+",
     }
     match = next(m for pattern in patterns.values() if (m := re.fullmatch(pattern, number)))
     kinds = {"A": "X5R", "B": "X7R", "C": "C0G", "CG": "C0G", "X7R": "X7R", "NPO": "C0G", "5C": "C0G", "R6": "X5R",
-             "R7": "X7R"}  # fmt: skip
+             "R7": "X7R", "Z7": "X7R"}  # fmt: skip
     code = match["code"]
     farad = int(code[:2]) * 10.0 ** int(code[2]) * 1e-12
     return farad, kinds[match["kind"]], {"J": 5.0, "K": 10.0, "M": 20.0}[match["tol"]]
@@ -168,6 +168,7 @@ def meets(component: Component, part: Part) -> bool:
     )
 
 
+@pytest.mark.full
 def test_boards_for_a_controller_have_order_numbers_and_alternates() -> None:
     """Every line has a number of its maker, and every semiconductor an alternate; few numbers wait to be confirmed."""
     for change, amplifiers, unconfirmed in (

@@ -14,7 +14,7 @@ from fingertip.cli.options import JOBS, OPTIONAL_DESIGN, command, load_design, r
 def accuracy(
     console: Console,
     design: Path | None = OPTIONAL_DESIGN,
-    of: Path | None = typer.Argument(None, metavar="[DESIGN]", help="Design after the word budget."),
+    of: Path | None = typer.Argument(None, metavar="DESIGN", help="Design, after the word budget."),
     cases: int = typer.Option(5000, help="Number of extreme cases, 1 to 1000000."),
     jobs: int | None = JOBS,
     out: Path = typer.Option(Path("out/accuracy"), "--out", "-o", help="Folder for accuracy.txt, .json and .png."),

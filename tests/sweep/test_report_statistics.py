@@ -40,7 +40,7 @@ from fingertip.sweep.report.statistics import (
     suits_log_scale,
     to_sortable,
 )
-from fingertip.sweep.report.summary import describe_tied
+from fingertip.sweep.report.summary import describe_sample, describe_tied
 from tests.sweep.examples import make_plan, make_table
 from tests.tools import require_module
 
@@ -137,6 +137,13 @@ def test_axes_that_rules_tie_to_each_other_have_no_index() -> None:
     independent = compute_sensitivity("y", x + 0.3 * free, {"x": x, "free": free})
     assert independent is not None
     assert not describe_tied(independent)
+
+
+def test_a_summary_says_how_far_shares_and_delays_of_its_trials_can_be_off() -> None:
+    """By hand: 0.025^(1/8) = 0.631; of 8 values the median lies between the first and the last with 1 - 2^-7."""
+    found = describe_sample(8)
+    assert "a share of 1 is above 0.63, and medians lie between delays 1 and 8 of 8 in order." in found
+    assert "a share of 1 is above 0.02, and medians are not bounded by so few" in describe_sample(1)
 
 
 @pytest.mark.parametrize("count", [3, 6])

@@ -14,9 +14,11 @@ import numpy as np
 
 from fingertip.design.model import Design
 from fingertip.foundation.errors import DesignError, escape_control
+from fingertip.foundation.numerics import binomial_interval, quantile_ranks
 from fingertip.sweep.axes import select_changes
 from fingertip.sweep.database import STATUSES, SweepTable
 from fingertip.sweep.designs import apply_changes
+from fingertip.sweep.outputs import load_outputs
 from fingertip.sweep.plan import SweepPlan
 from fingertip.sweep.report import statistics
 from fingertip.sweep.report.best_design_file import Objective, Selection, select_best
@@ -84,11 +86,22 @@ def format_text(summary: SweepSummary) -> str:
         data = _describe_point(summary, summary.selection.best)
         lines += [f"  {name} = {_format_value(value)}" for name, value in data["parameters"].items()]
         lines += [f"  {name}: {_format_value(value)}" for name, value in data["outputs"].items()]
+    if summary.table.outputs.keys() & {name for name, output in load_outputs().items() if output.group == "detection"}:
+        lines.append(describe_sample(summary.plan.file.trials))
     tolerance_mm = summary.plan.file.tolerance_mm
     is_coarse = tolerance_mm > SweepFile.model_fields["tolerance_mm"].default
     if is_coarse and any((column > 0).any() for column in statistics.list_failed(summary.table)):
         lines.append(f"The meshes are coarse, which alone may fail a check: try a tolerance_mm below {tolerance_mm:g}.")
     return "\n".join(map(escape_control, lines))  # a reason may hold any text
+
+
+def describe_sample(trials: int) -> str:
+    """Say how far shares and delays of so many trials can be off."""
+    least, (low, high) = binomial_interval(trials, trials)[0], quantile_ranks(trials, 0.5)
+    bounds = "are not bounded by so few"
+    if low >= 0 and high < trials:
+        bounds = f"lie between delays {low + 1} and {high + 1} of {trials} in order"
+    return f"Of {trials} trials a point: with 95 %, a share of 1 is above {least:.2f}, and medians {bounds}."
 
 
 def describe_best(summary: SweepSummary) -> str:

@@ -161,10 +161,10 @@ def make(
     if zip_file:
         write_zip(zip_file, made.parts.folder)
     prints = made.parts.prints
-    printed = f"{PRINT_FOLDER}/{'plate_*.3mf' if prints.plates else '*.stl'}" if prints.contents else "the parts"
+    printed = f", {PRINT_FOLDER}/{'plate_*.3mf' if prints.plates else '*.stl'}" if prints.contents else ""
     sheets = (SHEET, f"{BOARD_FOLDER}/{README}", ACCEPTANCE) if loaded.board.has_filter else (SHEET, ACCEPTANCE)
     last = [f"look at: {made.page or made.parts.folder}{' in a browser' if made.page else ''}"]
-    lines, following = _format_build(made.parts), f"print {printed}, then follow {join_words(sheets, 'and')}"
+    lines, following = _format_build(made.parts), f"print the parts{printed}, then follow {join_words(sheets, 'and')}"
     last += _tell_next(made.parts, following, offer_fit(loaded, made.parts.checks, changes or (), console))
     lines += [*_list_remarks(made.parts, _MAX_LINES - len(lines) - len(last)), *last]
     console.result(data, "\n".join(lines), made.parts.passed)

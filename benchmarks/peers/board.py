@@ -153,7 +153,7 @@ def measure_board(
 ) -> WorkPrecision:
     """Measure fingertip and its peers on the same problem. Units: `seconds` [s]."""
     seconds = max(seconds, MIN_SECONDS)
-    problem = BoardProblem(AnalogBoard.from_design(Design.load("article")), seconds)
+    problem = BoardProblem(AnalogBoard.from_design(Design.load("article"), "ideal"), seconds)
     system = _scipy_equations(problem.board)
     begin, end = problem.burst_s
     diagram = WorkPrecision(f"board, {seconds:g} s with a burst of {end - begin:.3g} s", "V", LEVELS_V)

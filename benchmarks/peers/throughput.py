@@ -71,7 +71,7 @@ from fingertip.design import Design
 from fingertip.sim.signal.analog_circuit import AnalogBoard
 with compiled():
     ContactProblem.over(1.0).run_fingertip(1e-3)
-    BoardProblem(AnalogBoard.from_design(Design()), 0.5).run_fingertip(1e-3)
+    BoardProblem(AnalogBoard.from_design(Design(), "ideal"), 0.5).run_fingertip(1e-3)
 """
 
 
@@ -120,7 +120,7 @@ def measure_boards(count: int) -> dict[str, Any]:
         outputs=["tactile_v"],
     )
     voltage = run_scene(design, scene, 1).columns["tactile_v"][: round(5 * design.detector.sample_rate_hz) + 1]
-    step, nominal = 1 / design.detector.sample_rate_hz, AnalogBoard.from_design(design)
+    step, nominal = 1 / design.detector.sample_rate_hz, AnalogBoard.from_design(design, "ideal")
     simulate_board(nominal, step, voltage[:10])
     start = time.process_time()
     peaks, implicit, steps = [], 0, 0
@@ -168,7 +168,7 @@ def measure_start_up(peers: tuple[str, ...], native: NativeSolvers) -> dict[str,
     for name, cpu_s in native.compilation_s.items():
         found[f"{name}: compilation of both problems"] = cpu_s
     if "ngspice" in peers and (program := spice.find_program()):
-        board = AnalogBoard.from_design(Design.load("article"))
+        board = AnalogBoard.from_design(Design.load("article"), "ideal")
         problem = BoardProblem(board, 1.0)
         source = spice.sampled_source(STEP_S, problem.voltage_v)
         simulator = Spice(program, board, source, STEP_S, problem.seconds)

@@ -44,7 +44,7 @@ def forget_boards() -> Iterator[None]:
 def simulated_gain(design: Design) -> float:
     """Gain of a tone from the tactile voltage to the filtered one, in the simulation over time."""
     time = np.arange(32_000) * STEP_S
-    board = AnalogBoard.from_design(design, find_gain_bandwidth_hz(design.board))
+    board = AnalogBoard.from_design(design)
     filtered = simulate_board(board, STEP_S, 1e-4 * np.sin(math.tau * TONE_HZ * time)).filtered_v[16_000:]
     # The input is linear between samples, which a tone of 160 samples per period hardly notices.
     chords = 2 * (1 - math.cos(math.tau * TONE_HZ * STEP_S)) / (math.tau * TONE_HZ * STEP_S) ** 2

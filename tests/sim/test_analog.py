@@ -16,10 +16,17 @@ from fingertip.board.circuits.spice import spice_deck
 from fingertip.board.parts.nets import FILTERED
 from fingertip.design.formulas.amplifiers import choose_amplifier, find_gain_bandwidth_hz
 from fingertip.foundation.errors import TraceError
-from fingertip.foundation.jit import compiled
+from fingertip.foundation.jit import compile_for_process, compiled
 from fingertip.sim import ManipulationFile, SceneFile, run_manipulation, run_scene
-from fingertip.sim.signal.analog_circuit import AnalogBoard, Diode, augment, compute_state_space, exponentials
-from fingertip.sim.signal.envelope_loop import wright_omega
+from fingertip.sim.signal.analog_circuit import (
+    Amplifiers,
+    AnalogBoard,
+    Diode,
+    augment,
+    compute_state_space,
+    exponentials,
+)
+from fingertip.sim.signal.envelope_loop import RECOVERY_V, wright_omega
 from fingertip.sim.signal.filter_board import AnalogStream, Comparator, ComparatorStream, simulate_board
 from tests.designs import ARTICLE, article_design
 from tests.oracles.filter_formulas import filter_transfer
@@ -28,13 +35,15 @@ from tests.tools import require_tool
 
 DESIGN = ARTICLE
 
-BOARD = AnalogBoard.from_design(DESIGN)
+BOARD = AnalogBoard.from_design(DESIGN, "ideal")
+
+REAL = AnalogBoard.from_design(DESIGN)
 
 STEP_S = 1 / 2000
 
-PRECISION = AnalogBoard.from_design(article_design(board={"variant": "precision"}))
+PRECISION = AnalogBoard.from_design(article_design(board={"variant": "precision"}), "ideal")
 """Its envelope is computed by software."""
-RECTIFIER = AnalogBoard.from_design(article_design(board={"variant": "comparator"}))
+RECTIFIER = AnalogBoard.from_design(article_design(board={"variant": "comparator"}), "ideal")
 """Its amplifiers rectify."""
 
 STIFF_BOARDS = {
@@ -48,10 +57,11 @@ STIFF_BOARDS = {
     "C 1p, Rs 0, Is 1e-14": replace(BOARD.with_components(C4=1e-12), diode=Diode(1e-14, 1.0, 0.0)),
     "all C 1p": BOARD.with_components(C1=1e-12, C2=1e-12, C3=1e-12, C4=1e-12),
     "R 1G, C 1p": BOARD.with_components(R1=1e9, R2=1e9, R3=1e9, R6=1e9, C4=1e-12),
-    "rails": replace(BOARD, rail_v=3.5),
-    "gain-bandwidth": AnalogBoard.from_design(DESIGN, 3e6),
+    "real": REAL,
     "precision": PRECISION,
-    "rectifier, C 1p, rails": replace(RECTIFIER.with_components(C4=1e-12), rail_v=3.5),
+    "rectifier, C 1p, real": AnalogBoard.from_design(article_design(board={"variant": "comparator"})).with_components(
+        C4=1e-12
+    ),
 }
 
 
@@ -87,7 +97,7 @@ def test_exponentials_agree_with_scipy(capacitor_f, bound):
     from scipy.linalg import expm
 
     system = compute_state_space(BOARD.with_components(C1=capacitor_f, C2=capacitor_f, C3=capacitor_f))
-    M = augment(system.A, system.b, system.k)
+    M = augment(system.A, system.b, np.ones((1, 3, 1)))
     for level, ours in enumerate(exponentials(M, STEP_S, 6)[0]):
         theirs = expm(M[0] * STEP_S / 2**level)
         assert np.abs(ours - theirs).max() < bound * np.abs(theirs).max()
@@ -119,10 +129,8 @@ def test_error_falls_with_the_fourth_power_of_the_step():
     """The diode conducts nearly all the time, so that the stages of SDIRK4 determine the error."""
     t = np.arange(400) / 2000
     tone = 0.03 * np.sin(2 * np.pi * 120 * t)
-    exact = simulate_board(AnalogBoard.from_design(ARTICLE), 1 / 2000, tone, 1e-11).envelope_v
-    coarse, fine = (
-        simulate_board(AnalogBoard.from_design(ARTICLE), 1 / 2000, tone, tolerance) for tolerance in (1e-4, 1e-7)
-    )
+    exact = simulate_board(BOARD, 1 / 2000, tone, 1e-11).envelope_v
+    coarse, fine = (simulate_board(BOARD, 1 / 2000, tone, tolerance) for tolerance in (1e-4, 1e-7))
     assert min(run.implicit / run.steps for run in (coarse, fine)) > 0.8
     errors = [np.abs(run.envelope_v - exact).max() for run in (coarse, fine)]
     assert math.log(errors[0] / errors[1]) / math.log(fine.steps / coarse.steps) > 3.7
@@ -143,7 +151,7 @@ def test_steps_are_few_and_a_constant_input_needs_one_per_sample():
     [
         *((parts, "burst", 1e-5) for parts in STIFF_BOARDS),
         *((parts, "100 V jump", 1e-3) for parts in STIFF_BOARDS),
-        *((parts, "100 V ramp", 1e-5) for parts in ("as fitted", "C 1p, Rs 0, Is 1e-14", "rectifier, C 1p, rails")),
+        *((parts, "100 V ramp", 1e-5) for parts in ("as fitted", "C 1p, Rs 0, Is 1e-14", "rectifier, C 1p, real")),
         *((parts, what, 1e-3) for parts in ("as fitted", "precision") for what in ("zero", "denormal")),
     ],
 )
@@ -167,8 +175,8 @@ def test_extreme_components_and_inputs_give_bounded_envelopes(parts, what, toler
     assert np.isfinite(found.filtered_v).all()
     # The envelope stays between the reverse current's voltage and the filter's maximum, and does not oscillate.
     maximum = constant_gain(board) * np.ptp(np.append(voltage, after if after is not None else voltage))
-    if board.rail_v:
-        maximum = min(maximum, board.rail_v)
+    if board.amplifiers:
+        maximum = min(maximum, board.amplifiers.peak_v)
     assert np.abs(found.envelope_v - finer.envelope_v).max() < 3 * tolerance + 1e-8 * maximum
     assert found.envelope_v.max() <= maximum + tolerance
     reverse_v = 0.0 if board.rectifier == "precision" else board.diode.saturation_a * board.components["R6"]
@@ -178,15 +186,79 @@ def test_extreme_components_and_inputs_give_bounded_envelopes(parts, what, toler
         assert np.abs(found.envelope_v).max() < tolerance
 
 
-def test_rails_limit_the_output_and_do_not_change_small_signals():
+def test_amplifiers_limit_the_output_and_delay_small_signals():
     strong = 50 * (burst() - 4.0)
-    railed = replace(BOARD, rail_v=3.5)
-    clipped = simulate_board(railed, STEP_S, strong)
-    assert np.abs(clipped.filtered_v).max() == 3.5
-    assert np.abs(simulate_board(BOARD, STEP_S, strong).filtered_v).max() > 50
-    small = 0.5 * burst()
-    free, limited = simulate_board(BOARD, STEP_S, small), simulate_board(railed, STEP_S, small)
-    assert np.abs(free.envelope_v - limited.envelope_v).max() < 1e-12
+    clipped = simulate_board(REAL, STEP_S, strong)
+    assert clipped.filtered_v.max() == 3.5
+    assert clipped.clips[300:600].mean() > 0.9 > clipped.clips[:200].max() == 0.0
+    # The first stage lags by the inverse of its bandwidth, 4 MHz over its gain, at a slope of some 800 V/s.
+    ideal, real = (simulate_board(board, STEP_S, burst(), 1e-6) for board in (BOARD, REAL))
+    lag_s = constant_gain(REAL) / (2 * math.pi * 4e6)
+    steepest = np.abs(np.diff(ideal.filtered_v)).max() / STEP_S
+    assert np.abs(real.filtered_v - ideal.filtered_v).max() == pytest.approx(lag_s * steepest, rel=0.3)
+    assert not real.clips.any()
+
+
+def test_an_input_below_its_range_makes_the_output_jump_up():
+    time = np.arange(4000) / 1e5
+    dip = np.where(time > 0.005, -0.05 * np.sin(2 * math.pi * 150 * np.maximum(time - 0.005, 0.0)), 0.0)
+    found = simulate_board(REAL, 1e-5, dip, 1e-6)
+    first = int(np.argmax(found.clips > 0.0))
+    assert found.filtered_v[first - 1] == pytest.approx(-2.0, abs=0.05)
+    assert found.filtered_v[first : first + 5].max() == 3.5
+    limited = replace(REAL, amplifiers=replace(REAL.amplifiers, reversal_v=None))
+    assert simulate_board(limited, 1e-5, dip, 1e-6).filtered_v[first : first + 5].max() < -1.9
+
+
+def solve_apart(values, diode, amplifier, u, v_step_s, h, out):
+    """Envelope of the article's board by Euler's explicit rule with steps of 2 ns, from Kirchhoff's laws written here."""
+    c1, c2, c3, c4, r1, r2, r3, r4, r5, r6, cin = values
+    saturation, nvt, series = diode
+    gbw, slew, top, bottom, reversal, recovery = amplifier
+    plus = minus = first = middle = second = output = envelope = current = 0.0
+    is_up = False
+    for i in range(len(u) - 1):
+        slope = (u[i + 1] - u[i]) / v_step_s
+        for _ in range(round(v_step_s / h)):
+            d_plus = (c1 * slope - plus / r1) / (c1 + cin)
+            d_minus = ((first - minus) / r5 - minus / r4) / cin
+            d_first = min(max(gbw * (plus - minus - first / 2e5), -slew), slew)
+            if (first >= top and d_first > 0.0) or (first <= bottom and d_first < 0.0):
+                d_first = 0.0
+            # C2 (first' - middle') + C3 (second' - middle') + (output - middle) / R2 = 0, and at the second input
+            # C3 (middle' - second') = second / R3 + Cin second'.
+            total, drawn = c3 + cin, second / r3
+            d_middle = (c2 * d_first + (output - middle) / r2 - c3 * drawn / total) / (c2 + c3 - c3 * c3 / total)
+            d_second = (c3 * d_middle - drawn) / total
+            is_up = second < reversal + (recovery if is_up else 0.0)
+            d_output = slew if is_up else min(max(gbw * (second - output - output / 2e5), -slew), slew)
+            # One step of Newton's method for the diode, from the current before.
+            excess = nvt * math.log(1.0 + current / saturation) + series * current - (output - envelope)
+            current = max(current - excess / (nvt / (saturation + current) + series), -0.999 * saturation)
+            envelope += h * (current - envelope / r6) / c4
+            plus, minus, middle, second = (
+                plus + h * d_plus,
+                minus + h * d_minus,
+                middle + h * d_middle,
+                second + h * d_second,
+            )
+            first, output = first + h * d_first, min(max(output + h * d_output, bottom), top)
+        out[i + 1] = envelope
+
+
+@pytest.mark.full
+@pytest.mark.parametrize(("peak_v", "clips"), [(0.025, False), (0.06, True)])
+def test_real_amplifiers_agree_with_an_independent_solver(peak_v, clips):
+    c, a, d, time = REAL.components, REAL.amplifiers, REAL.diode, np.arange(160) * 1e-4
+    voltage = peak_v * np.sin(2 * math.pi * 120 * time) * np.minimum(time / 0.005, 1.0)
+    ours, theirs = simulate_board(REAL, 1e-4, voltage, 1e-4), np.zeros(len(voltage))
+    values = *(c[name] for name in ("C1", "C2", "C3", "C4", "R1", "R2", "R3", "R4", "R5", "R6")), 8e-12
+    limits = 2 * math.pi * a.bandwidth_hz, a.slew_v_per_s, a.peak_v, -a.trough_v, -a.reversal_v, RECOVERY_V
+    diode = d.saturation_a, d.emission * d.thermal_v, d.series_ohm
+    compile_for_process(solve_apart)(values, diode, limits, voltage, 1e-4, 2e-9, theirs)
+    assert ours.clips.any() == clips
+    assert theirs.max() > 0.5
+    assert np.abs(ours.envelope_v - theirs).max() < 1e-3
 
 
 @pytest.mark.parametrize("board", [PRECISION, RECTIFIER], ids=["software", "amplifiers"])
@@ -235,7 +307,7 @@ def test_software_follows_the_filtered_voltage_as_amplifiers_with_the_same_pole_
     top_v = amplifiers.envelope_v.max()
     # The comparator's board loads the filter with R15, which moves the filtered voltage by some 1e-5.
     assert np.abs(software.envelope_v - amplifiers.envelope_v).max() < 1e-3 * top_v
-    slow = AnalogBoard.from_design(article_design(board={"variant": "precision", "envelope_cutoff_hz": 18.0}))
+    slow = AnalogBoard.from_design(article_design(board={"variant": "precision", "envelope_cutoff_hz": 18.0}), "ideal")
     assert simulate_board(slow, STEP_S, voltage, 1e-7).envelope_v.max() < 0.8 * top_v
 
 
@@ -244,7 +316,9 @@ def test_software_follows_the_filtered_voltage_as_amplifiers_with_the_same_pole_
 def test_state_equations_have_the_transfer_function_of_the_formulas(variant, gain_bandwidth_hz):
     """At 1 MHz the inputs' capacitance and the amplifiers' bandwidth determine the transfer function."""
     design = article_design(board={"variant": variant})
-    board, values = AnalogBoard.from_design(design, gain_bandwidth_hz), board_values(design)
+    real, values = Amplifiers.from_design(design), board_values(design)
+    chosen = replace(real, bandwidth_hz=gain_bandwidth_hz) if gain_bandwidth_hz else "ideal"
+    board = AnalogBoard.from_design(design, chosen)
     system = compute_state_space(board)
     A, b, row = system.A[0], system.b[0], system.rows[FILTERED][0]
     n = len(A)
@@ -259,7 +333,7 @@ def test_state_equations_have_the_transfer_function_of_the_formulas(variant, gai
         assert found == pytest.approx(expected, rel=1e-8)
 
 
-@pytest.mark.parametrize("parts", ["as fitted", "rails", "gain-bandwidth", "precision", "C 1p"])
+@pytest.mark.parametrize("parts", ["as fitted", "real", "precision", "C 1p"])
 def test_any_chunks_give_the_same_bits(parts):
     board = STIFF_BOARDS[parts]
     cuts = [0, 1, 2, 21, 300, 301, 555, 601]
@@ -360,7 +434,7 @@ def test_netlist_in_ngspice_switches_at_the_same_moments(tmp_path):
     time, envelope, pin = theirs[:, 0], theirs[:, 1], theirs[:, 2]
     switched = np.flatnonzero(((pin[:-1] < 1.6) != (pin[1:] < 1.6)) & (time[1:] > 0.35))
 
-    board = AnalogBoard.from_design(design, find_gain_bandwidth_hz(design.board))
+    board = AnalogBoard.from_design(design)
     out = simulate_board(board, STEP_S, voltage, 1e-6)
     _, on = simulate_comparator(Comparator.from_design(design), board, STEP_S, out.filtered_v, out.envelope_v)
     changed_s = (np.flatnonzero(np.diff(on)) + 0.5) * STEP_S

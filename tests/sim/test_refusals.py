@@ -20,7 +20,7 @@ from fingertip.sim import ManipulationFile, SceneFile, Trial, load_simulation, r
 from fingertip.sim.contact.coupled import CoupledContact, NormalContact, integrate
 from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.tangential import DraggedPad, Mount
-from fingertip.sim.signal.analog_circuit import AnalogBoard, Diode
+from fingertip.sim.signal.analog_circuit import Amplifiers, AnalogBoard, Diode
 from fingertip.sim.signal.filter_board import AnalogStream, Comparator, ComparatorStream, simulate_board
 from tests.approved import check_text
 from tests.conftest import ROOT, design_file
@@ -110,8 +110,7 @@ FAMILIES: dict[str, list[Callable[[], object]]] = {
         *(lambda diode=diode: replace(BOARD, diode=diode) for diode in (
             Diode(saturation_a=0.0), Diode(series_ohm=-1.0), Diode(saturation_a=np.array([math.nan, 1e-9])),
         )),
-        lambda: replace(BOARD, rail_v=math.nan),
-        lambda: replace(AnalogBoard.from_design(ARTICLE, 1e6), rail_v=3.0),
+        lambda: replace(BOARD, amplifiers=Amplifiers(math.nan, 1e6, 3.5, 0.0)),
         *(lambda step_s=step_s: simulate_board(BOARD, step_s, STILL) for step_s in (0.0, -1.0, math.nan)),
         *(lambda volts=volts: simulate_board(BOARD, 5e-4, volts) for volts in (
             at_7(math.inf) + at_7(math.nan), at_7(math.nan, 60)[:30], at_7(1e300), at_7(1e15), at_7(-1.1e4),

@@ -104,7 +104,7 @@ def study_article_protocol(
     for device, (_, name) in DEVICES.items():
         cases = list(generate_trials(trials, first_seed))
         found = run_cases(boards[device], cases, {name: (1.0,)})[name][0].trials
-        results += [_pool(device, boards[device].detector.threshold_v, moved_m, found) for moved_m in MOVED_M]
+        results += [pool(device, boards[device].detector.threshold_v, moved_m, found) for moved_m in MOVED_M]
     manipulations = {
         device: summarise(run_closed_loop(boards[device], (name,), repeats, uncontrolled=False))[0]
         for device, (_, name) in DEVICES.items()
@@ -130,7 +130,7 @@ def find_delays_s(trials: Sequence[TrialResult], moved_m: float) -> Iterator[tup
         yield trial, trial.motion_s + trial.motion_delays_s[0] - find_encoder_zero_s(move, phase_s, moved_m)
 
 
-def _pool(device: str, threshold_v: float, moved_m: float, trials: Sequence[TrialResult]) -> ProtocolResult:
+def pool(device: str, threshold_v: float, moved_m: float, trials: Sequence[TrialResult]) -> ProtocolResult:
     groups: dict[str, list[float]] = {}
     for trial, delay_s in find_delays_s(trials, moved_m):
         groups.setdefault(surface(trial), []).append(delay_s)

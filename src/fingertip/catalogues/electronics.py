@@ -94,6 +94,8 @@ class Amplifier:
     """Gain-bandwidth product, typical [Hz]."""
     phase_margin_deg: float
     """Phase margin of a follower, typical [degree]. It places the second pole."""
+    slew_v_per_s: float
+    """Largest rate of the output, typical [V/s]."""
     noise_v: float
     """White noise density at the input [V/sqrt(Hz)]."""
     noise_corner_hz: float

@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -24,7 +24,7 @@ from fingertip.sim.contact import coupled
 from fingertip.sim.contact.friction import ELASTO_PLASTIC, Friction
 from fingertip.sim.contact.tangential import DraggedPad, Mount, admissible_step_s
 from fingertip.sim.runs.timeline import TrapezoidalMove
-from fingertip.sim.signal.analog_circuit import AnalogBoard, Diode
+from fingertip.sim.signal.analog_circuit import AnalogBoard, Amplifiers, Diode
 from fingertip.sim.signal.filter_board import simulate_board
 from fingertip.sim.signal.grid import BASE_HZ
 
@@ -142,11 +142,19 @@ def error_control(draw: Draw) -> float:
 TOLERANCE_V, SAMPLES = 1e-4, 200
 
 
+def _draw_amplifiers(draw: Draw) -> Amplifiers | Literal["ideal"]:
+    if draw.choose("amplifiers", ("ideal", "real")) == "ideal":
+        return "ideal"
+    bandwidth_hz = draw.log("bandwidth [Hz]", (1e6, 2e7), (1e4, 1e9))
+    slew_v_per_s = draw.log("slew rate [V/s]", (1e6, 5e7), (1e3, 1e9))
+    peak_v = draw.log("rail [V]", (1.0, 12.0), (0.1, 100.0))
+    reversal_v = 0.6 * peak_v if draw.choose("jumps up", (False, True)) else None
+    return Amplifiers(bandwidth_hz, slew_v_per_s, peak_v, peak_v, reversal_v)
+
+
 def board(draw: Draw) -> float:
     """Compare rectifier and envelope with a ten-thousandth of the tolerance, which holds for the error of one step."""
-    name = draw.choose("board", ("article", "fsr400", "slow amplifiers"))
-    is_slow = name == "slow amplifiers"
-    fitted = AnalogBoard.from_design(Design.load("article" if is_slow else name), 3e6 if is_slow else None)
+    fitted = AnalogBoard.from_design(Design.load(draw.choose("board", ("article", "fsr400"))), _draw_amplifiers(draw))
     values = {
         component: float(value) * draw.log("component / nominal", (0.8, 1.25), (0.1, 10.0))
         for component, value in fitted.components.items()
@@ -156,8 +164,6 @@ def board(draw: Draw) -> float:
         saturation = draw.log("saturation current [A]", (1e-10, 1e-8), (1e-15, 1e-6))
         series = draw.log("series resistance [ohm]", (0.1, 10.0), (1e-3, 1e5))
         fitted = replace(fitted, diode=Diode(saturation, draw.log("emission", (1.5, 2.0), (1.0, 2.5)), series))
-    if draw.choose("rails", (False, True)) and not is_slow:
-        fitted = replace(fitted, rail_v=draw.log("rail [V]", (1.0, 12.0), (0.1, 100.0)))
     step = draw.log("step [s]", (6.25e-6, 1e-4), (1e-6, 1e-3))
     frequency = draw.log("frequency times step", (1e-3, 0.1), (1e-4, 0.2))
     amplitude = draw.log("amplitude [V]", (1e-4, 0.1), (1e-6, 10.0))

@@ -57,6 +57,12 @@ class SurfaceTable(ParameterTable):
         (0, 1),
         "Exponent H of the roughness: heights of waves grow with their length to the power H; 0: as named.",
     )
+    felt_um: float = quantity(
+        0.0, "um", (0, 100), "Roughness that the pad feels where Ra is 1 um: it spans waves; 0: as named."
+    )
+    felt_exponent: float = quantity(
+        0.0, "", (0, 3), "Exponent with which the felt roughness grows with Ra; 0: as named."
+    )
     ridge_pitch_mm: float = quantity(0.0, "mm", (0, 20), "Distance between ridges across the slide.")
     ridge_depth_um: float = quantity(0.0, "um", (0, 1000), "Height of the ridges, from valley to crest; 0: none.")
     profile_um: list[float] = Field(

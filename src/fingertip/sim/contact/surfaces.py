@@ -58,7 +58,8 @@ def generate_profile(
         amplitude = 2.0 ** (-surface.hurst * octave)
         square += amplitude * amplitude / 2 if octave >= 0.0 else 0.0
         waves.append((amplitude, 2 * math.pi * 2.0**octave / cutoff_m, 2 * math.pi * rng.random()))
-    scale = surface.roughness_um * 1e-6 * math.sqrt(math.pi / 2) / math.sqrt(square)
+    felt_um = surface.felt_um * surface.roughness_um**surface.felt_exponent
+    scale = felt_um * 1e-6 * math.sqrt(math.pi / 2) / math.sqrt(square)
     waves = [(scale * amplitude, k, phase) for amplitude, k, phase in waves]
     if surface.ridge_depth_um:
         number = 2 * math.pi / (1e-3 * surface.ridge_pitch_mm)

@@ -1,10 +1,11 @@
-"""Filter board as a linear system: x' = A x + b u + k from the equations of its circuit, for each saturation.
+"""Filter board as a linear system: x' = A x + b u from the equations of its circuit, and where its amplifiers end.
 
-The equations are those of `board.circuits.network`: a component that changes there changes here. An amplifier that is
-saturated is a source at its output. Voltages are relative to the signal ground, which on a single supply is the middle
-of the supply. Equations are batched: every value may be an array over many boards.
+The equations are those of `board.circuits.network`: a component that changes there changes here. The output of an
+amplifier as built is a state. At a rail, or where it cannot follow, its rate is given and all other equations hold.
+Voltages are relative to the signal ground, which on a single supply is the middle of the supply. Equations are batched:
+every value may be an array over many boards.
 
-The gain-bandwidth product is that of the filter's amplifiers. A precision rectifier's amplifier also has to cross two
+The bandwidth is that of the filter's amplifiers. A precision rectifier's amplifier also has to cross two
 diode drops, 1.2 V, at each zero of its input. At a slope s that takes sqrt(2 * 1.2 V / (2 pi GBW s)): 0.11 ms for the
 TLV2372 and 10 V/s, the slope of a slip, in which some 1 mV is lost. This is not modelled: ngspice on the whole netlist,
 with diodes and amplifiers of 3 MHz, differs by 0.1 mV in 0.18 V (tests/sim/test_analog.py).
@@ -24,9 +25,9 @@ from fingertip.board.analysis.response import EnvelopeModel, find_rectifier, mod
 from fingertip.board.circuits.network import Network, Value, build_network
 from fingertip.board.components.front_end import EMISSION, SATURATION_A, SERIES_OHM, THERMAL_V
 from fingertip.board.components.values import select_components
-from fingertip.board.parts.nets import FILTERED, STAGE1_OUT, TACTILE, VMID
+from fingertip.board.parts.nets import FILTERED, STAGE1_OUT, STAGE2_IN, TACTILE, VMID
 from fingertip.design import Design
-from fingertip.design.formulas.amplifiers import find_gain_bandwidth_hz
+from fingertip.design.formulas.amplifiers import choose_amplifier
 from fingertip.foundation.errors import Issue, TraceError, raise_issues
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import find_negative, find_not_positive
@@ -34,22 +35,23 @@ from fingertip.sim.signal.envelope_loop import ABSCISSAE, BLOCK, LEVELS
 
 # Exact steps of linear state equations.
 #
-# The steps are exact for x' = A x + b u + k with an input u that is linear in time over the step. The state is carried
-# as z = (x, u, slope of u, 1), so one matrix exponential of that larger system holds everything (C. Van Loan, IEEE
-# Trans. Automatic Control 23(3), 1978, doi:10.1109/TAC.1978.1101743). The shortest step's exponential is a Taylor
-# series; each longer one is the square of the one before (scaling and squaring).
+# The steps are exact for x' = A x + b u + K c with an input u that is linear in time over the step and constants c. The
+# state is carried as z = (x, u, slope of u, c), so one matrix exponential of that larger system holds everything (C.
+# Van Loan, IEEE Trans. Automatic Control 23(3), 1978, doi:10.1109/TAC.1978.1101743). The shortest step's exponential is
+# a Taylor series; each longer one is the square of the one before (scaling and squaring).
 
 _TERMS = 10  # of the Taylor series, for a norm of at most 1/16: the next term is below 1e-20
 
 
-def augment(A: Array, b: Array, k: Array) -> Array:
-    """Matrix of z' = M z; leading dimensions are a batch. A: (..., n, n), b and k: (..., n)."""
-    n = A.shape[-1]
-    M = np.zeros((*A.shape[:-2], n + 3, n + 3))
+def augment(A: Array, b: Array, K: Array | None = None) -> Array:
+    """Matrix of z' = M z; leading dimensions are a batch. A: (..., n, n), b: (..., n), K: (..., n, constants)."""
+    n, given = A.shape[-1], 0 if K is None else K.shape[-1]
+    M = np.zeros((*A.shape[:-2], n + 2 + given, n + 2 + given))
     M[..., :n, :n] = A
     M[..., :n, n] = b
-    M[..., :n, n + 2] = k
     M[..., n, n + 1] = 1.0
+    if K is not None:
+        M[..., :n, n + 2 :] = K
     return M
 
 
@@ -90,6 +92,39 @@ class Diode:
     thermal_v: Value = THERMAL_V
 
 
+DIODES = {"1N4148": Diode(), "BAT54": Diode(1e-7, 1.0, 0.28), "1N34A": Diode(2e-7, 1.3, 7.0)}
+"""Silicon, Schottky and germanium diode by name; the article names none. Values of SPICE models, recalled, unverified.
+The board has the first one."""
+
+
+@dataclass(frozen=True)
+class Amplifiers:
+    """Where the filter's two amplifiers end; voltages against the signal ground."""
+
+    bandwidth_hz: float
+    slew_v_per_s: float
+    """Largest rate of an output, of either sign [V/s]."""
+    peak_v: float
+    trough_v: float
+    """Limits of an output above and below the signal ground, both positive [V]."""
+    reversal_v: float | None = None
+    """Voltage below the signal ground under which the second stage's input reverses its output, which jumps up, as a
+    positive number [V]; None: never. The first stage's input does not come so far down."""
+
+    @classmethod
+    def from_design(cls, design: Design) -> Amplifiers:
+        amplifier, limits = choose_amplifier(design.board), board_values(design).voltage_limits
+        reverses, up_v = limits.has_phase_reversal, limits.filter_peak_v
+        trough_v, reversal_v = (up_v, limits.filter_trough_v) if reverses else (limits.filter_trough_v, None)
+        return cls(amplifier.bandwidth_hz, amplifier.slew_v_per_s, up_v, trough_v, reversal_v)
+
+    def find_issues(self) -> Iterator[Issue]:
+        values = {"bandwidth_hz": "Hz", "slew_v_per_s": "V/s", "peak_v": "V", "trough_v": "V", "reversal_v": "V"}
+        for name, unit in values.items():
+            if (value := getattr(self, name)) is not None:
+                yield from find_not_positive(f"amplifiers.{name}", value, unit, "3.5" if unit == "V" else "3e6")
+
+
 @dataclass(frozen=True)
 class AnalogBoard:
     """Filter, rectifier and envelope of a board, with models of its diode and its amplifiers. Raises TraceError."""
@@ -102,8 +137,8 @@ class AnalogBoard:
     """A diode that charges R_LP parallel to C_LP (article), or what rectifies exactly and follows with one pole:
     amplifiers, or software behind a board without an envelope."""
     diode: Diode = Diode()
-    rail_v: float | None = None
-    """Voltage at which both amplifiers' outputs saturate, of either sign [V]; None: they never do."""
+    amplifiers: Amplifiers | None = None
+    """Amplifiers of the filter, whose bandwidth the network has; None: ideal ones."""
 
     def __post_init__(self) -> None:
         issues = _find_component_issues(self.components)
@@ -112,24 +147,30 @@ class AnalogBoard:
         issues.extend(find_not_positive("diode.emission", d.emission, "", f"{EMISSION:g}"))
         issues.extend(find_negative("diode.series_ohm", d.series_ohm, "ohm"))
         issues.extend(find_not_positive("diode.thermal_v", d.thermal_v, "V", "0.0259"))
-        if self.rail_v is not None:
-            issues.extend(find_not_positive("board.rail_v", self.rail_v, "V", "3.5"))
-            if any(term.equation == term.net == FILTERED for term in self.network.terms if term.order):
-                # The input stage of a slow amplifier saturates at a rail, and no data sheet says how it recovers.
-                problem = f"{self.rail_v:g} V cannot be combined with a gain-bandwidth product"
-                issues.append(Issue("board.rail_v", f"{problem}; both together are not modelled; leave one out."))
+        issues.extend(self.amplifiers.find_issues() if self.amplifiers else ())
+        is_real = any(term.equation == term.net == FILTERED for term in self.network.terms if term.order)
+        if is_real != (self.amplifiers is not None):
+            issues.append(Issue("board.amplifiers", "are not those of the network; use AnalogBoard.from_design."))
         raise_issues(TraceError, issues)
 
     @classmethod
-    def from_design(cls, design: Design, gain_bandwidth_hz: float | None = None) -> AnalogBoard:
-        """Board of a design, with the values of the components that are fitted and ideal or slow amplifiers."""
+    def from_design(
+        cls, design: Design, amplifiers: Amplifiers | Literal["real", "ideal"] = "real", diode: str = "1N4148"
+    ) -> AnalogBoard:
+        """Board of a design, with the values of the components that are fitted and the amplifiers of the design."""
+        if isinstance(amplifiers, str):
+            fitted = Amplifiers.from_design(design) if amplifiers == "real" else None
+        else:
+            fitted = amplifiers
         circuit = board_circuit(select_components(design))
-        network = build_network(circuit, gain_bandwidth_hz).drive(TACTILE)
+        network = build_network(circuit, fitted and fitted.bandwidth_hz).drive(TACTILE)
         quiet = {VMID, *network.inputs} - {TACTILE}
         return cls(
             network.ground(*quiet).restrict(FILTERED),
             model_envelope(circuit) or model_software_envelope(design.board.envelope_cutoff_hz),
             "diode" if find_rectifier(circuit) == "diode" else "precision",
+            DIODES[diode],
+            fitted,
         )
 
     @property
@@ -174,75 +215,62 @@ def _find_component_issues(values: Mapping[str, Value]) -> list[Issue]:
     return [issue for name in values for issue in find_not_positive(f"board.{name}", values[name], *examples[name])]
 
 
-def board_with_amplifiers(design: Design, amplifiers: str) -> AnalogBoard:
-    """Board of a design with one of three models of its amplifiers.
-
-    The rails are taken as far below the signal ground as above it. A TL082's inputs leave their common-mode range
-    sooner, and its output then jumps up. This is not simulated: `VoltageLimits.filter_trough_v` says how far down the
-    board of variant article may be driven.
-    """
-    if amplifiers == "gain_bandwidth":
-        return AnalogBoard.from_design(design, find_gain_bandwidth_hz(design.board))
-    board = AnalogBoard.from_design(design)
-    return replace(board, rail_v=board_values(design).voltage_limits.filter_peak_v) if amplifiers == "rails" else board
-
-
 @dataclass(frozen=True, eq=False)
 class LinearBoard:
-    """State equations x' = A x + b u + k of a board, batched; voltages are rows over (x, u, slope of u, 1)."""
+    """State equations x' = A x + b u of a board, batched; voltages are rows over (x, u)."""
 
     A: Array
     b: Array
-    k: Array
     rows: dict[str, Array]
+    outputs: tuple[int, ...]
+    """Places of both amplifiers' outputs among the states; none if the amplifiers are ideal."""
 
 
-def compute_state_space(board: AnalogBoard, mode: int = 0) -> LinearBoard:
-    rail = board.rail_v or 0.0
-    states = zip((STAGE1_OUT, FILTERED), divmod(mode, 3), strict=True)
-    saturated = {net: (rail, -rail)[state - 1] for net, state in states if state}
-    network = board.network.drive(*saturated) if saturated else board.network
-    system = network.state_space
+def compute_state_space(board: AnalogBoard) -> LinearBoard:
+    system = board.network.state_space
     n = system.A.shape[-1]
-    A, B = (matrix.reshape(-1, *matrix.shape[-2:]) for matrix in (system.A, system.B))
-    # The inputs are the voltage u, which comes first, and the saturated outputs, which are constant.
-    constants = np.array([saturated[name] for name in network.inputs[1:]])
-
-    def row(voltage: Array) -> Array:
-        voltage = voltage.reshape(-1, voltage.shape[-1])
-        constant = voltage[:, n + 1 :] @ constants
-        return np.concatenate((voltage[:, : n + 1], np.zeros((len(voltage), 1)), constant[:, None]), axis=1)
-
-    rows = {name: row(system.rows[name]) for name in network.nets}
-    for name, volts in saturated.items():
-        rows[name] = np.concatenate((np.zeros((len(A), n + 2)), np.full((len(A), 1), volts)), axis=1)
-    return LinearBoard(A, B[:, :, 0], B[:, :, 1:] @ constants, rows)
+    rows = {name: row.reshape(-1, n + 1) for name, row in system.rows.items()}
+    A, b = system.A.reshape(-1, n, n), system.B.reshape(-1, n)
+    if board.amplifiers is None:
+        return LinearBoard(A, b, rows, ())
+    outputs = tuple(int(np.argmax(rows[net][0] == 1.0)) for net in (STAGE1_OUT, FILTERED))
+    return LinearBoard(A, b, rows, outputs)
 
 
 def compute_step_matrices(board: AnalogBoard, step_s: float) -> tuple[int, int, Array, Array, Array]:
-    """Compute the board's exact steps in the layout of `envelope_loop`: one flat array for each board."""
-    step_columns, output_rows = [], []
-    amplifier1_row = np.zeros(0)
-    n = rows = 0
-    for mode in range(9 if board.rail_v else 1):
-        system = compute_state_space(board, mode)
-        count, n = system.A.shape[:2]
-        rows = -(-(n + len(ABSCISSAE)) // BLOCK) * BLOCK
-        if mode % 3 == 0:
-            output_rows.append(system.rows[FILTERED])
-        if mode == 0:
-            amplifier1_row = system.rows[STAGE1_OUT]
-        M = augment(system.A, system.b, system.k)
+    """Compute the board's exact steps in the layout of `envelope_loop`: one flat array for each board.
+
+    With amplifiers as built there are matrices for each set of outputs that are held, and rows of what an end of the
+    linear range shows: the rates that both amplifiers would have, and the input of the second one.
+    """
+    system = compute_state_space(board)
+    count, n = system.A.shape[:2]
+    held = [()] if not system.outputs else [(), system.outputs[1:], system.outputs[:1], system.outputs]
+    width = n + 2 + len(system.outputs)
+
+    def widen(rows: Array) -> Array:
+        return np.concatenate((rows, np.zeros((count, width - rows.shape[-1]))), axis=1)
+
+    watched = [widen(np.concatenate((system.A[:, at], system.b[:, at, None]), axis=1)) for at in system.outputs]
+    watched += [widen(system.rows[STAGE2_IN])] if system.outputs else []
+    rows = -(-(n + len(ABSCISSAE) + len(watched)) // BLOCK) * BLOCK
+    output, step_columns = widen(system.rows[FILTERED]), []
+    for places in held:
+        A, b, rates = system.A.copy(), system.b.copy(), np.zeros((count, n, len(system.outputs)))
+        for at in places:
+            A[:, at], b[:, at], rates[:, at, system.outputs.index(at)] = 0.0, 0.0, 1.0
+        M = augment(A, b, rates)
         # Two levels more than the loop uses give the quarters and halves of the shortest step.
         powers = exponentials(np.stack((M, 0.55 * M)), step_s, LEVELS + 2)
         quarter, half, full, odd = powers[0, :, 2:], powers[0, :, 1:-1], powers[0, :, :-2], powers[1, :, :-2]
         transition = {0.25: quarter, 0.5: half, 0.75: quarter @ half, 0.55: odd, 1.0: full}
-        output = system.rows[FILTERED][:, None, None, :]
-        matrix = np.zeros((count, LEVELS, n + 3, rows))
+        matrix = np.zeros((count, LEVELS, width, rows))
         matrix[..., :n] = full[:, :, :n].swapaxes(2, 3)
         for place, c in enumerate(ABSCISSAE, n):
-            matrix[..., place] = (output @ transition[c])[:, :, 0]
+            matrix[..., place] = (output[:, None, None, :] @ transition[c])[:, :, 0]
+        for place, row in enumerate(watched, n + len(ABSCISSAE)):
+            matrix[..., place] = (row[:, None, None, :] @ full)[:, :, 0]
         step_columns.append(matrix)
-    count = len(amplifier1_row)
-    columns, outputs = (np.stack(found, axis=1).reshape(count, -1) for found in (step_columns, output_rows))
-    return n, rows, columns, outputs, amplifier1_row
+    watched_rows = np.stack(watched, axis=1) if watched else np.zeros((count, 1))
+    columns = np.stack(step_columns, axis=1)
+    return n, rows, columns.reshape(count, -1), output, watched_rows.reshape(count, -1)

@@ -82,7 +82,7 @@ def _compute_poles(pin: str, design: Design, step_s: float) -> tuple[float, ...]
         return _NO_POLES
     network = build_network(board_circuit(select_components(design))).drive(source := PINS[pin])
     system = network.ground(*(name for name in network.inputs if name != source)).restrict(pin).state_space
-    step = exponentials(augment(system.A, system.B[:, 0], np.zeros(len(system.A))), step_s, 1)[0]
+    step = exponentials(augment(system.A, system.B[:, 0]), step_s, 1)[0]
     # The loop has two states, the second of which is the voltage at the pin. One pole stands in both.
     last = int(np.argmax(system.rows[pin][: len(system.A)]))
     order = [0 if last else len(system.A) - 1, last]
@@ -292,12 +292,13 @@ def compute_bridge_v(design: Design, force_n: Array) -> Array:
     return Bridge.of_board(design).voltage_v(force_n)
 
 
-def simulate_quiescent_level(design: Design) -> NoiseLevel:
+def simulate_quiescent_level(design: Design, diode: str = "1N4148") -> NoiseLevel:
     """Simulate the noise level of `analog` behind the board while nothing happens: amplifiers, filter, then ADC."""
     grid, rate = Grid(), design.detector.sample_rate_hz
     count = grid.count_points(_noise_s(design), rate)
     noise_v = draw_noise(open_stream(0, "quiescent board"), compute_input_noise_v(design), count)
-    source, signals = EnvelopeSource(design), simulate_board(AnalogBoard.from_design(design), grid.step_s, noise_v)
+    board = AnalogBoard.from_design(design, diode=diode)
+    source, signals = EnvelopeSource(design), simulate_board(board, grid.step_s, noise_v)
     output_v = source.select(signals.filtered_v, signals.envelope_v)
     poles = AntiAliasFilter.ahead_of(source.pin, design, grid.step_s)
     adc = AdcRange.from_design(design).above_signal_ground(design)

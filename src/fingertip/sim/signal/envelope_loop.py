@@ -8,6 +8,10 @@ current is a correction by Simpson's rule. Elsewhere v follows SDIRK4 (E. Hairer
 Differential Equations II, table IV.6.5; L-stable, order 4, embedded order 3). Every stage, also with Rs, is one value
 of Wright's omega function, so no iteration can fail.
 
+Both amplifiers of the filter end at rails, cannot follow beyond a largest rate, and the second one of a TL082 jumps up
+where its input leaves its range. An output that is held there has a given rate, 0 or the largest; a step in which an
+amplifier begins or ceases to be held is bisected.
+
 A step is the sampling interval divided by a power of two, its level. The shortest step is accepted without an error
 estimate and taken by the implicit Euler rule: after a jump of 100 V into a diode without Rs, the stages of any method
 of higher order overshoot, and charge that has passed the diode does not return.
@@ -25,8 +29,17 @@ ABSCISSAE = (0.25, 0.75, 0.55, 0.5, 1.0)
 """Positions within a step at which SDIRK4 needs the filter's output (the method's c)."""
 BLOCK = 8
 """Rows of the step matrices that one pass computes: the length of a column is a multiple of it."""
-ENVELOPE, LEVEL, OUTPUT = range(3)
-"""Indices of what a chunk carries beside the states: envelope [V], level of the step, output [V]."""
+ENVELOPE, LEVEL, OUTPUT, RATES = range(4)
+"""Indices of what a chunk carries beside the states: envelope [V], level of the step, output [V]; then the rates that
+both amplifiers would have [V/s], the input of the second one [V], and 1 where its output has jumped up."""
+CARRIED = 7
+FREE, RISING, FALLING, HIGH, LOW = range(5)
+"""States of an amplifier: it follows, rises or falls at its largest rate, or its output stands at a rail."""
+RECOVERY_V = 0.1
+"""Voltage by which the input comes back before an output that jumped up returns [V]. Assumption: data sheets are silent,
+and without it the output would oscillate at once, because its jump pulls the input up."""
+EVENT_S = 1e-9
+"""Time within which the moment is found at which an amplifier begins or ceases to be held [s]."""
 LOG_OFF = math.log(1e-3)
 """Logarithm of the fraction of the tolerance below which the diode's charge is neglected."""
 STEPS, REJECTED, IMPLICIT = range(3)
@@ -96,9 +109,19 @@ def multiply(columns: Floats, start: int, z: Floats, width: int, rows: int, out:
         out[block + 4], out[block + 5], out[block + 6], out[block + 7] = a4, a5, a6, a7
 
 
-Constants = tuple[float, float, int, int, int, float, bool, tuple[float, float, float], tuple[float, float]]
-"""Tolerance of a step [V], sampling interval [s], numbers of states, of rows of a column and of levels, voltage of the
-rails (0: none), whether the rectifier is `precision`, and the values of diode and load."""
+def find_state(output: float, rate: float, low: float, high: float, slew: float) -> int:
+    """State of an amplifier from its output [V], the rate that it would have, and its limits."""
+    if rate > 0.0:
+        return HIGH if output >= high else RISING if rate > slew else FREE
+    return LOW if output <= low else FALLING if rate < -slew else FREE
+
+
+Limits = tuple[int, int, float, float, float, float]
+"""Places of both amplifiers' outputs among the states, lower and upper limit of both [V], their largest rate [V/s], and
+the input of the second one below which its output jumps up [V]. Both places are 0 for ideal amplifiers."""
+Constants = tuple[float, float, int, int, int, Limits, bool, tuple[float, float, float], tuple[float, float]]
+"""Tolerance of a step [V], sampling interval [s], numbers of states, of rows of a column and of levels, limits of the
+amplifiers, whether the rectifier is `precision`, and the values of diode and load."""
 
 
 def _envelope_loop(
@@ -108,22 +131,28 @@ def _envelope_loop(
     bend: Floats,
     step_columns: Floats,
     output_rows: Floats,
-    amplifier1_row: Floats,
+    watched_rows: Floats,
     carried: MutableFloats,
     z: MutableFloats,
     z_next: MutableFloats,
-    z_end: MutableFloats,
     tables: MutableFloats,
     filtered: MutableFloats,
     envelope: MutableFloats,
+    held: MutableFloats,
     statistics: MutableFloats,
 ) -> None:
     """Follow the envelope over a chunk: exact steps of the circuit, and an implicit method where the diode conducts."""
     # The input is given right before and right after each sample. Between two samples it is one straight line, or two
     # that meet in the middle of the step, higher than the one by `bend` of the step's end. step_columns, output_rows
-    # and amplifier1_row are those of `fingertip.sim.signal.analog_circuit.compute_step_matrices`.
-    tolerance, H, states, rows, levels, rail, precision, (saturation, nvt, series), (R, C) = constants
-    width = states + 3
+    # and watched_rows are those of `fingertip.sim.signal.analog_circuit.compute_step_matrices`.
+    tolerance, H, states, rows, levels, limits, precision, (saturation, nvt, series), (R, C) = constants
+    at1, at2, low, high, slew, reversal = limits
+    is_limited = at1 != at2
+    width = states + 4 if is_limited else states + 2
+    watched_at = states + 5
+    rate1, rate2, input2, is_up = carried[RATES], carried[RATES + 1], carried[RATES + 2], carried[RATES + 3]
+    state1 = state2 = mode = 0
+    begin1, begin2, begin_input2 = rate1, rate2, input2
     u1_at = states  # places of the filter's output at `ABSCISSAE` in a product with step_columns
     shortest = levels - 1
     # A tick is the shortest step; a step at level l takes 2^(levels - 1 - l) of them.
@@ -139,18 +168,20 @@ def _envelope_loop(
     steps = rejected = implicit = 0
     filtered[0] = 0.0
     envelope[0] = v
-    mode = 0
+    held[0] = 0.0
     for i in range(len(before) - 1):
-        # The input is linear over a step: z holds the circuit's states, the input, its slope and 1.
+        # The input is linear over a step: z holds the circuit's states, the input, its slope, and given rates.
         slope, bow = (before[i + 1] - after[i]) / H, bend[i + 1]
         z[states] = after[i]
         z[states + 1] = slope + 2 * bow / H
-        z[states + 2] = 1.0
-        tick, corner = 0, 0
+        tick, corner, held[i + 1] = 0, 0, 0.0
         if bow != 0.0:
             corner, level = ticks_per_sample >> 1, max(level, 1)
         if before[i] != after[i]:
             u0 = dot(output_rows, 0, z, width)
+            if is_limited:
+                rate1, rate2 = dot(watched_rows, 0, z, width), dot(watched_rows, width, z, width)
+                input2 = dot(watched_rows, 2 * width, z, width)
             level = shortest  # after a jump the response may be arbitrarily fast
         while tick < ticks_per_sample:
             # A step begins at a multiple of its own length, so that every step size divides the interval.
@@ -159,13 +190,17 @@ def _envelope_loop(
                 level += 1
                 step_ticks >>= 1
 
-            # Rails: the mode says which amplifier is saturated, and selects the matrices.
-            if rail > 0.0:
-                p = dot(amplifier1_row, 0, z, width)
-                first = 1 if p > rail else 2 if p < -rail else 0
-                o2 = dot(output_rows, first * width, z, width)
-                mode = first * 3 + (1 if o2 > rail else 2 if o2 < -rail else 0)
-                u0 = rail if o2 > rail else -rail if o2 < -rail else o2
+            # Amplifiers: those that are held have a given rate, and the mode selects the matrices.
+            if is_limited:
+                state1 = find_state(z[at1], rate1, low, high, slew)
+                is_up = 1.0 if input2 < reversal + is_up * RECOVERY_V else 0.0
+                state2 = find_state(z[at2], math.inf if is_up > 0.0 else rate2, low, high, slew)
+                mode = (2 if state1 else 0) + (1 if state2 else 0)
+                if mode > 0:
+                    held[i + 1] = 1.0
+                z[states + 2] = slew if state1 == RISING else -slew if state1 == FALLING else 0.0
+                z[states + 3] = slew if state2 == RISING else -slew if state2 == FALLING else 0.0
+                begin1, begin2, begin_input2 = rate1, rate2, input2
 
             # Linear part: exact states at the end of the step, and the filter's output in its middle and at its end.
             h = H / (1 << level)
@@ -265,29 +300,35 @@ def _envelope_loop(
                 v_next = base + k5
                 error = abs(E1 * k1 + E2 * k2 + E3 * k3 + k5)
 
-            # Reject a step in which an amplifier reaches or leaves a rail: bisection locates the moment.
-            if rail > 0.0 and level < shortest:
-                for a in range(states):
-                    z_end[a] = z_next[a]
-                z_end[states] = z[states] + h * z[states + 1]
-                z_end[states + 1] = z[states + 1]
-                z_end[states + 2] = 1.0
-                p = dot(amplifier1_row, 0, z_end, width)
-                first = 1 if p > rail else 2 if p < -rail else 0
-                o2 = dot(output_rows, first * width, z_end, width)
-                if mode != first * 3 + (1 if o2 > rail else 2 if o2 < -rail else 0):
-                    error = 1e300
+            # Reject a step in which an amplifier begins or ceases to be held, or overshoots a rail.
+            if is_limited:
+                output1, output2 = z_next[at1], z_next[at2]
+                rate1, rate2, input2 = z_next[watched_at], z_next[watched_at + 1], z_next[watched_at + 2]
+                end1 = find_state(output1, rate1, low, high, slew)
+                remains_up = input2 < reversal + is_up * RECOVERY_V
+                end2 = find_state(output2, math.inf if remains_up else rate2, low, high, slew)
+                if (end1 != state1 or end2 != state2) and h > EVENT_S:
+                    # A rail that an output has just reached may be overshot a little, and is then put back.
+                    beyond = max(max(output1, output2) - high, low - min(output1, output2))
+                    is_slow = end1 == RISING or end1 == FALLING or end2 == RISING or end2 == FALLING
+                    if is_slow or state1 != FREE or state2 != FREE or beyond > 0.1 * tolerance:
+                        error = 1e300
             if error > tolerance and level < shortest:
                 rejected += 1
                 level += 1
+                if is_limited:
+                    rate1, rate2, input2 = begin1, begin2, begin_input2
                 continue
 
             # Accept the step; double the next one where the error is far below the tolerance and the grid allows it.
             steps += 1
             v = v_next
-            u0 = u5
             for a in range(states):
                 z[a] = z_next[a]
+            if is_limited:
+                z[at1] = min(max(z[at1], low), high)
+                z[at2] = u5 = min(max(z[at2], low), high)
+            u0 = u5
             tick += step_ticks
             part = tick / ticks_per_sample
             z[states] = before[i + 1] if tick == ticks_per_sample else after[i] + slope * (H * part)
@@ -297,19 +338,18 @@ def _envelope_loop(
                     z[states + 1] = slope - 2 * bow / H
             if level > 0 and error < 0.03 * tolerance and not tick & (2 * step_ticks - 1):
                 level -= 1
-        if rail > 0.0:
-            u0 = rail if u0 > rail else -rail if u0 < -rail else u0
         filtered[i + 1] = u0
         envelope[i + 1] = v
     carried[ENVELOPE] = v
     carried[LEVEL] = float(level)
     carried[OUTPUT] = u0
+    carried[RATES], carried[RATES + 1], carried[RATES + 2], carried[RATES + 3] = rate1, rate2, input2, is_up
     statistics[STEPS], statistics[REJECTED], statistics[IMPLICIT] = steps, rejected, implicit
 
 
-run = CompiledLoop(_envelope_loop, wright_omega, dot, multiply, outputs=8, samples="before", plain_us=7.0)
+run = CompiledLoop(_envelope_loop, wright_omega, dot, multiply, find_state, outputs=8, samples="before", plain_us=7.0)
 """Follows one board over one chunk of samples.
 
-It carries (envelope, level of the next step, output) and z (the states) to the next chunk, uses z_next, z_end and
-tables as scratch memory, and fills filtered, envelope and the statistics.
+It carries `CARRIED` numbers and z (the states) to the next chunk, uses z_next and tables as scratch memory, and fills
+filtered, envelope, whether an amplifier was held since the sample before, and the statistics.
 """

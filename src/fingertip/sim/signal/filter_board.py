@@ -22,7 +22,7 @@ from fingertip.foundation.jit import CompiledLoop, Floats, MutableFloats
 from fingertip.foundation.numerics import Array
 from fingertip.foundation.validation import find_column_issues, find_not_finite, find_not_positive
 from fingertip.sim.signal import envelope_loop
-from fingertip.sim.signal.analog_circuit import AnalogBoard, compute_step_matrices
+from fingertip.sim.signal.analog_circuit import AnalogBoard, compute_state_space, compute_step_matrices
 from fingertip.sim.signal.envelope_loop import LEVELS
 from fingertip.sim.signal.parameters import describe_missing_comparator
 
@@ -40,6 +40,8 @@ class BoardSignals:
     """Output of the second stage, ahead of the rectifier."""
     envelope_v: Array
     """Output of the rectifier."""
+    clips: Array
+    """1 where an amplifier was at its limits since the sample before, else 0."""
     steps: int
     rejected: int
     implicit: int
@@ -64,14 +66,12 @@ def simulate_board(
     by_name = values if is_one else np.broadcast_arrays(*map(np.atleast_1d, values))
     rows = np.array(by_name, dtype=np.float64).reshape(len(values), -1).T
     integrator = Integrator(board, step_s, tolerance_v, rows[:, :_FIXED])
-    filtered_v, envelope_v = np.zeros((2, len(rows), len(voltage_v)))
+    signals = np.zeros((3, len(rows), len(voltage_v)))
     counts, straight = np.zeros(3), np.zeros(len(voltage_v))
     for i in range(len(rows)):
         state = integrator.steady_state(i, voltage_v[0])
-        counts += integrator.integrate(i, *state, voltage_v, after, straight, filtered_v[i], envelope_v[i])
-    if is_one:
-        filtered_v, envelope_v = filtered_v[0], envelope_v[0]
-    return BoardSignals(filtered_v, envelope_v, *(int(count) for count in counts))
+        counts += integrator.integrate(i, *state, voltage_v, after, straight, *signals[:, i])
+    return BoardSignals(*(signals[:, 0] if is_one else signals), *(int(count) for count in counts))
 
 
 class AnalogStream:
@@ -85,6 +85,8 @@ class AnalogStream:
         self._last = np.zeros((3, 0))
         self.steps = 0
         """Steps taken so far, accepted and rejected."""
+        self.clips = np.zeros(0)
+        """1 where an amplifier was at its limits since the sample before, else 0, at the samples processed last."""
 
     def process(
         self, voltage_v: Array, after_v: Array | None = None, bend_v: Array | None = None
@@ -101,12 +103,12 @@ class AnalogStream:
         known = np.concatenate((self._last, [voltage_v, after, bends]), axis=1)
         if self._state is None:
             self._state = self.integrator.steady_state(0, voltage_v[0])
-        filtered_v, envelope_v = np.zeros_like(known[:2])
+        filtered_v, envelope_v, clips = np.zeros_like(known)
         before, after, bends = known
-        counts = self.integrator.integrate(0, *self._state, before, after, bends, filtered_v, envelope_v)
+        counts = self.integrator.integrate(0, *self._state, before, after, bends, filtered_v, envelope_v, clips)
         self.steps += int(counts[envelope_loop.STEPS] + counts[envelope_loop.REJECTED])
         repeated = self._last.shape[1]
-        self._last = known[:, -1:].copy()
+        self._last, self.clips = known[:, -1:].copy(), clips[repeated:]
         return filtered_v[repeated:], envelope_v[repeated:]
 
 
@@ -129,43 +131,48 @@ class Integrator:
 
     def __init__(self, board: AnalogBoard, step_s: float, tolerance_v: float, fixed: Array) -> None:
         self._board, self._step_s, self._tolerance_v, self._fixed = board, step_s, tolerance_v, fixed.tolist()
-        self._state_count, self._rows, *matrices = compute_step_matrices(board, step_s)
-        self._steady_state = board.network.steady_state().reshape(-1, self._state_count)
-        self._step_columns, self._output_rows, self._amplifier1_row = matrices
+        self.state_count, self._rows, *matrices = compute_step_matrices(board, step_s)
+        self._steady_state = board.network.steady_state().reshape(-1, self.state_count)
+        self._step_columns, self._output_rows, self._watched_rows = matrices
+        self._limits: envelope_loop.Limits = (0, 0, 0.0, 0.0, 0.0, 0.0)
+        if a := board.amplifiers:
+            outputs = compute_state_space(board).outputs
+            reversal = -math.inf if a.reversal_v is None else -a.reversal_v
+            self._limits = (outputs[0], outputs[1], -a.trough_v, a.peak_v, a.slew_v_per_s, reversal)
+        self._width = self.state_count + (4 if board.amplifiers else 2)
 
     def steady_state(self, i: int, voltage_v: float) -> tuple[Array, Array]:
         """State for a constant input: (envelope, level of the next step, output), and the circuit's states."""
-        z = np.zeros(self._state_count + 3)
-        z[: self._state_count] = self._steady_state[i] * voltage_v
-        z[self._state_count], z[-1] = voltage_v, 1.0
-        carried = np.zeros(3)
+        z = np.zeros(self._width)
+        z[: self.state_count] = self._steady_state[i] * voltage_v
+        z[self.state_count] = voltage_v
+        carried = np.zeros(envelope_loop.CARRIED)
         carried[envelope_loop.OUTPUT] = envelope_loop.dot(self._output_rows[i].tolist(), 0, z.tolist(), len(z))
         return carried, z
 
     def integrate(
         self, i: int, carried: Array, z: Array, before: Array, after: Array, bend: Array, filtered_v: Array,
-        envelope_v: Array,
+        envelope_v: Array, clips: Array,
     ) -> Array:  # fmt: skip
         """Integrate board i from the first sample to the last; returns the loop's statistics."""
         statistics = np.zeros(3)
         envelope_loop.run(
             self.constants(i), before, after, bend, *self.matrices(i), carried, z, *self.make_scratch(), filtered_v,
-            envelope_v, statistics,
+            envelope_v, clips, statistics,
         )  # fmt: skip
         envelope_v *= self.gain(i)
         return statistics
 
     def constants(self, i: int) -> envelope_loop.Constants:
         saturation, nvt, series, r, c, _ = self._fixed[i]
-        rail_v, is_precise = self._board.rail_v or 0.0, self._board.rectifier == "precision"
-        sizes = self._state_count, self._rows, LEVELS
-        return self._tolerance_v, self._step_s, *sizes, rail_v, is_precise, (saturation, nvt, series), (r, c)
+        sizes, is_precise = (self.state_count, self._rows, LEVELS), self._board.rectifier == "precision"
+        return self._tolerance_v, self._step_s, *sizes, self._limits, is_precise, (saturation, nvt, series), (r, c)
 
     def matrices(self, i: int) -> tuple[Array, Array, Array]:
-        return self._step_columns[i], self._output_rows[i], self._amplifier1_row[i]
+        return self._step_columns[i], self._output_rows[i], self._watched_rows[i]
 
-    def make_scratch(self) -> tuple[Array, Array, Array]:
-        return np.zeros(self._rows), np.zeros(self._state_count + 3), np.zeros(4 * LEVELS)
+    def make_scratch(self) -> tuple[Array, Array]:
+        return np.zeros(self._rows), np.zeros(4 * LEVELS)
 
     def gain(self, i: int) -> float:
         """Return the gain of the envelope of board i: that of the loop is 1."""

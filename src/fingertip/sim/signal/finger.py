@@ -24,13 +24,13 @@ from fingertip.sim.contact.friction import Friction
 from fingertip.sim.contact.materials import SurfaceTable
 from fingertip.sim.contact.surfaces import SurfaceProfile, generate_profile
 from fingertip.sim.contact.vibration import ContactResonance, ProfileForce, transmit
-from fingertip.sim.signal.analog_circuit import board_with_amplifiers
+from fingertip.sim.signal.analog_circuit import AnalogBoard
 from fingertip.sim.signal.bridge import Bridge, ForceSensor, reads_whole_finger
 from fingertip.sim.signal.converter import AdcRange, AntiAliasFilter, Converter, EnvelopeSource, compute_input_noise_v
 from fingertip.sim.signal.filter_board import AnalogStream, SlipPin
 from fingertip.sim.signal.grid import CostMeter, Grid, Instants, SampleClock, Sampler, draw_noise, open_stream
 from fingertip.sim.signal.interference import InterferenceSource, RefinedNoise
-from fingertip.sim.signal.parameters import FILTER_OUTPUTS, PathTables
+from fingertip.sim.signal.parameters import FILTER_OUTPUTS, PathTables, Sensing
 
 BOARD_TOLERANCE_V = 1e-4
 """Largest error of one step of the envelope on the base grid [V]."""
@@ -275,7 +275,7 @@ class _BoardSignals:
         self._envelope = EnvelopeSource(setup.design)
         if outputs & FILTER_OUTPUTS:
             with meter.stage("filter board", 4):
-                self._board = copy.copy(_prepare_board(setup.design, setup.path.sensing.amplifiers, grid))
+                self._board = copy.copy(_prepare_board(setup.design, setup.path.sensing, grid))
         if "slip_pin_v" in outputs:
             with meter.stage("comparator", 1):
                 self._pin = SlipPin(setup.design, grid.step_s)
@@ -322,10 +322,11 @@ class _BoardSignals:
 
 
 @functools.lru_cache(maxsize=64)
-def _prepare_board(design: Design, amplifiers: str, grid: Grid) -> AnalogStream:
+def _prepare_board(design: Design, sensing: Sensing, grid: Grid) -> AnalogStream:
     # The board's own error falls with the step as that of its input does.
     tolerance_v = BOARD_TOLERANCE_V / grid.refinement**2
-    return AnalogStream(board_with_amplifiers(design, amplifiers), grid.step_s, tolerance_v=tolerance_v)
+    board = AnalogBoard.from_design(design, sensing.amplifiers, sensing.diode)
+    return AnalogStream(board, grid.step_s, tolerance_v=tolerance_v)
 
 
 def _build_converter(

@@ -262,8 +262,11 @@ class Sensing(ParameterTable):
     bridge: Literal["board", "article"] = choice(
         "board", "The design's bridge and amplifier; or, for comparison, a curve through the article's voltages."
     )
-    amplifiers: Literal["ideal", "rails", "gain_bandwidth"] = choice(
-        "ideal", "Amplifiers of the filter: ideal, limited at their rails, or with the design's gain-bandwidth product."
+    amplifiers: Literal["real", "ideal"] = choice(
+        "real", "Amplifiers of the filter: the design's with their bandwidth, slew rate and rails, or ideal ones."
+    )
+    diode: Literal["1N4148", "BAT54", "1N34A"] = choice(
+        "1N4148", "Diode of variant article: the board's, a Schottky or a germanium diode; the article names none."
     )
     noise: bool = Field(True, description="Whether the board's amplifiers and the ADC add white noise.")
     jitter_s: float = quantity(

@@ -107,9 +107,9 @@ class Readout:
         self._points, self._is_new, self._forces = round(grid.rate_hz / rate_hz), True, np.zeros((4, count))
         carried, z = board.steady_state(0, 1.0)
         states = (2, count, 3), (count, len(carried)), (count, len(z)), (count,), (count, 1)
-        rows = np.zeros((10, max(4, self._points + 1)))
+        rows = np.zeros((11, max(4, self._points + 1)))
         self._arrays = (
-            board.matrices(0), (*board.make_scratch(), z[:-3], rows),
+            board.matrices(0), (*board.make_scratch(), z[: board.state_count], rows),
             (shares, self._forces, np.tile(bridge.NEW, (count, 1)), *(np.zeros(shape) for shape in states)),
         )  # fmt: skip
         purposes = "board noise", "noise", "filtered noise" if self.has_filtered else "envelope noise"
@@ -158,12 +158,12 @@ def _readout_loop(
 ) -> None:  # fmt: skip
     """Follow each finger from the sample before to the next one; a new one is in the steady state of its first."""
     play_ratio, step_s, min_n, max_n, gain = numbers
-    step_columns, output_rows, amplifier1_row = matrices
-    z_next, z_end, tables, steady, rows = scratch
+    step_columns, output_rows, watched_rows = matrices
+    z_next, tables, steady, rows = scratch
     shares, forces, play, pole_states, carried, z, last_v, last_bridge_v = fingers
     force_n, shown_n, bridge_v, pin_v, statistics = rows[0], rows[1], rows[2], rows[3], rows[7]
     middle_n, bend_v = rows[8], rows[9]
-    states = z.shape[1] - 3
+    states = len(steady)
     first = 1 if is_new else 0  # the interval before a chunk's first point begins at the last one before
     end = points + 1
     board_v, filtered_v, envelope_v = rows[4, first:end], rows[5, first:end], rows[6, first:end]
@@ -188,13 +188,13 @@ def _readout_loop(
             pole_states[0, f, :] = bridge_v[0]
             for i in range(len(steady)):
                 z[f, i] = steady[i] * last_v[f]
-            z[f, states], z[f, states + 2] = last_v[f], 1.0
+            z[f, states] = last_v[f]
             carried[f, envelope_loop.OUTPUT] = 0.0
-            for i in range(states + 3):
+            for i in range(states + 1):
                 carried[f, envelope_loop.OUTPUT] += output_rows[i] * z[f, i]
         _FILTER(
-            board, board_v, board_v, bend_v[first:end], step_columns, output_rows, amplifier1_row, carried[f], z[f],
-            z_next, z_end, tables, filtered_v, envelope_v, statistics,
+            board, board_v, board_v, bend_v[first:end], step_columns, output_rows, watched_rows, carried[f], z[f],
+            z_next, tables, filtered_v, envelope_v, rows[10, first:end], statistics,
         )  # fmt: skip
         _PASS(poles[0], bridge_v[:points], bridge_v[:points], pole_states[0, f], pin_v)
         low_v, code_v, most = ranges[0]

@@ -211,7 +211,7 @@ def test_an_input_below_its_range_makes_the_output_jump_up():
 
 
 def solve_apart(values, diode, amplifier, u, v_step_s, h, out):
-    """Envelope of the article's board by Euler's explicit rule with steps of 1 ns, from Kirchhoff's laws written here."""
+    """Envelope of the article's board by Euler's explicit rule, from Kirchhoff's laws written down here."""
     c1, c2, c3, c4, r1, r2, r3, r4, r5, r6, cin = values
     saturation, nvt, series = diode
     gbw, slew, top, bottom, reversal, recovery = amplifier

@@ -29,7 +29,9 @@ def detect(
         "filter board was recorded, envelope_v; - reads CSV lines from standard input as they arrive."
     ),
     design: Path | None = typer.Option(None, help="Design file or bundled name; the default design if left out."),
-    detector: str | None = typer.Option(None, help=f"{{detectors}}. Default: {DEFAULT}; on a divider, fast."),
+    detector: str | None = typer.Option(
+        None, help=f"{{detectors}}. Default: {DEFAULT}; on a divider fast; or the design's."
+    ),
     rate_hz: float | None = typer.Option(
         None, help="Sampling rate of the trace; if the file holds times, they must agree with it."
     ),
@@ -69,7 +71,8 @@ def detect(
         check_set(plot)
         extras.require("--plot", "matplotlib", alternative="leave --plot out")
     loaded = load_design(design, changes)
-    detector = detector or (DEFAULT if loaded.board.has_filter else "fast")
+    own = loaded.detector.kind  # "fast" is what a design has that says nothing
+    detector = detector or (DEFAULT if own == "fast" and loaded.board.has_filter else own)
     # A window from --set is for this recording's rate, a window from a design file for that file's rate.
     keep_window = "detector.window_samples" in load_tables([], changes or ()).changed
     reading = _Reading(rate_hz, scale, _parse_columns(columns or []), _parse_time_scale(time_scale), keep_window)
@@ -173,7 +176,9 @@ def validate(
     design: Path | None = options.OPTIONAL_DESIGN,
     trials: int = typer.Option(120, help="Number of trials with slip (article: 120)."),
     minutes: float = typer.Option(40.0, help="Minutes of scenes without slip."),
-    detector: str = typer.Option("fast", help="Detector that the requirements apply to; all are compared."),
+    detector: str | None = typer.Option(
+        None, help="Detector that the requirements apply to; all are compared. Default: the design's."
+    ),
     seed: int = typer.Option(5_000_000, help="First seed; every one from 5000000 on is held out."),
     jobs: int | None = options.JOBS,
     out: Path | None = typer.Option(None, "--out", "-o", help="Folder; default: out/NAME/validation."),
@@ -192,6 +197,7 @@ def validate(
     from fingertip.slip.detectors import registry
 
     loaded = load_design(design, changes, console)
+    detector = detector or loaded.detector.kind
     registry.check_detector(loaded, detector)
     plan = CampaignPlan(trials, minutes)
     check_first_seed(seed)

@@ -56,11 +56,14 @@ MAX_OUT_OF_CONTACT_SHARE = 0.02
 
 
 def find_warnings(result: SceneRecord | ManipulationResult) -> Iterator[str]:
-    """Yield a warning if a pad does not touch for much of its slip."""
+    """Yield a warning if a pad does not touch for much of its slip, or the board clips in it."""
     if (share := result.out_of_contact_share) > MAX_OUT_OF_CONTACT_SHARE:
         what = f"the pad leaves the surface for {share:.0%} of its slip, beyond any trial of the article"
         table = "contact" if isinstance(result, SceneRecord) else "object"
         yield f"{what}: choose a smoother surface, or set {table}.patch_average=true in a scene"
+    if result.clip_share:
+        share_text = f"{max(result.clip_share, 0.001):.{0 if result.clip_share >= 0.01 else 1}%}"
+        yield f"the board clips in {share_text} of the slide: choose a smaller force, or lower board.passband_gain"
 
 
 def as_text(result: SceneRecord | ManipulationResult, grips_s: Sequence[float] | None = None) -> list[str]:

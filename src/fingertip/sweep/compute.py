@@ -125,12 +125,16 @@ def compute_detection(context: PointContext) -> OutputValues:
         "slip_onset_ms": lambda case, trace: 1e3 * run.find_onset_s(design, case, trace),
         "slip_vibration_n": lambda _, trace: run.measure_vibration_n(trace),
         "out_of_contact_share": lambda _, trace: run.measure_out_of_contact_share(trace),
+        "clip_share": lambda _, trace: math.nan if trace.origin.clip_share is None else trace.origin.clip_share,
     }
+    # The board runs where a detector reads it.
+    is_clip_asked = "clip_share" in context.file.outputs and design.board.has_filter
+    read = [detector, "analog"] if is_clip_asked else [detector]
     results, measured = [], {name: list[float]() for name in measures}
     with compiled():
         for seed in range(context.file.first_seed, context.file.first_seed + context.file.trials):
             case = Case("slip", context.scene, seed)
-            trace = context.load_trial(seed, partial(run.simulate_trace, design, case, [detector]))
+            trace = context.load_trial(seed, partial(run.simulate_trace, design, case, read))
             results += run.evaluate(case, trace, detector, design, [1.0])
             for name in measures.keys() & set(context.file.outputs):
                 measured[name].append(measures[name](case, trace))

@@ -102,6 +102,9 @@ class Board(ParameterTable):
 class Detector(ParameterTable):
     """Slip detection: sampling, averaging window and threshold (article, eq. 12)."""
 
+    kind: Literal["fast", "incipient", "digital", "analog", "fft"] = choice(
+        "fast", "Detector that is meant for this finger and board: a validation judges it."
+    )
     sample_rate_hz: float = quantity(2000.0, "Hz", (1000, 20000), "Sampling rate of the traces.")
     window_samples: int = quantity(60, "samples", (1, 10000), "Length L of the averaging window.")
     threshold_v: float = quantity(

@@ -24,7 +24,7 @@ from fingertip.sim.contact import coupled
 from fingertip.sim.contact.friction import ELASTO_PLASTIC, Friction
 from fingertip.sim.contact.tangential import DraggedPad, Mount, admissible_step_s
 from fingertip.sim.runs.timeline import TrapezoidalMove
-from fingertip.sim.signal.analog_circuit import AnalogBoard, Amplifiers, Diode
+from fingertip.sim.signal.analog_circuit import Amplifiers, AnalogBoard, Diode
 from fingertip.sim.signal.filter_board import simulate_board
 from fingertip.sim.signal.grid import BASE_HZ
 

@@ -50,6 +50,8 @@ class TrialResult:
     robot's motion, which its encoders show late (`fingertip.slip.traces.truth`)."""
     motion_s: float | None = None
     """Start of the robot's motion in the recording [s]; None if it does not move."""
+    clip_share: float | None = None
+    """Share of the slip in which the board clips; None without slip, or where no detector reads the board."""
 
     @property
     def motion_delays_s(self) -> tuple[float, ...]:
@@ -132,7 +134,9 @@ def score_trial(case: Case, trace: Trace, on: NDArray[np.bool_], memory_s: float
     duration = float(trace.time_s[-1] - trace.time_s[0])
     motion_s = trace.origin.motion_s
     creep = max(0.0, scored.slips[0].onset_s - motion_s) if scored.slips and motion_s is not None else 0.0
-    return TrialResult(case, duration, len(scored.slips), delays, on_share, tuple(alarms), creep, motion_s)
+    return TrialResult(
+        case, duration, len(scored.slips), delays, on_share, tuple(alarms), creep, motion_s, trace.origin.clip_share
+    )
 
 
 def separate_events(alarms: Iterable[Interval]) -> list[Interval]:
@@ -230,6 +234,12 @@ class DetectorResult:
 
     def motion_delay_interval(self, fraction: float) -> tuple[float, float]:
         return quantile_interval_s([d for t in self.trials for d in t.motion_delays_s], self.slips, fraction)
+
+    @property
+    def clip_share(self) -> float:
+        """Mean share of the slides in which the board clips; NaN if it is not known."""
+        known = [t.clip_share for t in self.trials if t.clip_share is not None]
+        return float(np.mean(known)) if known else math.nan
 
     @property
     def share_within_30_ms(self) -> float:

@@ -93,6 +93,12 @@ class ManipulationResult:
         slip, force_n = self.signals.find("slip"), self.signals.find("force_n")
         return 0.0 if slip is None or force_n is None or not slip.any() else float(np.mean(force_n[slip] <= 0.0))
 
+    @property
+    def clip_share(self) -> float | None:
+        """Share of the fingers' true slip in which their boards clip; None if it is not recorded."""
+        slip, clips = self.signals.find("slip"), self.signals.find("clips")
+        return None if slip is None or clips is None or not slip.any() else float(np.mean(clips[slip]))
+
     def output(self, name: str) -> NDArray[Any]:
         """Return an output of the scene: (fingers, samples), or (samples,) for the object's."""
         signal = self.signals.find(name)

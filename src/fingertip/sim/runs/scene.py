@@ -66,6 +66,8 @@ class SceneRecord:
     """Moment at which the robot begins to slide [s]; None if it does not."""
     out_of_contact_share: float = 0.0
     """Share of the true slip in which the pad does not touch; 0 if the scene does not record slip and force."""
+    clip_share: float | None = None
+    """Share of the true slip in which the board clips; None if the scene records no slip, or nothing of the board."""
 
     @property
     def duration_s(self) -> float:
@@ -97,7 +99,7 @@ class SceneResult(SceneRecord):
             raise TraceError(Issue("outputs", "does not name voltage_v; a trace needs it."))
         return Trace(
             found.time_s, found.voltage_v, found.force_n, found.slip, found.sampled_envelope_v,
-            found.sampled_filtered_v, Origin(True, self.motion_s),
+            found.sampled_filtered_v, Origin(True, self.motion_s, self.clip_share),
         )  # fmt: skip
 
 
@@ -282,15 +284,19 @@ def stream_scene(
     Raises TraceError.
     """
     run, slips = SceneRun(design, scene, seed, grid), SlipCollector()
-    slipping = airborne = 0
+    slipping = airborne = clipping = 0
+    is_clipping_known = False
     done = report_share(scene.name, run.timeline.duration_s, progress)
     chunks = run.chunks()
     with jit.compiled() if run.predict_plain_s() > COMPILE_FROM_S else contextlib.nullcontext():
         for chunk in chunks:
             if chunk.slip is not None:
                 slips.add(chunk.time_s, chunk.slip)
+                slipping += int(np.count_nonzero(chunk.slip))
+                if chunk.clips is not None:
+                    is_clipping_known = True
+                    clipping += int(np.count_nonzero(chunk.clips & chunk.slip))
                 if chunk.force_n is not None:
-                    slipping += int(np.count_nonzero(chunk.slip))
                     airborne += int(np.count_nonzero(chunk.force_n[chunk.slip] <= 0.0))
             take(chunk)
             done(float(chunk.time_s[-1]) if len(chunk.time_s) else 0.0)
@@ -299,4 +305,5 @@ def stream_scene(
     share = (float(run.pad.sensed_n(np.array([run.force_n]))[0]) - run.pad.rest_n) / run.force_n
     pose, costs = scene.draw_pose(run.design, seed), run.meter.costs
     count, lost = count_samples(run.timeline.duration_s, rate), airborne / max(1, slipping)
-    return SceneRecord(scene, seed, run.force_n, count, slips.close(), costs, rate, pose, share, motion_s, lost)
+    clips = clipping / slipping if is_clipping_known and slipping else None
+    return SceneRecord(scene, seed, run.force_n, count, slips.close(), costs, rate, pose, share, motion_s, lost, clips)

@@ -14,7 +14,7 @@ with diodes and amplifiers of 3 MHz, differs by 0.1 mV in 0.18 V (tests/sim/test
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -163,7 +163,7 @@ class AnalogBoard:
         else:
             fitted = amplifiers
         circuit = board_circuit(select_components(design))
-        network = build_network(circuit, fitted and fitted.bandwidth_hz).drive(TACTILE)
+        network = build_network(circuit, fitted.bandwidth_hz if fitted else None).drive(TACTILE)
         quiet = {VMID, *network.inputs} - {TACTILE}
         return cls(
             network.ground(*quiet).restrict(FILTERED),

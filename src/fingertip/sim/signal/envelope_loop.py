@@ -36,8 +36,8 @@ CARRIED = 7
 FREE, RISING, FALLING, HIGH, LOW = range(5)
 """States of an amplifier: it follows, rises or falls at its largest rate, or its output stands at a rail."""
 RECOVERY_V = 0.1
-"""Voltage by which the input comes back before an output that jumped up returns [V]. Assumption: data sheets are silent,
-and without it the output would oscillate at once, because its jump pulls the input up."""
+"""Voltage by which the input comes back before an output that jumped up returns [V]. Assumption: data sheets are
+silent, and without it the output would oscillate at once, because its jump pulls the input up."""
 EVENT_S = 1e-9
 """Time within which the moment is found at which an amplifier begins or ceases to be held [s]."""
 LOG_OFF = math.log(1e-3)
@@ -310,7 +310,7 @@ def _envelope_loop(
                 if (end1 != state1 or end2 != state2) and h > EVENT_S:
                     # A rail that an output has just reached may be overshot a little, and is then put back.
                     beyond = max(max(output1, output2) - high, low - min(output1, output2))
-                    is_slow = end1 == RISING or end1 == FALLING or end2 == RISING or end2 == FALLING
+                    is_slow = end1 in (RISING, FALLING) or end2 in (RISING, FALLING)
                     if is_slow or state1 != FREE or state2 != FREE or beyond > 0.1 * tolerance:
                         error = 1e300
             if error > tolerance and level < shortest:

@@ -78,6 +78,8 @@ class FingerSignals:
     sampled_envelope_v: Array | None = None
     sampled_filtered_v: Array | None = None
     slip_pin_v: Array | None = None
+    clips: NDArray[np.bool_] | None = None
+    """True where an amplifier of the filter is at its limits; no output of a scene, and there wherever a board is."""
 
     @classmethod
     def join(cls, chunks: list[FingerSignals]) -> FingerSignals:
@@ -262,7 +264,7 @@ class _BoardSignals:
 
     def __init__(self, setup: FingerSetup, grid: Grid, outputs: frozenset[str], meter: CostMeter) -> None:
         self._outputs, self._meter = outputs, meter
-        self._samplers = {name: Sampler() for name in ("tactile_v", "filtered_v", "envelope_v", "slip_pin_v")}
+        self._samplers = {name: Sampler() for name in ("tactile_v", "filtered_v", "envelope_v", "slip_pin_v", "clips")}
         self._noise: RefinedNoise | None = None
         if setup.path.sensing.noise:
             with meter.stage("board noise"):
@@ -289,8 +291,8 @@ class _BoardSignals:
                     converter = _build_converter(setup, grid, f"{source} noise", pin, from_signal_ground=True)
                     self._converters[source] = converter
 
-    def process(self, bridge_v: Array, jumps: Array | None, bend_v: Array, at: Instants) -> dict[str, Array]:
-        count, found = len(bridge_v), {}
+    def process(self, bridge_v: Array, jumps: Array | None, bend_v: Array, at: Instants) -> dict[str, Any]:
+        count, found = len(bridge_v), dict[str, Any]()
         tactile_v = bridge_v
         if self._noise:
             with self._meter.stage("board noise"):
@@ -304,6 +306,7 @@ class _BoardSignals:
             before_v = tactile_v if jumps is None else tactile_v - jumps
             filtered, envelope = self._board.process(before_v, None if jumps is None else tactile_v, bend_v)
         self._meter.add("filter board", 4, self._board.steps - taken)
+        found["clips"] = self._samplers["clips"].process(self._board.clips, at) > 0.0
         signals = {"filtered_v": filtered, "envelope_v": envelope}
         if self._pin:
             with self._meter.stage("comparator", 1, count):

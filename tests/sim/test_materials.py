@@ -39,7 +39,14 @@ def slide(name: str = "medium", force_n: float = 1.0, **surface: object) -> tupl
 def test_bundled_files_state_every_value_and_begin_with_the_articles() -> None:
     assert tuple(SURFACES)[:6] == ARTICLE_SURFACES
     for name, surface in SURFACES.items():
-        values = surface.roughness_um, surface.longest_wave_mm, surface.hurst, surface.friction.stribeck_m_s
+        values = (
+            surface.roughness_um,
+            surface.felt_um,
+            surface.felt_exponent,
+            surface.longest_wave_mm,
+            surface.hurst,
+            surface.friction.stribeck_m_s,
+        )
         assert min(values) > 0.0, name
         assert surface.material
         assert (surface.ridge_depth_um > 0.0) == name.startswith("ridged"), name
@@ -53,8 +60,8 @@ def test_a_value_of_ones_own_changes_the_named_surface() -> None:
     assert own.friction.mu_c == SURFACES["wood"].friction.mu_c
     assert own.material == "own surface, else as wood"
     plain, _ = slide()
-    rough, _ = slide(roughness_um=1.6)
-    assert rough.std() / plain.std() == pytest.approx(2.0, rel=0.01)
+    for changed, ratio in ({"felt_um": 3.2}, 2.0), ({"roughness_um": 1.6}, 2.0**0.1):
+        assert slide(**changed)[0].std() / plain.std() == pytest.approx(ratio, rel=0.01)
     slippery = SceneFile(surface={"static_friction": 0.2, "kinetic_friction": 0.2}, slide=SLIDE)
     assert (
         run_scene(DESIGN, slippery, 3).slips[0].onset_s < run_scene(DESIGN, SceneFile(slide=SLIDE), 3).slips[0].onset_s
@@ -74,12 +81,12 @@ def test_a_profile_of_too_few_points_for_the_board_is_reported(tmp_path: Path) -
 
 @pytest.mark.parametrize(("scene", "table"), [("sliding_finger", "contact"), ("real_manipulation", "object")])
 def test_a_pad_that_leaves_its_surface_is_reported(scene: str, table: str) -> None:
-    rough = load_simulation(scene, changes=["surface.roughness_um=40"]).run()
+    rough = load_simulation(scene, changes=["surface.felt_um=30"]).run()
     (warning,) = find_warnings(rough)
     assert f"for {rough.out_of_contact_share:.0%} of its slip" in warning
     remedy = warning.removesuffix(" in a scene").rpartition(" ")[2]
     assert remedy == f"{table}.patch_average=true"
-    assert not [*find_warnings(load_simulation(scene, changes=["surface.roughness_um=40", remedy]).run())]
+    assert not [*find_warnings(load_simulation(scene, changes=["surface.felt_um=30", remedy]).run())]
     find = rough.output if isinstance(rough, ManipulationResult) else rough.columns.__getitem__
     slip, force_n = find("slip"), find("force_n")
     assert rough.out_of_contact_share == np.mean(force_n[slip] == 0.0) > 0.2
@@ -203,7 +210,10 @@ def test_the_direction_of_a_slide_turns_the_sign_of_its_shear() -> None:
     """The force along the surface adds to what the sensor feels in one direction what it takes in the other."""
     sensed = {}
     for towards in ("tip", "base"):
-        scene = SceneFile(slide={**SLIDE, "towards": towards}, outputs=["force_n", "shear_m", "slip", "voltage_v"])
+        scene = SceneFile(
+            surface={"felt_um": 0.8}, slide={**SLIDE, "towards": towards},
+            outputs=["force_n", "shear_m", "slip", "voltage_v"],
+        )  # fmt: skip
         found = run_scene(DESIGN, scene, 3).columns
         rest, sliding = slice(2000, 3000), np.flatnonzero(found["slip"])[300:1500]
         sensed[towards] = found["voltage_v"][sliding].mean() - found["voltage_v"][rest].mean()

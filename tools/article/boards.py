@@ -1,8 +1,7 @@
 """Detector `analog` by board variant, and every detector on the article's board and converter.
 
 A silicon diode conducts from some 0.45 V, which is 6.7 mV of vibration ahead of the gain. The article does not name its
-diode, and does not say how strong its vibrations were. On the simulated ones a bare 1N4148 does not conduct on smooth
-surfaces, whatever the threshold; the article's results follow on the board without that dead zone. There the noise
+diode, and does not say how strong its vibrations were: `tools.article.level` infers that. Without the dead zone noise
 allows a much lower threshold than on the sampled voltage, because the ADC's noise dominates and the board's gain comes
 before it. A lower threshold finds slip sooner, and reports more load changes as slip.
 """

@@ -34,6 +34,9 @@ LEVELS_UM, EXPONENTS = (0.7, 2.8), (0.0, 0.8)
 """Ranges of level [um], drawn evenly over its logarithm, and of the exponent."""
 POINTS, SEED = 48, 88
 """Points for each diode, and seed of the search."""
+BUILT = "1N4148"
+FINER_UM, FINER_EXPONENTS, FINER_POINTS = (1.3, 1.8), (0.0, 0.2), 24
+"""Finer box around the default, for the diode that is built."""
 STATEMENTS = {
     "range": "at most 1 % of the samples of a slide leave +3.5 V to -2 V",
     "found": "120 of 120 slips are found",
@@ -75,12 +78,18 @@ class LevelPoint:
 
 def draw_points(points: int = POINTS, seed: int = SEED) -> Iterator[tuple[str, float, float]]:
     """Draw diode, level [um] and exponent: a Latin square of levels and exponents for each diode."""
-    low, high = map(math.log, LEVELS_UM)
-    for diode in DIODES:
-        rng = random.Random(f"level:{seed}:{diode}")
-        columns = [[(i + rng.random()) / points for i in rng.sample(range(points), points)] for _ in range(2)]
+    boxes = [(diode, LEVELS_UM, EXPONENTS, points) for diode in DIODES]
+    for diode, levels_um, (least, most), count in [
+        *boxes,
+        (BUILT, FINER_UM, FINER_EXPONENTS, min(points, FINER_POINTS)),
+    ]:
+        (low, high), rng = (
+            map(math.log, levels_um),
+            random.Random(f"level:{seed}:{diode}{count if diode == BUILT and count != points else ''}"),
+        )
+        columns = [[(i + rng.random()) / count for i in rng.sample(range(count), count)] for _ in range(2)]
         for level, exponent in zip(*columns, strict=True):
-            yield diode, math.exp(low + (high - low) * level), EXPONENTS[0] + (EXPONENTS[1] - EXPONENTS[0]) * exponent
+            yield diode, math.exp(low + (high - low) * level), least + (most - least) * exponent
 
 
 def search(points: int = POINTS, trials: int = 120) -> list[LevelPoint]:

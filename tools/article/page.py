@@ -6,7 +6,6 @@ The data stand in `tools/article/beside_article.json`, which the page of the stu
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -14,12 +13,11 @@ from typing import Any
 
 from fingertip.design import Design
 from fingertip.documents.template import WIDTH, lay_out_page, render_text
-from fingertip.foundation.jit import compiled
-from fingertip.lab.campaign.run import measure_vibration_n
+from fingertip.foundation.workers import find_workers, side_by_side
 from fingertip.lab.divider import with_variant
-from fingertip.sim import run_scene
-from fingertip.sim.contact.materials import ARTICLE_SURFACES, SURFACES
+from fingertip.sim.contact.materials import ARTICLE_SURFACES
 from fingertip.sim.signal.converter import simulate_quiescent_level
+from tools.article import level
 from tools.article.boards import VARIANTS
 from tools.article.previous_works import study_previous_works
 from tools.article.protocol import study_article_protocol
@@ -31,24 +29,16 @@ from tools.article.sensitivity import (
     PATCH_AVERAGE,
     VARIATIONS,
     measure_envelope_v,
-    slide_at,
     study_assumptions,
 )
 from tools.article.studies import DATA
 
 PAGE = Path(__file__).resolve().parents[2] / "docs/beside_article.md"
+PICTURE = PAGE.with_name("vibration_level.png")
 TEMPLATE = Path(__file__).with_name("beside_article.md")
 FORCES_N = (0.3, 0.5, 0.8, 1.2, 2.0)
 SEEDS = range(10)
-DESIGNS, DETECTORS = ("article", "fsr400"), ("digital", "fast")
-
-
-def measure_contact_n(design: Design, surface: str) -> float:
-    """Measure the RMS vibration of the contact force in slip at 1 N and 6 cm/s, before sensor, board and noise [N]."""
-    scene = slide_at(surface, 1.0).model_copy(update={"outputs": ["voltage_v", "force_n", "slip"]})
-    with compiled():
-        squares = [measure_vibration_n(run_scene(design, scene, seed).trace) ** 2 for seed in SEEDS]
-    return math.sqrt(sum(squares) / len(squares))
+DESIGNS, DETECTORS = ("article",), ("analog", "fast")
 
 
 def measure_board(design: Design) -> dict[str, Any]:
@@ -76,8 +66,7 @@ def measure() -> dict[str, Any]:
     return {
         "devices": list(PROTOCOL_COLUMNS),
         "protocol": list(map(asdict, rows)),
-        "contact_mn": {name: round(1000 * measure_contact_n(article, name), 2) for name in ARTICLE_SURFACES},
-        "roughness_um": {name: SURFACES[name].roughness_um for name in ARTICLE_SURFACES},
+        "level": {"points": level.as_data(level.search()), "statements": level.STATEMENTS},
         "forces_n": FORCES_N,
         "boards": {variant: measure_board(with_variant(article, variant)) for variant in VARIANTS},
         "loads_n": LOADS_N,
@@ -94,11 +83,14 @@ def measure() -> dict[str, Any]:
 
 def render_page(data: Mapping[str, Any]) -> str:
     """Write the page from the data."""
-    return lay_out_page(render_text(TEMPLATE.read_text(encoding="utf-8"), **data), WIDTH)
+    summary = {"level": {**data["level"], "summary": level.summarise(data["level"]["points"])}}
+    return lay_out_page(render_text(TEMPLATE.read_text(encoding="utf-8"), **data | summary), WIDTH)
 
 
 def write_page() -> None:
-    """Measure, and write both files."""
-    data = json.loads(json.dumps(measure(), allow_nan=False))
+    """Measure, and write data, page and picture."""
+    with side_by_side(find_workers(None)):
+        data = json.loads(json.dumps(measure(), allow_nan=False))
+    PICTURE.write_bytes(level.plot(data["level"]["points"]))
     DATA.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
     PAGE.write_text(render_page(data), encoding="utf-8")

@@ -60,7 +60,7 @@ def test_a_value_of_ones_own_changes_the_named_surface() -> None:
     assert own.friction.mu_c == SURFACES["wood"].friction.mu_c
     assert own.material == "own surface, else as wood"
     plain, _ = slide()
-    for changed, ratio in ({"felt_um": 3.2}, 2.0), ({"roughness_um": 1.6}, 2.0**0.1):
+    for changed, ratio in ({"felt_um": 3.1}, 2.0), ({"roughness_um": 1.6}, 2.0**0.05):
         assert slide(**changed)[0].std() / plain.std() == pytest.approx(ratio, rel=0.01)
     slippery = SceneFile(surface={"static_friction": 0.2, "kinetic_friction": 0.2}, slide=SLIDE)
     assert (

@@ -83,8 +83,8 @@ def measure() -> dict[str, Any]:
 
 def render_page(data: Mapping[str, Any]) -> str:
     """Write the page from the data."""
-    summary = {"level": {**data["level"], "summary": level.summarise(data["level"]["points"])}}
-    return lay_out_page(render_text(TEMPLATE.read_text(encoding="utf-8"), **data | summary), WIDTH)
+    summary: dict[str, Any] = {"level": {**data["level"], "summary": level.summarise(data["level"]["points"])}}
+    return lay_out_page(render_text(TEMPLATE.read_text(encoding="utf-8"), **{**data, **summary}), WIDTH)
 
 
 def write_page() -> None:

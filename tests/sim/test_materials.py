@@ -211,7 +211,7 @@ def test_the_direction_of_a_slide_turns_the_sign_of_its_shear() -> None:
     sensed = {}
     for towards in ("tip", "base"):
         scene = SceneFile(
-            surface={"felt_um": 0.8}, slide={**SLIDE, "towards": towards},
+            surface={"felt_um": 0.4}, slide={**SLIDE, "towards": towards},
             outputs=["force_n", "shear_m", "slip", "voltage_v"],
         )  # fmt: skip
         found = run_scene(DESIGN, scene, 3).columns

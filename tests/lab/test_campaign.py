@@ -7,6 +7,7 @@ import json
 import math
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -34,7 +35,7 @@ from fingertip.lab.campaign.run import (
     surface,
 )
 from fingertip.lab.report.results import ONSETS
-from fingertip.lab.validation import FILES, check_detection
+from fingertip.lab.validation import FILES, check_detection, find_better
 from fingertip.sim import SceneFile
 from fingertip.sim.simulation import article_trials
 from fingertip.slip.detectors.registry import DETECTORS
@@ -144,12 +145,33 @@ def test_thresholds_without_a_run_of_their_own_have_its_results(detector):
         ([trial([0.07])], {"mean delay"}),
         ([trial([0.2])], {"mean delay", "p90 delay"}),
         ([trial([0.02], alarms=["contact"])], {"alarms"}),
+        ([replace(trial([0.02]), clip_share=share) for share in (0.03, 0.0)], {"range"}),
     ],
 )
 def test_detection_requirements_can_be_missed(trials, missed):
     result = CampaignResult(CampaignPlan(), 0, {"fast": (DetectorResult(1.0, tuple(trials)),)})
     requirements = check_detection(result, "fast")
     assert {requirement.name for requirement in requirements if not requirement.passed} == missed
+
+
+@pytest.mark.parametrize(("others", "better"), [(([0.02],), "analog"), (([0.025],), None), (([],), None)])
+def test_a_detector_that_misses_less_or_is_sooner_by_a_quarter_is_named(others, better):
+    def campaign(**found: Sequence[float]) -> CampaignResult:
+        return CampaignResult(CampaignPlan(), 0, {name: (pool(trial(delays_s)),) for name, delays_s in found.items()})
+
+    assert find_better(campaign(fast=[0.03], incipient=[0.001], analog=others[0]), "fast") == better
+    assert find_better(campaign(fast=[], analog=others[0]), "fast") == ("analog" if others[0] else None)
+
+
+@pytest.mark.full
+@pytest.mark.parametrize(("name", "kind"), [("article", "analog"), ("fsr400", "fast"), ("first_finger", "fast")])
+def test_presets_state_a_detector_that_passes_and_that_none_ranks_before(name, kind):
+    design = Design.load(name)
+    assert design.detector.kind == kind
+    detectors = tuple(DETECTORS) if design.board.has_filter else (kind,)
+    result = run_campaign(design, CampaignPlan(24, 1.0), detectors, (1.0,))
+    assert find_better(result, kind) is None
+    assert [requirement.message for requirement in check_detection(result, kind) if not requirement.passed] == []
 
 
 def far_design(cutoff_hz: float) -> Design:

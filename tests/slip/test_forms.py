@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import re
 import shlex
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -20,26 +22,40 @@ _MOST = 3
 """Largest number of proposals that are followed one after another."""
 
 
-def judge(path: Path) -> str:
-    """Do what the messages say: 'right', 'wrong' without a warning, 'warned', or 'refused' where none is left."""
-    options: list[str] = []
-    for _ in range(_MOST + 1):
-        done = run("detect", path, "--detector", "fast", "--json", *options)
-        if done.exit_code == 0:
-            found = json.loads(done.stdout)["intervals"]
-            is_right = len(found) == 1 and any(
-                abs(found[0]["onset_s"] - start_s - SLIP_S[0]) < 0.06
-                and abs(found[0]["end_s"] - start_s - SLIP_S[1]) < 0.15
-                for start_s in STARTS_S
-            )
-            return "right" if is_right else "warned" if "warning" in done.stderr else "wrong"
-        assert done.exit_code in (1, 2), (done.exit_code, done.stderr)
-        assert "error: " in done.stderr, done.stderr
-        proposed = [word for option in _OPTION.findall(done.stderr) for word in shlex.split(option)]
-        if not proposed or proposed == options[-len(proposed) :]:
-            return "refused"
-        options += proposed
-    return "refused"
+_LISTED = re.compile(r"(?:^|, | and )(\S.*?)(?: '[^']*')? \([-+.\de]+ to [-+.\de]+\)")
+
+
+def judge(path: Path, options: Sequence[str] = (), left: int = _MOST) -> str:
+    """Do what the messages say: 'right', 'wrong' without a warning, 'warned', or 'refused' where none is left.
+
+    'answered' is right once the person has given what the file does not tell: its rate, or which of the columns.
+    """
+    done = run("detect", path, "--detector", "fast", "--json", *options)
+    if done.exit_code == 0:
+        found = json.loads(done.stdout)["intervals"]
+        is_right = len(found) == 1 and any(
+            abs(found[0]["onset_s"] - start_s - SLIP_S[0]) < 0.06
+            and abs(found[0]["end_s"] - start_s - SLIP_S[1]) < 0.15
+            for start_s in STARTS_S
+        )
+        return "right" if is_right else "warned" if "warning" in done.stderr else "wrong"
+    assert done.exit_code in (1, 2), (done.exit_code, done.stderr)
+    assert "error: " in done.stderr, done.stderr
+    proposed = [word for option in _OPTION.findall(done.stderr) for word in shlex.split(option)]
+    if not proposed or not left or proposed == options[-len(proposed) :]:
+        return "refused"
+    answers = list(itertools.product(*(_answer(word, done.stderr) for word in proposed)))
+    results = [judge(path, [*options, *answer], left - 1) for answer in answers]
+    return results[0] if answers == [tuple(proposed)] else "answered" if "right" in results else "refused"
+
+
+def _answer(word: str, said: str) -> list[str]:
+    """List what a person may put in place of what a proposal leaves open."""
+    column, _, name = word.partition("=")
+    if name not in ("NAME", "NUMBER"):
+        return ["2000" if word == "HZ" else word]
+    listed = re.search(rf"columns can be the {column.partition('_')[0]}, (.*?\))\. ", said)
+    return [f"{column}={each}" for each in _LISTED.findall(listed[1])] if listed else []
 
 
 FORMS = {form.name: form for form in list_forms()}

@@ -7,9 +7,11 @@ import tomllib
 from pathlib import Path
 
 import pytest
+import typer
 
+from fingertip.cli import options
 from fingertip.design import Design
-from fingertip.foundation.errors import DesignError
+from fingertip.foundation.errors import DesignError, FingertipError, Issue
 from tests.conftest import run_fingertip
 
 CHANGE = "skin.thickness_palmar_mm=2.7"
@@ -65,3 +67,24 @@ def test_each_finger_of_a_set_is_fitted(tmp_path: Path) -> None:
     moves = Design.load("adult_finger").fit({"skin.thickness_palmar_mm": 2.7}).moves
     of_index = [(move["parameter"], move["is"]) for move in listed if move["design"] == "adult_finger"]
     assert of_index == [(move.name, move.after) for move in moves]
+
+
+@pytest.mark.parametrize(
+    ("message", "told"),
+    [
+        ("9 mm is too wide; at most 8 mm, or add --fit, which moves a.b.", "9 mm is too wide; at most 8 mm."),
+        ("9 mm is too wide; add --fit, which moves a.b.", "9 mm is too wide; `{}`, which moves a.b."),
+        ("breaks a rule; --fit fixes all of this.", "breaks a rule; `{}` fixes all of this."),
+    ],
+)
+def test_a_command_without_a_fit_offers_one_that_has_it(
+    message: str, told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    @options.command
+    def refuse() -> None:
+        raise FingertipError(Issue("skin.width_mm", message))
+
+    with pytest.raises(typer.Exit):
+        refuse()
+    command = "fingertip params DESIGN --fit --toml > fitted.toml"
+    assert capsys.readouterr().err == f"error: skin.width_mm: {told.format(command)}\n"

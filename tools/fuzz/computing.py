@@ -31,7 +31,7 @@ from fingertip.sim import ManipulationFile, SceneFile, Simulation, load_simulati
 from fingertip.sim.signal.parameters import FILTER_OUTPUTS
 from fingertip.sweep.outputs import load_outputs
 from tools.fuzz.cases import Case
-from tools.fuzz.remedies import FIT, as_changes
+from tools.fuzz.remedies import FIT, as_changes, read_remedy
 from tools.fuzz.values import list_parameters, write_text
 
 LIMIT_S = 120.0
@@ -122,14 +122,14 @@ def settle(
 ) -> tuple[Loaded | None, list[str]]:
     """Load with changes, and type in the remedies of what is refused; None if that does not help.
 
-    Returns what was loaded, and all changes.
+    Returns what was loaded, and all changes, among them the option --fit.
     """
     typed = list(changes)
     for _ in range(rounds):
         try:
             return load(typed), typed
         except FingertipError as error:
-            typed += as_changes(error.issues)
+            typed += [*as_changes(error.issues), *(FIT for issue in error.issues if FIT in read_remedy(issue))]
     return None, typed
 
 
@@ -145,25 +145,28 @@ class _Drawing:
         self.files: dict[str, bytes] = {}
         self.base = rng.choice(sorted(list_bundled_files(DESIGN)))
         changes = draw_changes(rng, PARAMETERS)
-        design, changes = settle(lambda typed: Design.load(self.base, changes=typed), changes)
-        if design is None and not self._has_typed_remedy(changes):
+        design, changes = settle(self._load, changes)
+        if design is None and self._lacks_file(changes):
             design, changes = Design.load(self.base), []
         self.is_refused = design is None
         self.design = design or Design.load(self.base)
         self.words = [self.base, *_set(changes)]
-        if design and rng.random() < 0.5:
+        if design and (rng.random() < 0.5 or FIT in changes):
             self.words = [self._write_design()]
         self.trace = rng.choice(("t.csv", "t.npz"))
         self.has_converter = False
         """True if a scene has a converter of its own, whose range is not that of the design that a detector gets."""
 
-    def _has_typed_remedy(self, changes: list[str]) -> bool:
-        """Tell whether values mend a refusal. An adapter needs a file, and a fit moves other values."""
+    def _load(self, typed: list[str]) -> Design:
+        return Design.load(self.base, changes=[each for each in typed if each != FIT], fit=FIT in typed)
+
+    def _lacks_file(self, changes: list[str]) -> bool:
+        """Tell whether an adapter needs a file, which no value mends."""
         try:
-            Design.load(self.base, changes=changes)
+            self._load(changes)
         except FingertipError as error:
-            return not any(issue.field == "bone.adapter_file" or FIT in issue.message for issue in error.issues)
-        return True
+            return any(issue.field == "bone.adapter_file" for issue in error.issues)
+        return False
 
     def _write_design(self) -> str:
         self.files["a.toml"] = to_toml(self.design).encode()
@@ -213,7 +216,7 @@ class _Drawing:
             path.write_bytes(self.files[design])
 
             def load(typed: list[str]) -> Simulation:
-                simulation = load_simulation(name, path, changes=typed)
+                simulation = load_simulation(name, path, changes=[each for each in typed if each != FIT])
                 raise_issues(TraceError, simulation.scene.find_design_issues(simulation.design, 0))
                 return simulation
 

@@ -42,8 +42,9 @@ OPTIONAL_DESIGN = typer.Argument(None, help="Design file or bundled name; the de
 DESIGN_FILES = typer.Argument(
     metavar="DESIGN", help="Files or bundled names of designs and sets; or folders, to compare with their manifests."
 )
-_OFFER = re.compile(r", or add --fit, which moves .*\.$")
-"""Offer of a fit, which a command without the option --fit leaves out."""
+_OFFER, _ONLY_FIT = re.compile(r", or add --fit, which moves .*\.$"), re.compile(r"; (?:add )?--fit(,? )")
+"""Offer of a fit, which a command without the option --fit leaves out, and one that has no other remedy beside it."""
+_FITTED_FILE = r"; `fingertip params DESIGN --fit --toml > fitted.toml`\1"
 _FITTED = (DESIGN_FILE, OPTIONAL_DESIGN, DESIGN_FILES)
 """Arguments of the commands that have the option --fit."""
 MATERIAL = typer.Option(None, help="Silicone: {silicones}; the design's silicone.product if omitted.")
@@ -107,8 +108,9 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
                 raise typer.Exit(interruption.report(error)) from None
             refusal = error if isinstance(error, FingertipError) else describe_path_error(error)
             if refusal and "fit" not in words:
-                issues = (replace(issue, message=_OFFER.sub(".", issue.message)) for issue in refusal.issues)
-                refusal = FingertipError(issues)
+                texts = (_ONLY_FIT.sub(_FITTED_FILE, _OFFER.sub(".", each.message)) for each in refusal.issues)
+                issues = zip(refusal.issues, texts, strict=True)
+                refusal = FingertipError(replace(issue, message=text) for issue, text in issues)
             console.print_issues(refusal or describe_fault(error))
             raise typer.Exit(BAD_INPUT if refusal else FAULT) from None
 

@@ -97,12 +97,6 @@ def parse_instant(cell: str) -> datetime.datetime | None:
         return None
 
 
-def count_decimals(cell: str) -> int:
-    """Count the digits behind the decimal point or comma of a number."""
-    _, _, decimals = unquote(cell).replace(",", ".").partition(".")
-    return len(decimals)
-
-
 # Lines that name each value, as plotters, JSON and serial monitors write them.
 
 _NAMED = re.compile(r"\s*(\{.*\}|.* -?> .*|[A-Za-z_][^,;\t:=]*[:=]\s*[-+.\d].*)\s*")
@@ -133,21 +127,12 @@ def _list_values(value: object) -> Iterator[str]:
 
 @dataclass
 class NotedLines(Generic[T]):
-    """Lines that are passed over or cannot be used, of which a file may hold millions: their number, first and last."""
+    """Lines that are passed over or cannot be used, of which a file may hold millions: their number, and the first."""
 
     count: int = 0
     first: tuple[int, T] | None = None
     """Number of the first line, and what is noted of it."""
-    last: tuple[int, T] | None = None
 
     def add(self, line: int, what: T) -> None:
         self.count += 1
-        self.last = (line, what)
-        self.first = self.first or self.last
-
-    def drop_last(self, line: int) -> None:
-        """Remove the last line if it has this number."""
-        if self.last is not None and self.last[0] == line:
-            self.count -= 1
-            self.last = None  # the one before is not known, and nobody asks for it
-            self.first = self.first if self.count else None
+        self.first = self.first or (line, what)

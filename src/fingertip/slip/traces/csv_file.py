@@ -14,6 +14,7 @@ import itertools
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -26,9 +27,7 @@ from fingertip.slip.traces.csv_dialect import Header, adapt_labview, find_header
 from fingertip.slip.traces.trace import ColumnMap, RawTrace, bounded_lines, max_lines, max_rows, shape_message
 
 _TAIL_BYTES = 4096
-"""Length of the end of a file that is examined for a number that was cut off [bytes]."""
-_TAIL_LINES = 10
-"""Minimum number of lines with equally many decimals before a last number with fewer is taken as cut off."""
+"""Length of the end of a file that is examined for a line that was cut off [bytes]."""
 _PROBE_BYTES = 2**20
 """Length of the pieces in which the encoding of a file is tested [bytes]."""
 
@@ -101,7 +100,14 @@ class _Source:
     columns: ColumnMap
 
     def read_lines(self) -> Iterator[str]:
-        return _read_lines(self.path, self.encoding, self.change, max_lines())
+        """Read all lines but one that is cut off."""
+        before = None
+        for line in _read_lines(self.path, self.encoding, self.change, max_lines()):
+            if before is not None:
+                yield before
+            before = line
+        if before is not None and not self.is_cut_off:
+            yield before
 
     @property
     def places(self) -> dict[str, int]:
@@ -109,27 +115,22 @@ class _Source:
         names = {column: self.columns.name_in_file(column) for column in self.columns.looked_for}
         return {column: self.header.names.index(name) for column, name in names.items() if name in self.header.names}
 
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """Sentence on samples above the header."""
-        if not self.header.has_samples_above:
-            return ()
-        return (f"{self.path}, lines 1 to {self.header.line - 1}: stand above the header, and are passed over",)
+    def list_notes(self, last: int) -> Iterator[str]:
+        """Yield sentences on samples above the header, and on what follows the last line that was read."""
+        if self.header.has_samples_above:
+            yield f"{self.path}, lines 1 to {self.header.line - 1}: stand above the header, and are passed over"
+        if self.is_cut_off:
+            yield f"{self.path}, line {last + 1}: is cut off, and passed over"
 
+    @cached_property
     def is_cut_off(self) -> bool:
-        """Return whether the file ends within a number: without a line break, and with fewer decimals than before."""
+        """True if the file ends without a line break, and in a shorter line than the one before."""
         if self.encoding == "utf-16":
             return False
         with self.path.open("rb") as file:
             file.seek(max(0, self.path.stat().st_size - _TAIL_BYTES))
-            lines = [*map(self.change, file.read().decode("latin-1").splitlines(keepends=True))]
-        if not lines or lines[-1].endswith(("\n", "\r")) or len(lines) < _TAIL_LINES + 2:
-            return False
-        *before, last = (text.split_cells(line, self.header.delimiter) for line in lines[-_TAIL_LINES - 1 :])
-        if any(len(cells) != len(last) for cells in before):
-            return False
-        decimals = {text.count_decimals(cells[-1]) for cells in before}
-        return len(decimals) == 1 and text.count_decimals(last[-1]) < decimals.pop()
+            *_, before, last = [b"", b"", *file.read().splitlines(keepends=True)]
+        return not last.endswith((b"\n", b"\r")) and len(last) < len(before.rstrip())
 
 
 def _read_valid(source: _Source) -> RawTrace | None:
@@ -146,7 +147,7 @@ def _read_valid(source: _Source) -> RawTrace | None:
         return None
     if not len(table) or table.shape[1] != header.count_cells(table.shape[1], columns):
         return None
-    if len(table) == most or not np.isfinite(table[:, list(places.values())]).all() or source.is_cut_off():
+    if len(table) == most or not np.isfinite(table[:, list(places.values())]).all():
         return None
     values = {column: np.ascontiguousarray(table[:, place]) for column, place in places.items()}
     slip = values.get("slip")
@@ -156,7 +157,9 @@ def _read_valid(source: _Source) -> RawTrace | None:
     if (np.diff(trace.time_s) <= 0.0).any():
         return None  # the message names the line, and numpy skips empty lines
     lines = range(source.first_line, source.first_line + len(table))
-    return RawTrace(str(source.path), trace, lines=lines, in_volts=columns.in_volts, notes=source.notes)
+    return RawTrace(
+        str(source.path), trace, lines=lines, in_volts=columns.in_volts, notes=tuple(source.list_notes(lines[-1]))
+    )
 
 
 @dataclass
@@ -173,36 +176,14 @@ class _Samples:
     """Lines of headers and comments among the samples."""
     width: int = 0
     """Number of cells that each line must have."""
-    has_last_break: bool = True
-    """True if the last line ends in a line break."""
     start: datetime.datetime | None = None
     """Time of the first sample, in a file of dates."""
-
-    def drop_last(self) -> None:
-        number = self.lines.pop()
-        for values in self.values.values():
-            values.pop()
-        self.uneven.drop_last(number)
-        for cells in self.wrong.values():
-            cells.drop_last(number)
-
-    def is_last_cut_off(self) -> bool:
-        """Return whether the last line has fewer cells than the others, or ends within one that cannot be read."""
-        if not self.lines:
-            return False
-        number = self.lines[-1]
-        if self.uneven.last and self.uneven.last[0] == number:
-            return self.uneven.last[1] < self.width
-        return not self.has_last_break and any(cells.last and cells.last[0] == number for cells in self.wrong.values())
 
 
 def _read_by_line(source: _Source) -> RawTrace:
     name, columns = str(source.path), source.columns
     samples = _collect(source, enumerate(source.read_lines(), 1))
-    notes = list(source.notes)
-    if len(samples.lines) > 1 and (samples.is_last_cut_off() or source.is_cut_off()):
-        notes.append(f"{name}, line {samples.lines[-1]}: is cut off, and passed over")
-        samples.drop_last()
+    notes = list(source.list_notes(samples.lines[-1] if samples.lines else 0))
     if samples.passed_over.first:
         line, others = samples.passed_over.first[0], _count_others(samples.passed_over.count)
         notes.append(f"{name}, line {line}: is a header or a comment among the samples{others}, and passed over")
@@ -245,7 +226,6 @@ def _collect(source: _Source, lines: Iterable[tuple[int, str]]) -> _Samples:
             cells = cells[: len(header.names)]
             samples.width = len(cells) if len(cells) > max(places.values()) else len(header.names)
         samples.width = width = samples.width or header.count_cells(len(cells), source.columns)
-        samples.has_last_break = line.endswith("\n")
         samples.lines.append(number)
         if len(samples.lines) > most:
             raise TraceError(Issue(str(source.path), shape_message([len(samples.lines)]) or ""))
